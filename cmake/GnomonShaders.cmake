@@ -1,0 +1,36 @@
+find_program(GLSLANG_VALIDATOR glslangValidator REQUIRED)
+
+# gnomon_embed_shaders(target SHADERS file.frag ... )
+# Compiles GLSL below shaders/ to SPIR-V and makes each available to `target` as
+#   #include "shaders/<path with dots and slashes as underscores>.h"  ->  const uint32_t k_<same name>[]
+# An entry "path/file.vert:NAME=VALUE:name" compiles the file with -DNAME=VALUE under another name.
+function(gnomon_embed_shaders target)
+    cmake_parse_arguments(ARG "" "" "SHADERS" ${ARGN})
+    set(out_dir "${CMAKE_CURRENT_BINARY_DIR}/generated/shaders")
+    file(MAKE_DIRECTORY "${out_dir}")
+    foreach(entry IN LISTS ARG_SHADERS)
+        string(REPLACE ":" ";" parts "${entry}")
+        list(GET parts 0 file)
+        list(LENGTH parts part_count)
+        set(definition "")
+        set(label "${file}")
+        if(part_count EQUAL 3)
+            list(GET parts 1 define)
+            list(GET parts 2 label)
+            set(definition "-D${define}")
+        endif()
+        string(REGEX REPLACE "[./]" "_" symbol "${label}")
+        set(header "${out_dir}/${symbol}.h")
+        add_custom_command(
+            OUTPUT "${header}"
+            COMMAND "${GLSLANG_VALIDATOR}" -V --target-env vulkan1.3 --quiet ${definition}
+                    "-I${PROJECT_SOURCE_DIR}/shaders" "-I${PROJECT_SOURCE_DIR}/runtime/include"
+                    --vn "k_${symbol}" --depfile "${header}.d" -o "${header}" "${PROJECT_SOURCE_DIR}/shaders/${file}"
+            DEPENDS "${PROJECT_SOURCE_DIR}/shaders/${file}"
+            DEPFILE "${header}.d"
+            COMMENT "SPIR-V ${label}"
+            VERBATIM)
+        target_sources(${target} PRIVATE "${header}")
+    endforeach()
+    target_include_directories(${target} PRIVATE "${CMAKE_CURRENT_BINARY_DIR}/generated")
+endfunction()

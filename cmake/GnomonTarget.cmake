@@ -1,0 +1,18 @@
+# Flags that every gnomon target shares. Decisions must not depend on the compiler (selector.md: same inputs, same
+# decision), hence no contraction of a*b+c and no fast-math anywhere.
+add_library(gnomon_flags INTERFACE)
+target_compile_features(gnomon_flags INTERFACE cxx_std_20)
+target_compile_options(gnomon_flags INTERFACE
+    -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor>
+    -ffp-contract=off
+    $<$<BOOL:${GNOMON_WARNINGS_AS_ERRORS}>:-Werror>)
+target_compile_definitions(gnomon_flags INTERFACE
+    $<$<BOOL:${GNOMON_ASSERTIONS}>:GNOMON_ASSERTIONS=1>)
+
+# Applies the shared flags to a target of ours and hides its symbols.
+function(gnomon_target name)
+    set_target_properties(${name} PROPERTIES
+        C_STANDARD 11 C_EXTENSIONS OFF CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON
+        CXX_VISIBILITY_PRESET hidden C_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+    target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:gnomon_flags>)
+endfunction()
