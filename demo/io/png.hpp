@@ -1,0 +1,16 @@
+#pragma once
+
+#include "demo/io/image.hpp"
+#include "demo/io/outcome.hpp"
+
+#include <filesystem>
+
+namespace gnomon::demo {
+
+/// 8-bit gray or RGB, by the image's channel count.
+Status writePng(const std::filesystem::path& file, const Image8& image);
+
+/// \param channels 1 or 3: what the caller wants; the file is converted.
+Outcome<Image8> readPng(const std::filesystem::path& file, uint32_t channels);
+
+} // namespace gnomon::demo
