@@ -14,7 +14,7 @@
 namespace gnomon::demo {
 
 /// Rows of fixed columns, locale-independent. Cells are given in the order of the columns; a row that has too few or
-/// too many is an error at finish(), never a shifted table.
+/// too many is an error at save(), never a shifted table.
 class CsvWriter {
 public:
     explicit CsvWriter(std::vector<std::string> columns);
