@@ -1,0 +1,70 @@
+#pragma once
+// What a shadow algorithm is to the runtime: an entry with traits and settings, and one function, declare().
+#include <memory>
+#include <span>
+
+#include "runtime/passes/pass_builder.hpp"
+#include "runtime/passes/pass_context.hpp"
+
+namespace gnomon {
+
+/// One light in one view by one method: what declare() turns into passes.
+struct ShadowTask {
+    const CameraView* view = nullptr;
+    const LightView* light = nullptr;
+    const LightCasters* casters = nullptr;
+    std::span<const double> settings;  ///< In the order of AlgorithmEntry::settings.
+    std::uint32_t layer = 0;           ///< The light's layer in `visibility`.
+    ImageId visibility;                ///< R8_UNORM array of the view. Every pixel of view->area must be written.
+    ImageId depth;                     ///< The host's depth, sampled and copied only.
+    ImageId normals;                   ///< The host's geometric normals; null id if it has none.
+    bool recorded = false;             ///< gnCmdRenderShadows: no host passes.
+};
+
+/// A knob: range and default are shown, checked and documented from here.
+struct SettingSpec {
+    const char* name;
+    const char* description; ///< With unit.
+    double minimum, maximum, standard;
+};
+
+/// What an algorithm may hold on to from creation on.
+struct AlgorithmServices {
+    const DeviceTable* vk = nullptr;
+    PipelineLibrary* pipelines = nullptr;
+};
+
+class ShadowAlgorithm {
+public:
+    virtual ~ShadowAlgorithm() = default;
+
+    /// Declares the passes that write task.visibility's layer. Called once per task and frame, on the frame's thread.
+    virtual void declare(PassBuilder& passes, const ShadowTask& task) = 0;
+
+    /// Why this method cannot serve this task ("cone wider than 170 degrees"), or null. Static storage.
+    virtual const char* refuses(const ShadowTask&) const { return nullptr; }
+
+    /// The map kept for a light, as declared in the current frame; null id: none.
+    struct Map {
+        ImageId image;
+        glm::mat4 clipFromWorld[6];
+    };
+    virtual bool lightMap(const ShadowTask&, Map&) const { return false; }
+};
+
+/// One line of the registry.
+struct AlgorithmEntry {
+    const char* name;
+    const char* source;       ///< Thesis section or paper.
+    GnTraits traits;
+    std::uint32_t roundTrips; ///< GPU-CPU-GPU; 0: may be recorded.
+    std::uint32_t maxRounds;  ///< Levels that declareLater may add.
+    std::span<const SettingSpec> settings;
+    /// Device bytes one light needs in a view of this extent.
+    VkDeviceSize (*memoryPerLight)(std::span<const double> settings, VkExtent2D extent);
+    /// Null, or why the device cannot run it ("needs depthClamp"). Static storage.
+    const char* (*missing)(const DeviceTable& vk);
+    std::unique_ptr<ShadowAlgorithm> (*create)(const AlgorithmServices& services);
+};
+
+} // namespace gnomon

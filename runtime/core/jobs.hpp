@@ -1,0 +1,59 @@
+#pragma once
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "gnomon/gnomon.h"
+
+namespace gnomon {
+
+/// Threads of the host's job callback, or one pool of ours. Submitting and waiting allocate nothing.
+class JobSystem {
+public:
+    /// A piece of work in memory of its owner; must stay alive until `done()`.
+    struct Job {
+        void (*run)(void* data) = nullptr;
+        void* data = nullptr;
+        std::atomic<bool> finished{true};
+        JobSystem* owner = nullptr;
+        Job* next = nullptr;
+
+        bool done() const noexcept { return finished.load(std::memory_order_acquire); }
+    };
+
+    JobSystem(PFN_gnScheduleJob schedule, void* userData, std::uint32_t threadCount);
+    ~JobSystem();
+    JobSystem(const JobSystem&) = delete;
+    JobSystem& operator=(const JobSystem&) = delete;
+
+    /// Threads that may work at the same time, the caller of parallelFor included; at least 1.
+    std::uint32_t threadCount() const noexcept;
+
+    void submit(Job& job);
+    /// Blocks until the job has run; runs it (or other jobs of the pool) on this thread if none has taken it yet.
+    void wait(Job& job);
+
+    /// Calls body(begin, end, thread) over [0, count) in pieces of at most `grain`, on this thread and the workers;
+    /// returns when all are done. `thread` is in [0, threadCount()) and unique among concurrent calls.
+    template <typename Body>
+    void parallelFor(std::size_t count, std::size_t grain, Body&& body)
+    {
+        using Plain = std::remove_reference_t<Body>;
+        runParallel(count, grain,
+                    [](void* self, std::size_t begin, std::size_t end, std::uint32_t thread) {
+                        (*static_cast<Plain*>(self))(begin, end, thread);
+                    },
+                    &body);
+    }
+
+private:
+    using RangeFn = void (*)(void* self, std::size_t begin, std::size_t end, std::uint32_t thread);
+    void runParallel(std::size_t count, std::size_t grain, RangeFn fn, void* self);
+
+    struct Pool;
+    std::unique_ptr<Pool> pool_;
+};
+
+} // namespace gnomon

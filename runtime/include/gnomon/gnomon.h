@@ -1,0 +1,527 @@
+/** \file gnomon.h
+\brief Adaptive shadows for Vulkan renderers.
+
+A host registers geometry and lights once, hands over camera and depth every frame, and gets back a *visibility* image
+per view: one layer per light, 1 = lit, 0 = umbra. Behind that call stand many shadow algorithms; fuzzy rules pick, for
+every light and every frame, which *method* (an algorithm with settings) runs, and say why.
+
+    gnCreateContext -> gnLoadRules -> gnCreateMesh, gnCreateInstance, gnCreateLight, gnCreateView
+    each frame: gnSubmitShadows (or gnCmdRenderShadows into your command buffer), then sample gnGetVisibility()
+
+Conventions. Column vectors, column-major matrices, metres, right-handed world space. Zero the whole structure, then
+set what differs from the defaults; a member that is 0 or null means its default. On failure outputs are null or zero
+and nothing has changed. No C++ exception leaves these functions, and the host's locale and floating-point mode are
+neither read nor changed.
+
+Threads: mesh and instance calls from any thread; all other calls one at a time per context.
+*/
+#ifndef GNOMON_GNOMON_H
+#define GNOMON_GNOMON_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <vulkan/vulkan_core.h>
+
+#if defined(_WIN32)
+#define GN_CALL __stdcall
+#define GN_EXPORT __declspec(dllexport)
+#else
+#define GN_CALL
+#define GN_EXPORT __attribute__((visibility("default")))
+#endif
+#ifndef GN_API
+#define GN_API GN_EXPORT
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define GN_VERSION_MAJOR 0
+#define GN_VERSION_MINOR 1
+#define GN_VERSION_PATCH 0
+
+/** One library instance on one device. */
+VK_DEFINE_HANDLE(GnContext)
+/** Triangles in object space. Carries a generation: a stale handle is an error, never another mesh. */
+VK_DEFINE_NON_DISPATCHABLE_HANDLE(GnMesh)
+/** A mesh (or a host-drawn caster) placed in the world. */
+VK_DEFINE_NON_DISPATCHABLE_HANDLE(GnInstance)
+/** A light of one of the three kinds. */
+VK_DEFINE_NON_DISPATCHABLE_HANDLE(GnLight)
+/** One camera's visibility image and what is remembered for it between frames. */
+VK_DEFINE_NON_DISPATCHABLE_HANDLE(GnView)
+
+/* --- results and messages ------------------------------------------------------------------------------------- */
+
+/** Zero is success, positive is success with a remark, negative is failure. */
+typedef enum GnResult {
+    GN_SUCCESS = 0,
+    GN_NOT_READY = 1,  ///< Only while no method at all is ready; visibility is 1 everywhere meanwhile.
+    GN_TIMEOUT = 2,    ///< gnFinishShadows: host passes still run; call it again.
+    GN_INCOMPLETE = 3, ///< The array or buffer was too small; what fits was written.
+    GN_ERROR_UNKNOWN = -1,
+    GN_ERROR_OUT_OF_HOST_MEMORY = -2,
+    GN_ERROR_OUT_OF_DEVICE_MEMORY = -3,
+    GN_ERROR_DEVICE_LOST = -4,      ///< Every call but destruction returns it from then on.
+    GN_ERROR_INVALID_HANDLE = -5,   ///< Null, foreign or already destroyed.
+    GN_ERROR_NULL_ARGUMENT = -6,    ///< A required pointer or handle is null.
+    GN_ERROR_NOT_A_NUMBER = -7,     ///< NaN in the input.
+    GN_ERROR_INFINITE = -8,         ///< Infinity where a finite value is needed.
+    GN_ERROR_OUT_OF_RANGE = -9,     ///< A finite value outside its range, or an index past its array.
+    GN_ERROR_EMPTY = -10,           ///< A mesh without triangles, a view of no pixels.
+    GN_ERROR_TOO_MANY = -11,        ///< More lights, views or triangles than agreed or than the device takes.
+    GN_ERROR_FEATURE_MISSING = -12, ///< The device lacks, or was created without, something required.
+    GN_ERROR_RULES = -13,           ///< The rule base has errors; the last good one stays in force.
+    GN_ERROR_UNKNOWN_METHOD = -14,  ///< No method, algorithm or setting of that name.
+    GN_ERROR_FRAME_ORDER = -15,     ///< Frames not growing by one, memory of a frame in flight, calls out of order.
+    GN_ERROR_UNSUPPORTED = -16,     ///< Built without the part that is needed (Embree, OpenMesh, YAML).
+    GN_RESULT_MAX_ENUM = 0x7FFFFFFF
+} GnResult;
+
+typedef enum GnSeverity {
+    GN_SEVERITY_INFO = 0,
+    GN_SEVERITY_WARNING = 1,
+    GN_SEVERITY_ERROR = 2,
+    GN_SEVERITY_MAX_ENUM = 0x7FFFFFFF
+} GnSeverity;
+
+/** What went wrong or is worth knowing. Strings live during the callback only. */
+typedef struct GnMessage {
+    GnSeverity severity;
+    GnResult result;   ///< The result the call is about to return, or #GN_SUCCESS for remarks.
+    const char* pId;   ///< Stable identifier such as "MeshIndexOutOfRange".
+    const char* pText; ///< A sentence naming the value at fault and the object's pName.
+} GnMessage;
+
+/** Called on the thread that caused the message; a worker thread for background work. Must not call gnomon. */
+typedef void(GN_CALL* PFN_gnMessage)(const GnMessage* pMessage, void* pUserData);
+
+/* --- device and context --------------------------------------------------------------------------------------- */
+
+/** What gnomon wants from vkCreateDevice. Names are static. */
+typedef struct GnDeviceNeeds {
+    uint32_t apiVersion;                   ///< Lowest usable VK_API_VERSION (1.3).
+    VkPhysicalDeviceFeatures required;     ///< Core features that must be enabled (none at present).
+    VkPhysicalDeviceFeatures optional;     ///< Core features that make more methods eligible and that the device has.
+    uint32_t optionalExtensionCount;       ///< Extensions the device has and some method can use.
+    const char* ppOptionalExtensions[8];   ///< First `optionalExtensionCount` are set.
+    VkBool32 supported;                    ///< The device can run gnomon at all.
+    char reason[256];                      ///< Why not, if not.
+} GnDeviceNeeds;
+
+/** \brief Says what to enable before the device exists. dynamicRendering, synchronization2 and timelineSemaphore are
+required besides what the structure lists.
+\return #GN_ERROR_FEATURE_MISSING with `reason` filled if the device cannot run gnomon. */
+GN_API GnResult GN_CALL gnQueryDeviceNeeds(VkInstance instance, VkPhysicalDevice physicalDevice,
+                                           PFN_vkGetInstanceProcAddr pfnGetInstanceProcAddr, GnDeviceNeeds* pNeeds);
+
+/** Serialises queue access with the host's other threads. */
+typedef void(GN_CALL* PFN_gnQueueLock)(VkQueue queue, void* pUserData);
+/** One piece of work for the host's job system. */
+typedef void(GN_CALL* PFN_gnJob)(void* pJob);
+/** Runs `pfnJob(pJob)` once, on any thread but the calling one, soon. gnomon waits for its jobs. */
+typedef void(GN_CALL* PFN_gnScheduleJob)(PFN_gnJob pfnJob, void* pJob, void* pUserData);
+
+typedef enum GnContextCreateFlagBits {
+    GN_CONTEXT_TIME_EVERY_FRAME_BIT = 0x1, ///< Every frame is a timed one (see gnGetPassTimings()); for measuring.
+    GN_CONTEXT_NO_BACKGROUND_BIT = 0x2,    ///< Topology, trees and pipelines are built inside the calls that need
+                                           ///< them: reproducible runs and tests.
+    GN_CONTEXT_CREATE_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
+} GnContextCreateFlagBits;
+typedef VkFlags GnContextCreateFlags;
+
+/** Describes a new #GnContext. */
+typedef struct GnContextCreateInfo {
+    GnContextCreateFlags flags;                        ///< Bits of #GnContextCreateFlagBits.
+    const char* pName;                                 ///< Optional, used in messages.
+    VkInstance instance;                               ///< Required. Borrowed until gnDestroyContext().
+    VkPhysicalDevice physicalDevice;                   ///< Required.
+    VkDevice device;                                   ///< Required. See gnQueryDeviceNeeds().
+    VkQueue queue;                                     ///< Required. Graphics and compute; touched only inside calls.
+    uint32_t queueFamilyIndex;                         ///< Family of `queue`.
+    uint32_t apiVersion;                               ///< Required. The version given to vkCreateInstance, >= 1.3.
+    const VkPhysicalDeviceFeatures2* pEnabledFeatures; ///< Required. The chain given to vkCreateDevice;
+    uint32_t enabledExtensionCount;                    ///< Vulkan cannot be asked for either afterwards,
+    const char* const* ppEnabledExtensionNames;        ///< so the host repeats them here.
+    PFN_vkGetInstanceProcAddr pfnGetInstanceProcAddr;  ///< Required. gnomon links no loader of its own.
+    PFN_gnQueueLock pfnLockQueue;                      ///< Optional. Called around every submit, on its thread.
+    PFN_gnQueueLock pfnUnlockQueue;                    ///< Optional, with pfnLockQueue.
+    uint32_t visibilityQueueFamilyCount;               ///< Other families that read visibility; 0: only ours.
+    const uint32_t* pVisibilityQueueFamilies;
+    uint32_t framesInFlight;                           ///< 0 means 2. [1, 8].
+    VkDeviceSize memoryLimit;                          ///< Device bytes, persistent plus transient; 0: half the heap.
+    const VkAllocationCallbacks* pAllocationCallbacks; ///< Optional. Handed to every Vulkan create call.
+    PFN_gnScheduleJob pfnScheduleJob;                  ///< Optional. Absent: gnomon runs one pool of its own.
+    uint32_t jobThreadCount;                           ///< Threads behind pfnScheduleJob, or of the pool; 0: cores.
+    PFN_gnMessage pfnMessage;                          ///< Optional. Absent means silent.
+    void* pUserData;                                   ///< Given to all callbacks above.
+} GnContextCreateInfo;
+
+/** \brief Creates a context. No method is ready at first; see gnWarmUp(). */
+GN_API GnResult GN_CALL gnCreateContext(const GnContextCreateInfo* pCreateInfo, GnContext* pContext);
+
+/** \brief Destroys the context and all that was made from it. The one call that waits for the GPU. Null is allowed. */
+GN_API void GN_CALL gnDestroyContext(GnContext context);
+
+/** \brief Name of a result, such as "GN_ERROR_EMPTY". Never null. */
+GN_API const char* GN_CALL gnResultName(GnResult result);
+
+/** \brief The sentence of the last failed call on this context, valid until the next call on it. Never null. */
+GN_API const char* GN_CALL gnGetLastError(GnContext context);
+
+/** \brief Compiles and runs once every method that the enabled device can run, and waits for meshes in preparation.
+Submits to the queue and waits for those submits; for loading screens. Without it, one method a frame becomes ready. */
+GN_API GnResult GN_CALL gnWarmUp(GnContext context);
+
+/* --- geometry -------------------------------------------------------------------------------------------------- */
+
+/** Describes a triangle mesh; arrays are copied before the call returns. */
+typedef struct GnMeshCreateInfo {
+    const char* pName;         ///< Optional.
+    const float* pPositions;   ///< Required. xyz, object space, finite.
+    uint32_t positionCount;    ///< Number of vertices.
+    uint32_t positionStride;   ///< Bytes between vertices; 0 means 12. Multiple of 4.
+    const uint32_t* pIndices;  ///< Three per triangle, counter-clockwise seen from outside; null: 0, 1, 2, ...
+    uint32_t indexCount;       ///< Multiple of 3.
+} GnMeshCreateInfo;
+
+/** \brief Copies a mesh. Topology and ray-tracing trees are built by workers; until then the mesh casts by the methods
+that do not need them. Zero-area triangles are dropped with a warning. Any thread.
+\return #GN_ERROR_EMPTY, #GN_ERROR_OUT_OF_RANGE (index), #GN_ERROR_NOT_A_NUMBER, #GN_ERROR_INFINITE. */
+GN_API GnResult GN_CALL gnCreateMesh(GnContext context, const GnMeshCreateInfo* pCreateInfo, GnMesh* pMesh);
+
+/** \brief Replaces all positions (same count as at creation). Seen from the next frame on. Any thread. */
+GN_API GnResult GN_CALL gnUpdateMeshPositions(GnContext context, GnMesh mesh, const float* pPositions,
+                                              uint32_t positionCount, uint32_t positionStride);
+
+/** \brief Destroys the mesh; instances still using it cast nothing. Memory waits for the GPU by itself. Any thread. */
+GN_API void GN_CALL gnDestroyMesh(GnContext context, GnMesh mesh);
+
+/** Where something stands. Row-major 3x3 (rotation, scale, shear) and a double translation in metres. */
+typedef struct GnTransform {
+    float basis[9];        ///< Rows of the linear part; all zero means identity.
+    double translation[3]; ///< World space, metres.
+} GnTransform;
+
+typedef enum GnInstanceFlagBits {
+    GN_INSTANCE_STATIC_BIT = 0x1,           ///< Will not move. If it does: reported once, moving from then on.
+    GN_INSTANCE_ALPHA_TESTED_BIT = 0x2,     ///< Needs pfnOpacity in rays; raster methods need it host-drawn.
+    GN_INSTANCE_HOST_DRAWN_BIT = 0x4,       ///< Drawn by pfnDrawCasters; methods that read triangles cannot see it.
+    GN_INSTANCE_MAY_BE_MISSED_BIT = 0x8,    ///< Methods that cannot see this host-drawn instance stay eligible.
+    GN_INSTANCE_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
+} GnInstanceFlagBits;
+typedef VkFlags GnInstanceFlags;
+
+/** How a raster pass looks at casters: what pfnDrawCasters needs to draw into it. */
+typedef struct GnCasterProjection {
+    float clipFromWorld[16];   ///< Column-major; world here means relative to `origin`.
+    double origin[3];          ///< World position of the zero of `clipFromWorld`, metres.
+    VkRect2D area;             ///< Viewport and scissor already set.
+    VkFormat depthFormat;      ///< The only attachment of the pass.
+    float constantBias;        ///< vkCmdSetDepthBias values in force if the pipeline enables depth bias.
+    float slopeBias;
+} GnCasterProjection;
+
+/** Draws the host's casters of this instance, depth only, compare GREATER or LESS as `depthLess` says. Records into
+`commandBuffer` inside a rendering scope; may bind any state. */
+typedef void(GN_CALL* PFN_gnDrawCasters)(VkCommandBuffer commandBuffer, const GnCasterProjection* pProjection,
+                                         void* pUserData);
+/** Opacity in [0, 1] of a hit; below 0.5 the ray goes on. Called from worker threads, concurrently. */
+typedef float(GN_CALL* PFN_gnOpacity)(uint32_t triangle, float u, float v, void* pUserData);
+
+/** Describes an instance. */
+typedef struct GnInstanceCreateInfo {
+    GnInstanceFlags flags;
+    const char* pName;                ///< Optional.
+    GnMesh mesh;                      ///< Required unless host-drawn.
+    GnTransform transform;
+    uint32_t casterMask;              ///< Casts for a light if (casterMask & light mask) != 0; 0 means all bits.
+    float boundsMin[3], boundsMax[3]; ///< Host-drawn: object-space bounds. Otherwise ignored.
+    PFN_gnDrawCasters pfnDrawCasters; ///< Host-drawn: required.
+    PFN_gnOpacity pfnOpacity;         ///< Alpha-tested: required for methods that trace.
+    void* pUserData;                  ///< For the two callbacks.
+} GnInstanceCreateInfo;
+
+/** \brief Adds an instance. Any thread. */
+GN_API GnResult GN_CALL gnCreateInstance(GnContext context, const GnInstanceCreateInfo* pCreateInfo,
+                                         GnInstance* pInstance);
+/** \brief Moves it. Seen from the next frame on. Any thread. NaN or infinity: an error, the old transform stays. */
+GN_API GnResult GN_CALL gnSetInstanceTransform(GnContext context, GnInstance instance, const GnTransform* pTransform);
+/** \brief Swaps the mesh (level of detail). Any thread. */
+GN_API GnResult GN_CALL gnSetInstanceMesh(GnContext context, GnInstance instance, GnMesh mesh);
+/** \brief Removes it. Any thread. */
+GN_API void GN_CALL gnDestroyInstance(GnContext context, GnInstance instance);
+
+/* --- lights ----------------------------------------------------------------------------------------------------- */
+
+typedef enum GnLightType {
+    GN_LIGHT_TYPE_DIRECTIONAL = 0,
+    GN_LIGHT_TYPE_SPOT = 1,
+    GN_LIGHT_TYPE_POINT = 2,
+    GN_LIGHT_TYPE_MAX_ENUM = 0x7FFFFFFF
+} GnLightType;
+
+typedef enum GnLightFlagBits {
+    GN_LIGHT_STATIC_BIT = 0x1, ///< Will not move. If it does: reported once, moving from then on.
+    GN_LIGHT_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
+} GnLightFlagBits;
+typedef VkFlags GnLightFlags;
+
+/** Describes a light. */
+typedef struct GnLightInfo {
+    GnLightType type;
+    GnLightFlags flags;
+    const char* pName;   ///< Optional; copied at creation, ignored by updates.
+    double position[3];  ///< Spot and point. World space, metres.
+    float direction[3];  ///< Directional and spot: the way light travels. Need not be normalised; not zero.
+    float range;         ///< Metres; 0 means unlimited.
+    float coneAngle;     ///< Spot: half angle in radians, (0, pi/2 - 0.02]; 0 means pi/4.
+    float sourceRadius;  ///< Metres (directional: radians); 0 asks for hard shadows.
+    float importance;    ///< Weight of this light in the plan; 0 means 1.
+    uint32_t casterMask; ///< 0 means all bits.
+} GnLightInfo;
+
+GN_API GnResult GN_CALL gnCreateLight(GnContext context, const GnLightInfo* pInfo, GnLight* pLight);
+/** \brief Replaces everything but the name. An invalid description changes nothing. */
+GN_API GnResult GN_CALL gnUpdateLight(GnContext context, GnLight light, const GnLightInfo* pInfo);
+/** \brief Pins a method, overruling the rules; null hands the light back to them. A method that cannot serve the light
+is refused with the reason. */
+GN_API GnResult GN_CALL gnSetLightMethod(GnContext context, GnLight light, const char* pMethod);
+GN_API void GN_CALL gnDestroyLight(GnContext context, GnLight light);
+
+/* --- views and frames -------------------------------------------------------------------------------------------- */
+
+/** Describes a view. */
+typedef struct GnViewCreateInfo {
+    const char* pName;  ///< Optional.
+    uint32_t maxLights; ///< Layers of the visibility image; 0 means 16. [1, 256] and the device's maximum.
+} GnViewCreateInfo;
+
+GN_API GnResult GN_CALL gnCreateView(GnContext context, const GnViewCreateInfo* pCreateInfo, GnView* pView);
+GN_API void GN_CALL gnDestroyView(GnContext context, GnView view);
+
+typedef enum GnDepthConvention {
+    GN_DEPTH_REVERSED_INFINITE = 0, ///< 1 at the near plane, 0 at infinity. Recommended.
+    GN_DEPTH_REVERSED = 1,          ///< 1 near, 0 far.
+    GN_DEPTH_STANDARD = 2,          ///< 0 near, 1 far.
+    GN_DEPTH_CONVENTION_MAX_ENUM = 0x7FFFFFFF
+} GnDepthConvention;
+
+/** One view's part of a frame; read during the call only. The depth and normal images are in SHADER_READ_ONLY_OPTIMAL
+on entry and again on return; what was drawn into them must be available (a barrier to ALL_COMMANDS, or a semaphore). */
+typedef struct GnViewFrame {
+    GnView view;              ///< Required.
+    double eye[3];            ///< World position of the camera.
+    float viewFromWorld[9];   ///< Row-major rotation; the translation is `eye`.
+    float projection[16];     ///< Column-major clipFromView as it drew the depth, jitter included; perspective.
+    GnDepthConvention depthConvention;
+    VkImage depthImage;       ///< Required. Single sample, SAMPLED and TRANSFER_SRC; its stencil is left alone.
+    VkImageView depthView;    ///< Required. Depth aspect, 2D.
+    VkFormat depthFormat;     ///< D32_SFLOAT or D32_SFLOAT_S8_UINT.
+    VkExtent2D imageExtent;   ///< Of the depth image, and of the visibility image.
+    VkRect2D renderArea;      ///< Pixels drawn; a zero extent means the whole image.
+    VkImage normalImage;      ///< Optional. Geometric normals, world space, xyz; SAMPLED and TRANSFER_SRC.
+    VkImageView normalView;
+    VkFormat normalFormat;    ///< R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT.
+    uint32_t lightCount;      ///< At most the view's maxLights.
+    const GnLight* pLights;   ///< Layer i of the visibility image belongs to pLights[i].
+    VkBool32 cameraCut;       ///< The camera jumped: measured facts and holds of the last frames do not apply.
+} GnViewFrame;
+
+typedef enum GnFrameFlagBits {
+    GN_FRAME_PRESUBMIT_BIT = 0x1, ///< A batch may be submitted that waits for the CPU (default on software devices).
+    GN_FRAME_TIMED_BIT = 0x2,     ///< Time every pass of this frame.
+    GN_FRAME_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
+} GnFrameFlagBits;
+typedef VkFlags GnFrameFlags;
+
+/** A point on a timeline semaphore; value 0 for a binary one. */
+typedef struct GnSemaphorePoint {
+    VkSemaphore semaphore;
+    uint64_t value;
+} GnSemaphorePoint;
+
+/** Describes a frame: all views come in one call. */
+typedef struct GnFrameInfo {
+    uint64_t frame;          ///< Grows by one from call to call; the first may be any number > 0.
+    uint64_t completedFrame; ///< Newest frame whose GPU work is finished, the host's reads of visibility included.
+    GnFrameFlags flags;
+    float budgetMs;          ///< For all shadows of this frame, GPU and CPU; 0: no budget.
+    uint32_t viewCount;
+    const GnViewFrame* pViews;
+    uint32_t waitCount;      ///< Waited for before the first pass. Not for gnCmdRenderShadows.
+    const GnSemaphorePoint* pWaits;
+    uint32_t signalCount;    ///< Signalled after the last pass. Not for gnCmdRenderShadows.
+    const GnSemaphorePoint* pSignals;
+} GnFrameInfo;
+
+/** \brief Records this frame's shadow passes into the host's command buffer.
+
+\param commandBuffer Primary, recording, outside a rendering scope. This call neither submits nor waits; all command
+    buffer state (pipelines, sets, push constants, dynamic state) is undefined afterwards.
+\param pFrame Views, lights and receiver depth; read during the call only.
+\return #GN_NOT_READY only while no method at all is ready; visibility is 1 everywhere meanwhile.
+
+Methods that need the CPU between passes (roundTrips > 0) are not eligible here. A recorded buffer is submitted once,
+in the order of recording; gnDropFrame() withdraws it before the next frame is recorded. */
+GN_API GnResult GN_CALL gnCmdRenderShadows(GnContext context, VkCommandBuffer commandBuffer, const GnFrameInfo* pFrame);
+
+/** \brief The frame last recorded by gnCmdRenderShadows() will not be submitted. */
+GN_API GnResult GN_CALL gnDropFrame(GnContext context, uint64_t frame);
+
+/** \brief Submits what needs no host result and starts host passes on workers. Pair with gnFinishShadows(). */
+GN_API GnResult GN_CALL gnBeginShadows(GnContext context, const GnFrameInfo* pFrame);
+/** \brief Waits for host passes and submits the rest.
+\param timeoutNs Nanoseconds; UINT64_MAX waits. \return #GN_TIMEOUT if the frame is not finished; call again. */
+GN_API GnResult GN_CALL gnFinishShadows(GnContext context, uint64_t timeoutNs);
+/** \brief gnBeginShadows() and gnFinishShadows() in one. */
+GN_API GnResult GN_CALL gnSubmitShadows(GnContext context, const GnFrameInfo* pFrame);
+
+/** Where a view's visibility is found after a frame. In SHADER_READ_ONLY_OPTIMAL, its writes available to fragment and
+compute shader reads later on the queue. Sample through gnomon/visibility.glsl. */
+typedef struct GnVisibility {
+    VkImage image;
+    VkImageView imageView; ///< 2D array, R8_UNORM.
+    VkExtent2D extent;
+    uint32_t layerCount;
+    uint64_t revision;     ///< Grows when image or view handle change (resize): refresh descriptors.
+} GnVisibility;
+
+GN_API GnResult GN_CALL gnGetVisibility(GnContext context, GnView view, GnVisibility* pVisibility);
+
+/** A method's map, for hosts with uses of their own (volumetric light, particles). Valid until the next frame call. */
+typedef struct GnLightMap {
+    VkImage image;
+    VkImageView imageView;
+    VkFormat format;
+    VkExtent2D extent;
+    uint32_t layerCount;
+    float clipFromWorld[6][16]; ///< One per layer, relative to `origin`; zero where a layer has no matrix.
+    double origin[3];
+} GnLightMap;
+
+/** \brief The map the light's method kept after the last frame. \return #GN_ERROR_UNKNOWN_METHOD where it has none. */
+GN_API GnResult GN_CALL gnGetLightMap(GnContext context, GnLight light, GnLightMap* pMap);
+
+/* --- methods, rules, decisions ------------------------------------------------------------------------------------ */
+
+typedef enum GnTraitBits {
+    GN_TRAIT_DIRECTIONAL_BIT = 0x1,     ///< Serves directional lights.
+    GN_TRAIT_SPOT_BIT = 0x2,            ///< Serves spot lights.
+    GN_TRAIT_POINT_BIT = 0x4,           ///< Serves point lights.
+    GN_TRAIT_HARD_BIT = 0x8,            ///< Hard shadow edges.
+    GN_TRAIT_FIXED_PENUMBRA_BIT = 0x10, ///< Edges softened by a constant width.
+    GN_TRAIT_SOFT_PENUMBRA_BIT = 0x20,  ///< Penumbra follows source radius and distance.
+    GN_TRAIT_EXACT_BIT = 0x40,          ///< Answers by geometry, not by samples.
+    GN_TRAIT_CPU_GEOMETRY_BIT = 0x80,   ///< Reads triangles: cannot see host-drawn casters.
+    GN_TRAIT_TOPOLOGY_BIT = 0x100,      ///< Needs the topology of the casters.
+    GN_TRAIT_RAYS_BIT = 0x200,          ///< Needs ray-tracing trees of the casters.
+    GN_TRAIT_FALLBACK_BIT = 0x400,      ///< Serves while the chosen method is not ready.
+    GN_TRAIT_MAX_ENUM = 0x7FFFFFFF
+} GnTraitBits;
+typedef VkFlags GnTraits;
+
+/** A knob of a method. */
+typedef struct GnSettingInfo {
+    const char* pName;        ///< Static.
+    const char* pDescription; ///< Static; with unit.
+    double minimum, maximum, value;
+} GnSettingInfo;
+
+/** A method as the registry knows it. Strings live as long as the context. */
+typedef struct GnMethodInfo {
+    const char* pName;
+    const char* pAlgorithm;
+    const char* pSource;      ///< Thesis section or paper.
+    GnTraits traits;
+    uint32_t roundTrips;      ///< GPU-CPU-GPU round trips; 0 may be recorded by gnCmdRenderShadows().
+    VkBool32 ready;
+    const char* pUnavailable; ///< Null, or why no light can use it on this device ("needs geometryShader").
+    uint32_t settingCount;
+    const GnSettingInfo* pSettings;
+} GnMethodInfo;
+
+/** \brief Lists methods. With null `pMethods` only the count is written. */
+GN_API GnResult GN_CALL gnEnumerateMethods(GnContext context, uint32_t* pCount, GnMethodInfo* pMethods);
+/** \brief Adds a method: a second set of settings for an algorithm, under a name rules can use. */
+GN_API GnResult GN_CALL gnAddMethod(GnContext context, const char* pName, const char* pAlgorithm);
+/** \brief Changes a setting from the next frame on. Out of range: an error naming the range, nothing changes. */
+GN_API GnResult GN_CALL gnSetMethodSetting(GnContext context, const char* pMethod, const char* pSetting, double value);
+
+/** \brief Loads a rule base from YAML text. On errors every one is reported as a message with `pFileName`, line and
+column, #GN_ERROR_RULES is returned and the rules in force stay. Without any rules the first eligible exact method, or
+else the fallback, serves each light. */
+GN_API GnResult GN_CALL gnLoadRules(GnContext context, const char* pText, size_t size, const char* pFileName);
+
+typedef enum GnReason {
+    GN_REASON_RULES = 0,          ///< Highest suitability among the eligible.
+    GN_REASON_PINNED = 1,         ///< gnSetLightMethod().
+    GN_REASON_INCUMBENT = 2,      ///< A tie; the method already running stays.
+    GN_REASON_FALLBACK = 3,       ///< The wanted method is not ready; the fallback serves.
+    GN_REASON_NOTHING_READY = 4,  ///< No method can serve; visibility is 1.
+    GN_REASON_NO_OPINION = 5,     ///< No rule spoke for any eligible method; registry order decided.
+    GN_REASON_MAX_ENUM = 0x7FFFFFFF
+} GnReason;
+
+/** What was decided for a light in a view in the last frame. */
+typedef struct GnDecision {
+    const char* pMethod;           ///< Name, or null for #GN_REASON_NOTHING_READY. Lives as long as the context.
+    GnReason reason;
+    float suitability;             ///< [0, 1].
+    float predictedMs;             ///< GPU plus CPU, from earlier measurements; 0 if never measured.
+    float measuredMs;              ///< Of the newest timed frame of this light and method; 0 if none.
+    float viewerDistance;          ///< Metres from the eye to the light's nearest visible receiver.
+    VkBool32 viewerDistanceMeasured; ///< False: a lower bound.
+    VkBool32 switched;             ///< Differs from the frame before.
+} GnDecision;
+
+GN_API GnResult GN_CALL gnGetDecision(GnContext context, GnView view, GnLight light, GnDecision* pDecision);
+/** \brief Writes why, as text: facts, rules that fired, candidates and why each lost. With null `pText` only the size
+(including the terminating zero) is written. */
+GN_API GnResult GN_CALL gnExplainDecision(GnContext context, GnView view, GnLight light, size_t* pSize, char* pText);
+
+/* --- measurements ------------------------------------------------------------------------------------------------- */
+
+/** One pass of the newest frame whose timings are known. Strings live until the next frame call. */
+typedef struct GnPassTiming {
+    const char* pName;
+    GnView view;    ///< Null for light scope.
+    GnLight light;  ///< Null for view scope.
+    uint32_t level; ///< Number of CPU round trips before it.
+    float gpuMs;    ///< 0 for host work. On software devices GPU time is CPU time.
+    float cpuMs;    ///< Host and prepare passes, and recording.
+} GnPassTiming;
+
+/** \brief Timings of the newest completed *timed* frame (one in eight; every one with the flag), two frames late. */
+GN_API GnResult GN_CALL gnGetPassTimings(GnContext context, uint64_t* pFrame, uint32_t* pCount, GnPassTiming* pTimings);
+/** \brief Names, views, lights and levels of the passes of the *last* frame; times are 0. */
+GN_API GnResult GN_CALL gnGetFramePasses(GnContext context, uint32_t* pCount, GnPassTiming* pPasses);
+
+/** Counters and totals of the last frame; what stands still must cost nothing, and these say so. */
+typedef struct GnFrameStats {
+    uint64_t frame;
+    uint32_t levels;            ///< 1 + GPU-CPU-GPU round trips.
+    uint32_t submits;
+    uint32_t hostWaits;         ///< Waits for this frame's own GPU results.
+    uint32_t passesRun;
+    uint32_t passesKept;        ///< Update passes skipped because their result was kept.
+    uint32_t hostAllocations;   ///< Heap allocations of gnomon inside the frame calls.
+    uint32_t deviceAllocations; ///< Vulkan objects and memory made inside the frame calls.
+    uint32_t indexListsBuilt;   ///< Silhouette or index lists built on the CPU.
+    uint32_t pipelinesCreated;  ///< Inside the frame calls; warm-up excluded.
+    uint32_t switches;          ///< Lights whose method differs from the frame before.
+    uint64_t rays;              ///< Traced in the frame.
+    float decideUs;             ///< Facts, rules and plan.
+    float cpuMs;                ///< Prepare and host passes, summed over threads.
+    float callMs;               ///< Wall time inside the frame calls.
+    float gpuMs;                ///< Newest known whole-frame GPU time (two frames late).
+    VkDeviceSize memory;        ///< Device bytes held.
+} GnFrameStats;
+
+GN_API GnResult GN_CALL gnGetFrameStats(GnContext context, GnFrameStats* pStats);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* GNOMON_GNOMON_H */

@@ -1,0 +1,170 @@
+#pragma once
+// How an algorithm speaks: it declares passes and what they touch; barriers, pools, semaphores and order follow.
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+#include "runtime/core/arena.hpp"
+#include "runtime/core/jobs.hpp"
+#include "runtime/scene/scene_view.hpp"
+#include "runtime/vk/pipelines.hpp"
+
+namespace gnomon {
+
+class RayScene;
+class PassGraph;   // the frame's list of passes and resources; pass_graph.hpp
+class PassContext; // given to GPU passes while recording; pass_context.hpp
+class HostContext; // given to prepare and host passes; pass_context.hpp
+
+enum class PassKind : std::uint8_t {
+    raster,   ///< A rendering scope with the declared attachments.
+    compute,
+    transfer,
+    prepare,  ///< CPU work that needs no GPU result of this frame; runs on workers before recording.
+    host,     ///< CPU work between GPU passes; sees buffers only. Ends a level.
+};
+
+/// How often a pass or resource exists: once per view (whatever the lights), once per light (whatever the views), or
+/// once per (view, light, method). The same scope, name and variant is the same pass or resource.
+enum class Scope : std::uint8_t { view, light, task };
+
+struct ImageId {
+    std::uint32_t index = UINT32_MAX;
+    explicit operator bool() const { return index != UINT32_MAX; }
+};
+struct BufferId {
+    std::uint32_t index = UINT32_MAX;
+    explicit operator bool() const { return index != UINT32_MAX; }
+};
+
+struct ImageInfo {
+    const char* name = ""; ///< "algorithm.what", static storage.
+    Scope scope = Scope::task;
+    VkFormat format = VK_FORMAT_UNDEFINED;
+    VkExtent2D extent{};
+    std::uint32_t layers = 1;
+    std::uint32_t variant = 0; ///< Tells settings apart (a resolution) where name and scope are the same.
+};
+
+enum class BufferPlace : std::uint8_t {
+    device,   ///< GPU only.
+    upload,   ///< Written by prepare or host passes, read by the GPU.
+    readback, ///< Written by the GPU, read by host passes.
+};
+
+struct BufferInfo {
+    const char* name = "";
+    Scope scope = Scope::task;
+    VkDeviceSize size = 0; ///< Rounded up to a power of two and kept.
+    BufferPlace place = BufferPlace::device;
+    std::uint32_t variant = 0;
+};
+
+struct Rect {
+    std::int32_t x = 0, y = 0;
+    std::uint32_t width = 0, height = 0; ///< 0: everything.
+};
+
+/// What part of an image an access touches and how it starts. Writes to different layers, or to disjoint rectangles of
+/// one layer, are unordered and get no barrier.
+struct Part {
+    std::uint32_t layer = 0;
+    std::uint32_t layerCount = 1;
+    Rect rect{};
+    bool clear = false;        ///< Attachments: clear to `value` on load (within `rect`).
+    VkClearValue value{};
+    bool blend = false;        ///< Attachments: what is there is read as well.
+};
+inline constexpr Part kAllLayers{.layer = 0, .layerCount = VK_REMAINING_ARRAY_LAYERS};
+
+/// One pass under declaration; finished by record() or run(). Chained, then forgotten.
+class PassRef {
+public:
+    // Images.
+    PassRef& samples(ImageId image, Part part = kAllLayers);   ///< Sampled in the fragment or compute stage.
+    PassRef& writes(ImageId image, Part part = {});            ///< Colour attachment, storage image or copy target.
+    PassRef& updates(ImageId image, Part part = {});           ///< Storage image, read and write (atomics).
+    PassRef& copies(ImageId image, Part part = kAllLayers);    ///< Source of a transfer.
+    PassRef& depthTest(ImageId image, Part part = {});         ///< Depth attachment, read only.
+    PassRef& depthWrite(ImageId image, Part part = {});        ///< Depth attachment, tested and written.
+    PassRef& stencilTest(ImageId image, Part part = {});
+    PassRef& stencilWrite(ImageId image, Part part = {});      ///< Combines with depthTest of the same image.
+    // Buffers.
+    PassRef& reads(BufferId buffer);    ///< Storage read, host read, or source of a transfer.
+    PassRef& writes(BufferId buffer);   ///< Storage write, host write, or target of a transfer.
+    PassRef& updates(BufferId buffer);  ///< Read and written.
+    PassRef& vertices(BufferId buffer);
+    PassRef& indices(BufferId buffer);
+    PassRef& indirect(BufferId buffer);
+
+    /// Raster passes: limits rendering, viewport and scissor; default: the first attachment's whole extent.
+    PassRef& area(Rect rect);
+
+    /// Ends the declaration of a GPU pass: `body(PassContext&)` records it. The closure is copied bytewise.
+    template <typename Body>
+    void record(const Body& body)
+    {
+        static_assert(std::is_trivially_copyable_v<Body> && std::is_trivially_destructible_v<Body>);
+        finish([](void* self, PassContext* gpu, HostContext*) { (*static_cast<Body*>(self))(*gpu); }, &body,
+               sizeof(Body), alignof(Body));
+    }
+    /// Ends the declaration of a prepare or host pass: `body(HostContext&)` runs on a worker.
+    template <typename Body>
+    void run(const Body& body)
+    {
+        static_assert(std::is_trivially_copyable_v<Body> && std::is_trivially_destructible_v<Body>);
+        finish([](void* self, PassContext*, HostContext* host) { (*static_cast<Body*>(self))(*host); }, &body,
+               sizeof(Body), alignof(Body));
+    }
+
+private:
+    friend class PassBuilder;
+    using BodyFn = void (*)(void* self, PassContext* gpu, HostContext* host);
+    explicit PassRef(PassGraph& graph) : graph_(graph) {}
+    void finish(BodyFn fn, const void* body, std::size_t size, std::size_t alignment);
+    PassGraph& graph_;
+};
+
+/// Given to ShadowAlgorithm::declare. Declaring the same (scope, name, variant) again is free: the pass or resource
+/// already exists, the new closure is dropped.
+class PassBuilder {
+public:
+    explicit PassBuilder(PassGraph& graph) : graph_(graph) {}
+
+    // Resources of this frame; content undefined at first use.
+    ImageId transient(const ImageInfo& info);
+    BufferId transient(const BufferInfo& info);
+
+    // Resources that keep their content from frame to frame under (scope object, name, variant).
+    ImageId persistent(const ImageInfo& info);
+    BufferId persistent(const BufferInfo& info);
+
+    /// True if the content kept does not carry `stamp` and must be made in this frame; it carries it from then on.
+    /// Asked twice in one frame for a shared resource, it answers the same. `stamp` is not 0. An upload buffer gets
+    /// fresh memory when the old content is still in flight.
+    bool stale(ImageId image, std::uint64_t stamp);
+    bool stale(BufferId buffer, std::uint64_t stamp);
+
+    // Passes. `variant` as for resources. Names are "algorithm.stage", static storage.
+    PassRef raster(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);
+    PassRef compute(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);
+    PassRef transfer(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);
+    PassRef prepare(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);
+    PassRef host(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);
+
+    /// Counts `count` update passes that were not declared because their result was kept.
+    void kept(std::uint32_t count = 1);
+
+    // Shared view-scope resources, made at most once per view and frame, on first use.
+    BufferId depthOnHost();    ///< float per pixel of the image extent, row by row, readback.
+    BufferId normalsOnHost();  ///< Raw texels of the normal image (CameraView::normalFormat), readback; none: null id.
+
+    /// Memory of this frame for closures to share (counts set by a prepare pass, read while recording).
+    FrameArena& arena();
+
+private:
+    friend class PassGraph;
+    PassGraph& graph_;
+};
+
+} // namespace gnomon

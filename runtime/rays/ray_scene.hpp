@@ -1,0 +1,67 @@
+#pragma once
+// Shadow rays against the frame's casters (Embree 3.13, two-level, robust). The only header of floor 3 that speaks of
+// rays; ray_scene.cpp is the only file that includes Embree's.
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "runtime/core/jobs.hpp"
+#include "runtime/scene/scene_view.hpp"
+
+namespace gnomon {
+
+/// One shadow ray: from the (already offset) receiver to just before the light.
+struct ShadowRay {
+    glm::vec3 origin;    ///< World, relative to the frame's origin; the offset of definitions is applied.
+    float tfar;          ///< Multiples of `direction`; the light minus the offset, or infinity.
+    glm::vec3 direction; ///< Need not be unit length.
+};
+
+/// The tree of one mesh; built by a worker.
+class MeshRays {
+public:
+    ~MeshRays();
+    MeshRays(const MeshRays&) = delete;
+    MeshRays& operator=(const MeshRays&) = delete;
+    std::size_t memoryBytes() const noexcept;
+
+private:
+    friend class RayScene;
+    struct Impl;
+    explicit MeshRays(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Which rays lie close together: Embree's coherent flag pays on dense tiles and costs on sparse lists.
+enum class RayCoherence { tiles, sparse };
+
+/// The casters of one frame as something to ask for occlusion.
+class RayScene {
+public:
+    RayScene();
+    ~RayScene();
+    RayScene(const RayScene&) = delete;
+    RayScene& operator=(const RayScene&) = delete;
+
+    /// Builds a mesh's tree; any thread. The arrays must outlive the result (they are shared, not copied; positions
+    /// are read as 16-byte loads, so the array must be readable 4 bytes past its end).
+    std::unique_ptr<MeshRays> build(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices);
+
+    /// Brings the top level to this frame's casters (those with mesh->rays; others are left out). Only what changed
+    /// since the last call is touched; nothing changed costs nothing. One thread, before any trace of the frame.
+    void update(std::span<const Caster> casters);
+
+    /// Sets occluded[i] to 1 if anything with a matching caster mask blocks ray i, else 0. Several threads may call it
+    /// at once. Ray counts need not be multiples of the packet width.
+    /// @param rays in 4x4 pixel tiles for RayCoherence::tiles.
+    void occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask, RayCoherence coherence,
+                  std::span<std::uint8_t> occluded) const;
+
+    std::size_t memoryBytes() const noexcept;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace gnomon

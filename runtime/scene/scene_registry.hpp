@@ -1,0 +1,79 @@
+#pragma once
+// What the host registered: meshes, instances, lights; and the snapshot of it that one frame works on.
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "runtime/core/arena.hpp"
+#include "runtime/core/jobs.hpp"
+#include "runtime/core/messages.hpp"
+#include "runtime/rays/ray_scene.hpp"
+#include "runtime/scene/scene_view.hpp"
+#include "runtime/vk/memory.hpp"
+
+namespace gnomon {
+
+/// The table of transforms the caster vertex shader reads: world = basis * object + translation, as 3 rows of vec4
+/// (basis row, translation component).
+struct InstanceTransform {
+    float rows[12];
+};
+
+/// Owns geometry and lights. Mesh and instance calls come from any thread; everything else from the frame's thread.
+class SceneRegistry {
+public:
+    SceneRegistry(const DeviceTable& vk, DeviceMemory& memory, JobSystem& jobs, RayScene* rays, const Messages& messages,
+                  bool background);
+    ~SceneRegistry();
+    SceneRegistry(const SceneRegistry&) = delete;
+    SceneRegistry& operator=(const SceneRegistry&) = delete;
+
+    Result<GnMesh> createMesh(const GnMeshCreateInfo& info);
+    Result<void> updateMeshPositions(GnMesh mesh, const float* positions, std::uint32_t count, std::uint32_t stride);
+    void destroyMesh(GnMesh mesh);
+
+    Result<GnInstance> createInstance(const GnInstanceCreateInfo& info);
+    Result<void> setInstanceTransform(GnInstance instance, const GnTransform& transform);
+    Result<void> setInstanceMesh(GnInstance instance, GnMesh mesh);
+    void destroyInstance(GnInstance instance);
+
+    Result<GnLight> createLight(const GnLightInfo& info);
+    Result<void> updateLight(GnLight light, const GnLightInfo& info);
+    void destroyLight(GnLight light);
+    bool validLight(GnLight light) const;
+
+    /// The frame's casters and lights relative to `origin`. Everything stays valid until the frame after next `begin`
+    /// for CPU use; GPU objects until retire() passes the frame. Allocates nothing when nothing was added.
+    /// @param frame number of the frame; what is dropped is kept alive until retire(>= frame).
+    struct Snapshot {
+        std::span<const Caster> casters;             ///< All instances that can cast (mesh alive or host-drawn).
+        std::span<const InstanceTransform> transforms; ///< One per caster, by Caster::index.
+        std::uint64_t revision = 0;                  ///< Changes when any caster does.
+    };
+    const Snapshot& begin(std::uint64_t frame, const std::array<double, 3>& origin);
+
+    /// A light as this frame sees it; null if destroyed. Call after begin().
+    const LightView* light(GnLight light) const;
+    /// The casters in a light's reach, with stamps that change exactly when the set or a member does. Once per light
+    /// and frame, memory from the arena.
+    LightCasters castersOf(const LightView& light, FrameArena& arena) const;
+
+    /// Uploads of meshes created or rewritten since the last frame: device-local copies are made by the caller's
+    /// command buffer. On devices where buffers are written in place there is nothing to record.
+    bool uploadsPending() const;
+    void recordUploads(VkCommandBuffer cmd, std::uint64_t frame);
+
+    /// Frees what was replaced or destroyed in frames up to `completedFrame`.
+    void retire(std::uint64_t completedFrame);
+    /// Blocks until topology and trees of all meshes are built.
+    void finishBackground();
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace gnomon

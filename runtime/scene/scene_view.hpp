@@ -1,0 +1,127 @@
+#pragma once
+// What algorithms see of the scene in one frame: plain structs, relative to the frame's origin, immutable while the
+// frame is declared, prepared, recorded and traced.
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include "gnomon/gnomon.h"
+#include "shaders/shared/receiver.h"
+
+namespace gnomon {
+
+struct Topology;
+class MeshRays; // runtime/rays: the tree of one mesh
+
+struct Aabb {
+    glm::vec3 lower{0.0f}, upper{0.0f};
+    glm::vec3 center() const { return 0.5f * (lower + upper); }
+    glm::vec3 halfExtent() const { return 0.5f * (upper - lower); }
+};
+
+/// A mesh as the frame sees it. Alive while any frame that saw it is in flight.
+struct MeshView {
+    const char* name = "";
+    std::span<const glm::vec3> positions;
+    std::span<const std::uint32_t> indices; ///< Three per triangle, zero-area triangles removed.
+    Aabb bounds;                            ///< Object space.
+    VkBuffer vertexBuffer = VK_NULL_HANDLE; ///< Positions, 12 bytes each. Also a storage buffer.
+    VkBuffer indexBuffer = VK_NULL_HANDLE;  ///< uint32. Also a storage buffer.
+    const Topology* topology = nullptr;     ///< Null until a worker has built it, or without OpenMesh.
+    const MeshRays* rays = nullptr;         ///< Null until a worker has built it, or without Embree.
+    std::uint64_t revision = 0;             ///< Unique over all meshes; changes with the positions.
+    bool closed = false;                    ///< Known from the topology; false until it is there.
+
+    std::uint32_t triangleCount() const { return static_cast<std::uint32_t>(indices.size() / 3); }
+};
+
+/// One instance as a caster.
+struct Caster {
+    std::uint32_t index = 0;       ///< Into the frame's table of transforms: firstInstance of its draws.
+    std::uint32_t id = 0;          ///< Stable identity of the instance over frames.
+    const MeshView* mesh = nullptr; ///< Null for host-drawn casters.
+    glm::mat3 basis{1.0f};         ///< world = basis * object + translation
+    glm::vec3 translation{0.0f};   ///< Relative to the frame's origin, metres.
+    Aabb bounds;                   ///< World, relative to the origin.
+    std::uint64_t revision = 0;    ///< Unique over all instances; changes when transform, mesh or positions do.
+    std::uint32_t mask = 0xffffffffu;
+    bool isStatic = false;
+    bool mirrored = false;         ///< The basis has a negative determinant: winding is reversed.
+    bool closed = false;           ///< mesh->closed; open casters are drawn from both sides with a bias.
+    bool alphaTested = false;
+    bool hostDrawn = false;
+    bool mayBeMissed = false;
+    PFN_gnDrawCasters drawCasters = nullptr;
+    PFN_gnOpacity opacity = nullptr;
+    void* userData = nullptr;
+    const char* name = "";
+};
+
+/// A light as the frame sees it.
+struct LightView {
+    std::uint32_t id = 0;         ///< Stable identity over frames.
+    GnLight handle = VK_NULL_HANDLE;
+    GnLightType type = GN_LIGHT_TYPE_DIRECTIONAL;
+    const char* name = "";
+    gpu::LightConstants constants; ///< Position relative to the origin.
+    float coneAngle = 0.0f;        ///< Spot: half angle, radians.
+    std::uint32_t mask = 0xffffffffu;
+    std::uint64_t revision = 0;    ///< Unique over all lights; changes when the description or the origin does.
+    bool isStatic = false;
+
+    glm::vec3 position() const { return glm::vec3(constants.positionWs); }
+    glm::vec3 direction() const { return glm::vec3(constants.directionWs); }
+};
+
+/// The casters a light can see: those with a matching mask that touch its range and cone.
+struct LightCasters {
+    std::span<const Caster* const> statics;  ///< Static flag set and never moved.
+    std::span<const Caster* const> movings;
+    std::span<const Caster* const> all;      ///< statics, then movings.
+    std::uint64_t staticStamp = 0; ///< Changes when the set or any member of `statics` does. Never 0.
+    std::uint64_t movingStamp = 0; ///< The same for `movings`; 0 when there are none.
+    std::uint32_t triangles = 0;
+    std::uint32_t hostDrawn = 0;   ///< Host-drawn casters in range that may not be missed.
+};
+
+/// A plane with dot(normal, p) + distance >= 0 inside.
+struct Plane {
+    glm::vec3 normal{0.0f};
+    float distance = 0.0f;
+};
+
+/// A camera as the frame sees it.
+struct CameraView {
+    gpu::ViewConstants constants;
+    glm::mat3 viewFromWorld{1.0f};         ///< Rotation.
+    glm::mat4 projection{1.0f};            ///< clipFromView as given.
+    glm::vec3 eye{0.0f};                   ///< Relative to the origin.
+    std::array<Plane, 6> frustum;          ///< World, inward; the far one is (0, 0, 0), 1 for infinite projections.
+    std::array<glm::vec3, 4> nearCorners;  ///< World corners of the near rectangle of the render area, in ring order.
+    GnDepthConvention convention = GN_DEPTH_REVERSED_INFINITE;
+    VkFormat depthFormat = VK_FORMAT_D32_SFLOAT;
+    VkFormat normalFormat = VK_FORMAT_UNDEFINED; ///< Undefined: no normals.
+    VkExtent2D extent{};                   ///< Of the images.
+    VkRect2D area{};                       ///< Pixels drawn.
+    double origin[3]{};                    ///< World position of the zero of all coordinates here.
+    std::uint32_t id = 0;
+    bool cut = false;
+
+    bool reversed() const { return convention != GN_DEPTH_STANDARD; }
+};
+
+// --- culling helpers, conservative: "true" may be wrong, "false" never is ---
+
+bool touches(const Aabb& box, std::span<const Plane> volume);
+/// Box against sphere.
+bool touches(const Aabb& box, glm::vec3 center, float radius);
+/// Whether anything of the box can lie within the light's range and cone.
+bool reaches(const LightView& light, const Aabb& box);
+/// World bounds of an object-space box.
+Aabb transformed(const Aabb& box, const glm::mat3& basis, glm::vec3 translation);
+
+} // namespace gnomon

@@ -1,0 +1,45 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+namespace gnomon {
+
+/// Connectivity of one mesh, made once: position-welded edges with the faces that use them.
+///
+/// Silhouettes follow from **signed multiplicities**: orient every face so that it looks towards the light, let each
+/// use of an edge count +1 or -1 by its direction; the sum is 0 inside, +-1 at a border, +-2 at a silhouette, and may be
+/// anything on non-manifold edges. Extruding every edge that often closes the volume whatever the mesh is like.
+struct Topology {
+    /// One use of an edge by a face.
+    struct EdgeUse {
+        std::uint32_t face;
+        float sign; ///< +1 if the face runs v0 -> v1, -1 if v1 -> v0.
+    };
+    struct Edge {
+        std::uint32_t v0, v1;   ///< Vertices, indices into the mesh's positions (representatives of welded ones).
+        std::uint32_t firstUse; ///< Into `uses`.
+        std::uint32_t useCount; ///< 1 border, 2 manifold, more: non-manifold.
+    };
+
+    std::vector<Edge> edges;
+    std::vector<EdgeUse> uses;
+    std::vector<glm::vec4> facePlanes;     ///< Object space: xyz unnormalised face normal, w = -dot(normal, corner).
+    std::vector<std::uint32_t> faceVerts;  ///< Three per face: welded representatives, in the mesh's order.
+    bool closed = false;     ///< Every edge is used equally often in both directions: a volume without holes.
+    bool orientable = false; ///< No two faces run an edge the same way.
+    bool manifold = false;   ///< No edge has more than two faces, every vertex one fan (as OpenMesh sees it).
+    std::uint32_t looseFaces = 0; ///< Faces OpenMesh refused (third face on an edge, flipped neighbour), kept here.
+};
+
+/// Builds the topology. Positions with equal bits (-0 equals 0) are one vertex. Indices are in range.
+/// Nothing is printed, whatever the mesh is like.
+Topology buildTopology(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices);
+
+/// Same connectivity, new positions: recomputes `facePlanes` only.
+void updateFacePlanes(Topology& topology, std::span<const glm::vec3> positions);
+
+} // namespace gnomon

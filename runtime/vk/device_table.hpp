@@ -1,0 +1,83 @@
+#pragma once
+// Every Vulkan function gnomon calls, loaded through the host's vkGetInstanceProcAddr, and what is known of the device.
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#define VK_NO_PROTOTYPES
+#include <vulkan/vulkan_core.h>
+
+#include "runtime/core/result.hpp"
+
+namespace gnomon {
+
+// clang-format off
+#define GN_INSTANCE_FUNCTIONS(X) \
+    X(vkGetPhysicalDeviceProperties2) X(vkGetPhysicalDeviceMemoryProperties2) X(vkGetPhysicalDeviceFeatures2) \
+    X(vkGetPhysicalDeviceQueueFamilyProperties2) X(vkGetPhysicalDeviceFormatProperties2) \
+    X(vkEnumerateDeviceExtensionProperties) X(vkGetDeviceProcAddr)
+
+#define GN_DEVICE_FUNCTIONS(X) \
+    X(vkAllocateMemory) X(vkFreeMemory) X(vkMapMemory) X(vkUnmapMemory) X(vkFlushMappedMemoryRanges) \
+    X(vkInvalidateMappedMemoryRanges) \
+    X(vkCreateBuffer) X(vkDestroyBuffer) X(vkBindBufferMemory2) X(vkGetBufferMemoryRequirements2) \
+    X(vkCreateImage) X(vkDestroyImage) X(vkBindImageMemory2) X(vkGetImageMemoryRequirements2) \
+    X(vkCreateImageView) X(vkDestroyImageView) X(vkCreateSampler) X(vkDestroySampler) \
+    X(vkCreateShaderModule) X(vkDestroyShaderModule) X(vkCreatePipelineLayout) X(vkDestroyPipelineLayout) \
+    X(vkCreatePipelineCache) X(vkDestroyPipelineCache) X(vkCreateGraphicsPipelines) X(vkCreateComputePipelines) \
+    X(vkDestroyPipeline) X(vkCreateDescriptorSetLayout) X(vkDestroyDescriptorSetLayout) X(vkCreateDescriptorPool) \
+    X(vkDestroyDescriptorPool) X(vkAllocateDescriptorSets) X(vkUpdateDescriptorSets) \
+    X(vkCreateCommandPool) X(vkDestroyCommandPool) X(vkResetCommandPool) X(vkAllocateCommandBuffers) \
+    X(vkBeginCommandBuffer) X(vkEndCommandBuffer) X(vkQueueSubmit2) X(vkDeviceWaitIdle) \
+    X(vkCreateSemaphore) X(vkDestroySemaphore) X(vkWaitSemaphores) X(vkSignalSemaphore) X(vkGetSemaphoreCounterValue) \
+    X(vkCreateQueryPool) X(vkDestroyQueryPool) X(vkGetQueryPoolResults) X(vkCmdResetQueryPool) X(vkCmdWriteTimestamp2) \
+    X(vkCmdPipelineBarrier2) X(vkCmdBeginRendering) X(vkCmdEndRendering) X(vkCmdBindPipeline) \
+    X(vkCmdBindDescriptorSets) X(vkCmdBindVertexBuffers) X(vkCmdBindIndexBuffer) X(vkCmdPushConstants) \
+    X(vkCmdSetViewport) X(vkCmdSetScissor) X(vkCmdSetCullMode) X(vkCmdSetFrontFace) X(vkCmdSetDepthBias) \
+    X(vkCmdSetStencilReference) X(vkCmdDraw) X(vkCmdDrawIndexed) X(vkCmdDrawIndirect) X(vkCmdDrawIndexedIndirect) \
+    X(vkCmdDispatch) X(vkCmdDispatchIndirect) X(vkCmdClearColorImage) X(vkCmdClearDepthStencilImage) \
+    X(vkCmdClearAttachments) X(vkCmdCopyImage2) X(vkCmdCopyBuffer2) X(vkCmdCopyBufferToImage2) \
+    X(vkCmdCopyImageToBuffer2) X(vkCmdFillBuffer) X(vkCmdUpdateBuffer)
+
+/// Null where the extension is not enabled.
+#define GN_OPTIONAL_DEVICE_FUNCTIONS(X) \
+    X(vkCmdBeginDebugUtilsLabelEXT) X(vkCmdEndDebugUtilsLabelEXT) X(vkSetDebugUtilsObjectNameEXT)
+// clang-format on
+
+struct DeviceTable {
+#define GN_DECLARE(name) PFN_##name name = nullptr;
+    GN_INSTANCE_FUNCTIONS(GN_DECLARE)
+    GN_DEVICE_FUNCTIONS(GN_DECLARE)
+    GN_OPTIONAL_DEVICE_FUNCTIONS(GN_DECLARE)
+#undef GN_DECLARE
+
+    VkInstance instance = VK_NULL_HANDLE;
+    VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
+    VkDevice device = VK_NULL_HANDLE;
+    VkQueue queue = VK_NULL_HANDLE;
+    std::uint32_t queueFamily = 0;
+    const VkAllocationCallbacks* hostAllocator = nullptr;
+
+    VkPhysicalDeviceProperties properties{};
+    VkPhysicalDeviceMemoryProperties memory{};
+    VkPhysicalDeviceFeatures enabled{}; ///< What the host enabled, not what the device could.
+    std::uint32_t timestampValidBits = 0;
+    bool software = false; ///< VK_PHYSICAL_DEVICE_TYPE_CPU: the device shares the CPU's cores.
+
+    /// Vulkan objects and memory blocks made so far; GnFrameStats::deviceAllocations is the difference over a frame.
+    mutable std::atomic<std::uint64_t> objectsMade{0};
+    mutable std::atomic<std::uint64_t> pipelinesMade{0};
+
+    bool hasExtension(const char* name) const noexcept;
+    std::vector<std::string> extensions; ///< Enabled by the host.
+};
+
+/// Checks the create-info's device part and loads the functions.
+/// Errors: GN_ERROR_NULL_ARGUMENT, GN_ERROR_OUT_OF_RANGE (apiVersion), GN_ERROR_FEATURE_MISSING naming the feature.
+Result<std::unique_ptr<DeviceTable>> loadDeviceTable(const GnContextCreateInfo& info);
+
+/// GN_ERROR_DEVICE_LOST, out of memory, or unknown, with the call's name.
+Error vulkanError(VkResult result, const char* call);
+
+} // namespace gnomon

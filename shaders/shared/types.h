@@ -1,0 +1,52 @@
+// Spelling shared by C++ and GLSL: vector types, layout asserts, shared functions.
+#ifndef GNOMON_SHARED_TYPES_H
+#define GNOMON_SHARED_TYPES_H
+
+#ifdef __cplusplus
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#define GN_SHARED_BEGIN namespace gnomon::gpu {
+#define GN_SHARED_END }
+#define GN_SHARED_FN inline
+#define GN_SHARED_CONST inline constexpr
+#define GN_SHARED_OFFSET(type, member, bytes) static_assert(offsetof(type, member) == (bytes));
+#define GN_SHARED_SIZE(type, bytes) static_assert(sizeof(type) == (bytes));
+
+GN_SHARED_BEGIN
+using glm::mat4;
+using glm::uvec2;
+using glm::uvec4;
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+using uint = std::uint32_t;
+using glm::abs;
+using glm::dot;
+using glm::length;
+using glm::max;
+using glm::min;
+inline uint floatBitsToUint(float value) { return std::bit_cast<uint>(value); }
+inline float uintBitsToFloat(uint bits) { return std::bit_cast<float>(bits); }
+GN_SHARED_END
+
+#else
+
+#define GN_SHARED_BEGIN
+#define GN_SHARED_END
+#define GN_SHARED_FN
+#define GN_SHARED_CONST const
+#define GN_SHARED_OFFSET(type, member, bytes)
+#define GN_SHARED_SIZE(type, bytes)
+
+#endif
+#endif
