@@ -1,0 +1,147 @@
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "rules/engine/engine.hpp"
+
+namespace gnomon::rules {
+namespace {
+
+/// Strengths below this count as 0. Far below anything a person could mean, far above where products become denormal,
+/// so that a host which flushes denormals to zero gets the same opinions.
+constexpr double kNegligible = 0x1p-40;
+
+/// Strengths are added as whole steps of 2^-50, because integers may be added in any order: permuting the rules must
+/// not change a bit. 4096 rules of strength 1 reach 2^62. Truncation keeps the rounding mode out of it.
+constexpr double kSumScale = 0x1p50;
+
+} // namespace
+
+Limited evaluateAntecedent(std::span<const CompiledOp> ops, std::span<const Truth> memberships,
+                           Options::And conjunction, std::span<Limited> stack) noexcept
+{
+    std::size_t depth = 0;
+    for (std::size_t i = 0; i < ops.size(); ++i) {
+        const CompiledOp& op = ops[i];
+        if (op.kind == Clause::Kind::Is) {
+            stack[depth++] = {memberships[op.membership], static_cast<uint32_t>(i)};
+            continue;
+        }
+        if (op.kind == Clause::Kind::Not) {
+            Truth& top = stack[depth - 1].truth;
+            top = {1.0 - top.high, 1.0 - top.low};
+            continue;
+        }
+        const Limited right = stack[--depth];
+        Limited& left = stack[depth - 1];
+        const bool isAnd = op.kind == Clause::Kind::And;
+        if (isAnd ? right.truth.low < left.truth.low : right.truth.low > left.truth.low) left.clause = right.clause;
+        if (isAnd && conjunction == Options::And::Product)
+            left.truth = {left.truth.low * right.truth.low, left.truth.high * right.truth.high};
+        else if (isAnd)
+            left.truth = {std::min(left.truth.low, right.truth.low), std::min(left.truth.high, right.truth.high)};
+        else
+            left.truth = {std::max(left.truth.low, right.truth.low), std::max(left.truth.high, right.truth.high)};
+    }
+    return stack[0];
+}
+
+void Engine::evaluate(std::span<const double> facts, Inference& out) const noexcept
+{
+    assert(facts.size() == facts_.size() && out.rules.size() == compiled_.rules.size());
+    std::copy(facts.begin(), facts.end(), out.facts.begin());
+    std::fill(out.outputs.begin(), out.outputs.end(), OutputState{});
+    std::fill(out.rules.begin(), out.rules.end(), RuleState{});
+    std::fill(out.termStrength.begin(), out.termStrength.end(), 0.0);
+    std::fill(out.termSum.begin(), out.termSum.end(), uint64_t(0));
+    fuzzify(facts, out);
+    fire(out);
+    defuzzify(out);
+}
+
+void Engine::fuzzify(std::span<const double> facts, Inference& out) const noexcept
+{
+    out.unknownFacts = 0;
+    out.clampedFacts = 0;
+    for (const CompiledVariable& variable : compiled_.variables) {
+        const double given = facts[variable.fact];
+        const bool known = !std::isnan(given);
+        const double x = known ? std::clamp(given, variable.low, variable.high) : given;
+        out.unknownFacts += known ? 0 : 1;
+        out.clampedFacts += known && x != given ? 1 : 0;
+        for (uint32_t i = variable.firstTerm; i < variable.firstTerm + variable.termCount; ++i) {
+            const double membership = compiled_.terms[i].membership(x);
+            out.memberships[i] = known ? Truth{membership, membership} : Truth{0.0, 1.0};
+        }
+    }
+}
+
+void Engine::fire(Inference& out) const noexcept
+{
+    const double threshold = std::max(base_.options.minimumStrength, kNegligible);
+    const auto counted = [threshold](double strength) { return strength < threshold ? 0.0 : strength; };
+    double strongest = 0.0;
+    for (uint32_t i = 0; i < base_.rules.size(); ++i) {
+        const CompiledRule& rule = compiled_.rules[i];
+        const std::span<const CompiledOp> ops = compiled_.opsOf(rule);
+        const Limited fired = evaluateAntecedent(ops, out.memberships, base_.options.conjunction, out.stack);
+        const CompiledOp& limit = ops[fired.clause];
+        const double strength = counted(fired.truth.low * rule.weight);
+        out.rules[i] = {strength, limit.variable, limit.term, out.memberships[limit.membership].low};
+        conclude(i, strength, out);
+        if (rule.effectCount != 0) // a pure veto says nothing about who is good
+            strongest = std::max(strongest, strength);
+    }
+    if (compiled_.hasOtherwise) {
+        const auto last = static_cast<uint32_t>(base_.rules.size());
+        out.rules[last].strength = counted((1.0 - strongest) * compiled_.rules[last].weight);
+        conclude(last, out.rules[last].strength, out);
+    }
+}
+
+void Engine::conclude(uint32_t index, double strength, Inference& out) const noexcept
+{
+    if (strength == 0.0) return;
+    const CompiledRule& rule = compiled_.rules[index];
+    for (const uint32_t slot : compiled_.effectsOf(rule)) {
+        if (base_.options.aggregation == Options::Aggregation::Sum)
+            out.termSum[slot] += static_cast<uint64_t>(strength * kSumScale);
+        else
+            out.termStrength[slot] = std::max(out.termStrength[slot], strength);
+        OutputState& output = out.outputs[slot / compiled_.suitabilityTerms];
+        if (strength > output.strongestStrength) {
+            output.strongestStrength = strength;
+            output.strongestRule = index;
+        }
+    }
+    if (strength < base_.options.vetoAt) return;
+    for (const uint32_t vetoed : compiled_.vetoesOf(rule)) {
+        OutputState& output = out.outputs[vetoed];
+        if (!output.vetoed) output.vetoRule = index;
+        output.vetoed = true;
+    }
+}
+
+void Engine::defuzzify(Inference& out) const noexcept
+{
+    if (base_.options.aggregation == Options::Aggregation::Sum) {
+        for (std::size_t i = 0; i < out.termSum.size(); ++i)
+            out.termStrength[i] = std::min(1.0, static_cast<double>(out.termSum[i]) / kSumScale);
+    }
+    const std::size_t terms = compiled_.suitabilityTerms;
+    const double low = base_.suitability.low;
+    const double width = base_.suitability.high - low;
+    for (std::size_t i = 0; i < out.outputs.size(); ++i) {
+        const std::span<const double> strengths = std::span(out.termStrength).subspan(i * terms, terms);
+        const uint32_t samples = base_.options.samples;
+        const Centroid centroid =
+            samples == 0 ? suitability_.exact(strengths) : suitability_.sampled(strengths, samples);
+        OutputState& output = out.outputs[i];
+        output.hasOpinion = centroid.hasOpinion;
+        if (!centroid.hasOpinion) continue;
+        output.suitability = centroid.value;
+        output.quantised = static_cast<int32_t>((centroid.value - low) / width * kSuitabilitySteps + 0.5);
+    }
+}
+
+} // namespace gnomon::rules

@@ -1,0 +1,141 @@
+#include "rules/engine/explain.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "rules/engine/number_text.hpp"
+
+namespace gnomon::rules {
+namespace {
+
+std::string padded(std::string_view text, std::size_t width)
+{
+    std::string result(text);
+    result.resize(std::max(width, result.size()), ' ');
+    return result;
+}
+
+std::string stateText(const OutputState& state)
+{
+    if (state.vetoed) return "vetoed";
+    return state.hasOpinion ? fixedText(state.suitability, 2) : "no opinion";
+}
+
+/// Eligible outputs by falling suitability, then those without an opinion, then vetoed ones; registry order among
+/// equals.
+std::vector<uint32_t> ranking(const Inference& inference)
+{
+    std::vector<uint32_t> order(inference.outputs.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto rank = [&](uint32_t i) { return inference.outputs[i].vetoed ? -2 : inference.outputs[i].quantised; };
+    std::stable_sort(order.begin(), order.end(), [&](uint32_t x, uint32_t y) { return rank(x) > rank(y); });
+    return order;
+}
+
+/// The term a rule concludes for an output, or null if it says nothing about it.
+const Term* conclusionFor(const Engine& engine, uint32_t rule, uint32_t output)
+{
+    const CompiledRules& compiled = engine.compiled();
+    for (const uint32_t slot : compiled.effectsOf(compiled.rules[rule])) {
+        if (slot / compiled.suitabilityTerms == output)
+            return &engine.base().suitability.terms[slot % compiled.suitabilityTerms];
+    }
+    return nullptr;
+}
+
+std::vector<uint32_t> rulesBehind(const Engine& engine, const Inference& inference, uint32_t output)
+{
+    std::vector<uint32_t> fired;
+    for (uint32_t i = 0; i < inference.rules.size(); ++i) {
+        if (inference.rules[i].strength > 0.0 && conclusionFor(engine, i, output)) fired.push_back(i);
+    }
+    std::stable_sort(fired.begin(), fired.end(),
+                     [&](uint32_t x, uint32_t y) { return inference.rules[x].strength > inference.rules[y].strength; });
+    return fired;
+}
+
+/// "rule T3 (avoided)" and what fired it.
+std::string ruleLine(const Engine& engine, const Inference& inference, uint32_t rule, uint32_t output)
+{
+    std::string text = explainRule(engine, inference, rule);
+    const Term* term = conclusionFor(engine, rule, output);
+    if (term && term != &engine.base().suitability.terms.back()) text.insert(text.find(':'), " (" + term->name + ")");
+    return text;
+}
+
+std::string because(const Engine& engine, uint32_t rule, std::size_t indent)
+{
+    const Rule* found = engine.rule(rule);
+    return found && !found->because.empty() ? std::string(indent, ' ') + "because " + found->because + "\n" : "";
+}
+
+} // namespace
+
+std::string explainRule(const Engine& engine, const Inference& inference, uint32_t index)
+{
+    if (engine.rule(index) == nullptr) return {};
+    const RuleState& state = inference.rules[index];
+    const CompiledRules& compiled = engine.compiled();
+    const CompiledRule& rule = compiled.rules[index];
+    if (rule.opCount == 0) return "otherwise: strength " + fixedText(state.strength, 2);
+
+    std::string text = "rule " + std::string(engine.ruleId(index)) + ":";
+    const auto& ops = compiled.opsOf(rule);
+    const auto clauses = std::count_if(ops.begin(), ops.end(), [](auto& op) { return op.kind == Clause::Kind::Is; });
+    std::string_view separator = " ";
+    for (std::size_t i = 0; i < ops.size(); ++i) {
+        const CompiledOp& op = ops[i];
+        if (op.kind != Clause::Kind::Is) continue;
+        const Variable& variable = engine.base().variables[op.variable];
+        const bool negated = i + 1 < ops.size() && ops[i + 1].kind == Clause::Kind::Not;
+        const bool limiting = op.variable == state.limitingVariable && op.term == state.limitingTerm;
+        text += std::string(separator) + variable.name + (negated ? " not " : " ") + variable.terms[op.term].name + " ";
+        const bool unknown = std::isnan(inference.facts[compiled.variables[op.variable].fact]);
+        text += unknown ? "unknown" : fixedText(inference.memberships[op.membership].low, 2);
+        text += limiting && clauses > 1 ? "*" : "";
+        separator = ", ";
+    }
+    return rule.weight == 1.0 ? text : text + ", weight " + shortestText(rule.weight);
+}
+
+std::string reasonFor(const Engine& engine, const Inference& inference, uint32_t output)
+{
+    const OutputState& state = inference.outputs[output];
+    if (state.vetoed) return "vetoed by " + explainRule(engine, inference, state.vetoRule);
+    if (!state.hasOpinion) return "no rule that fires speaks of it";
+    return ruleLine(engine, inference, state.strongestRule, output);
+}
+
+std::string explain(const Engine& engine, const Inference& inference, const ExplainOptions& options)
+{
+    std::size_t nameWidth = 0;
+    for (const OutputInfo& output : engine.outputs())
+        nameWidth = std::max(nameWidth, output.name.size());
+    constexpr std::size_t kStateWidth = 13; // "no opinion" and three spaces
+    const std::size_t indent = nameWidth + 2 + kStateWidth;
+
+    std::string text;
+    for (const uint32_t output : ranking(inference)) {
+        const OutputState& state = inference.outputs[output];
+        std::string line = padded(engine.outputs()[output].name, nameWidth + 2) + padded(stateText(state), kStateWidth);
+        std::vector<uint32_t> rules = rulesBehind(engine, inference, output);
+        rules.resize(std::min<std::size_t>(rules.size(), options.rulesPerOutput));
+        if (state.vetoed) rules.insert(rules.begin(), state.vetoRule);
+        for (const uint32_t rule : rules) {
+            const bool isVeto = state.vetoed && rule == state.vetoRule;
+            text += line + (isVeto ? explainRule(engine, inference, rule) : ruleLine(engine, inference, rule, output));
+            text += "\n" + (options.because ? because(engine, rule, indent) : std::string());
+            line.assign(indent, ' ');
+        }
+        if (rules.empty()) text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+    }
+    for (const CompiledVariable& variable : engine.compiled().variables) {
+        if (std::isnan(inference.facts[variable.fact]))
+            text += "unknown fact: " + engine.facts()[variable.fact].name + "\n";
+    }
+    return text;
+}
+
+} // namespace gnomon::rules

@@ -1,0 +1,33 @@
+#pragma once
+
+/// Why the rules think what they think, as text. Built on demand from an evaluation; evaluate() itself writes none.
+
+#include <cstdint>
+#include <string>
+
+#include "rules/engine/engine.hpp"
+
+namespace gnomon::rules {
+
+struct ExplainOptions {
+    uint32_t rulesPerOutput = 4; ///< Strongest first.
+    bool because = false;        ///< Adds the `because` of each rule on a line of its own.
+};
+
+/// One line per output, best first, vetoed ones and those without an opinion last:
+///
+///     shadow_map          0.84   rule T3: dynamicLights few 1.00, viewerDistance far 1.00
+///     stencil_volume      0.16   rule T3 (avoided): dynamicLights few 1.00, viewerDistance far 1.00
+///     cube_map      no opinion
+///
+/// The conclusion is named where it is not the highest term of suitability. Unknown facts are listed at the end.
+std::string explain(const Engine& engine, const Inference& inference, const ExplainOptions& options = {});
+
+/// What fired one rule: "rule S1: lightRadius narrow 0.25, frameBudget tight 0.10, weight 0.8". Lists every clause of
+/// the antecedent with the membership of its term, the limiting one marked with '*' if there are several.
+std::string explainRule(const Engine& engine, const Inference& inference, uint32_t rule);
+
+/// One line without a line break for logs: the strongest rule behind an output, or why there is none.
+std::string reasonFor(const Engine& engine, const Inference& inference, uint32_t output);
+
+} // namespace gnomon::rules
