@@ -1,0 +1,339 @@
+#include "demo/scene/scene_file.hpp"
+
+#include "demo/scene/scene_parts.hpp"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+namespace gnomon::demo {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A base of a base is already hard to read; this also ends a file that names itself.
+constexpr uint32_t kDeepestBase = 4;
+
+/// The value of a top-level key and the file it came from: a derived scene replaces its base's sections one by one.
+struct Section {
+    YamlNode node;
+    uint32_t keyLine = 1, keyColumn = 1;
+    std::string file;
+};
+using Sections = std::map<std::string, Section, std::less<>>;
+
+std::string readWholeFile(const fs::path& file)
+{
+    std::ifstream in(file, std::ios::binary);
+    if (!in) throw SceneError(file.string() + ": cannot be opened");
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+void collectSections(std::string_view text, const fs::path& file, uint32_t depth, Sections& sections)
+{
+    auto parsed = parseYaml(text, file.string());
+    if (!parsed) throw SceneError(parsed.error());
+    const ReadContext context{file.string(), ""};
+    if (parsed->kind != YamlNode::Kind::Map) raise(context, *parsed, "a scene must be a map of sections");
+    for (size_t i = 0; i + 1 < parsed->children.size(); i += 2) {
+        if (parsed->children[i].text != "base") continue;
+        const YamlNode& node = parsed->children[i + 1];
+        const fs::path baseFile = file.parent_path() / readText(context, node, "base");
+        if (depth >= kDeepestBase) raise(context, node, "too many bases, one on the other");
+        std::error_code ignored; // unreadable counts as absent
+        if (!fs::is_regular_file(baseFile, ignored)) raise(context, node, "base not found: " + baseFile.string());
+        collectSections(readWholeFile(baseFile), baseFile, depth + 1, sections);
+    }
+    for (size_t i = 0; i + 1 < parsed->children.size(); i += 2) {
+        const YamlNode& key = parsed->children[i];
+        if (key.text != "base")
+            sections.insert_or_assign(key.text,
+                                      Section{std::move(parsed->children[i + 1]), key.line, key.column, file.string()});
+    }
+}
+
+/// Rotation from `rotate: {axis: [..], degrees: d}` or a list of such turns, applied in their order.
+glm::dquat readRotation(const ReadContext& context, const YamlNode& node)
+{
+    if (node.kind == YamlNode::Kind::Sequence) {
+        glm::dquat rotation(1.0, 0.0, 0.0, 0.0);
+        for (const YamlNode& child : node.children) {
+            if (child.kind == YamlNode::Kind::Sequence) raise(context, child, "rotate must be a list of turns");
+            rotation = readRotation(context, child) * rotation;
+        }
+        return rotation;
+    }
+    MapReader map(context, node, "rotate");
+    const glm::dvec3 axis = readDirection(context, map.need("axis"), "axis");
+    const double angle =
+        toRadians(readNumber(context, map.need("degrees"), "degrees", {.low = -3600.0, .high = 3600.0}));
+    map.finish();
+    return glm::angleAxis(angle, axis);
+}
+
+Pose readPose(MapReader& map)
+{
+    Pose pose;
+    pose.position = map.vector("at", pose.position);
+    if (const YamlNode* rotate = map.find("rotate")) pose.rotation = readRotation(map.context(), *rotate);
+    if (const YamlNode* scale = map.find("scale"))
+        // Thinner than this, a float matrix no longer inverts.
+        pose.scale = scale->kind == YamlNode::Kind::Sequence
+                         ? readVector(map.context(), *scale, "scale", {.low = 1e-6})
+                         : glm::dvec3(readNumber(map.context(), *scale, "scale", {.low = 1e-6}));
+    return pose;
+}
+
+void readInstanceKeys(MapReader& map, Instance& instance)
+{
+    const YamlNode* list = map.find("keys");
+    if (list == nullptr) return;
+    if (list->kind != YamlNode::Kind::Sequence || list->children.empty())
+        raise(map.context(), *list, "keys must be a list of at least one key");
+    for (const YamlNode& node : list->children) {
+        MapReader key(map.context(), node, "a key");
+        const double time = readNumber(map.context(), key.need("time"), "time", kNotNegative);
+        requireLater(map.context(), node, instance.keys, time);
+        instance.keys.push_back({time, readPose(key)});
+        key.finish();
+    }
+    instance.pose = instance.keys.front().pose;
+}
+
+/// `repeat: {count: [x, y, z], spacing: [x, y, z]}`: copies on a grid centred where the one would have stood.
+std::vector<glm::dvec3> readRepeat(MapReader& map)
+{
+    const YamlNode* node = map.find("repeat");
+    if (node == nullptr) return {glm::dvec3(0.0)};
+    MapReader repeat(map.context(), *node, "repeat");
+    const YamlNode& countNode = repeat.need("count");
+    if (countNode.kind != YamlNode::Kind::Sequence || countNode.children.size() != 3)
+        raise(map.context(), countNode, "count must be a list of 3 whole numbers");
+    std::array<uint32_t, 3> count;
+    for (size_t axis = 0; axis < 3; ++axis)
+        count[axis] = readInteger(map.context(), countNode.children[axis], "count", 1, 1024);
+    const glm::dvec3 spacing = readVector(map.context(), repeat.need("spacing"), "spacing", kNotNegative);
+    repeat.finish();
+    if (uint64_t(count[0]) * count[1] * count[2] > kMostInstances)
+        raise(map.context(), countNode, "more than " + std::to_string(kMostInstances) + " instances");
+    std::vector<glm::dvec3> offsets;
+    for (uint32_t z = 0; z < count[2]; ++z)
+        for (uint32_t y = 0; y < count[1]; ++y)
+            for (uint32_t x = 0; x < count[0]; ++x)
+                offsets.push_back(
+                    spacing * glm::dvec3(x - (count[0] - 1) * 0.5, y - (count[1] - 1) * 0.5, z - (count[2] - 1) * 0.5));
+    return offsets;
+}
+
+uint32_t readMeshName(MapReader& map, const std::vector<Mesh>& meshes)
+{
+    const YamlNode& node = map.need("mesh");
+    const std::string name = readText(map.context(), node, "mesh");
+    for (uint32_t i = 0; i < meshes.size(); ++i)
+        if (meshes[i].name == name) return i;
+    raise(map.context(), node, "there is no mesh '" + name + "'");
+}
+
+void readInstance(ReadContext context, const YamlNode& node, Scene& scene)
+{
+    const size_t number = scene.instances.size();
+    context.subject = "instance " + std::to_string(number);
+    MapReader map(context, node, "an instance");
+    Instance instance;
+    instance.name = map.text("name", "");
+    if (!instance.name.empty()) context.subject = "instance '" + instance.name + "'";
+    instance.mesh = readMeshName(map, scene.meshes);
+    if (instance.name.empty()) instance.name = scene.meshes[instance.mesh].name;
+
+    readInstanceKeys(map, instance);
+    if (instance.keys.empty()) instance.pose = readPose(map);
+    if (const YamlNode* spinNode = map.find("spin")) {
+        MapReader spin(context, *spinNode, "spin");
+        if (const YamlNode* axis = spin.find("axis")) instance.spin.axis = readDirection(context, *axis, "axis");
+        instance.spin.radiansPerSecond = readTurnRate(spin, scene.framesPerSecond);
+        spin.finish();
+    }
+    instance.isStatic = map.boolean("static", false);
+    instance.alphaTested = map.boolean("alpha_tested", false);
+    instance.hostDrawn = map.boolean("host_drawn", false);
+    instance.casterMask = map.integer("mask", instance.casterMask, 0, 0xffffffffu);
+    instance.albedo = glm::vec3(map.vector("albedo", glm::dvec3(instance.albedo), {.low = 0.0, .high = 1.0}));
+    const std::vector<glm::dvec3> offsets = readRepeat(map);
+    map.finish();
+    if (instance.isStatic && moves(instance)) raise(context, node, "a static instance cannot have keys or a spin");
+    if (scene.instances.size() + offsets.size() > kMostInstances)
+        raise(context, node, "more than " + std::to_string(kMostInstances) + " instances");
+
+    for (size_t i = 0; i < offsets.size(); ++i) {
+        Instance copy = instance;
+        if (offsets.size() > 1) copy.name += "." + std::to_string(i);
+        copy.pose.position += offsets[i];
+        for (PoseKey& key : copy.keys)
+            key.pose.position += offsets[i];
+        scene.instances.push_back(std::move(copy));
+    }
+}
+
+/// Reads the sections of one scene in the order they need each other.
+class SceneReader {
+public:
+    SceneReader(Sections sections, fs::path file, const SceneFileOptions& options)
+        : sections_(std::move(sections)), file_(std::move(file)), options_(options)
+    {
+    }
+
+    Scene read()
+    {
+        refuseUnknownSections();
+        readHead();
+        readDepth();
+        readMeshes();
+        if (const Section* section = list("instances"))
+            for (const YamlNode& node : section->node.children)
+                readInstance({section->file, ""}, node, scene_);
+        readLights();
+        const Section& camera = need("camera");
+        scene_.camera = readCamera({camera.file, "camera"}, camera.node);
+        return std::move(scene_);
+    }
+
+private:
+    static constexpr std::array<std::string_view, 13> kKnown = {
+        "name",   "description", "size",   "frames",      "fps",    "depth", "center",
+        "meshes", "instances",   "lights", "light_count", "camera", "base"};
+
+    void refuseUnknownSections() const
+    {
+        for (const auto& [key, section] : sections_) {
+            if (std::find(kKnown.begin(), kKnown.end(), key) != kKnown.end()) continue;
+            std::string known;
+            for (const std::string_view name : kKnown)
+                known.append(known.empty() ? "" : ", ").append(name);
+            throw SceneError(positioned(section.file, section.keyLine, section.keyColumn,
+                                        "unknown key '" + key + "'; known here: " + known));
+        }
+    }
+
+    const Section* find(std::string_view key) const
+    {
+        const auto found = sections_.find(key);
+        return found == sections_.end() ? nullptr : &found->second;
+    }
+
+    const Section& need(std::string_view key) const
+    {
+        if (const Section* section = find(key)) return *section;
+        throw SceneError(positioned(file_.string(), 1, 1, "'" + std::string(key) + "' is missing"));
+    }
+
+    const Section* list(std::string_view key) const
+    {
+        const Section* section = find(key);
+        if (section != nullptr && section->node.kind != YamlNode::Kind::Sequence)
+            raise({section->file, ""}, section->node, std::string(key) + " must be a list");
+        return section;
+    }
+
+    void readHead()
+    {
+        scene_.file = file_.string();
+        scene_.name = file_.stem().string();
+        if (const Section* s = find("name")) scene_.name = readText({s->file, ""}, s->node, "name");
+        if (const Section* s = find("description"))
+            scene_.description = readText({s->file, ""}, s->node, "description");
+        if (const Section* s = find("frames"))
+            scene_.frames = readInteger({s->file, ""}, s->node, "frames", 1, 1'000'000);
+        if (const Section* s = find("fps"))
+            scene_.framesPerSecond = readNumber({s->file, ""}, s->node, "fps", {.low = 1.0, .high = 1000.0});
+        if (const Section* s = find("center")) scene_.center = readVector({s->file, ""}, s->node, "center");
+        if (const Section* s = list("size")) {
+            // 16384 is what Vulkan devices of today draw at most.
+            if (s->node.children.size() != 2) raise({s->file, ""}, s->node, "size must be a list of 2 whole numbers");
+            scene_.width = readInteger({s->file, ""}, s->node.children[0], "width", 1, 16384);
+            scene_.height = readInteger({s->file, ""}, s->node.children[1], "height", 1, 16384);
+        }
+    }
+
+    void readDepth()
+    {
+        constexpr std::array<std::string_view, 2> kConventions = {"reversed_infinite", "standard"};
+        const Section* section = find("depth");
+        if (section == nullptr) return;
+        const ReadContext context{section->file, "depth"};
+        MapReader map(context, section->node, "depth");
+        DepthSettings& depth = scene_.depth;
+        if (const YamlNode* node = map.find("convention"))
+            depth.convention = static_cast<DepthConvention>(readChoice(context, *node, "convention", kConventions));
+        depth.nearPlane = map.number("near", depth.nearPlane, {.low = 1e-4, .high = 1e6});
+        if (depth.convention == DepthConvention::Standard)
+            depth.farPlane = map.number("far", std::max(depth.farPlane, 2.0 * depth.nearPlane),
+                                        {.low = depth.nearPlane, .lowOpen = true});
+        map.finish();
+    }
+
+    void readMeshes()
+    {
+        const Section* section = find("meshes");
+        if (section == nullptr) return;
+        if (section->node.kind != YamlNode::Kind::Map)
+            raise({section->file, ""}, section->node, "meshes must be a map");
+        const fs::path folder = fs::path(section->file).parent_path();
+        const std::vector<YamlNode>& entries = section->node.children;
+        for (size_t i = 0; i + 1 < entries.size(); i += 2) {
+            const ReadContext context{section->file, "mesh '" + entries[i].text + "'"};
+            scene_.meshes.push_back(readMesh(context, entries[i].text, entries[i + 1], folder, options_, scene_.notes));
+        }
+    }
+
+    void readLights()
+    {
+        const Section* section = list("lights");
+        if (section == nullptr) return;
+        for (const YamlNode& node : section->node.children) {
+            if (scene_.lights.size() >= kMostLights)
+                raise({section->file, ""}, node, "more than " + std::to_string(kMostLights) + " lights");
+            scene_.lights.push_back(readLight({section->file, ""}, node, scene_.lights.size(), scene_.framesPerSecond));
+        }
+        const Section* count = find("light_count");
+        if (count == nullptr) return;
+        const uint32_t used =
+            readInteger({count->file, ""}, count->node, "light_count", 0, static_cast<uint32_t>(scene_.lights.size()));
+        scene_.spareLights.assign(scene_.lights.begin() + used, scene_.lights.end());
+        scene_.lights.resize(used);
+    }
+
+    Sections sections_;
+    fs::path file_;
+    const SceneFileOptions& options_;
+    Scene scene_;
+};
+
+} // namespace
+
+Outcome<Scene> parseScene(std::string_view text, const fs::path& file, const SceneFileOptions& options)
+{
+    try {
+        Sections sections;
+        collectSections(text, file, 0, sections);
+        return SceneReader(std::move(sections), file, options).read();
+    } catch (const SceneError& error) {
+        return Outcome<Scene>::failure(error.what());
+    }
+}
+
+Outcome<Scene> loadScene(const std::string& nameOrPath, const SceneFileOptions& options)
+{
+    const auto file = findScene(nameOrPath);
+    if (!file) return Outcome<Scene>::failure(file.error());
+    try {
+        return parseScene(readWholeFile(*file), *file, options);
+    } catch (const SceneError& error) {
+        return Outcome<Scene>::failure(error.what());
+    }
+}
+
+} // namespace gnomon::demo

@@ -1,0 +1,164 @@
+#include "demo/scene/scene_parts.hpp"
+
+#include <glm/geometric.hpp>
+
+#include <array>
+#include <numbers>
+
+namespace gnomon::demo {
+namespace {
+
+/// Direction from `direction`, or towards the point `aim`; exactly one of them.
+glm::dvec3 readAim(MapReader& map, const glm::dvec3& position, bool mayAim)
+{
+    const YamlNode* direction = map.find("direction");
+    const YamlNode* aim = mayAim ? map.find("aim") : nullptr;
+    if ((direction != nullptr) == (aim != nullptr))
+        raise(map.context(), map.node(),
+              mayAim ? "exactly one of 'direction' and 'aim' must be given" : "'direction' is missing");
+    if (direction != nullptr) return readDirection(map.context(), *direction, "direction");
+    const glm::dvec3 way = readVector(map.context(), *aim, "aim") - position;
+    if (!(glm::length(way) > 0.0)) raise(map.context(), *aim, "aim must differ from the light's position");
+    return glm::normalize(way);
+}
+
+void readPlace(MapReader& map, LightKind kind, glm::dvec3& position, glm::dvec3& direction)
+{
+    if (kind != LightKind::Directional) position = readVector(map.context(), map.need("at"), "at");
+    if (kind != LightKind::Point) direction = readAim(map, position, kind == LightKind::Spot);
+}
+
+void readCone(MapReader& map, Light& light)
+{
+    const YamlNode& node = map.need("cone");
+    MapReader cone(map.context(), node, "cone");
+    // A half angle of 90 degrees has no projection; 80 is still a texel stretch of 1 / cos^2 = 33.
+    const double outer =
+        readNumber(map.context(), cone.need("outer"), "outer", {.low = 0.0, .high = 80.0, .lowOpen = true});
+    const double inner = cone.number("inner", outer * 0.9, {.low = 0.0, .high = outer});
+    cone.finish();
+    light.outerAngle = static_cast<float>(toRadians(outer));
+    light.innerAngle = static_cast<float>(toRadians(inner));
+}
+
+void readLightKeys(MapReader& map, Light& light)
+{
+    const YamlNode* list = map.find("keys");
+    if (list == nullptr) return;
+    if (list->kind != YamlNode::Kind::Sequence || list->children.empty())
+        raise(map.context(), *list, "keys must be a list of at least one key");
+    for (const YamlNode& node : list->children) {
+        MapReader key(map.context(), node, "a key");
+        LightKey value;
+        value.time = readNumber(map.context(), key.need("time"), "time", kNotNegative);
+        requireLater(map.context(), node, light.keys, value.time);
+        readPlace(key, light.kind, value.position, value.direction);
+        key.finish();
+        light.keys.push_back(value);
+    }
+    light.position = light.keys.front().position;
+    light.direction = light.keys.front().direction;
+}
+
+void readOrbit(MapReader& map, Light& light, double framesPerSecond)
+{
+    const YamlNode* node = map.find("orbit");
+    if (node == nullptr) return;
+    MapReader orbit(map.context(), *node, "orbit");
+    light.orbit.center = orbit.vector("center", glm::dvec3(0.0));
+    if (const YamlNode* axis = orbit.find("axis")) light.orbit.axis = readDirection(map.context(), *axis, "axis");
+    light.orbit.radiansPerSecond = readTurnRate(orbit, framesPerSecond);
+    orbit.finish();
+}
+
+void readLifetime(MapReader& map, Light& light)
+{
+    light.appear = map.number("appear", light.appear, kNotNegative);
+    const YamlNode* end = map.find("disappear");
+    if (end == nullptr) return;
+    light.disappear = readNumber(map.context(), *end, "disappear", kNotNegative);
+    if (light.disappear <= light.appear) raise(map.context(), *end, "disappear must come after appear");
+}
+
+} // namespace
+
+double toRadians(double degrees) noexcept
+{
+    return degrees * (std::numbers::pi / 180.0);
+}
+
+glm::dvec3 readDirection(const ReadContext& context, const YamlNode& node, const std::string& name)
+{
+    const glm::dvec3 vector = readVector(context, node, name);
+    // Shorter vectors lose digits when squared; nobody writes one on purpose.
+    if (!(glm::length(vector) > 1e-9)) raise(context, node, name + " must not be zero");
+    return glm::normalize(vector);
+}
+
+double readTurnRate(MapReader& map, double framesPerSecond)
+{
+    const bool perFrame = map.has("degrees_per_frame"), perSecond = map.has("degrees_per_second");
+    if (perFrame == perSecond)
+        raise(map.context(), map.node(), "exactly one of 'degrees_per_second' and 'degrees_per_frame' must be given");
+    return perFrame ? toRadians(map.number("degrees_per_frame", 0.0) * framesPerSecond)
+                    : toRadians(map.number("degrees_per_second", 0.0));
+}
+
+Light readLight(ReadContext context, const YamlNode& node, size_t number, double framesPerSecond)
+{
+    constexpr std::array<std::string_view, 3> kKinds = {"directional", "spot", "point"};
+    context.subject = "light " + std::to_string(number);
+    MapReader map(context, node, "a light");
+    Light light;
+    light.name = map.text("name", "light" + std::to_string(number));
+    context.subject = "light '" + light.name + "'"; // the reader sees the better name from here on
+    light.kind = static_cast<LightKind>(readChoice(context, map.need("kind"), "kind", kKinds));
+
+    readLightKeys(map, light);
+    if (light.keys.empty()) readPlace(map, light.kind, light.position, light.direction);
+    if (light.kind == LightKind::Spot) readCone(map, light);
+    if (light.kind != LightKind::Directional) {
+        light.range = readFloat(context, map.need("range"), "range", kPositive);
+        light.radius = map.numberF("radius", 0.0f, kNotNegative);
+    } else {
+        // The angle a distant disc's radius spans; the sun's is 0.27 degrees.
+        light.radius = static_cast<float>(toRadians(map.number("radius_degrees", 0.0, {.low = 0.0, .high = 45.0})));
+    }
+    light.colour = glm::vec3(map.vector("colour", glm::dvec3(1.0), kNotNegative));
+    light.intensity = map.numberF("intensity", light.intensity, kNotNegative);
+    light.importance = map.numberF("importance", light.importance, kNotNegative);
+    light.casterMask = map.integer("mask", light.casterMask, 0, 0xffffffffu);
+    readLifetime(map, light);
+    readOrbit(map, light, framesPerSecond);
+    light.isStatic = map.boolean("static", false);
+    map.finish();
+    if (light.isStatic && moves(light)) raise(context, node, "a static light cannot have keys or an orbit");
+    return light;
+}
+
+std::vector<CameraKey> readCamera(const ReadContext& context, const YamlNode& node)
+{
+    if (node.kind != YamlNode::Kind::Sequence || node.children.empty())
+        raise(context, node, "camera must be a list of at least one key");
+    std::vector<CameraKey> keys;
+    for (const YamlNode& child : node.children) {
+        MapReader map(context, child, "a camera key");
+        CameraKey key;
+        key.time = map.number("time", 0.0, kNotNegative);
+        requireLater(context, child, keys, key.time);
+        key.eye = readVector(context, map.need("eye"), "eye");
+        key.target = readVector(context, map.need("target"), "target");
+        const double fov =
+            map.number("fov", keys.empty() ? 45.0 : double(keys.back().verticalFov) * 180.0 / std::numbers::pi,
+                       {.low = 1.0, .high = 160.0});
+        key.verticalFov = static_cast<float>(toRadians(fov));
+        key.cut = map.boolean("cut", false);
+        map.finish();
+        // Two keys whose eye and target swap would meet half way; one key is all that can be judged here.
+        if (!(glm::length(key.target - key.eye) > 1e-6)) raise(context, child, "eye and target must differ");
+        keys.push_back(key);
+    }
+    return keys;
+}
+
+} // namespace gnomon::demo

@@ -1,0 +1,233 @@
+#include "demo/scene/mesh_file.hpp"
+#include "demo/scene/primitives.hpp"
+#include "demo/scene/scene_parts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace gnomon::demo {
+namespace {
+
+constexpr uint32_t kMostSegments = 4096;
+
+uint32_t segments(MapReader& map, std::string_view key, uint32_t fallback, uint32_t least)
+{
+    return map.integer(key, fallback, least, kMostSegments);
+}
+
+float length(MapReader& map, std::string_view key, float fallback)
+{
+    return map.numberF(key, fallback, kPositive);
+}
+
+/// Width and depth or width and height, as `size: [a, b]`.
+void readSize(MapReader& map, float& first, float& second)
+{
+    const YamlNode* node = map.find("size");
+    if (node == nullptr) return;
+    const std::vector<double> size = readNumbers(map.context(), *node, "size", 2, kPositive);
+    first = static_cast<float>(size[0]);
+    second = static_cast<float>(size[1]);
+}
+
+void readCells(MapReader& map, uint32_t& columns, uint32_t& rows)
+{
+    const YamlNode* node = map.find("cells");
+    if (node == nullptr) return;
+    if (node->kind != YamlNode::Kind::Sequence || node->children.size() != 2)
+        raise(map.context(), *node, "cells must be a list of 2 whole numbers");
+    columns = readInteger(map.context(), node->children[0], "cells", 1, kMostSegments);
+    rows = readInteger(map.context(), node->children[1], "cells", 1, kMostSegments);
+}
+
+void requireTriangles(MapReader& map, uint64_t count)
+{
+    if (count > kMostTrianglesPerMesh)
+        raise(map.context(), map.node(),
+              std::to_string(count) + " triangles are more than the limit of " + std::to_string(kMostTrianglesPerMesh));
+}
+
+/// Reads the shape's keys first, then checks them, and only then builds.
+template <typename Make>
+Mesh built(MapReader& map, const SceneFileOptions& options, uint64_t triangles, Make make)
+{
+    map.finish();
+    requireTriangles(map, triangles);
+    return options.buildMeshes ? make() : Mesh{};
+}
+
+Mesh readPlane(MapReader& map, const SceneFileOptions& options)
+{
+    PlaneShape s;
+    readSize(map, s.width, s.depth);
+    readCells(map, s.columns, s.rows);
+    return built(map, options, 2ull * s.columns * s.rows, [&] { return makePlane(s); });
+}
+
+Mesh readBox(MapReader& map, const SceneFileOptions& options)
+{
+    const BoxShape s{glm::vec3(map.vector("size", glm::dvec3(1.0), kPositive))};
+    return built(map, options, 12, [&] { return makeBox(s); });
+}
+
+Mesh readSphere(MapReader& map, const SceneFileOptions& options)
+{
+    SphereShape s;
+    s.radius = length(map, "radius", s.radius);
+    s.slices = segments(map, "slices", s.slices, 3);
+    s.stacks = segments(map, "stacks", s.stacks, 2);
+    return built(map, options, 2ull * s.slices * (s.stacks - 1), [&] { return makeSphere(s); });
+}
+
+Mesh readTorus(MapReader& map, const SceneFileOptions& options)
+{
+    TorusShape s;
+    s.radius = length(map, "radius", s.radius);
+    s.tube = map.numberF("tube", s.tube, {.low = 0.0, .high = s.radius, .lowOpen = true, .highOpen = true});
+    s.ringSegments = segments(map, "ring_segments", s.ringSegments, 3);
+    s.tubeSegments = segments(map, "tube_segments", s.tubeSegments, 3);
+    return built(map, options, 2ull * s.ringSegments * s.tubeSegments, [&] { return makeTorus(s); });
+}
+
+Mesh readTorusKnot(MapReader& map, const SceneFileOptions& options)
+{
+    TorusKnotShape s;
+    s.radius = length(map, "radius", s.radius);
+    s.sweep = map.numberF("sweep", s.sweep, {.low = 0.0, .high = s.radius, .lowOpen = true, .highOpen = true});
+    s.tube = map.numberF("tube", s.tube, {.low = 0.0, .high = s.sweep, .lowOpen = true, .highOpen = true});
+    s.p = map.integer("p", s.p, 1, 32);
+    s.q = map.integer("q", s.q, 1, 32);
+    s.knotSegments = segments(map, "knot_segments", s.knotSegments, 3);
+    s.tubeSegments = segments(map, "tube_segments", s.tubeSegments, 3);
+    if (std::gcd(s.p, s.q) != 1) raise(map.context(), map.node(), "p and q must have no common factor");
+    return built(map, options, 2ull * s.knotSegments * s.tubeSegments, [&] { return makeTorusKnot(s); });
+}
+
+Mesh readCylinder(MapReader& map, const SceneFileOptions& options)
+{
+    CylinderShape s;
+    s.radius = length(map, "radius", s.radius);
+    s.topRadius = length(map, "top_radius", s.radius);
+    s.height = length(map, "height", s.height);
+    s.segments = segments(map, "segments", s.segments, 3);
+    s.rings = segments(map, "rings", s.rings, 1);
+    return built(map, options, 2ull * s.segments * (s.rings + 1), [&] { return makeCylinder(s); });
+}
+
+Mesh readColumn(MapReader& map, const SceneFileOptions& options)
+{
+    ColumnShape s;
+    s.radius = length(map, "radius", s.radius);
+    s.height = map.numberF("height", s.height, {.low = 2.0 * s.radius, .lowOpen = true});
+    s.segments = segments(map, "segments", s.segments, 3);
+    s.rings = segments(map, "rings", s.rings, 1);
+    return built(map, options, 2ull * s.segments * (s.rings + 5), [&] { return makeColumn(s); });
+}
+
+Mesh readArch(MapReader& map, const SceneFileOptions& options)
+{
+    ArchShape s;
+    s.innerRadius = length(map, "inner_radius", s.innerRadius);
+    s.outerRadius = map.numberF("outer_radius", s.outerRadius, {.low = s.innerRadius, .lowOpen = true});
+    s.depth = length(map, "depth", s.depth);
+    s.segments = segments(map, "segments", s.segments, 2);
+    return built(map, options, 8ull * s.segments + 4, [&] { return makeArch(s); });
+}
+
+Mesh readTerrain(MapReader& map, const SceneFileOptions& options)
+{
+    TerrainShape s;
+    readSize(map, s.width, s.depth);
+    s.height = length(map, "height", s.height);
+    // Lattice coordinates must stay well inside 32 bits.
+    s.featureSize = map.numberF("feature_size", s.featureSize, {.low = 1e-4 * double(std::max(s.width, s.depth))});
+    s.thickness = map.numberF("thickness", s.thickness, kNotNegative);
+    readCells(map, s.columns, s.rows);
+    s.seed = map.integer("seed", s.seed, 0, 0xffffffffu);
+    const uint64_t walls = s.thickness > 0.0f ? 6ull * (s.columns + s.rows) : 0;
+    return built(map, options, 2ull * s.columns * s.rows + walls, [&] { return makeTerrain(s); });
+}
+
+Mesh readCloth(MapReader& map, const SceneFileOptions& options)
+{
+    ClothShape s;
+    readSize(map, s.width, s.height);
+    s.amplitude = map.numberF("amplitude", s.amplitude, kNotNegative);
+    s.folds = map.numberF("folds", s.folds, kNotNegative);
+    readCells(map, s.columns, s.rows);
+    return built(map, options, 2ull * s.columns * s.rows, [&] { return makeCloth(s); });
+}
+
+Mesh readCard(MapReader& map, const SceneFileOptions& options)
+{
+    CardShape s;
+    readSize(map, s.width, s.height);
+    return built(map, options, 2, [&] { return makeCard(s); });
+}
+
+struct ShapeReader {
+    std::string_view key;
+    Mesh (*read)(MapReader& map, const SceneFileOptions& options);
+};
+
+constexpr std::array kShapes = {
+    ShapeReader{"plane", readPlane},
+    ShapeReader{"box", readBox},
+    ShapeReader{"sphere", readSphere},
+    ShapeReader{"torus", readTorus},
+    ShapeReader{"torus_knot", readTorusKnot},
+    ShapeReader{"cylinder", readCylinder},
+    ShapeReader{"column", readColumn},
+    ShapeReader{"arch", readArch},
+    ShapeReader{"terrain", readTerrain},
+    ShapeReader{"cloth", readCloth},
+    ShapeReader{"card", readCard},
+};
+
+Mesh readFile(MapReader& map, const YamlNode& fileNode, const std::string& name, const std::filesystem::path& folder,
+              const SceneFileOptions& options, std::vector<std::string>& notes)
+{
+    const std::string reference = readText(map.context(), fileNode, "file");
+    MeshFileOptions import;
+    import.fitHeight = map.numberF("fit_height", 0.0f, kPositive);
+    map.finish();
+    if (!options.buildMeshes) return {};
+    const auto path = findMeshFile(reference, folder);
+    if (!path) raise(map.context(), fileNode, path.error());
+    auto imported = importMesh(*path, import);
+    if (!imported) raise(map.context(), fileNode, imported.error());
+    if (imported->mesh.triangleCount() > kMostTrianglesPerMesh) requireTriangles(map, imported->mesh.triangleCount());
+    if (imported->droppedTriangles > 0)
+        notes.push_back("mesh '" + name + "': dropped " + std::to_string(imported->droppedTriangles) +
+                        " zero-area triangles of " + path->string());
+    return std::move(imported->mesh);
+}
+
+} // namespace
+
+Mesh readMesh(const ReadContext& context, const std::string& name, const YamlNode& node,
+              const std::filesystem::path& folder, const SceneFileOptions& options, std::vector<std::string>& notes)
+{
+    MapReader map(context, node, "a mesh");
+    Mesh mesh;
+    if (const YamlNode* file = map.find("file")) {
+        mesh = readFile(map, *file, name, folder, options, notes);
+    } else {
+        // "NAME: {torus: {...}}": one key, the shape; its value may be left empty for all defaults.
+        const ShapeReader* chosen = nullptr;
+        for (const ShapeReader& shape : kShapes)
+            if (map.has(shape.key) && chosen == nullptr) chosen = &shape;
+        map.finish();
+        if (chosen == nullptr || node.children.size() != 2)
+            raise(context, node, "a mesh must have exactly one of 'file' or a shape");
+        YamlNode settings = *map.find(chosen->key);
+        if (settings.kind == YamlNode::Kind::Null) settings.kind = YamlNode::Kind::Map;
+        MapReader shape(context, settings, std::string(chosen->key));
+        mesh = chosen->read(shape, options);
+    }
+    mesh.name = name;
+    return mesh;
+}
+
+} // namespace gnomon::demo
