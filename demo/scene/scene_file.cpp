@@ -170,7 +170,10 @@ void readInstance(ReadContext context, const YamlNode& node, Scene& scene)
 
     for (size_t i = 0; i < offsets.size(); ++i) {
         Instance copy = instance;
-        if (offsets.size() > 1) copy.name += "." + std::to_string(i);
+        if (offsets.size() > 1) {
+            copy.name += '.';
+            copy.name += std::to_string(i);
+        }
         copy.pose.position += offsets[i];
         for (PoseKey& key : copy.keys)
             key.pose.position += offsets[i];
