@@ -1,0 +1,39 @@
+#pragma once
+// The depth map of a directional or spot light: declared once per light and resolution, whoever asks (shadow_map,
+// pcf_hybrid), and kept for as long as light and casters stand still.
+#include <cstdint>
+
+#include "runtime/algorithm.hpp"
+#include "runtime/scene/light_fit.hpp"
+
+namespace gnomon {
+
+inline constexpr VkFormat kMapFormat = VK_FORMAT_D32_SFLOAT;
+
+/// Pipelines that draw casters into depth maps through a 4x4 matrix. Equal descriptions are one pipeline, so every
+/// algorithm may hold a copy.
+struct DepthMapPipelines {
+    PipelineId casters;
+};
+DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services);
+
+/// A map as declared in this frame.
+///
+/// Depth is DepthKind::clip of `fit`, 0 near to 1 far; texels without a caster hold 1. Closed casters appear with the
+/// faces turned away from the light, open ones with both and a slope-scaled bias (runtime/scene/bias.hpp). A receiver
+/// outside the sides is lit by every caster; one beyond the far end compares as depth 1.
+struct DepthMap {
+    ImageId image;                 ///< kMapFormat, one layer, resolution x resolution.
+    const LightFit* fit = nullptr; ///< Lives as long as the frame.
+    std::uint32_t resolution = 0;
+};
+
+/// Declares what is missing of the map: nothing if light, casters and resolution are those of the content kept.
+/// The light is directional or spot.
+DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
+                         std::uint32_t resolution);
+
+/// Device bytes of one map, a kept copy of the static casters included.
+VkDeviceSize depthMapMemory(std::uint32_t resolution, std::uint32_t layers = 1);
+
+} // namespace gnomon

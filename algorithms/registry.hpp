@@ -1,0 +1,11 @@
+#pragma once
+#include <span>
+
+#include "runtime/algorithm.hpp"
+
+namespace gnomon {
+
+/// Every algorithm of this build, in the order that breaks ties.
+std::span<const AlgorithmEntry* const> builtinAlgorithms();
+
+} // namespace gnomon
