@@ -32,6 +32,9 @@ struct Diagnostic {
     std::string message;
 };
 
+/// 'text', as names appear in messages.
+std::string quoted(std::string_view text);
+
 /// "file:line:column: error L01: message", the form compilers use and editors jump to.
 std::string toText(const Diagnostic& diagnostic);
 

@@ -33,6 +33,14 @@ std::string shortestText(double value)
     return std::string(buffer.data(), result.ptr);
 }
 
+std::string quoted(std::string_view text)
+{
+    std::string result(1, '\'');
+    result += text;
+    result += '\'';
+    return result;
+}
+
 std::string toText(const Diagnostic& diagnostic)
 {
     std::string text = diagnostic.file;

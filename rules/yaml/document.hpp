@@ -1,0 +1,95 @@
+#pragma once
+
+/// A YAML text as a tree in which everything knows where it stands, read strictly: one document, UTF-8, no anchors,
+/// aliases or tags, no key twice. Nothing is converted; scalars stay text until somebody asks for a number, and numbers
+/// are read the same way in every locale. document.cpp is the only file that sees yaml-cpp.
+///
+/// The rule reader is built on it, and any other file format of ours may be.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rules/engine/diagnostic.hpp"
+
+namespace gnomon::yaml {
+
+using rules::DiagnosticSink;
+using rules::SourceSpot;
+
+/// What a text from an untrusted place may cost us.
+struct Limits {
+    std::size_t bytes = std::size_t(1) << 20;
+    std::size_t depth = 32;
+    std::size_t nodes = 200'000;
+};
+
+struct Entry;
+
+struct Node {
+    enum class Kind : uint8_t { Null, Scalar, Sequence, Map };
+
+    Kind kind = Kind::Null;
+    bool plain = true;          ///< Scalar without quotes; only such a one may be a number.
+    SourceSpot at;              ///< First character; of a quoted scalar its quote.
+    std::string text;           ///< Kind::Scalar.
+    std::vector<Node> items;    ///< Kind::Sequence.
+    std::vector<Entry> entries; ///< Kind::Map, in file order.
+
+    /// The value of a key, or null where this is no map or has no such key.
+    const Node* find(std::string_view key) const noexcept;
+};
+
+struct Entry {
+    std::string key;
+    SourceSpot keyAt;
+    Node value;
+};
+
+struct Document {
+    Node root;
+    std::string source;
+
+    /// Where the byte `offset` of a scalar's text stands in the file, through quotes, escapes and folded lines.
+    SourceSpot spotInside(const Node& scalar, std::size_t offset) const;
+};
+
+/// Reads a text. On an error reports R01 (not YAML, not UTF-8), R02 (anchor, alias, tag), R03 (key twice) or R07
+/// (limit) and returns nothing. No exception but std::bad_alloc leaves it.
+std::optional<Document> parse(std::string_view text, const Limits& limits, DiagnosticSink& sink);
+
+/// A plain scalar as a number; `.inf`, `+.inf` and `-.inf` are the infinities.
+std::optional<double> numberOf(const Node& node) noexcept;
+
+/// "a number", "a list", ...: what a node is, for messages.
+std::string_view kindText(const Node& node) noexcept;
+
+/// Reads a map key by key and reports what it did not expect. Error ids: R04 for shape, R05 for values.
+class MapReader {
+public:
+    /// A node that is not a map is reported and read as an empty one.
+    MapReader(const Node& node, std::string_view what, DiagnosticSink& sink);
+
+    /// Null where the key is missing; `required` reports that.
+    const Node* optional(std::string_view key);
+    const Node* required(std::string_view key);
+
+    /// Each leaves `out` alone where the key is missing, and reports a value of the wrong kind or out of range.
+    void text(std::string_view key, std::string& out);
+    void number(std::string_view key, double low, double high, double& out);
+    void count(std::string_view key, uint32_t high, uint32_t& out);
+
+    /// Reports R04 for every key that was not asked for. Call last.
+    void finish();
+
+private:
+    const Node& node_;
+    std::string what_;
+    DiagnosticSink& sink_;
+    std::vector<std::string_view> asked_;
+};
+
+} // namespace gnomon::yaml

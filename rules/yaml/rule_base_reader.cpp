@@ -1,0 +1,283 @@
+#include "rules/yaml/rule_base_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "rules/engine/number_text.hpp"
+#include "rules/engine/sentence.hpp"
+#include "rules/yaml/document.hpp"
+
+namespace gnomon::rules {
+namespace {
+
+using yaml::MapReader;
+using yaml::Node;
+
+constexpr uint32_t kFrameLimit = 1'000'000; ///< Of counts of frames: hours, not overflow.
+constexpr double kMillisecondLimit = 1e6;
+
+std::string quoted(std::string_view text)
+{
+    return "'" + std::string(text) + "'";
+}
+
+uint64_t fnv1a(std::string_view text) noexcept
+{
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (const char c : text)
+        hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+    return hash;
+}
+
+class Reader {
+public:
+    Reader(const yaml::Document& document, DiagnosticSink& sink) : document_(document), sink_(sink) {}
+
+    RuleBase read()
+    {
+        RuleBase base;
+        base.suitability = defaultSuitability();
+        MapReader map(document_.root, "a rule base", sink_);
+        if (const Node* version = map.required("version"); version && yaml::numberOf(*version) != 1.0)
+            sink_.error("R05", version->at, "this reader knows version 1 only");
+        map.text("name", base.name);
+        if (const Node* node = map.optional("options")) readOptions(*node, base.options);
+        if (const Node* node = map.required("variables")) readVariables(*node, base.variables);
+        if (const Node* node = map.optional("suitability"))
+            readVariable("suitability", node->at, *node, base.suitability);
+        if (const Node* node = map.required("rules")) readRules(*node, base.rules);
+        if (const Node* node = map.optional("otherwise")) readOtherwise(*node, base);
+        if (const Node* node = map.optional("policy")) readPolicy(*node, base.policy);
+        if (const Node* node = map.optional("tuned")) readTuned(*node);
+        map.finish();
+        return base;
+    }
+
+private:
+    /// A text that must be one of a few words; returns its position, or `unchanged` with a report.
+    std::size_t word(MapReader& map, std::string_view key, std::initializer_list<std::string_view> words,
+                     std::size_t unchanged)
+    {
+        std::string text;
+        map.text(key, text);
+        const Node* node = map.optional(key);
+        if (!node || node->kind != Node::Kind::Scalar) return unchanged;
+        const auto found = std::find(words.begin(), words.end(), text);
+        if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
+        std::string message = quoted(key) + " must be one of";
+        for (const std::string_view choice : words)
+            message += " " + std::string(choice);
+        sink_.error("R05", node->at, message);
+        return unchanged;
+    }
+
+    void readOptions(const Node& node, Options& options)
+    {
+        MapReader map(node, "options", sink_);
+        options.conjunction = static_cast<Options::And>(word(map, "and", {"min", "product"}, 0));
+        word(map, "or", {"max"}, 0);
+        options.aggregation = static_cast<Options::Aggregation>(word(map, "aggregation", {"max", "sum"}, 0));
+        options.allocation = static_cast<Options::Allocation>(word(map, "allocation", {"none", "budget"}, 0));
+        map.number("minimumStrength", 0.0, 0.99, options.minimumStrength);
+        map.number("vetoAt", 0.01, 1.0, options.vetoAt);
+        if (const Node* defuzzifier = map.optional("defuzzifier")) readDefuzzifier(*defuzzifier, options);
+        map.finish();
+    }
+
+    void readDefuzzifier(const Node& node, Options& options)
+    {
+        constexpr std::string_view kSampled = "sampled(";
+        constexpr double kFewest = 2, kMost = 100'000;
+        if (node.text == "centroid") return;
+        std::string_view text = node.text;
+        if (text.starts_with(kSampled) && text.ends_with(')')) {
+            text = text.substr(kSampled.size(), text.size() - kSampled.size() - 1);
+            const std::optional<double> samples = parseNumber(text);
+            if (samples && *samples >= kFewest && *samples <= kMost && *samples == static_cast<uint32_t>(*samples)) {
+                options.samples = static_cast<uint32_t>(*samples);
+                return;
+            }
+        }
+        sink_.error("R05", node.at, "'defuzzifier' must be centroid or sampled(2 to 100000)");
+    }
+
+    void readVariables(const Node& node, std::vector<Variable>& variables)
+    {
+        if (node.kind != Node::Kind::Map) {
+            sink_.error("R04", node.at, "'variables' must be a map, found " + std::string(kindText(node)));
+            return;
+        }
+        for (const yaml::Entry& entry : node.entries) {
+            Variable made;
+            readVariable(entry.key, entry.keyAt, entry.value, made);
+            variables.push_back(std::move(made));
+        }
+    }
+
+    void readVariable(const std::string& name, SourceSpot at, const Node& node, Variable& variable)
+    {
+        variable.name = name;
+        variable.at = at;
+        MapReader map(node, "variable " + quoted(name), sink_);
+        if (const Node* universe = map.required("universe")) {
+            std::array<double, 2> ends = {};
+            if (readNumbers(*universe, "a universe", ends)) {
+                variable.low = ends[0];
+                variable.high = ends[1];
+            }
+        }
+        map.text("unit", variable.unit);
+        if (const Node* terms = map.required("terms")) readTerms(*terms, variable.terms);
+        map.finish();
+    }
+
+    void readTerms(const Node& node, std::vector<Term>& terms)
+    {
+        terms.clear();
+        if (node.kind != Node::Kind::Map)
+            sink_.error("R04", node.at,
+                        "'terms' must be a map of name: [a, b, c, d], found " + std::string(kindText(node)));
+        for (const yaml::Entry& entry : node.entries) {
+            std::array<double, 4> corners = {};
+            if (readNumbers(entry.value, "a term", corners))
+                terms.push_back({entry.key, {corners[0], corners[1], corners[2], corners[3]}, entry.keyAt});
+        }
+    }
+
+    template <std::size_t Count>
+    bool readNumbers(const Node& node, std::string_view what, std::array<double, Count>& out)
+    {
+        if (node.kind != Node::Kind::Sequence || node.items.size() != Count) {
+            sink_.error("R04", node.at, std::string(what) + " is a list of " + std::to_string(Count) + " numbers");
+            return false;
+        }
+        for (std::size_t i = 0; i < Count; ++i) {
+            const std::optional<double> value = yaml::numberOf(node.items[i]);
+            if (!value) {
+                sink_.error("R05", node.items[i].at,
+                            "not a number: " + (node.items[i].text.empty() ? std::string(kindText(node.items[i]))
+                                                                           : quoted(node.items[i].text)));
+                return false;
+            }
+            out[i] = *value;
+        }
+        return true;
+    }
+
+    /// Hands a scalar to the sentence parser together with the way back to the file.
+    template <typename Parse>
+    bool readSentence(const Node& node, Parse&& parse)
+    {
+        if (node.kind != Node::Kind::Scalar) {
+            sink_.error("R04", node.at, "a sentence must be a text, found " + std::string(kindText(node)));
+            return false;
+        }
+        return parse(SentenceText{node.text, [&](std::size_t offset) { return document_.spotInside(node, offset); }});
+    }
+
+    void readRules(const Node& node, std::vector<Rule>& rules)
+    {
+        if (node.kind != Node::Kind::Sequence) {
+            sink_.error("R04", node.at, "'rules' must be a list, found " + std::string(kindText(node)));
+            return;
+        }
+        if (node.items.size() > kMaxRules) {
+            sink_.error("R07", node.items[kMaxRules].at, "more than " + std::to_string(kMaxRules) + " rules");
+            return;
+        }
+        for (const Node& item : node.items) {
+            Rule made;
+            made.at = item.at;
+            MapReader map(item, "a rule", sink_);
+            map.text("id", made.id);
+            if (made.id.empty()) made.id = std::to_string(rules.size() + 1);
+            map.text("because", made.because);
+            const Node* sentence = map.required("rule");
+            map.finish();
+            if (sentence && readSentence(*sentence, [&](const SentenceText& s) { return parseRule(s, made, sink_); }))
+                rules.push_back(std::move(made));
+        }
+    }
+
+    void readOtherwise(const Node& node, RuleBase& base)
+    {
+        Rule made;
+        made.id = "otherwise";
+        if (readSentence(node, [&](const SentenceText& s) { return parseOtherwise(s, made, sink_); }))
+            base.otherwise = std::move(made);
+    }
+
+    void readPolicy(const Node& node, Policy& policy)
+    {
+        MapReader map(node, "policy", sink_);
+        if (const Node* budget = map.optional("budget")) readBudget(*budget, policy.budget);
+        if (const Node* floor = map.optional("floor")) {
+            MapReader part(*floor, "floor", sink_);
+            if (const Node* when = part.required("when"))
+                readSentence(*when, [&](const SentenceText& s) { return parseCondition(s, policy.floor.when, sink_); });
+            part.number("minimumQuality", 0.0, 1.0, policy.floor.minimumQuality);
+            part.number("atStrength", 0.01, 1.0, policy.floor.atStrength);
+            part.finish();
+        }
+        if (const Node* hysteresis = map.optional("hysteresis")) {
+            MapReader part(*hysteresis, "hysteresis", sink_);
+            part.number("planGain", 0.0, 1.0, policy.hysteresis.planGain);
+            part.count("upgradesPerFrame", kFrameLimit, policy.hysteresis.upgradesPerFrame);
+            part.count("flipWindowFrames", kFrameLimit, policy.hysteresis.flipWindowFrames);
+            part.count("flipBanFrames", kFrameLimit, policy.hysteresis.flipBanFrames);
+            part.finish();
+        }
+        if (const Node* probing = map.optional("probing")) {
+            MapReader part(*probing, "probing", sink_);
+            part.count("everyFrames", kFrameLimit, policy.probing.everyFrames);
+            part.number("sigma", 0.0, 10.0, policy.probing.sigma);
+            part.finish();
+        }
+        map.finish();
+    }
+
+    void readBudget(const Node& node, Policy::Budget& budget)
+    {
+        if (node.kind == Node::Kind::Scalar && node.text == "auto") {
+            budget.automatic = true;
+            return;
+        }
+        MapReader part(node, "budget", sink_);
+        part.number("targetFrameMs", 0.01, kMillisecondLimit, budget.targetFrameMs);
+        part.number("shadowCapMs", 0.0, kMillisecondLimit, budget.shadowCapMs);
+        part.number("headroom", 0.0, 0.99, budget.headroom);
+        part.finish();
+    }
+
+    /// Written by a tuner for people to read; checked for shape only.
+    void readTuned(const Node& node)
+    {
+        MapReader map(node, "tuned", sink_);
+        std::string ignored;
+        for (const std::string_view key : {"by", "from", "hash"})
+            map.text(key, ignored);
+        map.finish();
+    }
+
+    const yaml::Document& document_;
+    DiagnosticSink& sink_;
+};
+
+} // namespace
+
+ParseResult parseRuleBase(std::string_view text, std::string_view fileName)
+{
+    ParseResult result;
+    DiagnosticSink sink(fileName);
+    if (const std::optional<yaml::Document> document = yaml::parse(text, {}, sink)) {
+        RuleBase base = Reader(*document, sink).read();
+        base.file = std::string(fileName);
+        base.textHash = fnv1a(text);
+        if (sink.errorCount() == 0 && validate(base, sink)) result.base = std::move(base);
+    }
+    result.diagnostics = sink.take();
+    return result;
+}
+
+} // namespace gnomon::rules

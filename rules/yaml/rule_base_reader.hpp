@@ -1,0 +1,25 @@
+#pragma once
+
+/// Rule bases from YAML text. The format is described in rules/README.md.
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "rules/engine/diagnostic.hpp"
+#include "rules/engine/rule_base.hpp"
+
+namespace gnomon::rules {
+
+struct ParseResult {
+    std::optional<RuleBase> base; ///< Empty when there was an error: a base is never half read.
+    std::vector<Diagnostic> diagnostics;
+
+    explicit operator bool() const noexcept { return base.has_value(); }
+};
+
+/// Reads one rule base. `fileName` appears in diagnostics only; nothing is opened. All errors of a text are reported at
+/// once as far as possible. Safe on any input; no exception but std::bad_alloc leaves it.
+ParseResult parseRuleBase(std::string_view text, std::string_view fileName);
+
+} // namespace gnomon::rules
