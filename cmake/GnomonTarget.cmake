@@ -3,7 +3,8 @@
 add_library(gnomon_flags INTERFACE)
 target_compile_features(gnomon_flags INTERFACE cxx_std_20)
 target_compile_options(gnomon_flags INTERFACE
-    -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor>
+    -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wno-missing-field-initializers # Vulkan structs: what is not named is zero
+    $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor>
     -ffp-contract=off
     $<$<BOOL:${GNOMON_WARNINGS_AS_ERRORS}>:-Werror>)
 target_compile_definitions(gnomon_flags INTERFACE

@@ -119,6 +119,7 @@ public:
 
 private:
     friend class PassBuilder;
+    friend class PassGraph;
     using BodyFn = void (*)(void* self, PassContext* gpu, HostContext* host);
     explicit PassRef(PassGraph& graph) : graph_(graph) {}
     void finish(BodyFn fn, const void* body, std::size_t size, std::size_t alignment);

@@ -1,0 +1,34 @@
+#pragma once
+// Barriers follow from declared accesses; nobody writes one by hand.
+#include <vector>
+
+#include "runtime/passes/resources.hpp"
+#include "runtime/vk/device_table.hpp"
+
+namespace gnomon {
+
+struct AccessTraits;
+
+/// Collects what a wave of passes needs and records it as one vkCmdPipelineBarrier2.
+class BarrierBatch {
+public:
+    explicit BarrierBatch(const DeviceTable& vk) : vk_(vk) {}
+
+    /// The layers will be used as `use` says; their state is brought up to date.
+    void image(PooledImage& image, std::uint32_t layer, std::uint32_t layerCount, const AccessTraits& use);
+    void buffer(PooledBuffer& buffer, const AccessTraits& use);
+    /// What the GPU wrote in readback buffers becomes visible to the CPU.
+    void toHost();
+    /// Everything before ends before anything after begins: timed frames.
+    void full(VkCommandBuffer cmd);
+    void record(VkCommandBuffer cmd);
+
+private:
+    void add(PooledImage& image, std::uint32_t layer, const SyncState& old, const AccessTraits& use,
+             VkPipelineStageFlags2 source);
+    const DeviceTable& vk_;
+    std::vector<VkImageMemoryBarrier2> images_;
+    VkMemoryBarrier2 memory_{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+};
+
+} // namespace gnomon

@@ -1,0 +1,274 @@
+#include "runtime/passes/pass_builder.hpp"
+
+#include "runtime/passes/pass_context.hpp"
+#include "runtime/passes/pass_graph.hpp"
+
+namespace gnomon {
+
+namespace {
+
+AccessKind readOf(PassKind kind)
+{
+    switch (kind) {
+    case PassKind::transfer: return AccessKind::copySource;
+    case PassKind::prepare:
+    case PassKind::host: return AccessKind::hostRead;
+    default: return AccessKind::storageRead;
+    }
+}
+
+AccessKind writeOf(PassKind kind, bool image, bool blend)
+{
+    switch (kind) {
+    case PassKind::raster: return !image ? AccessKind::storageWrite : blend ? AccessKind::colorBlend : AccessKind::color;
+    case PassKind::transfer: return AccessKind::copyTarget;
+    case PassKind::prepare:
+    case PassKind::host: return AccessKind::hostWrite;
+    case PassKind::compute: break;
+    }
+    return AccessKind::storageWrite;
+}
+
+} // namespace
+
+PassRef& PassRef::samples(ImageId image, Part part)
+{
+    graph_.add(image.index, true, AccessKind::sampled, part);
+    return *this;
+}
+PassRef& PassRef::writes(ImageId image, Part part)
+{
+    graph_.add(image.index, true, writeOf(graph_.pending_.kind, true, part.blend), part);
+    return *this;
+}
+PassRef& PassRef::updates(ImageId image, Part part)
+{
+    graph_.add(image.index, true, AccessKind::storageUpdate, part);
+    return *this;
+}
+PassRef& PassRef::copies(ImageId image, Part part)
+{
+    graph_.add(image.index, true, AccessKind::copySource, part);
+    return *this;
+}
+PassRef& PassRef::depthTest(ImageId image, Part part)
+{
+    graph_.add(image.index, true, AccessKind::depthTest, part);
+    return *this;
+}
+PassRef& PassRef::depthWrite(ImageId image, Part part)
+{
+    graph_.add(image.index, true, AccessKind::depthWrite, part);
+    return *this;
+}
+PassRef& PassRef::stencilTest(ImageId image, Part part)
+{
+    graph_.add(image.index, true, AccessKind::stencilTest, part);
+    return *this;
+}
+PassRef& PassRef::stencilWrite(ImageId image, Part part)
+{
+    graph_.add(image.index, true, AccessKind::stencilWrite, part);
+    return *this;
+}
+PassRef& PassRef::reads(BufferId buffer)
+{
+    graph_.add(buffer.index, false, readOf(graph_.pending_.kind), {});
+    return *this;
+}
+PassRef& PassRef::writes(BufferId buffer)
+{
+    graph_.add(buffer.index, false, writeOf(graph_.pending_.kind, false, false), {});
+    return *this;
+}
+PassRef& PassRef::updates(BufferId buffer)
+{
+    const bool cpu = graph_.pending_.kind == PassKind::prepare || graph_.pending_.kind == PassKind::host;
+    graph_.add(buffer.index, false, cpu ? AccessKind::hostWrite : AccessKind::storageUpdate, {});
+    return *this;
+}
+PassRef& PassRef::vertices(BufferId buffer)
+{
+    graph_.add(buffer.index, false, AccessKind::vertex, {});
+    return *this;
+}
+PassRef& PassRef::indices(BufferId buffer)
+{
+    graph_.add(buffer.index, false, AccessKind::index, {});
+    return *this;
+}
+PassRef& PassRef::indirect(BufferId buffer)
+{
+    graph_.add(buffer.index, false, AccessKind::indirect, {});
+    return *this;
+}
+PassRef& PassRef::area(Rect rect)
+{
+    graph_.pending_.area = rect;
+    return *this;
+}
+void PassRef::finish(BodyFn fn, const void* body, std::size_t size, std::size_t alignment)
+{
+    graph_.close(fn, body, size, alignment);
+}
+
+PassRef PassBuilder::raster(const char* name, Scope scope, std::uint32_t variant)
+{
+    return graph_.open(PassKind::raster, name, scope, variant);
+}
+PassRef PassBuilder::compute(const char* name, Scope scope, std::uint32_t variant)
+{
+    return graph_.open(PassKind::compute, name, scope, variant);
+}
+PassRef PassBuilder::transfer(const char* name, Scope scope, std::uint32_t variant)
+{
+    return graph_.open(PassKind::transfer, name, scope, variant);
+}
+PassRef PassBuilder::prepare(const char* name, Scope scope, std::uint32_t variant)
+{
+    return graph_.open(PassKind::prepare, name, scope, variant);
+}
+PassRef PassBuilder::host(const char* name, Scope scope, std::uint32_t variant)
+{
+    return graph_.open(PassKind::host, name, scope, variant);
+}
+
+namespace {
+// Salts: a transient and a persistent resource of one name are two things.
+constexpr std::uint64_t kTransientImage = 0x1, kPersistentImage = 0x2, kTransientBuffer = 0x3, kPersistentBuffer = 0x4;
+} // namespace
+
+ImageId PassBuilder::transient(const ImageInfo& info)
+{
+    const std::uint64_t key = graph_.key(info.scope, info.name, info.variant, kTransientImage);
+    if (const std::uint32_t found = graph_.find(key); found != UINT32_MAX) return {found};
+    auto image = graph_.pool_.transientImage(key, info);
+    if (!image) {
+        graph_.fail(image.error());
+        return {};
+    }
+    const ImageId id = graph_.addImage(**image, info.name);
+    graph_.store(key, id.index);
+    return id;
+}
+
+ImageId PassBuilder::persistent(const ImageInfo& info)
+{
+    const std::uint64_t key = graph_.key(info.scope, info.name, info.variant, kPersistentImage);
+    if (const std::uint32_t found = graph_.find(key); found != UINT32_MAX) return {found};
+    auto image = graph_.pool_.persistentImage(key, info);
+    if (!image) {
+        graph_.fail(image.error());
+        return {};
+    }
+    const ImageId id = graph_.addImage(**image, info.name);
+    graph_.store(key, id.index);
+    return id;
+}
+
+BufferId PassBuilder::transient(const BufferInfo& info)
+{
+    const std::uint64_t key = graph_.key(info.scope, info.name, info.variant, kTransientBuffer);
+    if (const std::uint32_t found = graph_.find(key); found != UINT32_MAX) return {found};
+    auto buffer = graph_.pool_.transientBuffer(key, info);
+    if (!buffer) {
+        graph_.fail(buffer.error());
+        return {};
+    }
+    graph_.buffers_.push_back({.key = key, .pooled = *buffer, .ring = nullptr, .info = info, .newest = UINT32_MAX});
+    const std::uint32_t index = static_cast<std::uint32_t>(graph_.buffers_.size() - 1);
+    graph_.store(key, index);
+    return {index};
+}
+
+BufferId PassBuilder::persistent(const BufferInfo& info)
+{
+    const std::uint64_t key = graph_.key(info.scope, info.name, info.variant, kPersistentBuffer);
+    if (const std::uint32_t found = graph_.find(key); found != UINT32_MAX) return {found};
+    auto ring = graph_.pool_.persistentBuffer(key, info);
+    if (!ring) {
+        graph_.fail(ring.error());
+        return {};
+    }
+    graph_.buffers_.push_back(
+        {.key = key, .pooled = (*ring)->current, .ring = *ring, .info = info, .newest = UINT32_MAX});
+    const std::uint32_t index = static_cast<std::uint32_t>(graph_.buffers_.size() - 1);
+    graph_.store(key, index);
+    return {index};
+}
+
+bool PassBuilder::stale(ImageId image, std::uint64_t stamp)
+{
+    if (!image) return true;
+    KeptState& kept = graph_.images_[image.index].pooled->kept;
+    if (kept.askedFrame == graph_.pool_.frame()) return kept.answer;
+    kept.askedFrame = graph_.pool_.frame();
+    kept.answer = kept.stamp != stamp;
+    kept.stamp = stamp;
+    return kept.answer;
+}
+
+bool PassBuilder::stale(BufferId buffer, std::uint64_t stamp)
+{
+    if (!buffer) return true;
+    FrameBuffer& entry = graph_.buffers_[buffer.index];
+    KeptState& kept = entry.pooled->kept;
+    if (kept.askedFrame == graph_.pool_.frame()) return kept.answer;
+    if (kept.stamp == stamp) {
+        kept.askedFrame = graph_.pool_.frame();
+        kept.answer = false;
+        return false;
+    }
+    // Fresh memory if anything in flight may still read the old content.
+    if (entry.pooled->place != BufferPlace::device) {
+        if (auto renewed = graph_.pool_.renew(*entry.ring, entry.info); !renewed) {
+            graph_.fail(renewed.error());
+            return true;
+        }
+        entry.pooled = entry.ring->current;
+    }
+    KeptState& fresh = entry.pooled->kept;
+    fresh.askedFrame = graph_.pool_.frame();
+    fresh.answer = true;
+    fresh.stamp = stamp;
+    return true;
+}
+
+void PassBuilder::kept(std::uint32_t count) { graph_.taskKept_ += count; }
+
+FrameArena& PassBuilder::arena() { return graph_.arena_; }
+
+BufferId PassGraph::hostCopy(ImageId image, const char* name, VkDeviceSize texelSize)
+{
+    PassBuilder builder(*this);
+    const VkExtent2D extent = this->image(image).gpu.extent;
+    const BufferId buffer = builder.transient(BufferInfo{.name = name,
+                                                         .scope = Scope::view,
+                                                         .size = texelSize * extent.width * extent.height,
+                                                         .place = BufferPlace::readback});
+    const VkImageAspectFlags aspect = aspectsOf(this->image(image).gpu.format) & ~VK_IMAGE_ASPECT_STENCIL_BIT;
+    builder.transfer(name, Scope::view).copies(image).writes(buffer).record([=](PassContext& gpu) {
+        const VkBufferImageCopy2 region{.sType = VK_STRUCTURE_TYPE_BUFFER_IMAGE_COPY_2,
+                                        .imageSubresource = {aspect, 0, 0, 1},
+                                        .imageExtent = {extent.width, extent.height, 1}};
+        const VkCopyImageToBufferInfo2 info{.sType = VK_STRUCTURE_TYPE_COPY_IMAGE_TO_BUFFER_INFO_2,
+                                            .srcImage = gpu.image(image),
+                                            .srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                            .dstBuffer = gpu.buffer(buffer),
+                                            .regionCount = 1,
+                                            .pRegions = &region};
+        gpu.vk->vkCmdCopyImageToBuffer2(gpu.cmd, &info);
+    });
+    return buffer;
+}
+
+BufferId PassBuilder::depthOnHost() { return graph_.hostCopy(graph_.depth_, "view.depth_readback", sizeof(float)); }
+
+BufferId PassBuilder::normalsOnHost()
+{
+    if (!graph_.normals_) return {};
+    const VkFormat format = graph_.image(graph_.normals_).gpu.format;
+    return graph_.hostCopy(graph_.normals_, "view.normals_readback", format == VK_FORMAT_R32G32B32A32_SFLOAT ? 16 : 8);
+}
+
+} // namespace gnomon

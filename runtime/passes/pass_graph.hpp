@@ -1,0 +1,167 @@
+#pragma once
+// The frame's passes and resources as declared, and their order: levels (GPU-CPU-GPU round trips) and waves (passes
+// that need no barrier between them).
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "runtime/passes/pass_builder.hpp"
+#include "runtime/passes/resources.hpp"
+
+namespace gnomon {
+
+enum class AccessKind : std::uint8_t {
+    sampled,
+    storageRead,
+    storageWrite,
+    storageUpdate,
+    color,
+    colorBlend,
+    depthTest,
+    depthWrite,
+    stencilTest,
+    stencilWrite,
+    copySource,
+    copyTarget,
+    vertex,
+    index,
+    indirect,
+    hostRead,
+    hostWrite,
+};
+
+/// Layout, stages and access bits of an access.
+struct AccessTraits {
+    VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED; ///< Images.
+    VkPipelineStageFlags2 stages = 0;
+    VkAccessFlags2 access = 0;
+    bool write = false;
+};
+AccessTraits accessTraits(AccessKind kind, PassKind pass);
+
+struct Access {
+    std::uint32_t resource = 0; ///< Into images() or buffers().
+    bool isImage = false;
+    AccessKind kind = AccessKind::sampled;
+    Part part;                  ///< layerCount resolved to a number.
+    std::uint32_t next = UINT32_MAX; ///< Older access to the same resource.
+    std::uint32_t pass = 0;
+};
+
+/// Whose pass it is: what the timings and the log say.
+struct PassOwner {
+    std::uint32_t view = UINT32_MAX;  ///< Index into the frame's views; max: none.
+    std::uint32_t light = UINT32_MAX; ///< LightView::id; max: none.
+    std::uint32_t method = UINT32_MAX;
+};
+
+struct Pass {
+    const char* name = "";
+    PassKind kind = PassKind::raster;
+    PassOwner owner;
+    std::uint32_t firstAccess = 0, accessCount = 0;
+    Rect area{};
+    void (*fn)(void* self, PassContext* gpu, HostContext* host) = nullptr;
+    void* body = nullptr;
+    std::uint32_t level = 0;
+    std::uint32_t wave = 0;  ///< Within the level, among passes of its side (GPU or CPU).
+    float cpuMs = 0.0f;      ///< Host and prepare passes, once run.
+};
+
+struct FrameImage {
+    std::uint64_t key = 0;
+    PooledImage* pooled = nullptr;
+    const char* name = "";
+    std::uint32_t newest = UINT32_MAX; ///< Newest access.
+};
+struct FrameBuffer {
+    std::uint64_t key = 0;
+    PooledBuffer* pooled = nullptr;
+    BufferRing* ring = nullptr; ///< Persistent ones.
+    BufferInfo info;
+    std::uint32_t newest = UINT32_MAX;
+};
+
+/// Filled by PassBuilder, read by PassExecutor. Reused from frame to frame: a steady frame allocates nothing.
+class PassGraph {
+public:
+    PassGraph(ResourcePool& pool, FrameArena& arena) : pool_(pool), arena_(arena) {}
+
+    void reset();
+
+    /// Passes declared from now on belong to this task.
+    void beginTask(const PassOwner& owner, const CameraView* view, ImageId depth, ImageId normals);
+    /// Why a resource of the task could not be made; the task's passes are then taken back.
+    std::optional<Error> endTask();
+
+    ImageId addImage(PooledImage& image, const char* name);
+
+    std::span<Pass> passes() { return passes_; }
+    std::span<const Pass> passes() const { return passes_; }
+    std::span<const Access> accesses(const Pass& pass) const
+    {
+        return std::span<const Access>(accesses_).subspan(pass.firstAccess, pass.accessCount);
+    }
+    PooledImage& image(ImageId id) const { return *images_[id.index].pooled; }
+    PooledImage& imageAt(std::uint32_t index) const { return *images_[index].pooled; }
+    PooledBuffer& buffer(BufferId id) const { return *buffers_[id.index].pooled; }
+    PooledBuffer& bufferAt(std::uint32_t index) const { return *buffers_[index].pooled; }
+
+    /// Indices into passes(), ordered by level, side (prepare, GPU, host) and wave; valid until the next declaration.
+    std::span<const std::uint32_t> order();
+    std::uint32_t levels() const { return levels_; }
+    std::uint32_t keptPasses() const { return kept_; }
+    /// Passes declared from now on come at this level or later (declared by host passes).
+    void setFloorLevel(std::uint32_t level) { floorLevel_ = level; }
+
+    FrameArena& arena() { return arena_; }
+
+private:
+    friend class PassRef;
+    friend class PassBuilder;
+
+    std::uint64_t key(Scope scope, const char* name, std::uint32_t variant, std::uint64_t salt) const;
+    /// Index stored under the key this frame, or max.
+    std::uint32_t find(std::uint64_t key) const;
+    void store(std::uint64_t key, std::uint32_t index);
+    void fail(const Error& error);
+    PassRef open(PassKind kind, const char* name, Scope scope, std::uint32_t variant);
+    void add(std::uint32_t resource, bool isImage, AccessKind kind, const Part& part);
+    void close(void (*fn)(void*, PassContext*, HostContext*), const void* body, std::size_t size,
+               std::size_t alignment);
+    void place(Pass& pass, std::uint32_t index);
+    BufferId hostCopy(ImageId image, const char* name, VkDeviceSize texelSize);
+
+    ResourcePool& pool_;
+    FrameArena& arena_;
+    std::vector<Pass> passes_;
+    std::vector<Access> accesses_;
+    std::vector<FrameImage> images_;
+    std::vector<FrameBuffer> buffers_;
+    std::vector<std::uint32_t> order_;
+    struct Slot {
+        std::uint64_t key = 0;
+        std::uint32_t index = 0;
+        std::uint32_t epoch = 0;
+    };
+    std::vector<Slot> table_ = std::vector<Slot>(1024); ///< Open addressing; entries of other epochs are empty.
+    std::uint32_t epoch_ = 0;
+    std::uint32_t tableUsed_ = 0;
+
+    PassOwner owner_;
+    const CameraView* view_ = nullptr;
+    ImageId depth_, normals_;
+    std::size_t taskFirstPass_ = 0;
+    std::optional<Error> error_;
+
+    Pass pending_;          ///< Under declaration.
+    bool pendingDropped_ = false; ///< Exists already.
+    bool pendingBroken_ = false;  ///< Touches a resource that could not be made.
+    std::uint64_t pendingKey_ = 0;
+    std::uint32_t levels_ = 1;
+    std::uint32_t floorLevel_ = 0;
+    std::uint32_t kept_ = 0, taskKept_ = 0;
+};
+
+} // namespace gnomon

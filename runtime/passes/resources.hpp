@@ -1,0 +1,120 @@
+#pragma once
+// Images and buffers behind the ids of a frame: who owns them, what they hold, what the GPU last did with them.
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "runtime/core/messages.hpp"
+#include "runtime/passes/pass_builder.hpp"
+#include "runtime/vk/memory.hpp"
+
+namespace gnomon {
+
+/// What the queue last did with one layer of an image, or with a buffer.
+struct SyncState {
+    VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
+    VkPipelineStageFlags2 writeStages = 0;   ///< Of the last write.
+    VkAccessFlags2 writeAccess = 0;
+    VkPipelineStageFlags2 readStages = 0;    ///< Reads since the last write.
+    VkPipelineStageFlags2 visibleStages = 0; ///< Where the last write is visible already.
+    VkAccessFlags2 visibleAccess = 0;
+};
+
+/// Content kept from frame to frame, and how to take a withdrawn frame back.
+struct KeptState {
+    std::uint64_t stamp = 0;       ///< 0: nothing worth keeping.
+    std::uint64_t savedStamp = 0;  ///< Before the frame `savedFrame`.
+    std::uint64_t savedFrame = 0;
+    std::uint64_t askedFrame = 0;  ///< stale() was answered in this frame ...
+    bool answer = false;           ///< ... with this.
+    std::uint64_t lastUsed = 0;    ///< Frame.
+};
+
+struct PooledImage {
+    GpuImage gpu;
+    std::vector<SyncState> layers, savedLayers;
+    KeptState kept;
+    bool imported = false; ///< The host's: state starts and ends every frame as the contract says.
+};
+
+struct PooledBuffer {
+    GpuBuffer gpu;
+    SyncState sync, savedSync;
+    KeptState kept;
+    BufferPlace place = BufferPlace::device;
+};
+
+/// Versions of one buffer, so that the CPU never writes what the GPU still reads.
+struct BufferRing {
+    std::vector<std::unique_ptr<PooledBuffer>> versions;
+    PooledBuffer* current = nullptr;
+    PooledBuffer* savedCurrent = nullptr;
+    std::uint64_t savedFrame = 0;
+    std::uint64_t lastUsed = 0;
+};
+
+/// Owns all pooled images and buffers of a context. One thread (the frame's).
+class ResourcePool {
+public:
+    ResourcePool(DeviceMemory& memory, const Messages& messages) : memory_(memory), messages_(messages) {}
+    ~ResourcePool();
+    ResourcePool(const ResourcePool&) = delete;
+    ResourcePool& operator=(const ResourcePool&) = delete;
+
+    /// Starts a frame: frees what waited for `completedFrame` and what was not used for a second (60 frames).
+    void begin(std::uint64_t frame, std::uint64_t completedFrame);
+
+    /// An image of this description that nobody else has in this frame; content undefined.
+    Result<PooledImage*> transientImage(std::uint64_t key, const ImageInfo& info);
+    Result<PooledImage*> persistentImage(std::uint64_t key, const ImageInfo& info);
+    /// Ringed: a version whose last use is completed.
+    Result<PooledBuffer*> transientBuffer(std::uint64_t key, const BufferInfo& info);
+    Result<BufferRing*> persistentBuffer(std::uint64_t key, const BufferInfo& info);
+    /// Moves `ring.current` to a version the GPU has done with.
+    Result<void> renew(BufferRing& ring, const BufferInfo& info);
+
+    /// The host's image for this frame.
+    PooledImage* import(VkImage image, VkImageView view, VkFormat format, VkExtent2D extent);
+    /// An image of ours that lives until it is retired: the visibility of a view.
+    Result<std::unique_ptr<PooledImage>> ownedImage(const ImageCreate& info);
+    void retire(std::unique_ptr<PooledImage> image);
+
+    /// First touch of a resource in a frame remembers its state for withdraw().
+    void touch(PooledImage& image);
+    void touch(PooledBuffer& buffer);
+    void touch(BufferRing& ring);
+    /// The frame begun last will not be submitted: every touched resource is as before it.
+    void withdraw();
+
+    /// Forgets what is kept for a destroyed light or view (by the scope part of keys is not possible: by stamp age).
+    std::uint64_t frame() const noexcept { return frame_; }
+
+private:
+    struct Retired {
+        std::uint64_t frame;
+        GpuImage image;
+        GpuBuffer buffer;
+    };
+    void release(GpuImage& image, std::uint64_t frame);
+    void release(GpuBuffer& buffer, std::uint64_t frame);
+    /// Gives back what this frame does not use, least recently used first, to be free once the GPU is done with it.
+    void evict(VkDeviceSize wanted);
+    Result<std::unique_ptr<PooledImage>> makeImage(const ImageInfo& info);
+    Result<std::unique_ptr<PooledBuffer>> makeBuffer(const BufferInfo& info);
+
+    DeviceMemory& memory_;
+    const Messages& messages_;
+    std::uint64_t frame_ = 0, completed_ = 0;
+    std::unordered_map<std::uint64_t, std::unique_ptr<PooledImage>> images_;     // persistent, by key
+    std::unordered_map<std::uint64_t, BufferRing> buffers_;                      // persistent, by key
+    std::unordered_map<std::uint64_t, BufferRing> transientBuffers_;             // by key
+    std::vector<std::unique_ptr<PooledImage>> transients_;                       // any key, by description
+    std::vector<std::unique_ptr<PooledImage>> imports_;
+    std::vector<PooledImage*> touchedImages_;
+    std::vector<PooledBuffer*> touchedBuffers_;
+    std::vector<BufferRing*> touchedRings_;
+    std::vector<Retired> retired_;
+};
+
+} // namespace gnomon
