@@ -1,0 +1,388 @@
+#include "runtime/rays/ray_scene.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+#include <vector>
+
+#include <embree3/rtcore.h>
+#include <glm/matrix.hpp>
+#include <tbb/task_arena.h>
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+namespace gnomon {
+namespace {
+
+/// Embree's results must not follow the floating-point mode of the host's threads: round to nearest, nothing traps,
+/// denormals flushed (as Embree's manual asks for; a denormal reciprocal direction costs a hundred cycles a box).
+class FloatMode {
+public:
+#if defined(__SSE2__)
+    FloatMode() : saved_(_mm_getcsr())
+    {
+        _mm_setcsr(0x1f80u | 0x8000u | 0x0040u);
+    }
+    ~FloatMode()
+    {
+        _mm_setcsr(saved_);
+    }
+
+private:
+    unsigned saved_;
+#else
+    FloatMode() {}
+    ~FloatMode() {}
+
+public:
+#endif
+    FloatMode(const FloatMode&) = delete;
+    FloatMode& operator=(const FloatMode&) = delete;
+};
+
+/// What Embree took on this thread; trees are built by one thread each.
+thread_local std::ptrdiff_t bytesHere = 0;
+
+bool countBytes(void* total, ssize_t bytes, bool)
+{
+    static_cast<std::atomic<std::ptrdiff_t>*>(total)->fetch_add(bytes, std::memory_order_relaxed);
+    bytesHere += bytes;
+    return true;
+}
+
+/// Commits on the calling thread alone: without an arena of one Embree would start TBB's workers beside the host's.
+void commitHere(RTCScene scene)
+{
+    tbb::task_arena alone(1, 1);
+    alone.execute([scene] { rtcCommitScene(scene); });
+}
+
+const RTCSceneFlags kSceneFlags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+
+/// A caster in the top level. Its index in the table is Embree's geometry id.
+struct Placed {
+    RTCGeometry geometry = nullptr; ///< Null: the entry is free.
+    std::uint32_t id = 0;           ///< Caster::id
+    const MeshRays* rays = nullptr;
+    std::uint64_t meshRevision = 0; ///< Trees may reuse an address; revisions are unique.
+    glm::mat3 basis{0.0f};
+    glm::vec3 translation{0.0f};
+    std::uint32_t mask = 0;
+    PFN_gnOpacity opacity = nullptr;
+    void* userData = nullptr;
+    std::uint64_t seen = 0; ///< The last update() that brought it.
+};
+
+/// An instance whose basis has no inverse cannot be asked by rays; as a volume it is empty.
+bool traceable(const Caster& caster)
+{
+    if (!caster.mesh || !caster.mesh->rays) return false;
+    const float determinant = glm::determinant(caster.basis);
+    return std::isfinite(1.0f / determinant);
+}
+
+PFN_gnOpacity opacityOf(const Caster& caster)
+{
+    return caster.alphaTested ? caster.opacity : nullptr;
+}
+
+bool unchanged(const Placed& placed, const Caster& caster)
+{
+    return placed.rays == caster.mesh->rays && placed.meshRevision == caster.mesh->revision &&
+           placed.basis == caster.basis && placed.translation == caster.translation && placed.mask == caster.mask &&
+           placed.opacity == opacityOf(caster) && placed.userData == caster.userData;
+}
+
+} // namespace
+
+struct MeshRays::Impl {
+    RTCScene scene = nullptr;
+    std::size_t bytes = 0;
+
+    Impl() = default;
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+    ~Impl() { rtcReleaseScene(scene); }
+};
+
+MeshRays::MeshRays(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+MeshRays::~MeshRays() = default;
+std::size_t MeshRays::memoryBytes() const noexcept
+{
+    return impl_->bytes;
+}
+
+struct RayScene::Impl {
+    std::atomic<std::ptrdiff_t> bytes{0}; ///< Held by Embree, as it reports them.
+    RTCDevice device = nullptr;
+    RTCScene top = nullptr;
+    bool hasMasks = false; ///< Embree was built with ray masks; otherwise the filter tests them.
+    std::vector<Placed> placed;
+    std::unordered_map<std::uint32_t, std::uint32_t> placeOf; ///< Caster::id -> index into `placed`.
+    std::vector<std::uint32_t> lastOrder;                     ///< Places of the last update's casters, in its order.
+    std::uint64_t updates = 0;
+    std::uint32_t opacityMask = 0; ///< Union of the masks of casters with an opacity.
+
+    Impl();
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+    ~Impl();
+    std::uint32_t find(std::size_t position, std::uint32_t id) const;
+    void place(std::uint32_t index, const Caster& caster, RTCScene tree);
+    std::uint32_t add(std::uint32_t id);
+    bool removeUnseen();
+};
+
+namespace {
+
+/// What the filter finds behind Embree's context.
+struct Query {
+    RTCIntersectContext context; // first: Embree hands back a pointer to it
+    const Placed* placed = nullptr;
+    std::uint32_t lightMask = 0;
+};
+
+/// Called for hits that would end a ray: lets it go on where the caster is not opaque.
+void filterHits(const RTCFilterFunctionNArguments* args)
+{
+    const auto* query = reinterpret_cast<const Query*>(args->context);
+    for (unsigned i = 0; i < args->N; ++i) {
+        if (args->valid[i] == 0) continue;
+        const Placed& caster = query->placed[RTCHitN_instID(args->hit, args->N, i, 0)];
+        bool blocks = (caster.mask & query->lightMask) != 0;
+        if (blocks && caster.opacity)
+            blocks = caster.opacity(RTCHitN_primID(args->hit, args->N, i), RTCHitN_u(args->hit, args->N, i),
+                                    RTCHitN_v(args->hit, args->N, i), caster.userData) >= 0.5f;
+        if (!blocks) args->valid[i] = 0;
+    }
+}
+
+/// 16 rays at a time, for rays that lie close together.
+void traceTiles(RTCScene scene, Query& query, std::span<const ShadowRay> rays, std::span<std::uint8_t> occluded)
+{
+    constexpr std::size_t width = 16;
+    RTCRay16 packet{};
+    alignas(64) int valid[width];
+    for (std::size_t lane = 0; lane < width; ++lane)
+        packet.mask[lane] = query.lightMask;
+    for (std::size_t first = 0; first < rays.size(); first += width) {
+        const std::size_t count = std::min(width, rays.size() - first);
+        for (std::size_t lane = 0; lane < width; ++lane) {
+            const ShadowRay& ray = rays[first + std::min(lane, count - 1)];
+            valid[lane] = lane < count ? -1 : 0;
+            packet.org_x[lane] = ray.origin.x;
+            packet.org_y[lane] = ray.origin.y;
+            packet.org_z[lane] = ray.origin.z;
+            packet.dir_x[lane] = ray.direction.x;
+            packet.dir_y[lane] = ray.direction.y;
+            packet.dir_z[lane] = ray.direction.z;
+            packet.tfar[lane] = ray.tfar;
+        }
+        rtcOccluded16(valid, scene, &query.context, &packet);
+        for (std::size_t lane = 0; lane < count; ++lane) // a hit leaves tfar = -infinity
+            occluded[first + lane] = packet.tfar[lane] < 0.0f && rays[first + lane].tfar >= 0.0f;
+    }
+}
+
+/// 256 rays at a time as a stream, for scattered rays.
+void traceSparse(RTCScene scene, Query& query, std::span<const ShadowRay> rays, std::span<std::uint8_t> occluded)
+{
+    constexpr std::size_t width = 256;
+    struct alignas(64) Stream {
+        float orgX[width], orgY[width], orgZ[width], tnear[width];
+        float dirX[width], dirY[width], dirZ[width], time[width], tfar[width];
+        unsigned mask[width], id[width], flags[width];
+    } s{};
+    for (unsigned& mask : s.mask)
+        mask = query.lightMask;
+    RTCRayNp pointers{s.orgX, s.orgY, s.orgZ, s.tnear, s.dirX, s.dirY, s.dirZ, s.time, s.tfar, s.mask, s.id, s.flags};
+    for (std::size_t first = 0; first < rays.size(); first += width) {
+        const std::size_t count = std::min(width, rays.size() - first);
+        for (std::size_t lane = 0; lane < count; ++lane) {
+            const ShadowRay& ray = rays[first + lane];
+            s.orgX[lane] = ray.origin.x;
+            s.orgY[lane] = ray.origin.y;
+            s.orgZ[lane] = ray.origin.z;
+            s.dirX[lane] = ray.direction.x;
+            s.dirY[lane] = ray.direction.y;
+            s.dirZ[lane] = ray.direction.z;
+            s.tfar[lane] = ray.tfar;
+        }
+        rtcOccludedNp(scene, &query.context, &pointers, static_cast<unsigned>(count));
+        for (std::size_t lane = 0; lane < count; ++lane)
+            occluded[first + lane] = s.tfar[lane] < 0.0f && rays[first + lane].tfar >= 0.0f;
+    }
+}
+
+} // namespace
+
+RayScene::Impl::Impl()
+{
+    const FloatMode mode;
+    device = rtcNewDevice("ignore_config_files=1,verbose=0,set_affinity=0,start_threads=0");
+    if (!device) return;
+    rtcSetDeviceMemoryMonitorFunction(device, countBytes, &bytes);
+    hasMasks = rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) != 0;
+    top = rtcNewScene(device);
+    rtcSetSceneFlags(top, kSceneFlags | RTC_SCENE_FLAG_DYNAMIC);
+    rtcSetSceneBuildQuality(top, RTC_BUILD_QUALITY_LOW);
+    commitHere(top);
+}
+
+RayScene::Impl::~Impl()
+{
+    if (!device) return;
+    const FloatMode mode;
+    for (const Placed& entry : placed) {
+        if (entry.geometry) rtcReleaseGeometry(entry.geometry);
+    }
+    rtcReleaseScene(top);
+    rtcSetDeviceMemoryMonitorFunction(device, nullptr, nullptr); // trees may outlive this
+    rtcReleaseDevice(device);
+}
+
+/// Where a caster is placed, UINT32_MAX if it is not. Casters mostly come in the order of the last update.
+std::uint32_t RayScene::Impl::find(std::size_t position, std::uint32_t id) const
+{
+    if (position < lastOrder.size()) {
+        const std::uint32_t index = lastOrder[position];
+        if (placed[index].geometry && placed[index].id == id) return index;
+    }
+    const auto found = placeOf.find(id);
+    return found == placeOf.end() ? UINT32_MAX : found->second;
+}
+
+std::uint32_t RayScene::Impl::add(std::uint32_t id)
+{
+    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    const std::uint32_t index = rtcAttachGeometry(top, geometry);
+    if (index >= placed.size()) placed.resize(index + 1);
+    placed[index] = {};
+    placed[index].geometry = geometry;
+    placed[index].id = id;
+    placeOf[id] = index;
+    return index;
+}
+
+void RayScene::Impl::place(std::uint32_t index, const Caster& caster, RTCScene tree)
+{
+    Placed& entry = placed[index];
+    entry.rays = caster.mesh->rays;
+    entry.meshRevision = caster.mesh->revision;
+    entry.basis = caster.basis;
+    entry.translation = caster.translation;
+    entry.mask = caster.mask;
+    entry.opacity = opacityOf(caster);
+    entry.userData = caster.userData;
+
+    // glm's mat4x3 is four columns of vec3: Embree's 3x4 column-major.
+    const glm::mat4x3 worldFromObject(caster.basis[0], caster.basis[1], caster.basis[2], caster.translation);
+    rtcSetGeometryInstancedScene(entry.geometry, tree);
+    rtcSetGeometryTransform(entry.geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, &worldFromObject[0][0]);
+    rtcSetGeometryMask(entry.geometry, caster.mask);
+    rtcCommitGeometry(entry.geometry);
+}
+
+bool RayScene::Impl::removeUnseen()
+{
+    bool removed = false;
+    for (std::uint32_t index = 0; index < placed.size(); ++index) {
+        Placed& entry = placed[index];
+        if (!entry.geometry || entry.seen == updates) continue;
+        rtcDetachGeometry(top, index);
+        rtcReleaseGeometry(entry.geometry);
+        placeOf.erase(entry.id);
+        entry = {};
+        removed = true;
+    }
+    return removed;
+}
+
+RayScene::RayScene() : impl_(std::make_unique<Impl>()) {}
+RayScene::~RayScene() = default;
+
+std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices)
+{
+    if (!impl_->device || indices.empty()) return nullptr;
+    const FloatMode mode;
+    const std::ptrdiff_t before = bytesHere;
+    static_cast<void>(rtcGetDeviceError(impl_->device)); // of this thread; clears what an earlier call left
+    auto mesh = std::make_unique<MeshRays::Impl>();
+    const RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0,
+                               sizeof(glm::vec3), positions.size());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0,
+                               3 * sizeof(std::uint32_t), indices.size() / 3);
+    rtcCommitGeometry(geometry);
+    mesh->scene = rtcNewScene(impl_->device);
+    rtcSetSceneFlags(mesh->scene, kSceneFlags);
+    rtcSetSceneBuildQuality(mesh->scene, RTC_BUILD_QUALITY_MEDIUM);
+    rtcAttachGeometry(mesh->scene, geometry);
+    rtcReleaseGeometry(geometry);
+    commitHere(mesh->scene);
+    if (rtcGetDeviceError(impl_->device) != RTC_ERROR_NONE) return nullptr; // out of memory: the mesh casts no rays
+    mesh->bytes = static_cast<std::size_t>(std::max<std::ptrdiff_t>(bytesHere - before, 0));
+    return std::unique_ptr<MeshRays>(new MeshRays(std::move(mesh)));
+}
+
+void RayScene::update(std::span<const Caster> casters)
+{
+    Impl& scene = *impl_;
+    if (!scene.device) return;
+    const FloatMode mode;
+    ++scene.updates;
+    bool changed = false;
+    std::size_t position = 0;
+    for (const Caster& caster : casters) {
+        if (!traceable(caster)) continue;
+        std::uint32_t index = scene.find(position, caster.id);
+        if (index == UINT32_MAX || !unchanged(scene.placed[index], caster)) {
+            if (index == UINT32_MAX) index = scene.add(caster.id);
+            scene.place(index, caster, caster.mesh->rays->impl_->scene);
+            changed = true;
+        }
+        scene.placed[index].seen = scene.updates;
+        if (position == scene.lastOrder.size()) scene.lastOrder.push_back(index);
+        scene.lastOrder[position++] = index;
+    }
+    scene.lastOrder.resize(position);
+    if (scene.placeOf.size() > position) changed = scene.removeUnseen() || changed;
+    if (!changed) return;
+    scene.opacityMask = 0;
+    for (const Placed& entry : scene.placed)
+        scene.opacityMask |= entry.opacity ? entry.mask : 0u;
+    commitHere(scene.top);
+}
+
+void RayScene::occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask, RayCoherence coherence,
+                        std::span<std::uint8_t> occluded) const
+{
+    const Impl& scene = *impl_;
+    if (!scene.device) {
+        std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
+        return;
+    }
+    const FloatMode mode;
+    Query query{};
+    rtcInitIntersectContext(&query.context);
+    query.placed = scene.placed.data();
+    query.lightMask = lightMask;
+    if ((scene.opacityMask & lightMask) != 0 || !scene.hasMasks) query.context.filter = filterHits;
+    if (coherence == RayCoherence::tiles) {
+        query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+        traceTiles(scene.top, query, rays, occluded);
+    } else {
+        query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+        traceSparse(scene.top, query, rays, occluded);
+    }
+}
+
+std::size_t RayScene::memoryBytes() const noexcept
+{
+    return static_cast<std::size_t>(std::max<std::ptrdiff_t>(impl_->bytes.load(std::memory_order_relaxed), 0));
+}
+
+} // namespace gnomon

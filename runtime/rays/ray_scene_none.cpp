@@ -1,0 +1,33 @@
+// In place of ray_scene.cpp where gnomon is built without Embree: no trees, and nothing is ever hit.
+#include "runtime/rays/ray_scene.hpp"
+
+#include <algorithm>
+
+namespace gnomon {
+
+struct MeshRays::Impl {};
+MeshRays::MeshRays(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+MeshRays::~MeshRays() = default;
+std::size_t MeshRays::memoryBytes() const noexcept
+{
+    return 0;
+}
+
+struct RayScene::Impl {};
+RayScene::RayScene() = default;
+RayScene::~RayScene() = default;
+std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3>, std::span<const std::uint32_t>)
+{
+    return nullptr;
+}
+void RayScene::update(std::span<const Caster>) {}
+void RayScene::occluded(std::span<const ShadowRay>, std::uint32_t, RayCoherence, std::span<std::uint8_t> occluded) const
+{
+    std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
+}
+std::size_t RayScene::memoryBytes() const noexcept
+{
+    return 0;
+}
+
+} // namespace gnomon
