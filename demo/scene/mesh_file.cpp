@@ -130,6 +130,10 @@ Outcome<ImportedMesh> importMesh(const fs::path& file, const MeshFileOptions& op
     ImportedMesh result;
     for (unsigned m = 0; m < scene->mNumMeshes; ++m)
         if (!appendSubMesh(result.mesh, *scene->mMeshes[m])) return fail("a vertex position is not a finite number");
+    const float turn = options.up == UpAxis::Z ? 1.0f : -1.0f; // a quarter turn about x, either way
+    if (options.up != UpAxis::Y)
+        for (glm::vec3& p : result.mesh.positions)
+            p = {p.x, turn * p.z, -turn * p.y};
     result.weldedVertices = weldPositions(result.mesh);
     result.droppedTriangles = dropZeroArea(result.mesh);
     if (result.mesh.indices.empty()) return fail("no triangle of any area");

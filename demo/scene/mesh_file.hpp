@@ -8,7 +8,11 @@
 /// Meshes from OBJ, PLY, 3DS and glTF files, through Assimp.
 namespace gnomon::demo {
 
+/// Which of a file's axes points up. It is turned to +y before anything else.
+enum class UpAxis : uint8_t { Y, Z, MinusZ };
+
 struct MeshFileOptions {
+    UpAxis up = UpAxis::Y;
     float fitHeight = 0.0f; ///< > 0: scaled to this height in metres, centred in x and z, standing on y = 0.
 };
 

@@ -190,6 +190,8 @@ Mesh readFile(MapReader& map, const YamlNode& fileNode, const std::string& name,
 {
     const std::string reference = readText(map.context(), fileNode, "file");
     MeshFileOptions import;
+    constexpr std::array<std::string_view, 3> kUp = {"y", "z", "-z"};
+    if (const YamlNode* up = map.find("up")) import.up = static_cast<UpAxis>(readChoice(map.context(), *up, "up", kUp));
     import.fitHeight = map.numberF("fit_height", 0.0f, kPositive);
     map.finish();
     if (!options.buildMeshes) return {};
