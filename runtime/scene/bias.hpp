@@ -1,0 +1,41 @@
+#pragma once
+// One policy of culling and bias for every map, per caster; nothing for users to tune.
+//
+//   closed caster   only the faces turned away from the light are drawn: they lie behind every lit point of the
+//                   caster, so that it cannot shade itself, and no bias is needed
+//   open caster     both faces, pushed away from the light in proportion to their slope; the resolve compares at the
+//                   texel's own place on the receiver's plane (shaders/maps/map_receiver.glsl)
+#include "runtime/scene/scene_view.hpp"
+
+namespace gnomon {
+
+/// Dynamic state of one caster's draw.
+struct CasterRaster {
+    VkCullModeFlags cullMode = VK_CULL_MODE_NONE;
+    VkFrontFace frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
+    float constantBias = 0.0f; ///< vkCmdSetDepthBias, first and third value.
+    float slopeBias = 0.0f;
+};
+
+/// Where two facets of an open surface meet in a valley, the plane of one runs below the other: at a texel's corner, half
+/// a texel from the receiver in x and in y, by at most (|dz/dx| + |dz/dy|) / 2 <= max(|dz/dx|, |dz/dy|) of the steeper
+/// one, which is what Vulkan multiplies with the slope factor.
+inline constexpr float kOpenSlopeBias = 1.0f;
+/// In units of the depth format's last place. Coplanar sheets (a cloth on a table) differ by rounding alone.
+inline constexpr float kOpenConstantBias = 2.0f;
+
+/// Projections keep the winding (LightFit), meshes are counter-clockwise seen from outside.
+inline CasterRaster casterRaster(const Caster& caster, bool biasOpen = true)
+{
+    CasterRaster raster;
+    raster.frontFace = caster.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE;
+    if (caster.closed) {
+        raster.cullMode = VK_CULL_MODE_FRONT_BIT;
+    } else if (biasOpen) {
+        raster.constantBias = kOpenConstantBias;
+        raster.slopeBias = kOpenSlopeBias;
+    }
+    return raster;
+}
+
+} // namespace gnomon
