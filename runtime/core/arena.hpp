@@ -50,12 +50,13 @@ private:
     struct Block {
         std::unique_ptr<std::byte[]> bytes;
         std::size_t size = 0;
+        std::size_t used = 0;
+        void* take(std::size_t bytesWanted, std::size_t alignment) noexcept; ///< Null: does not fit.
     };
     std::mutex mutex_;
     std::vector<Block> blocks_;
     std::size_t blockSize_;
-    std::size_t current_ = 0;
-    std::size_t used_ = 0;
+    std::size_t current_ = 0; ///< Block of the last success, tried first.
 };
 
 } // namespace gnomon

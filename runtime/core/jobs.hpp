@@ -2,8 +2,8 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
+#include <type_traits>
 
 #include "gnomon/gnomon.h"
 
@@ -12,7 +12,7 @@ namespace gnomon {
 /// Threads of the host's job callback, or one pool of ours. Submitting and waiting allocate nothing.
 class JobSystem {
 public:
-    /// A piece of work in memory of its owner; must stay alive until `done()`.
+    /// A piece of work in memory of its owner; must stay alive until `done()`. `run` must not throw.
     struct Job {
         void (*run)(void* data) = nullptr;
         void* data = nullptr;
@@ -23,8 +23,10 @@ public:
         bool done() const noexcept { return finished.load(std::memory_order_acquire); }
     };
 
+    /// `threadCount` counts the caller of parallelFor, so that a pool of our own does not crowd the cores; 0: one a core.
+    /// A pool has at least one thread, else background work would never be done.
     JobSystem(PFN_gnScheduleJob schedule, void* userData, std::uint32_t threadCount);
-    ~JobSystem();
+    ~JobSystem(); ///< Runs what is still queued, then waits for the workers.
     JobSystem(const JobSystem&) = delete;
     JobSystem& operator=(const JobSystem&) = delete;
 
@@ -36,7 +38,8 @@ public:
     void wait(Job& job);
 
     /// Calls body(begin, end, thread) over [0, count) in pieces of at most `grain`, on this thread and the workers;
-    /// returns when all are done. `thread` is in [0, threadCount()) and unique among concurrent calls.
+    /// returns when all are done. `thread` is in [0, threadCount()) and unique among the concurrent calls of this body;
+    /// the calling thread is 0. May be nested and called from several threads. What the body throws is rethrown here.
     template <typename Body>
     void parallelFor(std::size_t count, std::size_t grain, Body&& body)
     {

@@ -1,6 +1,7 @@
 #pragma once
 // Every Vulkan function gnomon calls, loaded through the host's vkGetInstanceProcAddr, and what is known of the device.
 #include <atomic>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
@@ -76,6 +77,22 @@ struct DeviceTable {
 /// Checks the create-info's device part and loads the functions.
 /// Errors: GN_ERROR_NULL_ARGUMENT, GN_ERROR_OUT_OF_RANGE (apiVersion), GN_ERROR_FEATURE_MISSING naming the feature.
 Result<std::unique_ptr<DeviceTable>> loadDeviceTable(const GnContextCreateInfo& info);
+
+/// Name of the first feature gnomon cannot do without that the chain does not switch on, or null. Understands the
+/// structures of Vulkan 1.2 and 1.3 and those of the single features.
+const char* missingFeature(const VkPhysicalDeviceFeatures2& chain) noexcept;
+
+/// Names the object for captures and validation messages, where VK_EXT_debug_utils is enabled.
+template <typename Handle>
+void nameObject(const DeviceTable& vk, VkObjectType type, Handle handle, const char* name) noexcept
+{
+    if (!vk.vkSetDebugUtilsObjectNameEXT) return;
+    std::uint64_t bits = 0; // handles are pointers or 64-bit integers, by platform
+    std::memcpy(&bits, &handle, sizeof(handle));
+    const VkDebugUtilsObjectNameInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT, nullptr, type, bits,
+                                             name};
+    static_cast<void>(vk.vkSetDebugUtilsObjectNameEXT(vk.device, &info)); // a lost name harms nothing
+}
 
 /// GN_ERROR_DEVICE_LOST, out of memory, or unknown, with the call's name.
 Error vulkanError(VkResult result, const char* call);

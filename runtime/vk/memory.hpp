@@ -65,19 +65,30 @@ public:
     void destroy(GpuBuffer& buffer) noexcept;
 
     VkDeviceSize used() const noexcept; ///< Bytes in live slices.
+    VkDeviceSize held() const noexcept; ///< Bytes of all blocks; this is what the limit bounds.
     VkDeviceSize limit() const noexcept { return limit_; }
 
 private:
     struct Block;
     Result<MemorySlice> allocate(const VkMemoryRequirements& needs, MemoryUse use, bool linear);
     void release(const MemorySlice& slice) noexcept;
+    VkDeviceMemory memoryOf(const MemorySlice& slice, std::byte** mapped) const noexcept;
+    Result<void> fillImage(GpuImage& image, const ImageCreate& info);
+    Result<void> fillBuffer(GpuBuffer& buffer, VkBufferUsageFlags usage, MemoryUse use, const char* name);
+
+    // With the mutex held.
+    Result<std::uint32_t> makeBlock(VkDeviceSize bytes, std::uint32_t type, bool linear, bool own);
+    Error overLimit(VkDeviceSize bytes, std::uint32_t type, bool linear) const;
+    void freeEmptyBlocks() noexcept;
+    void freeBlock(Block& block) noexcept;
 
     const DeviceTable& vk_;
     VkDeviceSize limit_;
     std::vector<std::uint32_t> families_;
     mutable std::mutex mutex_;
-    std::vector<Block> blocks_;
+    std::vector<Block> blocks_; ///< Slots stay where they are: slices name them by index.
     VkDeviceSize used_ = 0;
+    VkDeviceSize held_ = 0;
 };
 
 VkImageAspectFlags aspectsOf(VkFormat format) noexcept;

@@ -1,48 +1,37 @@
 #pragma once
 // The library behind PipelineLibrary: descriptions, background creation, trial execution, readiness.
-#include <atomic>
-#include <deque>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
-#include "runtime/core/jobs.hpp"
-#include "runtime/vk/descriptors.hpp"
+#include "runtime/vk/pipeline_create.hpp"
+#include "runtime/vk/pipeline_trials.hpp"
 
 namespace gnomon {
 
-/// A pipeline and what binding it needs.
-struct Pipeline {
-    VkPipeline pipeline = VK_NULL_HANDLE;
-    VkPipelineLayout layout = VK_NULL_HANDLE;
-    VkDescriptorSetLayout setLayout = VK_NULL_HANDLE;
-    VkPipelineBindPoint bindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
-    std::uint32_t pushBytes = 0;
-    VkShaderStageFlags pushStages = 0;
-    bool casters = false;
-    const char* name = "";
-    std::vector<BindingInfo> bindings;
-};
-
-/// Life of a pipeline: described -> created (background) -> tried (executed once on tiny dummies) -> ready.
+/// Life of a pipeline: described -> created (background) -> tried (executed once on tiny stand-ins) -> ready.
 class PipelineStore final : public PipelineLibrary {
 public:
     PipelineStore(const DeviceTable& vk, DeviceMemory& memory, const SamplerSet& samplers);
     ~PipelineStore() override;
+    PipelineStore(const PipelineStore&) = delete;
+    PipelineStore& operator=(const PipelineStore&) = delete;
 
     PipelineId graphics(const GraphicsPipelineInfo& info) override;
     PipelineId compute(const ComputePipelineInfo& info) override;
 
     /// Pipelines described from now on belong to `owner` (a method's index); a shared one belongs to all who asked.
     void setOwner(std::uint32_t owner);
+    /// Bias of open casters: caster pipelines are tried with it as well as without.
+    void setTrialBias(DepthBias bias);
 
     /// Creates one described pipeline of `owner`; thread-safe against the rest. False: none left to create.
     /// A failure marks the pipeline failed (see failure()).
     bool createNext(std::uint32_t owner);
     /// Whether all of the owner's pipelines are created (not yet tried).
     bool created(std::uint32_t owner) const;
-    /// Records the first execution of every created, untried pipeline of `owner` on 1x1-sized dummies (own rendering
+    /// Records the first execution of every created, untried pipeline of `owner` on tiny stand-ins (own rendering
     /// scopes and barriers) and marks them tried. Outside a rendering scope.
     Result<void> recordTrials(VkCommandBuffer cmd, std::uint32_t owner);
     /// Created and tried: usable without a hitch.
@@ -50,17 +39,20 @@ public:
     /// Why the owner's pipelines cannot be made, or empty.
     std::string failure(std::uint32_t owner) const;
 
-    const Pipeline& get(PipelineId id) const; ///< Must be created.
+    const Pipeline& get(PipelineId id) const; ///< Must be created. The reference lives as long as the store.
 
 private:
     struct Item;
-    struct Dummies;
+    PipelineId describe(PipelineDescription description);
+    VkPipelineCache cache();
+
     const DeviceTable& vk_;
-    DeviceMemory& memory_;
-    const SamplerSet& samplers_;
     mutable std::mutex mutex_;
-    std::deque<Item> items_; // stable addresses
-    std::unique_ptr<Dummies> dummies_;
+    std::vector<std::unique_ptr<Item>> items_; ///< Stable addresses: workers create outside the lock.
+    PipelineTrials trials_;
+    DepthBias trialBias_;
+    VkPipelineCache cache_ = VK_NULL_HANDLE;
+    bool cacheAsked_ = false;
     std::uint32_t owner_ = 0;
 };
 

@@ -1,0 +1,73 @@
+#include "runtime/vk/descriptors.hpp"
+
+#include <iterator>
+
+namespace gnomon {
+namespace {
+
+VkSamplerCreateInfo samplerInfo(SamplerKind kind)
+{
+    const bool linear = kind == SamplerKind::linear || kind == SamplerKind::compareLinear;
+    const bool edge = kind == SamplerKind::nearest || kind == SamplerKind::linear;
+    const bool compare = kind == SamplerKind::compareNearest || kind == SamplerKind::compareLinear;
+    const VkFilter filter = linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
+    const VkSamplerAddressMode address =
+        edge ? VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE : VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER;
+    return {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
+            .pNext = nullptr,
+            .flags = 0,
+            .magFilter = filter,
+            .minFilter = filter,
+            .mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST,
+            .addressModeU = address,
+            .addressModeV = address,
+            .addressModeW = address,
+            .mipLodBias = 0.0f,
+            .anisotropyEnable = VK_FALSE,
+            .maxAnisotropy = 1.0f,
+            .compareEnable = compare,
+            .compareOp = compare ? VK_COMPARE_OP_LESS_OR_EQUAL : VK_COMPARE_OP_NEVER,
+            .minLod = 0.0f, // no image has a second level; equal limits spare a software device the level arithmetic
+            .maxLod = 0.0f,
+            .borderColor = VK_BORDER_COLOR_FLOAT_OPAQUE_WHITE, // depth 1: far, lit
+            .unnormalizedCoordinates = VK_FALSE};
+}
+
+} // namespace
+
+VkDescriptorType descriptorTypeOf(BindingKind kind) noexcept
+{
+    switch (kind) {
+    case BindingKind::constants:
+        return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC;
+    case BindingKind::sampledImage:
+        return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+    case BindingKind::storageImage:
+        return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+    case BindingKind::storageBuffer:
+        break;
+    }
+    return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
+
+SamplerSet::~SamplerSet()
+{
+    for (VkSampler sampler : samplers_)
+        if (sampler) vk_.vkDestroySampler(vk_.device, sampler, vk_.hostAllocator);
+}
+
+Result<void> SamplerSet::create()
+{
+    for (std::size_t i = 0; i < std::size(samplers_); ++i) {
+        const VkSamplerCreateInfo info = samplerInfo(static_cast<SamplerKind>(i));
+        const VkResult result = vk_.vkCreateSampler(vk_.device, &info, vk_.hostAllocator, &samplers_[i]);
+        if (result != VK_SUCCESS) {
+            samplers_[i] = VK_NULL_HANDLE;
+            return vulkanError(result, "vkCreateSampler");
+        }
+        ++vk_.objectsMade;
+    }
+    return {};
+}
+
+} // namespace gnomon

@@ -1,0 +1,177 @@
+#include "runtime/vk/device_table.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace gnomon {
+namespace {
+
+Error nullArgument(const char* member)
+{
+    return {GN_ERROR_NULL_ARGUMENT, "NullArgument", std::string("GnContextCreateInfo::") + member + " is required"};
+}
+
+Result<void> checkGiven(const GnContextCreateInfo& info)
+{
+    if (!info.instance) return nullArgument("instance");
+    if (!info.physicalDevice) return nullArgument("physicalDevice");
+    if (!info.device) return nullArgument("device");
+    if (!info.queue) return nullArgument("queue");
+    if (!info.pEnabledFeatures) return nullArgument("pEnabledFeatures");
+    if (!info.pfnGetInstanceProcAddr) return nullArgument("pfnGetInstanceProcAddr");
+    if (info.enabledExtensionCount && !info.ppEnabledExtensionNames) return nullArgument("ppEnabledExtensionNames");
+    for (std::uint32_t i = 0; i < info.enabledExtensionCount; ++i)
+        if (!info.ppEnabledExtensionNames[i]) return nullArgument("ppEnabledExtensionNames[]");
+    if (info.visibilityQueueFamilyCount && !info.pVisibilityQueueFamilies)
+        return nullArgument("pVisibilityQueueFamilies");
+    if (info.apiVersion < VK_API_VERSION_1_3 || VK_API_VERSION_VARIANT(info.apiVersion) != 0)
+        return Error{GN_ERROR_OUT_OF_RANGE, "ApiVersion",
+                     "apiVersion is " + std::to_string(VK_API_VERSION_MAJOR(info.apiVersion)) + "." +
+                         std::to_string(VK_API_VERSION_MINOR(info.apiVersion)) + "; gnomon needs Vulkan 1.3"};
+    if (const char* feature = missingFeature(*info.pEnabledFeatures))
+        return Error{GN_ERROR_FEATURE_MISSING, "FeatureMissing",
+                     std::string(feature) + " is not enabled in pEnabledFeatures"};
+    return {};
+}
+
+Error functionMissing(const char* name)
+{
+    return {GN_ERROR_FEATURE_MISSING, "FunctionMissing", std::string("the driver has no ") + name};
+}
+
+Result<void> loadFunctions(DeviceTable& table, PFN_vkGetInstanceProcAddr getInstanceProc)
+{
+#define GN_LOAD(name)                                                                                                  \
+    table.name = reinterpret_cast<PFN_##name>(getInstanceProc(table.instance, #name));                                 \
+    if (!table.name) return functionMissing(#name);
+    GN_INSTANCE_FUNCTIONS(GN_LOAD)
+#undef GN_LOAD
+#define GN_LOAD(name)                                                                                                  \
+    table.name = reinterpret_cast<PFN_##name>(table.vkGetDeviceProcAddr(table.device, #name));                         \
+    if (!table.name) return functionMissing(#name);
+    GN_DEVICE_FUNCTIONS(GN_LOAD)
+#undef GN_LOAD
+    // An instance extension: its functions come from the instance. They may be absent although the extension was named.
+    if (!table.hasExtension(VK_EXT_DEBUG_UTILS_EXTENSION_NAME)) return {};
+#define GN_LOAD(name) table.name = reinterpret_cast<PFN_##name>(getInstanceProc(table.instance, #name));
+    GN_OPTIONAL_DEVICE_FUNCTIONS(GN_LOAD)
+#undef GN_LOAD
+    return {};
+}
+
+Result<void> readQueueFamily(DeviceTable& table)
+{
+    std::uint32_t count = 0;
+    table.vkGetPhysicalDeviceQueueFamilyProperties2(table.physicalDevice, &count, nullptr);
+    if (table.queueFamily >= count)
+        return Error{GN_ERROR_OUT_OF_RANGE, "QueueFamily",
+                     "queueFamilyIndex is " + std::to_string(table.queueFamily) + "; the device has " +
+                         std::to_string(count) + " families"};
+    std::vector<VkQueueFamilyProperties2> families(
+        count, {.sType = VK_STRUCTURE_TYPE_QUEUE_FAMILY_PROPERTIES_2, .pNext = nullptr, .queueFamilyProperties = {}});
+    table.vkGetPhysicalDeviceQueueFamilyProperties2(table.physicalDevice, &count, families.data());
+    const VkQueueFamilyProperties& family = families[table.queueFamily].queueFamilyProperties;
+    constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+    if ((family.queueFlags & kNeeded) != kNeeded)
+        return Error{GN_ERROR_FEATURE_MISSING, "QueueFamily",
+                     "queue family " + std::to_string(table.queueFamily) + " does not do both graphics and compute"};
+    table.timestampValidBits = family.timestampValidBits;
+    return {};
+}
+
+Result<void> readDevice(DeviceTable& table)
+{
+    VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, nullptr, {}};
+    table.vkGetPhysicalDeviceProperties2(table.physicalDevice, &properties);
+    table.properties = properties.properties;
+    if (table.properties.apiVersion < VK_API_VERSION_1_3)
+        return Error{GN_ERROR_FEATURE_MISSING, "ApiVersion",
+                     std::string("device ") + table.properties.deviceName + " is older than Vulkan 1.3"};
+    table.software = table.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    VkPhysicalDeviceMemoryProperties2 memory{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2, nullptr, {}};
+    table.vkGetPhysicalDeviceMemoryProperties2(table.physicalDevice, &memory);
+    table.memory = memory.memoryProperties;
+    return readQueueFamily(table);
+}
+
+} // namespace
+
+bool DeviceTable::hasExtension(const char* name) const noexcept
+{
+    return std::any_of(extensions.begin(), extensions.end(),
+                       [name](const std::string& extension) { return extension == name; });
+}
+
+const char* missingFeature(const VkPhysicalDeviceFeatures2& chain) noexcept
+{
+    bool dynamicRendering = false, synchronization2 = false, timelineSemaphore = false;
+    for (auto* at = static_cast<const VkBaseInStructure*>(chain.pNext); at; at = at->pNext) {
+        const void* features = at;
+        switch (at->sType) {
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES:
+            dynamicRendering |= static_cast<const VkPhysicalDeviceVulkan13Features*>(features)->dynamicRendering != 0;
+            synchronization2 |= static_cast<const VkPhysicalDeviceVulkan13Features*>(features)->synchronization2 != 0;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES:
+            timelineSemaphore |= static_cast<const VkPhysicalDeviceVulkan12Features*>(features)->timelineSemaphore != 0;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DYNAMIC_RENDERING_FEATURES:
+            dynamicRendering |=
+                static_cast<const VkPhysicalDeviceDynamicRenderingFeatures*>(features)->dynamicRendering != 0;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SYNCHRONIZATION_2_FEATURES:
+            synchronization2 |=
+                static_cast<const VkPhysicalDeviceSynchronization2Features*>(features)->synchronization2 != 0;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES:
+            timelineSemaphore |=
+                static_cast<const VkPhysicalDeviceTimelineSemaphoreFeatures*>(features)->timelineSemaphore != 0;
+            break;
+        default:
+            break;
+        }
+    }
+    if (!dynamicRendering) return "dynamicRendering";
+    if (!synchronization2) return "synchronization2";
+    if (!timelineSemaphore) return "timelineSemaphore";
+    return nullptr;
+}
+
+Result<std::unique_ptr<DeviceTable>> loadDeviceTable(const GnContextCreateInfo& info)
+{
+    if (Result<void> given = checkGiven(info); !given) return given.error();
+    auto table = std::make_unique<DeviceTable>();
+    table->instance = info.instance;
+    table->physicalDevice = info.physicalDevice;
+    table->device = info.device;
+    table->queue = info.queue;
+    table->queueFamily = info.queueFamilyIndex;
+    table->hostAllocator = info.pAllocationCallbacks;
+    table->enabled = info.pEnabledFeatures->features;
+    table->extensions.assign(info.ppEnabledExtensionNames, info.ppEnabledExtensionNames + info.enabledExtensionCount);
+    if (Result<void> loaded = loadFunctions(*table, info.pfnGetInstanceProcAddr); !loaded) return loaded.error();
+    if (Result<void> read = readDevice(*table); !read) return read.error();
+    return table;
+}
+
+Error vulkanError(VkResult result, const char* call)
+{
+    const auto failed = [call](const char* what) { return std::string(call) + " failed: " + what; };
+    switch (result) {
+    case VK_ERROR_DEVICE_LOST:
+        return {GN_ERROR_DEVICE_LOST, "DeviceLost", failed("the device is lost")};
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+        return {GN_ERROR_OUT_OF_HOST_MEMORY, "OutOfHostMemory", failed("out of host memory")};
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+    case VK_ERROR_OUT_OF_POOL_MEMORY:
+    case VK_ERROR_FRAGMENTED_POOL:
+    case VK_ERROR_TOO_MANY_OBJECTS:
+    case VK_ERROR_MEMORY_MAP_FAILED:
+        return {GN_ERROR_OUT_OF_DEVICE_MEMORY, "OutOfDeviceMemory",
+                failed("out of device memory") + " (VkResult " + std::to_string(result) + ")"};
+    default:
+        return {GN_ERROR_UNKNOWN, "VulkanFailed", failed("VkResult ") + std::to_string(result)};
+    }
+}
+
+} // namespace gnomon

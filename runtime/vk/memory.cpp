@@ -1,0 +1,206 @@
+#include "runtime/vk/memory.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "runtime/vk/memory_block.hpp"
+
+namespace gnomon {
+namespace {
+
+constexpr VkDeviceSize kMiB = 1u << 20;
+// Large enough that a frame's maps share few allocations, small enough to give back. Under a small limit an eighth of
+// it, so that images, buffers and both kinds of host-visible memory get a block each.
+constexpr VkDeviceSize kBlockSize = 64 * kMiB;
+
+VkDeviceSize blockSizeFor(VkDeviceSize limit)
+{
+    return std::clamp(limit / 8, std::min(limit, kMiB), kBlockSize);
+}
+
+/// "24 MiB"; small sizes in KiB. Rounded up for what is needed, down for what is left.
+std::string sizeText(VkDeviceSize bytes, bool roundUp)
+{
+    const VkDeviceSize unit = bytes < kMiB ? 1024 : kMiB;
+    return std::to_string((bytes + (roundUp ? unit - 1 : 0)) / unit) + (unit == kMiB ? " MiB" : " KiB");
+}
+
+VkDeviceSize largestDeviceHeap(const VkPhysicalDeviceMemoryProperties& memory)
+{
+    VkDeviceSize largest = 0;
+    for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
+        if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
+            largest = std::max(largest, memory.memoryHeaps[i].size);
+    return largest;
+}
+
+/// Higher is better; negative: unusable.
+int rateType(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t type, MemoryUse use)
+{
+    const VkMemoryPropertyFlags flags = memory.memoryTypes[type].propertyFlags;
+    if (flags & (VK_MEMORY_PROPERTY_LAZILY_ALLOCATED_BIT | VK_MEMORY_PROPERTY_PROTECTED_BIT)) return -1;
+    const bool local = flags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+    const bool visible = flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
+    const bool cached = flags & VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+    if (use == MemoryUse::device) return (local ? 2 : 0) + (visible ? 0 : 1);
+    if (!visible || !(flags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT)) return -1;
+    if (use == MemoryUse::readback) return (cached ? 2 : 0) + (local ? 0 : 1);
+    // Device-local memory is free to take where the host sees the whole heap; a 256 MiB window is left to the host.
+    const bool wholeHeap =
+        local && memory.memoryHeaps[memory.memoryTypes[type].heapIndex].size == largestDeviceHeap(memory);
+    return (wholeHeap ? 4 : 0) + (local ? 0 : 2) + (cached ? 0 : 1); // uncached: write-combined
+}
+
+} // namespace
+
+DeviceMemory::DeviceMemory(const DeviceTable& vk, VkDeviceSize limit, std::vector<std::uint32_t> sharingFamilies)
+    : vk_(vk), limit_(limit), families_(std::move(sharingFamilies))
+{
+    families_.push_back(vk.queueFamily);
+    std::sort(families_.begin(), families_.end());
+    families_.erase(std::unique(families_.begin(), families_.end()), families_.end());
+}
+
+DeviceMemory::~DeviceMemory()
+{
+    for (Block& block : blocks_)
+        freeBlock(block);
+}
+
+VkDeviceSize DeviceMemory::used() const noexcept
+{
+    const std::lock_guard lock(mutex_);
+    return used_;
+}
+
+VkDeviceSize DeviceMemory::held() const noexcept
+{
+    const std::lock_guard lock(mutex_);
+    return held_;
+}
+
+Result<MemorySlice> DeviceMemory::allocate(const VkMemoryRequirements& needs, MemoryUse use, bool linear)
+{
+    int best = -1;
+    std::uint32_t type = 0;
+    for (std::uint32_t i = 0; i < vk_.memory.memoryTypeCount; ++i) {
+        if (!(needs.memoryTypeBits & (1u << i))) continue;
+        const int rating = rateType(vk_.memory, i, use);
+        if (rating > best) {
+            best = rating;
+            type = i;
+        }
+    }
+    if (best < 0) return Error{GN_ERROR_FEATURE_MISSING, "MemoryType", "memory: no memory type of the device will do"};
+
+    const std::lock_guard lock(mutex_);
+    const bool own = needs.size > blockSizeFor(limit_) / 2;
+    for (std::size_t i = 0; !own && i < blocks_.size(); ++i) {
+        Block& block = blocks_[i];
+        if (!block.memory || block.own || block.type != type || block.linear != linear) continue;
+        if (const auto offset = block.take(needs.size, needs.alignment)) {
+            used_ += needs.size;
+            return MemorySlice{static_cast<std::uint32_t>(i), *offset, needs.size};
+        }
+    }
+    Result<std::uint32_t> made = makeBlock(needs.size, type, linear, own);
+    if (!made) return made.error();
+    const auto offset = blocks_[*made].take(needs.size, needs.alignment); // an empty block starts aligned
+    used_ += needs.size;
+    return MemorySlice{*made, *offset, needs.size};
+}
+
+/// A block that holds at least `bytes`; everything it needs on the host is there before the device is asked.
+Result<std::uint32_t> DeviceMemory::makeBlock(VkDeviceSize bytes, std::uint32_t type, bool linear, bool own)
+{
+    if (limit_ - held_ < bytes) freeEmptyBlocks();
+    if (limit_ - held_ < bytes) return overLimit(bytes, type, linear);
+    auto slot = std::find_if(blocks_.begin(), blocks_.end(), [](const Block& block) { return !block.memory; });
+    if (slot == blocks_.end()) slot = blocks_.emplace(blocks_.end());
+    slot->free.reserve(4);
+    slot->free.clear();
+
+    VkDeviceSize size = own ? bytes : std::max(bytes, std::min(blockSizeFor(limit_), limit_ - held_));
+    VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, size, type};
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    VkResult result = vk_.vkAllocateMemory(vk_.device, &info, vk_.hostAllocator, &memory);
+    if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY && size > bytes) { // the heap is nearly full: take no reserve
+        info.allocationSize = size = bytes;
+        result = vk_.vkAllocateMemory(vk_.device, &info, vk_.hostAllocator, &memory);
+    }
+    if (result != VK_SUCCESS) return vulkanError(result, "vkAllocateMemory");
+    void* mapped = nullptr;
+    const VkMemoryPropertyFlags flags = vk_.memory.memoryTypes[type].propertyFlags;
+    if (linear && (flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)) {
+        result = vk_.vkMapMemory(vk_.device, memory, 0, VK_WHOLE_SIZE, 0, &mapped);
+        if (result != VK_SUCCESS) {
+            vk_.vkFreeMemory(vk_.device, memory, vk_.hostAllocator);
+            return vulkanError(result, "vkMapMemory");
+        }
+    }
+    ++vk_.objectsMade;
+    held_ += size;
+    slot->memory = memory;
+    slot->size = size;
+    slot->type = type;
+    slot->linear = linear;
+    slot->own = own;
+    slot->live = 0;
+    slot->mapped = static_cast<std::byte*>(mapped);
+    slot->free.push_back({0, size}); // within the reserve
+    return static_cast<std::uint32_t>(slot - blocks_.begin());
+}
+
+/// What is left is what one slice could still get: the unallocated rest, or the largest hole in a block of the kind.
+Error DeviceMemory::overLimit(VkDeviceSize bytes, std::uint32_t type, bool linear) const
+{
+    VkDeviceSize left = limit_ - held_;
+    for (const Block& block : blocks_)
+        if (block.memory && !block.own && block.type == type && block.linear == linear)
+            left = std::max(left, block.largest());
+    return {GN_ERROR_OUT_OF_DEVICE_MEMORY, "MemoryLimit",
+            "memory: needs " + sizeText(bytes, true) + ", " + sizeText(left, false) + " left (limit " +
+                sizeText(limit_, false) + ")"};
+}
+
+void DeviceMemory::release(const MemorySlice& slice) noexcept
+{
+    if (slice.block == UINT32_MAX) return;
+    const std::lock_guard lock(mutex_);
+    Block& block = blocks_[slice.block];
+    block.give(slice.offset, slice.size);
+    used_ -= slice.size;
+    if (block.live) return;
+    // One empty block of a kind stays, so that what is destroyed and made again in turn costs no allocation.
+    const bool another = std::any_of(blocks_.begin(), blocks_.end(), [&block](const Block& other) {
+        return &other != &block && other.memory && !other.live && other.type == block.type &&
+               other.linear == block.linear;
+    });
+    if (block.own || another) freeBlock(block);
+}
+
+void DeviceMemory::freeEmptyBlocks() noexcept
+{
+    for (Block& block : blocks_)
+        if (!block.live) freeBlock(block);
+}
+
+void DeviceMemory::freeBlock(Block& block) noexcept
+{
+    if (!block.memory) return;
+    vk_.vkFreeMemory(vk_.device, block.memory, vk_.hostAllocator); // unmaps
+    held_ -= block.size;
+    block.memory = VK_NULL_HANDLE;
+    block.mapped = nullptr;
+    block.free.clear();
+}
+
+VkDeviceMemory DeviceMemory::memoryOf(const MemorySlice& slice, std::byte** mapped) const noexcept
+{
+    const std::lock_guard lock(mutex_); // blocks_ may grow meanwhile
+    const Block& block = blocks_[slice.block];
+    if (mapped) *mapped = block.mapped ? block.mapped + slice.offset : nullptr;
+    return block.memory;
+}
+
+} // namespace gnomon

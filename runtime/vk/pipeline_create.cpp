@@ -1,0 +1,312 @@
+#include "runtime/vk/pipeline_create.hpp"
+
+#include <array>
+
+#include "runtime/vk/unique.hpp"
+
+namespace gnomon {
+namespace {
+
+/// A shader module and its specialization, alive while the pipeline is being made.
+struct Stage {
+    UniqueShaderModule module;
+    std::array<VkSpecializationMapEntry, 4> entries{};
+    VkSpecializationInfo specialization{};
+
+    VkPipelineShaderStageCreateInfo info(VkShaderStageFlagBits stage) const
+    {
+        return {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                .pNext = nullptr,
+                .flags = 0,
+                .stage = stage,
+                .module = module.get(),
+                .pName = "main",
+                .pSpecializationInfo = specialization.mapEntryCount ? &specialization : nullptr};
+    }
+};
+
+Result<void> openStage(const DeviceTable& vk, const ShaderInfo& shader, const char* name, Stage& stage)
+{
+    const VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, nullptr, 0,
+                                        shader.code.size_bytes(), shader.code.data()};
+    VkShaderModule module = VK_NULL_HANDLE;
+    const VkResult result = vk.vkCreateShaderModule(vk.device, &info, vk.hostAllocator, &module);
+    if (result != VK_SUCCESS) return vulkanError(result, "vkCreateShaderModule");
+    ++vk.objectsMade;
+    stage.module = UniqueShaderModule(vk, module);
+    nameObject(vk, VK_OBJECT_TYPE_SHADER_MODULE, module, name);
+    for (std::uint32_t i = 0; i < shader.specializationCount; ++i)
+        stage.entries[i] = {.constantID = i, .offset = i * 4, .size = 4};
+    stage.specialization = {shader.specializationCount, stage.entries.data(), shader.specializationCount * 4u,
+                            shader.specialization};
+    return {};
+}
+
+Result<void> createLayouts(const DeviceTable& vk, Pipeline& pipeline)
+{
+    const bool compute = pipeline.bindPoint == VK_PIPELINE_BIND_POINT_COMPUTE;
+    std::vector<VkDescriptorSetLayoutBinding> bindings;
+    bindings.reserve(pipeline.bindings.size());
+    for (const BindingInfo& binding : pipeline.bindings)
+        bindings.push_back({.binding = binding.binding,
+                            .descriptorType = descriptorTypeOf(binding.kind),
+                            .descriptorCount = 1,
+                            .stageFlags = compute ? VK_SHADER_STAGE_COMPUTE_BIT : VK_SHADER_STAGE_ALL_GRAPHICS,
+                            .pImmutableSamplers = nullptr});
+    const VkDescriptorSetLayoutCreateInfo setInfo{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, nullptr, 0,
+                                                  static_cast<std::uint32_t>(bindings.size()), bindings.data()};
+    VkResult result = vk.vkCreateDescriptorSetLayout(vk.device, &setInfo, vk.hostAllocator, &pipeline.setLayout);
+    if (result != VK_SUCCESS) {
+        pipeline.setLayout = VK_NULL_HANDLE;
+        return vulkanError(result, "vkCreateDescriptorSetLayout");
+    }
+    ++vk.objectsMade;
+    const VkPushConstantRange push{pipeline.pushStages, 0, pipeline.pushBytes};
+    const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                          .pNext = nullptr,
+                                          .flags = 0,
+                                          .setLayoutCount = 1,
+                                          .pSetLayouts = &pipeline.setLayout,
+                                          .pushConstantRangeCount = pipeline.pushBytes ? 1u : 0u,
+                                          .pPushConstantRanges = &push};
+    result = vk.vkCreatePipelineLayout(vk.device, &info, vk.hostAllocator, &pipeline.layout);
+    if (result != VK_SUCCESS) {
+        pipeline.layout = VK_NULL_HANDLE;
+        return vulkanError(result, "vkCreatePipelineLayout");
+    }
+    ++vk.objectsMade;
+    return {};
+}
+
+/// Every structure a graphics pipeline points at; filled from the description, then read by Vulkan once.
+struct GraphicsState {
+    VkVertexInputBindingDescription vertexBuffer{};
+    VkVertexInputAttributeDescription position{};
+    VkPipelineVertexInputStateCreateInfo vertexInput{};
+    VkPipelineInputAssemblyStateCreateInfo assembly{};
+    VkPipelineViewportStateCreateInfo viewport{};
+    VkPipelineRasterizationStateCreateInfo raster{};
+    VkPipelineMultisampleStateCreateInfo multisample{};
+    VkPipelineDepthStencilStateCreateInfo depthStencil{};
+    VkPipelineColorBlendAttachmentState blendAttachment{};
+    VkPipelineColorBlendStateCreateInfo blend{};
+    std::array<VkDynamicState, 5> dynamicStates{};
+    VkPipelineDynamicStateCreateInfo dynamic{};
+    VkPipelineRenderingCreateInfo rendering{};
+
+    explicit GraphicsState(const GraphicsPipelineInfo& info);
+    GraphicsState(const GraphicsState&) = delete;
+    GraphicsState& operator=(const GraphicsState&) = delete;
+
+private:
+    void setVertices(const GraphicsPipelineInfo& info);
+    void setRaster(const GraphicsPipelineInfo& info);
+    void setDepthStencil(const GraphicsPipelineInfo& info);
+    void setColor(const GraphicsPipelineInfo& info);
+    void setDynamic(const GraphicsPipelineInfo& info);
+};
+
+GraphicsState::GraphicsState(const GraphicsPipelineInfo& info)
+{
+    setVertices(info);
+    setRaster(info);
+    setDepthStencil(info);
+    setColor(info);
+    setDynamic(info);
+    const VkImageAspectFlags aspects = aspectsOf(info.depthFormat);
+    rendering.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO;
+    rendering.colorAttachmentCount = info.colorFormat == VK_FORMAT_UNDEFINED ? 0 : 1;
+    rendering.pColorAttachmentFormats = &info.colorFormat;
+    // A format with both aspects is always attached with both, whatever the pipeline does with them.
+    if (aspects & VK_IMAGE_ASPECT_DEPTH_BIT) rendering.depthAttachmentFormat = info.depthFormat;
+    if (aspects & VK_IMAGE_ASPECT_STENCIL_BIT) rendering.stencilAttachmentFormat = info.depthFormat;
+}
+
+void GraphicsState::setVertices(const GraphicsPipelineInfo& info)
+{
+    vertexBuffer = {.binding = 0, .stride = info.vertexStride, .inputRate = VK_VERTEX_INPUT_RATE_VERTEX};
+    position = {.location = 0,
+                .binding = 0,
+                .format = info.vertexStride == 16 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R32G32B32_SFLOAT,
+                .offset = 0};
+    vertexInput.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO;
+    vertexInput.vertexBindingDescriptionCount = info.vertexStride ? 1 : 0;
+    vertexInput.pVertexBindingDescriptions = &vertexBuffer;
+    vertexInput.vertexAttributeDescriptionCount = info.vertexStride ? 1 : 0;
+    vertexInput.pVertexAttributeDescriptions = &position;
+    assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
+    assembly.topology = info.topology;
+}
+
+void GraphicsState::setRaster(const GraphicsPipelineInfo& info)
+{
+    viewport.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO;
+    viewport.viewportCount = 1;
+    viewport.scissorCount = 1;
+    raster.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO;
+    raster.depthClampEnable = info.depthClamp;
+    raster.polygonMode = VK_POLYGON_MODE_FILL;
+    raster.cullMode = info.cullMode;
+    raster.frontFace = info.frontFace;
+    raster.depthBiasEnable = info.casters;
+    raster.lineWidth = 1.0f;
+    multisample.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
+    multisample.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+}
+
+void GraphicsState::setDepthStencil(const GraphicsPipelineInfo& info)
+{
+    depthStencil.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO;
+    depthStencil.depthTestEnable = info.depthTest || info.depthWrite; // without the test nothing is written
+    depthStencil.depthWriteEnable = info.depthWrite;
+    depthStencil.depthCompareOp = info.depthTest ? info.depthCompare : VK_COMPARE_OP_ALWAYS;
+    depthStencil.stencilTestEnable = info.stencil.enable;
+    depthStencil.front = info.stencil.front;
+    depthStencil.back = info.stencil.back;
+    depthStencil.maxDepthBounds = 1.0f;
+}
+
+void GraphicsState::setColor(const GraphicsPipelineInfo& info)
+{
+    blendAttachment.blendEnable = info.blendMultiply;
+    if (info.blendMultiply) {
+        blendAttachment.srcColorBlendFactor = VK_BLEND_FACTOR_DST_COLOR;
+        blendAttachment.dstColorBlendFactor = VK_BLEND_FACTOR_ZERO;
+        blendAttachment.srcAlphaBlendFactor = VK_BLEND_FACTOR_DST_ALPHA;
+        blendAttachment.dstAlphaBlendFactor = VK_BLEND_FACTOR_ZERO;
+    }
+    blendAttachment.colorWriteMask = info.colorMask;
+    blend.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO;
+    blend.attachmentCount = info.colorFormat == VK_FORMAT_UNDEFINED ? 0 : 1;
+    blend.pAttachments = &blendAttachment;
+}
+
+void GraphicsState::setDynamic(const GraphicsPipelineInfo& info)
+{
+    dynamicStates = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR, VK_DYNAMIC_STATE_CULL_MODE,
+                     VK_DYNAMIC_STATE_FRONT_FACE, VK_DYNAMIC_STATE_DEPTH_BIAS};
+    dynamic.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO;
+    dynamic.dynamicStateCount = info.casters ? 5 : 2;
+    dynamic.pDynamicStates = dynamicStates.data();
+}
+
+Result<void> createGraphics(const DeviceTable& vk, VkPipelineCache cache, const GraphicsPipelineInfo& info,
+                            Pipeline& pipeline)
+{
+    Stage vertex, fragment;
+    if (Result<void> opened = openStage(vk, info.vertex, info.name, vertex); !opened) return opened;
+    const bool shaded = !info.fragment.code.empty();
+    if (shaded)
+        if (Result<void> opened = openStage(vk, info.fragment, info.name, fragment); !opened) return opened;
+    const std::array stages{vertex.info(VK_SHADER_STAGE_VERTEX_BIT), fragment.info(VK_SHADER_STAGE_FRAGMENT_BIT)};
+    const GraphicsState state(info);
+    const VkGraphicsPipelineCreateInfo create{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                              .pNext = &state.rendering,
+                                              .flags = 0,
+                                              .stageCount = shaded ? 2u : 1u,
+                                              .pStages = stages.data(),
+                                              .pVertexInputState = &state.vertexInput,
+                                              .pInputAssemblyState = &state.assembly,
+                                              .pTessellationState = nullptr,
+                                              .pViewportState = &state.viewport,
+                                              .pRasterizationState = &state.raster,
+                                              .pMultisampleState = &state.multisample,
+                                              .pDepthStencilState = &state.depthStencil,
+                                              .pColorBlendState = &state.blend,
+                                              .pDynamicState = &state.dynamic,
+                                              .layout = pipeline.layout,
+                                              .renderPass = VK_NULL_HANDLE,
+                                              .subpass = 0,
+                                              .basePipelineHandle = VK_NULL_HANDLE,
+                                              .basePipelineIndex = -1};
+    const VkResult result =
+        vk.vkCreateGraphicsPipelines(vk.device, cache, 1, &create, vk.hostAllocator, &pipeline.pipeline);
+    if (result != VK_SUCCESS) return vulkanError(result, "vkCreateGraphicsPipelines");
+    return {};
+}
+
+Result<void> createCompute(const DeviceTable& vk, VkPipelineCache cache, const ComputePipelineInfo& info,
+                           Pipeline& pipeline)
+{
+    Stage stage;
+    if (Result<void> opened = openStage(vk, info.compute, info.name, stage); !opened) return opened;
+    const VkComputePipelineCreateInfo create{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+                                             .pNext = nullptr,
+                                             .flags = 0,
+                                             .stage = stage.info(VK_SHADER_STAGE_COMPUTE_BIT),
+                                             .layout = pipeline.layout,
+                                             .basePipelineHandle = VK_NULL_HANDLE,
+                                             .basePipelineIndex = -1};
+    const VkResult result =
+        vk.vkCreateComputePipelines(vk.device, cache, 1, &create, vk.hostAllocator, &pipeline.pipeline);
+    if (result != VK_SUCCESS) return vulkanError(result, "vkCreateComputePipelines");
+    return {};
+}
+
+/// What would be undefined behaviour in Vulkan is an answer here: an algorithm that forgot to check eligibility shows
+/// up as a method that cannot be made, with the reason.
+Result<void> checkDescription(const DeviceTable& vk, const PipelineDescription& description)
+{
+    const auto refused = [&description](const std::string& why) {
+        return Error{GN_ERROR_FEATURE_MISSING, "PipelineRefused", std::string(description.name()) + ": " + why};
+    };
+    if (!description.isCompute && description.graphics.depthClamp && !vk.enabled.depthClamp)
+        return refused("needs depthClamp");
+    const std::uint32_t pushBytes =
+        description.isCompute ? description.compute.pushBytes : description.graphics.pushBytes;
+    if (pushBytes > 128 || pushBytes % 4) // 128: what every device offers
+        return refused(std::to_string(pushBytes) + " bytes of push constants; at most 128, in fours");
+    for (const BindingInfo& binding : description.bindings) {
+        const bool image = binding.kind == BindingKind::sampledImage || binding.kind == BindingKind::storageImage;
+        if (image && binding.format == VK_FORMAT_UNDEFINED)
+            return refused("binding " + std::to_string(binding.binding) + " names no image format");
+    }
+    return {};
+}
+
+Result<void> fillPipeline(const DeviceTable& vk, VkPipelineCache cache, const PipelineDescription& description,
+                          Pipeline& pipeline)
+{
+    if (Result<void> checked = checkDescription(vk, description); !checked) return checked;
+    if (Result<void> layouts = createLayouts(vk, pipeline); !layouts) return layouts;
+    return description.isCompute ? createCompute(vk, cache, description.compute, pipeline)
+                                 : createGraphics(vk, cache, description.graphics, pipeline);
+}
+
+} // namespace
+
+Result<Pipeline> createPipeline(const DeviceTable& vk, VkPipelineCache cache, const PipelineDescription& description)
+{
+    Pipeline pipeline;
+    pipeline.name = description.name();
+    pipeline.bindings = description.bindings;
+    if (description.isCompute) {
+        pipeline.bindPoint = VK_PIPELINE_BIND_POINT_COMPUTE;
+        pipeline.pushBytes = description.compute.pushBytes;
+        pipeline.pushStages = VK_SHADER_STAGE_COMPUTE_BIT;
+    } else {
+        pipeline.pushBytes = description.graphics.pushBytes;
+        pipeline.pushStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+        pipeline.casters = description.graphics.casters;
+    }
+    if (Result<void> made = fillPipeline(vk, cache, description, pipeline); !made) {
+        destroyPipeline(vk, pipeline);
+        return made.error();
+    }
+    ++vk.objectsMade;
+    ++vk.pipelinesMade;
+    nameObject(vk, VK_OBJECT_TYPE_PIPELINE, pipeline.pipeline, pipeline.name);
+    return pipeline;
+}
+
+void destroyPipeline(const DeviceTable& vk, Pipeline& pipeline) noexcept
+{
+    if (pipeline.pipeline) vk.vkDestroyPipeline(vk.device, pipeline.pipeline, vk.hostAllocator);
+    if (pipeline.layout) vk.vkDestroyPipelineLayout(vk.device, pipeline.layout, vk.hostAllocator);
+    if (pipeline.setLayout) vk.vkDestroyDescriptorSetLayout(vk.device, pipeline.setLayout, vk.hostAllocator);
+    pipeline.pipeline = VK_NULL_HANDLE;
+    pipeline.layout = VK_NULL_HANDLE;
+    pipeline.setLayout = VK_NULL_HANDLE;
+}
+
+} // namespace gnomon

@@ -1,0 +1,46 @@
+#pragma once
+// From a description to Vulkan objects.
+#include <vector>
+
+#include "runtime/vk/descriptors.hpp"
+
+namespace gnomon {
+
+/// A pipeline and what binding it needs.
+struct Pipeline {
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    VkDescriptorSetLayout setLayout = VK_NULL_HANDLE;
+    VkPipelineBindPoint bindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
+    std::uint32_t pushBytes = 0;
+    VkShaderStageFlags pushStages = 0;
+    bool casters = false;
+    const char* name = "";
+    std::vector<BindingInfo> bindings; ///< By binding number: the order of dynamic offsets.
+};
+
+/// A description kept: as given, but with bindings of its own. One of `graphics` and `compute` is in use.
+struct PipelineDescription {
+    explicit PipelineDescription(const GraphicsPipelineInfo& info);
+    explicit PipelineDescription(const ComputePipelineInfo& info);
+
+    bool isCompute = false;
+    GraphicsPipelineInfo graphics;
+    ComputePipelineInfo compute;
+    std::vector<BindingInfo> bindings; ///< By binding number; the casters' table of transforms included.
+
+    const char* name() const noexcept { return isCompute ? compute.name : graphics.name; }
+    /// The same shaders, states and bindings under the same name.
+    bool operator==(const PipelineDescription& other) const noexcept;
+};
+
+/// Binding of the transforms in every caster pipeline (shaders/shared/casters.glsl).
+inline constexpr std::uint32_t kTransformsBinding = 1;
+
+/// Bytes of a uniform block that `constants` bindings may see; a fixed range keeps descriptor sets alike.
+inline constexpr VkDeviceSize kConstantsRange = 4096;
+
+Result<Pipeline> createPipeline(const DeviceTable& vk, VkPipelineCache cache, const PipelineDescription& description);
+void destroyPipeline(const DeviceTable& vk, Pipeline& pipeline) noexcept;
+
+} // namespace gnomon

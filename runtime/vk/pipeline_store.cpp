@@ -1,0 +1,168 @@
+#include "runtime/vk/pipeline_store.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <new>
+#include <utility>
+
+namespace gnomon {
+namespace {
+
+enum class Stage : std::uint8_t { described, creating, created, tried, failed };
+
+/// Runs on workers, where nobody catches: a pipeline that host memory did not suffice for has failed like any other.
+Result<Pipeline> createOrExplain(const DeviceTable& vk, VkPipelineCache cache, const PipelineDescription& description)
+{
+    try {
+        return createPipeline(vk, cache, description);
+    } catch (const std::bad_alloc&) {
+        return Error{GN_ERROR_OUT_OF_HOST_MEMORY, "OutOfHostMemory", "out of memory"}; // short: needs no allocation
+    }
+}
+
+} // namespace
+
+struct PipelineStore::Item {
+    explicit Item(PipelineDescription what) : description(std::move(what)) {}
+
+    const PipelineDescription description;
+    Pipeline pipeline; ///< Written by the one who set `creating`, read from `created` on.
+    // Guarded by the store's mutex.
+    Stage stage = Stage::described;
+    std::vector<std::uint32_t> owners;
+    std::string failure;
+
+    bool belongsTo(std::uint32_t owner) const { return std::find(owners.begin(), owners.end(), owner) != owners.end(); }
+};
+
+PipelineStore::PipelineStore(const DeviceTable& vk, DeviceMemory& memory, const SamplerSet& samplers)
+    : vk_(vk), trials_(vk, memory, samplers)
+{
+}
+
+PipelineStore::~PipelineStore()
+{
+    for (const std::unique_ptr<Item>& item : items_)
+        destroyPipeline(vk_, item->pipeline);
+    if (cache_) vk_.vkDestroyPipelineCache(vk_.device, cache_, vk_.hostAllocator);
+}
+
+PipelineId PipelineStore::graphics(const GraphicsPipelineInfo& info)
+{
+    return describe(PipelineDescription(info));
+}
+
+PipelineId PipelineStore::compute(const ComputePipelineInfo& info)
+{
+    return describe(PipelineDescription(info));
+}
+
+PipelineId PipelineStore::describe(PipelineDescription description)
+{
+    const std::lock_guard lock(mutex_);
+    auto found = std::find_if(items_.begin(), items_.end(), [&description](const std::unique_ptr<Item>& item) {
+        return item->description == description;
+    });
+    if (found == items_.end()) found = items_.insert(items_.end(), std::make_unique<Item>(std::move(description)));
+    if (!(*found)->belongsTo(owner_)) (*found)->owners.push_back(owner_);
+    return {static_cast<std::uint32_t>(found - items_.begin())};
+}
+
+void PipelineStore::setOwner(std::uint32_t owner)
+{
+    const std::lock_guard lock(mutex_);
+    owner_ = owner;
+}
+
+void PipelineStore::setTrialBias(DepthBias bias)
+{
+    const std::lock_guard lock(mutex_);
+    trialBias_ = bias;
+}
+
+/// Pipelines of one source share compiled parts. Without a cache everything works, so a failure is not passed on.
+VkPipelineCache PipelineStore::cache()
+{
+    if (std::exchange(cacheAsked_, true)) return cache_;
+    const VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO, nullptr, 0, 0, nullptr};
+    if (vk_.vkCreatePipelineCache(vk_.device, &info, vk_.hostAllocator, &cache_) == VK_SUCCESS)
+        ++vk_.objectsMade;
+    else
+        cache_ = VK_NULL_HANDLE;
+    return cache_;
+}
+
+bool PipelineStore::createNext(std::uint32_t owner)
+{
+    std::unique_lock lock(mutex_);
+    const auto next = std::find_if(items_.begin(), items_.end(), [owner](const std::unique_ptr<Item>& item) {
+        return item->stage == Stage::described && item->belongsTo(owner);
+    });
+    if (next == items_.end()) return false;
+    Item& item = **next;
+    item.stage = Stage::creating;
+    const VkPipelineCache shared = cache();
+
+    lock.unlock(); // creation takes milliseconds; the frame's thread goes on describing and asking
+    Result<Pipeline> made = createOrExplain(vk_, shared, item.description);
+    lock.lock();
+    if (made) {
+        item.pipeline = std::move(*made);
+        item.stage = Stage::created;
+    } else {
+        item.failure = made.error().text;
+        item.stage = Stage::failed;
+    }
+    return true;
+}
+
+bool PipelineStore::created(std::uint32_t owner) const
+{
+    const std::lock_guard lock(mutex_);
+    return std::all_of(items_.begin(), items_.end(), [owner](const std::unique_ptr<Item>& item) {
+        return !item->belongsTo(owner) || item->stage == Stage::created || item->stage == Stage::tried;
+    });
+}
+
+Result<void> PipelineStore::recordTrials(VkCommandBuffer cmd, std::uint32_t owner)
+{
+    const std::lock_guard lock(mutex_);
+    std::vector<Item*> untried;
+    std::vector<PipelineTrials::Candidate> candidates;
+    for (const std::unique_ptr<Item>& item : items_) {
+        if (item->stage != Stage::created || !item->belongsTo(owner)) continue;
+        untried.push_back(item.get());
+        candidates.push_back({&item->description, &item->pipeline});
+    }
+    if (Result<void> recorded = trials_.record(cmd, candidates, trialBias_); !recorded) return recorded;
+    for (Item* item : untried)
+        item->stage = Stage::tried;
+    return {};
+}
+
+bool PipelineStore::ready(std::uint32_t owner) const
+{
+    const std::lock_guard lock(mutex_);
+    return std::all_of(items_.begin(), items_.end(), [owner](const std::unique_ptr<Item>& item) {
+        return !item->belongsTo(owner) || item->stage == Stage::tried;
+    });
+}
+
+std::string PipelineStore::failure(std::uint32_t owner) const
+{
+    const std::lock_guard lock(mutex_);
+    for (const std::unique_ptr<Item>& item : items_)
+        if (item->stage == Stage::failed && item->belongsTo(owner)) return item->failure;
+    return {};
+}
+
+const Pipeline& PipelineStore::get(PipelineId id) const
+{
+    const std::lock_guard lock(mutex_);
+    assert(id.index < items_.size());
+    const Item& item = *items_[id.index];
+    assert(item.stage == Stage::created || item.stage == Stage::tried);
+    return item.pipeline;
+}
+
+} // namespace gnomon

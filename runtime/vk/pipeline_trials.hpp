@@ -1,0 +1,66 @@
+#pragma once
+// First executions. A software device compiles shaders when they first run, once per set of bound formats; a trial runs
+// a pipeline on tiny stand-ins of what it will meet, so that the first real frame does not wait for the compiler.
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "runtime/vk/pipeline_create.hpp"
+
+namespace gnomon {
+
+struct DepthBias {
+    float constant = 0.0f;
+    float slope = 0.0f;
+};
+
+class PipelineTrials {
+public:
+    PipelineTrials(const DeviceTable& vk, DeviceMemory& memory, const SamplerSet& samplers);
+    ~PipelineTrials();
+    PipelineTrials(const PipelineTrials&) = delete;
+    PipelineTrials& operator=(const PipelineTrials&) = delete;
+
+    struct Candidate {
+        const PipelineDescription* description = nullptr;
+        const Pipeline* pipeline = nullptr;
+    };
+    /// Records each candidate's draw or dispatch with barriers of its own. Stand-ins are made on demand and kept, for
+    /// the recording may run any time later. On failure nothing has been recorded.
+    Result<void> record(VkCommandBuffer cmd, std::span<const Candidate> candidates, DepthBias casterBias);
+
+private:
+    struct StandIn {
+        bool powerOfTwo = false;
+        bool target = false; ///< Attachment; otherwise shader input or output.
+        GpuImage image;
+    };
+    struct Trial {
+        Candidate candidate;
+        VkDescriptorSet set = VK_NULL_HANDLE;
+        const GpuImage* color = nullptr;
+        const GpuImage* depth = nullptr;
+        std::uint32_t constants = 0; ///< Dynamic offsets to give.
+    };
+
+    Result<void> makeBuffers();
+    Result<Trial> prepare(const Candidate& candidate);
+    Result<VkDescriptorSet> makeSet(const Candidate& candidate, Trial& trial);
+    Result<const GpuImage*> standIn(VkFormat format, VkImageUsageFlags usage, bool powerOfTwo, bool target);
+    Result<VkBuffer> storage(std::size_t index);
+    void clearStandIns(VkCommandBuffer cmd) const;
+    void clearStorage(VkCommandBuffer cmd) const;
+    void recordDispatch(VkCommandBuffer cmd, const Trial& trial) const;
+    void recordDraw(VkCommandBuffer cmd, const Trial& trial, DepthBias casterBias) const;
+    void bind(VkCommandBuffer cmd, const Trial& trial) const;
+
+    const DeviceTable& vk_;
+    DeviceMemory& memory_;
+    const SamplerSet& samplers_;
+    DescriptorRing sets_;
+    GpuBuffer zeros_;                ///< Constants, vertices and indices; never written.
+    std::vector<GpuBuffer> storage_; ///< One per storage binding: shaders may write, and an alias would feed it back.
+    std::vector<std::unique_ptr<StandIn>> standIns_;
+};
+
+} // namespace gnomon
