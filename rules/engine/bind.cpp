@@ -8,11 +8,6 @@
 namespace gnomon::rules {
 namespace {
 
-std::string quoted(std::string_view text)
-{
-    return "'" + std::string(text) + "'";
-}
-
 /// Resolves names in the order the rule base has them; the first pass over the host's lists is the only lookup by text.
 class Compiler {
 public:

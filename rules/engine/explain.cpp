@@ -91,10 +91,13 @@ std::string explainRule(const Engine& engine, const Inference& inference, uint32
         const Variable& variable = engine.base().variables[op.variable];
         const bool negated = i + 1 < ops.size() && ops[i + 1].kind == Clause::Kind::Not;
         const bool limiting = op.variable == state.limitingVariable && op.term == state.limitingTerm;
-        text += std::string(separator) + variable.name + (negated ? " not " : " ") + variable.terms[op.term].name + " ";
+        const double membership = inference.memberships[op.membership].low;
         const bool unknown = std::isnan(inference.facts[compiled.variables[op.variable].fact]);
-        text += unknown ? "unknown" : fixedText(inference.memberships[op.membership].low, 2);
-        text += limiting && clauses > 1 ? "*" : "";
+        const double truth = negated ? 1.0 - membership : membership;
+        if (truth == 0.0 && state.strength > 0.0 && !limiting) continue; // an alternative that the rule did not need
+        text.append(separator).append(variable.name).append(negated ? " not " : " ");
+        text.append(variable.terms[op.term].name).append(" ").append(unknown ? "unknown" : fixedText(truth, 2));
+        text.append(limiting && clauses > 1 ? "*" : "");
         separator = ", ";
     }
     return rule.weight == 1.0 ? text : text + ", weight " + shortestText(rule.weight);
@@ -126,7 +129,8 @@ std::string explain(const Engine& engine, const Inference& inference, const Expl
         for (const uint32_t rule : rules) {
             const bool isVeto = state.vetoed && rule == state.vetoRule;
             text += line + (isVeto ? explainRule(engine, inference, rule) : ruleLine(engine, inference, rule, output));
-            text += "\n" + (options.because ? because(engine, rule, indent) : std::string());
+            text += '\n';
+            if (options.because) text += because(engine, rule, indent);
             line.assign(indent, ' ');
         }
         if (rules.empty()) text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";

@@ -23,8 +23,8 @@ struct ExplainOptions {
 /// The conclusion is named where it is not the highest term of suitability. Unknown facts are listed at the end.
 std::string explain(const Engine& engine, const Inference& inference, const ExplainOptions& options = {});
 
-/// What fired one rule: "rule S1: lightRadius narrow 0.25, frameBudget tight 0.10, weight 0.8". Lists every clause of
-/// the antecedent with the membership of its term, the limiting one marked with '*' if there are several.
+/// What fired one rule: "rule S1: lightRadius narrow 0.25, frameBudget tight 0.10*, weight 0.8". Every clause with its
+/// truth, except alternatives under `or` that were false; '*' marks the limiting one where there are several.
 std::string explainRule(const Engine& engine, const Inference& inference, uint32_t rule);
 
 /// One line without a line break for logs: the strongest rule behind an output, or why there is none.

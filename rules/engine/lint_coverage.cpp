@@ -245,7 +245,7 @@ std::string rangeText(const Variable& variable, const std::vector<Cell>& cells, 
     std::string text;
     if (toLow && toHigh)
         text = "any " + variable.name;
-    else if (first.low == last.high)
+    else if (first.low == last.high && (variable.isCount() || (!toLow && !toHigh)))
         text = variable.name + " = " + shortestText(first.low);
     else if (toLow)
         text = variable.name + (last.highOpen ? " < " : " <= ") + shortestText(last.high);

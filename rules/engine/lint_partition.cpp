@@ -9,11 +9,6 @@
 namespace gnomon::rules {
 namespace {
 
-std::string quoted(std::string_view text)
-{
-    return "'" + std::string(text) + "'";
-}
-
 double highest(const Variable& variable, double x)
 {
     double value = 0.0;

@@ -18,11 +18,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// denormals flushed to zero it could become 0 / 0.
 constexpr double kNarrowestFlank = 1e-9;
 
-std::string quoted(std::string_view text)
-{
-    return "'" + std::string(text) + "'";
-}
-
 bool inRange(double value) noexcept
 {
     return value >= -kMaxMagnitude && value <= kMaxMagnitude;

@@ -43,7 +43,9 @@ std::size_t tokenLength(std::string_view rest) noexcept
     };
     if (isLetter(rest.front())) return lengthWhile([](char c) { return isLetter(c) || isDigit(c); });
     if (isDigit(rest.front()) || rest.front() == '.' || rest.front() == '-' || rest.front() == '+')
-        return lengthWhile([](char c) { return isDigit(c) || isLetter(c) || c == '.' || c == '-' || c == '+'; });
+        return lengthWhile([](char c) {
+            return isDigit(c) || isLetter(c) || std::string_view(".,+-").find(c) != std::string_view::npos;
+        });
     return 1;
 }
 
@@ -106,7 +108,7 @@ private:
 
     bool fail(const Token& token, std::string_view what)
     {
-        std::string found = token.kind == Token::Kind::End ? "the end" : "'" + std::string(token.text) + "'";
+        std::string found = token.kind == Token::Kind::End ? "the end" : quoted(token.text);
         sink_.error("R06", spot(token), std::string(what) + ", found " + found);
         return false;
     }

@@ -293,7 +293,7 @@ void MapReader::text(std::string_view key, std::string& out)
         out = found->text;
     else if (found)
         sink_.error("R04", found->at,
-                    "'" + std::string(key) + "' must be a text, found " + std::string(kindText(*found)));
+                    rules::quoted(key) + " must be a text, found " + std::string(kindText(*found)));
 }
 
 void MapReader::number(std::string_view key, double low, double high, double& out)
@@ -305,7 +305,7 @@ void MapReader::number(std::string_view key, double low, double high, double& ou
         out = *value;
     else
         sink_.error("R05", found->at,
-                    "'" + std::string(key) + "' must be a number from " + rules::shortestText(low) + " to " +
+                    rules::quoted(key) + " must be a number from " + rules::shortestText(low) + " to " +
                         rules::shortestText(high));
 }
 
@@ -318,7 +318,7 @@ void MapReader::count(std::string_view key, uint32_t high, uint32_t& out)
     if (value == static_cast<double>(static_cast<uint32_t>(value)))
         out = static_cast<uint32_t>(value);
     else
-        sink_.error("R05", node_.find(key)->at, "'" + std::string(key) + "' must be a whole number");
+        sink_.error("R05", node_.find(key)->at, rules::quoted(key) + " must be a whole number");
 }
 
 void MapReader::finish()

@@ -17,11 +17,6 @@ using yaml::Node;
 constexpr uint32_t kFrameLimit = 1'000'000; ///< Of counts of frames: hours, not overflow.
 constexpr double kMillisecondLimit = 1e6;
 
-std::string quoted(std::string_view text)
-{
-    return "'" + std::string(text) + "'";
-}
-
 uint64_t fnv1a(std::string_view text) noexcept
 {
     uint64_t hash = 0xcbf29ce484222325u;
@@ -67,7 +62,7 @@ private:
         if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
         std::string message = quoted(key) + " must be one of";
         for (const std::string_view choice : words)
-            message += " " + std::string(choice);
+            message.append(" ").append(choice);
         sink_.error("R05", node->at, message);
         return unchanged;
     }
