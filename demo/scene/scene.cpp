@@ -62,7 +62,7 @@ Pose poseAt(const Instance& instance, double time)
 
 } // namespace
 
-const char* toString(LightKind kind) noexcept
+const char* nameOf(LightKind kind) noexcept
 {
     switch (kind) {
     case LightKind::Directional:
@@ -75,7 +75,7 @@ const char* toString(LightKind kind) noexcept
     return "?";
 }
 
-const char* toString(DepthConvention convention) noexcept
+const char* nameOf(DepthConvention convention) noexcept
 {
     return convention == DepthConvention::Standard ? "standard" : "reversed_infinite";
 }

@@ -56,7 +56,7 @@ struct Instance {
 
 enum class LightKind : uint8_t { Directional, Spot, Point };
 
-const char* toString(LightKind kind) noexcept;
+const char* nameOf(LightKind kind) noexcept;
 
 struct LightKey {
     double time = 0.0; ///< Seconds, strictly increasing.
@@ -104,7 +104,7 @@ enum class DepthConvention : uint8_t {
     Standard,         ///< 0 at the near plane, 1 at the far plane.
 };
 
-const char* toString(DepthConvention convention) noexcept;
+const char* nameOf(DepthConvention convention) noexcept;
 
 struct DepthSettings {
     DepthConvention convention = DepthConvention::ReversedInfinite;

@@ -1,0 +1,225 @@
+#include "demo/io/csv.hpp"
+#include "demo/io/font.hpp"
+#include "demo/io/number.hpp"
+#include "demo/io/obj.hpp"
+#include "demo/io/pfm.hpp"
+#include "demo/io/png.hpp"
+#include "demo/io/text.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <set>
+
+using namespace gnomon::demo;
+namespace fs = std::filesystem;
+
+namespace {
+
+fs::path temporary(const char* name)
+{
+    return fs::temp_directory_path() / name;
+}
+
+std::string bytesOf(const fs::path& file)
+{
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+ImageF ramp(uint32_t channels)
+{
+    ImageF image(5, 3, channels);
+    for (size_t i = 0; i < image.texels.size(); ++i)
+        image.texels[i] = float(i) * 0.3f - 1.0f;
+    image.texels[1] = std::numeric_limits<float>::infinity();
+    image.texels[2] = std::numeric_limits<float>::denorm_min();
+    return image;
+}
+
+} // namespace
+
+TEST_CASE("PNG returns every byte of gray and RGB images")
+{
+    for (const uint32_t channels : {1u, 3u}) {
+        Image8 image(17, 9, channels);
+        for (size_t i = 0; i < image.texels.size(); ++i)
+            image.texels[i] = static_cast<uint8_t>(i * 37 + 11);
+        const fs::path file = temporary("gnomon_test.png");
+        REQUIRE(writePng(file, image));
+        const auto back = readPng(file, channels);
+        REQUIRE_MESSAGE(back, back.error());
+        CHECK(back->width == 17);
+        CHECK(back->height == 9);
+        CHECK(back->texels == image.texels);
+        fs::remove(file);
+    }
+    CHECK_FALSE(writePng("/no/such/folder/x.png", Image8(1, 1, 3)));
+    CHECK_FALSE(readPng("/no/such/folder/x.png", 3));
+}
+
+TEST_CASE("PFM returns every bit in both row orders, and the orders differ by a flip")
+{
+    for (const uint32_t channels : {1u, 3u})
+        for (const RowOrder order : {RowOrder::TopDown, RowOrder::BottomUp}) {
+            const ImageF image = ramp(channels);
+            const fs::path file = temporary("gnomon_test.pfm");
+            REQUIRE(writePfm(file, image, order));
+            const auto back = readPfm(file, order);
+            REQUIRE_MESSAGE(back, back.error());
+            CHECK(back->channels == channels);
+            CHECK(
+                std::equal(back->texels.begin(), back->texels.end(), image.texels.begin(), image.texels.end(),
+                           [](float a, float b) { return std::bit_cast<uint32_t>(a) == std::bit_cast<uint32_t>(b); }));
+            const auto flipped = readPfm(file, order == RowOrder::TopDown ? RowOrder::BottomUp : RowOrder::TopDown);
+            REQUIRE(flipped);
+            CHECK(flipped->at(3, 0)[0] == image.at(3, 2)[0]);
+            fs::remove(file);
+        }
+}
+
+TEST_CASE("a PFM file holds its first row right after a three-line header, little-endian")
+{
+    ImageF image(1, 2, 1);
+    image.texels = {1.0f, 2.0f};
+    const fs::path file = temporary("gnomon_rows.pfm");
+    REQUIRE(writePfm(file, image, RowOrder::TopDown));
+    CHECK(bytesOf(file) == std::string("Pf\n1 2\n-1.0\n\0\0\x80\x3f\0\0\0\x40", 20));
+    REQUIRE(writePfm(file, image, RowOrder::BottomUp));
+    CHECK(bytesOf(file) == std::string("Pf\n1 2\n-1.0\n\0\0\0\x40\0\0\x80\x3f", 20));
+    fs::remove(file);
+}
+
+TEST_CASE("damaged PFM files are refused, big-endian ones are read")
+{
+    const fs::path file = temporary("gnomon_bad.pfm");
+    const auto read = [&file](const std::string& bytes) {
+        std::ofstream(file, std::ios::binary) << bytes;
+        return readPfm(file, RowOrder::TopDown);
+    };
+    const std::string one("\x3f\x80\0\0", 4);
+    const auto big = read("Pf\n1 1\n1.0\n" + one);
+    REQUIRE(big);
+    CHECK(big->texels[0] == 1.0f);
+    for (const char* header : {"", "P6\n1 1\n-1.0\n", "Pf\n0 1\n-1.0\n", "Pf\n-1 1\n-1.0\n", "Pf\n1 1\n0\n",
+                               "Pf\n1 1\nnan\n", "Pf\n1 2\n-1.0\n", "Pf\n99999999 99999999\n-1.0\n", "Pf\n1 1 -1.0"})
+        CHECK_FALSE(read(header + one));
+    fs::remove(file);
+}
+
+TEST_CASE("nine digits tell neighbouring floats apart in an OBJ file")
+{
+    Mesh mesh{
+        "m", {{0.1f, 1e-20f, -123456.789f}, {std::nextafter(0.1f, 1.0f), 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}}, {0, 1, 2}};
+    ObjWriter writer;
+    writer.add("a", mesh, Transform{});
+    writer.add("b", mesh, Transform{glm::dmat3(2.0), {1e6, 0.0, 0.0}});
+    const std::string& text = writer.text();
+    CHECK(text.find("v 0.100000001 9.99999968e-21 -123456.789\nv 0.100000009 0 0\n") != std::string::npos);
+    CHECK(text.find("f 1 2 3\n") != std::string::npos);
+    CHECK(text.find("o b\nv 1000000.2 ") != std::string::npos);
+    CHECK(text.ends_with("f 4 5 6\n"));
+}
+
+TEST_CASE("CSV quotes what needs it, writes numbers that read back equal and refuses ragged rows")
+{
+    CsvWriter csv({"name", "value", "count", "flag"});
+    csv.cell("plain").cell(0.1).cell(7u).cell(true).endRow();
+    csv.cell("a,\"b\"").cell(std::numeric_limits<double>::quiet_NaN()).cell(-3).cell(false).endRow();
+    csv.cell("fixed").cell(2.0 / 3.0, 3).empty().empty().endRow();
+    CHECK(csv.text() == "name,value,count,flag\nplain,0.1,7,1\n\"a,\"\"b\"\"\",,-3,0\nfixed,0.667,,\n");
+    std::vector<std::string> cells;
+    REQUIRE(splitCsvLine("\"a,\"\"b\"\"\",,-3,0", cells));
+    CHECK(cells == std::vector<std::string>{"a,\"b\"", "", "-3", "0"});
+    CHECK_FALSE(splitCsvLine("\"open", cells));
+
+    const fs::path file = temporary("gnomon_test.csv");
+    REQUIRE(csv.save(file));
+    CHECK(bytesOf(file) == csv.text());
+    fs::remove(file);
+    csv.cell("too few").endRow();
+    const Status ragged = csv.save(file);
+    CHECK(ragged.error().ends_with("row 4 has 1 cells for 4 columns"));
+    CHECK_FALSE(fs::exists(file));
+}
+
+TEST_CASE("numbers are read whole or not at all, and never as NaN or infinity")
+{
+    CHECK(parseNumber("1.5") == 1.5);
+    CHECK(parseNumber("+2e3") == 2000.0);
+    CHECK(parseNumber("-.5") == -0.5);
+    for (const char* text : {"", " 1", "1 ", "1,5", "1.5x", "nan", "inf", "-inf", ".nan", "1e999", "0x10", "+-1", "+"})
+        CHECK_MESSAGE(!parseNumber(text), text);
+}
+
+TEST_CASE("every printable character has its own picture, and drawing stays inside the measured box")
+{
+    std::set<Glyph> pictures;
+    for (char c = ' '; c <= '~'; ++c)
+        pictures.insert(glyphOf(c));
+    CHECK(pictures.size() == 95);
+    CHECK(pictures.count(glyphOf('\x01')) == 0);
+    CHECK(glyphOf('\x01') == glyphOf(char(200)));
+
+    const TextSize size = measureText("Ag|\n#", 2);
+    CHECK(size.width == 34);
+    CHECK(size.height == 32);
+    Image8 image(size.width + 2, size.height + 2, 3);
+    drawText(image, 1, 1, "Ag|\n#", {255, 0, 0}, 2);
+    uint64_t lit = 0;
+    for (uint32_t y = 0; y < image.height; ++y)
+        for (uint32_t x = 0; x < image.width; ++x) {
+            const bool set = image.at(x, y)[0] == 255;
+            lit += set;
+            if (x == 0 || y == 0 || x + 1 == image.width || y + 1 == image.height) CHECK_FALSE(set);
+        }
+    uint64_t dots = 0;
+    for (const char c : {'A', 'g', '|', '#'})
+        for (const uint8_t row : glyphOf(c))
+            dots += uint64_t(std::popcount(row));
+    CHECK(lit == dots * 4);
+    drawText(image, -100, 30, "outside both ways, clipped", {1, 2, 3}, 3); // must not write out of bounds
+}
+
+TEST_CASE("images are cropped, enlarged, shrunk and tinted pixel by pixel")
+{
+    Image8 image(4, 2, 1);
+    image.texels = {0, 10, 20, 30, 40, 50, 60, 70};
+    const Image8 part = crop(image, {2, 1, 3, 2});
+    CHECK(part.texels == std::vector<uint8_t>{60, 70, 0, 0, 0, 0});
+    const Image8 big = enlarge(part, 2);
+    CHECK(big.width == 6);
+    CHECK(*big.at(1, 1) == 60);
+    CHECK(*big.at(2, 0) == 70);
+    const Image8 small = shrinkToFit(image, 2, 2);
+    CHECK(small.width == 2);
+    CHECK(small.texels == std::vector<uint8_t>{25, 45});
+    CHECK(shrinkToFit(image, 100, 100).texels == image.texels);
+
+    Image8 rgb = toRgb(image);
+    tint(rgb, {0, 0, 1, 1}, {255, 0, 255}, 1.0f);
+    CHECK(Rgb8{rgb.texels[0], rgb.texels[1], rgb.texels[2]} == Rgb8{255, 0, 255});
+    tint(rgb, {1, 0, 1, 1}, {110, 110, 110}, 0.5f);
+    CHECK(rgb.at(1, 0)[2] == 60);
+    tint(rgb, {0, 0, 9, 9}, {0, 0, 0}, std::numeric_limits<float>::quiet_NaN());
+    CHECK(rgb.at(1, 0)[2] == 60);
+    outline(rgb, {-1, -1, 6, 4}, {9, 9, 9}); // wholly outside: nothing changes
+    CHECK(rgb.at(0, 0)[0] == 255);
+    blit(rgb, 3, 1, rgb);
+    CHECK(rgb.at(3, 1)[0] == 255);
+}
+
+TEST_CASE("sRGB encoding has the standard's fixed points")
+{
+    CHECK(encodeSrgb(0.0f) == 0);
+    CHECK(encodeSrgb(1.0f) == 255);
+    CHECK(encodeSrgb(7.0f) == 255);
+    CHECK(encodeSrgb(-1.0f) == 0);
+    CHECK(encodeSrgb(std::numeric_limits<float>::quiet_NaN()) == 0);
+    CHECK(encodeSrgb(0.2158605f) == 128); // ((128 / 255 + 0.055) / 1.055)^2.4
+}

@@ -1,0 +1,269 @@
+#include "demo/scene/scene_file.hpp"
+#include "scene_analysis.hpp"
+
+#include <doctest/doctest.h>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+using namespace gnomon::demo;
+using doctest::Approx;
+
+namespace {
+
+/// Loading reads real mesh files: once for all test cases.
+const Scene& shipped(const std::string& name)
+{
+    static std::map<std::string, Scene> loaded;
+    const auto found = loaded.find(name);
+    if (found != loaded.end()) return found->second;
+    auto scene = loadScene(name);
+    REQUIRE_MESSAGE(scene, scene.error());
+    return loaded.emplace(name, std::move(*scene)).first->second;
+}
+
+double runLength(const Scene& scene)
+{
+    return frameTime(scene, scene.frames - 1);
+}
+
+struct Nearest {
+    double lit = std::numeric_limits<double>::infinity();   ///< From the eye to a vertex the light may reach.
+    double bound = std::numeric_limits<double>::infinity(); ///< From the eye to the light's sphere of range.
+};
+
+Nearest nearestReceiver(const std::vector<WorldTriangle>& triangles, const Light& light, double time,
+                        const CameraState& camera)
+{
+    const LightState state = lightAt(light, time);
+    Nearest nearest;
+    nearest.bound = std::max(0.0, glm::length(camera.eye - state.position) - light.range);
+    for (const WorldTriangle& triangle : triangles)
+        for (const glm::dvec3& corner : {triangle.a, triangle.b, triangle.c})
+            if (reaches(light, state, corner)) nearest.lit = std::min(nearest.lit, glm::length(corner - camera.eye));
+    return nearest;
+}
+
+struct Phase {
+    double time;
+    uint32_t lights, dynamicLights;
+    bool far;
+};
+
+void checkPhases(const Scene& scene, const std::vector<Phase>& phases)
+{
+    for (const Phase& phase : phases) {
+        INFO(scene.name, " at ", phase.time, " s");
+        CHECK(lightCountAt(scene, phase.time, false) == phase.lights);
+        CHECK(lightCountAt(scene, phase.time, true) == phase.dynamicLights);
+        const std::vector<WorldTriangle> triangles = worldTriangles(scene, phase.time);
+        const CameraState camera = cameraAt(scene, phase.time);
+        for (const Light& light : scene.lights) {
+            if (!lightAt(light, phase.time).present) continue;
+            INFO(light.name);
+            CHECK(light.kind == LightKind::Spot);
+            const Nearest nearest = nearestReceiver(triangles, light, phase.time, camera);
+            if (phase.far) {
+                CHECK(nearest.bound > 60.0);
+                CHECK(nearest.lit < 90.0); // the end of the thesis's universe
+            } else {
+                CHECK(nearest.lit < 30.0);
+            }
+        }
+    }
+}
+
+} // namespace
+
+TEST_CASE("the shipped scenes are found by name and keep to their triangle budgets")
+{
+    const std::map<std::string, uint64_t> budgets = {{"bunny", 150'000},
+                                                     {"colonnade", 60'000},
+                                                     {"room", 20'000},
+                                                     {"scenario", 8'000},
+                                                     {"scenario_reverse", 8'000},
+                                                     {"torus_grid", 57'600 + 2 + 100},
+                                                     {"torus_grid_standard", 57'600 + 2 + 100}};
+    const std::vector<ShippedScene> scenes = shippedScenes();
+    REQUIRE(scenes.size() == budgets.size());
+    for (const ShippedScene& scene : scenes) {
+        INFO(scene.name);
+        REQUIRE(budgets.count(scene.name) == 1);
+        const Scene& loaded = shipped(scene.name);
+        CHECK(loaded.name == scene.name);
+        CHECK(triangleCount(loaded) <= budgets.at(scene.name));
+        CHECK(triangleCount(loaded) > 1000);
+        CHECK_FALSE(loaded.description.empty());
+    }
+}
+
+TEST_CASE("every shipped scene can fail: each of the six trouble spots is there")
+{
+    for (const ShippedScene& scene : shippedScenes()) {
+        const FailFeatures found = findFailFeatures(shipped(scene.name), 0.0);
+        INFO(scene.name);
+        CHECK(found.contactEdge);
+        CHECK(found.thinWall);
+        CHECK(found.grazedReceiver);
+        CHECK(found.casterBehindEye);
+        CHECK(found.casterBehindLight);
+        CHECK(found.openPart);
+    }
+}
+
+TEST_CASE("no light comes nearer than half a metre to a surface, with 16 lights and at any time")
+{
+    for (const ShippedScene& shippedScene : shippedScenes()) {
+        Scene scene = shipped(shippedScene.name);
+        limitLights(scene, std::max<uint32_t>(16, uint32_t(scene.lights.size())));
+        for (const double share : {0.0, 0.21, 0.5, 0.83, 1.0}) {
+            const double time = runLength(scene) * share;
+            const std::vector<WorldTriangle> triangles = worldTriangles(scene, time);
+            for (const Light& light : scene.lights) {
+                const LightState state = lightAt(light, time);
+                if (light.kind == LightKind::Directional || !state.present) continue;
+                double nearest = std::numeric_limits<double>::infinity();
+                uint32_t instance = 0;
+                for (const WorldTriangle& triangle : triangles) {
+                    // Bounding distance first: the exact one is slow.
+                    const glm::dvec3 low = glm::min(glm::min(triangle.a, triangle.b), triangle.c),
+                                     high = glm::max(glm::max(triangle.a, triangle.b), triangle.c);
+                    const glm::dvec3 outside = glm::max(glm::max(low - state.position, state.position - high), 0.0);
+                    if (glm::dot(outside, outside) > 1.0) continue;
+                    const double distance = distanceToTriangle(state.position, triangle);
+                    if (distance < nearest) instance = triangle.instance;
+                    nearest = std::min(nearest, distance);
+                }
+                INFO(scene.name, " at ", time, ": ", light.name, " and ", scene.instances[instance].name);
+                CHECK(nearest >= 0.5);
+            }
+        }
+    }
+}
+
+TEST_CASE("the camera never comes nearer than its near plane to a surface")
+{
+    for (const ShippedScene& shippedScene : shippedScenes()) {
+        const Scene& scene = shipped(shippedScene.name);
+        for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+            const CameraState camera = cameraAt(scene, runLength(scene) * share);
+            double nearest = std::numeric_limits<double>::infinity();
+            for (const WorldTriangle& triangle : worldTriangles(scene, runLength(scene) * share))
+                nearest = std::min(nearest, distanceToTriangle(camera.eye, triangle));
+            INFO(scene.name, " at share ", share);
+            CHECK(nearest > scene.depth.nearPlane);
+        }
+    }
+}
+
+TEST_CASE("torus_grid is the scene the timing bounds were measured on")
+{
+    const Scene& scene = shipped("torus_grid");
+    std::vector<const Instance*> tori;
+    for (const Instance& instance : scene.instances)
+        if (scene.meshes[instance.mesh].triangleCount() == 2 * 48 * 24) tori.push_back(&instance);
+    REQUIRE(tori.size() == 25);
+    for (size_t i = 0; i < tori.size(); ++i) {
+        CHECK(tori[i]->pose.position == glm::dvec3(3.5 * (double(i % 5) - 2.0), 2.0, 3.5 * (double(i / 5) - 2.0)));
+        CHECK(tori[i]->spin.radiansPerSecond / scene.framesPerSecond == Approx(0.017453292519943295));
+        CHECK_FALSE(tori[i]->isStatic);
+    }
+    REQUIRE(scene.lights.size() == 1);
+    const Light& light = scene.lights[0];
+    CHECK(light.kind == LightKind::Spot);
+    CHECK(light.position == glm::dvec3(6.0, 14.0, 6.0));
+    CHECK(glm::length(glm::cross(light.direction, light.position)) < 1e-12); // aims at the origin
+    for (const Instance* torus : tori)
+        for (const glm::vec3& p : scene.meshes[torus->mesh].positions)
+            CHECK(reaches(light, lightAt(light, 0.0), torus->pose.position + glm::dvec3(p)));
+    const CameraState camera = cameraAt(scene, 0.0);
+    CHECK(camera.eye == glm::dvec3(0.0, 12.0, 20.0));
+    CHECK(camera.target == glm::dvec3(0.0));
+    CHECK(camera.verticalFov == Approx(0.7853981634));
+    CHECK((scene.width == 640 && scene.height == 480));
+
+    const Scene& standard = shipped("torus_grid_standard");
+    CHECK(standard.depth.convention == DepthConvention::Standard);
+    CHECK((standard.depth.nearPlane == 0.1 && standard.depth.farPlane == 200.0));
+    CHECK(triangleCount(standard) == triangleCount(scene));
+}
+
+TEST_CASE("the room is closed, and its 16 lights come in two kinds")
+{
+    Scene room = shipped("room");
+    CHECK(room.lights.size() == 4);
+    limitLights(room, 16);
+    REQUIRE(room.lights.size() == 16);
+    for (const Light& light : room.lights) {
+        CHECK(light.kind != LightKind::Directional);
+        CHECK(light.name.find('+') == std::string::npos); // all written in the file
+        const glm::dvec3 p = lightAt(light, 0.0).position;
+        CHECK((std::abs(p.x) < 4.0 && p.y > 0.0 && p.y < 8.0 && std::abs(p.z) < 4.0));
+    }
+    CHECK(std::count_if(room.lights.begin(), room.lights.end(),
+                        [](const Light& light) { return light.kind == LightKind::Point; }) == 8);
+    for (const Instance& instance : room.instances)
+        if (instance.name.starts_with("wall") || instance.name == "floor" || instance.name == "ceiling")
+            CHECK(countEdges(room.meshes[instance.mesh]).closed());
+}
+
+TEST_CASE("bunny has lights of all three kinds and real meshes: closed, open and worse")
+{
+    const Scene& scene = shipped("bunny");
+    REQUIRE(scene.lights.size() == 4);
+    for (const LightKind kind : {LightKind::Directional, LightKind::Spot, LightKind::Point})
+        CHECK(std::any_of(scene.lights.begin(), scene.lights.end(), [kind](const Light& l) { return l.kind == kind; }));
+    const auto edges = [&scene](const char* name) {
+        const auto mesh =
+            std::find_if(scene.meshes.begin(), scene.meshes.end(), [name](const Mesh& m) { return m.name == name; });
+        REQUIRE(mesh != scene.meshes.end());
+        return countEdges(*mesh);
+    };
+    CHECK(edges("bunny").closed());
+    CHECK(edges("bunny").crowded == 0);
+    CHECK(edges("cat").border == 330);
+    CHECK(edges("horse").crowded == 26);
+}
+
+TEST_CASE("the scenario goes static, 6 near, 13 far, up to 16 far, 9 near, with nothing in between")
+{
+    const Scene& scene = shipped("scenario");
+    checkPhases(scene, {{0.0, 4, 0, false},
+                        {1.95, 4, 0, false},
+                        {2.0, 6, 6, false},
+                        {3.95, 6, 6, false},
+                        {4.0, 13, 13, true},
+                        {5.95, 13, 13, true},
+                        {6.0, 14, 14, true},
+                        {6.5, 15, 15, true},
+                        {7.0, 16, 16, true},
+                        {7.95, 16, 16, true},
+                        {8.0, 9, 9, false},
+                        {9.95, 9, 9, false}});
+    CHECK(runLength(scene) == Approx(9.95));
+    for (uint32_t frame = 1; frame < scene.frames; ++frame) {
+        const double time = frameTime(scene, frame), before = frameTime(scene, frame - 1);
+        const bool jump = glm::length(cameraAt(scene, time).eye - cameraAt(scene, before).eye) > 1.0;
+        CHECK(jump == cameraCutsBetween(scene, before, time));
+    }
+}
+
+TEST_CASE("the reverse scenario goes 9 near, up to 16, 13 far, 6 near, static")
+{
+    const Scene& scene = shipped("scenario_reverse");
+    std::vector<Phase> phases = {{0.0, 9, 9, false}, {1.95, 9, 9, false}};
+    for (uint32_t more = 0; more < 7; ++more)
+        phases.push_back({2.0 + 0.25 * more, 10 + more, 10 + more, false});
+    phases.insert(phases.end(), {{4.45, 16, 16, false},
+                                 {4.5, 16, 16, true},
+                                 {5.45, 16, 16, true},
+                                 {5.5, 13, 13, true},
+                                 {7.45, 13, 13, true},
+                                 {7.5, 6, 6, false},
+                                 {9.45, 6, 6, false},
+                                 {9.5, 4, 0, false}});
+    checkPhases(scene, phases);
+    CHECK(scene.instances.size() == shipped("scenario").instances.size());
+}
