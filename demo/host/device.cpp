@@ -23,8 +23,8 @@ VKAPI_ATTR VkBool32 VKAPI_CALL onValidationMessage(VkDebugUtilsMessageSeverityFl
 VkDebugUtilsMessengerCreateInfoEXT messengerInfo(ValidationLog& log)
 {
     return {.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
-            .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
-                               VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+            .messageSeverity =
+                VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
             .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
             .pfnUserCallback = &onValidationMessage,
             .pUserData = &log};
@@ -39,8 +39,7 @@ uint32_t findQueueFamily(VkPhysicalDevice physicalDevice)
     vkGetPhysicalDeviceQueueFamilyProperties(physicalDevice, &count, families.data());
     constexpr VkQueueFlags wanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
     for (uint32_t i = 0; i < count; ++i)
-        if ((families[i].queueFlags & wanted) == wanted)
-            return i;
+        if ((families[i].queueFlags & wanted) == wanted) return i;
     throw HostError("the device has no queue for graphics and compute");
 }
 
@@ -59,8 +58,7 @@ std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance)
 void ValidationLog::add(std::string message)
 {
     const std::lock_guard lock(mutex_);
-    if (messages_.size() < kMaxLoggedMessages)
-        messages_.push_back(std::move(message));
+    if (messages_.size() < kMaxLoggedMessages) messages_.push_back(std::move(message));
 }
 
 std::vector<std::string> ValidationLog::messages() const
@@ -90,8 +88,7 @@ bool Device::nonePresent()
     const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .apiVersion = VK_API_VERSION_1_3};
     const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, .pApplicationInfo = &application};
     VkInstance instance = VK_NULL_HANDLE;
-    if (vkCreateInstance(&info, nullptr, &instance) != VK_SUCCESS)
-        return true;
+    if (vkCreateInstance(&info, nullptr, &instance) != VK_SUCCESS) return true;
     uint32_t count = 0;
     vkEnumeratePhysicalDevices(instance, &count, nullptr);
     vkDestroyInstance(instance, nullptr);
@@ -119,8 +116,7 @@ Device::~Device()
             vkGetInstanceProcAddr(instance, "vkDestroyDebugUtilsMessengerEXT"));
         destroy(instance, messenger_, nullptr);
     }
-    if (instance)
-        vkDestroyInstance(instance, nullptr);
+    if (instance) vkDestroyInstance(instance, nullptr);
 }
 
 void Device::createInstance(const DeviceOptions& options)
@@ -134,8 +130,7 @@ void Device::createInstance(const DeviceOptions& options)
         setenv("VK_LAYER_ENABLES", "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT", 0);
 
     std::vector<const char*> extensions = options.instanceExtensions;
-    if (options.validation)
-        extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    if (options.validation) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
                                         .pApplicationName = "gnomon demo",
                                         .apiVersion = VK_API_VERSION_1_3};
@@ -169,8 +164,7 @@ void Device::choosePhysicalDevice(const std::string& name)
                                         .pNext = &driverProperties};
         vkGetPhysicalDeviceProperties2(candidate, &all);
         seen += std::string(seen.empty() ? "" : ", ") + all.properties.deviceName;
-        if (std::string_view(all.properties.deviceName).find(name) == std::string_view::npos)
-            continue;
+        if (std::string_view(all.properties.deviceName).find(name) == std::string_view::npos) continue;
         GnDeviceNeeds needs{};
         if (gnQueryDeviceNeeds(instance, candidate, &vkGetInstanceProcAddr, &needs) != GN_SUCCESS) {
             seen += std::string(" (") + needs.reason + ")";
@@ -190,8 +184,7 @@ void Device::createDevice(bool swapchain)
     GnDeviceNeeds needs{};
     gnQueryDeviceNeeds(instance, physicalDevice, &vkGetInstanceProcAddr, &needs);
     extensions_.assign(needs.ppOptionalExtensions, needs.ppOptionalExtensions + needs.optionalExtensionCount);
-    if (swapchain)
-        extensions_.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+    if (swapchain) extensions_.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
 
     features13_ = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
                    .synchronization2 = VK_TRUE,
@@ -199,9 +192,8 @@ void Device::createDevice(bool swapchain)
     features12_ = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
                    .pNext = &features13_,
                    .timelineSemaphore = VK_TRUE};
-    features_ = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
-                 .pNext = &features12_,
-                 .features = needs.optional};
+    features_ = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &features12_, .features = needs.optional};
     features_.features.geometryShader = VK_TRUE; // gl_PrimitiveID in our fragment shader: the triangle's normal
 
     queueFamily = findQueueFamily(physicalDevice);
@@ -240,8 +232,7 @@ uint32_t Device::memoryType(uint32_t allowed, VkMemoryPropertyFlags wanted, VkMe
 {
     for (const VkMemoryPropertyFlags flags : {wanted | preferred, wanted})
         for (uint32_t i = 0; i < memory.memoryTypeCount; ++i)
-            if ((allowed >> i & 1u) && (memory.memoryTypes[i].propertyFlags & flags) == flags)
-                return i;
+            if ((allowed >> i & 1u) && (memory.memoryTypes[i].propertyFlags & flags) == flags) return i;
     throw HostError("no memory type fits");
 }
 

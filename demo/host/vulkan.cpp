@@ -114,9 +114,8 @@ void cmdMemoryBarrier(VkCommandBuffer cmd, const Access& before, const Access& a
                                    .srcAccessMask = before.access,
                                    .dstStageMask = after.stages,
                                    .dstAccessMask = after.access};
-    const VkDependencyInfo info{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-                                .memoryBarrierCount = 1,
-                                .pMemoryBarriers = &barrier};
+    const VkDependencyInfo info{
+        .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &barrier};
     vkCmdPipelineBarrier2(cmd, &info);
 }
 

@@ -26,14 +26,12 @@ void vkCheck(VkResult result, const char* call);
 template <typename T>
 T valueOf(Outcome<T> outcome)
 {
-    if (!outcome)
-        throw HostError(outcome.error());
+    if (!outcome) throw HostError(outcome.error());
     return std::move(*outcome);
 }
 inline void expect(const Status& status)
 {
-    if (!status)
-        throw HostError(status.error());
+    if (!status) throw HostError(status.error());
 }
 
 /// Owns one handle made from a device. It knows how to destroy and how to move; nothing else.
@@ -50,8 +48,7 @@ public:
     }
     ~Unique()
     {
-        if (handle_ != VK_NULL_HANDLE)
-            Destroy(device_, handle_, nullptr);
+        if (handle_ != VK_NULL_HANDLE) Destroy(device_, handle_, nullptr);
     }
 
     Handle get() const noexcept { return handle_; }

@@ -1,0 +1,44 @@
+// What the demo's renderer hands to its shaders. Everything is relative to the eye, so that float suffices anywhere.
+#ifndef GNOMON_DEMO_FRAME_H
+#define GNOMON_DEMO_FRAME_H
+#include "../shared/conventions.h"
+
+GN_SHARED_BEGIN
+
+GN_SHARED_CONST uint MAX_DEMO_LIGHTS = 32u;
+
+struct DemoInstance {
+    vec4 worldFromObject[3]; // rows; translation relative to the eye, metres
+    vec4 cofactors[3];       // rows of the cofactor matrix, which carries normals; w unused
+    vec4 albedo;             // linear RGB; w unused
+    uint firstTriangle;      // of its mesh, in the table of normals
+    uint padding[3];
+};
+GN_SHARED_SIZE(DemoInstance, 128)
+
+struct DemoLight {
+    vec4 positionEye; // xyz relative to the eye; w unused
+    vec4 direction;   // xyz unit, the way light travels; w cosine of the cone's half angle
+    vec4 colour;      // linear RGB times intensity; w range in metres
+    float cosInner;   // spot: cosine of the half angle of full intensity
+    uint type;        // LIGHT_DIRECTIONAL, LIGHT_SPOT, LIGHT_POINT
+    uint padding[2];
+};
+GN_SHARED_SIZE(DemoLight, 64)
+
+// std430, in a storage buffer, so that C++ and GLSL agree without any rounding up of arrays.
+struct DemoView {
+    mat4 clipFromEye; // world axes, origin at the eye
+    vec4 rayCorner;   // view ray of linear depth 1 at pixel coordinate (0, 0)
+    vec4 rayDx;       // its change per pixel to the right
+    vec4 rayDy;       // and per pixel down
+    vec4 extent;      // xy pixels
+    float depthScale; // linear depth = depthScale / (depth + depthAdd), metres
+    float depthAdd;
+    float skyDepth;   // depth where nothing was drawn
+    uint lightCount;
+    DemoLight lights[MAX_DEMO_LIGHTS];
+};
+
+GN_SHARED_END
+#endif
