@@ -1,0 +1,27 @@
+#pragma once
+// Where the shadow of a caster can be, from its bounds alone; plain CPU code without Vulkan.
+#include <array>
+
+#include "runtime/scene/scene_view.hpp"
+#include "shaders/volumes/volume.h"
+
+namespace gnomon {
+
+/// Whether any point of the near rectangle can lie in the shadow of the box: whether the pyramid from the light over
+/// the rectangle (directional: the prism towards the light) touches it. If not, z-pass counts right, because every view
+/// ray starts outside the volume. "True" may be wrong, "false" never is.
+bool shadowsNearRectangle(const Aabb& box, const LightView& light, const std::array<glm::vec3, 4>& nearCorners);
+
+/// Whether the shadow of the box can meet the view frustum. "True" may be wrong, "false" never is.
+bool shadowTouches(const Aabb& box, const LightView& light, std::span<const Plane> frustum);
+
+/// Bounds of all that the light reaches; +-1e30 where there is no end.
+Aabb lightBounds(const LightView& light);
+
+/// The pixels of view.area that can show something in the light's range; false: none.
+bool lightPixels(const LightView& light, const CameraView& view, VkRect2D& pixels);
+
+/// `reach` of VolumePush for a caster with these bounds, relative to the eye.
+glm::vec3 casterReach(const Aabb& box, const LightView& light, glm::vec3 eye);
+
+} // namespace gnomon

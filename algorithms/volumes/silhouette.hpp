@@ -1,0 +1,43 @@
+#pragma once
+// Silhouettes and caps of one caster as index lists; plain CPU code without Vulkan.
+//
+// An index is 2 * vertex + copy: copy 0 is the caster's vertex, copy 1 the one moved away from the light
+// (shaders/volumes/volume.vert). Triangles wind counter-clockwise seen from outside the volume, in world space.
+#include <cstdint>
+#include <span>
+
+#include "runtime/scene/scene_view.hpp"
+#include "runtime/scene/topology.hpp"
+
+namespace gnomon {
+
+/// The light for faces in object space: a face's winding in the world looks towards the light if
+/// dot(facePlane, result) > 0. Homogeneous and without a division, so that flattened (singular) transforms work; for
+/// mirrored ones the sign follows the world's winding.
+glm::vec4 lightInObjectSpace(const LightView& light, const Caster& caster);
+
+/// facing[i] = 1 if face first + i looks towards the light, else 0.
+void findFacing(const Topology& topology, const glm::vec4& lightOs, std::uint32_t first,
+                std::span<std::uint8_t> facing);
+
+/// Most indices writeSides can write for these edges.
+std::uint32_t sideCapacity(const Topology& topology, std::uint32_t firstEdge, std::uint32_t count);
+
+/// Writes the sides: every edge as often, and in that direction, as its signed multiplicity says; closed meshes by half
+/// of it (see stencil_volume.md). @param facing of all faces. @return indices written.
+std::uint32_t writeSides(const Topology& topology, std::span<const std::uint8_t> facing, std::uint32_t firstEdge,
+                         std::uint32_t count, std::uint32_t* out);
+
+/// Most indices writeCaps can write for this many faces.
+inline std::uint32_t capCapacity(std::uint32_t faceCount)
+{
+    return faceCount * 6;
+}
+
+/// Writes near and far caps that close the sides: of a closed mesh the faces turned away from the light, of an open one
+/// all faces, oriented towards the light.
+/// @param facing of all faces. @param mirrored as Caster::mirrored. @return indices written.
+std::uint32_t writeCaps(const Topology& topology, std::span<const std::uint8_t> facing, bool mirrored,
+                        std::uint32_t firstFace, std::uint32_t count, std::uint32_t* out);
+
+} // namespace gnomon

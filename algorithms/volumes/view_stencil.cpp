@@ -1,0 +1,111 @@
+#include "algorithms/volumes/view_stencil.hpp"
+
+#include "shaders/volumes/volume.h"
+
+#include "shaders/volumes_receiver_bounds_comp.h"
+
+namespace gnomon {
+
+namespace {
+
+/// Block of receiver_bounds.comp, std140.
+struct BoundsConstants {
+    gpu::ViewConstants view;
+    glm::uvec4 area;
+    std::uint32_t stride;
+    std::uint32_t padding[3];
+};
+
+VkBufferImageCopy2 wholeDepth(VkExtent2D extent)
+{
+    return {.sType = VK_STRUCTURE_TYPE_BUFFER_IMAGE_COPY_2,
+            .imageSubresource = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 0, 1},
+            .imageExtent = {extent.width, extent.height, 1}};
+}
+
+void recordDepthOut(const PassContext& gpu, ImageId depth, BufferId buffer, BufferId bounds, VkExtent2D extent)
+{
+    const VkBufferImageCopy2 region = wholeDepth(extent);
+    const VkCopyImageToBufferInfo2 copy{.sType = VK_STRUCTURE_TYPE_COPY_IMAGE_TO_BUFFER_INFO_2,
+                                        .srcImage = gpu.image(depth),
+                                        .srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                        .dstBuffer = gpu.buffer(buffer),
+                                        .regionCount = 1,
+                                        .pRegions = &region};
+    gpu.vk->vkCmdCopyImageToBuffer2(gpu.cmd, &copy);
+
+    gpu::ReceiverBounds empty;
+    for (int axis = 0; axis < 3; ++axis) {
+        empty.lower[axis] = gpu::EMPTY_LOWER;
+        empty.upper[axis] = gpu::EMPTY_UPPER;
+    }
+    gpu.vk->vkCmdUpdateBuffer(gpu.cmd, gpu.buffer(bounds), 0, sizeof(empty), &empty);
+}
+
+void recordDepthIn(const PassContext& gpu, BufferId buffer, ImageId image, VkExtent2D extent)
+{
+    const VkBufferImageCopy2 region = wholeDepth(extent);
+    const VkCopyBufferToImageInfo2 copy{.sType = VK_STRUCTURE_TYPE_COPY_BUFFER_TO_IMAGE_INFO_2,
+                                        .srcBuffer = gpu.buffer(buffer),
+                                        .dstImage = gpu.image(image),
+                                        .dstImageLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                                        .regionCount = 1,
+                                        .pRegions = &region};
+    gpu.vk->vkCmdCopyBufferToImage2(gpu.cmd, &copy);
+}
+
+} // namespace
+
+ViewStencilPipelines makeViewStencilPipelines(const AlgorithmServices& services)
+{
+    static constexpr BindingInfo kBindings[] = {{.binding = 0, .kind = BindingKind::constants},
+                                                {.binding = 1, .kind = BindingKind::storageBuffer},
+                                                {.binding = 2, .kind = BindingKind::storageBuffer}};
+    return {.bounds = services.pipelines->compute({.name = "volumes.receiver_bounds",
+                                                   .compute = {.code = k_volumes_receiver_bounds_comp},
+                                                   .bindings = kBindings})};
+}
+
+ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& pipelines, const ShadowTask& task)
+{
+    const VkExtent2D extent = task.view->extent;
+    // Depth and depth-stencil images cannot be copied to each other directly; through a buffer the bits survive.
+    const BufferId depths = passes.transient(BufferInfo{
+        .name = "volumes.depths", .scope = Scope::view, .size = VkDeviceSize{4} * extent.width * extent.height});
+    const BufferId bounds = passes.transient(
+        BufferInfo{.name = "volumes.bounds", .scope = Scope::view, .size = sizeof(gpu::ReceiverBounds)});
+    const ImageId image = passes.transient(
+        ImageInfo{.name = "volumes.depth_stencil", .scope = Scope::view, .format = kStencilFormat, .extent = extent});
+
+    const ImageId depth = task.depth;
+    passes.transfer("volumes.depth_out", Scope::view)
+        .copies(depth)
+        .writes(depths)
+        .writes(bounds)
+        .record([=](PassContext& gpu) { recordDepthOut(gpu, depth, depths, bounds, extent); });
+    passes.transfer("volumes.depth_in", Scope::view).reads(depths).writes(image).record([=](PassContext& gpu) {
+        recordDepthIn(gpu, depths, image, extent);
+    });
+
+    const CameraView* view = task.view;
+    const PipelineId pipeline = pipelines.bounds;
+    passes.compute("volumes.receiver_bounds", Scope::view).reads(depths).updates(bounds).record([=](PassContext& gpu) {
+        const BoundsConstants block{
+            .view = view->constants,
+            .area = {view->area.offset.x, view->area.offset.y, view->area.extent.width, view->area.extent.height},
+            .stride = extent.width,
+            .padding = {}};
+        gpu.bind(pipeline, {gpu.constants(0, block), gpu.storage(1, depths), gpu.storage(2, bounds)});
+        gpu.vk->vkCmdDispatch(gpu.cmd, (block.area.z + gpu::BOUNDS_COLUMNS - 1) / gpu::BOUNDS_COLUMNS,
+                              (block.area.w + gpu::BOUNDS_ROWS - 1) / gpu::BOUNDS_ROWS, 1);
+    });
+    return {.image = image, .receiverBounds = bounds};
+}
+
+VkDeviceSize viewStencilMemory(VkExtent2D extent)
+{
+    // Depth and stencil take 8 bytes a pixel on many devices, the buffer 4.
+    return VkDeviceSize{12} * extent.width * extent.height;
+}
+
+} // namespace gnomon

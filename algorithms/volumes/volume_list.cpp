@@ -1,0 +1,155 @@
+#include "algorithms/volumes/volume_list.hpp"
+
+#include "algorithms/volumes/silhouette.hpp"
+
+namespace gnomon {
+
+namespace {
+
+// Edges or faces a piece: a few microseconds of work, against about one to hand it to a thread.
+constexpr std::uint32_t kPieceSize = 8192;
+
+enum class ListKind : std::uint8_t { sides, caps };
+
+/// Everything the building pass needs, in the frame's arena.
+struct ListBuild {
+    VolumeList list;
+    ListKind kind = ListKind::sides;
+    const LightView* light = nullptr;
+    std::span<const VolumePiece> facePieces; ///< `first` and `count` are faces.
+    std::uint32_t faceCount = 0;             ///< Bytes of scratch.
+    std::uint32_t casterCount = 0;
+};
+
+std::uint64_t mix(std::uint64_t hash, std::uint64_t value)
+{
+    // The finaliser of splitmix64 over a running sum.
+    hash += value + 0x9e3779b97f4a7c15ull;
+    hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9ull;
+    hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebull;
+    return hash ^ (hash >> 31);
+}
+
+std::uint32_t pieceCount(std::size_t items)
+{
+    return static_cast<std::uint32_t>((items + kPieceSize - 1) / kPieceSize);
+}
+
+std::uint32_t itemCount(const Topology& topology, ListKind kind)
+{
+    return static_cast<std::uint32_t>(kind == ListKind::sides ? topology.edges.size() : topology.facePlanes.size());
+}
+
+/// Cuts the casters into pieces and lays out the buffer. @return its size in indices; 0: nothing to build.
+std::uint32_t layOut(FrameArena& arena, std::span<const Caster* const> casters, ListBuild& build)
+{
+    std::uint32_t pieces = 0, facePieces = 0;
+    for (const Caster* caster : casters) {
+        if (!castsVolume(*caster)) continue;
+        pieces += pieceCount(itemCount(*caster->mesh->topology, build.kind));
+        facePieces += pieceCount(caster->mesh->topology->facePlanes.size());
+        ++build.casterCount;
+    }
+    const std::span<VolumePiece> list = arena.array<VolumePiece>(pieces);
+    const std::span<VolumePiece> faces = arena.array<VolumePiece>(facePieces);
+    std::uint32_t next = pieces * static_cast<std::uint32_t>(sizeof(VkDrawIndexedIndirectCommand) / 4);
+    std::size_t piece = 0, facePiece = 0;
+    for (const Caster* caster : casters) {
+        if (!castsVolume(*caster)) continue;
+        const Topology& topology = *caster->mesh->topology;
+        const std::uint32_t items = itemCount(topology, build.kind);
+        for (std::uint32_t first = 0; first < items; first += kPieceSize) {
+            const std::uint32_t count = std::min(kPieceSize, items - first);
+            list[piece++] = {caster, first, count, next, build.faceCount};
+            next += build.kind == ListKind::sides ? sideCapacity(topology, first, count) : capCapacity(count);
+        }
+        const auto faceCount = static_cast<std::uint32_t>(topology.facePlanes.size());
+        for (std::uint32_t first = 0; first < faceCount; first += kPieceSize)
+            faces[facePiece++] = {caster, first, std::min(kPieceSize, faceCount - first), 0, build.faceCount};
+        build.faceCount += faceCount;
+    }
+    build.list.pieces = list;
+    build.facePieces = faces;
+    return pieces ? next : 0;
+}
+
+void run(const ListBuild& build, HostContext& host)
+{
+    const std::span<std::uint8_t> facing = host.arena->array<std::uint8_t>(build.faceCount);
+    host.jobs->parallelFor(build.facePieces.size(), 4, [&](std::size_t begin, std::size_t end, std::uint32_t) {
+        for (const VolumePiece& piece : build.facePieces.subspan(begin, end - begin)) {
+            const glm::vec4 light = lightInObjectSpace(*build.light, *piece.caster);
+            findFacing(*piece.caster->mesh->topology, light, piece.first,
+                       facing.subspan(piece.facingOffset + piece.first, piece.count));
+        }
+    });
+
+    const std::span<std::uint32_t> out = host.write<std::uint32_t>(build.list.buffer);
+    const auto commands = host.write<VkDrawIndexedIndirectCommand>(build.list.buffer);
+    host.jobs->parallelFor(build.list.pieces.size(), 4, [&](std::size_t begin, std::size_t end, std::uint32_t) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const VolumePiece& piece = build.list.pieces[i];
+            const Topology& topology = *piece.caster->mesh->topology;
+            const auto faces =
+                std::span<const std::uint8_t>(facing).subspan(piece.facingOffset, topology.facePlanes.size());
+            std::uint32_t* indices = out.data() + piece.firstIndex;
+            const std::uint32_t count =
+                build.kind == ListKind::sides
+                    ? writeSides(topology, faces, piece.first, piece.count, indices)
+                    : writeCaps(topology, faces, piece.caster->mirrored, piece.first, piece.count, indices);
+            commands[i] = {.indexCount = count, .instanceCount = 1, .firstIndex = piece.firstIndex};
+        }
+    });
+    for (std::uint32_t i = 0; i < build.casterCount; ++i)
+        host.countIndexList();
+}
+
+VolumeList declareList(PassBuilder& passes, const ShadowTask& task, std::span<const Caster* const> casters,
+                       ListKind kind, Scope scope, std::uint32_t variant, std::uint64_t stamp)
+{
+    ListBuild* build = passes.arena().make<ListBuild>();
+    build->kind = kind;
+    build->light = task.light;
+    const std::uint32_t size = layOut(passes.arena(), casters, *build);
+    if (size == 0) return {};
+
+    const bool sides = kind == ListKind::sides;
+    build->list.buffer = passes.persistent(BufferInfo{.name = sides ? "volumes.sides" : "volumes.caps",
+                                                      .scope = scope,
+                                                      .size = VkDeviceSize{4} * size,
+                                                      .place = BufferPlace::upload,
+                                                      .variant = variant});
+    stamp = mix(mix(stamp, task.light->revision), build->faceCount); // faces: some topology may have come late
+    if (!passes.stale(build->list.buffer, stamp | 1)) {
+        passes.kept();
+        return build->list;
+    }
+    passes.prepare(sides ? "volumes.silhouettes" : "volumes.caps", scope, variant)
+        .writes(build->list.buffer)
+        .run([build](HostContext& host) { run(*build, host); });
+    return build->list;
+}
+
+} // namespace
+
+bool castsVolume(const Caster& caster)
+{
+    return caster.mesh && caster.mesh->topology && !caster.hostDrawn && !caster.mesh->topology->edges.empty();
+}
+
+VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics)
+{
+    const LightCasters& casters = *task.casters;
+    return declareList(passes, task, statics ? casters.statics : casters.movings, ListKind::sides, Scope::light,
+                       statics ? 0 : 1, statics ? casters.staticStamp : casters.movingStamp);
+}
+
+VolumeList declareCaps(PassBuilder& passes, const ShadowTask& task, std::span<const Caster* const> casters)
+{
+    std::uint64_t stamp = 0;
+    for (const Caster* caster : casters)
+        stamp = mix(stamp, caster->revision);
+    return declareList(passes, task, casters, ListKind::caps, Scope::task, 0, stamp);
+}
+
+} // namespace gnomon

@@ -1,0 +1,36 @@
+#pragma once
+// The index lists of one light in an upload buffer, and when they are built.
+//
+// The buffer starts with one VkDrawIndexedIndirectCommand per piece; indices follow, every piece with room for the most
+// it can need. Counts therefore live and stay with the buffer: a kept list is drawn without the CPU knowing its length.
+#include <cstdint>
+#include <span>
+
+#include "runtime/algorithm.hpp"
+
+namespace gnomon {
+
+/// A range of a caster's edges (sides) or faces (caps), small enough to share the work among threads.
+struct VolumePiece {
+    const Caster* caster = nullptr;
+    std::uint32_t first = 0, count = 0; ///< Edges or faces.
+    std::uint32_t firstIndex = 0;       ///< In the buffer, in units of indices.
+    std::uint32_t facingOffset = 0;     ///< Of the caster's faces in the builder's scratch.
+};
+
+struct VolumeList {
+    BufferId buffer;                     ///< Null id: no pieces.
+    std::span<const VolumePiece> pieces; ///< In the order of the casters; piece i has the i-th command.
+};
+
+/// Whether the method can draw this caster.
+bool castsVolume(const Caster& caster);
+
+/// The sides of the static (or else the moving) casters of the light: once per light, whatever the views. Built if the
+/// light or one of these casters changed, else kept.
+VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics);
+
+/// The caps of the given casters, which depend on the view by their choice only.
+VolumeList declareCaps(PassBuilder& passes, const ShadowTask& task, std::span<const Caster* const> casters);
+
+} // namespace gnomon
