@@ -38,7 +38,8 @@ void collectSections(std::string_view text, const fs::path& file, uint32_t depth
     auto parsed = parseYaml(text, file.string());
     if (!parsed) throw SceneError(parsed.error());
     const ReadContext context{file.string(), ""};
-    if (parsed->kind != YamlNode::Kind::Map) raise(context, *parsed, "a scene must be a map of sections");
+    if (parsed->kind != YamlNode::Kind::Map)
+        raise(context, *parsed, std::string("a scene must be a map of sections, got ") + parsed->kindName());
     for (size_t i = 0; i + 1 < parsed->children.size(); i += 2) {
         if (parsed->children[i].text != "base") continue;
         const YamlNode& node = parsed->children[i + 1];

@@ -11,6 +11,9 @@ namespace {
 
 constexpr uint32_t kMostSegments = 4096;
 
+// Metres. Products of three lengths, as areas and volumes have them, stay normal numbers in single precision.
+constexpr Range kLength{.low = 1e-4, .high = 1e6};
+
 uint32_t segments(MapReader& map, std::string_view key, uint32_t fallback, uint32_t least)
 {
     return map.integer(key, fallback, least, kMostSegments);
@@ -18,7 +21,7 @@ uint32_t segments(MapReader& map, std::string_view key, uint32_t fallback, uint3
 
 float length(MapReader& map, std::string_view key, float fallback)
 {
-    return map.numberF(key, fallback, kPositive);
+    return map.numberF(key, fallback, kLength);
 }
 
 /// Width and depth or width and height, as `size: [a, b]`.
@@ -26,7 +29,7 @@ void readSize(MapReader& map, float& first, float& second)
 {
     const YamlNode* node = map.find("size");
     if (node == nullptr) return;
-    const std::vector<double> size = readNumbers(map.context(), *node, "size", 2, kPositive);
+    const std::vector<double> size = readNumbers(map.context(), *node, "size", 2, kLength);
     first = static_cast<float>(size[0]);
     second = static_cast<float>(size[1]);
 }
@@ -67,7 +70,7 @@ Mesh readPlane(MapReader& map, const SceneFileOptions& options)
 
 Mesh readBox(MapReader& map, const SceneFileOptions& options)
 {
-    const BoxShape s{glm::vec3(map.vector("size", glm::dvec3(1.0), kPositive))};
+    const BoxShape s{glm::vec3(map.vector("size", glm::dvec3(1.0), kLength))};
     return built(map, options, 12, [&] { return makeBox(s); });
 }
 
@@ -84,7 +87,7 @@ Mesh readTorus(MapReader& map, const SceneFileOptions& options)
 {
     TorusShape s;
     s.radius = length(map, "radius", s.radius);
-    s.tube = map.numberF("tube", s.tube, {.low = 0.0, .high = s.radius, .lowOpen = true, .highOpen = true});
+    s.tube = map.numberF("tube", s.tube, {.low = 1e-4, .high = s.radius, .highOpen = true});
     s.ringSegments = segments(map, "ring_segments", s.ringSegments, 3);
     s.tubeSegments = segments(map, "tube_segments", s.tubeSegments, 3);
     return built(map, options, 2ull * s.ringSegments * s.tubeSegments, [&] { return makeTorus(s); });
@@ -94,8 +97,8 @@ Mesh readTorusKnot(MapReader& map, const SceneFileOptions& options)
 {
     TorusKnotShape s;
     s.radius = length(map, "radius", s.radius);
-    s.sweep = map.numberF("sweep", s.sweep, {.low = 0.0, .high = s.radius, .lowOpen = true, .highOpen = true});
-    s.tube = map.numberF("tube", s.tube, {.low = 0.0, .high = s.sweep, .lowOpen = true, .highOpen = true});
+    s.sweep = map.numberF("sweep", s.sweep, {.low = 1e-4, .high = s.radius, .highOpen = true});
+    s.tube = map.numberF("tube", s.tube, {.low = 1e-4, .high = s.sweep, .highOpen = true});
     s.p = map.integer("p", s.p, 1, 32);
     s.q = map.integer("q", s.q, 1, 32);
     s.knotSegments = segments(map, "knot_segments", s.knotSegments, 3);
@@ -119,7 +122,7 @@ Mesh readColumn(MapReader& map, const SceneFileOptions& options)
 {
     ColumnShape s;
     s.radius = length(map, "radius", s.radius);
-    s.height = map.numberF("height", s.height, {.low = 2.0 * s.radius, .lowOpen = true});
+    s.height = map.numberF("height", s.height, {.low = 2.0 * s.radius, .high = kLength.high, .lowOpen = true});
     s.segments = segments(map, "segments", s.segments, 3);
     s.rings = segments(map, "rings", s.rings, 1);
     return built(map, options, 2ull * s.segments * (s.rings + 5), [&] { return makeColumn(s); });
@@ -129,7 +132,8 @@ Mesh readArch(MapReader& map, const SceneFileOptions& options)
 {
     ArchShape s;
     s.innerRadius = length(map, "inner_radius", s.innerRadius);
-    s.outerRadius = map.numberF("outer_radius", s.outerRadius, {.low = s.innerRadius, .lowOpen = true});
+    s.outerRadius =
+        map.numberF("outer_radius", s.outerRadius, {.low = s.innerRadius, .high = kLength.high, .lowOpen = true});
     s.depth = length(map, "depth", s.depth);
     s.segments = segments(map, "segments", s.segments, 2);
     return built(map, options, 8ull * s.segments + 4, [&] { return makeArch(s); });
@@ -142,7 +146,7 @@ Mesh readTerrain(MapReader& map, const SceneFileOptions& options)
     s.height = length(map, "height", s.height);
     // Lattice coordinates must stay well inside 32 bits.
     s.featureSize = map.numberF("feature_size", s.featureSize, {.low = 1e-4 * double(std::max(s.width, s.depth))});
-    s.thickness = map.numberF("thickness", s.thickness, kNotNegative);
+    s.thickness = map.numberF("thickness", s.thickness, {.low = 0.0, .high = kLength.high});
     readCells(map, s.columns, s.rows);
     s.seed = map.integer("seed", s.seed, 0, 0xffffffffu);
     const uint64_t walls = s.thickness > 0.0f ? 6ull * (s.columns + s.rows) : 0;
@@ -153,8 +157,8 @@ Mesh readCloth(MapReader& map, const SceneFileOptions& options)
 {
     ClothShape s;
     readSize(map, s.width, s.height);
-    s.amplitude = map.numberF("amplitude", s.amplitude, kNotNegative);
-    s.folds = map.numberF("folds", s.folds, kNotNegative);
+    s.amplitude = map.numberF("amplitude", s.amplitude, {.low = 0.0, .high = kLength.high});
+    s.folds = map.numberF("folds", s.folds, {.low = 0.0, .high = 1e4});
     readCells(map, s.columns, s.rows);
     return built(map, options, 2ull * s.columns * s.rows, [&] { return makeCloth(s); });
 }
@@ -192,7 +196,7 @@ Mesh readFile(MapReader& map, const YamlNode& fileNode, const std::string& name,
     MeshFileOptions import;
     constexpr std::array<std::string_view, 3> kUp = {"y", "z", "-z"};
     if (const YamlNode* up = map.find("up")) import.up = static_cast<UpAxis>(readChoice(map.context(), *up, "up", kUp));
-    import.fitHeight = map.numberF("fit_height", 0.0f, kPositive);
+    import.fitHeight = map.numberF("fit_height", 0.0f, kLength);
     map.finish();
     if (!options.buildMeshes) return {};
     const auto path = findMeshFile(reference, folder);

@@ -66,8 +66,9 @@ double readNumber(const ReadContext& context, const YamlNode& node, const std::s
 float readFloat(const ReadContext& context, const YamlNode& node, const std::string& name, const Range& range)
 {
     const auto value = static_cast<float>(readNumber(context, node, name, range));
-    // A tiny number becomes 0, one just inside an open end becomes that end.
-    if (!contains(range, value))
+    // A tiny number becomes 0, one just inside an open end becomes that end. Closed ends are rounded as the value was.
+    const Range rounded{static_cast<float>(range.low), static_cast<float>(range.high), range.lowOpen, range.highOpen};
+    if (!contains(rounded, value))
         raise(context, node, name + " must be " + describe(range) + " in single precision, got " + node.text);
     return value;
 }

@@ -65,7 +65,13 @@ private:
             return root_;
         }
         YamlNode& parent = *path_.back();
-        if (parent.kind == YamlNode::Kind::Map && parent.children.size() % 2 == 0) checkKey(parent, node, mark);
+        const bool isKey = parent.kind == YamlNode::Kind::Map && parent.children.size() % 2 == 0;
+        if (isKey) checkKey(parent, node, mark);
+        if (kind == YamlNode::Kind::Null && parent.kind == YamlNode::Kind::Map && !isKey) {
+            // The library places a missing value where the next thing stands; its key is what the reader looks for.
+            node.line = parent.children.back().line;
+            node.column = parent.children.back().column;
+        }
         return parent.children.emplace_back(std::move(node));
     }
 

@@ -54,7 +54,7 @@ TEST_CASE("import welds equal positions, takes -0 for 0 and drops triangles with
 TEST_CASE("a fitted mesh stands on y = 0, centred, with the height asked for")
 {
     const fs::path file =
-        writeText("gnomon_fit.obj", "v 10 5 2\nv 14 5 2\nv 10 5 8\nv 10 9 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+        writeText("gnomon_fit.obj", "v 10 5 2\nv 14 5 2\nv 10 5 8\nv 10 9 2\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n");
     const auto imported = importMesh(file, {.fitHeight = 2.0f});
     REQUIRE_MESSAGE(imported, imported.error());
     glm::vec3 low(1e9f), high(-1e9f);
