@@ -12,28 +12,35 @@ enum class DepthKind : std::uint8_t {
     distance, ///< Euclidean distance from the light / range end: 0 at the light, 1 at `far`.
 };
 
-/// One map's projection.
+/// One map's projection. Seen from the light nothing is mirrored: front faces keep their winding.
+///
+/// Every caster within `scene` and the light's reach lies between the light and `far`. Receivers may lie beyond: past
+/// `far` (unlimited range, directional) they compare as depth 1, past the sides of a directional fit they are lit.
+/// Casters may lie before `near` only where `scene` comes closer to the light than 1/10000 of its far end; clamped
+/// depth (depthClamp, or gl_Position.z) lets those cast as if they stood at `near`.
 struct LightFit {
     glm::mat4 clipFromWorld{1.0f}; ///< World relative to the origin; Vulkan clip space, 0 near, 1 far, y down.
-    std::array<Plane, 6> volume;   ///< World, inward: what the map covers.
-    float nearWs = 0.0f;           ///< Metres from the light (directional: along it).
+    std::array<Plane, 6> volume;   ///< World, inward, unit normals: left, right, top, bottom, near, far.
+    float nearWs = 0.0f;           ///< Metres from the light (directional: along it, from the origin).
     float farWs = 0.0f;
-    float texelAtOne = 0.0f;       ///< Width of a texel at distance 1 m (directional: anywhere), for resolution 1.
+    float texelAtOne = 0.0f; ///< Width of a texel at distance 1 m (directional: anywhere), for resolution 1.
     DepthKind depth = DepthKind::clip;
 };
 
 /// Spot: the cone's square, near and far from the casters and receivers in range. The far end is the light's range, or
 /// reaches past `scene` where the range is unlimited.
 LightFit fitSpot(const LightView& light, const Aabb& scene);
-/// Directional: the scene's bounds seen along the light, texel-independent.
+/// Directional: the scene's bounds seen along the light, texel-independent. `scene` bounds all casters, so that none is
+/// in front of the near end.
 LightFit fitDirectional(const LightView& light, const Aabb& scene);
 /// Point: face +X, -X, +Y, -Y, +Z, -Z in world axes, widened by `borderTexels` at `resolution` so that filtering near a
-/// face border stays inside the face.
+/// face border stays inside the face. Near and far are those of all six faces.
 LightFit fitCubeFace(const LightView& light, const Aabb& scene, std::uint32_t face, std::uint32_t resolution,
                      float borderTexels);
 
-/// Union of the bounds of the light's casters and of what the camera can see of the light's reach: everything a map of
-/// this light may have to cover. Camera-independent: bounds of casters, clipped to the light's range.
+/// Bounds of the light's casters: everything a map of this light has to cover, seen from no camera. Where a moving
+/// caster sticks out of the static ones the box is rounded up to coarse steps, so that the fit, and with it the map of
+/// the static casters, does not change in every frame. No casters: a zero box at the origin.
 Aabb sceneBounds(const LightCasters& casters);
 
 } // namespace gnomon

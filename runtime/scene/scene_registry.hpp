@@ -25,8 +25,8 @@ struct InstanceTransform {
 /// Owns geometry and lights. Mesh and instance calls come from any thread; everything else from the frame's thread.
 class SceneRegistry {
 public:
-    SceneRegistry(const DeviceTable& vk, DeviceMemory& memory, JobSystem& jobs, RayScene* rays, const Messages& messages,
-                  bool background);
+    SceneRegistry(const DeviceTable& vk, DeviceMemory& memory, JobSystem& jobs, RayScene* rays,
+                  const Messages& messages, bool background);
     ~SceneRegistry();
     SceneRegistry(const SceneRegistry&) = delete;
     SceneRegistry& operator=(const SceneRegistry&) = delete;
@@ -45,17 +45,18 @@ public:
     void destroyLight(GnLight light);
     bool validLight(GnLight light) const;
 
-    /// The frame's casters and lights relative to `origin`. Everything stays valid until the frame after next `begin`
-    /// for CPU use; GPU objects until retire() passes the frame. Allocates nothing when nothing was added.
+    /// The frame's casters and lights relative to `origin`. The arrays stay as they are until the second next begin();
+    /// the meshes, names and buffers they point to until retire() passes the frame. Allocates nothing when nothing was
+    /// added. A frame in which nothing changed gets the arrays of the one before.
     /// @param frame number of the frame; what is dropped is kept alive until retire(>= frame).
     struct Snapshot {
-        std::span<const Caster> casters;             ///< All instances that can cast (mesh alive or host-drawn).
+        std::span<const Caster> casters;               ///< All instances that can cast (mesh alive or host-drawn).
         std::span<const InstanceTransform> transforms; ///< One per caster, by Caster::index.
-        std::uint64_t revision = 0;                  ///< Changes when any caster does.
+        std::uint64_t revision = 0;                    ///< Changes when any caster does.
     };
     const Snapshot& begin(std::uint64_t frame, const std::array<double, 3>& origin);
 
-    /// A light as this frame sees it; null if destroyed. Call after begin().
+    /// A light as this frame sees it; null if destroyed, or created after begin().
     const LightView* light(GnLight light) const;
     /// The casters in a light's reach, with stamps that change exactly when the set or a member does. Once per light
     /// and frame, memory from the arena.
@@ -65,6 +66,8 @@ public:
     /// command buffer. On devices where buffers are written in place there is nothing to record.
     bool uploadsPending() const;
     void recordUploads(VkCommandBuffer cmd, std::uint64_t frame);
+    /// The command buffer recorded for `frame` will not be submitted: its uploads are to be recorded again.
+    void dropUploads(std::uint64_t frame);
 
     /// Frees what was replaced or destroyed in frames up to `completedFrame`.
     void retire(std::uint64_t completedFrame);

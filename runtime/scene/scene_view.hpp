@@ -3,6 +3,7 @@
 // frame is declared, prepared, recorded and traced.
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include <glm/mat3x3.hpp>
@@ -13,6 +14,9 @@
 #include "shaders/shared/receiver.h"
 
 namespace gnomon {
+
+/// LightConstants::range of a light without one. Finite, and far enough from the largest float to be added to.
+inline constexpr float kUnlimitedRange = std::numeric_limits<float>::max() / 4.0f;
 
 struct Topology;
 class MeshRays; // runtime/rays: the tree of one mesh
@@ -41,17 +45,18 @@ struct MeshView {
 
 /// One instance as a caster.
 struct Caster {
-    std::uint32_t index = 0;       ///< Into the frame's table of transforms: firstInstance of its draws.
-    std::uint32_t id = 0;          ///< Stable identity of the instance over frames.
+    std::uint32_t index = 0;        ///< Into the frame's table of transforms: firstInstance of its draws.
+    std::uint32_t id = 0;           ///< Stable identity of the instance over frames: small, from 1; a destroyed one's
+                                    ///< id may come back, then with another revision.
     const MeshView* mesh = nullptr; ///< Null for host-drawn casters.
-    glm::mat3 basis{1.0f};         ///< world = basis * object + translation
-    glm::vec3 translation{0.0f};   ///< Relative to the frame's origin, metres.
-    Aabb bounds;                   ///< World, relative to the origin.
-    std::uint64_t revision = 0;    ///< Unique over all instances; changes when transform, mesh or positions do.
+    glm::mat3 basis{1.0f};          ///< world = basis * object + translation
+    glm::vec3 translation{0.0f};    ///< Relative to the frame's origin, metres.
+    Aabb bounds;                    ///< World, relative to the origin.
+    std::uint64_t revision = 0;     ///< Unique over all instances; changes when transform, mesh or positions do.
     std::uint32_t mask = 0xffffffffu;
     bool isStatic = false;
-    bool mirrored = false;         ///< The basis has a negative determinant: winding is reversed.
-    bool closed = false;           ///< mesh->closed; open casters are drawn from both sides with a bias.
+    bool mirrored = false; ///< The basis has a negative determinant: winding is reversed.
+    bool closed = false;   ///< mesh->closed; open casters are drawn from both sides with a bias.
     bool alphaTested = false;
     bool hostDrawn = false;
     bool mayBeMissed = false;
@@ -63,29 +68,31 @@ struct Caster {
 
 /// A light as the frame sees it.
 struct LightView {
-    std::uint32_t id = 0;         ///< Stable identity over frames.
+    std::uint32_t id = 0; ///< Stable identity over frames, from 1; never another light's.
     GnLight handle = VK_NULL_HANDLE;
     GnLightType type = GN_LIGHT_TYPE_DIRECTIONAL;
     const char* name = "";
     gpu::LightConstants constants; ///< Position relative to the origin.
     float coneAngle = 0.0f;        ///< Spot: half angle, radians.
     std::uint32_t mask = 0xffffffffu;
-    std::uint64_t revision = 0;    ///< Unique over all lights; changes when the description or the origin does.
-    bool isStatic = false;
+    std::uint64_t revision = 0; ///< Unique over all lights; changes when the description or the origin does.
+    bool isStatic = false;      ///< Static flag set and never moved.
+    float importance = 1.0f;    ///< Weight in the plan. Changing it alone is no new revision: no map depends on it.
 
+    bool unlimited() const { return constants.range >= kUnlimitedRange; }
     glm::vec3 position() const { return glm::vec3(constants.positionWs); }
     glm::vec3 direction() const { return glm::vec3(constants.directionWs); }
 };
 
 /// The casters a light can see: those with a matching mask that touch its range and cone.
 struct LightCasters {
-    std::span<const Caster* const> statics;  ///< Static flag set and never moved.
+    std::span<const Caster* const> statics; ///< Static flag set and never moved.
     std::span<const Caster* const> movings;
-    std::span<const Caster* const> all;      ///< statics, then movings.
-    std::uint64_t staticStamp = 0; ///< Changes when the set or any member of `statics` does. Never 0.
-    std::uint64_t movingStamp = 0; ///< The same for `movings`; 0 when there are none.
+    std::span<const Caster* const> all; ///< statics, then movings.
+    std::uint64_t staticStamp = 0;      ///< Changes when the set or any member of `statics` does. Never 0.
+    std::uint64_t movingStamp = 0;      ///< The same for `movings`; 0 when there are none.
     std::uint32_t triangles = 0;
-    std::uint32_t hostDrawn = 0;   ///< Host-drawn casters in range that may not be missed.
+    std::uint32_t hostDrawn = 0; ///< Host-drawn casters in range that may not be missed.
 };
 
 /// A plane with dot(normal, p) + distance >= 0 inside.
@@ -97,17 +104,17 @@ struct Plane {
 /// A camera as the frame sees it.
 struct CameraView {
     gpu::ViewConstants constants;
-    glm::mat3 viewFromWorld{1.0f};         ///< Rotation.
-    glm::mat4 projection{1.0f};            ///< clipFromView as given.
-    glm::vec3 eye{0.0f};                   ///< Relative to the origin.
-    std::array<Plane, 6> frustum;          ///< World, inward; the far one is (0, 0, 0), 1 for infinite projections.
-    std::array<glm::vec3, 4> nearCorners;  ///< World corners of the near rectangle of the render area, in ring order.
+    glm::mat3 viewFromWorld{1.0f};        ///< Rotation.
+    glm::mat4 projection{1.0f};           ///< clipFromView as given.
+    glm::vec3 eye{0.0f};                  ///< Relative to the origin.
+    std::array<Plane, 6> frustum;         ///< World, inward; the far one is (0, 0, 0), 1 for infinite projections.
+    std::array<glm::vec3, 4> nearCorners; ///< World corners of the near rectangle of the render area, in ring order.
     GnDepthConvention convention = GN_DEPTH_REVERSED_INFINITE;
     VkFormat depthFormat = VK_FORMAT_D32_SFLOAT;
     VkFormat normalFormat = VK_FORMAT_UNDEFINED; ///< Undefined: no normals.
-    VkExtent2D extent{};                   ///< Of the images.
-    VkRect2D area{};                       ///< Pixels drawn.
-    double origin[3]{};                    ///< World position of the zero of all coordinates here.
+    VkExtent2D extent{};                         ///< Of the images.
+    VkRect2D area{};                             ///< Pixels drawn.
+    double origin[3]{};                          ///< World position of the zero of all coordinates here.
     std::uint32_t id = 0;
     bool cut = false;
 
@@ -119,7 +126,7 @@ struct CameraView {
 bool touches(const Aabb& box, std::span<const Plane> volume);
 /// Box against sphere.
 bool touches(const Aabb& box, glm::vec3 center, float radius);
-/// Whether anything of the box can lie within the light's range and cone.
+/// Whether anything of the box can lie between the light, source radius included, and what it reaches.
 bool reaches(const LightView& light, const Aabb& box);
 /// World bounds of an object-space box.
 Aabb transformed(const Aabb& box, const glm::mat3& basis, glm::vec3 translation);
