@@ -1,0 +1,109 @@
+#include "yaml_support.hpp"
+
+#include <algorithm>
+
+#include "rules/engine/lint.hpp"
+#include "rules/yaml/shipped.hpp"
+
+using namespace gnomon::rules;
+using namespace gnomon::rules::test;
+
+namespace {
+
+RuleBase defaultBase()
+{
+    return parsed(shippedRuleBase("default"), "default.yaml");
+}
+
+struct Situation {
+    const char* what;
+    double dynamicLights, lightMotion, viewerDistance, screenShare, casterTriangles;
+    const char* spot;  ///< Best method for a spot light,
+    const char* point; ///< and for a point light, which shadow_map cannot serve; nor can the omni maps a spot light.
+};
+
+const Situation kSituations[] = {
+    {"a small scene right ahead", 1, 1, 5, 0.5, 3.5, "stencil_volume", "stencil_volume"},
+    {"the same at rest", 0, 0, 5, 0.5, 3.5, "stencil_volume", "stencil_volume"},
+    {"a heavy scene right ahead", 1, 1, 5, 0.5, 5.5, "pcf_hybrid", "pcf_hybrid"},
+    {"a crowd of moving lights right ahead", 18, 1, 5, 0.5, 3.5, "pcf_hybrid", "pcf_hybrid"},
+    {"a speck right ahead", 1, 1, 5, 0.002, 5.5, "ray_traced", "ray_traced"},
+    {"far and moving", 4, 1, 80, 0.5, 4.5, "shadow_map", "dual_paraboloid"},
+    {"far and at rest", 4, 0, 80, 0.5, 4.5, "shadow_map", "cube_map"},
+    {"far, moving, very heavy", 4, 1, 80, 0.5, 6.5, "shadow_map", "cube_map"},
+    {"a far speck", 4, 1, 80, 0.002, 4.5, "shadow_map", "dual_paraboloid"},
+};
+
+std::string bestOf(const Inference& inference, std::initializer_list<std::size_t> eligible)
+{
+    const auto best = std::max_element(eligible.begin(), eligible.end(), [&](std::size_t x, std::size_t y) {
+        return inference.outputs[x].quantised < inference.outputs[y].quantised;
+    });
+    return kMethods[*best].name;
+}
+
+} // namespace
+
+TEST_CASE("default.yaml picks exact methods near and maps far, for spot and for point lights")
+{
+    const Engine engine = bound(defaultBase());
+    Inference inference = engine.makeInference();
+    for (const Situation& s : kSituations) {
+        CAPTURE(s.what);
+        engine.evaluate(std::vector<double>{s.dynamicLights, s.lightMotion, s.viewerDistance, s.screenShare,
+                                            s.casterTriangles, 0.0, 0.5, 0.5},
+                        inference);
+        CHECK(bestOf(inference, {0, 1, 2, 3}) == s.spot);
+        CHECK(bestOf(inference, {0, 2, 3, 4, 5}) == s.point);
+    }
+}
+
+TEST_CASE("near shadows are never best served by a plain map, whatever the other facts are")
+{
+    const Engine engine = bound(defaultBase());
+    Inference inference = engine.makeInference();
+    Random random(41);
+    for (int i = 0; i < 20'000; ++i) {
+        engine.evaluate(std::vector<double>{static_cast<double>(random.below(21)), random.unit(), random.between(0, 30),
+                                            random.unit(), random.between(2, 7), random.between(0, 2), random.unit(),
+                                            random.between(0, 2)},
+                        inference);
+        const std::string best = bestOf(inference, {0, 1, 2, 3, 4, 5});
+        REQUIRE_MESSAGE((best == "stencil_volume" || best == "pcf_hybrid" || best == "ray_traced"), best);
+    }
+}
+
+TEST_CASE("while the viewer distance is unknown every method is acceptable and none is preferred")
+{
+    const Engine engine = bound(defaultBase());
+    Inference inference = engine.makeInference();
+    engine.evaluate(std::vector<double>{1, 0.5, kNan, 0.5, 4, 0, 0.5, 0.5}, inference);
+    for (const OutputState& output : inference.outputs) {
+        CHECK(output.hasOpinion);
+        CHECK(output.quantised == inference.outputs[0].quantised);
+        CHECK(engine.ruleId(output.strongestRule) == "otherwise");
+    }
+}
+
+TEST_CASE("default.yaml lints clean, reads all eight facts, and gives a reason for every rule")
+{
+    const RuleBase base = defaultBase();
+    for (const Diagnostic& finding : lint(base, vocabulary()))
+        FAIL_CHECK(toText(finding));
+    for (const Rule& rule : base.rules)
+        CHECK_FALSE(rule.because.empty());
+    for (const FactInfo& fact : kFacts) {
+        CAPTURE(fact.name);
+        CHECK(std::any_of(base.rules.begin(), base.rules.end(),
+                          [&](const Rule& rule) { return contains(rule.sentence, fact.name); }));
+    }
+    CHECK(base.policy.floor.when.size() == 1);
+    CHECK(base.policy.budget.headroom == 0.02);
+}
+
+TEST_CASE("the shipped rule bases are found by name, and nothing else is")
+{
+    CHECK(shippedRuleBases().size() == 2);
+    CHECK(shippedRuleBases()[0].name == "default");
+    CHECK(shippedRuleBase("nonesuch").empty());
+}

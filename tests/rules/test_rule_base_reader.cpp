@@ -1,0 +1,204 @@
+#include "yaml_support.hpp"
+
+#include <clocale>
+#include <locale>
+
+#include "rules/engine/explain.hpp"
+#include "rules/engine/number_text.hpp"
+#include "rules/yaml/shipped.hpp"
+
+using namespace gnomon::rules;
+using namespace gnomon::rules::test;
+
+namespace {
+
+constexpr std::string_view kHead =
+    "version: 1\n"
+    "variables:\n"
+    "  x: {universe: [0, 1], unit: m, terms: {low: [-.inf, -.inf, 0, 1], high: [0, 1, .inf, .inf]}}\n";
+
+/// All diagnostics of a text, one a line, without the file name.
+std::string errorsOf(std::string_view text)
+{
+    const ParseResult result = parseRuleBase(text, "f");
+    CHECK(result.base.has_value() == result.diagnostics.empty());
+    std::string all;
+    for (const Diagnostic& d : result.diagnostics)
+        all += toText(d).substr(2) + "\n";
+    return all;
+}
+
+std::string errorsInRules(std::string_view rules)
+{
+    return errorsOf(std::string(kHead) + "rules:\n" + std::string(rules));
+}
+
+/// What a rule base decides, in bits.
+std::vector<double> decisions(std::string_view text)
+{
+    const Engine engine = bound(parsed(text));
+    Inference inference = engine.makeInference();
+    std::vector<double> all;
+    for (int i = 0; i <= 20; ++i) {
+        engine.evaluate(std::vector<double>{i * 1.0, i / 20.0, i * 4.5, i / 20.0, 2 + i / 4.0, i / 10.0, 0.3, 0.9},
+                        inference);
+        for (const OutputState& output : inference.outputs)
+            all.push_back(output.suitability);
+    }
+    return all;
+}
+
+struct CommaPunctuation : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+    std::string do_grouping() const override { return "\3"; }
+};
+
+} // namespace
+
+TEST_CASE("every part of the format arrives")
+{
+    const RuleBase base = parsed(std::string(kHead) + R"(name: full
+options: {and: product, or: max, aggregation: sum, defuzzifier: sampled(100), allocation: budget, minimumStrength: 0.05, vetoAt: 0.7}
+suitability: {universe: [0, 10], terms: {bad: [-.inf, -.inf, 2, 4], good: [2, 4, .inf, .inf]}}
+rules:
+  - {id: A, rule: "if x is low then p is bad with 0.8", because: "a reason"}
+  - {rule: "if x is high then never p"}
+otherwise: p is good with 0.1
+policy:
+  budget: {targetFrameMs: 8.3, shadowCapMs: 4, headroom: 0.05}
+  floor: {when: x is low and x is not high, minimumQuality: 0.7, atStrength: 0.4}
+  hysteresis: {planGain: 0.03, upgradesPerFrame: 1, flipWindowFrames: 20, flipBanFrames: 90}
+  probing: {everyFrames: 30, sigma: 1.5}
+tuned: {by: hand, from: nowhere, hash: "0"}
+)");
+    CHECK(base.name == "full");
+    CHECK(base.options.conjunction == Options::And::Product);
+    CHECK(base.options.aggregation == Options::Aggregation::Sum);
+    CHECK(base.options.samples == 100);
+    CHECK(base.options.allocation == Options::Allocation::Budget);
+    CHECK(base.options.minimumStrength == 0.05);
+    CHECK(base.options.vetoAt == 0.7);
+    CHECK(base.variables.at(0).unit == "m");
+    CHECK(base.variables.at(0).terms.at(0).shape == Trapezoid{-kInf, -kInf, 0, 1});
+    CHECK(base.suitability.high == 10);
+    CHECK(base.suitability.terms.size() == 2);
+    CHECK(base.rules.at(0).id == "A");
+    CHECK(base.rules.at(0).because == "a reason");
+    CHECK(base.rules.at(0).weight == 0.8);
+    CHECK(base.rules.at(1).id == "2");
+    CHECK(base.rules.at(1).consequents.at(0).isVeto());
+    REQUIRE(base.otherwise.has_value());
+    CHECK(base.otherwise->weight == 0.1);
+    CHECK(base.policy.budget.targetFrameMs == 8.3);
+    CHECK(base.policy.budget.shadowCapMs == 4);
+    CHECK_FALSE(base.policy.budget.automatic);
+    CHECK(base.policy.floor.when.size() == 4);
+    CHECK(base.policy.floor.atStrength == 0.4);
+    CHECK(base.policy.hysteresis.flipBanFrames == 90);
+    CHECK(base.policy.probing.sigma == 1.5);
+    CHECK(base.textHash != 0);
+}
+
+TEST_CASE("suitability and policy have defaults, and budget may be auto")
+{
+    const RuleBase base =
+        parsed(std::string(kHead) + "rules: [{rule: if x is low then p is favoured}]\npolicy: {budget: auto}\n");
+    CHECK(base.suitability.terms.size() == 3);
+    CHECK(base.policy.budget.automatic);
+    CHECK(base.policy.floor.when.empty());
+    CHECK(base.options.allocation == Options::Allocation::None);
+}
+
+TEST_CASE("errors name line and column, inside sentences too, and all are reported at once")
+{
+    CHECK(errorsInRules("  - rule: \"if x is lowww then p is favoured\"\n"
+                        "  - rule: >-\n"
+                        "      if x is low\n"
+                        "      then p favoured\n"
+                        "  - rule: 'if y is low then p is favoured'\n"
+                        "  - {id: D, rool: x}\n") == "8:14: error R06: expected 'is', found 'favoured'\n"
+                                                     "10:5: error R04: a rule needs a key 'rule'\n"
+                                                     "10:13: error R04: a rule has no key 'rool'\n");
+    // With the sentences in order, names are checked.
+    CHECK(errorsInRules("  - rule: \"if x is lowww then p is favoured\"\n"
+                        "  - rule: 'if y is low then p is good'\n") ==
+          "5:20: error L01: 'x' has no term 'lowww'; it has low high\n"
+          "6:15: error L01: unknown variable 'y'\n"
+          "6:34: error L01: 'suitability' has no term 'good'; it has avoided acceptable favoured\n");
+}
+
+TEST_CASE("a faulty rule base is refused with the place of each fault")
+{
+    const std::string rules = "rules: [{rule: if x is low then p is favoured}]\n";
+    const std::string head(kHead);
+    CHECK(errorsOf("version: 2\nvariables: {}\nrules: []\n") == "1:10: error R05: this reader knows version 1 only\n");
+    CHECK(errorsOf("- 1\n") == "1:1: error R04: a rule base must be a map, found a list\n");
+    CHECK(errorsOf("version: 1\nrules: []\n") == "1:1: error R04: a rule base needs a key 'variables'\n");
+    CHECK(errorsOf(head + rules + "extra: 1\n") == "5:1: error R04: a rule base has no key 'extra'\n");
+    CHECK(errorsOf(head + rules + "options: {and: most}\n") == "5:16: error R05: 'and' must be one of min product\n");
+    CHECK(errorsOf(head + rules + "options: {defuzzifier: sampled(1)}\n") ==
+          "5:24: error R05: 'defuzzifier' must be centroid or sampled(2 to 100000)\n");
+    CHECK(errorsOf(head + rules + "policy: {budget: {headroom: 1.5}}\n") ==
+          "5:29: error R05: 'headroom' must be a number from 0 to 0.99\n");
+    CHECK(errorsOf(head + rules + "policy: {floor: {when: z is low}}\n") == "5:24: error L01: unknown variable 'z'\n");
+    CHECK(errorsOf(head + rules + "otherwise: never p\n") ==
+          "5:18: error R06: 'otherwise' cannot veto: it fires where the rules know nothing\n");
+    CHECK(errorsOf("version: 1\nvariables: {x: {universe: [0], terms: {a: [0, 0, 1, one]}}}\nrules: []\n") ==
+          "2:27: error R04: a universe is a list of 2 numbers\n2:53: error R05: not a number: 'one'\n");
+    CHECK(errorsOf("version: 1\nvariables: {x: {universe: [0, 1], terms: {a: [0, 2, 1, 1]}}}\nrules: []\n") ==
+          "2:43: error R05: term 'a': corners must ascend: a <= b <= c <= d\n");
+    CHECK(errorsOf(head + "rules: [{id: A, rule: if x is low then p is favoured}, {id: A, rule: if x is high then p is "
+                          "favoured}]\n") == "4:70: error R05: two rules are called 'A'\n");
+}
+
+TEST_CASE("aliases, anchors, merge keys and repeated keys are errors")
+{
+    CHECK(errorsOf(std::string(kHead) + "rules: &r []\n") == "4:8: error R02: anchors are not accepted\n");
+    CHECK(errorsOf("a: &x {b: 1}\nc: *x\n").substr(0, 15) == "1:4: error R02:");
+    CHECK(errorsOf(std::string(kHead) + "rules: []\nversion: 1\n") ==
+          "5:1: error R03: key 'version' stands twice in one map\n");
+    CHECK(errorsOf("version: 1\nvariables:\n  x: {universe: [0, 1], terms: {a: [0, 0, 1, 1], a: [0, 0, 1, 1]}}\nrules: "
+                   "[]\n") == "3:50: error R03: key 'a' stands twice in one map\n");
+}
+
+TEST_CASE("more rules than the limit are refused")
+{
+    std::string text = std::string(kHead) + "rules:\n";
+    for (std::size_t i = 0; i <= kMaxRules; ++i)
+        text += "  - {rule: if x is low then p is favoured}\n";
+    CHECK(errorsOf(text) == "4101:5: error R07: more than 4096 rules\n");
+}
+
+TEST_CASE("a comma locale changes no number, in C or in C++")
+{
+    const std::vector<double> expected = decisions(shippedRuleBase("default"));
+    const std::locale before = std::locale();
+    const std::string cBefore = std::setlocale(LC_ALL, nullptr);
+
+    bool found = false;
+    for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "de_DE", "fr_FR.UTF-8", "fr_FR.utf8"})
+        found = found || std::setlocale(LC_ALL, name) != nullptr;
+    if (found)
+        CHECK(std::string(std::localeconv()->decimal_point) == ",");
+    else
+        MESSAGE("no C locale with a decimal comma here; only the C++ one is tested");
+    CHECK(decisions(shippedRuleBase("default")) == expected);
+    CHECK(parseNumber("0.5") == 0.5);
+    CHECK_FALSE(parseNumber("0,5").has_value());
+    CHECK(fixedText(0.625, 2) == "0.62");
+    std::setlocale(LC_ALL, cBefore.c_str());
+
+    std::locale::global(std::locale(before, new CommaPunctuation));
+    CHECK(decisions(shippedRuleBase("default")) == expected);
+    CHECK(shortestText(1234.5) == "1234.5");
+    CHECK(errorsOf("version: 1\nvariables: {x: {universe: [0, 1], terms: {a: [0, 0, 1, one]}}}\nrules: []\n") ==
+          "2:56: error R05: not a number: 'one'\n");
+    std::locale::global(before);
+}
+
+TEST_CASE("diagnostics count lines without grouping them, beyond a thousand")
+{
+    const std::string text = std::string(1500, '\n') + "version: 1\nversion: 1\n";
+    CHECK(errorsOf(text) == "1502:1: error R03: key 'version' stands twice in one map\n");
+}
