@@ -2,6 +2,7 @@
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <array>
 #include <numbers>
 
@@ -80,6 +81,15 @@ void readLifetime(MapReader& map, Light& light)
     if (light.disappear <= light.appear) raise(map.context(), *end, "disappear must come after appear");
 }
 
+/// Of the segment from a to b.
+double distanceToOrigin(const glm::dvec3& a, const glm::dvec3& b)
+{
+    const glm::dvec3 along = b - a;
+    const double squared = glm::dot(along, along);
+    const double nearest = squared > 0.0 ? std::clamp(-glm::dot(a, along) / squared, 0.0, 1.0) : 0.0;
+    return glm::length(a + along * nearest);
+}
+
 } // namespace
 
 double toRadians(double degrees) noexcept
@@ -154,8 +164,10 @@ std::vector<CameraKey> readCamera(const ReadContext& context, const YamlNode& no
         key.verticalFov = static_cast<float>(toRadians(fov));
         key.cut = map.boolean("cut", false);
         map.finish();
-        // Two keys whose eye and target swap would meet half way; one key is all that can be judged here.
-        if (!(glm::length(key.target - key.eye) > 1e-6)) raise(context, child, "eye and target must differ");
+        const glm::dvec3 view = key.target - key.eye;
+        const glm::dvec3 viewBefore = keys.empty() || key.cut ? view : keys.back().target - keys.back().eye;
+        if (!(distanceToOrigin(viewBefore, view) > 1e-6))
+            raise(context, child, "eye and target must differ, also on the way from the key before");
         keys.push_back(key);
     }
     return keys;

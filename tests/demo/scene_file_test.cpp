@@ -55,9 +55,9 @@ constexpr Malformed kMalformed[] = {
     {"meshes:\n  a: {cube: {}}\n", "2:7: mesh 'a': unknown key 'cube'; known here: file, plane, box"},
     {"meshes:\n  a: {box: {}, card: {}}\n", "2:6: mesh 'a': a mesh must have exactly one of 'file' or a shape"},
     {"meshes:\n  a: {}\n", "2:6: mesh 'a': a mesh must have exactly one of 'file' or a shape"},
-    {"meshes:\n  a: {box: {size: [1, 0, 1]}}\n", "2:23: mesh 'a': size must be >= 0.0001 and <= 1e+06, got 0"},
+    {"meshes:\n  a: {box: {size: [1, 0, 1]}}\n", "2:23: mesh 'a': size must be >= 1e-04 and <= 1e+06, got 0"},
     {"meshes:\n  a: {box: {size: [1, 1e-60, 1]}}\n", "2:23: mesh 'a': size must be >="},
-    {"meshes:\n  a: {torus: {tube: 2}}\n", "2:21: mesh 'a': tube must be >= 0.0001 and < 1, got 2"},
+    {"meshes:\n  a: {torus: {tube: 2}}\n", "2:21: mesh 'a': tube must be >= 1e-04 and < 1, got 2"},
     {"meshes:\n  a: {torus: {ring_segments: 2}}\n",
      "2:30: mesh 'a': ring_segments must be a whole number from 3 to 4096, got '2'"},
     {"meshes:\n  a: {plane: {cells: [4096, 4096]}}\n", "2:14: mesh 'a': 33554432 triangles are more than the limit"},
@@ -106,6 +106,8 @@ constexpr Malformed kMalformedCameras[] = {
     {"camera: []\n", "1:9: camera: camera must be a list of at least one key"},
     {"camera: [{eye: [0, 0, 0], target: [0, 0, 0]}]\n", "1:10: camera: eye and target must differ"},
     {"camera: [{eye: [0, 0, 1], target: [0, 0, 0], fov: 180}]\n", "1:51: camera: fov must be >= 1 and <= 160, got 180"},
+    {"camera:\n  - {eye: [0, 0, 1], target: [0, 0, 0]}\n  - {time: 1, eye: [0, 0, 0], target: [0, 0, 1]}\n",
+     "3:5: camera: eye and target must differ, also on the way"},
     {"camera: [{eye: [0, 0, 1]}]\n", "1:10: camera: 'target' is missing"},
 };
 
