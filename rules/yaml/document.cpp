@@ -34,7 +34,7 @@ struct Refusal {
 /// keys silently and forget where things stood.
 class TreeBuilder : public YAML::EventHandler {
 public:
-    explicit TreeBuilder(const Limits& limits) : limits_(limits) {}
+    explicit TreeBuilder(Limits limits) : limits_(limits) {}
 
     Node root;
 
@@ -125,7 +125,7 @@ private:
         levels_.push_back({&node, false, {}});
     }
 
-    const Limits& limits_;
+    Limits limits_;
     std::vector<Level> levels_;
     std::size_t nodes_ = 0;
 };
@@ -175,7 +175,7 @@ bool parseEvents(std::string& source, TreeBuilder& builder, DiagnosticSink& sink
             sink.error("R01", {1, 1}, "the text is empty");
             return false;
         }
-        TreeBuilder rest(Limits{});
+        TreeBuilder rest({});
         if (parser.HandleNextDocument(rest)) {
             sink.error("R01", rest.root.at, "a second document follows");
             return false;
@@ -292,8 +292,7 @@ void MapReader::text(std::string_view key, std::string& out)
     if (found && found->kind == Node::Kind::Scalar)
         out = found->text;
     else if (found)
-        sink_.error("R04", found->at,
-                    rules::quoted(key) + " must be a text, found " + std::string(kindText(*found)));
+        sink_.error("R04", found->at, rules::quoted(key) + " must be a text, found " + std::string(kindText(*found)));
 }
 
 void MapReader::number(std::string_view key, double low, double high, double& out)

@@ -37,6 +37,12 @@ private:
     uint64_t state_;
 };
 
+/// "t7". Not "t" + to_string(7), in which gcc 12 sees an overlap that is not there.
+inline std::string numbered(std::string_view prefix, std::size_t number)
+{
+    return std::string(prefix).append(std::to_string(number));
+}
+
 inline Variable variable(std::string name, double low, double high, std::vector<Term> terms, std::string unit = "")
 {
     Variable made;
@@ -65,7 +71,7 @@ inline RuleBase baseOf(std::vector<Variable> variables, std::initializer_list<st
     DiagnosticSink sink("test");
     for (const std::string_view sentence : sentences) {
         Rule rule;
-        rule.id = "R" + std::to_string(base.rules.size() + 1);
+        rule.id = numbered("R", base.rules.size() + 1);
         REQUIRE_MESSAGE(parseRule({sentence}, rule, sink), toText(sink.all().back()));
         base.rules.push_back(rule);
     }

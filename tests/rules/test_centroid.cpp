@@ -33,7 +33,7 @@ Variable randomPartition(Random& random)
         const double b = i == 0 ? -kInf : cuts[2 * i - 1];
         const double c = i + 1 == terms ? kInf : cuts[2 * i];
         const double d = i + 1 == terms ? kInf : cuts[2 * i + 1];
-        made.push_back({"t" + std::to_string(i), {a, b, c, d}, {}});
+        made.push_back({numbered("t", i), {a, b, c, d}, {}});
     }
     return variable("v", low, low + width, made);
 }
@@ -51,7 +51,7 @@ Variable randomPile(Random& random)
         corners[1] = std::max(corners[1], corners[0] + 0.05);
         corners[2] = std::max(corners[2], corners[1]);
         corners[3] = std::max(corners[3], corners[2] + 0.05);
-        made.push_back({"t" + std::to_string(i), {corners[0], corners[1], corners[2], corners[3]}, {}});
+        made.push_back({numbered("t", i), {corners[0], corners[1], corners[2], corners[3]}, {}});
     }
     return variable("v", 0, 1, made);
 }

@@ -30,7 +30,7 @@ RuleBase randomBase(Random& random, std::size_t rules)
         text += " then o" + std::to_string(random.below(4)) + " is " + std::string(terms[random.below(3)]) +
                 " with 0." + std::to_string(1 + random.below(9));
         Rule rule;
-        rule.id = "R" + std::to_string(i);
+        rule.id = numbered("R", i);
         DiagnosticSink sink("random");
         REQUIRE(parseRule({text}, rule, sink));
         base.rules.push_back(rule);
