@@ -1,0 +1,297 @@
+// Silhouettes, caps and extrusion of shadow volumes against brute force in double precision.
+#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
+#include <doctest/doctest.h>
+
+#include <map>
+
+#include "algorithms/volumes/silhouette.hpp"
+#include "shaders/volumes/volume.h"
+#include "tests/algorithms/volume_meshes.hpp"
+
+#include "algorithms/volumes/shadow_reach.hpp"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+/// The index lists of one caster and light, as the prepare pass makes them, in pieces of an odd size.
+struct Lists {
+    std::vector<std::uint8_t> facing;
+    std::vector<std::uint32_t> sides, caps;
+
+    Lists(const Placed& placed, const LightView& light)
+    {
+        constexpr std::uint32_t piece = 37;
+        const Topology& topology = placed.topology;
+        const auto faces = static_cast<std::uint32_t>(topology.facePlanes.size());
+        const auto edges = static_cast<std::uint32_t>(topology.edges.size());
+        const glm::vec4 os = lightInObjectSpace(light, placed.caster);
+        facing.resize(faces);
+        for (std::uint32_t first = 0; first < faces; first += piece)
+            findFacing(topology, os, first, std::span(facing).subspan(first, std::min(piece, faces - first)));
+        std::vector<std::uint32_t> out;
+        for (std::uint32_t first = 0; first < edges; first += piece) {
+            const std::uint32_t count = std::min(piece, edges - first);
+            out.assign(sideCapacity(topology, first, count), 0);
+            const std::uint32_t written = writeSides(topology, facing, first, count, out.data());
+            REQUIRE(written <= out.size());
+            sides.insert(sides.end(), out.begin(), out.begin() + written);
+        }
+        for (std::uint32_t first = 0; first < faces; first += piece) {
+            const std::uint32_t count = std::min(piece, faces - first);
+            out.assign(capCapacity(count), 0);
+            const std::uint32_t written = writeCaps(topology, facing, placed.caster.mirrored, first, count, out.data());
+            REQUIRE(written <= out.size());
+            caps.insert(caps.end(), out.begin(), out.begin() + written);
+        }
+    }
+};
+
+/// A caster's volume as triangles in the world.
+struct Volume {
+    std::vector<glm::dvec3> corners; ///< By index: 2 * vertex + copy.
+    glm::vec4 plane;
+
+    Volume(const Placed& placed, const LightView& light, const Aabb& box)
+    {
+        const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
+        const glm::vec4 l = directional ? glm::vec4(light.direction(), 0.0f) : glm::vec4(light.position(), 1.0f);
+        plane = gpu::extrusionPlane(l, casterReach(placed.caster.bounds, light, glm::vec3(0.0f)), box.lower, box.upper);
+        for (std::uint32_t v = 0; v < placed.mesh.positions.size(); ++v) {
+            const glm::vec3 near = placed.world(v);
+            const glm::vec4 moved = gpu::extruded(near, l, plane);
+            corners.emplace_back(near);
+            corners.emplace_back(glm::dvec3(moved) / static_cast<double>(moved.w));
+        }
+    }
+
+    int crossings(std::span<const std::uint32_t> indices, glm::dvec3 from, glm::dvec3 to) const
+    {
+        int sum = 0;
+        for (std::size_t i = 0; i < indices.size(); i += 3)
+            sum += crossing(from, to, corners[indices[i]], corners[indices[i + 1]], corners[indices[i + 2]]);
+        return sum;
+    }
+};
+
+/// Faces that a segment meets; `chosen` says which count.
+template <typename Chosen>
+int facesBetween(const Placed& placed, glm::dvec3 from, glm::dvec3 to, Chosen&& chosen)
+{
+    int count = 0;
+    for (std::uint32_t face = 0; face < placed.topology.facePlanes.size(); ++face) {
+        const std::uint32_t* v = &placed.topology.faceVerts[3 * face];
+        if (chosen(face) && crossing(from, to, placed.world(v[0]), placed.world(v[1]), placed.world(v[2])) != 0)
+            ++count;
+    }
+    return count;
+}
+
+struct Case {
+    const char* name;
+    Mesh mesh;
+    bool closed;
+};
+
+std::vector<Case> cases()
+{
+    const Mesh ring = torus(1.0f, 0.35f, 14, 9);
+    Mesh twice = ring; // every edge four times: closed, yet not manifold
+    twice.indices.insert(twice.indices.end(), ring.indices.begin(), ring.indices.end());
+    return {{"torus", ring, true},
+            {"torus twice", twice, true},
+            {"torus inside out", flipped(ring, 1), true},
+            {"holed torus", holed(ring, 5), false},
+            {"torus with flipped faces", flipped(ring, 7), false},
+            {"torus with fins", finned(ring, 11), false},
+            {"sheet", sheet(8, 0.3f), false},
+            {"sheet with flipped faces and fins", finned(flipped(sheet(8, 0.3f), 3), 9), false}};
+}
+
+std::vector<glm::mat3> bases()
+{
+    const glm::mat3 turned(glm::rotate(glm::mat4(1.0f), 0.7f, glm::normalize(glm::vec3(1, 2, 3))));
+    return {turned, turned * glm::mat3(1, 0, 0, 0, -1, 0, 0, 0, 1),  // mirrored
+            turned * glm::mat3(2, 0, 0, 0.5f, 0.3f, 0, 0, 0.4f, 1)}; // scaled and sheared
+}
+
+const glm::vec3 kPlace(3.0f, 1.0f, -2.0f);
+
+std::vector<LightView> lights()
+{
+    return {pointLight(kPlace + glm::vec3(2, 6, 1)), pointLight(kPlace + glm::vec3(-7, 1.5f, 3)),
+            directionalLight(glm::vec3(0.3f, -1.0f, 0.2f)), directionalLight(glm::vec3(-1.0f, -0.2f, 0.5f))};
+}
+
+template <typename Body>
+void forAllCases(Body&& body)
+{
+    for (const Case& c : cases())
+        for (const glm::mat3& basis : bases())
+            for (const LightView& light : lights()) {
+                CAPTURE(c.name);
+                CAPTURE(glm::determinant(basis));
+                CAPTURE(static_cast<int>(light.type));
+                const Placed placed(c.mesh, basis, kPlace);
+                REQUIRE(placed.topology.closed == c.closed);
+                body(placed, light);
+            }
+}
+
+const Aabb kBox{kPlace - 5.0f, kPlace + 5.0f};
+
+glm::dvec3 sourceOf(const LightView& light, glm::dvec3 p)
+{
+    return light.type == GN_LIGHT_TYPE_DIRECTIONAL ? p - 100.0 * glm::dvec3(light.direction())
+                                                   : glm::dvec3(light.position());
+}
+
+/// A point of kBox, two times in three behind some triangle.
+glm::dvec3 receiver(const Placed& placed, const LightView& light, Random& random)
+{
+    if (random(0.0f, 3.0f) < 1.0f) return random.inBox(kBox.lower, kBox.upper);
+    const auto face =
+        static_cast<std::size_t>(random(0.0f, static_cast<float>(placed.mesh.indices.size() / 3) - 0.01f));
+    const std::uint32_t* v = &placed.mesh.indices[3 * face];
+    const float a = random(0.0f, 0.5f), b = random(0.0f, 0.5f);
+    const glm::dvec3 p = placed.world(v[0]) * (1.0f - a - b) + placed.world(v[1]) * a + placed.world(v[2]) * b;
+    const glm::dvec3 behind = p + glm::normalize(p - sourceOf(light, p)) * static_cast<double>(random(0.01f, 3.0f));
+    return glm::clamp(behind, glm::dvec3(kBox.lower), glm::dvec3(kBox.upper));
+}
+
+} // namespace
+
+TEST_CASE("silhouettes form closed loops, whatever the mesh is like")
+{
+    forAllCases([](const Placed& placed, const LightView& light) {
+        const Lists lists(placed, light);
+        CHECK(!lists.sides.empty());
+        std::map<std::uint32_t, int> balance; // edges out minus edges in, by vertex
+        for (std::size_t i = 0; i < lists.sides.size(); i += 6) {
+            CHECK(lists.sides[i] % 2 == 0);
+            CHECK(lists.sides[i + 5] % 2 == 0);
+            ++balance[lists.sides[i]];
+            --balance[lists.sides[i + 5]];
+        }
+        int open = 0;
+        for (const auto& [vertex, sum] : balance)
+            open += sum != 0;
+        CHECK(open == 0);
+    });
+}
+
+TEST_CASE("a volume winds around a point as often as faces stand between the point and the light")
+{
+    Random random(7);
+    int shadowed = 0, lit = 0;
+    forAllCases([&](const Placed& placed, const LightView& light) {
+        const Lists lists(placed, light);
+        const Volume volume(placed, light, kBox);
+        REQUIRE(glm::vec3(volume.plane) != glm::vec3(0.0f));
+        const std::uint8_t away = placed.caster.mirrored ? 1 : 0;
+        for (int i = 0; i < 40; ++i) {
+            const glm::dvec3 p = receiver(placed, light, random);
+            const glm::dvec3 source = sourceOf(light, p);
+            const glm::dvec3 outside = p + 1000.0 * glm::dvec3(random.inBox(glm::vec3(-1.0f), glm::vec3(1.0f)));
+            const int wound = volume.crossings(lists.sides, p, outside) + volume.crossings(lists.caps, p, outside);
+            const int expected = facesBetween(placed, p, source, [&](std::uint32_t face) {
+                return !placed.topology.closed || lists.facing[face] == away;
+            });
+            CHECK(wound == expected);
+            (expected ? shadowed : lit) += 1;
+        }
+    });
+    CHECK(shadowed > 500);
+    CHECK(lit > 500);
+}
+
+TEST_CASE("from a lit point, sides alone count right along any segment that meets no face")
+{
+    Random random(11);
+    int shadowed = 0, lit = 0;
+    forAllCases([&](const Placed& placed, const LightView& light) {
+        const Lists lists(placed, light);
+        const Volume volume(placed, light, kBox);
+        const auto any = [](std::uint32_t) { return true; };
+        for (int i = 0; i < 40; ++i) {
+            const glm::dvec3 eye(random.inBox(kBox.lower, kBox.upper)), p = receiver(placed, light, random);
+            if (facesBetween(placed, eye, sourceOf(light, eye), any) != 0) continue; // as the z-pass test assures
+            if (facesBetween(placed, eye, p, any) != 0) continue;                    // as the depth image assures
+            const int entered = -volume.crossings(lists.sides, eye, p);
+            const int faces = facesBetween(placed, p, sourceOf(light, p), any);
+            CHECK(entered == (placed.topology.closed ? faces / 2 : faces));
+            (faces ? shadowed : lit) += 1;
+        }
+    });
+    CHECK(shadowed > 300);
+    CHECK(lit > 300);
+}
+
+TEST_CASE("a triangle has three sides, a lone quad four, a tetrahedron three or four")
+{
+    const LightView light = pointLight(glm::vec3(0.2f, 5.0f, 0.1f));
+    const Mesh triangle{{{0, 0, 0}, {0, 0, 1}, {1, 0, 0}}, {0, 1, 2}};
+    const Mesh quad{{{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {1, 0, 1}}, {0, 1, 2, 2, 1, 3}};
+    const Mesh tetrahedron{{{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0.3f, 1, 0.3f}}, {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3}};
+    for (const bool turned : {false, true}) {
+        const auto sides = [&](const Mesh& mesh) {
+            const Placed placed(turned ? flipped(mesh, 1) : mesh, glm::mat3(1.0f), glm::vec3(0.0f));
+            return Lists(placed, light).sides.size() / 6;
+        };
+        CHECK(sides(triangle) == 3);
+        CHECK(sides(quad) == 4);
+        CHECK(sides(tetrahedron) == 3);
+    }
+}
+
+TEST_CASE("a flattened caster still faces the light with one side")
+{
+    const glm::mat3 flat(1, 0, 0, 0, 0, 0, 0, 0, 1);
+    const Placed placed(torus(1.0f, 0.35f, 14, 9), flat, kPlace);
+    const Lists lists(placed, pointLight(kPlace + glm::vec3(2, 6, 1)));
+    const auto facing = static_cast<std::size_t>(std::count(lists.facing.begin(), lists.facing.end(), 1));
+    CHECK(facing > lists.facing.size() / 3);
+    CHECK(facing < lists.facing.size() * 2 / 3);
+    CHECK(!lists.sides.empty());
+}
+
+TEST_CASE("volumes end on a plane behind the whole box")
+{
+    Random random(3);
+    int found = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const glm::vec3 a = random.inBox(glm::vec3(-10.0f), glm::vec3(10.0f)), b = random.inBox(a, a + 8.0f);
+        const Aabb box{a, b};
+        const glm::vec3 c = random.inBox(glm::vec3(-12.0f), glm::vec3(12.0f));
+        const Aabb caster{c, c + random.inBox(glm::vec3(0.1f), glm::vec3(3.0f))};
+        const glm::vec3 p = random.inBox(caster.lower, caster.upper);
+        const bool directional = i % 2 == 0;
+        const LightView light = directional ? directionalLight(random.inBox(glm::vec3(-1.0f), glm::vec3(1.0f)))
+                                            : pointLight(random.inBox(glm::vec3(-15.0f), glm::vec3(15.0f)));
+        const glm::vec4 l = directional ? glm::vec4(light.direction(), 0.0f) : glm::vec4(light.position(), 1.0f);
+        const glm::vec4 plane = gpu::extrusionPlane(l, casterReach(caster, light, glm::vec3(0.0f)), a, b);
+        if (glm::vec3(plane) == glm::vec3(0.0f)) continue; // the light lies within the caster's bounds on every axis
+        ++found;
+        const glm::vec3 normal(plane);
+        const glm::vec3 farthest = glm::mix(box.lower, box.upper, glm::greaterThan(normal, glm::vec3(0.0f)));
+        CHECK(glm::dot(normal, farthest) <= plane.w + 1e-3f);
+        const glm::vec4 moved = gpu::extruded(p, l, plane);
+        CHECK(moved.w > 0.0f);
+        const glm::vec3 end = glm::vec3(moved) / moved.w;
+        CHECK(glm::dot(normal, end) == doctest::Approx(plane.w).epsilon(1e-3));
+        if (!directional) CHECK(glm::dot(end - light.position(), p - light.position()) > 0.0f);
+    }
+    CHECK(found > 1800);
+}
+
+TEST_CASE("keys of floats keep their order and give the float back")
+{
+    const float values[] = {-1e30f, -2.5f, -1e-30f, 0.0f, 1e-30f, 0.75f, 3.0f, 1e30f};
+    for (std::size_t i = 0; i + 1 < std::size(values); ++i) {
+        CHECK(gpu::orderedKey(values[i]) < gpu::orderedKey(values[i + 1]));
+        CHECK(gpu::fromOrderedKey(gpu::orderedKey(values[i])) == values[i]);
+        CHECK(gpu::orderedKey(values[i]) > gpu::EMPTY_UPPER);
+        CHECK(gpu::orderedKey(values[i]) < gpu::EMPTY_LOWER);
+    }
+}
