@@ -1,6 +1,6 @@
 #pragma once
-// The six depth maps around a point light: one layer per face in the order of fitCubeFace (+X -X +Y -Y +Z -Z), shared by
-// cube_map and pcf_hybrid.
+// The six depth maps around a point light: one layer per face in the order of fitCubeFace (+X -X +Y -Y +Z -Z), shared
+// by cube_map and pcf_hybrid.
 #include <cstdint>
 
 #include "algorithms/maps/depth_map.hpp"
@@ -15,7 +15,7 @@ struct CubeMap {
     ImageId image;                   ///< kMapFormat, six layers, resolution x resolution each.
     const LightFit* faces = nullptr; ///< Six; they live as long as the frame.
     std::uint32_t resolution = 0;
-    std::uint32_t needed = 0;        ///< Bit f: a receiver of task.view can lie in face f. Other layers may be undefined.
+    std::uint32_t needed = 0; ///< Bit f: a receiver of task.view can lie in face f. Other layers may be undefined.
 };
 
 /// Declares the faces that a receiver in the task's view can need and whose casters or light changed. Several views

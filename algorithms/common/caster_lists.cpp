@@ -1,0 +1,67 @@
+#include "algorithms/common/caster_lists.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace gnomon {
+
+Stamp& Stamp::add(std::uint64_t value)
+{
+    // splitmix64's finaliser over a running sum.
+    hash_ += value + 0x9e3779b97f4a7c15ull;
+    hash_ = (hash_ ^ (hash_ >> 30)) * 0xbf58476d1ce4e5b9ull;
+    hash_ = (hash_ ^ (hash_ >> 27)) * 0x94d049bb133111ebull;
+    hash_ ^= hash_ >> 31;
+    return *this;
+}
+
+Stamp& Stamp::add(float value)
+{
+    return add(std::uint64_t{std::bit_cast<std::uint32_t>(value)});
+}
+
+Stamp& Stamp::add(const glm::mat4& matrix)
+{
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            add(matrix[column][row]);
+    return *this;
+}
+
+Stamp& Stamp::add(const Caster& caster)
+{
+    return add((std::uint64_t{caster.id} << 1) | (caster.closed ? 1 : 0)).add(caster.revision);
+}
+
+Stamp& Stamp::add(std::span<const Caster* const> casters)
+{
+    add(casters.size());
+    for (const Caster* caster : casters)
+        add(*caster);
+    return *this;
+}
+
+std::span<const Caster* const> castersIn(std::span<const Caster* const> casters, std::span<const Plane> volume,
+                                         FrameArena& arena)
+{
+    const std::span<const Caster*> kept = arena.array<const Caster*>(casters.size());
+    std::size_t count = 0;
+    for (const Caster* caster : casters)
+        if (touches(caster->bounds, volume)) kept[count++] = caster;
+    return kept.first(count);
+}
+
+bool anyHostDrawn(std::span<const Caster* const> casters)
+{
+    return std::any_of(casters.begin(), casters.end(), [](const Caster* caster) { return caster->hostDrawn; });
+}
+
+std::uint64_t triangleCount(std::span<const Caster* const> casters)
+{
+    std::uint64_t count = 0;
+    for (const Caster* caster : casters)
+        if (caster->mesh) count += caster->mesh->triangleCount();
+    return count;
+}
+
+} // namespace gnomon

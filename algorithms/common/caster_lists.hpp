@@ -1,0 +1,35 @@
+#pragma once
+// Which casters go into a map, and stamps that change exactly when its content would.
+#include <cstdint>
+#include <span>
+
+#include <glm/mat4x4.hpp>
+
+#include "runtime/core/arena.hpp"
+#include "runtime/scene/scene_view.hpp"
+
+namespace gnomon {
+
+/// Running 64-bit hash of a map's inputs; the result is never 0, which means "nothing kept".
+class Stamp {
+public:
+    Stamp& add(std::uint64_t value);
+    Stamp& add(float value);
+    Stamp& add(const glm::mat4& matrix);
+    /// Identity, revision and the faces drawn: a mesh whose topology has just arrived is drawn differently.
+    Stamp& add(const Caster& caster);
+    Stamp& add(std::span<const Caster* const> casters);
+    std::uint64_t value() const { return hash_ > 15 ? hash_ : hash_ + 16; } ///< Small numbers mean other things.
+
+private:
+    std::uint64_t hash_ = 0x9e3779b97f4a7c15ull;
+};
+
+/// The casters that touch a volume, in the order of the input; memory from the arena.
+std::span<const Caster* const> castersIn(std::span<const Caster* const> casters, std::span<const Plane> volume,
+                                         FrameArena& arena);
+
+bool anyHostDrawn(std::span<const Caster* const> casters);
+std::uint64_t triangleCount(std::span<const Caster* const> casters);
+
+} // namespace gnomon

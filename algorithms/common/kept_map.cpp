@@ -1,0 +1,98 @@
+#include "algorithms/common/kept_map.hpp"
+
+#include "runtime/vk/memory.hpp"
+
+namespace gnomon {
+
+namespace {
+// An image that has just been made carries no stamp; from then on it carries this one.
+constexpr std::uint64_t kMade = 1;
+// Stamp of a layer that holds nothing.
+constexpr std::uint64_t kEmpty = 2;
+constexpr std::uint32_t kMaxLayers = 8;
+} // namespace
+
+bool worthKeepingApart(std::uint64_t triangles, std::uint32_t resolution)
+{
+    return triangles * 450 > std::uint64_t{resolution} * resolution;
+}
+
+LayerContent layerContent(const LightView& light, std::span<const Caster* const> statics,
+                          std::span<const Caster* const> movings, std::uint64_t projectionStamp,
+                          std::uint32_t resolution)
+{
+    LayerContent content{.statics = statics, .movings = movings};
+    Stamp stamp;
+    stamp.add(light.revision).add(projectionStamp).add(statics);
+    if (light.isStatic && worthKeepingApart(triangleCount(statics), resolution)) content.staticsStamp = stamp.value();
+    content.stamp = stamp.add(movings).value();
+    return content;
+}
+
+KeptMap::KeptMap(PassBuilder& passes, const KeptMapInfo& info) : passes_(passes), info_(info)
+{
+    image_ = passes.persistent(ImageInfo{.name = info.name,
+                                         .scope = Scope::light,
+                                         .format = info.format,
+                                         .extent = {info.resolution, info.resolution},
+                                         .layers = info.layers,
+                                         .variant = info.resolution});
+    fresh_ = passes.stale(image_, kMade);
+}
+
+ImageId KeptMap::staticsImage()
+{
+    if (statics_) return statics_;
+    statics_ = passes_.persistent(ImageInfo{.name = info_.staticsName,
+                                            .scope = Scope::light,
+                                            .format = info_.format,
+                                            .extent = {info_.resolution, info_.resolution},
+                                            .layers = info_.layers,
+                                            .variant = info_.resolution});
+    freshStatics_ = passes_.stale(statics_, kMade);
+    return statics_;
+}
+
+// A stamp belongs to a whole resource, layers need one each: the smallest buffer there is carries it.
+bool KeptMap::due(std::uint32_t layer, std::uint64_t stamp, bool statics)
+{
+    const std::uint32_t slot = layer + (statics ? kMaxLayers : 0);
+    const BufferId carrier = passes_.persistent(BufferInfo{.name = info_.stampName,
+                                                           .scope = Scope::light,
+                                                           .size = 4,
+                                                           .variant = info_.resolution * 2 * kMaxLayers + slot});
+    const bool changed = passes_.stale(carrier, stamp);
+    return changed || (statics ? freshStatics_ : fresh_);
+}
+
+void KeptMap::skip(std::uint32_t layer)
+{
+    // What an earlier image held is gone with it.
+    if (fresh_) due(layer, kEmpty, false);
+}
+
+void KeptMap::copyStatics(const char* name, std::uint32_t layer)
+{
+    const ImageId from = statics_, to = image_;
+    const VkImageAspectFlags aspect = aspectsOf(info_.format);
+    const std::uint32_t side = info_.resolution;
+    passes_.transfer(name, Scope::light, info_.resolution)
+        .copies(from, {.layer = layer})
+        .writes(to, {.layer = layer})
+        .record([=](PassContext& gpu) {
+            const VkImageCopy2 region{.sType = VK_STRUCTURE_TYPE_IMAGE_COPY_2,
+                                      .srcSubresource = {aspect, 0, layer, 1},
+                                      .dstSubresource = {aspect, 0, layer, 1},
+                                      .extent = {side, side, 1}};
+            const VkCopyImageInfo2 info{.sType = VK_STRUCTURE_TYPE_COPY_IMAGE_INFO_2,
+                                        .srcImage = gpu.image(from),
+                                        .srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                        .dstImage = gpu.image(to),
+                                        .dstImageLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                                        .regionCount = 1,
+                                        .pRegions = &region};
+            gpu.vk->vkCmdCopyImage2(gpu.cmd, &info);
+        });
+}
+
+} // namespace gnomon

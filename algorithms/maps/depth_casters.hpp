@@ -1,0 +1,28 @@
+#pragma once
+// Drawing casters through a light's matrix, for every map with straight edges.
+#include "algorithms/common/kept_map.hpp"
+#include "algorithms/maps/depth_map.hpp"
+#include "runtime/scene/bias.hpp"
+
+namespace gnomon {
+
+/// Records casters into a layer of a depth map; what KeptMap::update takes. Copied bytewise.
+class DepthCasters {
+public:
+    struct Push {
+        glm::mat4 clipFromZero;
+        glm::vec4 zeroWs;
+    };
+
+    DepthCasters(const DepthMapPipelines& pipelines, const LightFit& fit, const ShadowTask& task,
+                 std::uint32_t resolution, FrameArena& arena);
+    void uses(PassRef&) const {}
+    void operator()(PassContext& gpu, std::span<const Caster* const> casters, bool statics) const;
+
+private:
+    PipelineId pipeline_;
+    Push push_{};
+    const GnCasterProjection* host_ = nullptr; ///< In the frame's memory; null without host-drawn casters.
+};
+
+} // namespace gnomon

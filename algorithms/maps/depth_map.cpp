@@ -1,0 +1,82 @@
+#include "algorithms/maps/depth_map.hpp"
+
+#include <cstring>
+
+#include "algorithms/maps/depth_casters.hpp"
+#include "algorithms/maps/map_look.hpp"
+#include "shaders/maps_depth_map_vert.h"
+
+namespace gnomon {
+
+DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services)
+{
+    static constexpr BindingInfo kBindings[] = {{.binding = 1, .kind = BindingKind::storageBuffer}};
+    GraphicsPipelineInfo info;
+    info.name = "depth_map.casters";
+    info.vertex.code = k_maps_depth_map_vert;
+    info.bindings = kBindings;
+    info.pushBytes = sizeof(DepthCasters::Push);
+    info.vertexStride = sizeof(glm::vec3);
+    info.casters = true;
+    info.depthTest = info.depthWrite = true;
+    info.depthCompare = VK_COMPARE_OP_LESS;
+    info.depthFormat = kMapFormat;
+    return {services.pipelines->graphics(info)};
+}
+
+DepthCasters::DepthCasters(const DepthMapPipelines& pipelines, const LightFit& fit, const ShadowTask& task,
+                           std::uint32_t resolution, FrameArena& arena)
+    : pipeline_(pipelines.casters)
+{
+    const MapProjection projection = mapProjection(fit, *task.light);
+    push_ = {projection.clipFromZero, glm::vec4(projection.zeroWs, 0.0f)};
+    if (!anyHostDrawn(task.casters->all)) return;
+    GnCasterProjection host{};
+    std::memcpy(host.clipFromWorld, &fit.clipFromWorld, sizeof(host.clipFromWorld));
+    std::memcpy(host.origin, task.view->origin, sizeof(host.origin));
+    host.area = {{0, 0}, {resolution, resolution}};
+    host.depthFormat = kMapFormat;
+    host.constantBias = kOpenConstantBias;
+    host.slopeBias = kOpenSlopeBias;
+    host_ = arena.make(host);
+}
+
+void DepthCasters::operator()(PassContext& gpu, std::span<const Caster* const> casters, bool) const
+{
+    // The host's pipelines may take the bias from dynamic state; it is the one promised in GnCasterProjection.
+    if (host_) gpu.vk->vkCmdSetDepthBias(gpu.cmd, host_->constantBias, 0.0f, host_->slopeBias);
+    if (casters.empty()) return;
+    gpu.drawCasters({.pipeline = pipeline_,
+                     .casters = casters,
+                     .push = &push_,
+                     .pushSize = sizeof(push_),
+                     .hostProjection = host_});
+}
+
+DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
+                         std::uint32_t resolution)
+{
+    static constexpr LayerNames kNames{"depth_map.casters", "depth_map.statics", "depth_map.copy_statics"};
+    FrameArena& arena = passes.arena();
+    const Aabb bounds = sceneBounds(*task.casters);
+    const LightFit* fit = arena.make(task.light->type == GN_LIGHT_TYPE_SPOT ? fitSpot(*task.light, bounds)
+                                                                            : fitDirectional(*task.light, bounds));
+    KeptMap map(passes, {.name = "depth_map.depth",
+                         .staticsName = "depth_map.statics",
+                         .stampName = "depth_map.stamp",
+                         .format = kMapFormat,
+                         .resolution = resolution});
+    const std::uint64_t projection = Stamp().add(fit->clipFromWorld).value();
+    const LayerContent content =
+        layerContent(*task.light, castersIn(task.casters->statics, fit->volume, arena),
+                     castersIn(task.casters->movings, fit->volume, arena), projection, resolution);
+    map.update(0, kNames, content, DepthCasters(pipelines, *fit, task, resolution, arena));
+    return {map.image(), fit, resolution};
+}
+
+VkDeviceSize depthMapMemory(std::uint32_t resolution, std::uint32_t layers)
+{
+    return VkDeviceSize{resolution} * resolution * layers * 4 * 2;
+}
+
+} // namespace gnomon

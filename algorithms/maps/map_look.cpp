@@ -1,0 +1,98 @@
+#include "algorithms/maps/map_look.hpp"
+
+#include <cmath>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+namespace gnomon {
+
+namespace {
+
+bool positional(const LightView& light)
+{
+    return light.type != GN_LIGHT_TYPE_DIRECTIONAL;
+}
+
+float largest(glm::vec3 v)
+{
+    const glm::vec3 size = glm::abs(v);
+    return std::fmax(size.x, std::fmax(size.y, size.z));
+}
+
+// Offset of receivers along their normal, an upper bound of receiverOffset() (shaders/shared/receiver.h) as a
+// polynomial of the linear depth w: x + w (y + w z). Coordinates count from the frame's origin, where casters are
+// drawn.
+glm::vec4 receiverOffset(const CameraView& view, const LightView& light)
+{
+    const gpu::ViewConstants& c = view.constants;
+    const float ray = glm::length(glm::vec3(c.rayCornerWs));
+    const float where = std::fmax(largest(view.eye), positional(light) ? largest(light.position()) : 0.0f);
+    const float coordinate = 0x1p-21f;
+    // One unit in the last place of a depth: reversed, a constant share of w; standard, w^2 of the unit near 1.
+    const float ulp = view.reversed() ? ray * 0x1p-23f : 0.0f;
+    const float ulpFar = view.reversed() ? 0.0f : ray * std::fabs(c.depthMul / c.depthScale) * 0x1p-24f;
+    return c.offsetFactor * glm::vec4(coordinate * where, c.pixelSize / 256.0f + coordinate * ray + ulp, ulpFar, 0.0f);
+}
+
+} // namespace
+
+MapProjection mapProjection(const LightFit& fit, const LightView& light)
+{
+    MapProjection result;
+    result.clipFromZero = fit.clipFromWorld;
+    if (!positional(light)) return result;
+    // The light is the eye of a perspective: there clip x, y and w vanish, and what remains of z is depthScale.
+    const double near = fit.nearWs, far = fit.farWs;
+    result.depthConstant = static_cast<float>(far / (far - near));
+    result.depthScale = static_cast<float>(-far * near / (far - near));
+    result.zeroWs = light.position();
+    result.clipFromZero[3] = glm::vec4(0.0f, 0.0f, result.depthScale, 0.0f);
+    return result;
+}
+
+gpu::MapConstants mapConstants(const ShadowTask& task, std::uint32_t resolution, std::uint32_t filterSide)
+{
+    const VkRect2D& area = task.view->area;
+    gpu::MapConstants constants{};
+    constants.view = task.view->constants;
+    constants.light = task.light->constants;
+    constants.map.offset = receiverOffset(*task.view, *task.light);
+    constants.map.area = {static_cast<float>(area.offset.x), static_cast<float>(area.offset.y),
+                          static_cast<float>(area.extent.width), static_cast<float>(area.extent.height)};
+    constants.map.positional = positional(*task.light) ? 1.0f : 0.0f;
+    constants.map.side = static_cast<float>(resolution);
+    constants.map.filterSide = static_cast<float>(filterSide);
+    return constants;
+}
+
+void addProjection(gpu::MapConstants& constants, const LightFit& fit, const ShadowTask& task)
+{
+    gpu::MapLook& look = constants.map;
+    const MapProjection projection = mapProjection(fit, *task.light);
+    look.depthConstant = projection.depthConstant;
+    look.depthScale = projection.depthScale;
+
+    // Rows of the map's clip space, x and y in texels.
+    glm::dmat4 rows = glm::transpose(glm::dmat4(projection.clipFromZero));
+    rows[0] = 0.5 * static_cast<double>(look.side) * (rows[0] + rows[3]);
+    rows[1] = 0.5 * static_cast<double>(look.side) * (rows[1] + rows[3]);
+    const glm::dmat4 clipFromZero = glm::transpose(rows);
+    const glm::dvec3 eye = glm::dvec3(task.view->eye) - glm::dvec3(projection.zeroWs);
+    look.clipOfEye = glm::vec4(clipFromZero * glm::dvec4(eye, 1.0));
+    look.clipFromRay = glm::mat4(clipFromZero);
+    look.clipFromRay[3] = glm::vec4(0.0f);
+
+    // Perspective: the texel's ray is the vector whose clip x, y and w are the texel and 1. Directional: its origin and
+    // its axis are the points whose clip x, y and z are.
+    const glm::dvec4 last = look.positional != 0.0f ? rows[3] : rows[2];
+    const glm::dmat3 clip = glm::transpose(glm::dmat3(glm::dvec3(rows[0]), glm::dvec3(rows[1]), glm::dvec3(last)));
+    const glm::dmat3 fromClip = glm::inverse(clip);
+    look.texelDx = glm::vec4(glm::vec3(fromClip[0]), 0.0f);
+    look.texelDy = glm::vec4(glm::vec3(fromClip[1]), 0.0f);
+    if (look.positional == 0.0f) look.axisWs = glm::vec4(glm::vec3(fromClip[2]), 0.0f);
+}
+
+} // namespace gnomon

@@ -1,0 +1,27 @@
+#pragma once
+// From a light's fit to what the shaders need: how casters are drawn into the map and how receivers are looked up.
+#include <cstdint>
+
+#include "runtime/algorithm.hpp"
+#include "runtime/scene/light_fit.hpp"
+#include "shaders/maps/map_look.h"
+
+namespace gnomon {
+
+/// LightFit::clipFromWorld about a zero of its own: the light, where there is one. Rounding of a far translation would
+/// otherwise be multiplied by distance / near in the depths.
+struct MapProjection {
+    glm::mat4 clipFromZero{1.0f};
+    glm::vec3 zeroWs{0.0f};
+    float depthConstant = 0.0f; ///< Perspective: depth = depthConstant + depthScale / clip w. Directional: 0, -1.
+    float depthScale = -1.0f;
+};
+MapProjection mapProjection(const LightFit& fit, const LightView& light);
+
+/// Constants of a resolve pass over a task's view; the projection part is zero.
+gpu::MapConstants mapConstants(const ShadowTask& task, std::uint32_t resolution, std::uint32_t filterSide);
+
+/// Adds how the view's receivers are found in the map of one fit.
+void addProjection(gpu::MapConstants& constants, const LightFit& fit, const ShadowTask& task);
+
+} // namespace gnomon

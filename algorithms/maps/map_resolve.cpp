@@ -1,0 +1,84 @@
+#include "algorithms/maps/map_resolve.hpp"
+
+#include <algorithm>
+
+#include "algorithms/maps/depth_map.hpp"
+#include "shaders/maps_map_resolve_vert.h"
+
+namespace gnomon {
+
+MapResolve::MapResolve(const AlgorithmServices& services, const MapResolveInfo& info) : info_(info)
+{
+    const BindingInfo bindings[] = {
+        {.binding = 0, .kind = BindingKind::constants},
+        {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
+        {.binding = 3, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
+        {.binding = 4,
+         .kind = BindingKind::sampledImage,
+         .format = kMapFormat,
+         .array = info.layers,
+         .sampler = SamplerKind::nearestBorderFar,
+         .powerOfTwo = true},
+    };
+    GraphicsPipelineInfo pipeline;
+    pipeline.name = info.name;
+    pipeline.vertex.code = k_maps_map_resolve_vert;
+    pipeline.fragment.code = info.fragment;
+    pipeline.fragment.specializationCount = 2;
+    pipeline.bindings = bindings;
+    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
+    for (std::uint32_t normals = 0; normals < 2; ++normals) {
+        for (std::uint32_t filtered = 0; filtered < 2; ++filtered) {
+            pipeline.fragment.specialization[0] = normals;
+            pipeline.fragment.specialization[1] = filtered;
+            pipelines_[normals][filtered] = services.pipelines->graphics(pipeline);
+        }
+    }
+}
+
+void MapResolve::declare(PassBuilder& passes, const ShadowTask& task, ImageId map,
+                         const gpu::MapConstants& constants) const
+{
+    const VkRect2D& area = task.view->area;
+    const bool normals = static_cast<bool>(task.normals);
+    // A binding that the variant without normals never reads still needs an image.
+    const ImageId depth = task.depth, normalImage = normals ? task.normals : task.depth;
+    const PipelineId pipeline = pipelines_[normals][constants.map.filterSide > 1.0f];
+    const gpu::MapConstants* block = passes.arena().make(constants);
+    PassRef pass = passes.raster(info_.name);
+    pass.samples(depth).samples(map);
+    if (normals) pass.samples(normalImage);
+    pass.writes(task.visibility, {.layer = task.layer})
+        .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
+        .record([=](PassContext& gpu) {
+            gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, depth), gpu.sampled(3, normalImage),
+                                gpu.sampled(4, map, SamplerKind::nearestBorderFar)});
+            gpu.drawFullscreen();
+        });
+}
+
+std::uint32_t filterSide(double setting)
+{
+    return static_cast<std::uint32_t>(setting) | 1u;
+}
+
+void DeclaredMaps::set(std::uint32_t light, const ShadowAlgorithm::Map& map)
+{
+    const auto entry =
+        std::find_if(entries_.begin(), entries_.end(), [light](const Entry& e) { return e.light == light; });
+    if (entry != entries_.end())
+        entry->map = map;
+    else
+        entries_.push_back({light, map});
+}
+
+bool DeclaredMaps::get(std::uint32_t light, ShadowAlgorithm::Map& map) const
+{
+    const auto entry =
+        std::find_if(entries_.begin(), entries_.end(), [light](const Entry& e) { return e.light == light; });
+    if (entry == entries_.end()) return false;
+    map = entry->map;
+    return true;
+}
+
+} // namespace gnomon

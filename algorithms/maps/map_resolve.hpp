@@ -1,0 +1,46 @@
+#pragma once
+// The full-screen pass that turns a map into visibility, for every map that is compared on the receiver's plane.
+#include <span>
+#include <vector>
+
+#include "algorithms/maps/map_look.hpp"
+
+namespace gnomon {
+
+/// What a resolve shader of a family is called and where its code is.
+struct MapResolveInfo {
+    const char* name = "";                   ///< Pass and pipelines.
+    std::span<const std::uint32_t> fragment; ///< Specialization: 0 has normals, 1 filtered.
+    bool layers = false;                     ///< The map is a 2D array.
+};
+
+class MapResolve {
+public:
+    MapResolve(const AlgorithmServices& services, const MapResolveInfo& info);
+
+    /// Writes the task's layer of visibility. `constants` as from mapConstants().
+    void declare(PassBuilder& passes, const ShadowTask& task, ImageId map, const gpu::MapConstants& constants) const;
+
+private:
+    MapResolveInfo info_;
+    PipelineId pipelines_[2][2]; ///< [has normals][filtered]
+};
+
+/// Odd side of the filter's box from the setting `filter`: an even one counts as the next odd one.
+std::uint32_t filterSide(double setting);
+
+/// The maps declared in the current frame, for ShadowAlgorithm::lightMap.
+class DeclaredMaps {
+public:
+    void set(std::uint32_t light, const ShadowAlgorithm::Map& map);
+    bool get(std::uint32_t light, ShadowAlgorithm::Map& map) const;
+
+private:
+    struct Entry {
+        std::uint32_t light;
+        ShadowAlgorithm::Map map;
+    };
+    std::vector<Entry> entries_; // as many as lights ever served by the method
+};
+
+} // namespace gnomon

@@ -1,0 +1,62 @@
+#include "algorithms/maps/shadow_map.hpp"
+
+#include "algorithms/maps/depth_map.hpp"
+#include "algorithms/maps/map_resolve.hpp"
+#include "shaders/maps_shadow_map_frag.h"
+
+namespace gnomon {
+
+namespace {
+
+enum Setting { kResolution, kFilter };
+
+constexpr SettingSpec kSettings[] = {
+    {"resolution", "Texels per side of the map.", 64, 8192, 1024},
+    {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, 7, 1},
+};
+
+class ShadowMap final : public ShadowAlgorithm {
+public:
+    explicit ShadowMap(const AlgorithmServices& services)
+        : casters_(makeDepthMapPipelines(services)),
+          resolve_(services, {.name = "shadow_map.resolve", .fragment = k_maps_shadow_map_frag})
+    {
+    }
+
+    void declare(PassBuilder& passes, const ShadowTask& task) override
+    {
+        const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
+        const DepthMap map = declareDepthMap(passes, casters_, task, resolution);
+        gpu::MapConstants constants = mapConstants(task, resolution, filterSide(task.settings[kFilter]));
+        addProjection(constants, *map.fit, task);
+        resolve_.declare(passes, task, map.image, constants);
+        maps_.set(task.light->id, {.image = map.image, .clipFromWorld = {map.fit->clipFromWorld}});
+    }
+
+    bool lightMap(const ShadowTask& task, Map& map) const override { return maps_.get(task.light->id, map); }
+
+private:
+    DepthMapPipelines casters_;
+    MapResolve resolve_;
+    DeclaredMaps maps_;
+};
+
+} // namespace
+
+constinit const AlgorithmEntry kShadowMap{
+    .name = "shadow_map",
+    .source = "Williams 1978; Reeves, Salesin and Cook 1987",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT |
+              GN_TRAIT_FALLBACK_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kSettings,
+    .memoryPerLight = [](std::span<const double> settings,
+                         VkExtent2D) { return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution])); },
+    .missing = nullptr,
+    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
+        return std::make_unique<ShadowMap>(services);
+    },
+};
+
+} // namespace gnomon

@@ -1,0 +1,54 @@
+#include "algorithms/omni/cube_faces.hpp"
+
+#include "algorithms/maps/depth_casters.hpp"
+#include "algorithms/omni/frusta.hpp"
+
+namespace gnomon {
+
+namespace {
+
+constexpr LayerNames kFaceNames[6] = {
+    {"cube_faces.casters.+x", "cube_faces.statics.+x", "cube_faces.copy_statics.+x"},
+    {"cube_faces.casters.-x", "cube_faces.statics.-x", "cube_faces.copy_statics.-x"},
+    {"cube_faces.casters.+y", "cube_faces.statics.+y", "cube_faces.copy_statics.+y"},
+    {"cube_faces.casters.-y", "cube_faces.statics.-y", "cube_faces.copy_statics.-y"},
+    {"cube_faces.casters.+z", "cube_faces.statics.+z", "cube_faces.copy_statics.+z"},
+    {"cube_faces.casters.-z", "cube_faces.statics.-z", "cube_faces.copy_statics.-z"},
+};
+
+} // namespace
+
+CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
+                       std::uint32_t resolution)
+{
+    FrameArena& arena = passes.arena();
+    const Aabb bounds = sceneBounds(*task.casters);
+    const std::span<LightFit> faces = arena.array<LightFit>(6);
+    for (std::uint32_t face = 0; face < 6; ++face)
+        faces[face] = fitCubeFace(*task.light, bounds, face, resolution, kCubeBorderTexels);
+
+    KeptMap map(passes, {.name = "cube_faces.depth",
+                         .staticsName = "cube_faces.statics",
+                         .stampName = "cube_faces.stamp",
+                         .format = kMapFormat,
+                         .resolution = resolution,
+                         .layers = 6});
+    const Frustum visible = frustumOf(*task.view, *task.light);
+    std::uint32_t needed = 0;
+    for (std::uint32_t face = 0; face < 6; ++face) {
+        if (!meetsPyramid(visible, task.light->position(), cubeFaceEdges(face))) {
+            map.skip(face);
+            continue;
+        }
+        needed |= 1u << face;
+        // The light's revision stands for the position; of the fit, only the ends depend on casters.
+        const std::uint64_t projection = Stamp().add(faces[face].nearWs).add(faces[face].farWs).value();
+        const LayerContent content =
+            layerContent(*task.light, castersIn(task.casters->statics, faces[face].volume, arena),
+                         castersIn(task.casters->movings, faces[face].volume, arena), projection, resolution);
+        map.update(face, kFaceNames[face], content, DepthCasters(pipelines, faces[face], task, resolution, arena));
+    }
+    return {map.image(), faces.data(), resolution, needed};
+}
+
+} // namespace gnomon

@@ -1,0 +1,68 @@
+#include "algorithms/omni/cube_map.hpp"
+
+#include "algorithms/maps/map_resolve.hpp"
+#include "algorithms/omni/cube_faces.hpp"
+#include "shaders/omni_cube_map_frag.h"
+
+namespace gnomon {
+
+namespace {
+
+enum Setting { kResolution, kFilter };
+
+constexpr SettingSpec kSettings[] = {
+    {"resolution", "Texels per side of each of the six faces.", 64, 4096, 1024},
+    {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, 7, 1},
+};
+
+class CubeMapMethod final : public ShadowAlgorithm {
+public:
+    explicit CubeMapMethod(const AlgorithmServices& services)
+        : casters_(makeDepthMapPipelines(services)),
+          resolve_(services, {.name = "cube_map.resolve", .fragment = k_omni_cube_map_frag, .layers = true})
+    {
+    }
+
+    void declare(PassBuilder& passes, const ShadowTask& task) override
+    {
+        const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
+        const CubeMap map = declareCubeMap(passes, casters_, task, resolution);
+        gpu::MapConstants constants = mapConstants(task, resolution, filterSide(task.settings[kFilter]));
+        const MapProjection face = mapProjection(map.faces[0], *task.light); // all six differ in their axes only
+        constants.map.depthConstant = face.depthConstant;
+        constants.map.depthScale = face.depthScale;
+        constants.map.slope = 0.5f * map.faces[0].texelAtOne;
+        resolve_.declare(passes, task, map.image, constants);
+
+        Map kept{.image = map.image, .clipFromWorld = {}};
+        for (std::uint32_t i = 0; i < 6; ++i)
+            kept.clipFromWorld[i] = map.faces[i].clipFromWorld;
+        maps_.set(task.light->id, kept);
+    }
+
+    bool lightMap(const ShadowTask& task, Map& map) const override { return maps_.get(task.light->id, map); }
+
+private:
+    DepthMapPipelines casters_;
+    MapResolve resolve_;
+    DeclaredMaps maps_;
+};
+
+} // namespace
+
+constinit const AlgorithmEntry kCubeMap{
+    .name = "cube_map",
+    .source = "Navratil 2015, 3.3.1; King and Newhall 2005",
+    .traits = GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_FALLBACK_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kSettings,
+    .memoryPerLight = [](std::span<const double> settings,
+                         VkExtent2D) { return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), 6); },
+    .missing = nullptr,
+    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
+        return std::make_unique<CubeMapMethod>(services);
+    },
+};
+
+} // namespace gnomon

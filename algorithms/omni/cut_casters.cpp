@@ -1,0 +1,83 @@
+#include "algorithms/omni/cut_casters.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "algorithms/common/caster_lists.hpp"
+#include "runtime/passes/pass_context.hpp"
+
+namespace gnomon {
+
+namespace {
+// Cut meshes of lights that the method has not served for so many declarations are dropped.
+constexpr std::uint64_t kIdleCalls = 4096;
+} // namespace
+
+CasterCutter::Kept& CasterCutter::keptFor(std::uint32_t light, std::uint32_t group)
+{
+    ++calls_;
+    Kept* oldest = nullptr;
+    for (Kept& kept : kept_) {
+        if (kept.light == light && kept.group == group) {
+            kept.lastUsed = calls_;
+            return kept;
+        }
+        if (kept.lastUsed + kIdleCalls < calls_ && (!oldest || kept.lastUsed < oldest->lastUsed)) oldest = &kept;
+    }
+    if (!oldest) oldest = &kept_.emplace_back(Kept{.mesh = std::make_unique<FineMesh>()});
+    oldest->light = light;
+    oldest->group = group;
+    oldest->stamp = 0;
+    oldest->lastUsed = calls_;
+    return *oldest;
+}
+
+CutCasters CasterCutter::declare(PassBuilder& passes, const LightView& light, std::span<const Caster* const> casters,
+                                 std::uint32_t group, std::uint32_t resolution)
+{
+    coarse_.clear();
+    for (const Caster* caster : casters)
+        if (!isFine(*caster, light, resolution)) coarse_.push_back(caster);
+    if (coarse_.empty()) return {};
+
+    Kept& kept = keptFor(light.id, group);
+    const float angle = maxEdgeAngle(resolution);
+    const std::uint64_t stamp = Stamp().add(light.revision).add(angle).add(coarse_).value();
+    if (kept.stamp != stamp) {
+        cutToAngle(coarse_, light.position(), angle, *kept.mesh);
+        kept.stamp = stamp;
+    }
+    const FineMesh* mesh = kept.mesh.get();
+    const std::uint32_t variant = resolution * 2 + group;
+    CutCasters cut;
+    cut.closedIndices = mesh->closedIndices;
+    cut.openIndices = static_cast<std::uint32_t>(mesh->indices.size()) - mesh->closedIndices;
+    cut.vertices = passes.persistent(BufferInfo{.name = "dual_paraboloid.cut_vertices",
+                                                .scope = Scope::light,
+                                                .size = mesh->vertices.size() * sizeof(glm::vec3),
+                                                .place = BufferPlace::upload,
+                                                .variant = variant});
+    cut.indices = passes.persistent(BufferInfo{.name = "dual_paraboloid.cut_indices",
+                                               .scope = Scope::light,
+                                               .size = mesh->indices.size() * sizeof(std::uint32_t),
+                                               .place = BufferPlace::upload,
+                                               .variant = variant});
+    const bool verticesDue = passes.stale(cut.vertices, stamp), indicesDue = passes.stale(cut.indices, stamp);
+    if (!verticesDue && !indicesDue) {
+        passes.kept();
+        return cut;
+    }
+    passes.prepare("dual_paraboloid.cut", Scope::light, variant)
+        .writes(cut.vertices)
+        .writes(cut.indices)
+        .run([=](HostContext& host) {
+            std::memcpy(host.write<glm::vec3>(cut.vertices).data(), mesh->vertices.data(),
+                        mesh->vertices.size() * sizeof(glm::vec3));
+            std::memcpy(host.write<std::uint32_t>(cut.indices).data(), mesh->indices.data(),
+                        mesh->indices.size() * sizeof(std::uint32_t));
+            host.countIndexList();
+        });
+    return cut;
+}
+
+} // namespace gnomon

@@ -1,0 +1,143 @@
+#include "algorithms/omni/tessellation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+
+namespace gnomon {
+
+namespace {
+
+// An edge that runs past the light at hardly any distance spans half a turn however often it is cut: halving ends after
+// as many levels as take an edge of a kilometre down to a millimetre.
+constexpr int kMaxCuts = 20;
+
+class Cutter {
+public:
+    Cutter(glm::vec3 light, float angle, FineMesh& out)
+        : light_(light), cosine2_(std::cos(angle) * std::cos(angle)), out_(out)
+    {
+    }
+
+    void caster(const Caster& caster)
+    {
+        const MeshView& mesh = *caster.mesh;
+        const std::uint32_t base = static_cast<std::uint32_t>(out_.vertices.size());
+        for (glm::vec3 p : mesh.positions)
+            out_.vertices.push_back(caster.basis * p + caster.translation);
+        for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+            const std::uint32_t a = base + mesh.indices[i];
+            const std::uint32_t b = base + mesh.indices[i + (caster.mirrored ? 2 : 1)];
+            const std::uint32_t c = base + mesh.indices[i + (caster.mirrored ? 1 : 2)];
+            triangle(a, b, c, kMaxCuts);
+        }
+    }
+
+private:
+    bool tooWide(std::uint32_t a, std::uint32_t b) const
+    {
+        const glm::vec3 u = out_.vertices[a] - light_, v = out_.vertices[b] - light_;
+        // Squared to save the roots; the cosine is positive (15 degrees at most). Both neighbours must agree: the
+        // product of the lengths is rounded alike whichever end comes first.
+        const float uv = glm::dot(u, v);
+        return uv <= 0.0f || uv * uv < cosine2_ * (glm::dot(u, u) * glm::dot(v, v));
+    }
+
+    std::uint32_t middle(std::uint32_t a, std::uint32_t b)
+    {
+        out_.vertices.push_back(0.5f * (out_.vertices[a] + out_.vertices[b]));
+        return static_cast<std::uint32_t>(out_.vertices.size() - 1);
+    }
+
+    void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, int cuts)
+    {
+        const bool ab = cuts > 0 && tooWide(a, b), bc = cuts > 0 && tooWide(b, c), ca = cuts > 0 && tooWide(c, a);
+        const int wide = ab + bc + ca;
+        if (wide == 0) {
+            out_.indices.insert(out_.indices.end(), {a, b, c});
+            return;
+        }
+        if (wide == 3) {
+            const std::uint32_t x = middle(a, b), y = middle(b, c), z = middle(c, a);
+            triangle(a, x, z, cuts - 1);
+            triangle(x, b, y, cuts - 1);
+            triangle(z, y, c, cuts - 1);
+            triangle(x, y, z, cuts - 1);
+            return;
+        }
+        // Turned so that the first edge is cut, and with two cuts the second one too.
+        if (!ab || (wide == 2 && !bc)) {
+            triangle(b, c, a, cuts);
+            return;
+        }
+        const std::uint32_t x = middle(a, b);
+        if (wide == 1) {
+            triangle(a, x, c, cuts - 1);
+            triangle(x, b, c, cuts - 1);
+            return;
+        }
+        const std::uint32_t y = middle(b, c);
+        triangle(x, b, y, cuts - 1);
+        triangle(a, x, y, cuts - 1);
+        triangle(a, y, c, cuts - 1);
+    }
+
+    glm::vec3 light_;
+    float cosine2_;
+    FineMesh& out_;
+};
+
+} // namespace
+
+float maxEdgeAngle(std::uint32_t resolution)
+{
+    return std::fmin(2.0f / std::sqrt(static_cast<float>(resolution)), 0.2617994f); // 15 degrees
+}
+
+float LongestEdges::of(const MeshView& mesh)
+{
+    Entry& entry = entries_[mesh.revision % kEntries];
+    if (entry.revision == mesh.revision) return entry.length;
+    float longest = 0.0f;
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        const glm::vec3 a = mesh.positions[mesh.indices[i]], b = mesh.positions[mesh.indices[i + 1]],
+                        c = mesh.positions[mesh.indices[i + 2]];
+        longest = std::max({longest, glm::dot(b - a, b - a), glm::dot(c - b, c - b), glm::dot(a - c, a - c)});
+    }
+    entry = {mesh.revision, std::sqrt(longest)};
+    return entry.length;
+}
+
+bool fineEnough(const Caster& caster, glm::vec3 light, float angle, LongestEdges& longest)
+{
+    if (!caster.mesh) return true;
+    // The Frobenius norm bounds how much longer a basis makes a vector.
+    float scale = 0.0f;
+    for (int column = 0; column < 3; ++column)
+        scale += glm::dot(caster.basis[column], caster.basis[column]);
+    const float edge = longest.of(*caster.mesh) * std::sqrt(scale);
+    // A chord of length e whose nearest point is at distance d or more spans at most 2 atan(e / 2d) < e / d.
+    return !touches(caster.bounds, light, edge / angle);
+}
+
+void FineMesh::clear()
+{
+    vertices.clear();
+    indices.clear();
+    closedIndices = 0;
+}
+
+void cutToAngle(std::span<const Caster* const> casters, glm::vec3 light, float angle, FineMesh& out)
+{
+    out.clear();
+    Cutter cutter(light, angle, out);
+    for (const bool closed : {true, false}) {
+        for (const Caster* caster : casters)
+            if (caster->mesh && caster->closed == closed) cutter.caster(*caster);
+        if (closed) out.closedIndices = static_cast<std::uint32_t>(out.indices.size());
+    }
+}
+
+} // namespace gnomon

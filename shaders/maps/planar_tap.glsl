@@ -1,0 +1,45 @@
+// Taps in a map with straight edges (matrix projection): there the depth of a plane is linear in texels.
+// The includer declares `sampler2D map` or, with MAP_LAYERS, `sampler2DArray map` at binding 4.
+#ifndef GNOMON_MAPS_PLANAR_TAP_GLSL
+#define GNOMON_MAPS_PLANAR_TAP_GLSL
+#include "map_receiver.glsl"
+
+struct Tap {
+    vec2 at;            // the receiver, in texels
+    float depth;        // of its plane there, and ...
+    vec2 depthPerTexel; // ... how it changes
+    float inverseSide;
+    float layer;
+};
+
+// normalPerTexel: n.texelDx and n.texelDy of MapLook. clip: the receiver in the map's clip space.
+//
+// Perspective: the ray through texel c is L + t D(c), D linear in c; it meets the plane n.(X - P) = 0 at
+// 1 / t = n.D(c) / n.(P - L), and depth = A + B / t is linear in c. Directional: the ray starts at O(c), and
+// depth = n.(P - O(c)) / n.axis is too. The offset moves the plane towards the light.
+Tap planarTap(MapLook look, PlaneReceiver r, vec4 clip, vec2 normalPerTexel, float layer)
+{
+    Tap tap;
+    float inverseW = 1.0 / clip.w;
+    tap.at = clip.xy * inverseW;
+    // The offset never takes the plane past the light.
+    float away = min(r.facing + r.offset * look.positional, 0.001 * r.facing);
+    float scale = look.depthScale / away;
+    tap.depthPerTexel = scale * normalPerTexel;
+    tap.depth = clip.z * inverseW - scale * r.offset * inverseW - DEPTH_ROUNDING -
+                SNAP_TEXELS * (abs(tap.depthPerTexel.x) + abs(tap.depthPerTexel.y));
+    tap.inverseSide = 1.0 / look.side;
+    tap.layer = layer;
+    return tap;
+}
+
+float tapDepth(Tap tap, vec2 texel) { return tap.depth + dot(tap.depthPerTexel, texel - tap.at); }
+
+#ifdef MAP_LAYERS
+float mapTexel(Tap tap, vec2 texel) { return textureLod(map, vec3(texel * tap.inverseSide, tap.layer), 0.0).x; }
+vec4 mapGather(Tap tap, vec2 corner) { return textureGather(map, vec3(corner * tap.inverseSide, tap.layer)); }
+#else
+float mapTexel(Tap tap, vec2 texel) { return textureLod(map, texel * tap.inverseSide, 0.0).x; }
+vec4 mapGather(Tap tap, vec2 corner) { return textureGather(map, corner * tap.inverseSide); }
+#endif
+#endif

@@ -1,0 +1,34 @@
+#version 460
+// Visibility of a point light from its six depth maps.
+#extension GL_GOOGLE_include_directive : require
+#include "../maps/map_look.h"
+#include "cube.h"
+
+layout(set = 0, binding = 0, std140) uniform Constants {
+    MapConstants constants;
+};
+layout(set = 0, binding = 2) uniform sampler2D depthImage;
+layout(set = 0, binding = 3) uniform sampler2D normalImage;
+layout(set = 0, binding = 4) uniform sampler2DArray map;
+layout(location = 0) in vec3 rayWs;
+layout(location = 0) out float visibility;
+layout(constant_id = 1) const bool FILTERED = false;
+
+#define MAP_LAYERS
+#include "../maps/planar_tap.glsl"
+#include "../maps/filter.glsl"
+
+void main()
+{
+    MapLook look = constants.map;
+    PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.light, look, rayWs);
+    vec3 fromLight = r.ws - constants.light.positionWs.xyz;
+    uint face = cubeFaceOf(fromLight);
+    vec3 local = inCubeFace(face, fromLight);
+    vec3 normal = inCubeFace(face, r.normalWs);
+    vec2 texels = (local.xy / look.slope + local.z) * (0.5 * look.side);
+    vec4 clip = vec4(texels, look.depthConstant * local.z + look.depthScale, local.z);
+    Tap tap = planarTap(look, r, clip, normal.xy * (2.0 * look.slope / look.side), float(face));
+    float lit = FILTERED ? boxVisibility(tap, tap.at, look.filterSide) : nearestVisibility(tap, tap.at);
+    visibility = r.decided ? r.visibility : lit;
+}
