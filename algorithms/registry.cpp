@@ -5,6 +5,9 @@
 #include "algorithms/maps/shadow_map.hpp"
 #include "algorithms/omni/cube_map.hpp"
 #include "algorithms/omni/dual_paraboloid.hpp"
+#ifdef GNOMON_WITH_OPENMESH
+#include "algorithms/volumes/stencil_volume.hpp"
+#endif
 
 namespace gnomon {
 
@@ -14,6 +17,9 @@ constexpr std::array kAlgorithms = {
     &kShadowMap,
     &kCubeMap,
     &kDualParaboloid,
+#ifdef GNOMON_WITH_OPENMESH
+    &kStencilVolume,
+#endif
 };
 
 } // namespace
