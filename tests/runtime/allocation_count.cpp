@@ -4,6 +4,14 @@
 #include <cstdlib>
 #include <new>
 
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer) || __has_feature(address_sanitizer)
+#define GN_TEST_SANITIZED 1
+#endif
+#elif defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+#define GN_TEST_SANITIZED 1
+#endif
+
 namespace {
 std::atomic<std::size_t> allocations{0};
 }
@@ -12,6 +20,18 @@ std::size_t gnomon::test::allocationCount() noexcept
 {
     return allocations.load();
 }
+
+#if defined(GN_TEST_SANITIZED)
+
+// A sanitizer brings its own operator new, linked statically by clang; its hooks see every allocation instead.
+#include <sanitizer/allocator_interface.h>
+
+namespace {
+[[maybe_unused]] const int hooksInstalled = __sanitizer_install_malloc_and_free_hooks(
+    [](const volatile void*, std::size_t) { ++allocations; }, [](const volatile void*) {});
+}
+
+#else
 
 void* operator new(std::size_t size)
 {
@@ -29,3 +49,5 @@ void operator delete(void* memory, std::size_t) noexcept
 {
     std::free(memory);
 }
+
+#endif

@@ -9,6 +9,14 @@
 
 using namespace gnomon;
 
+TEST_CASE("the counter that tests of steady frames rely on counts")
+{
+    const std::size_t before = test::allocationCount();
+    const auto kept = std::make_unique<std::vector<int>>(100);
+    CHECK(test::allocationCount() == before + 2);
+    CHECK(kept->size() == 100);
+}
+
 TEST_CASE("what the arena gives is aligned and does not overlap")
 {
     FrameArena arena(1000);
