@@ -40,5 +40,29 @@ GN_SHARED_CONST float SNAP_TEXELS = 1.0f / 64.0f;
 // Rounding of a depth near 1 through two matrices: eight units in the last place of a 32-bit float.
 GN_SHARED_CONST float DEPTH_ROUNDING = 1.0f / 1048576.0f;
 
+// The depth of a receiver's plane over a map with straight edges, linear in texels: `at` the receiver's own place.
+struct PlanarDepth {
+    float at;
+    vec2 perTexel;
+};
+
+// Perspective: the ray through texel c is L + t D(c), D linear in c; it meets the plane n.(X - P) = 0 at
+// 1 / t = n.D(c) / n.(P - L), and depth = A + B / t is linear in c. Directional: the ray starts at O(c), and
+// depth = n.(P - O(c)) / n.axis is too. The offset moves the plane along its normal, towards the light.
+//
+// depth, inverseW: of the receiver in the map's clip space. facing: n.(P - L) or n.axis, negative.
+// normalPerTexel: n.texelDx and n.texelDy of MapLook.
+GN_SHARED_FN PlanarDepth planarDepth(MapLook look, float depth, float inverseW, float facing, float offset,
+                                     vec2 normalPerTexel)
+{
+    PlanarDepth plane;
+    // The offset never takes the plane past the light.
+    float away = min(facing + offset * look.positional, 0.001f * facing);
+    float scale = look.depthScale / away;
+    plane.perTexel = scale * normalPerTexel;
+    plane.at = depth - scale * offset * inverseW;
+    return plane;
+}
+
 GN_SHARED_END
 #endif

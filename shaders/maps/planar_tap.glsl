@@ -12,22 +12,15 @@ struct Tap {
     float layer;
 };
 
-// normalPerTexel: n.texelDx and n.texelDy of MapLook. clip: the receiver in the map's clip space.
-//
-// Perspective: the ray through texel c is L + t D(c), D linear in c; it meets the plane n.(X - P) = 0 at
-// 1 / t = n.D(c) / n.(P - L), and depth = A + B / t is linear in c. Directional: the ray starts at O(c), and
-// depth = n.(P - O(c)) / n.axis is too. The offset moves the plane towards the light.
+// clip: the receiver in the map's clip space, x and y in texels.
 Tap planarTap(MapLook look, PlaneReceiver r, vec4 clip, vec2 normalPerTexel, float layer)
 {
     Tap tap;
     float inverseW = 1.0 / clip.w;
+    PlanarDepth plane = planarDepth(look, clip.z * inverseW, inverseW, r.facing, r.offset, normalPerTexel);
     tap.at = clip.xy * inverseW;
-    // The offset never takes the plane past the light.
-    float away = min(r.facing + r.offset * look.positional, 0.001 * r.facing);
-    float scale = look.depthScale / away;
-    tap.depthPerTexel = scale * normalPerTexel;
-    tap.depth = clip.z * inverseW - scale * r.offset * inverseW - DEPTH_ROUNDING -
-                SNAP_TEXELS * (abs(tap.depthPerTexel.x) + abs(tap.depthPerTexel.y));
+    tap.depthPerTexel = plane.perTexel;
+    tap.depth = plane.at - DEPTH_ROUNDING - SNAP_TEXELS * (abs(plane.perTexel.x) + abs(plane.perTexel.y));
     tap.inverseSide = 1.0 / look.side;
     tap.layer = layer;
     return tap;

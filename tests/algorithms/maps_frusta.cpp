@@ -1,0 +1,74 @@
+// Which faces and halves a camera can need.
+#include <doctest/doctest.h>
+
+#include "algorithms/omni/frusta.hpp"
+#include "maps_fixture.hpp"
+#include "shaders/omni/cube.h"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+int facesNeeded(const CameraView& view, const LightView& lamp)
+{
+    int count = 0;
+    for (std::uint32_t face = 0; face < 6; ++face)
+        count += meetsPyramid(frustumOf(view, lamp), lamp.position(), cubeFaceEdges(face));
+    return count;
+}
+
+} // namespace
+
+TEST_CASE("a face in which a visible point within range lies is never left out, nor a half")
+{
+    Random random;
+    for (int i = 0; i < 400; ++i) {
+        const CameraView view = camera(random.vec(-20.0f, 20.0f), random.unit(), random.in(0.05f, 0.9f), 640, 360);
+        const float range = i % 3 == 0 ? kUnlimitedRange : random.in(2.0f, 40.0f);
+        const LightView lamp = light(GN_LIGHT_TYPE_POINT, random.vec(-20.0f, 20.0f), {0, -1, 0}, range);
+        const Frustum frustum = frustumOf(view, lamp);
+        for (int k = 0; k < 100; ++k) {
+            const glm::vec2 pixel(random.in(0.0f, 640.0f), random.in(0.0f, 360.0f));
+            const glm::vec3 p = view.eye + std::exp(random.in(-2.2f, 5.0f)) * gpu::viewRayWs(view.constants, pixel);
+            const glm::vec3 fromLight = p - lamp.position();
+            if (glm::length(fromLight) > range) continue;
+            CHECK(meetsPyramid(frustum, lamp.position(), cubeFaceEdges(gpu::cubeFaceOf(fromLight))));
+            const glm::vec3 inward(0.0f, fromLight.y > 0.0f ? 1.0f : -1.0f, 0.0f);
+            CHECK(touches(frustum, Plane{inward, -glm::dot(inward, lamp.position())}));
+        }
+    }
+}
+
+TEST_CASE("a light outside the view leaves out at least one face, one straight behind the camera five")
+{
+    Random random;
+    for (int i = 0; i < 200; ++i) {
+        const glm::vec3 forward = random.unit();
+        const CameraView view = camera(random.vec(-5.0f, 5.0f), forward, 0.35f, 640, 480);
+        const LightView lamp =
+            light(GN_LIGHT_TYPE_POINT, view.eye - 6.0f * forward + 2.0f * random.unit(), {0, -1, 0}, 30.0f);
+        CHECK(facesNeeded(view, lamp) <= 5);
+    }
+    const CameraView view = camera({0, 0, 0}, {0, 0, -1}, 0.3f, 100, 100);
+    CHECK(facesNeeded(view, light(GN_LIGHT_TYPE_POINT, {0, 0, 10}, {0, -1, 0}, 40.0f)) == 1);
+    CHECK(facesNeeded(view, light(GN_LIGHT_TYPE_POINT, {0, 0, 10}, {0, -1, 0}, kUnlimitedRange)) == 1);
+}
+
+TEST_CASE("a light in the middle of a wide view needs all faces the view covers and only those")
+{
+    // 45 degrees to each side from 10 m away: everything but what lies behind the eye's side of the light.
+    const CameraView view = camera({0, 0, 10}, {0, 0, -1}, 0.6f, 100, 100);
+    CHECK(facesNeeded(view, light(GN_LIGHT_TYPE_POINT, {0, 0, 0}, {0, -1, 0}, 40.0f)) == 6);
+    CHECK(facesNeeded(view, light(GN_LIGHT_TYPE_POINT, {0, 0, -50}, {0, -1, 0}, 10.0f)) == 6);
+    // Its range ends before the view begins to its right.
+    CHECK(facesNeeded(view, light(GN_LIGHT_TYPE_POINT, {-60, 0, 0}, {0, -1, 0}, 10.0f)) <= 4);
+}
+
+TEST_CASE("a view below the light does not touch the upper half space")
+{
+    const CameraView view = camera({0, 12, 20}, glm::normalize(glm::vec3(0, -12, -20)), 0.39f, 640, 480);
+    const Frustum frustum = frustumOf(view, light(GN_LIGHT_TYPE_POINT, {6, 14, 6}, {0, -1, 0}, 60.0f));
+    CHECK_FALSE(touches(frustum, Plane{{0, 1, 0}, -14.0f}));
+    CHECK(touches(frustum, Plane{{0, -1, 0}, 14.0f}));
+}

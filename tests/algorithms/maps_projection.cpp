@@ -1,0 +1,182 @@
+// Where shaders look into maps, against the matrices casters are drawn with and against plain geometry in double.
+#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
+#include <doctest/doctest.h>
+
+#include "algorithms/maps/map_look.hpp"
+#include "algorithms/omni/cube_faces.hpp"
+#include "maps_fixture.hpp"
+#include "shaders/omni/cube.h"
+#include "shaders/omni/paraboloid.h"
+
+using namespace gnomon;
+using namespace gnomon::test;
+using doctest::Approx;
+
+namespace {
+
+const Aabb kScene{{-8.0f, -1.0f, -8.0f}, {8.0f, 5.0f, 8.0f}};
+
+glm::dvec3 ndc(const glm::mat4& clipFromWorld, glm::dvec3 p)
+{
+    const glm::dvec4 clip = glm::dmat4(clipFromWorld) * glm::dvec4(p, 1.0);
+    return glm::dvec3(clip) / clip.w;
+}
+
+/// Where the ray of a map's texel meets a plane, as depth in the map; brute force on the inverse matrix.
+double depthOfPlane(const LightFit& fit, glm::dvec2 texel, double side, glm::dvec3 point, glm::dvec3 normal)
+{
+    const glm::dmat4 worldFromClip = glm::inverse(glm::dmat4(fit.clipFromWorld));
+    auto at = [&](double depth) {
+        const glm::dvec4 p = worldFromClip * glm::dvec4(2.0 * texel / side - 1.0, depth, 1.0);
+        return glm::dvec3(p) / p.w;
+    };
+    const glm::dvec3 a = at(0.0), b = at(1.0);
+    const double t = glm::dot(normal, point - a) / glm::dot(normal, b - a);
+    return ndc(fit.clipFromWorld, a + t * (b - a)).z;
+}
+
+struct Look {
+    CameraView view;
+    LightView light;
+    LightCasters casters;
+    LightFit fit;
+    gpu::MapConstants constants;
+    Look(const CameraView& camera, const LightView& lamp, const LightFit& lightFit, std::uint32_t side)
+        : view(camera), light(lamp), fit(lightFit)
+    {
+        ShadowTask task;
+        task.view = &view;
+        task.light = &light;
+        task.casters = &casters;
+        constants = mapConstants(task, side, 1);
+        addProjection(constants, fit, task);
+    }
+};
+
+void checkLook(const Look& look, Random& random)
+{
+    const gpu::MapLook& map = look.constants.map;
+    for (int i = 0; i < 200; ++i) {
+        const glm::vec2 pixel(random.in(0.0f, 640.0f), random.in(0.0f, 480.0f));
+        const float w = random.in(1.0f, 12.0f);
+        const glm::vec3 ray = gpu::viewRayWs(look.constants.view, pixel);
+        const glm::vec3 receiver = look.view.eye + w * ray;
+        const glm::vec4 clip = map.clipOfEye + w * (map.clipFromRay * glm::vec4(ray, 0.0f));
+        if (!(clip.w > 0.5f)) continue; // behind the light
+        const glm::dvec3 expected = ndc(look.fit.clipFromWorld, glm::dvec3(receiver));
+        CHECK(clip.x / clip.w == Approx((expected.x + 1.0) * 0.5 * map.side).epsilon(1e-4));
+        CHECK(clip.y / clip.w == Approx((expected.y + 1.0) * 0.5 * map.side).epsilon(1e-4));
+        CHECK(clip.z / clip.w == Approx(expected.z).epsilon(1e-4));
+
+        // A plane through the receiver that faces the light, up to 80 degrees.
+        const glm::vec3 toLight = gpu::towardsLightWs(look.constants.light, receiver);
+        const glm::vec3 normal = glm::normalize(toLight + random.in(0.0f, 5.0f) * random.unit());
+        if (glm::dot(normal, toLight) < 0.17f) continue;
+        const glm::vec3 axis(map.axisWs), away = receiver - look.light.position();
+        const float facing = glm::dot(normal, away * map.positional + axis);
+        const glm::vec2 perTexel(glm::dot(normal, glm::vec3(map.texelDx)), glm::dot(normal, glm::vec3(map.texelDy)));
+        const gpu::PlanarDepth plane = gpu::planarDepth(map, clip.z / clip.w, 1.0f / clip.w, facing, 0.0f, perTexel);
+        const glm::vec2 at = glm::vec2(clip) / clip.w, texel = glm::floor(at) + 0.5f;
+        const double truth =
+            depthOfPlane(look.fit, glm::dvec2(texel), map.side, glm::dvec3(receiver), glm::dvec3(normal));
+        CHECK(plane.at + glm::dot(plane.perTexel, texel - at) == Approx(truth).epsilon(1e-4));
+
+        const gpu::PlanarDepth nearer = gpu::planarDepth(map, clip.z / clip.w, 1.0f / clip.w, facing, 0.01f, perTexel);
+        const double moved = depthOfPlane(look.fit, glm::dvec2(at), map.side,
+                                          glm::dvec3(receiver) + 0.01 * glm::dvec3(normal), glm::dvec3(normal));
+        CHECK(nearer.at == Approx(moved).epsilon(1e-4));
+    }
+}
+
+} // namespace
+
+TEST_CASE("a receiver and its plane are found in a spot light's map where its matrix puts them")
+{
+    Random random;
+    for (int i = 0; i < 20; ++i) {
+        const CameraView view = camera(random.vec(-6.0f, 6.0f), random.unit(), 0.4f, 640, 480);
+        const LightView lamp =
+            light(GN_LIGHT_TYPE_SPOT, random.vec(8.0f, 12.0f), -glm::normalize(random.vec(0.2f, 1.0f)), 60.0f);
+        checkLook(Look(view, lamp, fitSpot(lamp, kScene), 1024), random);
+    }
+}
+
+TEST_CASE("a receiver and its plane are found in a directional light's map where its matrix puts them")
+{
+    Random random;
+    for (int i = 0; i < 20; ++i) {
+        const CameraView view = camera(random.vec(-6.0f, 6.0f), random.unit(), 0.4f, 640, 480);
+        const LightView sun = light(GN_LIGHT_TYPE_DIRECTIONAL, {}, random.unit(), kUnlimitedRange);
+        checkLook(Look(view, sun, fitDirectional(sun, kScene), 1024), random);
+    }
+}
+
+TEST_CASE("depths about the light keep their precision half a kilometre from the origin")
+{
+    const glm::vec3 far(500.0f, 20.0f, 450.0f);
+    const LightView lamp = light(GN_LIGHT_TYPE_SPOT, far, {0.0f, -1.0f, 0.0f}, 30.0f);
+    const Aabb around{far - glm::vec3(8.0f, 20.0f, 8.0f), far + glm::vec3(8.0f, -0.05f, 8.0f)};
+    const LightFit fit = fitSpot(lamp, around);
+    const MapProjection projection = mapProjection(fit, lamp);
+    for (float t = 0.25f; t < 20.0f; t *= 2.0f) {
+        const glm::vec4 clip = projection.clipFromZero * glm::vec4(0.0f, -t, 0.0f, 1.0f);
+        const float found = projection.depthScale / (clip.z / clip.w - projection.depthConstant);
+        CHECK(found == Approx(t).epsilon(1e-3)); // a float depth near 1 resolves 2^-24 t^2 / near, 1 mm here
+    }
+}
+
+TEST_CASE("the shader's cube faces are those the casters are drawn into, receivers clear of the border")
+{
+    Random random;
+    constexpr std::uint32_t kSide = 256;
+    for (int i = 0; i < 2000; ++i) {
+        const LightView lamp = light(GN_LIGHT_TYPE_POINT, random.vec(-3.0f, 3.0f), {0, -1, 0}, 40.0f);
+        const glm::vec3 fromLight = random.in(0.5f, 20.0f) * random.unit();
+        const std::uint32_t face = gpu::cubeFaceOf(fromLight);
+        const glm::vec3 local = gpu::inCubeFace(face, fromLight);
+        const LightFit fit = fitCubeFace(lamp, kScene, face, kSide, kCubeBorderTexels);
+        const glm::dvec3 expected = ndc(fit.clipFromWorld, glm::dvec3(lamp.position()) + glm::dvec3(fromLight));
+        const float slope = 0.5f * fit.texelAtOne;
+        CHECK(local.z > 0.0f);
+        CHECK(local.x / (local.z * slope) == Approx(expected.x).epsilon(1e-4));
+        CHECK(local.y / (local.z * slope) == Approx(expected.y).epsilon(1e-4));
+        const float inner = 1.0f - 2.0f * kCubeBorderTexels / kSide;
+        CHECK(std::fabs(expected.x) <= inner + 1e-5f);
+        CHECK(std::fabs(expected.y) <= inner + 1e-5f);
+    }
+}
+
+TEST_CASE("a paraboloid's direction and disc point are each other's inverse")
+{
+    Random random;
+    for (int i = 0; i < 10000; ++i) {
+        const glm::vec3 v = random.unit();
+        const std::uint32_t hemi = gpu::paraboloidHalfOf(v);
+        const glm::vec3 local = gpu::inParaboloid(hemi, v);
+        const glm::vec2 disc = gpu::paraboloidDisc(local);
+        CHECK(glm::length(disc) <= 1.0f + 1e-6f);
+        CHECK(glm::length(gpu::paraboloidDirection(disc) - local) < 1e-6f);
+    }
+}
+
+TEST_CASE("both halves keep the winding: right x down is forward")
+{
+    for (const std::uint32_t hemi : {0u, 1u}) {
+        const glm::mat3 axes(gpu::inParaboloid(hemi, {1, 0, 0}), gpu::inParaboloid(hemi, {0, 1, 0}),
+                             gpu::inParaboloid(hemi, {0, 0, 1}));
+        CHECK(glm::determinant(axes) == 1.0f);
+    }
+}
+
+TEST_CASE("a texel at the centre of a disc sees four times the solid angle of one at the rim")
+{
+    auto solidAngle = [](glm::vec2 at) {
+        constexpr float kStep = 1e-3f;
+        const glm::vec3 dx =
+            gpu::paraboloidDirection(at + glm::vec2(kStep, 0)) - gpu::paraboloidDirection(at - glm::vec2(kStep, 0));
+        const glm::vec3 dy =
+            gpu::paraboloidDirection(at + glm::vec2(0, kStep)) - gpu::paraboloidDirection(at - glm::vec2(0, kStep));
+        return glm::length(glm::cross(dx, dy));
+    };
+    CHECK(solidAngle({0, 0}) / solidAngle({0.6f, 0.8f}) == Approx(4.0f).epsilon(0.01));
+}
