@@ -1,0 +1,350 @@
+// Shadow rays against the brute force: what blocks a ray is the same set of triangles, whatever the packet, the
+// instance's transform and the order of updates.
+#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <thread>
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+#include "runtime/brute_force.hpp"
+#include "runtime/ray_fixture.hpp"
+
+using namespace gnomon;
+using test::casterOf;
+using test::TracedMesh;
+
+namespace {
+
+std::vector<ShadowRay> randomRays(std::mt19937& random, std::size_t count, float halfSize)
+{
+    std::vector<ShadowRay> rays(count);
+    for (ShadowRay& ray : rays) {
+        ray.origin = test::randomPoint(random, halfSize);
+        ray.direction = test::randomPoint(random, halfSize) - ray.origin;
+        ray.tfar = 1.0f;
+    }
+    return rays;
+}
+
+std::vector<std::uint8_t> trace(const RayScene& scene, const std::vector<ShadowRay>& rays, RayCoherence coherence,
+                                std::uint32_t mask = 0xffffffffu)
+{
+    std::vector<std::uint8_t> occluded(rays.size(), 0xcc);
+    scene.occluded(rays, mask, coherence, occluded);
+    return occluded;
+}
+
+enum class Truth { free, blocked, close };
+
+/// The answer in double; `close` where moving the ray by `margin` metres changes it.
+Truth truthOf(const brute::Scene& scene, const ShadowRay& ray, double margin = 2e-5)
+{
+    const glm::dvec3 origin(ray.origin), direction(ray.direction);
+    const auto tEnd = static_cast<double>(ray.tfar);
+    const bool blocked = scene.blocked(origin, direction, tEnd);
+    const glm::dvec3 end = origin + direction * std::min(tEnd, 1e3);
+    for (int axis = 0; axis < 6; ++axis) {
+        glm::dvec3 move(0.0);
+        move[axis % 3] = axis < 3 ? margin : -margin;
+        if (scene.blocked(origin + move, direction, tEnd) != blocked) return Truth::close;
+        if (scene.blocked(origin, end + move - origin, 1.0) != scene.blocked(origin, end - origin, 1.0))
+            return Truth::close;
+    }
+    return blocked ? Truth::blocked : Truth::free;
+}
+
+struct Tally {
+    int free = 0, blocked = 0, close = 0, wrong = 0;
+};
+
+Tally compare(const brute::Scene& truth, const std::vector<ShadowRay>& rays, const std::vector<std::uint8_t>& occluded)
+{
+    Tally tally;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Truth expected = truthOf(truth, rays[i]);
+        tally.close += expected == Truth::close;
+        tally.free += expected == Truth::free;
+        tally.blocked += expected == Truth::blocked;
+        tally.wrong += expected != Truth::close && occluded[i] != (expected == Truth::blocked ? 1 : 0);
+    }
+    return tally;
+}
+
+/// Both packet forms agree with the truth, and the rays are a mixture that could tell.
+void checkAgainstTruth(const RayScene& scene, const std::vector<Caster>& casters, const std::vector<ShadowRay>& rays,
+                       std::uint32_t mask = 0xffffffffu)
+{
+    const brute::Scene truth(brute::trianglesOf(casters, mask));
+    for (const RayCoherence coherence : {RayCoherence::tiles, RayCoherence::sparse}) {
+        const Tally tally = compare(truth, rays, trace(scene, rays, coherence, mask));
+        CAPTURE(tally.close);
+        CHECK(tally.wrong == 0);
+        CHECK(tally.free > static_cast<int>(rays.size()) / 20);
+        CHECK(tally.blocked > static_cast<int>(rays.size()) / 20);
+        CHECK(tally.close < static_cast<int>(rays.size()) / 50);
+    }
+}
+
+glm::mat3 randomBasis(std::mt19937& random, bool mirrored)
+{
+    glm::mat3 basis;
+    do {
+        for (int column = 0; column < 3; ++column)
+            basis[column] = test::randomPoint(random, 1.5f);
+    } while (std::abs(glm::determinant(basis)) < 0.3f || (glm::determinant(basis) < 0.0f) != mirrored);
+    return basis;
+}
+
+} // namespace
+
+TEST_CASE("a ray is blocked by exactly the triangles that block it in double precision")
+{
+    std::mt19937 random(1);
+    RayScene scene;
+    const TracedMesh mesh(scene, test::randomTriangles(random, 2000, 10.0f, 0.5f));
+    REQUIRE(mesh.rays);
+    const std::vector<Caster> casters{casterOf(mesh, 7)};
+    scene.update(casters);
+    checkAgainstTruth(scene, casters, randomRays(random, 20000, 12.0f));
+}
+
+TEST_CASE("mirrored, sheared and scaled instances block where their world triangles are")
+{
+    std::mt19937 random(2);
+    RayScene scene;
+    const TracedMesh a(scene, test::randomTriangles(random, 200, 2.0f, 0.5f));
+    const TracedMesh b(scene, test::randomTriangles(random, 100, 2.0f, 0.7f));
+    std::vector<Caster> casters;
+    for (std::uint32_t i = 0; i < 30; ++i)
+        casters.push_back(casterOf(i % 2 ? a : b, i, randomBasis(random, i % 3 == 0), test::randomPoint(random, 8.0f)));
+    scene.update(casters);
+    checkAgainstTruth(scene, casters, randomRays(random, 10000, 12.0f));
+}
+
+TEST_CASE("every count of rays, full packets or not, is answered ray by ray")
+{
+    std::mt19937 random(3);
+    RayScene scene;
+    const TracedMesh mesh(scene, test::randomTriangles(random, 300, 5.0f, 1.0f));
+    scene.update(std::vector<Caster>{casterOf(mesh, 0)});
+    const std::vector<ShadowRay> all = randomRays(random, 600, 6.0f);
+    const std::vector<std::uint8_t> expected = trace(scene, all, RayCoherence::tiles);
+    for (const std::size_t count : {0u, 1u, 15u, 16u, 17u, 31u, 255u, 256u, 257u, 511u, 600u}) {
+        const std::vector<ShadowRay> some(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count));
+        const std::vector<std::uint8_t> head(expected.begin(), expected.begin() + static_cast<std::ptrdiff_t>(count));
+        CHECK(trace(scene, some, RayCoherence::tiles) == head);
+        CHECK(trace(scene, some, RayCoherence::sparse) == head);
+    }
+}
+
+TEST_CASE("a ray ends at tfar and starts at its origin")
+{
+    RayScene scene;
+    const TracedMesh wall(scene, {{-1, -1, 0}, {1, -1, 0}, {0, 2, 0}});
+    scene.update(std::vector<Caster>{casterOf(wall, 0)});
+    const float infinity = std::numeric_limits<float>::infinity();
+    const std::vector<ShadowRay> rays{
+        {{0, 0, 1}, infinity, {0, 0, -1}},  // through it
+        {{0, 0, 1}, 0.999f, {0, 0, -1}},    // stops short
+        {{0, 0, 1}, 1.001f, {0, 0, -1}},    // just reaches it
+        {{0, 0, 1}, 0.501f, {0, 0, -2}},    // tfar counts in lengths of the direction
+        {{0, 0, 1}, infinity, {0, 0, 1}},   // away
+        {{0, 0, -1}, infinity, {0, 0, 1}},  // from behind: no face is culled
+        {{0, 0, 1}, -1.0f, {0, 0, -1}},     // an offset longer than the way to the light: nothing between
+        {{3, 0, 1}, infinity, {0, 0, -1}}}; // beside it
+    const std::vector<std::uint8_t> expected{1, 0, 1, 1, 0, 1, 0, 0};
+    CHECK(trace(scene, rays, RayCoherence::tiles) == expected);
+    CHECK(trace(scene, rays, RayCoherence::sparse) == expected);
+}
+
+TEST_CASE("a caster blocks the lights whose mask it shares, and no others")
+{
+    std::mt19937 random(4);
+    RayScene scene;
+    const TracedMesh mesh(scene, test::randomTriangles(random, 300, 3.0f, 0.6f));
+    std::vector<Caster> casters;
+    for (std::uint32_t i = 0; i < 6; ++i) {
+        casters.push_back(casterOf(mesh, i, randomBasis(random, false), test::randomPoint(random, 4.0f)));
+        casters.back().mask = 1u << i;
+    }
+    casters[5].mask = 0x80000001u;
+    scene.update(casters);
+    const std::vector<ShadowRay> rays = randomRays(random, 2000, 7.0f);
+    for (const std::uint32_t mask : {0x1u, 0x6u, 0x80000000u, 0xffffffffu})
+        checkAgainstTruth(scene, casters, rays, mask);
+    for (const std::uint8_t occluded : trace(scene, rays, RayCoherence::sparse, 0x100u))
+        REQUIRE(occluded == 0);
+}
+
+TEST_CASE("update follows casters that move, come, go and change their mesh")
+{
+    std::mt19937 random(5);
+    RayScene scene;
+    const TracedMesh a(scene, test::randomTriangles(random, 400, 4.0f, 0.6f));
+    auto b = std::make_unique<TracedMesh>(scene, test::randomTriangles(random, 300, 4.0f, 0.8f));
+    const std::vector<ShadowRay> rays = randomRays(random, 3000, 8.0f);
+    std::vector<Caster> casters{casterOf(a, 10), casterOf(*b, 11, glm::mat3(1.0f), {3, 0, 0}),
+                                casterOf(a, 12, glm::mat3(1.0f), {-4, 0, 0})};
+    scene.update(casters);
+    checkAgainstTruth(scene, casters, rays);
+
+    casters[1].translation = {0, 2, -3};
+    scene.update(casters);
+    checkAgainstTruth(scene, casters, rays);
+
+    std::swap(casters[0], casters[2]); // another order is the same scene
+    scene.update(casters);
+    checkAgainstTruth(scene, casters, rays);
+
+    casters.erase(casters.begin());
+    scene.update(casters);
+    checkAgainstTruth(scene, casters, rays);
+
+    casters.push_back(casterOf(a, 20, glm::mat3(0.5f), {1, 1, 1})); // takes the place that became free
+    casters[0].mesh = &a.view;
+    scene.update(casters);
+    b.reset(); // no longer used by any caster
+    checkAgainstTruth(scene, casters, rays);
+
+    MeshView building = a.view; // its tree is not there yet
+    building.rays = nullptr;
+    casters.back().mesh = &building;
+    scene.update(casters);
+    casters.pop_back();
+    checkAgainstTruth(scene, casters, rays);
+
+    scene.update({});
+    for (const std::uint8_t occluded : trace(scene, rays, RayCoherence::tiles))
+        REQUIRE(occluded == 0);
+}
+
+TEST_CASE("an alpha-tested caster blocks where its opacity is at least one half, others as before")
+{
+    struct Seen {
+        std::uint32_t triangle;
+        float u, v;
+    };
+    static thread_local Seen last{};
+    RayScene scene;
+    const TracedMesh square(scene, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0}});
+    std::vector<Caster> casters{casterOf(square, 3), casterOf(square, 4, glm::mat3(1.0f), {5, 0, 0})};
+    casters[0].alphaTested = true;
+    float threshold = 0.25f;
+    casters[0].userData = &threshold;
+    casters[0].opacity = [](std::uint32_t triangle, float u, float v, void* data) {
+        last = {triangle, u, v};
+        return u >= *static_cast<float*>(data) ? 0.5f : 0.499f;
+    };
+    scene.update(casters);
+    const auto blockedAt = [&](float x, float y) {
+        const std::vector<ShadowRay> ray{{{x, y, 1}, 10.0f, {0, 0, -1}}};
+        const std::uint8_t tiles = trace(scene, ray, RayCoherence::tiles)[0];
+        CHECK(trace(scene, ray, RayCoherence::sparse)[0] == tiles);
+        return tiles == 1;
+    };
+    CHECK(blockedAt(0.3f, 0.2f));
+    CHECK(last.triangle == 0);
+    CHECK(last.u == doctest::Approx(0.3).epsilon(1e-4));
+    CHECK(last.v == doctest::Approx(0.2).epsilon(1e-4));
+    CHECK_FALSE(blockedAt(0.2f, 0.3f));
+    CHECK(blockedAt(0.7f, 0.9f)); // second triangle: u runs from (1, 1) to (0, 1)
+    CHECK(last.triangle == 1);
+    CHECK(last.u == doctest::Approx(0.3).epsilon(1e-4));
+    CHECK(blockedAt(5.1f, 0.1f)); // the same mesh without opacity
+
+    casters.push_back(casterOf(square, 5, glm::mat3(1.0f), {0, 0, -1})); // behind the hole
+    scene.update(casters);
+    CHECK(blockedAt(0.2f, 0.3f));
+}
+
+TEST_CASE("instances without an inverse block nothing and harm nothing")
+{
+    std::mt19937 random(6);
+    RayScene scene;
+    const TracedMesh mesh(scene, test::randomTriangles(random, 400, 4.0f, 0.6f));
+    glm::mat3 flat(1.0f);
+    flat[1] = glm::vec3(0.0f);
+    std::vector<Caster> casters{casterOf(mesh, 0)};
+    std::vector<Caster> both{casterOf(mesh, 0), casterOf(mesh, 1, flat)};
+    scene.update(both);
+    checkAgainstTruth(scene, casters, randomRays(random, 2000, 6.0f));
+}
+
+#if defined(__SSE2__)
+TEST_CASE("the caller's floating-point mode is neither used nor changed")
+{
+    std::mt19937 random(7);
+    RayScene scene;
+    const std::vector<glm::vec3> corners = test::randomTriangles(random, 500, 4.0f, 0.6f);
+    const std::vector<ShadowRay> rays = randomRays(random, 2000, 6.0f);
+    const TracedMesh mesh(scene, corners);
+    scene.update(std::vector<Caster>{casterOf(mesh, 0)});
+    const std::vector<std::uint8_t> expected = trace(scene, rays, RayCoherence::tiles);
+
+    const unsigned saved = _mm_getcsr();
+    const unsigned upwards = 0x1f80u | _MM_ROUND_UP;
+    _mm_setcsr(upwards);
+    RayScene other;
+    const TracedMesh same(other, corners);
+    other.update(std::vector<Caster>{casterOf(same, 0)});
+    const std::vector<std::uint8_t> actual = trace(other, rays, RayCoherence::tiles);
+    const unsigned after = _mm_getcsr();
+    _mm_setcsr(saved);
+    CHECK((after & ~0x3fu) == upwards); // the low bits only say which exceptions have occurred
+    CHECK(actual == expected);
+}
+#endif
+
+#if defined(__linux__)
+TEST_CASE("building, updating and tracing start no threads")
+{
+    const auto threads = [] { return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {}); };
+    const auto before = threads();
+    std::mt19937 random(8);
+    RayScene scene;
+    const TracedMesh mesh(scene, test::randomTriangles(random, 200000, 40.0f, 0.6f));
+    scene.update(std::vector<Caster>{casterOf(mesh, 0)});
+    trace(scene, randomRays(random, 4000, 40.0f), RayCoherence::sparse);
+    CHECK(threads() == before);
+    CHECK(mesh.rays->memoryBytes() > 200000 * 12);          // the tree is counted,
+    CHECK(scene.memoryBytes() >= mesh.rays->memoryBytes()); // and the scene's total holds it
+}
+#endif
+
+TEST_CASE("several threads build and trace at once and get the answers of one")
+{
+    std::mt19937 random(9);
+    RayScene scene;
+    const std::vector<glm::vec3> corners = test::randomTriangles(random, 3000, 8.0f, 0.5f);
+    {
+        std::array<std::unique_ptr<MeshRays>, 4> trees;
+        const TracedMesh source(scene, corners);
+        std::vector<std::thread> builders;
+        for (auto& tree : trees)
+            builders.emplace_back([&] { tree = scene.build(source.view.positions, source.indices); });
+        for (std::thread& builder : builders)
+            builder.join();
+        for (const auto& tree : trees)
+            REQUIRE(tree);
+    }
+    const TracedMesh mesh(scene, corners);
+    scene.update(std::vector<Caster>{casterOf(mesh, 0)});
+    const std::vector<ShadowRay> rays = randomRays(random, 20000, 9.0f);
+    const std::vector<std::uint8_t> expected = trace(scene, rays, RayCoherence::tiles);
+    std::array<std::vector<std::uint8_t>, 4> answers;
+    std::vector<std::thread> tracers;
+    for (std::size_t i = 0; i < answers.size(); ++i)
+        tracers.emplace_back(
+            [&, i] { answers[i] = trace(scene, rays, i % 2 ? RayCoherence::tiles : RayCoherence::sparse); });
+    for (std::thread& tracer : tracers)
+        tracer.join();
+    for (const auto& answer : answers)
+        CHECK(answer == expected);
+}
