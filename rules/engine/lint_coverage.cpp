@@ -92,7 +92,7 @@ public:
             cells_.push_back(cellsOf(variable));
     }
 
-    /// Boxes where the question is answered with no. Gives up, and says so, beyond kMostNodes.
+    /// Boxes where the question is answered with no. Gives up, and says so, beyond kMostEvaluations.
     std::vector<Box> holes(const Question& question)
     {
         start(question, false);
@@ -112,7 +112,7 @@ public:
     const std::vector<Cell>& cells(std::size_t variable) const { return cells_[variable]; }
 
 private:
-    static constexpr std::size_t kMostNodes = 200'000; ///< About a second for 64 rules.
+    static constexpr std::size_t kMostEvaluations = 10'000'000; ///< Of rules; some tenths of a second an output.
     static constexpr std::size_t kMostHoles = 256;
 
     enum class Answer { Yes, No, Undecided };
@@ -123,12 +123,13 @@ private:
         stopAtYes_ = stopAtYes;
         foundYes_ = gaveUp_ = false;
         holes_.clear();
-        nodes_ = 0;
+        evaluations_ = 0;
         descend();
     }
 
     Truth truthOf(uint32_t rule)
     {
+        ++evaluations_;
         return evaluateAntecedent(compiled_.opsOf(compiled_.rules[rule]), memberships_, options_.conjunction, stack_)
             .truth;
     }
@@ -171,7 +172,7 @@ private:
 
     void descend()
     {
-        gaveUp_ |= ++nodes_ > kMostNodes || (holes_.size() >= kMostHoles && !stopAtYes_);
+        gaveUp_ |= evaluations_ > kMostEvaluations || (holes_.size() >= kMostHoles && !stopAtYes_);
         if (gaveUp_ || (foundYes_ && stopAtYes_)) return;
         std::vector<double> worth(box_.size(), 0.0);
         const Answer found = answer(worth);
@@ -230,7 +231,7 @@ private:
     Box box_;
     const Question* question_ = nullptr;
     std::vector<Box> holes_;
-    std::size_t nodes_ = 0;
+    std::size_t evaluations_ = 0;
     bool stopAtYes_ = false, foundYes_ = false, gaveUp_ = false;
 };
 
