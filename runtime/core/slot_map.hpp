@@ -9,6 +9,13 @@
 
 namespace gnomon {
 
+/// 1 ... 65535, then from the start again.
+inline std::uint16_t nextSlotMapTag() noexcept
+{
+    static std::atomic<std::uint32_t> made{0};
+    return static_cast<std::uint16_t>(1 + made.fetch_add(1, std::memory_order_relaxed) % 0xffffu);
+}
+
 /// Objects by 64-bit handle: 24 bits slot, 24 bits generation of the slot, 16 bits tag of the map. The tag differs
 /// between the maps of a process, so a handle of another kind or of another context is not found here. 0 is no handle.
 /// Addresses stay as long as the object does. The caller locks.
@@ -17,7 +24,7 @@ class SlotMap {
 public:
     static constexpr std::uint32_t kMaxSlots = 1u << 24;
 
-    SlotMap() : tag_(nextTag()) {}
+    SlotMap() : tag_(nextSlotMapTag()) {}
 
     /// @return the handle, or 0 if all slots are taken.
     std::uint64_t insert(T value)
@@ -91,13 +98,6 @@ private:
         if (index >= slots_.size()) return nullptr;
         Slot& slot = slots_[index];
         return slot.used && handle == handleOf(index, slot.generation) ? &slot : nullptr;
-    }
-
-    /// 1 ... 65535, then from the start again.
-    static std::uint16_t nextTag() noexcept
-    {
-        static std::atomic<std::uint32_t> made{0};
-        return static_cast<std::uint16_t>(1 + made.fetch_add(1, std::memory_order_relaxed) % 0xffffu);
     }
 
     std::deque<Slot> slots_; // grows without moving what is there

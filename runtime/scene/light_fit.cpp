@@ -99,7 +99,7 @@ Depths depthsOf(const LightView& light, double nearest, double farthest)
     const double past = farthest > 0.0 ? farthest * (1.0 + kRoom) : 1.0; // no casters: any depth does
     const double far = light.unlimited() ? past : static_cast<double>(light.constants.range);
     const double end = std::min(past, far);
-    return {std::clamp(nearest, kNearPerFar * end, 0.5 * end), far};
+    return {std::clamp(nearest, kNearPerFar * end, 0.9 * far), far}; // 0.9: all casters may be past the range
 }
 
 LightFit perspectiveFit(const Axes& axes, glm::dvec3 eye, double slope, Depths depths)

@@ -68,32 +68,41 @@ void CasterArrays::Copy::write(const InstanceRecord& record)
     transforms[record.caster.index] = record.rows;
 }
 
+void CasterArrays::Copy::writeAll(const std::vector<InstanceRecord*>& casting)
+{
+    casters.resize(casting.size());
+    transforms.resize(casting.size());
+    behind.reserve(casting.capacity()); // all of them may change at once later on
+    for (const InstanceRecord* record : casting)
+        write(*record);
+    behind.clear();
+    stale = false;
+}
+
 void CasterArrays::publish(const std::vector<InstanceRecord*>& casting, const std::vector<InstanceRecord*>& changed,
                            bool structural)
 {
-    if (!structural && changed.empty()) return;
     Copy& shown = copies_[current_];
-    current_ ^= 1u;
-    Copy& next = copies_[current_];
+    Copy& next = copies_[current_ ^ 1u];
+    if (!structural && changed.empty()) {
+        // The frame after an addition: grow now, so that later ones need not.
+        if (next.stale) next.writeAll(casting);
+        return;
+    }
     if (structural || next.stale) {
-        next.casters.resize(casting.size());
-        next.transforms.resize(casting.size());
-        for (Copy& copy : copies_)
-            copy.behind.reserve(casting.capacity()); // all of them may change at once later on
-        for (const InstanceRecord* record : casting)
-            next.write(*record);
+        next.writeAll(casting);
     } else {
         for (const InstanceRecord* record : next.behind)
             next.write(*record);
         for (const InstanceRecord* record : changed)
             next.write(*record);
+        next.behind.clear();
     }
-    next.behind.clear();
-    next.stale = false;
     next.snapshot = {next.casters, next.transforms, ++revision_};
     shown.stale = structural;
     shown.behind.clear();
     if (!structural) shown.behind.assign(changed.begin(), changed.end());
+    current_ ^= 1u;
 }
 
 } // namespace gnomon

@@ -68,6 +68,7 @@ private:
         SceneRegistry::Snapshot snapshot;
 
         void write(const InstanceRecord& record);
+        void writeAll(const std::vector<InstanceRecord*>& casting);
     };
     std::array<Copy, 2> copies_;
     std::uint32_t current_ = 0;
