@@ -90,6 +90,10 @@ VkCommandBuffer Readback::begin()
     const VkCommandBufferBeginInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
     vkCheck(vkBeginCommandBuffer(cmd_, &info), "vkBeginCommandBuffer");
+    // The buffer was written by the copy before; that the host has waited for it orders nothing on the device.
+    cmdMemoryBarrier(
+        cmd_, {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT},
+        {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT});
     return cmd_;
 }
 

@@ -186,11 +186,14 @@ Status ShadowHost::pin(uint32_t light, const std::string& method)
     return statusOf(gnSetLightMethod(context_, lights_.at(light), method.empty() ? nullptr : method.c_str()));
 }
 
-Status ShadowHost::pinAll(const std::string& method)
+Status ShadowHost::pinAll(const std::string& method, std::vector<std::string>* refused)
 {
+    std::vector<std::string> reasons;
     for (uint32_t i = 0; i < lights_.size(); ++i)
         if (const Status status = pin(i, method); !status)
-            return Status::failure("light '" + scene_.lights[i].name + "': " + status.error());
+            reasons.push_back("light '" + scene_.lights[i].name + "': " + status.error());
+    if (!reasons.empty() && reasons.size() == lights_.size()) return Status::failure(reasons.front());
+    if (refused) *refused = std::move(reasons);
     return Done{};
 }
 

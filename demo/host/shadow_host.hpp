@@ -41,8 +41,9 @@ public:
     Status loadRules(const std::string& text, const std::string& fileName);
     /// Empty hands the light back to the rules.
     Status pin(uint32_t light, const std::string& method);
-    /// Every light; fails, naming the light, where the method cannot serve it.
-    Status pinAll(const std::string& method);
+    /// Every light that the method serves; the others stay with the rules and are named in `refused`, with the reason.
+    /// Fails where it serves none.
+    Status pinAll(const std::string& method, std::vector<std::string>* refused = nullptr);
     Status set(const std::string& method, const std::string& setting, double value);
 
     std::vector<GnMethodInfo> methods() const;

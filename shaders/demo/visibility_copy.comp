@@ -16,7 +16,7 @@ layout(push_constant) uniform Push {
 
 void main()
 {
-    uint word = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
+    uint word = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * 64 + gl_GlobalInvocationID.x;
     uint pixels = width * height * layers;
     if (word * 4 >= pixels) return;
     uint packed = 0;

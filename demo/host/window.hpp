@@ -1,0 +1,72 @@
+#pragma once
+// A GLFW window with a swapchain that survives resizing.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "demo/host/renderer.hpp"
+
+struct GLFWwindow;
+
+namespace gnomon::demo {
+
+/// Initialises GLFW for as long as it lives.
+class WindowSystem {
+public:
+    WindowSystem(); ///< Throws HostError where there is no display or no Vulkan.
+    ~WindowSystem();
+    WindowSystem(const WindowSystem&) = delete;
+    WindowSystem& operator=(const WindowSystem&) = delete;
+
+    std::vector<const char*> instanceExtensions() const;
+};
+
+class Window {
+public:
+    Window(Device& device, VkExtent2D size, const std::string& title, uint32_t framesInFlight);
+    ~Window();
+    Window(const Window&) = delete;
+    Window& operator=(const Window&) = delete;
+
+    bool closed() const;
+    void close();
+    void pollEvents();
+    void setTitle(const std::string& title);
+    void setSize(VkExtent2D size);
+    /// Of the window's pixels; zero while minimised.
+    VkExtent2D extent() const;
+
+    bool held(int key) const;              ///< A GLFW key.
+    std::vector<int> takePressedKeys();    ///< Since the last call, without repeats.
+    bool dragging(double& dx, double& dy); ///< Mouse moved with the right button held.
+
+    /// Acquires an image, lets `draw` fill it, presents it. Makes the swapchain anew when the window changed; then the
+    /// frame is skipped. \return whether a frame was drawn.
+    bool frame(const std::function<void(const PresentTarget&)>& draw);
+    /// Until everything presented is finished. Before destruction of what frames use.
+    void finish();
+
+private:
+    struct SwapImage {
+        VkImage image = VK_NULL_HANDLE;
+        UniqueSemaphore drawn; ///< One per image: presentation may hold it until the image comes round again.
+    };
+    bool makeSwapchain();
+
+    Device& device_;
+    GLFWwindow* window_ = nullptr;
+    VkSurfaceKHR surface_ = VK_NULL_HANDLE;
+    UniqueSwapchain swapchain_;
+    std::vector<SwapImage> images_;
+    std::vector<UniqueSemaphore> acquired_; ///< One per frame in flight.
+    VkExtent2D extent_{};
+    uint64_t frames_ = 0;
+    bool stale_ = true;
+    std::vector<int> pressed_;
+    double lastX_ = 0.0, lastY_ = 0.0;
+    bool wasDragging_ = false;
+};
+
+} // namespace gnomon::demo

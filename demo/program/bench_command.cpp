@@ -1,0 +1,245 @@
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+
+#include "demo/io/csv.hpp"
+#include "demo/program/bench_bare.hpp"
+#include "demo/program/commands.hpp"
+#include "demo/program/measure.hpp"
+#include "demo/program/progress.hpp"
+#include "demo/scene/scene_file.hpp"
+
+namespace gnomon::demo {
+namespace {
+
+const std::vector<std::string> kColumns = {
+    "scene",      "method",     "lights",      "width",         "height",           "map",           "triangles",
+    "gpu_ms_p50", "cpu_ms_p50", "wall_ms_min", "wall_ms_p50",   "increment_ms_min", "wrong_pct",     "rays",
+    "memory_mib", "device",     "driver",      "false_lit_pct", "false_shadow_pct", "ambiguous_pct", "mean_abs_error"};
+
+constexpr uint32_t kDefaultBareMap = 1024;
+
+struct Row {
+    std::string scene, method;
+    size_t lights = 0;
+    VkExtent2D size{};
+    uint32_t map = 0; ///< 0: the method has none.
+    uint64_t triangles = 0;
+    PairTimes times;
+    ErrorCount errors;
+    double worstLightPercent = 0.0;
+    std::string worstLight;
+    bool hasErrors = false;
+    uint64_t rays = 0;
+    double memoryMib = 0.0;
+};
+
+/// One scene with one number of lights at one size: the truth is made once for all rows.
+class SceneBench {
+public:
+    SceneBench(Device& device, const Scene& scene, const BenchOptions& options)
+        : device_(device), scene_(scene), options_(options)
+    {
+        size_ = options.size.empty() ? VkExtent2D{scene.width, scene.height} : valueOf(parseSize(options.size));
+        // The error is judged in the last measured frame, where whatever moves has moved.
+        truthTime_ = frameTime(scene, options.repeat);
+    }
+
+    Row base() const
+    {
+        Session session(device_, scene_, {.scene = {}, .size = size_});
+        Row row = rowFor(session, kNoneMethod, 0);
+        row.times = timePairs(session, options_.repeat, false, &nothing_);
+        row.times.withMs = row.times.withoutMs;
+        return row;
+    }
+
+    /// Empty where the first light is no spot light.
+    std::optional<Row> bare(uint32_t map)
+    {
+        if (scene_.lights.empty() || scene_.lights[0].kind != LightKind::Spot) return std::nullopt;
+        Scene one = scene_;
+        one.lights.resize(1);
+        Session session(device_, one, {.scene = {}, .size = size_});
+        BareShadowMap shadows(device_, one, session.geometry, session.renderer, map);
+        Row row = rowFor(session, kBareMethod, map);
+        row.times = timePairs(session, options_.repeat, false, &shadows);
+        return row;
+    }
+
+    /// Empty where the method serves none of the lights.
+    std::optional<Row> method(const GnMethodInfo& info, std::optional<uint32_t> map)
+    {
+        const Scene served = onlyServed(scene_, info.traits);
+        if (served.lights.empty()) return std::nullopt;
+        Session session(device_, served, {.scene = {}, .size = size_});
+        if (map) expect(session.shadows.set(info.pName, kResolutionSetting, *map));
+        expect(session.shadows.pinAll(info.pName));
+        settle(session, frameTime(served, 0), options_.recorded);
+        Row row = rowFor(session, info.pName, map.value_or(0));
+        row.times = timePairs(session, options_.repeat, options_.recorded, nullptr);
+        const GnFrameStats stats = session.shadows.stats();
+        row.rays = stats.rays;
+        row.memoryMib = double(stats.memory) / (1024.0 * 1024.0);
+        settle(session, truthTime_, options_.recorded);
+        addErrors(session, row);
+        return row;
+    }
+
+private:
+    /// Leaves the frame alone: visibility stays constant 1.
+    class NoShadows final : public OtherShadows {
+    public:
+        void record(VkCommandBuffer, const ViewInputs&) override {}
+        VkImageView visibility() const override { return VK_NULL_HANDLE; }
+    };
+
+    Row rowFor(const Session& session, const std::string& method, uint32_t map) const
+    {
+        Row row;
+        row.scene = scene_.name;
+        row.method = method;
+        row.lights = session.scene.lights.size();
+        row.size = session.renderer.extent();
+        row.map = map;
+        row.triangles = triangleCount(scene_);
+        return row;
+    }
+
+    void addErrors(Session& session, Row& row)
+    {
+        if (!truthTried_) {
+            truth_ = measureTruth(device_, scene_, size_, truthTime_);
+            truthTried_ = true;
+        }
+        if (!truth_) return;
+        const std::vector<Image8> visibility = session.renderer.readVisibility();
+        const SceneState& state = session.renderer.state();
+        for (size_t layer = 0; layer < state.present.size(); ++layer) {
+            const std::string& light = session.scene.lights[state.present[layer]].name;
+            const std::vector<uint8_t>* counted = nullptr;
+            const Image8* truth = truth_->find(light, &counted);
+            if (!truth) continue;
+            const ErrorCount errors = compare(visibility[layer], *truth, *counted);
+            row.errors += errors;
+            row.hasErrors = true;
+            if (errors.percent(errors.wrong()) >= row.worstLightPercent) {
+                row.worstLightPercent = errors.percent(errors.wrong());
+                row.worstLight = light;
+            }
+        }
+    }
+
+    Device& device_;
+    const Scene& scene_;
+    const BenchOptions& options_;
+    VkExtent2D size_{};
+    double truthTime_ = 0.0;
+    std::optional<Truth> truth_;
+    bool truthTried_ = false;
+    mutable NoShadows nothing_;
+};
+
+void write(CsvWriter& csv, const Row& row, const Device& device)
+{
+    constexpr double nothing = std::numeric_limits<double>::quiet_NaN(); // an empty cell
+    const bool base = row.method == kNoneMethod;
+    csv.cell(row.scene).cell(row.method).cell(row.lights).cell(row.size.width).cell(row.size.height);
+    if (row.map > 0)
+        csv.cell(row.map);
+    else
+        csv.empty();
+    csv.cell(row.triangles).cell(median(row.times.gpuMs), 3).cell(median(row.times.cpuMs), 3);
+    csv.cell(minimum(row.times.withMs), 3).cell(median(row.times.withMs), 3);
+    csv.cell(base ? 0.0 : minimum(row.times.withMs) - minimum(row.times.withoutMs), 3);
+    const ErrorCount& e = row.errors;
+    const auto error = [&](double value, int decimals) { csv.cell(row.hasErrors ? value : nothing, decimals); };
+    error(e.percent(e.wrong()), 4);
+    csv.cell(row.rays).cell(row.memoryMib, 2).cell(device.properties.deviceName).cell(device.driver);
+    error(e.percent(e.falseLit), 4);
+    error(e.percent(e.falseShadow), 4);
+    csv.empty(); // ambiguity is a property of the scene, measured by the exactness tests in double precision
+    error(e.meanAbsolute(), 6);
+    csv.endRow();
+}
+
+void print(const Row& row)
+{
+    std::printf("%-12s %-16s %2zu lights %ux%u map %4u  increment %8.3f ms  frame %8.3f ms", row.scene.c_str(),
+                row.method.c_str(), row.lights, row.size.width, row.size.height, row.map,
+                row.method == kNoneMethod ? 0.0 : minimum(row.times.withMs) - minimum(row.times.withoutMs),
+                minimum(row.times.withMs));
+    if (row.hasErrors)
+        std::printf("  wrong %.4f %% (worst %s %.4f %%)", row.errors.percent(row.errors.wrong()),
+                    row.worstLight.c_str(), row.worstLightPercent);
+    std::printf("\n");
+    std::fflush(stdout);
+}
+
+bool hasResolution(const GnMethodInfo& method)
+{
+    return std::any_of(method.pSettings, method.pSettings + method.settingCount,
+                       [](const GnSettingInfo& s) { return std::string_view(s.pName) == kResolutionSetting; });
+}
+
+uint32_t defaultResolution(const GnMethodInfo& method)
+{
+    for (uint32_t i = 0; i < method.settingCount; ++i)
+        if (std::string_view(method.pSettings[i].pName) == kResolutionSetting)
+            return static_cast<uint32_t>(method.pSettings[i].value);
+    return 0;
+}
+
+} // namespace
+
+int benchCommand(const BenchOptions& options)
+{
+    const std::unique_ptr<Device> device = Device::create({.validation = options.validation});
+    const std::vector<std::string> wanted = parseNames(options.methods);
+    const std::vector<uint32_t> maps = valueOf(parseCounts(options.maps, 16, 16384));
+    std::vector<uint32_t> lightCounts = valueOf(parseCounts(options.lights, 1, 32));
+    if (lightCounts.empty()) lightCounts.push_back(0); // the scene's
+    const auto isWanted = [&wanted](const std::string& name) {
+        return wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end();
+    };
+
+    CsvWriter csv(kColumns);
+    std::vector<std::string> known = {kNoneMethod, kBareMethod};
+    const auto keep = [&](const Row& row) {
+        print(row);
+        write(csv, row, *device);
+    };
+    for (const std::string& name : options.scenes) {
+        for (const uint32_t count : lightCounts) {
+            Scene scene = valueOf(loadScene(name));
+            if (count > 0) limitLights(scene, count);
+            SceneBench bench(*device, scene, options);
+            keep(bench.base());
+            if (isWanted(kBareMethod))
+                for (const uint32_t map : maps.empty() ? std::vector<uint32_t>{kDefaultBareMap} : maps)
+                    if (const std::optional<Row> row = bench.bare(map)) keep(*row);
+            Session session(*device, scene, {.scene = {}, .size = {16, 16}}); // to list methods; draws nothing
+            for (const GnMethodInfo& info : session.shadows.methods()) {
+                known.push_back(info.pName);
+                if (!isWanted(info.pName) || info.pUnavailable || (options.recorded && info.roundTrips > 0)) continue;
+                std::vector<std::optional<uint32_t>> sizes = {std::nullopt};
+                if (hasResolution(info))
+                    sizes = maps.empty() ? decltype(sizes){defaultResolution(info)}
+                                         : decltype(sizes)(maps.begin(), maps.end());
+                for (const std::optional<uint32_t>& map : sizes)
+                    if (const std::optional<Row> row = bench.method(info, map)) keep(*row);
+            }
+        }
+    }
+    for (const std::string& name : wanted)
+        if (std::find(known.begin(), known.end(), name) == known.end())
+            throw HostError("no method named '" + name + "' in this build");
+    if (options.csv.empty())
+        std::printf("%s", csv.text().c_str());
+    else
+        expect(csv.save(options.csv));
+    requireSilence(*device);
+    return 0;
+}
+
+} // namespace gnomon::demo

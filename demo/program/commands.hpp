@@ -1,0 +1,48 @@
+#pragma once
+// The commands of the gnomon program. Each returns its exit code; failures are HostErrors.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace gnomon::demo {
+
+struct RunOptions {
+    std::string scene, rules, method, size;
+    uint32_t frames = 0; ///< 0: the scene's.
+    float budgetMs = 0.0f;
+    std::string out = "out/run";
+    std::string dump;
+    bool window = false;
+    bool recorded = false;
+    bool validation = false;
+    uint32_t framesInFlight = 2;
+    uint32_t lights = 0; ///< 0: the scene's.
+    // For the test under a virtual X server; see demo/README.md.
+    std::string screenshot;
+    uint32_t resizeTest = 0;
+};
+int runCommand(const RunOptions& options);
+int windowCommand(const RunOptions& options);
+
+struct BenchOptions {
+    std::vector<std::string> scenes;
+    std::string methods, lights, maps, size, csv;
+    uint32_t repeat = 15;
+    bool validation = false;
+    bool recorded = false;
+};
+int benchCommand(const BenchOptions& options);
+
+struct ContactOptions {
+    std::vector<std::string> scenes;
+    std::string methods, size, out = "contact.png";
+};
+int contactCommand(const ContactOptions& options);
+
+int methodsCommand();
+int scenesCommand();
+int lintCommand(const std::string& rules);
+int explainCommand(const std::string& rules, const std::string& facts);
+
+} // namespace gnomon::demo

@@ -1,0 +1,151 @@
+// The contact sheet: a row per scene, a column per method; the whole picture, and beside it the place with the largest
+// error pixel for pixel, once as it looks and once with the wrong pixels marked.
+#include <algorithm>
+#include <cstdio>
+
+#include "demo/io/number.hpp"
+#include "demo/io/png.hpp"
+#include "demo/io/text.hpp"
+#include "demo/program/commands.hpp"
+#include "demo/program/measure.hpp"
+#include "demo/program/progress.hpp"
+#include "demo/scene/scene_file.hpp"
+
+namespace gnomon::demo {
+namespace {
+
+constexpr uint32_t kOverviewWidth = 256, kOverviewHeight = 144;
+constexpr uint32_t kCropSize = 144; // as high as the overview: 1:1 pixels
+constexpr uint32_t kGap = 4, kCaption = 12;
+constexpr uint32_t kCellWidth = kOverviewWidth + 2 * (kCropSize + kGap) + 2 * kGap;
+constexpr uint32_t kCellHeight = kOverviewHeight + kCaption + 2 * kGap;
+constexpr Rgb8 kPaper{24, 24, 28}, kInk{235, 235, 235};
+constexpr Rgb8 kFalseLit{255, 40, 40}, kFalseShadow{60, 120, 255};
+
+struct MarkedFrame {
+    ErrorCount errors;
+    Rect worst{0, 0, kCropSize, kCropSize};
+    Image8 marked; ///< The picture with the wrong pixels of all lights in colour.
+};
+
+MarkedFrame markErrors(const Session& session, const Truth& truth, const Image8& picture,
+                       const std::vector<Image8>& visibility)
+{
+    MarkedFrame out;
+    out.marked = picture;
+    uint64_t most = 0;
+    const SceneState& state = session.renderer.state();
+    for (size_t layer = 0; layer < state.present.size(); ++layer) {
+        const std::vector<uint8_t>* counted = nullptr;
+        const Image8* expected = truth.find(session.scene.lights[state.present[layer]].name, &counted);
+        if (!expected) continue;
+        out.errors += compare(visibility[layer], *expected, *counted);
+        uint64_t inside = 0;
+        const Rect window = worstWindow(visibility[layer], *expected, *counted, kCropSize, kCropSize, inside);
+        if (inside >= most) {
+            most = inside;
+            out.worst = window;
+        }
+        for (size_t i = 0; i < counted->size(); ++i) {
+            const bool lit = visibility[layer].texels[i] >= 128, shouldBeLit = expected->texels[i] >= 128;
+            if ((*counted)[i] != 1 || lit == shouldBeLit) continue;
+            const Rgb8 colour = lit ? kFalseLit : kFalseShadow;
+            uint8_t* texel = &out.marked.texels[i * 3];
+            texel[0] = colour.r;
+            texel[1] = colour.g;
+            texel[2] = colour.b;
+        }
+    }
+    return out;
+}
+
+void drawCell(Image8& sheet, int32_t x, int32_t y, const std::string& caption, const Image8& picture,
+              const MarkedFrame& frame)
+{
+    drawText(sheet, x, y, caption, kInk);
+    const int32_t top = y + int32_t(kCaption);
+    blit(sheet, x, top, shrinkToFit(picture, kOverviewWidth, kOverviewHeight));
+    const double scale = std::min(double(kOverviewWidth) / picture.width, double(kOverviewHeight) / picture.height);
+    if (scale < 1.0)
+        outline(sheet,
+                {x + int32_t(frame.worst.x * scale), top + int32_t(frame.worst.y * scale),
+                 uint32_t(frame.worst.width * scale), uint32_t(frame.worst.height * scale)},
+                {255, 220, 0});
+    blit(sheet, x + int32_t(kOverviewWidth + kGap), top, crop(picture, frame.worst));
+    blit(sheet, x + int32_t(kOverviewWidth + 2 * kGap + kCropSize), top, crop(frame.marked, frame.worst));
+}
+
+std::vector<std::string> methodNames(Device& device, const Scene& scene, const std::vector<std::string>& wanted)
+{
+    Session session(device, scene, {.scene = {}, .size = {16, 16}});
+    std::vector<std::string> names;
+    for (const GnMethodInfo& info : session.shadows.methods())
+        if (!info.pUnavailable &&
+            (wanted.empty() || std::find(wanted.begin(), wanted.end(), info.pName) != wanted.end()))
+            names.push_back(info.pName);
+    return names;
+}
+
+GnTraits traitsOf(const ShadowHost& shadows, const std::string& method)
+{
+    for (const GnMethodInfo& info : shadows.methods())
+        if (method == info.pName) return info.traits;
+    return 0;
+}
+
+} // namespace
+
+int contactCommand(const ContactOptions& options)
+{
+    const std::unique_ptr<Device> device = Device::create({});
+    std::vector<std::string> scenes = options.scenes;
+    if (scenes.empty())
+        for (const ShippedScene& shipped : shippedScenes())
+            scenes.push_back(shipped.name);
+    std::vector<std::string> methods;
+    Image8 sheet;
+    Progress progress(static_cast<uint32_t>(scenes.size()));
+    for (size_t row = 0; row < scenes.size(); ++row) {
+        const Scene scene = valueOf(loadScene(scenes[row]));
+        if (methods.empty()) {
+            methods = methodNames(*device, scene, parseNames(options.methods));
+            if (methods.empty()) throw HostError("none of the methods asked for is in this build");
+            sheet = Image8(static_cast<uint32_t>(methods.size()) * kCellWidth + kGap,
+                           static_cast<uint32_t>(scenes.size()) * kCellHeight + kGap, 3);
+            fill(sheet, {0, 0, sheet.width, sheet.height}, kPaper);
+        }
+        const VkExtent2D size =
+            options.size.empty() ? VkExtent2D{scene.width, scene.height} : valueOf(parseSize(options.size));
+        const double time = frameTime(scene, scene.frames / 2); // motion under way, every light of the middle there
+        const std::optional<Truth> truth = measureTruth(*device, scene, size, time);
+        if (!truth) throw HostError("a contact sheet needs the method ray_traced, which this build lacks");
+        for (size_t column = 0; column < methods.size(); ++column) {
+            const int32_t x = int32_t(column * kCellWidth + kGap), y = int32_t(row * kCellHeight + kGap);
+            Session probe(*device, scene, {.scene = {}, .size = {16, 16}});
+            const Scene served = onlyServed(scene, traitsOf(probe.shadows, methods[column]));
+            std::string caption = scenes[row] + "  " + methods[column];
+            if (served.lights.empty()) {
+                drawText(sheet, x, y, caption + ": serves none of its lights", kInk);
+                continue;
+            }
+            Session session(*device, served, {.scene = {}, .size = size});
+            expect(session.shadows.pinAll(methods[column]));
+            settle(session, time, false);
+            const Image8 picture = session.renderer.readColour();
+            const MarkedFrame frame = markErrors(session, *truth, picture, session.renderer.readVisibility());
+            caption += "  wrong ";
+            appendFixed(caption, frame.errors.percent(frame.errors.wrong()), 4);
+            caption += " %, " + std::to_string(served.lights.size()) + " lights";
+            drawCell(sheet, x, y, caption, picture, frame);
+            std::printf("%s\n", caption.c_str());
+            std::fflush(stdout);
+        }
+        progress.show(static_cast<uint32_t>(row + 1), scenes[row]);
+    }
+    expect(writePng(options.out, sheet));
+    std::printf("%s: %ux%u; red is lit by mistake, blue is dark by mistake, crops are 1:1\n", options.out.c_str(),
+                sheet.width, sheet.height);
+    return 0;
+}
+
+} // namespace gnomon::demo

@@ -1,0 +1,198 @@
+#include "demo/program/dump.hpp"
+
+#include <set>
+
+#include <glm/gtc/matrix_inverse.hpp>
+
+#include "demo/io/number.hpp"
+#include "demo/io/obj.hpp"
+#include "demo/io/pfm.hpp"
+#include "demo/io/png.hpp"
+#include "demo/program/receivers.hpp"
+#include "demo/program/session.hpp"
+
+namespace gnomon::demo {
+namespace {
+
+/// JSON, as much of it as frame.json needs.
+class JsonWriter {
+public:
+    JsonWriter& key(std::string_view name)
+    {
+        separate();
+        text_ += '"';
+        text_ += name;
+        text_ += "\": ";
+        afterKey_ = true;
+        return *this;
+    }
+    JsonWriter& open(char bracket)
+    {
+        separate();
+        text_ += bracket;
+        first_ = true;
+        return *this;
+    }
+    JsonWriter& close(char bracket)
+    {
+        text_ += bracket;
+        first_ = false;
+        return *this;
+    }
+    JsonWriter& value(double number)
+    {
+        separate();
+        appendNumber(text_, number);
+        return *this;
+    }
+    JsonWriter& value(std::string_view string)
+    {
+        separate();
+        text_ += '"';
+        for (char c : string) {
+            if (c == '"' || c == '\\') text_ += '\\';
+            text_ += c;
+        }
+        text_ += '"';
+        return *this;
+    }
+    template <typename Range>
+    JsonWriter& array(const Range& numbers)
+    {
+        open('[');
+        for (const auto number : numbers)
+            value(double(number));
+        return close(']');
+    }
+    const std::string& text() const { return text_; }
+
+private:
+    void separate()
+    {
+        if (!first_ && !afterKey_) text_ += ",\n";
+        first_ = afterKey_ = false;
+    }
+    std::string text_;
+    bool first_ = true;
+    bool afterKey_ = false;
+};
+
+std::array<double, 3> toArray(const glm::dvec3& v)
+{
+    return {v.x, v.y, v.z};
+}
+
+std::array<double, 16> toArray(const glm::dmat4& m)
+{
+    std::array<double, 16> out{};
+    for (int i = 0; i < 16; ++i)
+        out[i] = m[i / 4][i % 4];
+    return out;
+}
+
+/// Light names become parts of file names; two that would collide are told apart by their layer.
+std::vector<std::string> fileNames(const Scene& scene, const SceneState& state)
+{
+    std::vector<std::string> names;
+    std::set<std::string> used;
+    for (size_t layer = 0; layer < state.present.size(); ++layer) {
+        std::string name = scene.lights[state.present[layer]].name;
+        for (char& c : name)
+            if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-')) c = '_';
+        if (name.empty() || !used.insert(name).second) name.append("_").append(std::to_string(layer));
+        names.push_back(name);
+    }
+    return names;
+}
+
+std::string frameJson(const Scene& scene, Renderer& renderer, const std::vector<FrameLog::LightLine>& lines,
+                      const std::vector<std::string>& names)
+{
+    const CameraMatrices& camera = renderer.camera();
+    const SceneState& state = renderer.state();
+    glm::dmat4 toEye(1.0);
+    toEye[3] = glm::dvec4(-camera.eye, 1.0);
+    const glm::dmat4 viewProjection = glm::dmat4(camera.clipFromEye) * toEye;
+    JsonWriter json;
+    json.open('{');
+    json.key("width").value(renderer.extent().width).key("height").value(renderer.extent().height);
+    json.key("first_row").value("top");
+    json.key("eye").array(toArray(camera.eye));
+    json.key("view_projection").array(toArray(viewProjection));
+    json.key("inverse_view_projection").array(toArray(glm::inverse(viewProjection)));
+    // Relative to the eye, as the rasteriser used it: exact where the two above lose digits far from the origin.
+    json.key("clip_from_eye").array(toArray(glm::dmat4(camera.clipFromEye)));
+    json.key("matrix_order").value("column-major");
+    json.key("depth_convention").value(nameOf(scene.depth.convention));
+    json.key("near").value(scene.depth.nearPlane);
+    if (scene.depth.convention == DepthConvention::Standard) json.key("far").value(scene.depth.farPlane);
+    json.key("sky_depth").value(double(camera.skyDepth));
+    json.key("lights").open('[');
+    for (size_t layer = 0; layer < state.present.size(); ++layer) {
+        const Light& light = scene.lights[state.present[layer]];
+        const LightState& at = state.lights[state.present[layer]];
+        json.open('{');
+        json.key("name").value(light.name).key("kind").value(nameOf(light.kind));
+        json.key("position").array(toArray(at.position)).key("direction").array(toArray(at.direction));
+        // Half angle; 0 where there is no cone. Range 0: unlimited.
+        json.key("cone_radians").value(light.kind == LightKind::Spot ? double(light.outerAngle) : 0.0);
+        json.key("range").value(double(light.range));
+        json.key("method").value(layer < lines.size() ? lines[layer].method : std::string("none"));
+        json.key("visibility").value("visibility_" + names[layer] + ".png");
+        json.key("offset").value("offset_" + names[layer] + ".pfm");
+        json.close('}');
+    }
+    json.close(']').close('}');
+    return json.text() + "\n";
+}
+
+/// The offset of definition "Offset", metres, towards the light along the normal; 0 where there is no receiver.
+ImageF offsets(const gpu::ViewConstants& view, const gpu::LightConstants& light, const ImageF& depth,
+               const ImageF& normals)
+{
+    ImageF out(depth.width, depth.height, 1);
+    for (uint32_t y = 0; y < depth.height; ++y) {
+        for (uint32_t x = 0; x < depth.width; ++x) {
+            const float d = *depth.at(x, y);
+            if (d == view.skyDepth) continue;
+            const float* n = normals.at(x, y);
+            const glm::vec3 ray = gpu::viewRayWs(view, glm::vec2(float(x) + 0.5f, float(y) + 0.5f));
+            const glm::vec3 receiver = ray * gpu::linearDepth(view, d);
+            *out.at(x, y) = gpu::receiverOffset(view, light, d, ray, receiver, glm::vec3(n[0], n[1], n[2]));
+        }
+    }
+    return out;
+}
+
+} // namespace
+
+void dumpFrame(const std::filesystem::path& folder, const Scene& scene, Renderer& renderer,
+               const std::vector<FrameLog::LightLine>& lines)
+{
+    std::filesystem::create_directories(folder);
+    const SceneState& state = renderer.state();
+    const std::vector<std::string> names = fileNames(scene, state);
+    const ImageF depth = renderer.readDepth();
+    const ImageF normals = renderer.readNormals();
+    const std::vector<Image8> visibility = renderer.readVisibility();
+
+    expect(writeText(folder / "frame.json", frameJson(scene, renderer, lines, names)));
+    expect(writePfm(folder / "depth.pfm", depth, RowOrder::TopDown));
+    expect(writePfm(folder / "normals.pfm", normals, RowOrder::TopDown));
+    const gpu::ViewConstants view = viewConstants(scene, renderer.camera(), renderer.extent());
+    for (size_t layer = 0; layer < state.present.size(); ++layer) {
+        const Light& light = scene.lights[state.present[layer]];
+        const gpu::LightConstants constants =
+            lightConstants(light, state.lights[state.present[layer]], renderer.camera().eye);
+        const ImageF offset = offsets(view, constants, depth, normals);
+        if (layer == 0) expect(writePfm(folder / "offset.pfm", offset, RowOrder::TopDown));
+        expect(writePfm(folder / ("offset_" + names[layer] + ".pfm"), offset, RowOrder::TopDown));
+        expect(writePng(folder / ("visibility_" + names[layer] + ".png"), visibility[layer]));
+    }
+    ObjWriter casters;
+    for (size_t i = 0; i < scene.instances.size(); ++i)
+        casters.add(scene.instances[i].name, scene.meshes[scene.instances[i].mesh], state.instances[i]);
+    expect(casters.save(folder / "casters.obj"));
+}
+
+} // namespace gnomon::demo

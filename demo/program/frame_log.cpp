@@ -1,0 +1,122 @@
+#include "demo/program/frame_log.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "demo/io/number.hpp"
+
+namespace gnomon::demo {
+
+const char* nameOf(GnReason reason) noexcept
+{
+    switch (reason) {
+    case GN_REASON_RULES:
+        return "rules";
+    case GN_REASON_PINNED:
+        return "pinned";
+    case GN_REASON_INCUMBENT:
+        return "incumbent";
+    case GN_REASON_FALLBACK:
+        return "fallback";
+    case GN_REASON_NOTHING_READY:
+        return "nothing_ready";
+    case GN_REASON_NO_OPINION:
+        return "no_opinion";
+    default:
+        return "unknown";
+    }
+}
+
+FrameLog::FrameLog(const Scene& scene, float budgetMs)
+    : scene_(scene), budgetMs_(budgetMs),
+      frames_({"frame", "time_s", "frame_ms", "fps", "shadow_gpu_ms", "shadow_cpu_ms", "decide_us", "lights",
+               "switches", "budget_ms", "over_budget"}),
+      lights_({"frame", "light", "method", "suitability", "predicted_ms", "measured_ms", "distance", "reason"})
+{
+}
+
+void FrameLog::add(uint32_t frame, double timeSeconds, double frameMs, const SceneState& state,
+                   const ShadowHost& shadows)
+{
+    const GnFrameStats stats = shadows.stats();
+    const bool over = budgetMs_ > 0.0f && stats.gpuMs + stats.cpuMs > budgetMs_;
+    frames_.cell(frame).cell(timeSeconds, 4).cell(frameMs, 3).cell(frameMs > 0.0 ? 1000.0 / frameMs : 0.0, 2);
+    frames_.cell(double(stats.gpuMs), 3).cell(double(stats.cpuMs), 3).cell(double(stats.decideUs), 1);
+    frames_.cell(state.present.size()).cell(stats.switches).cell(double(budgetMs_), 2).cell(over).endRow();
+
+    newest_.clear();
+    newestSwitched_ = false;
+    for (uint32_t light : state.present) {
+        GnDecision decision{};
+        if (gnGetDecision(shadows.context(), shadows.view(0), shadows.light(light), &decision) < 0)
+            continue; // no frame has seen this light yet
+        const std::string method = decision.pMethod ? decision.pMethod : "none";
+        lights_.cell(frame).cell(scene_.lights[light].name).cell(method).cell(double(decision.suitability), 4);
+        lights_.cell(double(decision.predictedMs), 3).cell(double(decision.measuredMs), 3);
+        lights_.cell(double(decision.viewerDistance), 3).cell(nameOf(decision.reason)).endRow();
+        ++lightFrames_[method];
+        newest_.push_back({scene_.lights[light].name, method, decision.suitability, decision.switched != 0});
+        newestSwitched_ = newestSwitched_ || decision.switched;
+    }
+    frameMs_.push_back(frameMs);
+    gpuMs_ += double(stats.gpuMs);
+    cpuMs_ += double(stats.cpuMs);
+    switches_ += stats.switches;
+    overBudget_ += over;
+}
+
+void FrameLog::save(const std::filesystem::path& folder) const
+{
+    expect(frames_.save(folder / "frames.csv"));
+    expect(lights_.save(folder / "lights.csv"));
+}
+
+FrameLog::Summary FrameLog::summary() const
+{
+    Summary out;
+    out.frames = static_cast<uint32_t>(frameMs_.size());
+    out.switches = switches_;
+    out.overBudget = overBudget_;
+    out.lightFrames = lightFrames_;
+    if (frameMs_.empty()) return out;
+    std::vector<double> sorted = frameMs_;
+    std::sort(sorted.begin(), sorted.end(), std::greater<>());
+    const size_t slowest = std::max<size_t>(1, sorted.size() / 100);
+    const double total = std::accumulate(sorted.begin(), sorted.end(), 0.0);
+    const double slow = std::accumulate(sorted.begin(), sorted.begin() + slowest, 0.0);
+    out.averageFps = total > 0.0 ? 1000.0 * double(sorted.size()) / total : 0.0;
+    out.onePercentLowFps = slow > 0.0 ? 1000.0 * double(slowest) / slow : 0.0;
+    out.shadowGpuMs = gpuMs_ / double(sorted.size());
+    out.shadowCpuMs = cpuMs_ / double(sorted.size());
+    return out;
+}
+
+std::string FrameLog::summaryText() const
+{
+    const Summary s = summary();
+    std::string out;
+    const auto line = [&out](std::string_view label, double value, int decimals, std::string_view unit) {
+        out += label;
+        appendFixed(out, value, decimals);
+        out += unit;
+        out += '\n';
+    };
+    line("frames              ", s.frames, 0, "");
+    line("frame rate          ", s.averageFps, 2, " fps on average");
+    line("1 %-low             ", s.onePercentLowFps, 2, " fps");
+    line("shadows, GPU        ", s.shadowGpuMs, 2, " ms a frame");
+    line("shadows, CPU        ", s.shadowCpuMs, 2, " ms a frame");
+    uint64_t all = 0;
+    for (const auto& [method, count] : s.lightFrames)
+        all += count;
+    for (const auto& [method, count] : s.lightFrames) {
+        std::string label = "  " + method;
+        label.resize(std::max<size_t>(20, label.size() + 1), ' ');
+        line(label, 100.0 * double(count) / double(all), 1, " % of light-frames");
+    }
+    line("switches            ", double(s.switches), 0, "");
+    line("over-budget frames  ", s.overBudget, 0, budgetMs_ > 0.0f ? "" : " (no budget set)");
+    return out;
+}
+
+} // namespace gnomon::demo

@@ -1,0 +1,100 @@
+// gnomon: runs scenes, measures methods, checks rules. See demo/README.md.
+#include <cstdio>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+
+#include "demo/program/commands.hpp"
+
+namespace {
+
+using namespace gnomon::demo;
+
+constexpr const char* kSceneHelp = "path of a scene file, or the name of a shipped one (see `gnomon scenes`)";
+
+void addRun(CLI::App& app, RunOptions& options, int& exitCode)
+{
+    CLI::App* run = app.add_subcommand("run", "draw a scene and log what was decided and what it cost");
+    run->add_option("SCENE", options.scene, kSceneHelp)->required();
+    auto* rules = run->add_option("--rules", options.rules, "rule base: a path, or `default` or `thesis`");
+    run->add_option("--method", options.method, "this method for every light it serves, instead of rules")
+        ->excludes(rules);
+    run->add_option("--size", options.size, "picture size, such as 1280x720; default: the scene's");
+    run->add_option("--frames", options.frames, "number of frames; default: the scene's")
+        ->check(CLI::Range(1, 1000000));
+    run->add_option("--lights", options.lights, "number of lights; default: the scene's")->check(CLI::Range(1, 32));
+    run->add_option("--budget-ms", options.budgetMs, "for all shadows of a frame, GPU and CPU; default: none")
+        ->check(CLI::NonNegativeNumber);
+    run->add_option("--out", options.out, "folder for tables and pictures")->capture_default_str();
+    run->add_option("--dump", options.dump, "folder for the last frame's data, for independent checks");
+    run->add_flag("--window", options.window, "in a window, with a fly camera");
+    run->add_flag("--recorded", options.recorded, "use gnCmdRenderShadows instead of gnSubmitShadows");
+    run->add_option("--in-flight", options.framesInFlight, "frames in flight")->check(CLI::Range(1, 8));
+    run->add_flag("--validate", options.validation, "run under the validation layer; a message is a failure");
+    run->add_option("--screenshot", options.screenshot, "with --window: save the window's last picture here");
+    run->add_option("--resize-test", options.resizeTest, "with --window: resize that many times, then end");
+    run->callback([&] { exitCode = options.window ? windowCommand(options) : runCommand(options); });
+}
+
+void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
+{
+    CLI::App* bench = app.add_subcommand("bench", "time and error of methods, one CSV row each");
+    bench->add_option("SCENE", options.scenes, kSceneHelp)->required();
+    bench->add_option("--methods", options.methods,
+                      "a,b,... default: all; `none` is the base row, `bare_shadow_map` a baseline without gnomon");
+    bench->add_option("--lights", options.lights, "1,2,4,... default: the scene's");
+    bench->add_option("--map", options.maps, "512,1024,... for methods with a resolution; default: theirs");
+    bench->add_option("--size", options.size, "picture size; default: the scene's");
+    bench->add_option("--repeat", options.repeat, "interleaved pairs of frames")->check(CLI::Range(3, 10000));
+    bench->add_option("--csv", options.csv, "write the table here as well");
+    bench->add_flag("--recorded", options.recorded, "use gnCmdRenderShadows; methods with round trips are skipped");
+    bench->add_flag("--validate", options.validation, "run under the validation layer (times are then meaningless)");
+    bench->callback([&] { exitCode = benchCommand(options); });
+}
+
+void addContact(CLI::App& app, ContactOptions& options, int& exitCode)
+{
+    CLI::App* contact = app.add_subcommand("contact", "contact sheet: methods by scenes, with the largest errors");
+    contact->add_option("SCENE", options.scenes, "scenes; default: all shipped ones");
+    contact->add_option("--methods", options.methods, "a,b,... default: all");
+    contact->add_option("--size", options.size, "picture size; default: the scene's");
+    contact->add_option("--out", options.out, "PNG file")->capture_default_str();
+    contact->callback([&] { exitCode = contactCommand(options); });
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    CLI::App app("Adaptive shadows for Vulkan renderers: the demo of gnomon", "gnomon");
+    app.require_subcommand(1);
+    int exitCode = 0;
+    RunOptions run;
+    BenchOptions bench;
+    ContactOptions contact;
+    std::string rules, facts;
+    addRun(app, run, exitCode);
+    addBench(app, bench, exitCode);
+    addContact(app, contact, exitCode);
+    app.add_subcommand("methods", "list the methods of this build and device")->callback([&] {
+        exitCode = methodsCommand();
+    });
+    app.add_subcommand("scenes", "list the shipped scenes")->callback([&] { exitCode = scenesCommand(); });
+    CLI::App* lint = app.add_subcommand("lint", "check a rule base");
+    lint->add_option("RULES", rules, "a path, or `default` or `thesis`")->required();
+    lint->callback([&] { exitCode = lintCommand(rules); });
+    CLI::App* explain = app.add_subcommand("explain", "say what a rule base thinks of given facts, and why");
+    explain->add_option("RULES", rules, "a path, or `default` or `thesis`")->required();
+    explain->add_option("--facts", facts, "name=value,...; what is not given is unknown")->required();
+    explain->callback([&] { exitCode = explainCommand(rules, facts); });
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "gnomon: %s\n", error.what());
+        return 1;
+    }
+    return exitCode;
+}

@@ -1,0 +1,122 @@
+#include "demo/program/measure.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace gnomon::demo {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Frames before the first measured pair: pipelines and their shaders, pools and lists reach their final size.
+constexpr uint32_t kWarmFrames = 3;
+
+double timedFrame(Session& session, const FrameRequest& request)
+{
+    const Clock::time_point start = Clock::now();
+    session.renderer.draw(request);
+    session.renderer.waitForFrame();
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+} // namespace
+
+Scene onlyServed(const Scene& scene, GnTraits traits)
+{
+    const auto served = [traits](const Light& light) {
+        const GnTraits bit = light.kind == LightKind::Directional ? GN_TRAIT_DIRECTIONAL_BIT
+                             : light.kind == LightKind::Spot      ? GN_TRAIT_SPOT_BIT
+                                                                  : GN_TRAIT_POINT_BIT;
+        return (traits & bit) != 0;
+    };
+    Scene out = scene;
+    std::erase_if(out.lights, [&](const Light& light) { return !served(light); });
+    return out;
+}
+
+const Image8* Truth::find(const std::string& light, const std::vector<uint8_t>** countedPixels) const
+{
+    const auto found = std::find(lights.begin(), lights.end(), light);
+    if (found == lights.end()) return nullptr;
+    const auto layer = static_cast<size_t>(found - lights.begin());
+    *countedPixels = &counted[layer];
+    return &visibility[layer];
+}
+
+std::optional<Truth> measureTruth(Device& device, const Scene& scene, VkExtent2D size, double time)
+{
+    Session session(device, scene, {.scene = {}, .size = size});
+    if (!session.shadows.pinAll(kTruthMethod)) return std::nullopt;
+    settle(session, time, false);
+    Truth truth;
+    truth.surfaces = {session.renderer.readDepth(), session.renderer.readNormals()};
+    truth.camera = session.renderer.camera();
+    truth.state = session.renderer.state();
+    truth.visibility = session.renderer.readVisibility();
+    for (uint32_t light : truth.state.present) {
+        truth.lights.push_back(scene.lights[light].name);
+        truth.counted.push_back(
+            countedPixels(scene, truth.camera, truth.surfaces, scene.lights[light], truth.state.lights[light]));
+    }
+    return truth;
+}
+
+void settle(Session& session, double time, bool recorded)
+{
+    if (gnWarmUp(session.shadows.context()) < 0)
+        throw HostError(std::string("gnWarmUp: ") + gnGetLastError(session.shadows.context()));
+    const CameraState camera = session.camera(time);
+    const auto everyLightPinned = [&session] {
+        for (uint32_t light : session.renderer.state().present) {
+            GnDecision decision{};
+            gnGetDecision(session.shadows.context(), session.shadows.view(0), session.shadows.light(light), &decision);
+            if (decision.reason != GN_REASON_PINNED) return false;
+        }
+        return true;
+    };
+    constexpr uint32_t patience = 200; // frames; workers need far fewer after gnWarmUp
+    for (uint32_t i = 0; i < patience; ++i) {
+        session.renderer.draw(
+            {.time = time, .cameras = {&camera, 1}, .shadows = &session.shadows, .recorded = recorded});
+        session.renderer.waitForFrame();
+        if (i + 1 >= kWarmFrames && everyLightPinned()) return;
+    }
+    throw HostError("a pinned method never became ready");
+}
+
+PairTimes timePairs(Session& session, uint32_t pairs, bool recorded, OtherShadows* other)
+{
+    PairTimes times;
+    for (uint32_t i = 0; i < kWarmFrames + pairs; ++i) {
+        const double time = frameTime(session.scene, i);
+        const CameraState camera = session.camera(time);
+        const FrameRequest without{.time = time, .cameras = {&camera, 1}};
+        FrameRequest with = without;
+        with.shadows = other ? nullptr : &session.shadows;
+        with.other = other;
+        with.recorded = recorded;
+        const double withoutMs = timedFrame(session, without);
+        const double withMs = timedFrame(session, with);
+        if (i < kWarmFrames) continue;
+        times.withoutMs.push_back(withoutMs);
+        times.withMs.push_back(withMs);
+        const GnFrameStats stats = other ? GnFrameStats{} : session.shadows.stats();
+        times.gpuMs.push_back(double(stats.gpuMs));
+        times.cpuMs.push_back(double(stats.cpuMs));
+    }
+    return times;
+}
+
+double minimum(const std::vector<double>& values)
+{
+    return *std::min_element(values.begin(), values.end());
+}
+
+double median(std::vector<double> values)
+{
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+} // namespace gnomon::demo

@@ -1,0 +1,51 @@
+#pragma once
+// Frames of one method beside the same frames without shadows, and the same scene as the truth sees it. Shared by
+// `bench` and `contact`.
+
+#include <memory>
+#include <optional>
+
+#include "demo/program/error_count.hpp"
+#include "demo/program/session.hpp"
+
+namespace gnomon::demo {
+
+inline constexpr const char* kNoneMethod = "none";
+inline constexpr const char* kBareMethod = "bare_shadow_map";
+inline constexpr const char* kTruthMethod = "ray_traced";
+inline constexpr const char* kResolutionSetting = "resolution";
+
+/// The scene with only those lights that a method with these traits serves.
+Scene onlyServed(const Scene& scene, GnTraits traits);
+
+/// What the truth says about the present lights of a scene at one time.
+struct Truth {
+    FrameSurfaces surfaces;
+    CameraMatrices camera;
+    SceneState state;
+    std::vector<std::string> lights; ///< Names, in layer order.
+    std::vector<Image8> visibility;
+    std::vector<std::vector<uint8_t>> counted;
+
+    const Image8* find(const std::string& light, const std::vector<uint8_t>** countedPixels) const;
+};
+
+/// Empty where this build has no ray tracing.
+std::optional<Truth> measureTruth(Device& device, const Scene& scene, VkExtent2D size, double time);
+
+/// Draws until the pinned method serves every light (warm-up, workers), then leaves the newest frame at `time`.
+void settle(Session& session, double time, bool recorded);
+
+struct PairTimes {
+    std::vector<double> withMs, withoutMs; ///< Wall time of each frame of the interleaved pairs.
+    std::vector<double> gpuMs, cpuMs;      ///< As gnomon reports them.
+};
+
+/// Alternates frames without and with shadows; both of a pair show the same time. \param shadows false: `other`
+/// instead.
+PairTimes timePairs(Session& session, uint32_t pairs, bool recorded, OtherShadows* other);
+
+double minimum(const std::vector<double>& values);
+double median(std::vector<double> values);
+
+} // namespace gnomon::demo

@@ -1,0 +1,22 @@
+#pragma once
+// Pictures of frames: the lit image, and the same with every light's method written into it.
+
+#include <filesystem>
+#include <string_view>
+
+#include "demo/host/renderer.hpp"
+#include "demo/program/frame_log.hpp"
+
+namespace gnomon::demo {
+
+/// One colour per method, the same in every picture; unknown names get one by their letters.
+Rgb8 methodColour(std::string_view method) noexcept;
+
+/// A caption per light in its method's colour at the top left, and a mark where each light stands, if on the screen.
+Image8 captioned(const Image8& picture, const Scene& scene, const SceneState& state, const CameraMatrices& camera,
+                 const std::vector<FrameLog::LightLine>& lines, std::string_view title);
+
+/// Pixel of a world position; false when it is behind the eye or off the screen.
+bool projectToPixel(const CameraMatrices& camera, VkExtent2D extent, const glm::dvec3& world, int32_t& x, int32_t& y);
+
+} // namespace gnomon::demo

@@ -1,0 +1,150 @@
+#include "demo/program/session.hpp"
+
+#include <charconv>
+#include <fstream>
+#include <sstream>
+
+#include "demo/scene/scene_file.hpp"
+#ifdef GNOMON_WITH_YAML
+#include "rules/yaml/shipped.hpp"
+#endif
+
+namespace gnomon::demo {
+namespace {
+
+std::unique_ptr<Scene> load(const SessionOptions& options)
+{
+    auto scene = std::make_unique<Scene>(valueOf(loadScene(options.scene)));
+    if (options.lights) limitLights(*scene, *options.lights);
+    return scene;
+}
+
+// At least the default, so that lights which come and go keep their place; at most what the lighting pass takes.
+uint32_t layersFor(const Scene& scene)
+{
+    return std::max<uint32_t>(1, static_cast<uint32_t>(scene.lights.size()));
+}
+
+VkExtent2D sizeOf(const Scene& scene, const SessionOptions& options)
+{
+    return options.size.width > 0 ? options.size : VkExtent2D{scene.width, scene.height};
+}
+
+ShadowHostOptions shadowOptions(const Scene& scene, const SessionOptions& options)
+{
+    return {.framesInFlight = options.framesInFlight,
+            .viewCount = options.viewCount,
+            .maxLights = layersFor(scene),
+            .flags = options.contextFlags};
+}
+
+RendererOptions rendererOptions(const Scene& scene, const SessionOptions& options)
+{
+    return {.framesInFlight = options.framesInFlight,
+            .viewCount = options.viewCount,
+            .maxLights = layersFor(scene),
+            .extent = sizeOf(scene, options)};
+}
+
+bool parseUnsigned(std::string_view text, uint32_t low, uint32_t high, uint32_t& value)
+{
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc() && end == text.data() + text.size() && value >= low && value <= high;
+}
+
+} // namespace
+
+Session::Session(const SessionOptions& options)
+    : ownScene(load(options)),
+      ownDevice(Device::create({.validation = options.validation, .instanceExtensions = options.instanceExtensions})),
+      scene(*ownScene), device(*ownDevice), geometry(device, scene),
+      shadows(device, scene, geometry, shadowOptions(scene, options)),
+      renderer(device, scene, geometry, rendererOptions(scene, options))
+{
+}
+
+Session::Session(Device& sharedDevice, const Scene& sharedScene, const SessionOptions& options)
+    : scene(sharedScene), device(sharedDevice), geometry(device, scene),
+      shadows(device, scene, geometry, shadowOptions(scene, options)),
+      renderer(device, scene, geometry, rendererOptions(scene, options))
+{
+}
+
+Outcome<VkExtent2D> parseSize(const std::string& text)
+{
+    constexpr uint32_t largest = 16384; // the side every desktop device takes for 2D images
+    const size_t cross = text.find('x');
+    VkExtent2D size{};
+    if (cross == std::string::npos || !parseUnsigned(std::string_view(text).substr(0, cross), 1, largest, size.width) ||
+        !parseUnsigned(std::string_view(text).substr(cross + 1), 1, largest, size.height))
+        return Outcome<VkExtent2D>::failure("'" + text + "' is no size like 1280x720 with sides from 1 to 16384");
+    return size;
+}
+
+std::vector<std::string> parseNames(const std::string& text)
+{
+    std::vector<std::string> names;
+    std::stringstream stream(text);
+    for (std::string name; std::getline(stream, name, ',');)
+        if (!name.empty()) names.push_back(name);
+    return names;
+}
+
+Outcome<std::vector<uint32_t>> parseCounts(const std::string& text, uint32_t low, uint32_t high)
+{
+    std::vector<uint32_t> counts;
+    for (const std::string& word : parseNames(text)) {
+        uint32_t value = 0;
+        if (!parseUnsigned(word, low, high, value))
+            return Outcome<std::vector<uint32_t>>::failure("'" + word + "' in '" + text + "' is no whole number from " +
+                                                           std::to_string(low) + " to " + std::to_string(high));
+        counts.push_back(value);
+    }
+    return counts;
+}
+
+Outcome<RuleText> findRules(const std::string& nameOrPath)
+{
+    const std::string wanted = nameOrPath.empty() ? "default" : nameOrPath;
+    std::error_code ignored; // unreadable counts as absent; the message below names it
+    if (std::filesystem::is_regular_file(wanted, ignored)) {
+        Outcome<std::string> text = readText(wanted);
+        return text ? Outcome<RuleText>(RuleText{std::move(*text), wanted}) : Outcome<RuleText>::failure(text.error());
+    }
+    std::string known;
+#ifdef GNOMON_WITH_YAML
+    for (const rules::ShippedRuleBase& base : rules::shippedRuleBases()) {
+        if (base.name == wanted) return RuleText{std::string(base.text), wanted};
+        known += (known.empty() ? "" : ", ") + std::string(base.name);
+    }
+#endif
+    return Outcome<RuleText>::failure("no rule base '" + wanted + "': neither a file nor one of: " + known);
+}
+
+Outcome<std::string> readText(const std::filesystem::path& file)
+{
+    std::ifstream stream(file, std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    if (!stream) return Outcome<std::string>::failure(file.string() + ": cannot be read");
+    return text.str();
+}
+
+Status writeText(const std::filesystem::path& file, std::string_view text)
+{
+    std::ofstream stream(file, std::ios::binary);
+    stream << text << std::flush;
+    return stream ? Status(Done{}) : Status::failure(file.string() + ": cannot be written");
+}
+
+void requireSilence(const Device& device)
+{
+    const std::vector<std::string> messages = device.validation.messages();
+    if (messages.empty()) return;
+    std::string all = std::to_string(messages.size()) + " validation messages:";
+    for (const std::string& message : messages)
+        all += "\n" + message;
+    throw HostError(all);
+}
+
+} // namespace gnomon::demo

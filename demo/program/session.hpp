@@ -1,0 +1,64 @@
+#pragma once
+// What every command that draws needs: a scene, a device, the renderer and gnomon, made in order and destroyed in
+// reverse.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "demo/host/renderer.hpp"
+#include "demo/scene/scene.hpp"
+
+namespace gnomon::demo {
+
+struct SessionOptions {
+    std::string scene;              ///< Path or shipped name.
+    VkExtent2D size{};              ///< Zero: the scene's.
+    std::optional<uint32_t> lights; ///< limitLights().
+    uint32_t framesInFlight = 2;
+    uint32_t viewCount = 1;
+    GnContextCreateFlags contextFlags = 0;
+    bool validation = false;
+    std::vector<const char*> instanceExtensions;
+};
+
+struct Session {
+    explicit Session(const SessionOptions& options);
+    /// On a device and a scene that outlive the session: bench makes many contexts on one device.
+    Session(Device& device, const Scene& scene, const SessionOptions& options);
+
+    std::unique_ptr<Scene> ownScene;
+    std::unique_ptr<Device> ownDevice;
+    const Scene& scene;
+    Device& device;
+    SceneGeometry geometry;
+    ShadowHost shadows;
+    Renderer renderer;
+
+    CameraState camera(double time) const { return cameraAt(scene, time); }
+};
+
+/// "1280x720" as an extent; fails naming what is wrong. Sides in [1, 16384].
+Outcome<VkExtent2D> parseSize(const std::string& text);
+
+/// "1,2,4" as numbers in [low, high].
+Outcome<std::vector<uint32_t>> parseCounts(const std::string& text, uint32_t low, uint32_t high);
+
+/// Comma-separated words.
+std::vector<std::string> parseNames(const std::string& text);
+
+struct RuleText {
+    std::string text;
+    std::string name; ///< For messages: the path, or "default".
+};
+/// A rule base by path or by the name of a shipped one; empty: "default".
+Outcome<RuleText> findRules(const std::string& nameOrPath);
+
+Outcome<std::string> readText(const std::filesystem::path& file);
+Status writeText(const std::filesystem::path& file, std::string_view text);
+
+/// Throws HostError listing what validation found.
+void requireSilence(const Device& device);
+
+} // namespace gnomon::demo

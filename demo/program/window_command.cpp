@@ -1,0 +1,201 @@
+// `gnomon run SCENE --window`.
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include "demo/host/window.hpp"
+#include "demo/io/number.hpp"
+#include "demo/io/png.hpp"
+#include "demo/program/commands.hpp"
+#include "demo/program/frame_log.hpp"
+#include "demo/program/pictures.hpp"
+#include "demo/program/session.hpp"
+
+namespace gnomon::demo {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kMetresPerSecond = 4.0, kFastFactor = 4.0;
+constexpr double kRadiansPerPixel = 0.004; // half a turn over 800 pixels
+constexpr const char* kHelp =
+    "keys: W A S D Q E move (shift: fast), right mouse button looks around, C scripted camera,\n"
+    "      Tab next light, 1-9 pin a method on it, 0 hand it back to the rules, P pause,\n"
+    "      F12 screenshot.png, Esc quits\n";
+
+/// Follows the scene's camera until the first key, then flies.
+class FlyCamera {
+public:
+    CameraState update(Window& window, const CameraState& scripted, double seconds)
+    {
+        double dx = 0.0, dy = 0.0;
+        const bool looked = window.dragging(dx, dy);
+        glm::dvec3 move(0.0);
+        const auto axis = [&](int plus, int minus) { return double(window.held(plus)) - double(window.held(minus)); };
+        move.x = axis(GLFW_KEY_D, GLFW_KEY_A);
+        move.y = axis(GLFW_KEY_E, GLFW_KEY_Q);
+        move.z = axis(GLFW_KEY_W, GLFW_KEY_S);
+        if (!flying_ && (looked || move != glm::dvec3(0.0))) takeOver(scripted);
+        if (!flying_) return scripted;
+        yaw_ -= dx * kRadiansPerPixel;
+        pitch_ = std::clamp(pitch_ - dy * kRadiansPerPixel, -1.5, 1.5); // short of straight up and down
+        const glm::dvec3 forward(-std::sin(yaw_) * std::cos(pitch_), std::sin(pitch_),
+                                 -std::cos(yaw_) * std::cos(pitch_));
+        const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0.0, 1.0, 0.0)));
+        const double step = seconds * kMetresPerSecond * (window.held(GLFW_KEY_LEFT_SHIFT) ? kFastFactor : 1.0);
+        eye_ += step * (move.x * right + move.y * glm::dvec3(0.0, 1.0, 0.0) + move.z * forward);
+        CameraState camera = scripted;
+        camera.eye = eye_;
+        camera.target = eye_ + forward;
+        camera.up = glm::cross(right, forward);
+        return camera;
+    }
+    void followScript() { flying_ = false; }
+    bool flying() const { return flying_; }
+
+private:
+    void takeOver(const CameraState& from)
+    {
+        flying_ = true;
+        eye_ = from.eye;
+        const glm::dvec3 forward = from.forward();
+        yaw_ = std::atan2(-forward.x, -forward.z);
+        pitch_ = std::asin(std::clamp(forward.y, -1.0, 1.0));
+    }
+    bool flying_ = false;
+    glm::dvec3 eye_{0.0};
+    double yaw_ = 0.0, pitch_ = 0.0;
+};
+
+/// Which light the number keys speak to, and what they do.
+class MethodKeys {
+public:
+    explicit MethodKeys(Session& session) : session_(session)
+    {
+        for (const GnMethodInfo& method : session.shadows.methods())
+            if (!method.pUnavailable) methods_.push_back(method.pName);
+        for (size_t i = 0; i < methods_.size() && i < 9; ++i)
+            std::printf("  %zu %s\n", i + 1, methods_[i].c_str());
+    }
+    void press(int key)
+    {
+        if (session_.scene.lights.empty()) return;
+        if (key == GLFW_KEY_TAB)
+            light_ = (light_ + 1) % static_cast<uint32_t>(session_.scene.lights.size());
+        else if (key == GLFW_KEY_0)
+            show(session_.shadows.pin(light_, ""));
+        else if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9 && size_t(key - GLFW_KEY_1) < methods_.size())
+            show(session_.shadows.pin(light_, methods_[size_t(key - GLFW_KEY_1)]));
+    }
+    uint32_t light() const { return light_; }
+
+private:
+    static void show(const Status& status)
+    {
+        if (!status) std::fprintf(stderr, "%s\n", status.error().c_str());
+    }
+    Session& session_;
+    std::vector<std::string> methods_;
+    uint32_t light_ = 0;
+};
+
+std::string titleFor(const Session& session, const FrameLog& log, double fps, uint32_t selected)
+{
+    std::string title = "gnomon  " + session.scene.name + "  ";
+    appendFixed(title, fps, 1);
+    title += " fps ";
+    for (const FrameLog::LightLine& line : log.newest()) {
+        const bool isSelected =
+            selected < session.scene.lights.size() && line.light == session.scene.lights[selected].name;
+        title += isSelected ? "  [" + line.light + ": " + line.method + "]" : "  " + line.light + ": " + line.method;
+    }
+    return title;
+}
+
+/// Sizes for the test: each differs from the one before in both sides, some larger, some smaller, one a sliver.
+VkExtent2D testSize(uint32_t step)
+{
+    return {160 + step * 53 % 480, step == 7 ? 33 : 120 + step * 37 % 360};
+}
+
+} // namespace
+
+int windowCommand(const RunOptions& options)
+{
+    const WindowSystem system;
+    SessionOptions sessionOptions{.scene = options.scene,
+                                  .framesInFlight = options.framesInFlight,
+                                  .validation = options.validation,
+                                  .instanceExtensions = system.instanceExtensions()};
+    if (!options.size.empty()) sessionOptions.size = valueOf(parseSize(options.size));
+    if (options.lights > 0) sessionOptions.lights = options.lights;
+    Session session(sessionOptions);
+    const RuleText rules = valueOf(findRules(options.rules));
+    expect(session.shadows.loadRules(rules.text, rules.name));
+    if (!options.method.empty()) expect(session.shadows.pinAll(options.method));
+    if (gnWarmUp(session.shadows.context()) < 0)
+        throw HostError(std::string("gnWarmUp: ") + gnGetLastError(session.shadows.context()));
+
+    Window window(session.device, session.renderer.extent(), "gnomon", options.framesInFlight);
+    std::printf("%s", kHelp);
+    MethodKeys keys(session);
+    FlyCamera fly;
+    FrameLog log(session.scene, options.budgetMs);
+    const double duration = frameTime(session.scene, session.scene.frames);
+    double time = 0.0, smoothedMs = 0.0;
+    bool paused = false;
+    uint32_t frame = 0, resizes = 0;
+    Clock::time_point last = Clock::now();
+    while (!window.closed()) {
+        window.pollEvents();
+        const Clock::time_point now = Clock::now();
+        const double seconds = std::chrono::duration<double>(now - last).count();
+        last = now;
+        bool screenshot = false;
+        for (const int key : window.takePressedKeys()) {
+            keys.press(key);
+            if (key == GLFW_KEY_ESCAPE) window.close();
+            paused = key == GLFW_KEY_P ? !paused : paused;
+            screenshot = screenshot || key == GLFW_KEY_F12;
+            if (key == GLFW_KEY_C) fly.followScript();
+        }
+        const double before = time;
+        if (!paused) time = std::fmod(time + seconds, duration);
+        const CameraState camera = fly.update(window, session.camera(time), seconds);
+        const bool cut = !fly.flying() && (time < before || cameraCutsBetween(session.scene, before, time));
+        const bool drawn = window.frame([&](const PresentTarget& target) {
+            session.renderer.resize(target.extent);
+            session.renderer.draw({.time = time,
+                                   .cameras = {&camera, 1},
+                                   .shadows = &session.shadows,
+                                   .recorded = options.recorded,
+                                   .budgetMs = options.budgetMs,
+                                   .cameraCut = cut,
+                                   .present = &target});
+        });
+        if (!drawn) continue;
+        log.add(frame, time, seconds * 1000.0, session.renderer.state(), session.shadows);
+        smoothedMs = frame < 2 ? seconds * 1000.0 : 0.9 * smoothedMs + 0.1 * seconds * 1000.0; // some ten frames
+        if (frame++ % 10 == 0)
+            window.setTitle(titleFor(session, log, smoothedMs > 0.0 ? 1000.0 / smoothedMs : 0.0, keys.light()));
+        if (screenshot) expect(writePng("screenshot.png", session.renderer.readColour()));
+        for (const std::string& message : session.shadows.takeMessages())
+            std::fprintf(stderr, "gnomon: %s\n", message.c_str());
+        if (options.resizeTest > 0 && frame % 3 == 0 && resizes++ < options.resizeTest)
+            window.setSize(resizes < options.resizeTest ? testSize(resizes) : VkExtent2D{640, 360});
+        const uint32_t testFrames = options.frames > 0       ? options.frames
+                                    : options.resizeTest > 0 ? options.resizeTest * 3 + 12
+                                                             : 0;
+        if (testFrames > 0 && frame >= testFrames) window.close();
+    }
+    if (!options.screenshot.empty()) expect(writePng(options.screenshot, session.renderer.readColour()));
+    window.finish();
+    requireSilence(session.device);
+    std::printf("%s", log.summaryText().c_str());
+    return 0;
+}
+
+} // namespace gnomon::demo
