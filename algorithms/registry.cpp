@@ -1,6 +1,7 @@
 #include "algorithms/registry.hpp"
 
 #include <array>
+#include <initializer_list>
 
 #include "algorithms/maps/shadow_map.hpp"
 #include "algorithms/omni/cube_map.hpp"
@@ -22,11 +23,28 @@ constexpr std::array kAlgorithms = {
 #endif
 };
 
+/// Known to rules, left out of this build.
+constexpr std::initializer_list<const char*> kAbsentNames = {
+#ifndef GNOMON_WITH_EMBREE
+    "ray_traced",
+    "pcf_hybrid",
+#endif
+#ifndef GNOMON_WITH_OPENMESH
+    "stencil_volume",
+#endif
+};
+constexpr std::span<const char* const> kAbsent{kAbsentNames.begin(), kAbsentNames.size()};
+
 } // namespace
 
 std::span<const AlgorithmEntry* const> builtinAlgorithms()
 {
     return kAlgorithms;
+}
+
+AlgorithmRegistry builtinRegistry()
+{
+    return {.entries = builtinAlgorithms(), .absent = kAbsent};
 }
 
 } // namespace gnomon

@@ -2,6 +2,7 @@
 #include <span>
 
 #include "runtime/algorithm.hpp"
+#include "runtime/registry.hpp"
 
 namespace gnomon {
 

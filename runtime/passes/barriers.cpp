@@ -4,17 +4,68 @@
 
 namespace gnomon {
 
-void BarrierBatch::add(PooledImage& image, std::uint32_t layer, const SyncState& old, const AccessTraits& use,
-                       VkPipelineStageFlags2 source)
+namespace {
+
+void join(SyncState& state, const AccessTraits& use)
 {
+    state.nextLayout = use.layout;
+    state.nextStages |= use.stages;
+    state.nextAccess |= use.access;
+    state.nextWrite |= use.write;
+}
+
+/// The state once the wave has run: a new write, or one more read of the last one.
+void advance(SyncState& state, bool newWrite)
+{
+    if (newWrite) {
+        state.writeStages = state.nextStages;
+        state.writeAccess = state.nextWrite ? state.nextAccess : 0;
+        state.readStages = state.visibleStages = 0;
+        state.visibleAccess = 0;
+    }
+    if (!state.nextWrite) { // a mere layout transition is visible to those it was made for
+        state.readStages |= state.nextStages;
+        state.visibleStages |= state.nextStages;
+        state.visibleAccess |= state.nextAccess;
+    }
+    state.layout = state.nextLayout;
+    state.nextStages = 0;
+    state.nextAccess = 0;
+    state.nextWrite = false;
+}
+
+bool visible(const SyncState& state)
+{
+    return (state.nextStages & ~state.visibleStages) == 0 && (state.nextAccess & ~state.visibleAccess) == 0;
+}
+
+} // namespace
+
+void BarrierBatch::image(PooledImage& image, std::uint32_t layer, std::uint32_t layerCount, const AccessTraits& use)
+{
+    for (std::uint32_t i = layer; i < layer + layerCount; ++i) {
+        if (image.layers[i].nextStages == 0) layers_.push_back({&image, i});
+        join(image.layers[i], use);
+    }
+}
+
+void BarrierBatch::buffer(PooledBuffer& buffer, const AccessTraits& use)
+{
+    if (buffer.sync.nextStages == 0) buffers_.push_back(&buffer);
+    join(buffer.sync, use);
+}
+
+void BarrierBatch::add(PooledImage& image, std::uint32_t layer, VkPipelineStageFlags2 source)
+{
+    const SyncState& state = image.layers[layer];
     const VkImageMemoryBarrier2 barrier{
         .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
         .srcStageMask = source,
-        .srcAccessMask = old.writeAccess,
-        .dstStageMask = use.stages,
-        .dstAccessMask = use.access,
-        .oldLayout = old.layout,
-        .newLayout = use.layout,
+        .srcAccessMask = state.writeAccess,
+        .dstStageMask = state.nextStages,
+        .dstAccessMask = state.nextAccess,
+        .oldLayout = state.layout,
+        .newLayout = state.nextLayout,
         .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
         .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
         .image = image.gpu.image,
@@ -23,10 +74,9 @@ void BarrierBatch::add(PooledImage& image, std::uint32_t layer, const SyncState&
     // Consecutive layers in the same state need one barrier.
     if (!images_.empty()) {
         VkImageMemoryBarrier2& last = images_.back();
-        if (last.image == barrier.image && last.oldLayout == barrier.oldLayout &&
-            last.newLayout == barrier.newLayout && last.srcStageMask == barrier.srcStageMask &&
-            last.srcAccessMask == barrier.srcAccessMask && last.dstStageMask == barrier.dstStageMask &&
-            last.dstAccessMask == barrier.dstAccessMask &&
+        if (last.image == barrier.image && last.oldLayout == barrier.oldLayout && last.newLayout == barrier.newLayout &&
+            last.srcStageMask == barrier.srcStageMask && last.srcAccessMask == barrier.srcAccessMask &&
+            last.dstStageMask == barrier.dstStageMask && last.dstAccessMask == barrier.dstAccessMask &&
             last.subresourceRange.baseArrayLayer + last.subresourceRange.layerCount == layer) {
             ++last.subresourceRange.layerCount;
             return;
@@ -35,56 +85,30 @@ void BarrierBatch::add(PooledImage& image, std::uint32_t layer, const SyncState&
     images_.push_back(barrier);
 }
 
-void BarrierBatch::image(PooledImage& image, std::uint32_t layer, std::uint32_t layerCount, const AccessTraits& use)
+void BarrierBatch::flush(PooledImage& image, std::uint32_t layer)
 {
-    for (std::uint32_t i = layer; i < layer + layerCount; ++i) {
-        SyncState& state = image.layers[i];
-        const bool moves = state.layout != use.layout;
-        const bool visible = (use.stages & ~state.visibleStages) == 0 && (use.access & ~state.visibleAccess) == 0;
-        if (use.write || moves) {
-            add(image, i, state, use, state.writeStages | state.readStages);
-            if (use.write)
-                state = {.layout = use.layout, .writeStages = use.stages, .writeAccess = use.access};
-            else // the transition is the newest write; it is visible to this use only
-                state = {.layout = use.layout,
-                         .writeStages = use.stages,
-                         .readStages = use.stages,
-                         .visibleStages = use.stages,
-                         .visibleAccess = use.access};
-            continue;
-        }
-        if (!visible) {
-            add(image, i, state, use, state.writeStages);
-            state.visibleStages |= use.stages;
-            state.visibleAccess |= use.access;
-        }
-        state.readStages |= use.stages;
-    }
+    SyncState& state = image.layers[layer];
+    const bool newWrite = state.nextWrite || state.layout != state.nextLayout;
+    if (newWrite)
+        add(image, layer, state.writeStages | state.readStages);
+    else if (!visible(state))
+        add(image, layer, state.writeStages);
+    advance(state, newWrite);
 }
 
-void BarrierBatch::buffer(PooledBuffer& buffer, const AccessTraits& use)
+void BarrierBatch::flush(PooledBuffer& buffer)
 {
     SyncState& state = buffer.sync;
-    if (use.write) {
-        memory_.srcStageMask |= state.writeStages | state.readStages;
+    const VkPipelineStageFlags2 source = state.nextWrite  ? state.writeStages | state.readStages
+                                         : visible(state) ? 0
+                                                          : state.writeStages;
+    if (source) {
+        memory_.srcStageMask |= source;
         memory_.srcAccessMask |= state.writeAccess;
-        if (state.writeStages | state.readStages) {
-            memory_.dstStageMask |= use.stages;
-            memory_.dstAccessMask |= use.access;
-        }
-        state = {.writeStages = use.stages, .writeAccess = use.access};
-        return;
+        memory_.dstStageMask |= state.nextStages;
+        memory_.dstAccessMask |= state.nextAccess;
     }
-    const bool visible = (use.stages & ~state.visibleStages) == 0 && (use.access & ~state.visibleAccess) == 0;
-    if (state.writeStages && !visible) {
-        memory_.srcStageMask |= state.writeStages;
-        memory_.srcAccessMask |= state.writeAccess;
-        memory_.dstStageMask |= use.stages;
-        memory_.dstAccessMask |= use.access;
-        state.visibleStages |= use.stages;
-        state.visibleAccess |= use.access;
-    }
-    state.readStages |= use.stages;
+    advance(state, state.nextWrite);
 }
 
 void BarrierBatch::toHost()
@@ -109,6 +133,12 @@ void BarrierBatch::full(VkCommandBuffer cmd)
 
 void BarrierBatch::record(VkCommandBuffer cmd)
 {
+    for (const Layer& used : layers_)
+        flush(*used.image, used.layer);
+    for (PooledBuffer* buffer : buffers_)
+        flush(*buffer);
+    layers_.clear();
+    buffers_.clear();
     const bool memory = memory_.srcStageMask != 0;
     if (!memory && images_.empty()) return;
     const VkDependencyInfo info{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,

@@ -14,19 +14,27 @@ class BarrierBatch {
 public:
     explicit BarrierBatch(const DeviceTable& vk) : vk_(vk) {}
 
-    /// The layers will be used as `use` says; their state is brought up to date.
+    /// The layers will be used as `use` says by some pass of the wave. Passes of one wave agree on the layout.
     void image(PooledImage& image, std::uint32_t layer, std::uint32_t layerCount, const AccessTraits& use);
     void buffer(PooledBuffer& buffer, const AccessTraits& use);
     /// What the GPU wrote in readback buffers becomes visible to the CPU.
     void toHost();
     /// Everything before ends before anything after begins: timed frames.
     void full(VkCommandBuffer cmd);
+    /// Records what is needed before the wave; the states are as after it.
     void record(VkCommandBuffer cmd);
 
 private:
-    void add(PooledImage& image, std::uint32_t layer, const SyncState& old, const AccessTraits& use,
-             VkPipelineStageFlags2 source);
+    struct Layer {
+        PooledImage* image;
+        std::uint32_t layer;
+    };
+    void flush(PooledImage& image, std::uint32_t layer);
+    void flush(PooledBuffer& buffer);
+    void add(PooledImage& image, std::uint32_t layer, VkPipelineStageFlags2 source);
     const DeviceTable& vk_;
+    std::vector<Layer> layers_; // used by the wave
+    std::vector<PooledBuffer*> buffers_;
     std::vector<VkImageMemoryBarrier2> images_;
     VkMemoryBarrier2 memory_{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
 };

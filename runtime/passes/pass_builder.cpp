@@ -10,21 +10,28 @@ namespace {
 AccessKind readOf(PassKind kind)
 {
     switch (kind) {
-    case PassKind::transfer: return AccessKind::copySource;
+    case PassKind::transfer:
+        return AccessKind::copySource;
     case PassKind::prepare:
-    case PassKind::host: return AccessKind::hostRead;
-    default: return AccessKind::storageRead;
+    case PassKind::host:
+        return AccessKind::hostRead;
+    default:
+        return AccessKind::storageRead;
     }
 }
 
 AccessKind writeOf(PassKind kind, bool image, bool blend)
 {
     switch (kind) {
-    case PassKind::raster: return !image ? AccessKind::storageWrite : blend ? AccessKind::colorBlend : AccessKind::color;
-    case PassKind::transfer: return AccessKind::copyTarget;
+    case PassKind::raster:
+        return !image ? AccessKind::storageWrite : blend ? AccessKind::colorBlend : AccessKind::color;
+    case PassKind::transfer:
+        return AccessKind::copyTarget;
     case PassKind::prepare:
-    case PassKind::host: return AccessKind::hostWrite;
-    case PassKind::compute: break;
+    case PassKind::host:
+        return AccessKind::hostWrite;
+    case PassKind::compute:
+        break;
     }
     return AccessKind::storageWrite;
 }
@@ -234,9 +241,15 @@ bool PassBuilder::stale(BufferId buffer, std::uint64_t stamp)
     return true;
 }
 
-void PassBuilder::kept(std::uint32_t count) { graph_.taskKept_ += count; }
+void PassBuilder::kept(std::uint32_t count)
+{
+    graph_.taskKept_ += count;
+}
 
-FrameArena& PassBuilder::arena() { return graph_.arena_; }
+FrameArena& PassBuilder::arena()
+{
+    return graph_.arena_;
+}
 
 BufferId PassGraph::hostCopy(ImageId image, const char* name, VkDeviceSize texelSize)
 {
@@ -262,7 +275,10 @@ BufferId PassGraph::hostCopy(ImageId image, const char* name, VkDeviceSize texel
     return buffer;
 }
 
-BufferId PassBuilder::depthOnHost() { return graph_.hostCopy(graph_.depth_, "view.depth_readback", sizeof(float)); }
+BufferId PassBuilder::depthOnHost()
+{
+    return graph_.hostCopy(graph_.depth_, "view.depth_readback", sizeof(float));
+}
 
 BufferId PassBuilder::normalsOnHost()
 {

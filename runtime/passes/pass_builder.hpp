@@ -17,11 +17,11 @@ class PassContext; // given to GPU passes while recording; pass_context.hpp
 class HostContext; // given to prepare and host passes; pass_context.hpp
 
 enum class PassKind : std::uint8_t {
-    raster,   ///< A rendering scope with the declared attachments.
+    raster, ///< A rendering scope with the declared attachments.
     compute,
     transfer,
-    prepare,  ///< CPU work that needs no GPU result of this frame; runs on workers before recording.
-    host,     ///< CPU work between GPU passes; sees buffers only. Ends a level.
+    prepare, ///< CPU work that needs no GPU result of this frame; runs on workers before recording.
+    host,    ///< CPU work between GPU passes; sees buffers only. Ends a level.
 };
 
 /// How often a pass or resource exists: once per view (whatever the lights), once per light (whatever the views), or
@@ -71,9 +71,9 @@ struct Part {
     std::uint32_t layer = 0;
     std::uint32_t layerCount = 1;
     Rect rect{};
-    bool clear = false;        ///< Attachments: clear to `value` on load (within `rect`).
+    bool clear = false; ///< Attachments: clear to `value` on load (within `rect`).
     VkClearValue value{};
-    bool blend = false;        ///< Attachments: what is there is read as well.
+    bool blend = false; ///< Attachments: what is there is read as well.
 };
 inline constexpr Part kAllLayers{.layer = 0, .layerCount = VK_REMAINING_ARRAY_LAYERS};
 
@@ -81,18 +81,18 @@ inline constexpr Part kAllLayers{.layer = 0, .layerCount = VK_REMAINING_ARRAY_LA
 class PassRef {
 public:
     // Images.
-    PassRef& samples(ImageId image, Part part = kAllLayers);   ///< Sampled in the fragment or compute stage.
-    PassRef& writes(ImageId image, Part part = {});            ///< Colour attachment, storage image or copy target.
-    PassRef& updates(ImageId image, Part part = {});           ///< Storage image, read and write (atomics).
-    PassRef& copies(ImageId image, Part part = kAllLayers);    ///< Source of a transfer.
-    PassRef& depthTest(ImageId image, Part part = {});         ///< Depth attachment, read only.
-    PassRef& depthWrite(ImageId image, Part part = {});        ///< Depth attachment, tested and written.
+    PassRef& samples(ImageId image, Part part = kAllLayers); ///< Sampled in the fragment or compute stage.
+    PassRef& writes(ImageId image, Part part = {});          ///< Colour attachment, storage image or copy target.
+    PassRef& updates(ImageId image, Part part = {});         ///< Storage image, read and write (atomics).
+    PassRef& copies(ImageId image, Part part = kAllLayers);  ///< Source of a transfer.
+    PassRef& depthTest(ImageId image, Part part = {});       ///< Depth attachment, read only.
+    PassRef& depthWrite(ImageId image, Part part = {});      ///< Depth attachment, tested and written.
     PassRef& stencilTest(ImageId image, Part part = {});
-    PassRef& stencilWrite(ImageId image, Part part = {});      ///< Combines with depthTest of the same image.
+    PassRef& stencilWrite(ImageId image, Part part = {}); ///< Combines with depthTest of the same image.
     // Buffers.
-    PassRef& reads(BufferId buffer);    ///< Storage read, host read, or source of a transfer.
-    PassRef& writes(BufferId buffer);   ///< Storage write, host write, or target of a transfer.
-    PassRef& updates(BufferId buffer);  ///< Read and written.
+    PassRef& reads(BufferId buffer);   ///< Storage read, host read, or source of a transfer.
+    PassRef& writes(BufferId buffer);  ///< Storage write, host write, or target of a transfer.
+    PassRef& updates(BufferId buffer); ///< Read and written.
     PassRef& vertices(BufferId buffer);
     PassRef& indices(BufferId buffer);
     PassRef& indirect(BufferId buffer);
@@ -157,8 +157,8 @@ public:
     void kept(std::uint32_t count = 1);
 
     // Shared view-scope resources, made at most once per view and frame, on first use.
-    BufferId depthOnHost();    ///< float per pixel of the image extent, row by row, readback.
-    BufferId normalsOnHost();  ///< Raw texels of the normal image (CameraView::normalFormat), readback; none: null id.
+    BufferId depthOnHost();   ///< float per pixel of the image extent, row by row, readback.
+    BufferId normalsOnHost(); ///< Raw texels of the normal image (CameraView::normalFormat), readback; none: null id.
 
     /// Memory of this frame for closures to share (counts set by a prepare pass, read while recording).
     FrameArena& arena();

@@ -17,9 +17,9 @@ struct Bound {
     BufferId buffer;
     std::uint32_t layer = VK_REMAINING_ARRAY_LAYERS; ///< One layer as a 2D view, or all as an array view.
     SamplerKind sampler = SamplerKind::nearest;
-    bool stencil = false;          ///< Stencil aspect.
+    bool stencil = false;                ///< Stencil aspect.
     VkBuffer rawBuffer = VK_NULL_HANDLE; ///< Instead of `buffer`: a mesh's own.
-    std::uint32_t offset = 0;      ///< constants: into the frame's ring.
+    std::uint32_t offset = 0;            ///< constants: into the frame's ring.
     std::uint32_t size = 0;
 };
 
@@ -27,11 +27,11 @@ struct Bound {
 struct CasterDraw {
     PipelineId pipeline;
     std::span<const Caster* const> casters;
-    std::span<const Plane> volume;     ///< Casters whose bounds lie outside any plane are skipped.
-    std::span<const Bound> bindings;   ///< Binding 1 is the table of transforms; added by drawCasters.
-    const void* push = nullptr;        ///< Push constants.
+    std::span<const Plane> volume;   ///< Casters whose bounds lie outside any plane are skipped.
+    std::span<const Bound> bindings; ///< Binding 1 is the table of transforms; added by drawCasters.
+    const void* push = nullptr;      ///< Push constants.
     std::uint32_t pushSize = 0;
-    bool biasOpen = true;              ///< Open casters get the depth bias of the house's policy (runtime/scene/bias.hpp).
+    bool biasOpen = true; ///< Open casters get the depth bias of the house's policy (runtime/scene/bias.hpp).
     const GnCasterProjection* hostProjection = nullptr; ///< Null: host-drawn casters are left out.
 };
 
@@ -90,7 +90,7 @@ private:
 /// Given to prepare and host passes; on a worker, or on the calling thread.
 class HostContext {
 public:
-    JobSystem* jobs = nullptr;   ///< parallelFor within the pass.
+    JobSystem* jobs = nullptr;      ///< parallelFor within the pass.
     const RayScene* rays = nullptr; ///< Brought to this frame's casters; null without Embree.
     FrameArena* arena = nullptr;
 
@@ -109,8 +109,8 @@ public:
         return {reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T)};
     }
 
-    void countRays(std::uint64_t count) const;       ///< Adds to the frame's statistics.
-    void countIndexList() const;                     ///< A silhouette or index list was built.
+    void countRays(std::uint64_t count) const; ///< Adds to the frame's statistics.
+    void countIndexList() const;               ///< A silhouette or index list was built.
 
     /// Host passes: declares further passes, which form the next levels (at most the algorithm's maxRounds). Called on
     /// the frame's thread after all host passes of the level have run. The closure is copied bytewise.

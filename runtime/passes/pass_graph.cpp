@@ -21,7 +21,10 @@ std::uint64_t mix(std::uint64_t hash, std::uint64_t value)
     return hash ^ (hash >> 31);
 }
 
-bool isCpu(PassKind kind) { return kind == PassKind::prepare || kind == PassKind::host; }
+bool isCpu(PassKind kind)
+{
+    return kind == PassKind::prepare || kind == PassKind::host;
+}
 
 bool overlap(const Rect& a, const Rect& b)
 {
@@ -83,8 +86,8 @@ AccessTraits accessTraits(AccessKind kind, PassKind pass)
     case AccessKind::index:
         return {VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT, VK_ACCESS_2_INDEX_READ_BIT, false};
     case AccessKind::indirect:
-        return {VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
-                VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, false};
+        return {VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT,
+                false};
     case AccessKind::hostRead:
         return {VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT, false};
     case AccessKind::hostWrite:
@@ -98,12 +101,16 @@ AccessTraits accessTraits(AccessKind kind, PassKind pass)
 std::uint64_t PassGraph::key(Scope scope, const char* name, std::uint32_t variant, std::uint64_t salt) const
 {
     std::uint64_t hash = mix(salt, variant);
-    for (const char* c = name; *c; ++c) hash = (hash ^ static_cast<unsigned char>(*c)) * 0x100000001b3ull; // FNV-1a
+    for (const char* c = name; *c; ++c)
+        hash = (hash ^ static_cast<unsigned char>(*c)) * 0x100000001b3ull; // FNV-1a
     const std::uint64_t view = view_ ? view_->id : UINT32_MAX;
     switch (scope) {
-    case Scope::view: return mix(mix(hash, 1), view);
-    case Scope::light: return mix(mix(hash, 2), owner_.light);
-    case Scope::task: break;
+    case Scope::view:
+        return mix(mix(hash, 1), view);
+    case Scope::light:
+        return mix(mix(hash, 2), owner_.light);
+    case Scope::task:
+        break;
     }
     return mix(mix(mix(mix(hash, 3), view), owner_.light), owner_.method);
 }
@@ -125,13 +132,15 @@ void PassGraph::store(std::uint64_t key, std::uint32_t index)
         for (const Slot& slot : old) {
             if (slot.epoch != epoch_) continue;
             std::size_t i = slot.key & mask;
-            while (table_[i].epoch == epoch_) i = (i + 1) & mask;
+            while (table_[i].epoch == epoch_)
+                i = (i + 1) & mask;
             table_[i] = slot;
         }
     }
     const std::size_t mask = table_.size() - 1;
     std::size_t i = key & mask;
-    while (table_[i].epoch == epoch_ && table_[i].key != key) i = (i + 1) & mask;
+    while (table_[i].epoch == epoch_ && table_[i].key != key)
+        i = (i + 1) & mask;
     table_[i] = {key, index, epoch_};
 }
 
@@ -142,6 +151,7 @@ void PassGraph::reset()
     images_.clear();
     buffers_.clear();
     order_.clear();
+    tasks_.clear();
     ++epoch_;
     tableUsed_ = 0;
     levels_ = 1;
@@ -154,10 +164,17 @@ void PassGraph::reset()
 
 void PassGraph::beginTask(const PassOwner& owner, const CameraView* view, ImageId depth, ImageId normals)
 {
-    owner_ = owner;
-    view_ = view;
-    depth_ = depth;
-    normals_ = normals;
+    tasks_.push_back({owner, view, depth, normals});
+    resumeTask(static_cast<std::uint32_t>(tasks_.size() - 1));
+}
+
+void PassGraph::resumeTask(std::uint32_t task)
+{
+    task_ = task;
+    owner_ = tasks_[task].owner;
+    view_ = tasks_[task].view;
+    depth_ = tasks_[task].depth;
+    normals_ = tasks_[task].normals;
     taskFirstPass_ = passes_.size();
     taskKept_ = 0;
     error_.reset();
@@ -196,6 +213,13 @@ ImageId PassGraph::addImage(PooledImage& image, const char* name)
     return {static_cast<std::uint32_t>(images_.size() - 1)};
 }
 
+BufferId PassGraph::addBuffer(PooledBuffer& buffer)
+{
+    pool_.touch(buffer);
+    buffers_.push_back({.key = 0, .pooled = &buffer, .ring = nullptr, .info = {}, .newest = UINT32_MAX});
+    return {static_cast<std::uint32_t>(buffers_.size() - 1)};
+}
+
 // --- passes ---
 
 PassRef PassGraph::open(PassKind kind, const char* name, Scope scope, std::uint32_t variant)
@@ -207,6 +231,7 @@ PassRef PassGraph::open(PassKind kind, const char* name, Scope scope, std::uint3
     if (scope == Scope::view) pending_.owner.light = pending_.owner.method = UINT32_MAX;
     if (scope == Scope::light) pending_.owner.view = pending_.owner.method = UINT32_MAX;
     pending_.firstAccess = static_cast<std::uint32_t>(accesses_.size());
+    pending_.task = task_;
     pending_.level = floorLevel_;
     return PassRef(*this);
 }
@@ -272,7 +297,8 @@ void PassGraph::place(Pass& pass, std::uint32_t index)
 std::span<const std::uint32_t> PassGraph::order()
 {
     order_.resize(passes_.size());
-    for (std::uint32_t i = 0; i < order_.size(); ++i) order_[i] = i;
+    for (std::uint32_t i = 0; i < order_.size(); ++i)
+        order_[i] = i;
     auto side = [](PassKind kind) { return kind == PassKind::prepare ? 0 : kind == PassKind::host ? 2 : 1; };
     std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
         const Pass &x = passes_[a], &y = passes_[b];

@@ -44,7 +44,7 @@ struct Access {
     std::uint32_t resource = 0; ///< Into images() or buffers().
     bool isImage = false;
     AccessKind kind = AccessKind::sampled;
-    Part part;                  ///< layerCount resolved to a number.
+    Part part;                       ///< layerCount resolved to a number.
     std::uint32_t next = UINT32_MAX; ///< Older access to the same resource.
     std::uint32_t pass = 0;
 };
@@ -64,9 +64,10 @@ struct Pass {
     Rect area{};
     void (*fn)(void* self, PassContext* gpu, HostContext* host) = nullptr;
     void* body = nullptr;
+    std::uint32_t task = 0; ///< Under which beginTask() it was declared.
     std::uint32_t level = 0;
-    std::uint32_t wave = 0;  ///< Within the level, among passes of its side (GPU or CPU).
-    float cpuMs = 0.0f;      ///< Host and prepare passes, once run.
+    std::uint32_t wave = 0; ///< Within the level, among passes of its side (GPU or CPU).
+    float cpuMs = 0.0f;     ///< Host and prepare passes, once run.
 };
 
 struct FrameImage {
@@ -94,8 +95,12 @@ public:
     void beginTask(const PassOwner& owner, const CameraView* view, ImageId depth, ImageId normals);
     /// Why a resource of the task could not be made; the task's passes are then taken back.
     std::optional<Error> endTask();
+    /// Declarations go on in the task of an earlier pass.
+    void resumeTask(std::uint32_t task);
 
+    /// Resources that somebody else owns.
     ImageId addImage(PooledImage& image, const char* name);
+    BufferId addBuffer(PooledBuffer& buffer);
 
     std::span<Pass> passes() { return passes_; }
     std::span<const Pass> passes() const { return passes_; }
@@ -149,13 +154,20 @@ private:
     std::uint32_t epoch_ = 0;
     std::uint32_t tableUsed_ = 0;
 
+    struct TaskScope {
+        PassOwner owner;
+        const CameraView* view;
+        ImageId depth, normals;
+    };
+    std::vector<TaskScope> tasks_;
+    std::uint32_t task_ = 0;
     PassOwner owner_;
     const CameraView* view_ = nullptr;
     ImageId depth_, normals_;
     std::size_t taskFirstPass_ = 0;
     std::optional<Error> error_;
 
-    Pass pending_;          ///< Under declaration.
+    Pass pending_;                ///< Under declaration.
     bool pendingDropped_ = false; ///< Exists already.
     bool pendingBroken_ = false;  ///< Touches a resource that could not be made.
     std::uint64_t pendingKey_ = 0;

@@ -17,16 +17,19 @@ VkImageUsageFlags imageUsage(VkFormat format)
            (depth ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
 }
 
-constexpr VkBufferUsageFlags kBufferUsage =
-    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT |
-    VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+constexpr VkBufferUsageFlags kBufferUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
+                                            VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+                                            VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 
 MemoryUse memoryUse(BufferPlace place)
 {
     switch (place) {
-    case BufferPlace::upload: return MemoryUse::upload;
-    case BufferPlace::readback: return MemoryUse::readback;
-    case BufferPlace::device: break;
+    case BufferPlace::upload:
+        return MemoryUse::upload;
+    case BufferPlace::readback:
+        return MemoryUse::readback;
+    case BufferPlace::device:
+        break;
     }
     return MemoryUse::device;
 }
@@ -41,11 +44,14 @@ bool fits(const GpuImage& image, const ImageInfo& info)
 
 ResourcePool::~ResourcePool()
 {
-    for (auto& [key, image] : images_) memory_.destroy(image->gpu);
-    for (auto& image : transients_) memory_.destroy(image->gpu);
+    for (auto& [key, image] : images_)
+        memory_.destroy(image->gpu);
+    for (auto& image : transients_)
+        memory_.destroy(image->gpu);
     for (auto* map : {&buffers_, &transientBuffers_})
         for (auto& [key, ring] : *map)
-            for (auto& version : ring.versions) memory_.destroy(version->gpu);
+            for (auto& version : ring.versions)
+                memory_.destroy(version->gpu);
     for (Retired& entry : retired_) {
         memory_.destroy(entry.image);
         memory_.destroy(entry.buffer);
@@ -92,7 +98,8 @@ void ResourcePool::begin(std::uint64_t frame, std::uint64_t completedFrame)
     for (auto* map : {&buffers_, &transientBuffers_})
         std::erase_if(*map, [&](auto& entry) {
             if (!idle(entry.second.lastUsed)) return false;
-            for (auto& version : entry.second.versions) release(version->gpu, entry.second.lastUsed);
+            for (auto& version : entry.second.versions)
+                release(version->gpu, entry.second.lastUsed);
             return true;
         });
 }
@@ -159,7 +166,8 @@ Result<PooledImage*> ResourcePool::transientImage(std::uint64_t, const ImageInfo
         if (image->kept.lastUsed == frame_ || !fits(image->gpu, info)) continue;
         image->kept.lastUsed = frame_;
         touch(*image);
-        for (SyncState& layer : image->layers) layer.layout = VK_IMAGE_LAYOUT_UNDEFINED; // content is not wanted
+        for (SyncState& layer : image->layers)
+            layer.layout = VK_IMAGE_LAYOUT_UNDEFINED; // content is not wanted
         return image.get();
     }
     auto made = makeImage(info);
@@ -266,10 +274,11 @@ PooledImage* ResourcePool::import(VkImage image, VkImageView view, VkFormat form
     chosen->gpu.layerViews[0] = chosen->gpu.layerSampled[0] = view;
     chosen->gpu.format = format;
     chosen->gpu.extent = extent;
-    // The contract: SHADER_READ_ONLY, writes available and visible to everything.
+    // The contract: SHADER_READ_ONLY, what the host wrote is visible to everything.
     chosen->layers[0] = SyncState{.layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
-                                  .visibleStages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                  .visibleAccess = VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_MEMORY_READ_BIT};
+                                  .writeStages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                  .visibleStages = ~VkPipelineStageFlags2{0},
+                                  .visibleAccess = ~VkAccessFlags2{0}};
     chosen->kept.lastUsed = frame_;
     return chosen;
 }

@@ -14,21 +14,27 @@ namespace gnomon {
 /// What the queue last did with one layer of an image, or with a buffer.
 struct SyncState {
     VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
-    VkPipelineStageFlags2 writeStages = 0;   ///< Of the last write.
+    VkPipelineStageFlags2 writeStages = 0; ///< Of the last write.
     VkAccessFlags2 writeAccess = 0;
     VkPipelineStageFlags2 readStages = 0;    ///< Reads since the last write.
     VkPipelineStageFlags2 visibleStages = 0; ///< Where the last write is visible already.
     VkAccessFlags2 visibleAccess = 0;
+
+    // What the wave under way will do with it, all its passes together.
+    VkImageLayout nextLayout = VK_IMAGE_LAYOUT_UNDEFINED;
+    VkPipelineStageFlags2 nextStages = 0;
+    VkAccessFlags2 nextAccess = 0;
+    bool nextWrite = false;
 };
 
 /// Content kept from frame to frame, and how to take a withdrawn frame back.
 struct KeptState {
-    std::uint64_t stamp = 0;       ///< 0: nothing worth keeping.
-    std::uint64_t savedStamp = 0;  ///< Before the frame `savedFrame`.
+    std::uint64_t stamp = 0;      ///< 0: nothing worth keeping.
+    std::uint64_t savedStamp = 0; ///< Before the frame `savedFrame`.
     std::uint64_t savedFrame = 0;
-    std::uint64_t askedFrame = 0;  ///< stale() was answered in this frame ...
-    bool answer = false;           ///< ... with this.
-    std::uint64_t lastUsed = 0;    ///< Frame.
+    std::uint64_t askedFrame = 0; ///< stale() was answered in this frame ...
+    bool answer = false;          ///< ... with this.
+    std::uint64_t lastUsed = 0;   ///< Frame.
 };
 
 struct PooledImage {
@@ -106,10 +112,10 @@ private:
     DeviceMemory& memory_;
     const Messages& messages_;
     std::uint64_t frame_ = 0, completed_ = 0;
-    std::unordered_map<std::uint64_t, std::unique_ptr<PooledImage>> images_;     // persistent, by key
-    std::unordered_map<std::uint64_t, BufferRing> buffers_;                      // persistent, by key
-    std::unordered_map<std::uint64_t, BufferRing> transientBuffers_;             // by key
-    std::vector<std::unique_ptr<PooledImage>> transients_;                       // any key, by description
+    std::unordered_map<std::uint64_t, std::unique_ptr<PooledImage>> images_; // persistent, by key
+    std::unordered_map<std::uint64_t, BufferRing> buffers_;                  // persistent, by key
+    std::unordered_map<std::uint64_t, BufferRing> transientBuffers_;         // by key
+    std::vector<std::unique_ptr<PooledImage>> transients_;                   // any key, by description
     std::vector<std::unique_ptr<PooledImage>> imports_;
     std::vector<PooledImage*> touchedImages_;
     std::vector<PooledBuffer*> touchedBuffers_;

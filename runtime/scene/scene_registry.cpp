@@ -169,6 +169,13 @@ bool SceneRegistry::validLight(GnLight light) const
     return impl_->lights.find(bitsOf(light)) != nullptr;
 }
 
+std::optional<SceneRegistry::LightInfo> SceneRegistry::lightInfo(GnLight light) const
+{
+    const LightPtr* found = impl_->lights.find(bitsOf(light));
+    if (!found) return std::nullopt;
+    return LightInfo{(*found)->id, (*found)->light.type, (*found)->name};
+}
+
 const LightView* SceneRegistry::light(GnLight light) const
 {
     const LightPtr* found = impl_->lights.find(bitsOf(light));

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "runtime/core/arena.hpp"
@@ -44,6 +46,13 @@ public:
     Result<void> updateLight(GnLight light, const GnLightInfo& info);
     void destroyLight(GnLight light);
     bool validLight(GnLight light) const;
+    /// What never changes about a light while it lives; nothing if the handle is wrong.
+    struct LightInfo {
+        std::uint32_t id;
+        GnLightType type;
+        std::string_view name;
+    };
+    std::optional<LightInfo> lightInfo(GnLight light) const;
 
     /// The frame's casters and lights relative to `origin`. The arrays stay as they are until the second next begin();
     /// the meshes, names and buffers they point to until retire() passes the frame. Allocates nothing when nothing was

@@ -1,6 +1,9 @@
 #include "runtime/vk/descriptor_ring.hpp"
 
+#include <algorithm>
 #include <array>
+
+#include "runtime/vk/descriptors.hpp"
 
 namespace gnomon {
 
@@ -9,27 +12,18 @@ namespace {
 constexpr std::uint32_t kSetsPerPool = 128;
 constexpr std::size_t kMaxBindings = 16;
 
-VkDescriptorType descriptorType(BindingKind kind)
-{
-    switch (kind) {
-    case BindingKind::constants: return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC;
-    case BindingKind::sampledImage: return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-    case BindingKind::storageImage: return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
-    case BindingKind::storageBuffer: break;
-    }
-    return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-}
-
 } // namespace
 
 DescriptorRing::~DescriptorRing()
 {
-    for (VkDescriptorPool pool : pools_) vk_->vkDestroyDescriptorPool(vk_->device, pool, vk_->hostAllocator);
+    for (VkDescriptorPool pool : pools_)
+        vk_->vkDestroyDescriptorPool(vk_->device, pool, vk_->hostAllocator);
 }
 
 void DescriptorRing::begin()
 {
-    for (auto& [layout, sets] : byLayout_) sets.used = 0;
+    for (auto& [layout, sets] : byLayout_)
+        sets.used = 0;
 }
 
 Result<VkDescriptorSet> DescriptorRing::allocate(VkDescriptorSetLayout layout)
@@ -84,7 +78,7 @@ Result<VkDescriptorSet> DescriptorRing::next(VkDescriptorSetLayout layout, std::
                       .dstSet = set,
                       .dstBinding = write.binding,
                       .descriptorCount = 1,
-                      .descriptorType = descriptorType(write.kind),
+                      .descriptorType = descriptorTypeOf(write.kind),
                       .pImageInfo = &images[i],
                       .pBufferInfo = &buffers[i]};
     }

@@ -309,7 +309,8 @@ typedef enum GnDepthConvention {
 } GnDepthConvention;
 
 /** One view's part of a frame; read during the call only. The depth and normal images are in SHADER_READ_ONLY_OPTIMAL
-on entry and again on return; what was drawn into them must be available (a barrier to ALL_COMMANDS, or a semaphore). */
+on entry and again on return; what was drawn into them must be available (a barrier to ALL_COMMANDS, or a semaphore).
+After the call gnomon's reads are pending on the queue: order your next writes after ALL_COMMANDS. */
 typedef struct GnViewFrame {
     GnView view;              ///< Required.
     double eye[3];            ///< World position of the camera.
@@ -320,7 +321,7 @@ typedef struct GnViewFrame {
     VkImageView depthView;    ///< Required. Depth aspect, 2D.
     VkFormat depthFormat;     ///< D32_SFLOAT or D32_SFLOAT_S8_UINT.
     VkExtent2D imageExtent;   ///< Of the depth image, and of the visibility image.
-    VkRect2D renderArea;      ///< Pixels drawn; a zero extent means the whole image.
+    VkRect2D renderArea;      ///< Pixels drawn: the viewport of `projection`; a zero extent means the whole image.
     VkImage normalImage;      ///< Optional. Geometric normals, world space, xyz; SAMPLED and TRANSFER_SRC.
     VkImageView normalView;
     VkFormat normalFormat;    ///< R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT.
@@ -506,7 +507,6 @@ typedef struct GnFrameStats {
     uint32_t hostWaits;         ///< Waits for this frame's own GPU results.
     uint32_t passesRun;
     uint32_t passesKept;        ///< Update passes skipped because their result was kept.
-    uint32_t hostAllocations;   ///< Heap allocations of gnomon inside the frame calls.
     uint32_t deviceAllocations; ///< Vulkan objects and memory made inside the frame calls.
     uint32_t indexListsBuilt;   ///< Silhouette or index lists built on the CPU.
     uint32_t pipelinesCreated;  ///< Inside the frame calls; warm-up excluded.

@@ -1,0 +1,422 @@
+// The C boundary: checks pointers, keeps exceptions and the floating-point mode inside, turns results into codes.
+#include <algorithm>
+#include <cstring>
+#include <new>
+
+#if defined(__SSE__) || defined(_M_X64)
+#include <xmmintrin.h>
+#define GN_HAS_MXCSR 1
+#endif
+
+#include "runtime/api/context.hpp"
+
+struct GnContext_T {
+    std::unique_ptr<gnomon::Context> impl;
+};
+
+namespace {
+
+using namespace gnomon;
+
+/// The host's rounding, denormal and exception mode is put aside: same inputs, same decision.
+class FloatMode {
+public:
+#if GN_HAS_MXCSR
+    FloatMode() : saved_(_mm_getcsr())
+    {
+        _mm_setcsr(0x1f80);
+    } // round to nearest, denormals kept, exceptions masked
+    ~FloatMode()
+    {
+        _mm_setcsr(saved_);
+    }
+
+private:
+    unsigned saved_;
+#endif
+};
+
+GnResult report(GnContext context, const Error& error) noexcept
+{
+    try {
+        if (error.result == GN_ERROR_DEVICE_LOST) context->impl->noteLost();
+        context->impl->setLastError(error.text);
+        context->impl->messages().error(error);
+    } catch (...) { // no memory for the words; the code still says it
+    }
+    return error.result;
+}
+
+/// Every entry point with a context runs in here.
+template <typename Body>
+GnResult atBoundary(GnContext context, Body&& body) noexcept
+{
+    if (!context || !context->impl) return GN_ERROR_NULL_ARGUMENT;
+    const FloatMode mode;
+    try {
+        if (context->impl->lost()) return GN_ERROR_DEVICE_LOST;
+        return body(*context->impl);
+    } catch (const std::bad_alloc&) {
+        return report(context, {GN_ERROR_OUT_OF_HOST_MEMORY, "OutOfHostMemory", "host allocation failed"});
+    } catch (const std::exception& exception) {
+        return report(context, {GN_ERROR_UNKNOWN, "Unexpected", exception.what()});
+    } catch (...) {
+        return report(context, {GN_ERROR_UNKNOWN, "Unexpected", "unexpected exception"});
+    }
+}
+
+GnResult nullArgument(GnContext context, const char* name)
+{
+    return report(context, {GN_ERROR_NULL_ARGUMENT, "NullArgument", std::string(name) + " is null"});
+}
+
+/// A value into *out, or the error; *out is untouched then (the caller cleared it).
+template <typename T, typename Out>
+GnResult give(GnContext context, const Result<T>& result, Out* out)
+{
+    if (!result) return report(context, result.error());
+    *out = *result;
+    return GN_SUCCESS;
+}
+
+GnResult status(GnContext context, const Result<void>& result)
+{
+    return result ? GN_SUCCESS : report(context, result.error());
+}
+
+GnResult status(GnContext context, const Result<GnResult>& result)
+{
+    return result ? *result : report(context, result.error());
+}
+
+} // namespace
+
+extern "C" {
+
+GnResult GN_CALL gnCreateContext(const GnContextCreateInfo* pCreateInfo, GnContext* pContext)
+{
+    if (pContext) *pContext = nullptr;
+    if (!pCreateInfo || !pContext) return GN_ERROR_NULL_ARGUMENT;
+    const FloatMode mode;
+    const Messages messages(pCreateInfo->pfnMessage, pCreateInfo->pUserData);
+    try {
+        Result<std::unique_ptr<Context>> made = Context::create(*pCreateInfo);
+        if (!made) {
+            messages.error(made.error());
+            return made.error().result;
+        }
+        *pContext = new GnContext_T{std::move(*made)};
+        return GN_SUCCESS;
+    } catch (const std::bad_alloc&) {
+        return GN_ERROR_OUT_OF_HOST_MEMORY;
+    } catch (...) {
+        return GN_ERROR_UNKNOWN;
+    }
+}
+
+void GN_CALL gnDestroyContext(GnContext context)
+{
+    const FloatMode mode;
+    delete context;
+}
+
+const char* GN_CALL gnResultName(GnResult result)
+{
+    switch (result) {
+#define GN_NAME(name)                                                                                                  \
+    case name:                                                                                                         \
+        return #name;
+        GN_NAME(GN_SUCCESS)
+        GN_NAME(GN_NOT_READY)
+        GN_NAME(GN_TIMEOUT)
+        GN_NAME(GN_INCOMPLETE)
+        GN_NAME(GN_ERROR_UNKNOWN)
+        GN_NAME(GN_ERROR_OUT_OF_HOST_MEMORY)
+        GN_NAME(GN_ERROR_OUT_OF_DEVICE_MEMORY)
+        GN_NAME(GN_ERROR_DEVICE_LOST)
+        GN_NAME(GN_ERROR_INVALID_HANDLE)
+        GN_NAME(GN_ERROR_NULL_ARGUMENT)
+        GN_NAME(GN_ERROR_NOT_A_NUMBER)
+        GN_NAME(GN_ERROR_INFINITE)
+        GN_NAME(GN_ERROR_OUT_OF_RANGE)
+        GN_NAME(GN_ERROR_EMPTY)
+        GN_NAME(GN_ERROR_TOO_MANY)
+        GN_NAME(GN_ERROR_FEATURE_MISSING)
+        GN_NAME(GN_ERROR_RULES)
+        GN_NAME(GN_ERROR_UNKNOWN_METHOD)
+        GN_NAME(GN_ERROR_FRAME_ORDER)
+        GN_NAME(GN_ERROR_UNSUPPORTED)
+        GN_NAME(GN_RESULT_MAX_ENUM)
+#undef GN_NAME
+    }
+    return "not a GnResult";
+}
+
+const char* GN_CALL gnGetLastError(GnContext context)
+{
+    return context && context->impl ? context->impl->lastError() : "the context is null";
+}
+
+GnResult GN_CALL gnWarmUp(GnContext context)
+{
+    return atBoundary(context, [&](Context& c) { return status(context, c.warmUp()); });
+}
+
+// --- geometry ---
+
+GnResult GN_CALL gnCreateMesh(GnContext context, const GnMeshCreateInfo* pCreateInfo, GnMesh* pMesh)
+{
+    if (pMesh) *pMesh = VK_NULL_HANDLE;
+    return atBoundary(context, [&](Context& c) {
+        if (!pCreateInfo) return nullArgument(context, "pCreateInfo");
+        if (!pMesh) return nullArgument(context, "pMesh");
+        return give(context, c.scene().createMesh(*pCreateInfo), pMesh);
+    });
+}
+
+GnResult GN_CALL gnUpdateMeshPositions(GnContext context, GnMesh mesh, const float* pPositions, uint32_t positionCount,
+                                       uint32_t positionStride)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pPositions) return nullArgument(context, "pPositions");
+        return status(context, c.scene().updateMeshPositions(mesh, pPositions, positionCount, positionStride));
+    });
+}
+
+void GN_CALL gnDestroyMesh(GnContext context, GnMesh mesh)
+{
+    atBoundary(context, [&](Context& c) {
+        c.scene().destroyMesh(mesh);
+        return GN_SUCCESS;
+    });
+}
+
+GnResult GN_CALL gnCreateInstance(GnContext context, const GnInstanceCreateInfo* pCreateInfo, GnInstance* pInstance)
+{
+    if (pInstance) *pInstance = VK_NULL_HANDLE;
+    return atBoundary(context, [&](Context& c) {
+        if (!pCreateInfo) return nullArgument(context, "pCreateInfo");
+        if (!pInstance) return nullArgument(context, "pInstance");
+        return give(context, c.scene().createInstance(*pCreateInfo), pInstance);
+    });
+}
+
+GnResult GN_CALL gnSetInstanceTransform(GnContext context, GnInstance instance, const GnTransform* pTransform)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pTransform) return nullArgument(context, "pTransform");
+        return status(context, c.scene().setInstanceTransform(instance, *pTransform));
+    });
+}
+
+GnResult GN_CALL gnSetInstanceMesh(GnContext context, GnInstance instance, GnMesh mesh)
+{
+    return atBoundary(context, [&](Context& c) { return status(context, c.scene().setInstanceMesh(instance, mesh)); });
+}
+
+void GN_CALL gnDestroyInstance(GnContext context, GnInstance instance)
+{
+    atBoundary(context, [&](Context& c) {
+        c.scene().destroyInstance(instance);
+        return GN_SUCCESS;
+    });
+}
+
+// --- lights ---
+
+GnResult GN_CALL gnCreateLight(GnContext context, const GnLightInfo* pInfo, GnLight* pLight)
+{
+    if (pLight) *pLight = VK_NULL_HANDLE;
+    return atBoundary(context, [&](Context& c) {
+        if (!pInfo) return nullArgument(context, "pInfo");
+        if (!pLight) return nullArgument(context, "pLight");
+        return give(context, c.scene().createLight(*pInfo), pLight);
+    });
+}
+
+GnResult GN_CALL gnUpdateLight(GnContext context, GnLight light, const GnLightInfo* pInfo)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pInfo) return nullArgument(context, "pInfo");
+        return status(context, c.scene().updateLight(light, *pInfo));
+    });
+}
+
+GnResult GN_CALL gnSetLightMethod(GnContext context, GnLight light, const char* pMethod)
+{
+    return atBoundary(context, [&](Context& c) { return status(context, c.setLightMethod(light, pMethod)); });
+}
+
+void GN_CALL gnDestroyLight(GnContext context, GnLight light)
+{
+    atBoundary(context, [&](Context& c) {
+        c.scene().destroyLight(light);
+        return GN_SUCCESS;
+    });
+}
+
+// --- views and frames ---
+
+GnResult GN_CALL gnCreateView(GnContext context, const GnViewCreateInfo* pCreateInfo, GnView* pView)
+{
+    if (pView) *pView = VK_NULL_HANDLE;
+    return atBoundary(context, [&](Context& c) {
+        if (!pView) return nullArgument(context, "pView");
+        return give(context, c.createView(pCreateInfo ? *pCreateInfo : GnViewCreateInfo{}), pView);
+    });
+}
+
+void GN_CALL gnDestroyView(GnContext context, GnView view)
+{
+    atBoundary(context, [&](Context& c) {
+        c.destroyView(view);
+        return GN_SUCCESS;
+    });
+}
+
+GnResult GN_CALL gnCmdRenderShadows(GnContext context, VkCommandBuffer commandBuffer, const GnFrameInfo* pFrame)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pFrame) return nullArgument(context, "pFrame");
+        return status(context, c.recordFrame(commandBuffer, *pFrame));
+    });
+}
+
+GnResult GN_CALL gnDropFrame(GnContext context, uint64_t frame)
+{
+    return atBoundary(context, [&](Context& c) { return status(context, c.dropFrame(frame)); });
+}
+
+GnResult GN_CALL gnBeginShadows(GnContext context, const GnFrameInfo* pFrame)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pFrame) return nullArgument(context, "pFrame");
+        return status(context, c.beginFrame(*pFrame, FrameMode::begin));
+    });
+}
+
+GnResult GN_CALL gnFinishShadows(GnContext context, uint64_t timeoutNs)
+{
+    return atBoundary(context, [&](Context& c) { return status(context, c.finishFrame(timeoutNs)); });
+}
+
+GnResult GN_CALL gnSubmitShadows(GnContext context, const GnFrameInfo* pFrame)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pFrame) return nullArgument(context, "pFrame");
+        const Result<GnResult> begun = c.beginFrame(*pFrame, FrameMode::submit);
+        if (!begun) return report(context, begun.error());
+        return status(context, c.finishFrame(UINT64_MAX));
+    });
+}
+
+GnResult GN_CALL gnGetVisibility(GnContext context, GnView view, GnVisibility* pVisibility)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pVisibility) return nullArgument(context, "pVisibility");
+        *pVisibility = {};
+        return give(context, c.visibility(view), pVisibility);
+    });
+}
+
+GnResult GN_CALL gnGetLightMap(GnContext context, GnLight light, GnLightMap* pMap)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pMap) return nullArgument(context, "pMap");
+        *pMap = {};
+        return give(context, c.lightMap(light), pMap);
+    });
+}
+
+// --- methods, rules, decisions ---
+
+GnResult GN_CALL gnEnumerateMethods(GnContext context, uint32_t* pCount, GnMethodInfo* pMethods)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pCount) return nullArgument(context, "pCount");
+        const uint32_t room = pMethods ? *pCount : 0;
+        const uint32_t all = c.methods({pMethods, room});
+        *pCount = pMethods ? std::min(room, all) : all;
+        return pMethods && room < all ? GN_INCOMPLETE : GN_SUCCESS;
+    });
+}
+
+GnResult GN_CALL gnAddMethod(GnContext context, const char* pName, const char* pAlgorithm)
+{
+    return atBoundary(context, [&](Context& c) { return status(context, c.addMethod(pName, pAlgorithm)); });
+}
+
+GnResult GN_CALL gnSetMethodSetting(GnContext context, const char* pMethod, const char* pSetting, double value)
+{
+    return atBoundary(context,
+                      [&](Context& c) { return status(context, c.setMethodSetting(pMethod, pSetting, value)); });
+}
+
+GnResult GN_CALL gnLoadRules(GnContext context, const char* pText, size_t size, const char* pFileName)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pText) return nullArgument(context, "pText");
+        return status(context, c.loadRules({pText, size}, pFileName ? pFileName : "rules"));
+    });
+}
+
+GnResult GN_CALL gnGetDecision(GnContext context, GnView view, GnLight light, GnDecision* pDecision)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pDecision) return nullArgument(context, "pDecision");
+        *pDecision = {};
+        return give(context, c.decision(view, light), pDecision);
+    });
+}
+
+GnResult GN_CALL gnExplainDecision(GnContext context, GnView view, GnLight light, size_t* pSize, char* pText)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pSize) return nullArgument(context, "pSize");
+        const Result<std::string> text = c.explanation(view, light);
+        if (!text) return report(context, text.error());
+        const size_t wanted = text->size() + 1, room = *pSize;
+        *pSize = wanted;
+        if (!pText) return GN_SUCCESS;
+        if (room == 0) return GN_INCOMPLETE;
+        const size_t fits = std::min(room, wanted) - 1;
+        std::memcpy(pText, text->data(), fits);
+        pText[fits] = '\0';
+        return room < wanted ? GN_INCOMPLETE : GN_SUCCESS;
+    });
+}
+
+GnResult GN_CALL gnGetPassTimings(GnContext context, uint64_t* pFrame, uint32_t* pCount, GnPassTiming* pTimings)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pCount) return nullArgument(context, "pCount");
+        const uint32_t room = pTimings ? *pCount : 0;
+        uint64_t frame = 0;
+        const uint32_t all = c.passTimings(frame, {pTimings, room});
+        if (pFrame) *pFrame = frame;
+        *pCount = pTimings ? std::min(room, all) : all;
+        return pTimings && room < all ? GN_INCOMPLETE : GN_SUCCESS;
+    });
+}
+
+GnResult GN_CALL gnGetFramePasses(GnContext context, uint32_t* pCount, GnPassTiming* pPasses)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pCount) return nullArgument(context, "pCount");
+        const uint32_t room = pPasses ? *pCount : 0;
+        const uint32_t all = c.framePasses({pPasses, room});
+        *pCount = pPasses ? std::min(room, all) : all;
+        return pPasses && room < all ? GN_INCOMPLETE : GN_SUCCESS;
+    });
+}
+
+GnResult GN_CALL gnGetFrameStats(GnContext context, GnFrameStats* pStats)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pStats) return nullArgument(context, "pStats");
+        *pStats = c.stats();
+        return GN_SUCCESS;
+    });
+}
+
+} // extern "C"

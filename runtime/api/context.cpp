@@ -1,0 +1,345 @@
+#include "runtime/api/context.hpp"
+
+#include <algorithm>
+#include <thread>
+
+namespace gnomon {
+
+namespace {
+
+constexpr std::uint32_t kMaxFramesInFlight = 8;
+
+std::vector<std::uint32_t> sharingFamilies(const GnContextCreateInfo& info)
+{
+    std::vector<std::uint32_t> families{info.queueFamilyIndex};
+    for (std::uint32_t i = 0; i < info.visibilityQueueFamilyCount; ++i)
+        if (std::find(families.begin(), families.end(), info.pVisibilityQueueFamilies[i]) == families.end())
+            families.push_back(info.pVisibilityQueueFamilies[i]);
+    return families;
+}
+
+VkDeviceSize defaultLimit(const DeviceTable& vk)
+{
+    VkDeviceSize largest = 0;
+    for (std::uint32_t i = 0; i < vk.memory.memoryHeapCount; ++i)
+        if (vk.memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
+            largest = std::max(largest, vk.memory.memoryHeaps[i].size);
+    return largest / 2;
+}
+
+Error invalidHandle(const char* kind)
+{
+    return {GN_ERROR_INVALID_HANDLE, "InvalidHandle", std::string("not a live ") + kind + " of this context"};
+}
+
+template <typename Handle>
+std::uint64_t bits(Handle handle)
+{
+    return (std::uint64_t)handle; // a pointer or a 64-bit number, as the platform has it
+}
+
+} // namespace
+
+Context::Context(const GnContextCreateInfo& info)
+    : messages_(info.pfnMessage, info.pUserData), name_(info.pName ? info.pName : "gnomon"),
+      background_((info.flags & GN_CONTEXT_NO_BACKGROUND_BIT) == 0),
+      timeEveryFrame_((info.flags & GN_CONTEXT_TIME_EVERY_FRAME_BIT) != 0), info_(info)
+{
+}
+
+Result<std::unique_ptr<Context>> Context::create(const GnContextCreateInfo& info)
+{
+    if (info.framesInFlight > kMaxFramesInFlight)
+        return Error{GN_ERROR_OUT_OF_RANGE, "FramesInFlight",
+                     "framesInFlight is " + std::to_string(info.framesInFlight) + ", outside [1, 8]"};
+    if ((info.pfnLockQueue == nullptr) != (info.pfnUnlockQueue == nullptr))
+        return Error{GN_ERROR_NULL_ARGUMENT, "QueueLockHalf", "pfnLockQueue and pfnUnlockQueue go together"};
+    if (info.visibilityQueueFamilyCount && !info.pVisibilityQueueFamilies)
+        return Error{GN_ERROR_NULL_ARGUMENT, "QueueFamiliesMissing", "pVisibilityQueueFamilies is null"};
+    std::unique_ptr<Context> context(new Context(info));
+    if (Result<void> made = context->init(info); !made) return made.error();
+    return context;
+}
+
+Result<void> Context::init(const GnContextCreateInfo& info)
+{
+    Result<std::unique_ptr<DeviceTable>> vk = loadDeviceTable(info);
+    if (!vk) return vk.error();
+    vk_ = std::move(*vk);
+    memory_ = std::make_unique<DeviceMemory>(*vk_, info.memoryLimit ? info.memoryLimit : defaultLimit(*vk_),
+                                             sharingFamilies(info));
+    const std::uint32_t threads = info.jobThreadCount ? info.jobThreadCount : std::thread::hardware_concurrency();
+    jobs_ = std::make_unique<JobSystem>(info.pfnScheduleJob, info.pUserData, std::max(threads, 1u));
+#if GNOMON_WITH_EMBREE
+    rays_ = std::make_unique<RayScene>();
+#endif
+    scene_ = std::make_unique<SceneRegistry>(*vk_, *memory_, *jobs_, rays_.get(), messages_, background_);
+    samplers_ = std::make_unique<SamplerSet>(*vk_);
+    if (Result<void> made = samplers_->create(); !made) return made;
+    pipelines_ = std::make_unique<PipelineStore>(*vk_, *memory_, *samplers_);
+    methods_ = std::make_unique<MethodTable>(*vk_, *pipelines_, *jobs_, background_);
+    registry_ = builtinRegistry();
+    if (Result<void> added = methods_->addBuiltins(registry_); !added) return added;
+    pipelines_->setOwner(kRuntimeOwner);
+    gridPipeline_ = DepthGrid::pipeline(*pipelines_);
+    selector_ = std::make_unique<Selector>(*methods_);
+    pool_ = std::make_unique<ResourcePool>(*memory_, messages_);
+    graph_ = std::make_unique<PassGraph>(*pool_, arena_);
+    executor_ = std::make_unique<PassExecutor>(*vk_, *memory_, *pipelines_, *samplers_, *jobs_, *pool_, *graph_, info);
+    return executor_->create(info.framesInFlight ? info.framesInFlight : 2);
+}
+
+Context::~Context()
+{
+    // The one place that waits for the GPU: our own submits by their timeline, recorded frames by the device.
+    if (executor_) {
+        finishUnderway();
+        if (!lost_) executor_->waitAll();
+    }
+    if (vk_ && frame_ != 0 && !lost_) (void)vk_->vkDeviceWaitIdle(vk_->device);
+    if (methods_) methods_->finishBackground();
+    if (scene_) scene_->finishBackground();
+    views_.forEach([&](std::unique_ptr<View>& view) {
+        if (view->visibility) memory_->destroy(view->visibility->gpu);
+    });
+    executor_.reset();
+    graph_.reset();
+    pool_.reset();
+}
+
+void Context::finishUnderway()
+{
+    if (executor_->underway()) (void)executor_->finish(UINT64_MAX);
+}
+
+Result<void> Context::warmUp()
+{
+    finishUnderway();
+    scene_->finishBackground();
+    methods_->finishBackground();
+    while (pipelines_->createNext(kRuntimeOwner)) {
+    }
+    for (std::uint32_t i = 0; i < methods_->size(); ++i)
+        methods_->createNow((*methods_)[i]);
+    return executor_->once([&](VkCommandBuffer cmd) -> Result<void> {
+        if (!gridReady_) {
+            if (auto tried = pipelines_->recordTrials(cmd, kRuntimeOwner); !tried) return tried;
+            gridReady_ = pipelines_->failure(kRuntimeOwner).empty();
+        }
+        for (std::uint32_t i = 0; i < methods_->size(); ++i) {
+            Method& method = (*methods_)[i];
+            if (method.ready || method.unavailable) continue;
+            if (const std::string failure = pipelines_->failure(i); !failure.empty()) {
+                method.unavailable = "its pipelines could not be created";
+                messages_.warn("MethodFailed", "method '" + method.name + "': " + failure);
+                continue;
+            }
+            if (auto tried = pipelines_->recordTrials(cmd, i); !tried) return tried;
+            method.ready = true;
+        }
+        return {};
+    });
+}
+
+// --- views ---
+
+View* Context::findView(GnView handle)
+{
+    auto* slot = views_.find(bits(handle));
+    return slot ? slot->get() : nullptr;
+}
+
+Result<GnView> Context::createView(const GnViewCreateInfo& info)
+{
+    const std::uint32_t maxLights = info.maxLights ? info.maxLights : 16;
+    const std::uint32_t limit = std::min(256u, vk_->properties.limits.maxImageArrayLayers);
+    if (maxLights > limit)
+        return Error{GN_ERROR_TOO_MANY, "MaxLights",
+                     "maxLights is " + std::to_string(maxLights) + ", above " + std::to_string(limit)};
+    auto view = std::make_unique<View>();
+    view->id = nextViewId_++;
+    view->name = info.pName ? info.pName : "view " + std::to_string(view->id);
+    view->maxLights = maxLights;
+    view->grid = std::make_unique<DepthGrid>(*memory_);
+    View* raw = view.get();
+    const std::uint64_t handle = views_.insert(std::move(view));
+    if (!handle) return Error{GN_ERROR_TOO_MANY, "TooManyViews", "no more views"};
+    raw->handle = (GnView)handle;
+    return raw->handle;
+}
+
+void Context::destroyView(GnView handle)
+{
+    if (!findView(handle)) return;
+    finishUnderway();
+    std::unique_ptr<View> view = views_.take(bits(handle));
+    if (view->visibility) pool_->retire(std::move(view->visibility));
+    // The grid's buffers may be in flight for as long as the frames that wrote them.
+    retiredGrids_.push_back({frame_, std::move(view->grid)});
+}
+
+Result<GnVisibility> Context::visibility(GnView handle)
+{
+    View* view = findView(handle);
+    if (!view) return invalidHandle("view");
+    if (!view->visibility)
+        return Error{GN_ERROR_FRAME_ORDER, "NoFrameYet", "view '" + view->name + "' has been in no frame yet"};
+    const GpuImage& gpu = view->visibility->gpu;
+    return GnVisibility{gpu.image, gpu.view, gpu.extent, gpu.layers, view->revision};
+}
+
+// --- methods and rules ---
+
+Result<void> Context::setLightMethod(GnLight light, const char* name)
+{
+    const std::optional<SceneRegistry::LightInfo> info = scene_->lightInfo(light);
+    if (!info) return invalidHandle("light");
+    LightState& state = lights_[info->id];
+    if (!name) {
+        state.pinned = UINT32_MAX;
+        return {};
+    }
+    const Method* method = methods_->find(name);
+    if (!method)
+        return Error{GN_ERROR_UNKNOWN_METHOD, "UnknownMethod", std::string("no method is named '") + name + "'"};
+    if (method->unavailable)
+        return Error{GN_ERROR_FEATURE_MISSING, "MethodUnavailable",
+                     "method '" + method->name + "': " + method->unavailable};
+    if (!method->serves(info->type))
+        return Error{GN_ERROR_UNKNOWN_METHOD, "MethodLightKind",
+                     "method '" + method->name + "' does not serve the kind of light '" + std::string(info->name) +
+                         "' is"};
+    state.pinned = method->index;
+    return {};
+}
+
+Result<void> Context::addMethod(const char* name, const char* algorithm)
+{
+    if (!name || !algorithm) return Error{GN_ERROR_NULL_ARGUMENT, "NameMissing", "pName and pAlgorithm are required"};
+    auto added = methods_->addNamed(name, algorithm);
+    if (!added) return added.error();
+    return selector_->rebind(registry_);
+}
+
+Result<void> Context::setMethodSetting(const char* method, const char* setting, double value)
+{
+    if (!method || !setting) return Error{GN_ERROR_NULL_ARGUMENT, "NameMissing", "pMethod and pSetting are required"};
+    return methods_->set(method, setting, value);
+}
+
+std::uint32_t Context::methods(std::span<GnMethodInfo> out)
+{
+    for (std::uint32_t i = 0; i < std::min<std::size_t>(methods_->size(), out.size()); ++i) {
+        const Method& method = (*methods_)[i];
+        out[i] = {.pName = method.name.c_str(),
+                  .pAlgorithm = method.entry->name,
+                  .pSource = method.entry->source,
+                  .traits = method.entry->traits,
+                  .roundTrips = method.entry->roundTrips,
+                  .ready = method.ready ? VK_TRUE : VK_FALSE,
+                  .pUnavailable = method.unavailable,
+                  .settingCount = static_cast<std::uint32_t>(method.settingInfos.size()),
+                  .pSettings = method.settingInfos.data()};
+    }
+    return methods_->size();
+}
+
+Result<void> Context::loadRules(std::string_view text, std::string_view fileName)
+{
+    std::vector<rules::Diagnostic> findings;
+    Result<void> loaded = selector_->loadRules(text, fileName, registry_, findings);
+    for (const rules::Diagnostic& finding : findings) {
+        const bool error = finding.severity == rules::Severity::Error;
+        messages_.send(error ? GN_SEVERITY_ERROR : GN_SEVERITY_WARNING, error ? GN_ERROR_RULES : GN_SUCCESS,
+                       error ? "RuleError" : "RuleWarning", rules::toText(finding));
+    }
+    return loaded;
+}
+
+// --- what is known of the last frame ---
+
+Result<GnDecision> Context::decision(GnView viewHandle, GnLight light)
+{
+    View* view = findView(viewHandle);
+    if (!view) return invalidHandle("view");
+    for (const LightDecision& d : view->decisions)
+        if (d.light == light)
+            return GnDecision{.pMethod = d.method == UINT32_MAX ? nullptr : (*methods_)[d.method].name.c_str(),
+                              .reason = d.reason,
+                              .suitability = d.suitability,
+                              .predictedMs = d.predictedMs,
+                              .measuredMs = d.measuredMs,
+                              .viewerDistance = d.viewerDistance,
+                              .viewerDistanceMeasured = d.distanceMeasured ? VK_TRUE : VK_FALSE,
+                              .switched = d.switched ? VK_TRUE : VK_FALSE};
+    return Error{GN_ERROR_INVALID_HANDLE, "LightNotInFrame",
+                 "the light was not in the last frame of view '" + view->name + "'"};
+}
+
+Result<std::string> Context::explanation(GnView viewHandle, GnLight light)
+{
+    View* view = findView(viewHandle);
+    if (!view) return invalidHandle("view");
+    for (const LightDecision& d : view->decisions)
+        if (d.light == light) return selector_->explain(d);
+    return Error{GN_ERROR_INVALID_HANDLE, "LightNotInFrame",
+                 "the light was not in the last frame of view '" + view->name + "'"};
+}
+
+Result<GnLightMap> Context::lightMap(GnLight light)
+{
+    const std::optional<SceneRegistry::LightInfo> info = scene_->lightInfo(light);
+    if (!info) return invalidHandle("light");
+    for (const DeclaredTask& declared : tasks_) {
+        if (declared.lightId != info->id) continue;
+        ShadowAlgorithm::Map map{};
+        if (!(*methods_)[declared.method].algorithm->lightMap(declared.task, map) || !map.image) continue;
+        const GpuImage& gpu = graph_->image(map.image).gpu;
+        GnLightMap out{.image = gpu.image,
+                       .imageView = gpu.view,
+                       .format = gpu.format,
+                       .extent = gpu.extent,
+                       .layerCount = gpu.layers};
+        std::copy(origin_.begin(), origin_.end(), out.origin);
+        for (std::uint32_t i = 0; i < 6; ++i)
+            for (int k = 0; k < 16; ++k)
+                out.clipFromWorld[i][k] = map.clipFromWorld[i][k / 4][k % 4];
+        return out;
+    }
+    return Error{GN_ERROR_UNKNOWN_METHOD, "NoLightMap",
+                 "the method of light '" + std::string(info->name) + "' keeps no map"};
+}
+
+GnPassTiming Context::publicTiming(const PassTiming& timing) const
+{
+    GnPassTiming out{.pName = timing.name, .level = timing.level, .gpuMs = timing.gpuMs, .cpuMs = timing.cpuMs};
+    if (timing.owner.view < viewFrames_.size()) out.view = viewFrames_[timing.owner.view].view->handle;
+    for (const LightFrame& light : lightFrames_)
+        if (light.id == timing.owner.light) out.light = light.handle;
+    return out;
+}
+
+std::uint32_t Context::passTimings(std::uint64_t& frame, std::span<GnPassTiming> out)
+{
+    const FrameTimings* timings = executor_->newestTimed();
+    frame = timings ? timings->frame : 0;
+    if (!timings) return 0;
+    for (std::size_t i = 0; i < std::min(timings->passes.size(), out.size()); ++i)
+        out[i] = publicTiming(timings->passes[i]);
+    return static_cast<std::uint32_t>(timings->passes.size());
+}
+
+std::uint32_t Context::framePasses(std::span<GnPassTiming> out)
+{
+    std::uint32_t count = 0;
+    for (const std::uint32_t index : graph_->order()) {
+        const Pass& pass = graph_->passes()[index];
+        if (!pass.fn) continue;
+        if (count < out.size())
+            out[count] = publicTiming({.name = pass.name, .owner = pass.owner, .level = pass.level});
+        ++count;
+    }
+    return count;
+}
+
+} // namespace gnomon

@@ -1,0 +1,186 @@
+#pragma once
+// The context: owner of everything, and the one place where the trip of a frame is written down.
+#include <array>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "runtime/core/slot_map.hpp"
+#include "runtime/passes/pass_executor.hpp"
+#include "runtime/registry.hpp"
+#include "runtime/scene/scene_registry.hpp"
+#include "runtime/select/depth_grid.hpp"
+#include "runtime/select/selector.hpp"
+
+namespace gnomon {
+
+/// A view between frames.
+struct View {
+    std::string name;
+    GnView handle = VK_NULL_HANDLE;
+    std::uint32_t id = 0;
+    std::uint32_t maxLights = 16;
+    std::unique_ptr<PooledImage> visibility;
+    std::uint64_t revision = 0;
+    std::unique_ptr<DepthGrid> grid;
+    std::unordered_map<std::uint32_t, LightMemory> lights; ///< By light id.
+    std::vector<LightDecision> decisions;                  ///< Of the last frame, in the order of its lights.
+    CameraView camera;                                     ///< Of the frame under way.
+};
+
+/// What is known of a light whatever the view.
+struct LightState {
+    MotionHistory motion;
+    std::uint32_t pinned = UINT32_MAX;
+    std::uint64_t lastFrame = 0;
+};
+
+enum class FrameMode : std::uint8_t { recorded, begin, submit };
+
+class Context {
+public:
+    static Result<std::unique_ptr<Context>> create(const GnContextCreateInfo& info);
+    ~Context();
+    Context(const Context&) = delete;
+    Context& operator=(const Context&) = delete;
+
+    Result<void> warmUp();
+    Result<GnView> createView(const GnViewCreateInfo& info);
+    void destroyView(GnView view);
+    Result<GnVisibility> visibility(GnView view);
+    Result<void> setLightMethod(GnLight light, const char* method);
+    Result<GnLightMap> lightMap(GnLight light);
+
+    Result<void> addMethod(const char* name, const char* algorithm);
+    Result<void> setMethodSetting(const char* method, const char* setting, double value);
+    std::uint32_t methods(std::span<GnMethodInfo> out);
+    Result<void> loadRules(std::string_view text, std::string_view fileName);
+
+    Result<GnResult> recordFrame(VkCommandBuffer cmd, const GnFrameInfo& info);
+    Result<GnResult> beginFrame(const GnFrameInfo& info, FrameMode mode);
+    Result<GnResult> finishFrame(std::uint64_t timeoutNs);
+    Result<void> dropFrame(std::uint64_t frame);
+
+    Result<GnDecision> decision(GnView view, GnLight light);
+    Result<std::string> explanation(GnView view, GnLight light);
+    std::uint32_t passTimings(std::uint64_t& frame, std::span<GnPassTiming> out);
+    std::uint32_t framePasses(std::span<GnPassTiming> out);
+    GnFrameStats stats() const { return stats_; }
+
+    SceneRegistry& scene() { return *scene_; }
+    const Messages& messages() const { return messages_; }
+    void setLastError(std::string text) { lastError_ = std::move(text); }
+    const char* lastError() const { return lastError_.c_str(); }
+    void noteLost() { lost_ = true; }
+    bool lost() const { return lost_; }
+
+private:
+    explicit Context(const GnContextCreateInfo& info);
+    Result<void> init(const GnContextCreateInfo& info);
+
+    // The frame, stage by stage (frame.cpp).
+    Result<GnResult> startFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd);
+    Result<void> takeInput(const GnFrameInfo& info);
+    Result<void> acceptViews(const GnFrameInfo& info);
+    Result<void> prepareView(View& view, const GnViewFrame& frame);
+    void takeTimings();
+    void chargeLights(const FrameTimings& timings);
+    void openGraph(const GnFrameInfo& info);
+    Result<void> decideView(std::uint32_t viewIndex, const GnViewFrame& frame, const GnFrameInfo& info, FrameMode mode);
+    void declareLight(std::uint32_t viewIndex, LightDecision& decision, const LightView& light,
+                      const LightCasters& casters, std::uint32_t layer, FrameMode mode);
+    void declareLit(std::uint32_t viewIndex, std::uint32_t layer);
+    const LightCasters& castersOf(const LightView& light);
+    void forgetOldLights();
+    void finishStats();
+    View* findView(GnView handle);
+    void finishUnderway();
+    GnPassTiming publicTiming(const PassTiming& timing) const;
+    double msSince(std::chrono::steady_clock::time_point since) const;
+
+    struct ViewFrame {
+        View* view = nullptr;
+        ImageId depth, normals, visibility;
+        PooledImage* depthImage = nullptr;
+        PooledImage* normalImage = nullptr;
+    };
+    struct LightFrame {
+        std::uint32_t id;
+        GnLight handle;
+        LightCasters casters;
+    };
+    struct RetiredGrid {
+        std::uint64_t frame;
+        std::unique_ptr<DepthGrid> grid;
+    };
+    /// A task as declared, for gnGetLightMap.
+    struct DeclaredTask {
+        std::uint32_t lightId;
+        std::uint32_t method;
+        ShadowTask task;
+    };
+
+    Messages messages_;
+    std::string name_;
+    bool background_;
+    bool timeEveryFrame_;
+    GnContextCreateInfo info_;
+    std::unique_ptr<DeviceTable> vk_;
+    std::unique_ptr<DeviceMemory> memory_;
+    std::unique_ptr<JobSystem> jobs_;
+    std::unique_ptr<RayScene> rays_;
+    std::unique_ptr<SceneRegistry> scene_;
+    std::unique_ptr<SamplerSet> samplers_;
+    std::unique_ptr<PipelineStore> pipelines_;
+    std::unique_ptr<MethodTable> methods_;
+    std::unique_ptr<Selector> selector_;
+    FrameArena arena_;
+    std::unique_ptr<ResourcePool> pool_;
+    std::unique_ptr<PassGraph> graph_;
+    std::unique_ptr<PassExecutor> executor_;
+    AlgorithmRegistry registry_;
+
+    SlotMap<std::unique_ptr<View>> views_;
+    std::uint32_t nextViewId_ = 1;
+    std::unordered_map<std::uint32_t, LightState> lights_;
+
+    std::uint64_t frame_ = 0, firstFrame_ = 0; ///< Newest and first begun; 0: none.
+    std::uint64_t recorded_ = 0;               ///< Newest recorded that may still be dropped.
+    std::uint64_t timingsTaken_ = 0;
+    std::array<double, 3> origin_{};
+    bool originSet_ = false;
+    PipelineId gridPipeline_;
+    bool gridReady_ = false, gridTrial_ = false;
+    std::vector<View*> acceptedViews_;
+    std::vector<ViewFrame> viewFrames_;
+    std::vector<LightFrame> lightFrames_;
+    std::vector<DeclaredTask> tasks_;
+    std::vector<PooledImage*> visibilities_, imports_;
+    std::vector<RetiredGrid> retiredGrids_;
+    std::vector<VkSemaphoreSubmitInfo> waits_, signals_;
+    std::vector<GnPassTiming> publicTimings_;
+    std::string explanation_;
+    bool raysNeeded_ = false;
+    float untimedGpuMs_ = 0.0f;
+    double predictedMs_ = 0.0, lastPredictedMs_ = 0.0;
+    std::array<float, 30> frameTimes_{};
+    std::uint32_t frameTimeCount_ = 0;
+    std::chrono::steady_clock::time_point lastFrameStart_{};
+    std::uint64_t objectsBefore_ = 0, pipelinesBefore_ = 0;
+    GnFrameStats stats_{};
+    bool lost_ = false;
+    std::string lastError_;
+};
+
+/// Checks one view's part of a frame (frame_input.cpp). Nothing is kept.
+Result<void> checkViewFrame(const GnViewFrame& frame, const char* viewName, std::uint32_t maxLights,
+                            const DeviceTable& vk);
+/// The camera relative to `origin`; the frame has been checked.
+CameraView makeCameraView(const GnViewFrame& frame, const std::array<double, 3>& origin, std::uint32_t id);
+
+/// The pipelines of the runtime itself have an owner of their own in the store.
+constexpr std::uint32_t kRuntimeOwner = kMaxMethods;
+
+} // namespace gnomon

@@ -1,0 +1,453 @@
+// One frame, stage by stage: input -> facts -> decisions -> passes -> submits -> timings. Each stage is one function.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "runtime/api/context.hpp"
+
+namespace gnomon {
+
+namespace {
+
+// Coordinates are relative to an origin that follows the eye in steps of this many metres: below 1 km a float still
+// resolves 0.06 mm.
+constexpr double kOriginStep = 1024.0;
+// One frame in eight carries full barriers and a pair of timestamps around every pass; they cost up to 20 % there.
+constexpr std::uint64_t kTimedPeriod = 8;
+// What no frame of the last ten seconds (at 60 Hz) asked for is forgotten.
+constexpr std::uint64_t kForgetFrames = 600;
+
+Error frameOrder(const std::string& text)
+{
+    return {GN_ERROR_FRAME_ORDER, "FrameOrder", text};
+}
+
+} // namespace
+
+double Context::msSince(std::chrono::steady_clock::time_point since) const
+{
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
+}
+
+Result<GnResult> Context::recordFrame(VkCommandBuffer cmd, const GnFrameInfo& info)
+{
+    if (!cmd) return Error{GN_ERROR_NULL_ARGUMENT, "CommandBufferMissing", "commandBuffer is null"};
+    if (info.waitCount || info.signalCount)
+        return Error{GN_ERROR_OUT_OF_RANGE, "SemaphoresRecorded",
+                     "a recorded frame neither waits nor signals: the host's submit does"};
+    return startFrame(info, FrameMode::recorded, cmd);
+}
+
+Result<GnResult> Context::beginFrame(const GnFrameInfo& info, FrameMode mode)
+{
+    return startFrame(info, mode, VK_NULL_HANDLE);
+}
+
+Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd)
+{
+    const auto start = std::chrono::steady_clock::now();
+    if (Result<void> ok = takeInput(info); !ok) return ok.error();
+    objectsBefore_ = vk_->objectsMade;
+    pipelinesBefore_ = vk_->pipelinesMade;
+    if (frame_ != 0) {
+        const auto ms = std::chrono::duration<float, std::milli>(start - lastFrameStart_).count();
+        frameTimes_[frameTimeCount_++ % frameTimes_.size()] = ms;
+    }
+    lastFrameStart_ = start;
+    frame_ = info.frame;
+    recorded_ = mode == FrameMode::recorded ? info.frame : 0;
+
+    scene_->retire(info.completedFrame);
+    std::erase_if(retiredGrids_, [&](const RetiredGrid& old) { return old.frame <= info.completedFrame; });
+    openGraph(info);
+    const SceneRegistry::Snapshot& snapshot = scene_->begin(info.frame, origin_);
+
+    // Pipelines that are compiled but never ran: one method a frame.
+    std::uint32_t trial = UINT32_MAX;
+    gridTrial_ = false;
+    if (!gridReady_) {
+        while (pipelines_->createNext(kRuntimeOwner)) {
+        }
+        trial = kRuntimeOwner;
+        gridTrial_ = true;
+    } else {
+        trial = methods_->nextTrial();
+    }
+
+    const auto decideStart = std::chrono::steady_clock::now();
+    for (std::uint32_t i = 0; i < info.viewCount; ++i)
+        if (Result<void> ok = prepareView(*viewFrames_[i].view, info.pViews[i]); !ok) return ok.error();
+    stats_ = {};
+    stats_.frame = info.frame;
+    raysNeeded_ = false;
+    predictedMs_ = 0.0;
+    for (std::uint32_t i = 0; i < info.viewCount; ++i)
+        if (Result<void> ok = decideView(i, info.pViews[i], info, mode); !ok) return ok.error();
+    stats_.decideUs = static_cast<float>(msSince(decideStart) * 1000.0);
+
+    const bool timed = timeEveryFrame_ || (info.flags & GN_FRAME_TIMED_BIT) || info.frame % kTimedPeriod == 0;
+    const ExecutorFrame frame{.frame = info.frame,
+                              .completedFrame = info.completedFrame,
+                              .timed = timed,
+                              .scene = &snapshot,
+                              .uploads = scene_.get(),
+                              .rays = rays_.get(),
+                              .raysNeeded = raysNeeded_,
+                              .trialOwner = trial,
+                              .waits = waits_,
+                              .signals = signals_,
+                              .visibilities = visibilities_.data(),
+                              .visibilityCount = static_cast<std::uint32_t>(visibilities_.size()),
+                              .imports = imports_.data(),
+                              .importCount = static_cast<std::uint32_t>(imports_.size())};
+    if (Result<void> ok = executor_->begin(frame); !ok) return ok.error();
+    takeTimings();
+    if (mode == FrameMode::recorded) {
+        if (Result<void> ok = executor_->record(cmd); !ok) return ok.error();
+    } else if (Result<void> ok = executor_->start(mode == FrameMode::submit); !ok) {
+        return ok.error();
+    }
+    if (trial == kRuntimeOwner)
+        gridReady_ = true;
+    else if (trial != UINT32_MAX)
+        (*methods_)[trial].ready = true;
+    stats_.callMs = static_cast<float>(msSince(start));
+    finishStats();
+    return methods_->anyReady() ? GN_SUCCESS : GN_NOT_READY;
+}
+
+Result<GnResult> Context::finishFrame(std::uint64_t timeoutNs)
+{
+    if (!executor_->underway()) return frameOrder("gnFinishShadows without gnBeginShadows");
+    const auto start = std::chrono::steady_clock::now();
+    Result<GnResult> finished = executor_->finish(timeoutNs);
+    stats_.callMs += static_cast<float>(msSince(start));
+    finishStats();
+    if (!finished) return finished.error();
+    if (*finished == GN_SUCCESS && !methods_->anyReady()) return GN_NOT_READY;
+    return finished;
+}
+
+Result<void> Context::dropFrame(std::uint64_t frame)
+{
+    if (frame == 0 || frame != recorded_)
+        return frameOrder("frame " + std::to_string(frame) + " is not the one recorded last (" +
+                          std::to_string(recorded_) + ")");
+    pool_->withdraw();
+    executor_->drop();
+    scene_->dropUploads(frame);
+    for (ViewFrame& viewFrame : viewFrames_)
+        viewFrame.view->grid->drop(frame);
+    recorded_ = 0;
+    return {};
+}
+
+// --- input ---
+
+Result<void> Context::takeInput(const GnFrameInfo& info)
+{
+    if (executor_->underway()) return frameOrder("gnFinishShadows of frame " + std::to_string(frame_) + " is missing");
+    if (info.frame == 0) return frameOrder("frame is 0; the first frame is at least 1");
+    if (frame_ != 0 && info.frame != frame_ + 1)
+        return frameOrder("frame is " + std::to_string(info.frame) + " after " + std::to_string(frame_));
+    if (info.completedFrame >= info.frame)
+        return frameOrder("completedFrame " + std::to_string(info.completedFrame) + " is not before frame " +
+                          std::to_string(info.frame));
+    const std::uint64_t inFlight = info_.framesInFlight ? info_.framesInFlight : 2;
+    if (frame_ != 0 && info.frame > inFlight && info.completedFrame < info.frame - inFlight &&
+        frame_ + 1 > firstFrame_ + inFlight)
+        return frameOrder("frame " + std::to_string(info.frame) + " with completedFrame " +
+                          std::to_string(info.completedFrame) + ": more than " + std::to_string(inFlight) +
+                          " frames in flight");
+    if (std::isnan(info.budgetMs)) return Error{GN_ERROR_NOT_A_NUMBER, "BudgetNaN", "budgetMs is NaN"};
+    if (info.budgetMs < 0.0f)
+        return Error{GN_ERROR_OUT_OF_RANGE, "BudgetNegative", "budgetMs is " + std::to_string(info.budgetMs)};
+    if (info.viewCount && !info.pViews) return Error{GN_ERROR_NULL_ARGUMENT, "ViewsMissing", "pViews is null"};
+    if ((info.waitCount && !info.pWaits) || (info.signalCount && !info.pSignals))
+        return Error{GN_ERROR_NULL_ARGUMENT, "SemaphoresMissing", "pWaits or pSignals is null"};
+    if (Result<void> ok = acceptViews(info); !ok) return ok;
+    if (frame_ == 0) firstFrame_ = info.frame;
+
+    auto points = [](const GnSemaphorePoint* list, std::uint32_t count, std::vector<VkSemaphoreSubmitInfo>& out) {
+        out.clear();
+        for (std::uint32_t i = 0; i < count; ++i)
+            out.push_back({.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+                           .semaphore = list[i].semaphore,
+                           .value = list[i].value,
+                           .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT});
+    };
+    points(info.pWaits, info.waitCount, waits_);
+    points(info.pSignals, info.signalCount, signals_);
+    return {};
+}
+
+/// Everything about views and lights is checked before anything changes.
+Result<void> Context::acceptViews(const GnFrameInfo& info)
+{
+    acceptedViews_.clear();
+    for (std::uint32_t i = 0; i < info.viewCount; ++i) {
+        const GnViewFrame& frame = info.pViews[i];
+        View* view = findView(frame.view);
+        if (!view)
+            return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle",
+                         "pViews[" + std::to_string(i) + "].view is not a live view of this context"};
+        if (std::find(acceptedViews_.begin(), acceptedViews_.end(), view) != acceptedViews_.end())
+            return Error{GN_ERROR_OUT_OF_RANGE, "ViewTwice", "view '" + view->name + "' appears twice in the frame"};
+        if (Result<void> ok = checkViewFrame(frame, view->name.c_str(), view->maxLights, *vk_); !ok) return ok;
+        for (std::uint32_t k = 0; k < frame.lightCount; ++k)
+            if (!scene_->validLight(frame.pLights[k]))
+                return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle",
+                             "view '" + view->name + "': pLights[" + std::to_string(k) +
+                                 "] is not a live light of this context"};
+        acceptedViews_.push_back(view);
+    }
+    return {};
+}
+
+void Context::openGraph(const GnFrameInfo& info)
+{
+    arena_.reset();
+    pool_->begin(info.frame, info.completedFrame);
+    graph_->reset();
+    viewFrames_.clear();
+    lightFrames_.clear();
+    tasks_.clear();
+    visibilities_.clear();
+    imports_.clear();
+    for (View* view : acceptedViews_)
+        viewFrames_.push_back({.view = view});
+    if (info.viewCount == 0) return;
+    bool moved = !originSet_;
+    for (int i = 0; i < 3; ++i) {
+        // Followed with a quarter step of slack, so that a camera on a boundary does not flip it every frame.
+        const double eye = info.pViews[0].eye[i];
+        if (std::abs(eye - origin_[i]) > 0.75 * kOriginStep || moved)
+            origin_[i] = std::round(eye / kOriginStep) * kOriginStep;
+    }
+    originSet_ = true;
+}
+
+Result<void> Context::prepareView(View& view, const GnViewFrame& frame)
+{
+    const VkExtent2D extent = frame.imageExtent;
+    const bool resized = !view.visibility || view.visibility->gpu.extent.width != extent.width ||
+                         view.visibility->gpu.extent.height != extent.height;
+    if (resized) {
+        auto made = pool_->ownedImage({.format = VK_FORMAT_R8_UNORM,
+                                       .extent = extent,
+                                       .layers = view.maxLights,
+                                       .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
+                                                VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                                       .name = "view.visibility",
+                                       .concurrent = true});
+        if (!made) return made.error();
+        if (view.visibility) pool_->retire(std::move(view.visibility));
+        view.visibility = std::move(*made);
+        ++view.revision;
+        view.grid->invalidate();
+    }
+    view.camera = makeCameraView(frame, origin_, view.id);
+    if (frame.cameraCut) {
+        view.grid->invalidate();
+        for (auto& [id, memory] : view.lights) {
+            memory.measured = false;
+            memory.share.reset();
+        }
+    }
+    view.decisions.clear();
+    ViewFrame& out = *std::find_if(viewFrames_.begin(), viewFrames_.end(),
+                                   [&](const ViewFrame& candidate) { return candidate.view == &view; });
+    out.depthImage = pool_->import(frame.depthImage, frame.depthView, frame.depthFormat, extent);
+    out.depth = graph_->addImage(*out.depthImage, "host.depth");
+    imports_.push_back(out.depthImage);
+    if (frame.normalImage) {
+        out.normalImage = pool_->import(frame.normalImage, frame.normalView, frame.normalFormat, extent);
+        out.normals = graph_->addImage(*out.normalImage, "host.normals");
+        imports_.push_back(out.normalImage);
+    }
+    pool_->touch(*view.visibility);
+    view.visibility->kept.lastUsed = pool_->frame();
+    out.visibility = graph_->addImage(*view.visibility, "view.visibility");
+    visibilities_.push_back(view.visibility.get());
+    return {};
+}
+
+// --- decisions and passes ---
+
+const LightCasters& Context::castersOf(const LightView& light)
+{
+    for (const LightFrame& known : lightFrames_)
+        if (known.id == light.id) return known.casters;
+    lightFrames_.push_back({light.id, light.handle, scene_->castersOf(light, arena_)});
+    return lightFrames_.back().casters;
+}
+
+Result<void> Context::decideView(std::uint32_t viewIndex, const GnViewFrame& frame, const GnFrameInfo& info,
+                                 FrameMode mode)
+{
+    ViewFrame& viewFrame = viewFrames_[viewIndex];
+    View& view = *viewFrame.view;
+    std::uint32_t dynamicLights = 0, pinnedLights = 0;
+    for (std::uint32_t i = 0; i < frame.lightCount; ++i) {
+        const LightView* light = scene_->light(frame.pLights[i]);
+        dynamicLights += !light->isStatic;
+        pinnedLights += lights_[light->id].pinned != UINT32_MAX;
+    }
+
+    const bool fresh = view.grid->collect(info.completedFrame);
+    if (gridReady_ && selector_->hasRules() && pinnedLights < frame.lightCount && view.grid->wanted(info.frame)) {
+        graph_->beginTask({.view = viewIndex}, &view.camera, viewFrame.depth, viewFrame.normals);
+        if (auto ok = view.grid->declare(*graph_, view.camera, viewFrame.depth, gridPipeline_, info.frame); !ok)
+            return ok;
+        graph_->endTask();
+    }
+
+    const std::uint32_t known =
+        std::min<std::uint32_t>(frameTimeCount_, static_cast<std::uint32_t>(frameTimes_.size()));
+    float sum = 0.0f;
+    for (std::uint32_t i = 0; i < known; ++i)
+        sum += frameTimes_[i];
+    const double rate = sum > 0.0f ? 1000.0 * known / sum : 0.0;
+
+    for (std::uint32_t i = 0; i < frame.lightCount; ++i) {
+        const LightView& light = *scene_->light(frame.pLights[i]);
+        const LightCasters& casters = castersOf(light);
+        LightState& state = lights_[light.id];
+        state.motion.note(info.frame, light, casters);
+        state.lastFrame = info.frame;
+        LightMemory& memory = view.lights[light.id];
+        if (view.grid->valid() && (fresh || !memory.measured)) {
+            const Reach reach =
+                measureReach(view.grid->camera(), view.grid->tiles(), view.grid->tilesX(), view.grid->tilesY(), light);
+            memory.distance = reach.distance;
+            memory.share.add(reach.share);
+            memory.measured = true;
+        }
+        const SelectionInput input{
+            .view = &view.camera,
+            .light = &light,
+            .casters = &casters,
+            .pinned = state.pinned,
+            .dynamicLights = dynamicLights,
+            .lightMotion = state.motion.share(),
+            .frameBudget = info.budgetMs > 0.0f ? lastPredictedMs_ / static_cast<double>(info.budgetMs) : 0.0,
+            .frameRate = rate,
+            .recorded = mode == FrameMode::recorded,
+            .memoryLeft = memory_->limit() - std::min(memory_->used(), memory_->limit()),
+            .frame = info.frame};
+        LightDecision decision = selector_->decide(input, memory);
+        declareLight(viewIndex, decision, light, casters, i, mode);
+        stats_.switches += decision.switched;
+        predictedMs_ += decision.predictedMs;
+        view.decisions.push_back(decision);
+    }
+    return {};
+}
+
+void Context::declareLight(std::uint32_t viewIndex, LightDecision& decision, const LightView& light,
+                           const LightCasters& casters, std::uint32_t layer, FrameMode mode)
+{
+    ViewFrame& viewFrame = viewFrames_[viewIndex];
+    if (decision.method == UINT32_MAX) return declareLit(viewIndex, layer);
+    Method& method = (*methods_)[decision.method];
+    const ShadowTask task{.view = &viewFrame.view->camera,
+                          .light = &light,
+                          .casters = arena_.make(casters),
+                          .settings = method.settings,
+                          .layer = layer,
+                          .visibility = viewFrame.visibility,
+                          .depth = viewFrame.depth,
+                          .normals = viewFrame.normals,
+                          .recorded = mode == FrameMode::recorded};
+    graph_->beginTask({.view = viewIndex, .light = light.id, .method = decision.method}, task.view, task.depth,
+                      task.normals);
+    PassBuilder builder(*graph_);
+    method.algorithm->declare(builder, task);
+    if (const std::optional<Error> error = graph_->endTask()) {
+        messages_.warn(error->id, "light '" + std::string(light.name) + "', method '" + method.name +
+                                      "': " + error->text + "; lit in this frame");
+        decision.candidates[decision.method].exclusion = Exclusion::memory;
+        decision.method = UINT32_MAX;
+        decision.reason = GN_REASON_NOTHING_READY;
+        return declareLit(viewIndex, layer);
+    }
+    raysNeeded_ |= method.has(GN_TRAIT_RAYS_BIT);
+    tasks_.push_back({light.id, decision.method, task});
+}
+
+/// A light that nothing can serve is lit.
+void Context::declareLit(std::uint32_t viewIndex, std::uint32_t layer)
+{
+    ViewFrame& viewFrame = viewFrames_[viewIndex];
+    graph_->beginTask({.view = viewIndex}, &viewFrame.view->camera, viewFrame.depth, viewFrame.normals);
+    PassBuilder(*graph_)
+        .raster("view.lit", Scope::view, layer)
+        .writes(viewFrame.visibility, {.layer = layer, .clear = true, .value = {.color = {.float32 = {1, 1, 1, 1}}}})
+        .record([](PassContext&) {});
+    graph_->endTask();
+}
+
+// --- measurements ---
+
+void Context::takeTimings()
+{
+    if (const FrameTimings* whole = executor_->newest()) untimedGpuMs_ = whole->totalGpuMs;
+    const FrameTimings* timed = executor_->newestTimed();
+    stats_.gpuMs = untimedGpuMs_ > 0.0f ? untimedGpuMs_ : timed ? timed->totalGpuMs : 0.0f;
+    if (!timed || timed->frame <= timingsTaken_) return;
+    timingsTaken_ = timed->frame;
+    chargeLights(*timed);
+}
+
+/// What each light's own passes cost, scaled from the timed frame (whose barriers slow it down) to the untimed total.
+void Context::chargeLights(const FrameTimings& timings)
+{
+    const float scale =
+        untimedGpuMs_ > 0.0f && timings.totalGpuMs > untimedGpuMs_ ? untimedGpuMs_ / timings.totalGpuMs : 1.0f;
+    for (ViewFrame& viewFrame : viewFrames_) {
+        View& view = *viewFrame.view;
+        for (auto& [id, memory] : view.lights) {
+            float ms = 0.0f;
+            std::uint32_t method = UINT32_MAX;
+            for (const PassTiming& pass : timings.passes) {
+                if (pass.owner.light != id) continue;
+                if (pass.owner.view != UINT32_MAX && pass.owner.view >= viewFrames_.size()) continue;
+                if (pass.owner.view != UINT32_MAX && viewFrames_[pass.owner.view].view != &view) continue;
+                if (pass.owner.method != UINT32_MAX) method = pass.owner.method;
+                ms += pass.gpuMs * scale + pass.cpuMs;
+            }
+            if (method < methods_->size()) memory.measuredMs[method] = ms;
+        }
+    }
+}
+
+void Context::finishStats()
+{
+    const ExecutorCounters& counters = executor_->counters();
+    stats_.levels = graph_->levels();
+    stats_.submits = counters.submits;
+    stats_.hostWaits = counters.hostWaits;
+    stats_.passesRun = counters.passesRun;
+    stats_.passesKept = graph_->keptPasses();
+    stats_.indexListsBuilt = counters.indexListsBuilt;
+    stats_.rays = counters.rays;
+    stats_.cpuMs = counters.cpuMs;
+    stats_.deviceAllocations = static_cast<std::uint32_t>(vk_->objectsMade - objectsBefore_);
+    stats_.pipelinesCreated = static_cast<std::uint32_t>(vk_->pipelinesMade - pipelinesBefore_);
+    stats_.memory = memory_->used();
+    lastPredictedMs_ = predictedMs_;
+    forgetOldLights();
+}
+
+void Context::forgetOldLights()
+{
+    if (frame_ % kForgetFrames != 0) return;
+    std::erase_if(lights_, [&](const auto& entry) {
+        return entry.second.lastFrame + kForgetFrames < frame_ && entry.second.pinned == UINT32_MAX;
+    });
+    views_.forEach([&](std::unique_ptr<View>& view) {
+        std::erase_if(view->lights, [&](const auto& entry) { return entry.second.lastFrame + kForgetFrames < frame_; });
+    });
+}
+
+} // namespace gnomon

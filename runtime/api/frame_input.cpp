@@ -1,0 +1,187 @@
+// What the host says of a camera: checked, then turned into what shaders and rays use.
+#include <cmath>
+
+#include "runtime/api/context.hpp"
+
+namespace gnomon {
+
+namespace {
+
+Error wrong(GnResult result, const char* id, const char* viewName, const std::string& what)
+{
+    return {result, id, "view '" + std::string(viewName) + "': " + what};
+}
+
+template <typename T>
+Result<void> checkFinite(std::span<const T> values, const char* name, const char* viewName)
+{
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const std::string where = std::string(name) + "[" + std::to_string(i) + "]";
+        if (std::isnan(values[i])) return wrong(GN_ERROR_NOT_A_NUMBER, "CameraNaN", viewName, where + " is NaN");
+        if (std::isinf(values[i])) return wrong(GN_ERROR_INFINITE, "CameraInfinite", viewName, where + " is infinite");
+    }
+    return {};
+}
+
+Result<void> checkProjection(const GnViewFrame& frame, const char* viewName)
+{
+    const float* p = frame.projection;
+    const bool perspective = p[3] == 0.0f && p[7] == 0.0f && std::abs(p[11]) == 1.0f && p[15] == 0.0f && p[0] != 0.0f &&
+                             p[5] != 0.0f && p[1] == 0.0f && p[2] == 0.0f && p[4] == 0.0f && p[6] == 0.0f &&
+                             p[14] != 0.0f;
+    if (!perspective)
+        return wrong(GN_ERROR_OUT_OF_RANGE, "ProjectionNotPerspective", viewName,
+                     "projection is not a perspective matrix (clip w must be +-view z, no skew; projection[11] is " +
+                         std::to_string(p[11]) + ")");
+    // Which depth belongs to the near plane follows from the matrix; the convention must agree.
+    const bool infinite = p[10] == 0.0f;
+    const bool reversed = p[14] > 0.0f; // depth = p10 / p11 + p14 / w
+    const bool saysReversed = frame.depthConvention != GN_DEPTH_STANDARD;
+    if (reversed != saysReversed || (frame.depthConvention == GN_DEPTH_REVERSED_INFINITE && !infinite))
+        return wrong(GN_ERROR_OUT_OF_RANGE, "DepthConvention", viewName,
+                     "depthConvention " + std::to_string(frame.depthConvention) + " does not fit the projection (" +
+                         (reversed ? "reversed" : "standard") + (infinite ? ", infinite far)" : ", finite far)"));
+    return {};
+}
+
+Result<void> checkRotation(const GnViewFrame& frame, const char* viewName)
+{
+    const float* r = frame.viewFromWorld;
+    for (int i = 0; i < 3; ++i)
+        for (int j = i; j < 3; ++j) {
+            const float d = r[3 * i] * r[3 * j] + r[3 * i + 1] * r[3 * j + 1] + r[3 * i + 2] * r[3 * j + 2];
+            if (std::abs(d - (i == j ? 1.0f : 0.0f)) > 1e-3f)
+                return wrong(GN_ERROR_OUT_OF_RANGE, "CameraNotRotation", viewName,
+                             "viewFromWorld is not a rotation: rows " + std::to_string(i) + " and " +
+                                 std::to_string(j) + " have dot product " + std::to_string(d));
+        }
+    return {};
+}
+
+Result<void> checkImages(const GnViewFrame& frame, const char* viewName, const DeviceTable& vk)
+{
+    if (!frame.depthImage || !frame.depthView)
+        return wrong(GN_ERROR_NULL_ARGUMENT, "DepthMissing", viewName, "depthImage and depthView are required");
+    if (frame.depthFormat != VK_FORMAT_D32_SFLOAT && frame.depthFormat != VK_FORMAT_D32_SFLOAT_S8_UINT)
+        return wrong(GN_ERROR_OUT_OF_RANGE, "DepthFormat", viewName,
+                     "depthFormat " + std::to_string(frame.depthFormat) +
+                         " is neither D32_SFLOAT nor D32_SFLOAT_S8_UINT");
+    if ((frame.normalImage != VK_NULL_HANDLE) != (frame.normalView != VK_NULL_HANDLE))
+        return wrong(GN_ERROR_NULL_ARGUMENT, "NormalsHalf", viewName, "normalImage and normalView go together");
+    if (frame.normalImage && frame.normalFormat != VK_FORMAT_R16G16B16A16_SFLOAT &&
+        frame.normalFormat != VK_FORMAT_R32G32B32A32_SFLOAT)
+        return wrong(GN_ERROR_OUT_OF_RANGE, "NormalFormat", viewName,
+                     "normalFormat " + std::to_string(frame.normalFormat) +
+                         " is neither R16G16B16A16_SFLOAT nor R32G32B32A32_SFLOAT");
+    const VkExtent2D extent = frame.imageExtent;
+    if (extent.width == 0 || extent.height == 0)
+        return wrong(GN_ERROR_EMPTY, "ViewEmpty", viewName,
+                     "imageExtent is " + std::to_string(extent.width) + "x" + std::to_string(extent.height));
+    const std::uint32_t limit = vk.properties.limits.maxImageDimension2D;
+    if (extent.width > limit || extent.height > limit)
+        return wrong(GN_ERROR_OUT_OF_RANGE, "ViewTooLarge", viewName,
+                     "imageExtent " + std::to_string(extent.width) + "x" + std::to_string(extent.height) +
+                         " is above the device's " + std::to_string(limit));
+    const VkRect2D area = frame.renderArea;
+    const bool inside = area.offset.x >= 0 && area.offset.y >= 0 &&
+                        std::uint64_t(area.offset.x) + area.extent.width <= extent.width &&
+                        std::uint64_t(area.offset.y) + area.extent.height <= extent.height;
+    if (!inside || (area.extent.width == 0) != (area.extent.height == 0))
+        return wrong(GN_ERROR_OUT_OF_RANGE, "RenderArea", viewName, "renderArea does not lie inside imageExtent");
+    return {};
+}
+
+} // namespace
+
+Result<void> checkViewFrame(const GnViewFrame& frame, const char* viewName, std::uint32_t maxLights,
+                            const DeviceTable& vk)
+{
+    if (auto r = checkFinite<double>(frame.eye, "eye", viewName); !r) return r;
+    if (auto r = checkFinite<float>(frame.viewFromWorld, "viewFromWorld", viewName); !r) return r;
+    if (auto r = checkFinite<float>(frame.projection, "projection", viewName); !r) return r;
+    if (auto r = checkRotation(frame, viewName); !r) return r;
+    if (auto r = checkProjection(frame, viewName); !r) return r;
+    if (auto r = checkImages(frame, viewName, vk); !r) return r;
+    if (frame.lightCount > maxLights)
+        return wrong(GN_ERROR_TOO_MANY, "TooManyLights", viewName,
+                     std::to_string(frame.lightCount) + " lights, the view holds " + std::to_string(maxLights));
+    if (frame.lightCount && !frame.pLights)
+        return wrong(GN_ERROR_NULL_ARGUMENT, "LightsMissing", viewName, "pLights is null");
+    return {};
+}
+
+CameraView makeCameraView(const GnViewFrame& frame, const std::array<double, 3>& origin, std::uint32_t id)
+{
+    CameraView view;
+    view.id = id;
+    view.cut = frame.cameraCut != VK_FALSE;
+    view.convention = frame.depthConvention;
+    view.depthFormat = frame.depthFormat;
+    view.normalFormat = frame.normalImage ? frame.normalFormat : VK_FORMAT_UNDEFINED;
+    view.extent = frame.imageExtent;
+    view.area = frame.renderArea.extent.width ? frame.renderArea : VkRect2D{{0, 0}, frame.imageExtent};
+    for (int i = 0; i < 3; ++i) {
+        view.origin[i] = origin[i];
+        view.eye[i] = static_cast<float>(frame.eye[i] - origin[i]);
+    }
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column)
+            view.viewFromWorld[column][row] = frame.viewFromWorld[3 * row + column];
+    for (int i = 0; i < 16; ++i)
+        view.projection[i / 4][i % 4] = frame.projection[i];
+
+    const glm::mat3 worldFromView = glm::transpose(view.viewFromWorld);
+    glm::mat4 viewFromWorld(view.viewFromWorld);
+    viewFromWorld[3] = glm::vec4(-(view.viewFromWorld * view.eye), 1.0f);
+
+    gpu::ViewConstants& c = view.constants;
+    c = {};
+    c.clipFromWorld = view.projection * viewFromWorld;
+    c.eyeWs = glm::vec4(view.eye, 0.0f);
+
+    // Rays of linear depth (clip w) 1. With p = projection: w = p11 z, x_clip = p0 x + p8 z, so x = (x_ndc - p8 z)/p0
+    // for z = 1/p11. In double: the rays are differences of nearly equal numbers.
+    const float* p = frame.projection;
+    const double z = 1.0 / p[11];
+    auto ray = [&](double px, double py) {
+        const double xNdc = 2.0 * (px - view.area.offset.x) / view.area.extent.width - 1.0;
+        const double yNdc = 2.0 * (py - view.area.offset.y) / view.area.extent.height - 1.0;
+        return glm::dvec3((xNdc - p[8] * z) / p[0], (yNdc - p[9] * z) / p[5], z);
+    };
+    auto toWorld = [&](glm::dvec3 v) { return glm::vec3(glm::dmat3(worldFromView) * v); };
+    c.rayCornerWs = glm::vec4(toWorld(ray(0, 0)), 0.0f);
+    c.rayDxWs = glm::vec4(toWorld(ray(1, 0) - ray(0, 0)), 0.0f);
+    c.rayDyWs = glm::vec4(toWorld(ray(0, 1) - ray(0, 0)), 0.0f);
+
+    c.depthScale = p[11] * p[14]; // w = p11 p14 / (p11 depth - p10)
+    c.depthMul = p[11];
+    c.depthAdd = -p[10];
+    c.skyDepth = view.reversed() ? 0.0f : 1.0f;
+    c.offsetFactor = view.reversed() ? 1.0f : 3.0f;
+    c.pixelSize = glm::length(glm::vec3(c.rayDyWs));
+    c.hasNormals = frame.normalImage != VK_NULL_HANDLE;
+
+    // Frustum from the corner rays; the near plane from depth 1 (reversed) or 0.
+    const auto left = static_cast<double>(view.area.offset.x), top = static_cast<double>(view.area.offset.y);
+    const double right = left + view.area.extent.width, bottom = top + view.area.extent.height;
+    const std::array<glm::vec3, 4> corners = {toWorld(ray(left, top)), toWorld(ray(right, top)),
+                                              toWorld(ray(right, bottom)), toWorld(ray(left, bottom))};
+    const glm::vec3 forward = toWorld({0.0, 0.0, z}); // linear depth grows along it
+    const float nearDepth = view.reversed() ? 1.0f : 0.0f, farDepth = 1.0f - nearDepth;
+    const float nearW = gpu::linearDepth(c, nearDepth);
+    for (std::size_t i = 0; i < 4; ++i) {
+        view.nearCorners[i] = view.eye + corners[i] * nearW;
+        glm::vec3 normal = glm::normalize(glm::cross(corners[i], corners[(i + 1) % 4]));
+        if (glm::dot(normal, corners[(i + 2) % 4]) < 0.0f) normal = -normal; // whichever way the view is handed
+        view.frustum[i] = {normal, -glm::dot(normal, view.eye)};
+    }
+    view.frustum[4] = {forward, -glm::dot(forward, view.eye) - nearW};
+    view.frustum[5] = {glm::vec3(0.0f), 1.0f};
+    if (view.convention != GN_DEPTH_REVERSED_INFINITE && c.depthMul * farDepth + c.depthAdd != 0.0f) {
+        const float farW = gpu::linearDepth(c, farDepth);
+        view.frustum[5] = {-forward, glm::dot(forward, view.eye) + farW};
+    }
+    return view;
+}
+
+} // namespace gnomon

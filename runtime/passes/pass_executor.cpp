@@ -1,0 +1,391 @@
+#include "runtime/passes/pass_executor.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "runtime/passes/frame_slot.hpp"
+
+namespace gnomon {
+
+namespace {
+
+float elapsedMs(std::chrono::steady_clock::time_point since)
+{
+    return std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - since).count();
+}
+
+VkSemaphoreSubmitInfo timelinePoint(VkSemaphore semaphore, std::uint64_t value)
+{
+    return {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+            .semaphore = semaphore,
+            .value = value,
+            .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+}
+
+} // namespace
+
+PassExecutor::PassExecutor(const DeviceTable& vk, DeviceMemory& memory, PipelineStore& pipelines,
+                           const SamplerSet& samplers, JobSystem& jobs, ResourcePool& pool, PassGraph& graph,
+                           const GnContextCreateInfo& info)
+    : vk_(vk), memory_(memory), pipelines_(pipelines), samplers_(samplers), jobs_(jobs), pool_(pool), graph_(graph),
+      lock_(info.pfnLockQueue), unlock_(info.pfnUnlockQueue), userData_(info.pUserData), barriers_(vk)
+{
+}
+
+PassExecutor::~PassExecutor()
+{
+    for (auto& slot : slots_) {
+        for (GpuBuffer& chunk : slot->constants)
+            memory_.destroy(chunk);
+        memory_.destroy(slot->transforms);
+    }
+}
+
+Result<void> PassExecutor::create(std::uint32_t framesInFlight)
+{
+    const VkSemaphoreTypeCreateInfo type{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO,
+                                         .semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE};
+    const VkSemaphoreCreateInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, .pNext = &type};
+    VkSemaphore semaphore = VK_NULL_HANDLE;
+    if (VkResult r = vk_.vkCreateSemaphore(vk_.device, &info, vk_.hostAllocator, &semaphore); r != VK_SUCCESS)
+        return vulkanError(r, "vkCreateSemaphore");
+    timeline_ = {vk_, semaphore};
+    for (std::uint32_t i = 0; i < framesInFlight; ++i) {
+        auto slot = std::make_unique<Slot>(vk_);
+        const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                               .queueFamilyIndex = vk_.queueFamily};
+        VkCommandPool pool = VK_NULL_HANDLE;
+        if (VkResult r = vk_.vkCreateCommandPool(vk_.device, &poolInfo, vk_.hostAllocator, &pool); r != VK_SUCCESS)
+            return vulkanError(r, "vkCreateCommandPool");
+        slot->pool = {vk_, pool};
+        if (vk_.timestampValidBits) {
+            const VkQueryPoolCreateInfo queryInfo{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+                                                  .queryType = VK_QUERY_TYPE_TIMESTAMP,
+                                                  .queryCount = kQueriesPerSlot};
+            VkQueryPool queries = VK_NULL_HANDLE;
+            if (VkResult r = vk_.vkCreateQueryPool(vk_.device, &queryInfo, vk_.hostAllocator, &queries);
+                r != VK_SUCCESS)
+                return vulkanError(r, "vkCreateQueryPool");
+            slot->queries = {vk_, queries};
+        }
+        slots_.push_back(std::move(slot));
+    }
+    return {};
+}
+
+Result<void> PassExecutor::begin(const ExecutorFrame& frame)
+{
+    for (auto& slot : slots_)
+        if (slot->timingsPending && slot->frame <= frame.completedFrame) collect(*slot);
+
+    Slot& slot = *slots_[frame.frame % slots_.size()];
+    if (slot.frame > frame.completedFrame)
+        return Error{GN_ERROR_FRAME_ORDER, "FrameInFlight",
+                     "frame " + std::to_string(frame.frame) + " reuses the memory of frame " +
+                         std::to_string(slot.frame) + ", but completedFrame is " +
+                         std::to_string(frame.completedFrame)};
+    if (VkResult r = vk_.vkResetCommandPool(vk_.device, slot.pool.get(), 0); r != VK_SUCCESS)
+        return vulkanError(r, "vkResetCommandPool");
+    slot.frame = frame.frame;
+    slot.timed = frame.timed;
+    slot.timingsPending = false;
+    slot.descriptors.begin();
+    slot.chunk = 0;
+    slot.chunkUsed = 0;
+    slot.queriesUsed = 0;
+    slot.entries.clear();
+    slot.levels.clear();
+    slot_ = &slot;
+    frame_ = frame;
+    waits_.assign(frame.waits.begin(), frame.waits.end());
+    signals_.assign(frame.signals.begin(), frame.signals.end());
+    visibilities_.assign(frame.visibilities, frame.visibilities + frame.visibilityCount);
+    imports_.assign(frame.imports, frame.imports + frame.importCount);
+    counters_.submits = counters_.hostWaits = counters_.passesRun = 0;
+    counters_.indexListsBuilt = 0;
+    counters_.rays = 0;
+    counters_.cpuMs = 0.0f;
+    later_.clear();
+    level_ = 0;
+    recordError_.reset();
+
+    const std::span<const InstanceTransform> transforms = frame.scene->transforms;
+    const VkDeviceSize wanted = std::max<VkDeviceSize>(transforms.size_bytes(), sizeof(InstanceTransform));
+    if (slot.transforms.size < wanted) {
+        memory_.destroy(slot.transforms);
+        Result<GpuBuffer> made = memory_.createBuffer(std::bit_ceil(wanted), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                                      MemoryUse::upload, "frame.transforms");
+        if (!made) return made.error();
+        slot.transforms = *made;
+        slot.transformsRevision = 0;
+    }
+    if (slot.transformsRevision != frame.scene->revision) {
+        if (!transforms.empty()) std::memcpy(slot.transforms.mapped, transforms.data(), transforms.size_bytes());
+        slot.transformsRevision = frame.scene->revision;
+    }
+    return {};
+}
+
+bool PassExecutor::levelHas(std::uint32_t level, PassKind kind) const
+{
+    return std::any_of(order_.begin(), order_.end(), [&](std::uint32_t i) {
+        const Pass& pass = graph_.passes()[i];
+        return pass.level == level && pass.kind == kind && pass.fn;
+    });
+}
+
+Result<void> PassExecutor::record(VkCommandBuffer cmd)
+{
+    order_ = graph_.order();
+    runCpuPasses(0, PassKind::prepare);
+    Result<void> recorded = recordLevel(cmd, 0, true);
+    slot_->timingsPending = true;
+    return recorded;
+}
+
+void PassExecutor::drop()
+{
+    if (slot_) slot_->timingsPending = false;
+}
+
+Result<void> PassExecutor::start(bool inlineHost)
+{
+    order_ = graph_.order();
+    inlineHost_ = inlineHost || jobs_.threadCount() < 2;
+    underway_ = true;
+    Result<void> submitted = submitLevel(0, !levelHas(0, PassKind::host));
+    if (!submitted) underway_ = false;
+    return submitted;
+}
+
+/// Host passes of the level under way; then, while there are more, the next level.
+Result<GnResult> PassExecutor::finish(std::uint64_t timeoutNs)
+{
+    while (levelHas(level_, PassKind::host)) {
+        if (inlineHost_) {
+            if (Result<void> waited = hostLevel(timeoutNs); !waited) {
+                underway_ = false;
+                return waited.error();
+            }
+            if (hostWait_ == VK_TIMEOUT) return GN_TIMEOUT;
+        } else if (timeoutNs == UINT64_MAX) {
+            jobs_.wait(hostJob_);
+        } else {
+            const auto until = std::chrono::steady_clock::now() + std::chrono::nanoseconds(timeoutNs);
+            while (!hostJob_.done()) {
+                if (std::chrono::steady_clock::now() >= until) return GN_TIMEOUT;
+                std::this_thread::sleep_for(std::chrono::microseconds(50));
+            }
+        }
+        if (hostWait_ != VK_SUCCESS) {
+            underway_ = false;
+            return vulkanError(hostWait_, "vkWaitSemaphores");
+        }
+        declareLater();
+        order_ = graph_.order();
+        ++level_;
+        if (Result<void> submitted = submitLevel(level_, !levelHas(level_, PassKind::host)); !submitted) {
+            underway_ = false;
+            return submitted.error();
+        }
+    }
+    underway_ = false;
+    return GN_SUCCESS;
+}
+
+/// Waits for the level's GPU work and runs its host passes.
+Result<void> PassExecutor::hostLevel(std::uint64_t timeoutNs)
+{
+    const VkSemaphore semaphore = timeline_.get();
+    const VkSemaphoreWaitInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
+                                   .semaphoreCount = 1,
+                                   .pSemaphores = &semaphore,
+                                   .pValues = &timelineValue_};
+    hostWait_ = vk_.vkWaitSemaphores(vk_.device, &info, timeoutNs);
+    if (hostWait_ == VK_TIMEOUT) return {};
+    ++counters_.hostWaits;
+    if (hostWait_ != VK_SUCCESS) return vulkanError(hostWait_, "vkWaitSemaphores");
+    runCpuPasses(level_, PassKind::host);
+    return {};
+}
+
+void PassExecutor::declareLater()
+{
+    std::sort(later_.begin(), later_.end(), [](const Later& a, const Later& b) { return a.pass < b.pass; });
+    for (const Later& later : later_) {
+        graph_.setFloorLevel(level_ + 1);
+        graph_.resumeTask(graph_.passes()[later.pass].task);
+        PassBuilder builder(graph_);
+        later.fn(later.body, builder);
+        graph_.endTask();
+    }
+    later_.clear();
+}
+
+Result<void> PassExecutor::submit2(const VkSubmitInfo2& submit)
+{
+    if (lock_) lock_(vk_.queue, userData_);
+    const VkResult result = vk_.vkQueueSubmit2(vk_.queue, 1, &submit, VK_NULL_HANDLE);
+    if (unlock_) unlock_(vk_.queue, userData_);
+    if (result != VK_SUCCESS) return vulkanError(result, "vkQueueSubmit2");
+    return {};
+}
+
+Result<void> PassExecutor::submitLevel(std::uint32_t level, bool last)
+{
+    runCpuPasses(level, PassKind::prepare);
+    Result<VkCommandBuffer> cmd = commandBuffer(*slot_, level);
+    if (!cmd) return cmd.error();
+    const VkCommandBufferBeginInfo beginInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                             .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
+    if (VkResult r = vk_.vkBeginCommandBuffer(*cmd, &beginInfo); r != VK_SUCCESS)
+        return vulkanError(r, "vkBeginCommandBuffer");
+    if (Result<void> recorded = recordLevel(*cmd, level, last); !recorded) return recorded;
+    if (VkResult r = vk_.vkEndCommandBuffer(*cmd); r != VK_SUCCESS) return vulkanError(r, "vkEndCommandBuffer");
+
+    // The host's signals belong to the last submit; ours marks every level.
+    const VkSemaphoreSubmitInfo levelDone = timelinePoint(timeline_.get(), ++timelineValue_);
+    if (last) signals_.push_back(levelDone);
+    const VkCommandBufferSubmitInfo cmdInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
+                                            .commandBuffer = *cmd};
+    const VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                               .waitSemaphoreInfoCount = level == 0 ? static_cast<std::uint32_t>(waits_.size()) : 0,
+                               .pWaitSemaphoreInfos = waits_.data(),
+                               .commandBufferInfoCount = 1,
+                               .pCommandBufferInfos = &cmdInfo,
+                               .signalSemaphoreInfoCount = last ? static_cast<std::uint32_t>(signals_.size()) : 1,
+                               .pSignalSemaphoreInfos = last ? signals_.data() : &levelDone};
+    if (Result<void> submitted = submit2(submit); !submitted) return submitted;
+    ++counters_.submits;
+    slot_->timingsPending = true;
+
+    if (!last && !inlineHost_) {
+        hostJob_.data = this;
+        hostJob_.run = [](void* self) { (void)static_cast<PassExecutor*>(self)->hostLevel(UINT64_MAX); };
+        jobs_.submit(hostJob_);
+    }
+    return {};
+}
+
+/// Runs the level's prepare or host passes: waves in order, the passes of a wave side by side.
+void PassExecutor::runCpuPasses(std::uint32_t level, PassKind kind)
+{
+    const bool first = level == 0 && kind == PassKind::prepare;
+    if (first && frame_.raysNeeded && frame_.rays) {
+        const auto start = std::chrono::steady_clock::now();
+        frame_.rays->update(frame_.scene->casters);
+        const float ms = elapsedMs(start);
+        counters_.cpuMs += ms;
+        slot_->entries.push_back({.timing = {.name = "rays.update", .cpuMs = ms}});
+    }
+    for (std::size_t i = 0; i < order_.size();) {
+        const Pass& head = graph_.passes()[order_[i]];
+        std::size_t end = i + 1;
+        while (end < order_.size()) {
+            const Pass& next = graph_.passes()[order_[end]];
+            if (next.level != head.level || next.kind != head.kind || next.wave != head.wave) break;
+            ++end;
+        }
+        if (head.level == level && head.kind == kind) {
+            jobs_.parallelFor(end - i, 1, [&](std::size_t b, std::size_t e, std::uint32_t) {
+                for (std::size_t k = b; k < e; ++k)
+                    runPass(order_[i + k]);
+            });
+            for (std::size_t k = i; k < end; ++k) {
+                const Pass& pass = graph_.passes()[order_[k]];
+                if (!pass.fn) continue;
+                ++counters_.passesRun;
+                counters_.cpuMs += pass.cpuMs;
+                slot_->entries.push_back(
+                    {.timing = {.name = pass.name, .owner = pass.owner, .level = pass.level, .cpuMs = pass.cpuMs}});
+            }
+        }
+        i = end;
+    }
+}
+
+void PassExecutor::runPass(std::uint32_t index)
+{
+    Pass& pass = graph_.passes()[index];
+    if (!pass.fn) return;
+    const auto start = std::chrono::steady_clock::now();
+    HostContext host;
+    host.jobs = &jobs_;
+    host.rays = frame_.rays;
+    host.arena = &graph_.arena();
+    host.executor_ = this;
+    host.pass_ = index;
+    pass.fn(pass.body, nullptr, &host);
+    pass.cpuMs = elapsedMs(start);
+}
+
+Result<VkCommandBuffer> PassExecutor::commandBuffer(Slot& slot, std::uint32_t level)
+{
+    while (slot.cmds.size() <= level) {
+        const VkCommandBufferAllocateInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                               .commandPool = slot.pool.get(),
+                                               .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                               .commandBufferCount = 1};
+        VkCommandBuffer cmd = VK_NULL_HANDLE;
+        if (VkResult r = vk_.vkAllocateCommandBuffers(vk_.device, &info, &cmd); r != VK_SUCCESS)
+            return vulkanError(r, "vkAllocateCommandBuffers");
+        ++vk_.objectsMade;
+        slot.cmds.push_back(cmd);
+    }
+    return slot.cmds[level];
+}
+
+Result<VkCommandBuffer> PassExecutor::beginOnce()
+{
+    // Warm-up comes between frames; the newest submit may still use any slot's pool, so it has one of its own.
+    const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                           .queueFamilyIndex = vk_.queueFamily};
+    VkCommandPool pool = VK_NULL_HANDLE;
+    if (VkResult r = vk_.vkCreateCommandPool(vk_.device, &poolInfo, vk_.hostAllocator, &pool); r != VK_SUCCESS)
+        return vulkanError(r, "vkCreateCommandPool");
+    oncePool_ = {vk_, pool};
+    const VkCommandBufferAllocateInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                           .commandPool = pool,
+                                           .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                           .commandBufferCount = 1};
+    VkCommandBuffer cmd = VK_NULL_HANDLE;
+    if (VkResult r = vk_.vkAllocateCommandBuffers(vk_.device, &info, &cmd); r != VK_SUCCESS)
+        return vulkanError(r, "vkAllocateCommandBuffers");
+    const VkCommandBufferBeginInfo beginInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                             .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
+    if (VkResult r = vk_.vkBeginCommandBuffer(cmd, &beginInfo); r != VK_SUCCESS)
+        return vulkanError(r, "vkBeginCommandBuffer");
+    return cmd;
+}
+
+Result<void> PassExecutor::endOnce(VkCommandBuffer cmd)
+{
+    if (VkResult r = vk_.vkEndCommandBuffer(cmd); r != VK_SUCCESS) return vulkanError(r, "vkEndCommandBuffer");
+    const VkCommandBufferSubmitInfo cmdInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
+                                            .commandBuffer = cmd};
+    const VkSemaphoreSubmitInfo signal = timelinePoint(timeline_.get(), ++timelineValue_);
+    const VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                               .commandBufferInfoCount = 1,
+                               .pCommandBufferInfos = &cmdInfo,
+                               .signalSemaphoreInfoCount = 1,
+                               .pSignalSemaphoreInfos = &signal};
+    if (Result<void> submitted = submit2(submit); !submitted) return submitted;
+    waitAll();
+    oncePool_ = {};
+    return {};
+}
+
+void PassExecutor::waitAll()
+{
+    if (!timeline_ || timelineValue_ == 0) return;
+    const VkSemaphore semaphore = timeline_.get();
+    const VkSemaphoreWaitInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
+                                   .semaphoreCount = 1,
+                                   .pSemaphores = &semaphore,
+                                   .pValues = &timelineValue_};
+    // A lost device ends the wait as well; there is nothing more to do about it here.
+    (void)vk_.vkWaitSemaphores(vk_.device, &info, UINT64_MAX);
+}
+
+} // namespace gnomon

@@ -1,0 +1,160 @@
+#pragma once
+// Turns a PassGraph into command buffers, submits and host work.
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "runtime/passes/barriers.hpp"
+#include "runtime/passes/pass_context.hpp"
+#include "runtime/passes/pass_graph.hpp"
+#include "runtime/scene/scene_registry.hpp"
+#include "runtime/vk/descriptor_ring.hpp"
+#include "runtime/vk/pipeline_store.hpp"
+#include "runtime/vk/unique.hpp"
+
+namespace gnomon {
+
+/// What a pass cost, once known.
+struct PassTiming {
+    const char* name = "";
+    PassOwner owner;
+    std::uint32_t level = 0;
+    float gpuMs = 0.0f;
+    float cpuMs = 0.0f;
+};
+
+/// Timings of one completed frame.
+struct FrameTimings {
+    std::uint64_t frame = 0;
+    bool timed = false;      ///< Every pass, with full barriers between; otherwise only the total.
+    float totalGpuMs = 0.0f; ///< From the first command to the last, gaps between levels left out.
+    std::vector<PassTiming> passes;
+};
+
+struct ExecutorCounters {
+    std::uint32_t submits = 0;
+    std::uint32_t hostWaits = 0;
+    std::uint32_t passesRun = 0;
+    std::atomic<std::uint32_t> indexListsBuilt{0};
+    std::atomic<std::uint64_t> rays{0};
+    float cpuMs = 0.0f;
+};
+
+/// What one frame brings along.
+struct ExecutorFrame {
+    std::uint64_t frame = 0;
+    std::uint64_t completedFrame = 0;
+    bool timed = false;
+    const SceneRegistry::Snapshot* scene = nullptr;
+    SceneRegistry* uploads = nullptr;      ///< Its pending uploads go first; null: none.
+    RayScene* rays = nullptr;              ///< Null without Embree.
+    bool raysNeeded = false;               ///< Some task traces: the ray scene is brought up to date.
+    std::uint32_t trialOwner = UINT32_MAX; ///< A method whose pipelines are executed for the first time.
+    std::span<const VkSemaphoreSubmitInfo> waits, signals;
+    PooledImage* const* visibilities = nullptr; ///< Left in SHADER_READ_ONLY at the end.
+    std::uint32_t visibilityCount = 0;
+    PooledImage* const* imports = nullptr; ///< The host's images, left as they came.
+    std::uint32_t importCount = 0;
+};
+
+class PassExecutor {
+public:
+    PassExecutor(const DeviceTable& vk, DeviceMemory& memory, PipelineStore& pipelines, const SamplerSet& samplers,
+                 JobSystem& jobs, ResourcePool& pool, PassGraph& graph, const GnContextCreateInfo& info);
+    ~PassExecutor();
+
+    Result<void> create(std::uint32_t framesInFlight);
+
+    /// Claims the frame's slot; its last frame must be completed. Publishes timings of completed frames.
+    Result<void> begin(const ExecutorFrame& frame);
+    /// Records everything into the host's command buffer.
+    Result<void> record(VkCommandBuffer cmd);
+    /// Submits level 0 and, unless `inlineHost`, starts its host passes on a worker.
+    Result<void> start(bool inlineHost);
+    /// Runs to the end, or until the time is up (#GN_TIMEOUT).
+    Result<GnResult> finish(std::uint64_t timeoutNs);
+    bool underway() const { return underway_; }
+    /// The recorded frame will not run: its timings never come.
+    void drop();
+
+    /// Submits `body`'s commands on their own and waits for them: warm-up only.
+    template <typename Body>
+    Result<void> once(Body&& body)
+    {
+        Result<VkCommandBuffer> cmd = beginOnce();
+        if (!cmd) return cmd.error();
+        if (Result<void> recorded = body(*cmd); !recorded) return recorded;
+        return endOnce(*cmd);
+    }
+    /// Blocks until all that was submitted is done: destruction only.
+    void waitAll();
+
+    const FrameTimings* newest() const { return published_.frame ? &published_ : nullptr; }
+    const FrameTimings* newestTimed() const { return publishedTimed_.frame ? &publishedTimed_ : nullptr; }
+    ExecutorCounters& counters() { return counters_; }
+
+private:
+    friend class PassContext;
+    friend class HostContext;
+
+    struct Later {
+        void (*fn)(const void*, PassBuilder&);
+        const void* body;
+        std::uint32_t pass;
+    };
+    struct Slot;
+
+    Result<void> recordLevel(VkCommandBuffer cmd, std::uint32_t level, bool last);
+    Result<void> recordWaves(VkCommandBuffer cmd, std::uint32_t level);
+    void recordPass(VkCommandBuffer cmd, Pass& pass, std::uint32_t index);
+    void beginRendering(VkCommandBuffer cmd, const Pass& pass, VkRect2D& area);
+    void handBack(VkCommandBuffer cmd);
+    void runCpuPasses(std::uint32_t level, PassKind kind);
+    void runPass(std::uint32_t index);
+    Result<void> submitLevel(std::uint32_t level, bool last);
+    Result<void> submit2(const VkSubmitInfo2& submit);
+    Result<void> hostLevel(std::uint64_t timeoutNs);
+    void declareLater();
+    void stamp(VkCommandBuffer cmd);
+    void collect(Slot& slot);
+    Result<VkCommandBuffer> commandBuffer(Slot& slot, std::uint32_t level);
+    Result<VkCommandBuffer> beginOnce();
+    Result<void> endOnce(VkCommandBuffer cmd);
+    bool levelHas(std::uint32_t level, PassKind kind) const;
+
+    const DeviceTable& vk_;
+    DeviceMemory& memory_;
+    PipelineStore& pipelines_;
+    const SamplerSet& samplers_;
+    JobSystem& jobs_;
+    ResourcePool& pool_;
+    PassGraph& graph_;
+    PFN_gnQueueLock lock_, unlock_;
+    void* userData_;
+
+    UniqueSemaphore timeline_;
+    std::uint64_t timelineValue_ = 0;
+    UniqueCommandPool oncePool_; ///< Of the one-off submit under way.
+    std::vector<std::unique_ptr<Slot>> slots_;
+    Slot* slot_ = nullptr;
+    ExecutorFrame frame_;
+    std::vector<VkSemaphoreSubmitInfo> waits_, signals_;
+    std::vector<PooledImage*> visibilities_, imports_;
+    BarrierBatch barriers_;
+    std::span<const std::uint32_t> order_;
+    std::uint32_t level_ = 0;
+    bool underway_ = false;
+    bool inlineHost_ = true;
+    std::optional<Error> recordError_;
+    JobSystem::Job hostJob_;
+    VkResult hostWait_ = VK_SUCCESS;
+    std::mutex laterMutex_;
+    std::vector<Later> later_;
+    ExecutorCounters counters_;
+    FrameTimings published_, publishedTimed_;
+};
+
+} // namespace gnomon

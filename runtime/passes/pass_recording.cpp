@@ -1,0 +1,220 @@
+// Recording of levels: waves, barriers, rendering scopes, timestamps; and what is read back of them.
+#include <algorithm>
+
+#include "runtime/passes/frame_slot.hpp"
+
+namespace gnomon {
+
+namespace {
+
+constexpr std::uint32_t kMaxColorAttachments = 4;
+
+VkRect2D resolveArea(const Rect& rect, VkExtent2D extent)
+{
+    if (rect.width == 0) return {{0, 0}, extent};
+    return {{rect.x, rect.y}, {rect.width, rect.height}};
+}
+
+} // namespace
+
+void PassExecutor::stamp(VkCommandBuffer cmd)
+{
+    if (!slot_->queries || slot_->queriesUsed >= kQueriesPerSlot) return;
+    vk_.vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, slot_->queries.get(), slot_->queriesUsed++);
+}
+
+Result<void> PassExecutor::recordLevel(VkCommandBuffer cmd, std::uint32_t level, bool last)
+{
+    if (level == 0 && slot_->queries) vk_.vkCmdResetQueryPool(cmd, slot_->queries.get(), 0, kQueriesPerSlot);
+    if (level == 0 && frame_.uploads && frame_.uploads->uploadsPending())
+        frame_.uploads->recordUploads(cmd, frame_.frame);
+    if (level == 0 && frame_.trialOwner != UINT32_MAX)
+        if (Result<void> tried = pipelines_.recordTrials(cmd, frame_.trialOwner); !tried) return tried;
+
+    const std::uint32_t start = slot_->queriesUsed;
+    stamp(cmd);
+    if (Result<void> recorded = recordWaves(cmd, level); !recorded) return recorded;
+    if (last)
+        handBack(cmd);
+    else
+        barriers_.toHost();
+    barriers_.record(cmd);
+    stamp(cmd);
+    if (slot_->queriesUsed == start + 2 || slot_->queriesUsed > start + 2)
+        slot_->levels.push_back({start, slot_->queriesUsed - 1});
+    if (recordError_) return *recordError_;
+    return {};
+}
+
+Result<void> PassExecutor::recordWaves(VkCommandBuffer cmd, std::uint32_t level)
+{
+    auto isGpu = [](const Pass& pass) { return pass.kind != PassKind::prepare && pass.kind != PassKind::host; };
+    for (std::size_t i = 0; i < order_.size();) {
+        const Pass& head = graph_.passes()[order_[i]];
+        if (head.level != level || !isGpu(head)) {
+            ++i;
+            continue;
+        }
+        std::size_t end = i;
+        for (; end < order_.size(); ++end) {
+            const Pass& pass = graph_.passes()[order_[end]];
+            if (pass.level != level || !isGpu(pass) || pass.wave != head.wave) break;
+            if (!pass.fn) continue;
+            for (const Access& access : graph_.accesses(pass)) {
+                const AccessTraits use = accessTraits(access.kind, pass.kind);
+                if (access.isImage)
+                    barriers_.image(graph_.imageAt(access.resource), access.part.layer, access.part.layerCount, use);
+                else
+                    barriers_.buffer(graph_.bufferAt(access.resource), use);
+            }
+        }
+        barriers_.record(cmd);
+        for (; i < end; ++i)
+            if (graph_.passes()[order_[i]].fn) recordPass(cmd, graph_.passes()[order_[i]], order_[i]);
+    }
+    return {};
+}
+
+void PassExecutor::recordPass(VkCommandBuffer cmd, Pass& pass, std::uint32_t)
+{
+    ++counters_.passesRun;
+    Slot::Entry entry{.timing = {.name = pass.name, .owner = pass.owner, .level = pass.level}};
+    const bool timed = slot_->timed && slot_->queriesUsed + 4 <= kQueriesPerSlot;
+    if (timed) {
+        barriers_.full(cmd);
+        entry.startQuery = slot_->queriesUsed;
+        stamp(cmd);
+        barriers_.full(cmd);
+    }
+    if (vk_.vkCmdBeginDebugUtilsLabelEXT) {
+        const VkDebugUtilsLabelEXT label{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, .pLabelName = pass.name};
+        vk_.vkCmdBeginDebugUtilsLabelEXT(cmd, &label);
+    }
+    PassContext context;
+    context.cmd = cmd;
+    context.vk = &vk_;
+    context.executor_ = this;
+    if (pass.kind == PassKind::raster) beginRendering(cmd, pass, context.area);
+    pass.fn(pass.body, &context, nullptr);
+    if (pass.kind == PassKind::raster) vk_.vkCmdEndRendering(cmd);
+    if (vk_.vkCmdEndDebugUtilsLabelEXT) vk_.vkCmdEndDebugUtilsLabelEXT(cmd);
+    if (timed) {
+        barriers_.full(cmd);
+        entry.endQuery = slot_->queriesUsed;
+        stamp(cmd);
+    }
+    slot_->entries.push_back(entry);
+}
+
+void PassExecutor::beginRendering(VkCommandBuffer cmd, const Pass& pass, VkRect2D& area)
+{
+    VkRenderingAttachmentInfo colors[kMaxColorAttachments];
+    VkRenderingAttachmentInfo depth{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+                                    .loadOp = VK_ATTACHMENT_LOAD_OP_LOAD,
+                                    .storeOp = VK_ATTACHMENT_STORE_OP_STORE};
+    VkRenderingAttachmentInfo stencil = depth;
+    std::uint32_t colorCount = 0, layerCount = 1;
+    Rect rect = pass.area;
+    VkExtent2D extent{UINT32_MAX, UINT32_MAX};
+    VkImageAspectFlags depthAspects = 0;
+    for (const Access& access : graph_.accesses(pass)) {
+        const AccessTraits traits = accessTraits(access.kind, pass.kind);
+        const bool color = access.kind == AccessKind::color || access.kind == AccessKind::colorBlend;
+        const bool stencilAccess = access.kind == AccessKind::stencilTest || access.kind == AccessKind::stencilWrite;
+        const bool depthAccess = access.kind == AccessKind::depthTest || access.kind == AccessKind::depthWrite;
+        if (!color && !stencilAccess && !depthAccess) continue;
+        const GpuImage& image = graph_.imageAt(access.resource).gpu;
+        extent = {std::min(extent.width, image.extent.width), std::min(extent.height, image.extent.height)};
+        if (rect.width == 0) rect = access.part.rect;
+        VkImageView view = image.layerViews[access.part.layer];
+        if (access.part.layerCount > 1) {
+            view = image.view;
+            layerCount = access.part.layerCount;
+        }
+        VkRenderingAttachmentInfo& info = color ? colors[colorCount++] : depthAccess ? depth : stencil;
+        const VkAttachmentLoadOp load = access.part.clear                  ? VK_ATTACHMENT_LOAD_OP_CLEAR
+                                        : access.kind == AccessKind::color ? VK_ATTACHMENT_LOAD_OP_DONT_CARE
+                                                                           : VK_ATTACHMENT_LOAD_OP_LOAD;
+        info = {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+                .imageView = view,
+                .imageLayout = traits.layout,
+                .loadOp = load,
+                .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
+                .clearValue = access.part.value};
+        if (!color) {
+            depthAspects |= aspectsOf(image.format);
+            VkRenderingAttachmentInfo& other = depthAccess ? stencil : depth;
+            if (!other.imageView) {
+                other.imageView = view; // a combined format is attached with both aspects
+                other.imageLayout = traits.layout;
+            }
+        }
+    }
+    area = resolveArea(rect, extent);
+    const bool hasDepth = (depthAspects & VK_IMAGE_ASPECT_DEPTH_BIT) != 0;
+    const bool hasStencil = (depthAspects & VK_IMAGE_ASPECT_STENCIL_BIT) != 0;
+    const VkRenderingInfo info{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+                               .renderArea = area,
+                               .layerCount = layerCount,
+                               .colorAttachmentCount = colorCount,
+                               .pColorAttachments = colors,
+                               .pDepthAttachment = hasDepth ? &depth : nullptr,
+                               .pStencilAttachment = hasStencil ? &stencil : nullptr};
+    vk_.vkCmdBeginRendering(cmd, &info);
+    const VkViewport viewport{static_cast<float>(area.offset.x),
+                              static_cast<float>(area.offset.y),
+                              static_cast<float>(area.extent.width),
+                              static_cast<float>(area.extent.height),
+                              0.0f,
+                              1.0f};
+    vk_.vkCmdSetViewport(cmd, 0, 1, &viewport);
+    vk_.vkCmdSetScissor(cmd, 0, 1, &area);
+}
+
+/// Visibility becomes readable for the host's shaders; the host's images are left as they came.
+void PassExecutor::handBack(VkCommandBuffer)
+{
+    const AccessTraits forHost{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+                               VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                               VK_ACCESS_2_SHADER_SAMPLED_READ_BIT, false};
+    for (PooledImage* image : visibilities_)
+        barriers_.image(*image, 0, static_cast<std::uint32_t>(image->layers.size()), forHost);
+    const AccessTraits asBefore{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                VK_ACCESS_2_MEMORY_READ_BIT, false};
+    for (PooledImage* image : imports_)
+        if (image->layers[0].layout != asBefore.layout) barriers_.image(*image, 0, 1, asBefore);
+}
+
+/// Timings of a completed frame; the results are there, nothing is waited for.
+void PassExecutor::collect(Slot& slot)
+{
+    slot.timingsPending = false;
+    if (!slot.queries || slot.queriesUsed == 0) return;
+    slot.results.resize(slot.queriesUsed);
+    const VkResult r = vk_.vkGetQueryPoolResults(vk_.device, slot.queries.get(), 0, slot.queriesUsed,
+                                                 slot.queriesUsed * sizeof(std::uint64_t), slot.results.data(),
+                                                 sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
+    if (r != VK_SUCCESS) return; // not ready or lost: this frame's timings are missed
+    const std::uint64_t mask = vk_.timestampValidBits >= 64 ? ~0ull : (1ull << vk_.timestampValidBits) - 1;
+    auto ms = [&](std::uint32_t from, std::uint32_t to) {
+        const std::uint64_t ticks = ((slot.results[to] & mask) - (slot.results[from] & mask)) & mask;
+        return static_cast<float>(static_cast<double>(ticks) * vk_.properties.limits.timestampPeriod * 1e-6);
+    };
+    FrameTimings& out = slot.timed ? publishedTimed_ : published_;
+    if (slot.frame < out.frame) return;
+    out.frame = slot.frame;
+    out.timed = slot.timed;
+    out.totalGpuMs = 0.0f;
+    out.passes.clear();
+    for (const Slot::Entry& entry : slot.entries) {
+        PassTiming timing = entry.timing;
+        if (entry.endQuery < slot.queriesUsed) timing.gpuMs = ms(entry.startQuery, entry.endQuery);
+        if (slot.timed) out.totalGpuMs += timing.gpuMs;
+        out.passes.push_back(timing);
+    }
+    if (!slot.timed)
+        for (const Slot::Span& span : slot.levels)
+            out.totalGpuMs += ms(span.startQuery, span.endQuery);
+}
+
+} // namespace gnomon

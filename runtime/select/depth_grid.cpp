@@ -1,0 +1,131 @@
+#include "runtime/select/depth_grid.hpp"
+
+#include <bit>
+#include <cstring>
+
+#include "runtime/passes/pass_context.hpp"
+#include "shaders/runtime_depth_grid_comp.h"
+
+namespace gnomon {
+
+namespace {
+
+struct GridConstants {
+    gpu::ViewConstants view;
+    glm::uvec4 grid;
+    glm::uvec4 size;
+};
+
+constexpr BindingInfo kBindings[] = {
+    {.binding = 0, .kind = BindingKind::constants},
+    {.binding = 1, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
+    {.binding = 2, .kind = BindingKind::storageBuffer},
+};
+
+std::uint32_t tilesAcross(std::uint32_t pixels)
+{
+    return (pixels + kTilePixels - 1) / kTilePixels;
+}
+
+} // namespace
+
+DepthGrid::~DepthGrid()
+{
+    for (Measurement& measurement : measurements_)
+        memory_.destroy(measurement.buffer->gpu);
+}
+
+PipelineId DepthGrid::pipeline(PipelineLibrary& library)
+{
+    return library.compute({.name = "view.depth_grid",
+                            .compute = {.code = k_runtime_depth_grid_comp},
+                            .bindings = kBindings,
+                            .pushBytes = 0});
+}
+
+bool DepthGrid::collect(std::uint64_t completedFrame)
+{
+    bool fresh = false;
+    for (Measurement& measurement : measurements_) {
+        if (measurement.frame == 0 || measurement.frame > completedFrame) continue;
+        if (!measurement.stale && measurement.frame > newest_) {
+            const std::size_t count = std::size_t{measurement.tilesX} * measurement.tilesY;
+            tiles_.resize(count);
+            std::memcpy(tiles_.data(), measurement.buffer->gpu.mapped, count * sizeof(DepthTile));
+            camera_ = measurement.camera;
+            tilesX_ = measurement.tilesX;
+            tilesY_ = measurement.tilesY;
+            newest_ = measurement.frame;
+            valid_ = fresh = true;
+        }
+        measurement.frame = 0;
+    }
+    return fresh;
+}
+
+void DepthGrid::invalidate()
+{
+    valid_ = false;
+    for (Measurement& measurement : measurements_)
+        measurement.stale = true;
+}
+
+bool DepthGrid::wanted(std::uint64_t frame) const
+{
+    if (frame % kGridPeriod == 0) return true;
+    if (valid_) return false;
+    for (const Measurement& measurement : measurements_)
+        if (measurement.frame != 0 && !measurement.stale) return false; // one is under way
+    return true;
+}
+
+Result<void> DepthGrid::declare(PassGraph& graph, const CameraView& view, ImageId depth, PipelineId pipeline,
+                                std::uint64_t frame)
+{
+    const std::uint32_t tilesX = tilesAcross(view.area.extent.width), tilesY = tilesAcross(view.area.extent.height);
+    const VkDeviceSize size = std::bit_ceil(VkDeviceSize{tilesX} * tilesY * sizeof(DepthTile));
+    Measurement* free = nullptr;
+    for (Measurement& measurement : measurements_)
+        if (measurement.frame == 0) free = &measurement; // the GPU has done with it
+    if (!free) {
+        measurements_.emplace_back();
+        free = &measurements_.back();
+        free->buffer = std::make_unique<PooledBuffer>();
+        free->buffer->place = BufferPlace::readback;
+    }
+    if (free->buffer->gpu.size < size) {
+        memory_.destroy(free->buffer->gpu);
+        Result<GpuBuffer> made =
+            memory_.createBuffer(size, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::readback, "view.depth_grid");
+        if (!made) return made.error();
+        free->buffer->gpu = *made;
+    }
+    free->frame = frame;
+    free->stale = false;
+    free->camera = view;
+    free->tilesX = tilesX;
+    free->tilesY = tilesY;
+
+    const BufferId tiles = graph.addBuffer(*free->buffer);
+    const GridConstants constants{.view = view.constants,
+                                  .grid = {tilesX, tilesY, static_cast<std::uint32_t>(view.area.offset.x),
+                                           static_cast<std::uint32_t>(view.area.offset.y)},
+                                  .size = {view.area.extent.width, view.area.extent.height, 0, 0}};
+    PassBuilder(graph)
+        .compute("view.depth_grid", Scope::view)
+        .samples(depth)
+        .writes(tiles)
+        .record([=](PassContext& gpu) {
+            gpu.bind(pipeline, {gpu.constants(0, constants), gpu.sampled(1, depth), gpu.storage(2, tiles)});
+            gpu.vk->vkCmdDispatch(gpu.cmd, (tilesX + 7) / 8, (tilesY + 7) / 8, 1);
+        });
+    return {};
+}
+
+void DepthGrid::drop(std::uint64_t frame)
+{
+    for (Measurement& measurement : measurements_)
+        if (measurement.frame == frame) measurement.frame = 0;
+}
+
+} // namespace gnomon

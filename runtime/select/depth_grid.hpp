@@ -1,0 +1,58 @@
+#pragma once
+// The depth grid of a view: measured on the GPU, read when its frame is completed, never waited for.
+#include <memory>
+#include <vector>
+
+#include "runtime/passes/pass_graph.hpp"
+#include "runtime/select/facts.hpp"
+#include "runtime/vk/pipeline_store.hpp"
+
+namespace gnomon {
+
+/// One frame in eight is measured; a receiver moves little in 0.13 s, and a grid costs about one nearest-filter pass.
+constexpr std::uint64_t kGridPeriod = 8;
+
+class DepthGrid {
+public:
+    explicit DepthGrid(DeviceMemory& memory) : memory_(memory) {}
+    ~DepthGrid();
+    DepthGrid(const DepthGrid&) = delete;
+    DepthGrid& operator=(const DepthGrid&) = delete;
+
+    static PipelineId pipeline(PipelineLibrary& library);
+
+    /// Takes over the newest completed measurement. @return true if there is a new one.
+    bool collect(std::uint64_t completedFrame);
+    /// The camera jumped or the size changed: nothing measured so far applies.
+    void invalidate();
+    bool wanted(std::uint64_t frame) const;
+    /// Declares the pass (view scope) if a buffer is free.
+    Result<void> declare(PassGraph& graph, const CameraView& view, ImageId depth, PipelineId pipeline,
+                         std::uint64_t frame);
+    /// The measuring frame was withdrawn.
+    void drop(std::uint64_t frame);
+
+    bool valid() const { return valid_; }
+    std::span<const DepthTile> tiles() const { return tiles_; }
+    const CameraView& camera() const { return camera_; }
+    std::uint32_t tilesX() const { return tilesX_; }
+    std::uint32_t tilesY() const { return tilesY_; }
+
+private:
+    struct Measurement {
+        std::unique_ptr<PooledBuffer> buffer;
+        std::uint64_t frame = 0; ///< In flight since; 0: free.
+        bool stale = false;      ///< Made before the last jump.
+        CameraView camera;
+        std::uint32_t tilesX = 0, tilesY = 0;
+    };
+    DeviceMemory& memory_;
+    std::vector<Measurement> measurements_;
+    std::vector<DepthTile> tiles_;
+    CameraView camera_;
+    std::uint32_t tilesX_ = 0, tilesY_ = 0;
+    bool valid_ = false;
+    std::uint64_t newest_ = 0;
+};
+
+} // namespace gnomon

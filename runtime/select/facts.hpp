@@ -1,0 +1,74 @@
+#pragma once
+// What the rules may ask about a light in a view: measured where it can be, a bound until then.
+#include <array>
+#include <cstdint>
+#include <limits>
+
+#include "runtime/scene/scene_view.hpp"
+
+namespace gnomon {
+
+enum class Fact : std::uint8_t {
+    dynamicLights,     ///< Count: lights of the view that are not static.
+    lightMotion,       ///< Share of the last 60 frames in which the light or a caster in its range moved.
+    viewerDistance,    ///< Metres from the eye to the nearest visible receiver of the light.
+    screenShare,       ///< Share of the view's tiles that the light reaches, median of 5 measurements.
+    casterTriangles,   ///< log10 of the triangles in range.
+    lightRadius,       ///< Metres.
+    receiverPlanarity, ///< 0 rough to 1 flat; unknown (NaN) unless the host says.
+    frameBudget,       ///< Predicted shadow ms / budget; 0 without a budget.
+    frameRate,         ///< Hz, mean over the last 30 frames.
+    count
+};
+constexpr std::size_t kFactCount = static_cast<std::size_t>(Fact::count);
+
+struct FactName {
+    const char* name;
+    const char* unit;
+};
+/// In the order of Fact.
+extern const std::array<FactName, kFactCount> kFactNames;
+
+using FactValues = std::array<double, kFactCount>;
+
+/// Nearest and farthest linear depth of one tile; nearest > farthest where there is only sky.
+struct DepthTile {
+    float nearest;
+    float farthest;
+};
+constexpr std::uint32_t kTilePixels = 16; ///< Side of a tile; shaders/runtime/depth_grid.comp.
+
+/// What the newest depth grid says about a light.
+struct Reach {
+    float distance = 0.0f; ///< Eye to the nearest receiver, metres; infinite if none is visible.
+    float share = 0.0f;    ///< Of the tiles.
+};
+
+/// Receivers of a tile lie in the frustum piece between its two depths; a tile counts if the light may reach that
+/// piece. Exact up to the tile: never farther than the true nearest receiver.
+Reach measureReach(const CameraView& view, std::span<const DepthTile> tiles, std::uint32_t tilesX, std::uint32_t tilesY,
+                   const LightView& light);
+
+/// Distance below which no receiver of the light can lie: to its range.
+float reachLowerBound(const CameraView& view, const LightView& light);
+
+/// One bit per frame, newest first.
+struct MotionHistory {
+    std::uint64_t bits = 0;
+    std::uint64_t lightRevision = 0, movingStamp = 0, staticStamp = 0;
+    std::uint64_t frame = 0;
+
+    void note(std::uint64_t now, const LightView& light, const LightCasters& casters);
+    double share() const;
+};
+
+/// Median of the last five values.
+struct MedianOfFive {
+    std::array<float, 5> values{};
+    std::uint32_t count = 0;
+    void add(float value) { values[count++ % 5] = value; }
+    float get() const;
+    void reset() { count = 0; }
+};
+
+} // namespace gnomon

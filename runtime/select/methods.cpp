@@ -1,0 +1,150 @@
+#include "runtime/select/methods.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon {
+
+namespace {
+
+Error unknownMethod(std::string_view name)
+{
+    return {GN_ERROR_UNKNOWN_METHOD, "UnknownMethod", "no method is named '" + std::string(name) + "'"};
+}
+
+std::string number(double value)
+{
+    std::string text = std::to_string(value);
+    text.erase(text.find_last_not_of('0') + 1);
+    if (!text.empty() && text.back() == '.') text.pop_back();
+    return text;
+}
+
+} // namespace
+
+MethodTable::MethodTable(const DeviceTable& vk, PipelineStore& pipelines, JobSystem& jobs, bool background)
+    : vk_(vk), pipelines_(pipelines), jobs_(jobs), background_(background)
+{
+}
+
+MethodTable::~MethodTable()
+{
+    finishBackground();
+}
+
+Result<void> MethodTable::addBuiltins(const AlgorithmRegistry& registry)
+{
+    for (const AlgorithmEntry* entry : registry.entries) {
+        entries_.push_back(entry);
+        if (auto added = add(entry->name, *entry); !added) return added.error();
+    }
+    return {};
+}
+
+Result<std::uint32_t> MethodTable::add(std::string_view name, const AlgorithmEntry& entry)
+{
+    if (find(name))
+        return Error{GN_ERROR_OUT_OF_RANGE, "MethodExists",
+                     "a method named '" + std::string(name) + "' exists already"};
+    if (methods_.size() >= kMaxMethods)
+        return Error{GN_ERROR_TOO_MANY, "TooManyMethods",
+                     "method '" + std::string(name) + "' is one more than " + std::to_string(kMaxMethods)};
+    auto method = std::make_unique<Method>();
+    method->name = name;
+    method->entry = &entry;
+    method->index = static_cast<std::uint32_t>(methods_.size());
+    for (const SettingSpec& spec : entry.settings) {
+        method->settings.push_back(spec.standard);
+        method->settingInfos.push_back({spec.name, spec.description, spec.minimum, spec.maximum, spec.standard});
+    }
+    method->unavailable = entry.missing ? entry.missing(vk_) : nullptr;
+    if (!method->unavailable) {
+        pipelines_.setOwner(method->index);
+        method->algorithm = entry.create({.vk = &vk_, .pipelines = &pipelines_});
+    }
+    methods_.push_back(std::move(method));
+    ++revision_;
+    return methods_.back()->index;
+}
+
+Result<std::uint32_t> MethodTable::addNamed(std::string_view name, std::string_view algorithm)
+{
+    for (const AlgorithmEntry* entry : entries_)
+        if (entry->name == algorithm) return add(name, *entry);
+    return Error{GN_ERROR_UNKNOWN_METHOD, "UnknownAlgorithm", "no algorithm is named '" + std::string(algorithm) + "'"};
+}
+
+Result<void> MethodTable::set(std::string_view name, std::string_view setting, double value)
+{
+    Method* method = find(name);
+    if (!method) return unknownMethod(name);
+    for (std::size_t i = 0; i < method->entry->settings.size(); ++i) {
+        const SettingSpec& spec = method->entry->settings[i];
+        if (setting != spec.name) continue;
+        if (!(value >= spec.minimum && value <= spec.maximum))
+            return Error{std::isnan(value) ? GN_ERROR_NOT_A_NUMBER : GN_ERROR_OUT_OF_RANGE, "SettingOutOfRange",
+                         std::string(name) + "." + spec.name + " is " + number(value) + ", outside [" +
+                             number(spec.minimum) + ", " + number(spec.maximum) + "]"};
+        method->settings[i] = value;
+        method->settingInfos[i].value = value;
+        return {};
+    }
+    return Error{GN_ERROR_UNKNOWN_METHOD, "UnknownSetting",
+                 "method '" + std::string(name) + "' has no setting '" + std::string(setting) + "'"};
+}
+
+Method* MethodTable::find(std::string_view name)
+{
+    for (auto& method : methods_)
+        if (method->name == name) return method.get();
+    return nullptr;
+}
+
+void MethodTable::createNow(Method& method)
+{
+    if (method.unavailable) return;
+    while (pipelines_.createNext(method.index)) {
+    }
+}
+
+std::uint32_t MethodTable::nextTrial()
+{
+    for (const bool fallbacks : {true, false})
+        for (auto& method : methods_) {
+            if (method->ready || method->unavailable || method->has(GN_TRAIT_FALLBACK_BIT) != fallbacks) continue;
+            if (!method->warmUpStarted) {
+                method->warmUpStarted = true;
+                if (background_) {
+                    method->table = this;
+                    method->warmUp.data = method.get();
+                    method->warmUp.run = [](void* data) {
+                        auto* self = static_cast<Method*>(data);
+                        self->table->createNow(*self);
+                    };
+                    jobs_.submit(method->warmUp);
+                    return UINT32_MAX; // one method at a time
+                }
+                createNow(*method);
+            }
+            if (background_ && !method->warmUp.done()) return UINT32_MAX;
+            if (const std::string failure = pipelines_.failure(method->index); !failure.empty()) {
+                method->unavailable = "its pipelines could not be created";
+                continue;
+            }
+            return method->index;
+        }
+    return UINT32_MAX;
+}
+
+void MethodTable::finishBackground()
+{
+    for (auto& method : methods_)
+        if (method->warmUpStarted && background_) jobs_.wait(method->warmUp);
+}
+
+bool MethodTable::anyReady() const
+{
+    return std::any_of(methods_.begin(), methods_.end(), [](const auto& method) { return method->ready; });
+}
+
+} // namespace gnomon

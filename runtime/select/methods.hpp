@@ -1,0 +1,75 @@
+#pragma once
+// The methods of a context: algorithms with settings, and whether they can serve.
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "runtime/algorithm.hpp"
+#include "runtime/registry.hpp"
+#include "runtime/vk/pipeline_store.hpp"
+
+namespace gnomon {
+
+/// Sizes fixed arrays in decisions, so that a decision allocates nothing.
+constexpr std::uint32_t kMaxMethods = 32;
+
+struct Method {
+    std::string name;
+    const AlgorithmEntry* entry = nullptr;
+    std::unique_ptr<ShadowAlgorithm> algorithm;
+    std::uint32_t index = 0;
+    std::vector<double> settings;
+    std::vector<GnSettingInfo> settingInfos;
+    const char* unavailable = nullptr; ///< The device cannot run it.
+    bool ready = false;                ///< Its pipelines have been executed once.
+    JobSystem::Job warmUp;             ///< Makes the pipelines in the background.
+    bool warmUpStarted = false;
+    class MethodTable* table = nullptr; ///< For the background job.
+
+    bool serves(GnLightType type) const
+    {
+        const GnTraits bit = type == GN_LIGHT_TYPE_DIRECTIONAL ? GN_TRAIT_DIRECTIONAL_BIT
+                             : type == GN_LIGHT_TYPE_SPOT      ? GN_TRAIT_SPOT_BIT
+                                                               : GN_TRAIT_POINT_BIT;
+        return (entry->traits & bit) != 0;
+    }
+    bool has(GnTraitBits trait) const { return (entry->traits & trait) != 0; }
+};
+
+class MethodTable {
+public:
+    MethodTable(const DeviceTable& vk, PipelineStore& pipelines, JobSystem& jobs, bool background);
+    ~MethodTable();
+
+    Result<void> addBuiltins(const AlgorithmRegistry& registry);
+    Result<std::uint32_t> add(std::string_view name, const AlgorithmEntry& entry);
+    Result<std::uint32_t> addNamed(std::string_view name, std::string_view algorithm);
+    Result<void> set(std::string_view method, std::string_view setting, double value);
+
+    Method* find(std::string_view name);
+    Method& operator[](std::uint32_t index) { return *methods_[index]; }
+    const Method& operator[](std::uint32_t index) const { return *methods_[index]; }
+    std::uint32_t size() const { return static_cast<std::uint32_t>(methods_.size()); }
+
+    /// Starts or continues background creation, fallbacks first; returns a method whose pipelines are created but not
+    /// yet executed, or UINT32_MAX.
+    std::uint32_t nextTrial();
+    /// Creates all pipelines of a method now.
+    void createNow(Method& method);
+    void finishBackground();
+    bool anyReady() const;
+    /// Grows when a method is added: rules are bound anew.
+    std::uint64_t revision() const { return revision_; }
+
+private:
+    const DeviceTable& vk_;
+    PipelineStore& pipelines_;
+    JobSystem& jobs_;
+    bool background_;
+    std::vector<std::unique_ptr<Method>> methods_;
+    std::vector<const AlgorithmEntry*> entries_;
+    std::uint64_t revision_ = 1;
+};
+
+} // namespace gnomon

@@ -1,0 +1,241 @@
+#include "runtime/select/selector.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#if GNOMON_WITH_YAML
+#include "rules/yaml/rule_base_reader.hpp"
+#endif
+
+namespace gnomon {
+
+namespace {
+
+/// Words the rules may use for a method's traits.
+std::vector<std::string> traitWords(GnTraits traits)
+{
+    static constexpr struct {
+        GnTraitBits bit;
+        const char* word;
+    } kWords[] = {
+        {GN_TRAIT_DIRECTIONAL_BIT, "directional"},
+        {GN_TRAIT_SPOT_BIT, "spot"},
+        {GN_TRAIT_POINT_BIT, "point"},
+        {GN_TRAIT_HARD_BIT, "hard"},
+        {GN_TRAIT_FIXED_PENUMBRA_BIT, "fixedPenumbra"},
+        {GN_TRAIT_SOFT_PENUMBRA_BIT, "softPenumbra"},
+        {GN_TRAIT_EXACT_BIT, "exact"},
+        {GN_TRAIT_CPU_GEOMETRY_BIT, "cpuGeometry"},
+        {GN_TRAIT_RAYS_BIT, "rays"},
+    };
+    std::vector<std::string> words;
+    for (const auto& entry : kWords)
+        if (traits & entry.bit) words.emplace_back(entry.word);
+    return words;
+}
+
+std::vector<std::string> allTraitWords()
+{
+    return traitWords(GN_TRAIT_MAX_ENUM);
+}
+
+} // namespace
+
+std::vector<rules::Diagnostic> Selector::bind(rules::RuleBase base, const AlgorithmRegistry& registry,
+                                              std::optional<rules::Engine>& engine) const
+{
+    std::vector<rules::FactInfo> facts;
+    for (const FactName& fact : kFactNames)
+        facts.push_back({fact.name, fact.unit});
+    std::vector<rules::OutputInfo> outputs, absent;
+    for (std::uint32_t i = 0; i < methods_.size(); ++i)
+        outputs.push_back({methods_[i].name, traitWords(methods_[i].entry->traits)});
+    for (const char* name : registry.absent)
+        absent.push_back({name, {}});
+    const std::vector<std::string> traits = allTraitWords();
+    rules::BindResult bound =
+        rules::Engine::bind(std::move(base), {.facts = facts, .outputs = outputs, .absent = absent, .traits = traits});
+    engine = std::move(bound.engine);
+    return std::move(bound.diagnostics);
+}
+
+Result<void> Selector::loadRules(std::string_view text, std::string_view fileName, const AlgorithmRegistry& registry,
+                                 std::vector<rules::Diagnostic>& findings)
+{
+#if GNOMON_WITH_YAML
+    rules::ParseResult parsed = rules::parseRuleBase(text, fileName);
+    findings = std::move(parsed.diagnostics);
+    std::optional<rules::Engine> engine;
+    if (parsed.base) {
+        std::vector<rules::Diagnostic> more = bind(std::move(*parsed.base), registry, engine);
+        findings.insert(findings.end(), more.begin(), more.end());
+    }
+    if (!engine) {
+        const auto first = std::find_if(findings.begin(), findings.end(), [](const rules::Diagnostic& finding) {
+            return finding.severity == rules::Severity::Error;
+        });
+        return Error{GN_ERROR_RULES, "RulesRefused",
+                     first != findings.end() ? rules::toText(*first) : std::string(fileName) + ": refused"};
+    }
+    engine_ = std::move(engine);
+    inference_ = engine_->makeInference();
+    return {};
+#else
+    (void)text, (void)fileName, (void)registry, (void)findings;
+    return Error{GN_ERROR_UNSUPPORTED, "NoYaml", "this build reads no rule bases (GNOMON_WITH_YAML is off)"};
+#endif
+}
+
+Result<void> Selector::rebind(const AlgorithmRegistry& registry)
+{
+    if (!engine_) return {};
+    std::optional<rules::Engine> engine;
+    const std::vector<rules::Diagnostic> findings = bind(engine_->base(), registry, engine);
+    if (!engine)
+        return Error{GN_ERROR_RULES, "RulesRefused",
+                     findings.empty() ? "the rules no longer bind" : rules::toText(findings.front())};
+    engine_ = std::move(engine);
+    inference_ = engine_->makeInference();
+    return {};
+}
+
+/// Capability: what no rule can overrule.
+Candidate Selector::examine(const Method& method, const SelectionInput& input) const
+{
+    auto out = [](Exclusion exclusion, std::uint64_t detail = 0) {
+        return Candidate{.exclusion = exclusion, .detail = detail};
+    };
+    if (method.unavailable) return out(Exclusion::device);
+    if (!method.serves(input.light->type)) return out(Exclusion::lightKind);
+    if (input.recorded && method.entry->roundTrips > 0) return out(Exclusion::roundTrips, method.entry->roundTrips);
+    if (method.has(GN_TRAIT_CPU_GEOMETRY_BIT) && input.casters->hostDrawn)
+        return out(Exclusion::hostDrawn, input.casters->hostDrawn);
+    std::uint64_t withoutTopology = 0, withoutTree = 0;
+    for (const Caster* caster : input.casters->all) {
+        if (!caster->mesh) continue;
+        withoutTopology += caster->mesh->topology == nullptr;
+        withoutTree += caster->mesh->rays == nullptr;
+    }
+    if (method.has(GN_TRAIT_TOPOLOGY_BIT) && withoutTopology) return out(Exclusion::topology, withoutTopology);
+    if (method.has(GN_TRAIT_RAYS_BIT) && withoutTree) return out(Exclusion::trees, withoutTree);
+    // What an incumbent holds is counted as used already; it need not fit twice.
+    const VkDeviceSize needs =
+        method.entry->memoryPerLight ? method.entry->memoryPerLight(method.settings, input.view->extent) : 0;
+    if (needs > input.memoryLeft) return out(Exclusion::memory, needs);
+    const ShadowTask task{.view = input.view,
+                          .light = input.light,
+                          .casters = input.casters,
+                          .settings = method.settings,
+                          .recorded = input.recorded};
+    if (const char* reason = method.algorithm->refuses(task))
+        return out(Exclusion::refused, reinterpret_cast<std::uintptr_t>(reason));
+    if (!method.ready) return out(Exclusion::notReady);
+    return {};
+}
+
+/// Suitability of every method, from the rules; without rules the exact ones first, then the fallback.
+void Selector::rank(const SelectionInput&, LightDecision& decision)
+{
+    if (engine_) {
+        engine_->evaluate(decision.facts, inference_);
+        for (std::uint32_t i = 0; i < methods_.size(); ++i) {
+            const rules::OutputState& output = inference_.outputs[i];
+            Candidate& candidate = decision.candidates[i];
+            candidate.opinion = output.hasOpinion;
+            candidate.quantised = output.quantised;
+            if (output.vetoed && candidate.exclusion == Exclusion::none) {
+                candidate.exclusion = Exclusion::vetoed;
+                candidate.detail = output.vetoRule;
+            }
+        }
+        return;
+    }
+    for (std::uint32_t i = 0; i < methods_.size(); ++i) {
+        Candidate& candidate = decision.candidates[i];
+        candidate.quantised = methods_[i].has(GN_TRAIT_EXACT_BIT) ? 2 : methods_[i].has(GN_TRAIT_FALLBACK_BIT) ? 1 : 0;
+    }
+}
+
+std::uint32_t Selector::fallbackFor(const LightDecision& decision, GnLightType type) const
+{
+    for (const bool fallbacksOnly : {true, false})
+        for (std::uint32_t i = 0; i < methods_.size(); ++i)
+            if (decision.candidates[i].exclusion == Exclusion::none && methods_[i].serves(type) &&
+                methods_[i].has(GN_TRAIT_FALLBACK_BIT) >= fallbacksOnly)
+                return i;
+    return UINT32_MAX;
+}
+
+LightDecision Selector::decide(const SelectionInput& input, LightMemory& memory)
+{
+    LightDecision decision;
+    decision.light = input.light->handle;
+    decision.lightId = input.light->id;
+    decision.incumbent = memory.incumbent;
+    decision.distanceMeasured = memory.measured;
+    decision.viewerDistance = memory.measured ? memory.distance : reachLowerBound(*input.view, *input.light);
+
+    auto fact = [&](Fact which) -> double& { return decision.facts[static_cast<std::size_t>(which)]; };
+    fact(Fact::dynamicLights) = input.dynamicLights;
+    fact(Fact::lightMotion) = input.lightMotion;
+    fact(Fact::viewerDistance) = decision.viewerDistance;
+    fact(Fact::screenShare) = memory.measured ? memory.share.get() : 1.0;
+    fact(Fact::casterTriangles) = std::log10(std::max(1.0, static_cast<double>(input.casters->triangles)));
+    fact(Fact::lightRadius) = input.light->constants.sourceRadius;
+    fact(Fact::receiverPlanarity) = std::numeric_limits<double>::quiet_NaN();
+    fact(Fact::frameBudget) = input.frameBudget;
+    fact(Fact::frameRate) = input.frameRate;
+
+    for (std::uint32_t i = 0; i < methods_.size(); ++i)
+        decision.candidates[i] = examine(methods_[i], input);
+    rank(input, decision);
+
+    // The best that could serve if it were ready, and the best that can.
+    auto better = [&](std::uint32_t a, std::uint32_t b) { // a over b?
+        if (b == UINT32_MAX) return true;
+        const std::int32_t qa = decision.candidates[a].quantised, qb = decision.candidates[b].quantised;
+        if (qa != qb) return qa > qb;
+        return a == decision.incumbent; // ties: the incumbent, else registry order
+    };
+    std::uint32_t wanted = UINT32_MAX, best = UINT32_MAX, equals = 0;
+    if (input.pinned != UINT32_MAX) {
+        const Exclusion exclusion = decision.candidates[input.pinned].exclusion;
+        if (exclusion == Exclusion::none || exclusion == Exclusion::vetoed) best = input.pinned;
+        if (best != UINT32_MAX || exclusion == Exclusion::notReady) wanted = input.pinned;
+        decision.reason = GN_REASON_PINNED;
+    }
+    if (wanted == UINT32_MAX) {
+        decision.reason = GN_REASON_RULES;
+        for (std::uint32_t i = 0; i < methods_.size(); ++i) {
+            const Candidate& candidate = decision.candidates[i];
+            if (candidate.exclusion != Exclusion::none && candidate.exclusion != Exclusion::notReady) continue;
+            if (engine_ && candidate.quantised < 0) continue;
+            if (better(i, wanted)) wanted = i;
+        }
+        if (wanted == UINT32_MAX) decision.reason = GN_REASON_NO_OPINION;
+        if (wanted != UINT32_MAX && decision.candidates[wanted].exclusion == Exclusion::none) best = wanted;
+        for (std::uint32_t i = 0; i < methods_.size() && best != UINT32_MAX; ++i)
+            equals += decision.candidates[i].exclusion == Exclusion::none &&
+                      decision.candidates[i].quantised == decision.candidates[best].quantised;
+        if (equals > 1 && best == decision.incumbent) decision.reason = GN_REASON_INCUMBENT;
+    }
+    if (best == UINT32_MAX) { // nothing wanted is ready, or nobody has an opinion
+        best = fallbackFor(decision, input.light->type);
+        if (best != UINT32_MAX && wanted != UINT32_MAX) decision.reason = GN_REASON_FALLBACK;
+        if (best == UINT32_MAX) decision.reason = GN_REASON_NOTHING_READY;
+    }
+    decision.method = best;
+    decision.wanted = wanted;
+    if (best != UINT32_MAX) {
+        const std::int32_t quantised = decision.candidates[best].quantised;
+        decision.suitability =
+            engine_ ? static_cast<float>(std::max(quantised, 0)) / static_cast<float>(rules::kSuitabilitySteps) : 1.0f;
+        decision.predictedMs = decision.measuredMs = memory.measuredMs[best];
+    }
+    decision.switched = memory.incumbent != UINT32_MAX && best != memory.incumbent;
+    memory.incumbent = best;
+    memory.lastFrame = input.frame;
+    return decision;
+}
+
+} // namespace gnomon

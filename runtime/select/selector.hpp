@@ -1,0 +1,114 @@
+#pragma once
+// Facts in, a method per light out, with everything that is needed to say why.
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "rules/engine/engine.hpp"
+#include "runtime/select/facts.hpp"
+#include "runtime/select/methods.hpp"
+
+namespace gnomon {
+
+/// Why a method cannot serve a light in a frame. Text is made on demand (explain.cpp).
+enum class Exclusion : std::uint8_t {
+    none,
+    device, ///< Method::unavailable
+    lightKind,
+    notReady,
+    roundTrips, ///< Recorded frames have no CPU between passes.
+    hostDrawn,  ///< Reads triangles; host-drawn casters are in range.
+    topology,   ///< Casters whose topology is still being built.
+    trees,      ///< Casters whose tree is still being built.
+    memory,     ///< Would not fit below the limit.
+    refused,    ///< ShadowAlgorithm::refuses
+    vetoed,     ///< By a `never` rule.
+};
+
+struct Candidate {
+    Exclusion exclusion = Exclusion::none;
+    bool opinion = false;
+    std::int32_t quantised = -1; ///< Suitability in steps of 1/4096; -1: no opinion.
+    std::uint64_t detail = 0;    ///< Count, bytes, or a static string, as the exclusion says.
+};
+
+/// What was decided for one light in one view, and from what. Fixed size.
+struct LightDecision {
+    GnLight light = VK_NULL_HANDLE;
+    std::uint32_t lightId = 0;
+    std::uint32_t method = UINT32_MAX; ///< UINT32_MAX: nothing can serve.
+    std::uint32_t wanted = UINT32_MAX; ///< Where the fallback serves: what it stands in for.
+    std::uint32_t incumbent = UINT32_MAX;
+    GnReason reason = GN_REASON_RULES;
+    float suitability = 0.0f;
+    float predictedMs = 0.0f;
+    float measuredMs = 0.0f;
+    float viewerDistance = 0.0f;
+    bool distanceMeasured = false;
+    bool switched = false;
+    FactValues facts{};
+    std::array<Candidate, kMaxMethods> candidates{};
+};
+
+/// What is remembered of a light in a view between frames.
+struct LightMemory {
+    std::uint32_t incumbent = UINT32_MAX;
+    float distance = 0.0f; ///< Measured; valid if `measured`.
+    bool measured = false;
+    MedianOfFive share;
+    std::array<float, kMaxMethods> measuredMs{}; ///< Newest per method; 0: none.
+    std::uint64_t lastFrame = 0;
+};
+
+/// A request: everything about one light in one view that the choice may depend on.
+struct SelectionInput {
+    const CameraView* view = nullptr;
+    const LightView* light = nullptr;
+    const LightCasters* casters = nullptr;
+    std::uint32_t pinned = UINT32_MAX;
+    std::uint32_t dynamicLights = 0;
+    double lightMotion = 0.0;
+    double frameBudget = 0.0;
+    double frameRate = 0.0;
+    float importance = 1.0f;
+    bool recorded = false;
+    VkDeviceSize memoryLeft = 0;
+    std::uint64_t frame = 0;
+};
+
+class Selector {
+public:
+    explicit Selector(MethodTable& methods) : methods_(methods) {}
+
+    /// Parses and binds; on any error nothing changes and every finding is in `findings`.
+    Result<void> loadRules(std::string_view text, std::string_view fileName, const AlgorithmRegistry& registry,
+                           std::vector<rules::Diagnostic>& findings);
+    /// Methods were added: the names the rules may use have grown.
+    Result<void> rebind(const AlgorithmRegistry& registry);
+
+    bool hasRules() const { return engine_.has_value(); }
+    const rules::Engine* engine() const { return engine_ ? &*engine_ : nullptr; }
+
+    /// Decides; allocates nothing. `memory` is updated. `task` is for ShadowAlgorithm::refuses.
+    LightDecision decide(const SelectionInput& input, LightMemory& memory);
+
+    /// All facts, rules and candidates of a decision.
+    std::string explain(const LightDecision& decision) const;
+
+private:
+    std::vector<rules::Diagnostic> bind(rules::RuleBase base, const AlgorithmRegistry& registry,
+                                        std::optional<rules::Engine>& engine) const;
+    Candidate examine(const Method& method, const SelectionInput& input) const;
+    void rank(const SelectionInput& input, LightDecision& decision);
+    std::uint32_t fallbackFor(const LightDecision& decision, GnLightType type) const;
+    std::string exclusionText(const Method& method, const Candidate& candidate) const;
+
+    MethodTable& methods_;
+    std::optional<rules::Engine> engine_;
+    mutable rules::Inference inference_;
+};
+
+} // namespace gnomon
