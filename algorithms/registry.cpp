@@ -3,6 +3,10 @@
 #include <array>
 #include <initializer_list>
 
+#ifdef GNOMON_WITH_EMBREE
+#include "algorithms/hybrid/pcf_hybrid.hpp"
+#include "algorithms/hybrid/ray_traced.hpp"
+#endif
 #include "algorithms/maps/shadow_map.hpp"
 #include "algorithms/omni/cube_map.hpp"
 #include "algorithms/omni/dual_paraboloid.hpp"
@@ -20,6 +24,10 @@ constexpr std::array kAlgorithms = {
     &kDualParaboloid,
 #ifdef GNOMON_WITH_OPENMESH
     &kStencilVolume,
+#endif
+#ifdef GNOMON_WITH_EMBREE
+    &kPcfHybrid,
+    &kRayTraced,
 #endif
 };
 

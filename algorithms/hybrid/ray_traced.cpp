@@ -1,0 +1,124 @@
+#include "algorithms/hybrid/ray_traced.hpp"
+
+#include <algorithm>
+
+#include "algorithms/hybrid/receivers.hpp"
+
+namespace gnomon {
+
+namespace {
+
+constexpr std::uint32_t kTile = 4; // pixels a side: neighbours share their way through the trees
+
+/// Everything the host pass needs; copied into the frame.
+struct TraceJob {
+    const CameraView* view;
+    const LightView* light;
+    BufferId depth, normals, visibility;
+};
+
+void traceTileRow(const TraceJob& job, const HostContext& host, const Receivers& receivers, std::uint32_t top,
+                  std::span<std::uint8_t> rows)
+{
+    const VkRect2D& area = job.view->area;
+    const std::uint32_t width = area.extent.width, height = std::min(kTile, area.extent.height - top);
+    const auto answer = [&](std::uint32_t pixel, bool occluded) { rows[pixel] = occluded ? 0 : 255; };
+    RayBatch<512> batch;
+    for (std::uint32_t left = 0; left < width; left += kTile) {
+        const std::uint32_t right = std::min(left + kTile, width);
+        for (std::uint32_t y = 0; y < height; ++y) {
+            for (std::uint32_t x = left; x < right; ++x) {
+                const auto imageX = static_cast<std::uint32_t>(area.offset.x) + x;
+                const auto imageY = static_cast<std::uint32_t>(area.offset.y) + top + y;
+                const Asked asked = receivers.at(imageX, imageY, batch.rays[batch.count]);
+                rows[y * width + x] = asked == Asked::lit ? 255 : 0;
+                if (asked != Asked::ray) continue;
+                batch.tags[batch.count++] = y * width + x;
+                if (batch.full()) batch.flush(host, job.light->mask, RayCoherence::tiles, answer);
+            }
+        }
+    }
+    batch.flush(host, job.light->mask, RayCoherence::tiles, answer);
+}
+
+void trace(const TraceJob& job, const HostContext& host)
+{
+    const VkExtent2D extent = job.view->area.extent;
+    const Receivers receivers(*job.view, *job.light, host.read<float>(job.depth),
+                              job.normals ? host.read<std::byte>(job.normals) : std::span<const std::byte>());
+    const std::span<std::uint8_t> visibility = host.write<std::uint8_t>(job.visibility);
+    const std::uint32_t tileRows = (extent.height + kTile - 1) / kTile;
+    host.jobs->parallelFor(tileRows, 4, [&](std::size_t begin, std::size_t end, std::uint32_t) {
+        // Upload memory may be write-combined: whole rows at a time.
+        const std::span<std::uint8_t> rows = host.arena->array<std::uint8_t>(std::size_t(kTile) * extent.width);
+        for (std::size_t row = begin; row < end; ++row) {
+            const auto top = static_cast<std::uint32_t>(row) * kTile;
+            traceTileRow(job, host, receivers, top, rows);
+            const std::size_t count = std::size_t(std::min(kTile, extent.height - top)) * extent.width;
+            std::copy_n(rows.begin(), count, visibility.begin() + std::ptrdiff_t(top) * extent.width);
+        }
+    });
+}
+
+void copyToLayer(PassContext& gpu, BufferId from, ImageId to, std::uint32_t layer, const VkRect2D& area)
+{
+    const VkBufferImageCopy2 region{.sType = VK_STRUCTURE_TYPE_BUFFER_IMAGE_COPY_2,
+                                    .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, layer, 1},
+                                    .imageOffset = {area.offset.x, area.offset.y, 0},
+                                    .imageExtent = {area.extent.width, area.extent.height, 1}};
+    const VkCopyBufferToImageInfo2 copy{.sType = VK_STRUCTURE_TYPE_COPY_BUFFER_TO_IMAGE_INFO_2,
+                                        .srcBuffer = gpu.buffer(from),
+                                        .dstImage = gpu.image(to),
+                                        .dstImageLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                                        .regionCount = 1,
+                                        .pRegions = &region};
+    gpu.vk->vkCmdCopyBufferToImage2(gpu.cmd, &copy);
+}
+
+class RayTraced final : public ShadowAlgorithm {
+public:
+    void declare(PassBuilder& passes, const ShadowTask& task) override
+    {
+        const VkRect2D area = task.view->area;
+        const TraceJob job{
+            .view = task.view,
+            .light = task.light,
+            .depth = passes.depthOnHost(),
+            .normals = passes.normalsOnHost(),
+            .visibility = passes.transient(BufferInfo{.name = "ray_traced.visibility",
+                                                      .size = VkDeviceSize(area.extent.width) * area.extent.height,
+                                                      .place = BufferPlace::upload}),
+        };
+        PassRef host = passes.host("ray_traced.trace");
+        host.reads(job.depth).writes(job.visibility);
+        if (job.normals) host.reads(job.normals);
+        host.run([job](HostContext& context) { trace(job, context); });
+
+        const ImageId target = task.visibility;
+        const std::uint32_t layer = task.layer;
+        passes.transfer("ray_traced.copy")
+            .reads(job.visibility)
+            .writes(target, {.layer = layer})
+            .record([=](PassContext& gpu) { copyToLayer(gpu, job.visibility, target, layer, area); });
+    }
+};
+
+} // namespace
+
+constinit const AlgorithmEntry kRayTraced{
+    .name = "ray_traced",
+    .source = "Appel 1968; Morais 2015, 2.3",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
+    .roundTrips = 1,
+    .maxRounds = 0,
+    .settings = {},
+    .memoryPerLight = [](std::span<const double>,
+                         VkExtent2D extent) { return VkDeviceSize(extent.width) * extent.height; },
+    .missing = nullptr,
+    .create = [](const AlgorithmServices&) -> std::unique_ptr<ShadowAlgorithm> {
+        return std::make_unique<RayTraced>();
+    },
+};
+
+} // namespace gnomon
