@@ -1,6 +1,7 @@
 find_program(GLSLANG_VALIDATOR glslangValidator REQUIRED)
 
 # gnomon_embed_shaders(target SHADERS file.frag ... )
+# SPIR-V 1.5 (vulkan1.2): for 1.3 glslang emits LocalSizeId, which needs maintenance4.
 # Compiles GLSL below shaders/ to SPIR-V and makes each available to `target` as
 #   #include "shaders/<path with dots and slashes as underscores>.h"  ->  const uint32_t k_<same name>[]
 # An entry "path/file.vert:NAME=VALUE:name" compiles the file with -DNAME=VALUE under another name.
@@ -23,7 +24,7 @@ function(gnomon_embed_shaders target)
         set(header "${out_dir}/${symbol}.h")
         add_custom_command(
             OUTPUT "${header}"
-            COMMAND "${GLSLANG_VALIDATOR}" -V --target-env vulkan1.3 --quiet ${definition}
+            COMMAND "${GLSLANG_VALIDATOR}" -V --target-env vulkan1.2 --quiet ${definition}
                     "-I${PROJECT_SOURCE_DIR}/shaders" "-I${PROJECT_SOURCE_DIR}/runtime/include"
                     --vn "k_${symbol}" --depfile "${header}.d" -o "${header}" "${PROJECT_SOURCE_DIR}/shaders/${file}"
             DEPENDS "${PROJECT_SOURCE_DIR}/shaders/${file}"

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <thread>
 
+#include "runtime/scene/bias.hpp"
+
 namespace gnomon {
 
 namespace {
@@ -77,6 +79,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     samplers_ = std::make_unique<SamplerSet>(*vk_);
     if (Result<void> made = samplers_->create(); !made) return made;
     pipelines_ = std::make_unique<PipelineStore>(*vk_, *memory_, *samplers_);
+    pipelines_->setTrialBias({kOpenConstantBias, kOpenSlopeBias});
     methods_ = std::make_unique<MethodTable>(*vk_, *pipelines_, *jobs_, background_);
     registry_ = builtinRegistry();
     if (Result<void> added = methods_->addBuiltins(registry_); !added) return added;
