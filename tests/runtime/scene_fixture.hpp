@@ -1,7 +1,6 @@
 #pragma once
 // A registry over a Vulkan that keeps books, with jobs that run when the test says so.
 #include <array>
-#include <cstring>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "runtime/core/arena.hpp"
+#include "runtime/core/slot_map.hpp"
 #include "runtime/scene/scene_registry.hpp"
 #include "runtime/scene/topology.hpp"
 #include "runtime/vk_stub.hpp"
@@ -17,6 +17,18 @@
 namespace gnomon::test {
 
 constexpr std::array<double, 3> kNoOrigin{};
+
+// What this build can derive from meshes.
+#ifdef GNOMON_WITH_OPENMESH
+constexpr bool kWithTopology = true;
+#else
+constexpr bool kWithTopology = false;
+#endif
+#ifdef GNOMON_WITH_EMBREE
+constexpr bool kWithTrees = true;
+#else
+constexpr bool kWithTrees = false;
+#endif
 
 /// Jobs wait here until run().
 class JobQueue {
@@ -87,6 +99,7 @@ public:
         if (options.discrete)
             stub.setMemoryTypes({VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, kHost}, {1u << 30, 1u << 30}, {0, 1});
         stub.table.vkCmdCopyBuffer2 = &SceneFixture::copyBuffer;
+        stub.table.vkBindBufferMemory2 = &SceneFixture::bindBuffer;
         jobs = options.manualJobs ? std::make_unique<JobSystem>(&JobQueue::schedule, &queue, 2)
                                   : std::make_unique<JobSystem>(nullptr, nullptr, 3);
         memory = std::make_unique<DeviceMemory>(stub.table, VkDeviceSize{1} << 30, std::vector<std::uint32_t>{});
@@ -124,19 +137,15 @@ public:
 
     bool alive(VkBuffer buffer) const
     {
-        std::uint64_t bits = 0;
-        std::memcpy(&bits, &buffer, sizeof buffer);
         const std::lock_guard lock(stub.mutex);
-        return stub.objects.contains(bits);
+        return stub.objects.contains(bitsOf(buffer));
     }
 
     /// Bytes of a mapped buffer.
     const std::byte* bytesOf(VkBuffer buffer) const
     {
-        std::uint64_t bits = 0;
-        std::memcpy(&bits, &buffer, sizeof buffer);
         const std::lock_guard lock(stub.mutex);
-        const StubVulkan::Binding& binding = stub.bindings.at(bits);
+        const StubVulkan::Binding& binding = stub.bindings.at(bitsOf(buffer));
         return static_cast<const std::byte*>(stub.memories.at(binding.memory).bytes) + binding.begin;
     }
 
@@ -155,6 +164,21 @@ private:
         const VkBufferCopy2& region = info->pRegions[0];
         const std::byte* from = current->bytesOf(info->srcBuffer) + region.srcOffset;
         current->copied[info->dstBuffer].assign(from, from + region.size);
+    }
+
+    /// As the stub's, but safe from several threads.
+    static VkResult VKAPI_PTR bindBuffer(VkDevice, std::uint32_t, const VkBindBufferMemoryInfo* info)
+    {
+        StubVulkan& stub = current->stub;
+        if (stub.fails("vkBindBufferMemory2")) return stub.failure;
+        const std::uint64_t buffer = bitsOf(info->buffer);
+        VkDeviceSize size = 0;
+        {
+            const std::lock_guard lock(stub.mutex);
+            size = stub.sizes.at(buffer);
+        }
+        stub.bind(buffer, bitsOf(info->memory), info->memoryOffset, size);
+        return VK_SUCCESS;
     }
 
     inline static SceneFixture* current = nullptr;

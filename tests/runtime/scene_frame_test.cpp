@@ -67,7 +67,7 @@ TEST_CASE("a caster carries its transform, relative to the origin in double prec
             CHECK(table.rows[4 * row + column] == rows[3 * row + column]);
         CHECK(table.rows[4 * row + 3] == caster.translation[row]);
     }
-    CHECK(caster.closed);
+    CHECK(caster.closed == kWithTopology);
     CHECK(caster.id != snapshot.casters[1].id);
 }
 
