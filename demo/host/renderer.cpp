@@ -91,7 +91,7 @@ Renderer::Renderer(const Device& device, const Scene& scene, const SceneGeometry
 Renderer::~Renderer()
 {
     try {
-        wait(frame_);
+        waitForFrame();
     } catch (const HostError&) { // device lost: nothing runs any more
     }
 }
@@ -219,14 +219,9 @@ uint64_t Renderer::completed() const
     return value;
 }
 
-void Renderer::wait(uint64_t frame)
+void Renderer::waitForFrame(uint64_t frame)
 {
     waitTimeline(device_, timeline_.get(), frame);
-}
-
-void Renderer::waitForFrame()
-{
-    wait(frame_);
 }
 
 void Renderer::writeFrameData(uint32_t index, const FrameRequest& request)

@@ -73,8 +73,9 @@ public:
     VkExtent2D extent() const noexcept { return extent_; }
 
     void draw(const FrameRequest& request);
-    /// Until the newest frame is finished on the device.
-    void waitForFrame();
+    /// Until the newest frame is finished on the device, or an older one.
+    void waitForFrame() { waitForFrame(frame_); }
+    void waitForFrame(uint64_t frame);
     uint64_t frame() const noexcept { return frame_; }
 
     // Of the newest frame; these wait for it. Row 0 is the top row.
@@ -120,7 +121,6 @@ private:
     void createImages();
     void retire();
     uint64_t completed() const;
-    void wait(uint64_t frame);
 
     void writeFrameData(uint32_t view, const FrameRequest& request);
     void recordPrepass(VkCommandBuffer cmd, uint32_t view);

@@ -62,7 +62,7 @@ void Renderer::draw(const FrameRequest& request)
 {
     if (request.cameras.size() != views_.size()) throw HostError("one camera per view is needed");
     const uint64_t next = frame_ + 1;
-    if (next > options_.framesInFlight) wait(next - options_.framesInFlight);
+    if (next > options_.framesInFlight) waitForFrame(next - options_.framesInFlight);
     frame_ = next;
     retire();
 

@@ -29,20 +29,15 @@ const char* nameOf(GnReason reason) noexcept
 
 FrameLog::FrameLog(const Scene& scene, float budgetMs)
     : scene_(scene), budgetMs_(budgetMs),
-      frames_({"frame", "time_s", "frame_ms", "fps", "shadow_gpu_ms", "shadow_cpu_ms", "decide_us", "lights",
-               "switches", "budget_ms", "over_budget"}),
       lights_({"frame", "light", "method", "suitability", "predicted_ms", "measured_ms", "distance", "reason"})
 {
 }
 
-void FrameLog::add(uint32_t frame, double timeSeconds, double frameMs, const SceneState& state,
-                   const ShadowHost& shadows)
+void FrameLog::add(uint32_t frame, double timeSeconds, const SceneState& state, const ShadowHost& shadows)
 {
     const GnFrameStats stats = shadows.stats();
     const bool over = budgetMs_ > 0.0f && stats.gpuMs + stats.cpuMs > budgetMs_;
-    frames_.cell(frame).cell(timeSeconds, 4).cell(frameMs, 3).cell(frameMs > 0.0 ? 1000.0 / frameMs : 0.0, 2);
-    frames_.cell(double(stats.gpuMs), 3).cell(double(stats.cpuMs), 3).cell(double(stats.decideUs), 1);
-    frames_.cell(state.present.size()).cell(stats.switches).cell(double(budgetMs_), 2).cell(over).endRow();
+    rows_.push_back({frame, timeSeconds, state.present.size(), stats, over});
 
     newest_.clear();
     newestSwitched_ = false;
@@ -58,16 +53,30 @@ void FrameLog::add(uint32_t frame, double timeSeconds, double frameMs, const Sce
         newest_.push_back({scene_.lights[light].name, method, decision.suitability, decision.switched != 0});
         newestSwitched_ = newestSwitched_ || decision.switched;
     }
+}
+
+void FrameLog::finish(double frameMs)
+{
     frameMs_.push_back(frameMs);
-    gpuMs_ += double(stats.gpuMs);
-    cpuMs_ += double(stats.cpuMs);
-    switches_ += stats.switches;
-    overBudget_ += over;
+}
+
+CsvWriter FrameLog::framesTable() const
+{
+    CsvWriter table({"frame", "time_s", "frame_ms", "fps", "shadow_gpu_ms", "shadow_cpu_ms", "decide_us", "lights",
+                     "switches", "budget_ms", "over_budget"});
+    for (size_t i = 0; i < frameMs_.size(); ++i) {
+        const FrameRow& row = rows_[i];
+        const double ms = frameMs_[i];
+        table.cell(row.frame).cell(row.timeSeconds, 4).cell(ms, 3).cell(ms > 0.0 ? 1000.0 / ms : 0.0, 2);
+        table.cell(double(row.stats.gpuMs), 3).cell(double(row.stats.cpuMs), 3).cell(double(row.stats.decideUs), 1);
+        table.cell(row.lights).cell(row.stats.switches).cell(double(budgetMs_), 2).cell(row.overBudget).endRow();
+    }
+    return table;
 }
 
 void FrameLog::save(const std::filesystem::path& folder) const
 {
-    expect(frames_.save(folder / "frames.csv"));
+    expect(framesTable().save(folder / "frames.csv"));
     expect(lights_.save(folder / "lights.csv"));
 }
 
@@ -75,19 +84,21 @@ FrameLog::Summary FrameLog::summary() const
 {
     Summary out;
     out.frames = static_cast<uint32_t>(frameMs_.size());
-    out.switches = switches_;
-    out.overBudget = overBudget_;
     out.lightFrames = lightFrames_;
     if (frameMs_.empty()) return out;
+    for (const FrameRow& row : rows_) {
+        out.switches += row.stats.switches;
+        out.overBudget += row.overBudget;
+        out.shadowGpuMs += double(row.stats.gpuMs) / double(rows_.size());
+        out.shadowCpuMs += double(row.stats.cpuMs) / double(rows_.size());
+    }
     std::vector<double> sorted = frameMs_;
     std::sort(sorted.begin(), sorted.end(), std::greater<>());
     const size_t slowest = std::max<size_t>(1, sorted.size() / 100);
     const double total = std::accumulate(sorted.begin(), sorted.end(), 0.0);
-    const double slow = std::accumulate(sorted.begin(), sorted.begin() + slowest, 0.0);
+    const double slow = std::accumulate(sorted.begin(), sorted.begin() + std::ptrdiff_t(slowest), 0.0);
     out.averageFps = total > 0.0 ? 1000.0 * double(sorted.size()) / total : 0.0;
     out.onePercentLowFps = slow > 0.0 ? 1000.0 * double(slowest) / slow : 0.0;
-    out.shadowGpuMs = gpuMs_ / double(sorted.size());
-    out.shadowCpuMs = cpuMs_ / double(sorted.size());
     return out;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 // frames.csv, lights.csv and the summary of a run.
 
-#include <array>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -16,8 +15,10 @@ class FrameLog {
 public:
     FrameLog(const Scene& scene, float budgetMs);
 
-    /// After a frame. \param frameMs Wall time from the start of this frame to the start of the next.
-    void add(uint32_t frame, double timeSeconds, double frameMs, const SceneState& state, const ShadowHost& shadows);
+    /// After a frame was submitted: what was decided, and what gnomon says it cost.
+    void add(uint32_t frame, double timeSeconds, const SceneState& state, const ShadowHost& shadows);
+    /// When the oldest frame without a time is finished. \param frameMs Wall time since the frame before it was.
+    void finish(double frameMs);
 
     struct LightLine {
         std::string light, method;
@@ -44,15 +45,22 @@ public:
     std::string summaryText() const;
 
 private:
+    struct FrameRow {
+        uint32_t frame;
+        double timeSeconds;
+        size_t lights;
+        GnFrameStats stats;
+        bool overBudget;
+    };
+    CsvWriter framesTable() const;
+
     const Scene& scene_;
     float budgetMs_;
-    CsvWriter frames_, lights_;
-    std::vector<double> frameMs_;
+    std::vector<FrameRow> rows_;
+    std::vector<double> frameMs_; ///< Of the first rows; grows by finish().
+    CsvWriter lights_;
     std::vector<LightLine> newest_;
     bool newestSwitched_ = false;
-    double gpuMs_ = 0.0, cpuMs_ = 0.0;
-    uint64_t switches_ = 0;
-    uint32_t overBudget_ = 0;
     std::map<std::string, uint64_t> lightFrames_;
 };
 

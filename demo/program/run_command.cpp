@@ -66,6 +66,37 @@ void chooseMethods(ShadowHost& shadows, const RunOptions& options, const std::fi
     expect(writeText(out / "rules.yaml", rules.text));
 }
 
+// Pictures of an earlier run in the same folder would pass for this one's.
+void removeOldPictures(const std::filesystem::path& folder)
+{
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.path().extension() == ".png" && entry.path().filename().string().starts_with("frame_"))
+            std::filesystem::remove(entry.path());
+}
+
+/// Times frames from the end of one to the end of the next, so that their sum is the run's length without pictures.
+class FrameClock {
+public:
+    /// Waits for all frames up to `count` (counted from 1) and logs the time of each that is new.
+    void finish(Renderer& renderer, uint64_t count, FrameLog& log)
+    {
+        for (; finished_ < count; ++finished_) {
+            renderer.waitForFrame(finished_ + 1);
+            const Clock::time_point now = Clock::now();
+            lastMs_ = milliseconds(now - last_);
+            log.finish(lastMs_);
+            last_ = now;
+        }
+    }
+    void restart() { last_ = Clock::now(); }
+    double lastMs() const { return lastMs_; }
+
+private:
+    Clock::time_point last_ = Clock::now();
+    uint64_t finished_ = 0;
+    double lastMs_ = 0.0;
+};
+
 void printMessages(ShadowHost& shadows)
 {
     for (const std::string& message : shadows.takeMessages())
@@ -87,6 +118,7 @@ int runCommand(const RunOptions& options)
 
     const std::filesystem::path out = options.out;
     std::filesystem::create_directories(out);
+    removeOldPictures(out);
     chooseMethods(session.shadows, options, out);
     if (gnWarmUp(session.shadows.context()) < 0)
         throw HostError(std::string("gnWarmUp: ") + gnGetLastError(session.shadows.context()));
@@ -101,10 +133,10 @@ int runCommand(const RunOptions& options)
     PictureTaker pictures(out, frames);
     Progress progress(frames);
     double lastTime = frameTime(scene, 0);
+    FrameClock clock;
     for (uint32_t frame = 0; frame < frames; ++frame) {
         const double time = frameTime(scene, frame);
         const CameraState camera = session.camera(time);
-        const Clock::time_point start = Clock::now();
         session.renderer.draw({.time = time,
                                .cameras = {&camera, 1},
                                .shadows = &session.shadows,
@@ -112,15 +144,16 @@ int runCommand(const RunOptions& options)
                                .budgetMs = options.budgetMs,
                                .cameraCut = frame > 0 && cameraCutsBetween(scene, lastTime, time)});
         lastTime = time;
-        GnFrameStats stats = session.shadows.stats();
-        const bool picture = pictures.wants(frame, stats.switches > 0);
-        if (picture) // its device time belongs to this frame, not to a next one that finds nothing to wait for
-            session.renderer.waitForFrame();
-        const double ms = milliseconds(Clock::now() - start);
-        log.add(frame, time, ms, session.renderer.state(), session.shadows);
-        if (picture) pictures.take(frame, scene, session.renderer, log);
+        log.add(frame, time, session.renderer.state(), session.shadows);
+        const bool picture = pictures.wants(frame, log.newestSwitched());
+        // One frame stays in flight while the next is prepared, except before pictures and at the end.
+        clock.finish(session.renderer, picture || frame + 1 == frames ? frame + 1 : frame, log);
+        if (picture) {
+            pictures.take(frame, scene, session.renderer, log);
+            clock.restart();
+        }
         std::string text;
-        appendFixed(text, 1000.0 / ms, 1);
+        appendFixed(text, clock.lastMs() > 0.0 ? 1000.0 / clock.lastMs() : 0.0, 1);
         progress.show(frame + 1, text + " fps");
         printMessages(session.shadows);
     }

@@ -177,7 +177,8 @@ int windowCommand(const RunOptions& options)
                                    .present = &target});
         });
         if (!drawn) continue;
-        log.add(frame, time, seconds * 1000.0, session.renderer.state(), session.shadows);
+        log.add(frame, time, session.renderer.state(), session.shadows);
+        log.finish(seconds * 1000.0);
         smoothedMs = frame < 2 ? seconds * 1000.0 : 0.9 * smoothedMs + 0.1 * seconds * 1000.0; // some ten frames
         if (frame++ % 10 == 0)
             window.setTitle(titleFor(session, log, smoothedMs > 0.0 ? 1000.0 / smoothedMs : 0.0, keys.light()));

@@ -1,0 +1,203 @@
+/* Embedding gnomon in one screenful: a box beside the picture throws its shadow into it. The camera looks straight down
+at a floor, so the depth image a renderer would draw is one number here, and a clear stands in for the drawing. Exits
+with 0 if a point in the shadow is dark and one beside it is lit, 77 where there is no Vulkan device. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <vulkan/vulkan.h>
+
+#include "gnomon/gnomon.h"
+
+#define CHECK(call)                                                                                                    \
+    do {                                                                                                               \
+        const int result_ = (int)(call);                                                                               \
+        if (result_ < 0) {                                                                                             \
+            fprintf(stderr, "%s:%d: %s: %d\n", __FILE__, __LINE__, #call, result_);                                    \
+            exit(1);                                                                                                   \
+        }                                                                                                              \
+    } while (0)
+
+enum { SIZE = 64 }; /* pixels a side */
+static const float kNear = 0.1f, kEyeHeight = 4.0f, kFocal = 4.0f / 1.5f; /* metres; 1.5 m of floor on each side */
+
+static void GN_CALL onMessage(const GnMessage* message, void* user)
+{
+    (void)user;
+    fprintf(stderr, "gnomon: %s\n", message->pText);
+}
+
+static VkDeviceMemory allocate(VkPhysicalDevice gpu, VkDevice device, VkMemoryRequirements needs, VkFlags flags)
+{
+    VkPhysicalDeviceMemoryProperties memory;
+    vkGetPhysicalDeviceMemoryProperties(gpu, &memory);
+    VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs.size};
+    while (!(needs.memoryTypeBits >> info.memoryTypeIndex & 1) ||
+           (memory.memoryTypes[info.memoryTypeIndex].propertyFlags & flags) != flags)
+        ++info.memoryTypeIndex;
+    VkDeviceMemory made;
+    CHECK(vkAllocateMemory(device, &info, NULL, &made));
+    return made;
+}
+
+static void barrier(VkCommandBuffer cmd, VkImage image, VkFlags aspect, VkImageLayout from, VkImageLayout to)
+{
+    const VkImageMemoryBarrier b = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
+                                    .srcAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT,
+                                    .dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT,
+                                    .oldLayout = from, .newLayout = to, .image = image,
+                                    .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                    .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                    .subresourceRange = {aspect, 0, 1, 0, 1}};
+    vkCmdPipelineBarrier(cmd, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, NULL, 0,
+                         NULL, 1, &b);
+}
+
+int main(void)
+{
+    /* A device with what gnomon needs: three features of Vulkan 1.2 and 1.3. */
+    const VkApplicationInfo app = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .apiVersion = VK_API_VERSION_1_3};
+    const VkInstanceCreateInfo instanceInfo = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                               .pApplicationInfo = &app};
+    VkInstance instance;
+    VkPhysicalDevice gpu;
+    uint32_t count = 1;
+    if (vkCreateInstance(&instanceInfo, NULL, &instance) < 0 || vkEnumeratePhysicalDevices(instance, &count, &gpu) < 0 ||
+        count == 0)
+        return 77;
+    GnDeviceNeeds needs;
+    CHECK(gnQueryDeviceNeeds(instance, gpu, vkGetInstanceProcAddr, &needs));
+    VkPhysicalDeviceVulkan13Features f13 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                            .synchronization2 = VK_TRUE, .dynamicRendering = VK_TRUE};
+    VkPhysicalDeviceVulkan12Features f12 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+                                            .pNext = &f13, .timelineSemaphore = VK_TRUE};
+    const VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &f12,
+                                                .features = needs.optional};
+    const float priority = 1.0f;
+    const VkDeviceQueueCreateInfo queueInfo = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, .queueCount = 1,
+                                               .pQueuePriorities = &priority}; /* family 0 draws on desktop devices */
+    const VkDeviceCreateInfo deviceInfo = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, .pNext = &features,
+                                           .queueCreateInfoCount = 1, .pQueueCreateInfos = &queueInfo};
+    VkDevice device;
+    VkQueue queue;
+    CHECK(vkCreateDevice(gpu, &deviceInfo, NULL, &device));
+    vkGetDeviceQueue(device, 0, 0, &queue);
+
+    /* The scene: a floor at y = 0, a box of one metre left of what the camera sees, a light from the left. */
+    const GnContextCreateInfo contextInfo = {.instance = instance, .physicalDevice = gpu, .device = device,
+                                             .queue = queue, .apiVersion = VK_API_VERSION_1_3,
+                                             .pEnabledFeatures = &features,
+                                             .pfnGetInstanceProcAddr = vkGetInstanceProcAddr,
+                                             .pfnMessage = onMessage};
+    GnContext context;
+    CHECK(gnCreateContext(&contextInfo, &context));
+    const float floorPositions[] = {-9, 0, -9, -9, 0, 9, 9, 0, 9, 9, 0, -9};
+    const uint32_t floorIndices[] = {0, 1, 2, 0, 2, 3};
+    const float box[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
+    const uint32_t boxIndices[] = {0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
+                                   3, 7, 6, 3, 6, 2, 0, 4, 7, 0, 7, 3, 1, 2, 6, 1, 6, 5};
+    const GnMeshCreateInfo meshes[2] = {{.pName = "floor", .pPositions = floorPositions, .positionCount = 4,
+                                         .pIndices = floorIndices, .indexCount = 6},
+                                        {.pName = "box", .pPositions = box, .positionCount = 8,
+                                         .pIndices = boxIndices, .indexCount = 36}};
+    for (int i = 0; i < 2; ++i) {
+        GnInstanceCreateInfo instanceOf = {.flags = GN_INSTANCE_STATIC_BIT, .pName = meshes[i].pName};
+        GnInstance placed;
+        if (i == 1) { /* x in [-3, -2], z in [-0.5, 0.5] */
+            instanceOf.transform.translation[0] = -3.0;
+            instanceOf.transform.translation[2] = -0.5;
+        }
+        CHECK(gnCreateMesh(context, &meshes[i], &instanceOf.mesh));
+        CHECK(gnCreateInstance(context, &instanceOf, &placed));
+    }
+    const GnLightInfo sun = {.type = GN_LIGHT_TYPE_DIRECTIONAL, .direction = {2.0f, -1.0f, 0.0f}, .pName = "sun"};
+    const GnViewCreateInfo viewInfo = {.pName = "from above", .maxLights = 1};
+    GnLight light;
+    GnView view;
+    CHECK(gnCreateLight(context, &sun, &light));
+    CHECK(gnCreateView(context, &viewInfo, &view));
+    CHECK(gnWarmUp(context));
+
+    /* What the renderer brings: a depth image, here of a floor at constant distance (reversed-Z: near / distance). */
+    const VkImageCreateInfo imageInfo = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO, .imageType = VK_IMAGE_TYPE_2D, .format = VK_FORMAT_D32_SFLOAT,
+        .extent = {SIZE, SIZE, 1}, .mipLevels = 1, .arrayLayers = 1, .samples = VK_SAMPLE_COUNT_1_BIT,
+        .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+    VkImage depth;
+    VkMemoryRequirements memoryNeeds;
+    CHECK(vkCreateImage(device, &imageInfo, NULL, &depth));
+    vkGetImageMemoryRequirements(device, depth, &memoryNeeds);
+    const VkDeviceMemory depthMemory = allocate(gpu, device, memoryNeeds, 0);
+    CHECK(vkBindImageMemory(device, depth, depthMemory, 0));
+    const VkImageViewCreateInfo depthViewInfo = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO, .image = depth,
+                                                 .viewType = VK_IMAGE_VIEW_TYPE_2D, .format = VK_FORMAT_D32_SFLOAT,
+                                                 .subresourceRange = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, 0, 1}};
+    const VkBufferCreateInfo bufferInfo = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = SIZE * SIZE,
+                                           .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+    VkImageView depthView;
+    VkBuffer pixels;
+    CHECK(vkCreateImageView(device, &depthViewInfo, NULL, &depthView));
+    CHECK(vkCreateBuffer(device, &bufferInfo, NULL, &pixels));
+    vkGetBufferMemoryRequirements(device, pixels, &memoryNeeds);
+    const VkDeviceMemory pixelMemory = allocate(
+        gpu, device, memoryNeeds, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+    CHECK(vkBindBufferMemory(device, pixels, pixelMemory, 0));
+    const VkCommandPoolCreateInfo poolInfo = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    VkCommandBufferAllocateInfo cmdInfo = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                           .commandBufferCount = 1};
+    VkCommandBuffer cmd;
+    CHECK(vkCreateCommandPool(device, &poolInfo, NULL, &cmdInfo.commandPool));
+    CHECK(vkAllocateCommandBuffers(device, &cmdInfo, &cmd));
+
+    /* One frame: depth, shadows, and a look at the answer. */
+    const VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    const VkSubmitInfo submit = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1,
+                                 .pCommandBuffers = &cmd};
+    const VkClearDepthStencilValue floorDepth = {kNear / kEyeHeight, 0};
+    const VkImageSubresourceRange depthRange = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, 0, 1};
+    CHECK(vkBeginCommandBuffer(cmd, &begin));
+    barrier(cmd, depth, VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    vkCmdClearDepthStencilImage(cmd, depth, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &floorDepth, 1, &depthRange);
+    barrier(cmd, depth, VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+            VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    CHECK(vkEndCommandBuffer(cmd));
+    CHECK(vkQueueSubmit(queue, 1, &submit, VK_NULL_HANDLE));
+
+    const GnViewFrame viewFrame = {
+        .view = view, .eye = {0.0, kEyeHeight, 0.0}, .viewFromWorld = {1, 0, 0, 0, 0, -1, 0, 1, 0},
+        .projection = {kFocal, 0, 0, 0, 0, -kFocal, 0, 0, 0, 0, 0, -1, 0, 0, kNear, 0}, .depthImage = depth,
+        .depthView = depthView, .depthFormat = VK_FORMAT_D32_SFLOAT, .imageExtent = {SIZE, SIZE}, .lightCount = 1,
+        .pLights = &light};
+    const GnFrameInfo frame = {.frame = 1, .viewCount = 1, .pViews = &viewFrame};
+    CHECK(gnSubmitShadows(context, &frame));
+    GnVisibility visibility;
+    GnDecision decision;
+    CHECK(gnGetVisibility(context, view, &visibility));
+    CHECK(gnGetDecision(context, view, light, &decision));
+
+    const VkBufferImageCopy copy = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                    .imageExtent = {SIZE, SIZE, 1}};
+    const uint8_t* answer;
+    CHECK(vkQueueWaitIdle(queue)); /* a renderer would wait for its frame's semaphore instead */
+    CHECK(vkBeginCommandBuffer(cmd, &begin));
+    barrier(cmd, visibility.image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+            VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    vkCmdCopyImageToBuffer(cmd, visibility.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, pixels, 1, &copy);
+    CHECK(vkEndCommandBuffer(cmd));
+    CHECK(vkQueueSubmit(queue, 1, &submit, VK_NULL_HANDLE));
+    CHECK(vkQueueWaitIdle(queue));
+    CHECK(vkMapMemory(device, pixelMemory, 0, VK_WHOLE_SIZE, 0, (void**)&answer));
+
+    /* The shadow of the box ends at x = 0: the left half of the middle row is dark, the right half lit. */
+    const int inShadow = answer[SIZE / 2 * SIZE + SIZE / 4], lit = answer[SIZE / 2 * SIZE + 3 * SIZE / 4];
+    printf("%s: visibility %d in the shadow, %d beside it\n", decision.pMethod ? decision.pMethod : "no method",
+           inShadow, lit);
+    gnDestroyContext(context);
+    vkDestroyCommandPool(device, cmdInfo.commandPool, NULL);
+    vkDestroyBuffer(device, pixels, NULL);
+    vkDestroyImageView(device, depthView, NULL);
+    vkDestroyImage(device, depth, NULL);
+    vkFreeMemory(device, pixelMemory, NULL);
+    vkFreeMemory(device, depthMemory, NULL);
+    vkDestroyDevice(device, NULL);
+    vkDestroyInstance(instance, NULL);
+    return inShadow < 64 && lit > 191 ? 0 : 1;
+}
