@@ -143,7 +143,6 @@ TEST_CASE("snapshots equal a model after any sequence of changes, and the one be
     std::vector<Expected> model;   // by creation
     std::vector<Caster> before;
     const Caster* beforeAt = nullptr;
-    std::map<std::uint32_t, std::uint64_t> revisions; // by id: revisions never repeat for changed content
     std::array<double, 3> origin{};
     std::uint64_t frame = 0;
     for (int step = 0; step < 3000; ++step) {
