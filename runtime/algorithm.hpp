@@ -65,6 +65,17 @@ struct AlgorithmEntry {
     /// Null, or why the device cannot run it ("needs depthClamp"). Static storage.
     const char* (*missing)(const DeviceTable& vk);
     std::unique_ptr<ShadowAlgorithm> (*create)(const AlgorithmServices& services);
+
+    // Algorithms registered through the C door (runtime/api/plugin.hpp) instead of the three functions above.
+    const class ForeignAlgorithm* foreign = nullptr;
+    std::unique_ptr<ShadowAlgorithm> (*createForeign)(const ForeignAlgorithm& self) = nullptr;
+    VkDeviceSize bytesPerPixel = 0;
+
+    VkDeviceSize memoryFor(std::span<const double> values, VkExtent2D extent) const
+    {
+        if (memoryPerLight) return memoryPerLight(values, extent);
+        return bytesPerPixel * extent.width * extent.height;
+    }
 };
 
 } // namespace gnomon

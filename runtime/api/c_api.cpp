@@ -346,6 +346,28 @@ GnResult GN_CALL gnAddMethod(GnContext context, const char* pName, const char* p
     return atBoundary(context, [&](Context& c) { return status(context, c.addMethod(pName, pAlgorithm)); });
 }
 
+GnResult GN_CALL gnRegisterAlgorithm(GnContext context, const GnAlgorithmInfo* pInfo)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pInfo) return nullArgument(context, "pInfo");
+        return status(context, c.registerAlgorithm(*pInfo));
+    });
+}
+
+GnResult GN_CALL gnGetPluginInterface(GnContext context, const GnPluginInterface** ppInterface)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!ppInterface) return nullArgument(context, "ppInterface");
+        *ppInterface = c.pluginInterface();
+        return GN_SUCCESS;
+    });
+}
+
+GnResult GN_CALL gnLoadPlugin(GnContext context, const char* pPath)
+{
+    return atBoundary(context, [&](Context& c) { return status(context, c.loadPlugin(context, pPath)); });
+}
+
 GnResult GN_CALL gnSetMethodSetting(GnContext context, const char* pMethod, const char* pSetting, double value)
 {
     return atBoundary(context,

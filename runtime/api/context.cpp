@@ -68,6 +68,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     Result<std::unique_ptr<DeviceTable>> vk = loadDeviceTable(info);
     if (!vk) return vk.error();
     vk_ = std::move(*vk);
+    pluginInterface_ = makePluginInterface(vk_->device, vk_->vkGetDeviceProcAddr);
     memory_ = std::make_unique<DeviceMemory>(*vk_, info.memoryLimit ? info.memoryLimit : defaultLimit(*vk_),
                                              sharingFamilies(info));
     const std::uint32_t threads = info.jobThreadCount ? info.jobThreadCount : std::thread::hardware_concurrency();
@@ -222,6 +223,27 @@ Result<void> Context::addMethod(const char* name, const char* algorithm)
     auto added = methods_->addNamed(name, algorithm);
     if (!added) return added.error();
     return selector_->rebind(registry_);
+}
+
+Result<void> Context::registerAlgorithm(const GnAlgorithmInfo& info)
+{
+    if (Result<void> ok = checkAlgorithmInfo(info); !ok) return ok;
+    auto foreign = std::make_unique<ForeignAlgorithm>(info);
+    if (auto added = methods_->addEntry(foreign->entry()); !added) {
+        foreign->disown();
+        return added.error();
+    }
+    foreign_.push_back(std::move(foreign));
+    return selector_->rebind(registry_);
+}
+
+Result<GnResult> Context::loadPlugin(GnContext self, const char* path)
+{
+    if (!path) return Error{GN_ERROR_NULL_ARGUMENT, "PathMissing", "pPath is null"};
+    Result<std::unique_ptr<SharedObject>> object = SharedObject::open(path);
+    if (!object) return object.error();
+    plugins_.push_back(std::move(*object)); // stays even if it fails: it may have registered something
+    return plugins_.back()->pluginMain()(self, &pluginInterface_);
 }
 
 Result<void> Context::setMethodSetting(const char* method, const char* setting, double value)

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "runtime/api/plugin.hpp"
 #include "runtime/core/slot_map.hpp"
 #include "runtime/passes/pass_executor.hpp"
 #include "runtime/registry.hpp"
@@ -55,6 +56,9 @@ public:
 
     Result<void> addMethod(const char* name, const char* algorithm);
     Result<void> setMethodSetting(const char* method, const char* setting, double value);
+    Result<void> registerAlgorithm(const GnAlgorithmInfo& info);
+    Result<GnResult> loadPlugin(GnContext self, const char* path);
+    const GnPluginInterface* pluginInterface() const { return &pluginInterface_; }
     std::uint32_t methods(std::span<GnMethodInfo> out);
     Result<void> loadRules(std::string_view text, std::string_view fileName);
 
@@ -127,6 +131,10 @@ private:
     bool background_;
     bool timeEveryFrame_;
     GnContextCreateInfo info_;
+    // Before everything that may call into them.
+    std::vector<std::unique_ptr<SharedObject>> plugins_;
+    std::vector<std::unique_ptr<ForeignAlgorithm>> foreign_;
+    GnPluginInterface pluginInterface_{};
     std::unique_ptr<DeviceTable> vk_;
     std::unique_ptr<DeviceMemory> memory_;
     std::unique_ptr<JobSystem> jobs_;

@@ -246,6 +246,11 @@ void PassBuilder::kept(std::uint32_t count)
     graph_.taskKept_ += count;
 }
 
+void PassBuilder::fail(const Error& error)
+{
+    graph_.fail(error);
+}
+
 FrameArena& PassBuilder::arena()
 {
     return graph_.arena_;

@@ -6,6 +6,7 @@
 
 #include "runtime/core/arena.hpp"
 #include "runtime/core/jobs.hpp"
+#include "runtime/core/result.hpp"
 #include "runtime/scene/scene_view.hpp"
 #include "runtime/vk/pipelines.hpp"
 
@@ -159,6 +160,9 @@ public:
     // Shared view-scope resources, made at most once per view and frame, on first use.
     BufferId depthOnHost();   ///< float per pixel of the image extent, row by row, readback.
     BufferId normalsOnHost(); ///< Raw texels of the normal image (CameraView::normalFormat), readback; none: null id.
+
+    /// The task cannot run; its passes are taken back and the light is lit in this frame.
+    void fail(const Error& error);
 
     /// Memory of this frame for closures to share (counts set by a prepare pass, read while recording).
     FrameArena& arena();

@@ -157,6 +157,10 @@ VkImage PassContext::image(ImageId id) const
 {
     return executor_->graph_.image(id).gpu.image;
 }
+VkImageView PassContext::imageView(ImageId id, std::uint32_t layer) const
+{
+    return executor_->graph_.image(id).gpu.layerSampled[layer];
+}
 VkExtent2D PassContext::extent(ImageId id) const
 {
     return executor_->graph_.image(id).gpu.extent;

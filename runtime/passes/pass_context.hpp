@@ -76,6 +76,7 @@ public:
 
     // Raw handles, for what the helpers do not cover.
     VkImage image(ImageId id) const;
+    VkImageView imageView(ImageId id, std::uint32_t layer) const; ///< 2D, one layer, for sampling.
     VkExtent2D extent(ImageId id) const;
     VkBuffer buffer(BufferId id) const;
 

@@ -34,11 +34,16 @@ MethodTable::~MethodTable()
 
 Result<void> MethodTable::addBuiltins(const AlgorithmRegistry& registry)
 {
-    for (const AlgorithmEntry* entry : registry.entries) {
-        entries_.push_back(entry);
-        if (auto added = add(entry->name, *entry); !added) return added.error();
-    }
+    for (const AlgorithmEntry* entry : registry.entries)
+        if (auto added = addEntry(*entry); !added) return added.error();
     return {};
+}
+
+Result<std::uint32_t> MethodTable::addEntry(const AlgorithmEntry& entry)
+{
+    Result<std::uint32_t> added = add(entry.name, entry);
+    if (added) entries_.push_back(&entry);
+    return added;
 }
 
 Result<std::uint32_t> MethodTable::add(std::string_view name, const AlgorithmEntry& entry)
@@ -60,7 +65,8 @@ Result<std::uint32_t> MethodTable::add(std::string_view name, const AlgorithmEnt
     method->unavailable = entry.missing ? entry.missing(vk_) : nullptr;
     if (!method->unavailable) {
         pipelines_.setOwner(method->index);
-        method->algorithm = entry.create({.vk = &vk_, .pipelines = &pipelines_});
+        method->algorithm = entry.foreign ? entry.createForeign(*entry.foreign)
+                                          : entry.create({.vk = &vk_, .pipelines = &pipelines_});
     }
     methods_.push_back(std::move(method));
     ++revision_;

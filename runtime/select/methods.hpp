@@ -44,6 +44,8 @@ public:
 
     Result<void> addBuiltins(const AlgorithmRegistry& registry);
     Result<std::uint32_t> add(std::string_view name, const AlgorithmEntry& entry);
+    /// An algorithm of the host's or a plug-in's; outlives the table.
+    Result<std::uint32_t> addEntry(const AlgorithmEntry& entry);
     Result<std::uint32_t> addNamed(std::string_view name, std::string_view algorithm);
     Result<void> set(std::string_view method, std::string_view setting, double value);
 

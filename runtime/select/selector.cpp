@@ -119,8 +119,7 @@ Candidate Selector::examine(const Method& method, const SelectionInput& input) c
     if (method.has(GN_TRAIT_TOPOLOGY_BIT) && withoutTopology) return out(Exclusion::topology, withoutTopology);
     if (method.has(GN_TRAIT_RAYS_BIT) && withoutTree) return out(Exclusion::trees, withoutTree);
     // What an incumbent holds is counted as used already; it need not fit twice.
-    const VkDeviceSize needs =
-        method.entry->memoryPerLight ? method.entry->memoryPerLight(method.settings, input.view->extent) : 0;
+    const VkDeviceSize needs = method.entry->memoryFor(method.settings, input.view->extent);
     if (needs > input.memoryLeft) return out(Exclusion::memory, needs);
     const ShadowTask task{.view = input.view,
                           .light = input.light,

@@ -1,0 +1,53 @@
+#pragma once
+// Algorithms registered through the C door, and the shared objects they may come from.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gnomon/algorithm.h"
+#include "runtime/algorithm.hpp"
+
+namespace gnomon {
+
+/// An algorithm described in C, as the registry wants it. Owns copies of all names.
+class ForeignAlgorithm {
+public:
+    explicit ForeignAlgorithm(const GnAlgorithmInfo& info);
+    ~ForeignAlgorithm();
+    ForeignAlgorithm(const ForeignAlgorithm&) = delete;
+    ForeignAlgorithm& operator=(const ForeignAlgorithm&) = delete;
+
+    const AlgorithmEntry& entry() const { return entry_; }
+    /// Registration failed: the algorithm stays the host's.
+    void disown() { info_.pfnDestroy = nullptr; }
+
+private:
+    std::string name_, source_;
+    std::vector<std::string> settingNames_, settingTexts_;
+    std::vector<SettingSpec> settings_;
+    AlgorithmEntry entry_{};
+    GnAlgorithmInfo info_;
+    friend class ForeignShadow;
+};
+
+/// GN_ERROR_NULL_ARGUMENT, GN_ERROR_OUT_OF_RANGE, ... naming the member at fault.
+Result<void> checkAlgorithmInfo(const GnAlgorithmInfo& info);
+
+/// Closes the object when the context goes.
+class SharedObject {
+public:
+    static Result<std::unique_ptr<SharedObject>> open(const char* path);
+    ~SharedObject();
+    SharedObject(const SharedObject&) = delete;
+    SharedObject& operator=(const SharedObject&) = delete;
+    PFN_gnPluginMain pluginMain() const { return main_; }
+
+private:
+    SharedObject() = default;
+    void* handle_ = nullptr;
+    PFN_gnPluginMain main_ = nullptr;
+};
+
+GnPluginInterface makePluginInterface(VkDevice device, PFN_vkGetDeviceProcAddr getDeviceProcAddr);
+
+} // namespace gnomon
