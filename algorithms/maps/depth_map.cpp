@@ -21,7 +21,9 @@ DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services)
     info.depthTest = info.depthWrite = true;
     info.depthCompare = VK_COMPARE_OP_LESS;
     info.depthFormat = kMapFormat;
-    return {services.pipelines->graphics(info)};
+    const bool clamps = services.vk->enabled.depthClamp == VK_TRUE;
+    info.depthClamp = clamps;
+    return {services.pipelines->graphics(info), clamps};
 }
 
 DepthCasters::DepthCasters(const DepthMapPipelines& pipelines, const LightFit& fit, const ShadowTask& task,
@@ -59,8 +61,9 @@ DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines
     static constexpr LayerNames kNames{"depth_map.casters", "depth_map.statics", "depth_map.copy_statics"};
     FrameArena& arena = passes.arena();
     const Aabb bounds = sceneBounds(*task.casters);
-    const LightFit* fit = arena.make(task.light->type == GN_LIGHT_TYPE_SPOT ? fitSpot(*task.light, bounds)
-                                                                            : fitDirectional(*task.light, bounds));
+    const bool spot = task.light->type == GN_LIGHT_TYPE_SPOT;
+    LightFit* fit = arena.make(spot ? fitSpot(*task.light, bounds) : fitDirectional(*task.light, bounds));
+    if (spot && pipelines.clamps) raiseNearEnd(*fit, *task.light, bounds);
     KeptMap map(passes, {.name = "depth_map.depth",
                          .staticsName = "depth_map.statics",
                          .stampName = "depth_map.stamp",

@@ -14,6 +14,7 @@ inline constexpr VkFormat kMapFormat = VK_FORMAT_D32_SFLOAT;
 /// algorithm may hold a copy.
 struct DepthMapPipelines {
     PipelineId casters;
+    bool clamps = false; ///< Casters nearer than the near end are clamped to it (depthClamp enabled), not clipped.
 };
 DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services);
 
@@ -21,7 +22,8 @@ DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services);
 ///
 /// Depth is DepthKind::clip of `fit`, 0 near to 1 far; texels without a caster hold 1. Closed casters appear with the
 /// faces turned away from the light, open ones with both and a slope-scaled bias (runtime/scene/bias.hpp). A receiver
-/// outside the sides is lit by every caster; one beyond the far end compares as depth 1.
+/// outside the sides is lit by every caster; one beyond the far end compares as depth 1. Where the device clamps depth,
+/// the near end is not before the nearest caster but at 1/128 of the farthest; what is nearer appears as depth 0.
 struct DepthMap {
     ImageId image;                 ///< kMapFormat, one layer, resolution x resolution.
     const LightFit* fit = nullptr; ///< Lives as long as the frame.

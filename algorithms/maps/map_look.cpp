@@ -53,6 +53,23 @@ MapProjection mapProjection(const LightFit& fit, const LightView& light)
     return result;
 }
 
+void raiseNearEnd(LightFit& fit, const LightView& light, const Aabb& scene)
+{
+    const glm::vec3 from = light.position();
+    const float farthest = glm::length(glm::max(glm::abs(scene.lower - from), glm::abs(scene.upper - from)));
+    const float near = std::fmin(fit.farWs, farthest) / 128.0f;
+    if (!(near > fit.nearWs)) return;
+    // Clip z is linear in clip w; the near side opens to all that lies before the light.
+    const double n = near, f = fit.farWs;
+    glm::dmat4 rows = glm::transpose(glm::dmat4(fit.clipFromWorld));
+    rows[2] = f / (f - n) * rows[3];
+    rows[2].w -= f * n / (f - n);
+    const glm::dvec4 before = rows[3] / glm::length(glm::dvec3(rows[3]));
+    fit.clipFromWorld = glm::mat4(glm::transpose(rows));
+    fit.nearWs = near;
+    fit.volume[4] = {glm::vec3(before), static_cast<float>(before.w)};
+}
+
 gpu::MapConstants mapConstants(const ShadowTask& task, std::uint32_t resolution, std::uint32_t filterSide)
 {
     const VkRect2D& area = task.view->area;

@@ -1,6 +1,7 @@
 #include "algorithms/omni/cube_faces.hpp"
 
 #include "algorithms/maps/depth_casters.hpp"
+#include "algorithms/maps/map_look.hpp"
 #include "algorithms/omni/frusta.hpp"
 
 namespace gnomon {
@@ -24,8 +25,10 @@ CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, 
     FrameArena& arena = passes.arena();
     const Aabb bounds = sceneBounds(*task.casters);
     const std::span<LightFit> faces = arena.array<LightFit>(6);
-    for (std::uint32_t face = 0; face < 6; ++face)
+    for (std::uint32_t face = 0; face < 6; ++face) {
         faces[face] = fitCubeFace(*task.light, bounds, face, resolution, kCubeBorderTexels);
+        if (pipelines.clamps) raiseNearEnd(faces[face], *task.light, bounds);
+    }
 
     KeptMap map(passes, {.name = "cube_faces.depth",
                          .staticsName = "cube_faces.statics",

@@ -37,8 +37,8 @@ GN_SHARED_SIZE(MapConstants, 400)
 // Share of a texel's own slope by which a receiver is moved towards the light: rasterisers snap vertices to 1/256 texel,
 // which shifts a face by up to 1/512 in x and in y; eight times that also covers interpolated depths.
 GN_SHARED_CONST float SNAP_TEXELS = 1.0f / 64.0f;
-// Rounding of a depth near 1 through two matrices: eight units in the last place of a 32-bit float.
-GN_SHARED_CONST float DEPTH_ROUNDING = 1.0f / 1048576.0f;
+// Rounding of a depth near 1, drawn and looked up: four units in the last place of a 32-bit float.
+GN_SHARED_CONST float DEPTH_ROUNDING = 1.0f / 4194304.0f;
 
 // The depth of a receiver's plane over a map with straight edges, linear in texels: `at` the receiver's own place.
 struct PlanarDepth {
