@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# Builds gnomon and runs its main job: the scripted scenario, headless, on the software Vulkan device or whichever
+# GNOMON_DEVICE names. Leaves tables and pictures in out/run. Arguments go to `gnomon run` after the scene.
+set -euo pipefail
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+source "$root/cmake/setup.sh"
+
+install_packages
+use_build release
+say "configuring"
+cd "$root"
+cmake --preset release -DGNOMON_BUILD_TESTS=ON >"$build/configure.log" 2>&1 || {
+    cat "$build/configure.log" >&2
+    exit 1
+}
+say "building"
+cmake --build --preset release --target gnomon_cli -- -j"$(nproc)"
+say "running the scripted scenario"
+exec "$build/gnomon" run scenario --out "$root/out/run" "$@"
