@@ -1,0 +1,15 @@
+/* A host that only has the installed package: it must compile as C, link, and get a clear answer. */
+#include <gnomon/algorithm.h>
+#include <gnomon/gnomon.h>
+#include <stdio.h>
+#include <string.h>
+
+int main(void)
+{
+    GnContext context = VK_NULL_HANDLE;
+    GnContextCreateInfo info;
+    memset(&info, 0, sizeof info);
+    const GnResult result = gnCreateContext(&info, &context);
+    printf("gnCreateContext without a device: %s\n", gnResultName(result));
+    return result == GN_ERROR_NULL_ARGUMENT && context == VK_NULL_HANDLE ? 0 : 1;
+}
