@@ -331,7 +331,8 @@ typedef struct GnViewFrame {
 } GnViewFrame;
 
 typedef enum GnFrameFlagBits {
-    GN_FRAME_PRESUBMIT_BIT = 0x1, ///< A batch may be submitted that waits for the CPU (default on software devices).
+    GN_FRAME_PRESUBMIT_BIT = 0x1, ///< Allows a batch that waits for the CPU on the queue. Never needed; not made use of
+                                  ///< at present: levels are submitted when their host passes are done.
     GN_FRAME_TIMED_BIT = 0x2,     ///< Time every pass of this frame.
     GN_FRAME_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
 } GnFrameFlagBits;
