@@ -2,7 +2,7 @@
 // Which pixels a depth map can answer. The four texels whose centres surround the receiver decide where they agree; all
 // other pixels go onto the list, and show as lit until their ray says otherwise.
 // Source: Beister, Ernst and Stamminger 2005; Morais 2015, 3.4.1. Differs: the four comparisons are counted, not read from a
-// filtered value, whose weights may hide one of them.
+// filtered value, whose weights may hide one of them; and a comparison closer than depths are exact does not count.
 #extension GL_GOOGLE_include_directive : require
 #include "pcf_hybrid.h"
 #ifdef MAP_LAYERS
@@ -52,24 +52,29 @@ Tap tapOf(PlaneReceiver r)
 }
 #endif
 
-// How many of the four texels around the receiver are lit, each compared at its own centre.
-float litTexels(Tap tap)
+// What the four texels around the receiver say, each compared at its own centre: 1 all lit, 0 all in shadow, otherwise
+// something between. A texel within the slack of rounding and snapping on either side says neither.
+float verdict(Tap tap)
 {
+    float slack = DEPTH_ROUNDING + SNAP_TEXELS * (abs(tap.depthPerTexel.x) + abs(tap.depthPerTexel.y));
     vec2 corner = floor(tap.at - 0.5) + 1.0;
-    vec4 receiver = vec4(tapDepth(tap, corner + vec2(-0.5, 0.5)), tapDepth(tap, corner + vec2(0.5, 0.5)),
-                         tapDepth(tap, corner + vec2(0.5, -0.5)), tapDepth(tap, corner + vec2(-0.5, -0.5)));
-    return dot(vec4(lessThanEqual(min(receiver, vec4(1.0)), mapGather(tap, corner))), vec4(1.0));
+    vec4 nearest = vec4(tapDepth(tap, corner + vec2(-0.5, 0.5)), tapDepth(tap, corner + vec2(0.5, 0.5)),
+                        tapDepth(tap, corner + vec2(0.5, -0.5)), tapDepth(tap, corner + vec2(-0.5, -0.5)));
+    vec4 texels = mapGather(tap, corner);
+    bool lit = all(lessThanEqual(min(nearest + 2.0 * slack, vec4(1.0)), texels));
+    bool dark = all(greaterThan(min(nearest, vec4(1.0)), texels));
+    return lit ? 1.0 : dark ? 0.0 : 0.5;
 }
 
 void main()
 {
     PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.light, constants.map, rayWs);
-    float lit = litTexels(tapOf(r));
-    bool unanimous = lit == 0.0 || lit == 4.0;
+    float lit = verdict(tapOf(r));
     // A normal guessed from depth is no reason to call a surface turned away.
     bool decided = r.decided && (HAS_NORMALS || r.visibility > 0.0);
-    visibility = decided ? r.visibility : unanimous && !r.decided ? 0.25 * lit : 1.0;
-    if (!decided && (r.decided || !unanimous)) {
+    bool certain = decided || (!r.decided && lit != 0.5);
+    visibility = decided ? r.visibility : certain ? lit : 1.0;
+    if (!certain) {
         uint place = atomicAdd(count, 1u);
         uvec2 pixel = uvec2(gl_FragCoord.xy);
         if (place < capacity) pixels[place] = packPixel(pixel.x, pixel.y);
