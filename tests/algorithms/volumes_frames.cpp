@@ -1,0 +1,158 @@
+// stencil_volume on a device: what it keeps from frame to frame, and that its ways of counting agree.
+#define DOCTEST_CONFIG_IMPLEMENT
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "demo/program/measure.hpp"
+
+using namespace gnomon::demo;
+
+namespace {
+
+constexpr const char* kMethod = "stencil_volume";
+
+SessionOptions options(const std::string& scene, VkExtent2D size)
+{
+    SessionOptions result;
+    result.scene = scene;
+    result.size = size;
+    result.validation = Device::validationPresent();
+    return result;
+}
+
+GnFrameStats drawAt(Session& session, double time)
+{
+    const CameraState camera = session.camera(time);
+    session.renderer.draw({.time = time, .cameras = {&camera, 1}, .shadows = &session.shadows});
+    session.renderer.waitForFrame();
+    return session.shadows.stats();
+}
+
+/// The pictures of all lights with the method and one of its settings.
+std::vector<Image8> pictures(Session& session, const char* setting, double value, bool recorded = false)
+{
+    REQUIRE(session.shadows.set(kMethod, setting, value));
+    settle(session, 0.5, recorded);
+    return session.renderer.readVisibility();
+}
+
+std::size_t differing(const std::vector<Image8>& a, const std::vector<Image8>& b)
+{
+    REQUIRE(a.size() == b.size());
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        REQUIRE(a[i].texels.size() == b[i].texels.size());
+        for (std::size_t p = 0; p < a[i].texels.size(); ++p)
+            count += a[i].texels[p] != b[i].texels[p];
+    }
+    return count;
+}
+
+/// A view whose near plane lies in the shadow of a slab (z-fail), with open casters inside and outside of it.
+const char* const kCovered = R"(
+name: covered
+size: [320, 200]
+frames: 60
+meshes:
+  ground: {plane: {size: [24, 24]}}
+  slab: {box: {size: [6, 0.2, 6]}}
+  ring: {torus: {radius: 1, tube: 0.35}}
+  sheet: {cloth: {size: [2, 2]}}
+  roof: {plane: {size: [7, 7]}}
+instances:
+  - {name: ground, mesh: ground, static: true}
+  - {name: slab, mesh: slab, at: [0, 4, 6], static: true}
+  - {name: roof, mesh: roof, at: [0.3, 5, 6.2], static: true}
+  - {name: ring, mesh: ring, at: [0, 1.6, 0], static: true}
+  - {name: sheet, mesh: sheet, at: [2.5, 2.4, 1], static: true}
+lights:
+  - {name: sun, kind: directional, direction: [0.2, -1, -0.15], static: true}
+  - {name: lamp, kind: point, at: [0.6, 8, 6.5], range: 40, static: true}
+  - {name: spot, kind: spot, at: [-1, 9, 8], aim: [0, 0, 1], cone: {inner: 35, outer: 40}, range: 40, static: true}
+camera:
+  - {eye: [0, 2, 6], target: [0, 0.8, 0], fov: 60}
+)";
+
+std::string coveredScene()
+{
+    const auto file = std::filesystem::temp_directory_path() / "gnomon_volumes_covered.yaml";
+    std::ofstream(file) << kCovered;
+    return file.string();
+}
+
+} // namespace
+
+TEST_CASE("what stands still builds no index list, and what moves builds its own only")
+{
+    Session session(options("torus_grid", {160, 120}));
+    REQUIRE(session.shadows.pinAll(kMethod));
+    settle(session, 0.0, false);
+
+    const GnFrameStats still = drawAt(session, 0.0);
+    CHECK(still.indexListsBuilt == 0);
+    CHECK(still.passesKept == 2); // static and moving sides
+
+    const GnFrameStats moved = drawAt(session, 1.0 / 60.0);
+    CHECK(moved.indexListsBuilt == 25); // the tori
+    CHECK(moved.passesKept == 1);
+
+    CHECK(drawAt(session, 1.0 / 60.0).indexListsBuilt == 0);
+    CHECK(session.device.validation.messages() == std::vector<std::string>{});
+}
+
+TEST_CASE("z-fail and z-pass give the same picture")
+{
+    for (const char* scene : {"torus_grid", "room"}) {
+        CAPTURE(scene);
+        Session session(options(scene, {320, 240}));
+        REQUIRE(session.shadows.pinAll(kMethod));
+        const std::vector<Image8> pass = pictures(session, "z_fail", 0), fail = pictures(session, "z_fail", 1);
+        // Caps and surfaces are drawn by different shaders: single pixels at their borders may differ.
+        CHECK(differing(pass, fail) <= 3 * pass.size());
+        CHECK(session.device.validation.messages() == std::vector<std::string>{});
+    }
+}
+
+TEST_CASE("volumes that end behind the receivers give the picture of infinite ones")
+{
+    for (const char* scene : {"torus_grid", "room"}) {
+        CAPTURE(scene);
+        Session session(options(scene, {320, 240}));
+        REQUIRE(session.shadows.pinAll(kMethod));
+        const std::vector<Image8> ended = pictures(session, "bounded", 1), endless = pictures(session, "bounded", 0);
+        CHECK(differing(ended, endless) <= 8 * ended.size()); // sides are cut into other triangles
+    }
+}
+
+TEST_CASE("a recorded frame shows the submitted frame's picture")
+{
+    Session session(options("colonnade", {320, 240}));
+    REQUIRE(session.shadows.pinAll(kMethod));
+    const std::vector<Image8> submitted = pictures(session, "z_fail", 0);
+    CHECK(differing(submitted, pictures(session, "z_fail", 0, true)) == 0);
+}
+
+TEST_CASE("an eye in the shadow of closed and open casters sees what rays see")
+{
+    Session session(options(coveredScene(), {320, 200}));
+    const std::optional<Truth> truth = measureTruth(session.device, session.scene, {320, 200}, 0.5);
+    if (!truth) return; // built without ray tracing
+    REQUIRE(session.shadows.pinAll(kMethod));
+    for (const double zFail : {0.0, 1.0}) {
+        const std::vector<Image8> seen = pictures(session, "z_fail", zFail);
+        for (std::size_t i = 0; i < truth->lights.size(); ++i) {
+            CAPTURE(truth->lights[i]);
+            const ErrorCount errors = compare(seen[i], truth->visibility[i], truth->counted[i]);
+            CHECK(errors.counted > 10000);
+            CHECK(errors.wrong() <= 6);
+        }
+    }
+}
+
+int main(int argc, char** argv)
+{
+    if (Device::nonePresent()) return 77;
+    return doctest::Context(argc, argv).run();
+}
