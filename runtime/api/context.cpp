@@ -338,7 +338,8 @@ Result<GnLightMap> Context::lightMap(GnLight light)
 GnPassTiming Context::publicTiming(const PassTiming& timing) const
 {
     GnPassTiming out{.pName = timing.name, .level = timing.level, .gpuMs = timing.gpuMs, .cpuMs = timing.cpuMs};
-    if (timing.owner.view < viewFrames_.size()) out.view = viewFrames_[timing.owner.view].view->handle;
+    for (const ViewFrame& viewFrame : viewFrames_)
+        if (viewFrame.view->id == timing.owner.view) out.view = viewFrame.view->handle;
     for (const LightFrame& light : lightFrames_)
         if (light.id == timing.owner.light) out.light = light.handle;
     return out;

@@ -86,6 +86,8 @@ private:
 
     // The frame, stage by stage (frame.cpp).
     Result<GnResult> startFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd);
+    Result<GnResult> runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
+                              std::chrono::steady_clock::time_point start);
     Result<void> takeInput(const GnFrameInfo& info);
     Result<void> acceptViews(const GnFrameInfo& info);
     Result<void> prepareView(View& view, const GnViewFrame& frame);
@@ -154,8 +156,8 @@ private:
     std::uint32_t nextViewId_ = 1;
     std::unordered_map<std::uint32_t, LightState> lights_;
 
-    std::uint64_t frame_ = 0, firstFrame_ = 0; ///< Newest and first begun; 0: none.
-    std::uint64_t recorded_ = 0;               ///< Newest recorded that may still be dropped.
+    std::uint64_t frame_ = 0;    ///< Newest begun; 0: none.
+    std::uint64_t recorded_ = 0; ///< Newest recorded that may still be dropped.
     std::uint64_t timingsTaken_ = 0;
     std::array<double, 3> origin_{};
     bool originSet_ = false;

@@ -43,10 +43,28 @@ Result<GnResult> Context::beginFrame(const GnFrameInfo& info, FrameMode mode)
     return startFrame(info, mode, VK_NULL_HANDLE);
 }
 
+/// Checks the input, then runs the frame; a frame that fails leaves everything as before it.
 Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd)
 {
     const auto start = std::chrono::steady_clock::now();
     if (Result<void> ok = takeInput(info); !ok) return ok.error();
+    const std::uint64_t before = frame_;
+    Result<GnResult> run = runFrame(info, mode, cmd, start);
+    if (!run) {
+        pool_->withdraw();
+        executor_->drop();
+        scene_->dropUploads(info.frame);
+        for (ViewFrame& viewFrame : viewFrames_)
+            viewFrame.view->grid->drop(info.frame);
+        frame_ = before;
+        recorded_ = 0;
+    }
+    return run;
+}
+
+Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
+                                   std::chrono::steady_clock::time_point start)
+{
     objectsBefore_ = vk_->objectsMade;
     pipelinesBefore_ = vk_->pipelinesMade;
     if (frame_ != 0) {
@@ -153,12 +171,7 @@ Result<void> Context::takeInput(const GnFrameInfo& info)
     if (info.completedFrame >= info.frame)
         return frameOrder("completedFrame " + std::to_string(info.completedFrame) + " is not before frame " +
                           std::to_string(info.frame));
-    const std::uint64_t inFlight = info_.framesInFlight ? info_.framesInFlight : 2;
-    if (frame_ != 0 && info.frame > inFlight && info.completedFrame < info.frame - inFlight &&
-        frame_ + 1 > firstFrame_ + inFlight)
-        return frameOrder("frame " + std::to_string(info.frame) + " with completedFrame " +
-                          std::to_string(info.completedFrame) + ": more than " + std::to_string(inFlight) +
-                          " frames in flight");
+    if (Result<void> free = executor_->checkSlot(info.frame, info.completedFrame); !free) return free;
     if (std::isnan(info.budgetMs)) return Error{GN_ERROR_NOT_A_NUMBER, "BudgetNaN", "budgetMs is NaN"};
     if (info.budgetMs < 0.0f)
         return Error{GN_ERROR_OUT_OF_RANGE, "BudgetNegative", "budgetMs is " + std::to_string(info.budgetMs)};
@@ -166,7 +179,6 @@ Result<void> Context::takeInput(const GnFrameInfo& info)
     if ((info.waitCount && !info.pWaits) || (info.signalCount && !info.pSignals))
         return Error{GN_ERROR_NULL_ARGUMENT, "SemaphoresMissing", "pWaits or pSignals is null"};
     if (Result<void> ok = acceptViews(info); !ok) return ok;
-    if (frame_ == 0) firstFrame_ = info.frame;
 
     auto points = [](const GnSemaphorePoint* list, std::uint32_t count, std::vector<VkSemaphoreSubmitInfo>& out) {
         out.clear();
@@ -296,7 +308,7 @@ Result<void> Context::decideView(std::uint32_t viewIndex, const GnViewFrame& fra
 
     const bool fresh = view.grid->collect(info.completedFrame);
     if (gridReady_ && selector_->hasRules() && pinnedLights < frame.lightCount && view.grid->wanted(info.frame)) {
-        graph_->beginTask({.view = viewIndex}, &view.camera, viewFrame.depth, viewFrame.normals);
+        graph_->beginTask({.view = view.id}, &view.camera, viewFrame.depth, viewFrame.normals);
         if (auto ok = view.grid->declare(*graph_, view.camera, viewFrame.depth, gridPipeline_, info.frame); !ok)
             return ok;
         graph_->endTask();
@@ -359,7 +371,7 @@ void Context::declareLight(std::uint32_t viewIndex, LightDecision& decision, con
                           .depth = viewFrame.depth,
                           .normals = viewFrame.normals,
                           .recorded = mode == FrameMode::recorded};
-    graph_->beginTask({.view = viewIndex, .light = light.id, .method = decision.method}, task.view, task.depth,
+    graph_->beginTask({.view = viewFrame.view->id, .light = light.id, .method = decision.method}, task.view, task.depth,
                       task.normals);
     PassBuilder builder(*graph_);
     method.algorithm->declare(builder, task);
@@ -379,7 +391,7 @@ void Context::declareLight(std::uint32_t viewIndex, LightDecision& decision, con
 void Context::declareLit(std::uint32_t viewIndex, std::uint32_t layer)
 {
     ViewFrame& viewFrame = viewFrames_[viewIndex];
-    graph_->beginTask({.view = viewIndex}, &viewFrame.view->camera, viewFrame.depth, viewFrame.normals);
+    graph_->beginTask({.view = viewFrame.view->id}, &viewFrame.view->camera, viewFrame.depth, viewFrame.normals);
     PassBuilder(*graph_)
         .raster("view.lit", Scope::view, layer)
         .writes(viewFrame.visibility, {.layer = layer, .clear = true, .value = {.color = {.float32 = {1, 1, 1, 1}}}})
@@ -411,8 +423,7 @@ void Context::chargeLights(const FrameTimings& timings)
             std::uint32_t method = UINT32_MAX;
             for (const PassTiming& pass : timings.passes) {
                 if (pass.owner.light != id) continue;
-                if (pass.owner.view != UINT32_MAX && pass.owner.view >= viewFrames_.size()) continue;
-                if (pass.owner.view != UINT32_MAX && viewFrames_[pass.owner.view].view != &view) continue;
+                if (pass.owner.view != UINT32_MAX && pass.owner.view != view.id) continue;
                 if (pass.owner.method != UINT32_MAX) method = pass.owner.method;
                 ms += pass.gpuMs * scale + pass.cpuMs;
             }

@@ -74,17 +74,22 @@ Result<void> PassExecutor::create(std::uint32_t framesInFlight)
     return {};
 }
 
+Result<void> PassExecutor::checkSlot(std::uint64_t frame, std::uint64_t completedFrame) const
+{
+    const std::uint64_t last = slots_[frame % slots_.size()]->frame;
+    if (last <= completedFrame) return {};
+    return Error{GN_ERROR_FRAME_ORDER, "FrameInFlight",
+                 "frame " + std::to_string(frame) + " reuses the memory of frame " + std::to_string(last) +
+                     ", but completedFrame is " + std::to_string(completedFrame)};
+}
+
 Result<void> PassExecutor::begin(const ExecutorFrame& frame)
 {
     for (auto& slot : slots_)
         if (slot->timingsPending && slot->frame <= frame.completedFrame) collect(*slot);
 
     Slot& slot = *slots_[frame.frame % slots_.size()];
-    if (slot.frame > frame.completedFrame)
-        return Error{GN_ERROR_FRAME_ORDER, "FrameInFlight",
-                     "frame " + std::to_string(frame.frame) + " reuses the memory of frame " +
-                         std::to_string(slot.frame) + ", but completedFrame is " +
-                         std::to_string(frame.completedFrame)};
+    if (Result<void> free = checkSlot(frame.frame, frame.completedFrame); !free) return free;
     if (VkResult r = vk_.vkResetCommandPool(vk_.device, slot.pool.get(), 0); r != VK_SUCCESS)
         return vulkanError(r, "vkResetCommandPool");
     slot.frame = frame.frame;
@@ -146,7 +151,9 @@ Result<void> PassExecutor::record(VkCommandBuffer cmd)
 
 void PassExecutor::drop()
 {
-    if (slot_) slot_->timingsPending = false;
+    if (!slot_) return;
+    slot_->timingsPending = false;
+    slot_->frame = 0; // nothing of it is in flight
 }
 
 Result<void> PassExecutor::start(bool inlineHost)

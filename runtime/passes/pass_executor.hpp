@@ -68,6 +68,8 @@ public:
 
     Result<void> create(std::uint32_t framesInFlight);
 
+    /// The frame's slot must be done with: GN_ERROR_FRAME_ORDER otherwise. Nothing is changed.
+    Result<void> checkSlot(std::uint64_t frame, std::uint64_t completedFrame) const;
     /// Claims the frame's slot; its last frame must be completed. Publishes timings of completed frames.
     Result<void> begin(const ExecutorFrame& frame);
     /// Records everything into the host's command buffer.

@@ -51,7 +51,7 @@ struct Access {
 
 /// Whose pass it is: what the timings and the log say.
 struct PassOwner {
-    std::uint32_t view = UINT32_MAX;  ///< Index into the frame's views; max: none.
+    std::uint32_t view = UINT32_MAX;  ///< CameraView::id; max: none.
     std::uint32_t light = UINT32_MAX; ///< LightView::id; max: none.
     std::uint32_t method = UINT32_MAX;
 };

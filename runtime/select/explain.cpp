@@ -64,7 +64,7 @@ std::string Selector::exclusionText(const Method& method, const Candidate& candi
         return "memory: needs " + fixed(static_cast<double>(candidate.detail) / (1 << 20), 1) +
                " MiB, more than is left";
     case Exclusion::refused:
-        return reinterpret_cast<const char*>(static_cast<std::uintptr_t>(candidate.detail));
+        return candidate.refusal;
     case Exclusion::vetoed:
         return "never, says rule " +
                std::string(engine_ ? engine_->ruleId(static_cast<std::uint32_t>(candidate.detail)) : "");

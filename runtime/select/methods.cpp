@@ -65,8 +65,8 @@ Result<std::uint32_t> MethodTable::add(std::string_view name, const AlgorithmEnt
     method->unavailable = entry.missing ? entry.missing(vk_) : nullptr;
     if (!method->unavailable) {
         pipelines_.setOwner(method->index);
-        method->algorithm = entry.foreign ? entry.createForeign(*entry.foreign)
-                                          : entry.create({.vk = &vk_, .pipelines = &pipelines_});
+        method->algorithm =
+            entry.foreign ? entry.createForeign(*entry.foreign) : entry.create({.vk = &vk_, .pipelines = &pipelines_});
     }
     methods_.push_back(std::move(method));
     ++revision_;

@@ -100,7 +100,7 @@ Result<void> Selector::rebind(const AlgorithmRegistry& registry)
 }
 
 /// Capability: what no rule can overrule.
-Candidate Selector::examine(const Method& method, const SelectionInput& input) const
+Candidate Selector::examine(const Method& method, const SelectionInput& input, std::uint32_t incumbent) const
 {
     auto out = [](Exclusion exclusion, std::uint64_t detail = 0) {
         return Candidate{.exclusion = exclusion, .detail = detail};
@@ -118,16 +118,16 @@ Candidate Selector::examine(const Method& method, const SelectionInput& input) c
     }
     if (method.has(GN_TRAIT_TOPOLOGY_BIT) && withoutTopology) return out(Exclusion::topology, withoutTopology);
     if (method.has(GN_TRAIT_RAYS_BIT) && withoutTree) return out(Exclusion::trees, withoutTree);
-    // What an incumbent holds is counted as used already; it need not fit twice.
+    // What the incumbent holds is in use already; it need not fit twice.
     const VkDeviceSize needs = method.entry->memoryFor(method.settings, input.view->extent);
-    if (needs > input.memoryLeft) return out(Exclusion::memory, needs);
+    if (method.index != incumbent && needs > input.memoryLeft) return out(Exclusion::memory, needs);
     const ShadowTask task{.view = input.view,
                           .light = input.light,
                           .casters = input.casters,
                           .settings = method.settings,
                           .recorded = input.recorded};
     if (const char* reason = method.algorithm->refuses(task))
-        return out(Exclusion::refused, reinterpret_cast<std::uintptr_t>(reason));
+        return {.exclusion = Exclusion::refused, .refusal = reason};
     if (!method.ready) return out(Exclusion::notReady);
     return {};
 }
@@ -186,7 +186,7 @@ LightDecision Selector::decide(const SelectionInput& input, LightMemory& memory)
     fact(Fact::frameRate) = input.frameRate;
 
     for (std::uint32_t i = 0; i < methods_.size(); ++i)
-        decision.candidates[i] = examine(methods_[i], input);
+        decision.candidates[i] = examine(methods_[i], input, memory.incumbent);
     rank(input, decision);
 
     // The best that could serve if it were ready, and the best that can.

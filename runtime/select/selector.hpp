@@ -31,8 +31,9 @@ enum class Exclusion : std::uint8_t {
 struct Candidate {
     Exclusion exclusion = Exclusion::none;
     bool opinion = false;
-    std::int32_t quantised = -1; ///< Suitability in steps of 1/4096; -1: no opinion.
-    std::uint64_t detail = 0;    ///< Count, bytes, or a static string, as the exclusion says.
+    std::int32_t quantised = -1;   ///< Suitability in steps of 1/4096; -1: no opinion.
+    std::uint64_t detail = 0;      ///< Count, bytes or rule, as the exclusion says.
+    const char* refusal = nullptr; ///< Static storage.
 };
 
 /// What was decided for one light in one view, and from what. Fixed size.
@@ -101,7 +102,7 @@ public:
 private:
     std::vector<rules::Diagnostic> bind(rules::RuleBase base, const AlgorithmRegistry& registry,
                                         std::optional<rules::Engine>& engine) const;
-    Candidate examine(const Method& method, const SelectionInput& input) const;
+    Candidate examine(const Method& method, const SelectionInput& input, std::uint32_t incumbent) const;
     void rank(const SelectionInput& input, LightDecision& decision);
     std::uint32_t fallbackFor(const LightDecision& decision, GnLightType type) const;
     std::string exclusionText(const Method& method, const Candidate& candidate) const;
