@@ -1,0 +1,443 @@
+#include "device/fixture.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "demo/host/pipelines.hpp"
+#include "shaders/surface_frag.h"
+#include "shaders/surface_vert.h"
+
+namespace gnomon::test {
+namespace {
+
+using namespace demo;
+
+constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
+constexpr VkFormat kNormalFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
+
+struct SurfacePush { // as in surface.vert
+    glm::mat4 clipFromObject;
+    glm::vec4 eyeFromObject[3];
+};
+
+VKAPI_ATTR VkResult VKAPI_CALL countedDeviceWaitIdle(VkDevice handle)
+{
+    ++vulkanCalls().deviceWaitIdle;
+    return vkDeviceWaitIdle(handle);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL countedQueueWaitIdle(VkQueue queue)
+{
+    ++vulkanCalls().queueWaitIdle;
+    return vkQueueWaitIdle(queue);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL countedQueueSubmit2(VkQueue queue, uint32_t count, const VkSubmitInfo2* submits,
+                                                   VkFence fence)
+{
+    ++vulkanCalls().submits;
+    return vkQueueSubmit2(queue, count, submits, fence);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL countedGetDeviceProcAddr(VkDevice handle, const char* name)
+{
+    if (std::strcmp(name, "vkDeviceWaitIdle") == 0) return reinterpret_cast<PFN_vkVoidFunction>(&countedDeviceWaitIdle);
+    if (std::strcmp(name, "vkQueueWaitIdle") == 0) return reinterpret_cast<PFN_vkVoidFunction>(&countedQueueWaitIdle);
+    if (std::strcmp(name, "vkQueueSubmit2") == 0) return reinterpret_cast<PFN_vkVoidFunction>(&countedQueueSubmit2);
+    return vkGetDeviceProcAddr(handle, name);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL countedGetInstanceProcAddr(VkInstance instance, const char* name)
+{
+    if (std::strcmp(name, "vkGetDeviceProcAddr") == 0)
+        return reinterpret_cast<PFN_vkVoidFunction>(&countedGetDeviceProcAddr);
+    for (const char* counted : {"vkDeviceWaitIdle", "vkQueueWaitIdle", "vkQueueSubmit2"})
+        if (std::strcmp(name, counted) == 0) return countedGetDeviceProcAddr(VK_NULL_HANDLE, name);
+    return vkGetInstanceProcAddr(instance, name);
+}
+
+constexpr Access kAnyEarlierUse{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_NONE, VK_IMAGE_LAYOUT_UNDEFINED};
+constexpr Access kAnyRead{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT,
+                          VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+constexpr Access kDepthAttachment{
+    VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
+    VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT,
+    VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL};
+constexpr Access kColourAttachment{VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
+                                   VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
+                                   VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+
+VkRenderingAttachmentInfo attachment(const Image& image, VkImageLayout layout, VkClearValue clear)
+{
+    return {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+            .imageView = image.view.get(),
+            .imageLayout = layout,
+            .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
+            .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
+            .clearValue = clear};
+}
+
+} // namespace
+
+VulkanCalls& vulkanCalls()
+{
+    static VulkanCalls calls;
+    return calls;
+}
+
+static bool validated = true;
+static std::unique_ptr<Device> made;
+
+void withoutValidation()
+{
+    validated = false;
+}
+
+Device& device()
+{
+    if (!made) made = Device::create({.validation = validated});
+    return *made;
+}
+
+void releaseDevice()
+{
+    made.reset();
+}
+
+DeviceTest::~DeviceTest()
+{
+    const std::vector<std::string> all = device().validation.messages();
+    for (size_t i = before_; i < all.size() && i < before_ + 3; ++i)
+        FAIL_CHECK("validation: " << all[i]);
+    CHECK(device().validation.count() == before_);
+}
+
+// --- the scene as gnomon knows it ---
+
+Host::Host(Scene wanted, const HostOptions& options)
+    : scene(std::move(wanted)), geometry_(device(), scene), casterDrawer_(device(), geometry_),
+      layout_(makePipelineLayout(device(), {}, sizeof(SurfacePush), VK_SHADER_STAGE_VERTEX_BIT)),
+      pipeline_(makeGraphicsPipeline(device(), {.vertex = k_surface_vert,
+                                                .fragment = k_surface_frag,
+                                                .layout = layout_.get(),
+                                                .readsPositions = true,
+                                                .colour = kNormalFormat,
+                                                .depth = kDepthFormat,
+                                                .depthCompare = scene.depth.convention == DepthConvention::Standard
+                                                                    ? VK_COMPARE_OP_LESS
+                                                                    : VK_COMPARE_OP_GREATER})),
+      timeline_(makeTimeline(device())), readback_(device()), extent_(options.extent),
+      hidden_(scene.instances.size(), false)
+{
+    surfaces_.resize(options.viewCount);
+    createSurfaces();
+    slots_.resize(options.framesInFlight);
+    for (Slot& slot : slots_) {
+        const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                               .queueFamilyIndex = device().queueFamily};
+        VkCommandPool pool = VK_NULL_HANDLE;
+        vkCheck(vkCreateCommandPool(device().handle, &poolInfo, nullptr, &pool), "vkCreateCommandPool");
+        slot.pool = {device().handle, pool};
+        VkCommandBuffer buffers[2] = {};
+        const VkCommandBufferAllocateInfo info{
+            .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, .commandPool = pool, .commandBufferCount = 2};
+        vkCheck(vkAllocateCommandBuffers(device().handle, &info, buffers), "vkAllocateCommandBuffers");
+        slot.before = buffers[0];
+        slot.after = buffers[1];
+    }
+    createContext(options);
+    createScene();
+    views.resize(options.viewCount);
+    for (GnView& view : views) {
+        const GnViewCreateInfo info{.pName = "test", .maxLights = options.maxLights};
+        require(gnCreateView(context, &info, &view));
+    }
+    if (options.warmUp) require(gnWarmUp(context));
+}
+
+Host::~Host()
+{
+    wait(submission_);
+    gnDestroyContext(context);
+}
+
+void Host::createContext(const HostOptions& options)
+{
+    GnContextCreateInfo info = device().contextInfo();
+    info.flags = options.flags;
+    info.pfnGetInstanceProcAddr = &countedGetInstanceProcAddr;
+    info.framesInFlight = options.framesInFlight;
+    info.pfnMessage = &onMessage;
+    info.pUserData = this;
+    if (options.context) options.context(info);
+    REQUIRE(gnCreateContext(&info, &context) == GN_SUCCESS);
+}
+
+void Host::createScene()
+{
+    for (const Mesh& mesh : scene.meshes) {
+        const GnMeshCreateInfo info{.pName = mesh.name.c_str(),
+                                    .pPositions = &mesh.positions[0].x,
+                                    .positionCount = static_cast<uint32_t>(mesh.positions.size()),
+                                    .positionStride = sizeof(glm::vec3),
+                                    .pIndices = mesh.indices.data(),
+                                    .indexCount = static_cast<uint32_t>(mesh.indices.size())};
+        require(gnCreateMesh(context, &info, &meshes.emplace_back()));
+    }
+    hostDrawn_.resize(scene.instances.size());
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const Instance& instance = scene.instances[i];
+        const MeshRange& range = geometry_.meshes[instance.mesh];
+        hostDrawn_[i] = {&casterDrawer_, &scene.meshes[instance.mesh], range, instance.alphaTested,
+                         instanceAt(instance, 0.0)};
+        GnInstanceCreateInfo info{};
+        if (instance.isStatic) info.flags |= GN_INSTANCE_STATIC_BIT;
+        if (instance.alphaTested) info.flags |= GN_INSTANCE_ALPHA_TESTED_BIT;
+        if (instance.hostDrawn) info.flags |= GN_INSTANCE_HOST_DRAWN_BIT;
+        info.pName = instance.name.c_str();
+        info.mesh = meshes[instance.mesh];
+        info.transform = toGnTransform(hostDrawn_[i].transform);
+        info.casterMask = instance.casterMask;
+        std::copy_n(&range.lower.x, 3, info.boundsMin);
+        std::copy_n(&range.upper.x, 3, info.boundsMax);
+        info.pfnDrawCasters = instance.hostDrawn ? &CasterDrawer::draw : nullptr;
+        info.pfnOpacity = instance.alphaTested ? &CasterDrawer::opacity : nullptr;
+        info.pUserData = &hostDrawn_[i];
+        require(gnCreateInstance(context, &info, &instances.emplace_back()));
+        lastTransforms_.push_back(info.transform);
+    }
+    for (const Light& light : scene.lights) {
+        lastLights_.push_back(lightAt(light, 0.0));
+        const GnLightInfo info = toGnLight(light, lastLights_.back());
+        require(gnCreateLight(context, &info, &lights.emplace_back()));
+    }
+}
+
+void Host::update(const SceneState& state)
+{
+    for (size_t i = 0; i < state.instances.size(); ++i) {
+        const GnTransform transform = toGnTransform(state.instances[i]);
+        const bool same = std::ranges::equal(transform.basis, lastTransforms_[i].basis) &&
+                          std::ranges::equal(transform.translation, lastTransforms_[i].translation);
+        if (same) continue;
+        require(gnSetInstanceTransform(context, instances[i], &transform));
+        lastTransforms_[i] = transform;
+        hostDrawn_[i].transform = state.instances[i];
+    }
+    for (size_t i = 0; i < state.lights.size(); ++i) {
+        const LightState& now = state.lights[i];
+        if (now.position == lastLights_[i].position && now.direction == lastLights_[i].direction) continue;
+        const GnLightInfo info = toGnLight(scene.lights[i], now);
+        require(gnUpdateLight(context, lights[i], &info));
+        lastLights_[i] = now;
+    }
+}
+
+// --- what the cameras see ---
+
+void Host::createSurfaces()
+{
+    constexpr VkImageUsageFlags read = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+    for (Surface& surface : surfaces_) {
+        surface.depth = makeImage(
+            device(),
+            {.format = kDepthFormat, .extent = extent_, .usage = read | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT});
+        surface.normals = makeImage(
+            device(),
+            {.format = kNormalFormat, .extent = extent_, .usage = read | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT});
+    }
+}
+
+void Host::resize(VkExtent2D extent)
+{
+    retired_.push_back({submission_, std::exchange(surfaces_, std::vector<Surface>(surfaces_.size()))});
+    extent_ = extent;
+    createSurfaces();
+}
+
+void Host::drawSurface(VkCommandBuffer cmd, const Surface& surface, const CameraMatrices& camera,
+                       const SceneState& state)
+{
+    const VkImageMemoryBarrier2 before[] = {
+        imageBarrier(surface.depth.get(), VK_IMAGE_ASPECT_DEPTH_BIT, kAnyEarlierUse, kDepthAttachment),
+        imageBarrier(surface.normals.get(), VK_IMAGE_ASPECT_COLOR_BIT, kAnyEarlierUse, kColourAttachment)};
+    cmdBarrier(cmd, before);
+    const VkRenderingAttachmentInfo colour = attachment(surface.normals, kColourAttachment.layout, {});
+    const VkRenderingAttachmentInfo depth =
+        attachment(surface.depth, kDepthAttachment.layout, {.depthStencil = {camera.skyDepth, 0}});
+    const VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+                                    .renderArea = {{0, 0}, extent_},
+                                    .layerCount = 1,
+                                    .colorAttachmentCount = 1,
+                                    .pColorAttachments = &colour,
+                                    .pDepthAttachment = &depth};
+    vkCmdBeginRendering(cmd, &rendering);
+    cmdSetArea(cmd, extent_);
+    vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.get());
+    const VkBuffer positions = geometry_.positions.get();
+    const VkDeviceSize offset = 0;
+    vkCmdBindVertexBuffers(cmd, 0, 1, &positions, &offset);
+    vkCmdBindIndexBuffer(cmd, geometry_.indices.get(), 0, VK_INDEX_TYPE_UINT32);
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        if (hidden_[i] || scene.instances[i].hostDrawn) continue; // what the host draws itself only casts here
+        const glm::dmat3& m = state.instances[i].linear;
+        const glm::dvec3 t = state.instances[i].translation - camera.eye;
+        SurfacePush push{};
+        push.clipFromObject = camera.clipFromEye * glm::mat4(glm::vec4(m[0], 0.0f), glm::vec4(m[1], 0.0f),
+                                                             glm::vec4(m[2], 0.0f), glm::vec4(glm::vec3(t), 1.0f));
+        for (int row = 0; row < 3; ++row)
+            push.eyeFromObject[row] = glm::vec4(m[0][row], m[1][row], m[2][row], t[row]);
+        vkCmdPushConstants(cmd, layout_.get(), VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof push, &push);
+        const MeshRange& mesh = geometry_.meshes[scene.instances[i].mesh];
+        vkCmdDrawIndexed(cmd, mesh.indexCount, 1, mesh.firstIndex, mesh.vertexOffset, 0);
+    }
+    vkCmdEndRendering(cmd);
+    const VkImageMemoryBarrier2 after[] = {
+        imageBarrier(surface.depth.get(), VK_IMAGE_ASPECT_DEPTH_BIT, kDepthAttachment, kAnyRead),
+        imageBarrier(surface.normals.get(), VK_IMAGE_ASPECT_COLOR_BIT, kColourAttachment, kAnyRead)};
+    cmdBarrier(cmd, after);
+}
+
+GnViewFrame Host::viewFrame(uint32_t view, const CameraMatrices& camera, const std::vector<GnLight>& lit) const
+{
+    const Surface& surface = surfaces_[view];
+    GnViewFrame out{};
+    out.view = views[view];
+    for (int i = 0; i < 3; ++i)
+        out.eye[i] = camera.eye[i];
+    for (int i = 0; i < 9; ++i)
+        out.viewFromWorld[i] = camera.viewFromWorld[i % 3][i / 3];
+    for (int i = 0; i < 16; ++i)
+        out.projection[i] = camera.projection[i / 4][i % 4];
+    out.depthConvention =
+        scene.depth.convention == DepthConvention::Standard ? GN_DEPTH_STANDARD : GN_DEPTH_REVERSED_INFINITE;
+    out.depthImage = surface.depth.get();
+    out.depthView = surface.depth.view.get();
+    out.depthFormat = kDepthFormat;
+    out.imageExtent = extent_;
+    out.normalImage = surface.normals.get();
+    out.normalView = surface.normals.view.get();
+    out.normalFormat = kNormalFormat;
+    out.lightCount = static_cast<uint32_t>(lit.size());
+    out.pLights = lit.data();
+    return out;
+}
+
+// --- frames ---
+
+void Host::wait(uint64_t submission) const
+{
+    if (submission > 0) waitTimeline(device(), timeline_.get(), submission);
+}
+
+void Host::retire()
+{
+    uint64_t done = 0;
+    vkCheck(vkGetSemaphoreCounterValue(device().handle, timeline_.get(), &done), "vkGetSemaphoreCounterValue");
+    while (!retired_.empty() && retired_.front().submission <= done)
+        retired_.pop_front();
+    while (!unfinished_.empty() && unfinished_.front().first <= done) {
+        completed_ = unfinished_.front().second;
+        unfinished_.pop_front();
+    }
+}
+
+Host::Slot& Host::takeSlot()
+{
+    ++submission_;
+    if (submission_ > slots_.size()) wait(submission_ - slots_.size());
+    retire();
+    Slot& slot = slots_[submission_ % slots_.size()];
+    vkCheck(vkResetCommandPool(device().handle, slot.pool.get(), 0), "vkResetCommandPool");
+    return slot;
+}
+
+void Host::submit(VkCommandBuffer cmd, bool last)
+{
+    vkCheck(vkEndCommandBuffer(cmd), "vkEndCommandBuffer");
+    const VkCommandBufferSubmitInfo command{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
+                                            .commandBuffer = cmd};
+    const VkSemaphoreSubmitInfo signal{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+                                       .semaphore = timeline_.get(),
+                                       .value = submission_,
+                                       .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+    const VkSubmitInfo2 info{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                             .commandBufferInfoCount = 1,
+                             .pCommandBufferInfos = &command,
+                             .signalSemaphoreInfoCount = last ? 1u : 0u,
+                             .pSignalSemaphoreInfos = &signal};
+    vkCheck(vkQueueSubmit2(device().queue, 1, &info, VK_NULL_HANDLE), "vkQueueSubmit2");
+}
+
+GnResult Host::draw(const FrameOptions& options)
+{
+    Slot& slot = takeSlot();
+    const SceneState state = stateAt(scene, options.time);
+    update(state);
+    const std::vector<CameraState> cameras =
+        options.cameras ? *options.cameras : std::vector(views.size(), cameraAt(scene, options.time));
+    std::vector<GnLight> present;
+    for (const uint32_t i : state.present)
+        present.push_back(lights[i]);
+    const std::vector<GnLight>& lit = options.lights ? *options.lights : present;
+
+    const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
+    vkCheck(vkBeginCommandBuffer(slot.before, &begin), "vkBeginCommandBuffer");
+    std::vector<GnViewFrame> frames;
+    for (uint32_t view = 0; view < views.size(); ++view) {
+        const CameraMatrices camera = cameraMatrices(scene, cameras[view], extent_);
+        drawSurface(slot.before, surfaces_[view], camera, state);
+        frames.push_back(viewFrame(view, camera, lit));
+    }
+    GnFrameInfo info{};
+    info.frame = frame_ + 1;
+    info.completedFrame = completed_;
+    info.viewCount = static_cast<uint32_t>(frames.size());
+    info.pViews = frames.data();
+    if (options.adjust) options.adjust(info, frames);
+
+    GnResult result = GN_SUCCESS;
+    if (options.call == Call::record) {
+        result = gnCmdRenderShadows(context, slot.before, &info);
+        if (options.drop) vkCheck(vkEndCommandBuffer(slot.before), "vkEndCommandBuffer");
+        if (options.drop && result >= 0) result = gnDropFrame(context, info.frame);
+    }
+    if (!options.drop) submit(slot.before, false);
+    const size_t before = options.counter ? options.counter() : 0;
+    if (options.call == Call::submit) result = gnSubmitShadows(context, &info);
+    if (options.counter) counted = options.counter() - before;
+    if (options.call == Call::begin) result = gnBeginShadows(context, &info);
+    if (result >= 0) {
+        frame_ = info.frame;
+        layers_ = static_cast<uint32_t>(lit.size());
+        unfinished_.emplace_back(submission_, frame_);
+    }
+    vkCheck(vkBeginCommandBuffer(slot.after, &begin), "vkBeginCommandBuffer");
+    if (options.call != Call::begin || result < 0) submit(slot.after, true);
+    return result;
+}
+
+GnResult Host::finish(uint64_t timeoutNs)
+{
+    const GnResult result = gnFinishShadows(context, timeoutNs);
+    if (result != GN_TIMEOUT) submit(slots_[submission_ % slots_.size()].after, true);
+    return result;
+}
+
+void Host::draw(uint32_t frames, const FrameOptions& options)
+{
+    for (uint32_t i = 0; i < frames; ++i)
+        require(draw(options));
+}
+
+std::vector<Image8> Host::pictures(uint32_t view)
+{
+    wait(submission_);
+    GnVisibility visibility{};
+    require(gnGetVisibility(context, views[view], &visibility));
+    return readback_.visibility(visibility.imageView, visibility.extent, layers_);
+}
+
+} // namespace gnomon::test

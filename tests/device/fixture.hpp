@@ -1,0 +1,176 @@
+#pragma once
+// A device test's world: one device with core and synchronization validation for the whole program, a headless host
+// that draws depth and normals and then asks gnomon for shadows, and the books it keeps of what gnomon calls.
+#include <atomic>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "demo/host/caster_drawer.hpp"
+#include "demo/host/device.hpp"
+#include "demo/host/geometry.hpp"
+#include "demo/host/readback.hpp"
+#include "demo/host/shadow_host.hpp"
+#include "demo/scene/primitives.hpp"
+#include "demo/scene/scene_file.hpp"
+
+namespace gnomon::test {
+
+using demo::Image8;
+using demo::Scene;
+
+/// Made when first asked for.
+demo::Device& device();
+/// Before that: for what validation would disturb, such as counting allocations, which it makes as well.
+void withoutValidation();
+/// At the end of main(): the layer's own statics are gone before ours.
+void releaseDevice();
+
+/// Calls gnomon made through the function table it was handed; the host's own are not among them.
+struct VulkanCalls {
+    std::atomic<uint32_t> deviceWaitIdle{0}, queueWaitIdle{0}, submits{0};
+};
+VulkanCalls& vulkanCalls();
+
+/// Fails the test if validation said anything since it began.
+class DeviceTest {
+public:
+    DeviceTest() : before_(device().validation.count()) {}
+    ~DeviceTest();
+
+private:
+    size_t before_;
+};
+
+struct HostOptions {
+    VkExtent2D extent{320, 180};
+    uint32_t framesInFlight = 2;
+    uint32_t viewCount = 1;
+    uint32_t maxLights = 16;
+    GnContextCreateFlags flags = GN_CONTEXT_NO_BACKGROUND_BIT;
+    bool warmUp = true;
+    std::function<void(GnContextCreateInfo&)> context; ///< Last word on the create-info.
+};
+
+enum class Call { submit, record, begin };
+
+struct FrameOptions {
+    Call call = Call::submit;
+    double time = 0.0;
+    const std::vector<demo::CameraState>* cameras = nullptr;             ///< One per view; null: the scene's.
+    const std::vector<GnLight>* lights = nullptr;                        ///< Null: those present.
+    bool drop = false;                                                   ///< Recorded only: withdrawn, never submitted.
+    std::function<void(GnFrameInfo&, std::vector<GnViewFrame>&)> adjust; ///< Before the call.
+    size_t (*counter)() noexcept = nullptr; ///< Read before and after the call; see Host::counted.
+};
+
+/// A scene registered with gnomon. The members may be used and changed by tests; draw() passes on what moved.
+class Host {
+public:
+    explicit Host(Scene scene, const HostOptions& options = {});
+    ~Host();
+    Host(const Host&) = delete;
+    Host& operator=(const Host&) = delete;
+
+    /// One frame. On an error nothing of it counts: the next call has the same frame number.
+    GnResult draw(const FrameOptions& options = {});
+    /// Ends a frame drawn with Call::begin.
+    GnResult finish(uint64_t timeoutNs);
+    void draw(uint32_t frames, const FrameOptions& options);
+    void resize(VkExtent2D extent);
+    /// The camera does not see it; it casts all the same.
+    void hide(size_t instance) { hidden_[instance] = true; }
+
+    void pin(size_t light, const char* method) { require(gnSetLightMethod(context, lights[light], method)); }
+    void pinAll(const char* method);
+    void require(GnResult result) const;
+
+    /// Of the newest frame, one layer per light; waits for it.
+    std::vector<Image8> pictures(uint32_t view = 0);
+    GnFrameStats stats() const;
+    std::vector<GnPassTiming> passes() const;
+    uint32_t passCount(const std::string& name) const;
+    GnDecision decision(size_t light, uint32_t view = 0) const;
+    std::string explanation(size_t light, uint32_t view = 0) const;
+    std::string lastError() const { return gnGetLastError(context); }
+    std::vector<std::string> takeMessages();
+    uint64_t frame() const noexcept { return frame_; }
+    VkExtent2D extent() const noexcept { return extent_; }
+
+    Scene scene;
+    GnContext context = VK_NULL_HANDLE;
+    std::vector<GnMesh> meshes;
+    std::vector<GnInstance> instances;
+    std::vector<GnLight> lights;
+    std::vector<GnView> views;
+    size_t counted = 0; ///< By how much the counter of the newest draw() grew inside the call.
+
+private:
+    struct Surface { ///< What one view's camera sees.
+        demo::Image depth, normals;
+    };
+    struct Slot {
+        demo::UniqueCommandPool pool;
+        VkCommandBuffer before = VK_NULL_HANDLE, after = VK_NULL_HANDLE;
+    };
+    struct Retired {
+        uint64_t submission;
+        std::vector<Surface> surfaces;
+    };
+
+    void createContext(const HostOptions& options);
+    void createScene();
+    void createSurfaces();
+    void update(const demo::SceneState& state);
+    void drawSurface(VkCommandBuffer cmd, const Surface& surface, const demo::CameraMatrices& camera,
+                     const demo::SceneState& state);
+    GnViewFrame viewFrame(uint32_t view, const demo::CameraMatrices& camera, const std::vector<GnLight>& lit) const;
+    void submit(VkCommandBuffer cmd, bool last);
+    void wait(uint64_t submission) const;
+    void retire();
+    Slot& takeSlot();
+    static void GN_CALL onMessage(const GnMessage* message, void* user);
+
+    demo::SceneGeometry geometry_;
+    demo::CasterDrawer casterDrawer_;
+    std::vector<demo::HostDrawnCaster> hostDrawn_;
+    demo::UniquePipelineLayout layout_;
+    demo::UniquePipeline pipeline_;
+    demo::UniqueSemaphore timeline_; ///< Counts the host's frames, failed and dropped ones included.
+    demo::Readback readback_;
+    VkExtent2D extent_;
+    std::vector<Surface> surfaces_;
+    std::vector<Slot> slots_;
+    std::deque<Retired> retired_;
+    std::deque<std::pair<uint64_t, uint64_t>> unfinished_; ///< (submission, gnomon's frame), oldest first.
+    std::vector<bool> hidden_;
+    std::vector<GnTransform> lastTransforms_;
+    std::vector<demo::LightState> lastLights_;
+    uint64_t submission_ = 0, frame_ = 0, completed_ = 0;
+    uint32_t layers_ = 0;
+    std::mutex messageMutex_;
+    std::vector<std::string> messages_;
+};
+
+/// A floor, a ball and a box over it, seen from above; one static spot light. Everything static unless a test says.
+Scene smallScene();
+demo::Light spotLight(const char* name, const glm::dvec3& position, const glm::dvec3& target, bool isStatic);
+demo::Light pointLight(const char* name, const glm::dvec3& position, bool isStatic);
+
+size_t differences(const Image8& a, const Image8& b);
+size_t differences(const std::vector<Image8>& a, const std::vector<Image8>& b);
+/// Pixels that are fully dark or fully lit: a picture with shadows has many of both.
+size_t dark(const Image8& picture);
+size_t lit(const Image8& picture);
+/// Methods this build and device can run, in registry order.
+std::vector<GnMethodInfo> availableMethods(GnContext context);
+std::string shippedRules(const char* name);
+bool serves(const GnMethodInfo& method, demo::LightKind kind);
+
+} // namespace gnomon::test

@@ -1,0 +1,180 @@
+// What tests ask about a frame, and the scenes they make by hand.
+#include <algorithm>
+
+#include "device/fixture.hpp"
+#include "rules/yaml/shipped.hpp"
+
+namespace gnomon::test {
+
+using namespace demo;
+
+// More than this means the messages themselves are the problem.
+constexpr size_t kMaxMessages = 1000;
+
+void GN_CALL Host::onMessage(const GnMessage* message, void* user)
+{
+    auto& self = *static_cast<Host*>(user);
+    const std::lock_guard lock(self.messageMutex_);
+    if (self.messages_.size() < kMaxMessages)
+        self.messages_.push_back(std::string(message->pId) + ": " + message->pText);
+}
+
+std::vector<std::string> Host::takeMessages()
+{
+    const std::lock_guard lock(messageMutex_);
+    return std::exchange(messages_, {});
+}
+
+void Host::require(GnResult result) const
+{
+    REQUIRE_MESSAGE(result >= 0, gnResultName(result) << ": " << lastError());
+}
+
+void Host::pinAll(const char* method)
+{
+    for (size_t i = 0; i < lights.size(); ++i)
+        pin(i, method);
+}
+
+GnFrameStats Host::stats() const
+{
+    GnFrameStats stats{};
+    require(gnGetFrameStats(context, &stats));
+    return stats;
+}
+
+std::vector<GnPassTiming> Host::passes() const
+{
+    uint32_t count = 0;
+    require(gnGetFramePasses(context, &count, nullptr));
+    std::vector<GnPassTiming> passes(count);
+    require(gnGetFramePasses(context, &count, passes.data()));
+    return passes;
+}
+
+uint32_t Host::passCount(const std::string& name) const
+{
+    const std::vector<GnPassTiming> all = passes();
+    return static_cast<uint32_t>(
+        std::count_if(all.begin(), all.end(), [&](const GnPassTiming& pass) { return name == pass.pName; }));
+}
+
+GnDecision Host::decision(size_t light, uint32_t view) const
+{
+    GnDecision decision{};
+    require(gnGetDecision(context, views[view], lights[light], &decision));
+    return decision;
+}
+
+std::string Host::explanation(size_t light, uint32_t view) const
+{
+    size_t size = 0;
+    require(gnExplainDecision(context, views[view], lights[light], &size, nullptr));
+    std::string text(size, '\0');
+    require(gnExplainDecision(context, views[view], lights[light], &size, text.data()));
+    text.resize(size - 1);
+    return text;
+}
+
+Light spotLight(const char* name, const glm::dvec3& position, const glm::dvec3& target, bool isStatic)
+{
+    Light light;
+    light.name = name;
+    light.kind = LightKind::Spot;
+    light.position = position;
+    light.direction = glm::normalize(target - position);
+    light.outerAngle = 0.7f;
+    light.innerAngle = 0.6f;
+    light.range = 30.0f;
+    light.isStatic = isStatic;
+    return light;
+}
+
+Light pointLight(const char* name, const glm::dvec3& position, bool isStatic)
+{
+    Light light;
+    light.name = name;
+    light.kind = LightKind::Point;
+    light.position = position;
+    light.range = 30.0f;
+    light.isStatic = isStatic;
+    return light;
+}
+
+Scene smallScene()
+{
+    Scene scene;
+    scene.name = "small";
+    scene.meshes = {makeBox({.size = {12.0f, 0.2f, 12.0f}}), makeSphere({.radius = 0.8f, .slices = 24, .stacks = 12}),
+                    makeBox({.size = {1.0f, 1.6f, 1.0f}})};
+    const auto add = [&](const char* name, uint32_t mesh, const glm::dvec3& position) {
+        Instance instance;
+        instance.name = name;
+        instance.mesh = mesh;
+        instance.pose.position = position;
+        instance.isStatic = true;
+        scene.instances.push_back(instance);
+    };
+    add("floor", 0, {0.0, -0.1, 0.0});
+    add("ball", 1, {-1.5, 1.6, 0.5});
+    add("box", 2, {1.4, 0.9, -0.6});
+    scene.lights = {spotLight("lamp", {3.0, 7.0, 4.0}, {0.0, 0.0, 0.0}, true)};
+    scene.camera = {CameraKey{.eye = {0.0, 6.0, 8.0}, .target = {0.0, 0.3, 0.0}}};
+    return scene;
+}
+
+size_t differences(const Image8& a, const Image8& b)
+{
+    REQUIRE(a.width == b.width);
+    REQUIRE(a.height == b.height);
+    size_t count = 0;
+    for (size_t i = 0; i < a.texels.size(); ++i)
+        count += a.texels[i] != b.texels[i];
+    return count;
+}
+
+size_t differences(const std::vector<Image8>& a, const std::vector<Image8>& b)
+{
+    REQUIRE(a.size() == b.size());
+    size_t count = 0;
+    for (size_t i = 0; i < a.size(); ++i)
+        count += differences(a[i], b[i]);
+    return count;
+}
+
+size_t dark(const Image8& picture)
+{
+    return static_cast<size_t>(std::count(picture.texels.begin(), picture.texels.end(), uint8_t(0)));
+}
+
+size_t lit(const Image8& picture)
+{
+    return static_cast<size_t>(std::count(picture.texels.begin(), picture.texels.end(), uint8_t(255)));
+}
+
+std::vector<GnMethodInfo> availableMethods(GnContext context)
+{
+    uint32_t count = 0;
+    REQUIRE(gnEnumerateMethods(context, &count, nullptr) == GN_SUCCESS);
+    std::vector<GnMethodInfo> methods(count);
+    REQUIRE(gnEnumerateMethods(context, &count, methods.data()) == GN_SUCCESS);
+    std::erase_if(methods, [](const GnMethodInfo& method) { return method.pUnavailable != nullptr; });
+    return methods;
+}
+
+std::string shippedRules(const char* name)
+{
+    const std::string_view text = rules::shippedRuleBase(name);
+    REQUIRE(!text.empty());
+    return std::string(text);
+}
+
+bool serves(const GnMethodInfo& method, LightKind kind)
+{
+    const GnTraits bit = kind == LightKind::Directional ? GN_TRAIT_DIRECTIONAL_BIT
+                         : kind == LightKind::Spot      ? GN_TRAIT_SPOT_BIT
+                                                        : GN_TRAIT_POINT_BIT;
+    return (method.traits & bit) != 0;
+}
+
+} // namespace gnomon::test

@@ -1,0 +1,126 @@
+// What stands still is not done again, and what moves is done again exactly once.
+#include "device/fixture.hpp"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+/// A far caster, out of every light's range, that a test may move; the ball may move as well.
+Scene sceneWithFarCaster(demo::LightKind kind)
+{
+    Scene scene = smallScene();
+    demo::Instance far = scene.instances[2];
+    far.name = "far";
+    far.pose.position = {200.0, 1.0, 0.0};
+    far.isStatic = false;
+    scene.instances[1].isStatic = false;
+    scene.instances.push_back(far);
+    if (kind == demo::LightKind::Point) scene.lights = {pointLight("bulb", {1.0, 5.0, 2.0}, true)};
+    return scene;
+}
+
+constexpr size_t kBall = 1, kFar = 3;
+
+/// Passes of the light's own that draw casters or make its volumes.
+uint32_t updates(const Host& host)
+{
+    uint32_t count = 0;
+    for (const GnPassTiming& pass : host.passes())
+        count += pass.light && !pass.view;
+    return count;
+}
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest,
+                  "a static light over standing casters draws its map once, again exactly when one in range moved")
+{
+    const std::pair<const char*, demo::LightKind> methods[] = {{"shadow_map", demo::LightKind::Spot},
+                                                               {"cube_map", demo::LightKind::Point},
+                                                               {"dual_paraboloid", demo::LightKind::Point}};
+    for (const auto& [method, kind] : methods) {
+        CAPTURE(std::string(method));
+        Host host(sceneWithFarCaster(kind));
+        host.pinAll(method);
+        host.require(host.draw());
+        const uint32_t first = updates(host);
+        CHECK(first > 0);
+        const std::vector<Image8> before = host.pictures();
+        CHECK(dark(before[0]) > 100);
+        for (int frame = 0; frame < 3; ++frame) {
+            host.require(host.draw());
+            CHECK(updates(host) == 0);
+            CHECK(host.stats().passesKept > 0);
+        }
+        CHECK(differences(before, host.pictures()) == 0);
+
+        host.scene.instances[kFar].pose.position.z += 1.0;
+        host.require(host.draw());
+        CHECK(updates(host) == 0);
+
+        host.scene.instances[kBall].pose.position.x += 0.4;
+        host.require(host.draw());
+        CHECK(updates(host) > 0);
+        CHECK(updates(host) <= first);
+        const std::vector<Image8> moved = host.pictures();
+        CHECK(differences(before, moved) > 50);
+        host.require(host.draw());
+        CHECK(updates(host) == 0);
+        CHECK(differences(moved, host.pictures()) == 0);
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "silhouettes are found once, again exactly when a caster in range moved")
+{
+    Host host(sceneWithFarCaster(demo::LightKind::Spot));
+    host.pinAll("stencil_volume");
+    host.require(host.draw());
+    CHECK(host.stats().indexListsBuilt > 0);
+    for (int frame = 0; frame < 3; ++frame) {
+        host.require(host.draw());
+        CHECK(host.stats().indexListsBuilt == 0);
+    }
+    host.scene.instances[kFar].pose.position.z += 1.0;
+    host.require(host.draw());
+    CHECK(host.stats().indexListsBuilt == 0);
+    host.scene.instances[kBall].pose.position.x += 0.4;
+    host.require(host.draw());
+    CHECK(host.stats().indexListsBuilt > 0);
+    host.require(host.draw());
+    CHECK(host.stats().indexListsBuilt == 0);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a kept map equals the map of a fresh context, after moves of every kind")
+{
+    for (const char* method : {"shadow_map", "stencil_volume"}) {
+        CAPTURE(std::string(method));
+        Host host(sceneWithFarCaster(demo::LightKind::Spot));
+        host.pinAll(method);
+        for (int step = 0; step < 6; ++step) {
+            if (step % 2) host.scene.instances[kBall].pose.position.x += 0.3;
+            if (step == 2) host.scene.lights[0].position.x -= 0.7;         // a static light that moves after all
+            if (step == 4) host.scene.instances[2].pose.position.z += 0.5; // and a static caster
+            host.draw(2, {});
+            Host fresh(host.scene);
+            fresh.pinAll(method);
+            fresh.require(fresh.draw());
+            CHECK(differences(host.pictures(), fresh.pictures()) == 0);
+        }
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a static thing that moves is reported once")
+{
+    Host host(smallScene());
+    host.require(host.draw());
+    host.takeMessages();
+    host.scene.instances[1].pose.position.x += 0.1;
+    host.require(host.draw());
+    const std::vector<std::string> messages = host.takeMessages();
+    REQUIRE(messages.size() == 1);
+    CHECK(messages[0].find("ball") != std::string::npos);
+    host.scene.instances[1].pose.position.x += 0.1;
+    host.require(host.draw());
+    CHECK(host.takeMessages().empty());
+}

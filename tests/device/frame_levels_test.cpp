@@ -1,0 +1,137 @@
+// Many lights, many methods, several views: the round trips are those of one light, and what views or lights share is
+// done once.
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "device/fixture.hpp"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+Scene roomWithSixteenLights()
+{
+    Scene scene = demo::valueOf(demo::loadScene("room"));
+    demo::limitLights(scene, 16);
+    return scene;
+}
+
+/// Every method in turn over the lights it serves. \return the names in use.
+std::set<std::string> pinInTurn(Host& host, size_t lights)
+{
+    const std::vector<GnMethodInfo> methods = availableMethods(host.context);
+    std::set<std::string> used;
+    std::map<demo::LightKind, size_t> next;
+    for (size_t i = 0; i < lights; ++i) {
+        const demo::LightKind kind = host.scene.lights[i].kind;
+        const GnMethodInfo* method = nullptr;
+        while (!method) {
+            const GnMethodInfo& candidate = methods[next[kind]++ % methods.size()];
+            if (serves(candidate, kind)) method = &candidate;
+        }
+        host.pin(i, method->pName);
+        used.insert(method->pName);
+    }
+    return used;
+}
+
+std::vector<demo::CameraState> twoCameras(const Scene& scene)
+{
+    std::vector<demo::CameraState> cameras(2, demo::cameraAt(scene, 0.0));
+    cameras[1].eye.x += 1.0;
+    cameras[1].eye.y -= 0.5;
+    return cameras;
+}
+
+struct PassCounts {
+    using Key = std::pair<std::string, std::ptrdiff_t>; ///< Name, light or view.
+    std::map<Key, int> perLight, perView, perTask;
+};
+
+uint32_t largestRoundTrips(Host& host, const std::set<std::string>& used)
+{
+    uint32_t trips = 0;
+    for (const GnMethodInfo& method : availableMethods(host.context))
+        if (used.contains(method.pName)) trips = std::max(trips, method.roundTrips);
+    return trips;
+}
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "16 lights with every method in two views cost the round trips of one light")
+{
+    Host host(roomWithSixteenLights(), {.viewCount = 2});
+    const std::set<std::string> used = pinInTurn(host, 16);
+    REQUIRE(used.size() >= 4);
+    const std::vector<demo::CameraState> cameras = twoCameras(host.scene);
+    const uint32_t levels = 1 + largestRoundTrips(host, used);
+    for (int frame = 0; frame < 3; ++frame) {
+        const uint32_t submitsBefore = vulkanCalls().submits;
+        host.require(host.draw({.cameras = &cameras}));
+        const GnFrameStats stats = host.stats();
+        CHECK(stats.levels == levels);
+        CHECK(stats.submits == levels);
+        CHECK(vulkanCalls().submits - submitsBefore == levels); // what it says is what it did
+        CHECK(stats.hostWaits == levels - 1);
+        for (size_t light = 0; light < 16; ++light)
+            for (uint32_t view = 0; view < 2; ++view)
+                CHECK(host.decision(light, view).reason == GN_REASON_PINNED);
+    }
+    for (uint32_t view = 0; view < 2; ++view)
+        for (const Image8& picture : host.pictures(view))
+            CHECK(dark(picture) > 100);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "what a light needs is done once for two views, what a view needs once for 16 lights")
+{
+    // Both views look the same way: then no light has more to do for two of them.
+    Host one(roomWithSixteenLights(), {.viewCount = 1}), two(roomWithSixteenLights(), {.viewCount = 2});
+    pinInTurn(one, 16);
+    pinInTurn(two, 16);
+    one.require(one.draw());
+    two.require(two.draw());
+
+    const auto count = [](const Host& host) {
+        PassCounts counts;
+        for (const GnPassTiming& pass : host.passes()) {
+            const auto light = std::find(host.lights.begin(), host.lights.end(), pass.light) - host.lights.begin();
+            if (pass.light && pass.view)
+                ++counts.perTask[{pass.pName, light}];
+            else if (pass.light)
+                ++counts.perLight[{pass.pName, light}];
+            else if (pass.view)
+                ++counts.perView[{pass.pName, pass.view == host.views[0] ? 0 : 1}];
+        }
+        return counts;
+    };
+    PassCounts ofOne = count(one);
+    const PassCounts ofTwo = count(two);
+    CHECK(ofTwo.perLight == ofOne.perLight);
+    CHECK(ofTwo.perLight.size() >= 8); // eight lights and more have maps or volumes of their own
+    for (auto& [key, passes] : ofOne.perTask)
+        passes *= 2;
+    CHECK(ofTwo.perTask == ofOne.perTask);
+    CHECK(ofTwo.perTask.size() >= 16); // every light is resolved
+    CHECK(ofTwo.perView.size() == 2 * ofOne.perView.size());
+    CHECK(ofTwo.perView.size() >= 4); // depth read back for rays, depth and stencil for volumes
+    for (const auto& [key, passes] : ofTwo.perView)
+        CHECK_MESSAGE(passes == 1, key.first);
+    CHECK(differences(one.pictures(0), two.pictures(0)) == 0);
+    CHECK(differences(one.pictures(0), two.pictures(1)) == 0);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a frame without lights or views is nothing to do, not an error")
+{
+    Host host(smallScene());
+    const std::vector<GnLight> none;
+    CHECK(host.draw({.lights = &none}) == GN_SUCCESS);
+    CHECK(host.stats().levels == 1);
+    CHECK(host.draw({.adjust = [](GnFrameInfo& frame, std::vector<GnViewFrame>&) {
+        frame.viewCount = 0;
+        frame.pViews = nullptr;
+    }}) == GN_SUCCESS);
+    host.require(host.draw());
+    CHECK(dark(host.pictures()[0]) > 100);
+}
