@@ -90,6 +90,10 @@ Renderer::Renderer(const Device& device, const Scene& scene, const SceneGeometry
 
 Renderer::~Renderer()
 {
+    if (submitted_ != frame_) { // a frame was given up half-way: only the device knows when its first half ends
+        vkDeviceWaitIdle(device_.handle);
+        return;
+    }
     try {
         waitForFrame();
     } catch (const HostError&) { // device lost: nothing runs any more

@@ -153,6 +153,7 @@ private:
 
     SceneState state_;
     uint64_t frame_ = 0;
+    uint64_t submitted_ = 0; ///< Equals frame_ unless a frame was given up by an exception.
     uint64_t gnomonFrame_ = 0;
     std::deque<std::pair<uint64_t, uint64_t>> gnomonFrames_; ///< (our frame, gnomon's), oldest first, unfinished.
     uint64_t gnomonCompleted_ = 0;

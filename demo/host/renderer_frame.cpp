@@ -61,15 +61,15 @@ GnViewFrame viewFrame(const Scene& scene, const CameraMatrices& camera, const Im
 void Renderer::draw(const FrameRequest& request)
 {
     if (request.cameras.size() != views_.size()) throw HostError("one camera per view is needed");
-    const uint64_t next = frame_ + 1;
-    if (next > options_.framesInFlight) waitForFrame(next - options_.framesInFlight);
-    frame_ = next;
+    SceneState state = stateAt(scene_, request.time);
+    if (state.present.size() > options_.maxLights)
+        throw HostError(std::to_string(state.present.size()) + " lights are present, the view holds " +
+                        std::to_string(options_.maxLights));
+    state_ = std::move(state);
+    ++frame_;
+    if (frame_ > options_.framesInFlight) waitForFrame(frame_ - options_.framesInFlight);
     retire();
 
-    state_ = stateAt(scene_, request.time);
-    if (state_.present.size() > options_.maxLights)
-        throw HostError(std::to_string(state_.present.size()) + " lights are present, the view holds " +
-                        std::to_string(options_.maxLights));
     for (uint32_t view = 0; view < views_.size(); ++view)
         writeFrameData(view, request);
 
@@ -268,7 +268,8 @@ void Renderer::recordPresent(VkCommandBuffer cmd, const PresentTarget& target)
                    1, &region, VK_FILTER_NEAREST);
     const VkImageMemoryBarrier2 after[] = {
         imageBarrier(target.image, VK_IMAGE_ASPECT_COLOR_BIT, blit,
-                     {VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR})};
+                     // The stage chains the layout change to the semaphore that presentation waits for.
+                     {VK_PIPELINE_STAGE_2_BLIT_BIT, VK_ACCESS_2_NONE, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR})};
     cmdBarrier(cmd, after);
 }
 
@@ -298,6 +299,7 @@ void Renderer::submit(VkCommandBuffer cmd, const PresentTarget* present, bool la
                                                                    : 1u,
                              .pSignalSemaphoreInfos = signals};
     vkCheck(vkQueueSubmit2(device_.queue, 1, &info, VK_NULL_HANDLE), "vkQueueSubmit2");
+    if (last) submitted_ = frame_;
 }
 
 } // namespace gnomon::demo

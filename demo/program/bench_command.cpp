@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "demo/io/csv.hpp"
+#include "demo/program/ambiguity.hpp"
 #include "demo/program/bench_bare.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/measure.hpp"
@@ -111,6 +112,7 @@ private:
         if (!truthTried_) {
             truth_ = measureTruth(device_, scene_, size_, truthTime_);
             truthTried_ = true;
+            if (truth_) findAmbiguous();
         }
         if (!truth_) return;
         const std::vector<Image8> visibility = session.renderer.readVisibility();
@@ -120,7 +122,8 @@ private:
             const std::vector<uint8_t>* counted = nullptr;
             const Image8* truth = truth_->find(light, &counted);
             if (!truth) continue;
-            const ErrorCount errors = compare(visibility[layer], *truth, *counted);
+            const auto index = static_cast<size_t>(counted - truth_->counted.data());
+            const ErrorCount errors = compare(visibility[layer], *truth, *counted, ambiguous_[index]);
             row.errors += errors;
             row.hasErrors = true;
             if (errors.percent(errors.wrong()) >= row.worstLightPercent) {
@@ -130,12 +133,24 @@ private:
         }
     }
 
+    /// A property of scene, camera and light, the same for every method.
+    void findAmbiguous()
+    {
+        for (size_t layer = 0; layer < truth_->lights.size(); ++layer) {
+            const uint32_t light = truth_->state.present[layer];
+            ambiguous_.push_back(ambiguousPixels(scene_, truth_->state, truth_->camera, truth_->surfaces,
+                                                 scene_.lights[light], truth_->state.lights[light],
+                                                 truth_->counted[layer]));
+        }
+    }
+
     Device& device_;
     const Scene& scene_;
     const BenchOptions& options_;
     VkExtent2D size_{};
     double truthTime_ = 0.0;
     std::optional<Truth> truth_;
+    std::vector<std::vector<uint8_t>> ambiguous_; ///< By layer of the truth.
     bool truthTried_ = false;
     mutable NoShadows nothing_;
 };
@@ -158,7 +173,7 @@ void write(CsvWriter& csv, const Row& row, const Device& device)
     csv.cell(row.rays).cell(row.memoryMib, 2).cell(device.properties.deviceName).cell(device.driver);
     error(e.percent(e.falseLit), 4);
     error(e.percent(e.falseShadow), 4);
-    csv.empty(); // ambiguity is a property of the scene, measured by the exactness tests in double precision
+    error(e.percent(e.ambiguous), 4);
     error(e.meanAbsolute(), 6);
     csv.endRow();
 }
@@ -170,8 +185,9 @@ void print(const Row& row)
                 row.method == kNoneMethod ? 0.0 : minimum(row.times.withMs) - minimum(row.times.withoutMs),
                 minimum(row.times.withMs));
     if (row.hasErrors)
-        std::printf("  wrong %.4f %% (worst %s %.4f %%)", row.errors.percent(row.errors.wrong()),
-                    row.worstLight.c_str(), row.worstLightPercent);
+        std::printf("  wrong %.4f %% (worst %s %.4f %%; %llu px clearly, %.3f %% ambiguous)",
+                    row.errors.percent(row.errors.wrong()), row.worstLight.c_str(), row.worstLightPercent,
+                    static_cast<unsigned long long>(row.errors.wrongClear), row.errors.percent(row.errors.ambiguous));
     std::printf("\n");
     std::fflush(stdout);
 }

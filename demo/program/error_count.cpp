@@ -23,6 +23,8 @@ ErrorCount& ErrorCount::operator+=(const ErrorCount& other)
     falseLit += other.falseLit;
     falseShadow += other.falseShadow;
     grazing += other.grazing;
+    ambiguous += other.ambiguous;
+    wrongClear += other.wrongClear;
     absoluteSum += other.absoluteSum;
     return *this;
 }
@@ -49,7 +51,8 @@ std::vector<uint8_t> countedPixels(const Scene& scene, const CameraMatrices& cam
     return out;
 }
 
-ErrorCount compare(const Image8& visibility, const Image8& truth, const std::vector<uint8_t>& counted)
+ErrorCount compare(const Image8& visibility, const Image8& truth, const std::vector<uint8_t>& counted,
+                   const std::vector<uint8_t>& ambiguous)
 {
     ErrorCount out;
     for (size_t i = 0; i < counted.size(); ++i) {
@@ -57,6 +60,9 @@ ErrorCount compare(const Image8& visibility, const Image8& truth, const std::vec
         if (counted[i] != 1) continue;
         const uint8_t v = visibility.texels[i], t = truth.texels[i];
         ++out.counted;
+        const bool unclear = !ambiguous.empty() && ambiguous[i];
+        out.ambiguous += unclear;
+        out.wrongClear += isWrong(v, t) && !unclear;
         out.falseLit += isWrong(v, t) && v >= kHalf;
         out.falseShadow += isWrong(v, t) && v < kHalf;
         out.absoluteSum += std::abs(int(v) - int(t)) / 255.0;

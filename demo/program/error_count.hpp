@@ -13,6 +13,8 @@ struct ErrorCount {
     uint64_t falseLit = 0;    ///< Visibility >= 0.5 where the truth is below.
     uint64_t falseShadow = 0; ///< The opposite.
     uint64_t grazing = 0;     ///< Left out of `counted`.
+    uint64_t ambiguous = 0;   ///< Counted pixels without a clear answer (ambiguity.hpp); 0 if not asked.
+    uint64_t wrongClear = 0;  ///< Wrong ones among the others.
     double absoluteSum = 0.0; ///< Of |visibility - truth| over the counted pixels.
 
     uint64_t wrong() const { return falseLit + falseShadow; }
@@ -30,7 +32,9 @@ struct FrameSurfaces {
 std::vector<uint8_t> countedPixels(const Scene& scene, const CameraMatrices& camera, const FrameSurfaces& surfaces,
                                    const Light& light, const LightState& state);
 
-ErrorCount compare(const Image8& visibility, const Image8& truth, const std::vector<uint8_t>& counted);
+/// \param ambiguous per pixel, or empty.
+ErrorCount compare(const Image8& visibility, const Image8& truth, const std::vector<uint8_t>& counted,
+                   const std::vector<uint8_t>& ambiguous = {});
 
 /// Where in the picture most wrong pixels lie within a window of the given size.
 Rect worstWindow(const Image8& visibility, const Image8& truth, const std::vector<uint8_t>& counted, uint32_t width,

@@ -1,0 +1,164 @@
+// The gnomon program from outside: exit codes, files, table headers.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <sys/wait.h>
+
+#include "demo/io/csv.hpp"
+#include "demo/io/pfm.hpp"
+#include "demo/io/png.hpp"
+
+namespace gnomon::demo {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Ran {
+    int exitCode = -1;
+    std::string output; ///< Both streams.
+};
+
+Ran gnomonProgram(const std::string& arguments, const std::string& before = "")
+{
+    const std::string command = before + " '" GNOMON_PROGRAM "' " + arguments + " 2>&1";
+    Ran ran;
+    FILE* pipe = popen(command.c_str(), "r");
+    REQUIRE(pipe != nullptr);
+    std::array<char, 4096> chunk{};
+    for (size_t got = 0; (got = fread(chunk.data(), 1, chunk.size(), pipe)) > 0;)
+        ran.output.append(chunk.data(), got);
+    const int status = pclose(pipe);
+    ran.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return ran;
+}
+
+struct Folder {
+    explicit Folder(const std::string& name) : path(fs::temp_directory_path() / ("gnomon_cli_" + name))
+    {
+        fs::remove_all(path);
+        fs::create_directories(path);
+    }
+    ~Folder() { fs::remove_all(path); }
+    fs::path path;
+};
+
+std::vector<std::string> lines(const fs::path& file)
+{
+    std::ifstream stream(file);
+    std::vector<std::string> out;
+    for (std::string line; std::getline(stream, line);)
+        out.push_back(line);
+    return out;
+}
+
+size_t distinctColours(const Image8& image)
+{
+    std::set<std::array<uint8_t, 3>> colours;
+    for (size_t i = 0; i + 2 < image.texels.size(); i += 3)
+        colours.insert({image.texels[i], image.texels[i + 1], image.texels[i + 2]});
+    return colours.size();
+}
+
+} // namespace
+
+TEST_CASE("run leaves both tables, pictures, the rules used and a dump, and its summary says so")
+{
+    const Folder folder("run");
+    const Ran ran = gnomonProgram("run room --frames 6 --size 160x90 --out '" + folder.path.string() + "' --dump '" +
+                                  (folder.path / "dump").string() + "'");
+    CAPTURE(ran.output);
+    REQUIRE(ran.exitCode == 0);
+    const std::vector<std::string> frames = lines(folder.path / "frames.csv");
+    REQUIRE(frames.size() == 7);
+    CHECK(frames[0] ==
+          "frame,time_s,frame_ms,fps,shadow_gpu_ms,shadow_cpu_ms,decide_us,lights,switches,budget_ms,over_budget");
+    const std::vector<std::string> lights = lines(folder.path / "lights.csv");
+    REQUIRE(lights.size() > 1);
+    CHECK(lights[0] == "frame,light,method,suitability,predicted_ms,measured_ms,distance,reason");
+    CHECK(fs::file_size(folder.path / "rules.yaml") > 0);
+    const Outcome<Image8> picture = readPng(folder.path / "frame_00005.png", 3);
+    REQUIRE(picture);
+    CHECK(distinctColours(*picture) > 100);
+    const Outcome<Image8> caption = readPng(folder.path / "frame_00005_methods.png", 3);
+    REQUIRE(caption);
+    CHECK(caption->texels != picture->texels);
+    for (const char* word : {"fps on average", "1 %-low", "% of light-frames", "switches", "over-budget", "frames.csv"})
+        CHECK(ran.output.find(word) != std::string::npos);
+
+    for (const char* file : {"frame.json", "casters.obj", "normals.pfm", "offset.pfm"})
+        CHECK(fs::exists(folder.path / "dump" / file));
+    const Outcome<ImageF> depth = readPfm(folder.path / "dump" / "depth.pfm", RowOrder::TopDown);
+    REQUIRE(depth);
+    CHECK(depth->width == 160);
+}
+
+TEST_CASE("bench prints exactly the promised columns and a base row first")
+{
+    const Folder folder("bench");
+    const fs::path csv = folder.path / "bench.csv";
+    const Ran ran = gnomonProgram("bench torus_grid --methods shadow_map,bare_shadow_map --map 128,256 --size 160x120 "
+                                  "--repeat 3 --csv '" +
+                                  csv.string() + "'");
+    CAPTURE(ran.output);
+    REQUIRE(ran.exitCode == 0);
+    const std::vector<std::string> table = lines(csv);
+    REQUIRE(table.size() == 6); // header, none, bare at two sizes, shadow_map at two sizes
+    CHECK(table[0] == "scene,method,lights,width,height,map,triangles,gpu_ms_p50,cpu_ms_p50,wall_ms_min,wall_ms_p50,"
+                      "increment_ms_min,wrong_pct,rays,memory_mib,device,driver,false_lit_pct,false_shadow_pct,"
+                      "ambiguous_pct,mean_abs_error");
+    CHECK(table[1].starts_with("torus_grid,none,1,160,120,"));
+    for (size_t i = 1; i < table.size(); ++i) {
+        std::vector<std::string> cells;
+        REQUIRE(splitCsvLine(table[i], cells));
+        CHECK(cells.size() == 21);
+    }
+}
+
+TEST_CASE("a comma locale changes no number")
+{
+    const Ran plain = gnomonProgram("explain thesis --facts dynamicLights=6,viewerDistance=4.5", "LC_ALL=C");
+    const Ran comma = gnomonProgram("explain thesis --facts dynamicLights=6,viewerDistance=4.5", "LC_ALL=de_DE.UTF-8");
+    CHECK(plain.exitCode == 0);
+    CHECK(plain.output == comma.output);
+    CHECK(plain.output.find("rule") != std::string::npos);
+}
+
+TEST_CASE("methods, scenes and lint succeed and name what they are about")
+{
+    CHECK(gnomonProgram("methods").output.find("shadow_map") != std::string::npos);
+    CHECK(gnomonProgram("scenes").output.find("torus_grid") != std::string::npos);
+    for (const char* base : {"default", "thesis"})
+        CHECK(gnomonProgram(std::string("lint ") + base).exitCode == 0);
+}
+
+TEST_CASE("bad input ends with one and a sentence that names it")
+{
+    const Folder folder("bad");
+    std::ofstream(folder.path / "bad.yaml") << "version: 1\nrules: [}\n";
+    const std::pair<std::string, const char*> cases[] = {
+        {"run no_such_scene", "no_such_scene"},
+        {"run room --size 0x9", "0x9"},
+        {"run room --method no_such_method --frames 1", "no_such_method"},
+        {"run room --rules '" + (folder.path / "bad.yaml").string() + "' --frames 1", "bad.yaml"},
+        {"lint '" + (folder.path / "bad.yaml").string() + "'", "bad.yaml:2"},
+        {"explain thesis --facts no_such_fact=1", "no_such_fact"},
+        {"bench room --map 512,x", "'x'"},
+        {"bench torus_grid --methods no_such_method --size 16x16 --repeat 3", "no_such_method"},
+    };
+    for (const auto& [arguments, word] : cases) {
+        CAPTURE(arguments);
+        const Ran ran = gnomonProgram(arguments, "cd '" + folder.path.string() + "' &&");
+        CHECK(ran.exitCode == 1);
+        CHECK_MESSAGE(ran.output.find(word) != std::string::npos, ran.output);
+    }
+}
+
+} // namespace gnomon::demo
