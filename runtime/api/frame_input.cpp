@@ -16,9 +16,10 @@ template <typename T>
 Result<void> checkFinite(std::span<const T> values, const char* name, const char* viewName)
 {
     for (std::size_t i = 0; i < values.size(); ++i) {
+        if (std::isfinite(values[i])) continue; // no words for what is right: this runs every frame
         const std::string where = std::string(name) + "[" + std::to_string(i) + "]";
         if (std::isnan(values[i])) return wrong(GN_ERROR_NOT_A_NUMBER, "CameraNaN", viewName, where + " is NaN");
-        if (std::isinf(values[i])) return wrong(GN_ERROR_INFINITE, "CameraInfinite", viewName, where + " is infinite");
+        return wrong(GN_ERROR_INFINITE, "CameraInfinite", viewName, where + " is infinite");
     }
     return {};
 }
