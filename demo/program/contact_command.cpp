@@ -1,5 +1,5 @@
-// The contact sheet: a row per scene, a column per method; the whole picture, and beside it the place with the largest
-// error pixel for pixel, once as it looks and once with the wrong pixels marked.
+// The contact sheet: a band per scene, its methods three a row; the whole picture, and beside it the place with the
+// largest error pixel for pixel, once as it looks and once with the wrong pixels marked.
 #include <algorithm>
 #include <cstdio>
 
@@ -17,6 +17,7 @@ namespace {
 constexpr uint32_t kOverviewWidth = 256, kOverviewHeight = 144;
 constexpr uint32_t kCropSize = 144; // as high as the overview: 1:1 pixels
 constexpr uint32_t kGap = 4, kCaption = 12;
+constexpr uint32_t kMethodsPerRow = 3; // 1 684 pixels: a README page shows it near 1:1
 constexpr uint32_t kCellWidth = kOverviewWidth + 2 * (kCropSize + kGap) + 2 * kGap;
 constexpr uint32_t kCellHeight = kOverviewHeight + kCaption + 2 * kGap;
 constexpr Rgb8 kPaper{24, 24, 28}, kInk{235, 235, 235};
@@ -104,14 +105,16 @@ int contactCommand(const ContactOptions& options)
             scenes.push_back(shipped.name);
     std::vector<std::string> methods;
     Image8 sheet;
+    uint32_t bandRows = 1;
     Progress progress(static_cast<uint32_t>(scenes.size()));
     for (size_t row = 0; row < scenes.size(); ++row) {
         const Scene scene = valueOf(loadScene(scenes[row]));
         if (methods.empty()) {
             methods = methodNames(*device, scene, parseNames(options.methods));
             if (methods.empty()) throw HostError("none of the methods asked for is in this build");
-            sheet = Image8(static_cast<uint32_t>(methods.size()) * kCellWidth + kGap,
-                           static_cast<uint32_t>(scenes.size()) * kCellHeight + kGap, 3);
+            bandRows = (static_cast<uint32_t>(methods.size()) + kMethodsPerRow - 1) / kMethodsPerRow;
+            sheet = Image8(kMethodsPerRow * kCellWidth + kGap,
+                           static_cast<uint32_t>(scenes.size()) * bandRows * kCellHeight + kGap, 3);
             fill(sheet, {0, 0, sheet.width, sheet.height}, kPaper);
         }
         const VkExtent2D size =
@@ -120,7 +123,8 @@ int contactCommand(const ContactOptions& options)
         const std::optional<Truth> truth = measureTruth(*device, scene, size, time);
         if (!truth) throw HostError("a contact sheet needs the method ray_traced, which this build lacks");
         for (size_t column = 0; column < methods.size(); ++column) {
-            const int32_t x = int32_t(column * kCellWidth + kGap), y = int32_t(row * kCellHeight + kGap);
+            const int32_t x = int32_t(column % kMethodsPerRow * kCellWidth + kGap);
+            const int32_t y = int32_t((row * bandRows + column / kMethodsPerRow) * kCellHeight + kGap);
             Session probe(*device, scene, {.scene = {}, .size = {16, 16}});
             const Scene served = onlyServed(scene, traitsOf(probe.shadows, methods[column]));
             std::string caption = scenes[row] + "  " + methods[column];
