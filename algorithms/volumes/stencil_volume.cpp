@@ -1,5 +1,7 @@
 #include "algorithms/volumes/stencil_volume.hpp"
 
+#include <cmath>
+
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "algorithms/volumes/shadow_reach.hpp"
@@ -25,12 +27,6 @@ enum Setting : std::size_t { kBounded, kZFail };
 /// by the rasteriser's 1/256 pixel does so by less up to 89.7 degrees of slope (pixels of 0.001 at distance 1), and
 /// nothing visible can lie in between, because the surface hides it.
 constexpr float kCapPush = 1.0f / 1024.0f;
-
-/// Block of resolve.frag, std140.
-struct ResolveConstants {
-    gpu::ViewConstants view;
-    gpu::LightConstants light;
-};
 
 /// A run of indirect commands for one caster.
 struct VolumeDraw {
@@ -206,6 +202,19 @@ gpu::VolumeConstants volumeConstants(const DrawPlan& plan)
     return block;
 }
 
+gpu::VolumeResolve resolveConstants(const DrawPlan& plan)
+{
+    const LightView& light = *plan.light;
+    const float cosine = light.constants.directionWs.w, range = light.constants.range;
+    gpu::VolumeResolve block{};
+    block.view = plan.view->constants;
+    block.lightEs = light.type == GN_LIGHT_TYPE_DIRECTIONAL ? glm::vec4(-light.direction(), 0.0f)
+                                                            : glm::vec4(light.position() - plan.view->eye, 1.0f);
+    block.axis = glm::vec4(light.direction(), cosine * std::abs(cosine));
+    block.rangeSquared = range * range;
+    return block;
+}
+
 gpu::VolumePush volumePush(const DrawPlan& plan, const Caster& caster, float nearCopyZ)
 {
     gpu::VolumePush push;
@@ -254,8 +263,7 @@ void recordVolumes(PassContext& gpu, const DrawPlan& plan, const Pipelines& pipe
     const float push = -view.projection[3][2] * kCapPush / (1.0f + kCapPush);
     drawVolumes(gpu, plan, pipelines.zFail[reversed], constants, plan.caps, push);
 
-    const ResolveConstants block{.view = view.constants, .light = plan.light->constants};
-    const Bound resolve = gpu.constants(0, block);
+    const Bound resolve = gpu.constants(0, resolveConstants(plan));
     const Bound depth = gpu.sampled(1, plan.depth, SamplerKind::nearest, 0);
     // Without normals the shader does not read them; something must be bound.
     const Bound normals = gpu.sampled(2, plan.normals ? plan.normals : plan.depth, SamplerKind::nearest, 0);
