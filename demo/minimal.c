@@ -19,23 +19,25 @@ with 0 if a point in the shadow is dark and one beside it is lit, 77 where there
 enum { SIZE = 64 }; /* pixels a side */
 static const float kNear = 0.1f, kEyeHeight = 4.0f, kFocal = 4.0f / 1.5f; /* metres; 1.5 m of floor on each side */
 
-static void GN_CALL onMessage(const GnMessage* message, void* user)
+/* Memory of any type (image) or of one the CPU can read (buffer), bound to whichever is not null. */
+static VkDeviceMemory bindMemory(VkPhysicalDevice gpu, VkDevice device, VkImage image, VkBuffer buffer)
 {
-    (void)user;
-    fprintf(stderr, "gnomon: %s\n", message->pText);
-}
-
-static VkDeviceMemory allocate(VkPhysicalDevice gpu, VkDevice device, VkMemoryRequirements needs, VkFlags flags)
-{
-    VkPhysicalDeviceMemoryProperties memory;
-    vkGetPhysicalDeviceMemoryProperties(gpu, &memory);
+    const VkFlags flags = buffer ? VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT : 0;
+    VkPhysicalDeviceMemoryProperties types;
+    VkMemoryRequirements needs;
+    vkGetPhysicalDeviceMemoryProperties(gpu, &types);
+    if (buffer)
+        vkGetBufferMemoryRequirements(device, buffer, &needs);
+    else
+        vkGetImageMemoryRequirements(device, image, &needs);
     VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs.size};
     while (!(needs.memoryTypeBits >> info.memoryTypeIndex & 1) ||
-           (memory.memoryTypes[info.memoryTypeIndex].propertyFlags & flags) != flags)
+           (types.memoryTypes[info.memoryTypeIndex].propertyFlags & flags) != flags)
         ++info.memoryTypeIndex;
-    VkDeviceMemory made;
-    CHECK(vkAllocateMemory(device, &info, NULL, &made));
-    return made;
+    VkDeviceMemory memory;
+    CHECK(vkAllocateMemory(device, &info, NULL, &memory));
+    CHECK(buffer ? vkBindBufferMemory(device, buffer, memory, 0) : vkBindImageMemory(device, image, memory, 0));
+    return memory;
 }
 
 static void barrier(VkCommandBuffer cmd, VkImage image, VkFlags aspect, VkImageLayout from, VkImageLayout to)
@@ -60,8 +62,8 @@ int main(void)
     VkInstance instance;
     VkPhysicalDevice gpu;
     uint32_t count = 1;
-    if (vkCreateInstance(&instanceInfo, NULL, &instance) < 0 || vkEnumeratePhysicalDevices(instance, &count, &gpu) < 0 ||
-        count == 0)
+    if (vkCreateInstance(&instanceInfo, NULL, &instance) < 0 ||
+        vkEnumeratePhysicalDevices(instance, &count, &gpu) < 0 || count == 0)
         return 77;
     GnDeviceNeeds needs;
     CHECK(gnQueryDeviceNeeds(instance, gpu, vkGetInstanceProcAddr, &needs));
@@ -85,29 +87,20 @@ int main(void)
     const GnContextCreateInfo contextInfo = {.instance = instance, .physicalDevice = gpu, .device = device,
                                              .queue = queue, .apiVersion = VK_API_VERSION_1_3,
                                              .pEnabledFeatures = &features,
-                                             .pfnGetInstanceProcAddr = vkGetInstanceProcAddr,
-                                             .pfnMessage = onMessage};
+                                             .pfnGetInstanceProcAddr = vkGetInstanceProcAddr};
     GnContext context;
     CHECK(gnCreateContext(&contextInfo, &context));
-    const float floorPositions[] = {-9, 0, -9, -9, 0, 9, 9, 0, 9, 9, 0, -9};
-    const uint32_t floorIndices[] = {0, 1, 2, 0, 2, 3};
-    const float box[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
-    const uint32_t boxIndices[] = {0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
-                                   3, 7, 6, 3, 6, 2, 0, 4, 7, 0, 7, 3, 1, 2, 6, 1, 6, 5};
-    const GnMeshCreateInfo meshes[2] = {{.pName = "floor", .pPositions = floorPositions, .positionCount = 4,
-                                         .pIndices = floorIndices, .indexCount = 6},
-                                        {.pName = "box", .pPositions = box, .positionCount = 8,
-                                         .pIndices = boxIndices, .indexCount = 36}};
-    for (int i = 0; i < 2; ++i) {
-        GnInstanceCreateInfo instanceOf = {.flags = GN_INSTANCE_STATIC_BIT, .pName = meshes[i].pName};
-        GnInstance placed;
-        if (i == 1) { /* x in [-3, -2], z in [-0.5, 0.5] */
-            instanceOf.transform.translation[0] = -3.0;
-            instanceOf.transform.translation[2] = -0.5;
-        }
-        CHECK(gnCreateMesh(context, &meshes[i], &instanceOf.mesh));
-        CHECK(gnCreateInstance(context, &instanceOf, &placed));
-    }
+    const float positions[] = {-9, 0, -9, -9, 0, 9, 9, 0, 9, 9, 0, -9, /* floor, then x in [-3, -2], z in [-.5, .5] */
+                               -3, 0, -.5f, -2, 0, -.5f, -2, 1, -.5f, -3, 1, -.5f,
+                               -3, 0, .5f, -2, 0, .5f, -2, 1, .5f, -3, 1, .5f};
+    const uint32_t indices[] = {0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6, 8, 9, 10, 8, 10, 11, 4, 5, 9, 4, 9, 8,
+                                7, 11, 10, 7, 10, 6, 4, 8, 11, 4, 11, 7, 5, 6, 10, 5, 10, 9};
+    const GnMeshCreateInfo meshInfo = {.pName = "floor and box", .pPositions = positions, .positionCount = 12,
+                                       .pIndices = indices, .indexCount = 42};
+    GnInstanceCreateInfo placedInfo = {.flags = GN_INSTANCE_STATIC_BIT};
+    GnInstance placed;
+    CHECK(gnCreateMesh(context, &meshInfo, &placedInfo.mesh));
+    CHECK(gnCreateInstance(context, &placedInfo, &placed));
     const GnLightInfo sun = {.type = GN_LIGHT_TYPE_DIRECTIONAL, .direction = {2.0f, -1.0f, 0.0f}, .pName = "sun"};
     const GnViewCreateInfo viewInfo = {.pName = "from above", .maxLights = 1};
     GnLight light;
@@ -122,11 +115,8 @@ int main(void)
         .extent = {SIZE, SIZE, 1}, .mipLevels = 1, .arrayLayers = 1, .samples = VK_SAMPLE_COUNT_1_BIT,
         .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     VkImage depth;
-    VkMemoryRequirements memoryNeeds;
     CHECK(vkCreateImage(device, &imageInfo, NULL, &depth));
-    vkGetImageMemoryRequirements(device, depth, &memoryNeeds);
-    const VkDeviceMemory depthMemory = allocate(gpu, device, memoryNeeds, 0);
-    CHECK(vkBindImageMemory(device, depth, depthMemory, 0));
+    const VkDeviceMemory depthMemory = bindMemory(gpu, device, depth, VK_NULL_HANDLE);
     const VkImageViewCreateInfo depthViewInfo = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO, .image = depth,
                                                  .viewType = VK_IMAGE_VIEW_TYPE_2D, .format = VK_FORMAT_D32_SFLOAT,
                                                  .subresourceRange = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, 0, 1}};
@@ -136,11 +126,9 @@ int main(void)
     VkBuffer pixels;
     CHECK(vkCreateImageView(device, &depthViewInfo, NULL, &depthView));
     CHECK(vkCreateBuffer(device, &bufferInfo, NULL, &pixels));
-    vkGetBufferMemoryRequirements(device, pixels, &memoryNeeds);
-    const VkDeviceMemory pixelMemory = allocate(
-        gpu, device, memoryNeeds, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
-    CHECK(vkBindBufferMemory(device, pixels, pixelMemory, 0));
-    const VkCommandPoolCreateInfo poolInfo = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    const VkDeviceMemory pixelMemory = bindMemory(gpu, device, VK_NULL_HANDLE, pixels);
+    const VkCommandPoolCreateInfo poolInfo = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                              .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT};
     VkCommandBufferAllocateInfo cmdInfo = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
                                            .commandBufferCount = 1};
     VkCommandBuffer cmd;
