@@ -1,0 +1,83 @@
+#include "exactness/results.hpp"
+
+#include <algorithm>
+
+#include "demo/program/measure.hpp"
+
+namespace gnomon::exact {
+namespace {
+
+std::string key(const std::string& method, uint32_t resolution)
+{
+    return resolution == 0 ? method : method + " " + std::to_string(resolution);
+}
+
+SceneResults measure(const std::string& name)
+{
+    const test::DeviceTest silence;
+    Stage stage(shippedScene(name), testSize());
+    SceneResults results{.name = name,
+                         .scene = stage.scene(),
+                         .camera = stage.camera,
+                         .state = stage.state,
+                         .surfaces = stage.surfaces,
+                         .truth = stage.truth,
+                         .counted = stage.counted};
+    const auto draw = [&](const char* method, uint32_t resolution) {
+        const double texels = resolution;
+        results.pictures[key(method, resolution)] = stage.draw(method, {{demo::kResolutionSetting, texels}});
+    };
+    for (const GnMethodInfo& info : stage.methods()) {
+        results.names.emplace_back(info.pName);
+        results.traits.push_back(info.traits);
+        results.pictures[info.pName] = stage.draw(info.pName);
+    }
+    for (const uint32_t resolution : kMapSizes)
+        draw("shadow_map", resolution);
+    draw("shadow_map", kCoarse);
+    draw("pcf_hybrid", kCoarse);
+    draw("pcf_hybrid", 1024);
+    if (results.has(LightKind::Point)) {
+        draw("cube_map", 256);
+        draw("cube_map", 1024);
+        draw("dual_paraboloid", 1024);
+    }
+    return results;
+}
+
+} // namespace
+
+const Pictures& SceneResults::of(const std::string& method, uint32_t resolution) const
+{
+    return pictures.at(key(method, resolution));
+}
+
+bool SceneResults::has(LightKind kind) const
+{
+    return std::any_of(state.present.begin(), state.present.end(),
+                       [&](uint32_t index) { return scene.lights[index].kind == kind; });
+}
+
+ErrorCount SceneResults::pooled(const Pictures& of, GnTraits onlyKinds) const
+{
+    ErrorCount sum;
+    for (size_t layer = 0; layer < of.size(); ++layer)
+        if (of[layer].width > 0 && serves(onlyKinds, light(layer).kind))
+            sum += demo::compare(of[layer], truth[layer], counted[layer]);
+    return sum;
+}
+
+GnTraits SceneResults::traitsOf(const std::string& method) const
+{
+    const auto found = std::find(names.begin(), names.end(), method);
+    return found == names.end() ? 0 : traits[static_cast<size_t>(found - names.begin())];
+}
+
+const SceneResults& resultsOf(const std::string& scene)
+{
+    static std::map<std::string, SceneResults> all;
+    const auto found = all.find(scene);
+    return found != all.end() ? found->second : all.emplace(scene, measure(scene)).first->second;
+}
+
+} // namespace gnomon::exact

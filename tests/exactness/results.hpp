@@ -1,0 +1,35 @@
+#pragma once
+// What the bounds are about, measured once per shipped scene and shared by the test cases of a program: every method
+// with its defaults, and the resolutions that are compared with each other.
+#include "exactness/stage.hpp"
+
+namespace gnomon::exact {
+
+/// A scene without its device: the truth, and what the methods said.
+struct SceneResults {
+    std::string name;
+    Scene scene;
+    demo::CameraMatrices camera;
+    demo::SceneState state;
+    demo::FrameSurfaces surfaces;
+    Pictures truth;
+    std::vector<std::vector<uint8_t>> counted;
+    std::vector<std::string> names;
+    std::vector<GnTraits> traits;
+    std::map<std::string, Pictures> pictures; ///< By key().
+
+    const demo::Light& light(size_t layer) const { return scene.lights[state.present[layer]]; }
+    const Pictures& of(const std::string& method, uint32_t resolution = 0) const;
+    bool has(LightKind kind) const;
+    /// Lights of these kinds only.
+    ErrorCount pooled(const Pictures& pictures, GnTraits onlyKinds = ~GnTraits(0)) const;
+    GnTraits traitsOf(const std::string& method) const;
+};
+
+/// Measured when first asked for; validation must stay silent meanwhile.
+const SceneResults& resultsOf(const std::string& scene);
+
+constexpr uint32_t kMapSizes[] = {512, 1024, 2048, 4096};
+constexpr uint32_t kCoarse = 64; ///< Texels as large as casters.
+
+} // namespace gnomon::exact

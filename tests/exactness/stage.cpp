@@ -1,0 +1,130 @@
+#include "exactness/stage.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "demo/program/measure.hpp"
+#include "demo/scene/scene_file.hpp"
+
+namespace gnomon::exact {
+
+using namespace demo;
+
+Stage::Stage(Scene scene, VkExtent2D extent, double time)
+    : scene_(std::move(scene)), time_(time),
+      session_(test::device(), scene_, {.scene = {}, .size = extent, .contextFlags = GN_CONTEXT_NO_BACKGROUND_BIT})
+{
+    REQUIRE_MESSAGE(gnWarmUp(session_.shadows.context()) >= 0, gnGetLastError(session_.shadows.context()));
+    for (const GnMethodInfo& info : methods()) {
+        traits_[info.pName] = info.traits;
+        for (uint32_t i = 0; i < info.settingCount; ++i)
+            defaults_[info.pName].emplace_back(info.pSettings[i].pName, info.pSettings[i].value);
+    }
+    state = stateAt(scene_, time);
+    present = state.present;
+    truth = draw(kTruthMethod);
+    camera = session_.renderer.camera();
+    surfaces = {session_.renderer.readDepth(), session_.renderer.readNormals()};
+    for (uint32_t light : present)
+        counted.push_back(countedPixels(scene_, camera, surfaces, scene_.lights[light], state.lights[light]));
+}
+
+std::vector<GnMethodInfo> Stage::methods() const
+{
+    std::vector<GnMethodInfo> all = session_.shadows.methods();
+    std::erase_if(all, [](const GnMethodInfo& method) { return method.pUnavailable != nullptr; });
+    return all;
+}
+
+void Stage::apply(const std::string& method, const Settings& settings)
+{
+    for (const auto& [name, value] : defaults_[method])
+        expect(session_.shadows.set(method, name, value));
+    for (const Setting& setting : settings)
+        expect(session_.shadows.set(method, setting.name, setting.value));
+}
+
+void Stage::pin(const std::string& method)
+{
+    for (uint32_t light = 0; light < scene_.lights.size(); ++light) {
+        const bool served = exact::serves(traits_.at(method), scene_.lights[light].kind);
+        expect(session_.shadows.pin(light, served ? method : kTruthMethod));
+    }
+}
+
+Pictures Stage::draw(const std::string& method, const Settings& settings)
+{
+    REQUIRE(traits_.contains(method));
+    apply(method, settings);
+    pin(method);
+    const CameraState eye = session_.camera(time_);
+    session_.renderer.draw({.time = time_, .cameras = {&eye, 1}, .shadows = &session_.shadows});
+    Pictures pictures = session_.renderer.readVisibility();
+    REQUIRE(pictures.size() == present.size());
+    for (size_t i = 0; i < present.size(); ++i) {
+        if (!exact::serves(traits_.at(method), scene_.lights[present[i]].kind)) {
+            pictures[i] = {};
+            continue;
+        }
+        GnDecision decision{};
+        gnGetDecision(session_.shadows.context(), session_.shadows.view(0), session_.shadows.light(present[i]),
+                      &decision);
+        REQUIRE(decision.reason == GN_REASON_PINNED);
+        REQUIRE(decision.pMethod == method);
+    }
+    return pictures;
+}
+
+VkExtent2D testSize()
+{
+    const char* wanted = std::getenv("GNOMON_TEST_SIZE");
+    return wanted ? valueOf(parseSize(wanted)) : VkExtent2D{640, 360};
+}
+
+Scene shippedScene(const std::string& name)
+{
+    return valueOf(loadScene(name));
+}
+
+const std::vector<std::string>& sceneNames()
+{
+    static const std::vector<std::string> names = [] {
+        std::vector<std::string> all;
+        for (const ShippedScene& scene : shippedScenes())
+            if (scene.name != "scenario_reverse") all.push_back(scene.name);
+        return all;
+    }();
+    return names;
+}
+
+bool serves(GnTraits traits, LightKind kind)
+{
+    for (const KindOfLight& known : kKinds)
+        if (known.kind == kind) return (traits & known.trait) != 0;
+    return false;
+}
+
+ErrorCount pooled(const Stage& stage, const Pictures& pictures, GnTraits onlyKinds)
+{
+    ErrorCount sum;
+    for (size_t i = 0; i < pictures.size(); ++i) {
+        if (pictures[i].width == 0 || !serves(onlyKinds, stage.scene().lights[stage.present[i]].kind)) continue;
+        sum += compare(pictures[i], stage.truth[i], stage.counted[i]);
+    }
+    return sum;
+}
+
+std::string percentText(double percent)
+{
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4f %%", percent);
+    return text;
+}
+
+std::string inWords(const ErrorCount& error)
+{
+    return percentText(error.percent(error.wrong())) + " of " + std::to_string(error.counted) + " (false lit " +
+           std::to_string(error.falseLit) + ", false shadow " + std::to_string(error.falseShadow) + ")";
+}
+
+} // namespace gnomon::exact

@@ -1,0 +1,86 @@
+#pragma once
+// A scene set up once on a validated device, asked for the visibility of one method after another, with the truth
+// beside it. Methods and settings change from frame to frame within one context, as they do under the rules.
+#include <map>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "demo/program/error_count.hpp"
+#include "demo/program/session.hpp"
+#include "device/fixture.hpp"
+
+namespace gnomon::exact {
+
+using demo::ErrorCount;
+using demo::Image8;
+using demo::LightKind;
+using demo::Scene;
+
+struct Setting {
+    const char* name;
+    double value;
+};
+using Settings = std::vector<Setting>;
+
+/// One picture per present light; a light that the method does not serve has an empty one.
+using Pictures = std::vector<Image8>;
+
+class Stage {
+public:
+    explicit Stage(Scene scene, VkExtent2D extent, double time = 0.0);
+
+    /// One frame with the method pinned wherever it serves; settings not named have their defaults.
+    Pictures draw(const std::string& method, const Settings& settings = {});
+    std::vector<GnMethodInfo> methods() const;
+    const Scene& scene() const { return scene_; }
+    demo::Session& session() { return session_; }
+    double time() const { return time_; }
+
+    // Of the present lights, in layer order.
+    std::vector<uint32_t> present;
+    Pictures truth;
+    std::vector<std::vector<uint8_t>> counted; ///< countedPixels(): 1 counted, 2 grazing.
+    demo::FrameSurfaces surfaces;
+    demo::CameraMatrices camera;
+    demo::SceneState state;
+
+private:
+    void apply(const std::string& method, const Settings& settings);
+    void pin(const std::string& method);
+
+    Scene scene_;
+    double time_;
+    demo::Session session_;
+    std::map<std::string, std::vector<std::pair<std::string, double>>> defaults_;
+    std::map<std::string, GnTraits> traits_;
+};
+
+/// 640x360 unless $GNOMON_TEST_SIZE says otherwise: the bounds are meant for 1280x720 as well.
+VkExtent2D testSize();
+
+/// Shipped by name; fails the test where it cannot be loaded.
+Scene shippedScene(const std::string& name);
+/// All but those that are another one's lights in another order.
+const std::vector<std::string>& sceneNames();
+
+bool serves(GnTraits traits, LightKind kind);
+
+/// \param onlyKinds Lights of these kinds; traits as in GnMethodInfo.
+ErrorCount pooled(const Stage& stage, const Pictures& pictures, GnTraits onlyKinds = ~GnTraits(0));
+
+/// "0.0123 % of 45678 (lit 3, shadow 2)".
+std::string inWords(const ErrorCount& error);
+std::string percentText(double percent);
+
+/// Kinds as traits, and their names.
+struct KindOfLight {
+    LightKind kind;
+    GnTraits trait;
+};
+inline constexpr KindOfLight kKinds[] = {{LightKind::Directional, GN_TRAIT_DIRECTIONAL_BIT},
+                                         {LightKind::Spot, GN_TRAIT_SPOT_BIT},
+                                         {LightKind::Point, GN_TRAIT_POINT_BIT}};
+
+} // namespace gnomon::exact

@@ -1,0 +1,135 @@
+#include "exactness/testbed.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <glm/gtc/quaternion.hpp>
+
+#include "demo/scene/primitives.hpp"
+
+namespace gnomon::exact {
+
+using namespace demo;
+
+namespace {
+
+Instance& place(Scene& scene, const char* name, Mesh mesh, const glm::dvec3& position)
+{
+    mesh.name = name;
+    scene.meshes.push_back(std::move(mesh));
+    Instance& instance = scene.instances.emplace_back();
+    instance.name = name;
+    instance.mesh = static_cast<uint32_t>(scene.meshes.size() - 1);
+    instance.pose.position = position;
+    return instance;
+}
+
+glm::dquat turned(const glm::dvec3& axis, double degrees)
+{
+    return glm::angleAxis(glm::radians(degrees), axis);
+}
+
+Light lamp(const char* name, LightKind kind, const glm::dvec3& position, const glm::dvec3& target)
+{
+    Light light;
+    light.name = name;
+    light.kind = kind;
+    light.position = position;
+    light.direction = glm::normalize(target - position);
+    if (kind == LightKind::Spot) {
+        light.outerAngle = 0.65f;
+        light.innerAngle = 0.6f;
+    }
+    if (kind != LightKind::Directional) light.range = 25.0f;
+    return light;
+}
+
+constexpr glm::dvec3 kUp(0.0, 1.0, 0.0), kRight(1.0, 0.0, 0.0);
+
+} // namespace
+
+Scene testbed(DepthConvention convention)
+{
+    Scene scene;
+    scene.name = "testbed";
+    scene.depth.convention = convention;
+    scene.camera = {{.eye = {1.0, 4.2, 9.0}, .target = {0.0, 0.8, 0.0}}};
+
+    place(scene, "floor", makePlane({.width = 24.0f, .depth = 24.0f, .columns = 4, .rows = 4}), {0.0, 0.0, 0.0});
+    // Both touch the floor: contact edges.
+    place(scene, "crate", makeBox({.size = glm::vec3(1.4f)}), {1.6, 0.7, 0.4}).pose.rotation = turned(kUp, 25.0);
+    place(scene, "ball", makeSphere({.radius = 0.8f, .slices = 20, .stacks = 10}), {-1.8, 0.79, 1.0});
+    place(scene, "knot",
+          makeTorusKnot({.radius = 0.6f, .sweep = 0.25f, .tube = 0.1f, .knotSegments = 24, .tubeSegments = 6}),
+          {-0.2, 2.0, -1.0});
+    place(scene, "wall", makeBox({.size = glm::vec3(1.6f, 1.2f, 0.003f)}), {-3.2, 0.6, -1.2}).pose.rotation =
+        turned(kUp, 40.0);
+    place(scene, "cloth", makeCloth({.width = 1.6f, .height = 1.4f, .folds = 2.0f, .columns = 6, .rows = 6}),
+          {3.4, 2.4, -1.6})
+        .pose.rotation = turned(kUp, -20.0);
+    place(scene, "card", makeCard({.width = 1.2f, .height = 0.9f}), {0.2, 0.7, 2.6}).pose.rotation =
+        turned(kRight, -50.0);
+
+    scene.lights = {lamp("sun", LightKind::Directional, {4.0, 6.0, 3.0}, {0.0, 0.0, 0.0}),
+                    lamp("spot", LightKind::Spot, {-4.5, 6.5, 4.5}, {0.2, 0.5, -0.2}),
+                    lamp("point", LightKind::Point, {0.6, 3.6, 1.6}, {0.0, 0.0, 0.0})};
+    // Its wide faces stand at 85 degrees to the sun: the normal, z turned about y, is turned that far from the sun's
+    // heading. heading.n = cos(85 degrees) / horizontal share of the sun's direction.
+    const glm::dvec3 toSun = -scene.lights[0].direction;
+    const double heading = std::atan2(toSun.x, toSun.z);
+    const double apart = std::acos(std::cos(glm::radians(85.0)) / std::hypot(toSun.x, toSun.z));
+    place(scene, "slab", makeBox({.size = glm::vec3(1.2f, 1.6f, 0.2f)}), {3.4, 0.8, 1.8}).pose.rotation =
+        glm::angleAxis(heading - apart, kUp);
+    // On the sun's rays through the floor before the crate, behind the eye.
+    place(scene, "behind_eye", makeBox({.size = glm::vec3(0.9f)}), glm::dvec3(0.6, 0.0, 2.2) + toSun * 13.0);
+    place(scene, "behind_spot", makeBox({.size = glm::vec3(0.7f)}),
+          scene.lights[1].position - scene.lights[1].direction * 1.2);
+    place(scene, "above_point", makeBox({.size = glm::vec3(0.5f)}), {0.6, 4.6, 1.6});
+    return scene;
+}
+
+Scene hangingCaster(LightKind kind, bool closed, DepthConvention convention)
+{
+    Scene scene;
+    scene.name = "hanging caster";
+    scene.depth = {.convention = convention, .nearPlane = 0.5, .farPlane = 200.0};
+    place(scene, "floor", makeBox({.size = glm::vec3(30.0f, 0.2f, 30.0f)}), {0.0, -0.1, 0.0});
+    place(scene, "post", makeBox({.size = glm::vec3(0.3f, 1.0f, 0.3f)}), {3.5, 0.5, -2.5});
+    if (closed) {
+        place(scene, "caster", makeBox({.size = glm::vec3(0.8f, 1.6f, 1.6f)}), {-1.0, 2.5, 0.0});
+    } else {
+        place(scene, "caster", makeCard({.width = 1.6f, .height = 1.6f}), {-1.0, 2.5, 0.0}).pose.rotation =
+            turned(kUp, 90.0);
+    }
+    scene.lights = {lamp("lamp", kind, {-5.0, 4.0, 0.0}, {1.0, 1.75, 0.0})};
+    scene.camera = {{.eye = {1.0, 1.8, 0.0}, .target = {4.0, 0.2, -2.5}}};
+    return scene;
+}
+
+Scene onlyClosed(Scene scene)
+{
+    // Every edge is used once in each direction, corners at equal positions being one corner.
+    const auto closed = [](const Mesh& mesh) {
+        std::map<std::array<float, 3>, uint32_t> corners;
+        std::map<std::pair<uint32_t, uint32_t>, int> balance;
+        const auto corner = [&](uint32_t index) {
+            const glm::vec3& p = mesh.positions[index];
+            return corners.emplace(std::array{p.x, p.y, p.z}, static_cast<uint32_t>(corners.size())).first->second;
+        };
+        for (size_t i = 0; i < mesh.indices.size(); ++i) {
+            const uint32_t a = corner(mesh.indices[i]);
+            const uint32_t b = corner(mesh.indices[i % 3 == 2 ? i - 2 : i + 1]);
+            balance[std::minmax(a, b)] += a < b ? 1 : -1;
+        }
+        for (const auto& [edge, sum] : balance)
+            if (sum != 0) return false;
+        return true;
+    };
+    std::erase_if(scene.instances, [&](const Instance& instance) { return !closed(scene.meshes[instance.mesh]); });
+    return scene;
+}
+
+} // namespace gnomon::exact

@@ -1,0 +1,19 @@
+#pragma once
+// Small scenes made in code, for truths that are too dear for the shipped ones.
+
+#include "demo/scene/scene.hpp"
+
+namespace gnomon::exact {
+
+/// About 900 triangles that hold what methods stumble over: closed and open casters, a thin wall, contact edges, a slab
+/// at 85 degrees to the sun, a caster behind the eye and one behind each lamp. Layer 0 sun, 1 spot, 2 point.
+demo::Scene testbed(demo::DepthConvention convention);
+
+/// A box (closed) or a sheet (open) that hangs over a floor in the light of one lamp of the given kind, which stands to
+/// the left; the shadow falls to the right, towards +x. The near plane is half a metre away, so that it is 0.7 m wide.
+demo::Scene hangingCaster(demo::LightKind kind, bool closed, demo::DepthConvention convention);
+
+/// The instances whose mesh is closed, alone.
+demo::Scene onlyClosed(demo::Scene scene);
+
+} // namespace gnomon::exact
