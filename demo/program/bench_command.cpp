@@ -33,6 +33,7 @@ struct Row {
     bool hasErrors = false;
     uint64_t rays = 0;
     double memoryMib = 0.0;
+    std::vector<PassTime> passes;
 };
 
 /// One scene with one number of lights at one size: the truth is made once for all rows.
@@ -82,6 +83,7 @@ public:
         const GnFrameStats stats = session.shadows.stats();
         row.rays = stats.rays;
         row.memoryMib = double(stats.memory) / (1024.0 * 1024.0);
+        if (options_.passes && !options_.recorded) row.passes = timePasses(session, options_.repeat);
         settle(session, truthTime_, options_.recorded);
         addErrors(session, row);
         return row;
@@ -189,6 +191,9 @@ void print(const Row& row)
                     row.errors.percent(row.errors.wrong()), row.worstLight.c_str(), row.worstLightPercent,
                     static_cast<unsigned long long>(row.errors.wrongClear), row.errors.percent(row.errors.ambiguous));
     std::printf("\n");
+    for (const PassTime& pass : row.passes)
+        std::printf("    %-32s x%-3u GPU %8.3f ms  CPU %8.3f ms\n", pass.name.c_str(), pass.count, pass.gpuMs,
+                    pass.cpuMs);
     std::fflush(stdout);
 }
 

@@ -31,6 +31,7 @@ struct BenchOptions {
     uint32_t repeat = 15;
     bool validation = false;
     bool recorded = false;
+    bool passes = false; ///< Print what each pass takes.
 };
 int benchCommand(const BenchOptions& options);
 

@@ -48,6 +48,7 @@ void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
     bench->add_option("--repeat", options.repeat, "interleaved pairs of frames")->check(CLI::Range(3, 10000));
     bench->add_option("--csv", options.csv, "write the table here as well");
     bench->add_flag("--recorded", options.recorded, "use gnCmdRenderShadows; methods with round trips are skipped");
+    bench->add_flag("--passes", options.passes, "print the fastest time of every pass, from frames with full barriers");
     bench->add_flag("--validate", options.validation, "run under the validation layer (times are then meaningless)");
     bench->callback([&] { exitCode = benchCommand(options); });
 }

@@ -107,6 +107,39 @@ PairTimes timePairs(Session& session, uint32_t pairs, bool recorded, OtherShadow
     return times;
 }
 
+std::vector<PassTime> timePasses(Session& session, uint32_t frames)
+{
+    std::vector<PassTime> best;
+    std::vector<GnPassTiming> timings;
+    for (uint32_t i = 0; i < frames; ++i) {
+        const double time = frameTime(session.scene, i);
+        const CameraState camera = session.camera(time);
+        timedFrame(session,
+                   {.time = time, .cameras = {&camera, 1}, .shadows = &session.shadows, .flags = GN_FRAME_TIMED_BIT});
+        uint32_t count = 0;
+        gnGetPassTimings(session.shadows.context(), nullptr, &count, nullptr);
+        timings.resize(count);
+        gnGetPassTimings(session.shadows.context(), nullptr, &count, timings.data());
+        std::vector<PassTime> now;
+        for (const GnPassTiming& timing : timings) {
+            auto found =
+                std::find_if(now.begin(), now.end(), [&](const PassTime& p) { return p.name == timing.pName; });
+            if (found == now.end()) found = now.insert(now.end(), {.name = timing.pName});
+            ++found->count;
+            found->gpuMs += double(timing.gpuMs);
+            found->cpuMs += double(timing.cpuMs);
+        }
+        for (const PassTime& pass : now) {
+            auto found = std::find_if(best.begin(), best.end(), [&](const PassTime& p) { return p.name == pass.name; });
+            if (found == best.end())
+                best.push_back(pass);
+            else if (pass.gpuMs + pass.cpuMs < found->gpuMs + found->cpuMs)
+                *found = pass;
+        }
+    }
+    return best;
+}
+
 double minimum(const std::vector<double>& values)
 {
     return *std::min_element(values.begin(), values.end());

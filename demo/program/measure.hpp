@@ -45,6 +45,16 @@ struct PairTimes {
 /// instead.
 PairTimes timePairs(Session& session, uint32_t pairs, bool recorded, OtherShadows* other);
 
+struct PassTime {
+    std::string name;
+    uint32_t count = 0; ///< In one frame, all lights together.
+    double gpuMs = 0.0; ///< Fastest frame's sum.
+    double cpuMs = 0.0;
+};
+/// What each pass of a method takes, from timed frames: full barriers around every pass, so the sum is more than the
+/// frame without them.
+std::vector<PassTime> timePasses(Session& session, uint32_t frames);
+
 double minimum(const std::vector<double>& values);
 double median(std::vector<double> values);
 
