@@ -27,6 +27,19 @@ const char* nameOf(GnReason reason) noexcept
     }
 }
 
+namespace {
+
+/// "rules T3": the reason, and the strongest rule behind the method.
+std::string reasonText(const GnDecision& decision)
+{
+    std::string text = nameOf(decision.reason);
+    if (decision.pRule && (decision.reason == GN_REASON_RULES || decision.reason == GN_REASON_INCUMBENT))
+        text += std::string(" ") + decision.pRule;
+    return text;
+}
+
+} // namespace
+
 FrameLog::FrameLog(const Scene& scene, float budgetMs)
     : scene_(scene), budgetMs_(budgetMs),
       lights_({"frame", "light", "method", "suitability", "predicted_ms", "measured_ms", "distance", "reason"})
@@ -48,7 +61,7 @@ void FrameLog::add(uint32_t frame, double timeSeconds, const SceneState& state, 
         const std::string method = decision.pMethod ? decision.pMethod : "none";
         lights_.cell(frame).cell(scene_.lights[light].name).cell(method).cell(double(decision.suitability), 4);
         lights_.cell(double(decision.predictedMs), 3).cell(double(decision.measuredMs), 3);
-        lights_.cell(double(decision.viewerDistance), 3).cell(nameOf(decision.reason)).endRow();
+        lights_.cell(double(decision.viewerDistance), 3).cell(reasonText(decision)).endRow();
         ++lightFrames_[method];
         newest_.push_back({scene_.lights[light].name, method, decision.suitability, decision.switched != 0});
         newestSwitched_ = newestSwitched_ || decision.switched;

@@ -296,7 +296,8 @@ Result<GnDecision> Context::decision(GnView viewHandle, GnLight light)
                               .measuredMs = d.measuredMs,
                               .viewerDistance = d.viewerDistance,
                               .viewerDistanceMeasured = d.distanceMeasured ? VK_TRUE : VK_FALSE,
-                              .switched = d.switched ? VK_TRUE : VK_FALSE};
+                              .switched = d.switched ? VK_TRUE : VK_FALSE,
+                              .pRule = selector_->ruleName(d.rule)};
     return Error{GN_ERROR_INVALID_HANDLE, "LightNotInFrame",
                  "the light was not in the last frame of view '" + view->name + "'"};
 }

@@ -99,6 +99,13 @@ Result<void> Selector::rebind(const AlgorithmRegistry& registry)
     return {};
 }
 
+const char* Selector::ruleName(std::uint32_t rule) const
+{
+    if (!engine_ || rule == rules::kNoRule) return nullptr;
+    const std::string_view id = engine_->ruleId(rule);
+    return id.empty() ? nullptr : id.data(); // ends with a zero: it is a whole std::string or a literal
+}
+
 /// Capability: what no rule can overrule.
 Candidate Selector::examine(const Method& method, const SelectionInput& input, std::uint32_t incumbent) const
 {
@@ -229,6 +236,7 @@ LightDecision Selector::decide(const SelectionInput& input, LightMemory& memory)
         const std::int32_t quantised = decision.candidates[best].quantised;
         decision.suitability =
             engine_ ? static_cast<float>(std::max(quantised, 0)) / static_cast<float>(rules::kSuitabilitySteps) : 1.0f;
+        if (engine_) decision.rule = inference_.outputs[best].strongestRule;
         decision.predictedMs = decision.measuredMs = memory.measuredMs[best];
     }
     decision.switched = memory.incumbent != UINT32_MAX && best != memory.incumbent;

@@ -50,6 +50,7 @@ struct LightDecision {
     float viewerDistance = 0.0f;
     bool distanceMeasured = false;
     bool switched = false;
+    std::uint32_t rule = rules::kNoRule; ///< Strongest behind the method.
     FactValues facts{};
     std::array<Candidate, kMaxMethods> candidates{};
 };
@@ -96,6 +97,8 @@ public:
     /// Decides; allocates nothing. `memory` is updated. `task` is for ShadowAlgorithm::refuses.
     LightDecision decide(const SelectionInput& input, LightMemory& memory);
 
+    /// Id of a rule, or null; lives until rules are loaded anew.
+    const char* ruleName(std::uint32_t rule) const;
     /// All facts, rules and candidates of a decision.
     std::string explain(const LightDecision& decision) const;
 

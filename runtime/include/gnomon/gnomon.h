@@ -476,6 +476,7 @@ typedef struct GnDecision {
     float viewerDistance;          ///< Metres from the eye to the light's nearest visible receiver.
     VkBool32 viewerDistanceMeasured; ///< False: a lower bound.
     VkBool32 switched;             ///< Differs from the frame before.
+    const char* pRule;             ///< Id of the strongest rule behind the method, or null. Until rules are loaded anew.
 } GnDecision;
 
 GN_API GnResult GN_CALL gnGetDecision(GnContext context, GnView view, GnLight light, GnDecision* pDecision);
