@@ -173,6 +173,7 @@ Result<void> Context::takeInput(const GnFrameInfo& info)
                           std::to_string(info.frame));
     if (Result<void> free = executor_->checkSlot(info.frame, info.completedFrame); !free) return free;
     if (std::isnan(info.budgetMs)) return Error{GN_ERROR_NOT_A_NUMBER, "BudgetNaN", "budgetMs is NaN"};
+    if (std::isinf(info.budgetMs)) return Error{GN_ERROR_INFINITE, "BudgetInfinite", "budgetMs is infinite"};
     if (info.budgetMs < 0.0f)
         return Error{GN_ERROR_OUT_OF_RANGE, "BudgetNegative", "budgetMs is " + std::to_string(info.budgetMs)};
     if (info.viewCount && !info.pViews) return Error{GN_ERROR_NULL_ARGUMENT, "ViewsMissing", "pViews is null"};
@@ -206,11 +207,17 @@ Result<void> Context::acceptViews(const GnFrameInfo& info)
         if (std::find(acceptedViews_.begin(), acceptedViews_.end(), view) != acceptedViews_.end())
             return Error{GN_ERROR_OUT_OF_RANGE, "ViewTwice", "view '" + view->name + "' appears twice in the frame"};
         if (Result<void> ok = checkViewFrame(frame, view->name.c_str(), view->maxLights, *vk_); !ok) return ok;
-        for (std::uint32_t k = 0; k < frame.lightCount; ++k)
+        for (std::uint32_t k = 0; k < frame.lightCount; ++k) {
+            const GnLight* earlier = std::find(frame.pLights, frame.pLights + k, frame.pLights[k]);
+            if (earlier != frame.pLights + k)
+                return Error{GN_ERROR_OUT_OF_RANGE, "LightTwice",
+                             "view '" + view->name + "': pLights[" + std::to_string(k) + "] is pLights[" +
+                                 std::to_string(earlier - frame.pLights) + "] again"};
             if (!scene_->validLight(frame.pLights[k]))
                 return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle",
                              "view '" + view->name + "': pLights[" + std::to_string(k) +
                                  "] is not a live light of this context"};
+        }
         acceptedViews_.push_back(view);
     }
     return {};

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "runtime/api/context.hpp"
+#include "runtime/scene/scene_input.hpp"
 
 namespace gnomon {
 
@@ -34,6 +35,9 @@ Result<void> checkProjection(const GnViewFrame& frame, const char* viewName)
         return wrong(GN_ERROR_OUT_OF_RANGE, "ProjectionNotPerspective", viewName,
                      "projection is not a perspective matrix (clip w must be +-view z, no skew; projection[11] is " +
                          std::to_string(p[11]) + ")");
+    if (frame.depthConvention < GN_DEPTH_REVERSED_INFINITE || frame.depthConvention > GN_DEPTH_STANDARD)
+        return wrong(GN_ERROR_OUT_OF_RANGE, "DepthConvention", viewName,
+                     "depthConvention is " + std::to_string(frame.depthConvention) + ", not a GnDepthConvention");
     // Which depth belongs to the near plane follows from the matrix; the convention must agree.
     const bool infinite = p[10] == 0.0f;
     const bool reversed = p[14] > 0.0f; // depth = p10 / p11 + p14 / w
@@ -98,6 +102,10 @@ Result<void> checkViewFrame(const GnViewFrame& frame, const char* viewName, std:
                             const DeviceTable& vk)
 {
     if (auto r = checkFinite<double>(frame.eye, "eye", viewName); !r) return r;
+    for (int i = 0; i < 3; ++i)
+        if (std::abs(frame.eye[i]) > kLargestMagnitude)
+            return wrong(GN_ERROR_OUT_OF_RANGE, "CameraTooFar", viewName,
+                         "eye[" + std::to_string(i) + "] is beyond 1e18 m of the world's zero");
     if (auto r = checkFinite<float>(frame.viewFromWorld, "viewFromWorld", viewName); !r) return r;
     if (auto r = checkFinite<float>(frame.projection, "projection", viewName); !r) return r;
     if (auto r = checkRotation(frame, viewName); !r) return r;

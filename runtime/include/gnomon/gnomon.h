@@ -326,7 +326,7 @@ typedef struct GnViewFrame {
     VkImageView normalView;
     VkFormat normalFormat;    ///< R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT.
     uint32_t lightCount;      ///< At most the view's maxLights.
-    const GnLight* pLights;   ///< Layer i of the visibility image belongs to pLights[i].
+    const GnLight* pLights;   ///< Layer i of the visibility image belongs to pLights[i]; each light at most once.
     VkBool32 cameraCut;       ///< The camera jumped: measured facts and holds of the last frames do not apply.
 } GnViewFrame;
 

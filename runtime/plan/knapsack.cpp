@@ -1,0 +1,327 @@
+#include "runtime/plan/knapsack.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <limits>
+
+namespace gnomon::plan {
+
+namespace {
+
+/// Sums are made in other orders than sumOf()'s while searching; this much of the budget stays unused so that the last
+/// bits never turn a plan that fits into one that does not.
+constexpr double kRounding = 1e-12;
+
+/// With few methods that have a fixed part every set of them is tried: 2^4 solutions.
+constexpr int kExhaustiveSets = 4;
+/// Sets tried beyond that. Above kTableLights one solution costs tens of microseconds, and a fixed part is shared by
+/// many lights and matters less.
+constexpr uint32_t kSetTrials = 24;
+constexpr uint32_t kSetTrialsMany = 3;
+
+constexpr uint32_t kFillSteps = 4; ///< Single exchanges tried after greedy; gains beyond were below 0.01 %.
+
+bool better(const Solution& a, const Solution& b)
+{
+    if (a.fits != b.fits) return a.fits;
+    if (!a.fits) return a.costMs < b.costMs;
+    return a.value > b.value || (a.value == b.value && a.costMs < b.costMs);
+}
+
+/// Bit m: at least one light uses method m.
+uint32_t usedMethods(std::span<const uint32_t> chosen)
+{
+    uint32_t used = 0;
+    for (const uint32_t method : chosen)
+        if (method != kNone) used |= 1u << method;
+    return used;
+}
+
+double fixedOf(const Problem& problem, uint32_t methods)
+{
+    double sum = 0.0;
+    if (!problem.fixedMs.empty())
+        for (; methods; methods &= methods - 1)
+            sum += problem.fixedMs[std::countr_zero(methods)];
+    return sum;
+}
+
+} // namespace
+
+Sums sumOf(const Problem& problem, std::span<const uint32_t> chosen) noexcept
+{
+    Sums sums;
+    for (uint32_t light = 0; light < problem.lights; ++light) {
+        if (chosen[light] == kNone) continue;
+        const size_t index = size_t{light} * problem.methods + chosen[light];
+        sums.value += problem.values[index];
+        sums.costMs += problem.costsMs[index];
+    }
+    sums.costMs += fixedOf(problem, usedMethods(chosen.first(problem.lights)));
+    return sums;
+}
+
+void Knapsack::reserve(uint32_t lights, uint32_t methods, uint32_t tableLights)
+{
+    const size_t tableSize = std::min(lights, tableLights);
+    tableLights_ = std::max(tableLights_, tableLights);
+    auto grow = [](auto& vector, size_t size) {
+        if (vector.size() < size) vector.resize(size);
+    };
+    grow(options_, size_t{lights} * methods);
+    grow(steps_, size_t{lights} * methods);
+    grow(optionCounts_, lights);
+    grow(masks_, lights);
+    grow(at_, lights);
+    grow(trial_, lights);
+    grow(other_, lights);
+    grow(states_, bins_ + 1);
+    grow(nextStates_, bins_ + 1);
+    grow(origins_, tableSize * (bins_ + 1));
+}
+
+std::span<const Knapsack::Option> Knapsack::optionsOf(uint32_t light) const noexcept
+{
+    return std::span(options_).subspan(size_t{light} * methods_, optionCounts_[light]);
+}
+
+/// Undominated options of every light by rising cost and value; false if a light that may have one has none left.
+bool Knapsack::gatherOptions(const Problem& problem, uint32_t open) noexcept
+{
+    methods_ = problem.methods;
+    for (uint32_t light = 0; light < problem.lights; ++light) {
+        masks_[light] = problem.allowed[light] & open;
+        optionCounts_[light] = 0;
+        if (problem.allowed[light] == 0) continue;
+        if (masks_[light] == 0) return false;
+        Option* const first = &options_[size_t{light} * methods_];
+        uint32_t count = 0;
+        for (uint32_t mask = masks_[light]; mask; mask &= mask - 1) {
+            const auto method = static_cast<uint32_t>(std::countr_zero(mask));
+            const size_t index = size_t{light} * methods_ + method;
+            const Option option{problem.costsMs[index], problem.values[index], method};
+            // Insertion by cost; among equals the dearer value first, then registry order (methods come in order).
+            uint32_t place = count++;
+            for (; place > 0; --place) {
+                const Option& before = first[place - 1];
+                if (before.costMs < option.costMs ||
+                    (before.costMs == option.costMs && before.value >= option.value))
+                    break;
+                first[place] = before;
+            }
+            first[place] = option;
+        }
+        uint32_t kept = 1;
+        for (uint32_t i = 1; i < count; ++i)
+            if (first[i].value > first[kept - 1].value) first[kept++] = first[i];
+        optionCounts_[light] = kept;
+    }
+    return true;
+}
+
+/// Buys steps along the hulls by gain per millisecond; a step that does not fit ends its light's walk.
+void Knapsack::walkGreedy(const Problem& problem, double limitMs, std::span<uint32_t> chosen) noexcept
+{
+    uint32_t stepCount = 0;
+    double costMs = 0.0;
+    for (uint32_t light = 0; light < problem.lights; ++light) {
+        const std::span<const Option> options = optionsOf(light);
+        chosen[light] = options.empty() ? kNone : options[0].method;
+        at_[light] = 0;
+        if (options.empty()) continue;
+        costMs += options[0].costMs;
+        // Upper hull: a point below the line from its predecessor to its successor is never bought.
+        uint32_t hull[kMaxMethods];
+        uint32_t size = 0;
+        auto slope = [&](uint32_t a, uint32_t b) {
+            return (options[b].value - options[a].value) / (options[b].costMs - options[a].costMs);
+        };
+        for (uint32_t i = 0; i < options.size(); ++i) {
+            while (size >= 2 && slope(hull[size - 2], hull[size - 1]) <= slope(hull[size - 1], i))
+                --size;
+            hull[size++] = i;
+        }
+        for (uint32_t i = 1; i < size; ++i)
+            steps_[stepCount++] = {slope(hull[i - 1], hull[i]), light, hull[i]};
+    }
+    const auto end = steps_.begin() + stepCount;
+    std::sort(steps_.begin(), end, [](const Step& a, const Step& b) {
+        if (a.gainPerMs != b.gainPerMs) return a.gainPerMs > b.gainPerMs;
+        return a.light != b.light ? a.light < b.light : a.option < b.option;
+    });
+    constexpr uint32_t kEnded = UINT32_MAX;
+    for (auto step = steps_.begin(); step != end; ++step) {
+        const uint32_t from = at_[step->light];
+        if (from == kEnded) continue;
+        const std::span<const Option> options = optionsOf(step->light);
+        const double more = options[step->option].costMs - options[from].costMs;
+        if (costMs + more > limitMs) {
+            at_[step->light] = kEnded;
+            continue;
+        }
+        costMs += more;
+        at_[step->light] = step->option;
+        chosen[step->light] = options[step->option].method;
+    }
+    fillSlack(problem, limitMs - costMs, chosen);
+}
+
+/// What is left over buys the largest single gains that fit, off the hulls too.
+void Knapsack::fillSlack(const Problem& problem, double slackMs, std::span<uint32_t> chosen) noexcept
+{
+    for (uint32_t fill = 0; fill < kFillSteps; ++fill) {
+        double bestGain = 0.0, bestMore = 0.0;
+        uint32_t bestLight = kNone, bestMethod = kNone;
+        for (uint32_t light = 0; light < problem.lights; ++light) {
+            if (chosen[light] == kNone) continue;
+            const size_t now = size_t{light} * methods_ + chosen[light];
+            for (const Option& option : optionsOf(light)) {
+                const double more = option.costMs - problem.costsMs[now];
+                if (more > slackMs) break;
+                const double gain = option.value - problem.values[now];
+                if (gain > bestGain) bestGain = gain, bestMore = more, bestLight = light, bestMethod = option.method;
+            }
+        }
+        if (bestLight == kNone) return;
+        chosen[bestLight] = bestMethod;
+        slackMs -= bestMore;
+    }
+}
+
+/// Dynamic programming over lights. A bin keeps the most valuable state whose extra cost falls into it, with its exact
+/// cost: rounding never adds up, and no plan found is dearer than it looks. By induction a state (value, cost) that is
+/// lost at one light has a keeper of no less value that costs less than one bin more.
+void Knapsack::fillTable(const Problem& problem, double limitMs, std::span<uint32_t> chosen) noexcept
+{
+    constexpr double kEmpty = -1.0;
+    double cheapestMs = 0.0;
+    for (uint32_t light = 0; light < problem.lights; ++light)
+        if (const auto options = optionsOf(light); !options.empty()) cheapestMs += options[0].costMs;
+    const double slackMs = std::max(0.0, limitMs - cheapestMs);
+    const double binsPerMs = slackMs > 0.0 ? bins_ / slackMs : 0.0;
+
+    std::fill(states_.begin(), states_.end(), State{kEmpty, 0.0});
+    states_[0] = {0.0, 0.0};
+    uint32_t top = 0; // highest bin in use
+    for (uint32_t light = 0; light < problem.lights; ++light) {
+        const std::span<const Option> options = optionsOf(light);
+        Origin* const origins = &origins_[size_t{light} * (bins_ + 1)];
+        if (options.empty()) {
+            for (uint32_t bin = 0; bin <= top; ++bin)
+                origins[bin] = {static_cast<uint16_t>(bin), 0};
+            continue;
+        }
+        std::fill(nextStates_.begin(), nextStates_.end(), State{kEmpty, 0.0});
+        uint32_t nextTop = 0;
+        double dearest = kEmpty; // a state worth no more than a cheaper one is not carried on
+        for (uint32_t bin = 0; bin <= top; ++bin) {
+            const State state = states_[bin];
+            if (state.value <= dearest) continue;
+            dearest = state.value;
+            for (uint32_t i = 0; i < options.size(); ++i) {
+                const double extraMs = state.extraMs + (options[i].costMs - options[0].costMs);
+                if (extraMs > slackMs) break;
+                const double value = state.value + options[i].value;
+                const uint32_t to = std::min(bins_, static_cast<uint32_t>(extraMs * binsPerMs));
+                State& target = nextStates_[to];
+                if (value < target.value || (value == target.value && extraMs >= target.extraMs)) continue;
+                target = {value, extraMs};
+                origins[to] = {static_cast<uint16_t>(bin), static_cast<uint8_t>(i)};
+                nextTop = std::max(nextTop, to);
+            }
+        }
+        top = nextTop;
+        std::swap(states_, nextStates_);
+    }
+    uint32_t bin = 0;
+    for (uint32_t i = 1; i <= top; ++i)
+        if (states_[i].value > states_[bin].value) bin = i;
+    for (uint32_t light = problem.lights; light-- > 0;) {
+        const Origin origin = origins_[size_t{light} * (bins_ + 1) + bin];
+        const std::span<const Option> options = optionsOf(light);
+        chosen[light] = options.empty() ? kNone : options[origin.option].method;
+        bin = origin.bin;
+    }
+}
+
+/// With the fixed parts of `open` paid in advance the rest is an ordinary knapsack.
+Solution Knapsack::solveOpen(const Problem& problem, Method method, uint32_t open, std::span<uint32_t> chosen) noexcept
+{
+    Solution none{.costMs = std::numeric_limits<double>::infinity()};
+    if (!gatherOptions(problem, open)) return none;
+    const double limitMs = problem.budgetMs * (1.0 - kRounding) - fixedOf(problem, open);
+    if (method == Method::table)
+        fillTable(problem, limitMs, chosen);
+    else
+        walkGreedy(problem, limitMs, chosen);
+    const Sums sums = sumOf(problem, chosen);
+    return {sums.value, sums.costMs, sums.costMs <= problem.budgetMs};
+}
+
+/// Which fixed parts to pay: every set where they are few, otherwise a descent that drops or adds one method at a time.
+Solution Knapsack::solveSets(const Problem& problem, Method method, std::span<uint32_t> chosen) noexcept
+{
+    assert(problem.lights <= masks_.size() && problem.methods <= kMaxMethods);
+    uint32_t dear = 0; // methods with a fixed part that some light may use
+    for (uint32_t m = 0; m < problem.fixedMs.size(); ++m)
+        if (problem.fixedMs[m] > 0.0) dear |= 1u << m;
+    uint32_t allowed = 0;
+    for (uint32_t light = 0; light < problem.lights; ++light)
+        allowed |= problem.allowed[light];
+    dear &= allowed;
+
+    const bool few = problem.lights <= kTableLights;
+    const std::span<uint32_t> trial = std::span(trial_).first(problem.lights);
+    auto tryOpen = [&](uint32_t open, Solution& best) {
+        const Solution solution = solveOpen(problem, method, open, trial);
+        if (!better(solution, best)) return false;
+        best = solution;
+        std::copy(trial.begin(), trial.end(), chosen.begin());
+        return true;
+    };
+    const uint32_t cheap = ~dear;
+    if (few && std::popcount(dear) <= kExhaustiveSets) {
+        Solution best = solveOpen(problem, method, cheap, chosen);
+        for (uint32_t set = dear; set; set = (set - 1) & dear)
+            tryOpen(cheap | set, best);
+        return best;
+    }
+    Solution best = solveOpen(problem, method, ~0u, chosen);
+    uint32_t open = ~0u;
+    uint32_t trials = few ? kSetTrials : kSetTrialsMany;
+    for (bool improved = true; improved && trials > 0;) {
+        improved = false;
+        uint32_t flips = dear & (few ? ~0u : usedMethods(chosen)); // with many lights only closing what is used
+        for (; flips && trials > 0; flips &= flips - 1, --trials) {
+            const uint32_t set = open ^ (flips & -flips);
+            if (tryOpen(set, best)) open = set, improved = true;
+        }
+    }
+    return best;
+}
+
+Solution Knapsack::solveGreedy(const Problem& problem, std::span<uint32_t> chosen) noexcept
+{
+    return solveSets(problem, Method::greedy, chosen.first(problem.lights));
+}
+
+Solution Knapsack::solveTable(const Problem& problem, std::span<uint32_t> chosen) noexcept
+{
+    assert(problem.lights <= tableLights_);
+    return solveSets(problem, Method::table, chosen.first(problem.lights));
+}
+
+Solution Knapsack::solve(const Problem& problem, std::span<uint32_t> chosen) noexcept
+{
+    if (problem.lights > kTableLights) return solveGreedy(problem, chosen);
+    const Solution table = solveTable(problem, chosen);
+    // Greedy knows no bins: now and then it finds the better plan, and it costs a tenth of the table.
+    const std::span<uint32_t> other = std::span(other_).first(problem.lights);
+    const Solution greedy = solveGreedy(problem, other);
+    if (!better(greedy, table)) return table;
+    std::copy(other.begin(), other.end(), chosen.begin());
+    return greedy;
+}
+
+} // namespace gnomon::plan
