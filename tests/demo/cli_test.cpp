@@ -153,7 +153,9 @@ TEST_CASE("bad input ends with one and a sentence that names it")
         {"bench room --map 512,x", "'x'"},
         {"bench torus_grid --methods no_such_method --size 16x16 --repeat 3", "no_such_method"},
     };
-    for (const auto& [arguments, word] : cases) {
+    for (const auto& bad : cases) {
+        const std::string& arguments = bad.first; // clang 14 cannot capture structured bindings in lambdas
+        const char* word = bad.second;
         CAPTURE(arguments);
         const Ran ran = gnomonProgram(arguments, "cd '" + folder.path.string() + "' &&");
         CHECK(ran.exitCode == 1);
