@@ -1,0 +1,244 @@
+// Frames, views and calls that cannot be.
+#include <cmath>
+#include <limits>
+
+#include "device/error_support.hpp"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+using Views = std::vector<GnViewFrame>;
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+struct FrameCase {
+    const char* what;
+    std::function<void(GnFrameInfo&, Views&)> change;
+    GnResult expected;
+    const char* named;
+};
+
+const GnLight kForeignLight = (GnLight)0x123456789abcull;
+
+// Every row changes one thing of a good frame.
+const FrameCase kFrameCases[] = {
+    {"frame 0", [](GnFrameInfo& f, Views&) { f.frame = 0; }, GN_ERROR_FRAME_ORDER, "frame is 0"},
+    {"the same frame again", [](GnFrameInfo& f, Views&) { --f.frame; }, GN_ERROR_FRAME_ORDER, "frame is"},
+    {"a frame left out", [](GnFrameInfo& f, Views&) { ++f.frame; }, GN_ERROR_FRAME_ORDER, "frame is"},
+    {"completed before it began", [](GnFrameInfo& f, Views&) { f.completedFrame = f.frame; }, GN_ERROR_FRAME_ORDER,
+     "completedFrame"},
+    {"too many in flight", [](GnFrameInfo& f, Views&) { f.completedFrame = f.frame > 3 ? f.frame - 4 : 0; },
+     GN_ERROR_FRAME_ORDER, "completedFrame is"},
+    {"budget NaN", [](GnFrameInfo& f, Views&) { f.budgetMs = kNaN; }, GN_ERROR_NOT_A_NUMBER, "budgetMs"},
+    {"budget infinite", [](GnFrameInfo& f, Views&) { f.budgetMs = kInf; }, GN_ERROR_INFINITE, "budgetMs"},
+    {"budget negative", [](GnFrameInfo& f, Views&) { f.budgetMs = -1.5f; }, GN_ERROR_OUT_OF_RANGE, "-1.5"},
+    {"views null", [](GnFrameInfo& f, Views&) { f.pViews = nullptr; }, GN_ERROR_NULL_ARGUMENT, "pViews"},
+    {"waits null", [](GnFrameInfo& f, Views&) { f.waitCount = 1; }, GN_ERROR_NULL_ARGUMENT, "pWaits"},
+    {"signals null", [](GnFrameInfo& f, Views&) { f.signalCount = 1; }, GN_ERROR_NULL_ARGUMENT, "pSignals"},
+    {"no view", [](GnFrameInfo&, Views& v) { v[0].view = VK_NULL_HANDLE; }, GN_ERROR_INVALID_HANDLE, "pViews[0]"},
+    {"a view twice",
+     [](GnFrameInfo& f, Views& v) {
+         v.push_back(v[0]);
+         f.pViews = v.data();
+         f.viewCount = 2;
+     },
+     GN_ERROR_OUT_OF_RANGE, "twice"},
+    {"eye NaN", [](GnFrameInfo&, Views& v) { v[0].eye[2] = std::nan(""); }, GN_ERROR_NOT_A_NUMBER, "eye[2]"},
+    {"eye infinite", [](GnFrameInfo&, Views& v) { v[0].eye[0] = HUGE_VAL; }, GN_ERROR_INFINITE, "eye[0]"},
+    {"eye beyond everything", [](GnFrameInfo&, Views& v) { v[0].eye[0] = 1e200; }, GN_ERROR_OUT_OF_RANGE, "eye[0]"},
+    {"rotation NaN", [](GnFrameInfo&, Views& v) { v[0].viewFromWorld[7] = kNaN; }, GN_ERROR_NOT_A_NUMBER,
+     "viewFromWorld[7]"},
+    {"rotation scaled", [](GnFrameInfo&, Views& v) { v[0].viewFromWorld[0] *= 2.0f; }, GN_ERROR_OUT_OF_RANGE,
+     "viewFromWorld"},
+    {"projection NaN", [](GnFrameInfo&, Views& v) { v[0].projection[5] = kNaN; }, GN_ERROR_NOT_A_NUMBER,
+     "projection[5]"},
+    {"projection infinite", [](GnFrameInfo&, Views& v) { v[0].projection[0] = kInf; }, GN_ERROR_INFINITE,
+     "projection[0]"},
+    {"projection parallel",
+     [](GnFrameInfo&, Views& v) {
+         v[0].projection[11] = 0.0f;
+         v[0].projection[15] = 1.0f;
+     },
+     GN_ERROR_OUT_OF_RANGE, "projection"},
+    {"the wrong depth convention", [](GnFrameInfo&, Views& v) { v[0].depthConvention = GN_DEPTH_STANDARD; },
+     GN_ERROR_OUT_OF_RANGE, "depthConvention 2"},
+    {"no such depth convention",
+     [](GnFrameInfo&, Views& v) { v[0].depthConvention = static_cast<GnDepthConvention>(9); }, GN_ERROR_OUT_OF_RANGE,
+     "depthConvention 9"},
+    {"no depth", [](GnFrameInfo&, Views& v) { v[0].depthImage = VK_NULL_HANDLE; }, GN_ERROR_NULL_ARGUMENT,
+     "depthImage"},
+    {"depth of 16 bits", [](GnFrameInfo&, Views& v) { v[0].depthFormat = VK_FORMAT_D16_UNORM; }, GN_ERROR_OUT_OF_RANGE,
+     "depthFormat"},
+    {"half a normal image", [](GnFrameInfo&, Views& v) { v[0].normalView = VK_NULL_HANDLE; }, GN_ERROR_NULL_ARGUMENT,
+     "normalView"},
+    {"normals in 8 bits", [](GnFrameInfo&, Views& v) { v[0].normalFormat = VK_FORMAT_R8G8B8A8_SNORM; },
+     GN_ERROR_OUT_OF_RANGE, "normalFormat"},
+    {"no pixels", [](GnFrameInfo&, Views& v) { v[0].imageExtent.width = 0; }, GN_ERROR_EMPTY, "0x180"},
+    {"more pixels than any device has", [](GnFrameInfo&, Views& v) { v[0].imageExtent.height = 1u << 30; },
+     GN_ERROR_OUT_OF_RANGE, "1073741824"},
+    {"area outside the image",
+     [](GnFrameInfo&, Views& v) {
+         v[0].renderArea = {{300, 0}, {100, 100}};
+     },
+     GN_ERROR_OUT_OF_RANGE, "renderArea"},
+    {"area left of the image",
+     [](GnFrameInfo&, Views& v) {
+         v[0].renderArea = {{-1, 0}, {100, 100}};
+     },
+     GN_ERROR_OUT_OF_RANGE, "renderArea"},
+    {"lights null", [](GnFrameInfo&, Views& v) { v[0].pLights = nullptr; }, GN_ERROR_NULL_ARGUMENT, "pLights"},
+    {"a light of nobody", [](GnFrameInfo&, Views& v) { v[0].pLights = &kForeignLight; }, GN_ERROR_INVALID_HANDLE,
+     "pLights[0]"},
+    {"a light twice",
+     [](GnFrameInfo&, Views& v) {
+         static GnLight twice[2];
+         twice[0] = twice[1] = v[0].pLights[0];
+         v[0].pLights = twice;
+         v[0].lightCount = 2;
+     },
+     GN_ERROR_OUT_OF_RANGE, "pLights[1]"},
+    {"more lights than the view holds",
+     [](GnFrameInfo&, Views& v) {
+         static std::vector<GnLight> many;
+         many.assign(17, v[0].pLights[0]);
+         v[0].pLights = many.data();
+         v[0].lightCount = 17;
+     },
+     GN_ERROR_TOO_MANY, "17 lights"},
+};
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "a frame that cannot be is refused before anything changes, submitted, recorded or begun")
+{
+    Watched watched;
+    watched.host.draw(4, {}); // past the first frames, where little is in flight
+    for (const FrameCase& c : kFrameCases)
+        for (const Call call : {Call::submit, Call::record, Call::begin}) {
+            if (call == Call::record && (std::string(c.what) == "waits null" || std::string(c.what) == "signals null"))
+                continue; // refused as such
+            const GnResult result = watched.host.draw({.call = call, .adjust = c.change});
+            if (result >= 0 && call == Call::begin) watched.host.require(watched.host.finish(UINT64_MAX));
+            watched.refused(c.what, result, c.expected, c.named);
+        }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "calls out of order are refused")
+{
+    Watched watched;
+    Host& host = watched.host;
+    watched.refused("finish without begin", gnFinishShadows(host.context, 0), GN_ERROR_FRAME_ORDER, "gnBeginShadows");
+    GnView view = VK_NULL_HANDLE;
+    host.require(gnCreateView(host.context, nullptr, &view));
+    GnVisibility visibility{};
+    watched.refused("visibility of no frame", gnGetVisibility(host.context, view, &visibility), GN_ERROR_FRAME_ORDER,
+                    "view");
+    GnDecision decision{};
+    watched.refused("decision of no frame", gnGetDecision(host.context, view, host.lights[0], &decision),
+                    GN_ERROR_INVALID_HANDLE, "view");
+    host.pinAll("ray_traced");
+    host.require(host.draw({.call = Call::begin}));
+    GnFrameInfo next{};
+    next.frame = host.frame() + 1;
+    next.completedFrame = host.frame() - 1;
+    CHECK(gnSubmitShadows(host.context, &next) == GN_ERROR_FRAME_ORDER);
+    CHECK(host.lastError().find("gnFinishShadows") != std::string::npos);
+    host.require(host.finish(UINT64_MAX));
+    host.pinAll("shadow_map");
+    host.require(host.draw());
+    CHECK(differences(host.pictures(), watched.good) == 0);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "null where something is needed is an error of its own, in every call")
+{
+    Watched watched;
+    const GnContext c = watched.host.context;
+    const GnView view = watched.host.views[0];
+    const GnLight light = watched.host.lights[0];
+    GnMesh mesh = VK_NULL_HANDLE;
+    GnInstance instance = VK_NULL_HANDLE;
+    GnMeshCreateInfo meshInfo{};
+    meshInfo.positionCount = 3;
+    GnInstanceCreateInfo instanceInfo{};
+    const auto null = [&](const char* named, GnResult result) {
+        watched.refused(named, result, GN_ERROR_NULL_ARGUMENT, named);
+    };
+    null("pCreateInfo", gnCreateMesh(c, nullptr, &mesh));
+    null("pMesh", gnCreateMesh(c, &meshInfo, nullptr));
+    null("pPositions", gnCreateMesh(c, &meshInfo, &mesh));
+    null("pPositions", gnUpdateMeshPositions(c, watched.host.meshes[0], nullptr, 8, 0));
+    null("pCreateInfo", gnCreateInstance(c, nullptr, &instance));
+    null("pInstance", gnCreateInstance(c, &instanceInfo, nullptr));
+    null("pInfo", gnCreateLight(c, nullptr, nullptr));
+    null("pView", gnCreateView(c, nullptr, nullptr));
+    null("pFrame", gnSubmitShadows(c, nullptr));
+    null("pFrame", gnBeginShadows(c, nullptr));
+    null("pVisibility", gnGetVisibility(c, view, nullptr));
+    null("pMap", gnGetLightMap(c, light, nullptr));
+    null("pCount", gnEnumerateMethods(c, nullptr, nullptr));
+    null("pName", gnAddMethod(c, nullptr, "shadow_map"));
+    null("pMethod", gnSetMethodSetting(c, nullptr, "filter", 1.0));
+    null("pText", gnLoadRules(c, nullptr, 0, "none"));
+    null("pDecision", gnGetDecision(c, view, light, nullptr));
+    null("pSize", gnExplainDecision(c, view, light, nullptr, nullptr));
+    null("pCount", gnGetPassTimings(c, nullptr, nullptr, nullptr));
+    null("pCount", gnGetFramePasses(c, nullptr, nullptr));
+    null("pStats", gnGetFrameStats(c, nullptr));
+    CHECK(gnWarmUp(nullptr) == GN_ERROR_NULL_ARGUMENT);
+    CHECK(std::string(gnGetLastError(nullptr)).size() > 0);
+    gnDestroyContext(nullptr);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a context that cannot be is refused with a message and no handle")
+{
+    struct Heard {
+        std::string text;
+        static void GN_CALL on(const GnMessage* message, void* user)
+        {
+            static_cast<Heard*>(user)->text = message->pText;
+        }
+    };
+    const auto create = [](auto change, GnResult expected, const char* named) {
+        Heard heard;
+        GnContextCreateInfo info = device().contextInfo();
+        info.pfnMessage = &Heard::on;
+        info.pUserData = &heard;
+        change(info);
+        GnContext context = reinterpret_cast<GnContext>(&heard);
+        CAPTURE(named);
+        CHECK(gnCreateContext(&info, &context) == expected);
+        CHECK(context == nullptr);
+        CHECK_MESSAGE(heard.text.find(named) != std::string::npos, heard.text);
+    };
+    create([](GnContextCreateInfo& i) { i.device = VK_NULL_HANDLE; }, GN_ERROR_NULL_ARGUMENT, "device");
+    create([](GnContextCreateInfo& i) { i.queue = VK_NULL_HANDLE; }, GN_ERROR_NULL_ARGUMENT, "queue");
+    create([](GnContextCreateInfo& i) { i.pEnabledFeatures = nullptr; }, GN_ERROR_NULL_ARGUMENT, "pEnabledFeatures");
+    create([](GnContextCreateInfo& i) { i.pfnGetInstanceProcAddr = nullptr; }, GN_ERROR_NULL_ARGUMENT,
+           "pfnGetInstanceProcAddr");
+    create([](GnContextCreateInfo& i) { i.framesInFlight = 9; }, GN_ERROR_OUT_OF_RANGE, "9");
+    create([](GnContextCreateInfo& i) { i.apiVersion = VK_API_VERSION_1_1; }, GN_ERROR_OUT_OF_RANGE, "apiVersion");
+    create([](GnContextCreateInfo& i) { i.pfnLockQueue = [](VkQueue, void*) {}; }, GN_ERROR_NULL_ARGUMENT,
+           "pfnUnlockQueue");
+    static const VkPhysicalDeviceFeatures2 bare{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
+    create([](GnContextCreateInfo& i) { i.pEnabledFeatures = &bare; }, GN_ERROR_FEATURE_MISSING, "dynamicRendering");
+    CHECK(gnCreateContext(nullptr, nullptr) == GN_ERROR_NULL_ARGUMENT);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "methods and settings that do not exist are named")
+{
+    Watched watched;
+    const GnContext c = watched.host.context;
+    const GnLight light = watched.host.lights[0];
+    watched.refused("method", gnSetLightMethod(c, light, "magic"), GN_ERROR_UNKNOWN_METHOD, "'magic'");
+    watched.refused("kind of light", gnSetLightMethod(c, light, "cube_map"), GN_ERROR_UNKNOWN_METHOD, "'lamp'");
+    watched.refused("setting", gnSetMethodSetting(c, "shadow_map", "magic", 1.0), GN_ERROR_UNKNOWN_METHOD, "'magic'");
+    watched.refused("value", gnSetMethodSetting(c, "shadow_map", "resolution", 1e9), GN_ERROR_OUT_OF_RANGE, "8192");
+    watched.refused("fraction", gnSetMethodSetting(c, "shadow_map", "resolution", 12.5), GN_ERROR_OUT_OF_RANGE, "12.5");
+    watched.refused("NaN", gnSetMethodSetting(c, "shadow_map", "filter", std::nan("")), GN_ERROR_NOT_A_NUMBER,
+                    "filter");
+    watched.refused("algorithm", gnAddMethod(c, "mine", "magic"), GN_ERROR_UNKNOWN_METHOD, "'magic'");
+    watched.refused("twice", gnAddMethod(c, "shadow_map", "shadow_map"), GN_ERROR_OUT_OF_RANGE, "'shadow_map'");
+}

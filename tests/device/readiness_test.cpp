@@ -1,0 +1,261 @@
+// Before everything is ready, with little memory, with the host's own job system, in two halves.
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <set>
+#include <thread>
+
+#include "device/fixture.hpp"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+/// A host's job system: two threads, and a gate that keeps them from starting anything.
+class HostJobs {
+public:
+    HostJobs()
+    {
+        for (std::thread& thread : threads_)
+            thread = std::thread([this] { work(); });
+    }
+    ~HostJobs()
+    {
+        {
+            const std::lock_guard lock(mutex_);
+            ending_ = true;
+            open_ = true;
+        }
+        changed_.notify_all();
+        for (std::thread& thread : threads_)
+            thread.join();
+    }
+    static void GN_CALL schedule(PFN_gnJob run, void* job, void* user)
+    {
+        auto& self = *static_cast<HostJobs*>(user);
+        {
+            const std::lock_guard lock(self.mutex_);
+            self.queue_.emplace_back(run, job);
+            ++self.scheduled;
+        }
+        self.changed_.notify_one();
+    }
+    void open(bool isOpen)
+    {
+        {
+            const std::lock_guard lock(mutex_);
+            open_ = isOpen;
+        }
+        changed_.notify_all();
+    }
+
+    std::atomic<uint32_t> scheduled{0}, ran{0};
+
+private:
+    void work()
+    {
+        std::unique_lock lock(mutex_);
+        while (true) {
+            changed_.wait(lock, [this] { return open_ && (ending_ || !queue_.empty()); });
+            if (queue_.empty()) return;
+            const auto [run, job] = queue_.front();
+            queue_.pop_front();
+            lock.unlock();
+            run(job);
+            ++ran;
+            lock.lock();
+        }
+    }
+
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::deque<std::pair<PFN_gnJob, void*>> queue_;
+    bool open_ = true, ending_ = false;
+    std::thread threads_[2];
+};
+
+HostOptions withJobs(HostJobs& jobs, GnContextCreateFlags flags)
+{
+    HostOptions options;
+    options.flags = flags;
+    options.context = [&jobs](GnContextCreateInfo& info) {
+        info.pfnScheduleJob = &HostJobs::schedule;
+        info.jobThreadCount = 2;
+        info.pfnMessage = nullptr; // the user data belongs to the jobs
+        info.pUserData = &jobs;
+    };
+    return options;
+}
+
+std::vector<Image8> submitted(const Scene& scene, const char* method)
+{
+    Host host(scene);
+    host.pinAll(method);
+    host.require(host.draw());
+    return host.pictures();
+}
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "without warm-up nothing is ready and all is lit, then one method after the other serves")
+{
+    for (const GnContextCreateFlags flags :
+         {GnContextCreateFlags(GN_CONTEXT_NO_BACKGROUND_BIT), GnContextCreateFlags(0)}) {
+        Host host(smallScene(), {.flags = flags, .warmUp = false});
+        host.pinAll("ray_traced");
+        CHECK(host.draw() == GN_NOT_READY);
+        CHECK(host.decision(0).pMethod == nullptr);
+        CHECK(host.decision(0).reason == GN_REASON_NOTHING_READY);
+        CHECK(lit(host.pictures()[0]) == 320 * 180);
+
+        std::set<GnReason> reasons;
+        const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+        while (host.decision(0).reason != GN_REASON_PINNED && std::chrono::steady_clock::now() < deadline) {
+            host.require(host.draw());
+            reasons.insert(host.decision(0).reason);
+            if (flags == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        CHECK(host.decision(0).reason == GN_REASON_PINNED);
+        CHECK(reasons.contains(GN_REASON_FALLBACK)); // shadow_map served meanwhile
+        CHECK(differences(host.pictures(), submitted(smallScene(), "ray_traced")) == 0);
+        if (flags == 0) continue;
+        host.draw(availableMethods(host.context).size(), {});
+        for (const GnMethodInfo& method : availableMethods(host.context))
+            CHECK_MESSAGE(method.ready, std::string(method.pName));
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a frame in two halves shows what a whole one shows; a timeout of 0 does not wait")
+{
+    for (const char* method : {"ray_traced", "pcf_hybrid", "shadow_map"}) {
+        CAPTURE(method);
+        Host host(smallScene());
+        host.pinAll(method);
+        for (int frame = 0; frame < 3; ++frame) {
+            host.require(host.draw({.call = Call::begin}));
+            GnResult result = GN_TIMEOUT;
+            const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+            while (result == GN_TIMEOUT && std::chrono::steady_clock::now() < deadline) {
+                result = host.finish(0);
+                std::this_thread::yield();
+            }
+            CHECK(result == GN_SUCCESS);
+            CHECK(host.decision(0).reason == GN_REASON_PINNED);
+        }
+        CHECK(differences(host.pictures(), submitted(smallScene(), method)) == 0);
+        CHECK(gnFinishShadows(host.context, 0) == GN_ERROR_FRAME_ORDER);
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "while the host's workers are busy gnFinishShadows times out, then finishes")
+{
+    HostJobs jobs;
+    Host host(smallScene(), withJobs(jobs, GN_CONTEXT_NO_BACKGROUND_BIT));
+    host.pinAll("ray_traced");
+    host.require(host.draw());
+    jobs.open(false);
+    const auto start = std::chrono::steady_clock::now();
+    host.require(host.draw({.call = Call::begin}));
+    CHECK(host.finish(0) == GN_TIMEOUT);
+    CHECK(host.finish(2'000'000) == GN_TIMEOUT);
+    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(30)); // it did not wait for the workers
+    jobs.open(true);
+    CHECK(host.finish(UINT64_MAX) == GN_SUCCESS);
+    CHECK(differences(host.pictures(), submitted(smallScene(), "ray_traced")) == 0);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "all work runs on the host's job system where it lends one, and all of it is waited for")
+{
+    HostJobs jobs;
+    {
+        Host host(smallScene(), withJobs(jobs, 0));
+        for (const char* method : {"shadow_map", "stencil_volume", "pcf_hybrid", "ray_traced"}) {
+            host.pinAll(method);
+            host.draw(2, {});
+            CHECK(differences(host.pictures(), submitted(smallScene(), method)) == 0);
+        }
+        CHECK(jobs.scheduled > 0);
+    }
+    CHECK(jobs.ran == jobs.scheduled);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a method that does not fit the memory limit is out, and says how much it needs")
+{
+    HostOptions options;
+    options.context = [](GnContextCreateInfo& info) { info.memoryLimit = 40u << 20; };
+    Host host(smallScene(), options);
+    host.require(gnSetMethodSetting(host.context, "shadow_map", "resolution", 4096));
+    host.pinAll("shadow_map");
+    host.require(host.draw());
+    const std::string text = host.explanation(0);
+    INFO(text);
+    CHECK(text.find("shadow_map: out, memory: needs 128.0 MiB") != std::string::npos);
+    REQUIRE(host.decision(0).pMethod); // something smaller serves
+    CHECK(dark(host.pictures()[0]) > 100);
+    CHECK(host.stats().memory <= 40u << 20);
+    host.require(gnSetMethodSetting(host.context, "shadow_map", "resolution", 512));
+    host.draw(2, {});
+    CHECK(host.decision(0).reason == GN_REASON_PINNED);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "with hardly any memory the frame is lit or refused, never lost")
+{
+    for (const VkDeviceSize limit : {VkDeviceSize(1) << 16, VkDeviceSize(1) << 20, VkDeviceSize(3) << 20}) {
+        CAPTURE(limit);
+        GnContextCreateInfo info = device().contextInfo();
+        info.memoryLimit = limit;
+        info.flags = GN_CONTEXT_NO_BACKGROUND_BIT;
+        GnContext context = nullptr;
+        const GnResult made = gnCreateContext(&info, &context);
+        CHECK((made == GN_SUCCESS || made == GN_ERROR_OUT_OF_DEVICE_MEMORY));
+        gnDestroyContext(context);
+        if (made < 0) continue;
+        Host host(smallScene(),
+                  {.maxLights = 1, .warmUp = false, .context = [&](GnContextCreateInfo& i) { i.memoryLimit = limit; }});
+        for (int frame = 0; frame < 12; ++frame) {
+            const GnResult drawn = host.draw();
+            CHECK((drawn >= 0 || drawn == GN_ERROR_OUT_OF_DEVICE_MEMORY));
+            if (drawn < 0) CHECK(!host.lastError().empty());
+        }
+        CHECK(host.stats().memory <= limit);
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "timings of a timed frame name every pass, two frames later")
+{
+    Host host(smallScene());
+    host.pinAll("pcf_hybrid");
+    host.draw(3, {});
+    const auto timed = [](GnFrameInfo& frame, std::vector<GnViewFrame>&) { frame.flags = GN_FRAME_TIMED_BIT; };
+    host.require(host.draw({.adjust = timed}));
+    const uint64_t asked = host.frame();
+    const std::vector<GnPassTiming> passes = host.passes();
+    uint64_t frame = 0;
+    uint32_t count = 0;
+    for (int i = 0; i < 4 && frame != asked; ++i) {
+        host.require(host.draw());
+        count = 0;
+        host.require(gnGetPassTimings(host.context, &frame, &count, nullptr));
+    }
+    CHECK(frame == asked);
+    std::vector<GnPassTiming> timings(count);
+    host.require(gnGetPassTimings(host.context, &frame, &count, timings.data()));
+    float gpuMs = 0.0f, cpuMs = 0.0f;
+    for (const GnPassTiming& timing : timings) {
+        gpuMs += timing.gpuMs;
+        cpuMs += timing.cpuMs;
+        CHECK(timing.gpuMs >= 0.0f);
+    }
+    CHECK(gpuMs > 0.0f);
+    CHECK(cpuMs > 0.0f); // rays
+    for (const GnPassTiming& pass : passes) {
+        const bool found = std::any_of(timings.begin(), timings.end(), [&](const GnPassTiming& timing) {
+            return std::string(timing.pName) == pass.pName && timing.level == pass.level;
+        });
+        CHECK_MESSAGE(found, std::string(pass.pName));
+    }
+    host.require(host.draw());
+    CHECK(host.decision(0).measuredMs > 0.0f);
+    CHECK(host.stats().gpuMs > 0.0f);
+}
