@@ -2,10 +2,12 @@
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 
-#include "demo/host/device.hpp"
+#include "host_fixture.hpp"
 
 int main(int argc, char** argv)
 {
     if (gnomon::demo::Device::nonePresent()) return 77;
-    return doctest::Context(argc, argv).run();
+    const int result = doctest::Context(argc, argv).run();
+    gnomon::demo::testDeviceOwner.reset();
+    return result;
 }

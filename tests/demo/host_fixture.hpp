@@ -39,11 +39,15 @@ inline Scene boxOnFloor(glm::dvec3 offset = glm::dvec3(0.0))
     return scene;
 }
 
-/// One validated device for the whole program: creating instances under validation takes most of a second.
+/// One validated device for the whole program: creating instances under validation takes most of a second. main()
+/// destroys it; left to static destruction, the layer's own threads are gone and the process may hang.
+inline std::unique_ptr<Device> testDeviceOwner;
+
 inline Device& testDevice()
 {
-    static const std::unique_ptr<Device> device = Device::create({.validation = Device::validationPresent()});
-    return *device;
+    if (!testDeviceOwner)
+        testDeviceOwner = Device::create({.validation = Device::validationPresent()});
+    return *testDeviceOwner;
 }
 
 /// Fails the test with every message of the validation layer since the last call.
