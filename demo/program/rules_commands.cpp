@@ -6,12 +6,12 @@
 #include "demo/io/number.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/session.hpp"
-#include "runtime/registry.hpp"
 #include "runtime/select/facts.hpp"
 #ifdef GNOMON_WITH_YAML
 #include "rules/engine/explain.hpp"
 #include "rules/engine/lint.hpp"
 #include "rules/yaml/rule_base_reader.hpp"
+#include "runtime/select/vocabulary.hpp"
 #endif
 
 namespace gnomon::demo {
@@ -19,45 +19,14 @@ namespace gnomon::demo {
 #ifdef GNOMON_WITH_YAML
 namespace {
 
-/// The words the runtime gives to rules: its facts, and the algorithms of this build with their traits.
-struct RuntimeVocabulary {
-    RuntimeVocabulary()
-    {
-        for (const FactName& fact : kFactNames)
-            facts.push_back({fact.name, fact.unit});
-        const AlgorithmRegistry registry = builtinRegistry();
-        for (const AlgorithmEntry* entry : registry.entries)
-            outputs.push_back({entry->name, traitWords(entry->traits)});
-        for (const char* name : registry.absent)
-            absent.push_back({name, {}});
-        traits = traitWords(GN_TRAIT_MAX_ENUM);
-    }
-
-    rules::Vocabulary view() const { return {.facts = facts, .outputs = outputs, .absent = absent, .traits = traits}; }
-
-    std::vector<rules::FactInfo> facts;
-    std::vector<rules::OutputInfo> outputs, absent;
-    std::vector<std::string> traits;
-
-private:
-    // As runtime/select/selector.cpp says them.
-    static std::vector<std::string> traitWords(GnTraits bits)
-    {
-        constexpr std::pair<GnTraitBits, const char*> words[] = {{GN_TRAIT_DIRECTIONAL_BIT, "directional"},
-                                                                 {GN_TRAIT_SPOT_BIT, "spot"},
-                                                                 {GN_TRAIT_POINT_BIT, "point"},
-                                                                 {GN_TRAIT_HARD_BIT, "hard"},
-                                                                 {GN_TRAIT_FIXED_PENUMBRA_BIT, "fixedPenumbra"},
-                                                                 {GN_TRAIT_SOFT_PENUMBRA_BIT, "softPenumbra"},
-                                                                 {GN_TRAIT_EXACT_BIT, "exact"},
-                                                                 {GN_TRAIT_CPU_GEOMETRY_BIT, "cpuGeometry"},
-                                                                 {GN_TRAIT_RAYS_BIT, "rays"}};
-        std::vector<std::string> out;
-        for (const auto& [bit, word] : words)
-            if (bits & bit) out.emplace_back(word);
-        return out;
-    }
-};
+RuleVocabulary runtimeVocabulary()
+{
+    const AlgorithmRegistry registry = builtinRegistry();
+    RuleVocabulary vocabulary(registry);
+    for (const AlgorithmEntry* entry : registry.entries)
+        vocabulary.addMethod(entry->name, entry->traits);
+    return vocabulary;
+}
 
 /// Prints findings; true if one of them is an error.
 bool report(const std::vector<rules::Diagnostic>& diagnostics)
@@ -79,7 +48,7 @@ rules::RuleBase parse(const std::string& nameOrPath)
     return std::move(*parsed.base);
 }
 
-std::vector<double> parseFacts(const std::string& text, const RuntimeVocabulary& vocabulary)
+std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vocabulary)
 {
     std::vector<double> values(vocabulary.facts.size(), std::numeric_limits<double>::quiet_NaN());
     for (const std::string& item : parseNames(text)) {
@@ -105,7 +74,7 @@ std::vector<double> parseFacts(const std::string& text, const RuntimeVocabulary&
 
 int lintCommand(const std::string& nameOrPath)
 {
-    const RuntimeVocabulary vocabulary;
+    const RuleVocabulary vocabulary = runtimeVocabulary();
     const rules::RuleBase base = parse(nameOrPath);
     const std::vector<rules::Diagnostic> findings = rules::lint(base, vocabulary.view());
     const bool failed = report(findings);
@@ -115,7 +84,7 @@ int lintCommand(const std::string& nameOrPath)
 
 int explainCommand(const std::string& nameOrPath, const std::string& facts)
 {
-    const RuntimeVocabulary vocabulary;
+    const RuleVocabulary vocabulary = runtimeVocabulary();
     const std::vector<double> values = parseFacts(facts, vocabulary);
     rules::BindResult bound = rules::Engine::bind(parse(nameOrPath), vocabulary.view());
     if (report(bound.diagnostics) || !bound.engine) return 1;

@@ -87,7 +87,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     pipelines_->setOwner(kRuntimeOwner);
     gridPipeline_ = DepthGrid::pipeline(*pipelines_);
     selector_ = std::make_unique<Selector>(*methods_);
-    pool_ = std::make_unique<ResourcePool>(*memory_, messages_);
+    pool_ = std::make_unique<ResourcePool>(*memory_);
     graph_ = std::make_unique<PassGraph>(*pool_, arena_);
     executor_ = std::make_unique<PassExecutor>(*vk_, *memory_, *pipelines_, *samplers_, *jobs_, *pool_, *graph_, info);
     return executor_->create(info.framesInFlight ? info.framesInFlight : 2);

@@ -5,7 +5,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include "runtime/core/messages.hpp"
 #include "runtime/passes/pass_builder.hpp"
 #include "runtime/vk/memory.hpp"
 
@@ -63,7 +62,7 @@ struct BufferRing {
 /// Owns all pooled images and buffers of a context. One thread (the frame's).
 class ResourcePool {
 public:
-    ResourcePool(DeviceMemory& memory, const Messages& messages) : memory_(memory), messages_(messages) {}
+    explicit ResourcePool(DeviceMemory& memory) : memory_(memory) {}
     ~ResourcePool();
     ResourcePool(const ResourcePool&) = delete;
     ResourcePool& operator=(const ResourcePool&) = delete;
@@ -110,7 +109,6 @@ private:
     Result<std::unique_ptr<PooledBuffer>> makeBuffer(const BufferInfo& info);
 
     DeviceMemory& memory_;
-    const Messages& messages_;
     std::uint64_t frame_ = 0, completed_ = 0;
     std::unordered_map<std::uint64_t, std::unique_ptr<PooledImage>> images_; // persistent, by key
     std::unordered_map<std::uint64_t, BufferRing> buffers_;                  // persistent, by key

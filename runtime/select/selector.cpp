@@ -3,58 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/select/vocabulary.hpp"
+
 #if GNOMON_WITH_YAML
 #include "rules/yaml/rule_base_reader.hpp"
 #endif
 
 namespace gnomon {
 
-namespace {
-
-/// Words the rules may use for a method's traits.
-std::vector<std::string> traitWords(GnTraits traits)
-{
-    static constexpr struct {
-        GnTraitBits bit;
-        const char* word;
-    } kWords[] = {
-        {GN_TRAIT_DIRECTIONAL_BIT, "directional"},
-        {GN_TRAIT_SPOT_BIT, "spot"},
-        {GN_TRAIT_POINT_BIT, "point"},
-        {GN_TRAIT_HARD_BIT, "hard"},
-        {GN_TRAIT_FIXED_PENUMBRA_BIT, "fixedPenumbra"},
-        {GN_TRAIT_SOFT_PENUMBRA_BIT, "softPenumbra"},
-        {GN_TRAIT_EXACT_BIT, "exact"},
-        {GN_TRAIT_CPU_GEOMETRY_BIT, "cpuGeometry"},
-        {GN_TRAIT_RAYS_BIT, "rays"},
-    };
-    std::vector<std::string> words;
-    for (const auto& entry : kWords)
-        if (traits & entry.bit) words.emplace_back(entry.word);
-    return words;
-}
-
-std::vector<std::string> allTraitWords()
-{
-    return traitWords(GN_TRAIT_MAX_ENUM);
-}
-
-} // namespace
-
 std::vector<rules::Diagnostic> Selector::bind(rules::RuleBase base, const AlgorithmRegistry& registry,
                                               std::optional<rules::Engine>& engine) const
 {
-    std::vector<rules::FactInfo> facts;
-    for (const FactName& fact : kFactNames)
-        facts.push_back({fact.name, fact.unit});
-    std::vector<rules::OutputInfo> outputs, absent;
+    RuleVocabulary vocabulary(registry);
     for (std::uint32_t i = 0; i < methods_.size(); ++i)
-        outputs.push_back({methods_[i].name, traitWords(methods_[i].entry->traits)});
-    for (const char* name : registry.absent)
-        absent.push_back({name, {}});
-    const std::vector<std::string> traits = allTraitWords();
-    rules::BindResult bound =
-        rules::Engine::bind(std::move(base), {.facts = facts, .outputs = outputs, .absent = absent, .traits = traits});
+        vocabulary.addMethod(methods_[i].name, methods_[i].entry->traits);
+    rules::BindResult bound = rules::Engine::bind(std::move(base), vocabulary.view());
     engine = std::move(bound.engine);
     return std::move(bound.diagnostics);
 }

@@ -57,10 +57,13 @@ GN_SHARED_FN vec3 towardsLightWs(LightConstants light, vec3 receiverWs)
 // Whether the light reaches a point at all: range and cone. Where not, visibility is 1.
 GN_SHARED_FN bool lightReaches(LightConstants light, vec3 receiverWs)
 {
+    // By squares: no root per pixel. Without a cone the cosine is -2 and every direction passes.
     vec3 fromLight = receiverWs - vec3(light.positionWs);
-    float distance = length(fromLight);
-    bool inCone = dot(fromLight, vec3(light.directionWs)) >= light.directionWs.w * distance;
-    return light.type == LIGHT_DIRECTIONAL || (distance <= light.range && inCone);
+    float square = dot(fromLight, fromLight);
+    float along = dot(fromLight, vec3(light.directionWs));
+    float cosine = light.directionWs.w;
+    bool inCone = along * abs(along) >= cosine * abs(cosine) * square;
+    return light.type == LIGHT_DIRECTIONAL || (square <= light.range * light.range && inCone);
 }
 
 // Distance that one unit in the last place of `depth` spans along the view ray, metres.
