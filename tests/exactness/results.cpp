@@ -12,10 +12,9 @@ std::string key(const std::string& method, uint32_t resolution)
     return resolution == 0 ? method : method + " " + std::to_string(resolution);
 }
 
-SceneResults measure(const std::string& name)
+/// The scene, its truth, and every method with its defaults.
+SceneResults resultsWithDefaults(const std::string& name, Stage& stage)
 {
-    const test::DeviceTest silence;
-    Stage stage(shippedScene(name), testSize());
     SceneResults results{.name = name,
                          .scene = stage.scene(),
                          .camera = stage.camera,
@@ -23,15 +22,23 @@ SceneResults measure(const std::string& name)
                          .surfaces = stage.surfaces,
                          .truth = stage.truth,
                          .counted = stage.counted};
-    const auto draw = [&](const char* method, uint32_t resolution) {
-        const double texels = resolution;
-        results.pictures[key(method, resolution)] = stage.draw(method, {{demo::kResolutionSetting, texels}});
-    };
     for (const GnMethodInfo& info : stage.methods()) {
         results.names.emplace_back(info.pName);
         results.traits.push_back(info.traits);
         results.pictures[info.pName] = stage.draw(info.pName);
     }
+    return results;
+}
+
+SceneResults measure(const std::string& name)
+{
+    const test::DeviceTest silence;
+    Stage stage(shippedScene(name), testSize());
+    SceneResults results = resultsWithDefaults(name, stage);
+    const auto draw = [&](const char* method, uint32_t resolution) {
+        const double texels = resolution;
+        results.pictures[key(method, resolution)] = stage.draw(method, {{demo::kResolutionSetting, texels}});
+    };
     for (const uint32_t resolution : kMapSizes)
         draw("shadow_map", resolution);
     draw("shadow_map", kCoarse);
@@ -78,6 +85,14 @@ const SceneResults& resultsOf(const std::string& scene)
     static std::map<std::string, SceneResults> all;
     const auto found = all.find(scene);
     return found != all.end() ? found->second : all.emplace(scene, measure(scene)).first->second;
+}
+
+SceneResults laterResultsOf(const std::string& scene)
+{
+    constexpr double later = 3.1; // seconds: all keys have moved on, the scenario has changed its lights
+    const test::DeviceTest silence;
+    Stage stage(shippedScene(scene), {640, 360}, later);
+    return resultsWithDefaults(scene, stage);
 }
 
 } // namespace gnomon::exact

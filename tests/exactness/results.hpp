@@ -26,8 +26,10 @@ struct SceneResults {
     GnTraits traitsOf(const std::string& method) const;
 };
 
-/// Measured when first asked for; validation must stay silent meanwhile.
+/// Measured when first asked for; validation must stay silent meanwhile. The bounds are about time 0.
 const SceneResults& resultsOf(const std::string& scene);
+/// Later, when everything has moved: smaller pictures, defaults only. Not kept.
+SceneResults laterResultsOf(const std::string& scene);
 
 constexpr uint32_t kMapSizes[] = {512, 1024, 2048, 4096};
 constexpr uint32_t kCoarse = 64; ///< Texels as large as casters.

@@ -11,7 +11,7 @@ namespace gnomon::exact {
 using namespace demo;
 
 Stage::Stage(Scene scene, VkExtent2D extent, double time)
-    : scene_(std::move(scene)), time_(time),
+    : scene_(std::move(scene)),
       session_(test::device(), scene_, {.scene = {}, .size = extent, .contextFlags = GN_CONTEXT_NO_BACKGROUND_BIT})
 {
     REQUIRE_MESSAGE(gnWarmUp(session_.shadows.context()) >= 0, gnGetLastError(session_.shadows.context()));
@@ -20,11 +20,18 @@ Stage::Stage(Scene scene, VkExtent2D extent, double time)
         for (uint32_t i = 0; i < info.settingCount; ++i)
             defaults_[info.pName].emplace_back(info.pSettings[i].pName, info.pSettings[i].value);
     }
+    goTo(time);
+}
+
+void Stage::goTo(double time)
+{
+    time_ = time;
     state = stateAt(scene_, time);
     present = state.present;
     truth = draw(kTruthMethod);
     camera = session_.renderer.camera();
     surfaces = {session_.renderer.readDepth(), session_.renderer.readNormals()};
+    counted.clear();
     for (uint32_t light : present)
         counted.push_back(countedPixels(scene_, camera, surfaces, scene_.lights[light], state.lights[light]));
 }
@@ -78,7 +85,7 @@ Pictures Stage::draw(const std::string& method, const Settings& settings)
 VkExtent2D testSize()
 {
     const char* wanted = std::getenv("GNOMON_TEST_SIZE");
-    return wanted ? valueOf(parseSize(wanted)) : VkExtent2D{640, 360};
+    return wanted ? valueOf(parseSize(wanted)) : VkExtent2D{1280, 720};
 }
 
 Scene shippedScene(const std::string& name)

@@ -31,12 +31,14 @@ class Stage {
 public:
     explicit Stage(Scene scene, VkExtent2D extent, double time = 0.0);
 
+    /// Another time of the scene; the truth and what goes with it are of that time from then on.
+    void goTo(double time);
+
     /// One frame with the method pinned wherever it serves; settings not named have their defaults.
     Pictures draw(const std::string& method, const Settings& settings = {});
     std::vector<GnMethodInfo> methods() const;
     const Scene& scene() const { return scene_; }
     demo::Session& session() { return session_; }
-    double time() const { return time_; }
 
     // Of the present lights, in layer order.
     std::vector<uint32_t> present;
@@ -51,13 +53,13 @@ private:
     void pin(const std::string& method);
 
     Scene scene_;
-    double time_;
+    double time_ = 0.0;
     demo::Session session_;
     std::map<std::string, std::vector<std::pair<std::string, double>>> defaults_;
     std::map<std::string, GnTraits> traits_;
 };
 
-/// 640x360 unless $GNOMON_TEST_SIZE says otherwise: the bounds are meant for 1280x720 as well.
+/// 1280x720, for which the bounds are meant, unless $GNOMON_TEST_SIZE says otherwise.
 VkExtent2D testSize();
 
 /// Shipped by name; fails the test where it cannot be loaded.

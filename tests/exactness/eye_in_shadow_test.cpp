@@ -1,0 +1,86 @@
+// Where volumes are hard: the eye inside one, the near plane cut by one. The eye walks sideways out of the shadow of a
+// caster that hangs in the air, 16 steps through all cases, with a near plane half a metre away.
+#include <cmath>
+
+#include "exactness/stage.hpp"
+#include "exactness/testbed.hpp"
+
+namespace gnomon::exact {
+namespace {
+
+constexpr VkExtent2D kSize{240, 160};
+
+constexpr int kSteps = 16;
+
+/// Whether the caster stands between a point and the lamp of hangingCaster(), by its plane x = -1 alone.
+bool inShadow(const Scene& scene, const glm::dvec3& point)
+{
+    const demo::Light& lamp = scene.lights[0];
+    const glm::dvec3 toLight = lamp.kind == LightKind::Directional ? -8.0 * lamp.direction : lamp.position - point;
+    const double t = (-1.0 - point.x) / toLight.x;
+    const glm::dvec3 crossing = point + t * toLight;
+    return t > 0.0 && t < 1.0 && std::abs(crossing.y - 2.5) < 0.8 && std::abs(crossing.z) < 0.8;
+}
+
+Scene walkOut(LightKind kind, bool closed, demo::DepthConvention convention)
+{
+    Scene scene = hangingCaster(kind, closed, convention);
+    scene.camera.clear();
+    for (int i = 0; i < kSteps; ++i) {
+        const double z = 2.4 * i / (kSteps - 1); // the shadow's border lies at 0.8 to 1.2 m
+        scene.camera.push_back(
+            {.time = double(i), .eye = {1.0, 1.8, z}, .target = {4.0, 0.2, z - 1.5}, .verticalFov = 1.0f});
+    }
+    return scene;
+}
+
+void checkWalk(LightKind kind, bool closed, demo::DepthConvention convention)
+{
+    const std::string what =
+        std::string(nameOf(kind)) + (closed ? ", closed caster, " : ", open caster, ") + nameOf(convention) + " depth";
+    CAPTURE(what);
+    Stage stage(walkOut(kind, closed, convention), kSize);
+    for (const double zFail : {0.0, 1.0}) {
+        CAPTURE(zFail);
+        ErrorCount error;
+        uint64_t worstStep = 0;
+        int inside = 0, darkSteps = 0;
+        for (int step = 0; step < kSteps; ++step) {
+            stage.goTo(step);
+            inside += inShadow(stage.scene(), stage.camera.eye);
+            const ErrorCount now = pooled(stage, stage.draw("stencil_volume", {{"z_fail", zFail}}));
+            worstStep = std::max(worstStep, now.wrong());
+            darkSteps += test::dark(stage.truth[0]) > 100;
+            error += now;
+        }
+        MESSAGE(what << std::string(zFail > 0.0 ? ", z-fail for all" : "") << ": " << inside << " of " << kSteps
+                     << " eyes in shadow, wrong " << inWords(error) << ", at most " << worstStep << " pixels a step");
+        CHECK(inside > 2);
+        CHECK(inside < kSteps - 2);
+        CHECK(darkSteps == kSteps);
+        // A miscounted volume turns whole regions; single pixels along edges are what definitions of exactness allow.
+        const double bound = convention == demo::DepthConvention::Standard ? 0.04 : 0.01;
+        CHECK(error.percent(error.wrong()) <= bound);
+        CHECK(worstStep <= kSize.width * kSize.height / 1000);
+    }
+}
+
+} // namespace
+
+TEST_CASE("stencil_volume is right with the eye inside a shadow, outside it, and the near plane across its border")
+{
+    const test::DeviceTest silence;
+    for (const KindOfLight& light : kKinds)
+        for (const bool closed : {true, false})
+            checkWalk(light.kind, closed, demo::DepthConvention::ReversedInfinite);
+}
+
+TEST_CASE("stencil_volume is right there with standard depth as well")
+{
+    const test::DeviceTest silence;
+    for (const KindOfLight& light : kKinds)
+        for (const bool closed : {true, false})
+            checkWalk(light.kind, closed, demo::DepthConvention::Standard);
+}
+
+} // namespace gnomon::exact

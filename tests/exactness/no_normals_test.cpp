@@ -1,0 +1,119 @@
+// A host without a normal target: exact methods trace every pixel instead of guessing which way it faces, and maps
+// guess well enough to stay free of acne.
+#include "device/fixture.hpp"
+#include "exactness/stage.hpp"
+
+namespace gnomon::exact {
+namespace {
+
+constexpr VkExtent2D kSize{640, 360};
+
+/// The device fixture's host beside the stage: the same camera, depth drawn the same way, and normals that can be left
+/// out.
+class BareHost {
+public:
+    explicit BareHost(const Scene& scene) : host_(scene, {.extent = kSize}) {}
+
+    Pictures draw(const GnMethodInfo& method, bool normals)
+    {
+        for (size_t i = 0; i < host_.lights.size(); ++i) {
+            const bool served = serves(method.traits, host_.scene.lights[i].kind);
+            host_.pin(i, served ? method.pName : "ray_traced");
+        }
+        test::FrameOptions frame;
+        if (!normals)
+            frame.adjust = [](GnFrameInfo&, std::vector<GnViewFrame>& views) {
+                views[0].normalImage = VK_NULL_HANDLE;
+                views[0].normalView = VK_NULL_HANDLE;
+                views[0].normalFormat = VK_FORMAT_UNDEFINED;
+            };
+        REQUIRE(host_.draw(frame) == GN_SUCCESS);
+        Pictures pictures = host_.pictures();
+        for (size_t i = 0; i < pictures.size(); ++i) {
+            if (serves(method.traits, host_.scene.lights[i].kind))
+                CHECK(std::string(host_.decision(i).pMethod) == method.pName);
+            else
+                pictures[i] = {};
+        }
+        return pictures;
+    }
+    test::Host& host() { return host_; }
+
+private:
+    test::Host host_;
+};
+
+/// Pixels that are not sky and lie within the light's range and cone, counted as the definitions say.
+uint64_t reachedPixels(const Stage& stage)
+{
+    demo::FrameSurfaces towards = stage.surfaces;
+    uint64_t reached = 0;
+    for (size_t layer = 0; layer < stage.present.size(); ++layer) {
+        const uint32_t index = stage.present[layer];
+        // countedPixels() wants normals that face the light; without any, every reached pixel counts: ask with both
+        // signs of the drawn ones and add up. What faces neither way lies exactly edge-on.
+        for (const float sign : {1.0f, -1.0f}) {
+            for (size_t i = 0; i < towards.normals.texels.size(); ++i)
+                towards.normals.texels[i] = sign * stage.surfaces.normals.texels[i];
+            for (const uint8_t pixel : demo::countedPixels(stage.scene(), stage.camera, towards,
+                                                           stage.scene().lights[index], stage.state.lights[index]))
+                reached += pixel != 0;
+        }
+    }
+    return reached;
+}
+
+/// How far one set of pictures is from another, over the pixels that count.
+ErrorCount between(const Stage& stage, const Pictures& a, const Pictures& b)
+{
+    ErrorCount sum;
+    for (size_t i = 0; i < a.size(); ++i)
+        if (a[i].width > 0) sum += demo::compare(b[i], a[i], stage.counted[i]);
+    return sum;
+}
+
+void checkScene(const std::string& name)
+{
+    CAPTURE(name);
+    const Scene scene = shippedScene(name);
+    const Stage stage(scene, kSize);
+    BareHost bare(scene);
+    uint32_t exact = 0;
+    for (const GnMethodInfo& method : stage.methods()) {
+        const std::string methodName = method.pName;
+        CAPTURE(methodName);
+        const Pictures given = bare.draw(method, true);
+        const Pictures guessed = bare.draw(method, false);
+        if (methodName == "ray_traced") {
+            const uint64_t reached = reachedPixels(stage);
+            const uint64_t rays = bare.host().stats().rays;
+            MESSAGE(name << ": " << rays << " rays without normals for " << reached << " reached pixels");
+            // Borders of range and cone are decided in float by either side.
+            CHECK(rays + 20 >= reached);
+            CHECK(rays <= reached + 20);
+        }
+        const ErrorCount without = pooled(stage, guessed);
+        const ErrorCount change = between(stage, given, guessed);
+        MESSAGE(name << ", " << methodName << ": with normals wrong " << inWords(pooled(stage, given)) << ", without "
+                     << inWords(without) << "; change " << percentText(change.percent(change.wrong())));
+        CHECK(without.counted > 50000);
+        if ((method.traits & GN_TRAIT_EXACT_BIT) != 0) {
+            ++exact;
+            CHECK(change.percent(change.wrong()) <= 0.05);
+        }
+        CHECK(without.percent(without.falseShadow) < 2.0);
+        CHECK(without.percent(without.falseLit) < 2.0);
+    }
+    CHECK(exact >= 2);
+}
+
+} // namespace
+
+TEST_CASE("without normals exact methods trace every pixel and change at most 0.05 %, and maps show no acne")
+{
+    const test::DeviceTest silence;
+    for (const std::string name : {"room", "colonnade", "bunny"})
+        checkScene(name);
+}
+
+} // namespace gnomon::exact
