@@ -75,7 +75,7 @@ std::vector<Image8> expected(const char* method, uint32_t frame)
 
 void churn(const char* method)
 {
-    CAPTURE(method);
+    CAPTURE(std::string(method));
     Host host(churnScene(method), {.extent = extentOf(0), .framesInFlight = 3});
     hideCasters(host);
     host.pinAll(method);

@@ -24,7 +24,7 @@ struct Comma : std::numpunct<char> {
 // characters, codeset.
 void writeNumericCategory(const std::filesystem::path& file)
 {
-    constexpr uint32_t kMagic = 0x20051014u ^ 1u;
+    constexpr uint32_t kMagic = 0x20031115u ^ 1u;
     constexpr uint32_t kElements = 6;
     const std::array<uint32_t, 2 + kElements> head = {kMagic, kElements, 32, 34, 36, 40, 44, 48};
     std::array<char, 56> bytes{};

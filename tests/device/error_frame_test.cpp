@@ -67,7 +67,7 @@ const FrameCase kFrameCases[] = {
      GN_ERROR_OUT_OF_RANGE, "depthConvention 2"},
     {"no such depth convention",
      [](GnFrameInfo&, Views& v) { v[0].depthConvention = static_cast<GnDepthConvention>(9); }, GN_ERROR_OUT_OF_RANGE,
-     "depthConvention 9"},
+     "depthConvention is 9"},
     {"no depth", [](GnFrameInfo&, Views& v) { v[0].depthImage = VK_NULL_HANDLE; }, GN_ERROR_NULL_ARGUMENT,
      "depthImage"},
     {"depth of 16 bits", [](GnFrameInfo&, Views& v) { v[0].depthFormat = VK_FORMAT_D16_UNORM; }, GN_ERROR_OUT_OF_RANGE,
@@ -208,7 +208,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a context that cannot be is refused with a messag
         info.pUserData = &heard;
         change(info);
         GnContext context = reinterpret_cast<GnContext>(&heard);
-        CAPTURE(named);
+        CAPTURE(std::string(named));
         CHECK(gnCreateContext(&info, &context) == expected);
         CHECK(context == nullptr);
         CHECK_MESSAGE(heard.text.find(named) != std::string::npos, heard.text);

@@ -87,7 +87,7 @@ TEST_CASE_FIXTURE(DeviceTest, "zero-area triangles are dropped with a warning; t
     host.require(gnSetInstanceMesh(host.context, host.instances[2], mesh));
     for (const GnMethodInfo& method : availableMethods(host.context)) {
         if (!serves(method, demo::LightKind::Spot)) continue;
-        CAPTURE(method.pName);
+        CAPTURE(std::string(method.pName));
         for (Host* each : {&host, &fresh}) {
             each->pinAll(method.pName);
             each->require(each->draw());
@@ -201,7 +201,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a light exactly on a receiver or on a caster's co
                         pointLight("point", place, true)};
         Host host(scene);
         for (const GnMethodInfo& method : availableMethods(host.context)) {
-            CAPTURE(method.pName);
+            CAPTURE(std::string(method.pName));
             std::vector<GnLight> lights;
             for (size_t i = 0; i < 2; ++i) {
                 if (!serves(method, scene.lights[i].kind)) continue;

@@ -48,7 +48,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a view of one pixel is served by every method, an
                     pointLight("point", {0.0, 5.0, 0.1}, true)};
     Host host(scene, {.extent = {1, 1}});
     for (const GnMethodInfo& method : availableMethods(host.context)) {
-        CAPTURE(method.pName);
+        CAPTURE(std::string(method.pName));
         for (size_t i = 0; i < 2; ++i) {
             if (!serves(method, scene.lights[i].kind)) continue;
             host.pin(i, method.pName);
@@ -78,7 +78,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a view of 4096x2160 holds the shadows of a small 
 TEST_CASE_FIXTURE(DeviceTest, "a view resized in mid-run shows what a fresh one of that size shows")
 {
     for (const char* method : {"shadow_map", "stencil_volume", "pcf_hybrid", "ray_traced"}) {
-        CAPTURE(method);
+        CAPTURE(std::string(method));
         Host host(smallScene(), {.framesInFlight = 3});
         host.pinAll(method);
         host.draw(2, {});
@@ -105,7 +105,7 @@ TEST_CASE_FIXTURE(DeviceTest, "torus_grid a thousand kilometres away looks as it
     Host near(here, {.extent = extent}), far(there, {.extent = extent});
     for (const GnMethodInfo& method : availableMethods(near.context)) {
         if (!serves(method, demo::LightKind::Spot)) continue;
-        CAPTURE(method.pName);
+        CAPTURE(std::string(method.pName));
         for (Host* each : {&near, &far}) {
             each->pinAll(method.pName);
             each->draw(2, {.time = 0.25});
@@ -113,10 +113,10 @@ TEST_CASE_FIXTURE(DeviceTest, "torus_grid a thousand kilometres away looks as it
         const Image8 picture = near.pictures()[0];
         CHECK(dark(picture) > 1000);
         const size_t changed = differences(picture, far.pictures()[0]);
-        MESSAGE(method.pName << ": " << changed << " of " << picture.texels.size() << " pixels differ");
-        // The origin lies up to 512 m from the eye, where a float resolves 0.03 mm: only pixels on an edge, and texels
-        // of a map on a slope, may change. 0.2 % are 154 pixels of some 6 000 along edges.
-        CHECK(changed <= picture.texels.size() / 500);
+        MESSAGE(std::string(method.pName) << ": " << changed << " of " << picture.texels.size() << " pixels differ");
+        // The origin lies up to 512 m from the eye, where a float resolves 0.03 mm: pixels right on an edge and map
+        // texels right on a slope may change. Measured: 1 for shadow_map, 0 for the others; 15 are allowed.
+        CHECK(changed <= picture.texels.size() / 5000);
     }
 }
 
@@ -146,7 +146,7 @@ TEST_CASE_FIXTURE(DeviceTest, "malformed rules are refused with line and column,
          std::string(thesis).replace(thesis.find("stencil_volume is favoured"), 14, "magic_volume  ")},
     };
     for (const Bad& b : bad) {
-        CAPTURE(b.what);
+        CAPTURE(std::string(b.what));
         host.takeMessages();
         CHECK(gnLoadRules(host.context, b.text.data(), b.text.size(), "bad.yaml") == GN_ERROR_RULES);
         CHECK_MESSAGE(host.lastError().find("bad.yaml:") == 0, host.lastError());

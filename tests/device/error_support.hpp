@@ -19,9 +19,10 @@ struct Watched {
     void refused(const std::string& what, GnResult result, GnResult expected, const char* named)
     {
         CAPTURE(what);
-        CHECK_MESSAGE(result == expected, gnResultName(result) << " instead of " << gnResultName(expected));
+        CHECK_MESSAGE(result == expected, std::string(gnResultName(result))
+                                              << " instead of " << std::string(gnResultName(expected)));
         CHECK_MESSAGE(host.lastError().find(named) != std::string::npos,
-                      "'" << host.lastError() << "' does not name " << named);
+                      "'" << host.lastError() << "' does not name " << std::string(named));
         bool reported = false;
         for (const std::string& message : host.takeMessages())
             reported = reported || message.find(named) != std::string::npos;

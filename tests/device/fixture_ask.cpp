@@ -27,7 +27,7 @@ std::vector<std::string> Host::takeMessages()
 
 void Host::require(GnResult result) const
 {
-    REQUIRE_MESSAGE(result >= 0, gnResultName(result) << ": " << lastError());
+    REQUIRE_MESSAGE(result >= 0, std::string(gnResultName(result)) << ": " << lastError());
 }
 
 void Host::pinAll(const char* method)

@@ -40,7 +40,7 @@ TEST_CASE_FIXTURE(DeviceTest,
                                                                {"cube_map", demo::LightKind::Point},
                                                                {"dual_paraboloid", demo::LightKind::Point}};
     for (const auto& [method, kind] : methods) {
-        CAPTURE(method);
+        CAPTURE(std::string(method));
         Host host(sceneWithFarCaster(kind));
         host.pinAll(method);
         host.require(host.draw());
@@ -94,7 +94,7 @@ TEST_CASE_FIXTURE(DeviceTest, "silhouettes are found once, again exactly when a 
 TEST_CASE_FIXTURE(DeviceTest, "a kept map equals the map of a fresh context, after moves of every kind")
 {
     for (const char* method : {"shadow_map", "stencil_volume"}) {
-        CAPTURE(method);
+        CAPTURE(std::string(method));
         Host host(sceneWithFarCaster(demo::LightKind::Spot));
         host.pinAll(method);
         for (int step = 0; step < 6; ++step) {

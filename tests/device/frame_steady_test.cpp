@@ -59,8 +59,8 @@ TEST_CASE("a steady frame allocates nothing, whatever the method and the kind of
         Host host(steadyScene(kind));
         for (const GnMethodInfo& method : availableMethods(host.context)) {
             if (!serves(method, kind)) continue;
-            CAPTURE(demo::nameOf(kind));
-            CAPTURE(method.pName);
+            CAPTURE(std::string(demo::nameOf(kind)));
+            CAPTURE(std::string(method.pName));
             host.pinAll(method.pName);
             checkSteady(host);
             CHECK(host.decision(0).reason == GN_REASON_PINNED);
@@ -83,7 +83,7 @@ TEST_CASE("a frame in which a caster moves allocates nothing either")
     Host host(scene);
     for (const GnMethodInfo& method : availableMethods(host.context)) {
         if (!serves(method, demo::LightKind::Spot)) continue;
-        CAPTURE(method.pName);
+        CAPTURE(std::string(method.pName));
         host.pinAll(method.pName);
         size_t heap = 0;
         uint32_t objects = 0;

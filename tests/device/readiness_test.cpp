@@ -120,7 +120,7 @@ TEST_CASE_FIXTURE(DeviceTest, "without warm-up nothing is ready and all is lit, 
         CHECK(reasons.contains(GN_REASON_FALLBACK)); // shadow_map served meanwhile
         CHECK(differences(host.pictures(), submitted(smallScene(), "ray_traced")) == 0);
         if (flags == 0) continue;
-        host.draw(availableMethods(host.context).size(), {});
+        host.draw(static_cast<uint32_t>(availableMethods(host.context).size()), {});
         for (const GnMethodInfo& method : availableMethods(host.context))
             CHECK_MESSAGE(method.ready, std::string(method.pName));
     }
@@ -129,7 +129,7 @@ TEST_CASE_FIXTURE(DeviceTest, "without warm-up nothing is ready and all is lit, 
 TEST_CASE_FIXTURE(DeviceTest, "a frame in two halves shows what a whole one shows; a timeout of 0 does not wait")
 {
     for (const char* method : {"ray_traced", "pcf_hybrid", "shadow_map"}) {
-        CAPTURE(method);
+        CAPTURE(std::string(method));
         Host host(smallScene());
         host.pinAll(method);
         for (int frame = 0; frame < 3; ++frame) {

@@ -42,7 +42,7 @@ TEST_CASE_FIXTURE(DeviceTest,
         const std::vector<GnMethodInfo> methods = availableMethods(submitted.context);
         for (const char* name : kRecorded) {
             CAPTURE(shipped.name);
-            CAPTURE(name);
+            CAPTURE(std::string(name));
             const GnMethodInfo& method = methodNamed(methods, name);
             // Two times: what moved in between is drawn over what was kept.
             for (const double time : {0.0, 0.5}) {
@@ -67,7 +67,7 @@ TEST_CASE_FIXTURE(DeviceTest, "methods that need the CPU between passes are not 
 {
     Host host(smallScene());
     for (const GnMethodInfo& method : availableMethods(host.context)) {
-        CAPTURE(method.pName);
+        CAPTURE(std::string(method.pName));
         const bool mayBeRecorded =
             std::ranges::find(kRecorded, std::string_view(method.pName)) != std::ranges::end(kRecorded);
         CHECK((method.roundTrips == 0) == mayBeRecorded);
@@ -91,7 +91,7 @@ TEST_CASE_FIXTURE(DeviceTest, "methods that need the CPU between passes are not 
 TEST_CASE_FIXTURE(DeviceTest, "a dropped frame leaves no trace: what it would have drawn is drawn by the next")
 {
     for (const char* name : {"shadow_map", "stencil_volume"}) {
-        CAPTURE(name);
+        CAPTURE(std::string(name));
         Scene scene = smallScene();
         scene.instances[1].isStatic = false;
         Host host(scene), fresh(scene);

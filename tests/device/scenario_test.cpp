@@ -52,9 +52,10 @@ std::vector<std::string> play(const char* sceneName, const std::vector<Phase>& p
             const GnDecision decision = host.decision(light);
             REQUIRE(decision.pMethod);
             const bool right = std::string(decision.pMethod) == phase.method;
-            CHECK_MESSAGE(right, sceneName << " frame " << frame << " (" << phase.what << "), light "
-                                           << host.scene.lights[light].name << ": " << decision.pMethod << "\n"
-                                           << host.explanation(light));
+            CHECK_MESSAGE(right, std::string(sceneName)
+                                     << " frame " << frame << " (" << std::string(phase.what) << "), light "
+                                     << host.scene.lights[light].name << ": " << std::string(decision.pMethod) << "\n"
+                                     << host.explanation(light));
             if (!right) return sequence; // one explanation is enough
             if (sequence.empty() || sequence.back() != decision.pMethod) sequence.emplace_back(decision.pMethod);
         }
