@@ -8,6 +8,7 @@
 #include "demo/program/dump.hpp"
 #include "demo/program/pictures.hpp"
 #include "demo/program/progress.hpp"
+#include "demo/program/rule_watch.hpp"
 #include "demo/program/session.hpp"
 
 namespace gnomon::demo {
@@ -134,7 +135,9 @@ int runCommand(const RunOptions& options)
     Progress progress(frames);
     double lastTime = frameTime(scene, 0);
     FrameClock clock;
+    RuleWatch rules(options.rules);
     for (uint32_t frame = 0; frame < frames; ++frame) {
+        rules.poll(session.shadows);
         const double time = frameTime(scene, frame);
         const CameraState camera = session.camera(time);
         session.renderer.draw({.time = time,

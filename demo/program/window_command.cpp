@@ -12,6 +12,7 @@
 #include "demo/program/commands.hpp"
 #include "demo/program/frame_log.hpp"
 #include "demo/program/pictures.hpp"
+#include "demo/program/rule_watch.hpp"
 #include "demo/program/session.hpp"
 
 namespace gnomon::demo {
@@ -149,8 +150,10 @@ int windowCommand(const RunOptions& options)
     bool paused = false;
     uint32_t frame = 0, resizes = 0;
     Clock::time_point last = Clock::now();
+    RuleWatch watch(options.rules);
     while (!window.closed()) {
         window.pollEvents();
+        watch.poll(session.shadows);
         const Clock::time_point now = Clock::now();
         const double seconds = std::chrono::duration<double>(now - last).count();
         last = now;

@@ -1,0 +1,31 @@
+#pragma once
+// Rules edited while the scene runs: the file is read again when it changes. A bad file leaves the last good rules in
+// force and says so.
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "demo/host/shadow_host.hpp"
+
+namespace gnomon::demo {
+
+class RuleWatch {
+public:
+    /// \param rules path of a rule base; a shipped base's name or an empty text is not watched.
+    explicit RuleWatch(const std::string& rules);
+
+    /// Between frames; looks at the file twice a second at most. Prints what happened.
+    void poll(ShadowHost& shadows);
+
+private:
+    using Clock = std::chrono::steady_clock;
+    std::optional<std::filesystem::file_time_type> modified() const;
+
+    std::filesystem::path file_;
+    std::optional<std::filesystem::file_time_type> seen_;
+    Clock::time_point next_{};
+};
+
+} // namespace gnomon::demo
