@@ -181,22 +181,28 @@ LitAndDark truthOf(const SceneResults& results, LightKind kind)
     return sum;
 }
 
-void checkNoGrossFailure(const SceneResults& results, const std::string& method, const KindOfLight& kind)
+struct GrossBounds {
+    double missingPercent = 5.0; ///< Of the dark pixels.
+    double acnePercent = 1.0;    ///< Of the lit ones.
+};
+
+void checkNoGrossFailure(const SceneResults& results, const std::string& method, const KindOfLight& kind,
+                         uint32_t variant = 0, const GrossBounds& bounds = {})
 {
     const std::string kindName = nameOf(kind.kind);
     CAPTURE(results.name);
     CAPTURE(method);
     CAPTURE(kindName);
     const auto [lit, dark] = truthOf(results, kind.kind);
-    const ErrorCount error = results.pooled(results.of(method), kind.trait);
+    const ErrorCount error = results.pooled(results.of(method, variant), kind.trait);
     const double missing = 100.0 * double(error.falseLit) / double(dark);
     const double acne = 100.0 * double(error.falseShadow) / double(lit);
     MESSAGE(results.name << ", " << method << ", " << kindName << ": of " << dark << " dark pixels lit "
                          << percentText(missing) << ", of " << lit << " lit ones dark " << percentText(acne));
     CHECK(dark > 500);
     CHECK(lit > 500);
-    CHECK(missing < 5.0);
-    CHECK(acne < 1.0);
+    CHECK(missing < bounds.missingPercent);
+    CHECK(acne < bounds.acnePercent);
 }
 
 void checkNoGrossFailure(const SceneResults& results)
@@ -220,6 +226,19 @@ TEST_CASE("no method misses shadows or shows acne once everything has moved")
 {
     for (const std::string& name : sceneNames())
         checkNoGrossFailure(laterResultsOf(name));
+}
+
+// An average over a box takes away what is thinner than half of it: under the colonnade's low sun that is 5.1 % of the
+// dark pixels; and folds of the cloth darken each other (1.0 % of the lit ones). Hence twice the bounds.
+TEST_CASE("maps that average 5 x 5 texels lose no shadows wider than that, and show no acne")
+{
+    for (const std::string& name : sceneNames()) {
+        const SceneResults& results = resultsOf(name);
+        for (const std::string method : kAveraging)
+            for (const KindOfLight& kind : kKinds)
+                if (results.has(kind.kind) && (results.traitsOf(method) & kind.trait) != 0)
+                    checkNoGrossFailure(results, method, kind, kWideFilter, {10.0, 2.0});
+    }
 }
 
 } // namespace gnomon::exact

@@ -7,6 +7,7 @@
 namespace gnomon::exact {
 namespace {
 
+/// \param resolution 0: the defaults; or kWideFilter.
 std::string key(const std::string& method, uint32_t resolution)
 {
     return resolution == 0 ? method : method + " " + std::to_string(resolution);
@@ -41,6 +42,8 @@ SceneResults measure(const std::string& name)
     };
     for (const uint32_t resolution : kMapSizes)
         draw("shadow_map", resolution);
+    for (const char* method : kAveraging)
+        results.pictures[key(method, kWideFilter)] = stage.draw(method, {{"filter", 5.0}});
     draw("shadow_map", kCoarse);
     draw("pcf_hybrid", kCoarse);
     draw("pcf_hybrid", 1024);
