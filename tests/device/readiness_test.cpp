@@ -259,3 +259,36 @@ TEST_CASE_FIXTURE(DeviceTest, "timings of a timed frame name every pass, two fra
     CHECK(host.decision(0).measuredMs > 0.0f);
     CHECK(host.stats().gpuMs > 0.0f);
 }
+
+TEST_CASE_FIXTURE(DeviceTest, "every submit happens under the host's queue lock, none while it records")
+{
+    struct Lock {
+        int depth = 0, taken = 0;
+        static void GN_CALL lock(VkQueue, void* user) { ++static_cast<Lock*>(user)->depth; }
+        static void GN_CALL unlock(VkQueue, void* user)
+        {
+            auto& self = *static_cast<Lock*>(user);
+            --self.depth;
+            ++self.taken;
+        }
+    } lock;
+    HostOptions options;
+    options.context = [&lock](GnContextCreateInfo& info) {
+        info.pfnLockQueue = &Lock::lock;
+        info.pfnUnlockQueue = &Lock::unlock;
+        info.pfnMessage = nullptr; // the user data belongs to the lock
+        info.pUserData = &lock;
+    };
+    Host host(smallScene(), options);
+    CHECK(lock.taken == 1); // the warm-up
+    for (const char* method : {"shadow_map", "ray_traced"}) {
+        host.pinAll(method);
+        const int before = lock.taken;
+        host.require(host.draw());
+        CHECK(lock.taken - before == static_cast<int>(host.stats().submits));
+    }
+    const int before = lock.taken;
+    host.require(host.draw({.call = Call::record}));
+    CHECK(lock.taken == before);
+    CHECK(lock.depth == 0);
+}
