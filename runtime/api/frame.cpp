@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "rules/engine/number_text.hpp"
 #include "runtime/api/context.hpp"
 
 namespace gnomon {
@@ -175,7 +176,8 @@ Result<void> Context::takeInput(const GnFrameInfo& info)
     if (std::isnan(info.budgetMs)) return Error{GN_ERROR_NOT_A_NUMBER, "BudgetNaN", "budgetMs is NaN"};
     if (std::isinf(info.budgetMs)) return Error{GN_ERROR_INFINITE, "BudgetInfinite", "budgetMs is infinite"};
     if (info.budgetMs < 0.0f)
-        return Error{GN_ERROR_OUT_OF_RANGE, "BudgetNegative", "budgetMs is " + std::to_string(info.budgetMs)};
+        return Error{GN_ERROR_OUT_OF_RANGE, "BudgetNegative",
+                     "budgetMs is " + rules::shortestText(double{info.budgetMs})};
     if (info.viewCount && !info.pViews) return Error{GN_ERROR_NULL_ARGUMENT, "ViewsMissing", "pViews is null"};
     if ((info.waitCount && !info.pWaits) || (info.signalCount && !info.pSignals))
         return Error{GN_ERROR_NULL_ARGUMENT, "SemaphoresMissing", "pWaits or pSignals is null"};

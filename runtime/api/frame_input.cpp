@@ -1,6 +1,7 @@
 // What the host says of a camera: checked, then turned into what shaders and rays use.
 #include <cmath>
 
+#include "rules/engine/number_text.hpp"
 #include "runtime/api/context.hpp"
 #include "runtime/scene/scene_input.hpp"
 
@@ -34,7 +35,7 @@ Result<void> checkProjection(const GnViewFrame& frame, const char* viewName)
     if (!perspective)
         return wrong(GN_ERROR_OUT_OF_RANGE, "ProjectionNotPerspective", viewName,
                      "projection is not a perspective matrix (clip w must be +-view z, no skew; projection[11] is " +
-                         std::to_string(p[11]) + ")");
+                         rules::shortestText(double{p[11]}) + ")");
     if (frame.depthConvention < GN_DEPTH_REVERSED_INFINITE || frame.depthConvention > GN_DEPTH_STANDARD)
         return wrong(GN_ERROR_OUT_OF_RANGE, "DepthConvention", viewName,
                      "depthConvention is " + std::to_string(frame.depthConvention) + ", not a GnDepthConvention");
@@ -58,7 +59,7 @@ Result<void> checkRotation(const GnViewFrame& frame, const char* viewName)
             if (std::abs(d - (i == j ? 1.0f : 0.0f)) > 1e-3f)
                 return wrong(GN_ERROR_OUT_OF_RANGE, "CameraNotRotation", viewName,
                              "viewFromWorld is not a rotation: rows " + std::to_string(i) + " and " +
-                                 std::to_string(j) + " have dot product " + std::to_string(d));
+                                 std::to_string(j) + " have dot product " + rules::shortestText(double{d}));
         }
     return {};
 }

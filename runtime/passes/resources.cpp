@@ -119,8 +119,8 @@ Result<std::unique_ptr<PooledImage>> ResourcePool::makeImage(const ImageInfo& in
     }
     auto image = std::make_unique<PooledImage>();
     image->gpu = std::move(*gpu);
-    image->layers.resize(info.layers);
-    image->savedLayers.resize(info.layers);
+    image->layers.resize(info.layers, kFreshSync);
+    image->savedLayers.resize(info.layers, kFreshSync);
     return image;
 }
 
@@ -135,6 +135,7 @@ Result<std::unique_ptr<PooledBuffer>> ResourcePool::makeBuffer(const BufferInfo&
     auto buffer = std::make_unique<PooledBuffer>();
     buffer->gpu = *gpu;
     buffer->place = info.place;
+    buffer->sync = buffer->savedSync = kFreshSync;
     return buffer;
 }
 
@@ -289,8 +290,8 @@ Result<std::unique_ptr<PooledImage>> ResourcePool::ownedImage(const ImageCreate&
     if (!gpu) return gpu.error();
     auto image = std::make_unique<PooledImage>();
     image->gpu = std::move(*gpu);
-    image->layers.resize(info.layers);
-    image->savedLayers.resize(info.layers);
+    image->layers.resize(info.layers, kFreshSync);
+    image->savedLayers.resize(info.layers, kFreshSync);
     return image;
 }
 

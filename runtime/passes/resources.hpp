@@ -26,6 +26,10 @@ struct SyncState {
     bool nextWrite = false;
 };
 
+/// Of fresh memory: another resource may have lain there. The CPU knows that the GPU has done with it; a first use
+/// after everything on the queue says so to the queue as well, once.
+inline constexpr SyncState kFreshSync{.writeStages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+
 /// Content kept from frame to frame, and how to take a withdrawn frame back.
 struct KeptState {
     std::uint64_t stamp = 0;      ///< 0: nothing worth keeping.

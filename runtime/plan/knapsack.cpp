@@ -105,8 +105,7 @@ bool Knapsack::gatherOptions(const Problem& problem, uint32_t open) noexcept
             uint32_t place = count++;
             for (; place > 0; --place) {
                 const Option& before = first[place - 1];
-                if (before.costMs < option.costMs ||
-                    (before.costMs == option.costMs && before.value >= option.value))
+                if (before.costMs < option.costMs || (before.costMs == option.costMs && before.value >= option.value))
                     break;
                 first[place] = before;
             }
@@ -288,7 +287,8 @@ Solution Knapsack::solveSets(const Problem& problem, Method method, std::span<ui
         return best;
     }
     Solution best = solveOpen(problem, method, ~0u, chosen);
-    uint32_t open = ~0u;
+    uint32_t open = cheap | usedMethods(chosen); // what nobody uses need not be paid
+    tryOpen(open, best);
     uint32_t trials = few ? kSetTrials : kSetTrialsMany;
     for (bool improved = true; improved && trials > 0;) {
         improved = false;

@@ -1,8 +1,8 @@
 // Text for decisions, made only when somebody asks.
-#include <charconv>
 #include <cmath>
 
 #include "rules/engine/explain.hpp"
+#include "rules/engine/number_text.hpp"
 #include "runtime/select/selector.hpp"
 
 namespace gnomon {
@@ -11,10 +11,7 @@ namespace {
 
 std::string fixed(double value, int digits)
 {
-    if (std::isnan(value)) return "unknown";
-    char buffer[64];
-    const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, digits).ptr;
-    return {buffer, end};
+    return std::isnan(value) ? "unknown" : rules::fixedText(value, digits);
 }
 
 const char* reasonText(GnReason reason)

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rules/engine/number_text.hpp"
+
 namespace gnomon {
 
 namespace {
@@ -10,14 +12,6 @@ namespace {
 Error unknownMethod(std::string_view name)
 {
     return {GN_ERROR_UNKNOWN_METHOD, "UnknownMethod", "no method is named '" + std::string(name) + "'"};
-}
-
-std::string number(double value)
-{
-    std::string text = std::to_string(value);
-    text.erase(text.find_last_not_of('0') + 1);
-    if (!text.empty() && text.back() == '.') text.pop_back();
-    return text;
 }
 
 } // namespace
@@ -89,8 +83,8 @@ Result<void> MethodTable::set(std::string_view name, std::string_view setting, d
         if (setting != spec.name) continue;
         if (!(value >= spec.minimum && value <= spec.maximum))
             return Error{std::isnan(value) ? GN_ERROR_NOT_A_NUMBER : GN_ERROR_OUT_OF_RANGE, "SettingOutOfRange",
-                         std::string(name) + "." + spec.name + " is " + number(value) + ", outside [" +
-                             number(spec.minimum) + ", " + number(spec.maximum) + "]"};
+                         std::string(name) + "." + spec.name + " is " + rules::shortestText(value) + ", outside [" +
+                             rules::shortestText(spec.minimum) + ", " + rules::shortestText(spec.maximum) + "]"};
         method->settings[i] = value;
         method->settingInfos[i].value = value;
         return {};

@@ -1,0 +1,327 @@
+#include "runtime/cost/cost_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/cost/exponent.hpp"
+
+namespace gnomon::cost {
+
+namespace {
+
+// Sizes at which the features are zero: one million pixels, 16 384 triangles, a 1024 x 1024 map. Any would do; near the
+// middle of what occurs the constant and the slopes are least entangled.
+constexpr double kPixelsReference = 20.0;
+constexpr double kTrianglesReference = 14.0;
+constexpr double kTexelsReference = 20.0;
+
+constexpr double kForgetting = 0.999;   // remembers about 1000 timings, some seconds of frames
+constexpr double kClip = 0.25;          // octaves. A spike of x4 moves the fit no more than one of x1.19
+constexpr double kSlopeVariance = 0.25; // prior: slopes are within 0.5 of the guess
+constexpr double kConstantVariance = 4; // prior: within 2 octaves, a factor of 4
+constexpr double kCovarianceCap = kConstantVariance + (kFeatures - 1) * kSlopeVariance; // never less sure than at first
+constexpr double kStartNoise = 0.0133;  // (8 % in octaves)^2 = log2(1.08)^2, the timing noise usual for GPUs
+constexpr double kLeastNoise = 1e-4;    // 0.7 %: timers are no better
+constexpr double kNoiseRate = 0.02;     // smoothing of the noise over 50 timings
+constexpr double kMarginalNoise = 1.0;  // variance of the device factor before it is known: a factor of 2
+
+constexpr uint32_t kDiscarded = 3;     // timings after a switch: caches, allocation, clocks
+constexpr double kResidualBlend = 8.0; // n / (n + 8): the residual has half its weight after 8 timings
+constexpr double kResidualMost = 32.0; // effective timings: new ones always count for 1/32 at least
+constexpr double kPersistent = 0.25;   // octaves. Three timings in a row beyond it on one side are a step, no spikes
+constexpr uint32_t kDeviceFrames = 10; // the device factor is learned first, in so many frames
+constexpr double kDeviceStep = 0.15;   // octaves = 11 %: a median beyond it in 3 of 5 frames is a step of the device
+constexpr size_t kFrameErrors = 1024;  // timings of a frame that vote on the device factor
+
+/// What is guessed of a method nobody has measured: 1 ms for the reference workload, updates growing with triangles and
+/// texels, resolves with pixels; shared passes split evenly; a still light skips most of its update.
+Features priorOf(uint32_t track)
+{
+    if (track / 2 == static_cast<uint32_t>(Pass::update)) return {0.0, 0.0, 0.5, 0.5, -1.0, 0.0};
+    return {0.0, 1.0, 0.0, 0.0, 0.0, 0.0};
+}
+
+double logOf(double size)
+{
+    return log2Exactly(std::isfinite(size) && size > 1.0 ? size : 1.0);
+}
+
+double medianOf(double* first, uint32_t count)
+{
+    std::sort(first, first + count);
+    return count % 2 ? first[count / 2] : 0.5 * (first[count / 2 - 1] + first[count / 2]);
+}
+
+bool isTime(double ms)
+{
+    return std::isfinite(ms) && ms > 0.0;
+}
+
+} // namespace
+
+Features featuresOf(const Workload& workload) noexcept
+{
+    return {1.0,
+            logOf(workload.pixels) - kPixelsReference,
+            logOf(workload.casterTriangles) - kTrianglesReference,
+            workload.mapTexels > 0.0 ? logOf(workload.mapTexels) - kTexelsReference : 0.0,
+            logOf(workload.sharing),
+            workload.still ? 1.0 : 0.0};
+}
+
+void CostModel::reset(Track& track, uint32_t t) noexcept
+{
+    track = {};
+    track.theta = priorOf(t);
+    track.noise = kStartNoise;
+    // In units of the noise, so that the prior weighs in octaves.
+    for (uint32_t i = 0; i < kFeatures; ++i)
+        track.covariance[i * kFeatures + i] = (i == 0 ? kConstantVariance : kSlopeVariance) / kStartNoise;
+}
+
+void CostModel::resize(uint32_t methods, uint32_t lights)
+{
+    std::vector<Residual> residuals(size_t{methods} * lights * kTracks);
+    for (uint32_t light = 0; light < std::min(lights, lights_); ++light)
+        for (uint32_t i = 0; i < std::min(methods, methods_) * kTracks; ++i)
+            residuals[size_t{light} * methods * kTracks + i] = residuals_[size_t{light} * methods_ * kTracks + i];
+    residuals_ = std::move(residuals);
+    const uint32_t known = std::min(methods, methods_) * kTracks;
+    tracks_.resize(size_t{methods} * kTracks);
+    for (uint32_t i = known; i < tracks_.size(); ++i)
+        reset(tracks_[i], i % kTracks);
+    frameErrors_.resize(kFrameErrors);
+    if (samples_ == 0 && known == 0) deviceVariance_ = kMarginalNoise;
+    methods_ = methods;
+    lights_ = lights;
+}
+
+/// One step of recursive least squares with the given error; returns the variance of its prediction in units of noise.
+double CostModel::fit(Track& track, const Features& f, double error, double forgetting) noexcept
+{
+    Features pf{};
+    double fpf = 0.0;
+    for (uint32_t i = 0; i < kFeatures; ++i) {
+        for (uint32_t j = 0; j < kFeatures; ++j)
+            pf[i] += track.covariance[i * kFeatures + j] * f[j];
+        fpf += f[i] * pf[i];
+    }
+    const double gain = 1.0 / (forgetting + fpf);
+    double trace = 0.0;
+    for (uint32_t i = 0; i < kFeatures; ++i) {
+        track.theta[i] += pf[i] * gain * error;
+        for (uint32_t j = 0; j < kFeatures; ++j) {
+            double& p = track.covariance[i * kFeatures + j];
+            p = (p - pf[i] * pf[j] * gain) / forgetting;
+        }
+        trace += track.covariance[i * kFeatures + i];
+    }
+    // What is never observed must not grow without bound while the rest is forgotten.
+    constexpr double kCap = kCovarianceCap / kStartNoise;
+    if (trace > kCap)
+        for (double& p : track.covariance)
+            p *= kCap / trace;
+    return fpf;
+}
+
+void CostModel::calibrate(uint32_t method, Pass pass, Processor processor, const Workload& workload, double ms) noexcept
+{
+    if (method >= methods_ || !isTime(ms)) return;
+    Track& known = track(method, trackOf(pass, processor));
+    const Features f = featuresOf(workload);
+    double error = log2Exactly(ms);
+    for (uint32_t i = 0; i < kFeatures; ++i)
+        error -= known.theta[i] * f[i];
+    const double spread = fit(known, f, error, 1.0);
+    // The error has variance noise (1 + spread); the first ones tell of the prior only.
+    if (known.samples >= kFeatures)
+        known.noise = std::max(kLeastNoise, known.noise + (error * error / (1.0 + spread) - known.noise) /
+                                                              (known.samples - kFeatures + 2.0));
+    ++known.samples;
+    known.seen = true;
+    ++samples_;
+}
+
+void CostModel::finishCalibration(bool sameDevice) noexcept
+{
+    device_ = 0.0;
+    deviceFrames_ = sameDevice ? kDeviceFrames : 0;
+    deviceVariance_ = sameDevice ? 0.0 : kMarginalNoise;
+}
+
+CostModel::Octaves CostModel::octaves(uint32_t light, uint32_t method, uint32_t t, const Features& f) const noexcept
+{
+    const Track& known = track(method, t);
+    double mean = device_, spread = 0.0;
+    for (uint32_t i = 0; i < kFeatures; ++i) {
+        mean += known.theta[i] * f[i];
+        double pf = 0.0;
+        for (uint32_t j = 0; j < kFeatures; ++j)
+            pf += known.covariance[i * kFeatures + j] * f[j];
+        spread += f[i] * pf;
+    }
+    double variance = known.noise * spread + deviceVariance_;
+    if (light < lights_) {
+        const Residual& own = residuals_[(size_t{light} * methods_ + method) * kTracks + t];
+        double distance = 0.0;
+        for (uint32_t i = 0; i < kFeatures; ++i)
+            distance += std::fabs(f[i] - own.at[i]);
+        const double n = own.samples / (1.0 + distance); // what was learned elsewhere counts for less
+        const double weight = n / (n + kResidualBlend);
+        mean += weight * own.octaves;
+        variance += known.noise * (1.0 - weight); // lights differ from the fit by about as much as timings do
+    }
+    return {mean, variance, known.seen, known.samples >= kFeatures};
+}
+
+/// Running mean of what the fit leaves over for this light, with clipped errors; three alike in a row replace it.
+void CostModel::learn(Residual& own, const Features& f, double error) noexcept
+{
+    double distance = 0.0;
+    for (uint32_t i = 0; i < kFeatures; ++i)
+        distance += std::fabs(f[i] - own.at[i]);
+    own.samples = own.samples > 0.0 ? own.samples / (1.0 + distance) : 0.0;
+    own.at = f;
+    own.recent[own.recentNext] = error;
+    own.recentNext = static_cast<uint8_t>((own.recentNext + 1) % own.recent.size());
+    own.recentCount = static_cast<uint8_t>(std::min<size_t>(own.recentCount + 1u, own.recent.size()));
+    if (own.recentCount == own.recent.size()) {
+        std::array<double, 3> sorted = own.recent;
+        std::sort(sorted.begin(), sorted.end());
+        const double low = sorted.front() - own.octaves, high = sorted.back() - own.octaves;
+        if (low > kPersistent || high < -kPersistent) {
+            own.octaves = sorted[1];
+            own.samples = kResidualMost;
+            return;
+        }
+    }
+    own.samples = std::min(own.samples + 1.0, kResidualMost);
+    const double change = std::clamp(error - own.octaves, -kClip, kClip);
+    own.octaves += change / own.samples;
+}
+
+void CostModel::observe(const Observation& observation) noexcept
+{
+    if (observation.method >= methods_ || observation.light >= lights_ || !isTime(observation.ms)) return;
+    if (observation.disturbed || observation.samplesSinceSwitch < kDiscarded) return;
+    const uint32_t t = trackOf(observation.pass, observation.processor);
+    const Features f = featuresOf(observation.workload);
+    Track& known = track(observation.method, t);
+    const double y = log2Exactly(observation.ms);
+    const double surprise = y - octaves(observation.light, observation.method, t, f).mean;
+    if (frameErrorCount_ < frameErrors_.size()) frameErrors_[frameErrorCount_++] = surprise;
+    ++samples_;
+    // Device first: until it is known every method looks wrong by the same factor, and nothing else is learned.
+    const bool foreign = deviceFrames_ < kDeviceFrames && known.samples >= kFeatures;
+    if (foreign) {
+        known.seen = true;
+        return;
+    }
+    double error = y - device_, spread = 0.0;
+    for (uint32_t i = 0; i < kFeatures; ++i) {
+        error -= known.theta[i] * f[i];
+        for (uint32_t j = 0; j < kFeatures; ++j)
+            spread += f[i] * known.covariance[i * kFeatures + j] * f[j];
+    }
+    learn(residual(observation.light, observation.method, t), f, error);
+    // While the fit is a guess a large error is what one expects; the clip narrows as it becomes sure.
+    const double clip = std::max(kClip, 2.0 * std::sqrt(known.noise * spread));
+    const double clipped = std::clamp(error, -clip, clip);
+    fit(known, f, clipped, kForgetting);
+    const double square = std::clamp(surprise, -kClip, kClip) * std::clamp(surprise, -kClip, kClip);
+    if (known.samples >= kFeatures)
+        known.noise = std::max(kLeastNoise, known.noise + (square - known.noise) * kNoiseRate);
+    ++known.samples;
+    known.seen = true;
+}
+
+/// The median of the last five frames' medians is beyond kDeviceStep only if three of them are.
+void CostModel::noteStep(double frameMedian) noexcept
+{
+    if (deviceFrames_ < kDeviceFrames) { // the mean of the medians so far
+        ++deviceFrames_;
+        const double change = frameMedian / deviceFrames_;
+        device_ += deviceFrames_ == 1 ? frameMedian : change;
+        deviceVariance_ = deviceFrames_ == kDeviceFrames ? 0.0 : kMarginalNoise / (1.0 + deviceFrames_ * deviceFrames_);
+        return;
+    }
+    steps_[stepNext_] = frameMedian;
+    stepNext_ = (stepNext_ + 1) % static_cast<uint32_t>(steps_.size());
+    stepCount_ = std::min(stepCount_ + 1, static_cast<uint32_t>(steps_.size()));
+    std::array<double, 5> sorted = steps_;
+    const double median = medianOf(sorted.data(), static_cast<uint32_t>(sorted.size())); // empty places are 0
+    if (std::fabs(median) <= kDeviceStep) return;
+    device_ += median;
+    steps_.fill(0.0);
+    stepCount_ = stepNext_ = 0;
+    // What the lights learned in those frames was the step, not theirs.
+    for (Residual& own : residuals_)
+        own.recentCount = own.recentNext = 0;
+}
+
+void CostModel::endFrame() noexcept
+{
+    if (frameErrorCount_ == 0) return;
+    noteStep(medianOf(frameErrors_.data(), frameErrorCount_));
+    frameErrorCount_ = 0;
+}
+
+void CostModel::forgetLight(uint32_t light) noexcept
+{
+    if (light >= lights_) return;
+    const size_t first = size_t{light} * methods_ * kTracks;
+    std::fill_n(residuals_.begin() + static_cast<std::ptrdiff_t>(first), size_t{methods_} * kTracks, Residual{});
+}
+
+Prediction CostModel::combine(const Prediction& gpu, const Prediction& cpu) const noexcept
+{
+    if (!sharedCores_) return gpu.ms >= cpu.ms ? gpu : cpu;
+    Prediction sum{.ms = gpu.ms + cpu.ms,
+                   .sigmaMs = std::sqrt(gpu.sigmaMs * gpu.sigmaMs + cpu.sigmaMs * cpu.sigmaMs),
+                   .calibrated = gpu.calibrated || cpu.calibrated};
+    sum.sigmaOctaves = sum.ms > 0.0 ? sum.sigmaMs / sum.ms / 0.6931471805599453 : 0.0;
+    return sum;
+}
+
+Prediction CostModel::predict(uint32_t light, uint32_t method, Pass pass, const Workload& workload) const noexcept
+{
+    if (method >= methods_) return {};
+    const Features f = featuresOf(workload);
+    std::array<Prediction, 2> parts;
+    bool any = false;
+    for (const Processor processor : {Processor::gpu, Processor::cpu}) {
+        const Octaves known = octaves(light, method, trackOf(pass, processor), f);
+        if (!known.any) continue;
+        any = true;
+        Prediction& part = parts[static_cast<size_t>(processor)];
+        part.ms = exp2Exactly(known.mean);
+        part.sigmaOctaves = std::sqrt(known.variance);
+        part.sigmaMs = part.ms * 0.6931471805599453 * part.sigmaOctaves; // d 2^x = ln 2 2^x dx
+        part.calibrated = known.calibrated;
+    }
+    if (any) return combine(parts[0], parts[1]);
+    // Nobody knows anything: the prior of the GPU, with its doubt. A method known by its other pass has no such pass.
+    const Pass other = pass == Pass::update ? Pass::resolve : Pass::update;
+    for (const Processor processor : {Processor::gpu, Processor::cpu})
+        if (track(method, trackOf(other, processor)).seen) return {};
+    const Octaves guess = octaves(light, method, trackOf(pass, Processor::gpu), f);
+    Prediction prediction{.ms = exp2Exactly(guess.mean), .sigmaOctaves = std::sqrt(guess.variance)};
+    prediction.sigmaMs = prediction.ms * 0.6931471805599453 * prediction.sigmaOctaves;
+    return prediction;
+}
+
+Prediction CostModel::predict(uint32_t light, uint32_t method, const Workload& workload,
+                              bool updateSkipped) const noexcept
+{
+    const Prediction resolve = predict(light, method, Pass::resolve, workload);
+    if (updateSkipped) return resolve;
+    const Prediction update = predict(light, method, Pass::update, workload);
+    Prediction sum{.ms = update.ms + resolve.ms,
+                   .sigmaMs = std::sqrt(update.sigmaMs * update.sigmaMs + resolve.sigmaMs * resolve.sigmaMs),
+                   .calibrated = (update.calibrated || update.ms == 0.0) && (resolve.calibrated || resolve.ms == 0.0) &&
+                                 (update.calibrated || resolve.calibrated)};
+    sum.sigmaOctaves = sum.ms > 0.0 ? sum.sigmaMs / sum.ms / 0.6931471805599453 : 0.0;
+    return sum;
+}
+
+} // namespace gnomon::cost

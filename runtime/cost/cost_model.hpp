@@ -1,0 +1,143 @@
+#pragma once
+
+/// How long a method will take for a light, learned from timings.
+///
+/// Per method and *track* (update or resolve, GPU or CPU) the logarithm of the time is linear in the features:
+///
+///     log2 ms = theta . f + device + residual(light, method)
+///
+/// theta comes from calibration and is refined by recursive least squares; `device` is one number common to all
+/// methods, so that a new GPU is known after a few frames; the residual is what this light differs by. Steps of the
+/// world (a clock that drops, a scene that doubles) show in several frames in a row and are taken over at once; a spike
+/// shows in one and is not.
+///
+/// Only + - * / and square roots on doubles, in fixed order: the same observations give the same bits everywhere.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gnomon::cost {
+
+enum class Pass : uint8_t { update, resolve };  ///< What a cache can skip; what every pixel pays.
+enum class Processor : uint8_t { gpu, cpu };    ///< On a software device both are the same cores.
+
+inline constexpr uint32_t kTracks = 4; ///< Pass x Processor.
+constexpr uint32_t trackOf(Pass pass, Processor processor)
+{
+    return static_cast<uint32_t>(pass) * 2 + static_cast<uint32_t>(processor);
+}
+
+/// What the time depends on. Zero counts as one where a logarithm is taken.
+struct Workload {
+    double pixels = 0.0;          ///< Reached by the light.
+    double casterTriangles = 0.0; ///< In range of the light.
+    double mapTexels = 0.0;       ///< Of the method's maps for this light; 0: none.
+    double sharing = 1.0;         ///< Lights that share the pass.
+    bool still = false;           ///< Light and casters stand still: the update may be skipped.
+};
+
+inline constexpr uint32_t kFeatures = 6;
+using Features = std::array<double, kFeatures>; ///< 1, then the workload, logarithms less a reference size.
+Features featuresOf(const Workload& workload) noexcept;
+
+/// One timing.
+struct Observation {
+    uint32_t light = 0; ///< Slot below the lights of resize().
+    uint32_t method = 0;
+    Pass pass = Pass::resolve;
+    Processor processor = Processor::gpu;
+    Workload workload;
+    double ms = 0.0;
+    uint32_t samplesSinceSwitch = 1u << 30; ///< Timings of this light since its method changed, this one excluded.
+    bool disturbed = false;                 ///< Pipeline compilation, resize, capture, first use: not the method's doing.
+};
+
+struct Prediction {
+    double ms = 0.0;
+    double sigmaMs = 0.0;      ///< One standard error.
+    double sigmaOctaves = 0.0; ///< The same, relative: of log2 ms.
+    bool calibrated = false;   ///< False: a guess from the prior.
+};
+
+/// What stays when the program ends is the knowledge base's (knowledge_base.hpp); this is the learner.
+class CostModel {
+public:
+    /// Sets the numbers of methods and light slots; keeps what is known of those that stay. Allocates.
+    void resize(uint32_t methods, uint32_t lights);
+
+    /// On a device whose "GPU" runs on the CPU's cores times add up; otherwise the longer one binds.
+    void setSharedCores(bool shared) noexcept { sharedCores_ = shared; }
+
+    /// Least squares over one measurement of a calibration run: no forgetting, no clipping. Calibrations of another
+    /// device are fine: the device factor is learned on top.
+    void calibrate(uint32_t method, Pass pass, Processor processor, const Workload& workload, double ms) noexcept;
+    /// True if the timings of calibrate() came from this device: its factor starts as known.
+    void finishCalibration(bool sameDevice) noexcept;
+
+    /// Timings are collected between these two, one frame at a time, in any number. No allocation.
+    void observe(const Observation& observation) noexcept;
+    void endFrame() noexcept;
+
+    /// A light's slot was given to another light.
+    void forgetLight(uint32_t light) noexcept;
+
+    Prediction predict(uint32_t light, uint32_t method, Pass pass, const Workload& workload) const noexcept;
+    /// Update and resolve; `updateSkipped` when what the update would make is still valid.
+    Prediction predict(uint32_t light, uint32_t method, const Workload& workload, bool updateSkipped) const noexcept;
+
+    double deviceOctaves() const noexcept { return device_; }
+    uint64_t samples() const noexcept { return samples_; }
+
+private:
+    using Matrix = std::array<double, kFeatures * kFeatures>;
+    struct Track {
+        Features theta{};
+        Matrix covariance{};
+        double noise = 0.0; ///< Variance of one timing, octaves squared.
+        uint32_t samples = 0;
+        bool seen = false; ///< Any timing at all: a track never seen predicts nothing.
+    };
+    struct Residual {
+        double octaves = 0.0;
+        double samples = 0.0; ///< Effective; fades with the distance of the features.
+        std::array<double, 3> recent{};
+        Features at{};
+        uint8_t recentCount = 0, recentNext = 0;
+    };
+    struct Octaves {
+        double mean = 0.0, variance = 0.0;
+        bool any = false, calibrated = false;
+    };
+
+    Track& track(uint32_t method, uint32_t t) noexcept { return tracks_[method * kTracks + t]; }
+    const Track& track(uint32_t method, uint32_t t) const noexcept { return tracks_[method * kTracks + t]; }
+    Residual& residual(uint32_t light, uint32_t method, uint32_t t) noexcept
+    {
+        return residuals_[(size_t{light} * methods_ + method) * kTracks + t];
+    }
+    static void reset(Track& track, uint32_t t) noexcept;
+    static double fit(Track& track, const Features& f, double error, double forgetting) noexcept;
+    void learn(Residual& residual, const Features& f, double error) noexcept;
+    Octaves octaves(uint32_t light, uint32_t method, uint32_t t, const Features& f) const noexcept;
+    Prediction combine(const Prediction& gpu, const Prediction& cpu) const noexcept;
+    void noteStep(double frameMedian) noexcept;
+
+    uint32_t methods_ = 0, lights_ = 0;
+    bool sharedCores_ = false;
+    std::vector<Track> tracks_;
+    std::vector<Residual> residuals_;
+    double device_ = 0.0;
+    double deviceVariance_ = 0.0;
+    uint32_t deviceFrames_ = 0;
+    std::vector<double> frameErrors_; ///< Of the current frame; fixed capacity, more are not collected.
+    uint32_t frameErrorCount_ = 0;
+    std::array<double, 5> steps_{}; ///< Medians of the newest frames.
+    uint32_t stepCount_ = 0, stepNext_ = 0;
+    uint64_t samples_ = 0;
+};
+
+} // namespace gnomon::cost

@@ -1,0 +1,440 @@
+#include "runtime/plan/plan.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "rules/engine/engine.hpp" // kSuitabilitySteps
+
+namespace gnomon::plan {
+
+namespace {
+
+const rules::Policy kDefaultPolicy{};
+
+const rules::Policy& policyOf(const PlanInput& input)
+{
+    return input.policy ? *input.policy : kDefaultPolicy;
+}
+
+bool isBanned(const LightMemory& memory, uint32_t from, uint32_t to, uint64_t frame)
+{
+    for (const LightMemory::Ban& ban : memory.bans)
+        if (frame < ban.until && ((ban.a == from && ban.b == to) || (ban.a == to && ban.b == from))) return true;
+    return false;
+}
+
+void ban(LightMemory& memory, uint32_t a, uint32_t b, uint64_t until)
+{
+    auto oldest = std::min_element(memory.bans.begin(), memory.bans.end(),
+                                   [](const auto& x, const auto& y) { return x.until < y.until; });
+    *oldest = {a, b, until};
+}
+
+/// True if going back to `to` now would be the last step of an A-B-A.
+bool wouldFlip(const LightMemory& memory, uint32_t to, uint64_t frame, uint32_t window)
+{
+    return memory.previous != kNone && to == memory.previous && frame - memory.switchedAt <= window;
+}
+
+} // namespace
+
+void PlanStep::reserve(uint32_t lights, uint32_t methods)
+{
+    auto grow = [](auto& vector, size_t size) {
+        if (vector.size() < size) vector.resize(size);
+    };
+    knapsack_.reserve(lights, methods);
+    const size_t cells = size_t{lights} * methods;
+    grow(values_, cells);
+    grow(costsMs_, cells);
+    grow(why_, cells);
+    grow(allowed_, lights);
+    grow(current_, lights);
+    grow(best_, lights);
+    grow(saved_, lights);
+    grow(plans_, lights);
+}
+
+/// Capability, pin, never, opinion: which methods a light may have before quality is looked at.
+void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
+{
+    const LightRequest& request = input.lights[light];
+    uint32_t able = 0, unvetoed = 0, spoken = 0;
+    for (uint32_t m = 0; m < methods_; ++m) {
+        const Candidate& candidate = input.candidates[at(light, m)];
+        const uint32_t bit = 1u << m;
+        const double suitability = std::max(candidate.suitability, 0) / double{rules::kSuitabilitySteps};
+        const double quality = std::isfinite(candidate.quality) ? std::clamp(double{candidate.quality}, 0.0, 1.0) : 0.0;
+        values_[at(light, m)] = request.importance * suitability * quality;
+        const bool known = std::isfinite(candidate.ms) && candidate.ms >= 0.0;
+        costsMs_[at(light, m)] = known ? candidate.ms : 0.0;
+        if (candidate.eligibility != Eligibility::trait && known) able |= bit;
+        if (candidate.eligibility != Eligibility::never) unvetoed |= bit;
+        if (candidate.suitability >= 0) spoken |= bit;
+    }
+    const uint32_t pin = request.pinned < methods_ ? able & (1u << request.pinned) : 0;
+    uint32_t allowed = able & unvetoed;
+    if (allowed & spoken) allowed &= spoken; // where nobody has an opinion, all are equally unloved
+    if (pin) allowed = pin;
+    for (uint32_t m = 0; m < methods_; ++m) {
+        const uint32_t bit = 1u << m;
+        why_[at(light, m)] = !(able & bit)         ? Why::trait
+                             : pin && !(pin & bit) ? Why::pinned
+                             : pin                 ? Why::outscored
+                             : !(unvetoed & bit)   ? Why::never
+                             : !(allowed & bit)    ? Why::noOpinion
+                                                   : Why::outscored;
+    }
+    allowed_[light] = allowed;
+    if (request.floor && !pin) applyFloor(input, light);
+}
+
+/// Near lights get nothing below the floor. Where nothing reaches it, the best there is, and the plan says so.
+void PlanStep::applyFloor(const PlanInput& input, uint32_t light) noexcept
+{
+    const float minimum = input.lights[light].minimumQuality;
+    float best = 0.0f;
+    for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1)
+        best = std::max(best, input.candidates[at(light, std::countr_zero(mask))].quality);
+    plans_[light].floorUnmet = allowed_[light] != 0 && best < minimum;
+    const float limit = std::min(minimum, best);
+    for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
+        const auto m = static_cast<uint32_t>(std::countr_zero(mask));
+        if (input.candidates[at(light, m)].quality >= limit) continue;
+        allowed_[light] &= ~(1u << m);
+        why_[at(light, m)] = Why::floor;
+    }
+}
+
+void PlanStep::admit(const PlanInput& input) noexcept
+{
+    lightCount_ = static_cast<uint32_t>(input.lights.size());
+    methods_ = input.methods;
+    assert(methods_ <= kMaxMethods && lightCount_ <= plans_.size());
+    for (uint32_t light = 0; light < lightCount_; ++light) {
+        plans_[light] = {.incumbent = input.lights[light].memory->incumbent};
+        admitLight(input, light);
+    }
+    problem_ = {lightCount_, methods_, values_, costsMs_, allowed_, input.fixedMs, 0.0};
+}
+
+/// Allocation::None. The clock has no say, not even in ties: the incumbent, then registry order.
+void PlanStep::chooseBySuitability(const PlanInput& input) noexcept
+{
+    for (uint32_t light = 0; light < lightCount_; ++light) {
+        uint32_t best = kNone;
+        for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
+            const auto m = static_cast<uint32_t>(std::countr_zero(mask));
+            const int32_t suitability = input.candidates[at(light, m)].suitability;
+            const int32_t leader = best == kNone ? 0 : input.candidates[at(light, best)].suitability;
+            if (best == kNone || suitability > leader ||
+                (suitability == leader && m == input.lights[light].memory->incumbent))
+                best = m;
+        }
+        current_[light] = best_[light] = best;
+    }
+}
+
+/// One standard error of the sum, lights taken as independent; at least the policy's share, at most kMostHeadroom.
+double PlanStep::headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept
+{
+    double variance = 0.0;
+    for (uint32_t light = 0; light < lightCount_; ++light) {
+        uint32_t m = chosen[light];
+        if (m == kNone && allowed_[light]) m = static_cast<uint32_t>(std::countr_zero(allowed_[light]));
+        if (m == kNone) continue;
+        const double sigma = input.candidates[at(light, m)].sigmaMs;
+        if (std::isfinite(sigma)) variance += sigma * sigma;
+    }
+    errorMs = std::sqrt(variance);
+    return std::min(std::max(policyOf(input).budget.headroom * input.budgetMs, errorMs),
+                    kMostHeadroom * input.budgetMs);
+}
+
+void PlanStep::countUsers() noexcept
+{
+    users_.fill(0);
+    for (uint32_t light = 0; light < lightCount_; ++light)
+        if (current_[light] != kNone) ++users_[current_[light]];
+    sums_ = sumOf(problem_, std::span(current_).first(lightCount_));
+}
+
+/// How the plan's cost changes if one light moves, fixed parts included.
+double PlanStep::moveMs(uint32_t light, uint32_t to) const noexcept
+{
+    const uint32_t from = current_[light];
+    double change = costsMs_[at(light, to)];
+    if (from != kNone) change -= costsMs_[at(light, from)];
+    if (from == to || problem_.fixedMs.empty()) return change;
+    if (users_[to] == 0) change += problem_.fixedMs[to];
+    if (from != kNone && users_[from] == 1) change -= problem_.fixedMs[from];
+    return change;
+}
+
+void PlanStep::move(uint32_t light, uint32_t to) noexcept
+{
+    sums_.costMs += moveMs(light, to);
+    sums_.value += values_[at(light, to)];
+    ++users_[to];
+    if (const uint32_t from = current_[light]; from != kNone) {
+        sums_.value -= values_[at(light, from)];
+        --users_[from];
+    }
+    current_[light] = to;
+}
+
+/// The single downgrade that loses least among those that suffice; where none does, the best loss per millisecond, and
+/// again. False if kMostRepairs were not enough.
+bool PlanStep::repair(double usableMs) noexcept
+{
+    for (uint32_t round = 0; sums_.costMs > usableMs; ++round) {
+        if (round == kMostRepairs) return false;
+        const double excess = sums_.costMs - usableMs;
+        bool suffices = false;
+        double bestScore = std::numeric_limits<double>::infinity();
+        uint32_t bestLight = kNone, bestMethod = kNone;
+        for (uint32_t light = 0; light < lightCount_; ++light) {
+            if (current_[light] == kNone) continue;
+            for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
+                const auto m = static_cast<uint32_t>(std::countr_zero(mask));
+                const double saved = -moveMs(light, m);
+                if (!(saved > 0.0)) continue;
+                const bool enough = saved >= excess;
+                if (suffices && !enough) continue;
+                const double loss = values_[at(light, current_[light])] - values_[at(light, m)];
+                const double score = enough ? loss : loss / saved;
+                if (enough == suffices && score >= bestScore) continue;
+                suffices = enough, bestScore = score, bestLight = light, bestMethod = m;
+            }
+        }
+        if (bestLight == kNone) return false;
+        move(bestLight, bestMethod);
+    }
+    return true;
+}
+
+/// What forbids a light to move to the best plan's method, before prices are compared.
+Hold PlanStep::holdOf(const PlanInput& input, uint32_t light) const noexcept
+{
+    const rules::Policy::Hysteresis& hysteresis = policyOf(input).hysteresis;
+    const LightMemory& memory = *input.lights[light].memory;
+    const uint32_t to = best_[light];
+    if (isBanned(memory, current_[light], to, input.frame)) return Hold::ban;
+    if (wouldFlip(memory, to, input.frame, hysteresis.flipWindowFrames)) return Hold::ban;
+    // Worth of the gain in milliseconds, at the plan's average price; the stay must earn the first frame.
+    const double gain = values_[at(light, to)] - values_[at(light, current_[light])];
+    const double worthMs = sums_.value > 0.0 ? gain / sums_.value * sums_.costMs : input.budgetMs;
+    const double firstFrameMs = input.candidates[at(light, to)].firstFrameMs;
+    if (firstFrameMs > 0.0 && worthMs * kExpectedStayFrames <= firstFrameMs) return Hold::firstFrame;
+    return Hold::none;
+}
+
+/// Moves one light up and, where that does not fit, others down towards the best plan, cheapest loss per millisecond
+/// first. Leaves the plan as it was unless all of it pays.
+Hold PlanStep::tryUpgrade(const PlanInput& input, uint32_t light, double usableMs) noexcept
+{
+    const Sums before = sums_;
+    const auto users = users_;
+    std::copy_n(current_.begin(), lightCount_, saved_.begin());
+    move(light, best_[light]);
+    while (sums_.costMs > usableMs) {
+        double bestScore = std::numeric_limits<double>::infinity();
+        uint32_t payer = kNone;
+        for (uint32_t i = 0; i < lightCount_; ++i) {
+            if (best_[i] == kNone || best_[i] == current_[i]) continue;
+            const double saved = -moveMs(i, best_[i]);
+            const double loss = values_[at(i, current_[i])] - values_[at(i, best_[i])];
+            if (!(saved > 0.0) || loss / saved >= bestScore || holdOf(input, i) == Hold::ban) continue;
+            bestScore = loss / saved, payer = i;
+        }
+        if (payer == kNone) break;
+        move(payer, best_[payer]);
+    }
+    Hold hold = Hold::none;
+    if (sums_.costMs > usableMs || sums_.value <= before.value)
+        hold = Hold::payers;
+    else if (sums_.costMs > before.costMs && calmFrames_ < kSpareFrames)
+        hold = Hold::spareTime;
+    if (hold == Hold::none) return hold;
+    std::copy_n(saved_.begin(), lightCount_, current_.begin());
+    users_ = users;
+    sums_ = before;
+    return hold;
+}
+
+/// Voluntary changes: only if the whole plan gains enough, then few at a time, largest gain first.
+void PlanStep::improve(const PlanInput& input, PlanReport& report) noexcept
+{
+    const rules::Policy::Hysteresis& hysteresis = policyOf(input).hysteresis;
+    const bool worthwhile = report.bestValue - sums_.value > hysteresis.planGain * sums_.value;
+    for (;;) {
+        uint32_t next = kNone;
+        double bestGain = 0.0;
+        for (uint32_t light = 0; light < lightCount_; ++light) {
+            if (best_[light] == kNone || best_[light] == current_[light] || plans_[light].hold != Hold::none) continue;
+            const double gain = values_[at(light, best_[light])] - values_[at(light, current_[light])];
+            if (!worthwhile)
+                plans_[light].hold = Hold::threshold;
+            else if (report.upgrades >= hysteresis.upgradesPerFrame)
+                plans_[light].hold = Hold::quota;
+            else if (gain > bestGain)
+                bestGain = gain, next = light;
+        }
+        if (next == kNone) return;
+        Hold hold = holdOf(input, next);
+        if (hold == Hold::none) hold = tryUpgrade(input, next, report.usableMs);
+        plans_[next].hold = hold;
+        if (hold != Hold::none) continue;
+        ++report.upgrades;
+        report.cause = Cause::gain;
+    }
+}
+
+PlanReport PlanStep::planWithinBudget(const PlanInput& input) noexcept
+{
+    PlanReport report;
+    for (uint32_t light = 0; light < lightCount_; ++light) {
+        const uint32_t incumbent = input.lights[light].memory->incumbent;
+        const bool holds = incumbent < methods_ && (allowed_[light] >> incumbent & 1);
+        current_[light] = holds ? incumbent : kNone;
+    }
+    const auto current = std::span(current_).first(lightCount_);
+    const auto best = std::span(best_).first(lightCount_);
+    const double headroom = headroomMs(input, current, report.standardErrorMs);
+    report.usableMs = input.budgetMs - headroom;
+    problem_.budgetMs = report.usableMs;
+    const Solution solution = knapsack_.solve(problem_, best);
+    report.bestValue = solution.value;
+    report.bestMs = solution.costMs;
+
+    const bool fresh = input.cut || !started_;
+    if (fresh) {
+        std::copy(best.begin(), best.end(), current.begin());
+        countUsers();
+        calmFrames_ = kSpareFrames;
+        report.cause = Cause::fresh;
+        return report;
+    }
+    for (uint32_t light = 0; light < lightCount_; ++light)
+        if (current[light] == kNone && best[light] != kNone) {
+            current[light] = best[light];
+            report.cause = Cause::forced;
+        }
+    countUsers();
+    const double keepMs = report.usableMs + kKeepShare * headroom;
+    const bool over = sums_.costMs > keepMs;
+    calmFrames_ = over || input.measuredMs > input.budgetMs ? 0 : std::min(calmFrames_ + 1, kSpareFrames);
+    if (!over) {
+        improve(input, report);
+        return report;
+    }
+    report.cause = Cause::repaired;
+    if (!repair(report.usableMs) && (solution.fits || solution.costMs < sums_.costMs)) {
+        std::copy(best.begin(), best.end(), current.begin());
+        countUsers();
+    }
+    return report;
+}
+
+/// Methods that would be worth more: is it time or hysteresis that stands in the way?
+void PlanStep::explainLight(const PlanInput& input, uint32_t light, double usableMs, double planMs) noexcept
+{
+    LightPlan& plan = plans_[light];
+    if (plan.chosen == kNone) return;
+    for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
+        const auto m = static_cast<uint32_t>(std::countr_zero(mask));
+        Why& why = why_[at(light, m)];
+        if (m == plan.chosen)
+            why = Why::chosen;
+        else if (input.allocation == rules::Options::Allocation::None || values_[at(light, m)] <= plan.benefit)
+            why = Why::outscored;
+        else if (m == plan.wanted || planMs + moveMs(light, m) <= usableMs)
+            why = Why::hysteresis;
+        else
+            why = Why::budget;
+    }
+    if (plan.wanted == plan.chosen) plan.hold = Hold::none;
+}
+
+/// Writes the decision into the lights' memories; finds flips.
+void PlanStep::remember(const PlanInput& input, PlanReport& report) noexcept
+{
+    const rules::Policy::Hysteresis& hysteresis = policyOf(input).hysteresis;
+    for (uint32_t light = 0; light < lightCount_; ++light) {
+        LightMemory& memory = *input.lights[light].memory;
+        LightPlan& plan = plans_[light];
+        plan.chosen = current_[light];
+        plan.wanted = best_[light];
+        if (plan.chosen != kNone) {
+            plan.benefit = values_[at(light, plan.chosen)];
+            plan.ms = costsMs_[at(light, plan.chosen)];
+        }
+        report.floorsUnmet += plan.floorUnmet;
+        if (input.cut) memory.bans.fill({}), memory.previous = kNone;
+        if (plan.chosen == memory.incumbent || plan.chosen == kNone) continue;
+        plan.switched = memory.incumbent != kNone;
+        plan.flipped = plan.switched && wouldFlip(memory, plan.chosen, input.frame, hysteresis.flipWindowFrames);
+        if (plan.flipped) ban(memory, memory.incumbent, plan.chosen, input.frame + hysteresis.flipBanFrames);
+        report.switches += plan.switched;
+        report.flips += plan.flipped;
+        memory.previous = input.cut ? kNone : memory.incumbent;
+        memory.incumbent = plan.chosen;
+        memory.switchedAt = input.frame;
+    }
+}
+
+PlanReport PlanStep::step(const PlanInput& input) noexcept
+{
+    admit(input);
+    PlanReport report;
+    if (input.allocation == rules::Options::Allocation::Budget) {
+        report = planWithinBudget(input);
+    } else {
+        chooseBySuitability(input);
+        headroomMs(input, current_, report.standardErrorMs);
+        report.cause = Cause::unbudgeted;
+        report.usableMs = input.budgetMs;
+    }
+    started_ = true;
+    countUsers(); // sums in the order of lights, without the rounding of single moves
+    report.value = sums_.value;
+    report.predictedMs = sums_.costMs;
+    if (report.cause == Cause::unbudgeted) report.bestValue = report.value, report.bestMs = report.predictedMs;
+    report.overMs = std::max(0.0, report.predictedMs - input.budgetMs);
+    remember(input, report);
+    for (uint32_t light = 0; light < lightCount_; ++light)
+        explainLight(input, light, report.usableMs, report.predictedMs);
+    return report;
+}
+
+double PlanStep::cheapestMs(const PlanInput& input) noexcept
+{
+    admit(input);
+    problem_.budgetMs = 0.0; // nothing fits, so the cheapest plan found is returned
+    return knapsack_.solveGreedy(problem_, std::span(best_).first(lightCount_)).costMs;
+}
+
+const char* toText(Why why) noexcept
+{
+    static constexpr const char* kWords[] = {"chosen", "trait",  "pinned",     "never",    "no opinion",
+                                             "floor",  "budget", "hysteresis", "outscored"};
+    return kWords[static_cast<size_t>(why)];
+}
+
+const char* toText(Hold hold) noexcept
+{
+    static constexpr const char* kWords[] = {"none", "threshold",   "quota", "spare time",
+                                             "ban",  "first frame", "payers"};
+    return kWords[static_cast<size_t>(hold)];
+}
+
+const char* toText(Cause cause) noexcept
+{
+    static constexpr const char* kWords[] = {"kept", "forced", "repaired", "gain", "fresh", "unbudgeted"};
+    return kWords[static_cast<size_t>(cause)];
+}
+
+} // namespace gnomon::plan

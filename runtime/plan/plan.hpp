@@ -1,0 +1,198 @@
+#pragma once
+
+/// The plan step: one method per light from suitability, quality and predicted cost, within a budget.
+///
+///     PlanStep plan;
+///     plan.reserve(lights, methods);                      // the only call that allocates
+///     const PlanReport report = plan.step(input);         // each frame
+///     plan.lights()[i].chosen; plan.why(i)[method];       // until the next step
+///
+/// Order of authority: capability > pin > never > near floor > budget > benefit > incumbent > cheaper > registry order.
+/// README.md explains every constant.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "rules/engine/rule_base.hpp"
+#include "runtime/plan/knapsack.hpp"
+
+namespace gnomon::plan {
+
+inline constexpr int32_t kNoOpinion = -1;
+
+enum class Eligibility : uint8_t {
+    eligible,
+    trait, ///< Cannot serve the light: traits, device, memory, not ready. Nothing overrules it.
+    never, ///< Vetoed by a rule. Only a pin overrules it.
+};
+
+/// What is known of one method for one light.
+struct Candidate {
+    Eligibility eligibility = Eligibility::eligible;
+    int32_t suitability = kNoOpinion; ///< In steps of 1/4096, kNoOpinion without a rule that speaks.
+    float quality = 1.0f;             ///< [0, 1].
+    double ms = 0.0;                  ///< Predicted; not finite or negative counts as unable.
+    double sigmaMs = 0.0;             ///< Standard error of the prediction.
+    double firstFrameMs = 0.0;        ///< Once, if the light switches to it: allocation, pipelines, caches.
+};
+
+/// What the plan remembers of a light between frames. The owner keeps it beside the light; zero is a new light.
+struct LightMemory {
+    struct Ban {
+        uint32_t a = kNone, b = kNone;
+        uint64_t until = 0; ///< Frame.
+    };
+    uint32_t incumbent = kNone;
+    uint32_t previous = kNone; ///< Before the incumbent.
+    uint64_t switchedAt = 0;   ///< Frame.
+    std::array<Ban, 4> bans{}; ///< The newest ones; a light that flips among more than four pairs frees the oldest.
+};
+
+struct LightRequest {
+    LightMemory* memory = nullptr; ///< Required; updated by step().
+    double importance = 1.0;       ///< > 0.
+    uint32_t pinned = kNone;       ///< The host insists.
+    bool floor = false;            ///< Near: nothing below minimumQuality.
+    float minimumQuality = 0.0f;
+};
+
+/// Borrowed for the call.
+struct PlanInput {
+    uint64_t frame = 0;
+    std::span<const LightRequest> lights;
+    std::span<const Candidate> candidates; ///< lights x methods, light by light.
+    std::span<const double> fixedMs;       ///< Per method, paid once if any light uses it; empty: none.
+    uint32_t methods = 0;
+    double budgetMs = 0.0;
+    double measuredMs = -1.0; ///< Newest measured sum of the shadow passes; < 0: unknown.
+    bool cut = false;         ///< Camera cut: all holds are lifted.
+    rules::Options::Allocation allocation = rules::Options::Allocation::Budget;
+    const rules::Policy* policy = nullptr; ///< Null: the defaults.
+};
+
+/// Why a method is, or is not, the one.
+enum class Why : uint8_t {
+    chosen,
+    trait,      ///< Cannot serve the light.
+    pinned,     ///< The host pinned another one.
+    never,      ///< Vetoed by a rule.
+    noOpinion,  ///< No rule speaks about it, but rules speak about others.
+    floor,      ///< Near, and not good enough.
+    budget,     ///< Better, but the time is not there.
+    hysteresis, ///< Better and affordable, but held: LightPlan::hold says by what.
+    outscored,  ///< No better than the chosen one.
+};
+
+/// What keeps a light from the method the best plan gives it.
+enum class Hold : uint8_t {
+    none,
+    threshold,  ///< The whole plan would not gain enough.
+    quota,      ///< Others were upgraded in this frame.
+    spareTime,  ///< The plan has not been within the budget for long enough.
+    ban,        ///< It flipped, or would.
+    firstFrame, ///< The first frame costs more than the stay would gain.
+    payers,     ///< What would have to be given up for it is worth more.
+};
+
+struct LightPlan {
+    uint32_t chosen = kNone;
+    uint32_t incumbent = kNone; ///< Before this step.
+    uint32_t wanted = kNone;    ///< By the best plan.
+    double benefit = 0.0;       ///< importance * suitability * quality.
+    double ms = 0.0;            ///< Predicted, without fixed parts.
+    Hold hold = Hold::none;
+    bool floorUnmet = false; ///< Near, but no method is good enough: the best of them serve.
+    bool switched = false;
+    bool flipped = false;
+};
+
+enum class Cause : uint8_t {
+    kept,       ///< Nothing changed.
+    forced,     ///< Only lights that were new or had lost their method changed.
+    repaired,   ///< Over the budget.
+    gain,       ///< Voluntary.
+    fresh,      ///< First step, or a camera cut: the best plan as it is.
+    unbudgeted, ///< Allocation::None.
+};
+
+struct PlanReport {
+    Cause cause = Cause::kept;
+    double value = 0.0, predictedMs = 0.0;
+    double bestValue = 0.0, bestMs = 0.0; ///< The plan without hysteresis.
+    double standardErrorMs = 0.0;         ///< Of the predicted sum.
+    double usableMs = 0.0;                ///< Budget less headroom.
+    double overMs = 0.0;                  ///< Predicted above the budget; the floor may force it. 0 when within.
+    uint32_t switches = 0, upgrades = 0, flips = 0, floorsUnmet = 0;
+};
+
+/// Spare time must have lasted so long before it is spent: one half second at 60 Hz, the relief that groups of frames
+/// in other controllers wait for.
+inline constexpr uint32_t kSpareFrames = 30;
+/// A voluntary switch must earn back its first frame within so many frames. Stress scenes move a light about once a
+/// second (README.md).
+inline constexpr uint32_t kExpectedStayFrames = 60;
+/// Headroom never takes more than this share: an unknown device would otherwise have no budget at all.
+inline constexpr double kMostHeadroom = 0.5;
+/// Share of the headroom that may be used up before a plan counts as broken. Entering and leaving at the same limit
+/// would repair and upgrade in turn on noise.
+inline constexpr double kKeepShare = 0.5;
+/// So many single downgrades at most, then the best plan is taken as a whole.
+inline constexpr uint32_t kMostRepairs = 8;
+
+class PlanStep {
+public:
+    /// Grows the scratch memory; the only call that allocates.
+    void reserve(uint32_t lights, uint32_t methods);
+
+    /// `input.lights` and `input.methods` must fit what was reserved.
+    PlanReport step(const PlanInput& input) noexcept;
+
+    std::span<const LightPlan> lights() const noexcept { return std::span(plans_).first(lightCount_); }
+    std::span<const Why> why(uint32_t light) const noexcept
+    {
+        return std::span(why_).subspan(size_t{light} * methods_, methods_);
+    }
+
+    /// The cheapest plan that keeps pins, vetoes and floors, in milliseconds: what `budget: auto` starts from. Counts
+    /// the same input as step(), but changes nothing that step() depends on.
+    double cheapestMs(const PlanInput& input) noexcept;
+
+private:
+    void admit(const PlanInput& input) noexcept;
+    void admitLight(const PlanInput& input, uint32_t light) noexcept;
+    void applyFloor(const PlanInput& input, uint32_t light) noexcept;
+    void chooseBySuitability(const PlanInput& input) noexcept;
+    PlanReport planWithinBudget(const PlanInput& input) noexcept;
+    double headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept;
+    bool repair(double usableMs) noexcept;
+    void improve(const PlanInput& input, PlanReport& report) noexcept;
+    Hold tryUpgrade(const PlanInput& input, uint32_t light, double usableMs) noexcept;
+    Hold holdOf(const PlanInput& input, uint32_t light) const noexcept;
+    void explainLight(const PlanInput& input, uint32_t light, double usableMs, double planMs) noexcept;
+    void remember(const PlanInput& input, PlanReport& report) noexcept;
+    double moveMs(uint32_t light, uint32_t to) const noexcept;
+    void move(uint32_t light, uint32_t to) noexcept;
+    void countUsers() noexcept;
+    size_t at(uint32_t light, uint32_t method) const noexcept { return size_t{light} * methods_ + method; }
+
+    Knapsack knapsack_;
+    Problem problem_;
+    std::vector<double> values_, costsMs_;
+    std::vector<uint32_t> allowed_;
+    std::vector<uint32_t> current_, best_, saved_;
+    std::vector<LightPlan> plans_;
+    std::vector<Why> why_;
+    std::array<uint32_t, kMaxMethods> users_{}; ///< Lights of current_ per method.
+    Sums sums_;                                 ///< Of current_.
+    uint32_t lightCount_ = 0, methods_ = 0;
+    uint32_t calmFrames_ = 0; ///< In a row within the budget.
+    bool started_ = false;
+};
+
+const char* toText(Why why) noexcept;   ///< "floor": the words of logs and explanations.
+const char* toText(Hold hold) noexcept; ///< "threshold"
+const char* toText(Cause cause) noexcept;
+
+} // namespace gnomon::plan
