@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <numeric>
 #include <optional>
 #include <unordered_map>
 #include <unordered_set>
 
+#include "rules/engine/concepts.hpp"
 #include "rules/engine/engine.hpp"
 
 namespace gnomon::rules {
@@ -31,14 +33,87 @@ public:
         made_.suitabilityTerms = static_cast<uint32_t>(base_.suitability.terms.size());
         for (const Variable& variable : base_.variables)
             compileVariable(variable);
+        made_.membershipCount = static_cast<uint32_t>(made_.terms.size());
+        for (const Concept& concept_ : base_.concepts)
+            compileConcept(concept_);
         for (const Rule& rule : base_.rules)
             compileRule(rule);
         if (base_.otherwise) compileRule(*base_.otherwise);
         made_.hasOtherwise = base_.otherwise.has_value();
+        made_.floor = opsOf(base_.policy.floor.when);
+        compileAssertions();
+        compileSteps();
+        const bool equal = std::all_of(base_.rules.begin(), base_.rules.end(),
+                                       [&](const Rule& rule) { return rule.priority == base_.rules[0].priority; });
+        if (!equal) made_.byPriority = rulesByPriority();
         return std::move(made_);
     }
 
 private:
+    void compileConcept(const Concept& concept_)
+    {
+        if (outputs_.contains(concept_.name) || knownOutputs_.contains(concept_.name))
+            sink_.error("L01", concept_.at, quoted(concept_.name) + " is an output already, it cannot be a concept");
+        CompiledConcept made;
+        made.firstMembership = made_.membershipCount;
+        made.termCount = static_cast<uint32_t>(concept_.terms.size());
+        made_.membershipCount += made.termCount;
+        concepts_.emplace(concept_.name, static_cast<uint32_t>(made_.concepts.size()));
+        made_.concepts.push_back(made);
+    }
+
+    /// By falling priority, in the order of the rules within one.
+    std::vector<uint32_t> rulesByPriority() const
+    {
+        std::vector<uint32_t> order(base_.rules.size());
+        std::iota(order.begin(), order.end(), 0u);
+        std::stable_sort(order.begin(), order.end(),
+                         [&](uint32_t x, uint32_t y) { return base_.rules[x].priority > base_.rules[y].priority; });
+        return order;
+    }
+
+    void compileAssertions()
+    {
+        std::vector<std::vector<CompiledAssertion>> found(base_.concepts.size());
+        for (const uint32_t rule : rulesByPriority()) {
+            for (const Consequent& consequent : base_.rules[rule].consequents) {
+                if (consequent.kind != Consequent::Kind::Output) continue;
+                const auto concept_ = concepts_.find(consequent.name);
+                if (concept_ == concepts_.end()) continue;
+                const uint32_t term = termIndex(base_.concepts[concept_->second], consequent.term);
+                auto& list = found[concept_->second];
+                const auto same = [&](const CompiledAssertion& a) { return a.rule == rule && a.term == term; };
+                if (std::none_of(list.begin(), list.end(), same)) list.push_back({rule, term});
+            }
+        }
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            made_.concepts[i].firstAssertion = static_cast<uint32_t>(made_.assertions.size());
+            made_.concepts[i].assertionCount = static_cast<uint32_t>(found[i].size());
+            made_.assertions.insert(made_.assertions.end(), found[i].begin(), found[i].end());
+        }
+    }
+
+    /// Every concept behind the rules that assert it, which stand behind the concepts they ask for. Rules that assert
+    /// nothing come last, in order.
+    void compileSteps()
+    {
+        DiagnosticSink ignored(""); // validate() has reported cycles
+        const auto order = orderConcepts(base_, ignored);
+        std::vector<bool> done(made_.rules.size(), false);
+        const auto fire = [&](uint32_t rule) {
+            if (!done[rule]) made_.steps.push_back(rule);
+            done[rule] = true;
+        };
+        for (const uint32_t index : order.value_or(std::vector<uint32_t>())) {
+            const CompiledConcept& concept_ = made_.concepts[index];
+            for (uint32_t i = 0; i < concept_.assertionCount; ++i)
+                fire(made_.assertions[concept_.firstAssertion + i].rule);
+            made_.steps.push_back(static_cast<uint32_t>(made_.rules.size()) + index);
+        }
+        for (uint32_t rule = 0; rule < base_.rules.size(); ++rule)
+            fire(rule);
+    }
+
     void compileVariable(const Variable& variable)
     {
         CompiledVariable made;
@@ -67,13 +142,10 @@ private:
     {
         CompiledRule made;
         made.weight = rule.weight;
+        made.priority = rule.priority;
         made.firstOp = static_cast<uint32_t>(made_.ops.size());
-        uint32_t depth = 0;
-        for (const Clause& clause : rule.antecedent) {
-            made_.ops.push_back(opOf(clause));
-            depth += clause.kind == Clause::Kind::Is ? 1u : clause.kind == Clause::Kind::Not ? 0u : ~0u;
-            made_.stackDepth = std::max(made_.stackDepth, depth);
-        }
+        const std::vector<CompiledOp> ops = opsOf(rule.antecedent);
+        made_.ops.insert(made_.ops.end(), ops.begin(), ops.end());
         made.opCount = static_cast<uint32_t>(rule.antecedent.size());
         made.firstEffect = static_cast<uint32_t>(made_.effects.size());
         made.firstVeto = static_cast<uint32_t>(made_.vetoes.size());
@@ -83,28 +155,49 @@ private:
         made_.rules.push_back(made);
     }
 
+    std::vector<CompiledOp> opsOf(const Antecedent& antecedent)
+    {
+        std::vector<CompiledOp> ops;
+        uint32_t depth = 0;
+        for (const Clause& clause : antecedent) {
+            ops.push_back(opOf(clause));
+            depth += clause.kind == Clause::Kind::Is ? 1u : clause.kind == Clause::Kind::Not ? 0u : ~0u;
+            made_.stackDepth = std::max(made_.stackDepth, depth);
+        }
+        return ops;
+    }
+
     CompiledOp opOf(const Clause& clause) const
     {
         CompiledOp op;
         op.kind = clause.kind;
         if (clause.kind != Clause::Kind::Is) return op;
+        if (const auto found = concepts_.find(clause.variable); found != concepts_.end()) {
+            op.variable = static_cast<uint32_t>(base_.variables.size()) + found->second;
+            op.term = termIndex(base_.concepts[found->second], clause.term);
+            op.membership = made_.concepts[found->second].firstMembership + op.term;
+            return op;
+        }
         op.variable = variables_.at(clause.variable); // validate() has seen it, and the term
         op.term = termIndex(base_.variables[op.variable], clause.term);
         op.membership = made_.variables[op.variable].firstTerm + op.term;
         return op;
     }
 
-    static uint32_t termIndex(const Variable& variable, std::string_view name)
+    /// In a variable or a concept.
+    template <typename Owner>
+    static uint32_t termIndex(const Owner& owner, std::string_view name)
     {
-        const auto found = std::find_if(variable.terms.begin(), variable.terms.end(),
-                                        [&](const Term& term) { return term.name == name; });
-        return static_cast<uint32_t>(found - variable.terms.begin());
+        const auto found =
+            std::find_if(owner.terms.begin(), owner.terms.end(), [&](const auto& term) { return term.name == name; });
+        return static_cast<uint32_t>(found - owner.terms.begin());
     }
 
     /// The present outputs a consequent speaks of, `others` excepted. Reports names nobody knows.
     std::vector<uint32_t> targetsOf(const Consequent& consequent)
     {
         std::vector<uint32_t> targets;
+        if (consequent.kind == Consequent::Kind::Output && concepts_.contains(consequent.name)) return targets;
         if (consequent.kind == Consequent::Kind::Output || consequent.kind == Consequent::Kind::Never) {
             if (const auto found = outputs_.find(consequent.name); found != outputs_.end())
                 targets.push_back(found->second);
@@ -167,6 +260,7 @@ private:
     DiagnosticSink& sink_;
     CompiledRules made_;
     std::unordered_map<std::string_view, uint32_t> variables_;
+    std::unordered_map<std::string_view, uint32_t> concepts_;
     std::unordered_map<std::string_view, uint32_t> outputs_;
     std::unordered_set<std::string_view> knownOutputs_;
     std::unordered_set<std::string_view> knownTraits_;
@@ -199,10 +293,15 @@ Inference Engine::makeInference() const
     made.outputs.resize(compiled_.outputCount);
     made.rules.resize(compiled_.rules.size());
     made.facts.resize(facts_.size());
-    made.memberships.resize(compiled_.terms.size());
+    made.memberships.resize(compiled_.membershipCount);
+    if (!compiled_.concepts.empty()) made.strengths.resize(compiled_.rules.size());
     const std::size_t slots = std::size_t(compiled_.outputCount) * compiled_.suitabilityTerms;
     made.termStrength.resize(slots);
     made.termSum.resize(slots);
+    if (!compiled_.byPriority.empty()) {
+        made.claimed.resize(slots);
+        made.claiming.resize(slots);
+    }
     made.stack.resize(compiled_.stackDepth);
     return made;
 }
@@ -211,6 +310,19 @@ std::string_view Engine::ruleId(uint32_t index) const noexcept
 {
     if (index < base_.rules.size()) return base_.rules[index].id;
     return rule(index) ? std::string_view("otherwise") : std::string_view();
+}
+
+std::string_view Engine::variableName(uint32_t index) const noexcept
+{
+    const std::size_t variables = base_.variables.size();
+    return index < variables ? base_.variables[index].name : base_.concepts[index - variables].name;
+}
+
+std::string_view Engine::termName(uint32_t index, uint32_t term) const noexcept
+{
+    const std::size_t variables = base_.variables.size();
+    return index < variables ? base_.variables[index].terms[term].name
+                             : base_.concepts[index - variables].terms[term].name;
 }
 
 const Rule* Engine::rule(uint32_t index) const noexcept

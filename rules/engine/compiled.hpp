@@ -35,9 +35,22 @@ struct CompiledVariable {
 
 struct CompiledOp {
     Clause::Kind kind = Clause::Kind::Is;
-    uint32_t variable = 0;   ///< Kind::Is only.
-    uint32_t term = 0;       ///< Within the variable.
-    uint32_t membership = 0; ///< Among all terms of all variables.
+    uint32_t variable = 0;   ///< Kind::Is only. Concepts are counted on behind the variables.
+    uint32_t term = 0;       ///< Within the variable or concept.
+    uint32_t membership = 0; ///< Among all terms of all variables, then of all concepts.
+};
+
+/// A rule that asserts a term of a concept.
+struct CompiledAssertion {
+    uint32_t rule = 0;
+    uint32_t term = 0; ///< Within the concept.
+};
+
+struct CompiledConcept {
+    uint32_t firstMembership = 0;
+    uint32_t termCount = 0;
+    uint32_t firstAssertion = 0; ///< By falling priority, then in the order of the rules.
+    uint32_t assertionCount = 0;
 };
 
 struct CompiledRule {
@@ -48,6 +61,7 @@ struct CompiledRule {
     uint32_t firstVeto = 0;
     uint32_t vetoCount = 0;
     double weight = 1.0;
+    uint32_t priority = 0;
 };
 
 struct CompiledRules {
@@ -55,12 +69,23 @@ struct CompiledRules {
     std::vector<Trapezoid> terms;            ///< Of all variables, in order.
     std::vector<CompiledOp> ops;             ///< Antecedents in postfix order.
     std::vector<CompiledRule> rules;         ///< As in RuleBase::rules, then `otherwise` where there is one.
-    std::vector<uint32_t> effects;           ///< output * suitability terms + term.
-    std::vector<uint32_t> vetoes;            ///< Outputs.
+    std::vector<CompiledConcept> concepts;   ///< As in RuleBase::concepts.
+    std::vector<CompiledAssertion> assertions;
+    /// What to do in which order, so that every concept is settled before a rule asks for it: a rule by its index, or
+    /// a concept by rules.size() + its index. Without concepts the rules in order.
+    std::vector<uint32_t> steps;
+    std::vector<uint32_t> byPriority; ///< Rules, `otherwise` excepted, by falling priority. Empty where all are equal.
+    std::vector<CompiledOp> floor;    ///< Policy::Floor::when. Empty: no floor.
+    std::vector<uint32_t> effects;    ///< output * suitability terms + term.
+    std::vector<uint32_t> vetoes;     ///< Outputs.
     uint32_t outputCount = 0;
     uint32_t suitabilityTerms = 0;
-    uint32_t stackDepth = 0; ///< Deepest antecedent.
+    uint32_t membershipCount = 0; ///< Terms of all variables and concepts.
+    uint32_t stackDepth = 0;      ///< Deepest antecedent.
     bool hasOtherwise = false;
+
+    /// Rules as written, without `otherwise`.
+    uint32_t writtenRules() const noexcept { return static_cast<uint32_t>(rules.size()) - (hasOtherwise ? 1 : 0); }
 
     std::span<const CompiledOp> opsOf(const CompiledRule& rule) const noexcept
     {
@@ -75,6 +100,21 @@ struct CompiledRules {
         return std::span(vetoes).subspan(rule.firstVeto, rule.vetoCount);
     }
 };
+
+/// Strengths below this count as 0. Far below anything a person could mean, far above where products become denormal,
+/// so that a host which flushes denormals to zero gets the same opinions.
+inline constexpr double kNegligibleStrength = 0x1p-40;
+
+/// Strengths are added as whole steps of 2^-50, because integers may be added in any order: permuting the rules must
+/// not change a bit. 4096 rules of strength 1 reach 2^62. Truncation keeps the rounding mode out of it.
+inline constexpr double kSumScale = 0x1p50;
+
+/// Bounds on the strength of a rule from those of its antecedent: weight, then threshold.
+inline Truth strengthOf(Truth antecedent, double weight, double threshold) noexcept
+{
+    const auto counted = [=](double truth) { return truth * weight < threshold ? 0.0 : truth * weight; };
+    return {counted(antecedent.low), counted(antecedent.high)};
+}
 
 /// Truth of an antecedent, without weight. `memberships` holds one entry per term, `stack` at least stackDepth.
 /// Ties between operands go to the left one.

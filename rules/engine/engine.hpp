@@ -67,8 +67,8 @@ struct RuleState {
     double strength = 0.0; ///< Weight included. 0 below the threshold of the rule base.
     /// The one `variable is term` that set the strength: the smallest under `and`, the largest under `or`.
     /// kNoRule for `otherwise`.
-    uint32_t limitingVariable = kNoRule; ///< Index into RuleBase::variables.
-    uint32_t limitingTerm = 0;           ///< Index into Variable::terms.
+    uint32_t limitingVariable = kNoRule; ///< Index into RuleBase::variables, then concepts; Engine::variableName().
+    uint32_t limitingTerm = 0;           ///< Index into the terms of either; Engine::termName().
     double limitingMembership = 0.0;     ///< Of the term, before any `not`.
 };
 
@@ -80,10 +80,16 @@ struct Inference {
     uint32_t unknownFacts = 0;    ///< NaN facts among those the rule base has variables for.
     uint32_t clampedFacts = 0;    ///< Facts outside their universe, counted as its nearest edge.
 
+    /// How true the condition of Policy::floor is: as surely as the known facts allow. 0 where there is no floor.
+    double floorTruth = 0.0;
+
     /// Scratch, valid after evaluate().
-    std::vector<Truth> memberships;   ///< One per term of every input variable, in order.
+    std::vector<Truth> memberships;   ///< One per term of every input variable, then of every concept.
+    std::vector<Truth> strengths;     ///< One per rule. Empty without concepts.
     std::vector<double> termStrength; ///< outputs x terms of suitability.
     std::vector<uint64_t> termSum;    ///< The same in steps of 2^-50, for aggregation `sum`.
+    std::vector<double> claimed;      ///< Strongest rule of a higher priority, per output and term. Empty where all
+    std::vector<double> claiming;     ///< priorities are equal; so is this one, which takes in the present priority.
     std::vector<Limited> stack;
 };
 
@@ -109,6 +115,9 @@ public:
 
     /// Name of a rule index as it appears in Inference: the id of the rule, "otherwise", or "" for kNoRule.
     std::string_view ruleId(uint32_t rule) const noexcept;
+    /// Names behind RuleState::limitingVariable and limitingTerm, and those of CompiledOp.
+    std::string_view variableName(uint32_t variableOrConcept) const noexcept;
+    std::string_view termName(uint32_t variableOrConcept, uint32_t term) const noexcept;
     /// The rule behind such an index, or null for kNoRule.
     const Rule* rule(uint32_t rule) const noexcept;
 
@@ -117,7 +126,9 @@ private:
 
     void fuzzify(std::span<const double> facts, Inference& out) const noexcept;
     void fire(Inference& out) const noexcept;
+    void concludeAll(Inference& out) const noexcept;
     void conclude(uint32_t rule, double strength, Inference& out) const noexcept;
+    double leftFor(uint32_t slot, const Inference& out) const noexcept;
     void defuzzify(Inference& out) const noexcept;
 
     RuleBase base_;

@@ -2,21 +2,10 @@
 #include <cassert>
 #include <cmath>
 
+#include "rules/engine/concepts.hpp"
 #include "rules/engine/engine.hpp"
 
 namespace gnomon::rules {
-namespace {
-
-/// Strengths below this count as 0. Far below anything a person could mean, far above where products become denormal,
-/// so that a host which flushes denormals to zero gets the same opinions.
-constexpr double kNegligible = 0x1p-40;
-
-/// Strengths are added as whole steps of 2^-50, because integers may be added in any order: permuting the rules must
-/// not change a bit. 4096 rules of strength 1 reach 2^62. Truncation keeps the rounding mode out of it.
-constexpr double kSumScale = 0x1p50;
-
-} // namespace
-
 Limited evaluateAntecedent(std::span<const CompiledOp> ops, std::span<const Truth> memberships,
                            Options::And conjunction, std::span<Limited> stack) noexcept
 {
@@ -78,32 +67,79 @@ void Engine::fuzzify(std::span<const double> facts, Inference& out) const noexce
 
 void Engine::fire(Inference& out) const noexcept
 {
-    const double threshold = std::max(base_.options.minimumStrength, kNegligible);
-    const auto counted = [threshold](double strength) { return strength < threshold ? 0.0 : strength; };
+    const double threshold = std::max(base_.options.minimumStrength, kNegligibleStrength);
+    const Options::And conjunction = base_.options.conjunction;
+    const auto rules = static_cast<uint32_t>(compiled_.rules.size());
     double strongest = 0.0;
-    for (uint32_t i = 0; i < base_.rules.size(); ++i) {
-        const CompiledRule& rule = compiled_.rules[i];
+    for (const uint32_t step : compiled_.steps) {
+        if (step >= rules) {
+            settleConcept(compiled_, compiled_.concepts[step - rules], base_.options.aggregation, out.strengths,
+                          out.memberships);
+            continue;
+        }
+        const CompiledRule& rule = compiled_.rules[step];
         const std::span<const CompiledOp> ops = compiled_.opsOf(rule);
-        const Limited fired = evaluateAntecedent(ops, out.memberships, base_.options.conjunction, out.stack);
+        const Limited fired = evaluateAntecedent(ops, out.memberships, conjunction, out.stack);
         const CompiledOp& limit = ops[fired.clause];
-        const double strength = counted(fired.truth.low * rule.weight);
-        out.rules[i] = {strength, limit.variable, limit.term, out.memberships[limit.membership].low};
-        conclude(i, strength, out);
-        if (rule.effectCount != 0) // a pure veto says nothing about who is good
-            strongest = std::max(strongest, strength);
+        const Truth strength = strengthOf(fired.truth, rule.weight, threshold);
+        out.rules[step] = {strength.low, limit.variable, limit.term, out.memberships[limit.membership].low};
+        if (!out.strengths.empty()) out.strengths[step] = strength;
+        if (rule.effectCount != 0) // a pure veto or assertion says nothing about who is good
+            strongest = std::max(strongest, strength.low);
     }
-    if (compiled_.hasOtherwise) {
-        const auto last = static_cast<uint32_t>(base_.rules.size());
-        out.rules[last].strength = counted((1.0 - strongest) * compiled_.rules[last].weight);
-        conclude(last, out.rules[last].strength, out);
-    }
+    if (compiled_.hasOtherwise)
+        out.rules[rules - 1].strength =
+            strengthOf({1.0 - strongest, 1.0}, compiled_.rules.back().weight, threshold).low;
+    out.floorTruth = compiled_.floor.empty()
+                         ? 0.0
+                         : evaluateAntecedent(compiled_.floor, out.memberships, conjunction, out.stack).truth.low;
+    concludeAll(out);
 }
 
-void Engine::conclude(uint32_t index, double strength, Inference& out) const noexcept
+void Engine::concludeAll(Inference& out) const noexcept
 {
-    if (strength == 0.0) return;
+    if (compiled_.byPriority.empty()) {
+        for (uint32_t i = 0; i < out.rules.size(); ++i)
+            conclude(i, out.rules[i].strength, out);
+        return;
+    }
+    std::fill(out.claimed.begin(), out.claimed.end(), 0.0);
+    std::fill(out.claiming.begin(), out.claiming.end(), 0.0);
+    uint32_t priority = kHighestPriority;
+    for (const uint32_t i : compiled_.byPriority) {
+        if (compiled_.rules[i].priority != priority) {
+            priority = compiled_.rules[i].priority;
+            std::copy(out.claiming.begin(), out.claiming.end(), out.claimed.begin());
+        }
+        conclude(i, out.rules[i].strength, out);
+    }
+    if (compiled_.hasOtherwise) // yields by its nature: it has what the strongest rule leaves
+        conclude(compiled_.writtenRules(), out.rules.back().strength, out);
+}
+
+/// What rules of a higher priority leave to a conclusion: 1 - the strongest of them that says otherwise about the same
+/// output.
+double Engine::leftFor(uint32_t slot, const Inference& out) const noexcept
+{
+    const uint32_t terms = compiled_.suitabilityTerms;
+    const uint32_t first = slot / terms * terms;
+    double contrary = 0.0;
+    for (uint32_t other = first; other < first + terms; ++other) {
+        if (other != slot) contrary = std::max(contrary, out.claimed[other]);
+    }
+    return 1.0 - contrary;
+}
+
+void Engine::conclude(uint32_t index, double fired, Inference& out) const noexcept
+{
+    if (fired == 0.0) return;
     const CompiledRule& rule = compiled_.rules[index];
     for (const uint32_t slot : compiled_.effectsOf(rule)) {
+        double strength = fired;
+        if (!out.claimed.empty()) {
+            strength = std::min(fired, leftFor(slot, out));
+            out.claiming[slot] = std::max(out.claiming[slot], fired);
+        }
         if (base_.options.aggregation == Options::Aggregation::Sum)
             out.termSum[slot] += static_cast<uint64_t>(strength * kSumScale);
         else
@@ -114,10 +150,10 @@ void Engine::conclude(uint32_t index, double strength, Inference& out) const noe
             output.strongestRule = index;
         }
     }
-    if (strength < base_.options.vetoAt) return;
+    if (fired < base_.options.vetoAt) return;
     for (const uint32_t vetoed : compiled_.vetoesOf(rule)) {
         OutputState& output = out.outputs[vetoed];
-        if (!output.vetoed) output.vetoRule = index;
+        output.vetoRule = output.vetoed ? std::min(output.vetoRule, index) : index;
         output.vetoed = true;
     }
 }

@@ -65,6 +65,31 @@ std::string ruleLine(const Engine& engine, const Inference& inference, uint32_t 
     return text;
 }
 
+/// One line per asserted term of every concept, with the rule that asserts it most strongly:
+/// "concept scene overlyComplex 0.62: rule C1: ...".
+std::string conceptLines(const Engine& engine, const Inference& inference)
+{
+    const CompiledRules& compiled = engine.compiled();
+    std::string text;
+    for (std::size_t i = 0; i < compiled.concepts.size(); ++i) {
+        const CompiledConcept& concept_ = compiled.concepts[i];
+        for (uint32_t term = 0; term < concept_.termCount; ++term) {
+            const double truth = inference.memberships[concept_.firstMembership + term].low;
+            if (truth == 0.0) continue;
+            uint32_t strongest = kNoRule;
+            for (uint32_t a = concept_.firstAssertion; a < concept_.firstAssertion + concept_.assertionCount; ++a) {
+                const CompiledAssertion& assertion = compiled.assertions[a];
+                if (assertion.term == term && (strongest == kNoRule || inference.rules[assertion.rule].strength >
+                                                                           inference.rules[strongest].strength))
+                    strongest = assertion.rule;
+            }
+            text += "concept " + engine.base().concepts[i].name + " " + engine.base().concepts[i].terms[term].name +
+                    " " + fixedText(truth, 2) + ": " + explainRule(engine, inference, strongest) + "\n";
+        }
+    }
+    return text;
+}
+
 std::string because(const Engine& engine, uint32_t rule, std::size_t indent)
 {
     const Rule* found = engine.rule(rule);
@@ -88,15 +113,16 @@ std::string explainRule(const Engine& engine, const Inference& inference, uint32
     for (std::size_t i = 0; i < ops.size(); ++i) {
         const CompiledOp& op = ops[i];
         if (op.kind != Clause::Kind::Is) continue;
-        const Variable& variable = engine.base().variables[op.variable];
         const bool negated = i + 1 < ops.size() && ops[i + 1].kind == Clause::Kind::Not;
         const bool limiting = op.variable == state.limitingVariable && op.term == state.limitingTerm;
         const double membership = inference.memberships[op.membership].low;
-        const bool unknown = std::isnan(inference.facts[compiled.variables[op.variable].fact]);
+        const bool unknown = inference.memberships[op.membership].high != membership;
         const double truth = negated ? 1.0 - membership : membership;
         if (truth == 0.0 && state.strength > 0.0 && !limiting) continue; // an alternative that the rule did not need
-        text.append(separator).append(variable.name).append(negated ? " not " : " ");
-        text.append(variable.terms[op.term].name).append(" ").append(unknown ? "unknown" : fixedText(truth, 2));
+        text.append(separator).append(engine.variableName(op.variable)).append(negated ? " not " : " ");
+        text.append(engine.termName(op.variable, op.term))
+            .append(" ")
+            .append(unknown ? "unknown" : fixedText(truth, 2));
         text.append(limiting && clauses > 1 ? "*" : "");
         separator = ", ";
     }
@@ -135,6 +161,7 @@ std::string explain(const Engine& engine, const Inference& inference, const Expl
         }
         if (rules.empty()) text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
     }
+    text += conceptLines(engine, inference);
     for (const CompiledVariable& variable : engine.compiled().variables) {
         if (std::isnan(inference.facts[variable.fact]))
             text += "unknown fact: " + engine.facts()[variable.fact].name + "\n";

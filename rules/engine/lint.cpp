@@ -111,21 +111,34 @@ struct Comparable {
     std::vector<uint32_t> effects;
     std::vector<uint32_t> vetoes;
     double weight = 1.0;
+    uint32_t priority = 0;
 
     bool concludesNothing() const { return effects.empty() && vetoes.empty(); }
 };
 
-Comparable comparableOf(const Engine& engine, const CompiledRule& rule)
+Comparable comparableOf(const Engine& engine, uint32_t index)
 {
     const CompiledRules& compiled = engine.compiled();
+    const CompiledRule& rule = compiled.rules[index];
     const auto effects = compiled.effectsOf(rule);
     const auto vetoes = compiled.vetoesOf(rule);
     Comparable made{normalFormOf(compiled.opsOf(rule), engine.base().options.conjunction),
                     {effects.begin(), effects.end()},
                     {vetoes.begin(), vetoes.end()},
-                    rule.weight};
+                    rule.weight,
+                    rule.priority};
+    // Assertions count as effects behind those on outputs.
+    for (const CompiledConcept& concept_ : compiled.concepts) {
+        for (uint32_t a = concept_.firstAssertion; a < concept_.firstAssertion + concept_.assertionCount; ++a) {
+            const CompiledAssertion& assertion = compiled.assertions[a];
+            if (assertion.rule == index)
+                made.effects.push_back(compiled.outputCount * compiled.suitabilityTerms + concept_.firstMembership +
+                                       assertion.term);
+        }
+    }
+    std::sort(made.effects.begin(), made.effects.end());
     std::sort(made.vetoes.begin(), made.vetoes.end());
-    return made; // effects are sorted by the compiler
+    return made;
 }
 
 void comparePair(const Engine& engine, const std::vector<Comparable>& rules, std::size_t first, std::size_t second,
@@ -143,8 +156,9 @@ void comparePair(const Engine& engine, const std::vector<Comparable>& rules, std
     }
     if (base.options.aggregation == Options::Aggregation::Sum) return; // every further rule adds strength
     const auto superfluous = [](const Comparable& weak, const Comparable& strong) {
-        return weak.weight <= strong.weight && includes(strong.effects, weak.effects) &&
-               includes(strong.vetoes, weak.vetoes) && isWeaker(*weak.form, *strong.form);
+        return weak.weight <= strong.weight && weak.priority <= strong.priority &&
+               includes(strong.effects, weak.effects) && includes(strong.vetoes, weak.vetoes) &&
+               isWeaker(*weak.form, *strong.form);
     };
     if (superfluous(b, a))
         sink.warning("L03", base.rules[second].at, name(second) + " changes nothing: " + name(first) + " covers it");
@@ -158,7 +172,7 @@ void checkRedundancy(const Engine& engine, DiagnosticSink& sink)
 {
     std::vector<Comparable> rules;
     for (std::size_t i = 0; i < engine.base().rules.size(); ++i)
-        rules.push_back(comparableOf(engine, engine.compiled().rules[i]));
+        rules.push_back(comparableOf(engine, static_cast<uint32_t>(i)));
     for (std::size_t second = 1; second < rules.size(); ++second) {
         for (std::size_t first = 0; first < second; ++first) {
             // A rule about absent outputs only is silent in this build, not wrong.

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "rules/engine/concepts.hpp"
 #include "rules/engine/lint_checks.hpp"
 #include "rules/engine/number_text.hpp"
 
@@ -75,6 +76,32 @@ struct Range {
 };
 using Box = std::vector<Range>; ///< One per variable.
 
+/// Per concept the variables it follows from, directly or through other concepts.
+std::vector<std::vector<uint32_t>> variablesBehindConcepts(const CompiledRules& compiled)
+{
+    const std::size_t variables = compiled.variables.size();
+    const auto rules = static_cast<uint32_t>(compiled.rules.size());
+    std::vector<std::vector<uint32_t>> behind(compiled.concepts.size());
+    for (const uint32_t step : compiled.steps) {
+        if (step < rules) continue;
+        const CompiledConcept& concept_ = compiled.concepts[step - rules];
+        auto& found = behind[step - rules];
+        for (uint32_t a = concept_.firstAssertion; a < concept_.firstAssertion + concept_.assertionCount; ++a) {
+            for (const CompiledOp& op : compiled.opsOf(compiled.rules[compiled.assertions[a].rule])) {
+                if (op.kind != Clause::Kind::Is) continue;
+                if (op.variable < variables)
+                    found.push_back(op.variable);
+                else // settled in an earlier step
+                    found.insert(found.end(), behind[op.variable - variables].begin(),
+                                 behind[op.variable - variables].end());
+            }
+        }
+        std::sort(found.begin(), found.end());
+        found.erase(std::unique(found.begin(), found.end()), found.end());
+    }
+    return behind;
+}
+
 /// What has to hold somewhere for an output to be spoken of.
 struct Question {
     std::vector<uint32_t> rules;     ///< Any of them fires, or
@@ -86,7 +113,8 @@ class Search {
 public:
     explicit Search(const Engine& engine)
         : compiled_(engine.compiled()), options_(engine.base().options), stack_(compiled_.stackDepth),
-          memberships_(compiled_.terms.size(), Truth{0.0, 1.0}), box_(compiled_.variables.size())
+          memberships_(compiled_.membershipCount, Truth{0.0, 1.0}), strengths_(compiled_.rules.size()),
+          box_(compiled_.variables.size()), behind_(variablesBehindConcepts(compiled_))
     {
         for (const Variable& variable : engine.base().variables)
             cells_.push_back(cellsOf(variable));
@@ -134,6 +162,24 @@ private:
             .truth;
     }
 
+    /// Concepts follow from the variables. Exact like the rest, except under `sum`, where two partly true assertions
+    /// may or may not add up to a fully true one.
+    void settleConcepts()
+    {
+        if (compiled_.concepts.empty()) return;
+        const auto rules = static_cast<uint32_t>(compiled_.rules.size());
+        std::size_t left = compiled_.concepts.size();
+        for (const uint32_t step : compiled_.steps) {
+            if (left == 0) break; // what follows asserts nothing
+            if (step < rules) {
+                strengths_[step] = strengthOf(truthOf(step), compiled_.rules[step].weight, 0.0);
+                continue;
+            }
+            settleConcept(compiled_, compiled_.concepts[step - rules], options_.aggregation, strengths_, memberships_);
+            --left;
+        }
+    }
+
     /// Also weighs the variables: one that settles a short undecided rule is worth assigning first.
     Answer answer(std::vector<double>& worth)
     {
@@ -165,8 +211,15 @@ private:
     {
         const auto ops = compiled_.opsOf(compiled_.rules[rule]);
         for (const CompiledOp& op : ops) {
-            if (op.kind == Clause::Kind::Is && box_[op.variable].free)
-                worth[op.variable] += 1.0 / static_cast<double>(ops.size() * ops.size());
+            if (op.kind != Clause::Kind::Is) continue;
+            const double share = 1.0 / static_cast<double>(ops.size() * ops.size());
+            if (op.variable < box_.size()) {
+                if (box_[op.variable].free) worth[op.variable] += share;
+                continue;
+            }
+            for (const uint32_t variable : behind_[op.variable - box_.size()]) {
+                if (box_[variable].free) worth[variable] += share;
+            }
         }
     }
 
@@ -175,6 +228,7 @@ private:
         gaveUp_ |= evaluations_ > kMostEvaluations || (holes_.size() >= kMostHoles && !stopAtYes_);
         if (gaveUp_ || (foundYes_ && stopAtYes_)) return;
         std::vector<double> worth(box_.size(), 0.0);
+        settleConcepts();
         const Answer found = answer(worth);
         foundYes_ |= found == Answer::Yes;
         if (found == Answer::No && !stopAtYes_) holes_.push_back(box_);
@@ -228,7 +282,9 @@ private:
     std::vector<std::vector<Cell>> cells_;
     std::vector<Limited> stack_;
     std::vector<Truth> memberships_;
+    std::vector<Truth> strengths_;
     Box box_;
+    std::vector<std::vector<uint32_t>> behind_; ///< Per concept the variables it follows from.
     const Question* question_ = nullptr;
     std::vector<Box> holes_;
     std::size_t evaluations_ = 0;
@@ -341,7 +397,10 @@ void checkDeadRules(const Engine& engine, DiagnosticSink& sink)
         Question question;
         question.rules = {i};
         if (!search.holdsSomewhere(question) && !search.gaveUp())
-            sink.warning("L03", rule.at, "rule '" + rule.id + "' can never fire: its conditions exclude each other");
+            sink.warning("L03", rule.at,
+                         "rule '" + rule.id +
+                             "' can never fire: its conditions exclude each other or ask for a "
+                             "concept that no rule asserts");
         else if (rule.weight < engine.base().options.minimumStrength)
             sink.warning("L03", rule.at, "rule '" + rule.id + "' can never fire: its weight is below minimumStrength");
     }

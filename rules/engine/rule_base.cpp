@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "rules/engine/concepts.hpp"
 #include "rules/engine/number_text.hpp"
 
 namespace gnomon::rules {
@@ -64,30 +65,55 @@ void checkVariable(const Variable& variable, DiagnosticSink& sink)
     }
 }
 
-using VariableIndex = std::unordered_map<std::string_view, const Variable*>;
-
-bool hasTerm(const Variable& variable, std::string_view name)
+void checkConcept(const Concept& concept_, DiagnosticSink& sink)
 {
-    return std::any_of(variable.terms.begin(), variable.terms.end(), [&](const Term& t) { return t.name == name; });
+    if (!isName(concept_.name)) sink.error("R05", concept_.at, quoted(concept_.name) + " cannot be a name");
+    if (concept_.terms.empty() || concept_.terms.size() > kMaxTerms)
+        sink.error("R05", concept_.at,
+                   quoted(concept_.name) + " needs between 1 and " + std::to_string(kMaxTerms) + " terms");
+    std::unordered_set<std::string_view> seen;
+    for (const Concept::Word& word : concept_.terms) {
+        if (!isName(word.name)) sink.error("R05", word.at, quoted(word.name) + " cannot be a name");
+        if (!seen.insert(word.name).second)
+            sink.error("R05", word.at, "term " + quoted(word.name) + " is defined twice");
+    }
 }
 
-std::string unknownTerm(const Variable& variable, std::string_view name)
+/// What a sentence may ask for.
+struct Names {
+    std::unordered_map<std::string_view, const Variable*> variables;
+    std::unordered_map<std::string_view, const Concept*> concepts;
+};
+
+/// `Owner` is a variable or a concept.
+template <typename Owner>
+bool hasTerm(const Owner& owner, std::string_view name)
 {
-    std::string text = quoted(variable.name) + " has no term " + quoted(name) + "; it has";
-    for (const Term& term : variable.terms)
+    return std::any_of(owner.terms.begin(), owner.terms.end(), [&](const auto& t) { return t.name == name; });
+}
+
+template <typename Owner>
+void requireTerm(const Owner& owner, std::string_view name, SourceSpot at, DiagnosticSink& sink)
+{
+    if (hasTerm(owner, name)) return;
+    std::string text = quoted(owner.name) + " has no term " + quoted(name) + "; it has";
+    for (const auto& term : owner.terms)
         text += " " + term.name;
-    return text;
+    sink.error("L01", at, text);
 }
 
-void checkAntecedent(const Antecedent& antecedent, const VariableIndex& variables, DiagnosticSink& sink)
+void checkAntecedent(const Antecedent& antecedent, const Names& names, DiagnosticSink& sink)
 {
     for (const Clause& clause : antecedent) {
         if (clause.kind != Clause::Kind::Is) continue;
-        const auto found = variables.find(clause.variable);
-        if (found == variables.end())
+        const auto variable = names.variables.find(clause.variable);
+        const auto concept_ = names.concepts.find(clause.variable);
+        if (variable != names.variables.end())
+            requireTerm(*variable->second, clause.term, clause.termAt, sink);
+        else if (concept_ != names.concepts.end())
+            requireTerm(*concept_->second, clause.term, clause.termAt, sink);
+        else
             sink.error("L01", clause.variableAt, "unknown variable " + quoted(clause.variable));
-        else if (!hasTerm(*found->second, clause.term))
-            sink.error("L01", clause.termAt, unknownTerm(*found->second, clause.term));
     }
 }
 
@@ -104,19 +130,44 @@ bool isWellFormed(const Antecedent& antecedent)
     return depth == 1;
 }
 
-void checkRule(const Rule& rule, bool isOtherwise, const RuleBase& base, const VariableIndex& variables,
-               DiagnosticSink& sink)
+/// Conclusions about concepts: which term, and what they may stand beside.
+void checkConsequents(const Rule& rule, bool isOtherwise, const RuleBase& base, const Names& names,
+                      DiagnosticSink& sink)
+{
+    bool speaksOfOutputs = false;
+    const Consequent* others = nullptr;
+    for (const Consequent& consequent : rule.consequents) {
+        const auto concept_ = names.concepts.find(consequent.name);
+        const bool asserts = consequent.kind == Consequent::Kind::Output && concept_ != names.concepts.end();
+        if (asserts && isOtherwise)
+            sink.error("R06", consequent.nameAt, "'otherwise' speaks of outputs only: concepts are settled before it");
+        if (asserts) {
+            requireTerm(*concept_->second, consequent.term, consequent.termAt, sink);
+            continue;
+        }
+        if (consequent.kind == Consequent::Kind::Others)
+            others = &consequent;
+        else
+            speaksOfOutputs = true;
+        if (consequent.isVeto()) continue;
+        requireTerm(base.suitability, consequent.term, consequent.termAt, sink);
+    }
+    if (others && !speaksOfOutputs && rule.consequents.size() > 1)
+        sink.error("R06", others->nameAt, "'others' needs a conclusion about an output; this sentence has none");
+}
+
+void checkRule(const Rule& rule, bool isOtherwise, const RuleBase& base, const Names& names, DiagnosticSink& sink)
 {
     if (!isOtherwise && !isWellFormed(rule.antecedent))
         sink.error("R06", rule.at, "the antecedent of rule " + quoted(rule.id) + " is not a postfix expression");
     if (!(rule.weight > 0.0 && rule.weight <= 1.0))
         sink.error("R05", rule.at, "the weight of rule " + quoted(rule.id) + " must be above 0 and at most 1");
+    if (rule.priority > kHighestPriority)
+        sink.error("R05", rule.at,
+                   "the priority of rule " + quoted(rule.id) + " must be at most " + std::to_string(kHighestPriority));
     if (rule.consequents.empty()) sink.error("R06", rule.at, "rule " + quoted(rule.id) + " concludes nothing");
-    checkAntecedent(rule.antecedent, variables, sink);
-    for (const Consequent& consequent : rule.consequents) {
-        if (!consequent.isVeto() && !hasTerm(base.suitability, consequent.term))
-            sink.error("L01", consequent.termAt, unknownTerm(base.suitability, consequent.term));
-    }
+    checkAntecedent(rule.antecedent, names, sink);
+    checkConsequents(rule, isOtherwise, base, names, sink);
 }
 
 void checkOptions(const Options& options, DiagnosticSink& sink)
@@ -145,22 +196,30 @@ bool validate(const RuleBase& base, DiagnosticSink& sink)
     if (base.variables.size() > kMaxVariables)
         sink.error("R07", {}, "more than " + std::to_string(kMaxVariables) + " variables");
     if (base.rules.size() > kMaxRules) sink.error("R07", {}, "more than " + std::to_string(kMaxRules) + " rules");
-    VariableIndex variables;
+    if (base.concepts.size() > kMaxConcepts)
+        sink.error("R07", {}, "more than " + std::to_string(kMaxConcepts) + " concepts");
+    Names names;
     for (const Variable& variable : base.variables) {
         checkVariable(variable, sink);
-        if (!variables.emplace(variable.name, &variable).second)
+        if (!names.variables.emplace(variable.name, &variable).second)
             sink.error("R05", variable.at, "variable " + quoted(variable.name) + " is defined twice");
+    }
+    for (const Concept& concept_ : base.concepts) {
+        checkConcept(concept_, sink);
+        if (names.variables.contains(concept_.name) || !names.concepts.emplace(concept_.name, &concept_).second)
+            sink.error("R05", concept_.at, "two variables or concepts are called " + quoted(concept_.name));
     }
     checkVariable(base.suitability, sink);
     std::unordered_set<std::string_view> ids;
     for (const Rule& rule : base.rules) {
         if (!ids.insert(rule.id).second) sink.error("R05", rule.at, "two rules are called " + quoted(rule.id));
-        checkRule(rule, false, base, variables, sink);
+        checkRule(rule, false, base, names, sink);
     }
-    if (base.otherwise) checkRule(*base.otherwise, true, base, variables, sink);
+    if (base.otherwise) checkRule(*base.otherwise, true, base, names, sink);
     if (!base.policy.floor.when.empty() && !isWellFormed(base.policy.floor.when))
         sink.error("R06", {}, "the condition of the floor is not a postfix expression");
-    checkAntecedent(base.policy.floor.when, variables, sink);
+    checkAntecedent(base.policy.floor.when, names, sink);
+    if (sink.errorCount() == before) orderConcepts(base, sink);
     return sink.errorCount() == before;
 }
 

@@ -23,7 +23,9 @@ inline constexpr std::size_t kMaxVariables = 64;
 inline constexpr std::size_t kMaxTerms = 16;           ///< Terms of one variable; sizes fixed arrays in centroid.cpp.
 inline constexpr std::size_t kMaxSentenceBytes = 4096; ///< One rule.
 inline constexpr std::size_t kMaxNameBytes = 64;
-inline constexpr double kMaxMagnitude = 1e12; ///< Of every finite number, so that no product of three overflows.
+inline constexpr std::size_t kMaxConcepts = 64;
+inline constexpr uint32_t kHighestPriority = 9; ///< Of a rule; ten levels are more than an author can keep apart.
+inline constexpr double kMaxMagnitude = 1e12;   ///< Of every finite number, so that no product of three overflows.
 
 struct Term {
     std::string name;
@@ -43,12 +45,24 @@ struct Variable {
     bool isCount() const noexcept { return unit == "count"; }
 };
 
+/// Something rules conclude about the situation and other rules ask for: `then scene is overlyComplex`, `if scene is
+/// overlyComplex`. Its terms are words without corners; each is as true as the rules that assert it.
+struct Concept {
+    struct Word {
+        std::string name;
+        SourceSpot at;
+    };
+    std::string name;
+    std::vector<Word> terms; ///< 1 to kMaxTerms.
+    SourceSpot at;
+};
+
 /// One element of an antecedent. Antecedents are kept in postfix order: operands first, then their connective.
 struct Clause {
     enum class Kind : uint8_t { Is, Not, And, Or };
 
     Kind kind = Kind::Is;
-    std::string variable; ///< Kind::Is only, like the members below.
+    std::string variable; ///< Of a variable or a concept. Kind::Is only, like the members below.
     std::string term;
     SourceSpot variableAt;
     SourceSpot termAt;
@@ -58,7 +72,7 @@ using Antecedent = std::vector<Clause>;
 /// One thing a rule concludes.
 struct Consequent {
     enum class Kind : uint8_t {
-        Output,     ///< `NAME is TERM`
+        Output,     ///< `NAME is TERM`; NAME is an output or a concept
         Trait,      ///< `any NAME is TERM`: every output that has the trait
         Others,     ///< `others are TERM`: every output that the sentence does not name, by itself or by trait
         Never,      ///< `never NAME`: a veto
@@ -80,8 +94,9 @@ struct Rule {
     std::string because;   ///< Why the rule is there: a measurement, a source.
     Antecedent antecedent; ///< Empty for `otherwise`.
     std::vector<Consequent> consequents;
-    double weight = 1.0; ///< (0, 1]. Multiplies the strength.
-    SourceSpot at;       ///< Start of the sentence.
+    double weight = 1.0;   ///< (0, 1]. Multiplies the strength.
+    uint32_t priority = 0; ///< 0..kHighestPriority. Where two rules conclude different terms, the lower one yields.
+    SourceSpot at;         ///< Start of the sentence.
 };
 
 /// How inference is done. rules/README.md pins every choice.
@@ -140,6 +155,7 @@ struct RuleBase {
     uint64_t textHash = 0; ///< FNV-1a of the text it was read from; names the base in logs.
     Options options;
     std::vector<Variable> variables;
+    std::vector<Concept> concepts;
     Variable suitability; ///< Shared by all outputs. defaultSuitability() unless the text says otherwise.
     std::vector<Rule> rules;
     std::optional<Rule> otherwise; ///< Fires with 1 - strongest rule.

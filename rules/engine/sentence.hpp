@@ -9,6 +9,7 @@
 ///     conclusions = conclusion { "and" conclusion } [ "with" WEIGHT ]
 ///     conclusion  = [ "any" ] NAME "is" TERM | "others" "are" TERM | "never" [ "any" ] NAME
 ///
+/// VARIABLE may be a concept, and so may the NAME of a conclusion.
 /// `x is few or average` is short for `x is few or x is average`. A weight belongs to the whole sentence.
 
 #include <cstddef>

@@ -39,6 +39,7 @@ public:
         map.text("name", base.name);
         if (const Node* node = map.optional("options")) readOptions(*node, base.options);
         if (const Node* node = map.required("variables")) readVariables(*node, base.variables);
+        if (const Node* node = map.optional("concepts")) readConcepts(*node, base.concepts);
         if (const Node* node = map.optional("suitability"))
             readVariable("suitability", node->at, *node, base.suitability);
         if (const Node* node = map.required("rules")) readRules(*node, base.rules);
@@ -140,6 +141,32 @@ private:
         }
     }
 
+    /// `concepts: {scene: [simple, overlyComplex]}`
+    void readConcepts(const Node& node, std::vector<Concept>& concepts)
+    {
+        if (node.kind != Node::Kind::Map)
+            sink_.error("R04", node.at,
+                        "'concepts' must be a map of name: [term, ...], found " + std::string(kindText(node)));
+        for (const yaml::Entry& entry : node.entries) {
+            Concept made{entry.key, {}, entry.keyAt};
+            readWords(entry.value, "a concept", [&](const Node& word) { made.terms.push_back({word.text, word.at}); });
+            concepts.push_back(std::move(made));
+        }
+    }
+
+    template <typename Take>
+    void readWords(const Node& node, std::string_view what, Take&& take)
+    {
+        const bool words = std::all_of(node.items.begin(), node.items.end(),
+                                       [](const Node& item) { return item.kind == Node::Kind::Scalar; });
+        if (node.kind != Node::Kind::Sequence || !words) {
+            sink_.error("R04", node.at, std::string(what) + " is a list of words");
+            return;
+        }
+        for (const Node& item : node.items)
+            take(item);
+    }
+
     template <std::size_t Count>
     bool readNumbers(const Node& node, std::string_view what, std::array<double, Count>& out)
     {
@@ -188,6 +215,7 @@ private:
             map.text("id", made.id);
             if (made.id.empty()) made.id = std::to_string(rules.size() + 1);
             map.text("because", made.because);
+            map.count("priority", kHighestPriority, made.priority);
             const Node* sentence = map.required("rule");
             map.finish();
             if (sentence && readSentence(*sentence, [&](const SentenceText& s) { return parseRule(s, made, sink_); }))

@@ -152,6 +152,34 @@ TEST_CASE("a faulty rule base is refused with the place of each fault")
                           "favoured}]\n") == "4:70: error R05: two rules are called 'A'\n");
 }
 
+TEST_CASE("concepts and priorities arrive, and a circle is reported at the word that closes it")
+{
+    const std::string head(kHead);
+    const RuleBase base = parsed(head + "concepts: {scene: [calm, busy]}\n"
+                                        "rules:\n"
+                                        "  - {rule: if x is high then scene is busy, priority: 3}\n"
+                                        "  - {rule: if scene is busy then p is favoured}\n");
+    REQUIRE(base.concepts.size() == 1);
+    CHECK(base.concepts[0].name == "scene");
+    CHECK(base.concepts[0].terms.at(1).name == "busy");
+    CHECK(base.concepts[0].terms.at(1).at == SourceSpot{4, 26});
+    CHECK(base.rules[0].priority == 3);
+    CHECK(base.rules[1].priority == 0);
+
+    CHECK(errorsOf(head + "concepts: {scene: [busy], load: [heavy]}\n"
+                          "rules:\n"
+                          "  - rule: if scene is busy then load is heavy\n"
+                          "  - rule: >-\n"
+                          "      if x is high and\n"
+                          "      load is heavy then scene is busy\n") ==
+          "6:14: error R08: concept 'scene' is concluded from itself: scene <- load <- scene, closed by rule '1'\n");
+    CHECK(errorsOf(head + "concepts: {scene: busy}\nrules: []\n") == "4:19: error R04: a concept is a list of words\n");
+    CHECK(errorsOf(head + "concepts: []\nrules: []\n") ==
+          "4:11: error R04: 'concepts' must be a map of name: [term, ...], found a list\n");
+    CHECK(errorsOf(head + "rules: [{rule: if x is low then p is favoured, priority: 10}]\n") ==
+          "4:58: error R05: 'priority' must be a number from 0 to 9\n");
+}
+
 TEST_CASE("aliases, anchors, merge keys and repeated keys are errors")
 {
     CHECK(errorsOf(std::string(kHead) + "rules: &r []\n") == "4:8: error R02: anchors are not accepted\n");
