@@ -107,6 +107,11 @@ public:
     /// rounding mode is to nearest.
     void evaluate(std::span<const double> facts, Inference& out) const noexcept;
 
+    /// The last steps of evaluate() alone: centre of gravity of one output from the strengths of its terms, and that in
+    /// steps of 1 / kSuitabilitySteps (-1 without an opinion).
+    Centroid centroidOf(std::span<const double> strengths) const noexcept;
+    int32_t quantisedOf(const Centroid& centroid) const noexcept;
+
     const RuleBase& base() const noexcept { return base_; }
     const std::vector<FactInfo>& facts() const noexcept { return facts_; }
     const std::vector<OutputInfo>& outputs() const noexcept { return outputs_; }

@@ -165,19 +165,27 @@ void Engine::defuzzify(Inference& out) const noexcept
             out.termStrength[i] = std::min(1.0, static_cast<double>(out.termSum[i]) / kSumScale);
     }
     const std::size_t terms = compiled_.suitabilityTerms;
-    const double low = base_.suitability.low;
-    const double width = base_.suitability.high - low;
     for (std::size_t i = 0; i < out.outputs.size(); ++i) {
-        const std::span<const double> strengths = std::span(out.termStrength).subspan(i * terms, terms);
-        const uint32_t samples = base_.options.samples;
-        const Centroid centroid =
-            samples == 0 ? suitability_.exact(strengths) : suitability_.sampled(strengths, samples);
+        const Centroid centroid = centroidOf(std::span(out.termStrength).subspan(i * terms, terms));
         OutputState& output = out.outputs[i];
         output.hasOpinion = centroid.hasOpinion;
-        if (!centroid.hasOpinion) continue;
-        output.suitability = centroid.value;
-        output.quantised = static_cast<int32_t>((centroid.value - low) / width * kSuitabilitySteps + 0.5);
+        if (centroid.hasOpinion) output.suitability = centroid.value;
+        output.quantised = quantisedOf(centroid);
     }
+}
+
+Centroid Engine::centroidOf(std::span<const double> strengths) const noexcept
+{
+    const uint32_t samples = base_.options.samples;
+    return samples == 0 ? suitability_.exact(strengths) : suitability_.sampled(strengths, samples);
+}
+
+int32_t Engine::quantisedOf(const Centroid& centroid) const noexcept
+{
+    if (!centroid.hasOpinion) return -1;
+    const double low = base_.suitability.low;
+    const double width = base_.suitability.high - low;
+    return static_cast<int32_t>((centroid.value - low) / width * kSuitabilitySteps + 0.5);
 }
 
 } // namespace gnomon::rules

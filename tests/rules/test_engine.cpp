@@ -1,4 +1,4 @@
-#include "rules_support.hpp"
+#include "random_base.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,46 +13,6 @@ using namespace gnomon::rules::test;
 namespace {
 
 const std::vector<OutputInfo> kTwo = {{"left", {}}, {"right", {}}};
-
-/// A rule base of `rules` random rules over six ramps and four outputs.
-RuleBase randomBase(Random& random, std::size_t rules)
-{
-    RuleBase base = baseOf({ramp("a"), ramp("b"), ramp("c"), ramp("d"), ramp("e"), ramp("f")}, {});
-    const std::string_view terms[] = {"avoided", "acceptable", "favoured"};
-    // One draw a statement: the order within an expression is the compiler's.
-    const auto clause = [&] {
-        const char name = static_cast<char>('a' + random.below(6));
-        const bool negated = random.below(4) == 0;
-        const bool low = random.below(2) == 0;
-        return std::string(1, name).append(negated ? " is not " : " is ").append(low ? "low" : "high");
-    };
-    for (std::size_t i = 0; i < rules; ++i) {
-        std::string text = std::string("if ").append(clause());
-        for (uint32_t extra = random.below(3); extra > 0; --extra) {
-            text += random.below(3) == 0 ? " or " : " and ";
-            text += clause();
-        }
-        text.append(" then ").append(numbered("o", random.below(4)));
-        text.append(" is ").append(terms[random.below(3)]);
-        text.append(" with ").append(numbered("0.", 1 + random.below(9)));
-        Rule rule;
-        rule.id = numbered("R", i);
-        DiagnosticSink sink("random");
-        REQUIRE(parseRule({text}, rule, sink));
-        base.rules.push_back(rule);
-    }
-    return base;
-}
-
-const std::vector<OutputInfo> kFour = {{"o0", {}}, {"o1", {}}, {"o2", {}}, {"o3", {}}};
-
-std::vector<double> randomFacts(Random& random)
-{
-    std::vector<double> facts(6);
-    for (double& fact : facts)
-        fact = random.between(-0.2, 1.2);
-    return facts;
-}
 
 void checkSame(const Inference& x, const Inference& y)
 {

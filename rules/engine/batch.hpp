@@ -1,0 +1,66 @@
+#pragma once
+
+/// Many situations at once, eight by eight: one per light, say. Every number has the bits Engine::evaluate() gives it,
+/// with every instruction set and whatever the situations beside it are. For the reasons behind a number evaluate that
+/// situation with the engine itself.
+///
+///     BatchEngine batch(engine);
+///     BatchInference all = batch.makeInference(lights);
+///     batch.evaluateBatch(facts, lights, all);              // facts[f * lights + i] is fact f of situation i
+///     all.quantised[all.at(output, i)]
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "rules/engine/engine.hpp"
+
+namespace gnomon::rules {
+
+enum class InstructionSet : uint8_t { Baseline, Avx2, Avx512 };
+
+/// Whether this build has a kernel for it and this processor runs it.
+bool isSupported(InstructionSet set) noexcept;
+InstructionSet bestInstructionSet() noexcept;
+
+/// Results in columns: one per output, each with room for `stride` situations.
+struct BatchInference {
+    uint32_t stride = 0;             ///< A multiple of eight.
+    std::vector<double> suitability; ///< Meaningless without an opinion.
+    std::vector<int32_t> quantised;  ///< -1 without an opinion, as in OutputState.
+    std::vector<uint32_t> vetoRule;  ///< kNoRule: not vetoed.
+    std::vector<double> floorTruth;  ///< One per situation, as in Inference.
+
+    std::size_t at(uint32_t output, uint32_t situation) const noexcept
+    {
+        return std::size_t(output) * stride + situation;
+    }
+
+    std::vector<double> scratch; ///< One block at work.
+};
+
+class BatchEngine {
+public:
+    /// Keeps a reference to `engine`.
+    explicit BatchEngine(const Engine& engine, InstructionSet set = bestInstructionSet());
+    ~BatchEngine();
+    BatchEngine(BatchEngine&&) noexcept;
+    BatchEngine& operator=(BatchEngine&&) noexcept;
+
+    /// Room for `capacity` situations.
+    BatchInference makeInference(uint32_t capacity) const;
+
+    /// `facts` holds one column per fact of the engine, each of `count` numbers. `count` must not exceed the capacity.
+    /// Allocates nothing.
+    void evaluateBatch(std::span<const double> facts, uint32_t count, BatchInference& out) const noexcept;
+
+private:
+    struct Tables;
+    void takeCentroids(const double* terms, uint32_t output, double* suitability, double* quantised) const noexcept;
+
+    const Engine* engine_;
+    std::unique_ptr<const Tables> tables_;
+};
+
+} // namespace gnomon::rules

@@ -1,0 +1,399 @@
+// The arithmetic of Engine::evaluate() on kLanes situations at once, operation for operation, so that every lane has
+// the bits of the scalar engine. Included by one file per instruction set, which defines GNOMON_LANE_BYTES, the size of
+// the processor's registers: wider vectors would be split by the compiler, slower than none. Everything is local to the
+// file that includes it; see batch_program.hpp.
+
+#include "rules/engine/batch_program.hpp"
+
+namespace gnomon::rules::batch {
+namespace {
+
+using Vector = double __attribute__((vector_size(GNOMON_LANE_BYTES)));
+constexpr unsigned kParts = kLanes * sizeof(double) / GNOMON_LANE_BYTES;
+
+struct Lanes {
+    Vector part[kParts];
+};
+
+#define GNOMON_INLINE inline __attribute__((always_inline))
+
+GNOMON_INLINE Lanes load(const double* row)
+{
+    Lanes lanes;
+    for (unsigned i = 0; i < kParts; ++i)
+        lanes.part[i] = reinterpret_cast<const Vector*>(row)[i];
+    return lanes;
+}
+
+GNOMON_INLINE void store(double* row, const Lanes& lanes)
+{
+    for (unsigned i = 0; i < kParts; ++i)
+        reinterpret_cast<Vector*>(row)[i] = lanes.part[i];
+}
+
+template <typename Operation>
+GNOMON_INLINE Lanes each(const Lanes& x, Operation operation)
+{
+    Lanes result;
+    for (unsigned i = 0; i < kParts; ++i)
+        result.part[i] = operation(x.part[i]);
+    return result;
+}
+
+template <typename Operation>
+GNOMON_INLINE Lanes each(const Lanes& x, const Lanes& y, Operation operation)
+{
+    Lanes result;
+    for (unsigned i = 0; i < kParts; ++i)
+        result.part[i] = operation(x.part[i], y.part[i]);
+    return result;
+}
+
+GNOMON_INLINE Vector all(double value)
+{
+    return Vector{} + value;
+}
+
+GNOMON_INLINE Lanes fill(double value)
+{
+    return each(Lanes{}, [=](Vector) { return all(value); });
+}
+
+// As std::min and std::max: of equals the first. No lane is NaN or -0 where these are used.
+GNOMON_INLINE Vector lesser(Vector x, Vector y)
+{
+    return y < x ? y : x;
+}
+GNOMON_INLINE Vector greater(Vector x, Vector y)
+{
+    return x < y ? y : x;
+}
+GNOMON_INLINE Lanes lesser(const Lanes& x, const Lanes& y)
+{
+    return each(x, y, [](Vector a, Vector b) { return lesser(a, b); });
+}
+GNOMON_INLINE Lanes greater(const Lanes& x, const Lanes& y)
+{
+    return each(x, y, [](Vector a, Vector b) { return greater(a, b); });
+}
+GNOMON_INLINE Lanes complement(const Lanes& x)
+{
+    return each(x, [](Vector a) { return 1.0 - a; });
+}
+
+/// Trapezoid::membership() with one division: a lane is on one flank at most, and what is divided elsewhere is thrown
+/// away.
+GNOMON_INLINE Vector membership(const Shape& shape, Vector x)
+{
+    const auto rising = x < shape.b;
+    const auto falling = x > shape.c;
+    const Vector flank = (rising ? x - shape.a : shape.d - x) / (rising ? all(shape.rise) : all(shape.fall));
+    const Vector inside = (rising | falling) ? flank : all(1.0);
+    return ((x >= shape.a) & (x <= shape.d)) ? inside : all(0.0);
+}
+
+template <bool Unknown>
+GNOMON_INLINE void fuzzify(const Program& program, const Block& block)
+{
+    for (uint32_t v = 0; v < program.axisCount; ++v) {
+        const Axis& axis = program.axes[v];
+        const Lanes given = load(block.facts + axis.fact * kLanes);
+        // NaN passes through, as it compares false.
+        const Lanes x = each(given, [&](Vector f) {
+            return f < axis.low ? all(axis.low) : axis.high < f ? all(axis.high) : f;
+        });
+        for (uint32_t t = axis.firstTerm; t < axis.firstTerm + axis.termCount; ++t) {
+            const Shape& shape = program.shapes[t];
+            const Lanes truth = each(x, [&](Vector at) { return membership(shape, at); });
+            store(block.low + t * kLanes, truth);
+            if constexpr (Unknown)
+                store(block.high + t * kLanes,
+                      each(truth, x, [](Vector m, Vector at) { return at == at ? m : all(1.0); }));
+        }
+    }
+}
+
+template <bool Unknown>
+struct Bounds {
+    Lanes low;
+};
+template <>
+struct Bounds<true> {
+    Lanes low, high;
+};
+
+template <bool Unknown>
+GNOMON_INLINE Bounds<Unknown> rowOf(const double* low, const double* high, uint32_t row)
+{
+    if constexpr (Unknown)
+        return {load(low + row * kLanes), load(high + row * kLanes)};
+    else
+        return {load(low + row * kLanes)};
+}
+
+template <bool Unknown>
+GNOMON_INLINE void setRow(double* low, double* high, uint32_t row, const Bounds<Unknown>& value)
+{
+    store(low + row * kLanes, value.low);
+    if constexpr (Unknown) store(high + row * kLanes, value.high);
+}
+
+template <bool Unknown>
+GNOMON_INLINE Bounds<Unknown> negated(const Bounds<Unknown>& x)
+{
+    if constexpr (Unknown)
+        return {complement(x.high), complement(x.low)};
+    else
+        return {complement(x.low)};
+}
+
+template <bool Unknown, typename Operation>
+GNOMON_INLINE Bounds<Unknown> joined(const Bounds<Unknown>& x, const Bounds<Unknown>& y, Operation operation)
+{
+    if constexpr (Unknown)
+        return {operation(x.low, y.low), operation(x.high, y.high)};
+    else
+        return {operation(x.low, y.low)};
+}
+
+/// evaluateAntecedent() without the limiting clause.
+template <bool Unknown, bool Product>
+GNOMON_INLINE Bounds<Unknown> truthOf(const Step* steps, uint32_t count, const Block& block)
+{
+    using B = Bounds<Unknown>;
+    const auto both = [](const B& x, const B& y) {
+        return joined<Unknown>(x, y, [](const Lanes& a, const Lanes& b) {
+            if constexpr (Product)
+                return each(a, b, [](Vector p, Vector q) { return p * q; });
+            else
+                return lesser(a, b);
+        });
+    };
+    const auto either = [](const B& x, const B& y) {
+        return joined<Unknown>(x, y, [](const Lanes& a, const Lanes& b) { return greater(a, b); });
+    };
+    B value{};
+    uint32_t depth = 0;
+    for (const Step* step = steps; step != steps + count; ++step) {
+        const auto term = [&] { return rowOf<Unknown>(block.low, block.high, step->membership); };
+        switch (step->kind) {
+        case Step::Load:
+        case Step::LoadNot:
+            setRow<Unknown>(block.stackLow, block.stackHigh, depth++, value);
+            value = step->kind == Step::Load ? term() : negated<Unknown>(term());
+            break;
+        case Step::AndTerm:
+            value = both(value, term());
+            break;
+        case Step::AndNotTerm:
+            value = both(value, negated<Unknown>(term()));
+            break;
+        case Step::OrTerm:
+            value = either(value, term());
+            break;
+        case Step::OrNotTerm:
+            value = either(value, negated<Unknown>(term()));
+            break;
+        case Step::Not:
+            value = negated<Unknown>(value);
+            break;
+        case Step::And:
+            value = both(rowOf<Unknown>(block.stackLow, block.stackHigh, --depth), value);
+            break;
+        case Step::Or:
+            value = either(rowOf<Unknown>(block.stackLow, block.stackHigh, --depth), value);
+            break;
+        }
+    }
+    return value;
+}
+
+/// strengthOf()
+GNOMON_INLINE Lanes weighted(const Lanes& truth, double weight, double threshold)
+{
+    return each(truth, [=](Vector t) {
+        const Vector strength = t * weight;
+        return strength < threshold ? all(0.0) : strength;
+    });
+}
+
+constexpr double kSteps = 0x1p50; // kSumScale of compiled.hpp
+
+/// Adds a strength in whole steps of 2^-50, as the scalar engine does in integers. Doubles hold such sums exactly up to
+/// 2^53; beyond 2^50 the result is 1 whatever comes, so the sum may stop there.
+GNOMON_INLINE Lanes added(const Lanes& sum, const Lanes& strength)
+{
+    return each(sum, strength, [](Vector total, Vector s) {
+        const Vector steps = s * kSteps;
+        const Vector near = (steps + 0x1p52) - 0x1p52; // a whole number beside it; no fraction fits above 2^52
+        const Vector whole = near > steps ? near - 1.0 : near;
+        return lesser(total + whole, all(kSteps));
+    });
+}
+
+/// All entries of one priority, sorted by term: one running value at a time.
+template <bool Sum>
+GNOMON_INLINE void joinPlain(const Program& program, const Subject& subject, const double* strengths, double* terms)
+{
+    for (uint32_t t = 0; t < subject.termCount; ++t)
+        store(terms + t * kLanes, fill(0.0));
+    const Entry* entry = program.entries + subject.firstEntry;
+    const Entry* const end = entry + subject.entryCount;
+    while (entry != end) {
+        const uint32_t term = entry->term;
+        Lanes total = fill(0.0);
+        for (; entry != end && entry->term == term; ++entry) {
+            const Lanes strength = load(strengths + entry->rule * kLanes);
+            total = Sum ? added(total, strength) : greater(total, strength);
+        }
+        if constexpr (Sum) total = each(total, [](Vector s) { return s / kSteps; });
+        store(terms + term * kLanes, total);
+    }
+}
+
+constexpr uint32_t kMostTerms = 16; // kMaxTerms of rule_base.hpp
+
+/// Entries by falling priority. `contrary` are the strengths that limit, `strengths` those that are limited: the other
+/// bound each where facts are unknown.
+void joinRanked(const Program& program, const Subject& subject, const double* strengths, const double* contrary,
+                double* terms)
+{
+    Lanes claimed[kMostTerms], claiming[kMostTerms], total[kMostTerms];
+    for (uint32_t t = 0; t < subject.termCount; ++t)
+        claimed[t] = claiming[t] = total[t] = fill(0.0);
+    const Entry* entry = program.entries + subject.firstEntry;
+    const Entry* const end = entry + subject.entryCount;
+    uint32_t priority = subject.entryCount ? entry->priority : 0;
+    for (; entry != end; ++entry) {
+        if (entry->priority != priority) {
+            priority = entry->priority;
+            for (uint32_t t = 0; t < subject.termCount; ++t)
+                claimed[t] = claiming[t];
+        }
+        Lanes against = fill(0.0);
+        for (uint32_t t = 0; t < subject.termCount; ++t) {
+            if (t != entry->term) against = greater(against, claimed[t]);
+        }
+        const Lanes left = lesser(load(strengths + entry->rule * kLanes), complement(against));
+        claiming[entry->term] = greater(claiming[entry->term], load(contrary + entry->rule * kLanes));
+        total[entry->term] = program.sum ? added(total[entry->term], left) : greater(total[entry->term], left);
+    }
+    for (uint32_t t = 0; t < subject.termCount; ++t)
+        store(terms + t * kLanes, program.sum ? each(total[t], [](Vector s) { return s / kSteps; }) : total[t]);
+}
+
+GNOMON_INLINE void join(const Program& program, const Subject& subject, const double* strengths, const double* contrary,
+                        double* terms)
+{
+    if (subject.ranked)
+        joinRanked(program, subject, strengths, contrary, terms);
+    else if (program.sum)
+        joinPlain<true>(program, subject, strengths, terms);
+    else
+        joinPlain<false>(program, subject, strengths, terms);
+}
+
+template <bool Unknown, bool Product>
+GNOMON_INLINE void fire(const Program& program, const Block& block)
+{
+    const double* const lows = block.strengthLow;
+    const double* const highs = Unknown ? block.strengthHigh : block.strengthLow;
+    Lanes strongest = fill(0.0);
+    for (uint32_t i = 0; i < program.orderCount; ++i) {
+        const uint32_t at = program.order[i];
+        if (at >= program.ruleCount) {
+            const Subject& concept_ = program.concepts[at - program.ruleCount];
+            join(program, concept_, lows, highs, block.low + concept_.membership * kLanes);
+            if constexpr (Unknown) join(program, concept_, highs, lows, block.high + concept_.membership * kLanes);
+            continue;
+        }
+        const Rule& rule = program.rules[at];
+        const auto truth = truthOf<Unknown, Product>(program.steps + rule.firstStep, rule.stepCount, block);
+        const Lanes strength = weighted(truth.low, rule.weight, program.threshold);
+        store(block.strengthLow + at * kLanes, strength);
+        if constexpr (Unknown)
+            store(block.strengthHigh + at * kLanes, weighted(truth.high, rule.weight, program.threshold));
+        if (rule.speaks) strongest = greater(strongest, strength);
+    }
+    if (program.hasOtherwise) {
+        const uint32_t last = program.ruleCount - 1;
+        store(block.strengthLow + last * kLanes,
+              weighted(complement(strongest), program.rules[last].weight, program.threshold));
+    }
+    if (program.floorStepCount != 0)
+        store(block.floor,
+              truthOf<Unknown, Product>(program.steps + program.firstFloorStep, program.floorStepCount, block).low);
+    else
+        store(block.floor, fill(0.0));
+}
+
+GNOMON_INLINE Vector areaOf(const Cut& cut, Vector s)
+{
+    return s * (cut.area1 + s * cut.area2);
+}
+GNOMON_INLINE Vector momentOf(const Cut& cut, Vector s)
+{
+    return s * (cut.moment1 + s * (cut.moment2 + s * cut.moment3));
+}
+
+/// CentroidTerms::exact() in the neighbour form, and the quantising of Engine::defuzzify().
+GNOMON_INLINE void centroid(const Program& program, const double* terms, double* suitability, double* quantised)
+{
+    for (unsigned i = 0; i < kParts; ++i) {
+        const auto strengthOf = [&](uint32_t t) { return reinterpret_cast<const Vector*>(terms + t * kLanes)[i]; };
+        Vector area{}, moment{};
+        for (uint32_t t = 0; t < program.termCount; ++t) {
+            const Vector s = strengthOf(t);
+            area += areaOf(program.cuts[t], s);
+            moment += momentOf(program.cuts[t], s);
+        }
+        for (uint32_t t = 0; t + 1 < program.termCount; ++t) {
+            const Cut& overlap = program.overlaps[t];
+            const Vector s = lesser(lesser(strengthOf(t), strengthOf(t + 1)), all(overlap.height));
+            area -= areaOf(overlap, s);
+            moment -= momentOf(overlap, s);
+        }
+        const auto opinion = area > 0.0;
+        const Vector raw = moment / (opinion ? area : all(1.0));
+        const Vector value = raw < program.low ? all(program.low) : program.high < raw ? all(program.high) : raw;
+        const Vector steps = (value - program.low) / program.width * program.quantum + 0.5;
+        reinterpret_cast<Vector*>(suitability)[i] = opinion ? value : all(0.0);
+        reinterpret_cast<Vector*>(quantised)[i] = opinion ? steps : all(-1.0);
+    }
+}
+
+GNOMON_INLINE void conclude(const Program& program, const Block& block)
+{
+    for (uint32_t o = 0; o < program.outputCount; ++o) {
+        const Subject& output = program.outputs[o];
+        double* const terms = block.terms + o * program.termCount * kLanes;
+        join(program, output, block.strengthLow, block.strengthLow, terms);
+        if (program.cuts) centroid(program, terms, block.suitability + o * kLanes, block.quantised + o * kLanes);
+        Lanes veto = fill(-1.0);
+        for (uint32_t v = output.firstVeto; v < output.firstVeto + output.vetoCount; ++v) {
+            const uint32_t rule = program.vetoes[v];
+            veto = each(load(block.strengthLow + rule * kLanes), veto,
+                        [&](Vector s, Vector before) { return s < program.vetoAt ? before : all(rule); });
+        }
+        store(block.vetoRule + o * kLanes, veto);
+    }
+}
+
+template <bool Unknown, bool Product>
+GNOMON_INLINE void runAs(const Program& program, const Block& block)
+{
+    fuzzify<Unknown>(program, block);
+    fire<Unknown, Product>(program, block);
+    conclude(program, block);
+}
+
+GNOMON_INLINE void runKernel(const Program& program, const Block& block)
+{
+    if (block.unknown)
+        program.product ? runAs<true, true>(program, block) : runAs<true, false>(program, block);
+    else
+        program.product ? runAs<false, true>(program, block) : runAs<false, false>(program, block);
+}
+
+} // namespace
+} // namespace gnomon::rules::batch

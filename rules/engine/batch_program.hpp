@@ -1,0 +1,100 @@
+#pragma once
+
+/// What the kernels of batch evaluation read and write: plain structs and pointers. The kernels are compiled once per
+/// instruction set, so nothing here may have inline functions: the linker would keep one copy of each, and a processor
+/// without AVX2 might meet the AVX2 one.
+
+#include <stdint.h>
+
+namespace gnomon::rules::batch {
+
+inline constexpr uint32_t kLanes = 8; ///< Situations evaluated at once.
+
+/// A variable and its terms.
+struct Axis {
+    uint32_t fact, firstTerm, termCount;
+    double low, high;
+};
+
+/// A trapezoid with the widths of its flanks.
+struct Shape {
+    double a, b, c, d;
+    double rise, fall; ///< b - a, d - c
+};
+
+/// One step of an antecedent. An accumulator holds the value under construction; Load puts it aside first.
+struct Step {
+    enum Kind : uint32_t { Load, LoadNot, AndTerm, AndNotTerm, OrTerm, OrNotTerm, Not, And, Or };
+    Kind kind;
+    uint32_t membership;
+};
+
+struct Rule {
+    uint32_t firstStep, stepCount;
+    double weight;
+    bool speaks; ///< Concludes something about an output: counts against `otherwise`.
+};
+
+/// A rule that concludes term `term` of an output or concept.
+struct Entry {
+    uint32_t rule, term, priority;
+};
+
+/// An output or a concept: who speaks of it, by falling priority.
+struct Subject {
+    uint32_t firstEntry, entryCount;
+    uint32_t firstVeto, vetoCount; ///< Outputs only. Rules by falling index.
+    uint32_t membership;           ///< Concepts only.
+    uint32_t termCount;
+    bool ranked; ///< Entries differ in priority. Otherwise they are sorted by term.
+};
+
+/// Coefficients of CentroidTerms.
+struct Cut {
+    double area1, area2, moment1, moment2, moment3, height;
+};
+
+struct Program {
+    const Axis* axes;
+    const Shape* shapes;
+    const Step* steps;
+    const Rule* rules;     ///< `otherwise` last where there is one.
+    const uint32_t* order; ///< CompiledRules::steps.
+    const Entry* entries;
+    const uint32_t* vetoes;
+    const Subject* outputs;
+    const Subject* concepts;
+    const Cut* cuts;     ///< One per term of suitability,
+    const Cut* overlaps; ///< and one per pair of neighbours. Both null: the caller takes the centroids itself.
+    uint32_t axisCount, ruleCount, orderCount, outputCount, termCount;
+    uint32_t firstFloorStep, floorStepCount;
+    double threshold, vetoAt, low, high, width, quantum;
+    bool product, sum, hasOtherwise;
+};
+
+/// Where one block of kLanes situations is worked on. Every array holds rows of kLanes numbers, aligned to 64 bytes.
+struct Block {
+    const double* facts; ///< One row per fact of the host.
+    double* low;         ///< Truth of memberships, lower bound;
+    double* high;        ///< upper bound. Used only where a fact is unknown.
+    double* strengthLow; ///< One row per rule.
+    double* strengthHigh;
+    double* stackLow;
+    double* stackHigh;
+    double* terms;       ///< One row per output and term of suitability.
+    double* suitability; ///< One row per output.
+    double* quantised;   ///< -1 is no opinion.
+    double* vetoRule;    ///< -1 is no veto.
+    double* floor;       ///< One row.
+    bool unknown;        ///< Some fact that matters is NaN.
+};
+
+using Kernel = void (*)(const Program&, const Block&);
+
+void runBaseline(const Program& program, const Block& block);
+#if GNOMON_BATCH_X86
+void runAvx2(const Program& program, const Block& block);
+void runAvx512(const Program& program, const Block& block);
+#endif
+
+} // namespace gnomon::rules::batch
