@@ -18,7 +18,7 @@ install(FILES "${CMAKE_CURRENT_BINARY_DIR}/gnomonConfig.cmake" "${CMAKE_CURRENT_
 
 set(GNOMON_PC_PRIVATE "-lstdc++ -lm -ldl -lpthread")
 if(GNOMON_WITH_EMBREE)
-    string(PREPEND GNOMON_PC_PRIVATE "-lembree3 ")
+    string(PREPEND GNOMON_PC_PRIVATE "-lembree3 -ltbb ")
 endif()
 if(GNOMON_WITH_OPENMESH)
     string(PREPEND GNOMON_PC_PRIVATE "-lOpenMeshCore ")

@@ -71,6 +71,10 @@ struct AlgorithmEntry {
     std::unique_ptr<ShadowAlgorithm> (*createForeign)(const ForeignAlgorithm& self) = nullptr;
     VkDeviceSize bytesPerPixel = 0;
 
+    /// Wrong light-facing pixels in percent, worst shipped scene, 1280x720, map side 1024, as `gnomon bench` prints it:
+    /// the quality the plan counts with until a knowledge base says better.
+    float typicalWrongPercent = 0.0f;
+
     VkDeviceSize memoryFor(std::span<const double> values, VkExtent2D extent) const
     {
         if (memoryPerLight) return memoryPerLight(values, extent);

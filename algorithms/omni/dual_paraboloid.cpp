@@ -228,6 +228,7 @@ constinit const AlgorithmEntry kDualParaboloid{
     .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<DualParaboloid>(services);
     },
+    .typicalWrongPercent = 0.64f, // README.md, table of methods
 };
 
 } // namespace gnomon

@@ -18,6 +18,10 @@ const char* nameOf(GnReason reason) noexcept
         return "incumbent";
     case GN_REASON_FALLBACK:
         return "fallback";
+    case GN_REASON_BUDGET:
+        return "budget";
+    case GN_REASON_HELD:
+        return "held";
     case GN_REASON_NOTHING_READY:
         return "nothing_ready";
     case GN_REASON_NO_OPINION:
@@ -33,7 +37,7 @@ namespace {
 std::string reasonText(const GnDecision& decision)
 {
     std::string text = nameOf(decision.reason);
-    if (decision.pRule && (decision.reason == GN_REASON_RULES || decision.reason == GN_REASON_INCUMBENT))
+    if (decision.pRule && decision.reason != GN_REASON_PINNED)
         text += std::string(" ") + decision.pRule;
     return text;
 }

@@ -87,6 +87,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     pipelines_->setOwner(kRuntimeOwner);
     gridPipeline_ = DepthGrid::pipeline(*pipelines_);
     selector_ = std::make_unique<Selector>(*methods_);
+    plan_ = std::make_unique<FramePlan>(*methods_, vk_->software);
     pool_ = std::make_unique<ResourcePool>(*memory_);
     graph_ = std::make_unique<PassGraph>(*pool_, arena_);
     executor_ = std::make_unique<PassExecutor>(*vk_, *memory_, *pipelines_, *samplers_, *jobs_, *pool_, *graph_, info);
@@ -177,6 +178,8 @@ void Context::destroyView(GnView handle)
     if (!findView(handle)) return;
     finishUnderway();
     std::unique_ptr<View> view = views_.take(bits(handle));
+    for (auto& [id, memory] : view->lights)
+        plan_->forget(memory);
     if (view->visibility) pool_->retire(std::move(view->visibility));
     // The grid's buffers may be in flight for as long as the frames that wrote them.
     retiredGrids_.push_back({frame_, std::move(view->grid)});

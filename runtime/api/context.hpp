@@ -13,6 +13,7 @@
 #include "runtime/registry.hpp"
 #include "runtime/scene/scene_registry.hpp"
 #include "runtime/select/depth_grid.hpp"
+#include "runtime/select/frame_plan.hpp"
 #include "runtime/select/selector.hpp"
 
 namespace gnomon {
@@ -81,31 +82,6 @@ public:
     bool lost() const { return lost_; }
 
 private:
-    explicit Context(const GnContextCreateInfo& info);
-    Result<void> init(const GnContextCreateInfo& info);
-
-    // The frame, stage by stage (frame.cpp).
-    Result<GnResult> startFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd);
-    Result<GnResult> runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
-                              std::chrono::steady_clock::time_point start);
-    Result<void> takeInput(const GnFrameInfo& info);
-    Result<void> acceptViews(const GnFrameInfo& info);
-    Result<void> prepareView(View& view, const GnViewFrame& frame);
-    void takeTimings();
-    void chargeLights(const FrameTimings& timings);
-    void openGraph(const GnFrameInfo& info);
-    Result<void> decideView(std::uint32_t viewIndex, const GnViewFrame& frame, const GnFrameInfo& info, FrameMode mode);
-    void declareLight(std::uint32_t viewIndex, LightDecision& decision, const LightView& light,
-                      const LightCasters& casters, std::uint32_t layer, FrameMode mode);
-    void declareLit(std::uint32_t viewIndex, std::uint32_t layer);
-    const LightCasters& castersOf(const LightView& light);
-    void forgetOldLights();
-    void finishStats();
-    View* findView(GnView handle);
-    void finishUnderway();
-    GnPassTiming publicTiming(const PassTiming& timing) const;
-    double msSince(std::chrono::steady_clock::time_point since) const;
-
     struct ViewFrame {
         View* view = nullptr;
         ImageId depth, normals, visibility;
@@ -121,12 +97,47 @@ private:
         std::uint64_t frame;
         std::unique_ptr<DepthGrid> grid;
     };
+    /// A light of a view between assessment and declaration.
+    struct PendingLight {
+        std::uint32_t viewIndex;
+        std::uint32_t layer;
+        const LightView* light;
+        const LightCasters* casters;
+        LightDecision* decision;
+        LightMemory* memory;
+    };
     /// A task as declared, for gnGetLightMap.
     struct DeclaredTask {
         std::uint32_t lightId;
         std::uint32_t method;
         ShadowTask task;
     };
+
+    explicit Context(const GnContextCreateInfo& info);
+    Result<void> init(const GnContextCreateInfo& info);
+
+    // The frame, stage by stage (frame.cpp).
+    Result<GnResult> startFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd);
+    Result<GnResult> runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
+                              std::chrono::steady_clock::time_point start);
+    Result<void> takeInput(const GnFrameInfo& info);
+    Result<void> acceptViews(const GnFrameInfo& info);
+    Result<void> prepareView(View& view, const GnViewFrame& frame);
+    void takeTimings();
+    void chargeLights(const FrameTimings& timings);
+    void openGraph(const GnFrameInfo& info);
+    Result<void> assessView(std::uint32_t viewIndex, const GnViewFrame& frame, const GnFrameInfo& info, FrameMode mode);
+    void planLights(const GnFrameInfo& info);
+    double meanFrameRate() const;
+    void declareLight(const PendingLight& pending, FrameMode mode);
+    void declareLit(std::uint32_t viewIndex, std::uint32_t layer);
+    const LightCasters& castersOf(const LightView& light);
+    void forgetOldLights();
+    void finishStats();
+    View* findView(GnView handle);
+    void finishUnderway();
+    GnPassTiming publicTiming(const PassTiming& timing) const;
+    double msSince(std::chrono::steady_clock::time_point since) const;
 
     Messages messages_;
     std::string name_;
@@ -146,6 +157,8 @@ private:
     std::unique_ptr<PipelineStore> pipelines_;
     std::unique_ptr<MethodTable> methods_;
     std::unique_ptr<Selector> selector_;
+    std::unique_ptr<FramePlan> plan_;
+    plan::PlanReport planReport_;
     FrameArena arena_;
     std::unique_ptr<ResourcePool> pool_;
     std::unique_ptr<PassGraph> graph_;
@@ -166,6 +179,7 @@ private:
     std::vector<View*> acceptedViews_;
     std::vector<ViewFrame> viewFrames_;
     std::vector<LightFrame> lightFrames_;
+    std::vector<PendingLight> pending_;
     std::vector<DeclaredTask> tasks_;
     std::vector<PooledImage*> visibilities_, imports_;
     std::vector<RetiredGrid> retiredGrids_;
@@ -174,6 +188,8 @@ private:
     std::string explanation_;
     bool raysNeeded_ = false;
     float untimedGpuMs_ = 0.0f;
+    float lastCpuMs_ = 0.0f;
+    std::array<std::uint64_t, 16> disturbed_{}; ///< Frames whose timings are not the methods' doing; a ring.
     double predictedMs_ = 0.0, lastPredictedMs_ = 0.0;
     std::array<float, 30> frameTimes_{};
     std::uint32_t frameTimeCount_ = 0;

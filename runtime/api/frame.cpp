@@ -100,9 +100,14 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     stats_.frame = info.frame;
     raysNeeded_ = false;
     predictedMs_ = 0.0;
+    pending_.clear();
+    plan_->begin();
     for (std::uint32_t i = 0; i < info.viewCount; ++i)
-        if (Result<void> ok = decideView(i, info.pViews[i], info, mode); !ok) return ok.error();
+        if (Result<void> ok = assessView(i, info.pViews[i], info, mode); !ok) return ok.error();
+    planLights(info);
     stats_.decideUs = static_cast<float>(msSince(decideStart) * 1000.0);
+    for (const PendingLight& pending : pending_)
+        declareLight(pending, mode);
 
     const bool timed = timeEveryFrame_ || (info.flags & GN_FRAME_TIMED_BIT) || info.frame % kTimedPeriod == 0;
     const ExecutorFrame frame{.frame = info.frame,
@@ -126,6 +131,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     } else if (Result<void> ok = executor_->start(mode == FrameMode::submit); !ok) {
         return ok.error();
     }
+    if (trial != UINT32_MAX || stats_.pipelinesCreated) disturbed_[info.frame % disturbed_.size()] = info.frame;
     if (trial == kRuntimeOwner)
         gridReady_ = true;
     else if (trial != UINT32_MAX)
@@ -303,7 +309,7 @@ const LightCasters& Context::castersOf(const LightView& light)
     return lightFrames_.back().casters;
 }
 
-Result<void> Context::decideView(std::uint32_t viewIndex, const GnViewFrame& frame, const GnFrameInfo& info,
+Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& frame, const GnFrameInfo& info,
                                  FrameMode mode)
 {
     ViewFrame& viewFrame = viewFrames_[viewIndex];
@@ -323,16 +329,11 @@ Result<void> Context::decideView(std::uint32_t viewIndex, const GnViewFrame& fra
         graph_->endTask();
     }
 
-    const std::uint32_t known =
-        std::min<std::uint32_t>(frameTimeCount_, static_cast<std::uint32_t>(frameTimes_.size()));
-    float sum = 0.0f;
-    for (std::uint32_t i = 0; i < known; ++i)
-        sum += frameTimes_[i];
-    const double rate = sum > 0.0f ? 1000.0 * known / sum : 0.0;
-
+    const double rate = meanFrameRate();
+    view.decisions.reserve(frame.lightCount); // addresses stay
     for (std::uint32_t i = 0; i < frame.lightCount; ++i) {
         const LightView& light = *scene_->light(frame.pLights[i]);
-        const LightCasters& casters = castersOf(light);
+        const LightCasters& casters = *arena_.make(castersOf(light));
         LightState& state = lights_[light.id];
         state.motion.note(info.frame, light, casters);
         state.lastFrame = info.frame;
@@ -353,27 +354,57 @@ Result<void> Context::decideView(std::uint32_t viewIndex, const GnViewFrame& fra
             .lightMotion = state.motion.share(),
             .frameBudget = info.budgetMs > 0.0f ? lastPredictedMs_ / static_cast<double>(info.budgetMs) : 0.0,
             .frameRate = rate,
+            .importance = light.importance,
             .recorded = mode == FrameMode::recorded,
+            .still = (state.motion.bits & 1) == 0,
             .memoryLeft = memory_->limit() - std::min(memory_->used(), memory_->limit()),
             .frame = info.frame};
-        LightDecision decision = selector_->decide(input, memory);
-        declareLight(viewIndex, decision, light, casters, i, mode);
-        stats_.switches += decision.switched;
-        predictedMs_ += decision.predictedMs;
-        view.decisions.push_back(decision);
+        view.decisions.push_back(selector_->assess(input, memory));
+        LightDecision& decision = view.decisions.back();
+        plan_->add(decision, memory, input);
+        pending_.push_back({viewIndex, i, &light, &casters, &decision, &memory});
     }
     return {};
 }
 
-void Context::declareLight(std::uint32_t viewIndex, LightDecision& decision, const LightView& light,
-                           const LightCasters& casters, std::uint32_t layer, FrameMode mode)
+/// All lights of all views together: within the budget where there is one, then settled.
+void Context::planLights(const GnFrameInfo& info)
 {
+    const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
+    bool cut = false;
+    for (const ViewFrame& viewFrame : viewFrames_)
+        cut |= viewFrame.view->camera.cut;
+    planReport_ = plan_->decide(base, {.ms = info.budgetMs,
+                                       .measuredMs = untimedGpuMs_ > 0.0f ? untimedGpuMs_ + lastCpuMs_ : -1.0,
+                                       .cut = cut,
+                                       .frame = info.frame});
+    for (const PendingLight& pending : pending_) {
+        selector_->commit(*pending.decision, *pending.memory, info.frame);
+        stats_.switches += pending.decision->switched;
+        predictedMs_ += pending.decision->predictedMs;
+    }
+}
+
+double Context::meanFrameRate() const
+{
+    const std::size_t known = std::min<std::size_t>(frameTimeCount_, frameTimes_.size());
+    float sum = 0.0f;
+    for (std::size_t i = 0; i < known; ++i)
+        sum += frameTimes_[i];
+    return sum > 0.0f ? 1000.0 * static_cast<double>(known) / sum : 0.0;
+}
+
+void Context::declareLight(const PendingLight& pending, FrameMode mode)
+{
+    const std::uint32_t viewIndex = pending.viewIndex, layer = pending.layer;
+    const LightView& light = *pending.light;
+    LightDecision& decision = *pending.decision;
     ViewFrame& viewFrame = viewFrames_[viewIndex];
     if (decision.method == UINT32_MAX) return declareLit(viewIndex, layer);
     Method& method = (*methods_)[decision.method];
     const ShadowTask task{.view = &viewFrame.view->camera,
                           .light = &light,
-                          .casters = arena_.make(casters),
+                          .casters = pending.casters,
                           .settings = method.settings,
                           .layer = layer,
                           .visibility = viewFrame.visibility,
@@ -425,24 +456,33 @@ void Context::chargeLights(const FrameTimings& timings)
 {
     const float scale =
         untimedGpuMs_ > 0.0f && timings.totalGpuMs > untimedGpuMs_ ? untimedGpuMs_ / timings.totalGpuMs : 1.0f;
+    const bool disturbed = std::find(disturbed_.begin(), disturbed_.end(), timings.frame) != disturbed_.end();
     for (ViewFrame& viewFrame : viewFrames_) {
         View& view = *viewFrame.view;
         for (auto& [id, memory] : view.lights) {
-            float ms = 0.0f;
+            LightTiming light;
             std::uint32_t method = UINT32_MAX;
             for (const PassTiming& pass : timings.passes) {
                 if (pass.owner.light != id) continue;
                 if (pass.owner.view != UINT32_MAX && pass.owner.view != view.id) continue;
-                if (pass.owner.method != UINT32_MAX) method = pass.owner.method;
-                ms += pass.gpuMs * scale + pass.cpuMs;
+                const bool update = pass.owner.view == UINT32_MAX; // light scope
+                if (!update) method = pass.owner.method;
+                light.updated |= update;
+                (update ? light.updateGpuMs : light.resolveGpuMs) += pass.gpuMs * scale;
+                (update ? light.updateCpuMs : light.resolveCpuMs) += pass.cpuMs;
             }
-            if (method < methods_->size()) memory.measuredMs[method] = ms;
+            if (method >= methods_->size()) continue;
+            memory.measuredMs[method] = light.updateGpuMs + light.updateCpuMs + light.resolveGpuMs + light.resolveCpuMs;
+            plan_->observe(memory, method, light, disturbed);
         }
     }
+    plan_->endFrame();
 }
 
+/// While host passes run on a worker the counters are its; they are read when the frame is finished.
 void Context::finishStats()
 {
+    if (executor_->underway()) return;
     const ExecutorCounters& counters = executor_->counters();
     stats_.levels = graph_->levels();
     stats_.submits = counters.submits;
@@ -456,6 +496,7 @@ void Context::finishStats()
     stats_.pipelinesCreated = static_cast<std::uint32_t>(vk_->pipelinesMade - pipelinesBefore_);
     stats_.memory = memory_->used();
     lastPredictedMs_ = predictedMs_;
+    lastCpuMs_ = counters.cpuMs;
     forgetOldLights();
 }
 
@@ -466,7 +507,14 @@ void Context::forgetOldLights()
         return entry.second.lastFrame + kForgetFrames < frame_ && entry.second.pinned == UINT32_MAX;
     });
     views_.forEach([&](std::unique_ptr<View>& view) {
-        std::erase_if(view->lights, [&](const auto& entry) { return entry.second.lastFrame + kForgetFrames < frame_; });
+        for (auto it = view->lights.begin(); it != view->lights.end();) {
+            if (it->second.lastFrame + kForgetFrames >= frame_) {
+                ++it;
+                continue;
+            }
+            plan_->forget(it->second);
+            it = view->lights.erase(it);
+        }
     });
 }
 

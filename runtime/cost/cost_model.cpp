@@ -20,15 +20,16 @@ constexpr double kClip = 0.25;          // octaves. A spike of x4 moves the fit 
 constexpr double kSlopeVariance = 0.25; // prior: slopes are within 0.5 of the guess
 constexpr double kConstantVariance = 4; // prior: within 2 octaves, a factor of 4
 constexpr double kCovarianceCap = kConstantVariance + (kFeatures - 1) * kSlopeVariance; // never less sure than at first
-constexpr double kStartNoise = 0.0133;  // (8 % in octaves)^2 = log2(1.08)^2, the timing noise usual for GPUs
-constexpr double kLeastNoise = 1e-4;    // 0.7 %: timers are no better
-constexpr double kNoiseRate = 0.02;     // smoothing of the noise over 50 timings
-constexpr double kMarginalNoise = 1.0;  // variance of the device factor before it is known: a factor of 2
+constexpr double kStartNoise = 0.0123;   // log2(1.08)^2: 8 %, the timing noise usual for GPUs
+constexpr double kLeastNoise = 1e-4;     // 0.7 %: timers are no better
+constexpr double kNoiseRate = 0.02;      // smoothing of the noise over 50 timings
+constexpr double kForeignVariance = 1.0; // of the device factor of a foreign calibration: within a factor of 2
 
 constexpr uint32_t kDiscarded = 3;     // timings after a switch: caches, allocation, clocks
 constexpr double kResidualBlend = 8.0; // n / (n + 8): the residual has half its weight after 8 timings
 constexpr double kResidualMost = 32.0; // effective timings: new ones always count for 1/32 at least
-constexpr double kPersistent = 0.25;   // octaves. Three timings in a row beyond it on one side are a step, no spikes
+constexpr double kPersistent = 0.25;   // octaves. Four timings in a row beyond it on one side are a step, no spikes;
+                                       // one more than a step of the device needs, which therefore comes first
 constexpr uint32_t kDeviceFrames = 10; // the device factor is learned first, in so many frames
 constexpr double kDeviceStep = 0.15;   // octaves = 11 %: a median beyond it in 3 of 5 frames is a step of the device
 constexpr size_t kFrameErrors = 1024;  // timings of a frame that vote on the device factor
@@ -91,7 +92,6 @@ void CostModel::resize(uint32_t methods, uint32_t lights)
     for (uint32_t i = known; i < tracks_.size(); ++i)
         reset(tracks_[i], i % kTracks);
     frameErrors_.resize(kFrameErrors);
-    if (samples_ == 0 && known == 0) deviceVariance_ = kMarginalNoise;
     methods_ = methods;
     lights_ = lights;
 }
@@ -146,7 +146,7 @@ void CostModel::finishCalibration(bool sameDevice) noexcept
 {
     device_ = 0.0;
     deviceFrames_ = sameDevice ? kDeviceFrames : 0;
-    deviceVariance_ = sameDevice ? 0.0 : kMarginalNoise;
+    deviceVariance_ = sameDevice ? 0.0 : kForeignVariance;
 }
 
 CostModel::Octaves CostModel::octaves(uint32_t light, uint32_t method, uint32_t t, const Features& f) const noexcept
@@ -160,7 +160,7 @@ CostModel::Octaves CostModel::octaves(uint32_t light, uint32_t method, uint32_t 
             pf += known.covariance[i * kFeatures + j] * f[j];
         spread += f[i] * pf;
     }
-    double variance = known.noise * spread + deviceVariance_;
+    double variance = std::max(known.noise, kStartNoise) * spread + deviceVariance_;
     if (light < lights_) {
         const Residual& own = residuals_[(size_t{light} * methods_ + method) * kTracks + t];
         double distance = 0.0;
@@ -174,7 +174,7 @@ CostModel::Octaves CostModel::octaves(uint32_t light, uint32_t method, uint32_t 
     return {mean, variance, known.seen, known.samples >= kFeatures};
 }
 
-/// Running mean of what the fit leaves over for this light, with clipped errors; three alike in a row replace it.
+/// Running mean of what the fit leaves over for this light, with clipped errors; four alike in a row replace it.
 void CostModel::learn(Residual& own, const Features& f, double error) noexcept
 {
     double distance = 0.0;
@@ -186,11 +186,11 @@ void CostModel::learn(Residual& own, const Features& f, double error) noexcept
     own.recentNext = static_cast<uint8_t>((own.recentNext + 1) % own.recent.size());
     own.recentCount = static_cast<uint8_t>(std::min<size_t>(own.recentCount + 1u, own.recent.size()));
     if (own.recentCount == own.recent.size()) {
-        std::array<double, 3> sorted = own.recent;
+        auto sorted = own.recent;
         std::sort(sorted.begin(), sorted.end());
         const double low = sorted.front() - own.octaves, high = sorted.back() - own.octaves;
         if (low > kPersistent || high < -kPersistent) {
-            own.octaves = sorted[1];
+            own.octaves = 0.5 * (sorted[1] + sorted[2]);
             own.samples = kResidualMost;
             return;
         }
@@ -209,11 +209,11 @@ void CostModel::observe(const Observation& observation) noexcept
     Track& known = track(observation.method, t);
     const double y = log2Exactly(observation.ms);
     const double surprise = y - octaves(observation.light, observation.method, t, f).mean;
-    if (frameErrorCount_ < frameErrors_.size()) frameErrors_[frameErrorCount_++] = surprise;
+    const bool votes = known.samples >= kFeatures; // a guess says nothing about the device
+    if (votes && frameErrorCount_ < frameErrors_.size()) frameErrors_[frameErrorCount_++] = surprise;
     ++samples_;
     // Device first: until it is known every method looks wrong by the same factor, and nothing else is learned.
-    const bool foreign = deviceFrames_ < kDeviceFrames && known.samples >= kFeatures;
-    if (foreign) {
+    if (deviceFrames_ < kDeviceFrames && votes) {
         known.seen = true;
         return;
     }
@@ -242,7 +242,7 @@ void CostModel::noteStep(double frameMedian) noexcept
         ++deviceFrames_;
         const double change = frameMedian / deviceFrames_;
         device_ += deviceFrames_ == 1 ? frameMedian : change;
-        deviceVariance_ = deviceFrames_ == kDeviceFrames ? 0.0 : kMarginalNoise / (1.0 + deviceFrames_ * deviceFrames_);
+        deviceVariance_ = kStartNoise / deviceFrames_;
         return;
     }
     steps_[stepNext_] = frameMedian;

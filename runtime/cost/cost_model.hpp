@@ -22,8 +22,8 @@
 
 namespace gnomon::cost {
 
-enum class Pass : uint8_t { update, resolve };  ///< What a cache can skip; what every pixel pays.
-enum class Processor : uint8_t { gpu, cpu };    ///< On a software device both are the same cores.
+enum class Pass : uint8_t { update, resolve }; ///< What a cache can skip; what every pixel pays.
+enum class Processor : uint8_t { gpu, cpu };   ///< On a software device both are the same cores.
 
 inline constexpr uint32_t kTracks = 4; ///< Pass x Processor.
 constexpr uint32_t trackOf(Pass pass, Processor processor)
@@ -53,7 +53,7 @@ struct Observation {
     Workload workload;
     double ms = 0.0;
     uint32_t samplesSinceSwitch = 1u << 30; ///< Timings of this light since its method changed, this one excluded.
-    bool disturbed = false;                 ///< Pipeline compilation, resize, capture, first use: not the method's doing.
+    bool disturbed = false; ///< Pipeline compilation, resize, capture, first use: not the method's doing.
 };
 
 struct Prediction {
@@ -104,7 +104,7 @@ private:
     struct Residual {
         double octaves = 0.0;
         double samples = 0.0; ///< Effective; fades with the distance of the features.
-        std::array<double, 3> recent{};
+        std::array<double, 4> recent{};
         Features at{};
         uint8_t recentCount = 0, recentNext = 0;
     };
@@ -132,8 +132,8 @@ private:
     std::vector<Residual> residuals_;
     double device_ = 0.0;
     double deviceVariance_ = 0.0;
-    uint32_t deviceFrames_ = 0;
-    std::vector<double> frameErrors_; ///< Of the current frame; fixed capacity, more are not collected.
+    uint32_t deviceFrames_ = UINT32_MAX; ///< Frames the factor was learned from; a fresh model is at home.
+    std::vector<double> frameErrors_;    ///< Of the current frame; fixed capacity, more are not collected.
     uint32_t frameErrorCount_ = 0;
     std::array<double, 5> steps_{}; ///< Medians of the newest frames.
     uint32_t stepCount_ = 0, stepNext_ = 0;

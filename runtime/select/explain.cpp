@@ -29,6 +29,10 @@ const char* reasonText(GnReason reason)
         return "nothing can serve, visibility is 1";
     case GN_REASON_NO_OPINION:
         return "no rule has an opinion, fallback";
+    case GN_REASON_BUDGET:
+        return "the plan: better ones do not fit the budget";
+    case GN_REASON_HELD:
+        return "held by the plan's hysteresis";
     case GN_REASON_MAX_ENUM:
         break;
     }

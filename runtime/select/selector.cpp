@@ -107,6 +107,7 @@ void Selector::rank(const SelectionInput&, LightDecision& decision)
 {
     if (engine_) {
         engine_->evaluate(decision.facts, inference_);
+        decision.floorTruth = inference_.floorTruth;
         for (std::uint32_t i = 0; i < methods_.size(); ++i) {
             const rules::OutputState& output = inference_.outputs[i];
             Candidate& candidate = decision.candidates[i];
@@ -135,7 +136,7 @@ std::uint32_t Selector::fallbackFor(const LightDecision& decision, GnLightType t
     return UINT32_MAX;
 }
 
-LightDecision Selector::decide(const SelectionInput& input, LightMemory& memory)
+LightDecision Selector::assess(const SelectionInput& input, const LightMemory& memory)
 {
     LightDecision decision;
     decision.light = input.light->handle;
@@ -195,17 +196,22 @@ LightDecision Selector::decide(const SelectionInput& input, LightMemory& memory)
     }
     decision.method = best;
     decision.wanted = wanted;
-    if (best != UINT32_MAX) {
-        const std::int32_t quantised = decision.candidates[best].quantised;
+    if (best != UINT32_MAX && engine_) decision.rule = inference_.outputs[best].strongestRule;
+    return decision;
+}
+
+void Selector::commit(LightDecision& decision, LightMemory& memory, std::uint64_t frame) const
+{
+    if (decision.method != UINT32_MAX) {
+        const std::int32_t quantised = decision.candidates[decision.method].quantised;
         decision.suitability =
             engine_ ? static_cast<float>(std::max(quantised, 0)) / static_cast<float>(rules::kSuitabilitySteps) : 1.0f;
-        if (engine_) decision.rule = inference_.outputs[best].strongestRule;
-        decision.predictedMs = decision.measuredMs = memory.measuredMs[best];
+        decision.measuredMs = memory.measuredMs[decision.method];
     }
-    decision.switched = memory.incumbent != UINT32_MAX && best != memory.incumbent;
-    memory.incumbent = best;
-    memory.lastFrame = input.frame;
-    return decision;
+    decision.switched = memory.incumbent != UINT32_MAX && decision.method != memory.incumbent;
+    if (decision.method != memory.incumbent) memory.timedSinceSwitch = 0;
+    memory.incumbent = decision.method;
+    memory.lastFrame = frame;
 }
 
 } // namespace gnomon

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "rules/engine/engine.hpp"
+#include "runtime/cost/cost_model.hpp"
+#include "runtime/plan/plan.hpp"
 #include "runtime/select/facts.hpp"
 #include "runtime/select/methods.hpp"
 
@@ -50,6 +52,8 @@ struct LightDecision {
     float viewerDistance = 0.0f;
     bool distanceMeasured = false;
     bool switched = false;
+    bool floorUnmet = false;             ///< Near, but no eligible method is good enough.
+    double floorTruth = 0.0;             ///< How true the rule base's condition for near quality is.
     std::uint32_t rule = rules::kNoRule; ///< Strongest behind the method.
     FactValues facts{};
     std::array<Candidate, kMaxMethods> candidates{};
@@ -63,6 +67,10 @@ struct LightMemory {
     MedianOfFive share;
     std::array<float, kMaxMethods> measuredMs{}; ///< Newest per method; 0: none.
     std::uint64_t lastFrame = 0;
+    plan::LightMemory plan;
+    cost::Workload workload;             ///< As the last frame saw it.
+    std::uint32_t costSlot = UINT32_MAX; ///< In the cost model.
+    std::uint32_t timedSinceSwitch = 0;  ///< Timings since the method changed.
 };
 
 /// A request: everything about one light in one view that the choice may depend on.
@@ -77,6 +85,7 @@ struct SelectionInput {
     double frameRate = 0.0;
     float importance = 1.0f;
     bool recorded = false;
+    bool still = false; ///< Neither the light nor a caster in its range moved since the last frame.
     VkDeviceSize memoryLeft = 0;
     std::uint64_t frame = 0;
 };
@@ -94,8 +103,10 @@ public:
     bool hasRules() const { return engine_.has_value(); }
     const rules::Engine* engine() const { return engine_ ? &*engine_ : nullptr; }
 
-    /// Decides; allocates nothing. `memory` is updated. `task` is for ShadowAlgorithm::refuses.
-    LightDecision decide(const SelectionInput& input, LightMemory& memory);
+    /// Facts, candidates and the best by suitability; allocates nothing, changes nothing.
+    LightDecision assess(const SelectionInput& input, const LightMemory& memory);
+    /// The method is settled: what the log says of it, and what the next frame remembers.
+    void commit(LightDecision& decision, LightMemory& memory, std::uint64_t frame) const;
 
     /// Id of a rule, or null; lives until rules are loaded anew.
     const char* ruleName(std::uint32_t rule) const;

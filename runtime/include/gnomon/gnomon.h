@@ -463,6 +463,8 @@ typedef enum GnReason {
     GN_REASON_FALLBACK = 3,       ///< The wanted method is not ready; the fallback serves.
     GN_REASON_NOTHING_READY = 4,  ///< No method can serve; visibility is 1.
     GN_REASON_NO_OPINION = 5,     ///< No rule spoke for any eligible method; registry order decided.
+    GN_REASON_BUDGET = 6,         ///< The plan: the best suitability does not fit the budget, or gains too little for it.
+    GN_REASON_HELD = 7,           ///< The plan would change it, but holds: threshold, quota, a recent flip.
     GN_REASON_MAX_ENUM = 0x7FFFFFFF
 } GnReason;
 
@@ -471,7 +473,7 @@ typedef struct GnDecision {
     const char* pMethod;           ///< Name, or null for #GN_REASON_NOTHING_READY. Lives as long as the context.
     GnReason reason;
     float suitability;             ///< [0, 1].
-    float predictedMs;             ///< GPU plus CPU, from earlier measurements; 0 if never measured.
+    float predictedMs;             ///< By the cost model, GPU and CPU; a guess until the method has been timed.
     float measuredMs;              ///< Of the newest timed frame of this light and method; 0 if none.
     float viewerDistance;          ///< Metres from the eye to the light's nearest visible receiver.
     VkBool32 viewerDistanceMeasured; ///< False: a lower bound.

@@ -1,0 +1,240 @@
+#include "runtime/cost/knowledge_base.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+
+namespace gnomon::cost {
+
+namespace {
+
+constexpr std::string_view kHeading = "# gnomon knowledge ";
+
+enum Column : uint32_t {
+    device,
+    driver,
+    algorithm,
+    pass,
+    pixels,
+    casterTriangles,
+    mapTexels,
+    sharing,
+    still,
+    samples,
+    gpuP50,
+    gpuP95,
+    cpuP50,
+    firstFrame,
+    errorFlip,
+    clockMhz,
+    date,
+    kColumns,
+};
+constexpr std::array<std::string_view, kColumns> kNames = {
+    "device",     "driver",         "algorithm",  "pass",      "pixels",     "caster_triangles",
+    "map_texels", "sharing",        "still",      "samples",   "gpu_ms_p50", "gpu_ms_p95",
+    "cpu_ms_p50", "first_frame_ms", "error_flip", "clock_mhz", "date"};
+
+/// The whole cell as a number that a measurement can have: finite and not negative. An empty cell is 0.
+std::optional<double> measureOf(std::string_view cell)
+{
+    if (cell.empty()) return 0.0;
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    if (error != std::errc{} || end != cell.data() + cell.size()) return std::nullopt;
+    if (!std::isfinite(value) || value < 0.0 || value > 1e15) return std::nullopt;
+    return value;
+}
+
+/// Cells of a line as RFC 4180 has them, without line breaks inside; false on an unbalanced quote.
+bool split(std::string_view line, std::vector<std::string>& cells)
+{
+    cells.assign(1, {});
+    bool quoted = false;
+    for (size_t i = 0; i < line.size(); ++i) {
+        const char c = line[i];
+        if (quoted && c == '"' && i + 1 < line.size() && line[i + 1] == '"') {
+            cells.back() += '"', ++i;
+        } else if (c == '"') {
+            quoted = !quoted;
+        } else if (c == ',' && !quoted) {
+            cells.emplace_back();
+        } else {
+            cells.back() += c;
+        }
+    }
+    return !quoted;
+}
+
+/// Takes the next line off the text, without its end.
+std::string_view nextLine(std::string_view& text)
+{
+    const size_t end = text.find('\n');
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    return line;
+}
+
+class Reader {
+public:
+    KnowledgeResult read(std::string_view text)
+    {
+        if (text.size() > kMaxKnowledgeBytes) return failure("the knowledge base is larger than 4 MiB");
+        std::string_view heading = nextLine(text);
+        if (!heading.starts_with(kHeading)) return failure("the first line is not '# gnomon knowledge VERSION'");
+        heading.remove_prefix(kHeading.size());
+        if (heading != std::to_string(kKnowledgeVersion))
+            return failure("knowledge base of version '" + std::string(heading.substr(0, 16)) + "', this build reads " +
+                           std::to_string(kKnowledgeVersion) + "; calibrate again");
+        if (!split(nextLine(text), cells_)) return failure("the line of column names has an open quote");
+        if (const std::string missing = findColumns(); !missing.empty())
+            return failure("column '" + missing + "' is missing");
+        for (line_ = 3; !text.empty(); ++line_) {
+            const std::string_view line = nextLine(text);
+            if (line.empty() || line.front() == '#') continue;
+            if (base_.rows.size() == kMaxKnowledgeRows) return failure("more than 65536 rows");
+            readRow(line);
+        }
+        return {std::move(base_), {}};
+    }
+
+private:
+    static KnowledgeResult failure(std::string reason) { return {std::nullopt, std::move(reason)}; }
+
+    std::string findColumns()
+    {
+        columnCount_ = cells_.size();
+        for (uint32_t i = 0; i < kColumns; ++i) {
+            const auto found = std::find(cells_.begin(), cells_.end(), kNames[i]);
+            if (found == cells_.end()) return std::string(kNames[i]);
+            places_[i] = static_cast<size_t>(found - cells_.begin());
+        }
+        return {};
+    }
+
+    void reject(std::string_view why)
+    {
+        ++base_.rejected;
+        if (base_.findings.size() < kMaxFindings)
+            base_.findings.push_back("line " + std::to_string(line_) + ": " + std::string(why));
+    }
+
+    void readRow(std::string_view line)
+    {
+        if (!split(line, cells_)) return reject("an open quote");
+        if (cells_.size() != columnCount_) return reject("not as many cells as columns");
+        std::array<double, kColumns> numbers{};
+        for (uint32_t i = pixels; i < date; ++i) {
+            const std::optional<double> number = measureOf(cells_[places_[i]]);
+            if (!number) return reject(std::string(kNames[i]) + " is not a measurement");
+            numbers[i] = *number;
+        }
+        const std::string& passName = cells_[places_[pass]];
+        if (passName != "update" && passName != "resolve") return reject("pass is neither update nor resolve");
+        if (cells_[places_[algorithm]].empty()) return reject("no algorithm");
+        if (numbers[gpuP50] <= 0.0 && numbers[cpuP50] <= 0.0) return reject("no time was measured");
+        base_.rows.push_back({.device = cells_[places_[device]],
+                              .driver = cells_[places_[driver]],
+                              .algorithm = cells_[places_[algorithm]],
+                              .pass = passName == "update" ? Pass::update : Pass::resolve,
+                              .workload = {.pixels = numbers[pixels],
+                                           .casterTriangles = numbers[casterTriangles],
+                                           .mapTexels = numbers[mapTexels],
+                                           .sharing = std::max(1.0, numbers[sharing]),
+                                           .still = numbers[still] != 0.0},
+                              .samples = static_cast<uint32_t>(std::min(numbers[samples], 1e9)),
+                              .gpuMsP50 = numbers[gpuP50],
+                              .gpuMsP95 = numbers[gpuP95],
+                              .cpuMsP50 = numbers[cpuP50],
+                              .firstFrameMs = numbers[firstFrame],
+                              .errorFlip = numbers[errorFlip],
+                              .clockMhz = numbers[clockMhz],
+                              .date = cells_[places_[date]]});
+    }
+
+    KnowledgeBase base_;
+    std::vector<std::string> cells_;
+    std::array<size_t, kColumns> places_{};
+    size_t columnCount_ = 0;
+    size_t line_ = 0;
+};
+
+void appendText(std::string& out, std::string_view cell)
+{
+    const bool plain = cell.find_first_of(",\"") == std::string_view::npos && !cell.starts_with('#');
+    if (!plain) out += '"';
+    for (const char c : cell) {
+        if (c == '"') out += '"';
+        out += c == '\n' || c == '\r' ? ' ' : c;
+    }
+    if (!plain) out += '"';
+}
+
+void appendNumber(std::string& out, double value)
+{
+    char buffer[32];
+    const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value);
+    out.append(buffer, error == std::errc{} ? end : buffer);
+}
+
+} // namespace
+
+KnowledgeResult parseKnowledge(std::string_view text)
+{
+    return Reader().read(text);
+}
+
+std::string writeKnowledge(std::span<const KnowledgeRow> rows)
+{
+    std::string out(kHeading);
+    out += std::to_string(kKnowledgeVersion) + '\n';
+    for (uint32_t i = 0; i < kColumns; ++i)
+        (out += kNames[i]) += i + 1 < kColumns ? ',' : '\n';
+    for (const KnowledgeRow& row : rows) {
+        for (const std::string* text : {&row.device, &row.driver, &row.algorithm}) {
+            appendText(out, *text);
+            out += ',';
+        }
+        out += row.pass == Pass::update ? "update" : "resolve";
+        const Workload& workload = row.workload;
+        for (const double number : {workload.pixels, workload.casterTriangles, workload.mapTexels, workload.sharing,
+                                    workload.still ? 1.0 : 0.0, double{row.samples}, row.gpuMsP50, row.gpuMsP95,
+                                    row.cpuMsP50, row.firstFrameMs, row.errorFlip, row.clockMhz}) {
+            out += ',';
+            appendNumber(out, number);
+        }
+        out += ',';
+        appendText(out, row.date);
+        out += '\n';
+    }
+    return out;
+}
+
+Learned learn(CostModel& model, const KnowledgeBase& base, std::span<const std::string> methods,
+              std::string_view device)
+{
+    std::map<std::string_view, uint32_t> rowsOf; // ordered: ties go to the first name in every build
+    for (const KnowledgeRow& row : base.rows)
+        ++rowsOf[row.device];
+    Learned learned{.sameDevice = rowsOf.contains(device), .device = std::string(device)};
+    if (!learned.sameDevice && !rowsOf.empty()) {
+        const auto most = std::max_element(rowsOf.begin(), rowsOf.end(),
+                                           [](const auto& a, const auto& b) { return a.second < b.second; });
+        learned.device = most->first;
+    }
+    for (const KnowledgeRow& row : base.rows) {
+        const auto found = std::find(methods.begin(), methods.end(), row.algorithm);
+        if (row.device != learned.device || found == methods.end()) continue;
+        const auto method = static_cast<uint32_t>(found - methods.begin());
+        model.calibrate(method, row.pass, Processor::gpu, row.workload, row.gpuMsP50);
+        model.calibrate(method, row.pass, Processor::cpu, row.workload, row.cpuMsP50);
+        ++learned.rows;
+    }
+    if (learned.rows > 0) model.finishCalibration(learned.sameDevice);
+    return learned;
+}
+
+} // namespace gnomon::cost

@@ -1,0 +1,177 @@
+#include "runtime/select/frame_plan.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <string_view>
+
+namespace gnomon {
+
+namespace {
+
+constexpr double kReferenceSide = 1024.0; // of AlgorithmEntry::typicalWrongPercent
+
+/// Side of a method's maps, texels; 0: it has none.
+double mapSide(const Method& method)
+{
+    for (std::size_t i = 0; i < method.settings.size(); ++i)
+        if (std::string_view(method.entry->settings[i].name) == "resolution") return method.settings[i];
+    return 0.0;
+}
+
+cost::Workload workloadOf(const Method& method, const cost::Workload& light)
+{
+    cost::Workload workload = light;
+    workload.mapTexels = mapSide(method) * mapSide(method);
+    return workload;
+}
+
+plan::Eligibility eligibilityOf(Exclusion exclusion)
+{
+    if (exclusion == Exclusion::none) return plan::Eligibility::eligible;
+    return exclusion == Exclusion::vetoed ? plan::Eligibility::never : plan::Eligibility::trait;
+}
+
+} // namespace
+
+float qualityOf(const Method& method)
+{
+    const double side = mapSide(method);
+    const double wrong = method.entry->typicalWrongPercent * (side > 0.0 ? kReferenceSide / side : 1.0);
+    return static_cast<float>(1.0 / (1.0 + wrong));
+}
+
+void FramePlan::begin()
+{
+    requests_.clear();
+}
+
+std::uint32_t FramePlan::slotOf(LightMemory& memory)
+{
+    if (memory.costSlot != UINT32_MAX) return memory.costSlot;
+    if (freeSlots_.empty()) {
+        if (slotsUsed_ == slots_) {
+            slots_ = std::max(16u, slots_ * 2);
+            model_.resize(methods_.size(), slots_);
+            modelMethods_ = methods_.size();
+        }
+        memory.costSlot = slotsUsed_++;
+    } else {
+        memory.costSlot = freeSlots_.back();
+        freeSlots_.pop_back();
+        model_.forgetLight(memory.costSlot);
+    }
+    return memory.costSlot;
+}
+
+void FramePlan::forget(LightMemory& memory)
+{
+    if (memory.costSlot != UINT32_MAX) freeSlots_.push_back(memory.costSlot);
+    memory.costSlot = UINT32_MAX;
+}
+
+void FramePlan::add(LightDecision& decision, LightMemory& memory, const SelectionInput& input)
+{
+    slotOf(memory);
+    const VkExtent2D drawn = input.view->area.extent;
+    const double share = memory.measured ? memory.share.get() : 1.0;
+    memory.workload = {.pixels = share * drawn.width * drawn.height,
+                       .casterTriangles = static_cast<double>(input.casters->triangles),
+                       .still = input.still};
+    requests_.push_back({&decision, &memory, input.pinned, input.importance});
+}
+
+/// Candidates and requests of the plan step, and the prediction of every decision.
+void FramePlan::fill(const rules::RuleBase* base)
+{
+    const std::uint32_t methods = methods_.size();
+    if (modelMethods_ != methods) {
+        model_.resize(methods, slots_);
+        modelMethods_ = methods;
+    }
+    lights_.resize(requests_.size());
+    candidates_.resize(requests_.size() * methods);
+    for (std::size_t i = 0; i < requests_.size(); ++i) {
+        const Request& request = requests_[i];
+        LightMemory& memory = *request.memory;
+        memory.plan.incumbent = memory.incumbent;
+        lights_[i] = {.memory = &memory.plan, .importance = request.importance, .pinned = request.pinned};
+        if (base && request.decision->floorTruth >= base->policy.floor.atStrength && !base->policy.floor.when.empty()) {
+            lights_[i].floor = true;
+            lights_[i].minimumQuality = static_cast<float>(base->policy.floor.minimumQuality);
+        }
+        for (std::uint32_t m = 0; m < methods; ++m) {
+            const Candidate& from = request.decision->candidates[m];
+            const cost::Workload workload = workloadOf(methods_[m], memory.workload);
+            const cost::Prediction cost = model_.predict(memory.costSlot, m, workload, workload.still);
+            candidates_[i * methods + m] = {.eligibility = eligibilityOf(from.exclusion),
+                                            .suitability = from.quantised,
+                                            .quality = qualityOf(methods_[m]),
+                                            .ms = cost.ms,
+                                            .sigmaMs = cost.sigmaMs};
+        }
+    }
+}
+
+plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& budget)
+{
+    if (requests_.empty()) return {};
+    fill(base);
+    const bool budgeted = base && base->options.allocation == rules::Options::Allocation::Budget && budget.ms > 0.0;
+    plan::PlanReport report;
+    if (budgeted) {
+        // Grows with the number of lights, in powers of two: a steady frame allocates nothing.
+        plan_.reserve(std::bit_ceil(static_cast<std::uint32_t>(requests_.size())), methods_.size());
+        report = plan_.step({.frame = budget.frame,
+                             .lights = lights_,
+                             .candidates = candidates_,
+                             .methods = methods_.size(),
+                             .budgetMs = budget.ms,
+                             .measuredMs = budget.measuredMs,
+                             .cut = budget.cut,
+                             .allocation = rules::Options::Allocation::Budget,
+                             .policy = &base->policy});
+        for (std::size_t i = 0; i < requests_.size(); ++i)
+            take(plan_.lights()[i], *requests_[i].decision);
+    }
+    for (std::size_t i = 0; i < requests_.size(); ++i) {
+        LightDecision& decision = *requests_[i].decision;
+        if (decision.method != UINT32_MAX)
+            decision.predictedMs = static_cast<float>(candidates_[i * methods_.size() + decision.method].ms);
+    }
+    return report;
+}
+
+/// The plan's word, where it differs from the best suitability.
+void FramePlan::take(const plan::LightPlan& plan, LightDecision& decision) const
+{
+    decision.floorUnmet = plan.floorUnmet;
+    if (plan.chosen == plan::kNone || plan.chosen == decision.method) return;
+    decision.wanted = decision.method;
+    decision.method = plan.chosen;
+    decision.reason = plan.hold != plan::Hold::none ? GN_REASON_HELD : GN_REASON_BUDGET;
+}
+
+void FramePlan::observe(LightMemory& memory, std::uint32_t method, const LightTiming& timing, bool disturbed)
+{
+    if (method >= methods_.size() || modelMethods_ != methods_.size()) return;
+    cost::Observation observation{.light = slotOf(memory),
+                                  .method = method,
+                                  .workload = workloadOf(methods_[method], memory.workload),
+                                  .samplesSinceSwitch = memory.timedSinceSwitch++,
+                                  .disturbed = disturbed};
+    auto tell = [&](cost::Pass pass, cost::Processor processor, float ms) {
+        if (!(ms > 0.0f)) return;
+        observation.pass = pass;
+        observation.processor = processor;
+        observation.ms = ms;
+        model_.observe(observation);
+    };
+    if (timing.updated) {
+        tell(cost::Pass::update, cost::Processor::gpu, timing.updateGpuMs);
+        tell(cost::Pass::update, cost::Processor::cpu, timing.updateCpuMs);
+    }
+    tell(cost::Pass::resolve, cost::Processor::gpu, timing.resolveGpuMs);
+    tell(cost::Pass::resolve, cost::Processor::cpu, timing.resolveCpuMs);
+}
+
+} // namespace gnomon
