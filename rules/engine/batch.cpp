@@ -17,7 +17,7 @@ struct BatchEngine::Tables {
     std::vector<batch::Shape> shapes;
     std::vector<batch::Step> steps;
     std::vector<batch::Rule> rules;
-    std::vector<uint32_t> order;
+    std::vector<uint32_t> order, effects;
     std::vector<batch::Entry> entries;
     std::vector<uint32_t> vetoes;
     std::vector<batch::Subject> outputs, concepts;
@@ -30,7 +30,7 @@ struct BatchEngine::Tables {
     std::size_t rowCount() const noexcept
     {
         const std::size_t bounds = 2 * (membershipCount + rules.size() + stackDepth);
-        return factCount + bounds + std::size_t(program.outputCount) * (program.termCount + 3) + 1;
+        return factCount + bounds + std::size_t(program.outputCount) * program.termCount + 1;
     }
 };
 
@@ -79,6 +79,19 @@ void appendSteps(std::span<const CompiledOp> ops, std::vector<batch::Step>& step
             break;
         }
     }
+}
+
+/// Two rising flanks, or two falling ones, share no value.
+bool flanksAreDisjoint(std::span<const Trapezoid> terms)
+{
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+        for (std::size_t j = i + 1; j < terms.size(); ++j) {
+            const Trapezoid &x = terms[i], &y = terms[j];
+            if (std::max(x.a, y.a) < std::min(x.b, y.b)) return false; // [a, b)
+            if (std::max(x.c, y.c) < std::min(x.d, y.d)) return false; // (c, d]
+        }
+    }
+    return true;
 }
 
 batch::Cut toCut(const CentroidTerms::Cut& cut)
@@ -148,24 +161,24 @@ BatchEngine::BatchEngine(const Engine& engine, InstructionSet set) : engine_(&en
     t.factCount = static_cast<uint32_t>(engine.facts().size());
     t.order = compiled.steps;
     for (const CompiledVariable& v : compiled.variables)
-        t.axes.push_back({v.fact, v.firstTerm, v.termCount, v.low, v.high});
+        t.axes.push_back({v.fact, v.firstTerm, v.termCount,
+                          flanksAreDisjoint(std::span(compiled.terms).subspan(v.firstTerm, v.termCount)), v.low,
+                          v.high});
     for (const Trapezoid& s : compiled.terms)
         t.shapes.push_back({s.a, s.b, s.c, s.d, s.b - s.a, s.d - s.c});
     for (const CompiledRule& rule : compiled.rules) {
         const auto first = static_cast<uint32_t>(t.steps.size());
         appendSteps(compiled.opsOf(rule), t.steps);
         const auto count = static_cast<uint32_t>(t.steps.size()) - first;
-        t.rules.push_back({first, count, rule.weight, rule.effectCount != 0});
+        t.rules.push_back({first, count, 0, 0, rule.weight, rule.effectCount != 0, rule.isChain});
     }
     const auto firstFloorStep = static_cast<uint32_t>(t.steps.size());
     appendSteps(compiled.floor, t.steps);
 
     const auto addSubject = [&](std::vector<batch::Entry> entries, std::vector<batch::Subject>& list) {
         const auto higher = [](const batch::Entry& x, const batch::Entry& y) { return x.priority > y.priority; };
-        const auto earlierTerm = [](const batch::Entry& x, const batch::Entry& y) { return x.term < y.term; };
         std::stable_sort(entries.begin(), entries.end(), higher);
         const bool ranked = !entries.empty() && entries.front().priority != entries.back().priority;
-        if (!ranked) std::stable_sort(entries.begin(), entries.end(), earlierTerm);
         batch::Subject subject{};
         subject.ranked = ranked;
         subject.firstEntry = static_cast<uint32_t>(t.entries.size());
@@ -199,6 +212,13 @@ BatchEngine::BatchEngine(const Engine& engine, InstructionSet set) : engine_(&en
         t.concepts.back().termCount = concept_.termCount;
         t.concepts.back().membership = concept_.firstMembership;
     }
+    for (uint32_t r = 0; r < compiled.rules.size(); ++r) {
+        t.rules[r].firstEffect = static_cast<uint32_t>(t.effects.size());
+        for (const uint32_t slot : compiled.effectsOf(compiled.rules[r])) {
+            if (!t.outputs[slot / compiled.suitabilityTerms].ranked) t.effects.push_back(slot);
+        }
+        t.rules[r].effectCount = static_cast<uint32_t>(t.effects.size()) - t.rules[r].firstEffect;
+    }
     const CentroidTerms& suitability = engine.suitability();
     if (suitability.isNeighbourForm() && options.samples == 0) {
         for (const CentroidTerms::Cut& cut : suitability.cuts())
@@ -210,6 +230,7 @@ BatchEngine::BatchEngine(const Engine& engine, InstructionSet set) : engine_(&en
     t.program = {.axes = t.axes.data(),
                  .shapes = t.shapes.data(),
                  .steps = t.steps.data(),
+                 .effects = t.effects.data(),
                  .rules = t.rules.data(),
                  .order = t.order.data(),
                  .entries = t.entries.data(),
@@ -265,10 +286,8 @@ void BatchEngine::evaluateBatch(std::span<const double> facts, uint32_t count, B
     block.stackLow = rows.take(t.stackDepth);
     block.stackHigh = rows.take(t.stackDepth);
     block.terms = rows.take(std::size_t(t.program.outputCount) * t.program.termCount);
-    block.suitability = rows.take(t.program.outputCount);
-    block.quantised = rows.take(t.program.outputCount);
-    block.vetoRule = rows.take(t.program.outputCount);
     block.floor = rows.take(1);
+    block.stride = out.stride;
 
     for (uint32_t begin = 0; begin < count; begin += kLanes) {
         const uint32_t lanes = std::min(kLanes, count - begin);
@@ -281,24 +300,19 @@ void BatchEngine::evaluateBatch(std::span<const double> facts, uint32_t count, B
                 block.unknown |= std::isnan(row[i]);
             }
         }
+        block.suitability = out.suitability.data() + begin;
+        block.quantised = out.quantised.data() + begin;
+        block.vetoRule = out.vetoRule.data() + begin;
         t.kernel(t.program, block);
-        for (uint32_t o = 0; o < t.program.outputCount; ++o) {
-            if (t.program.cuts == nullptr) takeCentroids(block.terms, o, block.suitability, block.quantised);
-            const std::size_t at = out.at(o, begin);
-            for (uint32_t i = 0; i < kLanes; ++i) {
-                const std::size_t cell = std::size_t(o) * kLanes + i;
-                out.suitability[at + i] = block.suitability[cell];
-                out.quantised[at + i] = static_cast<int32_t>(block.quantised[cell]);
-                out.vetoRule[at + i] = static_cast<uint32_t>(static_cast<int32_t>(block.vetoRule[cell]));
-            }
-        }
+        for (uint32_t o = 0; t.program.cuts == nullptr && o < t.program.outputCount; ++o)
+            takeCentroids(block.terms, o, out, begin);
         std::copy_n(block.floor, kLanes, out.floorTruth.data() + begin);
     }
 }
 
 /// Suitability terms without the closed form, and sampled ones: lane by lane with the engine's own functions.
-void BatchEngine::takeCentroids(const double* terms, uint32_t output, double* suitability,
-                                double* quantised) const noexcept
+void BatchEngine::takeCentroids(const double* terms, uint32_t output, BatchInference& out,
+                                uint32_t begin) const noexcept
 {
     const uint32_t termCount = tables_->program.termCount;
     std::array<double, kMaxTerms> strengths{};
@@ -306,8 +320,8 @@ void BatchEngine::takeCentroids(const double* terms, uint32_t output, double* su
         for (uint32_t t = 0; t < termCount; ++t)
             strengths[t] = terms[(std::size_t(output) * termCount + t) * kLanes + i];
         const Centroid centroid = engine_->centroidOf(std::span(strengths).first(termCount));
-        suitability[output * kLanes + i] = centroid.value;
-        quantised[output * kLanes + i] = engine_->quantisedOf(centroid);
+        out.suitability[out.at(output, begin + i)] = centroid.value;
+        out.quantised[out.at(output, begin + i)] = engine_->quantisedOf(centroid);
     }
 }
 

@@ -57,7 +57,7 @@ public:
 
 private:
     struct Tables;
-    void takeCentroids(const double* terms, uint32_t output, double* suitability, double* quantised) const noexcept;
+    void takeCentroids(const double* terms, uint32_t output, BatchInference& out, uint32_t begin) const noexcept;
 
     const Engine* engine_;
     std::unique_ptr<const Tables> tables_;

@@ -9,6 +9,9 @@ namespace gnomon::rules::batch {
 namespace {
 
 using Vector = double __attribute__((vector_size(GNOMON_LANE_BYTES)));
+// For the caller's columns, which start anywhere.
+using LooseVector = double __attribute__((vector_size(GNOMON_LANE_BYTES), aligned(8)));
+using LooseInts = int32_t __attribute__((vector_size(GNOMON_LANE_BYTES / 2), aligned(4)));
 constexpr unsigned kParts = kLanes * sizeof(double) / GNOMON_LANE_BYTES;
 
 struct Lanes {
@@ -92,23 +95,56 @@ GNOMON_INLINE Vector membership(const Shape& shape, Vector x)
     return ((x >= shape.a) & (x <= shape.d)) ? inside : all(0.0);
 }
 
+/// The same for all terms of an axis whose flanks are disjoint: what a lane divides on its one rising and its one
+/// falling flank is picked first, so that two divisions serve all terms.
+GNOMON_INLINE void memberships(const Shape* shapes, uint32_t count, const double* row, double* truth)
+{
+    for (unsigned i = 0; i < kParts; ++i) {
+        const Vector x = reinterpret_cast<const Vector*>(row)[i];
+        Vector above = all(0.0), rise = all(1.0), below = all(0.0), fall = all(1.0);
+        for (uint32_t t = 0; t < count; ++t) {
+            const Shape& shape = shapes[t];
+            const auto rising = (x >= shape.a) & (x < shape.b);
+            const auto falling = (x > shape.c) & (x <= shape.d);
+            above = rising ? x - shape.a : above;
+            rise = rising ? all(shape.rise) : rise;
+            below = falling ? shape.d - x : below;
+            fall = falling ? all(shape.fall) : fall;
+        }
+        const Vector up = above / rise, down = below / fall;
+        for (uint32_t t = 0; t < count; ++t) {
+            const Shape& shape = shapes[t];
+            const Vector left = x < shape.b ? up : all(1.0);
+            const Vector value = x > shape.c ? down : left;
+            reinterpret_cast<Vector*>(truth + t * kLanes)[i] = ((x >= shape.a) & (x <= shape.d)) ? value : all(0.0);
+        }
+    }
+}
+
 template <bool Unknown>
 GNOMON_INLINE void fuzzify(const Program& program, const Block& block)
 {
     for (uint32_t v = 0; v < program.axisCount; ++v) {
         const Axis& axis = program.axes[v];
+        const Shape* const shapes = program.shapes + axis.firstTerm;
         const Lanes given = load(block.facts + axis.fact * kLanes);
         // NaN passes through, as it compares false.
         const Lanes x = each(given, [&](Vector f) {
             return f < axis.low ? all(axis.low) : axis.high < f ? all(axis.high) : f;
         });
-        for (uint32_t t = axis.firstTerm; t < axis.firstTerm + axis.termCount; ++t) {
-            const Shape& shape = program.shapes[t];
-            const Lanes truth = each(x, [&](Vector at) { return membership(shape, at); });
-            store(block.low + t * kLanes, truth);
-            if constexpr (Unknown)
-                store(block.high + t * kLanes,
-                      each(truth, x, [](Vector m, Vector at) { return at == at ? m : all(1.0); }));
+        alignas(64) double clamped[kLanes];
+        store(clamped, x);
+        double* const truth = block.low + axis.firstTerm * kLanes;
+        if (axis.disjoint)
+            memberships(shapes, axis.termCount, clamped, truth);
+        else
+            for (uint32_t t = 0; t < axis.termCount; ++t)
+                store(truth + t * kLanes, each(x, [&](Vector at) { return membership(shapes[t], at); }));
+        if constexpr (Unknown) {
+            double* const high = block.high + axis.firstTerm * kLanes;
+            for (uint32_t t = 0; t < axis.termCount; ++t)
+                store(high + t * kLanes,
+                      each(load(truth + t * kLanes), x, [](Vector m, Vector at) { return at == at ? m : all(1.0); }));
         }
     }
 }
@@ -158,7 +194,7 @@ GNOMON_INLINE Bounds<Unknown> joined(const Bounds<Unknown>& x, const Bounds<Unkn
 
 /// evaluateAntecedent() without the limiting clause.
 template <bool Unknown, bool Product>
-GNOMON_INLINE Bounds<Unknown> truthOf(const Step* steps, uint32_t count, const Block& block)
+GNOMON_INLINE Bounds<Unknown> truthOf(const Step* steps, uint32_t count, bool isChain, const Block& block)
 {
     using B = Bounds<Unknown>;
     const auto both = [](const B& x, const B& y) {
@@ -173,6 +209,12 @@ GNOMON_INLINE Bounds<Unknown> truthOf(const Step* steps, uint32_t count, const B
         return joined<Unknown>(x, y, [](const Lanes& a, const Lanes& b) { return greater(a, b); });
     };
     B value{};
+    if (isChain) {
+        value = rowOf<Unknown>(block.low, block.high, steps->membership);
+        for (const Step* step = steps + 1; step != steps + count; ++step)
+            value = both(value, rowOf<Unknown>(block.low, block.high, step->membership));
+        return value;
+    }
     uint32_t depth = 0;
     for (const Step* step = steps; step != steps + count; ++step) {
         const auto term = [&] { return rowOf<Unknown>(block.low, block.high, step->membership); };
@@ -231,23 +273,14 @@ GNOMON_INLINE Lanes added(const Lanes& sum, const Lanes& strength)
     });
 }
 
-/// All entries of one priority, sorted by term: one running value at a time.
+/// What one rule adds to the terms it concludes, where no priority matters.
 template <bool Sum>
-GNOMON_INLINE void joinPlain(const Program& program, const Subject& subject, const double* strengths, double* terms)
+GNOMON_INLINE void addEffects(const Program& program, const Rule& rule, const Lanes& strength, double* terms)
 {
-    for (uint32_t t = 0; t < subject.termCount; ++t)
-        store(terms + t * kLanes, fill(0.0));
-    const Entry* entry = program.entries + subject.firstEntry;
-    const Entry* const end = entry + subject.entryCount;
-    while (entry != end) {
-        const uint32_t term = entry->term;
-        Lanes total = fill(0.0);
-        for (; entry != end && entry->term == term; ++entry) {
-            const Lanes strength = load(strengths + entry->rule * kLanes);
-            total = Sum ? added(total, strength) : greater(total, strength);
-        }
-        if constexpr (Sum) total = each(total, [](Vector s) { return s / kSteps; });
-        store(terms + term * kLanes, total);
+    const uint32_t* const end = program.effects + rule.firstEffect + rule.effectCount;
+    for (const uint32_t* slot = program.effects + rule.firstEffect; slot != end; ++slot) {
+        double* const row = terms + *slot * kLanes;
+        store(row, Sum ? added(load(row), strength) : greater(load(row), strength));
     }
 }
 
@@ -255,8 +288,8 @@ constexpr uint32_t kMostTerms = 16; // kMaxTerms of rule_base.hpp
 
 /// Entries by falling priority. `contrary` are the strengths that limit, `strengths` those that are limited: the other
 /// bound each where facts are unknown.
-void joinRanked(const Program& program, const Subject& subject, const double* strengths, const double* contrary,
-                double* terms)
+void join(const Program& program, const Subject& subject, const double* strengths, const double* contrary,
+          double* terms)
 {
     Lanes claimed[kMostTerms], claiming[kMostTerms], total[kMostTerms];
     for (uint32_t t = 0; t < subject.termCount; ++t)
@@ -282,22 +315,13 @@ void joinRanked(const Program& program, const Subject& subject, const double* st
         store(terms + t * kLanes, program.sum ? each(total[t], [](Vector s) { return s / kSteps; }) : total[t]);
 }
 
-GNOMON_INLINE void join(const Program& program, const Subject& subject, const double* strengths, const double* contrary,
-                        double* terms)
-{
-    if (subject.ranked)
-        joinRanked(program, subject, strengths, contrary, terms);
-    else if (program.sum)
-        joinPlain<true>(program, subject, strengths, terms);
-    else
-        joinPlain<false>(program, subject, strengths, terms);
-}
-
-template <bool Unknown, bool Product>
+template <bool Unknown, bool Product, bool Sum>
 GNOMON_INLINE void fire(const Program& program, const Block& block)
 {
     const double* const lows = block.strengthLow;
     const double* const highs = Unknown ? block.strengthHigh : block.strengthLow;
+    for (uint32_t row = 0; row < program.outputCount * program.termCount; ++row)
+        store(block.terms + row * kLanes, fill(0.0));
     Lanes strongest = fill(0.0);
     for (uint32_t i = 0; i < program.orderCount; ++i) {
         const uint32_t at = program.order[i];
@@ -308,21 +332,25 @@ GNOMON_INLINE void fire(const Program& program, const Block& block)
             continue;
         }
         const Rule& rule = program.rules[at];
-        const auto truth = truthOf<Unknown, Product>(program.steps + rule.firstStep, rule.stepCount, block);
+        const auto truth =
+            truthOf<Unknown, Product>(program.steps + rule.firstStep, rule.stepCount, rule.isChain, block);
         const Lanes strength = weighted(truth.low, rule.weight, program.threshold);
         store(block.strengthLow + at * kLanes, strength);
         if constexpr (Unknown)
             store(block.strengthHigh + at * kLanes, weighted(truth.high, rule.weight, program.threshold));
         if (rule.speaks) strongest = greater(strongest, strength);
+        addEffects<Sum>(program, rule, strength, block.terms);
     }
     if (program.hasOtherwise) {
-        const uint32_t last = program.ruleCount - 1;
-        store(block.strengthLow + last * kLanes,
-              weighted(complement(strongest), program.rules[last].weight, program.threshold));
+        const Rule& rule = program.rules[program.ruleCount - 1];
+        const Lanes strength = weighted(complement(strongest), rule.weight, program.threshold);
+        store(block.strengthLow + (program.ruleCount - 1) * kLanes, strength);
+        addEffects<Sum>(program, rule, strength, block.terms);
     }
     if (program.floorStepCount != 0)
         store(block.floor,
-              truthOf<Unknown, Product>(program.steps + program.firstFloorStep, program.floorStepCount, block).low);
+              truthOf<Unknown, Product>(program.steps + program.firstFloorStep, program.floorStepCount, false, block)
+                  .low);
     else
         store(block.floor, fill(0.0));
 }
@@ -336,18 +364,20 @@ GNOMON_INLINE Vector momentOf(const Cut& cut, Vector s)
     return s * (cut.moment1 + s * (cut.moment2 + s * cut.moment3));
 }
 
-/// CentroidTerms::exact() in the neighbour form, and the quantising of Engine::defuzzify().
-GNOMON_INLINE void centroid(const Program& program, const double* terms, double* suitability, double* quantised)
+/// CentroidTerms::exact() in the neighbour form, and Engine::quantisedOf(). `Terms` is the number of terms, 0 any.
+template <uint32_t Terms>
+GNOMON_INLINE void centroid(const Program& program, const double* terms, double* suitability, int32_t* quantised)
 {
+    const uint32_t count = Terms == 0 ? program.termCount : Terms;
     for (unsigned i = 0; i < kParts; ++i) {
         const auto strengthOf = [&](uint32_t t) { return reinterpret_cast<const Vector*>(terms + t * kLanes)[i]; };
         Vector area{}, moment{};
-        for (uint32_t t = 0; t < program.termCount; ++t) {
+        for (uint32_t t = 0; t < count; ++t) {
             const Vector s = strengthOf(t);
             area += areaOf(program.cuts[t], s);
             moment += momentOf(program.cuts[t], s);
         }
-        for (uint32_t t = 0; t + 1 < program.termCount; ++t) {
+        for (uint32_t t = 0; t + 1 < count; ++t) {
             const Cut& overlap = program.overlaps[t];
             const Vector s = lesser(lesser(strengthOf(t), strengthOf(t + 1)), all(overlap.height));
             area -= areaOf(overlap, s);
@@ -356,9 +386,11 @@ GNOMON_INLINE void centroid(const Program& program, const double* terms, double*
         const auto opinion = area > 0.0;
         const Vector raw = moment / (opinion ? area : all(1.0));
         const Vector value = raw < program.low ? all(program.low) : program.high < raw ? all(program.high) : raw;
-        const Vector steps = (value - program.low) / program.width * program.quantum + 0.5;
-        reinterpret_cast<Vector*>(suitability)[i] = opinion ? value : all(0.0);
-        reinterpret_cast<Vector*>(quantised)[i] = opinion ? steps : all(-1.0);
+        const Vector offset = value - program.low;
+        const Vector share = program.width == 1.0 ? offset : offset / program.width; // x / 1 is x
+        const Vector steps = opinion ? share * program.quantum + 0.5 : all(-1.0);
+        reinterpret_cast<LooseVector*>(suitability)[i] = opinion ? value : all(0.0);
+        reinterpret_cast<LooseInts*>(quantised)[i] = __builtin_convertvector(steps, LooseInts);
     }
 }
 
@@ -367,15 +399,27 @@ GNOMON_INLINE void conclude(const Program& program, const Block& block)
     for (uint32_t o = 0; o < program.outputCount; ++o) {
         const Subject& output = program.outputs[o];
         double* const terms = block.terms + o * program.termCount * kLanes;
-        join(program, output, block.strengthLow, block.strengthLow, terms);
-        if (program.cuts) centroid(program, terms, block.suitability + o * kLanes, block.quantised + o * kLanes);
+        if (output.ranked)
+            join(program, output, block.strengthLow, block.strengthLow, terms);
+        else if (program.sum)
+            for (uint32_t t = 0; t < program.termCount; ++t)
+                store(terms + t * kLanes, each(load(terms + t * kLanes), [](Vector s) { return s / kSteps; }));
+        double* const suitability = block.suitability + static_cast<uint64_t>(o) * block.stride;
+        int32_t* const quantised = block.quantised + static_cast<uint64_t>(o) * block.stride;
+        if (program.cuts && program.termCount == 3)
+            centroid<3>(program, terms, suitability, quantised);
+        else if (program.cuts)
+            centroid<0>(program, terms, suitability, quantised);
+        if (output.vetoCount == 0) continue;
         Lanes veto = fill(-1.0);
         for (uint32_t v = output.firstVeto; v < output.firstVeto + output.vetoCount; ++v) {
             const uint32_t rule = program.vetoes[v];
             veto = each(load(block.strengthLow + rule * kLanes), veto,
                         [&](Vector s, Vector before) { return s < program.vetoAt ? before : all(rule); });
         }
-        store(block.vetoRule + o * kLanes, veto);
+        int32_t* const column = reinterpret_cast<int32_t*>(block.vetoRule + static_cast<uint64_t>(o) * block.stride);
+        for (unsigned i = 0; i < kParts; ++i)
+            reinterpret_cast<LooseInts*>(column)[i] = __builtin_convertvector(veto.part[i], LooseInts);
     }
 }
 
@@ -383,7 +427,10 @@ template <bool Unknown, bool Product>
 GNOMON_INLINE void runAs(const Program& program, const Block& block)
 {
     fuzzify<Unknown>(program, block);
-    fire<Unknown, Product>(program, block);
+    if (program.sum)
+        fire<Unknown, Product, true>(program, block);
+    else
+        fire<Unknown, Product, false>(program, block);
     conclude(program, block);
 }
 

@@ -13,6 +13,7 @@ inline constexpr uint32_t kLanes = 8; ///< Situations evaluated at once.
 /// A variable and its terms.
 struct Axis {
     uint32_t fact, firstTerm, termCount;
+    bool disjoint; ///< No value lies on two rising or two falling flanks.
     double low, high;
 };
 
@@ -31,8 +32,10 @@ struct Step {
 
 struct Rule {
     uint32_t firstStep, stepCount;
+    uint32_t firstEffect, effectCount; ///< Output * terms + term. Outputs that no priority matters to only.
     double weight;
-    bool speaks; ///< Concludes something about an output: counts against `otherwise`.
+    bool speaks;  ///< Concludes something about an output: counts against `otherwise`.
+    bool isChain; ///< Load, AndTerm, AndTerm, ...
 };
 
 /// A rule that concludes term `term` of an output or concept.
@@ -46,7 +49,7 @@ struct Subject {
     uint32_t firstVeto, vetoCount; ///< Outputs only. Rules by falling index.
     uint32_t membership;           ///< Concepts only.
     uint32_t termCount;
-    bool ranked; ///< Entries differ in priority. Otherwise they are sorted by term.
+    bool ranked; ///< Entries differ in priority.
 };
 
 /// Coefficients of CentroidTerms.
@@ -58,6 +61,7 @@ struct Program {
     const Axis* axes;
     const Shape* shapes;
     const Step* steps;
+    const uint32_t* effects;
     const Rule* rules;     ///< `otherwise` last where there is one.
     const uint32_t* order; ///< CompiledRules::steps.
     const Entry* entries;
@@ -82,11 +86,12 @@ struct Block {
     double* stackLow;
     double* stackHigh;
     double* terms;       ///< One row per output and term of suitability.
-    double* suitability; ///< One row per output.
-    double* quantised;   ///< -1 is no opinion.
-    double* vetoRule;    ///< -1 is no veto.
+    double* suitability; ///< First of a column; outputs are `stride` numbers apart. Not aligned.
+    int32_t* quantised;  ///< Likewise. -1 is no opinion.
+    uint32_t* vetoRule;  ///< Likewise; written only for outputs that some rule may veto.
     double* floor;       ///< One row.
-    bool unknown;        ///< Some fact that matters is NaN.
+    uint32_t stride;
+    bool unknown; ///< Some fact that matters is NaN.
 };
 
 using Kernel = void (*)(const Program&, const Block&);

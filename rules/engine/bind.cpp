@@ -147,12 +147,21 @@ private:
         const std::vector<CompiledOp> ops = opsOf(rule.antecedent);
         made_.ops.insert(made_.ops.end(), ops.begin(), ops.end());
         made.opCount = static_cast<uint32_t>(rule.antecedent.size());
+        made.isChain = isChain(ops);
         made.firstEffect = static_cast<uint32_t>(made_.effects.size());
         made.firstVeto = static_cast<uint32_t>(made_.vetoes.size());
         compileConsequents(rule);
         made.effectCount = static_cast<uint32_t>(made_.effects.size()) - made.firstEffect;
         made.vetoCount = static_cast<uint32_t>(made_.vetoes.size()) - made.firstVeto;
         made_.rules.push_back(made);
+    }
+
+    static bool isChain(const std::vector<CompiledOp>& ops)
+    {
+        for (std::size_t i = 0; i < ops.size(); ++i) {
+            if (ops[i].kind != (i > 0 && i % 2 == 0 ? Clause::Kind::And : Clause::Kind::Is)) return false;
+        }
+        return !ops.empty();
     }
 
     std::vector<CompiledOp> opsOf(const Antecedent& antecedent)

@@ -62,6 +62,8 @@ struct CompiledRule {
     uint32_t vetoCount = 0;
     double weight = 1.0;
     uint32_t priority = 0;
+    /// `term and term and ...`, as most rules are: ops 0, 1, 3, 5, ... are the terms.
+    bool isChain = false;
 };
 
 struct CompiledRules {

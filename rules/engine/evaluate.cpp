@@ -35,12 +35,29 @@ Limited evaluateAntecedent(std::span<const CompiledOp> ops, std::span<const Trut
     return stack[0];
 }
 
+namespace {
+
+/// evaluateAntecedent() for a chain, lower bound only: most of what an evaluation does.
+Limited evaluateChain(std::span<const CompiledOp> ops, const Truth* memberships, Options::And conjunction) noexcept
+{
+    double truth = memberships[ops[0].membership].low;
+    uint32_t clause = 0;
+    for (uint32_t i = 1; i < ops.size(); i += 2) {
+        const double next = memberships[ops[i].membership].low;
+        const bool lower = next < truth;
+        clause = lower ? i : clause;
+        truth = conjunction == Options::And::Product ? truth * next : lower ? next : truth;
+    }
+    return {{truth, truth}, clause};
+}
+
+} // namespace
+
 void Engine::evaluate(std::span<const double> facts, Inference& out) const noexcept
 {
     assert(facts.size() == facts_.size() && out.rules.size() == compiled_.rules.size());
     std::copy(facts.begin(), facts.end(), out.facts.begin());
     std::fill(out.outputs.begin(), out.outputs.end(), OutputState{});
-    std::fill(out.rules.begin(), out.rules.end(), RuleState{});
     std::fill(out.termStrength.begin(), out.termStrength.end(), 0.0);
     std::fill(out.termSum.begin(), out.termSum.end(), uint64_t(0));
     fuzzify(facts, out);
@@ -79,7 +96,10 @@ void Engine::fire(Inference& out) const noexcept
         }
         const CompiledRule& rule = compiled_.rules[step];
         const std::span<const CompiledOp> ops = compiled_.opsOf(rule);
-        const Limited fired = evaluateAntecedent(ops, out.memberships, conjunction, out.stack);
+        // The upper bound matters to concepts only.
+        const Limited fired = rule.isChain && out.strengths.empty()
+                                  ? evaluateChain(ops, out.memberships.data(), conjunction)
+                                  : evaluateAntecedent(ops, out.memberships, conjunction, out.stack);
         const CompiledOp& limit = ops[fired.clause];
         const Truth strength = strengthOf(fired.truth, rule.weight, threshold);
         out.rules[step] = {strength.low, limit.variable, limit.term, out.memberships[limit.membership].low};
@@ -87,9 +107,10 @@ void Engine::fire(Inference& out) const noexcept
         if (rule.effectCount != 0) // a pure veto or assertion says nothing about who is good
             strongest = std::max(strongest, strength.low);
     }
-    if (compiled_.hasOtherwise)
-        out.rules[rules - 1].strength =
-            strengthOf({1.0 - strongest, 1.0}, compiled_.rules.back().weight, threshold).low;
+    if (compiled_.hasOtherwise) {
+        out.rules.back() = {};
+        out.rules.back().strength = strengthOf({1.0 - strongest, 1.0}, compiled_.rules.back().weight, threshold).low;
+    }
     out.floorTruth = compiled_.floor.empty()
                          ? 0.0
                          : evaluateAntecedent(compiled_.floor, out.memberships, conjunction, out.stack).truth.low;
@@ -99,8 +120,9 @@ void Engine::fire(Inference& out) const noexcept
 void Engine::concludeAll(Inference& out) const noexcept
 {
     if (compiled_.byPriority.empty()) {
-        for (uint32_t i = 0; i < out.rules.size(); ++i)
-            conclude(i, out.rules[i].strength, out);
+        for (uint32_t i = 0; i < out.rules.size(); ++i) {
+            if (out.rules[i].strength > 0.0) conclude(i, out.rules[i].strength, out);
+        }
         return;
     }
     std::fill(out.claimed.begin(), out.claimed.end(), 0.0);
