@@ -14,6 +14,7 @@ namespace {
 constexpr double kPixelsReference = 20.0;
 constexpr double kTrianglesReference = 14.0;
 constexpr double kTexelsReference = 20.0;
+constexpr double kBend = 1.0 / 8.0; // products reach the size of the logarithms at 8 octaves from the reference
 
 constexpr double kForgetting = 0.999;   // remembers about 1000 timings, some seconds of frames
 constexpr double kClip = 0.25;          // octaves. A spike of x4 moves the fit no more than one of x1.19
@@ -38,8 +39,8 @@ constexpr size_t kFrameErrors = 1024;  // timings of a frame that vote on the de
 /// texels, resolves with pixels; shared passes split evenly; a still light skips most of its update.
 Features priorOf(uint32_t track)
 {
-    if (track / 2 == static_cast<uint32_t>(Pass::update)) return {0.0, 0.0, 0.5, 0.5, -1.0, 0.0};
-    return {0.0, 1.0, 0.0, 0.0, 0.0, 0.0};
+    if (track / 2 == static_cast<uint32_t>(Pass::update)) return {0.0, 0.0, 0.5, 0.5, -1.0, 0.0, 0.0, 0.0, 0.0};
+    return {0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
 }
 
 double logOf(double size)
@@ -62,12 +63,18 @@ bool isTime(double ms)
 
 Features featuresOf(const Workload& workload) noexcept
 {
+    const double pixels = logOf(workload.pixels) - kPixelsReference;
+    const double triangles = logOf(workload.casterTriangles) - kTrianglesReference;
+    const double texels = workload.mapTexels > 0.0 ? logOf(workload.mapTexels) - kTexelsReference : 0.0;
     return {1.0,
-            logOf(workload.pixels) - kPixelsReference,
-            logOf(workload.casterTriangles) - kTrianglesReference,
-            workload.mapTexels > 0.0 ? logOf(workload.mapTexels) - kTexelsReference : 0.0,
+            pixels,
+            triangles,
+            texels,
             logOf(workload.sharing),
-            workload.still ? 1.0 : 0.0};
+            workload.still ? 1.0 : 0.0,
+            pixels * pixels * kBend,
+            triangles * triangles * kBend,
+            triangles * texels * kBend};
 }
 
 void CostModel::reset(Track& track, uint32_t t) noexcept

@@ -201,7 +201,7 @@ std::string writeKnowledge(std::span<const KnowledgeRow> rows)
         out += row.pass == Pass::update ? "update" : "resolve";
         const Workload& workload = row.workload;
         for (const double number : {workload.pixels, workload.casterTriangles, workload.mapTexels, workload.sharing,
-                                    workload.still ? 1.0 : 0.0, double{row.samples}, row.gpuMsP50, row.gpuMsP95,
+                                    workload.still ? 1.0 : 0.0, 1.0 * row.samples, row.gpuMsP50, row.gpuMsP95,
                                     row.cpuMsP50, row.firstFrameMs, row.errorFlip, row.clockMhz}) {
             out += ',';
             appendNumber(out, number);

@@ -13,8 +13,8 @@ namespace {
 /// bits never turn a plan that fits into one that does not.
 constexpr double kRounding = 1e-12;
 
-/// With few methods that have a fixed part every set of them is tried: 2^4 solutions.
-constexpr int kExhaustiveSets = 4;
+/// Up to so many methods with a fixed part, greedy tries every set of them: 2^6 times 0.1 us a light.
+constexpr int kExhaustiveSets = 6;
 /// Sets tried beyond that. Above kTableLights one solution costs tens of microseconds, and a fixed part is shared by
 /// many lights and matters less.
 constexpr uint32_t kSetTrials = 24;
@@ -41,9 +41,8 @@ uint32_t usedMethods(std::span<const uint32_t> chosen)
 double fixedOf(const Problem& problem, uint32_t methods)
 {
     double sum = 0.0;
-    if (!problem.fixedMs.empty())
-        for (; methods; methods &= methods - 1)
-            sum += problem.fixedMs[std::countr_zero(methods)];
+    for (size_t m = 0; m < problem.fixedMs.size(); ++m)
+        if (methods >> m & 1) sum += problem.fixedMs[m];
     return sum;
 }
 
@@ -75,7 +74,6 @@ void Knapsack::reserve(uint32_t lights, uint32_t methods, uint32_t tableLights)
     grow(masks_, lights);
     grow(at_, lights);
     grow(trial_, lights);
-    grow(other_, lights);
     grow(states_, bins_ + 1);
     grow(nextStates_, bins_ + 1);
     grow(origins_, tableSize * (bins_ + 1));
@@ -258,70 +256,74 @@ Solution Knapsack::solveOpen(const Problem& problem, Method method, uint32_t ope
     return {sums.value, sums.costMs, sums.costMs <= problem.budgetMs};
 }
 
-/// Which fixed parts to pay: every set where they are few, otherwise a descent that drops or adds one method at a time.
-Solution Knapsack::solveSets(const Problem& problem, Method method, std::span<uint32_t> chosen) noexcept
+/// Methods with a fixed part that some light may use.
+uint32_t Knapsack::dearMethods(const Problem& problem) noexcept
 {
-    assert(problem.lights <= masks_.size() && problem.methods <= kMaxMethods);
-    uint32_t dear = 0; // methods with a fixed part that some light may use
+    uint32_t dear = 0, allowed = 0;
     for (uint32_t m = 0; m < problem.fixedMs.size(); ++m)
         if (problem.fixedMs[m] > 0.0) dear |= 1u << m;
-    uint32_t allowed = 0;
     for (uint32_t light = 0; light < problem.lights; ++light)
         allowed |= problem.allowed[light];
-    dear &= allowed;
+    return dear & allowed;
+}
 
-    const bool few = problem.lights <= kTableLights;
+/// Solves with other fixed parts paid and keeps the better plan.
+bool Knapsack::tryOpen(const Problem& problem, Method method, uint32_t open, Solution& best,
+                       std::span<uint32_t> chosen) noexcept
+{
     const std::span<uint32_t> trial = std::span(trial_).first(problem.lights);
-    auto tryOpen = [&](uint32_t open, Solution& best) {
-        const Solution solution = solveOpen(problem, method, open, trial);
-        if (!better(solution, best)) return false;
-        best = solution;
-        std::copy(trial.begin(), trial.end(), chosen.begin());
-        return true;
-    };
-    const uint32_t cheap = ~dear;
+    const Solution solution = solveOpen(problem, method, open, trial);
+    if (!better(solution, best)) return false;
+    best = solution;
+    std::copy(trial.begin(), trial.end(), chosen.begin());
+    open_ = open;
+    return true;
+}
+
+/// Which fixed parts to pay: every set where they are few, otherwise a descent that drops or adds one method at a time.
+Solution Knapsack::solveGreedy(const Problem& problem, std::span<uint32_t> chosen) noexcept
+{
+    assert(problem.lights <= masks_.size() && problem.methods <= kMaxMethods);
+    chosen = chosen.first(problem.lights);
+    const uint32_t dear = dearMethods(problem);
+    const bool few = problem.lights <= kTableLights;
+    open_ = ~0u;
+    Solution best = solveOpen(problem, Method::greedy, open_, chosen);
+    if (dear == 0) return best;
     if (few && std::popcount(dear) <= kExhaustiveSets) {
-        Solution best = solveOpen(problem, method, cheap, chosen);
-        for (uint32_t set = dear; set; set = (set - 1) & dear)
-            tryOpen(cheap | set, best);
+        tryOpen(problem, Method::greedy, ~dear, best, chosen);
+        for (uint32_t set = (dear - 1) & dear; set; set = (set - 1) & dear)
+            tryOpen(problem, Method::greedy, ~dear | set, best, chosen);
         return best;
     }
-    Solution best = solveOpen(problem, method, ~0u, chosen);
-    uint32_t open = cheap | usedMethods(chosen); // what nobody uses need not be paid
-    tryOpen(open, best);
+    tryOpen(problem, Method::greedy, ~dear | usedMethods(chosen), best, chosen); // what nobody uses need not be paid
     uint32_t trials = few ? kSetTrials : kSetTrialsMany;
     for (bool improved = true; improved && trials > 0;) {
         improved = false;
         uint32_t flips = dear & (few ? ~0u : usedMethods(chosen)); // with many lights only closing what is used
-        for (; flips && trials > 0; flips &= flips - 1, --trials) {
-            const uint32_t set = open ^ (flips & -flips);
-            if (tryOpen(set, best)) open = set, improved = true;
-        }
+        for (; flips && trials > 0; flips &= flips - 1, --trials)
+            improved |= tryOpen(problem, Method::greedy, open_ ^ (flips & -flips), best, chosen);
     }
     return best;
 }
 
-Solution Knapsack::solveGreedy(const Problem& problem, std::span<uint32_t> chosen) noexcept
-{
-    return solveSets(problem, Method::greedy, chosen.first(problem.lights));
-}
-
+/// The table for the set of fixed parts that greedy finds best, and for the sets one method away from it.
 Solution Knapsack::solveTable(const Problem& problem, std::span<uint32_t> chosen) noexcept
 {
     assert(problem.lights <= tableLights_);
-    return solveSets(problem, Method::table, chosen.first(problem.lights));
+    chosen = chosen.first(problem.lights);
+    // Greedy knows no bins: now and then it finds the better plan, and it costs a tenth of the table.
+    Solution best = solveGreedy(problem, chosen);
+    const uint32_t open = open_;
+    tryOpen(problem, Method::table, open, best, chosen);
+    for (uint32_t flips = dearMethods(problem); flips; flips &= flips - 1)
+        tryOpen(problem, Method::table, open ^ (flips & -flips), best, chosen);
+    return best;
 }
 
 Solution Knapsack::solve(const Problem& problem, std::span<uint32_t> chosen) noexcept
 {
-    if (problem.lights > kTableLights) return solveGreedy(problem, chosen);
-    const Solution table = solveTable(problem, chosen);
-    // Greedy knows no bins: now and then it finds the better plan, and it costs a tenth of the table.
-    const std::span<uint32_t> other = std::span(other_).first(problem.lights);
-    const Solution greedy = solveGreedy(problem, other);
-    if (!better(greedy, table)) return table;
-    std::copy(other.begin(), other.end(), chosen.begin());
-    return greedy;
+    return problem.lights > kTableLights ? solveGreedy(problem, chosen) : solveTable(problem, chosen);
 }
 
 } // namespace gnomon::plan

@@ -58,7 +58,7 @@ public:
     /// that may have none.
     Solution solve(const Problem& problem, std::span<uint32_t> chosen) noexcept;
 
-    /// One of the two alone. For tests and comparisons.
+    /// One of the two, whatever the number of lights. For tests and comparisons.
     Solution solveGreedy(const Problem& problem, std::span<uint32_t> chosen) noexcept;
     Solution solveTable(const Problem& problem, std::span<uint32_t> chosen) noexcept;
 
@@ -83,7 +83,9 @@ private:
     };
     enum class Method : uint8_t { greedy, table };
 
-    Solution solveSets(const Problem& problem, Method method, std::span<uint32_t> chosen) noexcept;
+    static uint32_t dearMethods(const Problem& problem) noexcept;
+    bool tryOpen(const Problem& problem, Method method, uint32_t open, Solution& best,
+                 std::span<uint32_t> chosen) noexcept;
     Solution solveOpen(const Problem& problem, Method method, uint32_t open, std::span<uint32_t> chosen) noexcept;
     bool gatherOptions(const Problem& problem, uint32_t open) noexcept;
     void walkGreedy(const Problem& problem, double limitMs, std::span<uint32_t> chosen) noexcept;
@@ -100,8 +102,9 @@ private:
     std::vector<Step> steps_;
     std::vector<State> states_, nextStates_;
     std::vector<Origin> origins_;
-    std::vector<uint32_t> trial_, other_;
+    std::vector<uint32_t> trial_;
     uint32_t methods_ = 0;
+    uint32_t open_ = ~0u; ///< Methods whose fixed parts the best plan so far may use.
 };
 
 } // namespace gnomon::plan
