@@ -145,63 +145,55 @@ namespace {
 constexpr std::uint64_t kTransientImage = 0x1, kPersistentImage = 0x2, kTransientBuffer = 0x3, kPersistentBuffer = 0x4;
 } // namespace
 
-ImageId PassBuilder::transient(const ImageInfo& info)
+ImageId PassGraph::findOrMake(const ImageInfo& info, bool persistent)
 {
-    const std::uint64_t key = graph_.key(info.scope, info.name, info.variant, kTransientImage);
-    if (const std::uint32_t found = graph_.find(key); found != UINT32_MAX) return {found};
-    auto image = graph_.pool_.transientImage(key, info);
+    const std::uint64_t key =
+        this->key(info.scope, info.name, info.variant, persistent ? kPersistentImage : kTransientImage);
+    if (const std::uint32_t found = find(key); found != UINT32_MAX) return {found};
+    auto image = persistent ? pool_.persistentImage(key, info) : pool_.transientImage(key, info);
     if (!image) {
-        graph_.fail(image.error());
+        fail(image.error());
         return {};
     }
-    const ImageId id = graph_.addImage(**image, info.name);
-    graph_.store(key, id.index);
+    const ImageId id = addImage(**image, info.name);
+    store(key, id.index);
     return id;
+}
+
+BufferId PassGraph::findOrMake(const BufferInfo& info, bool persistent)
+{
+    const std::uint64_t key =
+        this->key(info.scope, info.name, info.variant, persistent ? kPersistentBuffer : kTransientBuffer);
+    if (const std::uint32_t found = find(key); found != UINT32_MAX) return {found};
+    auto ring = persistent ? pool_.persistentBuffer(key, info) : pool_.transientBuffer(key, info);
+    if (!ring) {
+        fail(ring.error());
+        return {};
+    }
+    buffers_.push_back({.key = key, .pooled = (*ring)->current, .ring = *ring, .info = info, .newest = UINT32_MAX});
+    const auto index = static_cast<std::uint32_t>(buffers_.size() - 1);
+    store(key, index);
+    return {index};
+}
+
+ImageId PassBuilder::transient(const ImageInfo& info)
+{
+    return graph_.findOrMake(info, false);
 }
 
 ImageId PassBuilder::persistent(const ImageInfo& info)
 {
-    const std::uint64_t key = graph_.key(info.scope, info.name, info.variant, kPersistentImage);
-    if (const std::uint32_t found = graph_.find(key); found != UINT32_MAX) return {found};
-    auto image = graph_.pool_.persistentImage(key, info);
-    if (!image) {
-        graph_.fail(image.error());
-        return {};
-    }
-    const ImageId id = graph_.addImage(**image, info.name);
-    graph_.store(key, id.index);
-    return id;
+    return graph_.findOrMake(info, true);
 }
 
 BufferId PassBuilder::transient(const BufferInfo& info)
 {
-    const std::uint64_t key = graph_.key(info.scope, info.name, info.variant, kTransientBuffer);
-    if (const std::uint32_t found = graph_.find(key); found != UINT32_MAX) return {found};
-    auto buffer = graph_.pool_.transientBuffer(key, info);
-    if (!buffer) {
-        graph_.fail(buffer.error());
-        return {};
-    }
-    graph_.buffers_.push_back({.key = key, .pooled = *buffer, .ring = nullptr, .info = info, .newest = UINT32_MAX});
-    const std::uint32_t index = static_cast<std::uint32_t>(graph_.buffers_.size() - 1);
-    graph_.store(key, index);
-    return {index};
+    return graph_.findOrMake(info, false);
 }
 
 BufferId PassBuilder::persistent(const BufferInfo& info)
 {
-    const std::uint64_t key = graph_.key(info.scope, info.name, info.variant, kPersistentBuffer);
-    if (const std::uint32_t found = graph_.find(key); found != UINT32_MAX) return {found};
-    auto ring = graph_.pool_.persistentBuffer(key, info);
-    if (!ring) {
-        graph_.fail(ring.error());
-        return {};
-    }
-    graph_.buffers_.push_back(
-        {.key = key, .pooled = (*ring)->current, .ring = *ring, .info = info, .newest = UINT32_MAX});
-    const std::uint32_t index = static_cast<std::uint32_t>(graph_.buffers_.size() - 1);
-    graph_.store(key, index);
-    return {index};
+    return graph_.findOrMake(info, true);
 }
 
 bool PassBuilder::stale(ImageId image, std::uint64_t stamp)

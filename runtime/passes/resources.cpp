@@ -199,13 +199,13 @@ Result<PooledImage*> ResourcePool::persistentImage(std::uint64_t key, const Imag
     return &image;
 }
 
-Result<PooledBuffer*> ResourcePool::transientBuffer(std::uint64_t key, const BufferInfo& info)
+Result<BufferRing*> ResourcePool::transientBuffer(std::uint64_t key, const BufferInfo& info)
 {
     BufferRing& ring = transientBuffers_[key];
     touch(ring);
     ring.lastUsed = frame_;
     if (auto renewed = renew(ring, info); !renewed) return renewed.error();
-    return ring.current;
+    return &ring;
 }
 
 Result<BufferRing*> ResourcePool::persistentBuffer(std::uint64_t key, const BufferInfo& info)

@@ -78,7 +78,7 @@ public:
     Result<PooledImage*> transientImage(std::uint64_t key, const ImageInfo& info);
     Result<PooledImage*> persistentImage(std::uint64_t key, const ImageInfo& info);
     /// Ringed: a version whose last use is completed.
-    Result<PooledBuffer*> transientBuffer(std::uint64_t key, const BufferInfo& info);
+    Result<BufferRing*> transientBuffer(std::uint64_t key, const BufferInfo& info);
     Result<BufferRing*> persistentBuffer(std::uint64_t key, const BufferInfo& info);
     /// Moves `ring.current` to a version the GPU has done with.
     Result<void> renew(BufferRing& ring, const BufferInfo& info);
