@@ -1,0 +1,404 @@
+#include "runtime/cost/cost_model.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <doctest/doctest.h>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "runtime/cost/exponent.hpp"
+#include "runtime/cost/knowledge_base.hpp"
+#include "tests/plan/random.hpp"
+#include "tests/rules/allocation_count.hpp"
+
+using namespace gnomon;
+using namespace gnomon::cost;
+using test::Random;
+
+namespace {
+
+constexpr uint32_t kMethods = 6, kLights = 8;
+
+Workload anyWorkload(Random& random)
+{
+    return {.pixels = exp2Exactly(random.between(12, 20)),
+            .casterTriangles = exp2Exactly(random.between(8, 20)),
+            .mapTexels = exp2Exactly(2.0 * random.below(4) + 16),
+            .sharing = 1.0,
+            .still = random.unit() < 0.3};
+}
+
+/// A truth that is *not* what the model fits: an overhead plus sums of powers, and a factor per (light, method).
+struct Truth {
+    double factor = 1.0;
+    double method = 1.0;
+    std::vector<double> own;
+
+    explicit Truth(Random& random)
+    {
+        for (uint32_t i = 0; i < kMethods * kLights; ++i)
+            own.push_back(exp2Exactly(random.between(-0.2, 0.2)));
+    }
+    double ms(uint32_t light, uint32_t m, Pass pass, const Workload& w) const
+    {
+        const double k = 0.5 + 0.3 * m;
+        const double time =
+            pass == Pass::resolve
+                ? 0.02 + 2.0 * k * w.pixels / 1e6
+                : (0.05 + 0.8 * k * w.casterTriangles / 1e5 + 0.4 * w.mapTexels / 1e6) / (w.still ? 4 : 1);
+        return time * factor * (m == 2 ? method : 1.0) * own[light * kMethods + m];
+    }
+    /// 8 % noise; one timing in 200 is a spike of x2 to x6.
+    double timed(Random& random, uint32_t light, uint32_t m, Pass pass, const Workload& w) const
+    {
+        const double gauss = random.unit() + random.unit() + random.unit() + random.unit() - 2.0; // sigma 0.577
+        double time = ms(light, m, pass, w) * exp2Exactly(0.111 / 0.577 * gauss);
+        if (random.unit() < 0.005) time *= random.between(2, 6);
+        return time;
+    }
+};
+
+constexpr Pass kPasses[] = {Pass::update, Pass::resolve};
+
+void calibrate(CostModel& model, const Truth& truth, Random& random, bool same = true)
+{
+    for (uint32_t m = 0; m < kMethods; ++m)
+        for (int i = 0; i < 40; ++i)
+            for (const Pass pass : kPasses) {
+                const Workload w = anyWorkload(random);
+                double least = std::numeric_limits<double>::infinity(); // of five sweeps, as calibration runs do
+                for (int sweep = 0; sweep < 5; ++sweep)
+                    least = std::min(least, truth.timed(random, 0, m, pass, w) / truth.own[m]);
+                model.calibrate(m, pass, Processor::gpu, w, least);
+            }
+    model.finishCalibration(same);
+}
+
+struct Errors {
+    double median, p95;
+};
+Errors errorsOf(const CostModel& model, const Truth& truth, Random& random, uint32_t light)
+{
+    std::vector<double> errors;
+    for (int i = 0; i < 2000; ++i) {
+        const Workload w = anyWorkload(random);
+        const uint32_t m = random.below(kMethods);
+        const double real = truth.ms(light, m, Pass::update, w) + truth.ms(light, m, Pass::resolve, w);
+        errors.push_back(std::fabs(model.predict(light, m, w, false).ms / real - 1.0));
+    }
+    std::sort(errors.begin(), errors.end());
+    return {errors[1000], errors[1900]};
+}
+
+void runFrame(CostModel& model, const Truth& truth, Random& random, const std::vector<Workload>& workloads,
+              uint32_t methodShift = 0)
+{
+    for (uint32_t light = 0; light < kLights; ++light)
+        for (const Pass pass : kPasses) {
+            const uint32_t m = (light + methodShift) % kMethods;
+            model.observe({.light = light,
+                           .method = m,
+                           .pass = pass,
+                           .workload = workloads[light],
+                           .ms = truth.timed(random, light, m, pass, workloads[light])});
+        }
+    model.endFrame();
+}
+
+std::vector<Workload> workloadsFor(Random& random)
+{
+    std::vector<Workload> workloads;
+    for (uint32_t i = 0; i < kLights; ++i)
+        workloads.push_back(anyWorkload(random));
+    return workloads;
+}
+
+} // namespace
+
+TEST_CASE("our logarithm and power agree with libm to a few last bits, also at the edges")
+{
+    Random random(1);
+    double worstLog = 0.0, worstExp = 0.0;
+    for (int i = 0; i < 200000; ++i) {
+        const double x = random.between(-1000, 1000);
+        worstExp = std::max(worstExp, std::fabs(exp2Exactly(x) / std::exp2(x) - 1.0));
+        const double y = std::exp2(random.between(-60, 60));
+        worstLog =
+            std::max(worstLog, std::fabs(log2Exactly(y) - std::log2(y)) / std::max(1.0, std::fabs(std::log2(y))));
+    }
+    MESSAGE("worst relative error: exp2 ", worstExp, ", log2 ", worstLog);
+    CHECK(worstExp < 5e-16);
+    CHECK(worstLog < 5e-16);
+    constexpr double kInf = std::numeric_limits<double>::infinity();
+    for (int e = -1022; e < 1024; ++e) {
+        CHECK(exp2Exactly(e) == std::ldexp(1.0, e));
+        CHECK(log2Exactly(std::ldexp(1.0, e)) == e);
+    }
+    CHECK(log2Exactly(0.0) == -kInf);
+    CHECK(log2Exactly(kInf) == kInf);
+    CHECK(std::isnan(log2Exactly(-1.0)));
+    CHECK(exp2Exactly(1024.0) == kInf);
+    CHECK(exp2Exactly(-1023.0) == 0.0);
+    CHECK(std::isnan(exp2Exactly(kInf - kInf)));
+}
+
+TEST_CASE("a calibrated model predicts unseen workloads, and running improves it")
+{
+    Random random(2);
+    const Truth truth(random);
+    CostModel model;
+    model.resize(kMethods, kLights);
+    calibrate(model, truth, random);
+    const Errors before = errorsOf(model, truth, random, 3);
+    for (int frame = 0; frame < 600; ++frame) {
+        const auto workloads = workloadsFor(random);
+        runFrame(model, truth, random, workloads, static_cast<uint32_t>(frame / 60));
+    }
+    const Errors after = errorsOf(model, truth, random, 3);
+    MESSAGE("error on held-out workloads: calibrated median ", 100 * before.median, " %, p95 ", 100 * before.p95,
+            " %; after 600 frames ", 100 * after.median, " %, ", 100 * after.p95, " %");
+    CHECK(before.median < 0.12);
+    CHECK(after.median < 0.12);
+    CHECK(after.p95 < 0.35);
+}
+
+TEST_CASE("a foreign device is known after ten frames")
+{
+    Random random(3);
+    Truth truth(random);
+    CostModel model;
+    model.resize(kMethods, kLights);
+    calibrate(model, truth, random, false);
+    truth.factor = 7.0;
+    const Errors before = errorsOf(model, truth, random, 2);
+    const auto workloads = workloadsFor(random);
+    for (int frame = 0; frame < 10; ++frame)
+        runFrame(model, truth, random, workloads);
+    const Errors after = errorsOf(model, truth, random, 2);
+    MESSAGE("foreign device: median error ", 100 * before.median, " % -> ", 100 * after.median, " %");
+    CHECK(before.median > 0.8);
+    CHECK(after.median < 0.25);
+    CHECK(model.deviceOctaves() == doctest::Approx(std::log2(7.0)).epsilon(0.15));
+}
+
+TEST_CASE("spikes, cold starts and disturbed frames leave the prediction where it was")
+{
+    Random random(4);
+    const Truth truth(random);
+    CostModel model;
+    model.resize(kMethods, kLights);
+    calibrate(model, truth, random);
+    const auto workloads = workloadsFor(random);
+    for (int frame = 0; frame < 200; ++frame)
+        runFrame(model, truth, random, workloads);
+    const double before = model.predict(0, 0, Pass::resolve, workloads[0]).ms;
+    const double now = truth.ms(0, 0, Pass::resolve, workloads[0]);
+    Observation spike{.light = 0, .method = 0, .workload = workloads[0], .ms = 6.0 * now};
+    model.observe(spike); // one timing
+    model.endFrame();
+    CHECK(model.predict(0, 0, Pass::resolve, workloads[0]).ms == doctest::Approx(before).epsilon(0.02));
+    for (uint32_t light = 0; light < kLights; ++light) { // a frame in which everything is slow
+        const uint32_t m = light % kMethods;
+        model.observe({.light = light,
+                       .method = m,
+                       .workload = workloads[light],
+                       .ms = 4.0 * truth.ms(light, m, Pass::resolve, workloads[light])});
+    }
+    model.endFrame();
+    CHECK(model.predict(0, 0, Pass::resolve, workloads[0]).ms == doctest::Approx(before).epsilon(0.03));
+    for (uint32_t i = 0; i < 3; ++i) {
+        spike.samplesSinceSwitch = i;
+        model.observe(spike);
+        model.endFrame();
+    }
+    spike.samplesSinceSwitch = 100;
+    spike.disturbed = true;
+    for (int i = 0; i < 50; ++i) {
+        model.observe(spike);
+        model.endFrame();
+    }
+    CHECK(model.predict(0, 0, Pass::resolve, workloads[0]).ms == doctest::Approx(before).epsilon(0.03));
+    for (const double nonsense :
+         {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+        model.observe({.light = 0, .method = 0, .workload = workloads[0], .ms = nonsense});
+        model.endFrame();
+    }
+    CHECK(std::isfinite(model.predict(0, 0, Pass::resolve, workloads[0]).ms));
+}
+
+TEST_CASE("a device that becomes half as fast is noticed within three frames, one method within four")
+{
+    Random random(5);
+    Truth truth(random);
+    CostModel model;
+    model.resize(kMethods, kLights);
+    calibrate(model, truth, random);
+    const auto workloads = workloadsFor(random);
+    for (int frame = 0; frame < 200; ++frame)
+        runFrame(model, truth, random, workloads);
+    auto sum = [&](bool real) {
+        double total = 0.0;
+        for (uint32_t light = 0; light < kLights; ++light)
+            total += real ? truth.ms(light, light % kMethods, Pass::update, workloads[light]) +
+                                truth.ms(light, light % kMethods, Pass::resolve, workloads[light])
+                          : model.predict(light, light % kMethods, workloads[light], false).ms;
+        return total;
+    };
+    CHECK(sum(false) == doctest::Approx(sum(true)).epsilon(0.06));
+    truth.factor = 2.0;
+    for (int frame = 0; frame < 3; ++frame)
+        runFrame(model, truth, random, workloads);
+    CHECK(sum(false) == doctest::Approx(sum(true)).epsilon(0.12));
+    for (int frame = 0; frame < 30; ++frame)
+        runFrame(model, truth, random, workloads);
+    CHECK(sum(false) == doctest::Approx(sum(true)).epsilon(0.06));
+    truth.method = 2.0; // only method 2, served by light 2 alone
+    for (int frame = 0; frame < 4; ++frame)
+        runFrame(model, truth, random, workloads);
+    const double real = truth.ms(2, 2, Pass::resolve, workloads[2]);
+    CHECK(model.predict(2, 2, Pass::resolve, workloads[2]).ms == doctest::Approx(real).epsilon(0.25));
+}
+
+TEST_CASE("slow drift is followed")
+{
+    Random random(6);
+    Truth truth(random);
+    CostModel model;
+    model.resize(kMethods, kLights);
+    calibrate(model, truth, random);
+    for (int frame = 0; frame < 1200; ++frame) {
+        truth.factor = exp2Exactly(frame / 1200.0);
+        runFrame(model, truth, random, workloadsFor(random), static_cast<uint32_t>(frame / 60));
+    }
+    const Errors errors = errorsOf(model, truth, random, 3);
+    MESSAGE("after a drift to half the speed: median ", 100 * errors.median, " %, p95 ", 100 * errors.p95, " %");
+    CHECK(errors.median < 0.20);
+}
+
+TEST_CASE("doubt is large before anything is known, and shrinks")
+{
+    Random random(7);
+    const Truth truth(random);
+    CostModel model;
+    model.resize(kMethods, kLights);
+    const auto workloads = workloadsFor(random);
+    const Prediction cold = model.predict(0, 0, workloads[0], false);
+    CHECK_FALSE(cold.calibrated);
+    CHECK(cold.sigmaOctaves > 1.0);
+    for (int frame = 0; frame < 100; ++frame)
+        runFrame(model, truth, random, workloadsFor(random));
+    const Prediction warm = model.predict(0, 0, workloads[0], false);
+    CHECK(warm.calibrated);
+    CHECK(warm.sigmaOctaves < 0.3);
+    const double real = truth.ms(0, 0, Pass::update, workloads[0]) + truth.ms(0, 0, Pass::resolve, workloads[0]);
+    CHECK(std::fabs(warm.ms - real) < 3 * warm.sigmaMs + 0.3 * real);
+}
+
+TEST_CASE("processors that share cores add up, others overlap")
+{
+    CostModel model;
+    model.resize(1, 1);
+    const Workload w{.pixels = 1e6};
+    for (int i = 0; i < 20; ++i) {
+        model.calibrate(0, Pass::resolve, Processor::gpu, w, 2.0);
+        model.calibrate(0, Pass::resolve, Processor::cpu, w, 3.0);
+    }
+    model.finishCalibration(true);
+    CHECK(model.predict(0, 0, w, false).ms == doctest::Approx(3.0).epsilon(0.02)); // no update was ever seen
+    model.setSharedCores(true);
+    CHECK(model.predict(0, 0, w, false).ms == doctest::Approx(5.0).epsilon(0.02));
+}
+
+TEST_CASE("learning allocates nothing and gives the same bits in every build")
+{
+    Random random(8);
+    const Truth truth(random);
+    CostModel model;
+    model.resize(kMethods, kLights);
+    calibrate(model, truth, random);
+    uint64_t hash = 14695981039346656037u;
+    std::vector<std::vector<Workload>> frames;
+    for (int frame = 0; frame < 300; ++frame)
+        frames.push_back(workloadsFor(random));
+    const size_t before = rules::test::allocationCount();
+    for (const auto& workloads : frames) {
+        runFrame(model, truth, random, workloads);
+        for (uint32_t light = 0; light < kLights; ++light) {
+            const Prediction p = model.predict(light, light % kMethods, workloads[light], false);
+            hash = (hash ^ std::bit_cast<uint64_t>(p.ms) ^ std::bit_cast<uint64_t>(p.sigmaMs)) * 1099511628211u;
+        }
+    }
+    CHECK(rules::test::allocationCount() == before);
+    MESSAGE("hash of 2400 predictions: ", hash);
+    CHECK(hash == 7648759185274388231u); // gcc 12 and clang 14, -O0 to -O3, with and without AVX2
+}
+
+TEST_CASE("a knowledge base reads back as it was written, and teaches the model")
+{
+    Random random(9);
+    std::vector<KnowledgeRow> rows;
+    for (int i = 0; i < 60; ++i)
+        rows.push_back({.device = "a, \"b\"",
+                        .driver = "d",
+                        .algorithm = i % 2 ? "shadow_map" : "ray_traced",
+                        .pass = i % 4 < 2 ? Pass::update : Pass::resolve,
+                        .workload = anyWorkload(random),
+                        .samples = 5,
+                        .gpuMsP50 = random.between(0.1, 3),
+                        .gpuMsP95 = 4.5,
+                        .date = "2026-01-01"});
+    const std::string text = writeKnowledge(rows);
+    const KnowledgeResult read = parseKnowledge(text);
+    REQUIRE(read.base);
+    CHECK(read.base->rejected == 0);
+    CHECK(writeKnowledge(read.base->rows) == text);
+    CHECK(read.base->rows[7].gpuMsP50 == rows[7].gpuMsP50);
+    CHECK(read.base->rows[7].device == rows[7].device);
+
+    const std::vector<std::string> methods{"ray_traced", "other"};
+    CostModel model;
+    model.resize(2, 1);
+    const Learned home = learn(model, *read.base, methods, rows[0].device);
+    CHECK(home.rows == 30);
+    CHECK(home.sameDevice);
+    CHECK(model.predict(0, 0, rows[0].workload, false).calibrated);
+    CHECK_FALSE(model.predict(0, 1, rows[0].workload, false).calibrated);
+    CostModel elsewhere;
+    elsewhere.resize(2, 1);
+    CHECK_FALSE(learn(elsewhere, *read.base, methods, "another").sameDevice);
+}
+
+TEST_CASE("a damaged knowledge base is an error or loses only its damaged rows")
+{
+    const std::string head = writeKnowledge({});
+    CHECK(parseKnowledge(head).base->rows.empty()); // an empty one is fine
+    CHECK_FALSE(parseKnowledge("").base);
+    CHECK_FALSE(parseKnowledge("# gnomon knowledge 0\n").base);
+    CHECK(parseKnowledge("# gnomon knowledge 99\n").error.find("version '99'") != std::string::npos);
+    CHECK(parseKnowledge("# gnomon knowledge 1\ndevice,driver\n").error == "column 'algorithm' is missing");
+    const std::string good = "d,v,shadow_map,resolve,1000,10,0,1,0,5,1.5,2,0,0,0,0,2026\n";
+    for (const char* bad : {"d,v,shadow_map,resolve,nan,10,0,1,0,5,1.5,2,0,0,0,0,2026\n",
+                            "d,v,shadow_map,resolve,1000,10,0,1,0,5,inf,2,0,0,0,0,2026\n",
+                            "d,v,shadow_map,resolve,1000,10,0,1,0,5,-1,2,0,0,0,0,2026\n",
+                            "d,v,shadow_map,resolve,1000,10,0,1,0,5,\"1,5\",2,0,0,0,0,2026\n",
+                            "d,v,shadow_map,resolve,1000,10,0,1,0,5,0,2,0,0,0,0,2026\n",
+                            "d,v,shadow_map,cook,1000,10,0,1,0,5,1,2,0,0,0,0,2026\n", "d,v\n", "\"\n"}) {
+        const KnowledgeResult result = parseKnowledge(head + bad + good);
+        REQUIRE(result.base);
+        CHECK(result.base->rows.size() == 1);
+        CHECK(result.base->rejected == 1);
+        CHECK(result.base->findings.at(0).starts_with("line 3: "));
+    }
+    Random random(10);
+    for (int round = 0; round < 3000; ++round) { // nothing crashes, nothing not finite gets through
+        std::string text = head + good + good;
+        for (uint32_t i = random.below(6); i < 6; ++i)
+            text[random.below(static_cast<uint32_t>(text.size()))] = static_cast<char>(random.below(256));
+        text.resize(random.below(static_cast<uint32_t>(text.size() + 1)));
+        if (const KnowledgeResult result = parseKnowledge(text); result.base)
+            for (const KnowledgeRow& row : result.base->rows)
+                CHECK(std::isfinite(row.gpuMsP50 + row.cpuMsP50 + row.workload.pixels));
+    }
+}

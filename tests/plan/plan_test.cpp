@@ -1,0 +1,327 @@
+#include "runtime/plan/plan.hpp"
+
+#include <doctest/doctest.h>
+#include <vector>
+
+#include "tests/plan/random.hpp"
+#include "tests/rules/allocation_count.hpp"
+
+using namespace gnomon;
+using namespace gnomon::plan;
+using test::Random;
+
+namespace {
+
+/// A scene of lights with the same methods; tests turn single knobs.
+struct Scene {
+    uint32_t methods;
+    std::vector<LightMemory> memories;
+    std::vector<LightRequest> requests;
+    std::vector<Candidate> candidates;
+    PlanInput input;
+    PlanStep plan;
+
+    Scene(uint32_t lights, std::vector<Candidate> each) : methods(static_cast<uint32_t>(each.size()))
+    {
+        memories.resize(lights);
+        for (uint32_t i = 0; i < lights; ++i) {
+            requests.push_back({.memory = &memories[i]});
+            candidates.insert(candidates.end(), each.begin(), each.end());
+        }
+        input.methods = methods;
+        input.budgetMs = 10.0;
+        plan.reserve(lights, methods);
+    }
+    Scene(const Scene&) = delete;
+    Candidate& of(uint32_t light, uint32_t method) { return candidates[light * methods + method]; }
+    PlanReport step(uint32_t frames = 1)
+    {
+        PlanReport report;
+        for (; frames > 0; --frames) {
+            input.lights = requests;
+            input.candidates = candidates;
+            report = plan.step(input);
+            ++input.frame;
+            input.cut = false;
+        }
+        return report;
+    }
+    uint32_t chosen(uint32_t light) const { return plan.lights()[light].chosen; }
+    Why why(uint32_t light, uint32_t method) const { return plan.why(light)[method]; }
+};
+
+constexpr uint32_t kCheap = 0, kGood = 1;
+
+/// 0: cheap, suitability 0.5, 1 ms. 1: good, suitability 0.9, 4 ms.
+std::vector<Candidate> cheapAndGood()
+{
+    return {{.suitability = 2048, .quality = 0.7f, .ms = 1.0}, {.suitability = 3686, .quality = 0.95f, .ms = 4.0}};
+}
+
+} // namespace
+
+TEST_CASE("authority runs from capability over pin, never, floor and budget to benefit")
+{
+    Scene scene(1, cheapAndGood());
+    scene.step();
+    CHECK(scene.chosen(0) == kGood); // benefit
+    CHECK(scene.why(0, kCheap) == Why::outscored);
+
+    scene.input.budgetMs = 2.0;
+    scene.step();
+    CHECK(scene.chosen(0) == kCheap); // budget over benefit
+    CHECK(scene.why(0, kGood) == Why::budget);
+
+    scene.requests[0].floor = true;
+    scene.requests[0].minimumQuality = 0.8f;
+    PlanReport report = scene.step();
+    CHECK(scene.chosen(0) == kGood); // floor over budget, and reported
+    CHECK(scene.why(0, kCheap) == Why::floor);
+    CHECK(report.overMs == doctest::Approx(2.0));
+    CHECK(report.floorsUnmet == 0);
+
+    scene.of(0, kGood).eligibility = Eligibility::never;
+    report = scene.step();
+    CHECK(scene.chosen(0) == kCheap); // never over floor, and reported
+    CHECK(scene.why(0, kGood) == Why::never);
+    CHECK(report.floorsUnmet == 1);
+
+    scene.requests[0].pinned = kGood;
+    scene.step();
+    CHECK(scene.chosen(0) == kGood); // pin over never
+    CHECK(scene.why(0, kCheap) == Why::pinned);
+
+    scene.of(0, kGood).eligibility = Eligibility::trait;
+    scene.step();
+    CHECK(scene.chosen(0) == kCheap); // capability over pin
+    CHECK(scene.why(0, kGood) == Why::trait);
+
+    scene.of(0, kCheap).ms = -1.0; // nobody knows what it costs
+    scene.step();
+    CHECK(scene.chosen(0) == kNone);
+}
+
+TEST_CASE("a method without opinion serves only where no rule speaks at all")
+{
+    Scene scene(1, cheapAndGood());
+    scene.of(0, kGood).suitability = kNoOpinion;
+    scene.step();
+    CHECK(scene.chosen(0) == kCheap);
+    CHECK(scene.why(0, kGood) == Why::noOpinion);
+    scene.of(0, kCheap).suitability = kNoOpinion;
+    scene.step(); // equally unloved: the incumbent
+    CHECK(scene.chosen(0) == kCheap);
+}
+
+TEST_CASE("without allocation the best suitability wins, the incumbent on ties, and time has no say")
+{
+    Scene scene(1, cheapAndGood());
+    scene.input.allocation = rules::Options::Allocation::None;
+    scene.input.budgetMs = 0.1;
+    scene.step();
+    CHECK(scene.chosen(0) == kGood);
+    scene.of(0, kCheap).suitability = scene.of(0, kGood).suitability;
+    scene.of(0, kGood).quality = 0.1f; // neither has quality
+    scene.step();
+    CHECK(scene.chosen(0) == kGood);
+    scene.of(0, kCheap).suitability += 1;
+    scene.step();
+    CHECK(scene.chosen(0) == kCheap);
+}
+
+TEST_CASE("a gain below the threshold of the plan changes nothing, above it does")
+{
+    Scene scene(1, cheapAndGood());
+    scene.of(0, kGood).suitability = 2048;
+    scene.of(0, kGood).quality = 0.7f * 1.015f;
+    scene.of(0, kCheap).quality = 0.72f;
+    scene.step(60);
+    CHECK(scene.chosen(0) == kCheap);
+    scene.of(0, kCheap).quality = 0.7f; // the other is 1.5 % better now
+    CHECK(scene.step(60).switches == 0);
+    CHECK(scene.chosen(0) == kCheap);
+    CHECK(scene.why(0, kGood) == Why::hysteresis);
+    CHECK(scene.plan.lights()[0].hold == Hold::threshold);
+    scene.of(0, kGood).quality = 0.7f * 1.025f;
+    CHECK(scene.step().cause == Cause::gain);
+    CHECK(scene.chosen(0) == kGood);
+}
+
+TEST_CASE("a broken budget is repaired by the one downgrade that loses least")
+{
+    Scene scene(4, cheapAndGood());
+    scene.input.budgetMs = 17.0;
+    scene.requests[2].importance = 0.9;
+    scene.step();
+    for (uint32_t i = 0; i < 4; ++i)
+        CHECK(scene.chosen(i) == kGood);
+    scene.input.budgetMs = 15.0;
+    const PlanReport report = scene.step();
+    CHECK(report.cause == Cause::repaired);
+    CHECK(report.switches == 1);
+    CHECK(scene.chosen(2) == kCheap);
+    CHECK(report.predictedMs <= report.usableMs);
+}
+
+TEST_CASE("upgrades come two a frame, after thirty frames within the budget")
+{
+    Scene scene(8, cheapAndGood());
+    scene.input.budgetMs = 9.0;
+    scene.step(5);
+    CHECK(scene.plan.lights()[0].chosen == kCheap);
+    scene.input.budgetMs = 7.0; // a violation, so that the wait starts anew
+    CHECK(scene.step().overMs > 0.0);
+    scene.input.budgetMs = 40.0;
+    uint32_t frames = 0, switched = 0;
+    while (switched < 8 && frames < 100) {
+        const PlanReport report = scene.step();
+        ++frames;
+        CHECK(report.upgrades <= 2);
+        switched += report.switches;
+        if (frames < kSpareFrames) CHECK(report.switches == 0);
+    }
+    CHECK(switched == 8);
+    CHECK(frames <= kSpareFrames + 4);
+}
+
+TEST_CASE("measured time above the budget also delays upgrades")
+{
+    Scene scene(1, cheapAndGood());
+    scene.of(0, kGood).suitability = 100;
+    scene.step(40);
+    CHECK(scene.chosen(0) == kCheap);
+    scene.input.measuredMs = 11.0;
+    scene.of(0, kGood).suitability = 3686;
+    scene.step(50);
+    CHECK(scene.chosen(0) == kCheap);
+    CHECK(scene.plan.lights()[0].hold == Hold::spareTime);
+    scene.input.measuredMs = 5.0;
+    scene.step(kSpareFrames);
+    CHECK(scene.chosen(0) == kGood);
+}
+
+TEST_CASE("a pair that flips is banned, and a camera cut lifts the ban")
+{
+    Scene scene(1, cheapAndGood());
+    auto favour = [&](uint32_t method) {
+        scene.of(0, kCheap).suitability = method == kCheap ? 4000 : 100;
+        scene.of(0, kGood).suitability = method == kGood ? 4000 : 100;
+        scene.of(0, kCheap).ms = scene.of(0, kGood).ms = 1.0;
+        scene.of(0, kCheap).quality = scene.of(0, kGood).quality = 1.0f;
+    };
+    favour(kGood);
+    scene.step(60);
+    REQUIRE(scene.chosen(0) == kGood);
+    favour(kCheap);
+    scene.step();
+    REQUIRE(scene.chosen(0) == kCheap);
+    favour(kGood); // voluntarily back within the window: refused
+    scene.step();
+    CHECK(scene.chosen(0) == kCheap);
+    CHECK(scene.plan.lights()[0].hold == Hold::ban);
+    scene.of(0, kCheap).eligibility = Eligibility::trait; // forced back: a flip
+    CHECK(scene.step().flips == 1);
+    CHECK(scene.chosen(0) == kGood);
+    scene.of(0, kCheap).eligibility = Eligibility::eligible;
+    favour(kCheap);
+    uint32_t frames = 0;
+    while (scene.chosen(0) == kGood && frames < 300) {
+        scene.step();
+        ++frames;
+    }
+    CHECK(frames >= 118);
+    CHECK(frames <= 121);
+
+    favour(kGood);
+    scene.input.cut = true;
+    scene.step();
+    CHECK(scene.chosen(0) == kGood);
+    favour(kCheap);
+    scene.step();
+    CHECK(scene.chosen(0) == kCheap); // nothing before the cut counts
+}
+
+TEST_CASE("a switch whose first frame costs more than its stay gains is not made")
+{
+    Scene scene(1, cheapAndGood());
+    scene.of(0, kGood).suitability = 2100; // better, but not by much
+    scene.of(0, kCheap).quality = 0.9f;
+    scene.step(60);
+    scene.of(0, kCheap).quality = 0.7f;
+    scene.of(0, kGood).firstFrameMs = 1000.0;
+    scene.step();
+    REQUIRE(scene.memories[0].incumbent == kGood); // the first plan took it
+    scene.memories[0] = {.incumbent = kCheap};
+    scene.step();
+    CHECK(scene.chosen(0) == kCheap);
+    CHECK(scene.plan.lights()[0].hold == Hold::firstFrame);
+    scene.of(0, kGood).firstFrameMs = 5.0;
+    scene.step();
+    CHECK(scene.chosen(0) == kGood);
+}
+
+TEST_CASE("headroom grows with the error of the sum, not with the sum of errors")
+{
+    Scene scene(16, cheapAndGood());
+    scene.input.budgetMs = 64.0;
+    for (Candidate& candidate : scene.candidates)
+        candidate.sigmaMs = 1.0;
+    scene.step();
+    const PlanReport report = scene.step();
+    CHECK(report.standardErrorMs == doctest::Approx(4.0)); // sqrt(16)
+    CHECK(report.usableMs == doctest::Approx(60.0));
+    for (Candidate& candidate : scene.candidates)
+        candidate.sigmaMs = 0.0;
+    CHECK(scene.step().usableMs == doctest::Approx(64.0 * 0.98));
+}
+
+TEST_CASE("the cheapest plan keeps the floor and charges a fixed part once")
+{
+    Scene scene(3, cheapAndGood());
+    CHECK((scene.step(), scene.plan.cheapestMs(scene.input)) == doctest::Approx(3.0));
+    scene.requests[0].floor = true;
+    scene.requests[0].minimumQuality = 0.9f;
+    const std::vector<double> fixed{0.5, 0.25};
+    scene.input.fixedMs = fixed;
+    CHECK((scene.step(), scene.plan.cheapestMs(scene.input)) == doctest::Approx(6.75));
+}
+
+TEST_CASE("over random scenes no plan breaks a budget that can be kept, and decisions allocate nothing and repeat")
+{
+    std::vector<uint32_t> first;
+    for (int run = 0; run < 2; ++run) {
+        Random random(7);
+        Scene scene(24, std::vector<Candidate>(12));
+        std::vector<uint32_t> history;
+        uint32_t flips = 0;
+        for (int frame = 0; frame < 2000; ++frame) {
+            for (Candidate& candidate : scene.candidates) {
+                if (frame % 50 && random.unit() > 0.05) continue;
+                candidate = {.eligibility = random.unit() < 0.8 ? Eligibility::eligible : Eligibility::trait,
+                             .suitability = static_cast<int32_t>(random.below(4097)),
+                             .quality = static_cast<float>(random.unit()),
+                             .ms = random.between(0.05, 3.0)};
+            }
+            scene.input.budgetMs = 4.0 + 20.0 * (frame / 400 % 2);
+            scene.input.cut = frame % 777 == 0;
+            scene.input.lights = scene.requests;
+            scene.input.candidates = scene.candidates;
+            const double cheapest = scene.plan.cheapestMs(scene.input);
+            const size_t before = rules::test::allocationCount();
+            const PlanReport report = scene.step();
+            REQUIRE(rules::test::allocationCount() == before);
+            if (cheapest <= report.usableMs * (1 - 1e-9)) REQUIRE(report.predictedMs <= scene.input.budgetMs);
+            flips += report.flips;
+            for (uint32_t i = 0; i < 24; ++i) {
+                history.push_back(scene.chosen(i));
+                if (scene.chosen(i) == kNone) continue;
+                CHECK(scene.why(i, scene.chosen(i)) == Why::chosen);
+                CHECK(scene.of(i, scene.chosen(i)).eligibility == Eligibility::eligible);
+            }
+        }
+        if (run == 0)
+            first = history;
+        else
+            CHECK(first == history);
+    }
+}
