@@ -116,8 +116,8 @@ TEST_CASE_FIXTURE(DeviceTest, "what a light needs is done once for two views, wh
     CHECK(ofTwo.perTask.size() >= 16); // every light is resolved
     CHECK(ofTwo.perView.size() == 2 * ofOne.perView.size());
     CHECK(ofTwo.perView.size() >= 4); // depth read back for rays, depth and stencil for volumes
-    for (const auto& [key, passes] : ofTwo.perView)
-        CHECK_MESSAGE(passes == 1, key.first);
+    for (const auto& entry : ofTwo.perView) // no structured binding: clang 14 captures none in CHECK_MESSAGE's lambda
+        CHECK_MESSAGE(entry.second == 1, entry.first.first);
     CHECK(differences(one.pictures(0), two.pictures(0)) == 0);
     CHECK(differences(one.pictures(0), two.pictures(1)) == 0);
 }
