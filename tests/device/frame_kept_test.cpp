@@ -39,9 +39,10 @@ TEST_CASE_FIXTURE(DeviceTest,
     const std::pair<const char*, demo::LightKind> methods[] = {{"shadow_map", demo::LightKind::Spot},
                                                                {"cube_map", demo::LightKind::Point},
                                                                {"dual_paraboloid", demo::LightKind::Point}};
-    for (const auto& [method, kind] : methods) {
+    for (const auto& served : methods) {
+        const char* method = served.first; // clang 14 captures no structured binding in CAPTURE's lambda
         CAPTURE(std::string(method));
-        Host host(sceneWithFarCaster(kind));
+        Host host(sceneWithFarCaster(served.second));
         host.pinAll(method);
         host.require(host.draw());
         const uint32_t first = updates(host);
