@@ -43,6 +43,9 @@ public:
         made_.floor = opsOf(base_.policy.floor.when);
         compileAssertions();
         compileSteps();
+        compileKinds();
+        for (const Monotony& promise : base_.monotony)
+            compileMonotony(promise);
         const bool equal = std::all_of(base_.rules.begin(), base_.rules.end(),
                                        [&](const Rule& rule) { return rule.priority == base_.rules[0].priority; });
         if (!equal) made_.byPriority = rulesByPriority();
@@ -136,6 +139,30 @@ private:
             made_.terms.push_back(term.shape);
         variables_.emplace(variable.name, static_cast<uint32_t>(made_.variables.size()));
         made_.variables.push_back(made);
+    }
+
+    void compileKinds()
+    {
+        for (const Concept::Word& kind : base_.kinds) {
+            Consequent any;
+            any.kind = Consequent::Kind::Trait;
+            any.name = kind.name;
+            any.nameAt = kind.at;
+            if (std::vector<uint32_t> outputs = targetsOf(any); !outputs.empty())
+                made_.kinds.push_back(std::move(outputs));
+        }
+        if (!made_.kinds.empty()) return;
+        made_.kinds.emplace_back(made_.outputCount);
+        std::iota(made_.kinds[0].begin(), made_.kinds[0].end(), 0u);
+    }
+
+    void compileMonotony(const Monotony& promise)
+    {
+        Consequent about;
+        about.kind = promise.isTrait ? Consequent::Kind::Trait : Consequent::Kind::Output;
+        about.name = promise.name;
+        about.nameAt = promise.nameAt;
+        made_.monotony.push_back({variables_.at(promise.variable), targetsOf(about)});
     }
 
     void compileRule(const Rule& rule)

@@ -66,6 +66,11 @@ struct CompiledRule {
     bool isChain = false;
 };
 
+struct CompiledMonotony {
+    uint32_t variable = 0;
+    std::vector<uint32_t> outputs;
+};
+
 struct CompiledRules {
     std::vector<CompiledVariable> variables; ///< As in RuleBase::variables.
     std::vector<Trapezoid> terms;            ///< Of all variables, in order.
@@ -80,6 +85,8 @@ struct CompiledRules {
     std::vector<CompiledOp> floor;    ///< Policy::Floor::when. Empty: no floor.
     std::vector<uint32_t> effects;    ///< output * suitability terms + term.
     std::vector<uint32_t> vetoes;     ///< Outputs.
+    std::vector<std::vector<uint32_t>> kinds; ///< Outputs that compete. At least one entry.
+    std::vector<CompiledMonotony> monotony;   ///< As in RuleBase::monotony.
     uint32_t outputCount = 0;
     uint32_t suitabilityTerms = 0;
     uint32_t membershipCount = 0; ///< Terms of all variables and concepts.

@@ -34,6 +34,8 @@ struct FactInfo {
 struct OutputInfo {
     std::string name;
     std::vector<std::string> traits;
+    /// 0..1, where the host knows it: what Policy::Floor::minimumQuality is compared with. For the linter.
+    double quality = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// What a host has. A name that appears in none of these lists is an error; one that is known but absent makes the

@@ -219,6 +219,10 @@ bool validate(const RuleBase& base, DiagnosticSink& sink)
     if (!base.policy.floor.when.empty() && !isWellFormed(base.policy.floor.when))
         sink.error("R06", {}, "the condition of the floor is not a postfix expression");
     checkAntecedent(base.policy.floor.when, names, sink);
+    for (const Monotony& promise : base.monotony) {
+        if (!names.variables.contains(promise.variable))
+            sink.error("L01", promise.variableAt, "unknown variable " + quoted(promise.variable));
+    }
     if (sink.errorCount() == before) orderConcepts(base, sink);
     return sink.errorCount() == before;
 }

@@ -99,6 +99,18 @@ struct Rule {
     SourceSpot at;         ///< Start of the sentence.
 };
 
+/// What the author promises and the linter checks: "more casterTriangles never raises stencil_volume".
+struct Monotony {
+    std::string variable;
+    bool ascending = true; ///< `more`; otherwise `less`.
+    bool raises = true;    ///< `never raises`; otherwise `never lowers`.
+    bool isTrait = false;  ///< `any NAME`.
+    std::string name;      ///< Output or trait.
+    SourceSpot variableAt;
+    SourceSpot nameAt;
+    std::string sentence;
+};
+
 /// How inference is done. rules/README.md pins every choice.
 struct Options {
     enum class And : uint8_t { Min, Product };
@@ -160,6 +172,10 @@ struct RuleBase {
     std::vector<Rule> rules;
     std::optional<Rule> otherwise; ///< Fires with 1 - strongest rule.
     Policy policy;
+    /// Traits of which an output needs one to compete: a decision is always among the outputs with one of them. Empty:
+    /// all compete. For the linter, which asks who wins.
+    std::vector<Concept::Word> kinds;
+    std::vector<Monotony> monotony;
 };
 
 /// 0..1 with the terms avoided, acceptable and favoured, which sum to 1 everywhere.

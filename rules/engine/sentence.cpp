@@ -90,6 +90,13 @@ public:
                expect("then", "expected 'then', 'and' or 'or'") && conclusions(rule) && atEnd();
     }
     bool otherwise(Rule& rule) { return conclusions(rule) && atEnd(); }
+    bool monotony(Monotony& out)
+    {
+        return either("more", "less", out.ascending) && name("a variable", out.variable, out.variableAt) &&
+               expect("never", "expected 'never'") && either("raises", "lowers", out.raises) &&
+               ((out.isTrait = accept("any")), name(out.isTrait ? "a trait" : "an output", out.name, out.nameAt)) &&
+               atEnd();
+    }
     bool conditionOnly(Antecedent& out) { return condition(out, 0) && atEnd(); }
 
 private:
@@ -113,6 +120,14 @@ private:
         return false;
     }
     bool expect(std::string_view word, std::string_view what) { return accept(word) || fail(peek(), what); }
+    /// One of two words that are reserved nowhere else.
+    bool either(std::string_view yes, std::string_view no, bool& out)
+    {
+        out = peek().text == yes;
+        if (!out && peek().text != no) return fail(peek(), "expected " + quoted(yes) + " or " + quoted(no));
+        ++next_;
+        return true;
+    }
     bool atEnd() { return peek().kind == Token::Kind::End || fail(peek(), "expected the end of the sentence"); }
 
     bool name(std::string_view what, std::string& out, SourceSpot& at)
@@ -286,6 +301,15 @@ bool parseOtherwise(const SentenceText& sentence, Rule& rule, DiagnosticSink& si
     Rule made;
     return shortEnough(sentence, sink) && Parser(sentence, sink).otherwise(made) &&
            finish(sentence, made, true, rule, sink);
+}
+
+bool parseMonotony(const SentenceText& sentence, Monotony& promise, DiagnosticSink& sink)
+{
+    Monotony made;
+    if (!shortEnough(sentence, sink) || !Parser(sentence, sink).monotony(made)) return false;
+    made.sentence = std::string(sentence.text);
+    promise = std::move(made);
+    return true;
 }
 
 bool parseCondition(const SentenceText& sentence, Antecedent& condition, DiagnosticSink& sink)

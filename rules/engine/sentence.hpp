@@ -39,4 +39,7 @@ bool parseOtherwise(const SentenceText& sentence, Rule& rule, DiagnosticSink& si
 /// The part between `if` and `then` alone.
 bool parseCondition(const SentenceText& sentence, Antecedent& condition, DiagnosticSink& sink);
 
+/// `("more" | "less") VARIABLE never ("raises" | "lowers") ["any"] NAME`.
+bool parseMonotony(const SentenceText& sentence, Monotony& promise, DiagnosticSink& sink);
+
 } // namespace gnomon::rules

@@ -45,6 +45,9 @@ public:
         if (const Node* node = map.required("rules")) readRules(*node, base.rules);
         if (const Node* node = map.optional("otherwise")) readOtherwise(*node, base);
         if (const Node* node = map.optional("policy")) readPolicy(*node, base.policy);
+        if (const Node* node = map.optional("kinds"))
+            readWords(*node, "'kinds'", [&](const Node& word) { base.kinds.push_back({word.text, word.at}); });
+        if (const Node* node = map.optional("monotony")) readMonotony(*node, base.monotony);
         if (const Node* node = map.optional("tuned")) readTuned(*node);
         map.finish();
         return base;
@@ -229,6 +232,18 @@ private:
         made.id = "otherwise";
         if (readSentence(node, [&](const SentenceText& s) { return parseOtherwise(s, made, sink_); }))
             base.otherwise = std::move(made);
+    }
+
+    void readMonotony(const Node& node, std::vector<Monotony>& promises)
+    {
+        constexpr std::size_t kMost = 256;
+        readWords(node, "'monotony'", [&](const Node& item) {
+            Monotony made;
+            if (promises.size() == kMost)
+                sink_.error("R07", item.at, "more than " + std::to_string(kMost) + " sentences");
+            else if (readSentence(item, [&](const SentenceText& s) { return parseMonotony(s, made, sink_); }))
+                promises.push_back(std::move(made));
+        });
     }
 
     void readPolicy(const Node& node, Policy& policy)

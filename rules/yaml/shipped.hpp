@@ -11,7 +11,7 @@ struct ShippedRuleBase {
     std::string_view text;
 };
 
-/// `default` first, then `thesis`.
+/// `default` first, then `quality`, `battery` and `thesis`.
 std::span<const ShippedRuleBase> shippedRuleBases() noexcept;
 
 /// The text of one of them, or an empty view.

@@ -101,9 +101,46 @@ TEST_CASE("default.yaml lints clean, reads all eight facts, and gives a reason f
     CHECK(base.policy.budget.headroom == 0.02);
 }
 
+TEST_CASE("every shipped rule base lints clean, without a warning, and gives a reason for every rule")
+{
+    for (const ShippedRuleBase& shipped : shippedRuleBases()) {
+        const RuleBase base = parsed(shipped.text, shipped.name);
+        for (const Diagnostic& finding : lint(base, vocabulary()))
+            FAIL_CHECK(toText(finding));
+        for (const Rule& rule : base.rules)
+            CHECK_MESSAGE(!rule.because.empty(), rule.id);
+        CHECK(base.name == shipped.name);
+    }
+}
+
+TEST_CASE("quality.yaml keeps exact edges near, battery.yaml takes maps as soon as it can")
+{
+    const Engine quality = bound(parsed(shippedRuleBase("quality"))),
+                 battery = bound(parsed(shippedRuleBase("battery")));
+    const auto best = [](const Engine& engine, std::vector<double> facts, std::initializer_list<std::size_t> eligible) {
+        Inference inference = engine.makeInference();
+        engine.evaluate(facts, inference);
+        return bestOf(inference, eligible);
+    };
+    // dynamicLights, lightMotion, viewerDistance, screenShare, casterTriangles, lightRadius, receiverPlanarity,
+    // frameBudget
+    const std::vector<double> small = {1, 1, 5, 0.5, 3.2, 0, 0.5, 0.3}, big = {1, 1, 5, 0.7, 5.5, 0, 0.5, 0.9},
+                              far = {1, 0, 80, 0.5, 3.2, 0, 0.5, 0.3}, late = {1, 1, 5, 0.5, 3.2, 0, 0.5, 1.5};
+    const std::initializer_list<std::size_t> spot = {0, 1, 2, 3}, point = {0, 2, 3, 4, 5};
+    CHECK(best(quality, small, spot) == "stencil_volume");
+    CHECK(best(quality, big, point) == "pcf_hybrid");
+    CHECK(best(quality, far, spot) == "stencil_volume");
+    CHECK(best(quality, late, spot) == "stencil_volume");
+    CHECK(best(battery, small, spot) == "stencil_volume");
+    CHECK(best(battery, big, spot) == "shadow_map");
+    CHECK(best(battery, big, point) == "dual_paraboloid");
+    CHECK(best(battery, far, point) == "cube_map");
+    CHECK(best(battery, late, spot) == "shadow_map");
+}
+
 TEST_CASE("the shipped rule bases are found by name, and nothing else is")
 {
-    CHECK(shippedRuleBases().size() == 2);
+    CHECK(shippedRuleBases().size() == 4);
     CHECK(shippedRuleBases()[0].name == "default");
     CHECK(shippedRuleBase("nonesuch").empty());
 }

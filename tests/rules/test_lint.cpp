@@ -168,6 +168,144 @@ TEST_CASE("L06: suitability terms outside the closed form are reported")
     CHECK(contains(found[1], "slow general form"));
 }
 
+TEST_CASE("L02: situations that only a whisper speaks of are found by sampling, unless otherwise is there")
+{
+    const auto base = [](std::string_view otherwise) {
+        return baseOf({ramp("x")},
+                      {"if x is high then left is favoured and others are avoided",
+                       "if x is low then right is favoured and others are avoided with 0.09"},
+                      otherwise);
+    };
+    const auto found = findings(lintOf(base("")), "L02");
+    REQUIRE(found.size() == 1);
+    CHECK(contains(found[0], "no rule is stronger than 0.1 in"));
+    CHECK(contains(found[0], "for example where x = 0"));
+    CHECK(findings(lintOf(base("left is acceptable and right is acceptable")), "L02").empty());
+}
+
+TEST_CASE("L04: two rules that favour and avoid one output at once are found, a declared exception is not")
+{
+    RuleBase base = with(soundBase(), "if x is high and y is high then left is avoided");
+    const auto found = findings(lintOf(base), "L04");
+    REQUIRE(found.size() == 1);
+    CHECK(contains(found[0], "rules 'R1' and 'added' favour and avoid left at once, with strength 1.00"));
+    base.rules.back().priority = 1;
+    CHECK(findings(lintOf(base), "L04").empty());
+    // Neighbouring terms cross at one half; that much contradiction is in every rule base.
+    CHECK(findings(lintOf(with(soundBase(), "if x is low and y is high then left is avoided")), "L04").empty());
+    CHECK(findings(lintOf(with(soundBase(), "if x is high and y is high then left is acceptable")), "L04").empty());
+    CHECK(
+        findings(lintOf(with(soundBase(), "if x is high and y is high then left is avoided with 0.5")), "L04").empty());
+    const auto half =
+        findings(lintOf(with(soundBase(), "if not x is low and y is high then left is avoided with 0.7")), "L04");
+    REQUIRE(half.size() == 1);
+    CHECK(contains(half[0], "with strength 0.70"));
+}
+
+TEST_CASE("L04: crisp terms that share an edge contradict each other nowhere else, whole numbers only where they are")
+{
+    const auto crisp = [](double secondFrom, std::string unit) {
+        return baseOf({variable("n", 0, 9,
+                                {{"few", {-kInf, -kInf, 4, 4}, {}}, {"many", {secondFrom, secondFrom, kInf, kInf}, {}}},
+                                std::move(unit))},
+                      {"if n is few then left is favoured and right is avoided",
+                       "if n is many then left is avoided and right is favoured"});
+    };
+    CHECK(findings(lintOf(crisp(4, "")), "L04").empty());
+    CHECK(findings(lintOf(crisp(3.5, "")), "L04").size() == 1);
+    CHECK(findings(lintOf(crisp(3.5, "count")), "L04").size() == 1); // 4 is both
+    CHECK(findings(lintOf(crisp(4.5, "count")), "L04").empty());
+}
+
+TEST_CASE("L07: an output that is favoured but never wins, and ties that only order decides")
+{
+    const auto found = findings(lintOf(with(soundBase(), "if x is high and y is high then third is favoured with 0.3"),
+                                       {{"left", {}}, {"right", {}}, {"third", {}}}),
+                                "L07");
+    REQUIRE(found.size() == 1);
+    CHECK(contains(found[0], "third never wins, though rule 'added' favours it"));
+
+    const RuleBase twins = baseOf({ramp("x")}, {"if x is high or low then left is favoured and right is favoured"});
+    const auto ties = findings(lintOf(twins), "L07");
+    REQUIRE(ties.size() == 1);
+    CHECK(contains(ties[0], "only the order of the outputs decides in"));
+    CHECK(contains(ties[0], "between left and right where x = "));
+}
+
+TEST_CASE("L07: only outputs of one kind compete")
+{
+    RuleBase base = soundBase();
+    const std::vector<OutputInfo> outputs = {{"left", {"spot"}}, {"right", {"spot"}}, {"twin", {"point"}}};
+    base = with(base, "if x is high or x is low then twin is favoured");
+    CHECK(findings(lintOf(base, outputs), "L07").size() == 1); // ties with whoever wins
+    base.kinds = {{"spot", {}}, {"point", {}}};
+    CHECK(findings(lintOf(base, outputs), "L07").empty());
+    base.kinds = {{"spotty", {}}};
+    CHECK(contains(lintOf(base, outputs).at(0).message, "unknown trait 'spotty'"));
+}
+
+TEST_CASE("L08: a trace that lingers on a boundary closer than its noise is reported, one that stays away is not")
+{
+    const Engine engine = engineOf(soundBase(), kTwo); // changes over at x = 0.5, whatever y is
+    const std::vector<double> noise = {0.02, 0.02};
+    std::vector<double> lingering, away;
+    for (int i = 0; i < 100; ++i) {
+        lingering.insert(lingering.end(), {i < 8 ? 0.51 : 0.8, 0.5});
+        away.insert(away.end(), {i < 4 ? 0.51 : 0.8, 0.5});
+    }
+    const auto found = findings(lintTrace(engine, {lingering, noise}), "L08");
+    REQUIRE(found.size() == 1);
+    CHECK(contains(found[0], "noise of 0.02 in 'x' overturns the decision in 8.0 % of the trace, first in frame 0"));
+    CHECK(lintTrace(engine, {away, noise}).empty());
+    CHECK(lintTrace(engine, {lingering, std::vector<double>{0.005, 0.02}}).empty());
+
+    // Without numbers for the noise it is taken from the trace: frames that jump by 0.03.
+    std::vector<double> jumping;
+    for (int i = 0; i < 100; ++i)
+        jumping.insert(jumping.end(), {0.49 + 0.03 * (i % 2), 0.5});
+    CHECK(findings(lintTrace(engine, {jumping, {}}), "L08").size() == 1);
+    CHECK(lintTrace(engine, {}).empty());
+}
+
+TEST_CASE("L09: a promise that does not hold is reported with the facts that break it")
+{
+    const auto promising = [](std::string_view promise) {
+        RuleBase base = soundBase(); // x high favours left
+        base.monotony.emplace_back();
+        DiagnosticSink sink("promise");
+        REQUIRE(parseMonotony({promise}, base.monotony.back(), sink));
+        return findings(lintOf(base), "L09");
+    };
+    CHECK(promising("more x never lowers left").empty());
+    CHECK(promising("less x never raises left").empty());
+    CHECK(promising("more y never raises right").empty());
+    const auto found = promising("more x never raises left");
+    REQUIRE(found.size() == 1);
+    CHECK(contains(found[0], "1:6 'more x never raises left' does not hold: left goes from 0.16 to "));
+    CHECK(promising("less x never lowers left").size() == 1);
+
+    RuleBase base = soundBase();
+    base.monotony = {{"z", true, true, false, "left", {}, {}, ""}};
+    CHECK(contains(lintOf(base).at(0).message, "unknown variable 'z'"));
+    base.monotony = {{"x", true, true, true, "soft", {}, {}, ""}};
+    CHECK(contains(lintOf(base).at(0).message, "unknown trait 'soft'"));
+}
+
+TEST_CASE("L10: where the floor holds and every output is vetoed or too poor, the floor cannot be kept")
+{
+    RuleBase base = with(soundBase(), "if y is high then never left");
+    DiagnosticSink sink("floor");
+    REQUIRE(parseCondition({"x is high"}, base.policy.floor.when, sink));
+    CHECK(findings(lintOf(base), "L10").empty()); // right is left, as far as anybody knows
+    const std::vector<OutputInfo> poorRight = {{"left", {}, 0.9}, {"right", {}, 0.5}};
+    const auto found = findings(lintOf(base, poorRight), "L10");
+    REQUIRE(found.size() == 1);
+    CHECK(contains(found[0], "1:1 the floor asks for quality 0.8, but none of left, right may serve in"));
+    CHECK(findings(lintOf(soundBase(), poorRight), "L10").empty());
+    base.policy.floor.minimumQuality = 0.4;
+    CHECK(findings(lintOf(base, poorRight), "L10").empty());
+}
+
 TEST_CASE("values that make no variable are refused before anything is evaluated")
 {
     const auto refused = [](const Variable& v) {

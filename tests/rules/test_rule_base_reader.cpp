@@ -180,6 +180,26 @@ TEST_CASE("concepts and priorities arrive, and a circle is reported at the word 
           "4:58: error R05: 'priority' must be a number from 0 to 9\n");
 }
 
+TEST_CASE("kinds and promises arrive, and a promise that is none is refused at the word")
+{
+    const std::string head = std::string(kHead) + "rules: [{rule: if x is high then any soft is favoured}]\n";
+    const RuleBase base = parsed(head + "kinds: [spot, point]\nmonotony: [more x never raises any soft]\n");
+    REQUIRE(base.kinds.size() == 2);
+    CHECK(base.kinds[1].name == "point");
+    REQUIRE(base.monotony.size() == 1);
+    CHECK(base.monotony[0].variable == "x");
+    CHECK(base.monotony[0].ascending);
+    CHECK(base.monotony[0].raises);
+    CHECK(base.monotony[0].isTrait);
+    CHECK(base.monotony[0].name == "soft");
+    CHECK(errorsOf(head + "monotony:\n  - more x always raises p\n") ==
+          "6:12: error R06: expected 'never', found 'always'\n");
+    CHECK(errorsOf(head + "monotony:\n  - most x never raises p\n") ==
+          "6:5: error R06: expected 'more' or 'less', found 'most'\n");
+    CHECK(errorsOf(head + "monotony:\n  - less z never raises p\n") == "6:10: error L01: unknown variable 'z'\n");
+    CHECK(errorsOf(head + "kinds: spot\n") == "5:8: error R04: 'kinds' is a list of words\n");
+}
+
 TEST_CASE("aliases, anchors, merge keys and repeated keys are errors")
 {
     CHECK(errorsOf(std::string(kHead) + "rules: &r []\n") == "4:8: error R02: anchors are not accepted\n");

@@ -14,11 +14,18 @@ namespace gnomon::rules::test {
 inline const std::vector<FactInfo> kFacts = {
     {"dynamicLights", "count"},   {"lightMotion", "share"}, {"viewerDistance", "m"},        {"screenShare", "share"},
     {"casterTriangles", "log10"}, {"lightRadius", "m"},     {"receiverPlanarity", "share"}, {"frameBudget", "ratio"}};
-inline const std::vector<OutputInfo> kMethods = {{"ray_traced", {}}, {"shadow_map", {}}, {"stencil_volume", {}},
-                                                 {"pcf_hybrid", {}}, {"cube_map", {}},   {"dual_paraboloid", {}}};
+inline const std::vector<OutputInfo> kMethods = {
+    {"ray_traced", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}},
+    {"shadow_map", {"directional", "spot", "hard", "fixedPenumbra"}},
+    {"stencil_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}},
+    {"pcf_hybrid", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}},
+    {"cube_map", {"point", "hard", "fixedPenumbra"}},
+    {"dual_paraboloid", {"point", "hard", "fixedPenumbra", "cpuGeometry"}}};
+inline const std::vector<std::string> kTraits = {"directional",  "spot",  "point",       "hard", "fixedPenumbra",
+                                                 "softPenumbra", "exact", "cpuGeometry", "rays"};
 inline Vocabulary vocabulary()
 {
-    return {.facts = kFacts, .outputs = kMethods, .absent = {}, .traits = {}};
+    return {.facts = kFacts, .outputs = kMethods, .absent = {}, .traits = kTraits};
 }
 
 inline std::string readFile(const std::string& path)
