@@ -21,9 +21,11 @@ constexpr double kClip = 0.25;          // octaves. A spike of x4 moves the fit 
 constexpr double kSlopeVariance = 0.25; // prior: slopes are within 0.5 of the guess
 constexpr double kConstantVariance = 4; // prior: within 2 octaves, a factor of 4
 constexpr double kCovarianceCap = kConstantVariance + (kFeatures - 1) * kSlopeVariance; // never less sure than at first
-constexpr double kStartNoise = 0.0123;   // log2(1.08)^2: 8 %, the timing noise usual for GPUs
-constexpr double kLeastNoise = 1e-4;     // 0.7 %: timers are no better
-constexpr double kNoiseRate = 0.02;      // smoothing of the noise over 50 timings
+constexpr double kStartNoise = 0.0123; // log2(1.08)^2: 8 %, the timing noise usual for GPUs
+constexpr double kStartLights = 0.04;  // (0.2 octaves)^2: a light differs from the fit by 15 %, until lights have shown
+constexpr double kLeastNoise = 1e-4;   // 0.7 %: timers are no better
+constexpr double kLightsRate = 0.002;  // of the variance among lights: some seconds of timings
+constexpr double kNoiseRate = 0.02;    // smoothing of the noise over 50 timings
 constexpr double kForeignVariance = 1.0; // of the device factor of a foreign calibration: within a factor of 2
 
 constexpr uint32_t kDiscarded = 3;     // timings after a switch: caches, allocation, clocks
@@ -82,6 +84,7 @@ void CostModel::reset(Track& track, uint32_t t) noexcept
     track = {};
     track.theta = priorOf(t);
     track.noise = kStartNoise;
+    track.lights = kStartLights;
     // In units of the noise, so that the prior weighs in octaves.
     for (uint32_t i = 0; i < kFeatures; ++i)
         track.covariance[i * kFeatures + i] = (i == 0 ? kConstantVariance : kSlopeVariance) / kStartNoise;
@@ -176,7 +179,7 @@ CostModel::Octaves CostModel::octaves(uint32_t light, uint32_t method, uint32_t 
         const double n = own.samples / (1.0 + distance); // what was learned elsewhere counts for less
         const double weight = n / (n + kResidualBlend);
         mean += weight * own.octaves;
-        variance += known.noise * (1.0 - weight); // lights differ from the fit by about as much as timings do
+        variance += known.lights * (1.0 - weight);
     }
     return {mean, variance, known.seen, known.samples >= kFeatures};
 }
@@ -230,7 +233,9 @@ void CostModel::observe(const Observation& observation) noexcept
         for (uint32_t j = 0; j < kFeatures; ++j)
             spread += f[i] * known.covariance[i * kFeatures + j] * f[j];
     }
-    learn(residual(observation.light, observation.method, t), f, error);
+    Residual& own = residual(observation.light, observation.method, t);
+    learn(own, f, error);
+    if (own.samples >= kResidualBlend) known.lights += (own.octaves * own.octaves - known.lights) * kLightsRate;
     // While the fit is a guess a large error is what one expects; the clip narrows as it becomes sure.
     const double clip = std::max(kClip, 2.0 * std::sqrt(known.noise * spread));
     const double clipped = std::clamp(error, -clip, clip);

@@ -101,7 +101,8 @@ private:
     struct Track {
         Features theta{};
         Matrix covariance{};
-        double noise = 0.0; ///< Variance of one timing, octaves squared.
+        double noise = 0.0;  ///< Variance of one timing, octaves squared.
+        double lights = 0.0; ///< Variance among lights, octaves squared.
         uint32_t samples = 0;
         bool seen = false; ///< Any timing at all: a track never seen predicts nothing.
     };

@@ -188,8 +188,9 @@ void PlanStep::move(uint32_t light, uint32_t to) noexcept
 
 /// The single downgrade that loses least among those that suffice; where none does, the best loss per millisecond, and
 /// again. False if kMostRepairs were not enough.
-bool PlanStep::repair(double usableMs) noexcept
+bool PlanStep::repair(const PlanInput& input, double usableMs) noexcept
 {
+    const rules::Policy::Hysteresis& hysteresis = policyOf(input).hysteresis;
     for (uint32_t round = 0; sums_.costMs > usableMs; ++round) {
         if (round == kMostRepairs) return false;
         const double excess = sums_.costMs - usableMs;
@@ -204,7 +205,9 @@ bool PlanStep::repair(double usableMs) noexcept
                 if (!(saved > 0.0)) continue;
                 const bool enough = saved >= excess;
                 if (suffices && !enough) continue;
-                const double loss = values_[at(light, current_[light])] - values_[at(light, m)];
+                double loss = values_[at(light, current_[light])] - values_[at(light, m)];
+                if (wouldFlip(*input.lights[light].memory, m, input.frame, hysteresis.flipWindowFrames))
+                    loss += hysteresis.planGain * sums_.value; // a flip is worth what a change must gain
                 const double score = enough ? loss : loss / saved;
                 if (enough == suffices && score >= bestScore) continue;
                 suffices = enough, bestScore = score, bestLight = light, bestMethod = m;
@@ -306,7 +309,14 @@ PlanReport PlanStep::planWithinBudget(const PlanInput& input) noexcept
     const double headroom = headroomMs(input, current, report.standardErrorMs);
     report.usableMs = input.budgetMs - headroom;
     problem_.budgetMs = report.usableMs;
-    const Solution solution = knapsack_.solve(problem_, best);
+    Solution solution = knapsack_.solve(problem_, best);
+    // Methods that the lights have not shown yet are less sure than the incumbents: once more with their own headroom.
+    double bestErrorMs = 0.0;
+    const double bestHeadroom = headroomMs(input, best, bestErrorMs);
+    if (solution.fits && solution.costMs > input.budgetMs - bestHeadroom) {
+        report.usableMs = problem_.budgetMs = input.budgetMs - bestHeadroom;
+        solution = knapsack_.solve(problem_, best);
+    }
     report.bestValue = solution.value;
     report.bestMs = solution.costMs;
 
@@ -324,7 +334,7 @@ PlanReport PlanStep::planWithinBudget(const PlanInput& input) noexcept
             report.cause = Cause::forced;
         }
     countUsers();
-    const double keepMs = report.usableMs + kKeepShare * headroom;
+    const double keepMs = input.budgetMs - (1.0 - kKeepShare) * headroom;
     const bool over = sums_.costMs > keepMs;
     calmFrames_ = over || input.measuredMs > input.budgetMs ? 0 : std::min(calmFrames_ + 1, kSpareFrames);
     if (!over) {
@@ -332,7 +342,12 @@ PlanReport PlanStep::planWithinBudget(const PlanInput& input) noexcept
         return report;
     }
     report.cause = Cause::repaired;
-    if (!repair(report.usableMs) && (solution.fits || solution.costMs < sums_.costMs)) {
+    // Where no plan fits, noise decides which is the cheapest: only a fair gain, or the budget itself, is worth a
+    // change.
+    const double fairMs = (1.0 - policyOf(input).hysteresis.planGain) * sums_.costMs;
+    const bool helps = solution.fits || solution.costMs < fairMs ||
+                       (sums_.costMs > input.budgetMs && solution.costMs <= input.budgetMs);
+    if (helps && !(solution.fits && repair(input, report.usableMs))) {
         std::copy(best.begin(), best.end(), current.begin());
         countUsers();
     }

@@ -166,7 +166,7 @@ private:
     void chooseBySuitability(const PlanInput& input) noexcept;
     PlanReport planWithinBudget(const PlanInput& input) noexcept;
     double headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept;
-    bool repair(double usableMs) noexcept;
+    bool repair(const PlanInput& input, double usableMs) noexcept;
     void improve(const PlanInput& input, PlanReport& report) noexcept;
     Hold tryUpgrade(const PlanInput& input, uint32_t light, double usableMs) noexcept;
     Hold holdOf(const PlanInput& input, uint32_t light) const noexcept;

@@ -293,7 +293,6 @@ TEST_CASE("over random scenes no plan breaks a budget that can be kept, and deci
         Random random(7);
         Scene scene(24, std::vector<Candidate>(12));
         std::vector<uint32_t> history;
-        uint32_t flips = 0;
         for (int frame = 0; frame < 2000; ++frame) {
             for (Candidate& candidate : scene.candidates) {
                 if (frame % 50 && random.unit() > 0.05) continue;
@@ -311,7 +310,6 @@ TEST_CASE("over random scenes no plan breaks a budget that can be kept, and deci
             const PlanReport report = scene.step();
             REQUIRE(rules::test::allocationCount() == before);
             if (cheapest <= report.usableMs * (1 - 1e-9)) REQUIRE(report.predictedMs <= scene.input.budgetMs);
-            flips += report.flips;
             for (uint32_t i = 0; i < 24; ++i) {
                 history.push_back(scene.chosen(i));
                 if (scene.chosen(i) == kNone) continue;

@@ -1,0 +1,239 @@
+#include <algorithm>
+
+#include "demo/replay/replay.hpp"
+#include "runtime/cost/cost_model.hpp"
+#include "runtime/plan/plan.hpp"
+
+namespace gnomon::demo {
+
+namespace {
+
+using plan::kNone;
+
+cost::Workload workloadOf(const Trace& trace, const TraceLight& light, uint32_t method)
+{
+    return {.pixels = light.pixels,
+            .casterTriangles = light.casterTriangles,
+            .mapTexels = trace.mapTexels[method],
+            .still = light.still};
+}
+
+class PlanPolicy : public ReplayPolicy {
+public:
+    PlanPolicy(const Trace& trace, const ReplayOptions& options, const Trace* calibration)
+        : options_(options), methods_(static_cast<uint32_t>(trace.methods.size())), calibrated_(calibration)
+    {
+        model_.resize(methods_, trace.lights);
+        plan_.reserve(trace.lights, methods_);
+        memories_.resize(trace.lights);
+        ages_.resize(trace.lights);
+        if (calibration) calibrate(*calibration);
+    }
+    std::string name() const override { return calibrated_ ? "plan" : "plan_cold"; }
+
+    void decide(const Trace& trace, uint32_t frame, double budgetMs, std::span<uint32_t> chosen) override
+    {
+        requests_.clear(), candidates_.clear(), slots_.clear();
+        for (uint32_t slot = 0; slot < trace.lights; ++slot) {
+            chosen[slot] = kNone;
+            const TraceLight& light = trace.lightStates[trace.cell(frame, slot)];
+            if (light.fresh || !light.present) {
+                memories_[slot] = {}, ages_[slot] = 0;
+                model_.forgetLight(slot);
+            }
+            if (light.present) addLight(trace, frame, slot);
+        }
+        plan_.step({.frame = frame,
+                    .lights = requests_,
+                    .candidates = candidates_,
+                    .methods = methods_,
+                    .budgetMs = budgetMs,
+                    .cut = trace.cuts[frame] != 0,
+                    .policy = &options_.policy});
+        for (size_t i = 0; i < slots_.size(); ++i) {
+            const plan::LightPlan& light = plan_.lights()[i];
+            chosen[slots_[i]] = light.chosen;
+            ages_[slots_[i]] = light.switched ? 0 : ages_[slots_[i]] + 1;
+        }
+    }
+
+    void observe(const Trace& trace, uint32_t frame, std::span<const Timing> timings) override
+    {
+        for (const Timing& timing : timings) {
+            // Timings of a method the light has left are of use too, but their age is not known any more.
+            const bool left = memories_[timing.slot].incumbent != timing.method;
+            const uint32_t age =
+                ages_[timing.slot] > options_.latencyFrames ? ages_[timing.slot] - options_.latencyFrames : 0;
+            const TraceLight& light = trace.lightStates[trace.cell(frame, timing.slot)];
+            cost::Observation observation{.light = timing.slot,
+                                          .method = timing.method,
+                                          .pass = cost::Pass::update,
+                                          .workload = workloadOf(trace, light, timing.method),
+                                          .ms = timing.updateMs,
+                                          .samplesSinceSwitch = left ? 0 : age};
+            model_.observe(observation);
+            observation.pass = cost::Pass::resolve;
+            observation.ms = timing.resolveMs;
+            model_.observe(observation);
+        }
+        model_.endFrame();
+    }
+
+private:
+    void calibrate(const Trace& from)
+    {
+        constexpr uint32_t kPlaces = 40;
+        std::vector<size_t> present;
+        for (size_t i = 0; i < from.lightStates.size(); ++i)
+            if (from.lightStates[i].present) present.push_back(i);
+        for (uint32_t place = 0; place < kPlaces && !present.empty(); ++place) {
+            // Steps of the golden ratio: spread evenly whatever the number of lights (Weyl).
+            const double share = place * 0.6180339887498949;
+            const size_t cell = present[static_cast<size_t>((share - static_cast<uint32_t>(share)) *
+                                                            static_cast<double>(present.size()))];
+            for (uint32_t m = 0; m < methods_; ++m) {
+                const TraceMethod& measured = from.measures[cell * methods_ + m];
+                const cost::Workload workload = workloadOf(from, from.lightStates[cell], m);
+                model_.calibrate(m, cost::Pass::update, cost::Processor::gpu, workload, measured.updateMs);
+                model_.calibrate(m, cost::Pass::resolve, cost::Processor::gpu, workload, measured.resolveMs);
+            }
+        }
+        model_.finishCalibration(true);
+    }
+
+    void addLight(const Trace& trace, uint32_t frame, uint32_t slot)
+    {
+        const TraceLight& light = trace.lightStates[trace.cell(frame, slot)];
+        slots_.push_back(slot);
+        requests_.push_back({.memory = &memories_[slot],
+                             .importance = light.importance,
+                             .floor = light.floor,
+                             .minimumQuality = light.minimumQuality});
+        for (uint32_t m = 0; m < methods_; ++m) {
+            const TraceMethod& measured = trace.measure(frame, slot, m);
+            const cost::Prediction prediction = model_.predict(slot, m, workloadOf(trace, light, m), false);
+            candidates_.push_back({.eligibility = measured.suitability == kTraceVetoed   ? plan::Eligibility::never
+                                                  : measured.suitability == kTraceUnable ? plan::Eligibility::trait
+                                                                                         : plan::Eligibility::eligible,
+                                   .suitability = measured.suitability,
+                                   .quality = static_cast<float>(qualityOf(measured.error)),
+                                   .ms = prediction.ms,
+                                   .sigmaMs = prediction.sigmaMs});
+        }
+    }
+
+    ReplayOptions options_;
+    uint32_t methods_;
+    bool calibrated_;
+    cost::CostModel model_;
+    plan::PlanStep plan_;
+    std::vector<plan::LightMemory> memories_;
+    std::vector<uint32_t> ages_; ///< Frames since the light's last switch.
+    std::vector<plan::LightRequest> requests_;
+    std::vector<plan::Candidate> candidates_;
+    std::vector<uint32_t> slots_;
+};
+
+class FixedPolicy : public ReplayPolicy {
+public:
+    explicit FixedPolicy(uint32_t method) : method_(method) {}
+    std::string name() const override { return "fixed"; }
+    void decide(const Trace& trace, uint32_t frame, double, std::span<uint32_t> chosen) override
+    {
+        for (uint32_t slot = 0; slot < trace.lights; ++slot) {
+            const bool able = trace.lightStates[trace.cell(frame, slot)].present &&
+                              trace.measure(frame, slot, method_).suitability != kTraceUnable;
+            chosen[slot] = able ? method_ : kNone;
+        }
+    }
+
+private:
+    uint32_t method_;
+};
+
+class TablePolicy : public ReplayPolicy {
+public:
+    explicit TablePolicy(const Trace& trace) : methods_(static_cast<uint32_t>(trace.methods.size()))
+    {
+        knapsack_.reserve(trace.lights, methods_);
+        const size_t cells = size_t{trace.lights} * methods_;
+        smoothedMs_.assign(cells, 1.0); // nothing is known: everything costs a millisecond
+        values_.resize(cells);
+        allowed_.resize(trace.lights);
+    }
+    std::string name() const override { return "table"; }
+    void decide(const Trace& trace, uint32_t frame, double budgetMs, std::span<uint32_t> chosen) override
+    {
+        for (uint32_t slot = 0; slot < trace.lights; ++slot) {
+            const TraceLight& light = trace.lightStates[trace.cell(frame, slot)];
+            allowed_[slot] = light.present ? eligibleMethods(trace, frame, slot) : 0;
+            for (uint32_t m = 0; m < methods_; ++m)
+                values_[slot * methods_ + m] = valueOf(trace, frame, slot, m);
+        }
+        knapsack_.solve({trace.lights, methods_, values_, smoothedMs_, allowed_, {}, budgetMs}, chosen);
+    }
+    void observe(const Trace&, uint32_t, std::span<const Timing> timings) override
+    {
+        for (const Timing& timing : timings) {
+            double& smoothed = smoothedMs_[timing.slot * methods_ + timing.method];
+            smoothed += 0.2 * (timing.updateMs + timing.resolveMs - smoothed);
+        }
+    }
+
+private:
+    uint32_t methods_;
+    plan::Knapsack knapsack_;
+    std::vector<double> smoothedMs_, values_;
+    std::vector<uint32_t> allowed_;
+};
+
+} // namespace
+
+double qualityOf(double error) noexcept
+{
+    return 1.0 / (1.0 + 12.5 * error);
+}
+
+double valueOf(const Trace& trace, uint32_t frame, uint32_t slot, uint32_t method) noexcept
+{
+    const TraceMethod& measured = trace.measure(frame, slot, method);
+    if (measured.suitability < 0) return 0.0;
+    return double{trace.lightStates[trace.cell(frame, slot)].importance} * (measured.suitability / 4096.0) *
+           static_cast<double>(static_cast<float>(qualityOf(measured.error)));
+}
+
+/// The same admission as the plan step's, without pins.
+uint32_t eligibleMethods(const Trace& trace, uint32_t frame, uint32_t slot) noexcept
+{
+    const TraceLight& light = trace.lightStates[trace.cell(frame, slot)];
+    uint32_t able = 0, spoken = 0;
+    for (uint32_t m = 0; m < trace.methods.size(); ++m) {
+        const int16_t suitability = trace.measure(frame, slot, m).suitability;
+        if (suitability >= kTraceNoOpinion) able |= 1u << m;
+        if (suitability >= 0) spoken |= 1u << m;
+    }
+    if (spoken) able = spoken;
+    if (!light.floor) return able;
+    float best = 0.0f;
+    auto quality = [&](uint32_t m) { return static_cast<float>(qualityOf(trace.measure(frame, slot, m).error)); };
+    for (uint32_t m = 0; m < trace.methods.size(); ++m)
+        if (able >> m & 1) best = std::max(best, quality(m));
+    for (uint32_t m = 0; m < trace.methods.size(); ++m)
+        if (quality(m) < std::min(best, light.minimumQuality)) able &= ~(1u << m);
+    return able;
+}
+
+std::unique_ptr<ReplayPolicy> planPolicy(const Trace& trace, const ReplayOptions& options, const Trace* calibration)
+{
+    return std::make_unique<PlanPolicy>(trace, options, calibration);
+}
+std::unique_ptr<ReplayPolicy> fixedPolicy(uint32_t method)
+{
+    return std::make_unique<FixedPolicy>(method);
+}
+std::unique_ptr<ReplayPolicy> tablePolicy(const Trace& trace)
+{
+    return std::make_unique<TablePolicy>(trace);
+}
+
+} // namespace gnomon::demo

@@ -1,0 +1,90 @@
+#pragma once
+
+/// Runs policies over a trace and counts what they are worth.
+///
+///     value    = sum over lights of importance * suitability * quality
+///     V*       = value of the best plan with the true times, re-planned every frame, without hysteresis
+///     regret   = 1 - sum V / sum V*; a frame over its budget adds nothing to V
+///     picks    = share of (frame, light) whose choice is worth at least 99 % of what the oracle gave the light
+///     over     = share of frames whose true time exceeds the budget although a plan would have fitted
+///     flip     = A-B-A within 30 frames
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "demo/replay/trace.hpp"
+#include "rules/engine/rule_base.hpp"
+
+namespace gnomon::demo {
+
+/// Quality of an error: 1 without, 0.8 at 2 % wrong pixels, 0.5 at 8 %.
+double qualityOf(double error) noexcept;
+/// importance * suitability * quality of a method for a light; 0 without opinion.
+double valueOf(const Trace& trace, uint32_t frame, uint32_t slot, uint32_t method) noexcept;
+/// Bit m: method m can serve, is not vetoed, and keeps the floor as far as any does.
+uint32_t eligibleMethods(const Trace& trace, uint32_t frame, uint32_t slot) noexcept;
+
+struct ReplayOptions {
+    rules::Policy policy;
+    double budgetMs = 0.0;      ///< 0: the trace's own.
+    uint32_t latencyFrames = 2; ///< Timings are read so many frames late.
+    bool rawTimes = false;      ///< Judge by times drawn from the spread instead of the minima.
+    uint64_t seed = 1;          ///< Of the noise.
+};
+
+/// Something that chooses. Sees a frame's facts and budget, never its times; those come later through observe().
+class ReplayPolicy {
+public:
+    virtual ~ReplayPolicy() = default;
+    virtual std::string name() const = 0;
+    /// One method per slot, kNone where no light is.
+    virtual void decide(const Trace& trace, uint32_t frame, double budgetMs, std::span<uint32_t> chosen) = 0;
+    /// Measured times of a past frame, with noise: per slot update and resolve.
+    struct Timing {
+        uint32_t slot, method;
+        double updateMs, resolveMs;
+    };
+    virtual void observe(const Trace&, uint32_t /*frame*/, std::span<const Timing>) {}
+};
+
+/// The plan step with the cost model, as the runtime has them. The model is calibrated from 40 places of `calibration`,
+/// a trace of the same methods in other situations; null: it starts cold.
+std::unique_ptr<ReplayPolicy> planPolicy(const Trace& trace, const ReplayOptions& options, const Trace* calibration);
+/// The same method for every light that can have it.
+std::unique_ptr<ReplayPolicy> fixedPolicy(uint32_t method);
+/// The obvious way: a table of smoothed times per light and method, the best plan of it every frame.
+std::unique_ptr<ReplayPolicy> tablePolicy(const Trace& trace);
+
+struct ReplayMetrics {
+    std::string policy;
+    double regret = 0.0, picks = 0.0;
+    double over = 0.0, overTenth = 0.0, worst = 0.0; ///< Shares of frames; largest time over budget.
+    double switchesPerLightSecond = 0.0;             ///< From the second second on.
+    uint32_t flips = 0;
+    double flipsPerMinute = 0.0;
+    uint32_t floorViolations = 0; ///< (frame, light) below the floor although a method reaches it.
+    uint32_t infeasible = 0;      ///< Frames for which no plan fits; they count nowhere else.
+    uint32_t longestOver = 0;     ///< Frames in a row over budget: the way back after a step.
+    double meanMs = 0.0, meanError = 0.0;
+    double decisionP50Us = 0.0, decisionP99Us = 0.0; ///< Per light. Wall clock: not deterministic.
+};
+
+/// What the oracle makes of a trace; the same for all policies.
+struct Oracle {
+    std::vector<double> values;    ///< Per frame.
+    std::vector<uint8_t> feasible; ///< Per frame.
+    std::vector<uint32_t> chosen;  ///< frames x lights
+};
+Oracle findOracle(const Trace& trace, const ReplayOptions& options);
+
+ReplayMetrics replay(const Trace& trace, const Oracle& oracle, ReplayPolicy& policy, const ReplayOptions& options);
+
+/// All policies over one trace: plan (calibrated, cold), table, every fixed method.
+std::vector<ReplayMetrics> compare(const Trace& trace, const ReplayOptions& options, const Trace& calibration);
+/// One line per policy.
+std::string toTable(std::span<const ReplayMetrics> metrics);
+
+} // namespace gnomon::demo

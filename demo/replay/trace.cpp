@@ -1,0 +1,217 @@
+#include "demo/replay/trace.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "runtime/cost/exponent.hpp"
+
+namespace gnomon::demo {
+
+namespace {
+
+constexpr std::string_view kMagic = "GNTRACE1";
+constexpr size_t kMostCells = size_t{1} << 24; ///< (frame, light, method) triples: 340 MB in memory.
+constexpr double kTimeSteps = 2048.0, kTimeShift = 20.0, kSpreadSteps = 32.0;
+
+uint64_t hashOf(std::string_view bytes)
+{
+    uint64_t hash = 14695981039346656037u;
+    for (const char c : bytes)
+        hash = (hash ^ static_cast<uint8_t>(c)) * 1099511628211u;
+    return hash;
+}
+
+uint16_t packTime(float ms)
+{
+    if (!(ms > 0.0f)) return 0;
+    return static_cast<uint16_t>(std::clamp(1.5 + (cost::log2Exactly(ms) + kTimeShift) * kTimeSteps, 1.0, 65535.0));
+}
+float unpackTime(uint16_t packed)
+{
+    return packed == 0 ? 0.0f : static_cast<float>(cost::exp2Exactly((packed - 1) / kTimeSteps - kTimeShift));
+}
+
+class Writer {
+public:
+    template <typename Integer>
+    void integer(Integer value)
+    {
+        for (size_t i = 0; i < sizeof value; ++i)
+            bytes.push_back(static_cast<char>(static_cast<uint64_t>(value) >> (8 * i) & 0xff));
+    }
+    void real(float value) { integer(std::bit_cast<uint32_t>(value)); }
+    void name(std::string_view text)
+    {
+        text = text.substr(0, 255);
+        integer(static_cast<uint8_t>(text.size()));
+        bytes += text;
+    }
+    std::string bytes;
+};
+
+/// Reads past the end give zeros and set `failed`, so that a caller checks once per record.
+class Reader {
+public:
+    explicit Reader(std::string_view bytes) : bytes_(bytes) {}
+    template <typename Integer>
+    Integer integer()
+    {
+        uint64_t value = 0;
+        if (left() < sizeof(Integer)) return fail(), Integer{};
+        for (size_t i = 0; i < sizeof(Integer); ++i)
+            value |= uint64_t{static_cast<uint8_t>(bytes_[at_++])} << (8 * i);
+        return static_cast<Integer>(value);
+    }
+    /// Numbers of a trace are finite and not negative; facts alone may be NaN (unknown) or of either sign.
+    float measure()
+    {
+        const float value = std::bit_cast<float>(integer<uint32_t>());
+        if (!std::isfinite(value) || value < 0.0f) failed = true;
+        return value;
+    }
+    float fact() { return std::bit_cast<float>(integer<uint32_t>()); }
+    std::string name()
+    {
+        const size_t length = integer<uint8_t>();
+        if (left() < length) return fail(), std::string{};
+        at_ += length;
+        return std::string(bytes_.substr(at_ - length, length));
+    }
+    size_t left() const { return bytes_.size() - at_; }
+    bool failed = false;
+
+private:
+    void fail() { failed = true, at_ = bytes_.size(); }
+    std::string_view bytes_;
+    size_t at_ = 0;
+};
+
+void readLight(Reader& in, Trace& trace, uint32_t frame, uint32_t slot)
+{
+    TraceLight& light = trace.lightStates[trace.cell(frame, slot)];
+    light.present = true;
+    light.importance = in.measure();
+    light.minimumQuality = in.measure();
+    const auto flags = in.integer<uint8_t>();
+    light.floor = flags & 1, light.still = flags & 2, light.fresh = flags & 4;
+    light.pixels = in.measure();
+    light.casterTriangles = in.measure();
+    for (size_t i = 0; i < trace.facts.size(); ++i)
+        trace.factValues[trace.cell(frame, slot) * trace.facts.size() + i] = in.fact();
+    for (uint32_t m = 0; m < trace.methods.size(); ++m) {
+        TraceMethod& method = trace.measure(frame, slot, m);
+        method.updateMs = unpackTime(in.integer<uint16_t>());
+        method.resolveMs = unpackTime(in.integer<uint16_t>());
+        method.error = static_cast<float>(in.integer<uint16_t>()) / 65535.0f;
+        method.spread = static_cast<float>(cost::exp2Exactly(in.integer<uint8_t>() / kSpreadSteps));
+        method.suitability = in.integer<int16_t>();
+        if (method.suitability < kTraceVetoed || method.suitability > 4096) in.failed = true;
+    }
+}
+
+void writeLight(Writer& out, const Trace& trace, uint32_t frame, uint32_t slot)
+{
+    const TraceLight& light = trace.lightStates[trace.cell(frame, slot)];
+    out.real(light.importance);
+    out.real(light.minimumQuality);
+    out.integer(static_cast<uint8_t>(light.floor | light.still << 1 | light.fresh << 2));
+    out.real(light.pixels);
+    out.real(light.casterTriangles);
+    for (size_t i = 0; i < trace.facts.size(); ++i)
+        out.real(trace.factValues[trace.cell(frame, slot) * trace.facts.size() + i]);
+    for (uint32_t m = 0; m < trace.methods.size(); ++m) {
+        const TraceMethod& method = trace.measure(frame, slot, m);
+        out.integer(packTime(method.updateMs));
+        out.integer(packTime(method.resolveMs));
+        out.integer(static_cast<uint16_t>(std::clamp(method.error, 0.0f, 1.0f) * 65535.0f + 0.5f));
+        const double spread = cost::log2Exactly(std::max(1.0f, method.spread)) * kSpreadSteps;
+        out.integer(static_cast<uint8_t>(std::min(spread + 0.5, 255.0)));
+        out.integer(method.suitability);
+    }
+}
+
+} // namespace
+
+void Trace::allocate()
+{
+    const size_t cells = size_t{frames} * lights;
+    mapTexels.resize(methods.size());
+    budgetsMs.resize(frames);
+    cuts.resize(frames);
+    lightStates.resize(cells);
+    factValues.resize(cells * facts.size());
+    measures.resize(cells * methods.size());
+}
+
+std::string writeTrace(const Trace& trace)
+{
+    Writer out;
+    out.bytes = kMagic;
+    for (const size_t count : {size_t{trace.frames}, size_t{trace.lights}, trace.methods.size(), trace.facts.size()})
+        out.integer(static_cast<uint32_t>(count));
+    out.real(trace.frameSeconds);
+    for (size_t m = 0; m < trace.methods.size(); ++m) {
+        out.name(trace.methods[m]);
+        out.real(trace.mapTexels[m]);
+    }
+    for (const std::string& fact : trace.facts)
+        out.name(fact);
+    for (uint32_t frame = 0; frame < trace.frames; ++frame) {
+        out.real(trace.budgetsMs[frame]);
+        out.integer(static_cast<uint8_t>(trace.cuts[frame] ? 1 : 0));
+        for (uint32_t slot = 0; slot < trace.lights; ++slot)
+            out.integer(static_cast<uint8_t>(trace.lightStates[trace.cell(frame, slot)].present));
+        for (uint32_t slot = 0; slot < trace.lights; ++slot)
+            if (trace.lightStates[trace.cell(frame, slot)].present) writeLight(out, trace, frame, slot);
+    }
+    const uint64_t hash = hashOf(out.bytes);
+    out.integer(hash);
+    return std::move(out.bytes);
+}
+
+Outcome<Trace> readTrace(std::string_view bytes)
+{
+    auto failure = [](const char* why) { return Outcome<Trace>::failure(why); };
+    if (!bytes.starts_with(kMagic.substr(0, 7))) return failure("not a trace");
+    if (!bytes.starts_with(kMagic)) return failure("a trace of another version; record it again");
+    Reader in(bytes.substr(kMagic.size()));
+    Trace trace;
+    trace.frames = in.integer<uint32_t>();
+    trace.lights = in.integer<uint32_t>();
+    const auto methods = in.integer<uint32_t>(), facts = in.integer<uint32_t>();
+    trace.frameSeconds = in.measure();
+    if (trace.frames > kTraceMostFrames || trace.lights > kTraceMostLights || methods > kTraceMostMethods ||
+        facts > kTraceMostFacts || !(trace.frameSeconds > 0.0f))
+        return failure("the trace's header is out of bounds");
+    // Before anything is allocated: a frame takes at least its head, and no more cells than memory is meant for.
+    if (in.left() < size_t{trace.frames} * (5 + trace.lights) ||
+        size_t{trace.frames} * trace.lights * (methods + facts + 1) > kMostCells)
+        return failure("the trace is shorter than its header says, or too large");
+    std::vector<float> texels;
+    for (uint32_t m = 0; m < methods && !in.failed; ++m) {
+        trace.methods.push_back(in.name());
+        texels.push_back(in.measure());
+    }
+    for (uint32_t f = 0; f < facts && !in.failed; ++f)
+        trace.facts.push_back(in.name());
+    if (in.failed) return failure("the trace's names are damaged");
+    trace.allocate();
+    trace.mapTexels = std::move(texels);
+    std::vector<uint8_t> present(trace.lights);
+    for (uint32_t frame = 0; frame < trace.frames; ++frame) {
+        trace.budgetsMs[frame] = in.measure();
+        trace.cuts[frame] = in.integer<uint8_t>() & 1;
+        for (uint8_t& flag : present)
+            flag = in.integer<uint8_t>();
+        for (uint32_t slot = 0; slot < trace.lights && !in.failed; ++slot)
+            if (present[slot]) readLight(in, trace, frame, slot);
+        if (in.failed) return Outcome<Trace>::failure("frame " + std::to_string(frame) + " of the trace is damaged");
+    }
+    if (in.left() != 8) return failure("the trace does not end where it should");
+    if (in.integer<uint64_t>() != hashOf(bytes.substr(0, bytes.size() - 8))) return failure("the trace's hash differs");
+    return trace;
+}
+
+} // namespace gnomon::demo
