@@ -21,6 +21,15 @@ std::size_t gnomon::test::allocationCount() noexcept
     return allocations.load();
 }
 
+bool gnomon::test::countsOnlyOurs() noexcept
+{
+#if defined(GN_TEST_SANITIZED)
+    return false;
+#else
+    return true;
+#endif
+}
+
 #if defined(GN_TEST_SANITIZED)
 
 // A sanitizer brings its own operator new, linked statically by clang; its hooks see every allocation instead.
