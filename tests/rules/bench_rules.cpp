@@ -3,9 +3,19 @@
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <unistd.h>
+
 #include "bench_base.hpp"
 #include "rules/engine/batch.hpp"
+#include "rules/engine/export_fll.hpp"
 #include "rules/engine/lint.hpp"
+#include "rules/engine/number_text.hpp"
 
 using namespace gnomon::rules;
 using namespace gnomon::rules::test;
@@ -106,4 +116,93 @@ BENCHMARK(lintRules)->Unit(benchmark::kMillisecond);
 
 } // namespace
 
-BENCHMARK_MAIN();
+namespace {
+
+/// Nanoseconds a call of `work`: the least of several rounds, since everything that disturbs only adds.
+template <typename Work>
+double leastTime(Work&& work)
+{
+    constexpr int kRounds = 30, kCalls = 2000;
+    double least = 1e300;
+    for (int round = 0; round < kRounds; ++round) {
+        const auto begin = std::chrono::steady_clock::now();
+        for (int i = 0; i < kCalls; ++i)
+            work(i);
+        const std::chrono::duration<double, std::nano> spent = std::chrono::steady_clock::now() - begin;
+        least = std::min(least, spent.count() / kCalls);
+    }
+    return least;
+}
+
+/// Nanoseconds fuzzylite takes for one evaluation of the same base, by its own `benchmark` command; 0 where there is no
+/// such program. The least of five runs.
+double fuzzyliteTime(const Engine& engine)
+{
+    constexpr int kPoints = 2000;
+    const std::filesystem::path folder = std::filesystem::temp_directory_path();
+    const std::string name = (folder / ("gnomon_bench_" + std::to_string(getpid()))).string();
+    std::ofstream(name + ".fll") << exportFll(engine, 100).text;
+    {
+        Random random;
+        std::ofstream points(name + ".fld");
+        for (int i = 0; i < kPoints; ++i) {
+            for (int f = 0; f < 6; ++f)
+                points << shortestText(random.unit()) << ' ';
+            points << '\n';
+        }
+    }
+    const std::string command =
+        "fuzzylite benchmark " + name + ".fll " + name + ".fld 5 " + name + ".tsv > /dev/null 2>&1";
+    double least = 0.0;
+    if (std::system(command.c_str()) == 0) {
+        std::ifstream table(name + ".tsv");
+        std::string heads, values;
+        std::getline(table, heads);
+        std::getline(table, values);
+        std::istringstream head(heads), value(values);
+        for (std::string column, number; std::getline(head, column, '\t') && std::getline(value, number, '\t');) {
+            if (column.size() != 2 || column[0] != 't') continue; // t1 to t5, nanoseconds for all points
+            const double time = parseNumber(number).value_or(0.0) / kPoints;
+            least = least == 0.0 ? time : std::min(least, time);
+        }
+    }
+    for (const char* suffix : {".fll", ".fld", ".tsv"})
+        std::filesystem::remove(name + suffix);
+    return least;
+}
+
+void printRatios()
+{
+    const Bench bench(40);
+    const std::vector<double> facts = randomColumns();
+    Inference one = bench.engine->makeInference();
+    const double scalarTime = leastTime([&](int i) {
+        bench.engine->evaluate(std::span(facts).subspan(static_cast<std::size_t>(i) % kLights * 6, 6), one);
+        benchmark::DoNotOptimize(one.outputs.data());
+    });
+    const BatchEngine batch(*bench.engine);
+    BatchInference all = batch.makeInference(kLights);
+    const double batchTime = leastTime([&](int) {
+                                 batch.evaluateBatch(facts, kLights, all);
+                                 benchmark::DoNotOptimize(all.quantised.data());
+                             }) /
+                             kLights;
+    const double other = fuzzyliteTime(*bench.engine);
+    std::printf("least times: scalar %.0f ns, batch %.1f ns a light (scalar / batch %.1f)\n", scalarTime, batchTime,
+                scalarTime / batchTime);
+    if (other == 0.0)
+        std::printf("no program 'fuzzylite' here to compare with\n");
+    else
+        std::printf("fuzzylite benchmark %.0f ns: %.0f times the scalar engine, %.0f times the batch\n", other,
+                    other / scalarTime, other / batchTime);
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+    benchmark::RunSpecifiedBenchmarks();
+    printRatios();
+}
