@@ -128,7 +128,7 @@ bool isSupported(InstructionSet set) noexcept
         return true;
 #if GNOMON_BATCH_X86
     case InstructionSet::Avx2:
-        return __builtin_cpu_supports("avx2");
+        return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
     case InstructionSet::Avx512:
         return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq");
 #endif
@@ -165,7 +165,7 @@ BatchEngine::BatchEngine(const Engine& engine, InstructionSet set) : engine_(&en
                           flanksAreDisjoint(std::span(compiled.terms).subspan(v.firstTerm, v.termCount)), v.low,
                           v.high});
     for (const Trapezoid& s : compiled.terms)
-        t.shapes.push_back({s.a, s.b, s.c, s.d, s.b - s.a, s.d - s.c});
+        t.shapes.push_back({s.a, s.b, s.c, s.d, s.b - s.a, s.d - s.c, 1.0 / (s.b - s.a), 1.0 / (s.d - s.c)});
     for (const CompiledRule& rule : compiled.rules) {
         const auto first = static_cast<uint32_t>(t.steps.size());
         appendSteps(compiled.opsOf(rule), t.steps);

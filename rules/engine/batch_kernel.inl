@@ -3,6 +3,10 @@
 // the processor's registers: wider vectors would be split by the compiler, slower than none. Everything is local to the
 // file that includes it; see batch_program.hpp.
 
+#if defined(__FMA__)
+#include <immintrin.h>
+#endif
+
 #include "rules/engine/batch_program.hpp"
 
 namespace gnomon::rules::batch {
@@ -84,6 +88,33 @@ GNOMON_INLINE Lanes complement(const Lanes& x)
     return each(x, [](Vector a) { return 1.0 - a; });
 }
 
+#if defined(__FMA__)
+GNOMON_INLINE Vector fused(Vector x, Vector y, Vector z)
+{
+#if GNOMON_LANE_BYTES == 64
+    return _mm512_fmadd_pd(x, y, z);
+#else
+    return _mm256_fmadd_pd(x, y, z);
+#endif
+}
+#endif
+
+/// x / y, correctly rounded, where `inverse` is 1 / y. With a fused multiply-add that takes five short operations
+/// instead of a long one: the first correction leaves an error below one unit in the last place, and from there the
+/// second gives the rounded quotient (P. Markstein, IBM J. Res. Dev. 34, 1990). It needs remainders that do not
+/// underflow; quotients small enough for that are far below kNegligibleStrength.
+GNOMON_INLINE Vector divided(Vector x, Vector y, Vector inverse)
+{
+#if defined(__FMA__)
+    const Vector first = x * inverse;
+    const Vector better = fused(fused(-first, y, x), inverse, first);
+    return fused(fused(-better, y, x), inverse, better);
+#else
+    (void)inverse;
+    return x / y;
+#endif
+}
+
 /// Trapezoid::membership() with one division: a lane is on one flank at most, and what is divided elsewhere is thrown
 /// away.
 GNOMON_INLINE Vector membership(const Shape& shape, Vector x)
@@ -97,21 +128,27 @@ GNOMON_INLINE Vector membership(const Shape& shape, Vector x)
 
 /// The same for all terms of an axis whose flanks are disjoint: what a lane divides on its one rising and its one
 /// falling flank is picked first, so that two divisions serve all terms.
-GNOMON_INLINE void memberships(const Shape* shapes, uint32_t count, const double* row, double* truth)
+/// `Terms` is their number, 0 any.
+template <uint32_t Terms>
+GNOMON_INLINE void memberships(const Shape* shapes, uint32_t termCount, const double* row, double* truth)
 {
+    const uint32_t count = Terms == 0 ? termCount : Terms;
     for (unsigned i = 0; i < kParts; ++i) {
         const Vector x = reinterpret_cast<const Vector*>(row)[i];
         Vector above = all(0.0), rise = all(1.0), below = all(0.0), fall = all(1.0);
+        Vector perRise = all(1.0), perFall = all(1.0);
         for (uint32_t t = 0; t < count; ++t) {
             const Shape& shape = shapes[t];
             const auto rising = (x >= shape.a) & (x < shape.b);
             const auto falling = (x > shape.c) & (x <= shape.d);
             above = rising ? x - shape.a : above;
             rise = rising ? all(shape.rise) : rise;
+            perRise = rising ? all(shape.perRise) : perRise;
             below = falling ? shape.d - x : below;
             fall = falling ? all(shape.fall) : fall;
+            perFall = falling ? all(shape.perFall) : perFall;
         }
-        const Vector up = above / rise, down = below / fall;
+        const Vector up = divided(above, rise, perRise), down = divided(below, fall, perFall);
         for (uint32_t t = 0; t < count; ++t) {
             const Shape& shape = shapes[t];
             const Vector left = x < shape.b ? up : all(1.0);
@@ -135,8 +172,14 @@ GNOMON_INLINE void fuzzify(const Program& program, const Block& block)
         alignas(64) double clamped[kLanes];
         store(clamped, x);
         double* const truth = block.low + axis.firstTerm * kLanes;
-        if (axis.disjoint)
-            memberships(shapes, axis.termCount, clamped, truth);
+        if (axis.disjoint && axis.termCount == 2)
+            memberships<2>(shapes, 2, clamped, truth);
+        else if (axis.disjoint && axis.termCount == 3)
+            memberships<3>(shapes, 3, clamped, truth);
+        else if (axis.disjoint && axis.termCount == 4)
+            memberships<4>(shapes, 4, clamped, truth);
+        else if (axis.disjoint)
+            memberships<0>(shapes, axis.termCount, clamped, truth);
         else
             for (uint32_t t = 0; t < axis.termCount; ++t)
                 store(truth + t * kLanes, each(x, [&](Vector at) { return membership(shapes[t], at); }));

@@ -20,7 +20,8 @@ struct Axis {
 /// A trapezoid with the widths of its flanks.
 struct Shape {
     double a, b, c, d;
-    double rise, fall; ///< b - a, d - c
+    double rise, fall;       ///< b - a, d - c
+    double perRise, perFall; ///< 1 / rise, 1 / fall
 };
 
 /// One step of an antecedent. An accumulator holds the value under construction; Load puts it aside first.

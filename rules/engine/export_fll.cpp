@@ -86,7 +86,7 @@ private:
         for (const Term& term : variable.terms) {
             text_ += "  term: " + term.name + " Trapezoid";
             for (const double corner : {term.shape.a, term.shape.b, term.shape.c, term.shape.d})
-                text_ += " " + shortestText(std::clamp(corner, variable.low - width, variable.high + width));
+                text_.append(" ").append(shortestText(std::clamp(corner, variable.low - width, variable.high + width)));
             text_ += "\n";
         }
     }
