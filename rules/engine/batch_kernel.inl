@@ -13,9 +13,7 @@ namespace gnomon::rules::batch {
 namespace {
 
 using Vector = double __attribute__((vector_size(GNOMON_LANE_BYTES)));
-// For the caller's columns, which start anywhere.
-using LooseVector = double __attribute__((vector_size(GNOMON_LANE_BYTES), aligned(8)));
-using LooseInts = int32_t __attribute__((vector_size(GNOMON_LANE_BYTES / 2), aligned(4)));
+using Ints = int32_t __attribute__((vector_size(GNOMON_LANE_BYTES / 2)));
 constexpr unsigned kParts = kLanes * sizeof(double) / GNOMON_LANE_BYTES;
 
 struct Lanes {
@@ -36,6 +34,17 @@ GNOMON_INLINE void store(double* row, const Lanes& lanes)
 {
     for (unsigned i = 0; i < kParts; ++i)
         reinterpret_cast<Vector*>(row)[i] = lanes.part[i];
+}
+
+/// Part `i` of the caller's columns, which start anywhere.
+GNOMON_INLINE void storeLoose(double* column, unsigned i, Vector values)
+{
+    __builtin_memcpy(column + i * (kLanes / kParts), &values, sizeof values);
+}
+GNOMON_INLINE void storeTruncated(int32_t* column, unsigned i, Vector values)
+{
+    const Ints whole = __builtin_convertvector(values, Ints);
+    __builtin_memcpy(column + i * (kLanes / kParts), &whole, sizeof whole);
 }
 
 template <typename Operation>
@@ -432,8 +441,8 @@ GNOMON_INLINE void centroid(const Program& program, const double* terms, double*
         const Vector offset = value - program.low;
         const Vector share = program.width == 1.0 ? offset : offset / program.width; // x / 1 is x
         const Vector steps = opinion ? share * program.quantum + 0.5 : all(-1.0);
-        reinterpret_cast<LooseVector*>(suitability)[i] = opinion ? value : all(0.0);
-        reinterpret_cast<LooseInts*>(quantised)[i] = __builtin_convertvector(steps, LooseInts);
+        storeLoose(suitability, i, opinion ? value : all(0.0));
+        storeTruncated(quantised, i, steps);
     }
 }
 
@@ -462,7 +471,7 @@ GNOMON_INLINE void conclude(const Program& program, const Block& block)
         }
         int32_t* const column = reinterpret_cast<int32_t*>(block.vetoRule + static_cast<uint64_t>(o) * block.stride);
         for (unsigned i = 0; i < kParts; ++i)
-            reinterpret_cast<LooseInts*>(column)[i] = __builtin_convertvector(veto.part[i], LooseInts);
+            storeTruncated(column, i, veto.part[i]);
     }
 }
 
