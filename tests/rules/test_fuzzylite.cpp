@@ -202,7 +202,7 @@ struct Tally {
 
 } // namespace
 
-TEST_CASE("fifty random rule bases agree with fuzzylite, sampled and exact, and about having no opinion")
+TEST_CASE("random rule bases agree with fuzzylite, sampled and exact, and about having no opinion")
 {
     Random random(71);
     Tally tally;
