@@ -175,7 +175,7 @@ private:
     std::array<double, 3> origin_{};
     bool originSet_ = false;
     PipelineId gridPipeline_;
-    bool gridReady_ = false, gridTrial_ = false;
+    bool gridReady_ = false;
     std::vector<View*> acceptedViews_;
     std::vector<ViewFrame> viewFrames_;
     std::vector<LightFrame> lightFrames_;
@@ -184,8 +184,6 @@ private:
     std::vector<PooledImage*> visibilities_, imports_;
     std::vector<RetiredGrid> retiredGrids_;
     std::vector<VkSemaphoreSubmitInfo> waits_, signals_;
-    std::vector<GnPassTiming> publicTimings_;
-    std::string explanation_;
     bool raysNeeded_ = false;
     float untimedGpuMs_ = 0.0f;
     float lastCpuMs_ = 0.0f;

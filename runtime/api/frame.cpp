@@ -81,12 +81,10 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
 
     // Pipelines that are compiled but never ran: one method a frame.
     std::uint32_t trial = UINT32_MAX;
-    gridTrial_ = false;
     if (!gridReady_) {
         while (pipelines_->createNext(kRuntimeOwner)) {
         }
         trial = kRuntimeOwner;
-        gridTrial_ = true;
     } else {
         trial = methods_->nextTrial();
     }
