@@ -10,14 +10,12 @@ namespace gnomon {
 
 DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services)
 {
-    static constexpr BindingInfo kBindings[] = {{.binding = 1, .kind = BindingKind::storageBuffer}};
     GraphicsPipelineInfo info;
     info.name = "depth_map.casters";
     info.vertex.code = k_maps_depth_map_vert;
-    info.bindings = kBindings;
     info.pushBytes = sizeof(DepthCasters::Push);
     info.vertexStride = sizeof(glm::vec3);
-    info.casters = true;
+    info.casters = info.transforms = true;
     info.depthTest = info.depthWrite = true;
     info.depthCompare = VK_COMPARE_OP_LESS;
     info.depthFormat = kMapFormat;

@@ -75,7 +75,10 @@ gpu::MapConstants mapConstants(const ShadowTask& task, std::uint32_t resolution,
     const VkRect2D& area = task.view->area;
     gpu::MapConstants constants{};
     constants.view = task.view->constants;
-    constants.light = task.light->constants;
+    const gpu::LightConstants& light = task.light->constants;
+    const float cosine = light.directionWs.w;
+    constants.map.eyeFromLight = glm::vec4(task.view->eye - task.light->position(), light.range * light.range);
+    constants.map.cone = glm::vec4(task.light->direction(), cosine * std::fabs(cosine));
     constants.map.offset = receiverOffset(*task.view, *task.light);
     constants.map.area = {static_cast<float>(area.offset.x), static_cast<float>(area.offset.y),
                           static_cast<float>(area.extent.width), static_cast<float>(area.extent.height)};

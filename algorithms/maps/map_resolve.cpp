@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "algorithms/common/light_pixels.hpp"
 #include "algorithms/maps/depth_map.hpp"
 #include "shaders/maps_map_resolve_vert.h"
 
@@ -48,9 +49,12 @@ void MapResolve::declare(PassBuilder& passes, const ShadowTask& task, ImageId ma
     PassRef pass = passes.raster(info_.name);
     pass.samples(depth).samples(map);
     if (normals) pass.samples(normalImage);
-    pass.writes(task.visibility, {.layer = task.layer})
+    const VkRect2D pixels = lightPixels(*task.light, *task.view);
+    pass.writes(task.visibility, visibilityIn(task, pixels))
         .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
         .record([=](PassContext& gpu) {
+            if (pixels.extent.width == 0) return;
+            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
             gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, depth), gpu.sampled(3, normalImage),
                                 gpu.sampled(4, map, SamplerKind::nearestBorderFar)});
             gpu.drawFullscreen();

@@ -106,9 +106,8 @@ GraphicsPipelineInfo casterPipeline(const char* name, std::span<const std::uint3
 
 Pipelines makePipelines(const AlgorithmServices& services)
 {
-    static constexpr BindingInfo kBindings[] = {{.binding = 1, .kind = BindingKind::storageBuffer}};
     GraphicsPipelineInfo objects = casterPipeline("dual_paraboloid.casters", k_omni_paraboloid_vert);
-    objects.bindings = kBindings;
+    objects.transforms = true;
     return {services.pipelines->graphics(objects),
             services.pipelines->graphics(casterPipeline("dual_paraboloid.cut", k_omni_paraboloid_world_vert))};
 }

@@ -15,12 +15,6 @@ bool shadowsNearRectangle(const Aabb& box, const LightView& light, const std::ar
 /// Whether the shadow of the box can meet the view frustum. "True" may be wrong, "false" never is.
 bool shadowTouches(const Aabb& box, const LightView& light, std::span<const Plane> frustum);
 
-/// Bounds of all that the light reaches; +-1e30 where there is no end.
-Aabb lightBounds(const LightView& light);
-
-/// The pixels of view.area that can show something in the light's range; false: none.
-bool lightPixels(const LightView& light, const CameraView& view, VkRect2D& pixels);
-
 /// `reach` of VolumePush for a caster with these bounds, relative to the eye.
 glm::vec3 casterReach(const Aabb& box, const LightView& light, glm::vec3 eye);
 

@@ -4,12 +4,13 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "algorithms/common/light_pixels.hpp"
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "algorithms/volumes/view_stencil.hpp"
 #include "algorithms/volumes/volume_list.hpp"
 
-#include "shaders/shared_fullscreen_vert.h"
 #include "shaders/volumes_resolve_frag.h"
+#include "shaders/volumes_resolve_vert.h"
 #include "shaders/volumes_volume_vert.h"
 
 namespace gnomon {
@@ -37,7 +38,7 @@ struct VolumeDraw {
 
 struct Pipelines {
     PipelineId zPass[2], zFail[2]; ///< By reversed depth.
-    PipelineId uncounted, counted; ///< Resolve where the stencil is 0, and where it is not.
+    PipelineId counted, withoutCasters; ///< Resolve: where the stencil is not 0, and everywhere.
     ViewStencilPipelines view;
 };
 
@@ -110,13 +111,16 @@ PipelineId makeResolvePipeline(const AlgorithmServices& services, const char* na
 {
     GraphicsPipelineInfo info{
         .name = name,
-        .vertex = {.code = k_shared_fullscreen_vert},
+        .vertex = {.code = k_volumes_resolve_vert},
         .fragment = {.code = k_volumes_resolve_frag, .specializationCount = 1, .specialization = {counted ? 1u : 0u}},
         .bindings = kResolveBindings};
-    VkStencilOpState test = stencilOp(VK_STENCIL_OP_KEEP, VK_STENCIL_OP_KEEP);
-    test.compareOp = counted ? VK_COMPARE_OP_NOT_EQUAL : VK_COMPARE_OP_EQUAL;
-    test.writeMask = 0;
-    info.stencil = {.enable = true, .front = test, .back = test};
+    info.blendScale = !counted;
+    if (counted) {
+        VkStencilOpState test = stencilOp(VK_STENCIL_OP_KEEP, VK_STENCIL_OP_KEEP);
+        test.compareOp = VK_COMPARE_OP_NOT_EQUAL;
+        test.writeMask = 0;
+        info.stencil = {.enable = true, .front = test, .back = test};
+    }
     info.colorFormat = VK_FORMAT_R8_UNORM;
     info.depthFormat = kStencilFormat;
     return services.pipelines->graphics(info);
@@ -128,8 +132,8 @@ StencilVolume::StencilVolume(const AlgorithmServices& services) : vk_(*services.
     pipelines_.zPass[1] = makeVolumePipeline(services, "stencil_volume.z_pass_reversed", true, true);
     pipelines_.zFail[0] = makeVolumePipeline(services, "stencil_volume.z_fail", false, false);
     pipelines_.zFail[1] = makeVolumePipeline(services, "stencil_volume.z_fail_reversed", false, true);
-    pipelines_.uncounted = makeResolvePipeline(services, "stencil_volume.uncounted", false);
     pipelines_.counted = makeResolvePipeline(services, "stencil_volume.counted", true);
+    pipelines_.withoutCasters = makeResolvePipeline(services, "stencil_volume.without_casters", false);
     pipelines_.view = makeViewStencilPipelines(services);
 }
 
@@ -210,7 +214,10 @@ gpu::VolumeResolve resolveConstants(const DrawPlan& plan)
     block.view = plan.view->constants;
     block.lightEs = light.type == GN_LIGHT_TYPE_DIRECTIONAL ? glm::vec4(-light.direction(), 0.0f)
                                                             : glm::vec4(light.position() - plan.view->eye, 1.0f);
-    block.axis = glm::vec4(light.direction(), cosine * std::abs(cosine));
+    block.cone = glm::vec4(light.direction(), cosine * std::abs(cosine));
+    const VkRect2D& area = plan.view->area;
+    block.area = {static_cast<float>(area.offset.x), static_cast<float>(area.offset.y),
+                  static_cast<float>(area.extent.width), static_cast<float>(area.extent.height)};
     block.rangeSquared = range * range;
     return block;
 }
@@ -267,7 +274,7 @@ void recordVolumes(PassContext& gpu, const DrawPlan& plan, const Pipelines& pipe
     const Bound depth = gpu.sampled(1, plan.depth, SamplerKind::nearest, 0);
     // Without normals the shader does not read them; something must be bound.
     const Bound normals = gpu.sampled(2, plan.normals ? plan.normals : plan.depth, SamplerKind::nearest, 0);
-    for (const PipelineId pipeline : {pipelines.uncounted, pipelines.counted}) {
+    for (const PipelineId pipeline : {pipelines.counted, pipelines.withoutCasters}) {
         gpu.bind(pipeline, {resolve, depth, normals});
         gpu.drawFullscreen();
     }
@@ -285,7 +292,7 @@ void StencilVolume::declare(PassBuilder& passes, const ShadowTask& task)
     plan->normals = task.normals;
     plan->receiverBounds = stencil.receiverBounds;
     plan->bounded = task.settings[kBounded] != 0.0;
-    if (!lightPixels(*task.light, *task.view, plan->pixels)) plan->pixels.extent = {0, 0};
+    plan->pixels = lightPixels(*task.light, *task.view);
     const VolumeList caps = declareCaps(passes, task, planSides(passes, task, *plan, sides));
     planCaps(passes, *plan, caps);
 

@@ -4,6 +4,7 @@
 
 #include "runtime/passes/frame_slot.hpp"
 #include "runtime/scene/bias.hpp"
+#include "runtime/vk/pipeline_create.hpp"
 
 namespace gnomon {
 
@@ -114,13 +115,10 @@ void PassContext::drawFullscreen()
 
 void PassContext::drawCasters(const CasterDraw& draw)
 {
-    constexpr std::size_t kMaxBindings = 15;
-    Bound bindings[kMaxBindings + 1];
-    const std::size_t count = std::min(draw.bindings.size(), kMaxBindings);
-    std::copy_n(draw.bindings.begin(), count, bindings);
-    bindings[count] = storage(1, executor_->slot_->transforms.buffer);
-    bind(draw.pipeline, std::span<const Bound>(bindings, count + 1));
+    bind(draw.pipeline, draw.bindings);
     if (draw.push) pushBytes(draw.push, draw.pushSize);
+    const VkDeviceSize zero = 0;
+    vk->vkCmdBindVertexBuffers(cmd, kTransformsBinding, 1, &executor_->slot_->transforms.buffer, &zero);
 
     const MeshView* mesh = nullptr;
     CasterRaster state;
@@ -140,7 +138,6 @@ void PassContext::drawCasters(const CasterDraw& draw)
         first = false;
         if (caster->mesh != mesh) {
             mesh = caster->mesh;
-            const VkDeviceSize zero = 0;
             vk->vkCmdBindVertexBuffers(cmd, 0, 1, &mesh->vertexBuffer, &zero);
             vk->vkCmdBindIndexBuffer(cmd, mesh->indexBuffer, 0, VK_INDEX_TYPE_UINT32);
         }

@@ -27,9 +27,9 @@ struct Bound {
 struct CasterDraw {
     PipelineId pipeline;
     std::span<const Caster* const> casters;
-    std::span<const Plane> volume;   ///< Casters whose bounds lie outside any plane are skipped.
-    std::span<const Bound> bindings; ///< Binding 1 is the table of transforms; added by drawCasters.
-    const void* push = nullptr;      ///< Push constants.
+    std::span<const Plane> volume; ///< Casters whose bounds lie outside any plane are skipped.
+    std::span<const Bound> bindings;
+    const void* push = nullptr; ///< Push constants.
     std::uint32_t pushSize = 0;
     bool biasOpen = true; ///< Open casters get the depth bias of the house's policy (runtime/scene/bias.hpp).
     const GnCasterProjection* hostProjection = nullptr; ///< Null: host-drawn casters are left out.

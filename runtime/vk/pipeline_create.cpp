@@ -80,8 +80,8 @@ Result<void> createLayouts(const DeviceTable& vk, Pipeline& pipeline)
 
 /// Every structure a graphics pipeline points at; filled from the description, then read by Vulkan once.
 struct GraphicsState {
-    VkVertexInputBindingDescription vertexBuffer{};
-    VkVertexInputAttributeDescription position{};
+    std::array<VkVertexInputBindingDescription, 2> vertexBuffers{};   ///< Positions; transforms.
+    std::array<VkVertexInputAttributeDescription, 4> vertexInputs{}; ///< Position; three rows.
     VkPipelineVertexInputStateCreateInfo vertexInput{};
     VkPipelineInputAssemblyStateCreateInfo assembly{};
     VkPipelineViewportStateCreateInfo viewport{};
@@ -124,16 +124,21 @@ GraphicsState::GraphicsState(const GraphicsPipelineInfo& info)
 
 void GraphicsState::setVertices(const GraphicsPipelineInfo& info)
 {
-    vertexBuffer = {.binding = 0, .stride = info.vertexStride, .inputRate = VK_VERTEX_INPUT_RATE_VERTEX};
-    position = {.location = 0,
-                .binding = 0,
-                .format = info.vertexStride == 16 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R32G32B32_SFLOAT,
-                .offset = 0};
+    const VkFormat position = info.vertexStride == 16 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R32G32B32_SFLOAT;
+    vertexBuffers[0] = {.binding = 0, .stride = info.vertexStride, .inputRate = VK_VERTEX_INPUT_RATE_VERTEX};
+    vertexInputs[0] = {.location = 0, .binding = 0, .format = position, .offset = 0};
+    vertexBuffers[1] = {
+        .binding = kTransformsBinding, .stride = kTransformBytes, .inputRate = VK_VERTEX_INPUT_RATE_INSTANCE};
+    for (std::uint32_t row = 0; row < 3; ++row)
+        vertexInputs[1 + row] = {.location = 1 + row,
+                                 .binding = kTransformsBinding,
+                                 .format = VK_FORMAT_R32G32B32A32_SFLOAT,
+                                 .offset = 16 * row};
     vertexInput.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO;
-    vertexInput.vertexBindingDescriptionCount = info.vertexStride ? 1 : 0;
-    vertexInput.pVertexBindingDescriptions = &vertexBuffer;
-    vertexInput.vertexAttributeDescriptionCount = info.vertexStride ? 1 : 0;
-    vertexInput.pVertexAttributeDescriptions = &position;
+    vertexInput.vertexBindingDescriptionCount = !info.vertexStride ? 0 : info.transforms ? 2 : 1;
+    vertexInput.pVertexBindingDescriptions = vertexBuffers.data();
+    vertexInput.vertexAttributeDescriptionCount = !info.vertexStride ? 0 : info.transforms ? 4 : 1;
+    vertexInput.pVertexAttributeDescriptions = vertexInputs.data();
     assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
     assembly.topology = info.topology;
 }
@@ -168,13 +173,9 @@ void GraphicsState::setDepthStencil(const GraphicsPipelineInfo& info)
 
 void GraphicsState::setColor(const GraphicsPipelineInfo& info)
 {
-    blendAttachment.blendEnable = info.blendMultiply;
-    if (info.blendMultiply) {
-        blendAttachment.srcColorBlendFactor = VK_BLEND_FACTOR_DST_COLOR;
-        blendAttachment.dstColorBlendFactor = VK_BLEND_FACTOR_ZERO;
-        blendAttachment.srcAlphaBlendFactor = VK_BLEND_FACTOR_DST_ALPHA;
-        blendAttachment.dstAlphaBlendFactor = VK_BLEND_FACTOR_ZERO;
-    }
+    blendAttachment.blendEnable = info.blendScale;
+    blendAttachment.srcColorBlendFactor = blendAttachment.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+    blendAttachment.dstColorBlendFactor = blendAttachment.dstAlphaBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
     blendAttachment.colorWriteMask = info.colorMask;
     blend.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO;
     blend.attachmentCount = info.colorFormat == VK_FORMAT_UNDEFINED ? 0 : 1;

@@ -27,15 +27,16 @@ struct PipelineDescription {
     bool isCompute = false;
     GraphicsPipelineInfo graphics;
     ComputePipelineInfo compute;
-    std::vector<BindingInfo> bindings; ///< By binding number; the casters' table of transforms included.
+    std::vector<BindingInfo> bindings; ///< By binding number.
 
     const char* name() const noexcept { return isCompute ? compute.name : graphics.name; }
     /// The same shaders, states and bindings under the same name.
     bool operator==(const PipelineDescription& other) const noexcept;
 };
 
-/// Binding of the transforms in every caster pipeline (shaders/shared/casters.glsl).
-inline constexpr std::uint32_t kTransformsBinding = 1;
+/// Vertex binding of the transforms, one per instance, in every caster pipeline (shaders/shared/casters.glsl), and bytes
+/// of one: three rows of vec4, at locations 1 to 3.
+inline constexpr std::uint32_t kTransformsBinding = 1, kTransformBytes = 48;
 
 /// Bytes of a uniform block that `constants` bindings may see; a fixed range keeps descriptor sets alike.
 inline constexpr VkDeviceSize kConstantsRange = 4096;

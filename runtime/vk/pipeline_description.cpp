@@ -34,10 +34,10 @@ bool same(const BindingInfo& a, const BindingInfo& b) noexcept
 bool sameState(const GraphicsPipelineInfo& a, const GraphicsPipelineInfo& b) noexcept
 {
     return a.pushBytes == b.pushBytes && a.vertexStride == b.vertexStride && a.casters == b.casters &&
-           a.topology == b.topology && a.cullMode == b.cullMode && a.frontFace == b.frontFace &&
+           a.transforms == b.transforms && a.topology == b.topology && a.cullMode == b.cullMode && a.frontFace == b.frontFace &&
            a.depthTest == b.depthTest && a.depthWrite == b.depthWrite && a.depthCompare == b.depthCompare &&
            a.depthClamp == b.depthClamp && same(a.stencil, b.stencil) && a.colorMask == b.colorMask &&
-           a.blendMultiply == b.blendMultiply && a.colorFormat == b.colorFormat && a.depthFormat == b.depthFormat;
+           a.blendScale == b.blendScale && a.colorFormat == b.colorFormat && a.depthFormat == b.depthFormat;
 }
 
 std::vector<BindingInfo> sorted(std::span<const BindingInfo> bindings)
@@ -53,11 +53,6 @@ std::vector<BindingInfo> sorted(std::span<const BindingInfo> bindings)
 PipelineDescription::PipelineDescription(const GraphicsPipelineInfo& info)
     : graphics(info), bindings(info.bindings.begin(), info.bindings.end())
 {
-    const bool hasTransforms = std::any_of(bindings.begin(), bindings.end(), [](const BindingInfo& binding) {
-        return binding.binding == kTransformsBinding;
-    });
-    if (info.casters && !hasTransforms)
-        bindings.push_back({.binding = kTransformsBinding, .kind = BindingKind::storageBuffer});
     bindings = sorted(bindings);
     graphics.bindings = {}; // the caller's; `bindings` is ours
 }

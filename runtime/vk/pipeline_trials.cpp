@@ -274,6 +274,8 @@ void PipelineTrials::recordDraw(VkCommandBuffer cmd, const Trial& trial, DepthBi
     vk_.vkCmdSetScissor(cmd, 0, 1, &area);
     if (trial.candidate.description->graphics.vertexStride)
         vk_.vkCmdBindVertexBuffers(cmd, 0, 1, &zeros_.buffer, &offset);
+    if (trial.candidate.description->graphics.transforms)
+        vk_.vkCmdBindVertexBuffers(cmd, kTransformsBinding, 1, &zeros_.buffer, &offset);
     if (trial.candidate.pipeline->casters) {
         vk_.vkCmdBindIndexBuffer(cmd, zeros_.buffer, 0, VK_INDEX_TYPE_UINT32);
         vk_.vkCmdSetCullMode(cmd, VK_CULL_MODE_NONE);

@@ -61,7 +61,8 @@ struct GraphicsPipelineInfo {
     std::span<const BindingInfo> bindings;
     std::uint32_t pushBytes = 0;        ///< Push constants, all stages; at most 128.
     std::uint32_t vertexStride = 0;     ///< 0: no vertex buffer. 12: vec3 at location 0; 16: vec4 at location 0.
-    bool casters = false;               ///< Drawn by PassContext::drawCasters (dynamic culling and bias).
+    bool casters = false;               ///< Dynamic culling and bias, as PassContext::drawCasters sets them.
+    bool transforms = false;            ///< The vertex shader includes shared/casters.glsl.
     VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
     VkCullModeFlags cullMode = VK_CULL_MODE_NONE;
     VkFrontFace frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
@@ -71,7 +72,7 @@ struct GraphicsPipelineInfo {
     bool depthClamp = false;            ///< Needs the feature; eligibility is the algorithm's to check.
     StencilInfo stencil;
     VkColorComponentFlags colorMask = 0xf; ///< 0 writes no colour.
-    bool blendMultiply = false;         ///< result = source * destination
+    bool blendScale = false;            ///< result = source + destination * source alpha
     VkFormat colorFormat = VK_FORMAT_UNDEFINED;
     VkFormat depthFormat = VK_FORMAT_UNDEFINED; ///< Depth and/or stencil attachment.
 };

@@ -34,9 +34,8 @@ layout(location = 0) out float visibility;
 Tap tapOf(PlaneReceiver r)
 {
     MapLook look = constants.map;
-    vec3 fromLight = r.ws - constants.light.positionWs.xyz;
-    uint face = cubeFaceOf(fromLight);
-    vec3 local = inCubeFace(face, fromLight);
+    uint face = cubeFaceOf(r.fromLight);
+    vec3 local = inCubeFace(face, r.fromLight);
     vec3 normal = inCubeFace(face, r.normalWs);
     vec2 texels = (local.xy / look.slope + local.z) * (0.5 * look.side);
     vec4 clip = vec4(texels, look.depthConstant * local.z + look.depthScale, local.z);
@@ -68,7 +67,7 @@ float verdict(Tap tap)
 
 void main()
 {
-    PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.light, constants.map, rayWs);
+    PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.map, rayWs);
     float lit = verdict(tapOf(r));
     // A normal guessed from depth is no reason to call a surface turned away.
     bool decided = r.decided && (HAS_NORMALS || r.visibility > 0.0);

@@ -12,8 +12,8 @@ struct HybridConstants {
     uint padding1;
     uint padding2;
 };
-GN_SHARED_OFFSET(HybridConstants, capacity, 400)
-GN_SHARED_SIZE(HybridConstants, 416)
+GN_SHARED_OFFSET(HybridConstants, capacity, 384)
+GN_SHARED_SIZE(HybridConstants, 400)
 
 // A pixel in the list: 16 bits of x, 16 of y, in image coordinates.
 GN_SHARED_FN uint packPixel(uint x, uint y) { return x | (y << 16u); }

@@ -15,6 +15,8 @@ struct MapLook {
     vec4 axisWs;       // xyz directional: world change per unit of map depth; otherwise 0
     vec4 offset;       // offset of the receiver towards the light, metres: x + w (y + w z)
     vec4 area;         // pixels drawn: x, y, width, height
+    vec4 eyeFromLight; // xyz: world, from a light with a position to the eye; w: square of its range, infinite without
+    vec4 cone;         // of reaches(), receiver.h
     float depthConstant; // perspective: map depth = depthConstant + depthScale / clip.w; directional: 0 and -1
     float depthScale;
     float positional;    // 1 spot and point, 0 directional
@@ -24,15 +26,14 @@ struct MapLook {
     float farWs;         // paraboloid: distance of depth 1, metres
     float padding;
 };
-GN_SHARED_OFFSET(MapLook, depthConstant, 160)
-GN_SHARED_SIZE(MapLook, 192)
+GN_SHARED_OFFSET(MapLook, depthConstant, 192)
+GN_SHARED_SIZE(MapLook, 224)
 
 struct MapConstants {
     ViewConstants view;
-    LightConstants light;
     MapLook map;
 };
-GN_SHARED_SIZE(MapConstants, 400)
+GN_SHARED_SIZE(MapConstants, 384)
 
 // Share of a texel's own slope by which a receiver is moved towards the light: rasterisers snap vertices to 1/256 texel,
 // which shifts a face by up to 1/512 in x and in y; eight times that also covers interpolated depths.

@@ -7,7 +7,7 @@
 layout(constant_id = 0) const bool HAS_NORMALS = true;
 
 struct PlaneReceiver {
-    vec3 ws;
+    vec3 fromLight;    // metres; only for lights with a position
     vec3 normalWs;   // unit, or from depth differences any length
     float w;         // linear depth
     float offset;    // metres towards the light, along the normal
@@ -36,18 +36,18 @@ vec3 normalFromDepth(ViewConstants view, ivec2 pixel, float w, vec3 ray)
     return dot(normal, ray) > 0.0 ? -normal : normal;
 }
 
-PlaneReceiver fetchPlaneReceiver(ViewConstants view, LightConstants light, MapLook look, vec3 rayWs)
+PlaneReceiver fetchPlaneReceiver(ViewConstants view, MapLook look, vec3 rayWs)
 {
     PlaneReceiver r;
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float depth = texelFetch(depthImage, pixel, 0).x;
     bool exists = depth != view.skyDepth;
     r.w = exists ? linearDepth(view, depth) : 1.0;
-    r.ws = view.eyeWs.xyz + r.w * rayWs;
+    r.fromLight = look.eyeFromLight.xyz + r.w * rayWs;
     r.normalWs = HAS_NORMALS ? texelFetch(normalImage, pixel, 0).xyz : normalFromDepth(view, pixel, r.w, rayWs);
     r.offset = look.offset.x + r.w * (look.offset.y + r.w * look.offset.z);
-    r.facing = dot(r.normalWs, (r.ws - light.positionWs.xyz) * look.positional + look.axisWs.xyz);
-    bool reached = exists && lightReaches(light, r.ws);
+    r.facing = dot(r.normalWs, r.fromLight * look.positional + look.axisWs.xyz);
+    bool reached = exists && reaches(r.fromLight, look.cone, look.eyeFromLight.w);
     r.decided = !reached || r.facing >= 0.0;
     r.visibility = reached ? 0.0 : 1.0;
     return r;

@@ -19,7 +19,7 @@ layout(constant_id = 1) const bool FILTERED = false;
 
 void main()
 {
-    PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.light, constants.map, rayWs);
+    PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.map, rayWs);
     vec4 clip = constants.map.clipOfEye + r.w * rayClip;
     vec2 normalPerTexel = vec2(dot(r.normalWs, constants.map.texelDx.xyz), dot(r.normalWs, constants.map.texelDy.xyz));
     Tap tap = planarTap(constants.map, r, clip, normalPerTexel, 0.0);

@@ -21,10 +21,9 @@ layout(constant_id = 1) const bool FILTERED = false;
 void main()
 {
     MapLook look = constants.map;
-    PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.light, look, rayWs);
-    vec3 fromLight = r.ws - constants.light.positionWs.xyz;
-    uint face = cubeFaceOf(fromLight);
-    vec3 local = inCubeFace(face, fromLight);
+    PlaneReceiver r = fetchPlaneReceiver(constants.view, look, rayWs);
+    uint face = cubeFaceOf(r.fromLight);
+    vec3 local = inCubeFace(face, r.fromLight);
     vec3 normal = inCubeFace(face, r.normalWs);
     vec2 texels = (local.xy / look.slope + local.z) * (0.5 * look.side);
     vec4 clip = vec4(texels, look.depthConstant * local.z + look.depthScale, local.z);

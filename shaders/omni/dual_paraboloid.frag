@@ -40,10 +40,9 @@ vec4 mapGather(Tap tap, vec2 corner) { return textureGather(map, vec3(corner / c
 void main()
 {
     MapLook look = constants.map;
-    PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.light, look, rayWs);
-    vec3 fromLight = r.ws - constants.light.positionWs.xyz;
-    uint hemi = paraboloidHalfOf(fromLight);
-    vec3 local = inParaboloid(hemi, fromLight);
+    PlaneReceiver r = fetchPlaneReceiver(constants.view, look, rayWs);
+    uint hemi = paraboloidHalfOf(r.fromLight);
+    vec3 local = inParaboloid(hemi, r.fromLight);
     float distance = max(length(local), 1e-20);
 
     Tap tap;

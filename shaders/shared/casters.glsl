@@ -1,16 +1,17 @@
 // Casters for any method: object space to world through the frame's table of transforms. A caster vertex shader
 // includes this, calls casterWorldPosition() and projects the result in its own way.
+//
+// The table is a vertex buffer read once per instance: a storage buffer indexed by gl_InstanceIndex is gathered lane by
+// lane on some devices (a fifth of a depth pass on lavapipe).
 #ifndef GNOMON_SHARED_CASTERS_GLSL
 #define GNOMON_SHARED_CASTERS_GLSL
 
-// Three rows of (basis row, translation) per caster; runtime/scene/scene_registry.hpp InstanceTransform.
-layout(std430, set = 0, binding = 1) readonly buffer Transforms { vec4 transformRows[]; };
 layout(location = 0) in vec3 casterPosition;
+layout(location = 1) in vec4 casterRows[3]; // (basis row, translation); runtime/scene/scene_registry.hpp InstanceTransform
 
 vec3 casterWorldPosition()
 {
-    uint row = gl_InstanceIndex * 3; // gl_InstanceIndex starts at the draw's firstInstance in Vulkan
     vec4 p = vec4(casterPosition, 1.0);
-    return vec3(dot(transformRows[row], p), dot(transformRows[row + 1], p), dot(transformRows[row + 2], p));
+    return vec3(dot(casterRows[0], p), dot(casterRows[1], p), dot(casterRows[2], p));
 }
 #endif

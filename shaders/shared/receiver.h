@@ -54,16 +54,23 @@ GN_SHARED_FN vec3 towardsLightWs(LightConstants light, vec3 receiverWs)
     return light.type == LIGHT_DIRECTIONAL ? -vec3(light.directionWs) : toLight / max(length(toLight), 1e-20f);
 }
 
-// Whether the light reaches a point at all: range and cone. Where not, visibility is 1.
+// Whether a light reaches what lies at `fromLight` of it: range and cone. By squares: no root per pixel.
+//   cone  xyz: unit axis, the way light travels; w: cosine of the half angle times its absolute value; below -1 every
+//         direction passes
+GN_SHARED_FN bool reaches(vec3 fromLight, vec4 cone, float rangeSquared)
+{
+    float square = dot(fromLight, fromLight);
+    float along = dot(fromLight, vec3(cone));
+    return square <= rangeSquared && along * abs(along) >= cone.w * square;
+}
+
+// The same for a point, from a light's constants. Where not, visibility is 1.
 GN_SHARED_FN bool lightReaches(LightConstants light, vec3 receiverWs)
 {
-    // By squares: no root per pixel. Without a cone the cosine is -2 and every direction passes.
-    vec3 fromLight = receiverWs - vec3(light.positionWs);
-    float square = dot(fromLight, fromLight);
-    float along = dot(fromLight, vec3(light.directionWs));
-    float cosine = light.directionWs.w;
-    bool inCone = along * abs(along) >= cosine * abs(cosine) * square;
-    return light.type == LIGHT_DIRECTIONAL || (square <= light.range * light.range && inCone);
+    vec4 cone = light.directionWs;
+    cone.w *= abs(cone.w);
+    return light.type == LIGHT_DIRECTIONAL ||
+           reaches(receiverWs - vec3(light.positionWs), cone, light.range * light.range);
 }
 
 // Distance that one unit in the last place of `depth` spans along the view ray, metres.

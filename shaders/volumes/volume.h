@@ -29,21 +29,14 @@ GN_SHARED_SIZE(VolumePush, 64)
 struct VolumeResolve {
     ViewConstants view;
     vec4 lightEs;       // xyz metres, w = 1; directional: unit direction towards the light, w = 0
-    vec4 axis;          // xyz unit direction of a spot light; w: cosine of the half angle times its absolute value
+    vec4 cone;          // of reaches(), receiver.h
+    vec4 area;          // pixels drawn: x, y, width, height
     float rangeSquared; // square metres; infinite where there is no range
     float padding0;
     float padding1;
     float padding2;
 };
-GN_SHARED_SIZE(VolumeResolve, 208)
-
-// lightReaches of receiver.h by squares: the same answer up to rounding, a third of the resolve pass cheaper.
-GN_SHARED_FN bool reaches(VolumeResolve r, vec3 toLight)
-{
-    float distanceSquared = dot(toLight, toLight);
-    float along = -dot(toLight, vec3(r.axis));
-    return distanceSquared <= r.rangeSquared && along * abs(along) >= r.axis.w * distanceSquared;
-}
+GN_SHARED_SIZE(VolumeResolve, 224)
 
 // Bounds of the visible receivers, Es: floats as orderedKey, so that integer atomics can widen them.
 struct ReceiverBounds {

@@ -69,7 +69,7 @@ void checkLook(const Look& look, Random& random)
         CHECK(clip.z / clip.w == Approx(expected.z).epsilon(1e-4));
 
         // A plane through the receiver that faces the light, up to 80 degrees.
-        const glm::vec3 toLight = gpu::towardsLightWs(look.constants.light, receiver);
+        const glm::vec3 toLight = gpu::towardsLightWs(look.light.constants, receiver);
         const glm::vec3 normal = glm::normalize(toLight + random.in(0.0f, 5.0f) * random.unit());
         if (glm::dot(normal, toLight) < 0.17f) continue;
         const glm::vec3 axis(map.axisWs), away = receiver - look.light.position();

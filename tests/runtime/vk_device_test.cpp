@@ -221,14 +221,14 @@ void describeAll(PipelineStore& store)
     GraphicsPipelineInfo casters{.name = "trial.casters", .vertex = {.code = k_trial_casters_vert}};
     casters.pushBytes = 64;
     casters.vertexStride = 12;
-    casters.casters = casters.depthTest = casters.depthWrite = true;
+    casters.casters = casters.transforms = casters.depthTest = casters.depthWrite = true;
     casters.depthCompare = VK_COMPARE_OP_LESS;
     casters.depthFormat = VK_FORMAT_D32_SFLOAT;
     store.graphics(casters);
     GraphicsPipelineInfo resolve{.name = "trial.resolve", .vertex = {.code = k_shared_fullscreen_vert}};
     resolve.fragment = {k_trial_resolve_frag, 1, {2}};
     resolve.bindings = kResolveBindings;
-    resolve.blendMultiply = true;
+    resolve.blendScale = true;
     resolve.colorFormat = VK_FORMAT_R8_UNORM;
     resolve.depthFormat = VK_FORMAT_D32_SFLOAT_S8_UINT;
     resolve.stencil.enable = true;
