@@ -7,14 +7,11 @@ with 0 if a point in the shadow is dark and one beside it is lit, 77 where there
 
 #include "gnomon/gnomon.h"
 
-#define CHECK(call)                                                                                                    \
-    do {                                                                                                               \
-        const int result_ = (int)(call);                                                                               \
-        if (result_ < 0) {                                                                                             \
-            fprintf(stderr, "%s:%d: %s: %d\n", __FILE__, __LINE__, #call, result_);                                    \
-            exit(1);                                                                                                   \
-        }                                                                                                              \
-    } while (0)
+#define CHECK(call) check((int)(call), #call)
+static void check(int result, const char* call)
+{
+    if (result < 0) fprintf(stderr, "%s: %d\n", call, result), exit(1);
+}
 
 enum { SIZE = 64 }; /* pixels a side */
 static const float kNear = 0.1f, kEyeHeight = 4.0f, kFocal = 4.0f / 1.5f; /* metres; 1.5 m of floor on each side */
@@ -127,18 +124,15 @@ int main(void)
     CHECK(vkCreateImageView(device, &depthViewInfo, NULL, &depthView));
     CHECK(vkCreateBuffer(device, &bufferInfo, NULL, &pixels));
     const VkDeviceMemory pixelMemory = bindMemory(gpu, device, VK_NULL_HANDLE, pixels);
-    const VkCommandPoolCreateInfo poolInfo = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-                                              .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT};
+    const VkCommandPoolCreateInfo poolInfo = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     VkCommandBufferAllocateInfo cmdInfo = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
                                            .commandBufferCount = 1};
     VkCommandBuffer cmd;
     CHECK(vkCreateCommandPool(device, &poolInfo, NULL, &cmdInfo.commandPool));
     CHECK(vkAllocateCommandBuffers(device, &cmdInfo, &cmd));
 
-    /* One frame: depth, shadows, and a look at the answer. */
+    /* One frame in one command buffer: depth, shadows, and a copy of the answer. */
     const VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    const VkSubmitInfo submit = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1,
-                                 .pCommandBuffers = &cmd};
     const VkClearDepthStencilValue floorDepth = {kNear / kEyeHeight, 0};
     const VkImageSubresourceRange depthRange = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, 0, 1};
     CHECK(vkBeginCommandBuffer(cmd, &begin));
@@ -146,8 +140,6 @@ int main(void)
     vkCmdClearDepthStencilImage(cmd, depth, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &floorDepth, 1, &depthRange);
     barrier(cmd, depth, VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
             VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-    CHECK(vkEndCommandBuffer(cmd));
-    CHECK(vkQueueSubmit(queue, 1, &submit, VK_NULL_HANDLE));
 
     const GnViewFrame viewFrame = {
         .view = view, .eye = {0.0, kEyeHeight, 0.0}, .viewFromWorld = {1, 0, 0, 0, 0, -1, 0, 1, 0},
@@ -155,23 +147,23 @@ int main(void)
         .depthView = depthView, .depthFormat = VK_FORMAT_D32_SFLOAT, .imageExtent = {SIZE, SIZE}, .lightCount = 1,
         .pLights = &light};
     const GnFrameInfo frame = {.frame = 1, .viewCount = 1, .pViews = &viewFrame};
-    CHECK(gnSubmitShadows(context, &frame));
     GnVisibility visibility;
     GnDecision decision;
+    CHECK(gnCmdRenderShadows(context, cmd, &frame));
     CHECK(gnGetVisibility(context, view, &visibility));
     CHECK(gnGetDecision(context, view, light, &decision));
 
     const VkBufferImageCopy copy = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                     .imageExtent = {SIZE, SIZE, 1}};
+    const VkSubmitInfo submit = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1,
+                                 .pCommandBuffers = &cmd};
     const uint8_t* answer;
-    CHECK(vkQueueWaitIdle(queue)); /* a renderer would wait for its frame's semaphore instead */
-    CHECK(vkBeginCommandBuffer(cmd, &begin));
     barrier(cmd, visibility.image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
             VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     vkCmdCopyImageToBuffer(cmd, visibility.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, pixels, 1, &copy);
     CHECK(vkEndCommandBuffer(cmd));
     CHECK(vkQueueSubmit(queue, 1, &submit, VK_NULL_HANDLE));
-    CHECK(vkQueueWaitIdle(queue));
+    CHECK(vkQueueWaitIdle(queue)); /* a renderer would wait for its frame's semaphore instead */
     CHECK(vkMapMemory(device, pixelMemory, 0, VK_WHOLE_SIZE, 0, (void**)&answer));
 
     /* The shadow of the box ends at x = 0: the left half of the middle row is dark, the right half lit. */
