@@ -41,6 +41,14 @@ struct ContactOptions {
 };
 int contactCommand(const ContactOptions& options);
 
+struct CompareOptions {
+    std::string scene, rules, methods, size;
+    uint32_t frames = 0; ///< 0: the scene's.
+    uint32_t alternations = 5;
+    float budgetMs = 0.0f;
+};
+int compareCommand(const CompareOptions& options);
+
 int methodsCommand();
 int scenesCommand();
 int lintCommand(const std::string& rules);

@@ -63,6 +63,21 @@ void addContact(CLI::App& app, ContactOptions& options, int& exitCode)
     contact->callback([&] { exitCode = contactCommand(options); });
 }
 
+void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
+{
+    CLI::App* compare = app.add_subcommand("compare", "whole runs by the rules against the same by one method each");
+    compare->add_option("SCENE", options.scene, kSceneHelp)->required();
+    compare->add_option("--rules", options.rules, "rule base of the adaptive run; default: `default`");
+    compare->add_option("--methods", options.methods, "a,b,... default: all that serve every light");
+    compare->add_option("--size", options.size, "picture size; default: the scene's");
+    compare->add_option("--frames", options.frames, "frames of a run; default: the scene's")
+        ->check(CLI::Range(2, 1000000));
+    compare->add_option("--alternations", options.alternations, "runs of each")->check(CLI::Range(1, 1000));
+    compare->add_option("--budget-ms", options.budgetMs, "for all shadows of a frame; default: none")
+        ->check(CLI::NonNegativeNumber);
+    compare->callback([&] { exitCode = compareCommand(options); });
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -77,6 +92,8 @@ int main(int argc, char** argv)
     addRun(app, run, exitCode);
     addBench(app, bench, exitCode);
     addContact(app, contact, exitCode);
+    CompareOptions compare;
+    addCompare(app, compare, exitCode);
     app.add_subcommand("methods", "list the methods of this build and device")->callback([&] {
         exitCode = methodsCommand();
     });

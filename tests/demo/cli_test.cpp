@@ -122,6 +122,18 @@ TEST_CASE("bench prints exactly the promised columns and a base row first")
     }
 }
 
+TEST_CASE("compare runs the rules and every method that serves all lights, and holds them against each other")
+{
+    const Ran ran = gnomonProgram("compare torus_grid --size 96x64 --frames 8 --alternations 1 --budget-ms 1000");
+    CHECK(ran.exitCode == 0);
+    for (const char* line : {"\nadaptive ", "\nstencil_volume ", "\nshadow_map ", "over sentinel", "switches"})
+        CHECK_MESSAGE(ran.output.find(line) != std::string::npos, ran.output);
+    CHECK(ran.output.find("\ncube_map ") == std::string::npos); // serves no spot light
+    const Ran wrong = gnomonProgram("compare torus_grid --methods cube_map");
+    CHECK(wrong.exitCode == 1);
+    CHECK(wrong.output.find("cube_map") != std::string::npos);
+}
+
 TEST_CASE("a comma locale changes no number")
 {
     const Ran plain = gnomonProgram("explain thesis --facts dynamicLights=6,viewerDistance=4.5", "LC_ALL=C");

@@ -1,0 +1,263 @@
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <numeric>
+
+#include "demo/io/number.hpp"
+#include "demo/program/commands.hpp"
+#include "demo/program/measure.hpp"
+#include "demo/program/progress.hpp"
+#include "demo/scene/scene_file.hpp"
+
+namespace gnomon::demo {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr VkExtent2D kSentinelSize{64, 48};
+/// Frames whose sentinel took longer than this share of its median were disturbed by something else.
+constexpr double kUndisturbed = 1.15;
+/// Pictures whose errors are counted, evenly over the run.
+constexpr uint32_t kErrorFrames = 12;
+
+/// The same small frame without shadows, over and over: what it takes says how fast the machine is just now.
+class Sentinel {
+public:
+    Sentinel(Device& device, const Scene& scene, const SceneGeometry& geometry)
+        : renderer_(device, scene, geometry, {.extent = kSentinelSize}), camera_(cameraAt(scene, 0.0))
+    {
+    }
+    double run()
+    {
+        const Clock::time_point start = Clock::now();
+        renderer_.draw({.time = 0.0, .cameras = {&camera_, 1}});
+        renderer_.waitForFrame();
+        return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    }
+
+private:
+    Renderer renderer_;
+    CameraState camera_;
+};
+
+struct Contestant {
+    std::string name;
+    std::unique_ptr<Session> session;
+    std::vector<double> ratios; ///< Of each alternation: its frames' time over its sentinels' time.
+    double frameMs = 0.0;       ///< Mean of the fastest alternation.
+    ErrorCount errors;
+    uint64_t switches = 0;
+
+    double best() const { return *std::min_element(ratios.begin(), ratios.end()); }
+};
+
+struct BudgetCount {
+    uint32_t undisturbed = 0, within = 0;
+    double worst = 0.0; ///< Shadow time over budget.
+};
+
+class Comparison {
+public:
+    explicit Comparison(const CompareOptions& options)
+        : options_(options), scene_(valueOf(loadScene(options.scene))), device_(Device::create({}))
+    {
+        size_ = options.size.empty() ? VkExtent2D{scene_.width, scene_.height} : valueOf(parseSize(options.size));
+        frames_ = options.frames > 0 ? options.frames : scene_.frames;
+        addAdaptive();
+        for (const std::string& method : methodNames())
+            addMethod(method);
+        sentinel_ = std::make_unique<Sentinel>(*device_, scene_, contestants_[0].session->geometry);
+        truth_ = makeSession();
+        if (!truth_->shadows.pinAll(kTruthMethod)) truth_.reset();
+    }
+
+    void run()
+    {
+        Progress progress((options_.alternations + 1) * static_cast<uint32_t>(contestants_.size()));
+        uint32_t done = 0;
+        for (Contestant& contestant : contestants_) {
+            countErrors(contestant);
+            progress.show(++done, "errors");
+        }
+        for (uint32_t i = 0; i < options_.alternations; ++i) {
+            for (Contestant& contestant : contestants_) {
+                alternation(contestant);
+                progress.show(++done, contestant.name);
+            }
+        }
+    }
+
+    void print() const;
+    void requireSilentDevice() const { requireSilence(*device_); }
+
+private:
+    struct FrameTime {
+        double sentinelMs, frameMs, shadowMs;
+    };
+
+    std::unique_ptr<Session> makeSession()
+    {
+        return std::make_unique<Session>(*device_, scene_, SessionOptions{.scene = {}, .size = size_});
+    }
+    std::vector<std::string> methodNames();
+    void addAdaptive();
+    void addMethod(const std::string& method);
+    void drawFrame(Session& session, uint32_t frame);
+    void countErrors(Contestant& contestant);
+    void alternation(Contestant& contestant);
+    void countBudget(const std::vector<FrameTime>& frames);
+
+    CompareOptions options_;
+    Scene scene_;
+    std::unique_ptr<Device> device_;
+    VkExtent2D size_{};
+    uint32_t frames_ = 0;
+    std::vector<Contestant> contestants_; ///< The adaptive run first.
+    std::unique_ptr<Sentinel> sentinel_;
+    std::unique_ptr<Session> truth_;
+    BudgetCount budget_;
+};
+
+std::vector<std::string> Comparison::methodNames()
+{
+    if (!options_.methods.empty()) return parseNames(options_.methods);
+    std::vector<std::string> names;
+    for (const GnMethodInfo& info : contestants_[0].session->shadows.methods())
+        if (!info.pUnavailable) names.push_back(info.pName);
+    return names;
+}
+
+void Comparison::addAdaptive()
+{
+    Contestant contestant{.name = "adaptive", .session = makeSession()};
+    const RuleText rules = valueOf(findRules(options_.rules));
+    expect(contestant.session->shadows.loadRules(rules.text, rules.name));
+    contestants_.push_back(std::move(contestant));
+}
+
+// Only methods that serve every light of the scene are whole answers.
+void Comparison::addMethod(const std::string& method)
+{
+    Contestant contestant{.name = method, .session = makeSession()};
+    std::vector<std::string> refused;
+    const Status pinned = contestant.session->shadows.pinAll(method, &refused);
+    if (!options_.methods.empty()) expect(pinned);
+    if (pinned && refused.empty()) contestants_.push_back(std::move(contestant));
+}
+
+void Comparison::drawFrame(Session& session, uint32_t frame)
+{
+    const double time = frameTime(scene_, frame);
+    const CameraState camera = cameraAt(scene_, time);
+    session.renderer.draw({.time = time,
+                           .cameras = {&camera, 1},
+                           .shadows = &session.shadows,
+                           .budgetMs = options_.budgetMs,
+                           .cameraCut = frame == 0 || cameraCutsBetween(scene_, frameTime(scene_, frame - 1), time)});
+    session.renderer.waitForFrame();
+}
+
+/// One run that is not timed: everything is compiled and learned afterwards, and errors come from decisions as they are
+/// made in a run.
+void Comparison::countErrors(Contestant& contestant)
+{
+    Session& session = *contestant.session;
+    if (gnWarmUp(session.shadows.context()) < 0)
+        throw HostError(std::string("gnWarmUp: ") + gnGetLastError(session.shadows.context()));
+    const uint32_t step = std::max(1u, frames_ / kErrorFrames);
+    for (uint32_t frame = 0; frame < frames_; ++frame) {
+        drawFrame(session, frame);
+        if (!truth_ || frame % step != step / 2) continue;
+        settle(*truth_, frameTime(scene_, frame), false);
+        const std::vector<Image8> seen = session.renderer.readVisibility();
+        const std::vector<Image8> truth = truth_->renderer.readVisibility();
+        const FrameSurfaces surfaces{session.renderer.readDepth(), session.renderer.readNormals()};
+        const SceneState& state = session.renderer.state();
+        for (size_t layer = 0; layer < state.present.size(); ++layer) {
+            const uint32_t light = state.present[layer];
+            const std::vector<uint8_t> counted = countedPixels(scene_, session.renderer.camera(), surfaces,
+                                                               scene_.lights[light], state.lights[light]);
+            contestant.errors += compare(seen[layer], truth[layer], counted);
+        }
+    }
+}
+
+void Comparison::alternation(Contestant& contestant)
+{
+    std::vector<FrameTime> times;
+    times.reserve(frames_);
+    contestant.switches = 0;
+    for (uint32_t frame = 0; frame < frames_; ++frame) {
+        const double sentinelMs = sentinel_->run();
+        const Clock::time_point start = Clock::now();
+        drawFrame(*contestant.session, frame);
+        const double frameMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+        const GnFrameStats stats = contestant.session->shadows.stats();
+        times.push_back({sentinelMs, frameMs, double(stats.gpuMs) + double(stats.cpuMs)});
+        contestant.switches += stats.switches;
+    }
+    double frameMs = 0.0, sentinelMs = 0.0;
+    for (const FrameTime& time : times) {
+        frameMs += time.frameMs;
+        sentinelMs += time.sentinelMs;
+    }
+    contestant.ratios.push_back(frameMs / sentinelMs);
+    const double mean = frameMs / double(times.size());
+    if (contestant.frameMs == 0.0 || mean < contestant.frameMs) contestant.frameMs = mean;
+    if (&contestant == contestants_.data() && options_.budgetMs > 0.0f) countBudget(times);
+}
+
+void Comparison::countBudget(const std::vector<FrameTime>& frames)
+{
+    std::vector<double> sentinels;
+    for (const FrameTime& frame : frames)
+        sentinels.push_back(frame.sentinelMs);
+    const double limit = kUndisturbed * median(sentinels);
+    const double first = frameTime(scene_, 0) + 1.0; // the first second is for learning
+    for (uint32_t i = 0; i < frames.size(); ++i) {
+        if (frameTime(scene_, i) < first || frames[i].sentinelMs > limit) continue;
+        const double share = frames[i].shadowMs / double(options_.budgetMs);
+        ++budget_.undisturbed;
+        budget_.within += share <= 1.0;
+        budget_.worst = std::max(budget_.worst, share);
+    }
+}
+
+void Comparison::print() const
+{
+    std::printf("%s, %ux%u, %u frames, fastest of %u alternations\n", scene_.name.c_str(), size_.width, size_.height,
+                frames_, options_.alternations);
+    std::printf("%-18s %10s %16s %10s %9s\n", "", "frame ms", "over sentinel", "wrong %", "switches");
+    const Contestant& adaptive = contestants_.front();
+    const Contestant* rival = nullptr;
+    for (const Contestant& contestant : contestants_) {
+        std::printf("%-18s %10.3f %16.3f %10.4f %9llu\n", contestant.name.c_str(), contestant.frameMs,
+                    contestant.best(), contestant.errors.percent(contestant.errors.wrong()),
+                    static_cast<unsigned long long>(contestant.switches));
+        if (&contestant == &adaptive) continue;
+        const bool asGood = contestant.errors.wrong() <= adaptive.errors.wrong();
+        if (asGood && (!rival || contestant.best() < rival->best())) rival = &contestant;
+    }
+    if (rival)
+        std::printf("adaptive / best single method of equal or lower error (%s): %.3f\n", rival->name.c_str(),
+                    adaptive.best() / rival->best());
+    else
+        std::printf("no single method that serves every light has an error as low\n");
+    if (budget_.undisturbed > 0)
+        std::printf("budget %.2f ms: kept in %.2f %% of %u undisturbed frames after the first second, worst %.2f x\n",
+                    double(options_.budgetMs), 100.0 * budget_.within / budget_.undisturbed, budget_.undisturbed,
+                    budget_.worst);
+}
+
+} // namespace
+
+int compareCommand(const CompareOptions& options)
+{
+    Comparison comparison(options);
+    comparison.run();
+    comparison.print();
+    comparison.requireSilentDevice();
+    return 0;
+}
+
+} // namespace gnomon::demo
