@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # What takes too long for every push: both compilers with warnings as errors, the sanitizers, the smallest build. Names
-# as arguments select rows: tests/matrix.sh clang tsan
+# as arguments select rows: tests/matrix.sh clang tsan. The row `fuzz` searches ten minutes per reader; YAML_CPP_SOURCES
+# may name an unpacked source of yaml-cpp, to count coverage inside it too.
 set -uo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 source "$root/cmake/setup.sh"
@@ -19,6 +20,7 @@ rows=(
     "asan|asan|"
     "tsan|tsan|"
     "minimum|minimum|"
+    "fuzz|fuzz|-DGNOMON_FUZZ_YAML_CPP=${YAML_CPP_SOURCES:-}"
 )
 failed=0
 report=()
