@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstring>
 #include <new>
+#include <span>
 
 #if defined(__SSE__) || defined(_M_X64)
 #include <xmmintrin.h>
@@ -87,6 +88,21 @@ GnResult status(GnContext context, const Result<void>& result)
 GnResult status(GnContext context, const Result<GnResult>& result)
 {
     return result ? *result : report(context, result.error());
+}
+
+/// `fill` writes what fits into its span and says how many there are.
+template <typename T, typename Fill>
+GnResult list(GnContext context, uint32_t* pCount, T* pOut, Fill&& fill)
+{
+    if (!pCount) return nullArgument(context, "pCount");
+    const uint32_t room = pOut ? *pCount : 0;
+    const Result<uint32_t> all = fill(std::span<T>(pOut, room));
+    if (!all) {
+        *pCount = 0;
+        return report(context, all.error());
+    }
+    *pCount = pOut ? std::min(room, *all) : *all;
+    return pOut && room < *all ? GN_INCOMPLETE : GN_SUCCESS;
 }
 
 } // namespace
@@ -333,11 +349,8 @@ GnResult GN_CALL gnGetLightMap(GnContext context, GnLight light, GnLightMap* pMa
 GnResult GN_CALL gnEnumerateMethods(GnContext context, uint32_t* pCount, GnMethodInfo* pMethods)
 {
     return atBoundary(context, [&](Context& c) {
-        if (!pCount) return nullArgument(context, "pCount");
-        const uint32_t room = pMethods ? *pCount : 0;
-        const uint32_t all = c.methods({pMethods, room});
-        *pCount = pMethods ? std::min(room, all) : all;
-        return pMethods && room < all ? GN_INCOMPLETE : GN_SUCCESS;
+        return list(context, pCount, pMethods,
+                    [&](std::span<GnMethodInfo> out) { return Result<uint32_t>(c.methods(out)); });
     });
 }
 
@@ -391,6 +404,22 @@ GnResult GN_CALL gnGetDecision(GnContext context, GnView view, GnLight light, Gn
     });
 }
 
+GnResult GN_CALL gnGetFacts(GnContext context, GnView view, GnLight light, uint32_t* pCount, GnFact* pFacts)
+{
+    return atBoundary(context, [&](Context& c) {
+        return list(context, pCount, pFacts, [&](std::span<GnFact> out) { return c.facts(view, light, out); });
+    });
+}
+
+GnResult GN_CALL gnGetCandidates(GnContext context, GnView view, GnLight light, uint32_t* pCount,
+                                 GnCandidate* pCandidates)
+{
+    return atBoundary(context, [&](Context& c) {
+        return list(context, pCount, pCandidates,
+                    [&](std::span<GnCandidate> out) { return c.candidates(view, light, out); });
+    });
+}
+
 GnResult GN_CALL gnExplainDecision(GnContext context, GnView view, GnLight light, size_t* pSize, char* pText)
 {
     return atBoundary(context, [&](Context& c) {
@@ -411,24 +440,20 @@ GnResult GN_CALL gnExplainDecision(GnContext context, GnView view, GnLight light
 GnResult GN_CALL gnGetPassTimings(GnContext context, uint64_t* pFrame, uint32_t* pCount, GnPassTiming* pTimings)
 {
     return atBoundary(context, [&](Context& c) {
-        if (!pCount) return nullArgument(context, "pCount");
-        const uint32_t room = pTimings ? *pCount : 0;
         uint64_t frame = 0;
-        const uint32_t all = c.passTimings(frame, {pTimings, room});
-        if (pFrame) *pFrame = frame;
-        *pCount = pTimings ? std::min(room, all) : all;
-        return pTimings && room < all ? GN_INCOMPLETE : GN_SUCCESS;
+        const GnResult result = list(context, pCount, pTimings, [&](std::span<GnPassTiming> out) {
+            return Result<uint32_t>(c.passTimings(frame, out));
+        });
+        if (pFrame && result >= 0) *pFrame = frame;
+        return result;
     });
 }
 
 GnResult GN_CALL gnGetFramePasses(GnContext context, uint32_t* pCount, GnPassTiming* pPasses)
 {
     return atBoundary(context, [&](Context& c) {
-        if (!pCount) return nullArgument(context, "pCount");
-        const uint32_t room = pPasses ? *pCount : 0;
-        const uint32_t all = c.framePasses({pPasses, room});
-        *pCount = pPasses ? std::min(room, all) : all;
-        return pPasses && room < all ? GN_INCOMPLETE : GN_SUCCESS;
+        return list(context, pCount, pPasses,
+                    [&](std::span<GnPassTiming> out) { return Result<uint32_t>(c.framePasses(out)); });
     });
 }
 

@@ -70,6 +70,9 @@ public:
 
     Result<GnDecision> decision(GnView view, GnLight light);
     Result<std::string> explanation(GnView view, GnLight light);
+    /// Fill what fits. @return how many there are.
+    Result<std::uint32_t> facts(GnView view, GnLight light, std::span<GnFact> out);
+    Result<std::uint32_t> candidates(GnView view, GnLight light, std::span<GnCandidate> out);
     std::uint32_t passTimings(std::uint64_t& frame, std::span<GnPassTiming> out);
     std::uint32_t framePasses(std::span<GnPassTiming> out);
     GnFrameStats stats() const { return stats_; }
@@ -135,6 +138,7 @@ private:
     void forgetOldLights();
     void finishStats();
     View* findView(GnView handle);
+    Result<const LightDecision*> findDecision(GnView view, GnLight light);
     void finishUnderway();
     GnPassTiming publicTiming(const PassTiming& timing) const;
     double msSince(std::chrono::steady_clock::time_point since) const;

@@ -100,7 +100,7 @@ void FramePlan::fill(const rules::RuleBase* base)
             lights_[i].minimumQuality = static_cast<float>(base->policy.floor.minimumQuality);
         }
         for (std::uint32_t m = 0; m < methods; ++m) {
-            const Candidate& from = request.decision->candidates[m];
+            Candidate& from = request.decision->candidates[m];
             const cost::Workload workload = workloadOf(methods_[m], memory.workload);
             const cost::Prediction cost = model_.predict(memory.costSlot, m, workload, workload.still);
             candidates_[i * methods + m] = {.eligibility = eligibilityOf(from.exclusion),
@@ -108,6 +108,9 @@ void FramePlan::fill(const rules::RuleBase* base)
                                             .quality = qualityOf(methods_[m]),
                                             .ms = cost.ms,
                                             .sigmaMs = cost.sigmaMs};
+            from.quality = candidates_[i * methods + m].quality;
+            from.predictedMs = static_cast<float>(cost.ms);
+            from.sigmaMs = static_cast<float>(cost.sigmaMs);
         }
     }
 }
@@ -130,8 +133,15 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
                              .cut = budget.cut,
                              .allocation = rules::Options::Allocation::Budget,
                              .policy = &base->policy});
-        for (std::size_t i = 0; i < requests_.size(); ++i)
-            take(plan_.lights()[i], *requests_[i].decision);
+        for (std::size_t i = 0; i < requests_.size(); ++i) {
+            LightDecision& decision = *requests_[i].decision;
+            take(plan_.lights()[i], decision);
+            for (std::uint32_t m = 0; m < methods_.size(); ++m)
+                decision.candidates[m].why = plan_.why(static_cast<std::uint32_t>(i))[m];
+        }
+    } else {
+        for (const Request& request : requests_)
+            explainWithoutPlan(*request.decision, base != nullptr);
     }
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         LightDecision& decision = *requests_[i].decision;
@@ -139,6 +149,20 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
             decision.predictedMs = static_cast<float>(candidates_[i * methods_.size() + decision.method].ms);
     }
     return report;
+}
+
+/// The best suitability decided: why every other method lost.
+void FramePlan::explainWithoutPlan(LightDecision& decision, bool hasRules) const
+{
+    for (std::uint32_t m = 0; m < methods_.size(); ++m) {
+        Candidate& candidate = decision.candidates[m];
+        candidate.why = m == decision.method                               ? plan::Why::chosen
+                        : candidate.exclusion == Exclusion::vetoed         ? plan::Why::never
+                        : candidate.exclusion != Exclusion::none           ? plan::Why::trait
+                        : decision.reason == GN_REASON_PINNED              ? plan::Why::pinned
+                        : hasRules && candidate.quantised < 0              ? plan::Why::noOpinion
+                                                                           : plan::Why::outscored;
+    }
 }
 
 /// The plan's word, where it differs from the best suitability.

@@ -41,6 +41,7 @@ public:
 private:
     void fill(const rules::RuleBase* base);
     void take(const plan::LightPlan& plan, LightDecision& decision) const;
+    void explainWithoutPlan(LightDecision& decision, bool hasRules) const;
     std::uint32_t slotOf(LightMemory& memory);
 
     struct Request {

@@ -36,6 +36,10 @@ struct Candidate {
     std::int32_t quantised = -1;   ///< Suitability in steps of 1/4096; -1: no opinion.
     std::uint64_t detail = 0;      ///< Count, bytes or rule, as the exclusion says.
     const char* refusal = nullptr; ///< Static storage.
+    float quality = 0.0f;          ///< Share of the truth it keeps, as the plan counts it; from the plan on.
+    float predictedMs = 0.0f;      ///< By the cost model.
+    float sigmaMs = 0.0f;          ///< Standard error of the prediction.
+    plan::Why why = plan::Why::outscored; ///< By the plan step, or by the best suitability where there is none.
 };
 
 /// What was decided for one light in one view, and from what. Fixed size.

@@ -1,0 +1,141 @@
+// What a decision rested on, as numbers: facts and candidates through the C API.
+#include <cmath>
+
+#include "device/fixture.hpp"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+std::vector<GnFact> factsOf(const Host& host, size_t light)
+{
+    uint32_t count = 0;
+    host.require(gnGetFacts(host.context, host.views[0], host.lights[light], &count, nullptr));
+    std::vector<GnFact> facts(count);
+    host.require(gnGetFacts(host.context, host.views[0], host.lights[light], &count, facts.data()));
+    return facts;
+}
+
+std::vector<GnCandidate> candidatesOf(const Host& host, size_t light)
+{
+    uint32_t count = 0;
+    host.require(gnGetCandidates(host.context, host.views[0], host.lights[light], &count, nullptr));
+    std::vector<GnCandidate> candidates(count);
+    host.require(gnGetCandidates(host.context, host.views[0], host.lights[light], &count, candidates.data()));
+    return candidates;
+}
+
+double factNamed(const std::vector<GnFact>& facts, const std::string& name)
+{
+    for (const GnFact& fact : facts)
+        if (name == fact.pName) return fact.value;
+    FAIL(name);
+    return 0.0;
+}
+
+const GnCandidate& candidateNamed(const std::vector<GnCandidate>& candidates, const std::string& name)
+{
+    for (const GnCandidate& candidate : candidates)
+        if (name == candidate.pMethod) return candidate;
+    FAIL(name);
+    return candidates.front();
+}
+
+void load(Host& host, const char* name)
+{
+    const std::string rules = shippedRules(name);
+    host.require(gnLoadRules(host.context, rules.data(), rules.size(), name));
+}
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "the facts of a decision are the scene's numbers, in units, NaN where nobody knows")
+{
+    Scene scene = smallScene();
+    scene.lights.push_back(pointLight("bulb", {1.0, 5.0, 2.0}, false));
+    Host host(scene);
+    load(host, "default");
+    host.draw(4, {});
+    const std::vector<GnFact> facts = factsOf(host, 0);
+    CHECK(factNamed(facts, "dynamicLights") == 1.0); // the bulb
+    CHECK(factNamed(facts, "lightMotion") == 0.0);
+    CHECK(factNamed(facts, "viewerDistance") == doctest::Approx(host.decision(0).viewerDistance));
+    CHECK(factNamed(facts, "screenShare") > 0.0);
+    CHECK(factNamed(facts, "screenShare") <= 1.0);
+    CHECK(factNamed(facts, "casterTriangles") > 1.0); // a ball has more than ten triangles
+    CHECK(std::isnan(factNamed(facts, "receiverPlanarity")));
+    for (const GnFact& fact : facts)
+        CHECK(std::string(fact.pUnit).size() > 0);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "candidates name the chosen method, and why each of the others is not it")
+{
+    Host host(smallScene());
+    host.draw(3, {});
+    for (const GnCandidate& candidate : candidatesOf(host, 0)) // nobody to have an opinion
+        CHECK((candidate.suitability == GN_SUITABILITY_NO_OPINION || candidate.suitability == GN_SUITABILITY_UNABLE));
+
+    load(host, "thesis");
+    host.draw(6, {});
+    std::vector<GnCandidate> candidates = candidatesOf(host, 0);
+    const GnCandidate chosen = candidateNamed(candidates, "stencil_volume");
+    CHECK(chosen.elimination == GN_ELIMINATION_NONE);
+    CHECK(float(chosen.suitability) / GN_SUITABILITY_STEPS == doctest::Approx(host.decision(0).suitability));
+    CHECK(chosen.predictedMs == doctest::Approx(host.decision(0).predictedMs));
+    CHECK(chosen.sigmaMs > 0.0f);
+    CHECK(chosen.quality > candidateNamed(candidates, "shadow_map").quality);
+    CHECK(candidateNamed(candidates, "shadow_map").elimination == GN_ELIMINATION_OUTSCORED);
+    CHECK(candidateNamed(candidates, "shadow_map").suitability < chosen.suitability);
+    CHECK(candidateNamed(candidates, "cube_map").elimination == GN_ELIMINATION_UNABLE); // a spot light
+    CHECK(candidateNamed(candidates, "cube_map").suitability == GN_SUITABILITY_UNABLE);
+
+    host.pinAll("shadow_map");
+    host.require(host.draw());
+    candidates = candidatesOf(host, 0);
+    CHECK(candidateNamed(candidates, "shadow_map").elimination == GN_ELIMINATION_NONE);
+    CHECK(candidateNamed(candidates, "stencil_volume").elimination == GN_ELIMINATION_PINNED);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "with a budget the plan says what stands in a method's way: floor or time")
+{
+    Host host(smallScene());
+    std::string rules = shippedRules("default");
+    if (const size_t at = rules.find("allocation: none"); at != std::string::npos)
+        rules.replace(at, std::string("allocation: none").size(), "allocation: budget");
+    host.require(gnLoadRules(host.context, rules.data(), rules.size(), "budget"));
+    const FrameOptions poor{.adjust = [](GnFrameInfo& info, std::vector<GnViewFrame>&) { info.budgetMs = 1e-3f; }};
+    host.draw(6, poor);
+    uint32_t chosen = 0, held = 0;
+    for (const GnCandidate& candidate : candidatesOf(host, 0)) {
+        chosen += candidate.elimination == GN_ELIMINATION_NONE;
+        held += candidate.elimination == GN_ELIMINATION_FLOOR || candidate.elimination == GN_ELIMINATION_BUDGET;
+    }
+    CHECK(chosen == 1);
+    CHECK(held > 0);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "lists of facts and candidates that are too small get what fits, strangers nothing")
+{
+    Host host(smallScene());
+    load(host, "default");
+    host.require(host.draw());
+    GnFact facts[2] = {};
+    uint32_t count = 1;
+    CHECK(gnGetFacts(host.context, host.views[0], host.lights[0], &count, facts) == GN_INCOMPLETE);
+    CHECK(count == 1);
+    CHECK(facts[0].pName != nullptr);
+    CHECK(facts[1].pName == nullptr);
+    GnCandidate candidates[2] = {};
+    count = 1;
+    CHECK(gnGetCandidates(host.context, host.views[0], host.lights[0], &count, candidates) == GN_INCOMPLETE);
+    CHECK(count == 1);
+    CHECK(candidates[1].pMethod == nullptr);
+
+    CHECK(gnGetFacts(host.context, host.views[0], host.lights[0], nullptr, facts) == GN_ERROR_NULL_ARGUMENT);
+    CHECK(gnGetCandidates(host.context, host.views[0], VK_NULL_HANDLE, &count, candidates) == GN_ERROR_INVALID_HANDLE);
+    CHECK(count == 0);
+    count = 2;
+    CHECK(gnGetFacts(host.context, VK_NULL_HANDLE, host.lights[0], &count, facts) == GN_ERROR_INVALID_HANDLE);
+    CHECK(count == 0);
+}
