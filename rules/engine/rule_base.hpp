@@ -149,6 +149,7 @@ struct Policy {
         uint32_t upgradesPerFrame = 2;
         uint32_t flipWindowFrames = 30; ///< A-B-A within this window is a flip,
         uint32_t flipBanFrames = 120;   ///< which bans the pair for so long.
+        uint32_t crossFadeFrames = 8;   ///< A changed choice is shown as a mix with the one before for so long; 0: never.
     };
     struct Probing {
         uint32_t everyFrames = 60; ///< 0 never probes.

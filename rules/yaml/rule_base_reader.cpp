@@ -15,6 +15,7 @@ using yaml::MapReader;
 using yaml::Node;
 
 constexpr uint32_t kFrameLimit = 1'000'000; ///< Of counts of frames: hours, not overflow.
+constexpr uint32_t kFadeLimit = 600;        ///< Of a cross-fade: ten seconds at 60 Hz.
 constexpr double kMillisecondLimit = 1e6;
 
 uint64_t fnv1a(std::string_view text) noexcept
@@ -264,6 +265,7 @@ private:
             part.count("upgradesPerFrame", kFrameLimit, policy.hysteresis.upgradesPerFrame);
             part.count("flipWindowFrames", kFrameLimit, policy.hysteresis.flipWindowFrames);
             part.count("flipBanFrames", kFrameLimit, policy.hysteresis.flipBanFrames);
+            part.count("crossFadeFrames", kFadeLimit, policy.hysteresis.crossFadeFrames);
             part.finish();
         }
         if (const Node* probing = map.optional("probing")) {

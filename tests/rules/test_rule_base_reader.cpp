@@ -68,7 +68,7 @@ otherwise: p is good with 0.1
 policy:
   budget: {targetFrameMs: 8.3, shadowCapMs: 4, headroom: 0.05}
   floor: {when: x is low and x is not high, minimumQuality: 0.7, atStrength: 0.4}
-  hysteresis: {planGain: 0.03, upgradesPerFrame: 1, flipWindowFrames: 20, flipBanFrames: 90}
+  hysteresis: {planGain: 0.03, upgradesPerFrame: 1, flipWindowFrames: 20, flipBanFrames: 90, crossFadeFrames: 5}
   probing: {everyFrames: 30, sigma: 1.5}
 tuned: {by: hand, from: nowhere, hash: "0"}
 )");
@@ -96,6 +96,7 @@ tuned: {by: hand, from: nowhere, hash: "0"}
     CHECK(base.policy.floor.when.size() == 4);
     CHECK(base.policy.floor.atStrength == 0.4);
     CHECK(base.policy.hysteresis.flipBanFrames == 90);
+    CHECK(base.policy.hysteresis.crossFadeFrames == 5);
     CHECK(base.policy.probing.sigma == 1.5);
     CHECK(base.textHash != 0);
 }
@@ -106,6 +107,7 @@ TEST_CASE("suitability and policy have defaults, and budget may be auto")
         parsed(std::string(kHead) + "rules: [{rule: if x is low then p is favoured}]\npolicy: {budget: auto}\n");
     CHECK(base.suitability.terms.size() == 3);
     CHECK(base.policy.budget.automatic);
+    CHECK(base.policy.hysteresis.crossFadeFrames == 8);
     CHECK(base.policy.floor.when.empty());
     CHECK(base.options.allocation == Options::Allocation::None);
 }
@@ -141,6 +143,11 @@ TEST_CASE("a faulty rule base is refused with the place of each fault")
           "5:24: error R05: 'defuzzifier' must be centroid or sampled(2 to 100000)\n");
     CHECK(errorsOf(head + rules + "policy: {budget: {headroom: 1.5}}\n") ==
           "5:29: error R05: 'headroom' must be a number from 0 to 0.99\n");
+    for (const char* frames : {"-1", "601", "some", "[8]"})
+        CHECK(errorsOf(head + rules + "policy: {hysteresis: {crossFadeFrames: " + frames + "}}\n") ==
+              "5:40: error R05: 'crossFadeFrames' must be a number from 0 to 600\n");
+    CHECK(errorsOf(head + rules + "policy: {hysteresis: {crossFadeFrames: 2.5}}\n") ==
+          "5:40: error R05: 'crossFadeFrames' must be a whole number\n");
     CHECK(errorsOf(head + rules + "policy: {floor: {when: z is low}}\n") == "5:24: error L01: unknown variable 'z'\n");
     CHECK(errorsOf(head + rules + "otherwise: never p\n") ==
           "5:18: error R06: 'otherwise' cannot veto: it fires where the rules know nothing\n");
