@@ -51,7 +51,7 @@ int compareCommand(const CompareOptions& options);
 
 int methodsCommand();
 int scenesCommand();
-int lintCommand(const std::string& rules);
+int lintCommand(const std::string& rules, const std::string& trace);
 int explainCommand(const std::string& rules, const std::string& facts);
 
 } // namespace gnomon::demo

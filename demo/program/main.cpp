@@ -88,7 +88,7 @@ int main(int argc, char** argv)
     RunOptions run;
     BenchOptions bench;
     ContactOptions contact;
-    std::string rules, facts;
+    std::string rules, facts, lintTrace;
     addRun(app, run, exitCode);
     addBench(app, bench, exitCode);
     addContact(app, contact, exitCode);
@@ -100,7 +100,8 @@ int main(int argc, char** argv)
     app.add_subcommand("scenes", "list the shipped scenes")->callback([&] { exitCode = scenesCommand(); });
     CLI::App* lint = app.add_subcommand("lint", "check a rule base");
     lint->add_option("RULES", rules, "a path, or `default` or `thesis`")->required();
-    lint->callback([&] { exitCode = lintCommand(rules); });
+    lint->add_option("--trace", lintTrace, "a recorded trace: also report decisions that its noise overturns (L08)");
+    lint->callback([&] { exitCode = lintCommand(rules, lintTrace); });
     CLI::App* explain = app.add_subcommand("explain", "say what a rule base thinks of given facts, and why");
     explain->add_option("RULES", rules, "a path, or `default` or `thesis`")->required();
     explain->add_option("--facts", facts, "name=value,...; what is not given is unknown")->required();

@@ -8,9 +8,11 @@
 #include "demo/program/session.hpp"
 #include "runtime/select/facts.hpp"
 #ifdef GNOMON_WITH_YAML
+#include "demo/replay/trace.hpp"
 #include "rules/engine/explain.hpp"
 #include "rules/engine/lint.hpp"
 #include "rules/yaml/rule_base_reader.hpp"
+#include "runtime/select/frame_plan.hpp"
 #include "runtime/select/vocabulary.hpp"
 #endif
 
@@ -23,8 +25,14 @@ RuleVocabulary runtimeVocabulary()
 {
     const AlgorithmRegistry registry = builtinRegistry();
     RuleVocabulary vocabulary(registry);
-    for (const AlgorithmEntry* entry : registry.entries)
+    for (const AlgorithmEntry* entry : registry.entries) {
         vocabulary.addMethod(entry->name, entry->traits);
+        Method method; // as every context has it until told otherwise
+        method.entry = entry;
+        for (const SettingSpec& setting : entry->settings)
+            method.settings.push_back(setting.standard);
+        vocabulary.outputs.back().quality = double{qualityOf(method)};
+    }
     return vocabulary;
 }
 
@@ -46,6 +54,35 @@ rules::RuleBase parse(const std::string& nameOrPath)
     report(parsed.diagnostics);
     if (!parsed) throw HostError(text.name + ": not a usable rule base");
     return std::move(*parsed.base);
+}
+
+/// L08: the rules on what every light of a recorded trace met, one light behind the other.
+std::vector<rules::Diagnostic> lintAlong(const std::string& file, const rules::RuleBase& base,
+                                         const RuleVocabulary& vocabulary)
+{
+    const Outcome<Trace> read = readTrace(valueOf(readText(file)));
+    if (!read) throw HostError(file + ": " + read.error());
+    const Trace& trace = *read;
+    const rules::BindResult bound = rules::Engine::bind(base, vocabulary.view());
+    if (!bound.engine) return {}; // the findings of lint() say why
+    std::vector<std::size_t> columns; // of the trace, per fact of the vocabulary; its count where there is none
+    for (const rules::FactInfo& fact : vocabulary.facts)
+        columns.push_back(static_cast<std::size_t>(std::find(trace.facts.begin(), trace.facts.end(), fact.name) -
+                                                   trace.facts.begin()));
+    std::vector<double> rows;
+    std::vector<std::uint32_t> frames;
+    for (std::uint32_t light = 0; light < trace.lights; ++light) {
+        for (std::uint32_t frame = 0; frame < trace.frames; ++frame) {
+            const std::size_t cell = trace.cell(frame, light);
+            if (!trace.lightStates[cell].present) continue;
+            const float* const values = trace.factValues.data() + cell * trace.facts.size();
+            for (const std::size_t column : columns)
+                rows.push_back(column < trace.facts.size() ? double{values[column]}
+                                                           : std::numeric_limits<double>::quiet_NaN());
+            frames.push_back(frame);
+        }
+    }
+    return rules::lintTrace(*bound.engine, {.rows = rows, .noise = {}, .frames = frames});
 }
 
 std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vocabulary)
@@ -72,11 +109,14 @@ std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vo
 
 } // namespace
 
-int lintCommand(const std::string& nameOrPath)
+int lintCommand(const std::string& nameOrPath, const std::string& trace)
 {
     const RuleVocabulary vocabulary = runtimeVocabulary();
     const rules::RuleBase base = parse(nameOrPath);
-    const std::vector<rules::Diagnostic> findings = rules::lint(base, vocabulary.view());
+    std::vector<rules::Diagnostic> findings = rules::lint(base, vocabulary.view());
+    if (!trace.empty())
+        for (rules::Diagnostic& finding : lintAlong(trace, base, vocabulary))
+            findings.push_back(std::move(finding));
     const bool failed = report(findings);
     std::printf("%s: %zu rules, %zu findings\n", base.name.c_str(), base.rules.size(), findings.size());
     return failed ? 1 : 0;
@@ -96,7 +136,7 @@ int explainCommand(const std::string& nameOrPath, const std::string& facts)
 
 #else
 
-int lintCommand(const std::string&)
+int lintCommand(const std::string&, const std::string&)
 {
     throw HostError("this build has no rule bases (GNOMON_WITH_YAML is off)");
 }

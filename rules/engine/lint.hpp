@@ -30,10 +30,13 @@ std::vector<Diagnostic> lint(const Engine& engine);
 
 /// Facts as a host met them, frame after frame.
 struct FactTrace {
-    std::span<const double> rows; ///< One row of Engine::facts().size() numbers per frame. NaN is unknown.
+    std::span<const double> rows; ///< Engine::facts().size() numbers per frame. NaN is unknown.
     /// One number per fact: how far a measurement strays, in the unit of the fact; 0 is exact. Empty: estimated from
     /// the steps between frames.
     std::span<const double> noise;
+    /// Frame of each row, for traces with gaps or of several lights one behind the other: steps are taken between
+    /// successive frames only, and findings name them. Empty: 0, 1, 2, ...
+    std::span<const uint32_t> frames;
 };
 
 /// L08: decisions that noise alone overturns. A decision is the best suitability among each of the base's `kinds`.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <vector>
 
@@ -18,6 +19,7 @@ double estimatedNoise(const FactTrace& trace, std::size_t factCount, std::size_t
     constexpr double kScale = 1.0 / (0.6744897501960817 * 1.4142135623730951);
     std::vector<double> steps;
     for (std::size_t row = 1; (row + 1) * factCount <= trace.rows.size(); ++row) {
+        if (!trace.frames.empty() && trace.frames[row] != trace.frames[row - 1] + 1) continue;
         const double step = trace.rows[row * factCount + fact] - trace.rows[(row - 1) * factCount + fact];
         if (!std::isnan(step)) steps.push_back(std::abs(step));
     }
@@ -59,6 +61,7 @@ std::vector<Diagnostic> lintTrace(const Engine& engine, const FactTrace& trace)
     DiagnosticSink sink(engine.base().file);
     const std::size_t factCount = engine.facts().size();
     if (factCount == 0 || trace.rows.size() < factCount) return {};
+    assert(trace.frames.empty() || trace.frames.size() == trace.rows.size() / factCount);
     const SamplePoints points = toPoints(trace, factCount);
     const BatchEngine batch(engine);
     BatchInference all = batch.makeInference(points.count);
@@ -78,7 +81,8 @@ std::vector<Diagnostic> lintTrace(const Engine& engine, const FactTrace& trace)
         }
         const auto count = std::count(overturned.begin(), overturned.end(), true);
         if (static_cast<double>(count) <= kMost * points.count) continue;
-        const auto first = std::find(overturned.begin(), overturned.end(), true) - overturned.begin();
+        const auto row = std::find(overturned.begin(), overturned.end(), true) - overturned.begin();
+        const auto first = trace.frames.empty() ? static_cast<uint32_t>(row) : trace.frames[static_cast<std::size_t>(row)];
         sink.warning("L08", engine.base().variables[v].at,
                      "noise of " + shortestText(noise) + " in " + quoted(engine.base().variables[v].name) +
                          " overturns the decision in " +

@@ -265,6 +265,18 @@ TEST_CASE("L08: a trace that lingers on a boundary closer than its noise is repo
         jumping.insert(jumping.end(), {0.49 + 0.03 * (i % 2), 0.5});
     CHECK(findings(lintTrace(engine, {jumping, {}}), "L08").size() == 1);
     CHECK(lintTrace(engine, {}).empty());
+
+    // Of two lights one behind the other: the step from the last frame of one to the first of the next is no noise.
+    std::vector<double> pair;
+    std::vector<uint32_t> frames;
+    for (uint32_t i = 0; i < 100; ++i) {
+        pair.insert(pair.end(), {i % 2 ? 0.8 : 0.49, 0.5});
+        frames.push_back(i % 2 ? i : 200 - i);
+    }
+    CHECK(findings(lintTrace(engine, {pair, {}}), "L08").size() == 1);
+    CHECK(lintTrace(engine, {pair, {}, frames}).empty());
+    frames = {17};
+    CHECK(contains(lintTrace(engine, {std::vector<double>{0.49, 0.5}, noise, frames}).at(0).message, "in frame 17"));
 }
 
 TEST_CASE("L09: a promise that does not hold is reported with the facts that break it")
