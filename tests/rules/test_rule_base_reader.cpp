@@ -217,12 +217,47 @@ TEST_CASE("aliases, anchors, merge keys and repeated keys are errors")
                    "[]\n") == "3:50: error R03: key 'a' stands twice in one map\n");
 }
 
-TEST_CASE("more rules than the limit are refused")
+TEST_CASE("every limit on a rule file is where the page says: what reaches it is read, one more is refused")
 {
-    std::string text = std::string(kHead) + "rules:\n";
-    for (std::size_t i = 0; i <= kMaxRules; ++i)
-        text += "  - {rule: if x is low then p is favoured}\n";
-    CHECK(errorsOf(text) == "4101:5: error R07: more than 4096 rules\n");
+    // 4096 rules.
+    std::string text = "version: 1\nvariables:\n  x: {universe: [0, 1], terms: {low: [0, 0, 1, 1]}}\nrules:\n";
+    for (std::size_t i = 0; i < kMaxRules; ++i)
+        text += "  - {rule: 'if x is low then o is favoured'}\n";
+    CHECK(errorsOf(text) == "");
+    CHECK(errorsOf(text + "  - {rule: 'if x is low then o is favoured'}\n") ==
+          "4101:5: error R07: more than 4096 rules\n");
+
+    // 1 MiB, filled up by a comment.
+    const std::string small = "version: 1\nvariables:\n  x: {universe: [0, 1], terms: {low: [0, 0, 1, 1]}}\n"
+                              "rules: [{rule: 'if x is low then o is favoured'}]\n#";
+    constexpr std::size_t kMost = std::size_t(1) << 20;
+    CHECK(errorsOf(small + std::string(kMost - small.size(), '#')) == "");
+    CHECK(errorsOf(small + std::string(kMost + 1 - small.size(), '#')) ==
+          " error R07: the text is longer than 1048576 bytes\n");
+
+    // 32 levels: the map of the file is one, so 31 lists may stand in a value. What they hold is no name, which is the
+    // reader's to say; of the 32nd the parser says that it is too deep, and says nothing else.
+    const auto nested = [&](std::size_t levels) {
+        return "version: 1\nname: " + std::string(levels, '[') + std::string(levels, ']') + small.substr(10);
+    };
+    CHECK(errorsOf(nested(31)) == "2:7: error R04: 'name' must be a text, found a list\n");
+    CHECK(errorsOf(nested(32)) == "2:38: error R07: nested deeper than 32\n");
+}
+
+TEST_CASE("NaN is no number anywhere in a rule file")
+{
+    const auto base = [](std::string_view universe, std::string_view corners, std::string_view weight) {
+        return std::string("version: 1\nvariables:\n  x: {universe: [0, ") + std::string(universe) +
+               "], terms: {low: [" + std::string(corners) + "]}}\nrules: [{rule: 'if x is low then o is favoured with " +
+               std::string(weight) + "'}]\n";
+    };
+    CHECK(errorsOf(base("1", "0, 0, 1, 1", "0.5")) == "");
+    for (const std::string_view nan : {".nan", ".NaN", "nan", "-nan", "NAN"}) {
+        CAPTURE(nan);
+        CHECK(errorsOf(base(nan, "0, 0, 1, 1", "0.5")) != "");
+        CHECK(errorsOf(base("1", "0, 0, " + std::string(nan) + ", 1", "0.5")) != "");
+        CHECK(errorsOf(base("1", "0, 0, 1, 1", nan)) != "");
+    }
 }
 
 TEST_CASE("a comma locale changes no number, in C or in C++")
