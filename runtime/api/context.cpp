@@ -128,6 +128,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     if (Result<void> added = methods_->addBuiltins(registry_); !added) return added;
     pipelines_->setOwner(kRuntimeOwner);
     gridPipeline_ = DepthGrid::pipeline(*pipelines_);
+    mixPipeline_ = fadeMixPipeline(*pipelines_);
     selector_ = std::make_unique<Selector>(*methods_);
     plan_ = std::make_unique<FramePlan>(*methods_, vk_->software);
     pool_ = std::make_unique<ResourcePool>(*memory_);
@@ -223,6 +224,7 @@ void Context::destroyView(GnView handle)
     for (auto& [id, memory] : view->lights)
         plan_->forget(memory);
     if (view->visibility) pool_->retire(std::move(view->visibility));
+    std::erase_if(viewFrames_, [&](const ViewFrame& viewFrame) { return viewFrame.view == view.get(); });
     // The grid's buffers may be in flight for as long as the frames that wrote them.
     retiredGrids_.push_back({frame_, std::move(view->grid)});
 }
@@ -351,7 +353,9 @@ Result<GnDecision> Context::decision(GnView view, GnLight light)
                       .viewerDistance = d.viewerDistance,
                       .viewerDistanceMeasured = d.distanceMeasured ? VK_TRUE : VK_FALSE,
                       .switched = d.switched ? VK_TRUE : VK_FALSE,
-                      .pRule = selector_->ruleName(d.rule)};
+                      .pRule = selector_->ruleName(d.rule),
+                      .pOutgoing = d.outgoing == UINT32_MAX ? nullptr : (*methods_)[d.outgoing].name.c_str(),
+                      .fade = d.fade};
 }
 
 Result<std::string> Context::explanation(GnView view, GnLight light)

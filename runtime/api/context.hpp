@@ -12,6 +12,7 @@
 #include "runtime/passes/pass_executor.hpp"
 #include "runtime/registry.hpp"
 #include "runtime/scene/scene_registry.hpp"
+#include "runtime/select/auto_budget.hpp"
 #include "runtime/select/depth_grid.hpp"
 #include "runtime/select/frame_plan.hpp"
 #include "runtime/select/selector.hpp"
@@ -30,6 +31,7 @@ struct View {
     std::unordered_map<std::uint32_t, LightMemory> lights; ///< By light id.
     std::vector<LightDecision> decisions;                  ///< Of the last frame, in the order of its lights.
     CameraView camera;                                     ///< Of the frame under way.
+    std::uint64_t lastFrame = 0;                           ///< The newest whose lights were decided.
 };
 
 /// What is known of a light whatever the view.
@@ -127,14 +129,29 @@ private:
     Result<void> acceptViews(const GnFrameInfo& info);
     Result<void> prepareView(View& view, const GnViewFrame& frame);
     void takeTimings();
+    void noteTimedScale(const FrameTimings& timed);
     void chargeLights(const FrameTimings& timings);
+    void chargeLight(const FrameTimings& timings, const View& view, std::uint32_t light, LightMemory& memory,
+                     bool disturbed);
     void openGraph(const GnFrameInfo& info);
     Result<void> assessView(std::uint32_t viewIndex, const GnViewFrame& frame, const GnFrameInfo& info, FrameMode mode);
     void planLights(const GnFrameInfo& info);
     double meanFrameRate() const;
+    void updateBudget(const GnFrameInfo& info);
     void declareLight(const PendingLight& pending, FrameMode mode);
+    std::optional<Error> declareMethod(const PendingLight& pending, std::uint32_t method, ImageId visibility,
+                                       std::uint32_t layer, FrameMode mode);
     void declareLit(std::uint32_t viewIndex, std::uint32_t layer);
     const LightCasters& castersOf(const LightView& light);
+
+    // Cross-fades (frame_fade.cpp).
+    FadeRequest nextFade(const PendingLight& pending, const rules::RuleBase* base);
+    void settleFades();
+    ImageId declareOutgoing(const PendingLight& pending, FrameMode mode);
+    void declareMix(const PendingLight& pending, ImageId pair);
+    void withdrawFades(std::uint64_t frame);
+    std::uint32_t fadingIn(std::uint64_t frame) const;
+
     void forgetOldLights();
     void finishStats();
     View* findView(GnView handle);
@@ -178,19 +195,33 @@ private:
     std::uint64_t timingsTaken_ = 0;
     std::array<double, 3> origin_{};
     bool originSet_ = false;
-    PipelineId gridPipeline_;
-    bool gridReady_ = false;
+    PipelineId gridPipeline_, mixPipeline_;
+    bool gridReady_ = false; ///< The runtime's own pipelines have run once.
     std::vector<View*> acceptedViews_;
     std::vector<ViewFrame> viewFrames_;
     std::vector<LightFrame> lightFrames_;
     std::vector<PendingLight> pending_;
+    std::vector<FadeRequest> fades_; ///< As pending_.
     std::vector<DeclaredTask> tasks_;
     std::vector<PooledImage*> visibilities_, imports_;
     std::vector<RetiredGrid> retiredGrids_;
     std::vector<VkSemaphoreSubmitInfo> waits_, signals_;
     bool raysNeeded_ = false;
     float untimedGpuMs_ = 0.0f;
+    std::uint64_t untimedFrame_ = 0;
+    float timedScale_ = 1.0f; ///< From what a pass takes in a timed frame to its share of an untimed one.
     float lastCpuMs_ = 0.0f;
+    double budgetMs_ = 0.0;       ///< In force; 0: none.
+    bool measuresBudget_ = false; ///< The cheapest plan runs, for `budget: auto`.
+    bool budgetBegins_ = false;   ///< It was measured; this is the first frame under the budget.
+    AutoBudget autoBudget_;
+    std::uint64_t autoBudgetRules_ = 0; ///< Hash of the rule base it was measured for.
+    /// Lights that faded, by frame; a ring.
+    struct FadingFrame {
+        std::uint64_t frame = 0;
+        std::uint32_t lights = 0;
+    };
+    std::array<FadingFrame, 16> fading_{};
     std::array<std::uint64_t, 16> disturbed_{}; ///< Frames whose timings are not the methods' doing; a ring.
     double predictedMs_ = 0.0, lastPredictedMs_ = 0.0;
     std::array<float, 30> frameTimes_{};
@@ -207,6 +238,11 @@ Result<void> checkViewFrame(const GnViewFrame& frame, const char* viewName, std:
                             const DeviceTable& vk);
 /// The camera relative to `origin`; the frame has been checked.
 CameraView makeCameraView(const GnViewFrame& frame, const std::array<double, 3>& origin, std::uint32_t id);
+
+// A fading light's two methods write these layers of one image.
+constexpr std::uint32_t kOutgoingLayer = 0, kIncomingLayer = 1;
+/// Mixes them (frame_fade.cpp).
+PipelineId fadeMixPipeline(PipelineLibrary& library);
 
 /// The pipelines of the runtime itself have an owner of their own in the store.
 constexpr std::uint32_t kRuntimeOwner = kMaxMethods;

@@ -15,6 +15,8 @@ namespace {
 constexpr double kOriginStep = 1024.0;
 // One frame in eight carries full barriers and a pair of timestamps around every pass; they cost up to 20 % there.
 constexpr std::uint64_t kTimedPeriod = 8;
+// Nothing fits it, so the plan step returns the cheapest plan.
+constexpr double kNextToNothingMs = 1e-3;
 
 Error frameOrder(const std::string& text)
 {
@@ -55,6 +57,7 @@ Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, Vk
         scene_->dropUploads(info.frame);
         for (ViewFrame& viewFrame : viewFrames_)
             viewFrame.view->grid->drop(info.frame);
+        withdrawFades(info.frame);
         frame_ = before;
         recorded_ = 0;
     }
@@ -98,6 +101,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     predictedMs_ = 0.0;
     pending_.clear();
     plan_->begin();
+    updateBudget(info);
     for (std::uint32_t i = 0; i < info.viewCount; ++i)
         if (Result<void> ok = assessView(i, info.pViews[i], info, mode); !ok) return ok.error();
     planLights(info);
@@ -159,6 +163,7 @@ Result<void> Context::dropFrame(std::uint64_t frame)
     scene_->dropUploads(frame);
     for (ViewFrame& viewFrame : viewFrames_)
         viewFrame.view->grid->drop(frame);
+    withdrawFades(frame);
     recorded_ = 0;
     return {};
 }
@@ -348,7 +353,7 @@ Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& fra
             .pinned = state.pinned,
             .dynamicLights = dynamicLights,
             .lightMotion = state.motion.share(),
-            .frameBudget = info.budgetMs > 0.0f ? lastPredictedMs_ / static_cast<double>(info.budgetMs) : 0.0,
+            .frameBudget = budgetMs_ > 0.0 ? lastPredictedMs_ / budgetMs_ : 0.0,
             .frameRate = rate,
             .importance = light.importance,
             .recorded = mode == FrameMode::recorded,
@@ -363,22 +368,51 @@ Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& fra
     return {};
 }
 
+/// The budget in force: the host's; without one, that of `budget: auto`, once it is known.
+void Context::updateBudget(const GnFrameInfo& info)
+{
+    const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
+    const bool automatic = info.budgetMs == 0.0f && base && base->policy.budget.automatic &&
+                           base->options.allocation == rules::Options::Allocation::Budget;
+    budgetMs_ = info.budgetMs;
+    measuresBudget_ = budgetBegins_ = false;
+    if (automatic) {
+        if (autoBudgetRules_ != base->textHash) autoBudget_.restart();
+        autoBudgetRules_ = base->textHash;
+        // What was timed last, if nothing but methods had a part in it.
+        const bool disturbed = std::any_of(disturbed_.begin(), disturbed_.end(), [&](std::uint64_t frame) {
+            return frame != 0 && frame + kTimedPeriod > info.frame;
+        });
+        const double tookMs = untimedGpuMs_ > 0.0f ? untimedGpuMs_ + lastCpuMs_ : lastPredictedMs_;
+        const float intervalMs = frameTimeCount_ ? frameTimes_[(frameTimeCount_ - 1) % frameTimes_.size()] : 0.0f;
+        if (!disturbed) budgetBegins_ = autoBudget_.note(tookMs, intervalMs);
+        measuresBudget_ = autoBudget_.measuring();
+        budgetMs_ = autoBudget_.ms();
+    }
+    stats_.budgetMs = static_cast<float>(budgetMs_);
+}
+
 /// All lights of all views together: within the budget where there is one, then settled.
 void Context::planLights(const GnFrameInfo& info)
 {
     const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
-    bool cut = false;
+    bool cut = budgetBegins_; // the cheapest plan was to be measured, not to be kept
     for (const ViewFrame& viewFrame : viewFrames_)
         cut |= viewFrame.view->camera.cut;
-    planReport_ = plan_->decide(base, {.ms = info.budgetMs,
+    planReport_ = plan_->decide(base, {.ms = measuresBudget_ ? kNextToNothingMs : budgetMs_,
                                        .measuredMs = untimedGpuMs_ > 0.0f ? untimedGpuMs_ + lastCpuMs_ : -1.0,
                                        .cut = cut,
                                        .frame = info.frame});
+    fades_.clear();
     for (const PendingLight& pending : pending_) {
+        fades_.push_back(nextFade(pending, base));
         selector_->commit(*pending.decision, *pending.memory, info.frame);
         stats_.switches += pending.decision->switched;
         predictedMs_ += pending.decision->predictedMs;
     }
+    settleFades();
+    for (const ViewFrame& viewFrame : viewFrames_)
+        viewFrame.view->lastFrame = info.frame;
 }
 
 double Context::meanFrameRate() const
@@ -392,35 +426,49 @@ double Context::meanFrameRate() const
 
 void Context::declareLight(const PendingLight& pending, FrameMode mode)
 {
-    const std::uint32_t viewIndex = pending.viewIndex, layer = pending.layer;
-    const LightView& light = *pending.light;
     LightDecision& decision = *pending.decision;
-    ViewFrame& viewFrame = viewFrames_[viewIndex];
-    if (decision.method == UINT32_MAX) return declareLit(viewIndex, layer);
-    Method& method = (*methods_)[decision.method];
+    if (decision.method == UINT32_MAX) return declareLit(pending.viewIndex, pending.layer);
+    const ImageId pair = declareOutgoing(pending, mode);
+    const ImageId visibility = pair ? pair : viewFrames_[pending.viewIndex].visibility;
+    const std::uint32_t layer = pair ? kIncomingLayer : pending.layer;
+    const std::optional<Error> error = declareMethod(pending, decision.method, visibility, layer, mode);
+    if (!error) {
+        if (pair) declareMix(pending, pair);
+        return;
+    }
+    messages_.warn(error->id, "light '" + std::string(pending.light->name) + "', method '" +
+                                  (*methods_)[decision.method].name + "': " + error->text + "; lit in this frame");
+    decision.candidates[decision.method].exclusion = Exclusion::memory;
+    decision.method = decision.outgoing = UINT32_MAX;
+    decision.fade = 1.0f;
+    decision.reason = GN_REASON_NOTHING_READY;
+    pending.memory->fade.lose();
+    declareLit(pending.viewIndex, pending.layer);
+}
+
+/// One method's passes for a light. @return why it cannot run.
+std::optional<Error> Context::declareMethod(const PendingLight& pending, std::uint32_t index, ImageId visibility,
+                                            std::uint32_t layer, FrameMode mode)
+{
+    ViewFrame& viewFrame = viewFrames_[pending.viewIndex];
+    Method& method = (*methods_)[index];
     const ShadowTask task{.view = &viewFrame.view->camera,
-                          .light = &light,
+                          .light = pending.light,
                           .casters = pending.casters,
                           .settings = method.settings,
                           .layer = layer,
-                          .visibility = viewFrame.visibility,
+                          .visibility = visibility,
                           .depth = viewFrame.depth,
                           .normals = viewFrame.normals,
                           .recorded = mode == FrameMode::recorded};
-    graph_->beginTask({.view = viewFrame.view->id, .light = light.id, .method = decision.method}, task.view, task.depth,
+    graph_->beginTask({.view = viewFrame.view->id, .light = pending.light->id, .method = index}, task.view, task.depth,
                       task.normals);
     PassBuilder builder(*graph_);
     method.algorithm->declare(builder, task);
-    if (const std::optional<Error> error = graph_->endTask()) {
-        messages_.warn(error->id, "light '" + std::string(light.name) + "', method '" + method.name +
-                                      "': " + error->text + "; lit in this frame");
-        decision.candidates[decision.method].exclusion = Exclusion::memory;
-        decision.method = UINT32_MAX;
-        decision.reason = GN_REASON_NOTHING_READY;
-        return declareLit(viewIndex, layer);
-    }
+    if (std::optional<Error> error = graph_->endTask()) return error;
     raysNeeded_ |= method.has(GN_TRAIT_RAYS_BIT);
-    tasks_.push_back({light.id, decision.method, task});
+    if (index == pending.decision->method) tasks_.push_back({pending.light->id, index, task});
+    return std::nullopt;
 }
 
 /// A light that nothing can serve is lit.

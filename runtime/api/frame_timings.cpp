@@ -1,5 +1,6 @@
 // What completed frames took: published, charged to lights, learned from.
 #include <algorithm>
+#include <utility>
 
 #include "runtime/api/context.hpp"
 
@@ -14,40 +15,61 @@ constexpr std::uint64_t kForgetFrames = 600;
 
 void Context::takeTimings()
 {
-    if (const FrameTimings* whole = executor_->newest()) untimedGpuMs_ = whole->totalGpuMs;
+    if (const FrameTimings* whole = executor_->newest()) {
+        untimedGpuMs_ = whole->totalGpuMs;
+        untimedFrame_ = whole->frame;
+    }
     const FrameTimings* timed = executor_->newestTimed();
     stats_.gpuMs = untimedGpuMs_ > 0.0f ? untimedGpuMs_ : timed ? timed->totalGpuMs : 0.0f;
     if (!timed || timed->frame <= timingsTaken_) return;
     timingsTaken_ = timed->frame;
+    noteTimedScale(*timed);
     chargeLights(*timed);
 }
 
-/// What each light's own passes cost, scaled from the timed frame (whose barriers slow it down) to the untimed total.
+/// The barriers of a timed frame slow it down; an untimed one with as many methods at work says by how much.
+void Context::noteTimedScale(const FrameTimings& timed)
+{
+    if (!(untimedGpuMs_ > 0.0f) || fadingIn(timed.frame) != fadingIn(untimedFrame_)) return;
+    timedScale_ = timed.totalGpuMs > untimedGpuMs_ ? untimedGpuMs_ / timed.totalGpuMs : 1.0f;
+}
+
+/// What each light's own passes cost, scaled from the timed frame to the untimed total.
 void Context::chargeLights(const FrameTimings& timings)
 {
-    const float scale =
-        untimedGpuMs_ > 0.0f && timings.totalGpuMs > untimedGpuMs_ ? untimedGpuMs_ / timings.totalGpuMs : 1.0f;
     const bool disturbed = std::find(disturbed_.begin(), disturbed_.end(), timings.frame) != disturbed_.end();
-    for (ViewFrame& viewFrame : viewFrames_) {
-        View& view = *viewFrame.view;
-        for (auto& [id, memory] : view.lights) {
-            LightTiming light;
-            std::uint32_t method = UINT32_MAX;
-            for (const PassTiming& pass : timings.passes) {
-                if (pass.owner.light != id) continue;
-                if (pass.owner.view != UINT32_MAX && pass.owner.view != view.id) continue;
-                const bool update = pass.owner.view == UINT32_MAX; // light scope
-                if (!update) method = pass.owner.method;
-                light.updated |= update;
-                (update ? light.updateGpuMs : light.resolveGpuMs) += pass.gpuMs * scale;
-                (update ? light.updateCpuMs : light.resolveCpuMs) += pass.cpuMs;
-            }
-            if (method >= methods_->size()) continue;
-            memory.measuredMs[method] = light.updateGpuMs + light.updateCpuMs + light.resolveGpuMs + light.resolveCpuMs;
-            plan_->observe(memory, method, light, disturbed);
-        }
-    }
+    for (ViewFrame& viewFrame : viewFrames_)
+        for (auto& [id, memory] : viewFrame.view->lights)
+            chargeLight(timings, *viewFrame.view, id, memory, disturbed);
     plan_->endFrame();
+}
+
+/// Of a light that faded in that frame there are two methods: each is charged with the passes it declared.
+void Context::chargeLight(const FrameTimings& timings, const View& view, std::uint32_t id, LightMemory& memory,
+                          bool disturbed)
+{
+    std::array<std::uint32_t, 2> methods{UINT32_MAX, UINT32_MAX};
+    for (const PassTiming& pass : timings.passes) {
+        const std::uint32_t method = pass.owner.method;
+        if (pass.owner.light != id || pass.owner.view != view.id || method >= methods_->size()) continue;
+        if (methods[0] == UINT32_MAX) methods[0] = method;
+        if (method != methods[0]) methods[1] = method;
+    }
+    if (methods[0] == memory.incumbent) std::swap(methods[0], methods[1]); // who serves has the last word
+    for (const std::uint32_t method : methods) {
+        if (method == UINT32_MAX) continue;
+        LightTiming light;
+        for (const PassTiming& pass : timings.passes) {
+            if (pass.owner.light != id || pass.owner.declarer != method) continue;
+            if (pass.owner.view != UINT32_MAX && pass.owner.view != view.id) continue;
+            const bool update = pass.owner.view == UINT32_MAX; // light scope
+            light.updated |= update;
+            (update ? light.updateGpuMs : light.resolveGpuMs) += pass.gpuMs * timedScale_;
+            (update ? light.updateCpuMs : light.resolveCpuMs) += pass.cpuMs;
+        }
+        memory.measuredMs[method] = light.updateGpuMs + light.updateCpuMs + light.resolveGpuMs + light.resolveCpuMs;
+        plan_->observe(memory, method, light, disturbed);
+    }
 }
 
 /// While host passes run on a worker the counters are its; they are read when the frame is finished.

@@ -332,7 +332,7 @@ ForeignAlgorithm::ForeignAlgorithm(const GnAlgorithmInfo& info)
               .source = source_.c_str(),
               .traits = info.traits,
               .roundTrips = info.roundTrips,
-              .maxRounds = info.roundTrips,
+              .maxRounds = 0, // a foreign host pass declares nothing
               .settings = settings_,
               .foreign = this,
               .createForeign = [](const ForeignAlgorithm& self) -> std::unique_ptr<ShadowAlgorithm> {

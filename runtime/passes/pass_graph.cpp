@@ -228,6 +228,7 @@ PassRef PassGraph::open(PassKind kind, const char* name, Scope scope, std::uint3
     pendingDropped_ = find(pendingKey_) != UINT32_MAX;
     pendingBroken_ = false;
     pending_ = Pass{.name = name, .kind = kind, .owner = owner_};
+    pending_.owner.declarer = owner_.method;
     if (scope == Scope::view) pending_.owner.light = pending_.owner.method = UINT32_MAX;
     if (scope == Scope::light) pending_.owner.view = pending_.owner.method = UINT32_MAX;
     pending_.firstAccess = static_cast<std::uint32_t>(accesses_.size());

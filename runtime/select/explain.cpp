@@ -83,6 +83,9 @@ std::string Selector::explain(const LightDecision& decision) const
     text += ")\n";
     if (decision.switched && decision.incumbent != UINT32_MAX)
         text += "before: " + methods_[decision.incumbent].name + "\n";
+    if (decision.outgoing != UINT32_MAX)
+        text += "fade: " + fixed(double{decision.fade}, 2) + ", the rest is " + methods_[decision.outgoing].name + "'s\n";
+    if (decision.noFade) text += "no fade: " + std::string(decision.noFade) + "\n";
     text += "facts:";
     for (std::size_t i = 0; i < kFactCount; ++i)
         text += (i ? ", " : " ") + std::string(kFactNames[i].name) + " " + fixed(decision.facts[i], 2);

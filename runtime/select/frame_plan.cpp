@@ -181,7 +181,8 @@ void FramePlan::observe(LightMemory& memory, std::uint32_t method, const LightTi
     cost::Observation observation{.light = slotOf(memory),
                                   .method = method,
                                   .workload = workloadOf(methods_[method], memory.workload),
-                                  .samplesSinceSwitch = memory.timedSinceSwitch++,
+                                  // A method on its way out teaches nothing, nor does it age the one that serves.
+                                  .samplesSinceSwitch = method == memory.incumbent ? memory.timedSinceSwitch++ : 0,
                                   .disturbed = disturbed};
     auto tell = [&](cost::Pass pass, cost::Processor processor, float ms) {
         if (!(ms > 0.0f)) return;

@@ -11,6 +11,7 @@
 #include "runtime/cost/cost_model.hpp"
 #include "runtime/plan/plan.hpp"
 #include "runtime/select/facts.hpp"
+#include "runtime/select/fade.hpp"
 #include "runtime/select/methods.hpp"
 
 namespace gnomon {
@@ -56,6 +57,9 @@ struct LightDecision {
     float viewerDistance = 0.0f;
     bool distanceMeasured = false;
     bool switched = false;
+    std::uint32_t outgoing = UINT32_MAX; ///< Runs as well while the picture fades from it.
+    float fade = 1.0f;                   ///< Share of `method` in what is shown.
+    const char* noFade = nullptr;        ///< Why a fade was not begun, or cut short. Static storage.
     bool floorUnmet = false;             ///< Near, but no eligible method is good enough.
     double floorTruth = 0.0;             ///< How true the rule base's condition for near quality is.
     std::uint32_t rule = rules::kNoRule; ///< Strongest behind the method.
@@ -72,6 +76,7 @@ struct LightMemory {
     std::array<float, kMaxMethods> measuredMs{}; ///< Newest per method; 0: none.
     std::uint64_t lastFrame = 0;
     plan::LightMemory plan;
+    Fade fade;
     cost::Workload workload;             ///< As the last frame saw it.
     std::uint32_t costSlot = UINT32_MAX; ///< In the cost model.
     std::uint32_t timedSinceSwitch = 0;  ///< Timings since the method changed.

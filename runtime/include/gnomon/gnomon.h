@@ -349,7 +349,7 @@ typedef struct GnFrameInfo {
     uint64_t frame;          ///< Grows by one from call to call; the first may be any number > 0.
     uint64_t completedFrame; ///< Newest frame whose GPU work is finished, the host's reads of visibility included.
     GnFrameFlags flags;
-    float budgetMs;          ///< For all shadows of this frame, GPU and CPU; 0: no budget.
+    float budgetMs;          ///< For all shadows of this frame, GPU and CPU; 0: that of the rules' `budget: auto`, or none.
     uint32_t viewCount;
     const GnViewFrame* pViews;
     uint32_t waitCount;      ///< Waited for before the first pass. Not for gnCmdRenderShadows.
@@ -479,6 +479,8 @@ typedef struct GnDecision {
     VkBool32 viewerDistanceMeasured; ///< False: a lower bound.
     VkBool32 switched;             ///< Differs from the frame before.
     const char* pRule;             ///< Id of the strongest rule behind the method, or null. Until rules are loaded anew.
+    const char* pOutgoing;         ///< The method the picture fades from, which runs as well; null: there is no fade.
+    float fade;                    ///< (0, 1]. Share of `pMethod` in what is shown; 1: all of it.
 } GnDecision;
 
 GN_API GnResult GN_CALL gnGetDecision(GnContext context, GnView view, GnLight light, GnDecision* pDecision);
@@ -567,6 +569,9 @@ typedef struct GnFrameStats {
     float callMs;               ///< Wall time inside the frame calls.
     float gpuMs;                ///< Newest known whole-frame GPU time (two frames late).
     VkDeviceSize memory;        ///< Device bytes held.
+    uint32_t fading;            ///< Lights shown as a mix of two methods.
+    float predictedMs;          ///< By the cost model, all lights, outgoing methods of fading ones included.
+    float budgetMs;             ///< The budget the plan kept to: the host's, or that of `budget: auto`; 0: none.
 } GnFrameStats;
 
 GN_API GnResult GN_CALL gnGetFrameStats(GnContext context, GnFrameStats* pStats);

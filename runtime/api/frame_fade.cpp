@@ -1,0 +1,129 @@
+// A light whose method changes: for some frames both methods run, and what is shown goes from one to the other.
+#include "runtime/api/context.hpp"
+#include "runtime/passes/pass_context.hpp"
+#include "shaders/runtime_fade_mix_frag.h"
+#include "shaders/shared_fullscreen_vert.h"
+
+namespace gnomon {
+
+namespace {
+
+constexpr BindingInfo kMixBindings[] = {
+    {.binding = 0, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R8_UNORM, .array = true}};
+
+constexpr const char* kCannotServe = "the method before can no longer serve";
+
+} // namespace
+
+PipelineId fadeMixPipeline(PipelineLibrary& library)
+{
+    return library.graphics({.name = "view.fade",
+                             .vertex = {.code = k_shared_fullscreen_vert},
+                             .fragment = {.code = k_runtime_fade_mix_frag},
+                             .bindings = kMixBindings,
+                             .pushBytes = sizeof(float),
+                             .colorFormat = VK_FORMAT_R8_UNORM});
+}
+
+/// Where the light's fade stands in this frame, before commit(): what it would cost beside the plan.
+FadeRequest Context::nextFade(const PendingLight& pending, const rules::RuleBase* base)
+{
+    const View& view = *viewFrames_[pending.viewIndex].view;
+    LightDecision& decision = *pending.decision;
+    LightMemory& memory = *pending.memory;
+    const std::uint32_t length = base && gridReady_ ? base->policy.hysteresis.crossFadeFrames : 0;
+    const char* obstacle = length == 0                                ? "the rules ask for none"
+                           : view.camera.cut                          ? "the camera was cut"
+                           : decision.reason == GN_REASON_PINNED      ? "the host pinned the method"
+                           : memory.lastFrame != view.lastFrame       ? "the light was not in the frame before"
+                                                                      : nullptr;
+    const bool begun = memory.fade.running();
+    Fade::Step step = memory.fade.advance(frame_, decision.method, length, obstacle != nullptr);
+    auto canFade = [&](std::uint32_t method) {
+        // What a host pass declares comes after the mix.
+        return decision.candidates[method].exclusion == Exclusion::none && (*methods_)[method].entry->maxRounds == 0;
+    };
+    if (step.outgoing != Fade::kNone && !(canFade(step.outgoing) && canFade(decision.method))) {
+        memory.fade.skip();
+        step = {};
+        obstacle = kCannotServe;
+    }
+    const bool changed = decision.incumbent != UINT32_MAX && decision.method != decision.incumbent;
+    if (obstacle && (begun || changed)) decision.noFade = obstacle;
+    decision.outgoing = step.outgoing;
+    decision.fade = step.share;
+    if (step.outgoing == Fade::kNone) return {};
+    return {.outgoingMs = decision.candidates[step.outgoing].predictedMs, .begun = step.begun};
+}
+
+/// The plan has no say in fades, nor they in the plan: what does not fit beside it is shown at once.
+void Context::settleFades()
+{
+    stats_.predictedMs = static_cast<float>(admitFades(fades_, predictedMs_, planReport_.usableMs));
+    for (std::size_t i = 0; i < pending_.size(); ++i) {
+        LightDecision& decision = *pending_[i].decision;
+        if (decision.outgoing == UINT32_MAX || fades_[i].admitted) continue;
+        pending_[i].memory->fade.skip();
+        decision.outgoing = UINT32_MAX;
+        decision.fade = 1.0f;
+        decision.noFade = "both methods do not fit the budget";
+    }
+}
+
+/// The outgoing method of a fading light. @return the image of two layers that both methods write; null: no fade.
+ImageId Context::declareOutgoing(const PendingLight& pending, FrameMode mode)
+{
+    LightDecision& decision = *pending.decision;
+    if (decision.outgoing == UINT32_MAX) return {};
+    const ViewFrame& viewFrame = viewFrames_[pending.viewIndex];
+    const CameraView& camera = viewFrame.view->camera;
+    graph_->beginTask({.view = camera.id, .light = pending.light->id}, &camera, viewFrame.depth, viewFrame.normals);
+    const ImageId pair = PassBuilder(*graph_).transient(
+        ImageInfo{.name = "view.fade", .format = VK_FORMAT_R8_UNORM, .extent = camera.extent, .layers = 2});
+    std::optional<Error> error = graph_->endTask();
+    if (!error) error = declareMethod(pending, decision.outgoing, pair, kOutgoingLayer, mode);
+    if (!error) return pair;
+    pending.memory->fade.skip();
+    decision.outgoing = UINT32_MAX;
+    decision.fade = 1.0f;
+    decision.noFade = kCannotServe;
+    return {};
+}
+
+void Context::declareMix(const PendingLight& pending, ImageId pair)
+{
+    const ViewFrame& viewFrame = viewFrames_[pending.viewIndex];
+    const CameraView& camera = viewFrame.view->camera;
+    const float incomingShare = pending.decision->fade;
+    const PipelineId pipeline = mixPipeline_;
+    graph_->beginTask({.view = camera.id, .light = pending.light->id}, &camera, viewFrame.depth, viewFrame.normals);
+    PassBuilder(*graph_)
+        .raster("view.fade")
+        .samples(pair)
+        .writes(viewFrame.visibility, {.layer = pending.layer})
+        .record([=](PassContext& gpu) {
+            gpu.bind(pipeline, {gpu.sampled(0, pair)});
+            gpu.push(incomingShare);
+            gpu.drawFullscreen();
+        });
+    (void)graph_->endTask(); // makes nothing, so nothing can fail
+    ++stats_.fading;
+    FadingFrame& note = fading_[frame_ % fading_.size()];
+    if (note.frame != frame_) note = {.frame = frame_, .lights = 0};
+    ++note.lights;
+}
+
+void Context::withdrawFades(std::uint64_t frame)
+{
+    for (const ViewFrame& viewFrame : viewFrames_)
+        for (auto& [id, memory] : viewFrame.view->lights)
+            memory.fade.withdraw(frame);
+}
+
+std::uint32_t Context::fadingIn(std::uint64_t frame) const
+{
+    const FadingFrame& note = fading_[frame % fading_.size()];
+    return note.frame == frame ? note.lights : 0;
+}
+
+} // namespace gnomon

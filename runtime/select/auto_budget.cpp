@@ -1,0 +1,22 @@
+#include "runtime/select/auto_budget.hpp"
+
+#include <algorithm>
+
+namespace gnomon {
+
+bool AutoBudget::note(double tookMs, double intervalMs)
+{
+    if (!measuring() || !(tookMs > 0.0)) return false;
+    tookMs_[frames_++] = tookMs;
+    elapsedMs_ += intervalMs;
+    const bool enough = frames_ >= kFewestFrames && elapsedMs_ >= 1000.0;
+    if (!enough && frames_ < kMostFrames) return false;
+    // The median of the later half: the first frames fill caches and make maps that are kept.
+    const auto first = tookMs_.begin() + frames_ / 2, last = tookMs_.begin() + frames_;
+    const auto middle = first + (last - first) / 2;
+    std::nth_element(first, middle, last);
+    ms_ = kFactor * *middle;
+    return true;
+}
+
+} // namespace gnomon

@@ -1,0 +1,34 @@
+#pragma once
+// `budget: auto`: a budget for hosts that name none, from what the cheapest acceptable plan takes here.
+#include <array>
+#include <cstdint>
+
+namespace gnomon {
+
+/// 1.3 times the cheapest plan that keeps the near floor, measured in the first second, in which that plan runs.
+class AutoBudget {
+public:
+    /// Room for one step up where every light has the cheapest method (selector.md 2.9).
+    static constexpr double kFactor = 1.3;
+    /// The first second, in frames at 60 Hz; where frames are slower, one second of time, but two timed frames (one in
+    /// eight) on either side of the half that counts.
+    static constexpr std::uint32_t kMostFrames = 60;
+    static constexpr std::uint32_t kFewestFrames = 32;
+
+    /// Measures anew.
+    void restart() { *this = {}; }
+    bool measuring() const { return ms_ == 0.0; }
+    /// One frame of the cheapest plan. @return true if this frame made the budget known.
+    /// @param tookMs     Of all shadow passes, > 0.
+    /// @param intervalMs Since the frame before.
+    bool note(double tookMs, double intervalMs);
+    double ms() const { return ms_; } ///< 0 while measuring.
+
+private:
+    std::array<double, kMostFrames> tookMs_{};
+    std::uint32_t frames_ = 0;
+    double elapsedMs_ = 0.0;
+    double ms_ = 0.0;
+};
+
+} // namespace gnomon

@@ -1,0 +1,301 @@
+// A light whose method changes is shown as a mix of both for some frames: the mix of their own pictures, exactly.
+#include <algorithm>
+
+#include "device/fade_support.hpp"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+struct Pictures {
+    std::vector<Image8> a, b;
+};
+
+/// What `a` and `b` show alone; afterwards the light has had `a` for long, by rules.
+Pictures settle(Host& host, const char* a, const char* b, const FrameOptions& options = {})
+{
+    Pictures out;
+    out.b = alone(host, b, options);
+    out.a = alone(host, a, options);
+    CHECK(differences(out.a, out.b) > 50); // or a mix could not be told
+    favour(host, a);
+    host.pinAll(nullptr);
+    host.draw(2, options);
+    CHECK(differences(host.pictures(), out.a) == 0);
+    return out;
+}
+
+/// R8 rounds to nearest, and the hardware's mix may be off by a little more.
+constexpr double kRounding = 0.51;
+
+void checkMix(const Host& host, const std::vector<Image8>& shown, const Pictures& own, const char* outgoing,
+              uint32_t step)
+{
+    const double share = double(step) / (kFadeFrames + 1);
+    CAPTURE(share);
+    for (size_t light = 0; light < shown.size(); ++light) {
+        CHECK(worstMix(shown[light], own.a[light], own.b[light], share) <= kRounding);
+        const GnDecision decision = host.decision(light);
+        CHECK(decision.fade == doctest::Approx(share));
+        REQUIRE(decision.pOutgoing);
+        CHECK(std::string(decision.pOutgoing) == outgoing);
+    }
+    CHECK(host.stats().fading == shown.size() * host.views.size());
+    CHECK(host.passCount("view.fade") == shown.size() * host.views.size());
+}
+
+void checkAlone(const Host& host, const std::vector<Image8>& shown, const std::vector<Image8>& own)
+{
+    CHECK(differences(shown, own) == 0);
+    for (size_t light = 0; light < shown.size(); ++light) {
+        const GnDecision decision = host.decision(light);
+        CHECK(decision.fade == 1.0f);
+        CHECK(decision.pOutgoing == nullptr);
+    }
+    CHECK(host.stats().fading == 0);
+    CHECK(host.passCount("view.fade") == 0);
+}
+
+void checkWholeFade(Host& host, const char* a, const char* b, const FrameOptions& options)
+{
+    CAPTURE(std::string(a));
+    CAPTURE(std::string(b));
+    const Pictures own = settle(host, a, b, options);
+    favour(host, b);
+    for (uint32_t step = 1; step <= kFadeFrames; ++step) {
+        host.require(host.draw(options));
+        CHECK(std::string(host.decision(0).pMethod) == b); // the decision does not wait
+        CHECK(host.stats().switches == (step == 1 ? host.lights.size() * host.views.size() : 0));
+        checkMix(host, host.pictures(), own, a, step);
+    }
+    for (int frame = 0; frame < 3; ++frame) {
+        host.require(host.draw(options));
+        checkAlone(host, host.pictures(), own.b);
+    }
+}
+
+float predictedOf(const Host& host, size_t light, const std::string& method)
+{
+    uint32_t count = 0;
+    host.require(gnGetCandidates(host.context, host.views[0], host.lights[light], &count, nullptr));
+    std::vector<GnCandidate> candidates(count);
+    host.require(gnGetCandidates(host.context, host.views[0], host.lights[light], &count, candidates.data()));
+    for (const GnCandidate& candidate : candidates)
+        if (method == candidate.pMethod) return candidate.predictedMs;
+    FAIL(method);
+    return 0.0f;
+}
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "every frame of a fade shows the mix of both methods' own pictures, then the new one's")
+{
+    FadeHost host;
+    checkWholeFade(host, "shadow_map", "stencil_volume", {});
+    checkWholeFade(host, "stencil_volume", "shadow_map", {.call = Call::record});
+    checkWholeFade(host, "shadow_map", "pcf_hybrid", {});     // one round trip
+    checkWholeFade(host, "ray_traced", "shadow_map", {});     // one on its way out
+    checkWholeFade(host, "shadow_map", "ray_traced", {});
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "several lights in several views fade at once, each from its own picture")
+{
+    Scene scene = smallScene();
+    scene.lights.push_back(spotLight("second", {-4.0, 6.0, 3.0}, {0.0, 0.0, 0.0}, true));
+    scene.lights.push_back(spotLight("third", {0.0, 8.0, -3.0}, {0.0, 0.0, 0.0}, false));
+    FadeHost host(scene, {.viewCount = 2});
+    std::vector<demo::CameraState> cameras(2, demo::cameraAt(scene, 0.0));
+    cameras[1].eye.x += 2.0;
+    const FrameOptions options{.cameras = &cameras};
+    for (uint32_t view = 0; view < 2; ++view) {
+        CAPTURE(view);
+        const std::vector<Image8> b = alone(host, "stencil_volume", options, view);
+        const std::vector<Image8> a = alone(host, "shadow_map", options, view);
+        favour(host, "shadow_map");
+        host.pinAll(nullptr);
+        host.draw(2, options);
+        favour(host, "stencil_volume");
+        for (uint32_t step = 1; step <= kFadeFrames; ++step) {
+            host.require(host.draw(options));
+            checkMix(host, host.pictures(view), {a, b}, "shadow_map", step);
+        }
+        host.require(host.draw(options));
+        checkAlone(host, host.pictures(view), b);
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a dropped frame takes no step of a fade, the first no more than one in the middle")
+{
+    FadeHost host;
+    const FrameOptions record{.call = Call::record}, drop{.call = Call::record, .drop = true};
+    const Pictures own = settle(host, "shadow_map", "stencil_volume", record);
+    favour(host, "stencil_volume");
+    host.require(host.draw(drop));
+    for (uint32_t step = 1; step <= kFadeFrames; ++step) {
+        host.require(host.draw(record));
+        checkMix(host, host.pictures(), own, "shadow_map", step);
+        if (step == 2) host.draw(2, drop);
+    }
+    host.require(host.draw(drop)); // the one that would have ended it
+    CHECK(host.decision(0).fade == 1.0f);
+    host.require(host.draw(record));
+    checkAlone(host, host.pictures(), own.b);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a pin, a camera cut, a light that was away and crossFadeFrames 0 show the method at once")
+{
+    FadeHost host;
+    const FrameOptions cut{
+        .adjust = [](GnFrameInfo&, std::vector<GnViewFrame>& views) { views[0].cameraCut = VK_TRUE; }};
+    const std::vector<GnLight> none;
+    const Pictures own = settle(host, "shadow_map", "stencil_volume");
+    auto backToA = [&] {
+        host.pinAll("shadow_map");
+        host.require(host.draw());
+        checkAlone(host, host.pictures(), own.a);
+        favour(host, "shadow_map");
+        host.pinAll(nullptr);
+        host.require(host.draw());
+    };
+
+    host.pinAll("stencil_volume");
+    host.require(host.draw());
+    checkAlone(host, host.pictures(), own.b);
+    CHECK(host.explanation(0).find("no fade: the host pinned the method") != std::string::npos);
+
+    backToA();
+    favour(host, "stencil_volume");
+    host.require(host.draw(cut));
+    checkAlone(host, host.pictures(), own.b);
+    CHECK(host.explanation(0).find("no fade: the camera was cut") != std::string::npos);
+
+    backToA();
+    favour(host, "stencil_volume");
+    host.draw(2, {}); // in the middle of a fade
+    checkMix(host, host.pictures(), own, "shadow_map", 2);
+    CHECK(host.explanation(0).find("fade: 0.40, the rest is shadow_map's") != std::string::npos);
+    host.require(host.draw(cut));
+    checkAlone(host, host.pictures(), own.b);
+
+    backToA();
+    favour(host, "stencil_volume");
+    host.require(host.draw({.lights = &none}));
+    host.require(host.draw());
+    checkAlone(host, host.pictures(), own.b);
+    CHECK(host.explanation(0).find("no fade: the light was not in the frame before") != std::string::npos);
+
+    backToA();
+    favour(host, "stencil_volume", 0);
+    host.require(host.draw());
+    checkAlone(host, host.pictures(), own.b);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a change that is taken back turns the fade round; a third method drops the fainter one")
+{
+    FadeHost host;
+    const std::vector<Image8> c = alone(host, "ray_traced");
+    const Pictures own = settle(host, "shadow_map", "stencil_volume");
+    favour(host, "stencil_volume");
+    host.draw(3, {});
+    checkMix(host, host.pictures(), own, "shadow_map", 3);
+    favour(host, "shadow_map");
+    host.require(host.draw());
+    CHECK(worstMix(host.pictures()[0], own.a[0], own.b[0], 2.0 / 5.0) <= kRounding);
+    CHECK(std::string(host.decision(0).pOutgoing) == "stencil_volume");
+    CHECK(host.decision(0).fade == doctest::Approx(3.0 / 5.0));
+    favour(host, "ray_traced"); // 3/5 of what is shown is the map's
+    host.require(host.draw());
+    CHECK(std::string(host.decision(0).pOutgoing) == "shadow_map");
+    CHECK(worstMix(host.pictures()[0], own.a[0], c[0], 1.0 / 5.0) <= kRounding);
+    host.draw(kFadeFrames, {});
+    checkAlone(host, host.pictures(), c);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a method that cannot serve any more does not fade: recorded frames have no round trips")
+{
+    FadeHost host;
+    settle(host, "pcf_hybrid", "shadow_map");
+    const std::vector<Image8> pictures = alone(host, "shadow_map", {.call = Call::record});
+    favour(host, "pcf_hybrid");
+    host.pinAll(nullptr);
+    host.draw(kFadeFrames + 1, {});
+    favour(host, "shadow_map");
+    host.draw(2, {});
+    CHECK(host.stats().fading == 1);
+    host.require(host.draw({.call = Call::record})); // in the middle
+    checkAlone(host, host.pictures(), pictures);
+    CHECK(host.explanation(0).find("no fade: the method before can no longer serve") != std::string::npos);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "the outgoing method is counted: a fade that does not fit the budget is not begun")
+{
+    FadeHost host;
+    auto within = [&](float ms) {
+        return FrameOptions{.adjust = [ms](GnFrameInfo& info, std::vector<GnViewFrame>&) { info.budgetMs = ms; }};
+    };
+    const Pictures own = settle(host, "shadow_map", "stencil_volume");
+    favour(host, "shadow_map", kFadeFrames, "", "budget");
+    host.draw(12, within(1000.0f));
+    const float before = host.stats().predictedMs;
+    CHECK(before == host.decision(0).predictedMs);
+    CHECK(host.stats().budgetMs == 1000.0f);
+
+    favour(host, "stencil_volume", kFadeFrames, "", "budget");
+    host.require(host.draw(within(1000.0f)));
+    checkMix(host, host.pictures(), own, "shadow_map", 1);
+    CHECK(host.stats().predictedMs > 0.0f);
+    CHECK(host.stats().predictedMs ==
+          doctest::Approx(host.decision(0).predictedMs + predictedOf(host, 0, "shadow_map")));
+
+    // One that runs ends as soon as it does not fit.
+    host.require(host.draw(within(1e-3f)));
+    checkAlone(host, host.pictures(), own.b);
+    CHECK(host.stats().predictedMs == host.decision(0).predictedMs);
+    CHECK(host.explanation(0).find("no fade: both methods do not fit the budget") != std::string::npos);
+
+    favour(host, "shadow_map", kFadeFrames, "", "budget");
+    host.require(host.draw(within(1e-3f)));
+    checkAlone(host, host.pictures(), own.a);
+    host.require(host.draw(within(1000.0f))); // and it is not made up for
+    checkAlone(host, host.pictures(), own.a);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "budget auto: the cheapest plan is measured, then 1.3 times that is the budget")
+{
+    FadeHost host;
+    const std::string text = "version: 1\n"
+                             "variables: {lightRadius: {universe: [0, 2], unit: m, terms: "
+                             "{all: [-.inf, -.inf, .inf, .inf]}}}\n"
+                             "options: {allocation: budget}\n"
+                             "rules: [{rule: if lightRadius is all then any exact is favoured}]\n"
+                             "otherwise: shadow_map is acceptable\n"
+                             "policy: {budget: auto}\n";
+    host.require(gnLoadRules(host.context, text.data(), text.size(), "auto"));
+    std::vector<float> took;
+    uint32_t frames = 0;
+    while (frames < 80) {
+        host.require(host.draw());
+        ++frames;
+        const GnFrameStats stats = host.stats();
+        if (stats.budgetMs > 0.0f) break;
+        CHECK(stats.fading == 0); // it would be measured along
+        took.push_back(stats.gpuMs + stats.cpuMs);
+    }
+    REQUIRE(frames > 32);
+    REQUIRE(frames < 80);
+    const float budget = host.stats().budgetMs;
+    CHECK(budget >= 1.3f * *std::min_element(took.begin(), took.end()) * 0.5f);
+    CHECK(budget <= 1.3f * *std::max_element(took.begin(), took.end()) * 2.0f);
+    host.draw(10, {});
+    CHECK(host.stats().budgetMs == budget);
+    // The host's word counts for more, and rules that ask for none have none.
+    host.require(host.draw(
+        {.adjust = [](GnFrameInfo& info, std::vector<GnViewFrame>&) { info.budgetMs = 7.0f; }}));
+    CHECK(host.stats().budgetMs == 7.0f);
+    host.require(host.draw());
+    CHECK(host.stats().budgetMs == budget);
+    favour(host, "shadow_map", kFadeFrames, "", "budget");
+    host.require(host.draw());
+    CHECK(host.stats().budgetMs == 0.0f);
+}
