@@ -17,7 +17,8 @@ struct BatchEngine::Tables {
     std::vector<batch::Shape> shapes;
     std::vector<batch::Step> steps;
     std::vector<batch::Rule> rules;
-    std::vector<uint32_t> order, effects;
+    std::vector<uint32_t> order, spoken;
+    std::vector<batch::Speakers> speakers;
     std::vector<batch::Entry> entries;
     std::vector<uint32_t> vetoes;
     std::vector<batch::Subject> outputs, concepts;
@@ -29,7 +30,7 @@ struct BatchEngine::Tables {
     /// Rows of kLanes numbers in one block.
     std::size_t rowCount() const noexcept
     {
-        const std::size_t bounds = 2 * (membershipCount + rules.size() + stackDepth);
+        const std::size_t bounds = 2 * (membershipCount + rules.size() + stackDepth) + 1;
         return factCount + bounds + std::size_t(program.outputCount) * program.termCount + 1;
     }
 };
@@ -57,7 +58,7 @@ void appendSteps(std::span<const CompiledOp> ops, std::vector<batch::Step>& step
         const bool negated = last && last->kind == Step::LoadNot;
         switch (op.kind) {
         case Clause::Kind::Is:
-            steps.push_back({Step::Load, op.membership});
+            steps.push_back({Step::Load, op.membership * kLanes});
             break;
         case Clause::Kind::Not:
             if (afterTerm && !negated)
@@ -79,19 +80,6 @@ void appendSteps(std::span<const CompiledOp> ops, std::vector<batch::Step>& step
             break;
         }
     }
-}
-
-/// Two rising flanks, or two falling ones, share no value.
-bool flanksAreDisjoint(std::span<const Trapezoid> terms)
-{
-    for (std::size_t i = 0; i < terms.size(); ++i) {
-        for (std::size_t j = i + 1; j < terms.size(); ++j) {
-            const Trapezoid &x = terms[i], &y = terms[j];
-            if (std::max(x.a, y.a) < std::min(x.b, y.b)) return false; // [a, b)
-            if (std::max(x.c, y.c) < std::min(x.d, y.d)) return false; // (c, d]
-        }
-    }
-    return true;
 }
 
 batch::Cut toCut(const CentroidTerms::Cut& cut)
@@ -161,16 +149,20 @@ BatchEngine::BatchEngine(const Engine& engine, InstructionSet set) : engine_(&en
     t.factCount = static_cast<uint32_t>(engine.facts().size());
     t.order = compiled.steps;
     for (const CompiledVariable& v : compiled.variables)
-        t.axes.push_back({v.fact, v.firstTerm, v.termCount,
-                          flanksAreDisjoint(std::span(compiled.terms).subspan(v.firstTerm, v.termCount)), v.low,
-                          v.high});
-    for (const Trapezoid& s : compiled.terms)
-        t.shapes.push_back({s.a, s.b, s.c, s.d, s.b - s.a, s.d - s.c, 1.0 / (s.b - s.a), 1.0 / (s.d - s.c)});
+        t.axes.push_back({v.fact, v.firstTerm, v.termCount, v.low, v.high});
+    for (const Flanks& f : compiled.flanks)
+        t.shapes.push_back({f.a, f.perRise, f.d, f.perFall});
     for (const CompiledRule& rule : compiled.rules) {
         const auto first = static_cast<uint32_t>(t.steps.size());
         appendSteps(compiled.opsOf(rule), t.steps);
-        const auto count = static_cast<uint32_t>(t.steps.size()) - first;
-        t.rules.push_back({first, count, 0, 0, rule.weight, rule.effectCount != 0, rule.isChain});
+        auto count = static_cast<uint32_t>(t.steps.size()) - first;
+        auto shape = rule.isChain ? batch::Antecedent::Chain : batch::Antecedent::Any;
+        if (rule.isChain && count <= 4 && options.conjunction == Options::And::Min) {
+            shape = batch::Antecedent::Four;
+            for (; count < 4; ++count)
+                t.steps.push_back(t.steps.back());
+        }
+        t.rules.push_back({first, count, rule.weight, rule.effectCount != 0, shape});
     }
     const auto firstFloorStep = static_cast<uint32_t>(t.steps.size());
     appendSteps(compiled.floor, t.steps);
@@ -212,12 +204,16 @@ BatchEngine::BatchEngine(const Engine& engine, InstructionSet set) : engine_(&en
         t.concepts.back().termCount = concept_.termCount;
         t.concepts.back().membership = concept_.firstMembership;
     }
-    for (uint32_t r = 0; r < compiled.rules.size(); ++r) {
-        t.rules[r].firstEffect = static_cast<uint32_t>(t.effects.size());
-        for (const uint32_t slot : compiled.effectsOf(compiled.rules[r])) {
-            if (!t.outputs[slot / compiled.suitabilityTerms].ranked) t.effects.push_back(slot);
+    for (const batch::Subject& output : t.outputs) {
+        for (uint32_t term = 0; term < compiled.suitabilityTerms; ++term) {
+            const auto firstSpoken = static_cast<uint32_t>(t.spoken.size());
+            for (uint32_t e = output.firstEntry; !output.ranked && e < output.firstEntry + output.entryCount; ++e) {
+                if (t.entries[e].term == term) t.spoken.push_back(t.entries[e].rule * kLanes);
+            }
+            while ((t.spoken.size() - firstSpoken) % batch::kSpokenStep != 0)
+                t.spoken.push_back(static_cast<uint32_t>(compiled.rules.size()) * kLanes);
+            t.speakers.push_back({firstSpoken, static_cast<uint32_t>(t.spoken.size()) - firstSpoken});
         }
-        t.rules[r].effectCount = static_cast<uint32_t>(t.effects.size()) - t.rules[r].firstEffect;
     }
     const CentroidTerms& suitability = engine.suitability();
     if (suitability.isNeighbourForm() && options.samples == 0) {
@@ -230,8 +226,9 @@ BatchEngine::BatchEngine(const Engine& engine, InstructionSet set) : engine_(&en
     t.program = {.axes = t.axes.data(),
                  .shapes = t.shapes.data(),
                  .steps = t.steps.data(),
-                 .effects = t.effects.data(),
                  .rules = t.rules.data(),
+                 .speakers = t.speakers.data(),
+                 .spoken = t.spoken.data(),
                  .order = t.order.data(),
                  .entries = t.entries.data(),
                  .vetoes = t.vetoes.data(),
@@ -281,7 +278,8 @@ void BatchEngine::evaluateBatch(std::span<const double> facts, uint32_t count, B
     block.facts = blockFacts;
     block.low = rows.take(t.membershipCount);
     block.high = rows.take(t.membershipCount);
-    block.strengthLow = rows.take(t.rules.size());
+    block.strengthLow = rows.take(t.rules.size() + 1);
+    std::fill_n(block.strengthLow + t.rules.size() * kLanes, kLanes, 0.0);
     block.strengthHigh = rows.take(t.rules.size());
     block.stackLow = rows.take(t.stackDepth);
     block.stackHigh = rows.take(t.stackDepth);
@@ -295,10 +293,15 @@ void BatchEngine::evaluateBatch(std::span<const double> facts, uint32_t count, B
         for (const batch::Axis& axis : t.axes) {
             const double* const column = facts.data() + std::size_t(axis.fact) * count + begin;
             double* const row = blockFacts + std::size_t(axis.fact) * kLanes;
-            for (uint32_t i = 0; i < kLanes; ++i) {
-                row[i] = column[i < lanes ? i : 0]; // a short block repeats its first situation
-                block.unknown |= std::isnan(row[i]);
-            }
+            if (lanes == kLanes)
+                std::copy_n(column, kLanes, row);
+            else
+                for (uint32_t i = 0; i < kLanes; ++i)
+                    row[i] = column[i < lanes ? i : 0]; // a short block repeats its first situation
+            int unknowns = 0;
+            for (uint32_t i = 0; i < kLanes; ++i)
+                unknowns |= row[i] != row[i];
+            block.unknown |= unknowns != 0;
         }
         block.suitability = out.suitability.data() + begin;
         block.quantised = out.quantised.data() + begin;

@@ -3,10 +3,6 @@
 // the processor's registers: wider vectors would be split by the compiler, slower than none. Everything is local to the
 // file that includes it; see batch_program.hpp.
 
-#if defined(__FMA__)
-#include <immintrin.h>
-#endif
-
 #include "rules/engine/batch_program.hpp"
 
 namespace gnomon::rules::batch {
@@ -97,74 +93,11 @@ GNOMON_INLINE Lanes complement(const Lanes& x)
     return each(x, [](Vector a) { return 1.0 - a; });
 }
 
-#if defined(__FMA__)
-GNOMON_INLINE Vector fused(Vector x, Vector y, Vector z)
-{
-#if GNOMON_LANE_BYTES == 64
-    return _mm512_fmadd_pd(x, y, z);
-#else
-    return _mm256_fmadd_pd(x, y, z);
-#endif
-}
-#endif
-
-/// x / y, correctly rounded, where `inverse` is 1 / y. With a fused multiply-add that takes five short operations
-/// instead of a long one: the first correction leaves an error below one unit in the last place, and from there the
-/// second gives the rounded quotient (P. Markstein, IBM J. Res. Dev. 34, 1990). It needs remainders that do not
-/// underflow; quotients small enough for that are far below kNegligibleStrength.
-GNOMON_INLINE Vector divided(Vector x, Vector y, Vector inverse)
-{
-#if defined(__FMA__)
-    const Vector first = x * inverse;
-    const Vector better = fused(fused(-first, y, x), inverse, first);
-    return fused(fused(-better, y, x), inverse, better);
-#else
-    (void)inverse;
-    return x / y;
-#endif
-}
-
-/// Trapezoid::membership() with one division: a lane is on one flank at most, and what is divided elsewhere is thrown
-/// away.
+/// Flanks::membership()
 GNOMON_INLINE Vector membership(const Shape& shape, Vector x)
 {
-    const auto rising = x < shape.b;
-    const auto falling = x > shape.c;
-    const Vector flank = (rising ? x - shape.a : shape.d - x) / (rising ? all(shape.rise) : all(shape.fall));
-    const Vector inside = (rising | falling) ? flank : all(1.0);
-    return ((x >= shape.a) & (x <= shape.d)) ? inside : all(0.0);
-}
-
-/// The same for all terms of an axis whose flanks are disjoint: what a lane divides on its one rising and its one
-/// falling flank is picked first, so that two divisions serve all terms.
-/// `Terms` is their number, 0 any.
-template <uint32_t Terms>
-GNOMON_INLINE void memberships(const Shape* shapes, uint32_t termCount, const double* row, double* truth)
-{
-    const uint32_t count = Terms == 0 ? termCount : Terms;
-    for (unsigned i = 0; i < kParts; ++i) {
-        const Vector x = reinterpret_cast<const Vector*>(row)[i];
-        Vector above = all(0.0), rise = all(1.0), below = all(0.0), fall = all(1.0);
-        Vector perRise = all(1.0), perFall = all(1.0);
-        for (uint32_t t = 0; t < count; ++t) {
-            const Shape& shape = shapes[t];
-            const auto rising = (x >= shape.a) & (x < shape.b);
-            const auto falling = (x > shape.c) & (x <= shape.d);
-            above = rising ? x - shape.a : above;
-            rise = rising ? all(shape.rise) : rise;
-            perRise = rising ? all(shape.perRise) : perRise;
-            below = falling ? shape.d - x : below;
-            fall = falling ? all(shape.fall) : fall;
-            perFall = falling ? all(shape.perFall) : perFall;
-        }
-        const Vector up = divided(above, rise, perRise), down = divided(below, fall, perFall);
-        for (uint32_t t = 0; t < count; ++t) {
-            const Shape& shape = shapes[t];
-            const Vector left = x < shape.b ? up : all(1.0);
-            const Vector value = x > shape.c ? down : left;
-            reinterpret_cast<Vector*>(truth + t * kLanes)[i] = ((x >= shape.a) & (x <= shape.d)) ? value : all(0.0);
-        }
-    }
+    const Vector risen = lesser(all(1.0), (x - shape.a) * shape.perRise);
+    return greater(all(0.0), lesser(risen, (shape.d - x) * shape.perFall));
 }
 
 template <bool Unknown>
@@ -175,28 +108,20 @@ GNOMON_INLINE void fuzzify(const Program& program, const Block& block)
         const Shape* const shapes = program.shapes + axis.firstTerm;
         const Lanes given = load(block.facts + axis.fact * kLanes);
         // NaN passes through, as it compares false.
-        const Lanes x = each(given, [&](Vector f) {
-            return f < axis.low ? all(axis.low) : axis.high < f ? all(axis.high) : f;
-        });
-        alignas(64) double clamped[kLanes];
-        store(clamped, x);
-        double* const truth = block.low + axis.firstTerm * kLanes;
-        if (axis.disjoint && axis.termCount == 2)
-            memberships<2>(shapes, 2, clamped, truth);
-        else if (axis.disjoint && axis.termCount == 3)
-            memberships<3>(shapes, 3, clamped, truth);
-        else if (axis.disjoint && axis.termCount == 4)
-            memberships<4>(shapes, 4, clamped, truth);
-        else if (axis.disjoint)
-            memberships<0>(shapes, axis.termCount, clamped, truth);
-        else
-            for (uint32_t t = 0; t < axis.termCount; ++t)
-                store(truth + t * kLanes, each(x, [&](Vector at) { return membership(shapes[t], at); }));
-        if constexpr (Unknown) {
-            double* const high = block.high + axis.firstTerm * kLanes;
-            for (uint32_t t = 0; t < axis.termCount; ++t)
-                store(high + t * kLanes,
-                      each(load(truth + t * kLanes), x, [](Vector m, Vector at) { return at == at ? m : all(1.0); }));
+        const Lanes x = each(given, [&](Vector f) { return lesser(greater(f, all(axis.low)), all(axis.high)); });
+        double* const low = block.low + axis.firstTerm * kLanes;
+        double* const high = block.high + axis.firstTerm * kLanes;
+        for (uint32_t t = 0; t < axis.termCount; ++t) {
+            const Lanes truth = each(x, [&](Vector at) { return membership(shapes[t], at); });
+            if constexpr (Unknown) {
+                const auto orIfUnknown = [](double bound) {
+                    return [=](Vector m, Vector at) { return at == at ? m : all(bound); };
+                };
+                store(low + t * kLanes, each(truth, x, orIfUnknown(0.0)));
+                store(high + t * kLanes, each(truth, x, orIfUnknown(1.0)));
+            } else {
+                store(low + t * kLanes, truth);
+            }
         }
     }
 }
@@ -210,20 +135,21 @@ struct Bounds<true> {
     Lanes low, high;
 };
 
+/// `row` counts numbers, kLanes a row.
 template <bool Unknown>
 GNOMON_INLINE Bounds<Unknown> rowOf(const double* low, const double* high, uint32_t row)
 {
     if constexpr (Unknown)
-        return {load(low + row * kLanes), load(high + row * kLanes)};
+        return {load(low + row), load(high + row)};
     else
-        return {load(low + row * kLanes)};
+        return {load(low + row)};
 }
 
 template <bool Unknown>
 GNOMON_INLINE void setRow(double* low, double* high, uint32_t row, const Bounds<Unknown>& value)
 {
-    store(low + row * kLanes, value.low);
-    if constexpr (Unknown) store(high + row * kLanes, value.high);
+    store(low + row, value.low);
+    if constexpr (Unknown) store(high + row, value.high);
 }
 
 template <bool Unknown>
@@ -246,7 +172,7 @@ GNOMON_INLINE Bounds<Unknown> joined(const Bounds<Unknown>& x, const Bounds<Unkn
 
 /// evaluateAntecedent() without the limiting clause.
 template <bool Unknown, bool Product>
-GNOMON_INLINE Bounds<Unknown> truthOf(const Step* steps, uint32_t count, bool isChain, const Block& block)
+GNOMON_INLINE Bounds<Unknown> truthOf(const Step* steps, uint32_t count, Antecedent shape, const Block& block)
 {
     using B = Bounds<Unknown>;
     const auto both = [](const B& x, const B& y) {
@@ -261,19 +187,22 @@ GNOMON_INLINE Bounds<Unknown> truthOf(const Step* steps, uint32_t count, bool is
         return joined<Unknown>(x, y, [](const Lanes& a, const Lanes& b) { return greater(a, b); });
     };
     B value{};
-    if (isChain) {
-        value = rowOf<Unknown>(block.low, block.high, steps->membership);
+    const auto rowAt = [&](uint32_t i) { return rowOf<Unknown>(block.low, block.high, steps[i].row); };
+    if (shape == Antecedent::Four) return both(both(rowAt(0), rowAt(1)), both(rowAt(2), rowAt(3)));
+    if (shape == Antecedent::Chain) {
+        value = rowAt(0);
         for (const Step* step = steps + 1; step != steps + count; ++step)
-            value = both(value, rowOf<Unknown>(block.low, block.high, step->membership));
+            value = both(value, rowOf<Unknown>(block.low, block.high, step->row));
         return value;
     }
     uint32_t depth = 0;
     for (const Step* step = steps; step != steps + count; ++step) {
-        const auto term = [&] { return rowOf<Unknown>(block.low, block.high, step->membership); };
+        const auto term = [&] { return rowOf<Unknown>(block.low, block.high, step->row); };
         switch (step->kind) {
         case Step::Load:
         case Step::LoadNot:
-            setRow<Unknown>(block.stackLow, block.stackHigh, depth++, value);
+            setRow<Unknown>(block.stackLow, block.stackHigh, depth, value);
+            depth += kLanes;
             value = step->kind == Step::Load ? term() : negated<Unknown>(term());
             break;
         case Step::AndTerm:
@@ -292,10 +221,10 @@ GNOMON_INLINE Bounds<Unknown> truthOf(const Step* steps, uint32_t count, bool is
             value = negated<Unknown>(value);
             break;
         case Step::And:
-            value = both(rowOf<Unknown>(block.stackLow, block.stackHigh, --depth), value);
+            value = both(rowOf<Unknown>(block.stackLow, block.stackHigh, depth -= kLanes), value);
             break;
         case Step::Or:
-            value = either(rowOf<Unknown>(block.stackLow, block.stackHigh, --depth), value);
+            value = either(rowOf<Unknown>(block.stackLow, block.stackHigh, depth -= kLanes), value);
             break;
         }
     }
@@ -325,15 +254,22 @@ GNOMON_INLINE Lanes added(const Lanes& sum, const Lanes& strength)
     });
 }
 
-/// What one rule adds to the terms it concludes, where no priority matters.
+/// What the rules say about one term of an output, where no priority matters.
 template <bool Sum>
-GNOMON_INLINE void addEffects(const Program& program, const Rule& rule, const Lanes& strength, double* terms)
+GNOMON_INLINE Lanes spokenFor(const Program& program, const Speakers& speakers, const double* strengths)
 {
-    const uint32_t* const end = program.effects + rule.firstEffect + rule.effectCount;
-    for (const uint32_t* slot = program.effects + rule.firstEffect; slot != end; ++slot) {
-        double* const row = terms + *slot * kLanes;
-        store(row, Sum ? added(load(row), strength) : greater(load(row), strength));
+    Lanes total = fill(0.0);
+    const uint32_t* const end = program.spoken + speakers.first + speakers.count;
+    for (const uint32_t* rules = program.spoken + speakers.first; rules != end; rules += kSpokenStep) {
+        const auto strength = [&](uint32_t i) { return load(strengths + rules[i]); };
+        if constexpr (Sum) {
+            for (uint32_t i = 0; i < kSpokenStep; ++i)
+                total = added(total, strength(i));
+        } else {
+            total = greater(total, greater(greater(strength(0), strength(1)), greater(strength(2), strength(3))));
+        }
     }
+    return Sum ? each(total, [](Vector s) { return s / kSteps; }) : total;
 }
 
 constexpr uint32_t kMostTerms = 16; // kMaxTerms of rule_base.hpp
@@ -367,17 +303,17 @@ void join(const Program& program, const Subject& subject, const double* strength
         store(terms + t * kLanes, program.sum ? each(total[t], [](Vector s) { return s / kSteps; }) : total[t]);
 }
 
-template <bool Unknown, bool Product, bool Sum>
+template <bool Unknown, bool Product>
 GNOMON_INLINE void fire(const Program& program, const Block& block)
 {
     const double* const lows = block.strengthLow;
     const double* const highs = Unknown ? block.strengthHigh : block.strengthLow;
-    for (uint32_t row = 0; row < program.outputCount * program.termCount; ++row)
-        store(block.terms + row * kLanes, fill(0.0));
+    const double threshold = program.threshold; // no store below can change it, which the compiler cannot know
+    const uint32_t ruleCount = program.ruleCount, orderCount = program.orderCount;
     Lanes strongest = fill(0.0);
-    for (uint32_t i = 0; i < program.orderCount; ++i) {
+    for (uint32_t i = 0; i < orderCount; ++i) {
         const uint32_t at = program.order[i];
-        if (at >= program.ruleCount) {
+        if (at >= ruleCount) {
             const Subject& concept_ = program.concepts[at - program.ruleCount];
             join(program, concept_, lows, highs, block.low + concept_.membership * kLanes);
             if constexpr (Unknown) join(program, concept_, highs, lows, block.high + concept_.membership * kLanes);
@@ -385,83 +321,117 @@ GNOMON_INLINE void fire(const Program& program, const Block& block)
         }
         const Rule& rule = program.rules[at];
         const auto truth =
-            truthOf<Unknown, Product>(program.steps + rule.firstStep, rule.stepCount, rule.isChain, block);
-        const Lanes strength = weighted(truth.low, rule.weight, program.threshold);
+            truthOf<Unknown, Product>(program.steps + rule.firstStep, rule.stepCount, rule.shape, block);
+        const Lanes strength = weighted(truth.low, rule.weight, threshold);
         store(block.strengthLow + at * kLanes, strength);
         if constexpr (Unknown)
-            store(block.strengthHigh + at * kLanes, weighted(truth.high, rule.weight, program.threshold));
+            store(block.strengthHigh + at * kLanes, weighted(truth.high, rule.weight, threshold));
         if (rule.speaks) strongest = greater(strongest, strength);
-        addEffects<Sum>(program, rule, strength, block.terms);
     }
     if (program.hasOtherwise) {
         const Rule& rule = program.rules[program.ruleCount - 1];
-        const Lanes strength = weighted(complement(strongest), rule.weight, program.threshold);
-        store(block.strengthLow + (program.ruleCount - 1) * kLanes, strength);
-        addEffects<Sum>(program, rule, strength, block.terms);
+        store(block.strengthLow + (program.ruleCount - 1) * kLanes,
+              weighted(complement(strongest), rule.weight, threshold));
     }
     if (program.floorStepCount != 0)
         store(block.floor,
-              truthOf<Unknown, Product>(program.steps + program.firstFloorStep, program.floorStepCount, false, block)
+              truthOf<Unknown, Product>(program.steps + program.firstFloorStep, program.floorStepCount, Antecedent::Any,
+                                        block)
                   .low);
     else
         store(block.floor, fill(0.0));
 }
 
-GNOMON_INLINE Vector areaOf(const Cut& cut, Vector s)
+/// A Cut in registers or ready to be loaded: the compiler cannot know that no store changes the program, and would fetch
+/// and spread every coefficient again.
+struct WideCut {
+    Vector area1, area2, moment1, moment2, moment3, height;
+};
+GNOMON_INLINE WideCut widened(const Cut& cut)
+{
+    return {all(cut.area1),   all(cut.area2),   all(cut.moment1),
+            all(cut.moment2), all(cut.moment3), all(cut.height)};
+}
+
+GNOMON_INLINE Vector areaOf(const WideCut& cut, Vector s)
 {
     return s * (cut.area1 + s * cut.area2);
 }
-GNOMON_INLINE Vector momentOf(const Cut& cut, Vector s)
+GNOMON_INLINE Vector momentOf(const WideCut& cut, Vector s)
 {
     return s * (cut.moment1 + s * (cut.moment2 + s * cut.moment3));
 }
 
+struct WideCuts {
+    WideCut cuts[kMostTerms], overlaps[kMostTerms];
+    Vector low, high, width, quantum;
+    bool unitWidth;
+};
+GNOMON_INLINE void widen(const Program& program, WideCuts& wide)
+{
+    const uint32_t count = program.cuts ? program.termCount : 0;
+    for (uint32_t t = 0; t < count; ++t)
+        wide.cuts[t] = widened(program.cuts[t]);
+    for (uint32_t t = 0; t + 1 < count; ++t)
+        wide.overlaps[t] = widened(program.overlaps[t]);
+    wide.low = all(program.low);
+    wide.high = all(program.high);
+    wide.width = all(program.width);
+    wide.quantum = all(program.quantum);
+    wide.unitWidth = program.width == 1.0;
+}
+
 /// CentroidTerms::exact() in the neighbour form, and Engine::quantisedOf(). `Terms` is the number of terms, 0 any.
 template <uint32_t Terms>
-GNOMON_INLINE void centroid(const Program& program, const double* terms, double* suitability, int32_t* quantised)
+GNOMON_INLINE void centroid(const WideCuts& wide, uint32_t termCount, const double* terms, double* suitability,
+                            int32_t* quantised)
 {
-    const uint32_t count = Terms == 0 ? program.termCount : Terms;
+    const uint32_t count = Terms == 0 ? termCount : Terms;
     for (unsigned i = 0; i < kParts; ++i) {
         const auto strengthOf = [&](uint32_t t) { return reinterpret_cast<const Vector*>(terms + t * kLanes)[i]; };
         Vector area{}, moment{};
         for (uint32_t t = 0; t < count; ++t) {
             const Vector s = strengthOf(t);
-            area += areaOf(program.cuts[t], s);
-            moment += momentOf(program.cuts[t], s);
+            area += areaOf(wide.cuts[t], s);
+            moment += momentOf(wide.cuts[t], s);
         }
         for (uint32_t t = 0; t + 1 < count; ++t) {
-            const Cut& overlap = program.overlaps[t];
-            const Vector s = lesser(lesser(strengthOf(t), strengthOf(t + 1)), all(overlap.height));
+            const WideCut& overlap = wide.overlaps[t];
+            const Vector s = lesser(lesser(strengthOf(t), strengthOf(t + 1)), overlap.height);
             area -= areaOf(overlap, s);
             moment -= momentOf(overlap, s);
         }
         const auto opinion = area > 0.0;
         const Vector raw = moment / (opinion ? area : all(1.0));
-        const Vector value = raw < program.low ? all(program.low) : program.high < raw ? all(program.high) : raw;
-        const Vector offset = value - program.low;
-        const Vector share = program.width == 1.0 ? offset : offset / program.width; // x / 1 is x
-        const Vector steps = opinion ? share * program.quantum + 0.5 : all(-1.0);
+        const Vector value = lesser(greater(raw, wide.low), wide.high);
+        const Vector offset = value - wide.low;
+        const Vector share = wide.unitWidth ? offset : offset / wide.width; // x / 1 is x
+        const Vector steps = opinion ? share * wide.quantum + 0.5 : all(-1.0);
         storeLoose(suitability, i, opinion ? value : all(0.0));
         storeTruncated(quantised, i, steps);
     }
 }
 
+template <bool Sum>
 GNOMON_INLINE void conclude(const Program& program, const Block& block)
 {
+    WideCuts wide;
+    widen(program, wide);
     for (uint32_t o = 0; o < program.outputCount; ++o) {
         const Subject& output = program.outputs[o];
         double* const terms = block.terms + o * program.termCount * kLanes;
         if (output.ranked)
             join(program, output, block.strengthLow, block.strengthLow, terms);
-        else if (program.sum)
+        else
             for (uint32_t t = 0; t < program.termCount; ++t)
-                store(terms + t * kLanes, each(load(terms + t * kLanes), [](Vector s) { return s / kSteps; }));
+                store(terms + t * kLanes, spokenFor<Sum>(program, program.speakers[o * program.termCount + t],
+                                                         block.strengthLow));
         double* const suitability = block.suitability + static_cast<uint64_t>(o) * block.stride;
         int32_t* const quantised = block.quantised + static_cast<uint64_t>(o) * block.stride;
         if (program.cuts && program.termCount == 3)
-            centroid<3>(program, terms, suitability, quantised);
+            centroid<3>(wide, 3, terms, suitability, quantised);
         else if (program.cuts)
-            centroid<0>(program, terms, suitability, quantised);
+            centroid<0>(wide, program.termCount, terms, suitability, quantised);
         if (output.vetoCount == 0) continue;
         Lanes veto = fill(-1.0);
         for (uint32_t v = output.firstVeto; v < output.firstVeto + output.vetoCount; ++v) {
@@ -479,11 +449,11 @@ template <bool Unknown, bool Product>
 GNOMON_INLINE void runAs(const Program& program, const Block& block)
 {
     fuzzify<Unknown>(program, block);
+    fire<Unknown, Product>(program, block);
     if (program.sum)
-        fire<Unknown, Product, true>(program, block);
+        conclude<true>(program, block);
     else
-        fire<Unknown, Product, false>(program, block);
-    conclude(program, block);
+        conclude<false>(program, block);
 }
 
 GNOMON_INLINE void runKernel(const Program& program, const Block& block)

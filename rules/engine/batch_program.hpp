@@ -13,30 +13,39 @@ inline constexpr uint32_t kLanes = 8; ///< Situations evaluated at once.
 /// A variable and its terms.
 struct Axis {
     uint32_t fact, firstTerm, termCount;
-    bool disjoint; ///< No value lies on two rising or two falling flanks.
     double low, high;
 };
 
-/// A trapezoid with the widths of its flanks.
+/// Flanks of compiled.hpp.
 struct Shape {
-    double a, b, c, d;
-    double rise, fall;       ///< b - a, d - c
-    double perRise, perFall; ///< 1 / rise, 1 / fall
+    double a, perRise, d, perFall;
 };
 
 /// One step of an antecedent. An accumulator holds the value under construction; Load puts it aside first.
 struct Step {
     enum Kind : uint32_t { Load, LoadNot, AndTerm, AndNotTerm, OrTerm, OrNotTerm, Not, And, Or };
     Kind kind;
-    uint32_t membership;
+    uint32_t row; ///< Of the membership, times kLanes.
+};
+
+enum class Antecedent : uint32_t {
+    Any,
+    Chain, ///< Load, AndTerm, AndTerm, ...
+    Four,  ///< A chain of four under the minimum; shorter ones say their last term again, which costs less than a branch.
 };
 
 struct Rule {
     uint32_t firstStep, stepCount;
-    uint32_t firstEffect, effectCount; ///< Output * terms + term. Outputs that no priority matters to only.
     double weight;
-    bool speaks;  ///< Concludes something about an output: counts against `otherwise`.
-    bool isChain; ///< Load, AndTerm, AndTerm, ...
+    bool speaks; ///< Concludes something about an output: counts against `otherwise`.
+    Antecedent shape;
+};
+
+inline constexpr uint32_t kSpokenStep = 4; ///< Speakers are looked at by so many, again to save a branch.
+
+/// Rules that conclude one term of one output.
+struct Speakers {
+    uint32_t first, count; ///< A multiple of kSpokenStep, filled up with the row behind the last rule, which is zero.
 };
 
 /// A rule that concludes term `term` of an output or concept.
@@ -62,8 +71,9 @@ struct Program {
     const Axis* axes;
     const Shape* shapes;
     const Step* steps;
-    const uint32_t* effects;
-    const Rule* rules;     ///< `otherwise` last where there is one.
+    const Rule* rules;        ///< `otherwise` last where there is one.
+    const Speakers* speakers; ///< Per output and term. Empty for outputs that a priority matters to: see entries.
+    const uint32_t* spoken;   ///< Rules times kLanes, for speakers.
     const uint32_t* order; ///< CompiledRules::steps.
     const Entry* entries;
     const uint32_t* vetoes;
@@ -82,7 +92,7 @@ struct Block {
     const double* facts; ///< One row per fact of the host.
     double* low;         ///< Truth of memberships, lower bound;
     double* high;        ///< upper bound. Used only where a fact is unknown.
-    double* strengthLow; ///< One row per rule.
+    double* strengthLow; ///< One row per rule, and one of zeros.
     double* strengthHigh;
     double* stackLow;
     double* stackHigh;

@@ -135,8 +135,10 @@ private:
         made.termCount = static_cast<uint32_t>(variable.terms.size());
         made.low = variable.low;
         made.high = variable.high;
-        for (const Term& term : variable.terms)
+        for (const Term& term : variable.terms) {
             made_.terms.push_back(term.shape);
+            made_.flanks.push_back(flanksOf(term.shape));
+        }
         variables_.emplace(variable.name, static_cast<uint32_t>(made_.variables.size()));
         made_.variables.push_back(made);
     }

@@ -2,6 +2,7 @@
 
 /// Rules with every name replaced by an index: what evaluation and lint run on.
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -32,6 +33,20 @@ struct CompiledVariable {
     double low = 0.0;
     double high = 1.0;
 };
+
+/// A trapezoid as evaluation wants it: no division, no branch. Exact at its corners: 0 at a and d, 1 from b
+/// to c; on the flanks within three units in the last place of Trapezoid::membership().
+struct Flanks {
+    double a = 0.0, perRise = 1.0; ///< The least number that takes b - a to 1; inf for a vertical edge.
+    double d = 0.0, perFall = 1.0;
+
+    /// Of a known fact. A vertical edge gives 0 * inf = NaN on the edge itself, and NaN yields to the 1 beside it.
+    double membership(double x) const noexcept
+    {
+        return std::max(0.0, std::min(std::min(1.0, (x - a) * perRise), (d - x) * perFall));
+    }
+};
+Flanks flanksOf(const Trapezoid& shape) noexcept;
 
 struct CompiledOp {
     Clause::Kind kind = Clause::Kind::Is;
@@ -74,6 +89,7 @@ struct CompiledMonotony {
 struct CompiledRules {
     std::vector<CompiledVariable> variables; ///< As in RuleBase::variables.
     std::vector<Trapezoid> terms;            ///< Of all variables, in order.
+    std::vector<Flanks> flanks;              ///< As terms.
     std::vector<CompiledOp> ops;             ///< Antecedents in postfix order.
     std::vector<CompiledRule> rules;         ///< As in RuleBase::rules, then `otherwise` where there is one.
     std::vector<CompiledConcept> concepts;   ///< As in RuleBase::concepts.

@@ -1,11 +1,31 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "rules/engine/concepts.hpp"
 #include "rules/engine/engine.hpp"
 
 namespace gnomon::rules {
+namespace {
+
+/// The least number whose product with `width` is at least 1: 1 / width, or the number above it. A corner is then full
+/// truth, not the number below 1.
+double slopeOf(double width) noexcept
+{
+    if (!std::isfinite(width)) return 1.0; // a shoulder: any slope will do
+    const double slope = 1.0 / width;
+    return slope * width < 1.0 ? std::nextafter(slope, std::numeric_limits<double>::infinity()) : slope;
+}
+
+} // namespace
+
+Flanks flanksOf(const Trapezoid& shape) noexcept
+{
+    // Infinite corners: inf - inf is NaN, which is not finite.
+    return {shape.a, slopeOf(shape.b - shape.a), shape.d, slopeOf(shape.d - shape.c)};
+}
+
 Limited evaluateAntecedent(std::span<const CompiledOp> ops, std::span<const Truth> memberships,
                            Options::And conjunction, std::span<Limited> stack) noexcept
 {
@@ -76,7 +96,7 @@ void Engine::fuzzify(std::span<const double> facts, Inference& out) const noexce
         out.unknownFacts += known ? 0 : 1;
         out.clampedFacts += known && x != given ? 1 : 0;
         for (uint32_t i = variable.firstTerm; i < variable.firstTerm + variable.termCount; ++i) {
-            const double membership = compiled_.terms[i].membership(x);
+            const double membership = compiled_.flanks[i].membership(x);
             out.memberships[i] = known ? Truth{membership, membership} : Truth{0.0, 1.0};
         }
     }

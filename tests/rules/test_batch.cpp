@@ -79,9 +79,9 @@ TEST_CASE("a batch has the bits of the scalar engine, at every length, for every
     }
 }
 
-TEST_CASE("quotients by widths of any size have the bits of a division")
+TEST_CASE("flanks of any width have the bits of the scalar engine")
 {
-    // Kernels with a fused multiply-add do without the division; widths of 1, as ramps have, would not show it.
+    // Widths of 1, as ramps have, would not show a slope that is rounded otherwise.
     Random random(65);
     constexpr uint32_t kCount = 512;
     for (int round = 0; round < 200; ++round) {

@@ -1,5 +1,8 @@
 #include "rules_support.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <cmath>
 
 #include "rules/engine/trapezoid.hpp"
@@ -64,4 +67,36 @@ TEST_CASE("terms that share a flank sum to one on it")
     for (int i = -100; i <= 1000; ++i)
         CHECK(falling.membership(0.1 * i) + rising.membership(0.1 * i) == doctest::Approx(1.0).epsilon(1e-15));
     CHECK(falling.membership(45) == rising.membership(45)); // exactly: ties are decided by others
+}
+
+TEST_CASE("as evaluation has it a term is exact at its corners, and elsewhere as near as three roundings allow")
+{
+    Random random(71);
+    for (int round = 0; round < 20'000; ++round) {
+        double corners[4];
+        const double scale = std::pow(10.0, random.between(-6.0, 9.0));
+        for (double& corner : corners)
+            corner = random.between(-scale, scale);
+        std::sort(std::begin(corners), std::end(corners));
+        Trapezoid term = {corners[0], corners[1], corners[2], corners[3]};
+        if (round % 7 == 0) term.b = term.a; // vertical edges, shoulders, triangles
+        if (round % 5 == 0) term.c = term.d;
+        if (round % 11 == 0) term.c = term.b;
+        if (round % 13 == 0) term.a = term.b = -kInf;
+        if (round % 17 == 0) term.c = term.d = kInf;
+        const Flanks flanks = flanksOf(term);
+        for (const double corner : {term.a, term.b, term.c, term.d}) {
+            if (std::isinf(corner)) continue;
+            for (const double x : {std::nextafter(corner, -kInf), corner, std::nextafter(corner, kInf)}) {
+                const double exact = term.membership(x), fast = flanks.membership(x);
+                REQUIRE((exact == 0.0) == (fast == 0.0));
+                if (x == corner) REQUIRE(exact == fast);
+                REQUIRE(std::abs(exact - fast) <= 3e-16);
+            }
+        }
+        for (int i = 0; i < 20; ++i) {
+            const double x = random.between(-1.2 * scale, 1.2 * scale);
+            REQUIRE(std::abs(term.membership(x) - flanks.membership(x)) <= 5e-16 * term.membership(x));
+        }
+    }
 }
