@@ -25,6 +25,8 @@ public:
     /// @param jump   The picture before is of no use, or nobody wants to see it: `method` shows at once.
     Step advance(std::uint64_t frame, std::uint32_t method, std::uint32_t length, bool jump);
     bool running() const { return now_.outgoing != kNone; }
+    /// True for the methods, one or two, behind the newest picture: what they need is in use already.
+    bool shows(std::uint32_t method) const { return method == now_.shown || method == now_.outgoing; }
     /// The mix that advance() asked for is not shown, the light's method is.
     void skip() { now_ = {.shown = now_.shown}; }
     /// The frame showed nothing of this light.

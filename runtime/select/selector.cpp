@@ -157,7 +157,7 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     fact(Fact::frameRate) = input.frameRate;
 
     for (std::uint32_t i = 0; i < methods_.size(); ++i)
-        decision.candidates[i] = examine(methods_[i], input, memory.incumbent);
+        decision.candidates[i] = examine(methods_[i], input, memory.fade.shows(i) ? i : memory.incumbent);
     rank(input, decision);
 
     // The best that could serve if it were ready, and the best that can.

@@ -41,9 +41,13 @@ TEST_CASE("the share of the new method grows by equal parts, and the old one run
             CHECK(is(step, kA, float(k) / float(length + 1)));
             CHECK(step.begun == (k > 1));
         }
+        CHECK(light.fade.shows(kA));
+        CHECK(light.fade.shows(kB));
         CHECK(is(light.next(kB), Fade::kNone, 1.0f));
         CHECK(is(light.next(kB), Fade::kNone, 1.0f));
         CHECK_FALSE(light.fade.running());
+        CHECK_FALSE(light.fade.shows(kA));
+        CHECK(light.fade.shows(kB));
     }
 }
 
