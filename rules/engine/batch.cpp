@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "rules/engine/batch_program.hpp"
+#include "rules/engine/float_mode.hpp"
 
 namespace gnomon::rules {
 
@@ -269,6 +270,13 @@ BatchInference BatchEngine::makeInference(uint32_t capacity) const
 }
 
 void BatchEngine::evaluateBatch(std::span<const double> facts, uint32_t count, BatchInference& out) const noexcept
+{
+    const FloatMode mode;
+    evaluateInMode(facts, count, out);
+}
+
+[[gnu::noinline]] void BatchEngine::evaluateInMode(std::span<const double> facts, uint32_t count,
+                                                   BatchInference& out) const noexcept
 {
     const Tables& t = *tables_;
     assert(facts.size() == std::size_t(t.factCount) * count && count <= out.stride);

@@ -6,6 +6,7 @@
 
 #include "rules/engine/concepts.hpp"
 #include "rules/engine/engine.hpp"
+#include "rules/engine/float_mode.hpp"
 
 namespace gnomon::rules {
 namespace {
@@ -315,6 +316,7 @@ Engine::Engine(RuleBase base, const Vocabulary& vocabulary, CompiledRules compil
 
 BindResult Engine::bind(RuleBase base, const Vocabulary& vocabulary)
 {
+    const FloatMode mode; // of the coefficients that are made here
     BindResult result;
     DiagnosticSink sink(base.file);
     if (validate(base, sink)) {

@@ -105,8 +105,8 @@ public:
     Inference makeInference() const;
 
     /// Evaluates all rules for one set of facts, in the order of Vocabulary::facts (`facts.size()` must match it).
-    /// Allocates nothing, and uses only + - * / on doubles: the same inputs give the same bits everywhere, provided the
-    /// rounding mode is to nearest.
+    /// Allocates nothing, and uses only + - * / on doubles: the same inputs give the same bits everywhere, in whatever
+    /// floating-point mode the calling thread is.
     void evaluate(std::span<const double> facts, Inference& out) const noexcept;
 
     /// The last steps of evaluate() alone: centre of gravity of one output from the strengths of its terms, and that in
@@ -131,6 +131,7 @@ public:
 private:
     Engine(RuleBase base, const Vocabulary& vocabulary, CompiledRules compiled);
 
+    void evaluateInMode(std::span<const double> facts, Inference& out) const noexcept;
     void fuzzify(std::span<const double> facts, Inference& out) const noexcept;
     void fire(Inference& out) const noexcept;
     void concludeAll(Inference& out) const noexcept;

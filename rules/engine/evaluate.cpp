@@ -5,6 +5,7 @@
 
 #include "rules/engine/concepts.hpp"
 #include "rules/engine/engine.hpp"
+#include "rules/engine/float_mode.hpp"
 
 namespace gnomon::rules {
 namespace {
@@ -76,6 +77,12 @@ Limited evaluateChain(std::span<const CompiledOp> ops, const Truth* memberships,
 void Engine::evaluate(std::span<const double> facts, Inference& out) const noexcept
 {
     assert(facts.size() == facts_.size() && out.rules.size() == compiled_.rules.size());
+    const FloatMode mode;
+    evaluateInMode(facts, out);
+}
+
+[[gnu::noinline]] void Engine::evaluateInMode(std::span<const double> facts, Inference& out) const noexcept
+{
     std::copy(facts.begin(), facts.end(), out.facts.begin());
     std::fill(out.outputs.begin(), out.outputs.end(), OutputState{});
     std::fill(out.termStrength.begin(), out.termStrength.end(), 0.0);

@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 
+#include "rules/engine/float_mode.hpp"
 #include "rules/engine/number_text.hpp"
 #include "rules/engine/sentence.hpp"
 #include "rules/yaml/document.hpp"
@@ -308,6 +309,7 @@ private:
 
 ParseResult parseRuleBase(std::string_view text, std::string_view fileName)
 {
+    const FloatMode mode; // reading a number rounds
     ParseResult result;
     DiagnosticSink sink(fileName);
     if (const std::optional<yaml::Document> document = yaml::parse(text, {}, sink)) {

@@ -4,11 +4,7 @@
 #include <new>
 #include <span>
 
-#if defined(__SSE__) || defined(_M_X64)
-#include <xmmintrin.h>
-#define GN_HAS_MXCSR 1
-#endif
-
+#include "rules/engine/float_mode.hpp"
 #include "runtime/api/context.hpp"
 
 struct GnContext_T {
@@ -18,24 +14,6 @@ struct GnContext_T {
 namespace {
 
 using namespace gnomon;
-
-/// The host's rounding, denormal and exception mode is put aside: same inputs, same decision.
-class FloatMode {
-public:
-#if GN_HAS_MXCSR
-    FloatMode() : saved_(_mm_getcsr())
-    {
-        _mm_setcsr(0x1f80);
-    } // round to nearest, denormals kept, exceptions masked
-    ~FloatMode()
-    {
-        _mm_setcsr(saved_);
-    }
-
-private:
-    unsigned saved_;
-#endif
-};
 
 GnResult report(GnContext context, const Error& error) noexcept
 {
@@ -53,7 +31,7 @@ template <typename Body>
 GnResult atBoundary(GnContext context, Body&& body) noexcept
 {
     if (!context || !context->impl) return GN_ERROR_NULL_ARGUMENT;
-    const FloatMode mode;
+    const rules::FloatMode mode; // the host's is put aside: same inputs, same decision
     try {
         if (context->impl->lost()) return GN_ERROR_DEVICE_LOST;
         return body(*context->impl);
@@ -113,7 +91,7 @@ GnResult GN_CALL gnCreateContext(const GnContextCreateInfo* pCreateInfo, GnConte
 {
     if (pContext) *pContext = nullptr;
     if (!pCreateInfo || !pContext) return GN_ERROR_NULL_ARGUMENT;
-    const FloatMode mode;
+    const rules::FloatMode mode;
     const Messages messages(pCreateInfo->pfnMessage, pCreateInfo->pUserData);
     try {
         Result<std::unique_ptr<Context>> made = Context::create(*pCreateInfo);
@@ -132,7 +110,7 @@ GnResult GN_CALL gnCreateContext(const GnContextCreateInfo* pCreateInfo, GnConte
 
 void GN_CALL gnDestroyContext(GnContext context)
 {
-    const FloatMode mode;
+    const rules::FloatMode mode;
     delete context;
 }
 

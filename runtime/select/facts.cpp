@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "runtime/cost/exponent.hpp"
+
 namespace gnomon {
 
 const std::array<FactName, kFactCount> kFactNames = {{
@@ -17,6 +19,12 @@ const std::array<FactName, kFactCount> kFactNames = {{
     {"frameBudget", "ratio"},
     {"frameRate", "Hz"},
 }};
+
+double trianglesFact(double triangles) noexcept
+{
+    constexpr double kLog10Of2 = 0.30102999566398119521;
+    return cost::log2Exactly(std::max(1.0, triangles)) * kLog10Of2;
+}
 
 Reach measureReach(const CameraView& view, std::span<const DepthTile> tiles, std::uint32_t tilesX, std::uint32_t tilesY,
                    const LightView& light)

@@ -31,6 +31,9 @@ extern const std::array<FactName, kFactCount> kFactNames;
 
 using FactValues = std::array<double, kFactCount>;
 
+/// Fact::casterTriangles; fewer than one counts as one. From + - * / alone: libm's logarithms differ between machines.
+double trianglesFact(double triangles) noexcept;
+
 /// Nearest and farthest linear depth of one tile; nearest > farthest where there is only sky.
 struct DepthTile {
     float nearest;

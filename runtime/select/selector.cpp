@@ -150,7 +150,7 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     fact(Fact::lightMotion) = input.lightMotion;
     fact(Fact::viewerDistance) = decision.viewerDistance;
     fact(Fact::screenShare) = memory.measured ? memory.share.get() : 1.0;
-    fact(Fact::casterTriangles) = std::log10(std::max(1.0, static_cast<double>(input.casters->triangles)));
+    fact(Fact::casterTriangles) = trianglesFact(static_cast<double>(input.casters->triangles));
     fact(Fact::lightRadius) = input.light->constants.sourceRadius;
     fact(Fact::receiverPlanarity) = std::numeric_limits<double>::quiet_NaN();
     fact(Fact::frameBudget) = input.frameBudget;

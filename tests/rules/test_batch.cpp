@@ -7,6 +7,7 @@
 
 #include "allocation_count.hpp"
 #include "rules/engine/batch.hpp"
+#include "rules/engine/float_mode.hpp"
 
 using namespace gnomon::rules;
 using namespace gnomon::rules::test;
@@ -196,3 +197,49 @@ TEST_CASE("a million random evaluations have one hash: scalar, batch, every comp
     std::printf("\n");
     CHECK(scalar.value == 0x37c07c677a558923u); // the same for gcc 12 and clang 14
 }
+
+#if GNOMON_HAS_MXCSR
+TEST_CASE("the host's rounding and denormal mode changes no decision, and is the host's again afterwards")
+{
+    constexpr unsigned kFlush = 0x8040; // FTZ | DAZ
+    constexpr unsigned kDown = 0x2000, kUp = 0x4000, kTowardsZero = 0x6000, kStandard = 0x1f80;
+    const auto hashIn = [](unsigned mode) {
+        const unsigned before = _mm_getcsr();
+        Hash scalar, batched;
+        Random random(66);
+        for (int b = 0; b < 20; ++b) {
+            const RuleBase base = anyBase(random, 40);
+            const std::vector<double> facts = columns(random, 100, b % 4 == 0);
+            _mm_setcsr(kStandard | mode);
+            const Engine engine = engineOf(base, kFourWithTrait); // coefficients are made in that mode too
+            Inference one = engine.makeInference();
+            const BatchEngine batch(engine);
+            BatchInference all = batch.makeInference(100);
+            batch.evaluateBatch(facts, 100, all);
+            CHECK((_mm_getcsr() & 0xffc0) == (kStandard | mode));
+            for (uint32_t i = 0; i < 100; ++i) {
+                std::vector<double> row(6);
+                for (uint32_t f = 0; f < 6; ++f)
+                    row[f] = facts[f * 100 + i];
+                engine.evaluate(row, one);
+                for (uint32_t o = 0; o < 4; ++o) {
+                    const OutputState& output = one.outputs[o];
+                    const std::size_t at = all.at(o, i);
+                    scalar.add(output.hasOpinion, output.suitability, output.quantised, output.vetoRule);
+                    batched.add(all.quantised[at] >= 0, all.suitability[at], all.quantised[at], all.vetoRule[at]);
+                }
+            }
+            CHECK((_mm_getcsr() & 0xffc0) == (kStandard | mode));
+            _mm_setcsr(before);
+        }
+        CHECK(scalar.value == batched.value);
+        return scalar.value;
+    };
+    const uint64_t expected = hashIn(0);
+    for (const unsigned rounding : {0u, kDown, kUp, kTowardsZero}) {
+        CAPTURE(rounding);
+        CHECK(hashIn(rounding) == expected);
+        CHECK(hashIn(rounding | kFlush) == expected);
+    }
+}
+#endif
