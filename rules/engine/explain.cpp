@@ -45,26 +45,6 @@ const Term* conclusionFor(const Engine& engine, uint32_t rule, uint32_t output)
     return nullptr;
 }
 
-std::vector<uint32_t> rulesBehind(const Engine& engine, const Inference& inference, uint32_t output)
-{
-    std::vector<uint32_t> fired;
-    for (uint32_t i = 0; i < inference.rules.size(); ++i) {
-        if (inference.rules[i].strength > 0.0 && conclusionFor(engine, i, output)) fired.push_back(i);
-    }
-    std::stable_sort(fired.begin(), fired.end(),
-                     [&](uint32_t x, uint32_t y) { return inference.rules[x].strength > inference.rules[y].strength; });
-    return fired;
-}
-
-/// "rule T3 (avoided)" and what fired it.
-std::string ruleLine(const Engine& engine, const Inference& inference, uint32_t rule, uint32_t output)
-{
-    std::string text = explainRule(engine, inference, rule);
-    const Term* term = conclusionFor(engine, rule, output);
-    if (term && term != &engine.base().suitability.terms.back()) text.insert(text.find(':'), " (" + term->name + ")");
-    return text;
-}
-
 /// One line per asserted term of every concept, with the rule that asserts it most strongly:
 /// "concept scene overlyComplex 0.62: rule C1: ...".
 std::string conceptLines(const Engine& engine, const Inference& inference)
@@ -97,6 +77,63 @@ std::string because(const Engine& engine, uint32_t rule, std::size_t indent)
 }
 
 } // namespace
+
+std::vector<uint32_t> rulesBehind(const Engine& engine, const Inference& inference, uint32_t output)
+{
+    std::vector<uint32_t> fired;
+    for (uint32_t i = 0; i < inference.rules.size(); ++i) {
+        if (inference.rules[i].strength > 0.0 && conclusionFor(engine, i, output)) fired.push_back(i);
+    }
+    std::stable_sort(fired.begin(), fired.end(),
+                     [&](uint32_t x, uint32_t y) { return inference.rules[x].strength > inference.rules[y].strength; });
+    return fired;
+}
+
+std::string explainRuleFor(const Engine& engine, const Inference& inference, uint32_t rule, uint32_t output)
+{
+    std::string text = explainRule(engine, inference, rule);
+    const Term* term = conclusionFor(engine, rule, output);
+    if (!term || term == &engine.base().suitability.terms.back()) return text;
+    return text.insert(std::min(text.find(':'), text.size()), " (" + term->name + ")");
+}
+
+uint32_t silentRuleFor(const Engine& engine, const Inference& inference, uint32_t output)
+{
+    uint32_t best = kNoRule;
+    const Term* bestTerm = nullptr;
+    for (uint32_t i = 0; i < engine.compiled().writtenRules(); ++i) {
+        if (inference.rules[i].strength > 0.0) continue;
+        const Term* term = conclusionFor(engine, i, output);
+        if (term && (!bestTerm || term > bestTerm)) best = i, bestTerm = term; // terms ascend with suitability
+    }
+    return best;
+}
+
+std::string explainFact(const Engine& engine, const Inference& inference, uint32_t fact)
+{
+    const auto& variables = engine.compiled().variables;
+    for (std::size_t i = 0; i < variables.size(); ++i) {
+        if (variables[i].fact != fact) continue;
+        const Variable& variable = engine.base().variables[i];
+        const double value = inference.facts[fact];
+        if (std::isnan(value)) return variable.name + " unknown";
+        std::string text = variable.name + " " + fixedText(value, variable.isCount() ? 0 : 2);
+        if (!variable.unit.empty() && !variable.isCount()) text += " " + variable.unit;
+        std::vector<std::pair<double, uint32_t>> terms;
+        for (uint32_t t = 0; t < variables[i].termCount; ++t)
+            terms.emplace_back(-inference.memberships[variables[i].firstTerm + t].low, t);
+        std::sort(terms.begin(), terms.end());
+        std::string_view separator = ": ";
+        for (std::size_t k = 0; k < std::min<std::size_t>(2, terms.size()); ++k) {
+            if (terms[k].first == 0.0) break;
+            text.append(separator).append(variable.terms[terms[k].second].name).append(" ");
+            text += fixedText(-terms[k].first, 2);
+            separator = ", ";
+        }
+        return value < variable.low || value > variable.high ? text + " (outside its universe)" : text;
+    }
+    return {};
+}
 
 std::string explainRule(const Engine& engine, const Inference& inference, uint32_t index)
 {
@@ -134,7 +171,7 @@ std::string reasonFor(const Engine& engine, const Inference& inference, uint32_t
     const OutputState& state = inference.outputs[output];
     if (state.vetoed) return "vetoed by " + explainRule(engine, inference, state.vetoRule);
     if (!state.hasOpinion) return "no rule that fires speaks of it";
-    return ruleLine(engine, inference, state.strongestRule, output);
+    return explainRuleFor(engine, inference, state.strongestRule, output);
 }
 
 std::string explain(const Engine& engine, const Inference& inference, const ExplainOptions& options)
@@ -154,7 +191,8 @@ std::string explain(const Engine& engine, const Inference& inference, const Expl
         if (state.vetoed) rules.insert(rules.begin(), state.vetoRule);
         for (const uint32_t rule : rules) {
             const bool isVeto = state.vetoed && rule == state.vetoRule;
-            text += line + (isVeto ? explainRule(engine, inference, rule) : ruleLine(engine, inference, rule, output));
+            text += line;
+            text += isVeto ? explainRule(engine, inference, rule) : explainRuleFor(engine, inference, rule, output);
             text += '\n';
             if (options.because) text += because(engine, rule, indent);
             line.assign(indent, ' ');

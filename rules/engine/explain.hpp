@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "rules/engine/engine.hpp"
 
@@ -26,6 +27,21 @@ std::string explain(const Engine& engine, const Inference& inference, const Expl
 /// What fired one rule: "rule S1: lightRadius narrow 0.25, frameBudget tight 0.10*, weight 0.8". Every clause with its
 /// truth, except alternatives under `or` that were false; '*' marks the limiting one where there are several.
 std::string explainRule(const Engine& engine, const Inference& inference, uint32_t rule);
+
+/// Rules that fired and conclude something about an output, strongest first, then as written; vetoes are none of them.
+std::vector<uint32_t> rulesBehind(const Engine& engine, const Inference& inference, uint32_t output);
+
+/// explainRule() with what the rule concludes about the output, where that is not the highest term of suitability:
+/// "rule T3 (avoided): dynamicLights few 1.00".
+std::string explainRuleFor(const Engine& engine, const Inference& inference, uint32_t rule, uint32_t output);
+
+/// Among the written rules that did not fire, the first whose conclusion about the output is the highest; kNoRule if
+/// none speaks of it.
+uint32_t silentRuleFor(const Engine& engine, const Inference& inference, uint32_t output);
+
+/// "viewerDistance 12.4 m: near 0.59, far 0.41": the raw fact and its two largest memberships. Empty for a fact that
+/// the base has no variable for.
+std::string explainFact(const Engine& engine, const Inference& inference, uint32_t fact);
 
 /// One line without a line break for logs: the strongest rule behind an output, or why there is none.
 std::string reasonFor(const Engine& engine, const Inference& inference, uint32_t output);

@@ -68,6 +68,20 @@ GnResult status(GnContext context, const Result<GnResult>& result)
     return result ? *result : report(context, result.error());
 }
 
+/// As much of a text as fits, ended by a zero; *pSize becomes the whole size.
+GnResult giveText(GnContext context, const Result<std::string>& text, size_t* pSize, char* pText)
+{
+    if (!text) return report(context, text.error());
+    const size_t wanted = text->size() + 1, room = *pSize;
+    *pSize = wanted;
+    if (!pText) return GN_SUCCESS;
+    if (room == 0) return GN_INCOMPLETE;
+    const size_t fits = std::min(room, wanted) - 1;
+    std::memcpy(pText, text->data(), fits);
+    pText[fits] = '\0';
+    return room < wanted ? GN_INCOMPLETE : GN_SUCCESS;
+}
+
 /// `fill` writes what fits into its span and says how many there are.
 template <typename T, typename Fill>
 GnResult list(GnContext context, uint32_t* pCount, T* pOut, Fill&& fill)
@@ -402,16 +416,32 @@ GnResult GN_CALL gnExplainDecision(GnContext context, GnView view, GnLight light
 {
     return atBoundary(context, [&](Context& c) {
         if (!pSize) return nullArgument(context, "pSize");
-        const Result<std::string> text = c.explanation(view, light);
-        if (!text) return report(context, text.error());
-        const size_t wanted = text->size() + 1, room = *pSize;
-        *pSize = wanted;
-        if (!pText) return GN_SUCCESS;
-        if (room == 0) return GN_INCOMPLETE;
-        const size_t fits = std::min(room, wanted) - 1;
-        std::memcpy(pText, text->data(), fits);
-        pText[fits] = '\0';
-        return room < wanted ? GN_INCOMPLETE : GN_SUCCESS;
+        return giveText(context, c.explanation(view, light), pSize, pText);
+    });
+}
+
+GnResult GN_CALL gnExplain(GnContext context, GnView view, GnLight light, const GnQuestion* pQuestion, size_t* pSize,
+                           char* pText)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pSize) return nullArgument(context, "pSize");
+        return giveText(context, c.answer(view, light, pQuestion ? *pQuestion : GnQuestion{}), pSize, pText);
+    });
+}
+
+GnResult GN_CALL gnGetDecisionLog(GnContext context, GnView view, uint64_t firstFrame, uint64_t frameOrigin,
+                                  size_t* pSize, void* pData)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pSize) return nullArgument(context, "pSize");
+        const Result<std::string> log = c.decisionLog(view, firstFrame, frameOrigin);
+        if (!log) return report(context, log.error());
+        const size_t room = *pSize;
+        *pSize = log->size();
+        if (!pData) return GN_SUCCESS;
+        if (room < log->size()) return GN_INCOMPLETE;
+        std::memcpy(pData, log->data(), log->size());
+        return GN_SUCCESS;
     });
 }
 

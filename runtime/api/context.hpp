@@ -15,6 +15,7 @@
 #include "runtime/select/auto_budget.hpp"
 #include "runtime/select/depth_grid.hpp"
 #include "runtime/select/frame_plan.hpp"
+#include "runtime/select/record.hpp"
 #include "runtime/select/selector.hpp"
 
 namespace gnomon {
@@ -30,6 +31,7 @@ struct View {
     std::unique_ptr<DepthGrid> grid;
     std::unordered_map<std::uint32_t, LightMemory> lights; ///< By light id.
     std::vector<LightDecision> decisions;                  ///< Of the last frame, in the order of its lights.
+    RecordRing records;                                    ///< Of the last frames.
     CameraView camera;                                     ///< Of the frame under way.
     std::uint64_t lastFrame = 0;                           ///< The newest whose lights were decided.
 };
@@ -72,6 +74,8 @@ public:
 
     Result<GnDecision> decision(GnView view, GnLight light);
     Result<std::string> explanation(GnView view, GnLight light);
+    Result<std::string> answer(GnView view, GnLight light, const GnQuestion& question);
+    Result<std::string> decisionLog(GnView view, std::uint64_t firstFrame, std::uint64_t frameOrigin);
     /// Fill what fits. @return how many there are.
     Result<std::uint32_t> facts(GnView view, GnLight light, std::span<GnFact> out);
     Result<std::uint32_t> candidates(GnView view, GnLight light, std::span<GnCandidate> out);
@@ -151,6 +155,11 @@ private:
     void declareMix(const PendingLight& pending, ImageId pair);
     void withdrawFades(std::uint64_t frame);
     std::uint32_t fadingIn(std::uint64_t frame) const;
+
+    // Records of decisions (explain.cpp).
+    void recordDecisions();
+    void noteMeasured(const FrameTimings& timings);
+    Result<DecisionRecord> recordOf(const View& view, GnLight light, std::uint64_t frame);
 
     void forgetOldLights();
     void finishStats();

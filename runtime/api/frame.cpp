@@ -108,6 +108,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     stats_.decideUs = static_cast<float>(msSince(decideStart) * 1000.0);
     for (const PendingLight& pending : pending_)
         declareLight(pending, mode);
+    recordDecisions();
 
     const bool timed = timeEveryFrame_ || (info.flags & GN_FRAME_TIMED_BIT) || info.frame % kTimedPeriod == 0;
     const ExecutorFrame frame{.frame = info.frame,
@@ -345,6 +346,7 @@ Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& fra
             memory.distance = reach.distance;
             memory.share.add(reach.share);
             memory.measured = true;
+            memory.measuredAt = info.frame;
         }
         const SelectionInput input{
             .view = &view.camera,

@@ -25,6 +25,7 @@ void Context::takeTimings()
     timingsTaken_ = timed->frame;
     noteTimedScale(*timed);
     chargeLights(*timed);
+    noteMeasured(*timed);
 }
 
 /// The barriers of a timed frame slow it down; an untimed one with as many methods at work says by how much.

@@ -1,9 +1,11 @@
-// Text for decisions, made only when somebody asks.
+// Why, and why not. Text for decisions, made only when somebody asks.
+#include "runtime/select/explain.hpp"
+
+#include <algorithm>
 #include <cmath>
 
 #include "rules/engine/explain.hpp"
 #include "rules/engine/number_text.hpp"
-#include "runtime/select/selector.hpp"
 
 namespace gnomon {
 
@@ -14,64 +16,317 @@ std::string fixed(double value, int digits)
     return std::isnan(value) ? "unknown" : rules::fixedText(value, digits);
 }
 
-const char* reasonText(GnReason reason)
+std::string ms(double value)
 {
-    switch (reason) {
-    case GN_REASON_RULES:
-        return "highest suitability";
-    case GN_REASON_PINNED:
-        return "pinned by the host";
-    case GN_REASON_INCUMBENT:
-        return "a tie, the method already running stays";
-    case GN_REASON_FALLBACK:
-        return "fallback while the wanted method is not ready";
-    case GN_REASON_NOTHING_READY:
-        return "nothing can serve, visibility is 1";
-    case GN_REASON_NO_OPINION:
-        return "no rule has an opinion, fallback";
-    case GN_REASON_BUDGET:
-        return "the plan: better ones do not fit the budget";
-    case GN_REASON_HELD:
-        return "held by the plan's hysteresis";
-    case GN_REASON_MAX_ENUM:
+    return fixed(value, value < 0.1 ? 4 : 2) + " ms";
+}
+
+std::string percent(double share)
+{
+    return fixed(100.0 * share, 1) + " %";
+}
+
+double suitabilityOf(const Candidate& candidate)
+{
+    return std::max(candidate.quantised, 0) / double{rules::kSuitabilitySteps};
+}
+
+std::string because(const rules::Engine& engine, std::uint32_t rule)
+{
+    const rules::Rule* found = engine.rule(rule);
+    return found && !found->because.empty() ? "    because " + found->because : std::string{};
+}
+
+/// Inference of a record's facts by its own rules, or nothing to say.
+struct Rules {
+    Rules(const DecisionRecord& record, const ExplainWords& words) : engine(words.engine)
+    {
+        if (!engine) return;
+        inference = engine->makeInference();
+        engine->evaluate(record.facts, inference);
+    }
+    const rules::Engine* engine;
+    rules::Inference inference;
+};
+
+std::string headline(const DecisionRecord& record, const ExplainWords& words)
+{
+    std::string text = "light '" + std::string(words.light) + "', frame " +
+                       std::to_string(record.frame - words.frameOrigin) + ": ";
+    text += methodText(record.method, words.methods);
+    text += ", ";
+    text += reasonText(record.reason);
+    if (record.reason == GN_REASON_FALLBACK && record.wanted != UINT32_MAX)
+        text += " (" + std::string(methodText(record.wanted, words.methods)) + ")";
+    if (record.switched) text += "; was " + std::string(methodText(record.incumbent, words.methods));
+    return text;
+}
+
+/// The recorded rules, where the base itself is gone.
+void addNumbers(const DecisionRecord& record, ExplanationLines& lines)
+{
+    if (record.ruleHash == 0) {
+        lines.add("no rules are loaded: exact methods first, then the fallback");
+        return;
+    }
+    std::string text = "the rule base of that frame is no longer loaded; its strongest rules by number:";
+    for (const FiredRule& fired : record.fired)
+        if (fired.rule != rules::kNoRule)
+            text.append(" ").append(std::to_string(fired.rule + 1)).append(" (strength ").append(
+                fixed(double{fired.strength}, 2) + ")");
+    lines.add(std::move(text));
+}
+
+void addRulesBehind(const Rules& rules, std::uint32_t method, std::size_t most, ExplanationLines& lines)
+{
+    const std::vector<std::uint32_t> behind = rulesBehind(*rules.engine, rules.inference, method);
+    if (behind.empty()) lines.add("no rule that fires speaks of it");
+    for (const std::uint32_t rule : std::span(behind).first(std::min(behind.size(), most))) {
+        lines.add("  " + explainRuleFor(*rules.engine, rules.inference, rule, method) + " -> strength " +
+                  fixed(rules.inference.rules[rule].strength, 2));
+        lines.add(because(*rules.engine, rule));
+    }
+}
+
+std::string factsLine(const DecisionRecord& record, const Rules& rules)
+{
+    std::string text = "facts: ";
+    std::string_view separator;
+    for (std::uint32_t i = 0; i < kFactCount; ++i) {
+        std::string one = rules.engine ? explainFact(*rules.engine, rules.inference, i) : std::string{};
+        if (one.empty()) {
+            if (rules.engine) continue; // the base does not ask for it
+            one = std::string(kFactNames[i].name) + " " + factText(static_cast<Fact>(i), record.facts[i]);
+        }
+        text.append(separator).append(one);
+        separator = "; ";
+    }
+    if (record.distanceAge == UINT32_MAX)
+        text += "; viewerDistance is a lower bound, not measured yet";
+    else if (record.distanceAge > 0)
+        text += "; viewerDistance measured " + std::to_string(record.distanceAge) + " frames before";
+    return text;
+}
+
+std::string costText(const Candidate& candidate)
+{
+    return ms(double{candidate.predictedMs}) + " +- " + ms(double{candidate.sigmaMs});
+}
+
+std::string costLine(const DecisionRecord& record)
+{
+    if (record.method >= record.methods) return {};
+    const Candidate& chosen = record.candidates[record.method];
+    std::string text = "cost: predicted " + costText(chosen);
+    if (record.measuredMs > 0.0f) {
+        text += ", measured " + ms(double{record.measuredMs});
+        if (chosen.predictedMs > 0.0f)
+            text += " (" + fixed(std::log2(double{record.measuredMs} / double{chosen.predictedMs}), 2) +
+                    " octaves off)";
+    } else {
+        text += ", this frame was not timed";
+    }
+    return text + "; quality " + fixed(double{chosen.quality}, 2);
+}
+
+std::string planLine(const DecisionRecord& record)
+{
+    std::string text = replanText(record.replan);
+    if (!record.budgeted) return text;
+    text = "plan of all lights: " + ms(double{record.planMs}) + " of " + ms(double{record.usableMs}) +
+           " usable (budget " + ms(double{record.budgetMs}) + "): " + text;
+    if (record.floor)
+        text += "; near floor holds, quality >= " + fixed(double{record.minimumQuality}, 2) +
+                (record.floorUnmet ? ", but nothing reaches it" : "");
+    return text;
+}
+
+std::string gainText(const DecisionRecord& record)
+{
+    return "the best plan gains " + percent(double{record.gain}) + ", a change needs more than " +
+           percent(double{record.threshold});
+}
+
+/// What the plan put aside that the rules like better, and why.
+std::string passedOverLine(const DecisionRecord& record, const ExplainWords& words)
+{
+    if (record.wanted >= record.methods || record.wanted == record.method) return {};
+    const Candidate& wanted = record.candidates[record.wanted];
+    const std::string name(methodText(record.wanted, words.methods));
+    switch (wanted.why) {
+    case plan::Why::budget:
+        return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but needs " + costText(wanted);
+    case plan::Why::hysteresis:
+        return name + " would be better, but is held: " + holdText(record.hold) + "; " + gainText(record);
+    case plan::Why::floor:
+        return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but its quality " +
+               fixed(double{wanted.quality}, 2) + " is below the near floor";
+    default:
         break;
     }
-    return "unknown";
+    if (wanted.exclusion != Exclusion::none)
+        return name + " is wanted: " +
+               exclusionText(wanted, words.methods[record.wanted].unavailable, words.engine);
+    return {};
+}
+
+std::string runnerUpLine(const DecisionRecord& record, const ExplainWords& words, const Rules& rules)
+{
+    std::uint32_t best = UINT32_MAX;
+    for (std::uint32_t m = 0; m < record.methods; ++m) {
+        const Candidate& candidate = record.candidates[m];
+        if (m == record.method || candidate.exclusion != Exclusion::none || candidate.quantised < 0) continue;
+        if (best == UINT32_MAX || candidate.quantised > record.candidates[best].quantised) best = m;
+    }
+    if (best == UINT32_MAX || !rules.engine) return {};
+    return "next: " + std::string(methodText(best, words.methods)) + ", suitability " +
+           fixed(suitabilityOf(record.candidates[best]), 2) + "; " + reasonFor(*rules.engine, rules.inference, best);
+}
+
+std::string eliminatedLine(const DecisionRecord& record, const ExplainWords& words)
+{
+    std::string text;
+    for (std::uint32_t m = 0; m < record.methods; ++m) {
+        const Candidate& candidate = record.candidates[m];
+        if (m == record.method || candidate.exclusion == Exclusion::none) continue;
+        text += (text.empty() ? "out: " : "; ") + std::string(methodText(m, words.methods)) + " (" +
+                exclusionText(candidate, words.methods[m].unavailable, words.engine) + ")";
+    }
+    return text;
 }
 
 } // namespace
 
-std::string Selector::exclusionText(const Method& method, const Candidate& candidate) const
+std::string explainWhy(const DecisionRecord& record, const ExplainWords& words)
 {
-    const std::string detail = std::to_string(candidate.detail);
-    switch (candidate.exclusion) {
-    case Exclusion::none:
-        return {};
-    case Exclusion::device:
-        return method.unavailable;
-    case Exclusion::lightKind:
-        return "does not serve this kind of light";
-    case Exclusion::notReady:
-        return "not ready: its pipelines have not run yet";
-    case Exclusion::roundTrips:
-        return "needs the CPU between passes (" + detail + " round trips), but the frame is recorded";
-    case Exclusion::hostDrawn:
-        return detail + " host-drawn casters in range";
-    case Exclusion::topology:
-        return detail + " casters without topology yet";
-    case Exclusion::trees:
-        return detail + " casters without a ray-tracing tree yet";
-    case Exclusion::memory:
-        return "memory: needs " + fixed(static_cast<double>(candidate.detail) / (1 << 20), 1) +
-               " MiB, more than is left";
-    case Exclusion::refused:
-        return candidate.refusal;
-    case Exclusion::vetoed:
-        return "never, says rule " +
-               std::string(engine_ ? engine_->ruleId(static_cast<std::uint32_t>(candidate.detail)) : "");
-    }
-    return {};
+    const Rules rules(record, words);
+    ExplanationLines lines;
+    lines.add(headline(record, words));
+    if (record.method < record.methods && record.candidates[record.method].quantised >= 0 && rules.engine)
+        lines.add("suitability " + fixed(suitabilityOf(record.candidates[record.method]), 2) + " by:");
+    if (!rules.engine)
+        addNumbers(record, lines);
+    else if (record.method < record.methods)
+        addRulesBehind(rules, record.method, 2, lines);
+    lines.add(passedOverLine(record, words));
+    lines.add(planLine(record));
+    lines.add(costLine(record));
+    lines.add(factsLine(record, rules));
+    lines.add(runnerUpLine(record, words, rules));
+    lines.add(eliminatedLine(record, words));
+    return lines.take();
 }
+
+namespace {
+
+void addFloor(const DecisionRecord& record, const Candidate& candidate, ExplanationLines& lines)
+{
+    lines.add("near floor: its quality " + fixed(double{candidate.quality}, 2) + " is below " +
+              fixed(double{record.minimumQuality}, 2) + "; the floor holds because its condition is " +
+              fixed(double{record.floorTruth}, 2) + " true, and " + fixed(double{record.floorStrength}, 2) +
+              " is enough");
+}
+
+void addBudget(const DecisionRecord& record, const Candidate& candidate, ExplanationLines& lines)
+{
+    const double spent = record.method < record.methods ? double{record.candidates[record.method].predictedMs} : 0.0;
+    const double room = double{record.usableMs} - double{record.planMs} + spent;
+    lines.add("budget: it needs " + costText(candidate) + ", and the other lights leave " + ms(std::max(room, 0.0)) +
+              " of " + ms(double{record.usableMs}) + " usable (budget " + ms(double{record.budgetMs}) + ")");
+}
+
+void addOutscored(const DecisionRecord& record, const Candidate& candidate, ExplanationLines& lines)
+{
+    if (record.method >= record.methods) return;
+    const Candidate& chosen = record.candidates[record.method];
+    std::string text = "outscored: suitability " + fixed(suitabilityOf(candidate), 2) + " against " +
+                       fixed(suitabilityOf(chosen), 2);
+    if (candidate.quantised < 0) text = "outscored: no rule has an opinion of any method";
+    if (record.budgeted)
+        text += "; worth (importance x suitability x quality) " +
+                fixed(double{record.importance} * suitabilityOf(candidate) * double{candidate.quality}, 3) +
+                " against " + fixed(double{record.importance} * suitabilityOf(chosen) * double{chosen.quality}, 3);
+    lines.add(std::move(text));
+}
+
+/// The elimination itself.
+void addElimination(const DecisionRecord& record, std::uint32_t method, const ExplainWords& words,
+                    ExplanationLines& lines)
+{
+    const Candidate& candidate = record.candidates[method];
+    if (candidate.exclusion != Exclusion::none)
+        return lines.add(exclusionText(candidate, words.methods[method].unavailable, words.engine));
+    if (record.reason == GN_REASON_PINNED)
+        return lines.add("the host pinned " + std::string(methodText(record.method, words.methods)));
+    switch (candidate.why) {
+    case plan::Why::floor:
+        return addFloor(record, candidate, lines);
+    case plan::Why::budget:
+        return addBudget(record, candidate, lines);
+    case plan::Why::hysteresis:
+        return lines.add(std::string("held: ") +
+                         (record.hold == plan::Hold::none ? "worth more and affordable, but not by the best plan"
+                                                          : holdText(record.hold)) +
+                         "; " + gainText(record));
+    case plan::Why::noOpinion:
+        return lines.add("no rule that fires speaks of it, and rules speak of others");
+    case plan::Why::trait:
+        return lines.add("its predicted time is not a number");
+    case plan::Why::chosen: // by the plan, but something else serves
+    case plan::Why::pinned:
+    case plan::Why::never:
+    case plan::Why::outscored:
+        break;
+    }
+    addOutscored(record, candidate, lines);
+}
+
+} // namespace
+
+std::string explainWhyNot(const DecisionRecord& record, std::uint32_t method, const ExplainWords& words)
+{
+    const Rules rules(record, words);
+    ExplanationLines lines;
+    const std::string name(methodText(method, words.methods));
+    lines.add(headline(record, words));
+    if (method == record.method) {
+        lines.add(name + " is what was chosen");
+        return lines.take();
+    }
+    if (method >= record.methods) {
+        lines.add(name + " was added later");
+        return lines.take();
+    }
+    lines.add("not " + name + ":");
+    addElimination(record, method, words, lines);
+    const Candidate& candidate = record.candidates[method];
+    if (!rules.engine) {
+        addNumbers(record, lines);
+        return lines.take();
+    }
+    if (candidate.exclusion == Exclusion::vetoed) {
+        const auto veto = static_cast<std::uint32_t>(candidate.detail);
+        lines.add("  " + explainRule(*rules.engine, rules.inference, veto));
+        lines.add(because(*rules.engine, veto));
+    }
+    lines.add("rules about it:");
+    addRulesBehind(rules, method, 2, lines);
+    if (const std::uint32_t silent = silentRuleFor(*rules.engine, rules.inference, method); silent != rules::kNoRule)
+        lines.add("  silent: " + explainRuleFor(*rules.engine, rules.inference, silent, method));
+    const bool able = candidate.exclusion == Exclusion::none || candidate.exclusion == Exclusion::vetoed;
+    if (!able || record.reason == GN_REASON_PINNED) return lines.take();
+    const std::vector<NearMiss> misses = nearMisses(record, *rules.engine, method);
+    if (misses.empty()) {
+        lines.add("no change of a single fact would choose it");
+    } else {
+        const auto fact = static_cast<Fact>(misses.front().fact);
+        lines.add(std::string("it would be chosen with ") + kFactNames[misses.front().fact].name + " " +
+                  factText(fact, misses.front().to) + " instead of " + factText(fact, misses.front().from));
+    }
+    return lines.take();
+}
+
+// --- the long form of the newest frame ---
 
 std::string Selector::explain(const LightDecision& decision) const
 {
@@ -99,11 +354,12 @@ std::string Selector::explain(const LightDecision& decision) const
     text += "candidates:\n";
     for (std::uint32_t i = 0; i < methods_.size(); ++i) {
         const Candidate& candidate = decision.candidates[i];
+        const char* unavailable = methods_[i].unavailable;
         text += "  " + methods_[i].name + ": ";
         if (i == decision.method)
             text += "chosen, " + fixed(decision.predictedMs, 2) + " ms";
         else if (candidate.exclusion != Exclusion::none)
-            text += "out, " + exclusionText(methods_[i], candidate);
+            text += "out, " + exclusionText(candidate, unavailable ? unavailable : "", engine());
         else if (candidate.quantised < 0)
             text += "no opinion";
         else

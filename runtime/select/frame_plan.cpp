@@ -169,6 +169,7 @@ void FramePlan::explainWithoutPlan(LightDecision& decision, bool hasRules) const
 void FramePlan::take(const plan::LightPlan& plan, LightDecision& decision) const
 {
     decision.floorUnmet = plan.floorUnmet;
+    decision.hold = plan.hold;
     if (plan.chosen == plan::kNone || plan.chosen == decision.method) return;
     decision.wanted = decision.method;
     decision.method = plan.chosen;

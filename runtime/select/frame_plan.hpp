@@ -38,6 +38,9 @@ public:
     /// The light is gone, its slot is free.
     void forget(LightMemory& memory);
 
+    /// Grows with every timing that the cost model learns from.
+    std::uint64_t knowledgeRevision() const { return model_.samples(); }
+
 private:
     void fill(const rules::RuleBase* base);
     void take(const plan::LightPlan& plan, LightDecision& decision) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/select/choice.hpp"
 #include "runtime/select/vocabulary.hpp"
 
 #if GNOMON_WITH_YAML
@@ -42,6 +43,8 @@ Result<void> Selector::loadRules(std::string_view text, std::string_view fileNam
     }
     engine_ = std::move(engine);
     inference_ = engine_->makeInference();
+    rulesText_ = text;
+    rulesName_ = fileName;
     return {};
 #else
     (void)text, (void)fileName, (void)registry, (void)findings;
@@ -107,6 +110,7 @@ void Selector::rank(const SelectionInput&, LightDecision& decision)
 {
     if (engine_) {
         engine_->evaluate(decision.facts, inference_);
+        decision.fired = strongestRules(*engine_, inference_);
         decision.floorTruth = inference_.floorTruth;
         for (std::uint32_t i = 0; i < methods_.size(); ++i) {
             const rules::OutputState& output = inference_.outputs[i];
@@ -126,22 +130,14 @@ void Selector::rank(const SelectionInput&, LightDecision& decision)
     }
 }
 
-std::uint32_t Selector::fallbackFor(const LightDecision& decision, GnLightType type) const
-{
-    for (const bool fallbacksOnly : {true, false})
-        for (std::uint32_t i = 0; i < methods_.size(); ++i)
-            if (decision.candidates[i].exclusion == Exclusion::none && methods_[i].serves(type) &&
-                methods_[i].has(GN_TRAIT_FALLBACK_BIT) >= fallbacksOnly)
-                return i;
-    return UINT32_MAX;
-}
-
 LightDecision Selector::assess(const SelectionInput& input, const LightMemory& memory)
 {
     LightDecision decision;
     decision.light = input.light->handle;
     decision.lightId = input.light->id;
     decision.incumbent = memory.incumbent;
+    decision.pinned = input.pinned;
+    decision.importance = input.importance;
     decision.distanceMeasured = memory.measured;
     decision.viewerDistance = memory.measured ? memory.distance : reachLowerBound(*input.view, *input.light);
 
@@ -160,42 +156,18 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
         decision.candidates[i] = examine(methods_[i], input, memory.fade.shows(i) ? i : memory.incumbent);
     rank(input, decision);
 
-    // The best that could serve if it were ready, and the best that can.
-    auto better = [&](std::uint32_t a, std::uint32_t b) { // a over b?
-        if (b == UINT32_MAX) return true;
-        const std::int32_t qa = decision.candidates[a].quantised, qb = decision.candidates[b].quantised;
-        if (qa != qb) return qa > qb;
-        return a == decision.incumbent; // ties: the incumbent, else registry order
-    };
-    std::uint32_t wanted = UINT32_MAX, best = UINT32_MAX, equals = 0;
-    if (input.pinned != UINT32_MAX) {
-        const Exclusion exclusion = decision.candidates[input.pinned].exclusion;
-        if (exclusion == Exclusion::none || exclusion == Exclusion::vetoed) best = input.pinned;
-        if (best != UINT32_MAX || exclusion == Exclusion::notReady) wanted = input.pinned;
-        decision.reason = GN_REASON_PINNED;
-    }
-    if (wanted == UINT32_MAX) {
-        decision.reason = GN_REASON_RULES;
-        for (std::uint32_t i = 0; i < methods_.size(); ++i) {
-            const Candidate& candidate = decision.candidates[i];
-            if (candidate.exclusion != Exclusion::none && candidate.exclusion != Exclusion::notReady) continue;
-            if (engine_ && candidate.quantised < 0) continue;
-            if (better(i, wanted)) wanted = i;
-        }
-        if (wanted == UINT32_MAX) decision.reason = GN_REASON_NO_OPINION;
-        if (wanted != UINT32_MAX && decision.candidates[wanted].exclusion == Exclusion::none) best = wanted;
-        for (std::uint32_t i = 0; i < methods_.size() && best != UINT32_MAX; ++i)
-            equals += decision.candidates[i].exclusion == Exclusion::none &&
-                      decision.candidates[i].quantised == decision.candidates[best].quantised;
-        if (equals > 1 && best == decision.incumbent) decision.reason = GN_REASON_INCUMBENT;
-    }
-    if (best == UINT32_MAX) { // nothing wanted is ready, or nobody has an opinion
-        best = fallbackFor(decision, input.light->type);
-        if (best != UINT32_MAX && wanted != UINT32_MAX) decision.reason = GN_REASON_FALLBACK;
-        if (best == UINT32_MAX) decision.reason = GN_REASON_NOTHING_READY;
-    }
-    decision.method = best;
-    decision.wanted = wanted;
+    std::uint32_t fallbacks = 0;
+    for (std::uint32_t i = 0; i < methods_.size(); ++i)
+        fallbacks |= methods_[i].has(GN_TRAIT_FALLBACK_BIT) ? 1u << i : 0u;
+    const Choice choice = chooseBySuitability(std::span(decision.candidates).first(methods_.size()),
+                                              {.incumbent = decision.incumbent,
+                                               .pinned = input.pinned,
+                                               .fallbacks = fallbacks,
+                                               .hasRules = engine_.has_value()});
+    decision.method = choice.method;
+    decision.wanted = choice.wanted;
+    decision.reason = choice.reason;
+    const std::uint32_t best = choice.method;
     if (best != UINT32_MAX && engine_) decision.rule = inference_.outputs[best].strongestRule;
     return decision;
 }

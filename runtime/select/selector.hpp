@@ -43,6 +43,17 @@ struct Candidate {
     plan::Why why = plan::Why::outscored; ///< By the plan step, or by the best suitability where there is none.
 };
 
+/// One of the rules that fired most strongly.
+struct FiredRule {
+    std::uint32_t rule = rules::kNoRule;
+    std::uint32_t variable = rules::kNoRule; ///< Of the limiting antecedent, as rules::RuleState counts.
+    std::uint32_t term = 0;
+    float strength = 0.0f;   ///< Weight included.
+    float membership = 0.0f; ///< Of the limiting term.
+    float weight = 1.0f;
+};
+constexpr std::size_t kFiredRules = 4;
+
 /// What was decided for one light in one view, and from what. Fixed size.
 struct LightDecision {
     GnLight light = VK_NULL_HANDLE;
@@ -63,6 +74,10 @@ struct LightDecision {
     bool floorUnmet = false;             ///< Near, but no eligible method is good enough.
     double floorTruth = 0.0;             ///< How true the rule base's condition for near quality is.
     std::uint32_t rule = rules::kNoRule; ///< Strongest behind the method.
+    std::array<FiredRule, kFiredRules> fired{}; ///< Strongest first.
+    std::uint32_t pinned = UINT32_MAX;
+    float importance = 1.0f;
+    plan::Hold hold = plan::Hold::none;
     FactValues facts{};
     std::array<Candidate, kMaxMethods> candidates{};
 };
@@ -72,6 +87,7 @@ struct LightMemory {
     std::uint32_t incumbent = UINT32_MAX;
     float distance = 0.0f; ///< Measured; valid if `measured`.
     bool measured = false;
+    std::uint64_t measuredAt = 0; ///< Frame of the newest measurement.
     MedianOfFive share;
     std::array<float, kMaxMethods> measuredMs{}; ///< Newest per method; 0: none.
     std::uint64_t lastFrame = 0;
@@ -111,6 +127,9 @@ public:
 
     bool hasRules() const { return engine_.has_value(); }
     const rules::Engine* engine() const { return engine_ ? &*engine_ : nullptr; }
+    /// The rule base in force as it was read, and the name it came under.
+    std::string_view rulesText() const { return rulesText_; }
+    std::string_view rulesName() const { return rulesName_; }
 
     /// Facts, candidates and the best by suitability; allocates nothing, changes nothing.
     LightDecision assess(const SelectionInput& input, const LightMemory& memory);
@@ -127,12 +146,11 @@ private:
                                         std::optional<rules::Engine>& engine) const;
     Candidate examine(const Method& method, const SelectionInput& input, std::uint32_t incumbent) const;
     void rank(const SelectionInput& input, LightDecision& decision);
-    std::uint32_t fallbackFor(const LightDecision& decision, GnLightType type) const;
-    std::string exclusionText(const Method& method, const Candidate& candidate) const;
 
     MethodTable& methods_;
     std::optional<rules::Engine> engine_;
     mutable rules::Inference inference_;
+    std::string rulesText_, rulesName_;
 };
 
 } // namespace gnomon

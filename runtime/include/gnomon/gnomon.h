@@ -534,6 +534,8 @@ GN_API GnResult GN_CALL gnGetCandidates(GnContext context, GnView view, GnLight 
 (including the terminating zero) is written. */
 GN_API GnResult GN_CALL gnExplainDecision(GnContext context, GnView view, GnLight light, size_t* pSize, char* pText);
 
+#include <gnomon/decisions.h>
+
 /* --- measurements ------------------------------------------------------------------------------------------------- */
 
 /** One pass of the newest frame whose timings are known. Strings live until the next frame call. */

@@ -1,0 +1,147 @@
+// Records of decisions: written each frame, asked about afterwards.
+#include "runtime/select/explain.hpp"
+
+#include <algorithm>
+
+#include "runtime/api/context.hpp"
+#include "runtime/select/record_log.hpp"
+
+namespace gnomon {
+
+/// After a frame's lights are settled and declared.
+void Context::recordDecisions()
+{
+    const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
+    FrameRecord frame{.frame = frame_,
+                      .knowledge = plan_->knowledgeRevision(),
+                      .methods = methods_->size(),
+                      .base = base,
+                      .budgeted = base && base->options.allocation == rules::Options::Allocation::Budget &&
+                                  (measuresBudget_ || budgetMs_ > 0.0),
+                      .cut = false,
+                      .measuring = measuresBudget_,
+                      .budgetMs = budgetMs_,
+                      .report = planReport_};
+    for (std::uint32_t i = 0; i < methods_->size(); ++i)
+        frame.fallbacks |= (*methods_)[i].has(GN_TRAIT_FALLBACK_BIT) ? 1u << i : 0u;
+    for (const ViewFrame& viewFrame : viewFrames_) {
+        frame.cut |= viewFrame.view->camera.cut;
+        const auto lights = static_cast<std::uint32_t>(viewFrame.view->decisions.size());
+        viewFrame.view->records.begin(frame_, lights, methods_->size());
+    }
+    for (const PendingLight& pending : pending_)
+        viewFrames_[pending.viewIndex].view->records.add(
+            makeRecord(*pending.decision, frame, pending.memory->measuredAt),
+            std::span(pending.decision->candidates).first(methods_->size()));
+}
+
+/// What a timed frame's lights were charged with finds its way into their records.
+void Context::noteMeasured(const FrameTimings& timings)
+{
+    for (const ViewFrame& viewFrame : viewFrames_)
+        for (const PassTiming& pass : timings.passes) {
+            const std::uint32_t method = pass.owner.method;
+            if (pass.owner.view != viewFrame.view->id || method >= methods_->size()) continue;
+            const auto memory = viewFrame.view->lights.find(pass.owner.light);
+            if (memory == viewFrame.view->lights.end()) continue;
+            viewFrame.view->records.noteMeasured(timings.frame, pass.owner.light, method,
+                                                 memory->second.measuredMs[method]);
+        }
+}
+
+Result<DecisionRecord> Context::recordOf(const View& view, GnLight light, std::uint64_t frame)
+{
+    const std::optional<SceneRegistry::LightInfo> info = scene_->lightInfo(light);
+    if (!info) return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle", "not a live light of this context"};
+    if (view.records.newest() == 0)
+        return Error{GN_ERROR_FRAME_ORDER, "NoFrameYet", "view '" + view.name + "' has been in no frame yet"};
+    const std::uint64_t wanted = frame ? frame : view.records.newest();
+    if (!view.records.has(wanted))
+        return Error{GN_ERROR_OUT_OF_RANGE, "FrameNotOnRecord",
+                     "frame " + std::to_string(wanted) + " of view '" + view.name + "' is not on record; " +
+                         std::to_string(view.records.oldest()) + " to " + std::to_string(view.records.newest()) +
+                         " are"};
+    DecisionRecord record;
+    if (!view.records.find(wanted, info->id, record))
+        return Error{GN_ERROR_INVALID_HANDLE, "LightNotInFrame",
+                     "light '" + std::string(info->name) + "' was not in frame " + std::to_string(wanted) +
+                         " of view '" + view.name + "'"};
+    return record;
+}
+
+Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQuestion& question)
+{
+    const View* view = findView(viewHandle);
+    if (!view) return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle", "not a live view of this context"};
+    const Result<DecisionRecord> record = recordOf(*view, light, question.frame);
+    if (!record) return record.error();
+    std::vector<MethodWords> methods;
+    for (std::uint32_t i = 0; i < methods_->size(); ++i) {
+        const Method& method = (*methods_)[i];
+        methods.push_back({method.name, method.unavailable ? method.unavailable : ""});
+    }
+    const rules::Engine* engine = selector_->engine();
+    const bool same = engine && engine->base().textHash == record->ruleHash;
+    const ExplainWords words{.methods = methods,
+                             .engine = same ? engine : nullptr,
+                             .light = scene_->lightInfo(light)->name};
+    switch (question.kind) {
+    case GN_QUESTION_WHY:
+        return explainWhy(*record, words);
+    case GN_QUESTION_WHY_NOT: {
+        if (!question.pMethod) return Error{GN_ERROR_NULL_ARGUMENT, "NullArgument", "pQuestion->pMethod is null"};
+        const Method* method = methods_->find(question.pMethod);
+        if (!method)
+            return Error{GN_ERROR_UNKNOWN_METHOD, "UnknownMethod",
+                         std::string("no method is named '") + question.pMethod + "'"};
+        return explainWhyNot(*record, method->index, words);
+    }
+    case GN_QUESTION_WHAT_IF:
+        return explainWhatIf(*record, words);
+    case GN_QUESTION_WHAT_CHANGED: {
+        const std::optional<DecisionRecord> before =
+            earlierRecord(*record, view->records.oldest(), question.flags & GN_QUESTION_SINCE_SWITCH_BIT,
+                          [&](std::uint64_t frame, DecisionRecord& out) {
+                              return view->records.find(frame, record->lightId, out);
+                          });
+        return explainWhatChanged(*record, before ? &*before : nullptr, words);
+    }
+    default:
+        break;
+    }
+    return Error{GN_ERROR_OUT_OF_RANGE, "UnknownQuestion",
+                 "pQuestion->kind is " + std::to_string(static_cast<int>(question.kind)) + ", no GnQuestionKind"};
+}
+
+Result<std::string> Context::decisionLog(GnView viewHandle, std::uint64_t firstFrame, std::uint64_t frameOrigin)
+{
+    const View* view = findView(viewHandle);
+    if (!view) return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle", "not a live view of this context"};
+    const RecordRing& records = view->records;
+    const std::uint64_t first = std::max(firstFrame, records.oldest());
+    if (records.newest() == 0 || first > records.newest())
+        return Error{GN_ERROR_OUT_OF_RANGE, "FrameNotOnRecord",
+                     "no frame from " + std::to_string(firstFrame) + " on of view '" + view->name + "' is on record"};
+    if (frameOrigin > first)
+        return Error{GN_ERROR_OUT_OF_RANGE, "FrameOrigin",
+                     "frameOrigin " + std::to_string(frameOrigin) + " is after frame " + std::to_string(first)};
+    DecisionLog log;
+    log.frameOrigin = frameOrigin;
+    for (std::uint32_t i = 0; i < methods_->size(); ++i) {
+        const Method& method = (*methods_)[i];
+        log.methods.push_back({method.name, method.entry->traits, method.unavailable ? method.unavailable : ""});
+    }
+    log.rulesName = selector_->rulesName();
+    log.rulesText = selector_->rulesText();
+    for (std::uint64_t frame = first; frame <= records.newest(); ++frame)
+        for (std::uint32_t i = 0; i < records.lights(frame); ++i) {
+            log.add(records.at(frame, i));
+            log.heads.back().methods = methods_->size(); // older ones knew fewer
+        }
+    for (const LightDecision& decision : view->decisions) // lights that are gone keep their number
+        if (const auto info = scene_->lightInfo(decision.light))
+            log.lights.push_back({info->id, std::string(info->name)});
+    return writeDecisionLog(log);
+}
+
+} // namespace gnomon

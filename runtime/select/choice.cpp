@@ -1,0 +1,293 @@
+#include "runtime/select/choice.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "rules/engine/number_text.hpp"
+
+namespace gnomon {
+
+Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceInput& input) noexcept
+{
+    const auto count = static_cast<std::uint32_t>(candidates.size());
+    auto better = [&](std::uint32_t a, std::uint32_t b) { // a over b?
+        if (b == UINT32_MAX) return true;
+        if (candidates[a].quantised != candidates[b].quantised)
+            return candidates[a].quantised > candidates[b].quantised;
+        return a == input.incumbent;
+    };
+    Choice out;
+    std::uint32_t equals = 0;
+    if (input.pinned < count) {
+        const Exclusion exclusion = candidates[input.pinned].exclusion;
+        if (exclusion == Exclusion::none || exclusion == Exclusion::vetoed) out.method = input.pinned;
+        if (out.method != UINT32_MAX || exclusion == Exclusion::notReady) out.wanted = input.pinned;
+        out.reason = GN_REASON_PINNED;
+    }
+    if (out.wanted == UINT32_MAX) {
+        out.reason = GN_REASON_RULES;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const Candidate& candidate = candidates[i];
+            if (candidate.exclusion != Exclusion::none && candidate.exclusion != Exclusion::notReady) continue;
+            if (input.hasRules && candidate.quantised < 0) continue;
+            if (better(i, out.wanted)) out.wanted = i;
+        }
+        if (out.wanted == UINT32_MAX) out.reason = GN_REASON_NO_OPINION;
+        if (out.wanted != UINT32_MAX && candidates[out.wanted].exclusion == Exclusion::none) out.method = out.wanted;
+        for (std::uint32_t i = 0; i < count && out.method != UINT32_MAX; ++i)
+            equals += candidates[i].exclusion == Exclusion::none &&
+                      candidates[i].quantised == candidates[out.method].quantised;
+        if (equals > 1 && out.method == input.incumbent) out.reason = GN_REASON_INCUMBENT;
+    }
+    if (out.method != UINT32_MAX) return out;
+    // Nothing wanted is ready, or nobody has an opinion.
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (candidates[i].exclusion != Exclusion::none) continue;
+        const bool fallback = input.fallbacks >> i & 1;
+        if (out.method == UINT32_MAX || (fallback && !(input.fallbacks >> out.method & 1))) out.method = i;
+    }
+    if (out.method == UINT32_MAX)
+        out.reason = GN_REASON_NOTHING_READY;
+    else if (out.wanted != UINT32_MAX)
+        out.reason = GN_REASON_FALLBACK;
+    return out;
+}
+
+Rechoice::Rechoice(const DecisionRecord& record, const rules::Engine& engine)
+    : record_(record), engine_(engine), inference_(engine.makeInference()), candidates_(record.candidates)
+{
+    // What the plan of all lights kept from this one stays so: others did not pay for it, or it was held.
+    const bool held = record.hold != plan::Hold::none && record.hold != plan::Hold::threshold;
+    for (std::uint32_t m = 0; m < record.methods && record.budgeted && held; ++m)
+        if (record.candidates[m].why == plan::Why::hysteresis) barred_ |= 1u << m;
+    for (std::uint32_t round = 0; round < record.methods; ++round) {
+        const std::uint32_t again = choose(record.facts);
+        if (again == record.method || again >= record.methods) break;
+        barred_ |= 1u << again;
+    }
+}
+
+std::uint32_t Rechoice::choose(std::span<const double> facts) noexcept
+{
+    engine_.evaluate(facts, inference_);
+    const auto known = std::min(record_.methods, static_cast<std::uint32_t>(inference_.outputs.size()));
+    for (std::uint32_t m = 0; m < known; ++m) {
+        const rules::OutputState& output = inference_.outputs[m];
+        const Exclusion before = record_.candidates[m].exclusion;
+        Candidate& candidate = candidates_[m];
+        candidate.quantised = output.quantised;
+        if (before == Exclusion::none || before == Exclusion::vetoed)
+            candidate.exclusion = output.vetoed ? Exclusion::vetoed : Exclusion::none;
+    }
+    const bool pinned = record_.reason == GN_REASON_PINNED;
+    if (record_.budgeted && !pinned) return chooseInPlan();
+    for (std::uint32_t m = 0; m < record_.methods; ++m)
+        if (barred_ >> m & 1) candidates_[m].exclusion = Exclusion::refused;
+    return chooseBySuitability(std::span<const Candidate>(candidates_).first(record_.methods),
+                               {.incumbent = record_.incumbent,
+                                .pinned = record_.pinned,
+                                .fallbacks = record_.fallbacks,
+                                .hasRules = true})
+        .method;
+}
+
+double Rechoice::valueOf(std::uint32_t method) const noexcept
+{
+    const double suitability = std::max(candidates_[method].quantised, 0) / double{rules::kSuitabilitySteps};
+    return double{record_.importance} * suitability * double{candidates_[method].quality};
+}
+
+/// Methods that are able, not vetoed, spoken of where any is, and good enough as far as any is.
+std::uint32_t Rechoice::allowed() const noexcept
+{
+    std::uint32_t mask = 0, spoken = 0;
+    for (std::uint32_t m = 0; m < record_.methods; ++m) {
+        if (candidates_[m].exclusion != Exclusion::none) continue;
+        mask |= 1u << m;
+        if (candidates_[m].quantised >= 0) spoken |= 1u << m;
+    }
+    if (mask & spoken) mask &= spoken;
+    const rules::Policy::Floor& floor = engine_.base().policy.floor;
+    if (floor.when.empty() || inference_.floorTruth < floor.atStrength) return mask;
+    float best = 0.0f;
+    for (std::uint32_t rest = mask; rest; rest &= rest - 1)
+        best = std::max(best, candidates_[std::countr_zero(rest)].quality);
+    const float limit = std::min(static_cast<float>(floor.minimumQuality), best);
+    for (std::uint32_t rest = mask; rest; rest &= rest - 1)
+        if (const int m = std::countr_zero(rest); candidates_[m].quality < limit) mask &= ~(1u << m);
+    return mask;
+}
+
+/// Whether the plan of all lights stays within its budget with that method, less the headroom that it asks for.
+bool Rechoice::fits(std::uint32_t method) const noexcept
+{
+    const auto sigma = [&](std::uint32_t m) { return m < record_.methods ? double{candidates_[m].sigmaMs} : 0.0; };
+    const auto spent = [&](std::uint32_t m) { return m < record_.methods ? double{candidates_[m].predictedMs} : 0.0; };
+    const double now = sigma(record_.incumbent < record_.methods ? record_.incumbent : record_.method);
+    const double error = double{record_.errorMs};
+    const double variance = std::max(error * error - now * now + sigma(method) * sigma(method), 0.0);
+    const double headroom =
+        std::min(std::max(engine_.base().policy.budget.headroom * double{record_.budgetMs}, std::sqrt(variance)),
+                 plan::kMostHeadroom * double{record_.budgetMs});
+    const double usable = std::min(double{record_.usableMs}, double{record_.budgetMs} - headroom);
+    return double{record_.planMs} - spent(record_.method) + spent(method) <= usable;
+}
+
+std::uint32_t Rechoice::chooseInPlan() const noexcept
+{
+    const std::uint32_t mask = allowed(), chosen = record_.method;
+    if (mask == 0) return UINT32_MAX;
+    const bool stays = chosen < record_.methods && (mask >> chosen & 1);
+    std::uint32_t best = UINT32_MAX, cheapest = UINT32_MAX;
+    for (std::uint32_t rest = mask & ~barred_; rest; rest &= rest - 1) {
+        const auto m = static_cast<std::uint32_t>(std::countr_zero(rest));
+        const float ms = candidates_[m].predictedMs;
+        if (cheapest == UINT32_MAX || ms < candidates_[cheapest].predictedMs) cheapest = m;
+        if (!fits(m)) continue;
+        const double more = best == UINT32_MAX ? 1.0 : valueOf(m) - valueOf(best);
+        if (more > 0.0 || (more == 0.0 && ms < candidates_[best].predictedMs)) best = m;
+    }
+    if (!stays) return best != UINT32_MAX ? best : cheapest != UINT32_MAX ? cheapest : std::countr_zero(mask);
+    if (best == UINT32_MAX || best == chosen) return chosen;
+    const double needed = double{record_.threshold} * double{record_.planValue};
+    return valueOf(best) - valueOf(chosen) > needed ? best : chosen;
+}
+
+namespace {
+
+/// Where memberships of a fact may bend: the corners of its terms within the universe, its ends, and middles.
+std::vector<double> probesOf(const rules::Variable& variable)
+{
+    std::vector<double> corners = {variable.low, variable.high};
+    for (const rules::Term& term : variable.terms)
+        for (const double corner : {term.shape.a, term.shape.b, term.shape.c, term.shape.d})
+            if (corner > variable.low && corner < variable.high) corners.push_back(corner);
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    std::vector<double> probes;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        if (i > 0) probes.push_back(0.5 * (corners[i - 1] + corners[i]));
+        probes.push_back(corners[i]);
+    }
+    if (!variable.isCount()) return probes;
+    for (double& probe : probes)
+        probe = std::round(probe);
+    probes.erase(std::unique(probes.begin(), probes.end()), probes.end());
+    return probes;
+}
+
+/// One fact, walked up and down.
+class FactWalk {
+public:
+    FactWalk(const DecisionRecord& record, Rechoice& rechoice, const rules::Variable& variable, std::uint32_t fact,
+             std::uint32_t target)
+        : rechoice_(rechoice), variable_(variable), facts_(record.facts), fact_(fact), base_(record.method),
+          target_(target)
+    {
+    }
+
+    /// The nearer flip of both directions.
+    std::optional<NearMiss> nearest()
+    {
+        const std::vector<double> probes = probesOf(variable_);
+        const double from = facts_[fact_];
+        if (std::isnan(from)) {
+            for (const double probe : probes)
+                if (!found_ && flips(probe)) take(probe);
+            return found_;
+        }
+        const double start = std::clamp(from, variable_.low, variable_.high);
+        search(start, std::upper_bound(probes.begin(), probes.end(), start), probes.end());
+        search(start, std::make_reverse_iterator(std::lower_bound(probes.begin(), probes.end(), start)), probes.rend());
+        return found_;
+    }
+
+private:
+    template <typename Iterator>
+    void search(double start, Iterator probe, Iterator end)
+    {
+        const double from = facts_[fact_];
+        double same = start;
+        for (; probe != end; same = *probe++) {
+            if (found_ && std::abs(same - from) >= std::abs(found_->to - from)) return;
+            if (!flips(*probe)) continue;
+            const double flipped = bisect(same, *probe);
+            if (!found_ || std::abs(flipped - from) < std::abs(found_->to - from)) take(flipped);
+            return;
+        }
+    }
+
+    double bisect(double same, double flipped)
+    {
+        for (std::uint32_t i = 0; i < kBisections; ++i) {
+            double middle = 0.5 * (same + flipped);
+            if (variable_.isCount()) middle = same < flipped ? std::floor(middle) : std::ceil(middle);
+            if (middle == same || middle == flipped) break;
+            (flips(middle) ? flipped : same) = middle;
+        }
+        return rounded(same, flipped);
+    }
+
+    /// The shortest number just beyond the flip that still flips.
+    double rounded(double same, double flipped)
+    {
+        if (variable_.isCount()) return flipped;
+        const int first = 3 - static_cast<int>(std::ceil(std::log10(variable_.high - variable_.low)));
+        for (int decimals = std::max(first, 0); decimals < std::max(first, 0) + 4; ++decimals) {
+            const double scale = std::pow(10.0, decimals);
+            const double near = same < flipped ? std::ceil(flipped * scale) : std::floor(flipped * scale);
+            const double number = rules::parseNumber(rules::fixedText(near / scale, decimals)).value_or(flipped);
+            if (number >= variable_.low && number <= variable_.high && flips(number)) return number;
+        }
+        return flipped;
+    }
+
+    bool flips(double value)
+    {
+        const double kept = std::exchange(facts_[fact_], value);
+        const std::uint32_t method = rechoice_.choose(facts_);
+        facts_[fact_] = kept;
+        return target_ == UINT32_MAX ? method != base_ : method == target_;
+    }
+
+    void take(double value)
+    {
+        FactValues facts = facts_;
+        facts[fact_] = value;
+        found_ = {.fact = fact_,
+                  .from = facts_[fact_],
+                  .to = value,
+                  .method = rechoice_.choose(facts),
+                  .distance = std::isnan(facts_[fact_])
+                                  ? std::numeric_limits<double>::infinity()
+                                  : std::abs(value - facts_[fact_]) / (variable_.high - variable_.low)};
+    }
+
+    Rechoice& rechoice_;
+    const rules::Variable& variable_;
+    FactValues facts_;
+    std::uint32_t fact_, base_, target_;
+    std::optional<NearMiss> found_;
+};
+
+} // namespace
+
+std::vector<NearMiss> nearMisses(const DecisionRecord& record, const rules::Engine& engine, std::uint32_t method)
+{
+    Rechoice rechoice(record, engine);
+    std::vector<NearMiss> found;
+    const auto& variables = engine.compiled().variables;
+    for (std::size_t i = 0; i < variables.size(); ++i) {
+        if (variables[i].fact >= kFactCount) continue;
+        FactWalk walk(record, rechoice, engine.base().variables[i], variables[i].fact, method);
+        if (const std::optional<NearMiss> miss = walk.nearest()) found.push_back(*miss);
+    }
+    std::stable_sort(found.begin(), found.end(),
+                     [](const NearMiss& a, const NearMiss& b) { return a.distance < b.distance; });
+    return found;
+}
+
+} // namespace gnomon

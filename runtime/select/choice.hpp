@@ -1,0 +1,68 @@
+#pragma once
+// The choice for one light, from its candidates alone: for the decision itself, and for "what if" afterwards.
+#include <span>
+
+#include "runtime/select/record.hpp"
+
+namespace gnomon {
+
+struct Choice {
+    std::uint32_t method = UINT32_MAX; ///< UINT32_MAX: nothing can serve.
+    std::uint32_t wanted = UINT32_MAX; ///< The best that could serve if it were ready.
+    GnReason reason = GN_REASON_RULES;
+};
+
+struct ChoiceInput {
+    std::uint32_t incumbent = UINT32_MAX;
+    std::uint32_t pinned = UINT32_MAX;
+    std::uint32_t fallbacks = 0; ///< Bit m: method m serves while another is not ready.
+    bool hasRules = true;        ///< Without rules, no opinion bars nobody.
+};
+
+/// The highest suitability among the eligible; ties go to the incumbent, then to registry order. A pin overrules
+/// rules and vetoes. Where what is wanted is not ready, or nobody has an opinion, a fallback, else anything eligible.
+Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceInput& input) noexcept;
+
+/// A decision made again with other facts, everything else as it was: pins, capabilities, predictions, the other lights
+/// of the plan. With the facts of the record the answer is the record's method.
+///
+/// Where a plan decided, the light keeps its method unless that is forbidden by a veto or the near floor, or another
+/// one is affordable with what the others leave and worth more by the threshold.
+class Rechoice {
+public:
+    /// `engine` holds the rules of the record; both outlive this.
+    Rechoice(const DecisionRecord& record, const rules::Engine& engine);
+
+    std::uint32_t choose(std::span<const double> facts) noexcept;
+    const rules::Inference& inference() const { return inference_; } ///< Of the last choose().
+
+private:
+    std::uint32_t chooseInPlan() const noexcept;
+    std::uint32_t allowed() const noexcept;
+    double valueOf(std::uint32_t method) const noexcept;
+    bool fits(std::uint32_t method) const noexcept;
+
+    const DecisionRecord& record_;
+    const rules::Engine& engine_;
+    rules::Inference inference_;
+    std::array<Candidate, kMaxMethods> candidates_;
+    std::uint32_t barred_ = 0; ///< Methods that other lights, or a hold, keep from this one.
+};
+
+/// The smallest change of one fact that flips the choice.
+struct NearMiss {
+    std::uint32_t fact = 0;
+    double from = 0.0; ///< NaN: unknown when it was decided.
+    double to = 0.0;   ///< The choice made with this very number is `method`.
+    std::uint32_t method = UINT32_MAX; ///< UINT32_MAX: nothing could serve any more.
+    double distance = 0.0; ///< |to - from| as a share of the fact's universe; infinite from an unknown fact.
+};
+constexpr std::uint32_t kBisections = 20; ///< A millionth of the universe.
+
+/// At most one per fact, nearest first; only flips to `method`, if one is given. Each fact is walked outward from where
+/// it is over the corners of its terms and the middles between them, then bisected: between corners memberships are
+/// straight lines.
+std::vector<NearMiss> nearMisses(const DecisionRecord& record, const rules::Engine& engine,
+                                 std::uint32_t method = UINT32_MAX);
+
+} // namespace gnomon

@@ -1,0 +1,143 @@
+// Words for the parts of a decision.
+#include <cmath>
+
+#include "rules/engine/number_text.hpp"
+#include "runtime/select/explain.hpp"
+
+namespace gnomon {
+
+const char* reasonText(GnReason reason)
+{
+    switch (reason) {
+    case GN_REASON_RULES:
+        return "highest suitability";
+    case GN_REASON_PINNED:
+        return "pinned by the host";
+    case GN_REASON_INCUMBENT:
+        return "a tie, the method already running stays";
+    case GN_REASON_FALLBACK:
+        return "fallback while the wanted method is not ready";
+    case GN_REASON_NOTHING_READY:
+        return "nothing can serve, visibility is 1";
+    case GN_REASON_NO_OPINION:
+        return "no rule has an opinion, fallback";
+    case GN_REASON_BUDGET:
+        return "the plan: better ones do not fit the budget";
+    case GN_REASON_HELD:
+        return "held by the plan's hysteresis";
+    case GN_REASON_MAX_ENUM:
+        break;
+    }
+    return "unknown";
+}
+
+std::string exclusionText(const Candidate& candidate, std::string_view unavailable, const rules::Engine* engine)
+{
+    const std::string detail = std::to_string(candidate.detail);
+    switch (candidate.exclusion) {
+    case Exclusion::none:
+        return {};
+    case Exclusion::device:
+        return std::string(unavailable);
+    case Exclusion::lightKind:
+        return "does not serve this kind of light";
+    case Exclusion::notReady:
+        return "not ready: its pipelines have not run yet";
+    case Exclusion::roundTrips:
+        return "needs the CPU between passes (" + detail + " round trips), but the frame is recorded";
+    case Exclusion::hostDrawn:
+        return detail + " host-drawn casters in range";
+    case Exclusion::topology:
+        return detail + " casters without topology yet";
+    case Exclusion::trees:
+        return detail + " casters without a ray-tracing tree yet";
+    case Exclusion::memory:
+        return "memory: needs " + rules::fixedText(static_cast<double>(candidate.detail) / (1 << 20), 1) +
+               " MiB, more than is left";
+    case Exclusion::refused:
+        return candidate.refusal ? candidate.refusal : "refused by the method";
+    case Exclusion::vetoed:
+        return "never, says rule " +
+               (engine ? std::string(engine->ruleId(static_cast<std::uint32_t>(candidate.detail)))
+                       : "number " + detail + " of a rule base no longer loaded");
+    }
+    return {};
+}
+
+const char* holdText(plan::Hold hold)
+{
+    switch (hold) {
+    case plan::Hold::none:
+        return "not held";
+    case plan::Hold::threshold:
+        return "the whole plan would not gain enough";
+    case plan::Hold::quota:
+        return "other lights were upgraded in this frame";
+    case plan::Hold::spareTime:
+        return "the plan has not been within its budget for long enough";
+    case plan::Hold::ban:
+        return "the light flipped between the two, or would";
+    case plan::Hold::firstFrame:
+        return "its first frame costs more than the stay would gain";
+    case plan::Hold::payers:
+        return "what other lights would have to give up is worth more";
+    }
+    return "unknown";
+}
+
+const char* replanText(Replan replan)
+{
+    switch (replan) {
+    case Replan::everyFrame:
+        return "decided anew, as in every frame without a budget";
+    case Replan::kept:
+        return "the plan was kept";
+    case Replan::host:
+        return "the host pinned the method";
+    case Replan::cut:
+        return "planned anew after a camera cut";
+    case Replan::first:
+        return "the first plan";
+    case Replan::forced:
+        return "planned for lights that were new or had lost their method";
+    case Replan::overBudget:
+        return "the plan was over its budget and repaired";
+    case Replan::gain:
+        return "a better plan was worth the change";
+    case Replan::measuring:
+        return "the cheapest plan runs while the budget is measured";
+    case Replan::count:
+        break;
+    }
+    return "unknown";
+}
+
+std::string factText(Fact fact, double value)
+{
+    if (std::isnan(value)) return "unknown";
+    if (std::isinf(value)) return value > 0.0 ? "infinite" : "-infinite";
+    const std::string_view unit = kFactNames[static_cast<std::size_t>(fact)].unit;
+    if (unit == "count") return rules::shortestText(value);
+    std::string text = rules::fixedText(value, 2);
+    // Near zero two decimals say nothing, and what flips a choice must be given in full.
+    if (const std::string full = rules::shortestText(value); full.size() <= 8) text = full;
+    text.append(" ").append(unit);
+    if (unit == "log10" && value < 9.0) text += " (" + rules::fixedText(std::pow(10.0, value), 0) + " triangles)";
+    return text;
+}
+
+std::string_view methodText(std::uint32_t method, std::span<const MethodWords> methods)
+{
+    return method < methods.size() ? methods[method].name : "none";
+}
+
+void ExplanationLines::add(std::string line)
+{
+    if (left() == 0 || line.empty()) return;
+    for (char& c : line) // a `because` may hold anything
+        if (static_cast<unsigned char>(c) < ' ') c = ' ';
+    text_ += line + "\n";
+    ++count_;
+}
+
+} // namespace gnomon

@@ -1,0 +1,72 @@
+#pragma once
+// Decision records as bytes, with everything that answers questions about them later, on any machine.
+//
+// A chunk, little-endian, no padding; a log file is any number of chunks in the order of their frames:
+//
+//     "GNDECID1"                                                     version in the last byte
+//     u32 size of the chunk in bytes, hash included
+//     u64 frame origin: subtracted from frame numbers when they are shown or asked for
+//     u8 methods x { text name; u32 traits (GnTraits); text why the device cannot run it, or empty }
+//     u8 facts x text name
+//     text name and text of the rule base in force; empty: none
+//     u32 lights x { u32 id; text name }
+//     u16 refusals x text: reasons of methods that refused a light
+//     u32 records x {
+//         u64 frame, rule base hash, timings the cost model had learned from
+//         u32 light id; u8 method, wanted, incumbent, pinned (255: none)
+//         u32 fallbacks (a bit per method), frames since the distance was measured (2^32 - 1: never)
+//         u8 reason (GnReason), cause of the re-planning (Replan), hold (plan::Hold)
+//         u8 flags: 1 budgeted, 2 switched, 4 near floor, 8 floor unmet
+//         f32 floor truth, floor strength, minimum quality, importance, suitability, measured ms, budget ms, usable ms,
+//             plan ms, its standard error, plan value, gain, threshold
+//         facts x f64
+//         u8 fired rules x { u32 rule; u32 limiting variable, term; f32 strength, membership, weight }
+//         methods x { i16 suitability in 1/4096, -1 none; u8 exclusion, why; f32 quality, predicted ms, sigma ms;
+//                     where excluded: u64 detail, u16 refusal (65535: none) } }
+//     u64 FNV-1a of everything before
+//
+// A text is its length in u32 and its bytes. The exclusion, the why and the hold are the numbers of their enumerations.
+#include <deque>
+#include <string>
+#include <string_view>
+
+#include "runtime/core/result.hpp"
+#include "runtime/select/record.hpp"
+
+namespace gnomon {
+
+constexpr std::size_t kMaxLogRulesBytes = std::size_t{1} << 20; ///< As a rule base may have.
+constexpr std::size_t kMaxLogNameBytes = 1024;
+constexpr std::uint32_t kMaxLogLights = 1u << 16;
+
+struct LoggedMethod {
+    std::string name;
+    GnTraits traits = 0;
+    std::string unavailable;
+};
+
+struct LoggedLight {
+    std::uint32_t id = 0;
+    std::string name;
+};
+
+struct DecisionLog {
+    std::uint64_t frameOrigin = 0;
+    std::vector<LoggedMethod> methods;
+    std::string rulesName, rulesText;
+    std::vector<LoggedLight> lights;
+    std::vector<RecordHead> heads;     ///< By frame; every one has as many methods as there are above.
+    std::vector<Candidate> candidates; ///< heads x methods
+    std::deque<std::string> refusals;  ///< Candidate::refusal points here after reading.
+
+    void add(const DecisionRecord& record);
+    DecisionRecord record(std::size_t index) const;
+};
+
+std::string writeDecisionLog(const DecisionLog& log);
+
+/// Reads the first chunk of `bytes` and takes it off. Any bytes may come in: what is no chunk, was cut short or damaged
+/// is an error that names the place. Safe on any input.
+Result<DecisionLog> readDecisionLog(std::string_view& bytes);
+
+} // namespace gnomon

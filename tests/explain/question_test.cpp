@@ -1,0 +1,263 @@
+// The four questions, one situation after the other; the texts name the fact, the rule and the number.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "explain/desk.hpp"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+Desk makeDesk()
+{
+    std::optional<rules::Engine> engine = bindRules(deskRules());
+    REQUIRE(engine.has_value());
+    return Desk(std::move(*engine));
+}
+
+std::string nameOf(std::uint32_t method)
+{
+    return std::string(methodText(method, methodWords()));
+}
+
+std::string whyNot(const Desk& desk, const DecisionRecord& record, std::string_view method)
+{
+    return explainWhyNot(record, methodNamed(method), desk.words());
+}
+
+void checkContains(const std::string& text, std::initializer_list<const char*> parts)
+{
+    INFO(text);
+    CHECK(lineCount(text) <= kMostExplanationLines);
+    for (const char* part : parts)
+        CHECK_MESSAGE(contains(text, part), std::string(part));
+}
+
+/// Asks the rules themselves: the best suitability among what may serve, without the code under test.
+std::uint32_t bestByRules(const Desk& desk, Situation situation, std::uint32_t fact, double value)
+{
+    situation.facts[fact] = value;
+    rules::Inference inference = desk.engine().makeInference();
+    desk.engine().evaluate(situation.facts, inference);
+    std::uint32_t best = UINT32_MAX;
+    for (std::uint32_t m = 0; m < situation.candidates.size(); ++m) {
+        const rules::OutputState& output = inference.outputs[m];
+        if (situation.candidates[m].exclusion != Exclusion::none || output.vetoed || !output.hasOpinion) continue;
+        if (best == UINT32_MAX || output.quantised > inference.outputs[best].quantised ||
+            (output.quantised == inference.outputs[best].quantised && m == situation.incumbent))
+            best = m;
+    }
+    return best;
+}
+
+} // namespace
+
+TEST_CASE("a decision by the rules: why, why not, and what if hold up when the rules are asked again")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    const DecisionRecord record = desk.decide(situation);
+    REQUIRE(nameOf(record.method) == "stencil_volume");
+    checkContains(explainWhy(record, desk.words()),
+                  {"light 'lamp', frame 1: stencil_volume, highest suitability", "rule A1: viewerDistance near 1.00",
+                   "strength 1.00", "because edges are looked at from near", "viewerDistance 12.50 m: near 1.00",
+                   "casterTriangles 3.50 log10: small 1.00", "predicted 1.00 ms +- 0.10 ms", "quality 1.00",
+                   "next: pcf_hybrid, suitability 0.50"});
+    checkContains(whyNot(desk, record, "shadow_map"),
+                  {"not shadow_map:", "outscored: suitability 0.16 against 0.84", "rule A1 (avoided)",
+                   "silent: rule A2: viewerDistance far 0.00", "it would be chosen with viewerDistance ",
+                   "instead of 12.5 m"});
+    checkContains(whyNot(desk, record, "stencil_volume"), {"stencil_volume is what was chosen"});
+    checkContains(whyNot(desk, record, "ray_traced"), {"no rule that fires speaks of it"});
+
+    const std::vector<NearMiss> misses = nearMisses(record, desk.engine());
+    REQUIRE(misses.size() == 2);
+    const std::string text = explainWhatIf(record, desk.words());
+    checkContains(text, {"viewerDistance 12.5 m -> ", "casterTriangles 3.5 log10 (3162 triangles) -> 5 log10",
+                         "pcf_hybrid instead"});
+    for (const NearMiss& miss : misses) {
+        const double width = miss.fact == std::uint32_t(Fact::viewerDistance) ? 90.0 : 5.0;
+        CHECK(bestByRules(desk, situation, miss.fact, miss.to) == miss.method);
+        CHECK(miss.method != record.method);
+        // A little before it nothing flips: it is the nearest, to the digits shown.
+        const double before = miss.to + (miss.to > miss.from ? -0.002 : 0.002) * width;
+        CHECK(bestByRules(desk, situation, miss.fact, before) == record.method);
+    }
+    CHECK(misses[0].distance <= misses[1].distance);
+}
+
+TEST_CASE("a vetoed method names the rule, its reason, and the fact that would lift the veto")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    situation.fact(Fact::casterTriangles) = 6.5;
+    const DecisionRecord record = desk.decide(situation);
+    CHECK(nameOf(record.method) == "pcf_hybrid");
+    checkContains(explainWhy(record, desk.words()), {"pcf_hybrid, highest suitability", "rule A1 (acceptable)",
+                                                     "out: stencil_volume (never, says rule V1)"});
+    checkContains(whyNot(desk, record, "stencil_volume"),
+                  {"never, says rule V1", "rule V1: casterTriangles huge 1.00",
+                   "because a million silhouette edges do not fit", "it would be chosen with casterTriangles 4.99",
+                   "instead of 6.5 log10"});
+    const std::vector<NearMiss> misses = nearMisses(record, desk.engine(), methodNamed("stencil_volume"));
+    REQUIRE(misses.size() == 1);
+    CHECK(bestByRules(desk, situation, misses[0].fact, misses[0].to) == methodNamed("stencil_volume"));
+}
+
+TEST_CASE("the near floor names quality, limit and how true its condition is")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    situation.budgetMs = 100.0;
+    situation.fact(Fact::viewerDistance) = 44.0; // near 0.533: the floor holds
+    situation.method("shadow_map").quality = 0.7f;
+    situation.method("stencil_volume").exclusion = Exclusion::topology;
+    situation.method("stencil_volume").detail = 3;
+    const DecisionRecord record = desk.decide(situation);
+    CHECK(nameOf(record.method) == "pcf_hybrid");
+    checkContains(whyNot(desk, record, "shadow_map"),
+                  {"near floor: its quality 0.70 is below 0.80", "0.53 true", "0.50 is enough"});
+    checkContains(whyNot(desk, record, "stencil_volume"), {"3 casters without topology yet"});
+    checkContains(explainWhy(record, desk.words()), {"near floor holds, quality >= 0.80", "of 98.00 ms usable"});
+}
+
+TEST_CASE("a method that does not fit the budget names both times, and what the others leave")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    situation.budgetMs = 10.0;
+    situation.othersMs = 4.0;
+    situation.method("stencil_volume").predictedMs = 8.0f;
+    situation.method("pcf_hybrid").predictedMs = 3.0f;
+    const DecisionRecord record = desk.decide(situation);
+    CHECK(nameOf(record.method) == "pcf_hybrid");
+    CHECK(record.reason == GN_REASON_BUDGET);
+    checkContains(explainWhy(record, desk.words()),
+                  {"the plan: better ones do not fit the budget", "stencil_volume suits better (0.84)",
+                   "needs 8.00 ms +- 0.10 ms", "plan of all lights: 7.00 ms of 9.80 ms usable (budget 10.00 ms)",
+                   "the first plan"});
+    checkContains(whyNot(desk, record, "stencil_volume"),
+                  {"budget: it needs 8.00 ms", "the other lights leave 5.80 ms of 9.80 ms"});
+    checkContains(explainWhatIf(record, desk.words()), {"viewerDistance", "shadow_map instead", "other lights' methods"});
+}
+
+TEST_CASE("a held method names the hold, the gain and what a change needs")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    situation.budgetMs = 10.0;
+    situation.fact(Fact::viewerDistance) = 70.0;
+    situation.method("shadow_map").quality = 0.60f;
+    const DecisionRecord first = desk.decide(situation);
+    REQUIRE(nameOf(first.method) == "shadow_map");
+    situation.incumbent = first.method;
+    situation.method("pcf_hybrid").quality = 1.0f;
+    situation.method("shadow_map").quality = 0.59f; // 0.84 * 0.59 against 0.50 * 1: pcf_hybrid gains 0.4 %
+    const DecisionRecord record = desk.decide(situation);
+    CHECK(nameOf(record.method) == "shadow_map");
+    REQUIRE(record.hold == plan::Hold::threshold);
+    checkContains(whyNot(desk, record, "pcf_hybrid"),
+                  {"held: the whole plan would not gain enough", "the best plan gains 0.", "needs more than 2.0 %"});
+    // What if: the very number flips the plan too, once it has been calm for long enough.
+    for (const NearMiss& miss : nearMisses(record, desk.engine())) {
+        Situation changed = situation;
+        changed.facts[miss.fact] = miss.to;
+        std::uint32_t method = record.method;
+        for (std::uint32_t i = 0; i < plan::kSpareFrames + 2; ++i) {
+            changed.incumbent = method;
+            method = desk.decide(changed).method;
+        }
+        CHECK(nameOf(method) == nameOf(miss.method));
+        for (std::uint32_t i = 0; i < 200; ++i) { // back, past any ban
+            Situation back = situation;
+            back.incumbent = record.method;
+            desk.decide(back);
+        }
+    }
+}
+
+TEST_CASE("a pinned light answers with the pin, and what the rules would have chosen")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    situation.pinned = methodNamed("cube_map");
+    const DecisionRecord record = desk.decide(situation);
+    CHECK(record.replan == Replan::host);
+    checkContains(explainWhy(record, desk.words()), {"cube_map, pinned by the host"});
+    checkContains(whyNot(desk, record, "stencil_volume"), {"the host pinned cube_map"});
+    checkContains(explainWhatIf(record, desk.words()), {"the host pinned it", "would choose stencil_volume"});
+    CHECK(nearMisses(record, desk.engine()).empty());
+}
+
+TEST_CASE("a method that is not ready names the fallback that stands in for it")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    situation.method("stencil_volume").exclusion = Exclusion::notReady;
+    const DecisionRecord record = desk.decide(situation);
+    CHECK(nameOf(record.method) == "shadow_map");
+    checkContains(explainWhy(record, desk.words()),
+                  {"fallback while the wanted method is not ready (stencil_volume)",
+                   "stencil_volume is wanted: not ready: its pipelines have not run yet"});
+    checkContains(whyNot(desk, record, "stencil_volume"), {"not ready"});
+    checkContains(whyNot(desk, record, "pcf_hybrid"), {"outscored: suitability 0.50 against 0.16", "wanted"});
+}
+
+TEST_CASE("nothing able to serve is an answer, too")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    for (Candidate& candidate : situation.candidates)
+        candidate.exclusion = Exclusion::lightKind;
+    const DecisionRecord record = desk.decide(situation);
+    checkContains(explainWhy(record, desk.words()), {"none, nothing can serve", "does not serve this kind of light"});
+    checkContains(whyNot(desk, record, "shadow_map"), {"does not serve this kind of light"});
+    checkContains(explainWhatIf(record, desk.words()), {"nothing: no change of a single fact"});
+}
+
+TEST_CASE("what changed: the facts, the rules and the suitabilities that moved, in numbers")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    const DecisionRecord before = desk.decide(situation);
+    situation.incumbent = before.method;
+    situation.fact(Fact::viewerDistance) = 55.0;
+    const DecisionRecord after = desk.decide(situation);
+    checkContains(explainWhatChanged(after, &before, desk.words()),
+                  {"frame 2 against frame 1: stencil_volume -> shadow_map", "viewerDistance 12.5 m -> 55 m",
+                   "strength 0.00 -> 0.83: rule A2: viewerDistance far 0.83", "shadow_map 0.16 -> ",
+                   "strength 1.00 -> 0.17: rule A1"});
+    checkContains(explainWhatChanged(after, nullptr, desk.words()), {"no earlier frame"});
+    situation.incumbent = after.method;
+    const DecisionRecord same = desk.decide(situation);
+    checkContains(explainWhatChanged(same, &after, desk.words()), {"still shadow_map", "facts: all the same"});
+    situation.method("shadow_map").exclusion = Exclusion::memory;
+    situation.method("shadow_map").detail = 64u << 20;
+    checkContains(explainWhatChanged(desk.decide(situation), &same, desk.words()),
+                  {"shadow_map is out (memory: needs 64.0 MiB"});
+    // Against the last frame of another method.
+    const DecisionRecord all[] = {before, after, same};
+    const auto find = [&](std::uint64_t frame, DecisionRecord& out) {
+        if (frame < 1 || frame > 3) return false;
+        out = all[frame - 1];
+        return true;
+    };
+    REQUIRE(earlierRecord(same, 1, false, find).has_value());
+    CHECK(earlierRecord(same, 1, false, find)->frame == 2);
+    REQUIRE(earlierRecord(same, 1, true, find).has_value());
+    CHECK(earlierRecord(same, 1, true, find)->frame == 1);
+    CHECK(!earlierRecord(before, 1, false, find).has_value());
+}
+
+TEST_CASE("without the rule base of the frame the numbers still answer")
+{
+    Desk desk = makeDesk();
+    const DecisionRecord record = desk.decide({});
+    ExplainWords words = desk.words();
+    words.engine = nullptr;
+    checkContains(explainWhy(record, words), {"no longer loaded", "1 (strength 1.00)", "viewerDistance 12.5 m"});
+    checkContains(explainWhyNot(record, methodNamed("shadow_map"), words), {"outscored: suitability 0.16"});
+    checkContains(explainWhatIf(record, words), {"no longer loaded"});
+}

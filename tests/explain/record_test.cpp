@@ -1,0 +1,241 @@
+// The ring of records and their log: what goes in comes out, whatever else is damaged.
+#include <doctest/doctest.h>
+
+#include <cstring>
+
+#include "explain/desk.hpp"
+#include "plan/random.hpp"
+#include "runtime/allocation_count.hpp"
+#include "runtime/core/bytes.hpp"
+#include "runtime/select/record_log.hpp"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+RecordHead headOf(std::uint64_t frame, std::uint32_t light, std::uint32_t methods)
+{
+    RecordHead head;
+    head.frame = frame;
+    head.lightId = light;
+    head.method = light % 2;
+    head.methods = methods;
+    head.suitability = static_cast<float>(frame);
+    return head;
+}
+
+std::vector<Candidate> candidatesOf(std::uint64_t frame, std::uint32_t count)
+{
+    std::vector<Candidate> out(count);
+    for (std::uint32_t m = 0; m < count; ++m)
+        out[m].quantised = static_cast<std::int32_t>(frame % 1000 + m);
+    return out;
+}
+
+void fill(RecordRing& ring, std::uint64_t first, std::uint64_t last, std::uint32_t lights, std::uint32_t methods)
+{
+    for (std::uint64_t frame = first; frame <= last; ++frame) {
+        ring.begin(frame, lights, methods);
+        for (std::uint32_t light = 0; light < lights; ++light)
+            ring.add(headOf(frame, 10 + light, methods), candidatesOf(frame, methods));
+    }
+}
+
+Desk makeDesk()
+{
+    std::optional<rules::Engine> engine = bindRules(deskRules());
+    REQUIRE(engine.has_value());
+    return Desk(std::move(*engine));
+}
+
+/// Frames of a light that walks away, with a veto, a refusal and a light that nothing serves.
+DecisionLog walk(Desk& desk)
+{
+    DecisionLog log;
+    log.frameOrigin = 1;
+    for (const MethodWords& method : methodWords())
+        log.methods.push_back({std::string(method.name), GN_TRAIT_SPOT_BIT, ""});
+    log.methods[0].unavailable = "needs a device";
+    log.rulesName = "desk";
+    log.rulesText = deskRules();
+    log.lights = {{1, "lamp"}};
+    Situation situation;
+    situation.method("ray_traced").exclusion = Exclusion::refused;
+    situation.method("ray_traced").refusal = "no trees today";
+    for (int i = 0; i < 20; ++i) {
+        situation.fact(Fact::viewerDistance) = 4.0 * i;
+        situation.fact(Fact::casterTriangles) = 2.0 + 0.25 * i;
+        situation.budgetMs = i % 2 ? 5.0 : 0.0;
+        if (i == 19) situation.fact(Fact::lightMotion) = std::numeric_limits<double>::quiet_NaN();
+        const DecisionRecord record = desk.decide(situation);
+        situation.incumbent = record.method;
+        log.add(record);
+    }
+    return log;
+}
+
+std::string answers(const DecisionRecord& record, const ExplainWords& words)
+{
+    std::string text = explainWhy(record, words) + explainWhatIf(record, words);
+    for (std::uint32_t m = 0; m < record.methods; ++m)
+        text += explainWhyNot(record, m, words);
+    return text;
+}
+
+/// A chunk whose hash fits whatever stands in it.
+std::string sealed(std::string chunk)
+{
+    ByteWriter hash;
+    hash.integer(hashOfBytes(std::string_view(chunk).substr(0, chunk.size() - 8)));
+    chunk.replace(chunk.size() - 8, 8, hash.bytes);
+    return chunk;
+}
+
+} // namespace
+
+TEST_CASE("the ring keeps 256 frames, finds a light in each, and grows without losing any")
+{
+    RecordRing ring;
+    CHECK(ring.newest() == 0);
+    CHECK(ring.oldest() == 0);
+    CHECK(!ring.has(0));
+    fill(ring, 5, 400, 3, 4);
+    CHECK(ring.newest() == 400);
+    CHECK(ring.oldest() == 145);
+    CHECK(!ring.has(144));
+    CHECK(!ring.has(401));
+    DecisionRecord record;
+    CHECK(!ring.find(144, 10, record));
+    CHECK(!ring.find(300, 13, record));
+    fill(ring, 401, 410, 9, 6); // more of both
+    for (const std::uint64_t frame : {155u, 300u, 400u, 405u, 410u}) {
+        REQUIRE(ring.find(frame, 12, record));
+        CHECK(record.frame == frame);
+        CHECK(record.lightId == 12);
+        CHECK(record.methods == (frame > 400 ? 6u : 4u));
+        CHECK(record.candidates[3].quantised == static_cast<std::int32_t>(frame % 1000 + 3));
+    }
+    CHECK(ring.lights(400) == 3);
+    CHECK(ring.lights(410) == 9);
+
+    ring.noteMeasured(400, 12, 0, 2.5f);
+    ring.noteMeasured(399, 12, 1, 2.5f); // another method served
+    REQUIRE(ring.find(400, 12, record));
+    CHECK(record.measuredMs == 2.5f);
+    REQUIRE(ring.find(399, 12, record));
+    CHECK(record.measuredMs == 0.0f);
+}
+
+TEST_CASE("a ring in use allocates nothing, and its record holds no memory of its own")
+{
+    static_assert(std::is_trivially_copyable_v<DecisionRecord>);
+    RecordRing ring;
+    fill(ring, 1, 1, 8, 6);
+    const std::vector<Candidate> candidates = candidatesOf(1, 6);
+    const size_t before = allocationCount();
+    for (std::uint64_t frame = 2; frame < 1000; ++frame) {
+        ring.begin(frame, 8, 6);
+        for (std::uint32_t light = 0; light < 8; ++light)
+            ring.add(headOf(frame, light, 6), candidates);
+    }
+    CHECK(allocationCount() == before);
+}
+
+TEST_CASE("a record keeps the strongest rules, strongest first, with what limits them")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    situation.fact(Fact::viewerDistance) = 40.0; // near 2/3, far 1/3
+    situation.fact(Fact::casterTriangles) = 4.2; // huge 0.1
+    const DecisionRecord record = desk.decide(situation);
+    const char* ids[] = {"A1", "A2", "V1"};
+    const float strengths[] = {2.0f / 3.0f, 1.0f / 3.0f, 0.1f};
+    for (std::size_t i = 0; i < 3; ++i) {
+        CHECK(std::string(desk.engine().ruleId(record.fired[i].rule)) == ids[i]);
+        CHECK(record.fired[i].strength == doctest::Approx(strengths[i]));
+    }
+    CHECK(std::string(desk.engine().variableName(record.fired[2].variable)) == "casterTriangles");
+    CHECK(record.fired[3].rule == rules::kNoRule);
+}
+
+TEST_CASE("a log read back answers every question with the same words")
+{
+    Desk desk = makeDesk();
+    const DecisionLog log = walk(desk);
+    const std::string bytes = writeDecisionLog(log);
+    const std::string twice = bytes + bytes;
+    std::string_view rest = twice;
+    for (int chunk = 0; chunk < 2; ++chunk) {
+        const Result<DecisionLog> read = readDecisionLog(rest);
+        REQUIRE(bool(read));
+        CHECK(read->frameOrigin == 1);
+        CHECK(read->rulesText == deskRules());
+        CHECK(read->methods[0].unavailable == "needs a device");
+        REQUIRE(read->heads.size() == log.heads.size());
+        for (std::size_t i = 0; i < log.heads.size(); ++i) {
+            CHECK(answers(read->record(i), desk.words()) == answers(log.record(i), desk.words()));
+            CHECK(read->heads[i].reason == log.heads[i].reason);
+        }
+        CHECK(contains(answers(read->record(0), desk.words()), "no trees today"));
+        CHECK(writeDecisionLog(*read) == bytes);
+    }
+    CHECK(rest.empty());
+    MESSAGE("bytes a record: " << (bytes.size() - deskRules().size()) / log.heads.size());
+}
+
+TEST_CASE("a log that is cut short, damaged, foreign or of another version is an error that says so")
+{
+    Desk desk = makeDesk();
+    const std::string bytes = writeDecisionLog(walk(desk));
+    const auto errorOf = [](std::string_view text) {
+        const Result<DecisionLog> read = readDecisionLog(text);
+        REQUIRE(!read);
+        return read.error().text;
+    };
+    for (std::size_t size = 0; size < bytes.size(); size += 7)
+        CHECK(!errorOf(std::string_view(bytes).substr(0, size)).empty());
+    std::string damaged = bytes;
+    damaged[bytes.size() / 2] ^= 1;
+    CHECK(contains(errorOf(damaged), "hash"));
+    std::string other = bytes;
+    other[7] = '2';
+    CHECK(contains(errorOf(other), "version"));
+    CHECK(contains(errorOf("frame,light,method\n"), "does not start"));
+    CHECK(contains(errorOf(std::string_view(bytes).substr(0, 100)), "cut short"));
+}
+
+TEST_CASE("whatever bytes a log holds, reading ends in a log or an error, and a log answers")
+{
+    Desk desk = makeDesk();
+    DecisionLog small = walk(desk);
+    small.heads.resize(2);
+    small.candidates.resize(2 * small.methods.size());
+    const std::string bytes = writeDecisionLog(small);
+    Random random(7);
+    std::uint32_t logs = 0, errors = 0;
+    for (int i = 0; i < 20000; ++i) {
+        std::string mutated = bytes;
+        for (std::uint32_t k = 1 + random.below(3); k > 0; --k) {
+            // Half of the damage goes into the records, behind the rule base.
+            const bool late = random.below(2) == 0;
+            const std::size_t from = late ? bytes.size() - 900 : 12;
+            const std::size_t at = from + random.below(static_cast<std::uint32_t>(bytes.size() - 8 - from));
+            mutated[at] = static_cast<char>(random.below(3) ? random.bits() : 0xff);
+        }
+        const std::string text = sealed(std::move(mutated));
+        std::string_view rest = text;
+        const Result<DecisionLog> read = readDecisionLog(rest);
+        if (!read) {
+            ++errors;
+            CHECK(!read.error().text.empty());
+            continue;
+        }
+        ++logs;
+        if (read->methods.size() != methodWords().size()) continue;
+        for (std::size_t k = 0; k < read->heads.size(); ++k)
+            CHECK(lineCount(explainWhy(read->record(k), desk.words())) <= kMostExplanationLines);
+    }
+    CHECK(logs > 1000);
+    CHECK(errors > 1000);
+}
