@@ -272,7 +272,11 @@ Hold PlanStep::tryUpgrade(const PlanInput& input, uint32_t light, double usableM
 void PlanStep::improve(const PlanInput& input, PlanReport& report) noexcept
 {
     const rules::Policy::Hysteresis& hysteresis = policyOf(input).hysteresis;
-    const bool worthwhile = report.bestValue - sums_.value > hysteresis.planGain * sums_.value;
+    // A gain below the threshold is taken all the same once what was missed adds up: then it is no passing thing.
+    const double missed = report.bestValue - sums_.value;
+    missedGain_ = missed > 0.0 && sums_.value > 0.0 ? missedGain_ + missed / sums_.value : 0.0;
+    const bool worthwhile =
+        missed > hysteresis.planGain * sums_.value || missedGain_ > kPatienceFrames * hysteresis.planGain;
     for (;;) {
         uint32_t next = kNone;
         double bestGain = 0.0;
@@ -293,6 +297,7 @@ void PlanStep::improve(const PlanInput& input, PlanReport& report) noexcept
         if (hold != Hold::none) continue;
         ++report.upgrades;
         report.cause = Cause::gain;
+        missedGain_ = 0.0;
     }
 }
 

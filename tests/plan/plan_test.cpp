@@ -129,7 +129,7 @@ TEST_CASE("without allocation the best suitability wins, the incumbent on ties, 
     CHECK(scene.chosen(0) == kCheap);
 }
 
-TEST_CASE("a gain below the threshold of the plan changes nothing, above it does")
+TEST_CASE("a gain above the threshold of the plan is taken at once, one below it when what was missed adds up")
 {
     Scene scene(1, cheapAndGood());
     scene.of(0, kGood).suitability = 2048;
@@ -137,11 +137,18 @@ TEST_CASE("a gain below the threshold of the plan changes nothing, above it does
     scene.of(0, kCheap).quality = 0.72f;
     scene.step(60);
     CHECK(scene.chosen(0) == kCheap);
-    scene.of(0, kCheap).quality = 0.7f; // the other is 1.5 % better now
-    CHECK(scene.step(60).switches == 0);
+    scene.of(0, kCheap).quality = 0.7f; // the other is 1.5 % better now: 13 frames are worth 9.8 at the threshold of 2 %
+    CHECK(scene.step(13).switches == 0);
     CHECK(scene.chosen(0) == kCheap);
     CHECK(scene.why(0, kGood) == Why::hysteresis);
     CHECK(scene.plan.lights()[0].hold == Hold::threshold);
+    CHECK(scene.step().cause == Cause::gain);
+    CHECK(scene.chosen(0) == kGood);
+    scene.input.cut = true;
+    scene.of(0, kGood).quality = 0.6f;
+    scene.step();
+    scene.input.cut = false;
+    CHECK(scene.chosen(0) == kCheap);
     scene.of(0, kGood).quality = 0.7f * 1.025f;
     CHECK(scene.step().cause == Cause::gain);
     CHECK(scene.chosen(0) == kGood);
