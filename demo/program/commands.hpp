@@ -49,6 +49,20 @@ struct CompareOptions {
 };
 int compareCommand(const CompareOptions& options);
 
+struct TraceOptions {
+    std::string scene, rules, methods;
+    std::string out = "scene.gntrace", size = "160x120", budget = "auto";
+    uint32_t frames = 90, sweeps = 5;
+    uint32_t lights = 0; ///< 0: the scene's.
+};
+int traceCommand(const TraceOptions& options);
+
+struct ReplayCommandOptions {
+    std::string trace, rules, budget, knowledge, calibration;
+    uint64_t seed = 1;
+};
+int replayCommand(const ReplayCommandOptions& options);
+
 int methodsCommand();
 int scenesCommand();
 int lintCommand(const std::string& rules, const std::string& trace);

@@ -78,6 +78,40 @@ void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
     compare->callback([&] { exitCode = compareCommand(options); });
 }
 
+void addTrace(CLI::App& app, TraceOptions& options, int& exitCode)
+{
+    CLI::App* trace = app.add_subcommand("trace", "measure every method on every frame of a scene, for `replay`");
+    trace->add_option("SCENE", options.scene, kSceneHelp)->required();
+    trace->add_option("--out", options.out, "file to write")->capture_default_str();
+    trace->add_option("--frames", options.frames, "spread evenly over the scene's length")
+        ->check(CLI::Range(2, 65536))
+        ->capture_default_str();
+    trace->add_option("--sweeps", options.sweeps, "runs of each method; the fastest of each frame counts")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    trace->add_option("--size", options.size, "picture size")->capture_default_str();
+    trace->add_option("--lights", options.lights, "number of lights; default: the scene's")->check(CLI::Range(1, 32));
+    trace->add_option("--rules", options.rules, "rule base to ask; default: `default`");
+    trace->add_option("--methods", options.methods, "a,b,... default: all that serve a light");
+    trace->add_option("--budget-ms", options.budget,
+                      "a,b,...: equal parts of the trace; each a number, or `1.3x` the cheapest plan, or `auto`")
+        ->capture_default_str();
+    trace->callback([&] { exitCode = traceCommand(options); });
+}
+
+void addReplay(CLI::App& app, ReplayCommandOptions& options, int& exitCode)
+{
+    CLI::App* replay = app.add_subcommand("replay", "what the plan and others make of a trace");
+    replay->add_option("TRACE", options.trace, "a file of `gnomon trace`")->required();
+    replay->add_option("--rules", options.rules, "rule base to ask anew; default: as recorded");
+    replay->add_option("--budget-ms", options.budget, "as for `trace`; default: as recorded");
+    auto* knowledge = replay->add_option("--knowledge", options.knowledge,
+                                         "where the cost model starts: a path, or `none`; default: the shipped one");
+    replay->add_option("--calibration", options.calibration, "start from another trace instead")->excludes(knowledge);
+    replay->add_option("--seed", options.seed, "of the noise")->capture_default_str();
+    replay->callback([&] { exitCode = replayCommand(options); });
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -94,6 +128,10 @@ int main(int argc, char** argv)
     addContact(app, contact, exitCode);
     CompareOptions compare;
     addCompare(app, compare, exitCode);
+    TraceOptions trace;
+    addTrace(app, trace, exitCode);
+    ReplayCommandOptions replay;
+    addReplay(app, replay, exitCode);
     app.add_subcommand("methods", "list the methods of this build and device")->callback([&] {
         exitCode = methodsCommand();
     });

@@ -8,18 +8,17 @@
 #include "demo/program/session.hpp"
 #include "runtime/select/facts.hpp"
 #ifdef GNOMON_WITH_YAML
+#include "demo/program/rule_support.hpp"
 #include "demo/replay/trace.hpp"
 #include "rules/engine/explain.hpp"
 #include "rules/engine/lint.hpp"
 #include "rules/yaml/rule_base_reader.hpp"
 #include "runtime/select/frame_plan.hpp"
-#include "runtime/select/vocabulary.hpp"
 #endif
 
 namespace gnomon::demo {
 
 #ifdef GNOMON_WITH_YAML
-namespace {
 
 RuleVocabulary runtimeVocabulary()
 {
@@ -36,7 +35,6 @@ RuleVocabulary runtimeVocabulary()
     return vocabulary;
 }
 
-/// Prints findings; true if one of them is an error.
 bool report(const std::vector<rules::Diagnostic>& diagnostics)
 {
     bool failed = false;
@@ -47,7 +45,7 @@ bool report(const std::vector<rules::Diagnostic>& diagnostics)
     return failed;
 }
 
-rules::RuleBase parse(const std::string& nameOrPath)
+rules::RuleBase parseRules(const std::string& nameOrPath)
 {
     const RuleText text = valueOf(findRules(nameOrPath));
     rules::ParseResult parsed = rules::parseRuleBase(text.text, text.name);
@@ -55,6 +53,8 @@ rules::RuleBase parse(const std::string& nameOrPath)
     if (!parsed) throw HostError(text.name + ": not a usable rule base");
     return std::move(*parsed.base);
 }
+
+namespace {
 
 /// L08: the rules on what every light of a recorded trace met, one light behind the other.
 std::vector<rules::Diagnostic> lintAlong(const std::string& file, const rules::RuleBase& base,
@@ -112,7 +112,7 @@ std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vo
 int lintCommand(const std::string& nameOrPath, const std::string& trace)
 {
     const RuleVocabulary vocabulary = runtimeVocabulary();
-    const rules::RuleBase base = parse(nameOrPath);
+    const rules::RuleBase base = parseRules(nameOrPath);
     std::vector<rules::Diagnostic> findings = rules::lint(base, vocabulary.view());
     if (!trace.empty())
         for (rules::Diagnostic& finding : lintAlong(trace, base, vocabulary))
@@ -126,7 +126,7 @@ int explainCommand(const std::string& nameOrPath, const std::string& facts)
 {
     const RuleVocabulary vocabulary = runtimeVocabulary();
     const std::vector<double> values = parseFacts(facts, vocabulary);
-    rules::BindResult bound = rules::Engine::bind(parse(nameOrPath), vocabulary.view());
+    rules::BindResult bound = rules::Engine::bind(parseRules(nameOrPath), vocabulary.view());
     if (report(bound.diagnostics) || !bound.engine) return 1;
     rules::Inference inference = bound.engine->makeInference();
     bound.engine->evaluate(values, inference);

@@ -18,16 +18,37 @@ cost::Workload workloadOf(const Trace& trace, const TraceLight& light, uint32_t 
             .still = light.still};
 }
 
+/// What was measured, pass by pass; a pass that did not run says nothing.
+template <typename Tell>
+void forEachPass(const TraceMethod& measured, Tell&& tell)
+{
+    const struct {
+        cost::Pass pass;
+        cost::Processor processor;
+        float ms;
+    } passes[] = {{cost::Pass::update, cost::Processor::gpu, measured.updateGpuMs},
+                  {cost::Pass::update, cost::Processor::cpu, measured.updateCpuMs},
+                  {cost::Pass::resolve, cost::Processor::gpu, measured.resolveGpuMs},
+                  {cost::Pass::resolve, cost::Processor::cpu, measured.resolveCpuMs}};
+    for (const auto& pass : passes)
+        if (pass.ms > 0.0f) tell(pass.pass, pass.processor, double{pass.ms});
+}
+
 class PlanPolicy : public ReplayPolicy {
 public:
     PlanPolicy(const Trace& trace, const ReplayOptions& options, const Trace* calibration)
-        : options_(options), methods_(static_cast<uint32_t>(trace.methods.size())), calibrated_(calibration)
+        : options_(options), methods_(static_cast<uint32_t>(trace.methods.size())),
+          calibrated_(calibration || options.knowledge)
     {
+        model_.setSharedCores(true); // a trace adds both processors up
         model_.resize(methods_, trace.lights);
         plan_.reserve(trace.lights, methods_);
         memories_.resize(trace.lights);
         ages_.resize(trace.lights);
-        if (calibration) calibrate(*calibration);
+        if (options.knowledge)
+            cost::learn(model_, *options.knowledge, trace.methods, options.device);
+        else if (calibration)
+            calibrate(*calibration);
     }
     std::string name() const override { return calibrated_ ? "plan" : "plan_cold"; }
 
@@ -67,14 +88,15 @@ public:
             const TraceLight& light = trace.lightStates[trace.cell(frame, timing.slot)];
             cost::Observation observation{.light = timing.slot,
                                           .method = timing.method,
-                                          .pass = cost::Pass::update,
                                           .workload = workloadOf(trace, light, timing.method),
-                                          .ms = timing.updateMs,
                                           .samplesSinceSwitch = left ? 0 : age};
-            model_.observe(observation);
-            observation.pass = cost::Pass::resolve;
-            observation.ms = timing.resolveMs;
-            model_.observe(observation);
+            forEachPass(trace.measure(frame, timing.slot, timing.method),
+                        [&](cost::Pass pass, cost::Processor processor, double ms) {
+                            observation.pass = pass;
+                            observation.processor = processor;
+                            observation.ms = ms * timing.noise;
+                            model_.observe(observation);
+                        });
         }
         model_.endFrame();
     }
@@ -94,8 +116,9 @@ private:
             for (uint32_t m = 0; m < methods_; ++m) {
                 const TraceMethod& measured = from.measures[cell * methods_ + m];
                 const cost::Workload workload = workloadOf(from, from.lightStates[cell], m);
-                model_.calibrate(m, cost::Pass::update, cost::Processor::gpu, workload, measured.updateMs);
-                model_.calibrate(m, cost::Pass::resolve, cost::Processor::gpu, workload, measured.resolveMs);
+                forEachPass(measured, [&](cost::Pass pass, cost::Processor processor, double ms) {
+                    model_.calibrate(m, pass, processor, workload, ms);
+                });
             }
         }
         model_.finishCalibration(true);
@@ -111,12 +134,12 @@ private:
                              .minimumQuality = light.minimumQuality});
         for (uint32_t m = 0; m < methods_; ++m) {
             const TraceMethod& measured = trace.measure(frame, slot, m);
-            const cost::Prediction prediction = model_.predict(slot, m, workloadOf(trace, light, m), false);
+            const cost::Prediction prediction = model_.predict(slot, m, workloadOf(trace, light, m), light.still);
             candidates_.push_back({.eligibility = measured.suitability == kTraceVetoed   ? plan::Eligibility::never
                                                   : measured.suitability == kTraceUnable ? plan::Eligibility::trait
                                                                                          : plan::Eligibility::eligible,
                                    .suitability = measured.suitability,
-                                   .quality = static_cast<float>(qualityOf(measured.error)),
+                                   .quality = measured.quality,
                                    .ms = prediction.ms,
                                    .sigmaMs = prediction.sigmaMs});
         }
@@ -172,11 +195,11 @@ public:
         }
         knapsack_.solve({trace.lights, methods_, values_, smoothedMs_, allowed_, {}, budgetMs}, chosen);
     }
-    void observe(const Trace&, uint32_t, std::span<const Timing> timings) override
+    void observe(const Trace& trace, uint32_t frame, std::span<const Timing> timings) override
     {
         for (const Timing& timing : timings) {
             double& smoothed = smoothedMs_[timing.slot * methods_ + timing.method];
-            smoothed += 0.2 * (timing.updateMs + timing.resolveMs - smoothed);
+            smoothed += 0.2 * (trace.measure(frame, timing.slot, timing.method).ms() * timing.noise - smoothed);
         }
     }
 
@@ -189,17 +212,12 @@ private:
 
 } // namespace
 
-double qualityOf(double error) noexcept
-{
-    return 1.0 / (1.0 + 12.5 * error);
-}
-
 double valueOf(const Trace& trace, uint32_t frame, uint32_t slot, uint32_t method) noexcept
 {
     const TraceMethod& measured = trace.measure(frame, slot, method);
     if (measured.suitability < 0) return 0.0;
     return double{trace.lightStates[trace.cell(frame, slot)].importance} * (measured.suitability / 4096.0) *
-           static_cast<double>(static_cast<float>(qualityOf(measured.error)));
+           double{measured.quality};
 }
 
 /// The same admission as the plan step's, without pins.
@@ -215,7 +233,7 @@ uint32_t eligibleMethods(const Trace& trace, uint32_t frame, uint32_t slot) noex
     if (spoken) able = spoken;
     if (!light.floor) return able;
     float best = 0.0f;
-    auto quality = [&](uint32_t m) { return static_cast<float>(qualityOf(trace.measure(frame, slot, m).error)); };
+    auto quality = [&](uint32_t m) { return trace.measure(frame, slot, m).quality; };
     for (uint32_t m = 0; m < trace.methods.size(); ++m)
         if (able >> m & 1) best = std::max(best, quality(m));
     for (uint32_t m = 0; m < trace.methods.size(); ++m)

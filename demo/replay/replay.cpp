@@ -88,7 +88,7 @@ private:
             const TraceMethod& measured = trace_.measure(frame, slot, chosen_[slot]);
             const double raw = rawFactor(measured, options_.seed, frame, slot, chosen_[slot]);
             frameMs += measured.ms() * (options_.rawTimes ? raw : 1.0);
-            timings.push_back({slot, chosen_[slot], measured.updateMs * raw, measured.resolveMs * raw});
+            timings.push_back({slot, chosen_[slot], raw});
         }
         if (present > 0) decisionUs_.push_back(took.count() / present);
         judge(frame, frameMs, frameValue, budgetMs);
@@ -201,12 +201,14 @@ ReplayMetrics replay(const Trace& trace, const Oracle& oracle, ReplayPolicy& pol
     return Run(trace, oracle, policy, options).all();
 }
 
-std::vector<ReplayMetrics> compare(const Trace& trace, const ReplayOptions& options, const Trace& calibration)
+std::vector<ReplayMetrics> compare(const Trace& trace, const ReplayOptions& options, const Trace* calibration)
 {
     const Oracle oracle = findOracle(trace, options);
     std::vector<ReplayMetrics> all;
+    ReplayOptions cold = options;
+    cold.knowledge = nullptr;
     for (const auto& policy :
-         {planPolicy(trace, options, &calibration), planPolicy(trace, options, nullptr), tablePolicy(trace)})
+         {planPolicy(trace, options, calibration), planPolicy(trace, cold, nullptr), tablePolicy(trace)})
         all.push_back(replay(trace, oracle, *policy, options));
     for (uint32_t m = 0; m < trace.methods.size(); ++m) {
         all.push_back(replay(trace, oracle, *fixedPolicy(m), options));

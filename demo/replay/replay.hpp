@@ -17,11 +17,10 @@
 
 #include "demo/replay/trace.hpp"
 #include "rules/engine/rule_base.hpp"
+#include "runtime/cost/knowledge_base.hpp"
 
 namespace gnomon::demo {
 
-/// Quality of an error: 1 without, 0.8 at 2 % wrong pixels, 0.5 at 8 %.
-double qualityOf(double error) noexcept;
 /// importance * suitability * quality of a method for a light; 0 without opinion.
 double valueOf(const Trace& trace, uint32_t frame, uint32_t slot, uint32_t method) noexcept;
 /// Bit m: method m can serve, is not vetoed, and keeps the floor as far as any does.
@@ -29,10 +28,12 @@ uint32_t eligibleMethods(const Trace& trace, uint32_t frame, uint32_t slot) noex
 
 struct ReplayOptions {
     rules::Policy policy;
-    double budgetMs = 0.0;      ///< 0: the trace's own.
-    uint32_t latencyFrames = 2; ///< Timings are read so many frames late.
-    bool rawTimes = false;      ///< Judge by times drawn from the spread instead of the minima.
-    uint64_t seed = 1;          ///< Of the noise.
+    double budgetMs = 0.0;                          ///< 0: the trace's own.
+    uint32_t latencyFrames = 2;                     ///< Timings are read so many frames late.
+    bool rawTimes = false;                          ///< Judge by times drawn from the spread instead of the minima.
+    uint64_t seed = 1;                              ///< Of the noise.
+    const cost::KnowledgeBase* knowledge = nullptr; ///< Where the plan's cost model starts; null: cold.
+    std::string device;                             ///< Whose rows of it count as this device's.
 };
 
 /// Something that chooses. Sees a frame's facts and budget, never its times; those come later through observe().
@@ -42,16 +43,17 @@ public:
     virtual std::string name() const = 0;
     /// One method per slot, kNone where no light is.
     virtual void decide(const Trace& trace, uint32_t frame, double budgetMs, std::span<uint32_t> chosen) = 0;
-    /// Measured times of a past frame, with noise: per slot update and resolve.
+    /// Measured times of a past frame: the minima times the noise of that frame.
     struct Timing {
         uint32_t slot, method;
-        double updateMs, resolveMs;
+        double noise;
     };
     virtual void observe(const Trace&, uint32_t /*frame*/, std::span<const Timing>) {}
 };
 
-/// The plan step with the cost model, as the runtime has them. The model is calibrated from 40 places of `calibration`,
-/// a trace of the same methods in other situations; null: it starts cold.
+/// The plan step with the cost model, as the runtime has them. The model starts from the knowledge base of the options,
+/// or is calibrated from 40 places of `calibration`, a trace of the same methods in other situations; null: it starts
+/// cold.
 std::unique_ptr<ReplayPolicy> planPolicy(const Trace& trace, const ReplayOptions& options, const Trace* calibration);
 /// The same method for every light that can have it.
 std::unique_ptr<ReplayPolicy> fixedPolicy(uint32_t method);
@@ -82,8 +84,8 @@ Oracle findOracle(const Trace& trace, const ReplayOptions& options);
 
 ReplayMetrics replay(const Trace& trace, const Oracle& oracle, ReplayPolicy& policy, const ReplayOptions& options);
 
-/// All policies over one trace: plan (calibrated, cold), table, every fixed method.
-std::vector<ReplayMetrics> compare(const Trace& trace, const ReplayOptions& options, const Trace& calibration);
+/// All policies over one trace: plan (from what is known, then cold), table, every fixed method.
+std::vector<ReplayMetrics> compare(const Trace& trace, const ReplayOptions& options, const Trace* calibration);
 /// One line per policy.
 std::string toTable(std::span<const ReplayMetrics> metrics);
 

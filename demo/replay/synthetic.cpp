@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "demo/io/number.hpp"
+#include "demo/replay/budget.hpp"
 #include "runtime/cost/exponent.hpp"
 
 namespace gnomon::demo {
@@ -88,32 +90,17 @@ void fillLight(Trace& trace, uint32_t frame, uint32_t slot, const Drift& drift, 
         const Kind& kind = kKinds[m];
         TraceMethod& method = trace.measure(frame, slot, m);
         const double factor = drift.own[m] * slowness;
-        method.updateMs = static_cast<float>(factor * (0.01 + kind.perTriangles * light.casterTriangles / 1e5 +
-                                                       kind.perTexels * kind.texels / 1e6 * 0.3));
-        method.resolveMs = static_cast<float>(factor * (0.01 + kind.perPixels * light.pixels / 1e6));
+        method.updateGpuMs = static_cast<float>(factor * (0.01 + kind.perTriangles * light.casterTriangles / 1e5 +
+                                                          kind.perTexels * kind.texels / 1e6 * 0.3));
+        method.resolveGpuMs = static_cast<float>(factor * (0.01 + kind.perPixels * light.pixels / 1e6));
         method.error = static_cast<float>(kind.farError + (kind.nearError - kind.farError) * nearness);
         method.spread = 1.1f;
+        method.quality = static_cast<float>(1.0 / (1.0 + 12.5 * double{method.error})); // 0.8 at 2 % wrong pixels
         // Near, exactness is wanted, far it is a luxury: what a rule base would say.
         const double exactness = 1.0 - std::min(1.0, kind.nearError / 0.06);
         const double wanted = 0.35 + 0.6 * (nearness * exactness + (1.0 - nearness) * (0.6 + 0.4 * exactness));
         method.suitability = static_cast<int16_t>(4096.0 * wanted);
     }
-}
-
-/// Cheapest plan of a frame that keeps the floor, as qualityOf() in replay.cpp sees it: errors up to 0.02 are 0.8.
-double cheapestMs(const Trace& trace, uint32_t frame)
-{
-    double sum = 0.0;
-    for (uint32_t slot = 0; slot < trace.lights; ++slot) {
-        const TraceLight& light = trace.lightStates[trace.cell(frame, slot)];
-        if (!light.present) continue;
-        double least = 1e30;
-        for (uint32_t m = 0; m < trace.methods.size(); ++m)
-            if (!light.floor || trace.measure(frame, slot, m).error <= 0.02f)
-                least = std::min(least, trace.measure(frame, slot, m).ms());
-        sum += least;
-    }
-    return sum;
 }
 
 } // namespace
@@ -154,17 +141,16 @@ Trace syntheticTrace(const SyntheticOptions& options)
             if (frame < drift.diesAt) fillLight(trace, frame, slot, drift, seconds, slowness);
         }
     }
-    std::vector<double> cheapest;
-    for (uint32_t frame = 0; frame < options.frames; ++frame)
-        cheapest.push_back(cheapestMs(trace, frame));
-    std::vector<double> sorted = cheapest;
-    std::sort(sorted.begin(), sorted.end());
-    const double budget = options.budgetOverCheapest * (sorted.empty() ? 0.0 : sorted[sorted.size() / 2]);
-    for (uint32_t frame = 0; frame < options.frames; ++frame) {
-        const bool low =
-            options.kind == SyntheticKind::budgetStep && frame * 3 >= options.frames && frame * 3 < 2 * options.frames;
-        trace.budgetsMs[frame] = static_cast<float>(budget * (low ? 2.0 / 3.0 : 1.0));
-    }
+    auto timesCheapest = [](double factor) {
+        std::string text;
+        appendFixed(text, factor, 6);
+        text += 'x';
+        return text;
+    };
+    std::string budgets = timesCheapest(options.budgetOverCheapest);
+    if (options.kind == SyntheticKind::budgetStep)
+        budgets = budgets + "," + timesCheapest(options.budgetOverCheapest * 2.0 / 3.0) + "," + budgets;
+    if (trace.frames > 0) (void)setBudgets(trace, budgets); // the text is ours
     return trace;
 }
 

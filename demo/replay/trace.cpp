@@ -28,6 +28,10 @@ uint16_t packTime(float ms)
     if (!(ms > 0.0f)) return 0;
     return static_cast<uint16_t>(std::clamp(1.5 + (cost::log2Exactly(ms) + kTimeShift) * kTimeSteps, 1.0, 65535.0));
 }
+uint16_t packShare(float share)
+{
+    return static_cast<uint16_t>(std::clamp(share, 0.0f, 1.0f) * 65535.0f + 0.5f);
+}
 float unpackTime(uint16_t packed)
 {
     return packed == 0 ? 0.0f : static_cast<float>(cost::exp2Exactly((packed - 1) / kTimeSteps - kTimeShift));
@@ -95,17 +99,20 @@ void readLight(Reader& in, Trace& trace, uint32_t frame, uint32_t slot)
     light.importance = in.measure();
     light.minimumQuality = in.measure();
     const auto flags = in.integer<uint8_t>();
-    light.floor = flags & 1, light.still = flags & 2, light.fresh = flags & 4;
+    light.floor = flags & 1, light.still = flags & 2, light.fresh = flags & 4, light.directional = flags & 8;
     light.pixels = in.measure();
     light.casterTriangles = in.measure();
+    light.drawnTriangles = in.measure();
+    light.casters = in.measure();
     for (size_t i = 0; i < trace.facts.size(); ++i)
         trace.factValues[trace.cell(frame, slot) * trace.facts.size() + i] = in.fact();
     for (uint32_t m = 0; m < trace.methods.size(); ++m) {
         TraceMethod& method = trace.measure(frame, slot, m);
-        method.updateMs = unpackTime(in.integer<uint16_t>());
-        method.resolveMs = unpackTime(in.integer<uint16_t>());
+        for (float* time : {&method.updateGpuMs, &method.updateCpuMs, &method.resolveGpuMs, &method.resolveCpuMs})
+            *time = unpackTime(in.integer<uint16_t>());
         method.error = static_cast<float>(in.integer<uint16_t>()) / 65535.0f;
         method.spread = static_cast<float>(cost::exp2Exactly(in.integer<uint8_t>() / kSpreadSteps));
+        method.quality = static_cast<float>(in.integer<uint16_t>()) / 65535.0f;
         method.suitability = in.integer<int16_t>();
         if (method.suitability < kTraceVetoed || method.suitability > 4096) in.failed = true;
     }
@@ -116,18 +123,19 @@ void writeLight(Writer& out, const Trace& trace, uint32_t frame, uint32_t slot)
     const TraceLight& light = trace.lightStates[trace.cell(frame, slot)];
     out.real(light.importance);
     out.real(light.minimumQuality);
-    out.integer(static_cast<uint8_t>(light.floor | light.still << 1 | light.fresh << 2));
-    out.real(light.pixels);
-    out.real(light.casterTriangles);
+    out.integer(static_cast<uint8_t>(light.floor | light.still << 1 | light.fresh << 2 | light.directional << 3));
+    for (const float value : {light.pixels, light.casterTriangles, light.drawnTriangles, light.casters})
+        out.real(value);
     for (size_t i = 0; i < trace.facts.size(); ++i)
         out.real(trace.factValues[trace.cell(frame, slot) * trace.facts.size() + i]);
     for (uint32_t m = 0; m < trace.methods.size(); ++m) {
         const TraceMethod& method = trace.measure(frame, slot, m);
-        out.integer(packTime(method.updateMs));
-        out.integer(packTime(method.resolveMs));
-        out.integer(static_cast<uint16_t>(std::clamp(method.error, 0.0f, 1.0f) * 65535.0f + 0.5f));
+        for (const float time : {method.updateGpuMs, method.updateCpuMs, method.resolveGpuMs, method.resolveCpuMs})
+            out.integer(packTime(time));
+        out.integer(packShare(method.error));
         const double spread = cost::log2Exactly(std::max(1.0f, method.spread)) * kSpreadSteps;
         out.integer(static_cast<uint8_t>(std::min(spread + 0.5, 255.0)));
+        out.integer(packShare(method.quality));
         out.integer(method.suitability);
     }
 }

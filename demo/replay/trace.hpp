@@ -10,15 +10,17 @@
 ///     methods x { u8 length, name, f32 mapTexels }          facts x { u8 length, name }
 ///     frames x { f32 budgetMs; u8 flags (1: cut); lights x u8 present }
 ///     and after each frame's head, for each light present:
-///         f32 importance, minimumQuality; u8 flags (1: near floor, 2: still, 4: new light in this slot)
-///         f32 pixels, casterTriangles; facts x f32
-///         methods x { u16 update, u16 resolve, u16 error, u8 spread, i16 suitability }
+///         f32 importance, minimumQuality; u8 flags (1: near floor, 2: still, 4: new light in this slot, 8:
+///         directional) f32 pixels, casterTriangles, drawnTriangles, casters; facts x f32 methods x { u16 updateGpu,
+///         updateCpu, resolveGpu, resolveCpu, u16 error, u8 spread, u16 quality,
+///                     i16 suitability }
 ///     u64 FNV-1a of everything before
 ///
 /// Times are the minimum over at least five separate sweeps: u16 = 1 + (log2 ms + 20) * 2048, 0 for none; a step is
 /// 0.034 %. spread = 32 * log2(slowest sweep / fastest), so that raw times can be drawn again. error = 65535 * share of
-/// wrong pixels. suitability is in steps of 1/4096, -1 without opinion, -2 unable, -3 vetoed, as the rules in force saw
-/// it; a replay may ask other rules, from the facts.
+/// wrong pixels in that frame. quality = 65535 * the share of the truth that the plan counts the method as keeping;
+/// what it goes by, however wrong this one frame is. suitability is in steps of 1/4096, -1 without opinion, -2 unable,
+/// -3 vetoed, as the rules in force saw it; a replay may ask other rules, from the facts.
 
 #include <cstdint>
 #include <string>
@@ -37,13 +39,18 @@ inline constexpr uint32_t kTraceMostFacts = 32;
 enum : int16_t { kTraceNoOpinion = -1, kTraceUnable = -2, kTraceVetoed = -3 };
 
 struct TraceMethod {
-    float updateMs = 0.0f; ///< Minimum over sweeps; 0: nothing to do.
-    float resolveMs = 0.0f;
-    float error = 0.0f;  ///< [0, 1]
-    float spread = 1.0f; ///< Slowest sweep over fastest, >= 1.
+    float updateGpuMs = 0.0f, updateCpuMs = 0.0f; ///< Minimum over sweeps; 0: nothing to do.
+    float resolveGpuMs = 0.0f, resolveCpuMs = 0.0f;
+    float error = 0.0f;   ///< [0, 1]
+    float spread = 1.0f;  ///< Slowest sweep over fastest, >= 1.
+    float quality = 1.0f; ///< [0, 1]
     int16_t suitability = kTraceUnable;
 
-    double ms() const noexcept { return double{updateMs} + double{resolveMs}; }
+    /// Both processors together: on a device that shares the CPU's cores they add up.
+    double ms() const noexcept
+    {
+        return double{updateGpuMs} + double{updateCpuMs} + double{resolveGpuMs} + double{resolveCpuMs};
+    }
 };
 
 struct TraceLight {
@@ -51,8 +58,10 @@ struct TraceLight {
     bool fresh = false; ///< Another light than in the frame before.
     bool floor = false; ///< Near: minimumQuality holds.
     bool still = false;
+    bool directional = false;
     float importance = 1.0f, minimumQuality = 0.0f;
-    float pixels = 0.0f, casterTriangles = 0.0f;
+    float pixels = 0.0f, casterTriangles = 0.0f; ///< And the next two: as the cost model's Workload.
+    float drawnTriangles = 0.0f, casters = 0.0f;
 };
 
 struct Trace {

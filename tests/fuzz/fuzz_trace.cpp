@@ -26,7 +26,7 @@ void checkTrace(const Trace& trace)
     require(trace.measures.size() == cells * trace.methods.size());
     require(trace.budgetsMs.size() == trace.frames && trace.cuts.size() == trace.frames);
     for (const TraceMethod& method : trace.measures)
-        require(std::isfinite(method.updateMs) && std::isfinite(method.resolveMs) && method.spread >= 1.0f &&
+        require(std::isfinite(method.ms()) && method.spread >= 1.0f &&
                 method.error >= 0.0f && method.error <= 1.0f);
 }
 

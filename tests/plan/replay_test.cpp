@@ -35,8 +35,9 @@ TEST_CASE("a trace reads back as it was written, within its steps")
     CHECK(read->budgetsMs == trace.budgetsMs);
     CHECK(read->cuts == trace.cuts);
     for (size_t i = 0; i < trace.measures.size(); ++i) {
-        CHECK(read->measures[i].updateMs == doctest::Approx(trace.measures[i].updateMs).epsilon(0.0002));
-        CHECK(read->measures[i].resolveMs == doctest::Approx(trace.measures[i].resolveMs).epsilon(0.0002));
+        CHECK(read->measures[i].updateGpuMs == doctest::Approx(trace.measures[i].updateGpuMs).epsilon(0.0002));
+        CHECK(read->measures[i].resolveGpuMs == doctest::Approx(trace.measures[i].resolveGpuMs).epsilon(0.0002));
+        CHECK(read->measures[i].quality == doctest::Approx(trace.measures[i].quality).epsilon(0.0001));
         CHECK(read->measures[i].error == doctest::Approx(trace.measures[i].error).epsilon(0.0001));
     }
 }
@@ -67,25 +68,31 @@ TEST_CASE("a damaged trace is an error, wherever the damage is")
 TEST_CASE("the calibrated plan keeps its bounds on invented traces, and beats the table and every fixed method")
 {
     const Trace calibration = calibrationTrace();
-    for (uint32_t kind = 0; kind < 4; ++kind)
+    for (uint32_t kind = 0; kind < 4; ++kind) {
+        double flips = 0.0;
         for (uint64_t seed = 1; seed <= 3; ++seed) {
             const Trace trace = syntheticTrace({.kind = static_cast<SyntheticKind>(kind), .seed = seed});
-            const std::vector<ReplayMetrics> all = compare(trace, {}, calibration);
+            const std::vector<ReplayMetrics> all = compare(trace, {}, &calibration);
             MESSAGE(kKindNames[kind], ", seed ", seed, "\n", toTable(all));
             const ReplayMetrics& plan = all[0];
-            CHECK(plan.regret <= 0.03);
+            CHECK(plan.regret <= 0.02);
+            // Each light has a factor of its own for each method, 8 % one way or the other, that shows only once the
+            // method has served it: 93 % is out of reach here, where no two lights are of one make.
+            CHECK(plan.picks >= 0.80);
             CHECK(plan.over <= 0.01);
             // A step of all times to double their size cannot be foreseen: six frames to come back, whatever the
             // height.
             if (kind != 2) CHECK(plan.worst <= 1.25);
             CHECK(plan.longestOver <= (kind == 2 ? 6 : 10));
-            CHECK(plan.flips == 0);
             CHECK(plan.floorViolations == 0);
+            flips += plan.flipsPerMinute / 3; // of 30 s: a single one is two a minute
             CHECK(plan.switchesPerLightSecond <= kSwitchBounds[kind]);
             for (size_t i = 2; i < all.size(); ++i) // table and fixed methods
                 CHECK(plan.regret < all[i].regret);
             CHECK(plan.over <= all[1].over); // cold
         }
+        CHECK(flips <= 1.0);
+    }
 }
 
 TEST_CASE("a replay is settled by trace and seed")
@@ -121,6 +128,7 @@ TEST_CASE("the oracle loses nothing against itself, and no policy has negative r
     CHECK(metrics.picks == 1.0);
     CHECK(metrics.over == 0.0);
     CHECK(metrics.floorViolations == 0);
-    for (const ReplayMetrics& m : compare(trace, {}, calibrationTrace()))
+    const Trace calibration = calibrationTrace();
+    for (const ReplayMetrics& m : compare(trace, {}, &calibration))
         CHECK(m.regret > -0.001);
 }

@@ -1,0 +1,300 @@
+// `gnomon trace`: a scene with every method measured on every frame for every light, as one file for `gnomon replay`.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "demo/program/commands.hpp"
+#include "demo/program/measure.hpp"
+#include "demo/program/rule_support.hpp"
+#include "demo/replay/budget.hpp"
+#include "demo/scene/scene_file.hpp"
+
+namespace gnomon::demo {
+namespace {
+
+// Timings come two frames late; with frames waited for, the next frame knows. One more for safety.
+constexpr uint32_t kFlushFrames = 3;
+// What the runtime smooths is full by then: five looks at the depth grid, one in eight frames.
+constexpr uint32_t kSettleFrames = 41;
+
+/// Runs a scene again and again, and fills in a trace.
+class Tracer {
+public:
+    Tracer(const TraceOptions& options, const Scene& scene, Device& device, VkExtent2D size)
+        : options_(options), scene_(scene), extent_(size),
+          secondsPerFrame_(static_cast<double>(scene.frames) / scene.framesPerSecond / options.frames),
+          session_(device, scene,
+                   {.size = size, .contextFlags = GN_CONTEXT_TIME_EVERY_FRAME_BIT | GN_CONTEXT_NO_BACKGROUND_BIT})
+    {
+        GnContext context = session_.shadows.context();
+        if (gnWarmUp(context) < 0) throw HostError(std::string("gnWarmUp: ") + gnGetLastError(context));
+        chooseMethods();
+        trace_.frames = options.frames;
+        trace_.lights = static_cast<uint32_t>(scene.lights.size());
+        trace_.frameSeconds = static_cast<float>(secondsPerFrame_);
+    }
+
+    Trace run()
+    {
+        readFacts();
+        countErrors();
+        for (uint32_t sweep = 0; sweep < options_.sweeps; ++sweep)
+            for (uint32_t m = 0; m < trace_.methods.size(); ++m)
+                time(m);
+        noteStill();
+        return std::move(trace_);
+    }
+
+private:
+    void chooseMethods()
+    {
+        const std::vector<std::string> asked = parseNames(options_.methods);
+        for (const GnMethodInfo& info : session_.shadows.methods()) {
+            const bool wanted = asked.empty() || std::find(asked.begin(), asked.end(), info.pName) != asked.end();
+            if (!wanted || info.pUnavailable) continue;
+            if (!session_.shadows.pinAll(info.pName)) continue; // serves none of these lights
+            trace_.methods.emplace_back(info.pName);
+            double side = 0.0;
+            for (uint32_t i = 0; i < info.settingCount; ++i)
+                if (std::string_view(info.pSettings[i].pName) == kResolutionSetting) side = info.pSettings[i].value;
+            trace_.mapTexels.push_back(static_cast<float>(side * side));
+        }
+        if (trace_.methods.empty()) throw HostError("no method serves a light of this scene");
+    }
+
+    /// Draws the frame and waits for it. @return gnomon's number of it.
+    uint64_t draw(uint32_t frame)
+    {
+        const double time = frame * secondsPerFrame_;
+        const CameraState camera = session_.camera(time);
+        session_.renderer.draw({.time = time,
+                                .cameras = {&camera, 1},
+                                .shadows = &session_.shadows,
+                                .flags = GN_FRAME_TIMED_BIT,
+                                .cameraCut = frame > 0 && cutBefore(frame)});
+        session_.renderer.waitForFrame();
+        return session_.shadows.stats().frame;
+    }
+    bool cutBefore(uint32_t frame) const
+    {
+        return cameraCutsBetween(scene_, (frame - 1) * secondsPerFrame_, frame * secondsPerFrame_);
+    }
+    void pinAll(const std::string& method)
+    {
+        for (uint32_t light = 0; light < scene_.lights.size(); ++light)
+            expect(session_.shadows.pin(light, {}));
+        if (!method.empty()) expect(session_.shadows.pinAll(method));
+    }
+    bool servedBy(uint32_t light, const std::string& method)
+    {
+        GnDecision decision{};
+        gnGetDecision(session_.shadows.context(), session_.shadows.view(0), session_.shadows.light(light), &decision);
+        return decision.reason == GN_REASON_PINNED && method == decision.pMethod;
+    }
+
+    /// One run by the rules: what they know of every light.
+    void readFacts()
+    {
+        const RuleText rules = valueOf(findRules(options_.rules));
+        expect(session_.shadows.loadRules(rules.text, rules.name));
+        pinAll({});
+        for (uint32_t i = 0; i < kSettleFrames; ++i)
+            draw(0);
+        for (uint32_t frame = 0; frame < trace_.frames; ++frame) {
+            draw(frame);
+            if (frame == 0) nameFacts();
+            trace_.cuts[frame] = frame == 0 || cutBefore(frame);
+            for (const uint32_t light : session_.renderer.state().present)
+                readLight(frame, light);
+        }
+    }
+
+    std::vector<GnFact> factsOf(uint32_t light)
+    {
+        uint32_t count = 0;
+        GnContext context = session_.shadows.context();
+        gnGetFacts(context, session_.shadows.view(0), session_.shadows.light(light), &count, nullptr);
+        std::vector<GnFact> facts(count);
+        gnGetFacts(context, session_.shadows.view(0), session_.shadows.light(light), &count, facts.data());
+        return facts;
+    }
+    void nameFacts()
+    {
+        if (session_.renderer.state().present.empty()) throw HostError("the scene's first frame has no light");
+        for (const GnFact& fact : factsOf(session_.renderer.state().present.front()))
+            trace_.facts.emplace_back(fact.pName);
+        trace_.allocate();
+    }
+
+    void readLight(uint32_t frame, uint32_t slot)
+    {
+        const size_t cell = trace_.cell(frame, slot);
+        TraceLight& light = trace_.lightStates[cell];
+        light.present = true;
+        light.fresh = frame == 0 || !trace_.lightStates[trace_.cell(frame - 1, slot)].present;
+        light.importance = scene_.lights[slot].importance > 0.0f ? scene_.lights[slot].importance : 1.0f;
+        light.directional = scene_.lights[slot].kind == LightKind::Directional;
+        const std::vector<GnFact> facts = factsOf(slot);
+        for (size_t i = 0; i < facts.size(); ++i) {
+            trace_.factValues[cell * trace_.facts.size() + i] = static_cast<float>(facts[i].value);
+            if (trace_.facts[i] == "screenShare")
+                light.pixels = static_cast<float>(facts[i].value * extent_.width * extent_.height);
+            if (trace_.facts[i] == "casterTriangles")
+                light.casterTriangles = static_cast<float>(std::pow(10.0, facts[i].value));
+        }
+        uint32_t count = 0;
+        GnContext context = session_.shadows.context();
+        gnGetCandidates(context, session_.shadows.view(0), session_.shadows.light(slot), &count, nullptr);
+        std::vector<GnCandidate> candidates(count);
+        gnGetCandidates(context, session_.shadows.view(0), session_.shadows.light(slot), &count, candidates.data());
+        for (uint32_t m = 0; m < trace_.methods.size(); ++m)
+            for (const GnCandidate& candidate : candidates)
+                if (trace_.methods[m] == candidate.pMethod) {
+                    trace_.measure(frame, slot, m).suitability = static_cast<int16_t>(candidate.suitability);
+                    trace_.measure(frame, slot, m).quality = candidate.quality;
+                }
+    }
+
+    /// One run of every method with the pictures read back, the truth first.
+    void countErrors()
+    {
+        struct Answer {
+            std::vector<uint8_t> counted;
+            Image8 visibility;
+        };
+        std::vector<Answer> truth(size_t{trace_.frames} * trace_.lights);
+        pinAll(kTruthMethod);
+        draw(0);
+        for (uint32_t frame = 0; frame < trace_.frames; ++frame) {
+            draw(frame);
+            const FrameSurfaces surfaces{session_.renderer.readDepth(), session_.renderer.readNormals()};
+            const std::vector<Image8> pictures = session_.renderer.readVisibility();
+            const SceneState& state = session_.renderer.state();
+            for (size_t layer = 0; layer < state.present.size(); ++layer) {
+                const uint32_t light = state.present[layer];
+                truth[trace_.cell(frame, light)] = {countedPixels(scene_, session_.renderer.camera(), surfaces,
+                                                                  scene_.lights[light], state.lights[light]),
+                                                    pictures[layer]};
+            }
+        }
+        for (uint32_t m = 0; m < trace_.methods.size(); ++m) {
+            pinAll(trace_.methods[m]);
+            draw(0);
+            for (uint32_t frame = 0; frame < trace_.frames; ++frame) {
+                draw(frame);
+                const std::vector<Image8> pictures = session_.renderer.readVisibility();
+                const std::vector<uint32_t>& present = session_.renderer.state().present;
+                for (size_t layer = 0; layer < present.size(); ++layer) {
+                    if (!servedBy(present[layer], trace_.methods[m])) continue;
+                    const Answer& answer = truth[trace_.cell(frame, present[layer])];
+                    const ErrorCount errors = compare(pictures[layer], answer.visibility, answer.counted);
+                    trace_.measure(frame, present[layer], m).error =
+                        static_cast<float>(errors.percent(errors.wrong()) / 100.0);
+                }
+            }
+        }
+    }
+
+    /// One sweep of one method over the whole animation; the fastest sweep of a frame stays.
+    void time(uint32_t method)
+    {
+        pinAll(trace_.methods[method]);
+        for (uint32_t i = 0; i < kFlushFrames; ++i)
+            draw(0);
+        std::vector<std::pair<uint64_t, uint32_t>> numbers; // gnomon's number of every frame
+        std::vector<uint8_t> served(size_t{trace_.frames} * trace_.lights);
+        for (uint32_t frame = 0; frame < trace_.frames + kFlushFrames; ++frame) {
+            const uint32_t shown = std::min(frame, trace_.frames - 1);
+            const uint64_t number = draw(shown);
+            if (frame < trace_.frames) {
+                numbers.emplace_back(number, frame);
+                for (const uint32_t light : session_.renderer.state().present)
+                    served[trace_.cell(frame, light)] = servedBy(light, trace_.methods[method]);
+            }
+            takeTimings(method, numbers, served);
+        }
+    }
+
+    void takeTimings(uint32_t method, const std::vector<std::pair<uint64_t, uint32_t>>& numbers,
+                     const std::vector<uint8_t>& served)
+    {
+        GnContext context = session_.shadows.context();
+        uint64_t number = 0;
+        uint32_t count = 0;
+        gnGetPassTimings(context, &number, &count, nullptr);
+        const auto found =
+            std::find_if(numbers.begin(), numbers.end(), [&](const auto& n) { return n.first == number; });
+        if (found == numbers.end() || number == taken_) return;
+        taken_ = number;
+        passes_.resize(count);
+        gnGetPassTimings(context, nullptr, &count, passes_.data());
+        for (uint32_t light = 0; light < trace_.lights; ++light)
+            if (served[trace_.cell(found->second, light)]) keepFastest(found->second, light, method);
+    }
+
+    void keepFastest(uint32_t frame, uint32_t light, uint32_t method)
+    {
+        TraceMethod now;
+        for (const GnPassTiming& pass : passes_) {
+            if (pass.light != session_.shadows.light(light)) continue;
+            const bool update = pass.view == VK_NULL_HANDLE; // light scope: what is kept while nothing moves
+            (update ? now.updateGpuMs : now.resolveGpuMs) += pass.gpuMs;
+            (update ? now.updateCpuMs : now.resolveCpuMs) += pass.cpuMs;
+        }
+        TraceMethod& kept = trace_.measure(frame, light, method);
+        const double before = kept.ms(), ms = now.ms();
+        if (!(ms > 0.0)) return;
+        const double slowest = std::max(before * double{kept.spread}, ms);
+        if (before == 0.0 || ms < before) {
+            kept.updateGpuMs = now.updateGpuMs, kept.updateCpuMs = now.updateCpuMs;
+            kept.resolveGpuMs = now.resolveGpuMs, kept.resolveCpuMs = now.resolveCpuMs;
+        }
+        kept.spread = static_cast<float>(slowest / kept.ms());
+    }
+
+    /// A light rests in a frame in which no method had anything to update.
+    void noteStill()
+    {
+        for (uint32_t frame = 0; frame < trace_.frames; ++frame)
+            for (uint32_t light = 0; light < trace_.lights; ++light) {
+                bool still = true;
+                for (uint32_t m = 0; m < trace_.methods.size(); ++m)
+                    still = still && trace_.measure(frame, light, m).updateGpuMs == 0.0f;
+                trace_.lightStates[trace_.cell(frame, light)].still = still;
+            }
+    }
+
+    const TraceOptions& options_;
+    const Scene& scene_;
+    VkExtent2D extent_;
+    double secondsPerFrame_;
+    Session session_;
+    Trace trace_;
+    std::vector<GnPassTiming> passes_;
+    uint64_t taken_ = 0;
+};
+
+} // namespace
+
+int traceCommand(const TraceOptions& options)
+{
+    const auto start = std::chrono::steady_clock::now();
+    Scene scene = valueOf(loadScene(options.scene));
+    if (options.lights > 0) limitLights(scene, options.lights);
+    const VkExtent2D size = valueOf(parseSize(options.size));
+    const std::unique_ptr<Device> device = Device::create({});
+    Trace trace = Tracer(options, scene, *device, size).run();
+    applyRules(trace, parseRules(options.rules));
+    expect(setBudgets(trace, options.budget));
+    const std::string bytes = writeTrace(trace);
+    expect(writeText(options.out, bytes));
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    std::printf("%s: %u frames of %.3f s, %u lights, %zu methods, %zu bytes, in %.0f s\n", options.out.c_str(),
+                trace.frames, double{trace.frameSeconds}, trace.lights, trace.methods.size(), bytes.size(),
+                took.count());
+    return 0;
+}
+
+} // namespace gnomon::demo

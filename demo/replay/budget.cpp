@@ -1,0 +1,62 @@
+#include "demo/replay/budget.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "demo/io/number.hpp"
+#include "demo/replay/replay.hpp"
+
+namespace gnomon::demo {
+
+namespace {
+
+double medianCheapestMs(const Trace& trace)
+{
+    std::vector<double> sums;
+    for (uint32_t frame = 0; frame < trace.frames; ++frame)
+        sums.push_back(cheapestMs(trace, frame));
+    if (sums.empty()) return 0.0;
+    const auto middle = sums.begin() + static_cast<std::ptrdiff_t>(sums.size() / 2);
+    std::nth_element(sums.begin(), middle, sums.end());
+    return *middle;
+}
+
+} // namespace
+
+double cheapestMs(const Trace& trace, uint32_t frame)
+{
+    double sum = 0.0;
+    for (uint32_t slot = 0; slot < trace.lights; ++slot) {
+        if (!trace.lightStates[trace.cell(frame, slot)].present) continue;
+        const uint32_t eligible = eligibleMethods(trace, frame, slot);
+        double least = std::numeric_limits<double>::infinity();
+        for (uint32_t m = 0; m < trace.methods.size(); ++m)
+            if (eligible >> m & 1) least = std::min(least, trace.measure(frame, slot, m).ms());
+        if (eligible) sum += least;
+    }
+    return sum;
+}
+
+Status setBudgets(Trace& trace, std::string_view text)
+{
+    std::vector<double> parts;
+    while (true) {
+        const size_t comma = text.find(',');
+        std::string_view word = text.substr(0, comma);
+        const std::string_view asked = word;
+        if (word == "auto") word = kAutoBudget;
+        const bool relative = word.ends_with('x');
+        if (relative) word.remove_suffix(1);
+        const std::optional<double> value = parseNumber(word);
+        if (!value || !(*value > 0.0))
+            return Status::failure(std::string(asked) + ": no budget like 4.5, 1.3x or auto");
+        parts.push_back(relative ? *value * medianCheapestMs(trace) : *value);
+        if (comma == std::string_view::npos) break;
+        text.remove_prefix(comma + 1);
+    }
+    for (uint32_t frame = 0; frame < trace.frames; ++frame)
+        trace.budgetsMs[frame] = static_cast<float>(parts[size_t{frame} * parts.size() / trace.frames]);
+    return Done{};
+}
+
+} // namespace gnomon::demo
