@@ -44,8 +44,8 @@ std::string reasonText(const GnDecision& decision)
 
 } // namespace
 
-FrameLog::FrameLog(const Scene& scene, float budgetMs)
-    : scene_(scene), budgetMs_(budgetMs),
+FrameLog::FrameLog(const Scene& scene)
+    : scene_(scene),
       lights_({"frame", "light", "method", "suitability", "predicted_ms", "measured_ms", "distance", "reason"})
 {
 }
@@ -53,7 +53,8 @@ FrameLog::FrameLog(const Scene& scene, float budgetMs)
 void FrameLog::add(uint32_t frame, double timeSeconds, const SceneState& state, const ShadowHost& shadows)
 {
     const GnFrameStats stats = shadows.stats();
-    const bool over = budgetMs_ > 0.0f && stats.gpuMs + stats.cpuMs > budgetMs_;
+    const bool over = stats.budgetMs > 0.0f && stats.gpuMs + stats.cpuMs > stats.budgetMs;
+    budgetSet_ = budgetSet_ || stats.budgetMs > 0.0f;
     rows_.push_back({frame, timeSeconds, state.present.size(), stats, over});
 
     newest_.clear();
@@ -86,7 +87,7 @@ CsvWriter FrameLog::framesTable() const
         const double ms = frameMs_[i];
         table.cell(row.frame).cell(row.timeSeconds, 4).cell(ms, 3).cell(ms > 0.0 ? 1000.0 / ms : 0.0, 2);
         table.cell(double(row.stats.gpuMs), 3).cell(double(row.stats.cpuMs), 3).cell(double(row.stats.decideUs), 1);
-        table.cell(row.lights).cell(row.stats.switches).cell(double(budgetMs_), 2).cell(row.overBudget).endRow();
+        table.cell(row.lights).cell(row.stats.switches).cell(double(row.stats.budgetMs), 2).cell(row.overBudget).endRow();
     }
     return table;
 }
@@ -143,7 +144,7 @@ std::string FrameLog::summaryText() const
         line(label, 100.0 * double(count) / double(all), 1, " % of light-frames");
     }
     line("switches            ", double(s.switches), 0, "");
-    line("over-budget frames  ", s.overBudget, 0, budgetMs_ > 0.0f ? "" : " (no budget set)");
+    line("over-budget frames  ", s.overBudget, 0, budgetSet_ ? "" : " (no budget set)");
     return out;
 }
 

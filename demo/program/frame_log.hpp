@@ -13,7 +13,7 @@ namespace gnomon::demo {
 
 class FrameLog {
 public:
-    FrameLog(const Scene& scene, float budgetMs);
+    explicit FrameLog(const Scene& scene);
 
     /// After a frame was submitted: what was decided, and what gnomon says it cost.
     void add(uint32_t frame, double timeSeconds, const SceneState& state, const ShadowHost& shadows);
@@ -55,12 +55,12 @@ private:
     CsvWriter framesTable() const;
 
     const Scene& scene_;
-    float budgetMs_;
     std::vector<FrameRow> rows_;
     std::vector<double> frameMs_; ///< Of the first rows; grows by finish().
     CsvWriter lights_;
     std::vector<LightLine> newest_;
     bool newestSwitched_ = false;
+    bool budgetSet_ = false; ///< By the host or the rules, in any frame.
     std::map<std::string, uint64_t> lightFrames_;
 };
 

@@ -5,6 +5,7 @@
 #include "demo/io/number.hpp"
 #include "demo/io/png.hpp"
 #include "demo/program/commands.hpp"
+#include "demo/program/decision_log.hpp"
 #include "demo/program/dump.hpp"
 #include "demo/program/pictures.hpp"
 #include "demo/program/progress.hpp"
@@ -130,14 +131,15 @@ int runCommand(const RunOptions& options)
                 static_cast<unsigned long long>(triangleCount(scene)), session.device.properties.deviceName,
                 session.device.driver.c_str());
     std::fflush(stdout);
-    FrameLog log(scene, options.budgetMs);
+    FrameLog log(scene);
     PictureTaker pictures(out, frames);
     Progress progress(frames);
     double lastTime = frameTime(scene, 0);
     FrameClock clock;
     RuleWatch rules(options.rules);
+    DecisionCollector decisions;
     for (uint32_t frame = 0; frame < frames; ++frame) {
-        rules.poll(session.shadows);
+        rules.poll(session.shadows, [&] { decisions.collect(session.shadows); });
         const double time = frameTime(scene, frame);
         const CameraState camera = session.camera(time);
         session.renderer.draw({.time = time,
@@ -148,6 +150,7 @@ int runCommand(const RunOptions& options)
                                .cameraCut = frame > 0 && cameraCutsBetween(scene, lastTime, time)});
         lastTime = time;
         log.add(frame, time, session.renderer.state(), session.shadows);
+        decisions.frame(session.shadows, session.shadows.stats().frame);
         const bool picture = pictures.wants(frame, log.newestSwitched());
         // One frame stays in flight while the next is prepared, except before pictures and at the end.
         clock.finish(session.renderer, picture || frame + 1 == frames ? frame + 1 : frame, log);
@@ -161,11 +164,15 @@ int runCommand(const RunOptions& options)
         printMessages(session.shadows);
     }
     log.save(out);
+    decisions.collect(session.shadows);
+    expect(writeText(out / "decisions.gnlog", decisions.bytes()));
     if (!options.dump.empty()) dumpFrame(options.dump, scene, session.renderer, log.newest());
     requireSilence(session.device);
 
+    for (const std::string& text : options.why)
+        std::printf("%s", valueOf(answerFromLog(decisions.bytes(), valueOf(parseWhy(text)))).c_str());
     std::printf("%s", log.summaryText().c_str());
-    std::printf("files               %s: frames.csv, lights.csv, frame_*.png, frame_*_methods.png%s\n",
+    std::printf("files               %s: frames.csv, lights.csv, decisions.gnlog, frame_*.png, frame_*_methods.png%s\n",
                 std::filesystem::absolute(out).lexically_normal().c_str(),
                 std::filesystem::exists(out / "rules.yaml") ? ", rules.yaml" : "");
     return 0;

@@ -144,7 +144,7 @@ int windowCommand(const RunOptions& options)
     std::printf("%s", kHelp);
     MethodKeys keys(session);
     FlyCamera fly;
-    FrameLog log(session.scene, options.budgetMs);
+    FrameLog log(session.scene);
     const double duration = frameTime(session.scene, session.scene.frames);
     double time = 0.0, smoothedMs = 0.0;
     bool paused = false;
