@@ -6,6 +6,7 @@ include(CMakePackageConfigHelpers)
 install(TARGETS gnomon gnomon_rules gnomon_parts EXPORT gnomonTargets
     ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}")
 install(DIRECTORY runtime/include/gnomon DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+install(DIRECTORY rules/knowledge DESTINATION "${CMAKE_INSTALL_DATADIR}/gnomon/rules" FILES_MATCHING PATTERN "*.csv")
 install(FILES rules/battery.yaml rules/default.yaml rules/quality.yaml rules/thesis.yaml DESTINATION "${CMAKE_INSTALL_DATADIR}/gnomon/rules")
 install(EXPORT gnomonTargets NAMESPACE gnomon:: DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/gnomon")
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "algorithms/common/light_pixels.hpp"
+#include "runtime/scene/light_pixels.hpp"
 #include "algorithms/hybrid/pixel_list.hpp"
 #include "algorithms/hybrid/receivers.hpp"
 #include "algorithms/maps/depth_map.hpp"

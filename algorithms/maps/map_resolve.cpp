@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "algorithms/common/light_pixels.hpp"
+#include "runtime/scene/light_pixels.hpp"
 #include "algorithms/maps/depth_map.hpp"
 #include "shaders/maps_map_resolve_vert.h"
 

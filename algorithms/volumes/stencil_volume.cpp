@@ -4,7 +4,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "algorithms/common/light_pixels.hpp"
+#include "runtime/scene/light_pixels.hpp"
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "algorithms/volumes/view_stencil.hpp"
 #include "algorithms/volumes/volume_list.hpp"

@@ -181,6 +181,11 @@ Status ShadowHost::loadRules(const std::string& text, const std::string& fileNam
     return Status::failure(all.empty() ? gnGetLastError(context_) : all);
 }
 
+Status ShadowHost::loadKnowledge(const std::string& text, const std::string& fileName) const
+{
+    return statusOf(gnLoadKnowledge(context_, text.data(), text.size(), fileName.c_str()));
+}
+
 Status ShadowHost::pin(uint32_t light, const std::string& method)
 {
     return statusOf(gnSetLightMethod(context_, lights_.at(light), method.empty() ? nullptr : method.c_str()));

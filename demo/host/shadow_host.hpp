@@ -39,6 +39,7 @@ public:
     std::vector<GnLight> present(const SceneState& state) const;
 
     Status loadRules(const std::string& text, const std::string& fileName);
+    Status loadKnowledge(const std::string& text, const std::string& fileName) const;
     /// Empty hands the light back to the rules.
     Status pin(uint32_t light, const std::string& method);
     /// Every light that the method serves; the others stay with the rules and are named in `refused`, with the reason.

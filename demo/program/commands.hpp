@@ -50,6 +50,14 @@ struct CompareOptions {
 int compareCommand(const CompareOptions& options);
 
 struct TraceOptions {
+struct CalibrateOptions {
+    std::string out, methods, knowledge, size;
+    double secondsPerMethod = 12.0;
+    std::vector<std::string> check; ///< Scenes; empty: measure the sweep.
+    bool verbose = false;
+};
+int calibrateCommand(const CalibrateOptions& options);
+
     std::string scene, rules, methods;
     std::string out = "scene.gntrace", size = "160x120", budget = "auto";
     uint32_t frames = 90, sweeps = 5;

@@ -1,6 +1,7 @@
 #include "demo/program/session.hpp"
 
 #include <charconv>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 
@@ -20,8 +21,9 @@ std::unique_ptr<Scene> load(const SessionOptions& options)
 }
 
 // At least the default, so that lights which come and go keep their place; at most what the lighting pass takes.
-uint32_t layersFor(const Scene& scene)
+uint32_t layersFor(const Scene& scene, const SessionOptions& options)
 {
+    if (options.maxLights > 0) return options.maxLights;
     return std::max<uint32_t>(1, static_cast<uint32_t>(scene.lights.size()));
 }
 
@@ -34,7 +36,7 @@ ShadowHostOptions shadowOptions(const Scene& scene, const SessionOptions& option
 {
     return {.framesInFlight = options.framesInFlight,
             .viewCount = options.viewCount,
-            .maxLights = layersFor(scene),
+            .maxLights = layersFor(scene, options),
             .flags = options.contextFlags};
 }
 
@@ -42,7 +44,7 @@ RendererOptions rendererOptions(const Scene& scene, const SessionOptions& option
 {
     return {.framesInFlight = options.framesInFlight,
             .viewCount = options.viewCount,
-            .maxLights = layersFor(scene),
+            .maxLights = layersFor(scene, options),
             .extent = sizeOf(scene, options)};
 }
 
@@ -61,6 +63,7 @@ Session::Session(const SessionOptions& options)
       shadows(device, scene, geometry, shadowOptions(scene, options)),
       renderer(device, scene, geometry, rendererOptions(scene, options))
 {
+    expect(loadKnowledge(shadows, options.knowledge));
 }
 
 Session::Session(Device& sharedDevice, const Scene& sharedScene, const SessionOptions& options)
@@ -68,6 +71,7 @@ Session::Session(Device& sharedDevice, const Scene& sharedScene, const SessionOp
       shadows(device, scene, geometry, shadowOptions(scene, options)),
       renderer(device, scene, geometry, rendererOptions(scene, options))
 {
+    expect(loadKnowledge(shadows, options.knowledge));
 }
 
 Outcome<VkExtent2D> parseSize(const std::string& text)
@@ -119,6 +123,34 @@ Outcome<RuleText> findRules(const std::string& nameOrPath)
     }
 #endif
     return Outcome<RuleText>::failure("no rule base '" + wanted + "': neither a file nor one of: " + known);
+}
+
+Outcome<std::filesystem::path> findKnowledge(const std::string& nameOrPath)
+{
+    namespace fs = std::filesystem;
+    std::error_code ignored; // unreadable counts as absent; the message below names it
+    if (fs::is_regular_file(nameOrPath, ignored)) return fs::path(nameOrPath);
+    std::vector<fs::path> folders;
+    if (const char* data = std::getenv("GNOMON_DATA_DIR"); data != nullptr && *data != '\0')
+        folders.push_back(fs::path(data) / "rules" / "knowledge");
+    const fs::path executable = fs::read_symlink("/proc/self/exe", ignored); // empty where there is no /proc
+    if (!executable.empty())
+        folders.push_back(executable.parent_path() / ".." / "share" / "gnomon" / "rules" / "knowledge");
+    folders.emplace_back(GNOMON_SOURCE_KNOWLEDGE);
+    for (const fs::path& folder : folders)
+        if (const fs::path file = folder / (nameOrPath + ".csv"); fs::is_regular_file(file, ignored))
+            return file.lexically_normal();
+    return Outcome<fs::path>::failure("no knowledge base '" + nameOrPath + "': neither a file nor a shipped one");
+}
+
+Status loadKnowledge(const ShadowHost& shadows, const std::string& nameOrPath)
+{
+    if (nameOrPath == "none") return Done{};
+    const Outcome<std::filesystem::path> file = findKnowledge(nameOrPath.empty() ? "lavapipe" : nameOrPath);
+    if (!file) return nameOrPath.empty() ? Status(Done{}) : Status::failure(file.error());
+    const Outcome<std::string> text = readText(*file);
+    if (!text) return Status::failure(text.error());
+    return shadows.loadKnowledge(*text, file->string());
 }
 
 Outcome<std::string> readText(const std::filesystem::path& file)

@@ -16,10 +16,12 @@ struct SessionOptions {
     std::string scene;              ///< Path or shipped name.
     VkExtent2D size{};              ///< Zero: the scene's.
     std::optional<uint32_t> lights; ///< limitLights().
+    uint32_t maxLights = 0;         ///< At a time; 0: all the scene has.
     uint32_t framesInFlight = 2;
     uint32_t viewCount = 1;
     GnContextCreateFlags contextFlags = 0;
     bool validation = false;
+    std::string knowledge; ///< loadKnowledge().
     std::vector<const char*> instanceExtensions;
 };
 
@@ -54,6 +56,11 @@ struct RuleText {
 };
 /// A rule base by path or by the name of a shipped one; empty: "default".
 Outcome<RuleText> findRules(const std::string& nameOrPath);
+
+/// A knowledge base by path, or by the name of a shipped one: `lavapipe`.
+Outcome<std::filesystem::path> findKnowledge(const std::string& nameOrPath);
+/// Teaches the cost model; an empty name means the shipped knowledge base, if it is installed, `none` nothing.
+Status loadKnowledge(const ShadowHost& shadows, const std::string& nameOrPath);
 
 Outcome<std::string> readText(const std::filesystem::path& file);
 Status writeText(const std::filesystem::path& file, std::string_view text);

@@ -154,6 +154,7 @@ const char* GN_CALL gnResultName(GnResult result)
         GN_NAME(GN_ERROR_UNKNOWN_METHOD)
         GN_NAME(GN_ERROR_FRAME_ORDER)
         GN_NAME(GN_ERROR_UNSUPPORTED)
+        GN_NAME(GN_ERROR_KNOWLEDGE)
         GN_NAME(GN_RESULT_MAX_ENUM)
 #undef GN_NAME
     }
@@ -384,6 +385,23 @@ GnResult GN_CALL gnLoadRules(GnContext context, const char* pText, size_t size, 
     return atBoundary(context, [&](Context& c) {
         if (!pText) return nullArgument(context, "pText");
         return status(context, c.loadRules({pText, size}, pFileName ? pFileName : "rules"));
+    });
+}
+
+GnResult GN_CALL gnLoadKnowledge(GnContext context, const char* pText, size_t size, const char* pFileName)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pText) return nullArgument(context, "pText");
+        return status(context, c.loadKnowledge({pText, size}, pFileName ? pFileName : "knowledge"));
+    });
+}
+
+GnResult GN_CALL gnGetLightTiming(GnContext context, GnView view, GnLight light, GnLightTiming* pTiming)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pTiming) return nullArgument(context, "pTiming");
+        *pTiming = {};
+        return give(context, c.lightTiming(view, light), pTiming);
     });
 }
 

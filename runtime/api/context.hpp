@@ -66,6 +66,7 @@ public:
     const GnPluginInterface* pluginInterface() const { return &pluginInterface_; }
     std::uint32_t methods(std::span<GnMethodInfo> out);
     Result<void> loadRules(std::string_view text, std::string_view fileName);
+    Result<void> loadKnowledge(std::string_view text, std::string_view fileName);
 
     Result<GnResult> recordFrame(VkCommandBuffer cmd, const GnFrameInfo& info);
     Result<GnResult> beginFrame(const GnFrameInfo& info, FrameMode mode);
@@ -76,6 +77,7 @@ public:
     Result<std::string> explanation(GnView view, GnLight light);
     Result<std::string> answer(GnView view, GnLight light, const GnQuestion& question);
     Result<std::string> decisionLog(GnView view, std::uint64_t firstFrame, std::uint64_t frameOrigin);
+    Result<GnLightTiming> lightTiming(GnView view, GnLight light);
     /// Fill what fits. @return how many there are.
     Result<std::uint32_t> facts(GnView view, GnLight light, std::span<GnFact> out);
     Result<std::uint32_t> candidates(GnView view, GnLight light, std::span<GnCandidate> out);

@@ -59,7 +59,7 @@ void Context::chargeLight(const FrameTimings& timings, const View& view, std::ui
     if (methods[0] == memory.incumbent) std::swap(methods[0], methods[1]); // who serves has the last word
     for (const std::uint32_t method : methods) {
         if (method == UINT32_MAX) continue;
-        LightTiming light;
+        LightTiming light{.frame = timings.frame};
         for (const PassTiming& pass : timings.passes) {
             if (pass.owner.light != id || pass.owner.declarer != method) continue;
             if (pass.owner.view != UINT32_MAX && pass.owner.view != view.id) continue;

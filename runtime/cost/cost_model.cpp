@@ -14,6 +14,9 @@ namespace {
 constexpr double kPixelsReference = 20.0;
 constexpr double kTrianglesReference = 14.0;
 constexpr double kTexelsReference = 20.0;
+constexpr double kCastersReference = 4.0;
+constexpr double kFewTriangles = 500.0;    // drawn in the time that an empty pass takes
+constexpr double kClearShare = 1.0 / 32.0; // of a pixel's shading: what clearing one costs
 constexpr double kBend = 1.0 / 8.0; // products reach the size of the logarithms at 8 octaves from the reference
 
 constexpr double kForgetting = 0.999;   // remembers about 1000 timings, some seconds of frames
@@ -41,8 +44,8 @@ constexpr size_t kFrameErrors = 1024;  // timings of a frame that vote on the de
 /// texels, resolves with pixels; shared passes split evenly; a still light skips most of its update.
 Features priorOf(uint32_t track)
 {
-    if (track / 2 == static_cast<uint32_t>(Pass::update)) return {0.0, 0.0, 0.5, 0.5, -1.0, 0.0, 0.0, 0.0, 0.0};
-    return {0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    if (track / 2 == static_cast<uint32_t>(Pass::update)) return {0.0, 0.5, 0.5};
+    return {0.0, 0.5, 0.0, 0.0, 0.5};
 }
 
 double logOf(double size)
@@ -63,20 +66,39 @@ bool isTime(double ms)
 
 } // namespace
 
-Features featuresOf(const Workload& workload) noexcept
+Features featuresOf(const Workload& workload, Pass pass) noexcept
 {
-    const double pixels = logOf(workload.pixels) - kPixelsReference;
-    const double triangles = logOf(workload.casterTriangles) - kTrianglesReference;
+    // Small sizes vanish in what is there anyway (a clear, a submit): they are added before the logarithm.
     const double texels = workload.mapTexels > 0.0 ? logOf(workload.mapTexels) - kTexelsReference : 0.0;
+    if (pass == Pass::update) {
+        const double drawn = workload.drawnTriangles > 0.0 ? workload.drawnTriangles : workload.casterTriangles;
+        const double triangles = logOf(drawn + kFewTriangles) - kTrianglesReference;
+        return {1.0,
+                triangles,
+                texels,
+                logOf(workload.casters) - kCastersReference,
+                drawn < workload.casterTriangles ? 1.0 : 0.0,
+                workload.directional ? 1.0 : 0.0,
+                workload.still ? 1.0 : 0.0,
+                triangles * triangles * kBend,
+                triangles * texels * kBend,
+                texels * texels * kBend};
+    }
+    const double view = workload.viewPixels > 0.0 ? workload.viewPixels : workload.pixels;
+    const double around = workload.drawnPixels > 0.0 ? workload.drawnPixels : workload.pixels;
+    const double triangles = logOf(workload.casterTriangles + kFewTriangles) - kTrianglesReference;
+    const double pixels = logOf(workload.pixels + kClearShare * view) - kPixelsReference;
+    const double rectangle = logOf(around + kClearShare * view) - kPixelsReference;
     return {1.0,
             pixels,
             triangles,
             texels,
-            logOf(workload.sharing),
+            rectangle,
             workload.still ? 1.0 : 0.0,
-            pixels * pixels * kBend,
+            workload.directional ? 1.0 : 0.0,
+            workload.point ? 1.0 : 0.0,
             triangles * triangles * kBend,
-            triangles * texels * kBend};
+            triangles * pixels * kBend};
 }
 
 void CostModel::reset(Track& track, uint32_t t) noexcept
@@ -138,7 +160,7 @@ void CostModel::calibrate(uint32_t method, Pass pass, Processor processor, const
 {
     if (method >= methods_ || !isTime(ms)) return;
     Track& known = track(method, trackOf(pass, processor));
-    const Features f = featuresOf(workload);
+    const Features f = featuresOf(workload, pass);
     double error = log2Exactly(ms);
     for (uint32_t i = 0; i < kFeatures; ++i)
         error -= known.theta[i] * f[i];
@@ -215,7 +237,7 @@ void CostModel::observe(const Observation& observation) noexcept
     if (observation.method >= methods_ || observation.light >= lights_ || !isTime(observation.ms)) return;
     if (observation.disturbed || observation.samplesSinceSwitch < kDiscarded) return;
     const uint32_t t = trackOf(observation.pass, observation.processor);
-    const Features f = featuresOf(observation.workload);
+    const Features f = featuresOf(observation.workload, observation.pass);
     Track& known = track(observation.method, t);
     const double y = log2Exactly(observation.ms);
     const double surprise = y - octaves(observation.light, observation.method, t, f).mean;
@@ -298,7 +320,7 @@ Prediction CostModel::combine(const Prediction& gpu, const Prediction& cpu) cons
 Prediction CostModel::predict(uint32_t light, uint32_t method, Pass pass, const Workload& workload) const noexcept
 {
     if (method >= methods_) return {};
-    const Features f = featuresOf(workload);
+    const Features f = featuresOf(workload, pass);
     std::array<Prediction, 2> parts;
     bool any = false;
     for (const Processor processor : {Processor::gpu, Processor::cpu}) {

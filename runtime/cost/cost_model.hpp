@@ -34,19 +34,24 @@ constexpr uint32_t trackOf(Pass pass, Processor processor)
     return static_cast<uint32_t>(pass) * 2 + static_cast<uint32_t>(processor);
 }
 
-/// What the time depends on. Zero counts as one where a logarithm is taken.
+/// What the time depends on.
 struct Workload {
     double pixels = 0.0;          ///< Reached by the light.
     double casterTriangles = 0.0; ///< In range of the light.
     double mapTexels = 0.0;       ///< Of the method's maps for this light; 0: none.
-    double sharing = 1.0;         ///< Lights that share the pass.
+    double sharing = 1.0;         ///< Lights of the frame.
     bool still = false;           ///< Light and casters stand still: the update may be skipped.
+    double drawnTriangles = 0.0;  ///< Of the casters', those an update draws; 0: all of them.
+    double casters = 0.0;         ///< Instances in range.
+    bool directional = false, point = false; ///< Kind of light; neither: a spot light.
+    double drawnPixels = 0.0; ///< Of the screen rectangle around the light; 0: `pixels`.
+    double viewPixels = 0.0;  ///< Of the view; 0: `pixels`.
 };
 
-inline constexpr uint32_t kFeatures = 9;
+inline constexpr uint32_t kFeatures = 10;
 using Features =
     std::array<double, kFeatures>; ///< 1, then the workload in logarithms less a reference size, then curvature.
-Features featuresOf(const Workload& workload) noexcept;
+Features featuresOf(const Workload& workload, Pass pass) noexcept;
 
 /// One timing.
 struct Observation {
@@ -75,6 +80,7 @@ public:
 
     /// On a device whose "GPU" runs on the CPU's cores times add up; otherwise the longer one binds.
     void setSharedCores(bool shared) noexcept { sharedCores_ = shared; }
+    bool sharedCores() const noexcept { return sharedCores_; }
 
     /// Least squares over one measurement of a calibration run: no forgetting, no clipping. Calibrations of another
     /// device are fine: the device factor is learned on top.

@@ -22,20 +22,30 @@ enum Column : uint32_t {
     mapTexels,
     sharing,
     still,
+    drawnTriangles,
+    casters,
+    directional,
+    pointLight,
+    drawnPixels,
+    viewPixels,
     samples,
+    gpuMin,
     gpuP50,
     gpuP95,
+    cpuMin,
     cpuP50,
     firstFrame,
-    errorFlip,
+    wrongPercent,
     clockMhz,
     date,
     kColumns,
 };
 constexpr std::array<std::string_view, kColumns> kNames = {
-    "device",     "driver",         "algorithm",  "pass",      "pixels",     "caster_triangles",
-    "map_texels", "sharing",        "still",      "samples",   "gpu_ms_p50", "gpu_ms_p95",
-    "cpu_ms_p50", "first_frame_ms", "error_flip", "clock_mhz", "date"};
+    "device",          "driver",     "algorithm",     "pass",       "pixels",         "caster_triangles",
+    "map_texels",      "sharing",    "still",         "drawn_triangles", "casters",   "directional",
+    "point",           "drawn_pixels", "view_pixels",
+    "samples",         "gpu_ms_min", "gpu_ms_p50",    "gpu_ms_p95", "cpu_ms_min",     "cpu_ms_p50",
+    "first_frame_ms",  "wrong_percent", "clock_mhz",  "date"};
 
 /// The whole cell as a number that a measurement can have: finite and not negative. An empty cell is 0.
 std::optional<double> measureOf(std::string_view cell)
@@ -135,6 +145,7 @@ private:
         const std::string& passName = cells_[places_[pass]];
         if (passName != "update" && passName != "resolve") return reject("pass is neither update nor resolve");
         if (cells_[places_[algorithm]].empty()) return reject("no algorithm");
+        if (cells_[places_[wrongPercent]].empty()) numbers[wrongPercent] = kNotMeasured;
         if (numbers[gpuP50] <= 0.0 && numbers[cpuP50] <= 0.0) return reject("no time was measured");
         base_.rows.push_back({.device = cells_[places_[device]],
                               .driver = cells_[places_[driver]],
@@ -144,13 +155,21 @@ private:
                                            .casterTriangles = numbers[casterTriangles],
                                            .mapTexels = numbers[mapTexels],
                                            .sharing = std::max(1.0, numbers[sharing]),
-                                           .still = numbers[still] != 0.0},
+                                           .still = numbers[still] != 0.0,
+                                           .drawnTriangles = numbers[drawnTriangles],
+                                           .casters = numbers[casters],
+                                           .directional = numbers[directional] != 0.0,
+                                           .point = numbers[pointLight] != 0.0,
+                                           .drawnPixels = numbers[drawnPixels],
+                                           .viewPixels = numbers[viewPixels]},
                               .samples = static_cast<uint32_t>(std::min(numbers[samples], 1e9)),
+                              .gpuMsMin = numbers[gpuMin],
                               .gpuMsP50 = numbers[gpuP50],
                               .gpuMsP95 = numbers[gpuP95],
+                              .cpuMsMin = numbers[cpuMin],
                               .cpuMsP50 = numbers[cpuP50],
                               .firstFrameMs = numbers[firstFrame],
-                              .errorFlip = numbers[errorFlip],
+                              .wrongPercent = numbers[wrongPercent],
                               .clockMhz = numbers[clockMhz],
                               .date = cells_[places_[date]]});
     }
@@ -201,10 +220,13 @@ std::string writeKnowledge(std::span<const KnowledgeRow> rows)
         out += row.pass == Pass::update ? "update" : "resolve";
         const Workload& workload = row.workload;
         for (const double number : {workload.pixels, workload.casterTriangles, workload.mapTexels, workload.sharing,
-                                    workload.still ? 1.0 : 0.0, 1.0 * row.samples, row.gpuMsP50, row.gpuMsP95,
-                                    row.cpuMsP50, row.firstFrameMs, row.errorFlip, row.clockMhz}) {
+                                    workload.still ? 1.0 : 0.0, workload.drawnTriangles, workload.casters,
+                                    workload.directional ? 1.0 : 0.0, workload.point ? 1.0 : 0.0, workload.drawnPixels,
+                                    workload.viewPixels, 1.0 * row.samples, row.gpuMsMin, row.gpuMsP50,
+                                    row.gpuMsP95, row.cpuMsMin, row.cpuMsP50, row.firstFrameMs, row.wrongPercent,
+                                    row.clockMhz}) {
             out += ',';
-            appendNumber(out, number);
+            if (number >= 0.0) appendNumber(out, number); // kNotMeasured is an empty cell
         }
         out += ',';
         appendText(out, row.date);
@@ -213,8 +235,8 @@ std::string writeKnowledge(std::span<const KnowledgeRow> rows)
     return out;
 }
 
-Learned learn(CostModel& model, const KnowledgeBase& base, std::span<const std::string> methods,
-              std::string_view device)
+Learned learn(CostModel& model, const KnowledgeBase& base, std::span<const std::string> algorithms,
+              std::string_view device, uint32_t firstMethod)
 {
     std::map<std::string_view, uint32_t> rowsOf; // ordered: ties go to the first name in every build
     for (const KnowledgeRow& row : base.rows)
@@ -226,14 +248,20 @@ Learned learn(CostModel& model, const KnowledgeBase& base, std::span<const std::
         learned.device = most->first;
     }
     for (const KnowledgeRow& row : base.rows) {
-        const auto found = std::find(methods.begin(), methods.end(), row.algorithm);
-        if (row.device != learned.device || found == methods.end()) continue;
-        const auto method = static_cast<uint32_t>(found - methods.begin());
-        model.calibrate(method, row.pass, Processor::gpu, row.workload, row.gpuMsP50);
-        model.calibrate(method, row.pass, Processor::cpu, row.workload, row.cpuMsP50);
-        ++learned.rows;
+        if (row.device != learned.device) continue;
+        bool used = false;
+        for (uint32_t method = firstMethod; method < algorithms.size(); ++method) {
+            if (algorithms[method] != row.algorithm) continue;
+            // The fastest sample is the one that nothing else disturbed.
+            model.calibrate(method, row.pass, Processor::gpu, row.workload,
+                            row.gpuMsMin > 0.0 ? row.gpuMsMin : row.gpuMsP50);
+            model.calibrate(method, row.pass, Processor::cpu, row.workload,
+                            row.cpuMsMin > 0.0 ? row.cpuMsMin : row.cpuMsP50);
+            used = true;
+        }
+        learned.rows += used;
     }
-    if (learned.rows > 0) model.finishCalibration(learned.sameDevice);
+    if (learned.rows > 0 && firstMethod == 0) model.finishCalibration(learned.sameDevice);
     return learned;
 }
 

@@ -24,6 +24,8 @@ inline constexpr uint32_t kKnowledgeVersion = 1;
 inline constexpr size_t kMaxKnowledgeBytes = size_t{4} << 20; ///< The file is untrusted; 12 methods take 60 kB.
 inline constexpr size_t kMaxKnowledgeRows = 65536;
 
+inline constexpr double kNotMeasured = -1.0;
+
 /// One measured workload. Times of 0 were not measured: the pass does not run on that processor.
 struct KnowledgeRow {
     std::string device, driver;
@@ -31,10 +33,10 @@ struct KnowledgeRow {
     Pass pass = Pass::resolve;
     Workload workload;
     uint32_t samples = 0;
-    double gpuMsP50 = 0.0, gpuMsP95 = 0.0;
-    double cpuMsP50 = 0.0;
-    double firstFrameMs = 0.0;
-    double errorFlip = 0.0; ///< Against the reference; 0 is equal.
+    double gpuMsMin = 0.0, gpuMsP50 = 0.0, gpuMsP95 = 0.0;
+    double cpuMsMin = 0.0, cpuMsP50 = 0.0;
+    double firstFrameMs = 0.0;           ///< By which the first frame after a switch takes longer.
+    double wrongPercent = kNotMeasured; ///< Of the light-facing pixels, against ray tracing.
     double clockMhz = 0.0;
     std::string date;
 };
@@ -54,14 +56,15 @@ struct KnowledgeResult {
 KnowledgeResult parseKnowledge(std::string_view text);
 std::string writeKnowledge(std::span<const KnowledgeRow> rows);
 
-/// Feeds every row of `base` that names one of `methods` (empty names match nothing) to the model and finishes the
+/// Feeds every row of `base` to all methods of its algorithm (`algorithms[i]` is method i's) and finishes the
 /// calibration. Rows of `device` are used if there are any; otherwise those of the device with most rows, as foreign.
+/// With `firstMethod` only methods from it on learn, and the device factor stays: they were added later.
 struct Learned {
     uint32_t rows = 0;
     bool sameDevice = false;
     std::string device; ///< Whose rows were used.
 };
-Learned learn(CostModel& model, const KnowledgeBase& base, std::span<const std::string> methods,
-              std::string_view device);
+Learned learn(CostModel& model, const KnowledgeBase& base, std::span<const std::string> algorithms,
+              std::string_view device, uint32_t firstMethod = 0);
 
 } // namespace gnomon::cost

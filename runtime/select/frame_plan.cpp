@@ -4,6 +4,8 @@
 #include <bit>
 #include <string_view>
 
+#include "runtime/scene/light_pixels.hpp"
+
 namespace gnomon {
 
 namespace {
@@ -18,10 +20,20 @@ double mapSide(const Method& method)
     return 0.0;
 }
 
+/// A light that rests keeps its static casters apart; then only the moving ones are drawn.
+double drawnTriangles(const SelectionInput& input)
+{
+    if (!input.light->isStatic || input.casters->movings.empty()) return input.casters->triangles;
+    double triangles = 0.0;
+    for (const Caster* caster : input.casters->movings)
+        if (caster->mesh) triangles += caster->mesh->triangleCount();
+    return triangles;
+}
+
 cost::Workload workloadOf(const Method& method, const cost::Workload& light)
 {
     cost::Workload workload = light;
-    workload.mapTexels = mapSide(method) * mapSide(method);
+    workload.mapTexels = mapSide(method) * mapSide(method) * (light.point ? 6.0 : 1.0); // the faces of a cube
     return workload;
 }
 
@@ -51,16 +63,56 @@ std::uint32_t FramePlan::slotOf(LightMemory& memory)
     if (freeSlots_.empty()) {
         if (slotsUsed_ == slots_) {
             slots_ = std::max(16u, slots_ * 2);
-            model_.resize(methods_.size(), slots_);
-            modelMethods_ = methods_.size();
+            growModel();
         }
         memory.costSlot = slotsUsed_++;
     } else {
         memory.costSlot = freeSlots_.back();
         freeSlots_.pop_back();
         model_.forgetLight(memory.costSlot);
+        histories_[memory.costSlot] = {};
     }
     return memory.costSlot;
+}
+
+/// To the methods and slots there are; new methods learn from the knowledge base.
+void FramePlan::growModel()
+{
+    model_.resize(methods_.size(), slots_);
+    histories_.resize(slots_);
+    if (modelMethods_ < methods_.size() && !knowledge_.rows.empty())
+        cost::learn(model_, knowledge_, algorithms(), device_, modelMethods_);
+    modelMethods_ = methods_.size();
+}
+
+std::vector<std::string> FramePlan::algorithms() const
+{
+    std::vector<std::string> names;
+    for (std::uint32_t i = 0; i < methods_.size(); ++i)
+        names.emplace_back(methods_[i].entry->name);
+    return names;
+}
+
+cost::Learned FramePlan::teach(cost::KnowledgeBase base, std::string_view device)
+{
+    cost::CostModel fresh;
+    fresh.setSharedCores(model_.sharedCores());
+    fresh.resize(methods_.size(), slots_);
+    const cost::Learned learned = cost::learn(fresh, base, algorithms(), device);
+    if (learned.rows == 0) return learned;
+    model_ = std::move(fresh);
+    knowledge_ = std::move(base);
+    device_ = device;
+    modelMethods_ = methods_.size();
+    histories_.resize(slots_);
+    return learned;
+}
+
+const TimedLight* FramePlan::timed(const LightMemory& memory) const
+{
+    if (memory.costSlot >= histories_.size()) return nullptr;
+    const TimedLight& timed = histories_[memory.costSlot].timed;
+    return timed.timing.frame ? &timed : nullptr;
 }
 
 void FramePlan::forget(LightMemory& memory)
@@ -73,26 +125,35 @@ void FramePlan::add(LightDecision& decision, LightMemory& memory, const Selectio
 {
     slotOf(memory);
     const VkExtent2D drawn = input.view->area.extent;
-    const double share = memory.measured ? memory.share.get() : 1.0;
-    memory.workload = {.pixels = share * drawn.width * drawn.height,
+    const double all = 1.0 * drawn.width * drawn.height;
+    const VkExtent2D around = lightPixels(*input.light, *input.view).extent;
+    const double rectangle = 1.0 * around.width * around.height;
+    // Until it is measured: all there is in the rectangle.
+    memory.workload = {.pixels = memory.measured ? memory.share.get() * all : rectangle,
                        .casterTriangles = static_cast<double>(input.casters->triangles),
-                       .still = input.still};
+                       .still = input.still,
+                       .drawnTriangles = drawnTriangles(input),
+                       .casters = static_cast<double>(input.casters->all.size()),
+                       .directional = input.light->type == GN_LIGHT_TYPE_DIRECTIONAL,
+                       .point = input.light->type == GN_LIGHT_TYPE_POINT,
+                       .drawnPixels = rectangle,
+                       .viewPixels = all};
     requests_.push_back({&decision, &memory, input.pinned, input.importance});
 }
 
 /// Candidates and requests of the plan step, and the prediction of every decision.
-void FramePlan::fill(const rules::RuleBase* base)
+void FramePlan::fill(const rules::RuleBase* base, std::uint64_t frame)
 {
     const std::uint32_t methods = methods_.size();
-    if (modelMethods_ != methods) {
-        model_.resize(methods, slots_);
-        modelMethods_ = methods;
-    }
+    if (modelMethods_ != methods) growModel();
     lights_.resize(requests_.size());
     candidates_.resize(requests_.size() * methods);
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         const Request& request = requests_[i];
         LightMemory& memory = *request.memory;
+        memory.workload.sharing = static_cast<double>(requests_.size());
+        SlotHistory& history = histories_[memory.costSlot];
+        history.recent[frame % history.recent.size()] = {frame, memory.workload};
         memory.plan.incumbent = memory.incumbent;
         lights_[i] = {.memory = &memory.plan, .importance = request.importance, .pinned = request.pinned};
         if (base && request.decision->floorTruth >= base->policy.floor.atStrength && !base->policy.floor.when.empty()) {
@@ -118,7 +179,7 @@ void FramePlan::fill(const rules::RuleBase* base)
 plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& budget)
 {
     if (requests_.empty()) return {};
-    fill(base);
+    fill(base, budget.frame);
     const bool budgeted = base && base->options.allocation == rules::Options::Allocation::Budget && budget.ms > 0.0;
     plan::PlanReport report;
     if (budgeted) {
@@ -179,9 +240,15 @@ void FramePlan::take(const plan::LightPlan& plan, LightDecision& decision) const
 void FramePlan::observe(LightMemory& memory, std::uint32_t method, const LightTiming& timing, bool disturbed)
 {
     if (method >= methods_.size() || modelMethods_ != methods_.size()) return;
-    cost::Observation observation{.light = slotOf(memory),
+    const std::uint32_t slot = slotOf(memory);
+    SlotHistory& history = histories_[slot];
+    const SlotHistory::Entry& then = history.recent[timing.frame % history.recent.size()];
+    const cost::Workload workload =
+        workloadOf(methods_[method], then.frame == timing.frame ? then.workload : memory.workload);
+    history.timed = {timing, method, workload};
+    cost::Observation observation{.light = slot,
                                   .method = method,
-                                  .workload = workloadOf(methods_[method], memory.workload),
+                                  .workload = workload,
                                   // A method on its way out teaches nothing, nor does it age the one that serves.
                                   .samplesSinceSwitch = method == memory.incumbent ? memory.timedSinceSwitch++ : 0,
                                   .disturbed = disturbed};

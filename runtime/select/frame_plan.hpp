@@ -1,8 +1,11 @@
 #pragma once
 // All lights of a frame together: what each method would cost (cost model), and which of them fit (plan step).
+#include <array>
+#include <string>
+#include <string_view>
 #include <vector>
 
-#include "runtime/cost/cost_model.hpp"
+#include "runtime/cost/knowledge_base.hpp"
 #include "runtime/plan/plan.hpp"
 #include "runtime/select/selector.hpp"
 
@@ -10,9 +13,17 @@ namespace gnomon {
 
 /// What a light's passes took in one timed frame.
 struct LightTiming {
+    std::uint64_t frame = 0;
     float updateGpuMs = 0.0f, updateCpuMs = 0.0f;   ///< Light scope: maps, volumes.
     float resolveGpuMs = 0.0f, resolveCpuMs = 0.0f; ///< Task scope.
     bool updated = false;                           ///< Some light-scope pass ran.
+};
+
+/// The newest timing of a light, and what it was for.
+struct TimedLight {
+    LightTiming timing;
+    std::uint32_t method = 0;
+    cost::Workload workload; ///< As that frame saw it.
 };
 
 class FramePlan {
@@ -38,15 +49,31 @@ public:
     /// The light is gone, its slot is free.
     void forget(LightMemory& memory);
 
+    /// Starts the cost model anew from what was measured elsewhere; methods added later learn from it too. Without a
+    /// row for any method nothing changes. Allocates.
+    cost::Learned teach(cost::KnowledgeBase base, std::string_view device);
     /// Grows with every timing that the cost model learns from.
     std::uint64_t knowledgeRevision() const { return model_.samples(); }
+    /// Null until a frame with the light was timed.
+    const TimedLight* timed(const LightMemory& memory) const;
 
 private:
-    void fill(const rules::RuleBase* base);
+    void fill(const rules::RuleBase* base, std::uint64_t frame);
     void take(const plan::LightPlan& plan, LightDecision& decision) const;
     void explainWithoutPlan(LightDecision& decision, bool hasRules) const;
     std::uint32_t slotOf(LightMemory& memory);
+    void growModel();
+    std::vector<std::string> algorithms() const;
 
+    /// Beside a slot of the cost model. Timings come a few frames late: the workloads wait for them.
+    struct SlotHistory {
+        struct Entry {
+            std::uint64_t frame = 0;
+            cost::Workload workload;
+        };
+        std::array<Entry, 8> recent{}; ///< By frame; at most eight are in flight.
+        TimedLight timed;
+    };
     struct Request {
         LightDecision* decision;
         LightMemory* memory;
@@ -60,6 +87,9 @@ private:
     std::vector<plan::LightRequest> lights_;
     std::vector<plan::Candidate> candidates_;
     std::vector<std::uint32_t> freeSlots_;
+    std::vector<SlotHistory> histories_; ///< By slot.
+    cost::KnowledgeBase knowledge_;
+    std::string device_; ///< Of teach().
     std::uint32_t slots_ = 0, slotsUsed_ = 0, modelMethods_ = 0;
 };
 

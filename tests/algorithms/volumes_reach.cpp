@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "algorithms/common/light_pixels.hpp"
+#include "runtime/scene/light_pixels.hpp"
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "tests/algorithms/volume_meshes.hpp"
 

@@ -76,6 +76,7 @@ typedef enum GnResult {
     GN_ERROR_UNKNOWN_METHOD = -14,  ///< No method, algorithm or setting of that name.
     GN_ERROR_FRAME_ORDER = -15,     ///< Frames not growing by one, memory of a frame in flight, calls out of order.
     GN_ERROR_UNSUPPORTED = -16,     ///< Built without the part that is needed (Embree, OpenMesh, YAML).
+    GN_ERROR_KNOWLEDGE = -17,       ///< The knowledge base cannot be used; what was known before stays.
     GN_RESULT_MAX_ENUM = 0x7FFFFFFF
 } GnResult;
 
@@ -456,6 +457,17 @@ column, #GN_ERROR_RULES is returned and the rules in force stay. Without any rul
 else the fallback, serves each light. */
 GN_API GnResult GN_CALL gnLoadRules(GnContext context, const char* pText, size_t size, const char* pFileName);
 
+/** \brief Starts the cost model anew from a knowledge base: the CSV text that `gnomon calibrate` writes.
+
+Rows of this device are used where there are any; else those of the device with most rows, and how much faster or
+slower this one is is learned from the first timed frames. What running frames had taught is forgotten; methods added
+later start from the rows of their algorithm. A row that cannot be used (NaN, a negative time, a missing cell) is left
+out and reported as a message with `pFileName` and its line. A table without any row, or with rows of other algorithms
+only, is a warning and changes nothing: predictions go on as they were.
+\return #GN_ERROR_KNOWLEDGE for text that is no knowledge base, one of another version, or one whose rows are all
+unusable; what was known before stays. */
+GN_API GnResult GN_CALL gnLoadKnowledge(GnContext context, const char* pText, size_t size, const char* pFileName);
+
 typedef enum GnReason {
     GN_REASON_RULES = 0,          ///< Highest suitability among the eligible.
     GN_REASON_PINNED = 1,         ///< gnSetLightMethod().
@@ -552,6 +564,31 @@ typedef struct GnPassTiming {
 GN_API GnResult GN_CALL gnGetPassTimings(GnContext context, uint64_t* pFrame, uint32_t* pCount, GnPassTiming* pTimings);
 /** \brief Names, views, lights and levels of the passes of the *last* frame; times are 0. */
 GN_API GnResult GN_CALL gnGetFramePasses(GnContext context, uint32_t* pCount, GnPassTiming* pPasses);
+
+/** What one light's own passes took in a timed frame, beside what the cost model thinks they depend on. */
+typedef struct GnLightTiming {
+    uint64_t frame;         ///< The timed frame; 0: the light has not been timed yet, and nothing else is set.
+    const char* pMethod;    ///< That served it. Lives as long as the context.
+    VkBool32 updated;       ///< False: what is kept per light was still valid, and the two times below are 0.
+    float updateGpuMs;      ///< Maps, lists and volumes of the light. Scaled to a frame without full barriers.
+    float updateCpuMs;
+    float resolveGpuMs;     ///< What the view's pixels paid for the light.
+    float resolveCpuMs;
+    double pixels;          ///< Reached by the light, as far as known.
+    double casterTriangles; ///< In range.
+    double drawnTriangles;  ///< Of them, those an update has to draw: all, or the moving ones of a light that rests.
+    double casters;         ///< Instances in range.
+    double mapTexels;       ///< Of the method's maps for the light; 0: none.
+    double sharing;         ///< Lights of the view in that frame.
+    VkBool32 still;         ///< Neither light nor casters moved.
+    GnLightType type;
+    double drawnPixels;     ///< Of the screen rectangle around what the light can reach.
+    double viewPixels;      ///< Of the view's render area.
+} GnLightTiming;
+
+/** \brief The newest timing of a light in a view: of a *timed* frame (one in eight; every one with the flag), two
+frames late. A row of a knowledge base is made of these. */
+GN_API GnResult GN_CALL gnGetLightTiming(GnContext context, GnView view, GnLight light, GnLightTiming* pTiming);
 
 /** Counters and totals of the last frame; what stands still must cost nothing, and these say so. */
 typedef struct GnFrameStats {

@@ -1,4 +1,4 @@
-#include "algorithms/common/light_pixels.hpp"
+#include "runtime/scene/light_pixels.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,169 @@
+#include "demo/calibrate/light_times.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+
+namespace gnomon::demo {
+namespace {
+
+constexpr uint32_t kDiscarded = 3; // frames after a switch, as the cost model does
+constexpr uint32_t kLate = 2;      // frames until timings are known
+
+double percentile(std::vector<double> values, double share)
+{
+    if (values.empty()) return 0.0;
+    std::sort(values.begin(), values.end());
+    return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+cost::Workload workloadOf(const GnLightTiming& timing)
+{
+    return {.pixels = timing.pixels,
+            .casterTriangles = timing.casterTriangles,
+            .mapTexels = timing.mapTexels,
+            .sharing = timing.sharing,
+            .still = timing.still == VK_TRUE,
+            .drawnTriangles = timing.drawnTriangles,
+            .casters = timing.casters,
+            .directional = timing.type == GN_LIGHT_TYPE_DIRECTIONAL,
+            .point = timing.type == GN_LIGHT_TYPE_POINT,
+            .drawnPixels = timing.drawnPixels,
+            .viewPixels = timing.viewPixels};
+}
+
+double drawFrame(Session& session, double time, bool timed, bool cut)
+{
+    const CameraState camera = session.camera(time);
+    const auto start = std::chrono::steady_clock::now();
+    session.renderer.draw({.time = time,
+                           .cameras = {&camera, 1},
+                           .shadows = &session.shadows,
+                           .flags = timed ? GnFrameFlags{GN_FRAME_TIMED_BIT} : GnFrameFlags{0},
+                           .cameraCut = cut});
+    session.renderer.waitForFrame();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Collects what is new about every light.
+class Collector {
+public:
+    Collector(Session& session, std::string method) : session_(session), method_(std::move(method))
+    {
+        for (const uint32_t light : session.renderer.state().present)
+            lights_.push_back({.light = light});
+        seen_.resize(lights_.size());
+        note(false); // what was timed before counts as seen
+    }
+
+    void note(bool keep)
+    {
+        for (size_t i = 0; i < lights_.size(); ++i) {
+            GnLightTiming timing{};
+            const ShadowHost& shadows = session_.shadows;
+            if (gnGetLightTiming(shadows.context(), shadows.view(0), shadows.light(lights_[i].light), &timing) < 0)
+                continue;
+            if (timing.frame <= seen_[i]) continue;
+            seen_[i] = timing.frame;
+            if (!keep || method_ != timing.pMethod) continue;
+            LightTimes& light = lights_[i];
+            light.workload = workloadOf(timing);
+            if (timing.updated) {
+                light.updateGpuMs.push_back(double(timing.updateGpuMs));
+                light.updateCpuMs.push_back(double(timing.updateCpuMs));
+            }
+            light.resolveGpuMs.push_back(double(timing.resolveGpuMs));
+            light.resolveCpuMs.push_back(double(timing.resolveCpuMs));
+        }
+    }
+
+    std::vector<LightTimes> take()
+    {
+        std::erase_if(lights_, [](const LightTimes& light) { return light.resolveGpuMs.empty(); });
+        return std::move(lights_);
+    }
+
+private:
+    Session& session_;
+    std::string method_;
+    std::vector<LightTimes> lights_;
+    std::vector<uint64_t> seen_;
+};
+
+std::string today()
+{
+    char text[16] = "";
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    if (gmtime_r(&now, &parts)) std::strftime(text, sizeof text, "%Y-%m-%d", &parts);
+    return text;
+}
+
+} // namespace
+
+void useMethod(ShadowHost& shadows, const std::string& method)
+{
+    const std::string rules = "version: 1\n"
+                              "name: one_method\n"
+                              "options: {allocation: none}\n"
+                              "variables: {lightRadius: {universe: [0, 2], unit: m, "
+                              "terms: {known: [-.inf, -.inf, .inf, .inf]}}}\n"
+                              "suitability: {universe: [0, 1], terms: {low: [-.inf, -.inf, 0.2, 0.8], "
+                              "high: [0.2, 0.8, .inf, .inf]}}\n"
+                              "rules: [{id: C1, rule: \"if lightRadius is known then " +
+                              method + " is high\"}]\n";
+    expect(shadows.loadRules(rules, "calibration"));
+}
+
+uint32_t framesOf(const Moment& moment)
+{
+    return kDiscarded + 2 * moment.samples - 1 + kLate;
+}
+
+MomentTimes measureMoment(Session& session, const std::string& method, const Moment& moment)
+{
+    const uint32_t frames = framesOf(moment);
+    std::vector<double> frameMs;
+    frameMs.push_back(drawFrame(session, moment.time, false, true));
+    Collector collector(session, method);
+    for (uint32_t i = 1; i < frames; ++i) {
+        const bool timed = i + kLate < frames && i >= kDiscarded && (i - kDiscarded) % 2 == 0;
+        const double ms = drawFrame(session, moment.time + i * moment.step, timed, false);
+        if (!timed) frameMs.push_back(ms);
+        collector.note(i >= kDiscarded);
+    }
+    MomentTimes times;
+    times.lights = collector.take();
+    times.firstFrameMs = std::max(
+        0.0, frameMs.front() - percentile(std::vector<double>(frameMs.begin() + 1, frameMs.end()), 0.5));
+    return times;
+}
+
+std::vector<cost::KnowledgeRow> rowsOf(const MomentTimes& times, const std::string& algorithm, const Device& device)
+{
+    std::vector<cost::KnowledgeRow> rows;
+    for (const LightTimes& light : times.lights) {
+        const auto add = [&](cost::Pass pass, const std::vector<double>& gpu, const std::vector<double>& cpu) {
+            cost::KnowledgeRow row;
+            row.device = device.properties.deviceName;
+            row.driver = device.driver;
+            row.algorithm = algorithm;
+            row.pass = pass;
+            row.workload = light.workload;
+            row.samples = static_cast<uint32_t>(gpu.size());
+            row.gpuMsMin = percentile(gpu, 0.0);
+            row.gpuMsP50 = percentile(gpu, 0.5);
+            row.gpuMsP95 = percentile(gpu, 0.95);
+            row.cpuMsMin = percentile(cpu, 0.0);
+            row.cpuMsP50 = percentile(cpu, 0.5);
+            row.firstFrameMs = times.firstFrameMs;
+            row.date = today();
+            if (row.gpuMsP50 > 0.0 || row.cpuMsP50 > 0.0) rows.push_back(row);
+        };
+        add(cost::Pass::update, light.updateGpuMs, light.updateCpuMs);
+        add(cost::Pass::resolve, light.resolveGpuMs, light.resolveCpuMs);
+    }
+    return rows;
+}
+
+} // namespace gnomon::demo

@@ -1,0 +1,43 @@
+#pragma once
+// What the lights of a scene cost by one method, as the cost model is told: update and resolve, GPU and CPU apart.
+
+#include <string>
+#include <vector>
+
+#include "demo/program/session.hpp"
+#include "runtime/cost/knowledge_base.hpp"
+
+namespace gnomon::demo {
+
+/// Timings of one light in consecutive timed frames, beside the workload they were for.
+struct LightTimes {
+    uint32_t light = 0; ///< Index in the scene.
+    cost::Workload workload;
+    std::vector<double> updateGpuMs, updateCpuMs, resolveGpuMs, resolveCpuMs; ///< Updates: of frames that had one.
+};
+
+struct MomentTimes {
+    std::vector<LightTimes> lights; ///< Those that the method served, in layer order.
+    double firstFrameMs = 0.0;      ///< By which the first frame took longer than the median of the others.
+};
+
+struct Moment {
+    double time = 0.0; ///< Seconds.
+    double step = 0.0; ///< Between frames; 0: nothing moves.
+    uint32_t samples = 3;
+};
+
+/// Frames that measureMoment() draws.
+uint32_t framesOf(const Moment& moment);
+
+/// Makes the rules name one method for every light that it serves; unlike a pin this leaves the runtime measuring how
+/// much of the picture a light reaches.
+void useMethod(ShadowHost& shadows, const std::string& method);
+
+/// Draws the moment's frames, timed and untimed ones in turn; the first ones only warm caches up.
+MomentTimes measureMoment(Session& session, const std::string& method, const Moment& moment);
+
+/// Rows of a knowledge base, one per light and pass.
+std::vector<cost::KnowledgeRow> rowsOf(const MomentTimes& times, const std::string& algorithm, const Device& device);
+
+} // namespace gnomon::demo

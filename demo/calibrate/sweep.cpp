@@ -1,0 +1,135 @@
+#include "demo/calibrate/sweep.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "demo/program/measure.hpp"
+
+namespace gnomon::demo {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr uint32_t kPointsPerKind = 40;
+constexpr uint32_t kLeastPoints = 12; // below that there are hardly more rows than coefficients
+constexpr double kFrameStep = 1.0 / 60.0;
+constexpr uint32_t kSceneSamples = 6;
+
+GnTraits traitOf(LightKind kind)
+{
+    return kind == LightKind::Directional ? GN_TRAIT_DIRECTIONAL_BIT
+           : kind == LightKind::Spot      ? GN_TRAIT_SPOT_BIT
+                                          : GN_TRAIT_POINT_BIT;
+}
+
+double secondsSince(Clock::time_point start)
+{
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void warmUp(const Session& session)
+{
+    if (gnWarmUp(session.shadows.context()) < 0)
+        throw HostError(std::string("gnWarmUp: ") + gnGetLastError(session.shadows.context()));
+}
+
+} // namespace
+
+Outcome<std::vector<SweepMethod>> sweepMethods(Device& device, const std::vector<std::string>& wanted)
+{
+    const Scene empty = makeSweep(1).scene;
+    Session session(device, empty, {.scene = {}, .size = {16, 16}, .maxLights = kSweepLights, .knowledge = "none"});
+    std::vector<SweepMethod> methods;
+    for (const GnMethodInfo& info : session.shadows.methods()) {
+        const bool asked = std::find(wanted.begin(), wanted.end(), info.pName) != wanted.end();
+        if (info.pUnavailable || (!wanted.empty() && !asked)) continue;
+        const bool hasMap =
+            std::any_of(info.pSettings, info.pSettings + info.settingCount,
+                        [](const GnSettingInfo& setting) { return std::string_view(setting.pName) == kResolutionSetting; });
+        methods.push_back({info.pName, info.pAlgorithm, info.traits, hasMap});
+    }
+    for (const std::string& name : wanted)
+        if (std::none_of(methods.begin(), methods.end(), [&](const SweepMethod& m) { return m.name == name; }))
+            return Outcome<std::vector<SweepMethod>>::failure("no method '" + name + "' that this device can run");
+    return methods;
+}
+
+Sweeper::Sweeper(Device& device)
+    : device_(device), sweep_(makeSweep(kPointsPerKind)),
+      session_(device, sweep_.scene, {.scene = {}, .size = {640, 360}, .maxLights = kSweepLights, .knowledge = "none"})
+{
+    warmUp(session_);
+}
+
+SweepRun Sweeper::run(const SweepMethod& method, double seconds)
+{
+    SweepRun out;
+    const Clock::time_point start = Clock::now();
+    useMethod(session_.shadows, method.name);
+    for (const SweepPoint& point : sweep_.points) {
+        if (!(method.traits & traitOf(point.kind))) continue;
+        // The next point takes about as long as those before it.
+        const double expected = out.points > 0 ? secondsSince(start) * (out.points + 1) / out.points : 0.0;
+        if (expected > seconds && out.points >= kLeastPoints) break;
+        session_.renderer.resize({point.width, point.height});
+        if (method.hasMap) expect(session_.shadows.set(method.name, kResolutionSetting, point.mapSide));
+        const Moment moment{.time = point.time, .step = point.motion == SweepMotion::nothing ? 0.0 : kFrameStep};
+        const MomentTimes times = measureMoment(session_, method.name, moment);
+        std::vector<cost::KnowledgeRow> rows = rowsOf(times, method.algorithm, device_);
+        // Errors vary slowly over the sweep; every second point tells enough of them.
+        if (method.name != kTruthMethod && out.points % 2 == 0) measureErrors(moment, rows, times);
+        out.rows.insert(out.rows.end(), rows.begin(), rows.end());
+        ++out.points;
+    }
+    out.seconds = secondsSince(start);
+    return out;
+}
+
+/// The wrong share of the point's first light goes into its rows. False where this build has no ray tracing.
+bool Sweeper::measureErrors(const Moment& moment, std::vector<cost::KnowledgeRow>& rows, const MomentTimes& times)
+{
+    if (times.lights.empty()) return false;
+    Renderer& renderer = session_.renderer;
+    const double last = moment.time + (framesOf(moment) - 1) * moment.step;
+    const Image8 visibility = renderer.readVisibility().front();
+    const FrameSurfaces surfaces{renderer.readDepth(), renderer.readNormals()};
+    const uint32_t light = renderer.state().present.front();
+    for (const uint32_t present : renderer.state().present)
+        if (!session_.shadows.pin(present, kTruthMethod)) return false;
+    const CameraState camera = session_.camera(last);
+    renderer.draw({.time = last, .cameras = {&camera, 1}, .shadows = &session_.shadows});
+    const Image8 truth = renderer.readVisibility().front();
+    for (const uint32_t present : renderer.state().present)
+        expect(session_.shadows.pin(present, {}));
+    const std::vector<uint8_t> counted = countedPixels(session_.scene, renderer.camera(), surfaces,
+                                                       session_.scene.lights[light], renderer.state().lights[light]);
+    const ErrorCount errors = compare(visibility, truth, counted);
+    if (errors.counted == 0) return false;
+    for (cost::KnowledgeRow& row : rows)
+        if (row.workload.pixels == times.lights.front().workload.pixels &&
+            row.workload.casterTriangles == times.lights.front().workload.casterTriangles)
+            row.wrongPercent = errors.percent(errors.wrong());
+    return true;
+}
+
+std::vector<cost::KnowledgeRow> measureScene(Device& device, const Scene& scene, const SweepMethod& method,
+                                             VkExtent2D size, uint32_t moments)
+{
+    std::vector<cost::KnowledgeRow> rows;
+    const Scene served = onlyServed(scene, method.traits);
+    if (served.lights.empty()) return rows;
+    Session session(device, served, {.scene = {}, .size = size, .knowledge = "none"});
+    warmUp(session);
+    useMethod(session.shadows, method.name);
+    const double step = 1.0 / scene.framesPerSecond;
+    for (uint32_t i = 0; i < moments; ++i) {
+        const double time = frameTime(scene, scene.frames * i / moments);
+        const MomentTimes times =
+            measureMoment(session, method.name, {.time = time, .step = step, .samples = kSceneSamples});
+        const std::vector<cost::KnowledgeRow> more = rowsOf(times, method.algorithm, device);
+        rows.insert(rows.end(), more.begin(), more.end());
+    }
+    return rows;
+}
+
+} // namespace gnomon::demo

@@ -1,0 +1,43 @@
+#pragma once
+// Measuring: every method on the generated sweep, or on the lights of a scene.
+
+#include "demo/calibrate/light_times.hpp"
+#include "demo/calibrate/sweep_scene.hpp"
+
+namespace gnomon::demo {
+
+/// A method with what matters here.
+struct SweepMethod {
+    std::string name, algorithm;
+    GnTraits traits = 0;
+    bool hasMap = false;
+};
+
+/// Methods of this build that the device can run; fails naming one that is wanted and unknown.
+Outcome<std::vector<SweepMethod>> sweepMethods(Device& device, const std::vector<std::string>& wanted);
+
+struct SweepRun {
+    std::vector<cost::KnowledgeRow> rows;
+    uint32_t points = 0;
+    double seconds = 0.0;
+};
+
+class Sweeper {
+public:
+    explicit Sweeper(Device& device);
+    /// As many points as fit into the time, but at least the first few of every kind of light it serves.
+    SweepRun run(const SweepMethod& method, double seconds);
+
+private:
+    bool measureErrors(const Moment& moment, std::vector<cost::KnowledgeRow>& rows, const MomentTimes& times);
+
+    Device& device_;
+    Sweep sweep_;
+    Session session_;
+};
+
+/// The lights of a scene at a few moments, each moving on for some frames. Only lights that the method serves.
+std::vector<cost::KnowledgeRow> measureScene(Device& device, const Scene& scene, const SweepMethod& method,
+                                             VkExtent2D size, uint32_t moments);
+
+} // namespace gnomon::demo

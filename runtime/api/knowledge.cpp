@@ -1,0 +1,58 @@
+// What is known of times from outside: a knowledge base that somebody measured, and timings for who measures one.
+#include "runtime/api/context.hpp"
+#include "runtime/cost/knowledge_base.hpp"
+
+namespace gnomon {
+
+Result<void> Context::loadKnowledge(std::string_view text, std::string_view fileName)
+{
+    const std::string file(fileName);
+    cost::KnowledgeResult parsed = cost::parseKnowledge(text);
+    if (!parsed.base) return Error{GN_ERROR_KNOWLEDGE, "KnowledgeRefused", file + ": " + parsed.error};
+    for (const std::string& finding : parsed.base->findings)
+        messages_.warn("KnowledgeRow", file + ": " + finding);
+    if (parsed.base->rows.empty() && parsed.base->rejected > 0)
+        return Error{GN_ERROR_KNOWLEDGE, "KnowledgeRefused",
+                     file + ": none of its " + std::to_string(parsed.base->rejected) + " rows can be used"};
+    const std::string device = vk_->properties.deviceName;
+    const cost::Learned learned = plan_->teach(std::move(*parsed.base), device);
+    if (learned.rows == 0)
+        messages_.warn("KnowledgeEmpty", file + ": no row of an algorithm of this build; predictions stay as they were");
+    else if (!learned.sameDevice)
+        messages_.info("KnowledgeForeign", file + ": measured on " + learned.device + ", not on " + device +
+                                               "; the factor between them is learned from the first timed frames");
+    return {};
+}
+
+Result<GnLightTiming> Context::lightTiming(GnView viewHandle, GnLight light)
+{
+    const View* view = findView(viewHandle);
+    if (!view) return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle", "not a live view of this context"};
+    const std::optional<SceneRegistry::LightInfo> info = scene_->lightInfo(light);
+    if (!info) return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle", "not a live light of this context"};
+    const auto memory = view->lights.find(info->id);
+    const TimedLight* timed = memory == view->lights.end() ? nullptr : plan_->timed(memory->second);
+    if (!timed) return GnLightTiming{};
+    const cost::Workload& workload = timed->workload;
+    return GnLightTiming{.frame = timed->timing.frame,
+                         .pMethod = (*methods_)[timed->method].name.c_str(),
+                         .updated = timed->timing.updated ? VK_TRUE : VK_FALSE,
+                         .updateGpuMs = timed->timing.updateGpuMs,
+                         .updateCpuMs = timed->timing.updateCpuMs,
+                         .resolveGpuMs = timed->timing.resolveGpuMs,
+                         .resolveCpuMs = timed->timing.resolveCpuMs,
+                         .pixels = workload.pixels,
+                         .casterTriangles = workload.casterTriangles,
+                         .drawnTriangles = workload.drawnTriangles,
+                         .casters = workload.casters,
+                         .mapTexels = workload.mapTexels,
+                         .sharing = workload.sharing,
+                         .still = workload.still ? VK_TRUE : VK_FALSE,
+                         .type = workload.directional ? GN_LIGHT_TYPE_DIRECTIONAL
+                                 : workload.point     ? GN_LIGHT_TYPE_POINT
+                                                      : GN_LIGHT_TYPE_SPOT,
+                         .drawnPixels = workload.drawnPixels,
+                         .viewPixels = workload.viewPixels};
+}
+
+} // namespace gnomon

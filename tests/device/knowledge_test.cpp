@@ -1,0 +1,135 @@
+// Knowledge bases through the C API: what is accepted, what is refused, and what predictions make of it.
+#include <cmath>
+
+#include "device/fixture.hpp"
+#include "runtime/cost/knowledge_base.hpp"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+/// shadow_map resolves in `ms` whatever the workload, on a device of that name.
+std::string knowledge(const std::string& device, double ms)
+{
+    std::vector<cost::KnowledgeRow> rows;
+    for (int i = 0; i < 40; ++i) {
+        cost::KnowledgeRow row;
+        row.device = device;
+        row.algorithm = "shadow_map";
+        row.pass = i % 2 ? cost::Pass::resolve : cost::Pass::update;
+        row.workload = {.pixels = 1000.0 * (1 + i), .casterTriangles = 100.0 * (1 + i % 7), .mapTexels = 1048576.0};
+        row.samples = 5;
+        row.gpuMsMin = row.gpuMsP50 = row.gpuMsP95 = ms;
+        rows.push_back(row);
+    }
+    return cost::writeKnowledge(rows);
+}
+
+GnResult load(const Host& host, const std::string& text)
+{
+    return gnLoadKnowledge(host.context, text.data(), text.size(), "base.csv");
+}
+
+float predicted(Host& host)
+{
+    host.require(host.draw());
+    return host.decision(0).predictedMs;
+}
+
+bool anyContains(const std::vector<std::string>& messages, const std::string& part)
+{
+    for (const std::string& message : messages)
+        if (message.find(part) != std::string::npos) return true;
+    return false;
+}
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "a knowledge base of this device decides what is predicted, for lights added later too")
+{
+    Host host(smallScene());
+    host.pinAll("shadow_map");
+    host.draw(2, {});
+    REQUIRE(load(host, knowledge(device().properties.deviceName, 40.0)) == GN_SUCCESS);
+    CHECK(predicted(host) == doctest::Approx(40.0).epsilon(0.2)); // the light rests: no update is due
+    REQUIRE(load(host, knowledge(device().properties.deviceName, 4.0)) == GN_SUCCESS);
+    CHECK(predicted(host) == doctest::Approx(4.0).epsilon(0.2)); // anew, not on top
+
+    // Twenty more lights than the cost model has room for at first.
+    const GnLightInfo info{.type = GN_LIGHT_TYPE_SPOT, .position = {0, 5, 0}, .direction = {0, -1, 0}, .range = 10};
+    std::vector<GnLight> lights = host.lights;
+    for (int i = 0; i < 20; ++i) {
+        GnLight light = VK_NULL_HANDLE;
+        host.require(gnCreateLight(host.context, &info, &light));
+        host.require(gnSetLightMethod(host.context, light, "shadow_map"));
+        lights.resize(1);
+        lights.push_back(light);
+        host.require(host.draw({.lights = &lights}));
+    }
+    host.require(host.draw({.lights = &lights}));
+    GnDecision decision{};
+    host.require(gnGetDecision(host.context, host.views[0], lights.back(), &decision));
+    CHECK(decision.predictedMs == doctest::Approx(4.0).epsilon(0.2));
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a knowledge base that cannot be used is refused and what was known stays")
+{
+    Host host(smallScene());
+    host.pinAll("shadow_map");
+    const std::string good = knowledge(device().properties.deviceName, 40.0);
+    REQUIRE(load(host, good) == GN_SUCCESS);
+    const float before = predicted(host);
+    host.takeMessages();
+
+    CHECK(gnLoadKnowledge(host.context, nullptr, 0, "base.csv") == GN_ERROR_NULL_ARGUMENT);
+    CHECK(load(host, "") == GN_ERROR_KNOWLEDGE);
+    CHECK(load(host, "not a table") == GN_ERROR_KNOWLEDGE);
+    std::string older = good;
+    older.replace(0, older.find('\n'), "# gnomon knowledge 0");
+    CHECK(load(host, older) == GN_ERROR_KNOWLEDGE);
+    CHECK(anyContains(host.takeMessages(), "base.csv: knowledge base of version '0'"));
+    std::string nonsense = good; // every time becomes NaN
+    for (size_t at = nonsense.find(",40,"); at != std::string::npos; at = nonsense.find(",40,"))
+        nonsense.replace(at, 4, ",nan,");
+    CHECK(load(host, nonsense) == GN_ERROR_KNOWLEDGE);
+    CHECK(anyContains(host.takeMessages(), "base.csv: line 3: "));
+    CHECK(load(host, cost::writeKnowledge({})) == GN_SUCCESS); // an empty one: a remark
+    CHECK(anyContains(host.takeMessages(), "no row of an algorithm of this build"));
+    CHECK(predicted(host) == doctest::Approx(before).epsilon(0.05));
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a foreign knowledge base is corrected by one factor from the first timed frames")
+{
+    Host host(smallScene(), {.flags = GN_CONTEXT_NO_BACKGROUND_BIT | GN_CONTEXT_TIME_EVERY_FRAME_BIT});
+    host.pinAll("shadow_map");
+    REQUIRE(load(host, knowledge("another device", 1000.0)) == GN_SUCCESS);
+    CHECK(predicted(host) > 500.0f);
+    host.draw(40, {});
+    const GnDecision decision = host.decision(0);
+    CHECK(decision.measuredMs > 0.0f);
+    CHECK(std::fabs(std::log2(decision.predictedMs / decision.measuredMs)) < 1.5);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a timed light tells what it cost and what that depends on")
+{
+    Host host(smallScene(), {.flags = GN_CONTEXT_NO_BACKGROUND_BIT | GN_CONTEXT_TIME_EVERY_FRAME_BIT});
+    host.pinAll("shadow_map");
+    GnLightTiming timing{};
+    CHECK(gnGetLightTiming(host.context, host.views[0], host.lights[0], nullptr) == GN_ERROR_NULL_ARGUMENT);
+    host.require(host.draw());
+    host.require(gnGetLightTiming(host.context, host.views[0], host.lights[0], &timing));
+    CHECK(timing.frame == 0); // two frames late
+    host.draw(6, {});
+    host.require(gnGetLightTiming(host.context, host.views[0], host.lights[0], &timing));
+    CHECK(timing.frame > 0);
+    CHECK(std::string(timing.pMethod) == "shadow_map");
+    CHECK(timing.resolveGpuMs > 0.0f);
+    CHECK(!timing.updated); // the map was kept
+    CHECK(timing.still);
+    CHECK(timing.viewPixels == 320.0 * 180.0);
+    CHECK(timing.drawnPixels <= timing.viewPixels);
+    CHECK(timing.casterTriangles > 0.0);
+    CHECK(timing.sharing == 1.0);
+    CHECK(gnGetLightTiming(host.context, host.views[0], VK_NULL_HANDLE, &timing) == GN_ERROR_INVALID_HANDLE);
+}
