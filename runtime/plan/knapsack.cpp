@@ -77,6 +77,9 @@ void Knapsack::reserve(uint32_t lights, uint32_t methods, uint32_t tableLights)
     grow(states_, bins_ + 1);
     grow(nextStates_, bins_ + 1);
     grow(origins_, tableSize * (bins_ + 1));
+    grow(restOver_, tableSize + 1);
+    grow(inUse_, bins_ / 64 + 1);
+    grow(nextInUse_, bins_ / 64 + 1);
 }
 
 std::span<const Knapsack::Option> Knapsack::optionsOf(uint32_t light) const noexcept
@@ -148,12 +151,14 @@ void Knapsack::walkGreedy(const Problem& problem, double limitMs, std::span<uint
         return a.light != b.light ? a.light < b.light : a.option < b.option;
     });
     constexpr uint32_t kEnded = UINT32_MAX;
+    dualPerMs_ = 0.0;
     for (auto step = steps_.begin(); step != end; ++step) {
         const uint32_t from = at_[step->light];
         if (from == kEnded) continue;
         const std::span<const Option> options = optionsOf(step->light);
         const double more = options[step->option].costMs - options[from].costMs;
         if (costMs + more > limitMs) {
+            dualPerMs_ = std::max(dualPerMs_, step->gainPerMs);
             at_[step->light] = kEnded;
             continue;
         }
@@ -189,30 +194,48 @@ void Knapsack::fillSlack(const Problem& problem, double slackMs, std::span<uint3
 /// Dynamic programming over lights. A bin keeps the most valuable state whose extra cost falls into it, with its exact
 /// cost: rounding never adds up, and no plan found is dearer than it looks. By induction a state (value, cost) that is
 /// lost at one light has a keeper of no less value that costs less than one bin more.
-void Knapsack::fillTable(const Problem& problem, double limitMs, std::span<uint32_t> chosen) noexcept
+///
+/// Only plans worth more than `known`, or as much for less, are looked for; false: there are none. At a price p for a
+/// millisecond no plan is worth more than p * budget + the sum over the lights of max (value - p * cost), whatever p is
+/// (Lagrange); the price at which greedy stopped makes that bound tight, and most states fall below `known` at once.
+bool Knapsack::fillTable(const Problem& problem, double limitMs, double known, std::span<uint32_t> chosen) noexcept
 {
-    constexpr double kEmpty = -1.0;
     double cheapestMs = 0.0;
     for (uint32_t light = 0; light < problem.lights; ++light)
         if (const auto options = optionsOf(light); !options.empty()) cheapestMs += options[0].costMs;
     const double slackMs = std::max(0.0, limitMs - cheapestMs);
     const double binsPerMs = slackMs > 0.0 ? bins_ / slackMs : 0.0;
+    const double hopeless = known * (1.0 - kRounding);
+    restOver_[problem.lights] = dualPerMs_ * slackMs;
+    for (uint32_t light = problem.lights; light-- > 0;) {
+        double most = 0.0; // a light that may have nothing adds nothing
+        const std::span<const Option> options = optionsOf(light);
+        for (const Option& option : options)
+            most = std::max(most, option.value - dualPerMs_ * (option.costMs - options[0].costMs));
+        restOver_[light] = restOver_[light + 1] + most;
+    }
 
-    std::fill(states_.begin(), states_.end(), State{kEmpty, 0.0});
+    const auto words = static_cast<uint32_t>(inUse_.size());
+    std::fill(inUse_.begin(), inUse_.end(), uint64_t{0});
+    std::fill(nextInUse_.begin(), nextInUse_.end(), uint64_t{0});
     states_[0] = {0.0, 0.0};
-    uint32_t top = 0; // highest bin in use
+    inUse_[0] = 1;
     for (uint32_t light = 0; light < problem.lights; ++light) {
         const std::span<const Option> options = optionsOf(light);
         Origin* const origins = &origins_[size_t{light} * (bins_ + 1)];
         if (options.empty()) {
-            for (uint32_t bin = 0; bin <= top; ++bin)
+            for (uint32_t bin = 0; bin <= bins_; ++bin)
                 origins[bin] = {static_cast<uint16_t>(bin), 0};
             continue;
         }
-        std::fill(nextStates_.begin(), nextStates_.end(), State{kEmpty, 0.0});
-        uint32_t nextTop = 0;
-        double dearest = kEmpty; // a state worth no more than a cheaper one is not carried on
-        for (uint32_t bin = 0; bin <= top; ++bin) {
+        double dearest = -1.0; // a state worth no more than a cheaper one is not carried on
+        for (uint32_t word = 0; word < words;) {
+            if (inUse_[word] == 0) {
+                ++word;
+                continue;
+            }
+            const uint32_t bin = word * 64 + static_cast<uint32_t>(std::countr_zero(inUse_[word]));
+            inUse_[word] &= inUse_[word] - 1;
             const State state = states_[bin];
             if (state.value <= dearest) continue;
             dearest = state.value;
@@ -220,38 +243,44 @@ void Knapsack::fillTable(const Problem& problem, double limitMs, std::span<uint3
                 const double extraMs = state.extraMs + (options[i].costMs - options[0].costMs);
                 if (extraMs > slackMs) break;
                 const double value = state.value + options[i].value;
+                if (value - dualPerMs_ * extraMs + restOver_[light + 1] < hopeless) continue;
                 const uint32_t to = std::min(bins_, static_cast<uint32_t>(extraMs * binsPerMs));
                 State& target = nextStates_[to];
-                if (value < target.value || (value == target.value && extraMs >= target.extraMs)) continue;
+                const uint64_t bit = uint64_t{1} << (to % 64);
+                const bool taken = nextInUse_[to / 64] & bit;
+                if (taken && (value < target.value || (value == target.value && extraMs >= target.extraMs))) continue;
                 target = {value, extraMs};
+                nextInUse_[to / 64] |= bit;
                 origins[to] = {static_cast<uint16_t>(bin), static_cast<uint8_t>(i)};
-                nextTop = std::max(nextTop, to);
             }
         }
-        top = nextTop;
         std::swap(states_, nextStates_);
+        std::swap(inUse_, nextInUse_); // the one behind is all zero again
     }
-    uint32_t bin = 0;
-    for (uint32_t i = 1; i <= top; ++i)
-        if (states_[i].value > states_[bin].value) bin = i;
+    uint32_t bin = UINT32_MAX;
+    for (uint32_t i = 0; i <= bins_; ++i)
+        if ((inUse_[i / 64] >> (i % 64) & 1) && (bin == UINT32_MAX || states_[i].value > states_[bin].value)) bin = i;
+    if (bin == UINT32_MAX) return false;
     for (uint32_t light = problem.lights; light-- > 0;) {
         const Origin origin = origins_[size_t{light} * (bins_ + 1) + bin];
         const std::span<const Option> options = optionsOf(light);
         chosen[light] = options.empty() ? kNone : options[origin.option].method;
         bin = origin.bin;
     }
+    return true;
 }
 
 /// With the fixed parts of `open` paid in advance the rest is an ordinary knapsack.
-Solution Knapsack::solveOpen(const Problem& problem, Method method, uint32_t open, std::span<uint32_t> chosen) noexcept
+Solution Knapsack::solveOpen(const Problem& problem, Method method, uint32_t open, double known,
+                             std::span<uint32_t> chosen) noexcept
 {
     Solution none{.costMs = std::numeric_limits<double>::infinity()};
     if (!gatherOptions(problem, open)) return none;
     const double limitMs = problem.budgetMs * (1.0 - kRounding) - fixedOf(problem, open);
-    if (method == Method::table)
-        fillTable(problem, limitMs, chosen);
-    else
+    if (method == Method::greedy)
         walkGreedy(problem, limitMs, chosen);
+    else if (!fillTable(problem, limitMs, known, chosen))
+        return none;
     const Sums sums = sumOf(problem, chosen);
     return {sums.value, sums.costMs, sums.costMs <= problem.budgetMs};
 }
@@ -272,7 +301,7 @@ bool Knapsack::tryOpen(const Problem& problem, Method method, uint32_t open, Sol
                        std::span<uint32_t> chosen) noexcept
 {
     const std::span<uint32_t> trial = std::span(trial_).first(problem.lights);
-    const Solution solution = solveOpen(problem, method, open, trial);
+    const Solution solution = solveOpen(problem, method, open, best.fits ? best.value : 0.0, trial);
     if (!better(solution, best)) return false;
     best = solution;
     std::copy(trial.begin(), trial.end(), chosen.begin());
@@ -288,7 +317,7 @@ Solution Knapsack::solveGreedy(const Problem& problem, std::span<uint32_t> chose
     const uint32_t dear = dearMethods(problem);
     const bool few = problem.lights <= kTableLights;
     open_ = ~0u;
-    Solution best = solveOpen(problem, Method::greedy, open_, chosen);
+    Solution best = solveOpen(problem, Method::greedy, open_, 0.0, chosen);
     if (dear == 0) return best;
     if (few && std::popcount(dear) <= kExhaustiveSets) {
         tryOpen(problem, Method::greedy, ~dear, best, chosen);

@@ -86,11 +86,12 @@ private:
     static uint32_t dearMethods(const Problem& problem) noexcept;
     bool tryOpen(const Problem& problem, Method method, uint32_t open, Solution& best,
                  std::span<uint32_t> chosen) noexcept;
-    Solution solveOpen(const Problem& problem, Method method, uint32_t open, std::span<uint32_t> chosen) noexcept;
+    Solution solveOpen(const Problem& problem, Method method, uint32_t open, double known,
+                       std::span<uint32_t> chosen) noexcept;
     bool gatherOptions(const Problem& problem, uint32_t open) noexcept;
     void walkGreedy(const Problem& problem, double limitMs, std::span<uint32_t> chosen) noexcept;
     void fillSlack(const Problem& problem, double slackMs, std::span<uint32_t> chosen) noexcept;
-    void fillTable(const Problem& problem, double limitMs, std::span<uint32_t> chosen) noexcept;
+    bool fillTable(const Problem& problem, double limitMs, double known, std::span<uint32_t> chosen) noexcept;
     std::span<const Option> optionsOf(uint32_t light) const noexcept;
 
     uint32_t bins_;
@@ -101,7 +102,10 @@ private:
     std::vector<uint32_t> at_;    ///< Per light, index into its options.
     std::vector<Step> steps_;
     std::vector<State> states_, nextStates_;
+    std::vector<uint64_t> inUse_, nextInUse_; ///< A bit per state: the others are old.
     std::vector<Origin> origins_;
+    std::vector<double> restOver_; ///< Per light: the most this one and the later ones add at dualPerMs_.
+    double dualPerMs_ = 0.0;       ///< Gain per millisecond of the best step that greedy could not afford.
     std::vector<uint32_t> trial_;
     uint32_t methods_ = 0;
     uint32_t open_ = ~0u; ///< Methods whose fixed parts the best plan so far may use.
