@@ -49,7 +49,6 @@ struct CompareOptions {
 };
 int compareCommand(const CompareOptions& options);
 
-struct TraceOptions {
 struct CalibrateOptions {
     std::string out, methods, knowledge, size;
     double secondsPerMethod = 12.0;
@@ -58,6 +57,7 @@ struct CalibrateOptions {
 };
 int calibrateCommand(const CalibrateOptions& options);
 
+struct TraceOptions {
     std::string scene, rules, methods;
     std::string out = "scene.gntrace", size = "160x120", budget = "auto";
     uint32_t frames = 90, sweeps = 5;

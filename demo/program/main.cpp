@@ -78,6 +78,21 @@ void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
     compare->callback([&] { exitCode = compareCommand(options); });
 }
 
+void addCalibrate(CLI::App& app, CalibrateOptions& options, int& exitCode)
+{
+    CLI::App* calibrate = app.add_subcommand("calibrate", "measure methods, so that the cost model knows this device");
+    calibrate->add_option("--out", options.out, "knowledge base to write; default: knowledge.csv, with --check nothing");
+    calibrate->add_option("--methods", options.methods, "a,b,... default: all");
+    calibrate->add_option("--seconds-per-method", options.secondsPerMethod, "as many points as fit")
+        ->check(CLI::Range(1.0, 3600.0))
+        ->capture_default_str();
+    calibrate->add_option("--check", options.check, "scenes to foretell and measure, instead of calibrating");
+    calibrate->add_option("--knowledge", options.knowledge, "with --check: a path, or the name of a shipped one");
+    calibrate->add_option("--size", options.size, "with --check: picture size; default: the scene's");
+    calibrate->add_flag("--verbose", options.verbose, "with --check: a line per light, method and pass");
+    calibrate->callback([&] { exitCode = calibrateCommand(options); });
+}
+
 void addTrace(CLI::App& app, TraceOptions& options, int& exitCode)
 {
     CLI::App* trace = app.add_subcommand("trace", "measure every method on every frame of a scene, for `replay`");
@@ -95,21 +110,6 @@ void addTrace(CLI::App& app, TraceOptions& options, int& exitCode)
     trace->add_option("--methods", options.methods, "a,b,... default: all that serve a light");
     trace->add_option("--budget-ms", options.budget,
                       "a,b,...: equal parts of the trace; each a number, or `1.3x` the cheapest plan, or `auto`")
-void addCalibrate(CLI::App& app, CalibrateOptions& options, int& exitCode)
-{
-    CLI::App* calibrate = app.add_subcommand("calibrate", "measure methods, so that the cost model knows this device");
-    calibrate->add_option("--out", options.out, "knowledge base to write; default: knowledge.csv, with --check nothing");
-    calibrate->add_option("--methods", options.methods, "a,b,... default: all");
-    calibrate->add_option("--seconds-per-method", options.secondsPerMethod, "as many points as fit")
-        ->check(CLI::Range(1.0, 3600.0))
-        ->capture_default_str();
-    calibrate->add_option("--check", options.check, "scenes to foretell and measure, instead of calibrating");
-    calibrate->add_option("--knowledge", options.knowledge, "with --check: a path, or the name of a shipped one");
-    calibrate->add_option("--size", options.size, "with --check: picture size; default: the scene's");
-    calibrate->add_flag("--verbose", options.verbose, "with --check: a line per light, method and pass");
-    calibrate->callback([&] { exitCode = calibrateCommand(options); });
-}
-
         ->capture_default_str();
     trace->callback([&] { exitCode = traceCommand(options); });
 }
@@ -143,6 +143,8 @@ int main(int argc, char** argv)
     addContact(app, contact, exitCode);
     CompareOptions compare;
     addCompare(app, compare, exitCode);
+    CalibrateOptions calibrate;
+    addCalibrate(app, calibrate, exitCode);
     TraceOptions trace;
     addTrace(app, trace, exitCode);
     ReplayCommandOptions replay;
@@ -162,8 +164,6 @@ int main(int argc, char** argv)
 
     try {
         app.parse(argc, argv);
-    CalibrateOptions calibrate;
-    addCalibrate(app, calibrate, exitCode);
     } catch (const CLI::ParseError& error) {
         return app.exit(error);
     } catch (const std::exception& error) {
