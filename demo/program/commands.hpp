@@ -13,6 +13,7 @@ struct RunOptions {
     float budgetMs = 0.0f;
     std::string out = "out/run";
     std::string dump;
+    std::vector<std::string> why; ///< FRAME:LIGHT[:METHOD], answered at the end.
     bool window = false;
     bool recorded = false;
     bool validation = false;
@@ -74,6 +75,12 @@ int replayCommand(const ReplayCommandOptions& options);
 int methodsCommand();
 int scenesCommand();
 int lintCommand(const std::string& rules, const std::string& trace);
+struct WhyOptions {
+    std::string log, light, method;
+    uint32_t frame = 0;
+    bool whatIf = false, changed = false, sinceSwitch = false;
+};
+int whyCommand(const WhyOptions& options);
 int explainCommand(const std::string& rules, const std::string& facts);
 
 } // namespace gnomon::demo

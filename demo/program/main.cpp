@@ -27,6 +27,7 @@ void addRun(CLI::App& app, RunOptions& options, int& exitCode)
         ->check(CLI::NonNegativeNumber);
     run->add_option("--out", options.out, "folder for tables and pictures")->capture_default_str();
     run->add_option("--dump", options.dump, "folder for the last frame's data, for independent checks");
+    run->add_option("--why", options.why, "FRAME:LIGHT[:METHOD]: print why (not) at the end; may be repeated");
     run->add_flag("--window", options.window, "in a window, with a fly camera");
     run->add_flag("--recorded", options.recorded, "use gnCmdRenderShadows instead of gnSubmitShadows");
     run->add_option("--in-flight", options.framesInFlight, "frames in flight")->check(CLI::Range(1, 8));
@@ -34,6 +35,22 @@ void addRun(CLI::App& app, RunOptions& options, int& exitCode)
     run->add_option("--screenshot", options.screenshot, "with --window: save the window's last picture here");
     run->add_option("--resize-test", options.resizeTest, "with --window: resize that many times, then end");
     run->callback([&] { exitCode = options.window ? windowCommand(options) : runCommand(options); });
+}
+
+void addWhy(CLI::App& app, WhyOptions& options, int& exitCode)
+{
+    CLI::App* why = app.add_subcommand("why", "ask the log of a run why a light had its method");
+    why->add_option("LOG", options.log, "decisions.gnlog of a run")->required();
+    why->add_option("--frame", options.frame, "as in lights.csv")->required();
+    why->add_option("--light", options.light, "its name")->required();
+    auto* no = why->add_option("--not", options.method, "why not this method");
+    auto* what = why->add_flag("--what-if", options.whatIf, "the smallest change of each fact that flips the choice");
+    auto* changed = why->add_flag("--changed", options.changed, "what changed since the frame before");
+    auto* since = why->add_flag("--since-switch", options.sinceSwitch, "what changed since another method served");
+    no->excludes(what)->excludes(changed)->excludes(since);
+    what->excludes(changed)->excludes(since);
+    changed->excludes(since);
+    why->callback([&] { exitCode = whyCommand(options); });
 }
 
 void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
@@ -139,6 +156,8 @@ int main(int argc, char** argv)
     ContactOptions contact;
     std::string rules, facts, lintTrace;
     addRun(app, run, exitCode);
+    WhyOptions why;
+    addWhy(app, why, exitCode);
     addBench(app, bench, exitCode);
     addContact(app, contact, exitCode);
     CompareOptions compare;

@@ -22,7 +22,7 @@ std::optional<std::filesystem::file_time_type> RuleWatch::modified() const
     return time;
 }
 
-void RuleWatch::poll(ShadowHost& shadows)
+void RuleWatch::poll(ShadowHost& shadows, const std::function<void()>& beforeLoad)
 {
     if (file_.empty() || Clock::now() < next_) return;
     next_ = Clock::now() + std::chrono::milliseconds(500);
@@ -31,6 +31,7 @@ void RuleWatch::poll(ShadowHost& shadows)
     seen_ = time;
     const Outcome<std::string> text = readText(file_);
     if (!text) return;
+    if (beforeLoad) beforeLoad();
     const Status loaded = shadows.loadRules(*text, file_.string());
     if (loaded)
         std::printf("rules: %s is in force\n", file_.c_str());

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -17,7 +18,7 @@ public:
     explicit RuleWatch(const std::string& rules);
 
     /// Between frames; looks at the file twice a second at most. Prints what happened.
-    void poll(ShadowHost& shadows);
+    void poll(ShadowHost& shadows, const std::function<void()>& beforeLoad = {});
 
 private:
     using Clock = std::chrono::steady_clock;
