@@ -212,11 +212,19 @@ private:
         const double from = facts_[fact_];
         double same = start;
         for (; probe != end; same = *probe++) {
-            if (found_ && std::abs(same - from) >= std::abs(found_->to - from)) return;
-            if (!flips(*probe)) continue;
-            const double flipped = bisect(same, *probe);
-            if (!found_ || std::abs(flipped - from) < std::abs(found_->to - from)) take(flipped);
-            return;
+            double next = *probe;
+            if (found_) { // no farther than the flip on the other side
+                const double most = std::abs(found_->to - from);
+                if (std::abs(same - from) >= most) return;
+                if (std::abs(next - from) > most) next = next > from ? from + most : from - most;
+                if (variable_.isCount()) next = std::round(next);
+            }
+            if (flips(next)) {
+                const double flipped = bisect(same, next);
+                if (!found_ || std::abs(flipped - from) < std::abs(found_->to - from)) take(flipped);
+                return;
+            }
+            if (next != *probe) return;
         }
     }
 
