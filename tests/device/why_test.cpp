@@ -1,0 +1,84 @@
+// Questions about decisions through the C API: the newest frame, an older one, and the log.
+#include "device/fixture.hpp"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+std::string ask(Host& host, const GnQuestion& question)
+{
+    size_t size = 0;
+    host.require(gnExplain(host.context, host.views[0], host.lights[0], &question, &size, nullptr));
+    std::string text(size, '\0');
+    host.require(gnExplain(host.context, host.views[0], host.lights[0], &question, &size, text.data()));
+    text.resize(size - 1);
+    CHECK(std::count(text.begin(), text.end(), '\n') <= 12);
+    CHECK(text.find("light 'lamp', frame ") == 0);
+    return text;
+}
+
+GnResult askInVain(Host& host, const GnQuestion& question)
+{
+    size_t size = 0;
+    return gnExplain(host.context, host.views[0], host.lights[0], &question, &size, nullptr);
+}
+
+bool contains(const std::string& text, const std::string& part)
+{
+    return text.find(part) != std::string::npos;
+}
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "all four questions are answered, for the newest frame and for one of 256")
+{
+    Host host(smallScene());
+    CHECK(askInVain(host, {}) == GN_ERROR_FRAME_ORDER);
+    const std::string rules = shippedRules("thesis");
+    host.require(gnLoadRules(host.context, rules.data(), rules.size(), "thesis"));
+    host.draw(12, {});
+    std::string text = ask(host, {.kind = GN_QUESTION_WHY});
+    INFO(text);
+    CHECK(contains(text, "frame 12: stencil_volume"));
+    CHECK(contains(text, "rule T1"));
+    CHECK(contains(text, "because "));
+    CHECK(contains(text, "viewerDistance "));
+    text = ask(host, {.kind = GN_QUESTION_WHY_NOT, .pMethod = "cube_map"});
+    CHECK(contains(text, "does not serve this kind of light"));
+    text = ask(host, {.kind = GN_QUESTION_WHAT_IF});
+    CHECK(contains(text, "instead"));
+    CHECK(contains(ask(host, {.kind = GN_QUESTION_WHAT_CHANGED}), "still stencil_volume"));
+    CHECK(contains(ask(host, {.kind = GN_QUESTION_WHY, .frame = 8}), "measured ")); // a timed frame
+
+    host.pinAll("shadow_map");
+    host.draw(3, {});
+    text = ask(host, {.kind = GN_QUESTION_WHAT_CHANGED, .frame = 13});
+    CHECK(contains(text, "frame 13 against frame 12: stencil_volume -> shadow_map"));
+    CHECK(contains(text, "the host pinned shadow_map"));
+    text = ask(host, {.kind = GN_QUESTION_WHAT_CHANGED, .flags = GN_QUESTION_SINCE_SWITCH_BIT});
+    CHECK(contains(text, "frame 15 against frame 12"));
+    CHECK(contains(ask(host, {.kind = GN_QUESTION_WHY_NOT, .pMethod = "ray_traced"}), "the host pinned shadow_map"));
+    CHECK(contains(ask(host, {.kind = GN_QUESTION_WHY, .frame = 12}), "stencil_volume, highest suitability"));
+
+    host.draw(256, {});
+    CHECK(askInVain(host, {.frame = 12}) == GN_ERROR_OUT_OF_RANGE);
+    CHECK(contains(host.lastError(), "16 to 271"));
+    CHECK(askInVain(host, {.frame = 9999}) == GN_ERROR_OUT_OF_RANGE);
+    CHECK(contains(host.lastError(), "9999"));
+    CHECK(askInVain(host, {.kind = GN_QUESTION_WHY_NOT, .pMethod = "no_such"}) == GN_ERROR_UNKNOWN_METHOD);
+    CHECK(contains(host.lastError(), "'no_such'"));
+    CHECK(askInVain(host, {.kind = GN_QUESTION_WHY_NOT}) == GN_ERROR_NULL_ARGUMENT);
+    CHECK(askInVain(host, {.kind = static_cast<GnQuestionKind>(9)}) == GN_ERROR_OUT_OF_RANGE);
+
+    size_t size = 0;
+    host.require(gnGetDecisionLog(host.context, host.views[0], 0, 1, &size, nullptr));
+    std::string log(size, '\0');
+    host.require(gnGetDecisionLog(host.context, host.views[0], 0, 1, &size, log.data()));
+    CHECK(log.starts_with("GNDECID1"));
+    CHECK(contains(log, "lamp"));
+    size = 10;
+    CHECK(gnGetDecisionLog(host.context, host.views[0], 0, 1, &size, log.data()) == GN_INCOMPLETE);
+    CHECK(gnGetDecisionLog(host.context, host.views[0], 272, 1, &size, nullptr) == GN_ERROR_OUT_OF_RANGE);
+    CHECK(gnGetDecisionLog(host.context, host.views[0], 0, 100, &size, nullptr) == GN_ERROR_OUT_OF_RANGE);
+}
