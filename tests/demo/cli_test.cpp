@@ -1,6 +1,7 @@
 // The gnomon program from outside: exit codes, files, table headers.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -98,6 +99,49 @@ TEST_CASE("run leaves both tables, pictures, the rules used and a dump, and its 
     const Outcome<ImageF> depth = readPfm(folder.path / "dump" / "depth.pfm", RowOrder::TopDown);
     REQUIRE(depth);
     CHECK(depth->width == 160);
+}
+
+TEST_CASE("the log of a run answers every question without a device, and names what it does not have")
+{
+    const Folder folder("why");
+    const Ran ran = gnomonProgram("run room --frames 6 --size 160x90 --out '" + folder.path.string() + "' --why 3:" +
+                                  "no_such_light");
+    CHECK(ran.exitCode == 1);
+    CHECK(ran.output.find("no_such_light") != std::string::npos);
+    const fs::path log = folder.path / "decisions.gnlog";
+    REQUIRE(fs::exists(log));
+    std::vector<std::string> cells; // frame, light, method of the last row
+    REQUIRE(splitCsvLine(lines(folder.path / "lights.csv").back(), cells));
+    const std::string question = "why '" + log.string() + "' --frame " + cells[0] + " --light '" + cells[1] + "'";
+    const auto answer = [&](const std::string& more) {
+        const Ran asked = gnomonProgram(question + more, "GNOMON_DEVICE=none");
+        CAPTURE(asked.output);
+        CHECK(asked.exitCode == 0);
+        CHECK(asked.output.find("light '" + cells[1] + "', frame " + cells[0]) == 0);
+        CHECK(std::count(asked.output.begin(), asked.output.end(), '\n') <= 12);
+        return asked.output;
+    };
+    CHECK(answer("").find("frame " + cells[0] + ": " + cells[2]) != std::string::npos);
+    CHECK(answer("").find("because ") != std::string::npos);
+    CHECK(answer(" --what-if").find("one fact at a time") != std::string::npos);
+    CHECK(answer(" --changed").find("against frame ") != std::string::npos);
+    answer(" --since-switch");
+    answer(" --not shadow_map");
+
+    const std::pair<std::string, const char*> bad[] = {
+        {question + " --not no_such_method", "no_such_method"},
+        {"why '" + log.string() + "' --frame 99 --light '" + cells[1] + "'", "frame 99"},
+        {"why '" + log.string() + "' --frame 1 --light nobody", "'nobody'"},
+        {"why '" + (folder.path / "lights.csv").string() + "' --frame 1 --light x", "does not start"},
+        {"why '" + (folder.path / "none").string() + "' --frame 1 --light x", "cannot be read"},
+    };
+    for (const auto& entry : bad) {
+        const std::string& arguments = entry.first;
+        const char* word = entry.second;
+        const Ran failed = gnomonProgram(arguments);
+        CHECK(failed.exitCode == 1);
+        CHECK_MESSAGE(failed.output.find(word) != std::string::npos, failed.output);
+    }
 }
 
 TEST_CASE("bench prints exactly the promised columns and a base row first")
