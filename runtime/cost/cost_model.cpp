@@ -184,13 +184,15 @@ void CostModel::finishCalibration(bool sameDevice) noexcept
 CostModel::Octaves CostModel::octaves(uint32_t light, uint32_t method, uint32_t t, const Features& f) const noexcept
 {
     const Track& known = track(method, t);
+    // Row by row: the sums of all features grow side by side. The covariance is symmetric to the last bit.
+    Features pf{};
+    for (uint32_t j = 0; j < kFeatures; ++j)
+        for (uint32_t i = 0; i < kFeatures; ++i)
+            pf[i] += known.covariance[j * kFeatures + i] * f[j];
     double mean = device_, spread = 0.0;
     for (uint32_t i = 0; i < kFeatures; ++i) {
         mean += known.theta[i] * f[i];
-        double pf = 0.0;
-        for (uint32_t j = 0; j < kFeatures; ++j)
-            pf += known.covariance[i * kFeatures + j] * f[j];
-        spread += f[i] * pf;
+        spread += f[i] * pf[i];
     }
     double variance = std::max(known.noise, kStartNoise) * spread + deviceVariance_;
     if (light < lights_) {
@@ -203,7 +205,7 @@ CostModel::Octaves CostModel::octaves(uint32_t light, uint32_t method, uint32_t 
         mean += weight * own.octaves;
         variance += known.lights * (1.0 - weight);
     }
-    return {mean, variance, known.seen, known.samples >= kFeatures};
+    return {mean, variance, known.samples >= kFeatures};
 }
 
 /// Running mean of what the fit leaves over for this light, with clipped errors; four alike in a row replace it.
@@ -317,15 +319,25 @@ Prediction CostModel::combine(const Prediction& gpu, const Prediction& cpu) cons
     return sum;
 }
 
+const Features& CostModel::recall(const Workload& workload, Pass pass) const noexcept
+{
+    Recall& known = recalled_[static_cast<size_t>(pass)];
+    for (const Recalled& one : known.newest)
+        if (one.valid && one.workload == workload) return one.features;
+    Recalled& oldest = known.newest[known.next++ % known.newest.size()];
+    oldest = {workload, featuresOf(workload, pass), true};
+    return oldest.features;
+}
+
 Prediction CostModel::predict(uint32_t light, uint32_t method, Pass pass, const Workload& workload) const noexcept
 {
     if (method >= methods_) return {};
-    const Features f = featuresOf(workload, pass);
+    const Features& f = recall(workload, pass);
     std::array<Prediction, 2> parts;
     bool any = false;
     for (const Processor processor : {Processor::gpu, Processor::cpu}) {
+        if (!track(method, trackOf(pass, processor)).seen) continue;
         const Octaves known = octaves(light, method, trackOf(pass, processor), f);
-        if (!known.any) continue;
         any = true;
         Prediction& part = parts[static_cast<size_t>(processor)];
         part.ms = exp2Exactly(known.mean);

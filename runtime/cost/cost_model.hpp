@@ -46,6 +46,8 @@ struct Workload {
     bool directional = false, point = false; ///< Kind of light; neither: a spot light.
     double drawnPixels = 0.0; ///< Of the screen rectangle around the light; 0: `pixels`.
     double viewPixels = 0.0;  ///< Of the view; 0: `pixels`.
+
+    bool operator==(const Workload&) const = default;
 };
 
 inline constexpr uint32_t kFeatures = 10;
@@ -95,6 +97,7 @@ public:
     /// A light's slot was given to another light.
     void forgetLight(uint32_t light) noexcept;
 
+    /// Not for two threads at a time. Cheapest light by light, pass by pass: a workload's logarithms are taken once.
     Prediction predict(uint32_t light, uint32_t method, Pass pass, const Workload& workload) const noexcept;
     /// Update and resolve; `updateSkipped` when what the update would make is still valid.
     Prediction predict(uint32_t light, uint32_t method, const Workload& workload, bool updateSkipped) const noexcept;
@@ -121,7 +124,7 @@ private:
     };
     struct Octaves {
         double mean = 0.0, variance = 0.0;
-        bool any = false, calibrated = false;
+        bool calibrated = false;
     };
 
     Track& track(uint32_t method, uint32_t t) noexcept { return tracks_[method * kTracks + t]; }
@@ -133,6 +136,7 @@ private:
     static void reset(Track& track, uint32_t t) noexcept;
     static double fit(Track& track, const Features& f, double error, double forgetting) noexcept;
     void learn(Residual& residual, const Features& f, double error) noexcept;
+    const Features& recall(const Workload& workload, Pass pass) const noexcept;
     Octaves octaves(uint32_t light, uint32_t method, uint32_t t, const Features& f) const noexcept;
     Prediction combine(const Prediction& gpu, const Prediction& cpu) const noexcept;
     void noteStep(double frameMedian) noexcept;
@@ -144,6 +148,17 @@ private:
     double device_ = 0.0;
     double deviceVariance_ = 0.0;
     uint32_t deviceFrames_ = UINT32_MAX; ///< Frames the factor was learned from; a fresh model is at home.
+    /// Methods of one light ask with the same workload one after another; its logarithms are taken once.
+    struct Recalled {
+        Workload workload;
+        Features features{};
+        bool valid = false;
+    };
+    struct Recall {
+        std::array<Recalled, 4> newest{}; ///< Methods of a light differ in texels alone: none, a map's, six maps'.
+        uint32_t next = 0;
+    };
+    mutable std::array<Recall, 2> recalled_{}; ///< By pass.
     std::vector<double> frameErrors_;    ///< Of the current frame; fixed capacity, more are not collected.
     uint32_t frameErrorCount_ = 0;
     std::array<double, 5> steps_{}; ///< Medians of the newest frames.

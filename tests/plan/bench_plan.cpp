@@ -6,6 +6,7 @@
 #include <chrono>
 #include <vector>
 
+#include "runtime/cost/cost_model.hpp"
 #include "runtime/plan/plan.hpp"
 #include "tests/plan/random.hpp"
 
@@ -61,6 +62,52 @@ void decision(benchmark::State& state)
     state.counters["changed"] = static_cast<double>(changed) / static_cast<double>(times.size());
 }
 BENCHMARK(decision)->Arg(4)->Arg(8)->Arg(16)->Arg(64)->UseManualTime();
+
+/// What the cost model takes to foretell every method of every light: GPU times of update and resolve, two map sizes.
+void foretelling(benchmark::State& state)
+{
+    const auto lights = static_cast<uint32_t>(state.range(0));
+    test::Random random(2);
+    cost::CostModel model;
+    model.resize(kMethods, lights);
+    const auto workloadFor = [&](uint32_t method) {
+        return cost::Workload{.pixels = random.between(1e4, 9e5),
+                              .casterTriangles = random.between(1e3, 1e5),
+                              .mapTexels = method % 2 ? 1048576.0 : 0.0,
+                              .viewPixels = 921600.0};
+    };
+    for (uint32_t method = 0; method < kMethods; ++method)
+        for (int i = 0; i < 40; ++i)
+            for (const cost::Pass pass : {cost::Pass::update, cost::Pass::resolve})
+                model.calibrate(method, pass, cost::Processor::gpu, workloadFor(method), random.between(0.5, 5.0));
+    model.finishCalibration(true);
+    std::vector<cost::Workload> workloads;
+    for (uint32_t i = 0; i < lights; ++i)
+        workloads.push_back(workloadFor(0));
+    std::vector<double> times;
+    times.reserve(1 << 20);
+    for (auto _ : state) {
+        for (cost::Workload& workload : workloads) // every light's facts drift
+            workload.pixels *= random.between(0.99, 1.0101);
+        const auto start = std::chrono::steady_clock::now();
+        double sum = 0.0;
+        for (uint32_t i = 0; i < lights; ++i)
+            for (uint32_t method = 0; method < kMethods; ++method) {
+                cost::Workload workload = workloads[i];
+                workload.mapTexels = method % 2 ? 1048576.0 : 0.0;
+                sum += model.predict(i, method, workload, false).ms;
+            }
+        const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+        benchmark::DoNotOptimize(sum);
+        state.SetIterationTime(took.count());
+        if (times.size() < times.capacity()) times.push_back(took.count());
+    }
+    std::sort(times.begin(), times.end());
+    const double perLight = 1e9 / lights;
+    state.counters["p50_ns_per_light"] = times[times.size() / 2] * perLight;
+    state.counters["p99_ns_per_light"] = times[times.size() * 99 / 100] * perLight;
+}
+BENCHMARK(foretelling)->Arg(64)->UseManualTime();
 
 } // namespace
 
