@@ -9,6 +9,7 @@ namespace gnomon::demo {
 
 struct RunOptions {
     std::string scene, rules, method, size;
+    std::string knowledge; ///< loadKnowledge().
     uint32_t frames = 0; ///< 0: the scene's.
     float budgetMs = 0.0f;
     std::string out = "out/run";

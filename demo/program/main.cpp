@@ -19,6 +19,7 @@ void addRun(CLI::App& app, RunOptions& options, int& exitCode)
     auto* rules = run->add_option("--rules", options.rules, "rule base: a path, or `default` or `thesis`");
     run->add_option("--method", options.method, "this method for every light it serves, instead of rules")
         ->excludes(rules);
+    run->add_option("--knowledge", options.knowledge, "what the cost model starts from: a path, `lavapipe`, or `none`");
     run->add_option("--size", options.size, "picture size, such as 1280x720; default: the scene's");
     run->add_option("--frames", options.frames, "number of frames; default: the scene's")
         ->check(CLI::Range(1, 1000000));

@@ -113,6 +113,7 @@ int runCommand(const RunOptions& options)
         .scene = options.scene, .framesInFlight = options.framesInFlight, .validation = options.validation};
     if (!options.size.empty()) sessionOptions.size = valueOf(parseSize(options.size));
     if (options.lights > 0) sessionOptions.lights = options.lights;
+    sessionOptions.knowledge = options.knowledge;
     Session session(sessionOptions);
     const Scene& scene = session.scene;
     for (const std::string& note : scene.notes)
