@@ -49,8 +49,6 @@ int replayCommand(const ReplayCommandOptions& options)
     std::optional<cost::KnowledgeBase> knowledge;
     std::optional<Trace> calibration;
     if (!options.calibration.empty()) calibration = loadTrace(options.calibration);
-    if (calibration && calibration->methods != trace.methods)
-        throw HostError(options.calibration + ": a trace of other methods");
     if (!options.knowledge.empty() && options.knowledge != "none") {
         knowledge = loadKnowledgeBase(options.knowledge);
         replay.knowledge = &*knowledge;

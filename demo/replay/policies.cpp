@@ -48,7 +48,7 @@ public:
         if (options.knowledge)
             cost::learn(model_, *options.knowledge, trace.methods, options.device);
         else if (calibration)
-            calibrate(*calibration);
+            calibrate(*calibration, trace.methods);
     }
     std::string name() const override { return calibrated_ ? "plan" : "plan_cold"; }
 
@@ -102,7 +102,7 @@ public:
     }
 
 private:
-    void calibrate(const Trace& from)
+    void calibrate(const Trace& from, const std::vector<std::string>& names)
     {
         constexpr uint32_t kPlaces = 40;
         std::vector<size_t> present;
@@ -114,8 +114,11 @@ private:
             const size_t cell = present[static_cast<size_t>((share - static_cast<uint32_t>(share)) *
                                                             static_cast<double>(present.size()))];
             for (uint32_t m = 0; m < methods_; ++m) {
-                const TraceMethod& measured = from.measures[cell * methods_ + m];
-                const cost::Workload workload = workloadOf(from, from.lightStates[cell], m);
+                const auto known = std::find(from.methods.begin(), from.methods.end(), names[m]);
+                if (known == from.methods.end()) continue;
+                const auto column = static_cast<uint32_t>(known - from.methods.begin());
+                const TraceMethod& measured = from.measures[cell * from.methods.size() + column];
+                const cost::Workload workload = workloadOf(from, from.lightStates[cell], column);
                 forEachPass(measured, [&](cost::Pass pass, cost::Processor processor, double ms) {
                     model_.calibrate(m, pass, processor, workload, ms);
                 });

@@ -88,7 +88,7 @@ private:
             const TraceMethod& measured = trace_.measure(frame, slot, chosen_[slot]);
             const double raw = rawFactor(measured, options_.seed, frame, slot, chosen_[slot]);
             frameMs += measured.ms() * (options_.rawTimes ? raw : 1.0);
-            timings.push_back({slot, chosen_[slot], raw});
+            timings.push_back({slot, chosen_[slot], options_.rawTimes || options_.noisyTimings ? raw : 1.0});
         }
         if (present > 0) decisionUs_.push_back(took.count() / present);
         judge(frame, frameMs, frameValue, budgetMs);

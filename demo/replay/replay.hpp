@@ -30,7 +30,8 @@ struct ReplayOptions {
     rules::Policy policy;
     double budgetMs = 0.0;                          ///< 0: the trace's own.
     uint32_t latencyFrames = 2;                     ///< Timings are read so many frames late.
-    bool rawTimes = false;                          ///< Judge by times drawn from the spread instead of the minima.
+    bool rawTimes = false;                          ///< A world of times drawn from the spread, not the minima.
+    bool noisyTimings = false;                      ///< A world of minima, but what policies measure is raw.
     uint64_t seed = 1;                              ///< Of the noise.
     const cost::KnowledgeBase* knowledge = nullptr; ///< Where the plan's cost model starts; null: cold.
     std::string device;                             ///< Whose rows of it count as this device's.
