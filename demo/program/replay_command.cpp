@@ -21,10 +21,11 @@ Trace loadTrace(const std::string& file)
     return std::move(*trace);
 }
 
-cost::KnowledgeBase loadKnowledgeBase(const std::string& file)
+cost::KnowledgeBase loadKnowledgeBase(const std::string& nameOrPath)
 {
+    const std::filesystem::path file = valueOf(findKnowledge(nameOrPath));
     cost::KnowledgeResult knowledge = cost::parseKnowledge(valueOf(readText(file)));
-    if (!knowledge.base) throw HostError(file + ": " + knowledge.error);
+    if (!knowledge.base) throw HostError(file.string() + ": " + knowledge.error);
     return std::move(*knowledge.base);
 }
 
@@ -49,8 +50,8 @@ int replayCommand(const ReplayCommandOptions& options)
     std::optional<cost::KnowledgeBase> knowledge;
     std::optional<Trace> calibration;
     if (!options.calibration.empty()) calibration = loadTrace(options.calibration);
-    if (!options.knowledge.empty() && options.knowledge != "none") {
-        knowledge = loadKnowledgeBase(options.knowledge);
+    if (!calibration && options.knowledge != "none") {
+        knowledge = loadKnowledgeBase(options.knowledge.empty() ? "lavapipe" : options.knowledge);
         replay.knowledge = &*knowledge;
         if (!knowledge->rows.empty()) replay.device = knowledge->rows.front().device;
     }
