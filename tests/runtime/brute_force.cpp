@@ -117,8 +117,10 @@ struct Receiver {
         const double u = glm::length(camera.relative(px, py, static_cast<double>(depth) + ulp) - relative);
         const double slope = hasNormal ? std::abs(glm::dot(normal, glm::normalize(relative))) : 1.0;
         const double f = glm::length(camera.relative(px + 1.0, py, static_cast<double>(depth)) - relative);
-        double c = largest(relative);
-        if (light.type != GN_LIGHT_TYPE_DIRECTIONAL) c = std::max(c, largest(lightRelative()));
+        // Scenes of tests lie around the frame's origin.
+        double c = std::max(largest(relative), largest(view.eye + relative));
+        if (light.type != GN_LIGHT_TYPE_DIRECTIONAL)
+            c = std::max({c, largest(lightRelative()), largest(view.eye + lightRelative())});
         const double k = view.convention == GN_DEPTH_STANDARD ? 3.0 : 1.0;
         return k * (u * slope + f / 256.0 + std::ldexp(c, -21));
     }
