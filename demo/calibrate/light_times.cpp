@@ -29,7 +29,8 @@ cost::Workload workloadOf(const GnLightTiming& timing)
             .directional = timing.type == GN_LIGHT_TYPE_DIRECTIONAL,
             .point = timing.type == GN_LIGHT_TYPE_POINT,
             .drawnPixels = timing.drawnPixels,
-            .viewPixels = timing.viewPixels};
+            .viewPixels = timing.viewPixels,
+            .shadowPixels = timing.shadowPixels};
 }
 
 double drawFrame(Session& session, double time, bool timed, bool cut)

@@ -94,6 +94,7 @@ bool Sweeper::measureErrors(const Moment& moment, std::vector<cost::KnowledgeRow
     const Image8 visibility = renderer.readVisibility().front();
     const FrameSurfaces surfaces{renderer.readDepth(), renderer.readNormals()};
     const uint32_t light = renderer.state().present.front();
+    if (times.lights.front().light != light) return false; // it was not timed
     for (const uint32_t present : renderer.state().present)
         if (!session_.shadows.pin(present, kTruthMethod)) return false;
     const CameraState camera = session_.camera(last);
@@ -105,10 +106,11 @@ bool Sweeper::measureErrors(const Moment& moment, std::vector<cost::KnowledgeRow
                                                        session_.scene.lights[light], renderer.state().lights[light]);
     const ErrorCount errors = compare(visibility, truth, counted);
     if (errors.counted == 0) return false;
-    for (cost::KnowledgeRow& row : rows)
-        if (row.workload.pixels == times.lights.front().workload.pixels &&
-            row.workload.casterTriangles == times.lights.front().workload.casterTriangles)
-            row.wrongPercent = errors.percent(errors.wrong());
+    // The rows of the first light end with its resolve.
+    for (cost::KnowledgeRow& row : rows) {
+        row.wrongPercent = errors.percent(errors.wrong());
+        if (row.pass == cost::Pass::resolve) break;
+    }
     return true;
 }
 

@@ -46,10 +46,40 @@ void addInstance(Scene& scene, uint32_t world, uint32_t mesh, const glm::dvec3& 
     scene.instances.push_back(instance);
 }
 
-/// A ground with tori, balls and columns on it; a third of them turn. Triangles double from world to world, their
-/// number of instances grows more slowly.
+/// A ball with hills: silhouettes of what has grown or was scanned run all over the surface, not around it.
+Mesh makeHilly(const SphereShape& shape)
+{
+    Mesh mesh = makeSphere(shape);
+    for (glm::vec3& position : mesh.positions) {
+        const glm::vec3 p = position / shape.radius;
+        position *= 1.0f + 0.12f * std::sin(9.0f * p.x + 2.0f * p.y) * std::cos(8.0f * p.y - 3.0f * p.z) *
+                               std::sin(7.0f * p.z + 1.0f);
+    }
+    return mesh;
+}
+
+/// Walls around the objects, with a gap to look in through: casters that are large, thin and near the eye.
+void addWalls(Scene& scene, uint32_t world)
+{
+    const auto mesh = static_cast<uint32_t>(scene.meshes.size());
+    scene.meshes.push_back(makeBox({.size = {18.0f, 5.0f, 0.3f}}));
+    scene.meshes.push_back(makeBox({.size = {0.3f, 5.0f, 18.0f}}));
+    scene.meshes.push_back(makeBox({.size = {7.0f, 5.0f, 0.3f}}));
+    const char* names[] = {"wall_x", "wall_z", "wall_short"};
+    for (uint32_t i = 0; i < 3; ++i)
+        scene.meshes[mesh + i].name = names[i] + std::to_string(world);
+    addInstance(scene, world, mesh, {0.0, 2.5, -9.0}, false);
+    addInstance(scene, world, mesh + 1, {-9.0, 2.5, 0.0}, false);
+    addInstance(scene, world, mesh + 1, {9.0, 2.5, 0.0}, false);
+    addInstance(scene, world, mesh + 2, {-5.5, 2.5, 9.0}, false);
+    addInstance(scene, world, mesh + 2, {5.5, 2.5, 9.0}, false);
+}
+
+/// A ground with tori, balls and columns on it; a third of them turn. In every other world it is a hall: walls, tall
+/// columns, knots and hilly balls. Triangles double from world to world, their number of instances grows more slowly.
 void addWorld(Scene& scene, uint32_t world, uint32_t ground)
 {
+    const bool hall = world % 2 == 1;
     const uint32_t side = 2 + world / 2;                // 2x2 to 5x5 objects
     const double triangles = 400.0 * std::pow(2.2, world); // 400 to 100 000
     const double each = triangles / (side * side);
@@ -57,15 +87,18 @@ void addWorld(Scene& scene, uint32_t world, uint32_t ground)
         return std::max(3u, static_cast<uint32_t>(std::sqrt(each / 2.0 * share) + 0.5));
     };
     const auto first = static_cast<uint32_t>(scene.meshes.size());
-    scene.meshes.push_back(makeTorus({.radius = 1.0f, .tube = 0.35f, .ringSegments = segments(2.0),
-                                      .tubeSegments = segments(0.5)}));
-    scene.meshes.push_back(makeSphere({.radius = 0.9f, .slices = segments(2.0), .stacks = segments(0.5) + 1}));
-    scene.meshes.push_back(makeColumn({.radius = 0.4f, .height = 3.0f, .segments = segments(1.0),
+    const SphereShape ball{.radius = 0.9f, .slices = segments(2.0), .stacks = segments(0.5) + 1};
+    scene.meshes.push_back(hall ? makeTorusKnot({.knotSegments = segments(8.0), .tubeSegments = segments(0.125)})
+                                : makeTorus({.radius = 1.0f, .tube = 0.35f, .ringSegments = segments(2.0),
+                                             .tubeSegments = segments(0.5)}));
+    scene.meshes.push_back(hall ? makeHilly(ball) : makeSphere(ball));
+    scene.meshes.push_back(makeColumn({.radius = 0.4f, .height = hall ? 6.0f : 3.0f, .segments = segments(1.0),
                                        .rings = segments(1.0)}));
     const char* names[] = {"torus", "ball", "column"};
     for (uint32_t i = 0; i < 3; ++i)
         scene.meshes[first + i].name = names[i] + std::to_string(world);
     addInstance(scene, world, ground, {0.0, -0.2, 0.0}, false);
+    if (hall) addWalls(scene, world);
     const double spacing = 16.0 / side;
     for (uint32_t x = 0; x < side; ++x)
         for (uint32_t z = 0; z < side; ++z) {
@@ -116,7 +149,7 @@ SweepPoint makePoint(Scene& scene, LightKind kind, uint32_t index, double time)
     const auto at = [n](Axis axis) { return sweepCoordinate(n, axis, kAxes); };
     constexpr uint32_t mapSides[] = {512, 1024, 2048};
     constexpr uint32_t cubeSides[] = {256, 512, 1024}; // six of them
-    constexpr uint32_t widths[] = {640, 480, 960, 640, 1280};
+    constexpr uint32_t widths[] = {640, 320, 960, 480, 1280};
     constexpr SweepMotion motions[] = {SweepMotion::light, SweepMotion::casters, SweepMotion::light,
                                        SweepMotion::nothing};
     SweepPoint point;

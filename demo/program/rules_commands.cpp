@@ -30,7 +30,7 @@ RuleVocabulary runtimeVocabulary()
         method.entry = entry;
         for (const SettingSpec& setting : entry->settings)
             method.settings.push_back(setting.standard);
-        vocabulary.outputs.back().quality = double{qualityOf(method)};
+        vocabulary.outputs.back().quality = double{qualityOf(method, {})};
     }
     return vocabulary;
 }

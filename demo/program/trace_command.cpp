@@ -23,7 +23,7 @@ constexpr uint32_t kSettleFrames = 41;
 class Tracer {
 public:
     Tracer(const TraceOptions& options, const Scene& scene, Device& device, VkExtent2D size)
-        : options_(options), scene_(scene), extent_(size),
+        : options_(options), scene_(scene),
           secondsPerFrame_(static_cast<double>(scene.frames) / scene.framesPerSecond / options.frames),
           session_(device, scene,
                    {.size = size, .contextFlags = GN_CONTEXT_TIME_EVERY_FRAME_BIT | GN_CONTEXT_NO_BACKGROUND_BIT})
@@ -48,6 +48,8 @@ public:
     }
 
 private:
+    using FrameNumbers = std::vector<std::pair<uint64_t, uint32_t>>; ///< Of the runtime, and of the trace.
+
     void chooseMethods()
     {
         const std::vector<std::string> asked = parseNames(options_.methods);
@@ -102,12 +104,41 @@ private:
         pinAll({});
         for (uint32_t i = 0; i < kSettleFrames; ++i)
             draw(0);
+        FrameNumbers numbers;
         for (uint32_t frame = 0; frame < trace_.frames; ++frame) {
-            draw(frame);
+            numbers.emplace_back(draw(frame), frame);
             if (frame == 0) nameFacts();
+            takeWorkloads(numbers);
             trace_.cuts[frame] = frame == 0 || cutBefore(frame);
             for (const uint32_t light : session_.renderer.state().present)
                 readLight(frame, light);
+        }
+        for (uint32_t i = 0; i < kFlushFrames; ++i) {
+            draw(trace_.frames - 1);
+            takeWorkloads(numbers);
+        }
+    }
+
+    /// What the cost model knew of the lights in the newest timed frame.
+    void takeWorkloads(const FrameNumbers& numbers)
+    {
+        for (uint32_t slot = 0; slot < trace_.lights; ++slot) {
+            GnLightTiming timing{};
+            if (gnGetLightTiming(session_.shadows.context(), session_.shadows.view(0), session_.shadows.light(slot),
+                                 &timing) < 0)
+                continue;
+            const auto found =
+                std::find_if(numbers.begin(), numbers.end(), [&](const auto& n) { return n.first == timing.frame; });
+            if (found == numbers.end()) continue;
+            TraceLight& light = trace_.lightStates[trace_.cell(found->second, slot)];
+            light.pixels = static_cast<float>(timing.pixels);
+            light.casterTriangles = static_cast<float>(timing.casterTriangles);
+            light.drawnTriangles = static_cast<float>(timing.drawnTriangles);
+            light.casters = static_cast<float>(timing.casters);
+            light.drawnPixels = static_cast<float>(timing.drawnPixels);
+            light.viewPixels = static_cast<float>(timing.viewPixels);
+            light.shadowPixels = static_cast<float>(timing.shadowPixels);
+            light.sharing = static_cast<float>(timing.sharing);
         }
     }
 
@@ -136,14 +167,10 @@ private:
         light.fresh = frame == 0 || !trace_.lightStates[trace_.cell(frame - 1, slot)].present;
         light.importance = scene_.lights[slot].importance > 0.0f ? scene_.lights[slot].importance : 1.0f;
         light.directional = scene_.lights[slot].kind == LightKind::Directional;
+        light.point = scene_.lights[slot].kind == LightKind::Point;
         const std::vector<GnFact> facts = factsOf(slot);
-        for (size_t i = 0; i < facts.size(); ++i) {
+        for (size_t i = 0; i < facts.size(); ++i)
             trace_.factValues[cell * trace_.facts.size() + i] = static_cast<float>(facts[i].value);
-            if (trace_.facts[i] == "screenShare")
-                light.pixels = static_cast<float>(facts[i].value * extent_.width * extent_.height);
-            if (trace_.facts[i] == "casterTriangles")
-                light.casterTriangles = static_cast<float>(std::pow(10.0, facts[i].value));
-        }
         uint32_t count = 0;
         GnContext context = session_.shadows.context();
         gnGetCandidates(context, session_.shadows.view(0), session_.shadows.light(slot), &count, nullptr);
@@ -203,7 +230,7 @@ private:
         pinAll(trace_.methods[method]);
         for (uint32_t i = 0; i < kFlushFrames; ++i)
             draw(0);
-        std::vector<std::pair<uint64_t, uint32_t>> numbers; // gnomon's number of every frame
+        FrameNumbers numbers;
         std::vector<uint8_t> served(size_t{trace_.frames} * trace_.lights);
         for (uint32_t frame = 0; frame < trace_.frames + kFlushFrames; ++frame) {
             const uint32_t shown = std::min(frame, trace_.frames - 1);
@@ -217,8 +244,7 @@ private:
         }
     }
 
-    void takeTimings(uint32_t method, const std::vector<std::pair<uint64_t, uint32_t>>& numbers,
-                     const std::vector<uint8_t>& served)
+    void takeTimings(uint32_t method, const FrameNumbers& numbers, const std::vector<uint8_t>& served)
     {
         GnContext context = session_.shadows.context();
         uint64_t number = 0;
@@ -268,7 +294,6 @@ private:
 
     const TraceOptions& options_;
     const Scene& scene_;
-    VkExtent2D extent_;
     double secondsPerFrame_;
     Session session_;
     Trace trace_;

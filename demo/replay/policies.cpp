@@ -12,10 +12,18 @@ using plan::kNone;
 
 cost::Workload workloadOf(const Trace& trace, const TraceLight& light, uint32_t method)
 {
-    return {.pixels = light.pixels,
-            .casterTriangles = light.casterTriangles,
-            .mapTexels = trace.mapTexels[method],
-            .still = light.still};
+    return {.pixels = double{light.pixels},
+            .casterTriangles = double{light.casterTriangles},
+            .mapTexels = double{trace.mapTexels[method]} * (light.point ? 6.0 : 1.0), // the faces of a cube
+            .sharing = double{light.sharing},
+            .still = light.still,
+            .drawnTriangles = double{light.drawnTriangles},
+            .casters = double{light.casters},
+            .directional = light.directional,
+            .point = light.point,
+            .drawnPixels = double{light.drawnPixels},
+            .viewPixels = double{light.viewPixels},
+            .shadowPixels = double{light.shadowPixels}};
 }
 
 /// What was measured, pass by pass; a pass that did not run says nothing.

@@ -1,6 +1,7 @@
 #include "demo/replay/trace.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -11,7 +12,7 @@ namespace gnomon::demo {
 
 namespace {
 
-constexpr std::string_view kMagic = "GNTRACE1";
+constexpr std::string_view kMagic = "GNTRACE2";
 constexpr size_t kMostCells = size_t{1} << 24; ///< (frame, light, method) triples: 340 MB in memory.
 constexpr double kTimeSteps = 2048.0, kTimeShift = 20.0, kSpreadSteps = 32.0;
 
@@ -92,6 +93,13 @@ private:
     size_t at_ = 0;
 };
 
+/// The sizes of a light's workload in the order of the file.
+std::array<float*, 8> sizesOf(TraceLight& light)
+{
+    return {&light.pixels,      &light.casterTriangles, &light.drawnTriangles, &light.casters,
+            &light.drawnPixels, &light.viewPixels,      &light.shadowPixels,   &light.sharing};
+}
+
 void readLight(Reader& in, Trace& trace, uint32_t frame, uint32_t slot)
 {
     TraceLight& light = trace.lightStates[trace.cell(frame, slot)];
@@ -100,10 +108,9 @@ void readLight(Reader& in, Trace& trace, uint32_t frame, uint32_t slot)
     light.minimumQuality = in.measure();
     const auto flags = in.integer<uint8_t>();
     light.floor = flags & 1, light.still = flags & 2, light.fresh = flags & 4, light.directional = flags & 8;
-    light.pixels = in.measure();
-    light.casterTriangles = in.measure();
-    light.drawnTriangles = in.measure();
-    light.casters = in.measure();
+    light.point = flags & 16;
+    for (float* size : sizesOf(light))
+        *size = in.measure();
     for (size_t i = 0; i < trace.facts.size(); ++i)
         trace.factValues[trace.cell(frame, slot) * trace.facts.size() + i] = in.fact();
     for (uint32_t m = 0; m < trace.methods.size(); ++m) {
@@ -123,9 +130,11 @@ void writeLight(Writer& out, const Trace& trace, uint32_t frame, uint32_t slot)
     const TraceLight& light = trace.lightStates[trace.cell(frame, slot)];
     out.real(light.importance);
     out.real(light.minimumQuality);
-    out.integer(static_cast<uint8_t>(light.floor | light.still << 1 | light.fresh << 2 | light.directional << 3));
-    for (const float value : {light.pixels, light.casterTriangles, light.drawnTriangles, light.casters})
-        out.real(value);
+    out.integer(static_cast<uint8_t>(light.floor | light.still << 1 | light.fresh << 2 | light.directional << 3 |
+                                     light.point << 4));
+    TraceLight sizes = light;
+    for (const float* size : sizesOf(sizes))
+        out.real(*size);
     for (size_t i = 0; i < trace.facts.size(); ++i)
         out.real(trace.factValues[trace.cell(frame, slot) * trace.facts.size() + i]);
     for (uint32_t m = 0; m < trace.methods.size(); ++m) {

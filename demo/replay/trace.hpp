@@ -5,14 +5,16 @@
 ///
 /// File, little-endian, no padding:
 ///
-///     "GNTRACE1"                                            version in the last byte
+///     "GNTRACE2"                                            version in the last byte
 ///     u32 frames, lights, methods, facts; f32 frameSeconds
 ///     methods x { u8 length, name, f32 mapTexels }          facts x { u8 length, name }
 ///     frames x { f32 budgetMs; u8 flags (1: cut); lights x u8 present }
 ///     and after each frame's head, for each light present:
-///         f32 importance, minimumQuality; u8 flags (1: near floor, 2: still, 4: new light in this slot, 8:
-///         directional) f32 pixels, casterTriangles, drawnTriangles, casters; facts x f32 methods x { u16 updateGpu,
-///         updateCpu, resolveGpu, resolveCpu, u16 error, u8 spread, u16 quality,
+///         f32 importance, minimumQuality
+///         u8 flags (1: near floor, 2: still, 4: new light in this slot, 8: directional, 16: point)
+///         f32 pixels, casterTriangles, drawnTriangles, casters, drawnPixels, viewPixels, shadowPixels, sharing
+///         facts x f32
+///         methods x { u16 updateGpu, updateCpu, resolveGpu, resolveCpu, u16 error, u8 spread, u16 quality,
 ///                     i16 suitability }
 ///     u64 FNV-1a of everything before
 ///
@@ -58,10 +60,12 @@ struct TraceLight {
     bool fresh = false; ///< Another light than in the frame before.
     bool floor = false; ///< Near: minimumQuality holds.
     bool still = false;
-    bool directional = false;
+    bool directional = false, point = false;
     float importance = 1.0f, minimumQuality = 0.0f;
-    float pixels = 0.0f, casterTriangles = 0.0f; ///< And the next two: as the cost model's Workload.
+    float pixels = 0.0f, casterTriangles = 0.0f; ///< And all that follow: as the cost model's Workload.
     float drawnTriangles = 0.0f, casters = 0.0f;
+    float drawnPixels = 0.0f, viewPixels = 0.0f, shadowPixels = 0.0f;
+    float sharing = 1.0f;
 };
 
 struct Trace {

@@ -61,6 +61,8 @@ GnElimination eliminationOf(const Candidate& candidate, bool chosen)
         return GN_ELIMINATION_BUDGET;
     case plan::Why::hysteresis:
         return GN_ELIMINATION_HYSTERESIS;
+    case plan::Why::price:
+        return GN_ELIMINATION_PRICE;
     case plan::Why::chosen: // by the plan, but the fallback had to serve
     case plan::Why::outscored:
         break;

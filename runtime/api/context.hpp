@@ -220,6 +220,7 @@ private:
     bool raysNeeded_ = false;
     float untimedGpuMs_ = 0.0f;
     std::uint64_t untimedFrame_ = 0;
+    MedianOfFive timedRatios_;
     float timedScale_ = 1.0f; ///< From what a pass takes in a timed frame to its share of an untimed one.
     float lastCpuMs_ = 0.0f;
     double budgetMs_ = 0.0;       ///< In force; 0: none.

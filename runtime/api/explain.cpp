@@ -18,6 +18,8 @@ void Context::recordDecisions()
                       .base = base,
                       .budgeted = base && base->options.allocation == rules::Options::Allocation::Budget &&
                                   (measuresBudget_ || budgetMs_ > 0.0),
+                      .priced = base && base->options.allocation == rules::Options::Allocation::Budget &&
+                                !measuresBudget_ && !(budgetMs_ > 0.0),
                       .cut = false,
                       .measuring = measuresBudget_,
                       .budgetMs = budgetMs_,

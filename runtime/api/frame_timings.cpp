@@ -28,11 +28,13 @@ void Context::takeTimings()
     noteMeasured(*timed);
 }
 
-/// The barriers of a timed frame slow it down; an untimed one with as many methods at work says by how much.
+/// The barriers of a timed frame slow it down; an untimed one with as many methods at work says by how much. The middle
+/// of five such pairs: either frame may have been disturbed.
 void Context::noteTimedScale(const FrameTimings& timed)
 {
     if (!(untimedGpuMs_ > 0.0f) || fadingIn(timed.frame) != fadingIn(untimedFrame_)) return;
-    timedScale_ = timed.totalGpuMs > untimedGpuMs_ ? untimedGpuMs_ / timed.totalGpuMs : 1.0f;
+    timedRatios_.add(timed.totalGpuMs > untimedGpuMs_ ? untimedGpuMs_ / timed.totalGpuMs : 1.0f);
+    timedScale_ = timedRatios_.get();
 }
 
 /// What each light's own passes cost, scaled from the timed frame to the untimed total.

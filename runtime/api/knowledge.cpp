@@ -52,7 +52,8 @@ Result<GnLightTiming> Context::lightTiming(GnView viewHandle, GnLight light)
                                  : workload.point     ? GN_LIGHT_TYPE_POINT
                                                       : GN_LIGHT_TYPE_SPOT,
                          .drawnPixels = workload.drawnPixels,
-                         .viewPixels = workload.viewPixels};
+                         .viewPixels = workload.viewPixels,
+                         .shadowPixels = workload.shadowPixels};
 }
 
 } // namespace gnomon

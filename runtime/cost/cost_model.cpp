@@ -94,7 +94,7 @@ Features featuresOf(const Workload& workload, Pass pass) noexcept
             triangles,
             texels,
             rectangle,
-            workload.still ? 1.0 : 0.0,
+            logOf(workload.shadowPixels + kClearShare * view) - kPixelsReference,
             workload.directional ? 1.0 : 0.0,
             workload.point ? 1.0 : 0.0,
             triangles * triangles * kBend,

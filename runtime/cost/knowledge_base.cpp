@@ -28,6 +28,7 @@ enum Column : uint32_t {
     pointLight,
     drawnPixels,
     viewPixels,
+    shadowPixels,
     samples,
     gpuMin,
     gpuP50,
@@ -43,7 +44,7 @@ enum Column : uint32_t {
 constexpr std::array<std::string_view, kColumns> kNames = {
     "device",          "driver",     "algorithm",     "pass",       "pixels",         "caster_triangles",
     "map_texels",      "sharing",    "still",         "drawn_triangles", "casters",   "directional",
-    "point",           "drawn_pixels", "view_pixels",
+    "point",           "drawn_pixels", "view_pixels",   "shadow_pixels",
     "samples",         "gpu_ms_min", "gpu_ms_p50",    "gpu_ms_p95", "cpu_ms_min",     "cpu_ms_p50",
     "first_frame_ms",  "wrong_percent", "clock_mhz",  "date"};
 
@@ -161,7 +162,8 @@ private:
                                            .directional = numbers[directional] != 0.0,
                                            .point = numbers[pointLight] != 0.0,
                                            .drawnPixels = numbers[drawnPixels],
-                                           .viewPixels = numbers[viewPixels]},
+                                           .viewPixels = numbers[viewPixels],
+                                           .shadowPixels = numbers[shadowPixels]},
                               .samples = static_cast<uint32_t>(std::min(numbers[samples], 1e9)),
                               .gpuMsMin = numbers[gpuMin],
                               .gpuMsP50 = numbers[gpuP50],
@@ -222,7 +224,7 @@ std::string writeKnowledge(std::span<const KnowledgeRow> rows)
         for (const double number : {workload.pixels, workload.casterTriangles, workload.mapTexels, workload.sharing,
                                     workload.still ? 1.0 : 0.0, workload.drawnTriangles, workload.casters,
                                     workload.directional ? 1.0 : 0.0, workload.point ? 1.0 : 0.0, workload.drawnPixels,
-                                    workload.viewPixels, 1.0 * row.samples, row.gpuMsMin, row.gpuMsP50,
+                                    workload.viewPixels, workload.shadowPixels, 1.0 * row.samples, row.gpuMsMin, row.gpuMsP50,
                                     row.gpuMsP95, row.cpuMsMin, row.cpuMsP50, row.firstFrameMs, row.wrongPercent,
                                     row.clockMhz}) {
             out += ',';

@@ -440,7 +440,7 @@ double PlanStep::cheapestMs(const PlanInput& input) noexcept
 const char* toText(Why why) noexcept
 {
     static constexpr const char* kWords[] = {"chosen", "trait",  "pinned",     "never",    "no opinion",
-                                             "floor",  "budget", "hysteresis", "outscored"};
+                                             "floor",  "budget", "hysteresis", "outscored", "price"};
     return kWords[static_cast<size_t>(why)];
 }
 

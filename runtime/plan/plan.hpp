@@ -83,6 +83,7 @@ enum class Why : uint8_t {
     budget,     ///< Better, but the time is not there.
     hysteresis, ///< Better and affordable, but held: LightPlan::hold says by what.
     outscored,  ///< No better than the chosen one.
+    price,      ///< Suits better, but without a budget: shows no more, and takes longer.
 };
 
 /// What keeps a light from the method the best plan gives it.

@@ -56,6 +56,27 @@ Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceIn
     return out;
 }
 
+std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t wanted, std::uint32_t incumbent) noexcept
+{
+    const auto count = static_cast<std::uint32_t>(candidates.size());
+    if (wanted >= count) return wanted;
+    const Candidate& best = candidates[wanted];
+    const auto doesAsWell = [&](std::uint32_t m) {
+        const Candidate& other = candidates[m];
+        return other.exclusion == Exclusion::none && other.quantised >= 0 && 2 * other.quantised >= best.quantised &&
+               other.quality >= best.quality - kSameQuality && other.predictedMs > 0.0f &&
+               other.sigmaMs <= 0.5f * other.predictedMs;
+    };
+    std::uint32_t cheapest = wanted;
+    for (std::uint32_t m = 0; m < count; ++m)
+        if (doesAsWell(m) && candidates[m].predictedMs < candidates[cheapest].predictedMs) cheapest = m;
+    const bool stays = incumbent < count && doesAsWell(incumbent) &&
+                       candidates[incumbent].predictedMs <= candidates[wanted].predictedMs;
+    const std::uint32_t from = stays ? incumbent : wanted;
+    const float enough = (1.0f - kPriceMargin) * candidates[from].predictedMs;
+    return candidates[cheapest].predictedMs < enough ? cheapest : from;
+}
+
 Rechoice::Rechoice(const DecisionRecord& record, const rules::Engine& engine)
     : record_(record), engine_(engine), inference_(engine.makeInference()), candidates_(record.candidates)
 {
@@ -86,12 +107,12 @@ std::uint32_t Rechoice::choose(std::span<const double> facts) noexcept
     if (record_.budgeted && !pinned) return chooseInPlan();
     for (std::uint32_t m = 0; m < record_.methods; ++m)
         if (barred_ >> m & 1) candidates_[m].exclusion = Exclusion::refused;
-    return chooseBySuitability(std::span<const Candidate>(candidates_).first(record_.methods),
-                               {.incumbent = record_.incumbent,
-                                .pinned = record_.pinned,
-                                .fallbacks = record_.fallbacks,
-                                .hasRules = true})
-        .method;
+    const std::span all = std::span<const Candidate>(candidates_).first(record_.methods);
+    const Choice choice = chooseBySuitability(all, {.incumbent = record_.incumbent,
+                                                    .pinned = record_.pinned,
+                                                    .fallbacks = record_.fallbacks,
+                                                    .hasRules = true});
+    return record_.priced && choice.byRules() ? cheaperEqual(all, choice.method, record_.incumbent) : choice.method;
 }
 
 double Rechoice::valueOf(std::uint32_t method) const noexcept

@@ -10,6 +10,8 @@ struct Choice {
     std::uint32_t method = UINT32_MAX; ///< UINT32_MAX: nothing can serve.
     std::uint32_t wanted = UINT32_MAX; ///< The best that could serve if it were ready.
     GnReason reason = GN_REASON_RULES;
+
+    bool byRules() const { return reason == GN_REASON_RULES || reason == GN_REASON_INCUMBENT; }
 };
 
 struct ChoiceInput {
@@ -22,6 +24,18 @@ struct ChoiceInput {
 /// The highest suitability among the eligible; ties go to the incumbent, then to registry order. A pin overrules
 /// rules and vetoes. Where what is wanted is not ready, or nobody has an opinion, a fallback, else anything eligible.
 Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceInput& input) noexcept;
+
+/// Share by which a method must be cheaper to be taken for its price: well above the noise of smoothed predictions.
+inline constexpr float kPriceMargin = 0.1f;
+/// Qualities so close count as the same: one wrong pixel in ten thousand more.
+inline constexpr float kSameQuality = 0.01f;
+
+/// What serves where no budget says what time is worth: then time buys quality and nothing else. The cheapest method
+/// that shows as much as `wanted`, that the rules like at least half as well (what they avoid is not taken for its
+/// price), and whose time is known to a half; `wanted` itself unless that saves kPriceMargin. An incumbent that does as
+/// well stays until something is cheaper by kPriceMargin.
+std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t wanted,
+                           std::uint32_t incumbent) noexcept;
 
 /// A decision made again with other facts, everything else as it was: pins, capabilities, predictions, the other lights
 /// of the plan. With the facts of the record the answer is the record's method.

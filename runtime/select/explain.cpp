@@ -161,6 +161,9 @@ std::string passedOverLine(const DecisionRecord& record, const ExplainWords& wor
     case plan::Why::floor:
         return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but its quality " +
                fixed(double{wanted.quality}, 2) + " is below the near floor";
+    case plan::Why::price:
+        return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but shows no more and takes " +
+               costText(wanted);
     default:
         break;
     }
@@ -268,6 +271,9 @@ void addElimination(const DecisionRecord& record, std::uint32_t method, const Ex
                          (record.hold == plan::Hold::none ? "worth more and affordable, but not by the best plan"
                                                           : holdText(record.hold)) +
                          "; " + gainText(record));
+    case plan::Why::price:
+        return lines.add("it suits better (" + fixed(suitabilityOf(candidate), 2) + "), but shows no more and takes " +
+                         costText(candidate));
     case plan::Why::noOpinion:
         return lines.add("no rule that fires speaks of it, and rules speak of others");
     case plan::Why::trait:

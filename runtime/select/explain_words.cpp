@@ -25,6 +25,8 @@ const char* reasonText(GnReason reason)
         return "the plan: better ones do not fit the budget";
     case GN_REASON_HELD:
         return "held by the plan's hysteresis";
+    case GN_REASON_PRICE:
+        return "shows as much as the best suited, for less";
     case GN_REASON_MAX_ENUM:
         break;
     }

@@ -2,15 +2,23 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <string_view>
 
 #include "runtime/scene/light_pixels.hpp"
+#include "runtime/scene/shadow_pixels.hpp"
+#include "runtime/select/choice.hpp"
 
 namespace gnomon {
 
 namespace {
 
-constexpr double kReferenceSide = 1024.0; // of AlgorithmEntry::typicalWrongPercent
+// A prediction stands for so many frames, unless the light was timed or its workload left kSameShare of where it was.
+// Timings come once in eight frames, so nothing newer is known in between.
+constexpr std::uint64_t kPredictEvery = 8;
+// Timings of one frame in eight; three are passed over after a switch, and four alike correct a prediction.
+constexpr std::uint64_t kPriceFrames = 8 * 7;
+constexpr double kSameShare = 1.0 / 32.0; // 3 %: a time follows by less, and the model's own error is five times that
 
 /// Side of a method's maps, texels; 0: it has none.
 double mapSide(const Method& method)
@@ -37,6 +45,29 @@ cost::Workload workloadOf(const Method& method, const cost::Workload& light)
     return workload;
 }
 
+/// Looked at anew every few frames: it moves slowly, and takes as long as all the rest of a light's workload.
+double shadowPixelsOf(const LightMemory& memory, const SelectionInput& input)
+{
+    constexpr std::uint64_t kEvery = 8; // frames
+    const bool known = memory.workload.viewPixels > 0.0 && !input.view->cut;
+    if (known && (input.frame + input.light->id) % kEvery != 0) return memory.workload.shadowPixels;
+    return shadowPixels(*input.light, *input.casters, *input.view);
+}
+
+bool isNear(double a, double b)
+{
+    return std::fabs(a - b) <= kSameShare * std::fabs(b);
+}
+
+/// Whether a prediction for the one still tells of the other.
+bool isNear(const cost::Workload& a, const cost::Workload& b)
+{
+    return a.still == b.still && a.directional == b.directional && a.point == b.point && isNear(a.pixels, b.pixels) &&
+           isNear(a.casterTriangles, b.casterTriangles) && isNear(a.drawnTriangles, b.drawnTriangles) &&
+           isNear(a.casters, b.casters) && isNear(a.drawnPixels, b.drawnPixels) &&
+           isNear(a.viewPixels, b.viewPixels) && isNear(a.shadowPixels, b.shadowPixels);
+}
+
 plan::Eligibility eligibilityOf(Exclusion exclusion)
 {
     if (exclusion == Exclusion::none) return plan::Eligibility::eligible;
@@ -45,11 +76,11 @@ plan::Eligibility eligibilityOf(Exclusion exclusion)
 
 } // namespace
 
-float qualityOf(const Method& method)
+float qualityOf(const Method& method, const cost::KnowledgeBase& knowledge)
 {
-    const double side = mapSide(method);
-    const double wrong = method.entry->typicalWrongPercent * (side > 0.0 ? kReferenceSide / side : 1.0);
-    return static_cast<float>(1.0 / (1.0 + wrong));
+    const double typical = double{method.entry->typicalWrongPercent};
+    return static_cast<float>(
+        cost::measuresOf(knowledge, method.entry->name, typical, {}).quality(mapSide(method)));
 }
 
 void FramePlan::begin()
@@ -80,9 +111,22 @@ void FramePlan::growModel()
 {
     model_.resize(methods_.size(), slots_);
     histories_.resize(slots_);
+    measure();
     if (modelMethods_ < methods_.size() && !knowledge_.rows.empty())
         cost::learn(model_, knowledge_, algorithms(), device_, modelMethods_);
     modelMethods_ = methods_.size();
+}
+
+/// Quality and first frame of every method, by the knowledge base; all predictions are out of date.
+void FramePlan::measure()
+{
+    measures_.clear();
+    for (std::uint32_t i = 0; i < methods_.size(); ++i)
+        measures_.push_back(cost::measuresOf(knowledge_, methods_[i].entry->name,
+                                             double{methods_[i].entry->typicalWrongPercent}, device_));
+    predictions_.assign(std::size_t{slots_} * methods_.size(), {});
+    for (SlotHistory& history : histories_)
+        history.predictedAt = kNever;
 }
 
 std::vector<std::string> FramePlan::algorithms() const
@@ -105,6 +149,7 @@ cost::Learned FramePlan::teach(cost::KnowledgeBase base, std::string_view device
     device_ = device;
     modelMethods_ = methods_.size();
     histories_.resize(slots_);
+    measure();
     return learned;
 }
 
@@ -137,8 +182,28 @@ void FramePlan::add(LightDecision& decision, LightMemory& memory, const Selectio
                        .directional = input.light->type == GN_LIGHT_TYPE_DIRECTIONAL,
                        .point = input.light->type == GN_LIGHT_TYPE_POINT,
                        .drawnPixels = rectangle,
-                       .viewPixels = all};
+                       .viewPixels = all,
+                       .shadowPixels = shadowPixelsOf(memory, input)};
     requests_.push_back({&decision, &memory, input.pinned, input.importance});
+}
+
+/// What every method would take for a light, looked up or asked anew. Lights take turns, so that no frame asks for all.
+std::span<const cost::Prediction> FramePlan::predict(const LightMemory& memory, std::uint64_t frame)
+{
+    const std::uint32_t methods = methods_.size();
+    SlotHistory& history = histories_[memory.costSlot];
+    const std::span predictions = std::span(predictions_).subspan(std::size_t{memory.costSlot} * methods, methods);
+    const bool due = (frame + memory.costSlot) % kPredictEvery == 0 || frame - history.predictedAt >= kPredictEvery;
+    if (history.predictedAt != kNever && !due && history.predictedDevice == model_.deviceOctaves() &&
+        isNear(memory.workload, history.predictedFor))
+        return predictions;
+    for (std::uint32_t m = 0; m < methods; ++m)
+        predictions[m] = model_.predict(memory.costSlot, m, workloadOf(methods_[m], memory.workload),
+                                        memory.workload.still);
+    history.predictedAt = frame;
+    history.predictedDevice = model_.deviceOctaves();
+    history.predictedFor = memory.workload;
+    return predictions;
 }
 
 /// Candidates and requests of the plan step, and the prediction of every decision.
@@ -160,15 +225,17 @@ void FramePlan::fill(const rules::RuleBase* base, std::uint64_t frame)
             lights_[i].floor = true;
             lights_[i].minimumQuality = static_cast<float>(base->policy.floor.minimumQuality);
         }
+        const std::span<const cost::Prediction> costs = predict(memory, frame);
         for (std::uint32_t m = 0; m < methods; ++m) {
             Candidate& from = request.decision->candidates[m];
-            const cost::Workload workload = workloadOf(methods_[m], memory.workload);
-            const cost::Prediction cost = model_.predict(memory.costSlot, m, workload, workload.still);
+            const cost::Prediction& cost = costs[m];
+            const double side = mapSide(methods_[m]);
             candidates_[i * methods + m] = {.eligibility = eligibilityOf(from.exclusion),
                                             .suitability = from.quantised,
-                                            .quality = qualityOf(methods_[m]),
+                                            .quality = static_cast<float>(measures_[m].quality(side)),
                                             .ms = cost.ms,
-                                            .sigmaMs = cost.sigmaMs};
+                                            .sigmaMs = cost.sigmaMs,
+                                            .firstFrameMs = measures_[m].firstFrameMs};
             from.quality = candidates_[i * methods + m].quality;
             from.predictedMs = static_cast<float>(cost.ms);
             from.sigmaMs = static_cast<float>(cost.sigmaMs);
@@ -201,8 +268,11 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
                 decision.candidates[m].why = plan_.why(static_cast<std::uint32_t>(i))[m];
         }
     } else {
-        for (const Request& request : requests_)
+        const bool priced = base && base->options.allocation == rules::Options::Allocation::Budget;
+        for (const Request& request : requests_) {
+            if (priced) economise(request, budget);
             explainWithoutPlan(*request.decision, base != nullptr);
+        }
     }
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         LightDecision& decision = *requests_[i].decision;
@@ -210,6 +280,28 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
             decision.predictedMs = static_cast<float>(candidates_[i * methods_.size() + decision.method].ms);
     }
     return report;
+}
+
+/// No budget says what time is worth: of methods that show as much, the cheapest (cheaperEqual). What was changed for
+/// its price stays long enough for its timings to be learned, or two methods of about one price would take turns.
+void FramePlan::economise(const Request& request, const Budget& budget) const
+{
+    LightDecision& decision = *request.decision;
+    LightMemory& memory = *request.memory;
+    const bool byRules = decision.reason == GN_REASON_RULES || decision.reason == GN_REASON_INCUMBENT;
+    if (!byRules || decision.method >= methods_.size()) return;
+    const std::span all = std::span<const Candidate>(decision.candidates).first(methods_.size());
+    std::uint32_t method = cheaperEqual(all, decision.method, memory.incumbent);
+    const bool learning = memory.pricedAt != 0 && budget.frame - memory.pricedAt < kPriceFrames && !budget.cut;
+    if (method != memory.incumbent && learning && memory.incumbent < methods_.size() &&
+        all[memory.incumbent].exclusion == Exclusion::none &&
+        all[memory.incumbent].quality >= all[decision.method].quality - kSameQuality)
+        method = memory.incumbent;
+    if (method == decision.method) return;
+    if (method != memory.incumbent) memory.pricedAt = budget.frame;
+    decision.wanted = decision.method;
+    decision.method = method;
+    decision.reason = GN_REASON_PRICE;
 }
 
 /// The best suitability decided: why every other method lost.
@@ -222,6 +314,9 @@ void FramePlan::explainWithoutPlan(LightDecision& decision, bool hasRules) const
                         : candidate.exclusion != Exclusion::none           ? plan::Why::trait
                         : decision.reason == GN_REASON_PINNED              ? plan::Why::pinned
                         : hasRules && candidate.quantised < 0              ? plan::Why::noOpinion
+                        : decision.reason == GN_REASON_PRICE && decision.method < methods_.size() &&
+                                candidate.quantised > decision.candidates[decision.method].quantised
+                            ? plan::Why::price
                                                                            : plan::Why::outscored;
     }
 }
@@ -246,6 +341,7 @@ void FramePlan::observe(LightMemory& memory, std::uint32_t method, const LightTi
     const cost::Workload workload =
         workloadOf(methods_[method], then.frame == timing.frame ? then.workload : memory.workload);
     history.timed = {timing, method, workload};
+    history.predictedAt = kNever; // this light is known better now
     cost::Observation observation{.light = slot,
                                   .method = method,
                                   .workload = workload,

@@ -1,11 +1,12 @@
 #pragma once
 // All lights of a frame together: what each method would cost (cost model), and which of them fit (plan step).
 #include <array>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "runtime/cost/knowledge_base.hpp"
+#include "runtime/cost/method_measures.hpp"
 #include "runtime/plan/plan.hpp"
 #include "runtime/select/selector.hpp"
 
@@ -58,13 +59,23 @@ public:
     const TimedLight* timed(const LightMemory& memory) const;
 
 private:
+    struct Request {
+        LightDecision* decision;
+        LightMemory* memory;
+        std::uint32_t pinned;
+        float importance;
+    };
     void fill(const rules::RuleBase* base, std::uint64_t frame);
     void take(const plan::LightPlan& plan, LightDecision& decision) const;
+    void economise(const Request& request, const Budget& budget) const;
     void explainWithoutPlan(LightDecision& decision, bool hasRules) const;
     std::uint32_t slotOf(LightMemory& memory);
     void growModel();
+    void measure();
+    std::span<const cost::Prediction> predict(const LightMemory& memory, std::uint64_t frame);
     std::vector<std::string> algorithms() const;
 
+    static constexpr std::uint64_t kNever = UINT64_MAX;
     /// Beside a slot of the cost model. Timings come a few frames late: the workloads wait for them.
     struct SlotHistory {
         struct Entry {
@@ -73,12 +84,9 @@ private:
         };
         std::array<Entry, 8> recent{}; ///< By frame; at most eight are in flight.
         TimedLight timed;
-    };
-    struct Request {
-        LightDecision* decision;
-        LightMemory* memory;
-        std::uint32_t pinned;
-        float importance;
+        std::uint64_t predictedAt = kNever; ///< Frame.
+        double predictedDevice = 0.0;       ///< Device factor at that time.
+        cost::Workload predictedFor;
     };
     const MethodTable& methods_;
     cost::CostModel model_;
@@ -88,13 +96,15 @@ private:
     std::vector<plan::Candidate> candidates_;
     std::vector<std::uint32_t> freeSlots_;
     std::vector<SlotHistory> histories_; ///< By slot.
+    std::vector<cost::Prediction> predictions_;  ///< slots x methods
+    std::vector<cost::MethodMeasures> measures_; ///< By method.
     cost::KnowledgeBase knowledge_;
     std::string device_; ///< Of teach().
     std::uint32_t slots_ = 0, slotsUsed_ = 0, modelMethods_ = 0;
 };
 
-/// Share of the truth a method keeps, (0, 1]: 1 / (1 + wrong percent). What is wrong is known from the bench at map
-/// side 1024 (AlgorithmEntry::typicalWrongPercent) and falls with the side as 1 / side.
-float qualityOf(const Method& method);
+/// Share of the truth a method keeps with its settings, by what its author says and a knowledge base measured
+/// (MethodMeasures::quality).
+float qualityOf(const Method& method, const cost::KnowledgeBase& knowledge);
 
 } // namespace gnomon

@@ -69,6 +69,7 @@ RecordHead makeRecord(const LightDecision& decision, const FrameRecord& frame, s
     head.replan = replanOf(decision, frame);
     head.hold = decision.hold;
     head.budgeted = frame.budgeted;
+    head.priced = frame.priced;
     head.switched = decision.switched;
     head.floorUnmet = decision.floorUnmet;
     head.importance = decision.importance;

@@ -41,6 +41,7 @@ struct RecordHead {
     Replan replan = Replan::everyFrame;
     plan::Hold hold = plan::Hold::none;
     bool budgeted = false; ///< A plan decided; the members from budgetMs on are set.
+    bool priced = false;   ///< No budget, but the rule base lets predicted times choose among equals.
     bool switched = false;
     bool floor = false; ///< The near-quality floor held.
     bool floorUnmet = false;
@@ -70,7 +71,7 @@ struct FrameRecord {
     std::uint64_t knowledge = 0;
     std::uint32_t methods = 0, fallbacks = 0;
     const rules::RuleBase* base = nullptr; ///< Null: no rules.
-    bool budgeted = false, cut = false, measuring = false;
+    bool budgeted = false, priced = false, cut = false, measuring = false;
     double budgetMs = 0.0;
     plan::PlanReport report;
 };

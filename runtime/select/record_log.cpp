@@ -12,7 +12,7 @@ namespace {
 constexpr std::string_view kMagic = "GNDECID1";
 constexpr std::uint8_t kNoMethod = 255;
 constexpr std::uint16_t kNoRefusal = 65535;
-enum : std::uint8_t { kBudgeted = 1, kSwitched = 2, kFloor = 4, kFloorUnmet = 8 };
+enum : std::uint8_t { kBudgeted = 1, kSwitched = 2, kFloor = 4, kFloorUnmet = 8, kPriced = 16 };
 
 std::uint8_t packMethod(std::uint32_t method)
 {
@@ -43,7 +43,8 @@ void writeHead(ByteWriter& out, const RecordHead& head)
     out.integer(static_cast<std::uint8_t>(head.replan));
     out.integer(static_cast<std::uint8_t>(head.hold));
     out.integer(static_cast<std::uint8_t>((head.budgeted ? kBudgeted : 0) | (head.switched ? kSwitched : 0) |
-                                          (head.floor ? kFloor : 0) | (head.floorUnmet ? kFloorUnmet : 0)));
+                                          (head.floor ? kFloor : 0) | (head.floorUnmet ? kFloorUnmet : 0) |
+                                          (head.priced ? kPriced : 0)));
     for (const float* value : floatsOf(head))
         out.real(*value);
     for (const double fact : head.facts)
@@ -238,12 +239,13 @@ private:
             *method = readMethod();
         head.fallbacks = in_.integer<std::uint32_t>();
         head.distanceAge = in_.integer<std::uint32_t>();
-        head.reason = readEnum(GN_REASON_HELD, "reason");
+        head.reason = readEnum(GN_REASON_PRICE, "reason");
         head.replan = readEnum(static_cast<Replan>(static_cast<int>(Replan::count) - 1), "cause");
         head.hold = readEnum(plan::Hold::payers, "hold");
         const auto flags = in_.integer<std::uint8_t>();
         head.budgeted = flags & kBudgeted, head.switched = flags & kSwitched;
         head.floor = flags & kFloor, head.floorUnmet = flags & kFloorUnmet;
+        head.priced = flags & kPriced;
         for (float* value : floatsOf(head))
             *value = in_.real32();
         for (double& fact : head.facts)
@@ -270,7 +272,7 @@ private:
             fault("has a suitability of " + std::to_string(candidate.quantised) + " / 4096");
         candidate.opinion = candidate.quantised >= 0;
         candidate.exclusion = readEnum(Exclusion::vetoed, "exclusion");
-        candidate.why = readEnum(plan::Why::outscored, "elimination");
+        candidate.why = readEnum(plan::Why::price, "elimination");
         candidate.quality = in_.real32();
         candidate.predictedMs = in_.real32();
         candidate.sigmaMs = in_.real32();

@@ -96,6 +96,7 @@ struct LightMemory {
     cost::Workload workload;             ///< As the last frame saw it.
     std::uint32_t costSlot = UINT32_MAX; ///< In the cost model.
     std::uint32_t timedSinceSwitch = 0;  ///< Timings since the method changed.
+    std::uint64_t pricedAt = 0;          ///< Frame in which the method last changed for its price.
 };
 
 /// A request: everything about one light in one view that the choice may depend on.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "runtime/scene/light_pixels.hpp"
+#include "runtime/scene/shadow_pixels.hpp"
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "tests/algorithms/volume_meshes.hpp"
 
@@ -76,7 +77,10 @@ CameraView camera(glm::vec3 eye, glm::vec3 target)
     projection[1][1] = -1.0f / half;
     projection[2][3] = -1.0f;
     projection[3][2] = nearPlane;
-    const glm::mat4 clip = projection * glm::lookAt(eye, target, glm::vec3(0, 1, 0));
+    const glm::mat4 viewFromWorld = glm::lookAt(eye, target, glm::vec3(0, 1, 0));
+    const glm::mat4 clip = projection * viewFromWorld;
+    view.projection = projection;
+    view.viewFromWorld = glm::mat3(viewFromWorld);
     view.constants.clipFromWorld = clip;
     const auto row = [&](int i) { return glm::vec4(clip[0][i], clip[1][i], clip[2][i], clip[3][i]); };
     const glm::vec4 planes[5] = {row(3) + row(0), row(3) - row(0), row(3) + row(1), row(3) - row(1), row(3) - row(2)};
@@ -222,4 +226,35 @@ TEST_CASE("no pixel outside a light's pixels shows a point in its range")
     }
     CHECK(partial > 50);
     CHECK(none > 50);
+}
+
+TEST_CASE("the pixels of shadow volumes are about those of their outlines")
+{
+    CameraView view = camera(glm::vec3(0.0f, 2.0f, 12.0f), glm::vec3(0.0f, 2.0f, 0.0f));
+    const float pixelsPerMetre = 0.5f * 200.0f / std::tan(0.4f); // at depth 1
+    view.constants.pixelSize = 1.0f / pixelsPerMetre;
+    const LightView sun = directionalLight(glm::vec3(0.0f, -1.0f, 0.0f));
+    Caster ground, cube, twin;
+    ground.bounds = {glm::vec3(-6.0f, -0.02f, -6.0f), glm::vec3(6.0f, 0.0f, 6.0f)};
+    cube.bounds = {glm::vec3(-0.5f, 3.0f, -0.5f), glm::vec3(0.5f, 4.0f, 0.5f)};
+    twin.bounds = {glm::vec3(1.5f, 3.0f, -0.5f), glm::vec3(2.5f, 4.0f, 0.5f)};
+    const auto pixelsOf = [&](std::initializer_list<const Caster*> casters, const CameraView& from) {
+        std::vector<const Caster*> all(casters);
+        LightCasters lit;
+        lit.all = all;
+        return shadowPixels(sun, lit, from);
+    };
+    const double nothing = pixelsOf({&ground}, view);
+    const double one = pixelsOf({&ground, &cube}, view) - nothing;
+    // A prism 1 m wide from the middle of the cube down to the ground, 12 m away.
+    const double expected = 1.0 * 3.5 * double(pixelsPerMetre) / 12.0 * double(pixelsPerMetre) / 12.0;
+    MESSAGE(one << " pixels, the outline has " << expected);
+    CHECK(one > 0.8 * expected);
+    CHECK(one < 1.6 * expected); // with its ends
+    const double two = pixelsOf({&ground, &cube, &twin}, view) - nothing;
+    CHECK(two == doctest::Approx(2.0 * one).epsilon(0.05));
+    CameraView away = camera(glm::vec3(0.0f, 2.0f, 12.0f), glm::vec3(0.0f, 2.0f, 24.0f)); // all behind the eye
+    away.constants.pixelSize = view.constants.pixelSize;
+    CHECK(pixelsOf({&ground, &cube, &twin}, away) == 0.0);
+    CHECK(pixelsOf({}, view) == 0.0);
 }

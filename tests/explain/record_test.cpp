@@ -7,6 +7,7 @@
 #include "plan/random.hpp"
 #include "runtime/allocation_count.hpp"
 #include "runtime/core/bytes.hpp"
+#include "runtime/select/choice.hpp"
 #include "runtime/select/record_log.hpp"
 
 using namespace gnomon;
@@ -238,4 +239,32 @@ TEST_CASE("whatever bytes a log holds, reading ends in a log or an error, and a 
     }
     CHECK(logs > 1000);
     CHECK(errors > 1000);
+}
+
+TEST_CASE("without a budget the cheapest of those that show as much serves, and stays until something is clearly cheaper")
+{
+    std::array<Candidate, 4> all{};
+    const auto set = [&](uint32_t m, int32_t suitability, float quality, float ms) {
+        all[m] = {.quantised = suitability, .quality = quality, .predictedMs = ms, .sigmaMs = 0.1f * ms};
+    };
+    set(0, 3400, 0.995f, 30.0f); // best suited
+    set(1, 2000, 1.0f, 20.0f);   // shows as much, cheaper
+    set(2, 3000, 0.8f, 2.0f);    // shows less
+    set(3, 600, 1.0f, 1.0f);     // avoided by the rules
+    CHECK(cheaperEqual(all, 0, UINT32_MAX) == 1);
+    all[1].predictedMs = 28.0f; // saves less than a tenth
+    CHECK(cheaperEqual(all, 0, UINT32_MAX) == 0);
+    CHECK(cheaperEqual(all, 0, 1) == 1); // but where it serves already it stays
+    all[1].predictedMs = 31.0f;
+    CHECK(cheaperEqual(all, 0, 1) == 0);
+    all[1].predictedMs = 20.0f;
+    all[1].sigmaMs = 15.0f; // nobody knows
+    CHECK(cheaperEqual(all, 0, UINT32_MAX) == 0);
+    all[1].sigmaMs = 1.0f;
+    all[1].exclusion = Exclusion::vetoed;
+    CHECK(cheaperEqual(all, 0, UINT32_MAX) == 0);
+    all[1].exclusion = Exclusion::none;
+    all[3].quantised = 1700; // half as well is enough
+    CHECK(cheaperEqual(all, 0, 1) == 3);
+    CHECK(cheaperEqual(all, UINT32_MAX, 1) == UINT32_MAX);
 }

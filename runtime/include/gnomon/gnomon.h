@@ -477,6 +477,7 @@ typedef enum GnReason {
     GN_REASON_NO_OPINION = 5,     ///< No rule spoke for any eligible method; registry order decided.
     GN_REASON_BUDGET = 6,         ///< The plan: the best suitability does not fit the budget, or gains too little for it.
     GN_REASON_HELD = 7,           ///< The plan would change it, but holds: threshold, quota, a recent flip.
+    GN_REASON_PRICE = 8,          ///< No budget is set: another one suits better, but this one shows as much for less.
     GN_REASON_MAX_ENUM = 0x7FFFFFFF
 } GnReason;
 
@@ -516,6 +517,7 @@ typedef enum GnElimination {
     GN_ELIMINATION_BUDGET = 7,     ///< Worth more, but the time is not there.
     GN_ELIMINATION_HYSTERESIS = 8, ///< Worth more and affordable, but held back.
     GN_ELIMINATION_OUTSCORED = 9,  ///< Worth no more than the chosen one.
+    GN_ELIMINATION_PRICE = 10,     ///< Suits better, but shows no more and is predicted to take longer.
     GN_ELIMINATION_MAX_ENUM = 0x7FFFFFFF
 } GnElimination;
 
@@ -584,6 +586,7 @@ typedef struct GnLightTiming {
     GnLightType type;
     double drawnPixels;     ///< Of the screen rectangle around what the light can reach.
     double viewPixels;      ///< Of the view's render area.
+    double shadowPixels;    ///< Estimated inside the outlines of the casters' shadow volumes, summed over casters.
 } GnLightTiming;
 
 /** \brief The newest timing of a light in a view: of a *timed* frame (one in eight; every one with the flag), two

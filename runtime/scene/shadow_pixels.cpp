@@ -1,0 +1,93 @@
+#include "runtime/scene/shadow_pixels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gnomon {
+
+namespace {
+
+constexpr int kPieces = 4; // a volume's way is cut into so many; each is taken as a rectangle on the screen
+
+/// What turns metres into pixels, taken from the view once.
+struct Lens {
+    glm::vec3 eye, right, up, forward;
+    float pixelsPerMetre; ///< At depth 1.
+    glm::vec2 half;       ///< Of the picture, pixels.
+};
+
+Lens lensOf(const CameraView& view)
+{
+    const glm::mat3 world = glm::transpose(view.viewFromWorld);
+    const VkExtent2D size = view.area.extent;
+    return {.eye = view.eye,
+            .right = world[0],
+            .up = world[1],
+            .forward = view.projection[2][3] < 0.0f ? -world[2] : world[2], // clip w is the depth
+            .pixelsPerMetre = 1.0f / std::max(view.constants.pixelSize, 1e-9f),
+            .half = 0.5f * glm::vec2(static_cast<float>(size.width), static_cast<float>(size.height))};
+}
+
+/// Length from `from` until the ray leaves the box; 0 where it starts outside and leads away.
+float wayOut(const Aabb& box, glm::vec3 from, glm::vec3 ray)
+{
+    float way = std::numeric_limits<float>::max();
+    for (int axis = 0; axis < 3; ++axis) {
+        if (std::fabs(ray[axis]) < 1e-6f) continue;
+        const float end = ray[axis] > 0.0f ? box.upper[axis] : box.lower[axis];
+        way = std::min(way, (end - from[axis]) / ray[axis]);
+    }
+    return std::max(way, 0.0f);
+}
+
+/// Pixels of a piece of a volume: `length` metres along `ray` around `at`, `radius` to each side.
+float pixelsOf(const Lens& lens, glm::vec3 at, glm::vec3 ray, float length, float radius)
+{
+    const glm::vec3 es = at - lens.eye;
+    float depth = glm::dot(es, lens.forward);
+    if (depth < -radius) return 0.0f; // behind the eye
+    depth = std::max(depth, std::max(radius, 1e-3f));
+    const float scale = lens.pixelsPerMetre / depth;
+    const glm::vec2 centre = scale * glm::vec2(glm::dot(es, lens.right), glm::dot(es, lens.up));
+    const float halfWidth = scale * radius;
+    const glm::vec2 outside = glm::abs(centre) - lens.half - halfWidth;
+    if (outside.x > 0.0f || outside.y > 0.0f) return 0.0f;
+    const glm::vec3 along = ray - glm::dot(ray, es) / std::max(glm::dot(es, es), 1e-12f) * es; // across the view ray
+    const float area = 2.0f * halfWidth * (scale * length * glm::length(along) + 0.5f * halfWidth);
+    return std::min(area, 4.0f * lens.half.x * lens.half.y);
+}
+
+} // namespace
+
+double shadowPixels(const LightView& light, const LightCasters& casters, const CameraView& view)
+{
+    if (casters.all.empty()) return 0.0;
+    Aabb all = casters.all.front()->bounds;
+    for (const Caster* caster : casters.all) {
+        all.lower = glm::min(all.lower, caster->bounds.lower);
+        all.upper = glm::max(all.upper, caster->bounds.upper);
+    }
+    const Lens lens = lensOf(view);
+    const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
+    double pixels = 0.0;
+    for (const Caster* caster : casters.all) {
+        const glm::vec3 centre = 0.5f * (caster->bounds.lower + caster->bounds.upper);
+        const glm::vec3 size = caster->bounds.upper - caster->bounds.lower;
+        const float radius = 0.5f * std::cbrt(std::max(size.x * size.y * size.z, 1e-9f));
+        const glm::vec3 toCaster = directional ? light.direction() : centre - light.position();
+        const float away = directional ? 1.0f : std::max(glm::length(toCaster), 1e-3f);
+        const glm::vec3 ray = toCaster / away;
+        float way = wayOut(all, centre, ray);
+        if (!light.unlimited() && !directional) way = std::min(way, std::max(light.constants.range - away, 0.0f));
+        for (int piece = 0; piece < kPieces; ++piece) {
+            const float t = way * (static_cast<float>(piece) + 0.5f) / kPieces;
+            const float spread = directional ? 1.0f : 1.0f + t / away;
+            pixels += static_cast<double>(
+                pixelsOf(lens, centre + t * ray, ray, way / kPieces, radius * spread));
+        }
+    }
+    return pixels;
+}
+
+} // namespace gnomon
