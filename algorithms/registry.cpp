@@ -11,6 +11,7 @@
 #include "algorithms/omni/cube_map.hpp"
 #include "algorithms/omni/dual_paraboloid.hpp"
 #ifdef GNOMON_WITH_OPENMESH
+#include "algorithms/volumes/chan_durand.hpp"
 #include "algorithms/volumes/stencil_volume.hpp"
 #endif
 
@@ -24,6 +25,7 @@ constexpr std::array kAlgorithms = {
     &kDualParaboloid,
 #ifdef GNOMON_WITH_OPENMESH
     &kStencilVolume,
+    &kChanDurand,
 #endif
 #ifdef GNOMON_WITH_EMBREE
     &kPcfHybrid,
@@ -39,6 +41,7 @@ constexpr std::initializer_list<const char*> kAbsentNames = {
 #endif
 #ifndef GNOMON_WITH_OPENMESH
     "stencil_volume",
+    "chan_durand",
 #endif
 };
 constexpr std::span<const char* const> kAbsent{kAbsentNames.begin(), kAbsentNames.size()};
