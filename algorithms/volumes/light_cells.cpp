@@ -47,20 +47,22 @@ std::uint32_t cellFootprints(std::span<const LightFit> fits, std::uint32_t resol
     constexpr std::uint32_t kLast = gpu::CELLS - 1;
     std::uint32_t count = 0;
     for (std::uint32_t layer = 0; layer < fits.size(); ++layer) {
-        const Projected box2 = project(fits[layer], box);
-        if (!box2.before) continue;
-        if (box2.behind) { // its picture has no simple bounds
+        // Light rays start inside the sides and stay there; what is outside shadows nothing that the map looks at.
+        if (!touches(box, std::span(fits[layer].volume).first(4))) continue;
+        const Projected projected = project(fits[layer], box);
+        if (!projected.before) continue;
+        if (projected.behind) { // its picture has no simple bounds
             out[count++] = {layer, 0, 0, kLast, kLast, 1};
             continue;
         }
         // One texel around covers the rounding of either side.
         const float margin = kCells / static_cast<float>(resolution);
-        const glm::vec2 lower = (0.5f * box2.lower + 0.5f) * kCells - margin;
-        const glm::vec2 upper = (0.5f * box2.upper + 0.5f) * kCells + margin;
+        const glm::vec2 lower = (0.5f * projected.lower + 0.5f) * kCells - margin;
+        const glm::vec2 upper = (0.5f * projected.upper + 0.5f) * kCells + margin;
         if (upper.x < 0.0f || upper.y < 0.0f || lower.x > kCells || lower.y > kCells) continue;
         const auto cell = [](float at) { return static_cast<std::uint32_t>(std::clamp(at, 0.0f, kCells - 1.0f)); };
         out[count++] = {layer,         cell(lower.x), cell(lower.y),
-                        cell(upper.x), cell(upper.y), gpu::depthKey(box2.nearest - 4.0f * gpu::DEPTH_ROUNDING)};
+                        cell(upper.x), cell(upper.y), gpu::depthKey(projected.nearest - 4.0f * gpu::DEPTH_ROUNDING)};
     }
     return count;
 }
