@@ -195,6 +195,9 @@ void Device::createDevice(bool swapchain)
     features_ = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &features12_, .features = needs.optional};
     features_.features.geometryShader = VK_TRUE; // gl_PrimitiveID in our fragment shader: the triangle's normal
+    VkPhysicalDeviceFeatures present{};
+    vkGetPhysicalDeviceFeatures(physicalDevice, &present);
+    features_.features.occlusionQueryPrecise = present.occlusionQueryPrecise; // tests count fragments
 
     queueFamily = findQueueFamily(physicalDevice);
     const float priority = 1.0f;
