@@ -11,6 +11,8 @@
 #include "algorithms/omni/cube_map.hpp"
 #include "algorithms/omni/dual_paraboloid.hpp"
 #ifdef GNOMON_WITH_OPENMESH
+#include "algorithms/volumes/chan_durand.hpp"
+#include "algorithms/volumes/octree_volume.hpp"
 #include "algorithms/volumes/stencil_volume.hpp"
 #endif
 
@@ -24,6 +26,8 @@ constexpr std::array kAlgorithms = {
     &kDualParaboloid,
 #ifdef GNOMON_WITH_OPENMESH
     &kStencilVolume,
+    &kChanDurand,
+    &kOctreeVolume,
 #endif
 #ifdef GNOMON_WITH_EMBREE
     &kPcfHybrid,
@@ -39,6 +43,8 @@ constexpr std::initializer_list<const char*> kAbsentNames = {
 #endif
 #ifndef GNOMON_WITH_OPENMESH
     "stencil_volume",
+    "chan_durand",
+    "octree_volume",
 #endif
 };
 constexpr std::span<const char* const> kAbsent{kAbsentNames.begin(), kAbsentNames.size()};

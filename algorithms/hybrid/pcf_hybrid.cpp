@@ -5,15 +5,13 @@
 #include "runtime/scene/light_pixels.hpp"
 #include "algorithms/hybrid/pixel_list.hpp"
 #include "algorithms/hybrid/receivers.hpp"
-#include "algorithms/maps/depth_map.hpp"
-#include "algorithms/maps/map_look.hpp"
-#include "algorithms/omni/cube_faces.hpp"
+#include "algorithms/omni/light_map.hpp"
 #include "shaders/hybrid/pcf_hybrid.h"
 #include "shaders/hybrid_pcf_hybrid_cube_frag.h"
 #include "shaders/hybrid_pcf_hybrid_frag.h"
 #include "shaders/hybrid_points_vert.h"
-#include "shaders/hybrid_umbra_frag.h"
 #include "shaders/maps_map_resolve_vert.h"
+#include "shaders/shared_umbra_frag.h"
 
 namespace gnomon {
 
@@ -63,7 +61,7 @@ PipelineId pointsPipeline(const AlgorithmServices& services)
     GraphicsPipelineInfo pipeline;
     pipeline.name = "pcf_hybrid.umbra";
     pipeline.vertex.code = k_hybrid_points_vert;
-    pipeline.fragment.code = k_hybrid_umbra_frag;
+    pipeline.fragment.code = k_shared_umbra_frag;
     pipeline.bindings = bindings;
     pipeline.pushBytes = sizeof(glm::vec4);
     pipeline.topology = VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
@@ -141,7 +139,9 @@ public:
         const VkExtent2D extent = task.view->area.extent;
         const auto pixels = extent.width * extent.height;
         gpu::HybridConstants* constants = passes.arena().make<gpu::HybridConstants>();
-        const ImageId map = declareMap(passes, task, constants->base);
+        const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
+        constants->base = mapConstants(task, resolution, 1);
+        const ImageId map = declareLightMap(passes, pipelines_.casters, task, resolution, constants->base).image;
         constants->capacity = pixels;
 
         const TraceJob job{
@@ -167,23 +167,6 @@ public:
     }
 
 private:
-    ImageId declareMap(PassBuilder& passes, const ShadowTask& task, gpu::MapConstants& constants) const
-    {
-        const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-        constants = mapConstants(task, resolution, 1);
-        if (task.light->type != GN_LIGHT_TYPE_POINT) {
-            const DepthMap map = declareDepthMap(passes, pipelines_.casters, task, resolution);
-            addProjection(constants, *map.fit, task);
-            return map.image;
-        }
-        const CubeMap map = declareCubeMap(passes, pipelines_.casters, task, resolution);
-        const MapProjection face = mapProjection(map.faces[0], *task.light); // all six differ in their axes only
-        constants.map.depthConstant = face.depthConstant;
-        constants.map.depthScale = face.depthScale;
-        constants.map.slope = 0.5f * map.faces[0].texelAtOne;
-        return map.image;
-    }
-
     void declareClassify(PassBuilder& passes, const ShadowTask& task, ImageId map,
                          const gpu::HybridConstants* constants, const TraceJob& job) const
     {

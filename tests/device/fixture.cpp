@@ -400,7 +400,9 @@ GnResult Host::draw(const FrameOptions& options)
 
     GnResult result = GN_SUCCESS;
     if (options.call == Call::record) {
+        if (options.around) options.around(slot.before, true);
         result = gnCmdRenderShadows(context, slot.before, &info);
+        if (options.around) options.around(slot.before, false);
         if (options.drop) vkCheck(vkEndCommandBuffer(slot.before), "vkEndCommandBuffer");
         if (options.drop && result >= 0) result = gnDropFrame(context, info.frame);
     }

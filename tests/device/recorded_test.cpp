@@ -8,7 +8,8 @@ using namespace gnomon::test;
 
 namespace {
 
-constexpr const char* kRecorded[] = {"shadow_map", "cube_map", "dual_paraboloid", "stencil_volume"};
+constexpr const char* kRecorded[] = {"shadow_map",     "cube_map",      "dual_paraboloid",
+                                     "stencil_volume", "octree_volume", "chan_durand"};
 
 const GnMethodInfo& methodNamed(const std::vector<GnMethodInfo>& methods, const std::string& name)
 {
@@ -60,7 +61,7 @@ TEST_CASE_FIXTURE(DeviceTest,
             }
         }
     }
-    CHECK(pairs.size() >= 4 * 7); // every scene has lights for at least two of the methods
+    CHECK(pairs.size() >= 4 * 10); // every scene has lights for at least three of the methods
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "methods that need the CPU between passes are not eligible when recorded, and say so")
@@ -90,7 +91,7 @@ TEST_CASE_FIXTURE(DeviceTest, "methods that need the CPU between passes are not 
 
 TEST_CASE_FIXTURE(DeviceTest, "a dropped frame leaves no trace: what it would have drawn is drawn by the next")
 {
-    for (const char* name : {"shadow_map", "stencil_volume"}) {
+    for (const char* name : {"shadow_map", "stencil_volume", "octree_volume", "chan_durand"}) {
         CAPTURE(std::string(name));
         Scene scene = smallScene();
         scene.instances[1].isStatic = false;

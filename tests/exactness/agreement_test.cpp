@@ -179,4 +179,44 @@ TEST_CASE("volumes that end behind the farthest receiver and endless ones agree 
     }
 }
 
+// Whether a dropped volume would have been counted anywhere: moving and standing lights, near planes in shadow (z-fail).
+TEST_CASE("volumes that chan_durand does not draw leave the picture as it is, bit for bit")
+{
+    const test::DeviceTest silence;
+    for (const std::string name : {"room", "colonnade", "bunny", "scenario"}) {
+        CAPTURE(name);
+        Stage stage(shippedScene(name), {320, 180});
+        for (const double time : {0.0, 1.3, 3.1}) {
+            CAPTURE(time);
+            stage.goTo(time);
+            for (const double resolution : {64.0, 512.0}) {
+                const Pictures culled = stage.draw("chan_durand", {{"resolution", resolution}});
+                const Pictures all = stage.draw("chan_durand", {{"resolution", resolution}, {"cull", 0.0}});
+                CHECK(test::differences(culled, all) == 0);
+                CHECK(darkPixels(culled) > 500);
+            }
+        }
+    }
+}
+
+// 64 texels: slats, wires and walls are thinner than one.
+TEST_CASE("a wider vote of chan_durand misses less of what is thinner than a texel")
+{
+    const test::DeviceTest silence;
+    for (const std::string name : {"room", "colonnade", "bunny"}) {
+        CAPTURE(name);
+        Stage stage(shippedScene(name), {640, 360});
+        uint64_t first = 0, before = 0;
+        for (const double widen : {0.0, 1.0, 2.0, 3.0}) {
+            const ErrorCount error = pooled(stage, stage.draw("chan_durand", {{"resolution", 64.0}, {"widen", widen}}));
+            MESSAGE(name << ": widened by " << widen << " wrong " << inWords(error));
+            if (widen == 0.0) first = before = error.wrong();
+            CHECK(error.wrong() <= before);
+            before = error.wrong();
+        }
+        CHECK(first > 100);
+        CHECK(5 * before <= first);
+    }
+}
+
 } // namespace gnomon::exact

@@ -34,53 +34,82 @@ Scene walkOut(LightKind kind, bool closed, demo::DepthConvention convention)
     return scene;
 }
 
-void checkWalk(LightKind kind, bool closed, demo::DepthConvention convention)
+/// One method with one setting, and what it may be wrong on: single pixels along edges.
+struct Walker {
+    std::string method;
+    Setting setting;
+    double percent, percentStandard; ///< Of the counted pixels of all steps; the latter with standard depth.
+};
+
+void checkWalk(const Walker& walker, LightKind kind, bool closed, demo::DepthConvention convention)
 {
     const std::string what =
+        walker.method + " " + walker.setting.name + " " + std::to_string(int(walker.setting.value)) + ", " +
         std::string(nameOf(kind)) + (closed ? ", closed caster, " : ", open caster, ") + nameOf(convention) + " depth";
     CAPTURE(what);
     Stage stage(walkOut(kind, closed, convention), kSize);
-    for (const double zFail : {0.0, 1.0}) {
-        CAPTURE(zFail);
-        ErrorCount error;
-        uint64_t worstStep = 0;
-        int inside = 0, darkSteps = 0;
-        for (int step = 0; step < kSteps; ++step) {
-            stage.goTo(step);
-            inside += inShadow(stage.scene(), stage.camera.eye);
-            const ErrorCount now = pooled(stage, stage.draw("stencil_volume", {{"z_fail", zFail}}));
-            worstStep = std::max(worstStep, now.wrong());
-            darkSteps += test::dark(stage.truth[0]) > 100;
-            error += now;
-        }
-        MESSAGE(what << std::string(zFail > 0.0 ? ", z-fail for all" : "") << ": " << inside << " of " << kSteps
-                     << " eyes in shadow, wrong " << inWords(error) << ", at most " << worstStep << " pixels a step");
-        CHECK(inside > 2);
-        CHECK(inside < kSteps - 2);
-        CHECK(darkSteps == kSteps);
-        // A miscounted volume turns whole regions; single pixels along edges are what definitions of exactness allow.
-        const double bound = convention == demo::DepthConvention::Standard ? 0.04 : 0.01;
-        CHECK(error.percent(error.wrong()) <= bound);
-        CHECK(worstStep <= kSize.width * kSize.height / 1000);
+    ErrorCount error;
+    uint64_t worstStep = 0;
+    int inside = 0, darkSteps = 0;
+    for (int step = 0; step < kSteps; ++step) {
+        stage.goTo(step);
+        inside += inShadow(stage.scene(), stage.camera.eye);
+        const ErrorCount now = pooled(stage, stage.draw(walker.method, {walker.setting}));
+        worstStep = std::max(worstStep, now.wrong());
+        darkSteps += test::dark(stage.truth[0]) > 100;
+        error += now;
     }
+    MESSAGE(what << ": " << inside << " of " << kSteps << " eyes in shadow, wrong " << inWords(error) << ", at most "
+                 << worstStep << " pixels a step");
+    CHECK(inside > 2);
+    CHECK(inside < kSteps - 2);
+    CHECK(darkSteps == kSteps);
+    // A miscounted volume turns whole regions; single pixels along edges are what definitions of exactness allow.
+    const bool standard = convention == demo::DepthConvention::Standard;
+    CHECK(error.percent(error.wrong()) <= (standard ? walker.percentStandard : walker.percent));
+    CHECK(worstStep <= kSize.width * kSize.height / 1000);
 }
+
+void checkWalks(const Walker& walker, demo::DepthConvention convention)
+{
+    for (const KindOfLight& light : kKinds)
+        for (const bool closed : {true, false})
+            checkWalk(walker, light.kind, closed, convention);
+}
+
+const Walker kVolumes{"stencil_volume", {"z_fail", 0.0}, 0.01, 0.04}, kZFail{"stencil_volume", {"z_fail", 1.0}, 0.01, 0.04};
+const Walker kKept{"octree_volume", {"z_fail", 0.0}, 0.01, 0.04}, kKeptZFail{"octree_volume", {"z_fail", 1.0}, 0.01, 0.04};
+const Walker kMasked{"chan_durand", {"cull", 1.0}, 0.01, 0.04};
 
 } // namespace
 
 TEST_CASE("stencil_volume is right with the eye inside a shadow, outside it, and the near plane across its border")
 {
     const test::DeviceTest silence;
-    for (const KindOfLight& light : kKinds)
-        for (const bool closed : {true, false})
-            checkWalk(light.kind, closed, demo::DepthConvention::ReversedInfinite);
+    for (const Walker& walker : {kVolumes, kZFail})
+        checkWalks(walker, demo::DepthConvention::ReversedInfinite);
 }
 
 TEST_CASE("stencil_volume is right there with standard depth as well")
 {
     const test::DeviceTest silence;
-    for (const KindOfLight& light : kKinds)
-        for (const bool closed : {true, false})
-            checkWalk(light.kind, closed, demo::DepthConvention::Standard);
+    for (const Walker& walker : {kVolumes, kZFail})
+        checkWalks(walker, demo::DepthConvention::Standard);
+}
+
+TEST_CASE("octree_volume is right at those places, with reversed and with standard depth")
+{
+    const test::DeviceTest silence;
+    for (const auto convention : {demo::DepthConvention::ReversedInfinite, demo::DepthConvention::Standard})
+        for (const Walker& walker : {kKept, kKeptZFail})
+            checkWalks(walker, convention);
+}
+
+TEST_CASE("chan_durand counts volumes right at those places, with reversed and with standard depth")
+{
+    const test::DeviceTest silence;
+    for (const auto convention : {demo::DepthConvention::ReversedInfinite, demo::DepthConvention::Standard})
+        checkWalks(kMasked, convention);
 }
 
 } // namespace gnomon::exact

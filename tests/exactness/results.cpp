@@ -46,6 +46,7 @@ SceneResults measure(const std::string& name)
         results.pictures[key(method, kWideFilter)] = stage.draw(method, {{"filter", 5.0}});
     draw("shadow_map", kCoarse);
     draw("pcf_hybrid", kCoarse);
+    draw("chan_durand", 512);
     draw("pcf_hybrid", 1024);
     if (results.has(LightKind::Point)) {
         draw("cube_map", 256);

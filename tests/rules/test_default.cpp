@@ -53,9 +53,18 @@ TEST_CASE("default.yaml picks exact methods near and maps far, for spot and for 
         engine.evaluate(std::vector<double>{s.dynamicLights, s.lightMotion, s.viewerDistance, s.screenShare,
                                             s.casterTriangles, 0.0, 0.5, 0.5},
                         inference);
-        CHECK(bestOf(inference, {0, 1, 2, 3}) == s.spot);
-        CHECK(bestOf(inference, {0, 2, 3, 4, 5}) == s.point);
+        CHECK(bestOf(inference, {0, 1, 2, 3, 6, 7}) == s.spot);
+        CHECK(bestOf(inference, {0, 2, 3, 4, 5, 6, 7}) == s.point);
     }
+}
+
+TEST_CASE("where rays cannot be had, heavy scenes right ahead get the hybrid that needs none")
+{
+    const Engine engine = bound(defaultBase());
+    Inference inference = engine.makeInference();
+    engine.evaluate(std::vector<double>{1, 1, 5, 0.5, 5.5, 0.0, 0.5, 0.5}, inference);
+    CHECK(bestOf(inference, {1, 2, 6}) == "chan_durand"); // a spot light
+    CHECK(bestOf(inference, {2, 4, 5, 6}) == "chan_durand"); // a point light
 }
 
 TEST_CASE("near shadows are never best served by a plain map, whatever the other facts are")
@@ -68,7 +77,7 @@ TEST_CASE("near shadows are never best served by a plain map, whatever the other
                                             random.unit(), random.between(2, 7), random.between(0, 2), random.unit(),
                                             random.between(0, 2)},
                         inference);
-        const std::string best = bestOf(inference, {0, 1, 2, 3, 4, 5});
+        const std::string best = bestOf(inference, {0, 1, 2, 3, 4, 5, 6, 7});
         REQUIRE_MESSAGE((best == "stencil_volume" || best == "pcf_hybrid" || best == "ray_traced"), best);
     }
 }

@@ -10,7 +10,7 @@
 
 namespace gnomon::rules::test {
 
-/// The facts and methods of the first slice, as the runtime offers them.
+/// The facts and methods, as the runtime offers them.
 inline const std::vector<FactInfo> kFacts = {
     {"dynamicLights", "count"},   {"lightMotion", "share"}, {"viewerDistance", "m"},        {"screenShare", "share"},
     {"casterTriangles", "log10"}, {"lightRadius", "m"},     {"receiverPlanarity", "share"}, {"frameBudget", "ratio"}};
@@ -20,7 +20,9 @@ inline const std::vector<OutputInfo> kMethods = {
     {"stencil_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}},
     {"pcf_hybrid", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}},
     {"cube_map", {"point", "hard", "fixedPenumbra"}},
-    {"dual_paraboloid", {"point", "hard", "fixedPenumbra", "cpuGeometry"}}};
+    {"dual_paraboloid", {"point", "hard", "fixedPenumbra", "cpuGeometry"}},
+    {"chan_durand", {"directional", "spot", "point", "hard", "cpuGeometry"}},
+    {"octree_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}}};
 inline const std::vector<std::string> kTraits = {"directional",  "spot",  "point",       "hard", "fixedPenumbra",
                                                  "softPenumbra", "exact", "cpuGeometry", "rays"};
 inline Vocabulary vocabulary()

@@ -1,4 +1,4 @@
 #version 460
-// A pixel whose ray was blocked.
+// A pixel that no light reaches.
 layout(location = 0) out float visibility;
 void main() { visibility = 0.0; }

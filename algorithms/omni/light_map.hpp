@@ -1,0 +1,22 @@
+#pragma once
+// The depth map of a light of any kind: one image for directional and spot lights, six faces around a point light.
+#include <cstdint>
+#include <span>
+
+#include "algorithms/maps/depth_map.hpp"
+#include "algorithms/maps/map_look.hpp"
+
+namespace gnomon {
+
+/// A map as declared in this frame.
+struct LightMap {
+    ImageId image;                  ///< kMapFormat; a layer per fit.
+    std::span<const LightFit> fits; ///< One or six; they live as long as the frame.
+};
+
+/// Declares what is missing of the map (declareDepthMap, declareCubeMap) and adds to `constants`, from mapConstants(),
+/// how receivers are found in it (shaders/maps/agreement.glsl).
+LightMap declareLightMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
+                         std::uint32_t resolution, gpu::MapConstants& constants);
+
+} // namespace gnomon

@@ -1,0 +1,343 @@
+#include "algorithms/volumes/chan_durand.hpp"
+
+#include <iterator>
+
+#include "algorithms/common/caster_lists.hpp"
+#include "algorithms/omni/light_map.hpp"
+#include "algorithms/volumes/light_cells.hpp"
+#include "algorithms/volumes/view_stencil.hpp"
+#include "algorithms/volumes/volume_draw.hpp"
+
+#include "shaders/maps_map_resolve_vert.h"
+#include "shaders/shared_fullscreen_vert.h"
+#include "shaders/shared_umbra_frag.h"
+#include "shaders/volumes_chan_durand_cube_frag.h"
+#include "shaders/volumes_chan_durand_cull_comp.h"
+#include "shaders/volumes_chan_durand_frag.h"
+
+namespace gnomon {
+
+namespace {
+
+// widen: faces of a cube overlap by four texels, of which the four that vote take one.
+constexpr SettingSpec kSettings[] = {
+    {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 512},
+    {"widen", "Texels by which the 2 x 2 that must agree are widened to each side.", 0, 3, 0},
+    {"cull", "1: only volumes that hold silhouette pixels are drawn; 0: all whose shadow the view can see.", 0, 1, 1},
+};
+enum Setting : std::size_t { kResolution, kWiden, kCull };
+
+/// The stencil: bit 7 marks silhouette pixels, bits 0 to 6 count there.
+constexpr VolumeCounting kCounting{.bits = 0x7f, .mask = 0x80};
+
+constexpr VolumePipelineNames kVolumeNames{.zPass = {"chan_durand.z_pass", "chan_durand.z_pass_reversed"},
+                                           .zFail = {"chan_durand.z_fail", "chan_durand.z_fail_reversed"}};
+
+struct Pipelines {
+    DepthMapPipelines casters;
+    ViewStencilPipelines view;
+    PipelineId classify[2][2][2]; ///< [cube][has normals][widened]
+    PipelineId cull;
+    VolumePipelines volumes;
+    PipelineId umbra;
+};
+
+/// A command of one of the plan's lists, and whose it is.
+struct CullSource {
+    const Caster* caster = nullptr;
+    std::uint32_t list = 0, command = 0; ///< As gpu::CullItem.
+};
+
+/// What the passes of one task share; in the frame's arena.
+struct Plan {
+    gpu::ChanDurandConstants constants{};
+    LightMap map;
+    ViewStencil stencil;
+    VolumePlan* volumes = nullptr;
+    BufferId cells;
+    std::span<CullSource> sources; ///< Empty: nothing is culled.
+    BufferId items, commands;      ///< One of either per source.
+};
+
+// --- pipelines ---
+
+PipelineId classifyPipeline(const AlgorithmServices& services, bool cube, bool normals, bool widened)
+{
+    const BindingInfo bindings[] = {
+        {.binding = 0, .kind = BindingKind::constants},
+        {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
+        {.binding = 3, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
+        {.binding = 4,
+         .kind = BindingKind::sampledImage,
+         .format = kMapFormat,
+         .array = cube,
+         .sampler = SamplerKind::nearestBorderFar,
+         .powerOfTwo = true},
+        {.binding = 5, .kind = BindingKind::storageBuffer},
+    };
+    const VkStencilOpState mark{.failOp = VK_STENCIL_OP_KEEP,
+                                .passOp = VK_STENCIL_OP_KEEP,
+                                .depthFailOp = VK_STENCIL_OP_REPLACE,
+                                .compareOp = VK_COMPARE_OP_ALWAYS,
+                                .compareMask = 0xff,
+                                .writeMask = 0xff,
+                                .reference = kCounting.mask};
+    GraphicsPipelineInfo pipeline;
+    pipeline.name = "chan_durand.classify";
+    pipeline.vertex.code = k_maps_map_resolve_vert;
+    pipeline.fragment.code = cube ? std::span<const std::uint32_t>(k_volumes_chan_durand_cube_frag)
+                                  : std::span<const std::uint32_t>(k_volumes_chan_durand_frag);
+    pipeline.fragment.specializationCount = 2;
+    pipeline.fragment.specialization[0] = normals;
+    pipeline.fragment.specialization[1] = widened;
+    pipeline.bindings = bindings;
+    // Depth 1 passes against every depth there is, depth 0 against 0 alone: no silhouette is on the sky of reversed
+    // depth, and a receiver exactly on the near plane of standard depth keeps its 0.5, which is lit.
+    pipeline.depthTest = true;
+    pipeline.depthCompare = VK_COMPARE_OP_GREATER_OR_EQUAL;
+    pipeline.stencil = {.enable = true, .front = mark, .back = mark};
+    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
+    pipeline.depthFormat = kStencilFormat;
+    return services.pipelines->graphics(pipeline);
+}
+
+PipelineId cullPipeline(const AlgorithmServices& services)
+{
+    BindingInfo bindings[6];
+    for (std::uint32_t i = 0; i < std::size(bindings); ++i)
+        bindings[i] = {.binding = i, .kind = BindingKind::storageBuffer};
+    return services.pipelines->compute({.name = "chan_durand.cull",
+                                        .compute = {.code = k_volumes_chan_durand_cull_comp},
+                                        .bindings = bindings,
+                                        .pushBytes = sizeof(std::uint32_t)});
+}
+
+PipelineId umbraPipeline(const AlgorithmServices& services)
+{
+    const VkStencilOpState counted{.failOp = VK_STENCIL_OP_KEEP,
+                                   .passOp = VK_STENCIL_OP_KEEP,
+                                   .depthFailOp = VK_STENCIL_OP_KEEP,
+                                   .compareOp = VK_COMPARE_OP_LESS, // the mask alone < what is there: mask and a count
+                                   .compareMask = 0xff,
+                                   .writeMask = 0,
+                                   .reference = kCounting.mask};
+    GraphicsPipelineInfo pipeline;
+    pipeline.name = "chan_durand.umbra";
+    pipeline.vertex.code = k_shared_fullscreen_vert;
+    pipeline.fragment.code = k_shared_umbra_frag;
+    pipeline.stencil = {.enable = true, .front = counted, .back = counted};
+    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
+    pipeline.depthFormat = kStencilFormat;
+    return services.pipelines->graphics(pipeline);
+}
+
+// --- culling ---
+
+/// Lists the commands of all draws, and has the draws take theirs from plan.commands, in the order of that list.
+void redirectCommands(FrameArena& arena, Plan& plan)
+{
+    VolumePlan& volumes = *plan.volumes;
+    const std::span<VolumeDraw> all[] = {volumes.zPass, volumes.zFail, volumes.caps};
+    std::size_t count = 0;
+    for (const std::span<VolumeDraw> draws : all)
+        for (const VolumeDraw& draw : draws)
+            count += draw.commandCount;
+    plan.sources = arena.array<CullSource>(count);
+    std::uint32_t next = 0;
+    for (const std::span<VolumeDraw> draws : all) {
+        for (VolumeDraw& draw : draws) {
+            std::uint32_t list = 0;
+            while (volumes.lists[list].index != draw.list.index)
+                ++list;
+            const std::uint32_t first = next;
+            for (std::uint32_t i = 0; i < draw.commandCount; ++i)
+                plan.sources[next++] = {draw.caster, list, draw.firstCommand + i};
+            draw.firstCommand = first;
+        }
+    }
+}
+
+std::uint64_t itemStamp(const Plan& plan)
+{
+    Stamp stamp;
+    for (const LightFit& fit : plan.map.fits)
+        stamp.add(fit.clipFromWorld);
+    for (const CullSource& source : plan.sources)
+        stamp.add(*source.caster).add((std::uint64_t{source.list} << 32) | source.command);
+    return stamp.value();
+}
+
+void writeItems(const Plan& plan, const HostContext& host, std::uint32_t resolution)
+{
+    const std::span<gpu::CullItem> items = host.write<gpu::CullItem>(plan.items);
+    for (std::size_t i = 0; i < plan.sources.size(); ++i) {
+        const CullSource& source = plan.sources[i];
+        gpu::CullItem item{.list = source.list, .command = source.command};
+        item.footprintCount = cellFootprints(plan.map.fits, resolution, source.caster->bounds, item.footprints);
+        items[i] = item;
+    }
+}
+
+void recordCull(PassContext& gpu, const Plan& plan, PipelineId pipeline)
+{
+    const auto list = [&](std::uint32_t i) { // one that is not there is not read
+        return gpu.storage(2 + i, plan.volumes->lists[i] ? plan.volumes->lists[i] : plan.items);
+    };
+    gpu.bind(pipeline, {gpu.storage(0, plan.items), gpu.storage(1, plan.cells), list(0), list(1), list(2),
+                        gpu.storage(5, plan.commands)});
+    const auto count = static_cast<std::uint32_t>(plan.sources.size());
+    gpu.push(count);
+    gpu.vk->vkCmdDispatch(gpu.cmd, (count + 63) / 64, 1, 1);
+}
+
+/// Declares which commands the volumes are drawn with, those of casters that shadow no silhouette pixel zero times.
+void declareCull(PassBuilder& passes, const ShadowTask& task, Plan& plan, PipelineId pipeline)
+{
+    redirectCommands(passes.arena(), plan);
+    if (plan.sources.empty()) return;
+    plan.items = passes.persistent(BufferInfo{.name = "chan_durand.items",
+                                              .size = plan.sources.size() * sizeof(gpu::CullItem),
+                                              .place = BufferPlace::upload});
+    plan.commands = passes.transient(BufferInfo{
+        .name = "chan_durand.commands", .size = plan.sources.size() * sizeof(VkDrawIndexedIndirectCommand)});
+    for (const std::span<VolumeDraw> draws : {plan.volumes->zPass, plan.volumes->zFail, plan.volumes->caps})
+        for (VolumeDraw& draw : draws)
+            draw.commands = plan.commands;
+
+    const Plan* shared = &plan;
+    const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
+    if (passes.stale(plan.items, itemStamp(plan)))
+        passes.prepare("chan_durand.footprints").writes(plan.items).run([=](HostContext& host) {
+            writeItems(*shared, host, resolution);
+        });
+    else
+        passes.kept();
+    PassRef cull = passes.compute("chan_durand.cull");
+    cull.reads(plan.items).reads(plan.cells).writes(plan.commands);
+    for (const BufferId list : plan.volumes->lists)
+        if (list) cull.reads(list);
+    cull.record([=](PassContext& gpu) { recordCull(gpu, *shared, pipeline); });
+}
+
+// --- the method ---
+
+class ChanDurand final : public ShadowAlgorithm {
+public:
+    explicit ChanDurand(const AlgorithmServices& services) : vk_(*services.vk)
+    {
+        pipelines_.casters = makeDepthMapPipelines(services);
+        pipelines_.view = makeViewStencilPipelines(services);
+        for (const bool cube : {false, true})
+            for (const bool normals : {false, true})
+                for (const bool widened : {false, true})
+                    pipelines_.classify[cube][normals][widened] = classifyPipeline(services, cube, normals, widened);
+        pipelines_.cull = cullPipeline(services);
+        pipelines_.volumes = makeVolumePipelines(services, kVolumeNames, kCounting);
+        pipelines_.umbra = umbraPipeline(services);
+    }
+
+    void declare(PassBuilder& passes, const ShadowTask& task) override
+    {
+        Plan& plan = *passes.arena().make<Plan>();
+        const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
+        plan.constants.base = mapConstants(task, resolution, 1);
+        plan.constants.widen = static_cast<int>(task.settings[kWiden]);
+        plan.map = declareLightMap(passes, pipelines_.casters, task, resolution, plan.constants.base);
+        plan.stencil = declareViewStencil(passes, pipelines_.view, task);
+        plan.volumes = planVolumes(passes, task, plan.stencil, true, false);
+        plan.cells = passes.transient(BufferInfo{
+            .name = "chan_durand.cells", .size = plan.map.fits.size() * gpu::CELLS * gpu::CELLS * sizeof(std::uint32_t)});
+        declareClassify(passes, task, plan);
+        if (task.settings[kCull] != 0.0) declareCull(passes, task, plan, pipelines_.cull);
+        declareCount(passes, task, plan);
+    }
+
+    const char* refuses(const ShadowTask& task) const override { return refusesVolumes(vk_, task); }
+
+private:
+    void declareClassify(PassBuilder& passes, const ShadowTask& task, const Plan& plan) const
+    {
+        const BufferId cells = plan.cells;
+        passes.transfer("chan_durand.clear").writes(cells).record([=](PassContext& gpu) {
+            gpu.vk->vkCmdFillBuffer(gpu.cmd, gpu.buffer(cells), 0, VK_WHOLE_SIZE, 0);
+        });
+        const bool normals = static_cast<bool>(task.normals);
+        // The variant without normals never reads that binding, which still needs an image.
+        const ImageId depth = task.depth, normalImage = normals ? task.normals : task.depth;
+        const bool cube = task.light->type == GN_LIGHT_TYPE_POINT, widened = plan.constants.widen > 0;
+        const PipelineId pipeline = pipelines_.classify[cube][normals][widened];
+        const VkRect2D& area = task.view->area;
+        const Plan* shared = &plan;
+        PassRef pass = passes.raster("chan_durand.classify");
+        pass.area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
+            .writes(task.visibility,
+                    {.layer = task.layer, .clear = true, .value = {.color = {{1.0f, 0.0f, 0.0f, 0.0f}}}})
+            .depthTest(plan.stencil.image)
+            .stencilWrite(plan.stencil.image, {.clear = true})
+            .samples(depth)
+            .samples(plan.map.image)
+            .updates(cells);
+        if (normals) pass.samples(normalImage);
+        pass.record([=](PassContext& gpu) {
+            const VkRect2D& pixels = shared->volumes->pixels;
+            if (pixels.extent.width == 0) return; // the light reaches no pixel: 1 everywhere, as cleared
+            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+            gpu.bind(pipeline, {gpu.constants(0, shared->constants), gpu.sampled(2, depth), gpu.sampled(3, normalImage),
+                                gpu.sampled(4, shared->map.image, SamplerKind::nearestBorderFar),
+                                gpu.storage(5, cells)});
+            gpu.drawFullscreen();
+        });
+    }
+
+    void declareCount(PassBuilder& passes, const ShadowTask& task, const Plan& plan) const
+    {
+        const VkRect2D& area = task.view->area;
+        PassRef pass = passes.raster("chan_durand.count");
+        pass.area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
+            .writes(task.visibility, {.layer = task.layer, .blend = true})
+            .depthTest(plan.stencil.image)
+            .stencilWrite(plan.stencil.image);
+        usesVolumes(pass, *plan.volumes);
+        if (plan.commands) pass.indirect(plan.commands);
+        const Plan* shared = &plan;
+        const Pipelines* pipelines = &pipelines_;
+        pass.record([=](PassContext& gpu) {
+            const VkRect2D& pixels = shared->volumes->pixels;
+            if (pixels.extent.width == 0) return;
+            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+            drawVolumes(gpu, *shared->volumes, pipelines->volumes);
+            gpu.bind(pipelines->umbra, {});
+            gpu.drawFullscreen();
+        });
+    }
+
+    const DeviceTable& vk_;
+    Pipelines pipelines_;
+};
+
+} // namespace
+
+const AlgorithmEntry kChanDurand{
+    .name = "chan_durand",
+    .source = "Chan and Durand 2004; Rautenbach 2008, 3.3.2",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kSettings,
+    .memoryPerLight =
+        [](std::span<const double> settings, VkExtent2D extent) {
+            // As many layers as a point light may need; the two other kinds need one.
+            return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), gpu::MAX_LAYERS) +
+                   viewStencilMemory(extent);
+        },
+    .missing = [](const DeviceTable& vk) -> const char* {
+        return vk.enabled.fragmentStoresAndAtomics ? nullptr : "needs fragmentStoresAndAtomics";
+    },
+    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
+        return std::make_unique<ChanDurand>(services);
+    },
+    .typicalWrongPercent = 0.032f, // README.md, table of methods
+};
+
+} // namespace gnomon

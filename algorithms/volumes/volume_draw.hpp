@@ -1,0 +1,80 @@
+#pragma once
+// Which volumes a light draws in a view, and their drawing into the stencil: for every method that counts crossings.
+#include <span>
+
+#include "algorithms/volumes/view_stencil.hpp"
+#include "algorithms/volumes/volume_list.hpp"
+#include "runtime/algorithm.hpp"
+
+namespace gnomon {
+
+/// How crossings are counted in the stencil.
+struct VolumeCounting {
+    std::uint8_t bits = 0xff; ///< Of the count, from bit 0 on: it is kept modulo their number, other bits stay.
+    std::uint8_t mask = 0;    ///< Count where this bit is set only; 0: everywhere.
+};
+
+/// By reversed depth.
+struct VolumePipelineNames {
+    const char* zPass[2];
+    const char* zFail[2];
+};
+struct VolumePipelines {
+    PipelineId zPass[2], zFail[2];
+};
+VolumePipelines makeVolumePipelines(const AlgorithmServices& services, const VolumePipelineNames& names,
+                                    const VolumeCounting& counting);
+
+/// A run of indirect commands for one caster.
+struct VolumeDraw {
+    const Caster* caster = nullptr;
+    BufferId list;     ///< Indices.
+    BufferId commands; ///< Of the list itself, unless the method has others made of them.
+    std::uint32_t firstCommand = 0, commandCount = 0;
+};
+
+/// What is drawn for one light in one view; in the frame's arena.
+struct VolumePlan {
+    const CameraView* view = nullptr;
+    const LightView* light = nullptr;
+    std::span<VolumeDraw> zPass, zFail, caps; ///< zFail: sides.
+    BufferId lists[4];                        ///< Sides and caps, of static and of moving casters; null ids: none.
+    BufferId commands[2];                     ///< Made of those of the lists; null ids: none.
+    BufferId receiverBounds;
+    bool bounded = true; ///< Volumes end behind the farthest visible receiver.
+    VkRect2D pixels{};   ///< Where the light can reach.
+};
+
+/// Declares the lists and picks the casters whose shadow the view can see. z-pass counts those that cannot shadow the
+/// near rectangle, z-fail the others, or all.
+VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded,
+                        bool zFailForAll);
+
+// What planVolumes() is made of, for methods that choose among the casters themselves.
+
+/// A plan without draws yet, with room for all casters of the task.
+VolumePlan* emptyPlan(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded);
+/// The draw of the caster whose pieces start here; moves `piece` to the next caster's.
+VolumeDraw drawAt(const VolumeList& list, std::uint32_t& piece);
+/// Whether z-fail has to count the caster.
+bool needsZFail(const VolumePlan& plan, const Caster& caster);
+/// Adds those casters of a list of sides that the view can see.
+void addSides(VolumePlan& plan, const VolumeList& sides, bool zFailForAll);
+/// Adds the caps, in task scope, of the draws from `firstFailing` on that z-fail counts.
+void addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, std::size_t firstFailing);
+inline void append(std::span<VolumeDraw>& draws, const VolumeDraw& draw)
+{
+    draws = {draws.data(), draws.size() + 1};
+    draws.back() = draw;
+}
+
+/// Declares what drawVolumes() reads; the pass tests depth and writes stencil of the view's copy.
+void usesVolumes(PassRef& pass, const VolumePlan& plan);
+
+/// Counts all volumes of the plan, within the scissor that is set.
+void drawVolumes(PassContext& gpu, const VolumePlan& plan, const VolumePipelines& pipelines);
+
+/// Why volumes cannot serve the task on this device, or null. Static storage.
+const char* refusesVolumes(const DeviceTable& vk, const ShadowTask& task);
+
+} // namespace gnomon
