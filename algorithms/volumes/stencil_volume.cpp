@@ -19,9 +19,8 @@ constexpr SettingSpec kSettings[] = {
 };
 enum Setting : std::size_t { kBounded, kZFail };
 
-constexpr VolumePipelineNames kVolumeNames{
-    .zPass = {"stencil_volume.z_pass", "stencil_volume.z_pass_reversed"},
-    .zFail = {"stencil_volume.z_fail", "stencil_volume.z_fail_reversed"}};
+constexpr VolumePipelineNames kVolumeNames{.zPass = {"stencil_volume.z_pass", "stencil_volume.z_pass_reversed"},
+                                           .zFail = {"stencil_volume.z_fail", "stencil_volume.z_fail_reversed"}};
 
 struct Pipelines {
     VolumePipelines volumes;
