@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "runtime/scene/light_pixels.hpp"
 #include "algorithms/hybrid/pixel_list.hpp"
 #include "algorithms/hybrid/receivers.hpp"
 #include "algorithms/omni/light_map.hpp"
+#include "runtime/scene/light_pixels.hpp"
 #include "shaders/hybrid/pcf_hybrid.h"
 #include "shaders/hybrid_pcf_hybrid_cube_frag.h"
 #include "shaders/hybrid_pcf_hybrid_frag.h"

@@ -1,4 +1,4 @@
-// stencil_volume on a device: what it keeps from frame to frame, and that its ways of counting agree.
+// Volume methods on a device: what they keep from frame to frame, and that their ways of counting agree.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 
@@ -12,6 +12,7 @@ using namespace gnomon::demo;
 namespace {
 
 constexpr const char* kMethod = "stencil_volume";
+constexpr const char* kMasked = "chan_durand";
 
 SessionOptions options(const std::string& scene, VkExtent2D size)
 {
@@ -82,6 +83,20 @@ std::string coveredScene()
     return file.string();
 }
 
+/// A floor under that many open sheets, one above the other along the light: its receivers in shadow lie behind all.
+std::string stackedScene(int sheets)
+{
+    const auto file = std::filesystem::temp_directory_path() / "gnomon_volumes_stacked.yaml";
+    std::ofstream out(file);
+    out << "name: stacked\nsize: [320, 200]\nframes: 1\nmeshes:\n  ground: {plane: {size: [24, 24]}}\n"
+           "  sheet: {plane: {size: [4, 4]}}\ninstances:\n  - {name: ground, mesh: ground, static: true}\n";
+    for (int i = 0; i < sheets; ++i)
+        out << "  - {name: sheet" << i << ", mesh: sheet, at: [0, " << 4.0 + 0.02 * i << ", 0], static: true}\n";
+    out << "lights:\n  - {name: sun, kind: directional, direction: [0, -1, 0], static: true}\n"
+           "camera:\n  - {eye: [0, 3, 9], target: [0, 0, 0], fov: 50}\n";
+    return file.string();
+}
+
 } // namespace
 
 TEST_CASE("what stands still builds no index list, and what moves builds its own only")
@@ -148,6 +163,37 @@ TEST_CASE("an eye in the shadow of closed and open casters sees what rays see")
             CHECK(errors.counted > 10000);
             CHECK(errors.wrong() <= 6);
         }
+    }
+    REQUIRE(session.shadows.pinAll(kMasked));
+    settle(session, 0.5, false);
+    const std::vector<Image8> seen = session.renderer.readVisibility();
+    for (std::size_t i = 0; i < truth->lights.size(); ++i) {
+        CAPTURE(truth->lights[i]);
+        const ErrorCount errors = compare(seen[i], truth->visibility[i], truth->counted[i]);
+        MESSAGE(truth->lights[i] << ": " << errors.wrong() << " of " << errors.counted);
+        CHECK(errors.percent(errors.wrong()) <= 0.1);
+    }
+    CHECK(session.device.validation.messages() == std::vector<std::string>{});
+}
+
+TEST_CASE("counts are modulo 256 in stencil_volume, modulo 128 at the silhouette pixels of chan_durand")
+{
+    for (const int sheets : {127, 128, 255, 256}) {
+        CAPTURE(sheets);
+        Session session(options(stackedScene(sheets), {320, 200}));
+        const std::optional<Truth> truth = measureTruth(session.device, session.scene, {320, 200}, 0.0);
+        if (!truth) return;                                      // built without ray tracing
+        REQUIRE(session.shadows.set(kMasked, "resolution", 64)); // many silhouette pixels
+        const auto falseLit = [&](const char* method) {
+            REQUIRE(session.shadows.pinAll(method));
+            settle(session, 0.0, false);
+            return compare(session.renderer.readVisibility()[0], truth->visibility[0], truth->counted[0]).falseLit;
+        };
+        const std::uint64_t everywhere = falseLit(kMethod), masked = falseLit(kMasked);
+        MESSAGE(sheets << " sheets: " << everywhere << " pixels falsely lit everywhere, " << masked
+                       << " at silhouettes");
+        CHECK((everywhere > 1000) == (sheets == 256));
+        CHECK((masked > 100) == (sheets % 128 == 0));
     }
 }
 

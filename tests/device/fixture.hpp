@@ -68,7 +68,7 @@ struct FrameOptions {
     bool drop = false;                                                   ///< Recorded only: withdrawn, never submitted.
     std::function<void(GnFrameInfo&, std::vector<GnViewFrame>&)> adjust; ///< Before the call.
     std::function<void(VkCommandBuffer, bool begins)> around; ///< Recorded only: before and after gnomon's commands.
-    size_t (*counter)() noexcept = nullptr; ///< Read before and after the call; see Host::counted.
+    size_t (*counter)() noexcept = nullptr;                   ///< Read before and after the call; see Host::counted.
 };
 
 /// A scene registered with gnomon. The members may be used and changed by tests; draw() passes on what moved.

@@ -38,7 +38,9 @@ TEST_CASE_FIXTURE(DeviceTest,
 {
     const std::pair<const char*, demo::LightKind> methods[] = {{"shadow_map", demo::LightKind::Spot},
                                                                {"cube_map", demo::LightKind::Point},
-                                                               {"dual_paraboloid", demo::LightKind::Point}};
+                                                               {"dual_paraboloid", demo::LightKind::Point},
+                                                               {"chan_durand", demo::LightKind::Spot},
+                                                               {"chan_durand", demo::LightKind::Point}};
     for (const auto& served : methods) {
         const char* method = served.first; // clang 14 captures no structured binding in CAPTURE's lambda
         CAPTURE(std::string(method));

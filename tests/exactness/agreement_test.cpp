@@ -179,7 +179,8 @@ TEST_CASE("volumes that end behind the farthest receiver and endless ones agree 
     }
 }
 
-// Whether a dropped volume would have been counted anywhere: moving and standing lights, near planes in shadow (z-fail).
+// Whether a dropped volume would have been counted anywhere: moving and standing lights, near planes in shadow
+// (z-fail).
 TEST_CASE("volumes that chan_durand does not draw leave the picture as it is, bit for bit")
 {
     const test::DeviceTest silence;

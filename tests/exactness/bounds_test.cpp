@@ -109,7 +109,8 @@ TEST_CASE("pcf_hybrid is wrong on at most a third of the pixels that shadow_map 
 
 // Casters thinner than two texels of 512 are in every shipped scene, where the second bound is what is asked for; the
 // first holds all the same. What the map answers without volumes is shadow_map's error.
-TEST_CASE("chan_durand with maps of 512 texels is wrong on at most 0.1 % of the pixels, and a quarter of the map's own error")
+TEST_CASE(
+    "chan_durand with maps of 512 texels is wrong on at most 0.1 % of the pixels, and a quarter of the map's own error")
 {
     for (const std::string& name : sceneNames()) {
         CAPTURE(name);

@@ -43,9 +43,9 @@ struct Walker {
 
 void checkWalk(const Walker& walker, LightKind kind, bool closed, demo::DepthConvention convention)
 {
-    const std::string what =
-        walker.method + " " + walker.setting.name + " " + std::to_string(int(walker.setting.value)) + ", " +
-        std::string(nameOf(kind)) + (closed ? ", closed caster, " : ", open caster, ") + nameOf(convention) + " depth";
+    const std::string what = walker.method + " " + walker.setting.name + " " +
+                             std::to_string(int(walker.setting.value)) + ", " + std::string(nameOf(kind)) +
+                             (closed ? ", closed caster, " : ", open caster, ") + nameOf(convention) + " depth";
     CAPTURE(what);
     Stage stage(walkOut(kind, closed, convention), kSize);
     ErrorCount error;
@@ -77,8 +77,10 @@ void checkWalks(const Walker& walker, demo::DepthConvention convention)
             checkWalk(walker, light.kind, closed, convention);
 }
 
-const Walker kVolumes{"stencil_volume", {"z_fail", 0.0}, 0.01, 0.04}, kZFail{"stencil_volume", {"z_fail", 1.0}, 0.01, 0.04};
-const Walker kKept{"octree_volume", {"z_fail", 0.0}, 0.01, 0.04}, kKeptZFail{"octree_volume", {"z_fail", 1.0}, 0.01, 0.04};
+const Walker kVolumes{"stencil_volume", {"z_fail", 0.0}, 0.01, 0.04},
+    kZFail{"stencil_volume", {"z_fail", 1.0}, 0.01, 0.04};
+const Walker kKept{"octree_volume", {"z_fail", 0.0}, 0.01, 0.04},
+    kKeptZFail{"octree_volume", {"z_fail", 1.0}, 0.01, 0.04};
 const Walker kMasked{"chan_durand", {"cull", 1.0}, 0.01, 0.04};
 
 } // namespace

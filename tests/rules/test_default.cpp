@@ -63,7 +63,7 @@ TEST_CASE("where rays cannot be had, heavy scenes right ahead get the hybrid tha
     const Engine engine = bound(defaultBase());
     Inference inference = engine.makeInference();
     engine.evaluate(std::vector<double>{1, 1, 5, 0.5, 5.5, 0.0, 0.5, 0.5}, inference);
-    CHECK(bestOf(inference, {1, 2, 6}) == "chan_durand"); // a spot light
+    CHECK(bestOf(inference, {1, 2, 6}) == "chan_durand");    // a spot light
     CHECK(bestOf(inference, {2, 4, 5, 6}) == "chan_durand"); // a point light
 }
 
