@@ -157,9 +157,10 @@ void redirectCommands(FrameArena& arena, Plan& plan)
     }
 }
 
-std::uint64_t itemStamp(const Plan& plan)
+std::uint64_t itemStamp(const Plan& plan, std::uint32_t resolution)
 {
     Stamp stamp;
+    stamp.add(std::uint64_t{resolution});
     for (const LightFit& fit : plan.map.fits)
         stamp.add(fit.clipFromWorld);
     for (const CullSource& source : plan.sources)
@@ -206,7 +207,7 @@ void declareCull(PassBuilder& passes, const ShadowTask& task, Plan& plan, Pipeli
 
     const Plan* shared = &plan;
     const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-    if (passes.stale(plan.items, itemStamp(plan)))
+    if (passes.stale(plan.items, itemStamp(plan, resolution)))
         passes.prepare("chan_durand.footprints").writes(plan.items).run([=](HostContext& host) {
             writeItems(*shared, host, resolution);
         });
