@@ -18,7 +18,10 @@ std::string knowledge(const std::string& device, double ms)
         row.device = device;
         row.algorithm = "shadow_map";
         row.pass = i % 2 ? cost::Pass::resolve : cost::Pass::update;
-        row.workload = {.pixels = 1000.0 * (1 + i), .casterTriangles = 100.0 * (1 + i % 7), .mapTexels = 1048576.0};
+        row.workload = {.pixels = 1000.0 * (1 + i),
+                        .casterTriangles = 100.0 * (1 + i % 7),
+                        .mapTexels = 1048576.0,
+                        .shadowPixels = 2000.0 * (1 + i % 11)};
         row.samples = 5;
         row.gpuMsMin = row.gpuMsP50 = row.gpuMsP95 = ms;
         rows.push_back(row);
