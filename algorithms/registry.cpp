@@ -12,6 +12,7 @@
 #include "algorithms/omni/dual_paraboloid.hpp"
 #ifdef GNOMON_WITH_OPENMESH
 #include "algorithms/volumes/chan_durand.hpp"
+#include "algorithms/volumes/octree_volume.hpp"
 #include "algorithms/volumes/stencil_volume.hpp"
 #endif
 
@@ -26,6 +27,7 @@ constexpr std::array kAlgorithms = {
 #ifdef GNOMON_WITH_OPENMESH
     &kStencilVolume,
     &kChanDurand,
+    &kOctreeVolume,
 #endif
 #ifdef GNOMON_WITH_EMBREE
     &kPcfHybrid,
@@ -42,6 +44,7 @@ constexpr std::initializer_list<const char*> kAbsentNames = {
 #ifndef GNOMON_WITH_OPENMESH
     "stencil_volume",
     "chan_durand",
+    "octree_volume",
 #endif
 };
 constexpr std::span<const char* const> kAbsent{kAbsentNames.begin(), kAbsentNames.size()};

@@ -38,6 +38,11 @@ std::uint32_t* writeQuad(std::uint32_t a, std::uint32_t b, std::uint32_t* out)
 
 } // namespace
 
+bool castsVolume(const Caster& caster)
+{
+    return caster.mesh && caster.mesh->topology && !caster.hostDrawn && !caster.mesh->topology->edges.empty();
+}
+
 glm::vec4 lightInObjectSpace(const LightView& light, const Caster& caster)
 {
     // Inverse transform times determinant: plane tests see its sign only, and the determinant's own sign is what turns

@@ -11,6 +11,9 @@
 
 namespace gnomon {
 
+/// Whether a caster has a volume: triangles with a topology.
+bool castsVolume(const Caster& caster);
+
 /// The light for faces in object space: a face's winding in the world looks towards the light if
 /// dot(facePlane, result) > 0. Homogeneous and without a division, so that flattened (singular) transforms work; for
 /// mirrored ones the sign follows the world's winding.

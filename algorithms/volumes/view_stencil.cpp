@@ -1,8 +1,9 @@
 #include "algorithms/volumes/view_stencil.hpp"
 
-#include "shaders/volumes/volume.h"
+#include "shaders/volumes/cull.h"
 
 #include "shaders/volumes_receiver_bounds_comp.h"
+#include "shaders/volumes_receiver_strips_comp.h"
 
 namespace gnomon {
 
@@ -54,19 +55,57 @@ void recordDepthIn(const PassContext& gpu, BufferId buffer, ImageId image, VkExt
     gpu.vk->vkCmdCopyBufferToImage2(gpu.cmd, &copy);
 }
 
+constexpr BindingInfo kBindings[] = {{.binding = 0, .kind = BindingKind::constants},
+                                     {.binding = 1, .kind = BindingKind::storageBuffer},
+                                     {.binding = 2, .kind = BindingKind::storageBuffer},
+                                     {.binding = 3, .kind = BindingKind::storageBuffer}}; // strips
+
+/// @param strips null id: bounds of the whole only.
+void declareBounds(PassBuilder& passes, PipelineId pipeline, const ShadowTask& task, BufferId depths, BufferId bounds,
+                   BufferId strips)
+{
+    const CameraView* view = task.view;
+    PassRef pass = passes.compute("volumes.receiver_bounds", Scope::view, strips ? 1 : 0);
+    pass.reads(depths).updates(bounds);
+    if (strips) pass.writes(strips);
+    pass.record([=](PassContext& gpu) {
+        const BoundsConstants block{
+            .view = view->constants,
+            .area = {view->area.offset.x, view->area.offset.y, view->area.extent.width, view->area.extent.height},
+            .stride = view->extent.width,
+            .padding = {}};
+        const Bound bound[] = {gpu.constants(0, block), gpu.storage(1, depths), gpu.storage(2, bounds),
+                               gpu.storage(3, strips ? strips : bounds)};
+        gpu.bind(pipeline, std::span(bound).first(strips ? 4 : 3));
+        gpu.vk->vkCmdDispatch(gpu.cmd, (block.area.z + gpu::BOUNDS_COLUMNS - 1) / gpu::BOUNDS_COLUMNS,
+                              (block.area.w + gpu::BOUNDS_ROWS - 1) / gpu::BOUNDS_ROWS, 1);
+    });
+}
+
 } // namespace
 
 ViewStencilPipelines makeViewStencilPipelines(const AlgorithmServices& services)
 {
-    static constexpr BindingInfo kBindings[] = {{.binding = 0, .kind = BindingKind::constants},
-                                                {.binding = 1, .kind = BindingKind::storageBuffer},
-                                                {.binding = 2, .kind = BindingKind::storageBuffer}};
     return {.bounds = services.pipelines->compute({.name = "volumes.receiver_bounds",
                                                    .compute = {.code = k_volumes_receiver_bounds_comp},
-                                                   .bindings = kBindings})};
+                                                   .bindings = std::span(kBindings).first(3)}),
+            .strips = {}};
 }
 
-ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& pipelines, const ShadowTask& task)
+PipelineId makeViewStripsPipeline(const AlgorithmServices& services)
+{
+    return services.pipelines->compute({.name = "volumes.receiver_strips",
+                                        .compute = {.code = k_volumes_receiver_strips_comp},
+                                        .bindings = kBindings});
+}
+
+VkExtent2D stripExtent(const CameraView& view)
+{
+    return {view.area.extent.width, (view.area.extent.height + gpu::BOUNDS_ROWS - 1) / gpu::BOUNDS_ROWS};
+}
+
+ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& pipelines, const ShadowTask& task,
+                               bool strips)
 {
     const VkExtent2D extent = task.view->extent;
     // Depth and depth-stencil images cannot be copied to each other directly; through a buffer the bits survive.
@@ -87,19 +126,16 @@ ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& 
         recordDepthIn(gpu, depths, image, extent);
     });
 
-    const CameraView* view = task.view;
-    const PipelineId pipeline = pipelines.bounds;
-    passes.compute("volumes.receiver_bounds", Scope::view).reads(depths).updates(bounds).record([=](PassContext& gpu) {
-        const BoundsConstants block{
-            .view = view->constants,
-            .area = {view->area.offset.x, view->area.offset.y, view->area.extent.width, view->area.extent.height},
-            .stride = extent.width,
-            .padding = {}};
-        gpu.bind(pipeline, {gpu.constants(0, block), gpu.storage(1, depths), gpu.storage(2, bounds)});
-        gpu.vk->vkCmdDispatch(gpu.cmd, (block.area.z + gpu::BOUNDS_COLUMNS - 1) / gpu::BOUNDS_COLUMNS,
-                              (block.area.w + gpu::BOUNDS_ROWS - 1) / gpu::BOUNDS_ROWS, 1);
-    });
-    return {.image = image, .receiverBounds = bounds};
+    BufferId stripBoxes;
+    if (strips && pipelines.strips) {
+        const VkExtent2D count = stripExtent(*task.view);
+        stripBoxes = passes.transient(
+            BufferInfo{.name = "volumes.strips",
+                       .scope = Scope::view,
+                       .size = VkDeviceSize{sizeof(gpu::ReceiverBox)} * count.width * count.height});
+    }
+    declareBounds(passes, stripBoxes ? pipelines.strips : pipelines.bounds, task, depths, bounds, stripBoxes);
+    return {.image = image, .receiverBounds = bounds, .strips = stripBoxes};
 }
 
 VkDeviceSize viewStencilMemory(VkExtent2D extent)

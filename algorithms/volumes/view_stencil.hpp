@@ -9,16 +9,23 @@ inline constexpr VkFormat kStencilFormat = VK_FORMAT_D32_SFLOAT_S8_UINT;
 
 struct ViewStencilPipelines {
     PipelineId bounds;
+    PipelineId strips; ///< The same, with the bounds of every strip; only of makeViewStripsPipeline().
 };
 ViewStencilPipelines makeViewStencilPipelines(const AlgorithmServices& services);
+PipelineId makeViewStripsPipeline(const AlgorithmServices& services);
 
 struct ViewStencil {
     ImageId image;           ///< kStencilFormat, the host's depth bit by bit; stencil undefined.
     BufferId receiverBounds; ///< gpu::ReceiverBounds, relative to the eye; sky left out.
+    BufferId strips;         ///< gpu::ReceiverBox of every BOUNDS_ROWS pixels of a column, row by row; if asked for.
 };
 
-/// Declares the copy and the bounds for task.view.
-ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& pipelines, const ShadowTask& task);
+/// Declares the copy and the bounds for task.view; the strips if `pipelines` can make them and they are asked for.
+ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& pipelines, const ShadowTask& task,
+                               bool strips = false);
+
+/// Strips in a row and in a column of the view.
+VkExtent2D stripExtent(const CameraView& view);
 
 /// Device bytes of both in a view of this extent.
 VkDeviceSize viewStencilMemory(VkExtent2D extent);

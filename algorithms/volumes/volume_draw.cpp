@@ -58,48 +58,14 @@ PipelineId makePipeline(const AlgorithmServices& services, const char* name, con
 
 // --- what is drawn ---
 
-/// Appends one draw per caster of the list whose shadow the view can see.
+/// Calls choose() with one draw per caster of the list whose shadow the view can see.
 template <typename Choose>
 void collectDraws(const VolumePlan& plan, const VolumeList& list, Choose&& choose)
 {
     for (std::uint32_t piece = 0; piece < list.pieces.size();) {
-        const Caster* caster = list.pieces[piece].caster;
-        VolumeDraw draw{.caster = caster, .list = list.buffer, .commands = list.buffer, .firstCommand = piece};
-        while (piece < list.pieces.size() && list.pieces[piece].caster == caster)
-            ++piece;
-        draw.commandCount = piece - draw.firstCommand;
-        if (shadowTouches(caster->bounds, *plan.light, plan.view->frustum)) choose(draw);
+        const VolumeDraw draw = drawAt(list, piece);
+        if (shadowTouches(draw.caster->bounds, *plan.light, plan.view->frustum)) choose(draw);
     }
-}
-
-/// Fills the plan's lists of sides. @return the casters that z-fail counts.
-std::span<const Caster* const> planSides(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan,
-                                         const VolumeList (&lists)[2], bool zFailForAll)
-{
-    const std::size_t count = task.casters->all.size();
-    plan.zPass = passes.arena().array<VolumeDraw>(count);
-    plan.zFail = passes.arena().array<VolumeDraw>(count);
-    const std::span<const Caster*> failing = passes.arena().array<const Caster*>(count);
-    std::size_t zPass = 0, zFail = 0;
-    for (const VolumeList& list : lists) {
-        collectDraws(plan, list, [&](const VolumeDraw& draw) {
-            const bool fail =
-                zFailForAll || shadowsNearRectangle(draw.caster->bounds, *task.light, task.view->nearCorners);
-            if (fail) failing[zFail] = draw.caster;
-            (fail ? plan.zFail[zFail++] : plan.zPass[zPass++]) = draw;
-        });
-    }
-    plan.zPass = plan.zPass.first(zPass);
-    plan.zFail = plan.zFail.first(zFail);
-    return failing.first(zFail);
-}
-
-void planCaps(PassBuilder& passes, VolumePlan& plan, const VolumeList& list)
-{
-    plan.caps = passes.arena().array<VolumeDraw>(plan.zFail.size());
-    std::size_t count = 0;
-    collectDraws(plan, list, [&](const VolumeDraw& draw) { plan.caps[count++] = draw; });
-    plan.caps = plan.caps.first(count);
 }
 
 // --- recording ---
@@ -171,21 +137,63 @@ VolumePipelines makeVolumePipelines(const AlgorithmServices& services, const Vol
     return pipelines;
 }
 
-VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded,
-                        bool zFailForAll)
+VolumePlan* emptyPlan(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded)
 {
-    const VolumeList sides[2] = {declareSides(passes, task, true), declareSides(passes, task, false)};
     VolumePlan* plan = passes.arena().make<VolumePlan>();
     plan->view = task.view;
     plan->light = task.light;
     plan->receiverBounds = stencil.receiverBounds;
     plan->bounded = bounded;
     plan->pixels = lightPixels(*task.light, *task.view);
-    const VolumeList caps = declareCaps(passes, task, planSides(passes, task, *plan, sides, zFailForAll));
-    planCaps(passes, *plan, caps);
-    plan->lists[0] = sides[0].buffer;
-    plan->lists[1] = sides[1].buffer;
-    plan->lists[2] = caps.buffer;
+    const std::size_t count = task.casters->all.size();
+    for (std::span<VolumeDraw>* draws : {&plan->zPass, &plan->zFail, &plan->caps})
+        *draws = passes.arena().array<VolumeDraw>(count).first(0);
+    return plan;
+}
+
+VolumeDraw drawAt(const VolumeList& list, std::uint32_t& piece)
+{
+    const Caster* caster = list.pieces[piece].caster;
+    VolumeDraw draw{.caster = caster, .list = list.buffer, .commands = list.buffer, .firstCommand = piece};
+    while (piece < list.pieces.size() && list.pieces[piece].caster == caster)
+        ++piece;
+    draw.commandCount = piece - draw.firstCommand;
+    return draw;
+}
+
+bool needsZFail(const VolumePlan& plan, const Caster& caster)
+{
+    return shadowsNearRectangle(caster.bounds, *plan.light, plan.view->nearCorners);
+}
+
+void addSides(VolumePlan& plan, const VolumeList& sides, bool zFailForAll)
+{
+    collectDraws(plan, sides, [&](const VolumeDraw& draw) {
+        append(zFailForAll || needsZFail(plan, *draw.caster) ? plan.zFail : plan.zPass, draw);
+    });
+}
+
+void addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, std::size_t firstFailing)
+{
+    const std::span<const VolumeDraw> failing = plan.zFail.subspan(firstFailing);
+    const std::span<const Caster*> casters = passes.arena().array<const Caster*>(failing.size());
+    for (std::size_t i = 0; i < failing.size(); ++i)
+        casters[i] = failing[i].caster;
+    const VolumeList caps = declareCaps(passes, task, casters);
+    collectDraws(plan, caps, [&](const VolumeDraw& draw) { append(plan.caps, draw); });
+    plan.lists[3] = caps.buffer;
+}
+
+VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded,
+                        bool zFailForAll)
+{
+    const VolumeList sides[2] = {declareSides(passes, task, true), declareSides(passes, task, false)};
+    VolumePlan* plan = emptyPlan(passes, task, stencil, bounded);
+    for (std::size_t i = 0; i < 2; ++i) {
+        addSides(*plan, sides[i], zFailForAll);
+        plan->lists[i] = sides[i].buffer;
+    }
+    addCaps(passes, task, *plan, 0);
     return plan;
 }
 
@@ -194,6 +202,8 @@ void usesVolumes(PassRef& pass, const VolumePlan& plan)
     pass.reads(plan.receiverBounds);
     for (const BufferId list : plan.lists)
         if (list) pass.indices(list).indirect(list);
+    for (const BufferId commands : plan.commands)
+        if (commands) pass.indirect(commands);
 }
 
 void drawVolumes(PassContext& gpu, const VolumePlan& plan, const VolumePipelines& pipelines)

@@ -38,7 +38,8 @@ struct VolumePlan {
     const CameraView* view = nullptr;
     const LightView* light = nullptr;
     std::span<VolumeDraw> zPass, zFail, caps; ///< zFail: sides.
-    BufferId lists[3];                        ///< Of static sides, moving sides, caps; null ids: none.
+    BufferId lists[4];                        ///< Sides and caps, of static and of moving casters; null ids: none.
+    BufferId commands[2];                     ///< Made of those of the lists; null ids: none.
     BufferId receiverBounds;
     bool bounded = true; ///< Volumes end behind the farthest visible receiver.
     VkRect2D pixels{};   ///< Where the light can reach.
@@ -48,6 +49,24 @@ struct VolumePlan {
 /// near rectangle, z-fail the others, or all.
 VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded,
                         bool zFailForAll);
+
+// What planVolumes() is made of, for methods that choose among the casters themselves.
+
+/// A plan without draws yet, with room for all casters of the task.
+VolumePlan* emptyPlan(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded);
+/// The draw of the caster whose pieces start here; moves `piece` to the next caster's.
+VolumeDraw drawAt(const VolumeList& list, std::uint32_t& piece);
+/// Whether z-fail has to count the caster.
+bool needsZFail(const VolumePlan& plan, const Caster& caster);
+/// Adds those casters of a list of sides that the view can see.
+void addSides(VolumePlan& plan, const VolumeList& sides, bool zFailForAll);
+/// Adds the caps, in task scope, of the draws from `firstFailing` on that z-fail counts.
+void addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, std::size_t firstFailing);
+inline void append(std::span<VolumeDraw>& draws, const VolumeDraw& draw)
+{
+    draws = {draws.data(), draws.size() + 1};
+    draws.back() = draw;
+}
 
 /// Declares what drawVolumes() reads; the pass tests depth and writes stencil of the view's copy.
 void usesVolumes(PassRef& pass, const VolumePlan& plan);

@@ -132,16 +132,26 @@ VolumeList declareList(PassBuilder& passes, const ShadowTask& task, std::span<co
 
 } // namespace
 
-bool castsVolume(const Caster& caster)
-{
-    return caster.mesh && caster.mesh->topology && !caster.hostDrawn && !caster.mesh->topology->edges.empty();
-}
-
 VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics)
 {
     const LightCasters& casters = *task.casters;
     return declareList(passes, task, statics ? casters.statics : casters.movings, ListKind::sides, Scope::light,
                        statics ? 0 : 1, statics ? casters.staticStamp : casters.movingStamp);
+}
+
+// Variants 0 and 1 are all static and all moving casters.
+constexpr std::uint32_t kChosenVariant = 2;
+
+VolumeList declareChosenSides(PassBuilder& passes, const ShadowTask& task, const VolumeChoice& choice)
+{
+    return declareList(passes, task, choice.casters, ListKind::sides, Scope::light, kChosenVariant + choice.variant,
+                       choice.stamp);
+}
+
+VolumeList declareChosenCaps(PassBuilder& passes, const ShadowTask& task, const VolumeChoice& choice)
+{
+    return declareList(passes, task, choice.casters, ListKind::caps, Scope::light, kChosenVariant + choice.variant,
+                       choice.stamp);
 }
 
 VolumeList declareCaps(PassBuilder& passes, const ShadowTask& task, std::span<const Caster* const> casters)

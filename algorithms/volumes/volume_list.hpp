@@ -23,12 +23,19 @@ struct VolumeList {
     std::span<const VolumePiece> pieces; ///< In the order of the casters; piece i has the i-th command.
 };
 
-/// Whether the method can draw this caster.
-bool castsVolume(const Caster& caster);
-
 /// The sides of the static (or else the moving) casters of the light: once per light, whatever the views. Built if the
 /// light or one of these casters changed, else kept.
 VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics);
+
+/// What a method draws of a light's static casters whatever the view: sides, or caps, of those it has chosen once for
+/// this light and these casters. Once per light and choice; built if `stamp` or the light changed, else kept.
+struct VolumeChoice {
+    std::span<const Caster* const> casters;
+    std::uint64_t stamp = 0;   ///< Of everything the choice depends on besides the light.
+    std::uint32_t variant = 0; ///< Tells choices apart.
+};
+VolumeList declareChosenSides(PassBuilder& passes, const ShadowTask& task, const VolumeChoice& choice);
+VolumeList declareChosenCaps(PassBuilder& passes, const ShadowTask& task, const VolumeChoice& choice);
 
 /// The caps of the given casters, which depend on the view by their choice only.
 VolumeList declareCaps(PassBuilder& passes, const ShadowTask& task, std::span<const Caster* const> casters);

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Bounds of everything the camera sees, from the depth image as a buffer: once per view, whatever the lights.
-#include "volume.h"
+// Bounds of everything the camera sees, from the depth image as a buffer: once per view, whatever the lights. With
+// STRIPS also those of every invocation's own strip of pixels, for receiver_tiles.comp.
+#include "cull.h"
 
 layout(local_size_x = 64) in; // BOUNDS_COLUMNS
 
@@ -12,6 +13,9 @@ layout(set = 0, binding = 0, std140) uniform Constants {
 };
 layout(set = 0, binding = 1, std430) readonly buffer Depths { float depths[]; };
 layout(set = 0, binding = 2, std430) coherent buffer Bounds { ReceiverBounds bounds; };
+#ifdef STRIPS
+layout(set = 0, binding = 3, std430) writeonly buffer Strips { ReceiverBox strips[]; };
+#endif
 
 // Reading first keeps most invocations off the atomics; an outdated value only makes one more of them try.
 void widen(vec3 lower, vec3 upper)
@@ -43,4 +47,7 @@ void main()
         index += stride;
     }
     if (lower.x <= upper.x) widen(lower, upper);
+#ifdef STRIPS
+    strips[gl_WorkGroupID.y * area.z + column] = ReceiverBox(vec4(lower, 0.0), vec4(upper, 0.0));
+#endif
 }

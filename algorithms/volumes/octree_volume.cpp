@@ -1,0 +1,184 @@
+#include "algorithms/volumes/octree_volume.hpp"
+
+#include "algorithms/volumes/shadow_reach.hpp"
+#include "algorithms/volumes/static_volumes.hpp"
+#include "algorithms/volumes/volume_count.hpp"
+#include "algorithms/volumes/volume_cull.hpp"
+
+namespace gnomon {
+
+namespace {
+
+constexpr SettingSpec kSettings[] = {
+    {"bounded", "1: volumes end behind the farthest visible receiver; 0: they go on to infinity", 0, 1, 1},
+    {"z_fail", "0: z-pass for every caster that cannot shadow the near plane; 1: z-fail for all", 0, 1, 0},
+    {"conceal", "1: volumes inside another one are left out; 0: all static casters have theirs", 0, 1, 1},
+    {"extents", "1: volumes are held against the extents of the depth image; 0: against the view frustum only", 0, 1,
+     1},
+};
+enum Setting : std::size_t { kBounded, kZFail, kConceal, kExtents };
+
+constexpr VolumeCountNames kNames{.volumes = {.zPass = {"octree_volume.z_pass", "octree_volume.z_pass_reversed"},
+                                             .zFail = {"octree_volume.z_fail", "octree_volume.z_fail_reversed"}},
+                                 .counted = "octree_volume.counted",
+                                 .withoutCasters = "octree_volume.without_casters"};
+
+class OctreeVolume final : public ShadowAlgorithm {
+public:
+    explicit OctreeVolume(const AlgorithmServices& services);
+    void declare(PassBuilder& passes, const ShadowTask& task) override;
+    const char* refuses(const ShadowTask& task) const override { return refusesVolumes(vk_, task); }
+
+private:
+    const DeviceTable& vk_;
+    VolumeCountPipelines pipelines_;
+    ViewStencilPipelines view_;
+    VolumeCullPipelines cull_;
+    StaticVolumesCache kept_;
+};
+
+OctreeVolume::OctreeVolume(const AlgorithmServices& services)
+    : vk_(*services.vk), pipelines_(makeVolumeCountPipelines(services, kNames)),
+      view_(makeViewStencilPipelines(services)), cull_(makeVolumeCullPipelines(services))
+{
+    view_.strips = makeViewStripsPipeline(services);
+}
+
+/// The light's kept volumes as they concern one view; in the frame's arena.
+struct KeptDraws {
+    const StaticVolumes* volumes = nullptr;
+    VolumeChoice choice;
+    VolumeList sides;
+    std::span<const VolumeDraw> drawOf;  ///< Of the sides, by position in `drawn`.
+    std::span<std::uint32_t> candidates; ///< Positions, front to back.
+};
+
+KeptDraws findDraws(PassBuilder& passes, const ShadowTask& task, const StaticVolumes& volumes, std::uint32_t variant)
+{
+    KeptDraws kept{.volumes = &volumes};
+    FrameArena& arena = passes.arena();
+    const std::size_t count = volumes.drawn.size();
+    const std::span<const Caster*> casters = arena.array<const Caster*>(count);
+    for (std::size_t i = 0; i < count; ++i)
+        casters[i] = task.casters->statics[volumes.drawn[i]];
+    kept.choice = {.casters = casters, .stamp = volumes.stamp, .variant = variant};
+    kept.sides = declareChosenSides(passes, task, kept.choice);
+
+    const std::span<VolumeDraw> draws = arena.array<VolumeDraw>(count);
+    for (std::uint32_t piece = 0, i = 0; piece < kept.sides.pieces.size(); ++i)
+        draws[i] = drawAt(kept.sides, piece);
+    kept.drawOf = draws;
+
+    kept.candidates = arena.array<std::uint32_t>(count);
+    std::size_t found = 0;
+    volumes.tree.visit(
+        task.view->eye, [&](const Aabb& box) { return shadowTouches(box, *task.light, task.view->frustum); },
+        [&](std::uint32_t position) { kept.candidates[found++] = position; });
+    kept.candidates = kept.candidates.first(found);
+    return kept;
+}
+
+/// Caps of the candidates that z-fail counts; the list is of all kept casters, so that it is built once.
+VolumeList addKeptCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, const KeptDraws& kept)
+{
+    const VolumeList caps = declareChosenCaps(passes, task, kept.choice);
+    const std::span<VolumeDraw> draws = passes.arena().array<VolumeDraw>(kept.drawOf.size());
+    for (std::uint32_t piece = 0, i = 0; piece < caps.pieces.size(); ++i)
+        draws[i] = drawAt(caps, piece);
+    std::size_t failing = 0;
+    for (const std::uint32_t position : kept.candidates) {
+        if (failing == plan.zFail.size()) break;
+        if (plan.zFail[failing].caster != kept.drawOf[position].caster) continue;
+        append(plan.caps, draws[position]);
+        ++failing;
+    }
+    plan.lists[2] = caps.buffer;
+    return caps;
+}
+
+/// The static casters' part of the plan.
+void planStatics(PassBuilder& passes, const ShadowTask& task, const VolumeCullPipelines& pipelines,
+                 const ViewStencil& stencil, const KeptDraws& kept, VolumePlan& plan)
+{
+    for (const std::uint32_t position : kept.candidates) {
+        const VolumeDraw& draw = kept.drawOf[position];
+        const bool fails = task.settings[kZFail] != 0.0 || needsZFail(plan, *draw.caster);
+        append(fails ? plan.zFail : plan.zPass, draw);
+    }
+    plan.lists[0] = kept.sides.buffer;
+    const VolumeList caps = plan.zFail.empty() ? VolumeList{} : addKeptCaps(passes, task, plan, kept);
+    if (!stencil.strips || kept.candidates.empty()) return;
+
+    const CulledCommands culled = declareCull(passes, pipelines, task, stencil,
+                                              {.volumes = kept.volumes,
+                                               .sides = kept.sides,
+                                               .caps = caps,
+                                               .variant = kept.choice.variant,
+                                               .candidates = kept.candidates});
+    for (std::span<VolumeDraw> draws : {plan.zPass, plan.zFail})
+        for (VolumeDraw& draw : draws)
+            draw.commands = culled.sides;
+    for (VolumeDraw& draw : plan.caps)
+        draw.commands = culled.caps;
+    plan.commands[0] = culled.sides;
+    plan.commands[1] = culled.caps;
+}
+
+void OctreeVolume::declare(PassBuilder& passes, const ShadowTask& task)
+{
+    const bool bounded = task.settings[kBounded] != 0.0, zFailForAll = task.settings[kZFail] != 0.0;
+    // What moves with the light is new in every frame: there is nothing to keep, and nothing is looked for.
+    if (!task.light->isStatic) {
+        const ViewStencil stencil = declareViewStencil(passes, view_, task);
+        const VolumePlan* plan = planVolumes(passes, task, stencil, bounded, zFailForAll);
+        declareCount(passes, task, "octree_volume.count", stencil, *plan, pipelines_);
+        return;
+    }
+    const bool conceal = task.settings[kConceal] != 0.0;
+    const StaticVolumes& volumes = kept_.find(*task.light, task.casters->statics, conceal);
+    const KeptDraws kept = findDraws(passes, task, volumes, conceal ? 1 : 0);
+    const bool extents = task.settings[kExtents] != 0.0 && !kept.candidates.empty();
+    const ViewStencil stencil = declareViewStencil(passes, view_, task, extents);
+    VolumePlan* plan = emptyPlan(passes, task, stencil, bounded);
+    planStatics(passes, task, cull_, stencil, kept, *plan);
+
+    const std::size_t firstMoving = plan->zFail.size();
+    const VolumeList movings = declareSides(passes, task, false);
+    addSides(*plan, movings, zFailForAll);
+    plan->lists[1] = movings.buffer;
+    addCaps(passes, task, *plan, firstMoving);
+    declareCount(passes, task, "octree_volume.count", stencil, *plan, pipelines_);
+}
+
+VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent)
+{
+    return viewStencilMemory(extent);
+}
+
+const char* missing(const DeviceTable&)
+{
+    return nullptr;
+}
+
+std::unique_ptr<ShadowAlgorithm> create(const AlgorithmServices& services)
+{
+    return std::make_unique<OctreeVolume>(services);
+}
+
+} // namespace
+
+const AlgorithmEntry kOctreeVolume{
+    .name = "octree_volume",
+    .source = "Rautenbach 2008, 3.3.4 and 4.3.6",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kSettings,
+    .memoryPerLight = memoryPerLight,
+    .missing = missing,
+    .create = create,
+    .typicalWrongPercent = 0.004f, // README.md, table of methods
+};
+
+} // namespace gnomon

@@ -1,0 +1,52 @@
+#pragma once
+// What is worked out once for a light and casters that both stand still: which casters others conceal, an octree over
+// the rest, and the regions that say where their shadows can and must be. Plain CPU code without Vulkan.
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "algorithms/volumes/shadow_region.hpp"
+#include "algorithms/volumes/volume_tree.hpp"
+
+namespace gnomon {
+
+struct StaticVolumes {
+    std::vector<std::uint32_t> drawn; ///< Indices into LightCasters::statics, in their order; the rest is concealed.
+    VolumeTree tree;                  ///< Over the bounds of `drawn`, by position there.
+    std::vector<BoxShadow> shadows;   ///< By position in `drawn`.
+
+    struct Occluder {
+        std::uint32_t position = 0; ///< In `drawn`.
+        Aabb bounds;
+        Umbra umbra;
+    };
+    std::vector<Occluder> occluders; ///< Those that hide most, at most gpu::UMBRAE.
+    std::uint32_t concealed = 0;     ///< Casters left out.
+    std::uint64_t stamp = 0;         ///< Of light and casters; 0: not from a cache.
+};
+
+/// Works it out. @param conceal false: every caster that casts a volume is drawn.
+void chooseVolumes(const LightView& light, std::span<const Caster* const> statics, bool conceal, StaticVolumes& out);
+
+/// Keeps a StaticVolumes per light until the light, its static casters or their topologies change; found again by ids
+/// and revisions. One thread.
+class StaticVolumesCache {
+public:
+    /// Valid until a find() for the same light and choice finds it outdated.
+    const StaticVolumes& find(const LightView& light, std::span<const Caster* const> statics, bool conceal);
+
+    std::uint64_t built() const { return built_; } ///< How often anything was worked out.
+
+private:
+    struct Entry {
+        std::uint32_t light = 0;
+        bool conceal = false;
+        std::uint64_t used = 0;
+        StaticVolumes volumes;
+    };
+    std::vector<std::unique_ptr<Entry>> entries_;
+    std::uint64_t asked_ = 0, built_ = 0;
+};
+
+} // namespace gnomon
