@@ -179,6 +179,16 @@ void Device::choosePhysicalDevice(const std::string& name)
     throw HostError("no usable Vulkan device named '" + name + "'; seen: " + (seen.empty() ? "none" : seen));
 }
 
+void Device::allowQueries()
+{
+    VkPhysicalDeviceVulkan12Features present12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+    VkPhysicalDeviceFeatures2 present{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &present12};
+    vkGetPhysicalDeviceFeatures2(physicalDevice, &present);
+    features_.features.occlusionQueryPrecise = present.features.occlusionQueryPrecise;
+    features_.features.pipelineStatisticsQuery = present.features.pipelineStatisticsQuery;
+    features12_.hostQueryReset = present12.hostQueryReset;
+}
+
 void Device::createDevice(bool swapchain)
 {
     GnDeviceNeeds needs{};
@@ -195,9 +205,7 @@ void Device::createDevice(bool swapchain)
     features_ = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &features12_, .features = needs.optional};
     features_.features.geometryShader = VK_TRUE; // gl_PrimitiveID in our fragment shader: the triangle's normal
-    VkPhysicalDeviceFeatures present{};
-    vkGetPhysicalDeviceFeatures(physicalDevice, &present);
-    features_.features.occlusionQueryPrecise = present.occlusionQueryPrecise; // tests count fragments
+    allowQueries();
 
     queueFamily = findQueueFamily(physicalDevice);
     const float priority = 1.0f;

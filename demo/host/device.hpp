@@ -59,6 +59,7 @@ private:
     void createInstance(const DeviceOptions& options);
     void choosePhysicalDevice(const std::string& name);
     void createDevice(bool swapchain);
+    void allowQueries(); ///< What tests count by, where the device has it; gnomon asks for none of it.
 
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
     // The chain given to vkCreateDevice: gnomon wants to see it, and Vulkan cannot be asked for it afterwards.

@@ -82,6 +82,7 @@ TEST_CASE("the shipped scenes are found by name and keep to their triangle budge
     const std::map<std::string, uint64_t> budgets = {{"bunny", 150'000},
                                                      {"colonnade", 60'000},
                                                      {"room", 20'000},
+                                                     {"rooms", 8'000},
                                                      {"scenario", 8'000},
                                                      {"scenario_reverse", 8'000},
                                                      {"torus_grid", 57'600 + 2 + 100},
