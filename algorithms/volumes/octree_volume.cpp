@@ -19,9 +19,9 @@ constexpr SettingSpec kSettings[] = {
 enum Setting : std::size_t { kBounded, kZFail, kConceal, kExtents };
 
 constexpr VolumeCountNames kNames{.volumes = {.zPass = {"octree_volume.z_pass", "octree_volume.z_pass_reversed"},
-                                             .zFail = {"octree_volume.z_fail", "octree_volume.z_fail_reversed"}},
-                                 .counted = "octree_volume.counted",
-                                 .withoutCasters = "octree_volume.without_casters"};
+                                              .zFail = {"octree_volume.z_fail", "octree_volume.z_fail_reversed"}},
+                                  .counted = "octree_volume.counted",
+                                  .withoutCasters = "octree_volume.without_casters"};
 
 class OctreeVolume final : public ShadowAlgorithm {
 public:

@@ -32,13 +32,20 @@ int addTangents(int axis, const Aabb& box, const LightView& light, glm::vec4* ou
                                    {box.upper[i], box.lower[j]},
                                    {box.upper[i], box.upper[j]},
                                    {box.lower[i], box.upper[j]}};
+    if (!directional) {
+        // Between the box's sides, or on one: light goes round every edge parallel to the axis.
+        const glm::vec3 p = light.position(), margin = 1e-6f * (glm::abs(p) + 1.0f);
+        const auto between = [&](int k) {
+            return p[k] >= box.lower[k] - margin[k] && p[k] <= box.upper[k] + margin[k];
+        };
+        if (between(i) && between(j)) return 0;
+    }
     int count = 0;
     for (const glm::dvec2& corner : corners) {
-        const glm::dvec2 ray = directional
-                                   ? glm::dvec2(light.direction()[i], light.direction()[j])
-                                   : corner - glm::dvec2(light.position()[i], light.position()[j]);
+        const glm::dvec2 ray = directional ? glm::dvec2(light.direction()[i], light.direction()[j])
+                                           : corner - glm::dvec2(light.position()[i], light.position()[j]);
         const double length = glm::length(ray);
-        if (!(length > 1e-9)) continue; // along the axis, or the light on the edge: this edge bounds nothing
+        if (!(length > 1e-9)) continue; // along the axis: no edge bounds anything
         for (const double turn : {1.0, -1.0}) {
             const glm::dvec2 normal = glm::dvec2(-ray.y, ray.x) * (turn / length);
             const double distance = -glm::dot(normal, corner);
@@ -97,7 +104,8 @@ bool planeThrough(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
 
 void addOnce(std::vector<glm::vec4>& planes, const glm::vec4& plane)
 {
-    const bool known = std::any_of(planes.begin(), planes.end(), [&](const glm::vec4& other) { return plane == other; });
+    const bool known =
+        std::any_of(planes.begin(), planes.end(), [&](const glm::vec4& other) { return plane == other; });
     if (!known) planes.push_back(plane);
 }
 
@@ -133,9 +141,8 @@ bool addSilhouette(const Caster& caster, const WorldMesh& mesh, const LightView&
                    glm::dvec3(caster.translation);
         };
         const glm::dvec3 a = world(edge.v0), b = world(edge.v1);
-        const glm::dvec3 third = light.type == GN_LIGHT_TYPE_DIRECTIONAL
-                                     ? a - mesh.size * glm::dvec3(light.direction())
-                                     : glm::dvec3(light.position());
+        const glm::dvec3 third = light.type == GN_LIGHT_TYPE_DIRECTIONAL ? a - mesh.size * glm::dvec3(light.direction())
+                                                                         : glm::dvec3(light.position());
         glm::dvec3 normal;
         double distance = 0.0;
         if (!planeThrough(a, b, third, mesh, normal, distance)) return false;

@@ -13,9 +13,9 @@ constexpr SettingSpec kSettings[] = {
 enum Setting : std::size_t { kBounded, kZFail };
 
 constexpr VolumeCountNames kNames{.volumes = {.zPass = {"stencil_volume.z_pass", "stencil_volume.z_pass_reversed"},
-                                             .zFail = {"stencil_volume.z_fail", "stencil_volume.z_fail_reversed"}},
-                                 .counted = "stencil_volume.counted",
-                                 .withoutCasters = "stencil_volume.without_casters"};
+                                              .zFail = {"stencil_volume.z_fail", "stencil_volume.z_fail_reversed"}},
+                                  .counted = "stencil_volume.counted",
+                                  .withoutCasters = "stencil_volume.without_casters"};
 
 class StencilVolume final : public ShadowAlgorithm {
 public:

@@ -129,10 +129,10 @@ ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& 
     BufferId stripBoxes;
     if (strips && pipelines.strips) {
         const VkExtent2D count = stripExtent(*task.view);
-        stripBoxes = passes.transient(
-            BufferInfo{.name = "volumes.strips",
-                       .scope = Scope::view,
-                       .size = VkDeviceSize{sizeof(gpu::ReceiverBox)} * count.width * count.height});
+        stripBoxes =
+            passes.transient(BufferInfo{.name = "volumes.strips",
+                                        .scope = Scope::view,
+                                        .size = VkDeviceSize{sizeof(gpu::ReceiverBox)} * count.width * count.height});
     }
     declareBounds(passes, stripBoxes ? pipelines.strips : pipelines.bounds, task, depths, bounds, stripBoxes);
     return {.image = image, .receiverBounds = bounds, .strips = stripBoxes};

@@ -174,15 +174,15 @@ BufferId declareReached(PassBuilder& passes, PipelineId pipeline, const ShadowTa
 {
     gpu::ReachConstants* block = passes.arena().make<gpu::ReachConstants>();
     *block = reachConstants(task, volumes);
-    const BufferId reached = passes.transient(
-        BufferInfo{.name = "octree_volume.reached",
-                   .size = kReachedHead + VkDeviceSize{sizeof(gpu::ReachedBox)} * block->tileCount});
+    const BufferId reached =
+        passes.transient(BufferInfo{.name = "octree_volume.reached",
+                                    .size = kReachedHead + VkDeviceSize{sizeof(gpu::ReachedBox)} * block->tileCount});
     passes.transfer("octree_volume.clear").writes(reached).record([=](PassContext& gpu) {
         gpu.vk->vkCmdFillBuffer(gpu.cmd, gpu.buffer(reached), 0, kReachedHead, 0);
     });
     passes.compute("octree_volume.reached").reads(tiles).reads(kept).updates(reached).record([=](PassContext& gpu) {
-        gpu.bind(pipeline, {gpu.constants(0, *block), gpu.storage(1, tiles), gpu.storage(2, kept),
-                            gpu.storage(3, reached)});
+        gpu.bind(pipeline,
+                 {gpu.constants(0, *block), gpu.storage(1, tiles), gpu.storage(2, kept), gpu.storage(3, reached)});
         gpu.vk->vkCmdDispatch(gpu.cmd, groups(block->tileCount), 1, 1);
     });
     return reached;
@@ -224,9 +224,9 @@ CulledCommands declareCull(PassBuilder& passes, const VolumeCullPipelines& pipel
             gpu::CullConstants block;
             block.counts = {count, commands.caps ? 1 : 0, 0, 0};
             std::copy_n(candidates.data() + first, count, &block.candidates[0].x);
-            gpu.bind(cullPipeline, {gpu.constants(0, block), gpu.storage(1, kept), gpu.storage(2, reached),
-                                    gpu.storage(3, sides), gpu.storage(4, caps), gpu.storage(5, commands.sides),
-                                    gpu.storage(6, keptCaps)});
+            gpu.bind(cullPipeline,
+                     {gpu.constants(0, block), gpu.storage(1, kept), gpu.storage(2, reached), gpu.storage(3, sides),
+                      gpu.storage(4, caps), gpu.storage(5, commands.sides), gpu.storage(6, keptCaps)});
             gpu.vk->vkCmdDispatch(gpu.cmd, groups(count), 1, 1);
         }
     });

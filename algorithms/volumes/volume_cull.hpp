@@ -1,6 +1,7 @@
 #pragma once
-// Kept volumes that matter to no visible receiver are left undrawn, decided on the GPU: the depth image becomes boxes of
-// receivers, the boxes choose volumes, and the choice is written as indirect commands. Nothing comes back to the CPU.
+// Kept volumes that matter to no visible receiver are left undrawn, decided on the GPU: the depth image becomes boxes
+// of receivers, the boxes choose volumes, and the choice is written as indirect commands. Nothing comes back to the
+// CPU.
 #include <cstdint>
 #include <span>
 

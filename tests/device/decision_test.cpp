@@ -46,7 +46,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a pinned light is served by its method until it i
     load(host, "thesis");
     host.draw(4, {});
     GnDecision decision = host.decision(0);
-    CHECK(std::string(decision.pMethod) == "stencil_volume");
+    CHECK(std::string(decision.pMethod) == "octree_volume");
     CHECK((decision.reason == GN_REASON_RULES));
     CHECK(decision.suitability > 0.5f);
     CHECK(decision.suitability <= 1.0f);
@@ -59,14 +59,14 @@ TEST_CASE_FIXTURE(DeviceTest, "a pinned light is served by its method until it i
     CHECK(decision.reason == GN_REASON_PINNED);
     CHECK(decision.switched);
     CHECK(host.stats().switches == 1);
-    CHECK(contains(host.explanation(0), "before: stencil_volume"));
+    CHECK(contains(host.explanation(0), "before: octree_volume"));
     host.require(host.draw());
     CHECK(!host.decision(0).switched);
     CHECK(host.stats().switches == 0);
 
     host.pinAll(nullptr);
     host.require(host.draw());
-    CHECK(std::string(host.decision(0).pMethod) == "stencil_volume");
+    CHECK(std::string(host.decision(0).pMethod) == "octree_volume");
     CHECK(host.decision(0).switched);
 }
 
@@ -78,10 +78,11 @@ TEST_CASE_FIXTURE(DeviceTest,
     host.draw(6, {});
     const std::string text = host.explanation(0);
     INFO(text);
-    CHECK(contains(text, "method: stencil_volume (highest suitability)"));
+    CHECK(contains(text, "method: octree_volume (highest suitability)"));
     for (const char* part :
          {"dynamicLights 0.00", "lightMotion 0.00", "viewerDistance ", "screenShare ", "casterTriangles ", "T1",
-          "stencil_volume: chosen", "shadow_map: outscored", "cube_map: out, does not serve this kind of light",
+          "octree_volume: chosen", "stencil_volume: outscored", "shadow_map: outscored",
+          "cube_map: out, does not serve this kind of light",
           "dual_paraboloid: out, does not serve this kind of light", "chan_durand: outscored", "pcf_hybrid: outscored",
           "ray_traced: outscored"})
         CHECK_MESSAGE(contains(text, part), std::string(part));

@@ -77,7 +77,8 @@ uint64_t sum(VkQueryPool pool, uint32_t count)
 DrawCounter::DrawCounter()
 {
     pools.samples = makePool(VK_QUERY_TYPE_OCCLUSION, 0);
-    pools.triangles = makePool(VK_QUERY_TYPE_PIPELINE_STATISTICS, VK_QUERY_PIPELINE_STATISTIC_INPUT_ASSEMBLY_PRIMITIVES_BIT);
+    pools.triangles =
+        makePool(VK_QUERY_TYPE_PIPELINE_STATISTICS, VK_QUERY_PIPELINE_STATISTIC_INPUT_ASSEMBLY_PRIMITIVES_BIT);
 }
 
 DrawCounter::~DrawCounter()
@@ -113,7 +114,8 @@ DrawCount DrawCounter::count(Host& host, const FrameOptions& frame)
     pools.open = false;
     host.pictures();
     REQUIRE(pools.used < kMostDraws);
-    return {.draws = pools.used, .triangles = sum(pools.triangles, pools.used), .samples = sum(pools.samples, pools.used)};
+    return {
+        .draws = pools.used, .triangles = sum(pools.triangles, pools.used), .samples = sum(pools.samples, pools.used)};
 }
 
 } // namespace gnomon::test

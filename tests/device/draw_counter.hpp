@@ -1,6 +1,6 @@
 #pragma once
-// Counts what gnomon draws from index lists, which only volumes are: triangles, and samples that pass the depth test, in
-// queries around every such draw.
+// Counts what gnomon draws from index lists, which only volumes are: triangles, and samples that pass the depth test,
+// in queries around every such draw.
 #include <cstdint>
 
 #include "device/fixture.hpp"

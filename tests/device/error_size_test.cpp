@@ -129,7 +129,7 @@ TEST_CASE_FIXTURE(DeviceTest, "malformed rules are refused with line and column,
     host.require(gnLoadRules(host.context, thesis.data(), thesis.size(), "thesis.yaml"));
     host.draw(4, {});
     const std::string before = decisionText(host);
-    CHECK(before.find("stencil_volume 0") == 0); // one static light: by the rules
+    CHECK(before.find("octree_volume 0") == 0); // one static light: by the rules
     const std::string cut = thesis.substr(0, thesis.size() / 2);
     struct Bad {
         const char* what;
@@ -143,7 +143,7 @@ TEST_CASE_FIXTURE(DeviceTest, "malformed rules are refused with line and column,
         {"bytes that are no text", std::string("\x00\xff\xfe: \x01", 6)},
         {"a duplicate key", thesis + "\nname: twice\n"},
         {"an unknown method",
-         std::string(thesis).replace(thesis.find("stencil_volume is favoured"), 14, "magic_volume  ")},
+         std::string(thesis).replace(thesis.find("octree_volume is favoured"), 13, "magic_volume ")},
     };
     for (const Bad& b : bad) {
         CAPTURE(std::string(b.what));

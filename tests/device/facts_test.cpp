@@ -79,7 +79,7 @@ TEST_CASE_FIXTURE(DeviceTest, "candidates name the chosen method, and why each o
     load(host, "thesis");
     host.draw(6, {});
     std::vector<GnCandidate> candidates = candidatesOf(host, 0);
-    const GnCandidate chosen = candidateNamed(candidates, "stencil_volume");
+    const GnCandidate chosen = candidateNamed(candidates, "octree_volume");
     CHECK(chosen.elimination == GN_ELIMINATION_NONE);
     CHECK(float(chosen.suitability) / GN_SUITABILITY_STEPS == doctest::Approx(host.decision(0).suitability));
     CHECK(chosen.predictedMs == doctest::Approx(host.decision(0).predictedMs));
@@ -94,7 +94,7 @@ TEST_CASE_FIXTURE(DeviceTest, "candidates name the chosen method, and why each o
     host.require(host.draw());
     candidates = candidatesOf(host, 0);
     CHECK(candidateNamed(candidates, "shadow_map").elimination == GN_ELIMINATION_NONE);
-    CHECK(candidateNamed(candidates, "stencil_volume").elimination == GN_ELIMINATION_PINNED);
+    CHECK(candidateNamed(candidates, "octree_volume").elimination == GN_ELIMINATION_PINNED);
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "with a budget the plan says what stands in a method's way: floor or time")

@@ -1,5 +1,5 @@
-// octree_volume: stencil_volume's picture bit by bit, from volumes that are kept while everything stands still, and with
-// far fewer of them where most are concealed.
+// octree_volume: stencil_volume's picture bit by bit, from volumes that are kept while everything stands still, and
+// with far fewer of them where most are concealed.
 #include "device/draw_counter.hpp"
 
 using namespace gnomon;
@@ -97,12 +97,12 @@ TEST_CASE_FIXTURE(DeviceTest, "octree_volume draws stencil_volume's picture bit 
 
 TEST_CASE_FIXTURE(DeviceTest, "it does so for every kind of light, inside and outside of shadows, walls and rooms")
 {
-    // Above; in a room; in its corner, where walls' umbrae begin; in the next room's umbra; with the near plane across a
-    // wall; inside a wall and inside a shelf; under the floor; far away.
+    // Above; in a room; in its corner, where walls' umbrae begin; in the next room's umbra; with the near plane across
+    // a wall; inside a wall and inside a shelf; under the floor; far away.
     const std::pair<glm::dvec3, glm::dvec3> places[] = {
-        {{0, 20, 12}, {0, 0, 0.8}},          {{3.4, 1.6, 2.5}, {1, 0.8, 2.4}},   {{0.3, 2.2, 0.3}, {4, 0.5, 4}},
-        {{-2.5, 1.2, 2.4}, {-9, 0.6, 2.5}},  {{2.5, 2.55, 0.05}, {2.4, 0.5, 4}}, {{2.5, 1.2, 0.02}, {2.4, 1, 4}},
-        {{2.5, 1.1, 1.22}, {-1, 1.2, -2}},   {{1, -2, 1}, {-3, 0.5, -4}},        {{60, 30, 80}, {0, 0, 0}}};
+        {{0, 20, 12}, {0, 0, 0.8}},         {{3.4, 1.6, 2.5}, {1, 0.8, 2.4}},   {{0.3, 2.2, 0.3}, {4, 0.5, 4}},
+        {{-2.5, 1.2, 2.4}, {-9, 0.6, 2.5}}, {{2.5, 2.55, 0.05}, {2.4, 0.5, 4}}, {{2.5, 1.2, 0.02}, {2.4, 1, 4}},
+        {{2.5, 1.1, 1.22}, {-1, 1.2, -2}},  {{1, -2, 1}, {-3, 0.5, -4}},        {{60, 30, 80}, {0, 0, 0}}};
     for (const char* kind : {"lamp", "sun", "spot"}) {
         CAPTURE(std::string(kind));
         Pair pair(litBy(kind));

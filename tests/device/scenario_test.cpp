@@ -1,5 +1,5 @@
-// The scripted scenario of Rautenbach 2008, 6.4, forwards and backwards, with rules/thesis.yaml on a real device:
-// stencil_volume stands in for the octree volumes.
+// The scripted scenario of Rautenbach 2008, 6.4, forwards and backwards, with rules/thesis.yaml on a real
+// device.
 #include "device/fixture.hpp"
 
 using namespace gnomon;
@@ -15,7 +15,7 @@ struct Phase {
 };
 
 // The times are those of the scene files; the methods are the thesis's.
-const std::vector<Phase> kForward = {{0.0, "4 static lights", "stencil_volume"},
+const std::vector<Phase> kForward = {{0.0, "4 static lights", "octree_volume"},
                                      {2.0, "6 moving, near", "chan_durand"},
                                      {4.0, "13 moving, far", "shadow_map"},
                                      {6.0, "14 to 16 moving, far", "chan_durand"},
@@ -23,7 +23,7 @@ const std::vector<Phase> kForward = {{0.0, "4 static lights", "stencil_volume"},
 const std::vector<Phase> kReverse = {
     {0.0, "9 moving, near", "chan_durand"}, {2.0, "10 to 16 moving, near", "chan_durand"},
     {4.5, "16 moving, far", "chan_durand"}, {5.5, "13 moving, far", "shadow_map"},
-    {7.5, "6 moving, near", "chan_durand"}, {9.5, "4 static lights", "stencil_volume"}};
+    {7.5, "6 moving, near", "chan_durand"}, {9.5, "4 static lights", "octree_volume"}};
 
 const Phase& phaseAt(const std::vector<Phase>& phases, double time)
 {
@@ -80,11 +80,11 @@ std::vector<std::string> play(const char* sceneName, const std::vector<Phase>& p
 TEST_CASE_FIXTURE(DeviceTest, "the thesis's scenario gives its sequence of methods with no extra switch")
 {
     CHECK(play("scenario", kForward) ==
-          std::vector<std::string>{"stencil_volume", "chan_durand", "shadow_map", "chan_durand"});
+          std::vector<std::string>{"octree_volume", "chan_durand", "shadow_map", "chan_durand"});
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "the thesis's scenario backwards gives its sequence of methods with no extra switch")
 {
     CHECK(play("scenario_reverse", kReverse) ==
-          std::vector<std::string>{"chan_durand", "shadow_map", "chan_durand", "stencil_volume"});
+          std::vector<std::string>{"chan_durand", "shadow_map", "chan_durand", "octree_volume"});
 }

@@ -40,7 +40,7 @@ TEST_CASE_FIXTURE(DeviceTest, "all four questions are answered, for the newest f
     host.draw(12, {});
     std::string text = ask(host, {.kind = GN_QUESTION_WHY});
     INFO(text);
-    CHECK(contains(text, "frame 12: stencil_volume"));
+    CHECK(contains(text, "frame 12: octree_volume"));
     CHECK(contains(text, "rule T1"));
     CHECK(contains(text, "because "));
     CHECK(contains(text, "viewerDistance "));
@@ -48,18 +48,18 @@ TEST_CASE_FIXTURE(DeviceTest, "all four questions are answered, for the newest f
     CHECK(contains(text, "does not serve this kind of light"));
     text = ask(host, {.kind = GN_QUESTION_WHAT_IF});
     CHECK(contains(text, "instead"));
-    CHECK(contains(ask(host, {.kind = GN_QUESTION_WHAT_CHANGED}), "still stencil_volume"));
+    CHECK(contains(ask(host, {.kind = GN_QUESTION_WHAT_CHANGED}), "still octree_volume"));
     CHECK(contains(ask(host, {.kind = GN_QUESTION_WHY, .frame = 8}), "measured ")); // a timed frame
 
     host.pinAll("shadow_map");
     host.draw(3, {});
     text = ask(host, {.kind = GN_QUESTION_WHAT_CHANGED, .frame = 13});
-    CHECK(contains(text, "frame 13 against frame 12: stencil_volume -> shadow_map"));
+    CHECK(contains(text, "frame 13 against frame 12: octree_volume -> shadow_map"));
     CHECK(contains(text, "the host pinned shadow_map"));
     text = ask(host, {.kind = GN_QUESTION_WHAT_CHANGED, .flags = GN_QUESTION_SINCE_SWITCH_BIT});
     CHECK(contains(text, "frame 15 against frame 12"));
     CHECK(contains(ask(host, {.kind = GN_QUESTION_WHY_NOT, .pMethod = "ray_traced"}), "the host pinned shadow_map"));
-    CHECK(contains(ask(host, {.kind = GN_QUESTION_WHY, .frame = 12}), "stencil_volume, highest suitability"));
+    CHECK(contains(ask(host, {.kind = GN_QUESTION_WHY, .frame = 12}), "octree_volume, highest suitability"));
 
     host.draw(256, {});
     CHECK(askInVain(host, {.frame = 12}) == GN_ERROR_OUT_OF_RANGE);
