@@ -23,6 +23,9 @@ constexpr VolumeCountNames kNames{.volumes = {.zPass = {"octree_volume.z_pass", 
                                   .counted = "octree_volume.counted",
                                   .withoutCasters = "octree_volume.without_casters"};
 
+// Candidates below which all are drawn: strips, tiles and the choice take 0.3 ms here, about what a volume does.
+constexpr std::size_t kLeastCandidates = 4;
+
 class OctreeVolume final : public ShadowAlgorithm {
 public:
     explicit OctreeVolume(const AlgorithmServices& services);
@@ -107,7 +110,7 @@ void planStatics(PassBuilder& passes, const ShadowTask& task, const VolumeCullPi
     }
     plan.lists[0] = kept.sides.buffer;
     const VolumeList caps = plan.zFail.empty() ? VolumeList{} : addKeptCaps(passes, task, plan, kept);
-    if (!stencil.strips || kept.candidates.empty()) return;
+    if (!stencil.strips) return;
 
     const CulledCommands culled = declareCull(passes, pipelines, task, stencil,
                                               {.volumes = kept.volumes,
@@ -137,7 +140,7 @@ void OctreeVolume::declare(PassBuilder& passes, const ShadowTask& task)
     const bool conceal = task.settings[kConceal] != 0.0;
     const StaticVolumes& volumes = kept_.find(*task.light, task.casters->statics, conceal);
     const KeptDraws kept = findDraws(passes, task, volumes, conceal ? 1 : 0);
-    const bool extents = task.settings[kExtents] != 0.0 && !kept.candidates.empty();
+    const bool extents = task.settings[kExtents] != 0.0 && kept.candidates.size() >= kLeastCandidates;
     const ViewStencil stencil = declareViewStencil(passes, view_, task, extents);
     VolumePlan* plan = emptyPlan(passes, task, stencil, bounded);
     planStatics(passes, task, cull_, stencil, kept, *plan);
@@ -152,7 +155,8 @@ void OctreeVolume::declare(PassBuilder& passes, const ShadowTask& task)
 
 VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent)
 {
-    return viewStencilMemory(extent);
+    // A strip of BOUNDS_ROWS pixels has 32 bytes.
+    return viewStencilMemory(extent) + VkDeviceSize{1} * extent.width * extent.height;
 }
 
 const char* missing(const DeviceTable&)

@@ -65,7 +65,8 @@ void declareBounds(PassBuilder& passes, PipelineId pipeline, const ShadowTask& t
                    BufferId strips)
 {
     const CameraView* view = task.view;
-    PassRef pass = passes.compute("volumes.receiver_bounds", Scope::view, strips ? 1 : 0);
+    // Two passes, and each once a view: where some lights ask for strips and others do not, both run.
+    PassRef pass = passes.compute(strips ? "volumes.receiver_strips" : "volumes.receiver_bounds", Scope::view);
     pass.reads(depths).updates(bounds);
     if (strips) pass.writes(strips);
     pass.record([=](PassContext& gpu) {

@@ -79,6 +79,8 @@ void checkWalks(const Walker& walker, demo::DepthConvention convention)
 
 const Walker kVolumes{"stencil_volume", {"z_fail", 0.0}, 0.01, 0.04},
     kZFail{"stencil_volume", {"z_fail", 1.0}, 0.01, 0.04};
+const Walker kKept{"octree_volume", {"z_fail", 0.0}, 0.01, 0.04},
+    kKeptZFail{"octree_volume", {"z_fail", 1.0}, 0.01, 0.04};
 const Walker kMasked{"chan_durand", {"cull", 1.0}, 0.01, 0.04};
 
 } // namespace
@@ -95,6 +97,14 @@ TEST_CASE("stencil_volume is right there with standard depth as well")
     const test::DeviceTest silence;
     for (const Walker& walker : {kVolumes, kZFail})
         checkWalks(walker, demo::DepthConvention::Standard);
+}
+
+TEST_CASE("octree_volume is right at those places, with reversed and with standard depth")
+{
+    const test::DeviceTest silence;
+    for (const auto convention : {demo::DepthConvention::ReversedInfinite, demo::DepthConvention::Standard})
+        for (const Walker& walker : {kKept, kKeptZFail})
+            checkWalks(walker, convention);
 }
 
 TEST_CASE("chan_durand counts volumes right at those places, with reversed and with standard depth")
