@@ -62,6 +62,7 @@ private:
             for (uint32_t i = 0; i < info.settingCount; ++i)
                 if (std::string_view(info.pSettings[i].pName) == kResolutionSetting) side = info.pSettings[i].value;
             trace_.mapTexels.push_back(static_cast<float>(side * side));
+            trace_.drawsVolumes.push_back((info.traits & GN_TRAIT_TOPOLOGY_BIT) != 0);
         }
         if (trace_.methods.empty()) throw HostError("no method serves a light of this scene");
     }
@@ -137,7 +138,6 @@ private:
             light.casters = static_cast<float>(timing.casters);
             light.drawnPixels = static_cast<float>(timing.drawnPixels);
             light.viewPixels = static_cast<float>(timing.viewPixels);
-            light.shadowPixels = static_cast<float>(timing.shadowPixels);
             light.sharing = static_cast<float>(timing.sharing);
         }
     }
@@ -257,7 +257,20 @@ private:
         passes_.resize(count);
         gnGetPassTimings(context, nullptr, &count, passes_.data());
         for (uint32_t light = 0; light < trace_.lights; ++light)
-            if (served[trace_.cell(found->second, light)]) keepFastest(found->second, light, method);
+            if (served[trace_.cell(found->second, light)]) {
+                keepFastest(found->second, light, method);
+                if (trace_.drawsVolumes[method]) noteVolumes(found->second, number, light);
+            }
+    }
+
+    /// The part of a workload that only methods with volumes are told.
+    void noteVolumes(uint32_t frame, uint64_t number, uint32_t light)
+    {
+        GnLightTiming timing{};
+        if (gnGetLightTiming(session_.shadows.context(), session_.shadows.view(0), session_.shadows.light(light),
+                             &timing) >= 0 &&
+            timing.frame == number)
+            trace_.lightStates[trace_.cell(frame, light)].shadowPixels = static_cast<float>(timing.shadowPixels);
     }
 
     void keepFastest(uint32_t frame, uint32_t light, uint32_t method)

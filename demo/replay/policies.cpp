@@ -23,7 +23,7 @@ cost::Workload workloadOf(const Trace& trace, const TraceLight& light, uint32_t 
             .point = light.point,
             .drawnPixels = double{light.drawnPixels},
             .viewPixels = double{light.viewPixels},
-            .shadowPixels = double{light.shadowPixels}};
+            .shadowPixels = trace.drawsVolumes[method] ? double{light.shadowPixels} : 0.0};
 }
 
 /// What was measured, pass by pass; a pass that did not run says nothing.

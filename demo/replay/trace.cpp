@@ -155,6 +155,7 @@ void Trace::allocate()
 {
     const size_t cells = size_t{frames} * lights;
     mapTexels.resize(methods.size());
+    drawsVolumes.resize(methods.size());
     budgetsMs.resize(frames);
     cuts.resize(frames);
     lightStates.resize(cells);
@@ -172,6 +173,7 @@ std::string writeTrace(const Trace& trace)
     for (size_t m = 0; m < trace.methods.size(); ++m) {
         out.name(trace.methods[m]);
         out.real(trace.mapTexels[m]);
+        out.integer(static_cast<uint8_t>(trace.drawsVolumes[m]));
     }
     for (const std::string& fact : trace.facts)
         out.name(fact);
@@ -207,15 +209,18 @@ Outcome<Trace> readTrace(std::string_view bytes)
         size_t{trace.frames} * trace.lights * (methods + facts + 1) > kMostCells)
         return failure("the trace is shorter than its header says, or too large");
     std::vector<float> texels;
+    std::vector<uint8_t> volumes;
     for (uint32_t m = 0; m < methods && !in.failed; ++m) {
         trace.methods.push_back(in.name());
         texels.push_back(in.measure());
+        volumes.push_back(in.integer<uint8_t>() & 1);
     }
     for (uint32_t f = 0; f < facts && !in.failed; ++f)
         trace.facts.push_back(in.name());
     if (in.failed) return failure("the trace's names are damaged");
     trace.allocate();
     trace.mapTexels = std::move(texels);
+    trace.drawsVolumes = std::move(volumes);
     std::vector<uint8_t> present(trace.lights);
     for (uint32_t frame = 0; frame < trace.frames; ++frame) {
         trace.budgetsMs[frame] = in.measure();

@@ -7,7 +7,7 @@
 ///
 ///     "GNTRACE2"                                            version in the last byte
 ///     u32 frames, lights, methods, facts; f32 frameSeconds
-///     methods x { u8 length, name, f32 mapTexels }          facts x { u8 length, name }
+///     methods x { u8 length, name, f32 mapTexels, u8 flags (1: draws volumes) }    facts x { u8 length, name }
 ///     frames x { f32 budgetMs; u8 flags (1: cut); lights x u8 present }
 ///     and after each frame's head, for each light present:
 ///         f32 importance, minimumQuality
@@ -73,6 +73,7 @@ struct Trace {
     float frameSeconds = 1.0f / 60.0f;
     std::vector<std::string> methods, facts;
     std::vector<float> mapTexels;        ///< Per method.
+    std::vector<uint8_t> drawsVolumes;   ///< Per method.
     std::vector<float> budgetsMs;        ///< Per frame.
     std::vector<uint8_t> cuts;           ///< Per frame.
     std::vector<TraceLight> lightStates; ///< frames x lights

@@ -179,6 +179,9 @@ void CostModel::finishCalibration(bool sameDevice) noexcept
     device_ = 0.0;
     deviceFrames_ = sameDevice ? kDeviceFrames : 0;
     deviceVariance_ = sameDevice ? 0.0 : kForeignVariance;
+    // Every place of a calibration is another light: what the fit leaves over there is how much lights differ.
+    for (Track& known : tracks_)
+        if (known.samples >= kFeatures) known.lights = std::max(kStartLights, known.noise);
 }
 
 CostModel::Octaves CostModel::octaves(uint32_t light, uint32_t method, uint32_t t, const Features& f) const noexcept
@@ -201,7 +204,8 @@ CostModel::Octaves CostModel::octaves(uint32_t light, uint32_t method, uint32_t 
         for (uint32_t i = 0; i < kFeatures; ++i)
             distance += std::fabs(f[i] - own.at[i]);
         const double n = own.samples / (1.0 + distance); // what was learned elsewhere counts for less
-        const double weight = n / (n + kResidualBlend);
+        // The more lights differ by this method, the more its first timings tell.
+        const double weight = n / (n + kResidualBlend * std::min(1.0, kStartLights / known.lights));
         mean += weight * own.octaves;
         variance += known.lights * (1.0 - weight);
     }

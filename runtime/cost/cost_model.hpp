@@ -46,7 +46,7 @@ struct Workload {
     bool directional = false, point = false; ///< Kind of light; neither: a spot light.
     double drawnPixels = 0.0; ///< Of the screen rectangle around the light; 0: `pixels`.
     double viewPixels = 0.0;  ///< Of the view; 0: `pixels`.
-    double shadowPixels = 0.0; ///< Inside the outlines of the casters' shadow volumes, summed over casters.
+    double shadowPixels = 0.0; ///< Touched by the sides of shadow volumes; 0 for methods that draw none.
 
     bool operator==(const Workload&) const = default;
 };

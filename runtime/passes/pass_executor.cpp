@@ -295,20 +295,39 @@ void PassExecutor::runCpuPasses(std::uint32_t level, PassKind kind)
             ++end;
         }
         if (head.level == level && head.kind == kind) {
-            jobs_.parallelFor(end - i, 1, [&](std::size_t b, std::size_t e, std::uint32_t) {
-                for (std::size_t k = b; k < e; ++k)
-                    runPass(order_[i + k]);
-            });
-            for (std::size_t k = i; k < end; ++k) {
-                const Pass& pass = graph_.passes()[order_[k]];
-                if (!pass.fn) continue;
-                ++counters_.passesRun;
-                counters_.cpuMs += pass.cpuMs;
-                slot_->entries.push_back(
-                    {.timing = {.name = pass.name, .owner = pass.owner, .level = pass.level, .cpuMs = pass.cpuMs}});
-            }
+            runWave(std::span(order_).subspan(i, end - i));
         }
         i = end;
+    }
+}
+
+/// Passes side by side take each other's threads, and each looks as slow as all of them. A timed frame runs them one
+/// after the other, as it does on the GPU; in others they share the time that the wave took.
+void PassExecutor::runWave(std::span<const std::uint32_t> wave)
+{
+    const auto start = std::chrono::steady_clock::now();
+    if (slot_->timed) {
+        for (const std::uint32_t index : wave)
+            runPass(index);
+    } else {
+        jobs_.parallelFor(wave.size(), 1, [&](std::size_t begin, std::size_t end, std::uint32_t) {
+            for (std::size_t k = begin; k < end; ++k)
+                runPass(wave[k]);
+        });
+    }
+    const float wallMs = elapsedMs(start);
+    float sumMs = 0.0f;
+    for (const std::uint32_t index : wave)
+        sumMs += graph_.passes()[index].cpuMs;
+    const float share = sumMs > wallMs ? wallMs / sumMs : 1.0f;
+    for (const std::uint32_t index : wave) {
+        const Pass& pass = graph_.passes()[index];
+        if (!pass.fn) continue;
+        const float ms = share * pass.cpuMs;
+        ++counters_.passesRun;
+        counters_.cpuMs += ms;
+        slot_->entries.push_back(
+            {.timing = {.name = pass.name, .owner = pass.owner, .level = pass.level, .cpuMs = ms}});
     }
 }
 

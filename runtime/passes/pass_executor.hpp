@@ -115,6 +115,7 @@ private:
     void beginRendering(VkCommandBuffer cmd, const Pass& pass, VkRect2D& area);
     void handBack(VkCommandBuffer cmd);
     void runCpuPasses(std::uint32_t level, PassKind kind);
+    void runWave(std::span<const std::uint32_t> wave);
     void runPass(std::uint32_t index);
     Result<void> submitLevel(std::uint32_t level, bool last);
     Result<void> submit2(const VkSubmitInfo2& submit);

@@ -42,6 +42,7 @@ cost::Workload workloadOf(const Method& method, const cost::Workload& light)
 {
     cost::Workload workload = light;
     workload.mapTexels = mapSide(method) * mapSide(method) * (light.point ? 6.0 : 1.0); // the faces of a cube
+    if (!method.has(GN_TRAIT_TOPOLOGY_BIT)) workload.shadowPixels = 0.0; // draws no volumes
     return workload;
 }
 

@@ -61,7 +61,7 @@ TEST_CASE("a damaged trace is an error, wherever the damage is")
     std::memset(huge.data() + 8, 0xff, 8);
     CHECK(readTrace(huge).error() == "the trace's header is out of bounds");
     std::string newer = bytes;
-    newer[7] = '2';
+    newer[7] = '3';
     CHECK(readTrace(newer).error() == "a trace of another version; record it again");
 }
 

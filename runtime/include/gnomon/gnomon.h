@@ -586,7 +586,7 @@ typedef struct GnLightTiming {
     GnLightType type;
     double drawnPixels;     ///< Of the screen rectangle around what the light can reach.
     double viewPixels;      ///< Of the view's render area.
-    double shadowPixels;    ///< Estimated inside the outlines of the casters' shadow volumes, summed over casters.
+    double shadowPixels;    ///< Estimated, touched by the sides of shadow volumes; 0 for methods that draw none.
 } GnLightTiming;
 
 /** \brief The newest timing of a light in a view: of a *timed* frame (one in eight; every one with the flag), two
@@ -607,7 +607,7 @@ typedef struct GnFrameStats {
     uint32_t switches;          ///< Lights whose method differs from the frame before.
     uint64_t rays;              ///< Traced in the frame.
     float decideUs;             ///< Facts, rules and plan.
-    float cpuMs;                ///< Prepare and host passes, summed over threads.
+    float cpuMs;                ///< Time in which prepare and host passes ran; side by side counts once.
     float callMs;               ///< Wall time inside the frame calls.
     float gpuMs;                ///< Newest known whole-frame GPU time (two frames late).
     VkDeviceSize memory;        ///< Device bytes held.
