@@ -1,5 +1,7 @@
 #include "algorithms/volumes/volume_draw.hpp"
 
+#include <utility>
+
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "runtime/scene/light_pixels.hpp"
 
@@ -194,6 +196,7 @@ VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewS
         plan->lists[i] = sides[i].buffer;
     }
     addCaps(passes, task, *plan, 0);
+    std::swap(plan->lists[2], plan->lists[3]); // without lists of kept volumes the caps are the third
     return plan;
 }
 
