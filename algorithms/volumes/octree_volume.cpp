@@ -148,7 +148,7 @@ void OctreeVolume::declare(PassBuilder& passes, const ShadowTask& task)
     const VolumeList movings = declareSides(passes, task, false);
     addSides(*plan, movings, zFailForAll);
     plan->lists[1] = movings.buffer;
-    addCaps(passes, task, *plan, firstMoving);
+    plan->lists[3] = addCaps(passes, task, *plan, firstMoving);
     declareCount(passes, task, "octree_volume.count", stencil, *plan, pipelines_);
 }
 

@@ -1,7 +1,5 @@
 #include "algorithms/volumes/volume_draw.hpp"
 
-#include <utility>
-
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "runtime/scene/light_pixels.hpp"
 
@@ -175,7 +173,7 @@ void addSides(VolumePlan& plan, const VolumeList& sides, bool zFailForAll)
     });
 }
 
-void addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, std::size_t firstFailing)
+BufferId addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, std::size_t firstFailing)
 {
     const std::span<const VolumeDraw> failing = plan.zFail.subspan(firstFailing);
     const std::span<const Caster*> casters = passes.arena().array<const Caster*>(failing.size());
@@ -183,7 +181,7 @@ void addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, std:
         casters[i] = failing[i].caster;
     const VolumeList caps = declareCaps(passes, task, casters);
     collectDraws(plan, caps, [&](const VolumeDraw& draw) { append(plan.caps, draw); });
-    plan.lists[3] = caps.buffer;
+    return caps.buffer;
 }
 
 VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded,
@@ -195,8 +193,7 @@ VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewS
         addSides(*plan, sides[i], zFailForAll);
         plan->lists[i] = sides[i].buffer;
     }
-    addCaps(passes, task, *plan, 0);
-    std::swap(plan->lists[2], plan->lists[3]); // without lists of kept volumes the caps are the third
+    plan->lists[2] = addCaps(passes, task, *plan, 0);
     return plan;
 }
 

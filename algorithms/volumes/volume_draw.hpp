@@ -38,7 +38,7 @@ struct VolumePlan {
     const CameraView* view = nullptr;
     const LightView* light = nullptr;
     std::span<VolumeDraw> zPass, zFail, caps; ///< zFail: sides.
-    BufferId lists[4];                        ///< Sides and caps, of static and of moving casters; null ids: none.
+    BufferId lists[4]; ///< planVolumes(): sides of static casters, of moving ones, caps. Null ids: none.
     BufferId commands[2];                     ///< Made of those of the lists; null ids: none.
     BufferId receiverBounds;
     bool bounded = true; ///< Volumes end behind the farthest visible receiver.
@@ -60,8 +60,8 @@ VolumeDraw drawAt(const VolumeList& list, std::uint32_t& piece);
 bool needsZFail(const VolumePlan& plan, const Caster& caster);
 /// Adds those casters of a list of sides that the view can see.
 void addSides(VolumePlan& plan, const VolumeList& sides, bool zFailForAll);
-/// Adds the caps, in task scope, of the draws from `firstFailing` on that z-fail counts.
-void addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, std::size_t firstFailing);
+/// Adds the caps, in task scope, of the draws from `firstFailing` on that z-fail counts. @return their list's buffer
+BufferId addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, std::size_t firstFailing);
 inline void append(std::span<VolumeDraw>& draws, const VolumeDraw& draw)
 {
     draws = {draws.data(), draws.size() + 1};
