@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "runtime/core/bytes.hpp"
 #include "runtime/cost/exponent.hpp"
 
 namespace gnomon::demo {
@@ -15,14 +16,6 @@ namespace {
 constexpr std::string_view kMagic = "GNTRACE2";
 constexpr size_t kMostCells = size_t{1} << 24; ///< (frame, light, method) triples: 340 MB in memory.
 constexpr double kTimeSteps = 2048.0, kTimeShift = 20.0, kSpreadSteps = 32.0;
-
-uint64_t hashOf(std::string_view bytes)
-{
-    uint64_t hash = 14695981039346656037u;
-    for (const char c : bytes)
-        hash = (hash ^ static_cast<uint8_t>(c)) * 1099511628211u;
-    return hash;
-}
 
 uint16_t packTime(float ms)
 {
@@ -38,59 +31,27 @@ float unpackTime(uint16_t packed)
     return packed == 0 ? 0.0f : static_cast<float>(cost::exp2Exactly((packed - 1) / kTimeSteps - kTimeShift));
 }
 
-class Writer {
+class Writer : public ByteWriter {
 public:
-    template <typename Integer>
-    void integer(Integer value)
-    {
-        for (size_t i = 0; i < sizeof value; ++i)
-            bytes.push_back(static_cast<char>(static_cast<uint64_t>(value) >> (8 * i) & 0xff));
-    }
-    void real(float value) { integer(std::bit_cast<uint32_t>(value)); }
     void name(std::string_view text)
     {
         text = text.substr(0, 255);
         integer(static_cast<uint8_t>(text.size()));
         bytes += text;
     }
-    std::string bytes;
 };
 
-/// Reads past the end give zeros and set `failed`, so that a caller checks once per record.
-class Reader {
+class Reader : public ByteReader {
 public:
-    explicit Reader(std::string_view bytes) : bytes_(bytes) {}
-    template <typename Integer>
-    Integer integer()
-    {
-        uint64_t value = 0;
-        if (left() < sizeof(Integer)) return fail(), Integer{};
-        for (size_t i = 0; i < sizeof(Integer); ++i)
-            value |= uint64_t{static_cast<uint8_t>(bytes_[at_++])} << (8 * i);
-        return static_cast<Integer>(value);
-    }
+    using ByteReader::ByteReader;
     /// Numbers of a trace are finite and not negative; facts alone may be NaN (unknown) or of either sign.
     float measure()
     {
-        const float value = std::bit_cast<float>(integer<uint32_t>());
+        const float value = real32();
         if (!std::isfinite(value) || value < 0.0f) failed = true;
         return value;
     }
-    float fact() { return std::bit_cast<float>(integer<uint32_t>()); }
-    std::string name()
-    {
-        const size_t length = integer<uint8_t>();
-        if (left() < length) return fail(), std::string{};
-        at_ += length;
-        return std::string(bytes_.substr(at_ - length, length));
-    }
-    size_t left() const { return bytes_.size() - at_; }
-    bool failed = false;
-
-private:
-    void fail() { failed = true, at_ = bytes_.size(); }
-    std::string_view bytes_;
-    size_t at_ = 0;
+    std::string name() { return std::string(take(integer<uint8_t>())); }
 };
 
 /// The sizes of a light's workload in the order of the file.
@@ -112,7 +73,7 @@ void readLight(Reader& in, Trace& trace, uint32_t frame, uint32_t slot)
     for (float* size : sizesOf(light))
         *size = in.measure();
     for (size_t i = 0; i < trace.facts.size(); ++i)
-        trace.factValues[trace.cell(frame, slot) * trace.facts.size() + i] = in.fact();
+        trace.factValues[trace.cell(frame, slot) * trace.facts.size() + i] = in.real32();
     for (uint32_t m = 0; m < trace.methods.size(); ++m) {
         TraceMethod& method = trace.measure(frame, slot, m);
         for (float* time : {&method.updateGpuMs, &method.updateCpuMs, &method.resolveGpuMs, &method.resolveCpuMs})
@@ -185,7 +146,7 @@ std::string writeTrace(const Trace& trace)
         for (uint32_t slot = 0; slot < trace.lights; ++slot)
             if (trace.lightStates[trace.cell(frame, slot)].present) writeLight(out, trace, frame, slot);
     }
-    const uint64_t hash = hashOf(out.bytes);
+    const uint64_t hash = hashOfBytes(out.bytes);
     out.integer(hash);
     return std::move(out.bytes);
 }
@@ -232,7 +193,7 @@ Outcome<Trace> readTrace(std::string_view bytes)
         if (in.failed) return Outcome<Trace>::failure("frame " + std::to_string(frame) + " of the trace is damaged");
     }
     if (in.left() != 8) return failure("the trace does not end where it should");
-    if (in.integer<uint64_t>() != hashOf(bytes.substr(0, bytes.size() - 8))) return failure("the trace's hash differs");
+    if (in.integer<uint64_t>() != hashOfBytes(bytes.substr(0, bytes.size() - 8))) return failure("the trace's hash differs");
     return trace;
 }
 

@@ -53,7 +53,12 @@ public:
     std::string_view text(std::size_t most)
     {
         const auto length = integer<std::uint32_t>();
-        if (length > most || left() < length) return fail(), std::string_view{};
+        return length > most ? fail(), std::string_view{} : take(length);
+    }
+    /// The next bytes as they are.
+    std::string_view take(std::size_t length)
+    {
+        if (left() < length) return fail(), std::string_view{};
         at_ += length;
         return bytes_.substr(at_ - length, length);
     }
