@@ -16,10 +16,8 @@ void Context::recordDecisions()
                       .knowledge = plan_->knowledgeRevision(),
                       .methods = methods_->size(),
                       .base = base,
-                      .budgeted = base && base->options.allocation == rules::Options::Allocation::Budget &&
-                                  (measuresBudget_ || budgetMs_ > 0.0),
-                      .priced = base && base->options.allocation == rules::Options::Allocation::Budget &&
-                                !measuresBudget_ && !(budgetMs_ > 0.0),
+                      .budgeted = countsTime(base) && (measuresBudget_ || budgetMs_ > 0.0),
+                      .priced = countsTime(base) && !measuresBudget_ && !(budgetMs_ > 0.0),
                       .cut = false,
                       .measuring = measuresBudget_,
                       .budgetMs = budgetMs_,

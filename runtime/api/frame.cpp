@@ -375,8 +375,7 @@ Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& fra
 void Context::updateBudget(const GnFrameInfo& info)
 {
     const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
-    const bool automatic = info.budgetMs == 0.0f && base && base->policy.budget.automatic &&
-                           base->options.allocation == rules::Options::Allocation::Budget;
+    const bool automatic = info.budgetMs == 0.0f && countsTime(base) && base->policy.budget.automatic;
     budgetMs_ = info.budgetMs;
     measuresBudget_ = budgetBegins_ = false;
     if (automatic) {

@@ -19,7 +19,7 @@ struct MethodMeasures {
     double quality(double side) const noexcept;
 };
 
-/// Measurements of every device count for the error: the picture hardly depends on it. `typicalWrongPercent`, what the
+/// Measurements of every device count for the error: the same algorithm draws the picture everywhere. `typicalWrongPercent`, what the
 /// method's author says, counts as four of them, so that a single scene does not decide. First frames are of `device`
 /// alone.
 MethodMeasures measuresOf(const KnowledgeBase& base, std::string_view algorithm, double typicalWrongPercent,

@@ -6,7 +6,8 @@ namespace gnomon {
 
 /// Pixels that the sides of the shadow volumes touch, from the casters' bounds to the end of all bounds: those inside
 /// the outlines, and the blocks along every side, by the number of sides that meshes of so many triangles have. What
-/// overlaps counts each time. An estimate for the cost model, no bound. About 40 ns a caster.
+/// overlaps counts each time. An estimate for the cost model, no bound. Takes time in
+/// proportion to the casters.
 double shadowPixels(const LightView& light, const LightCasters& casters, const CameraView& view);
 
 } // namespace gnomon

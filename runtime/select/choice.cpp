@@ -112,7 +112,7 @@ std::uint32_t Rechoice::choose(std::span<const double> facts) noexcept
                                                     .pinned = record_.pinned,
                                                     .fallbacks = record_.fallbacks,
                                                     .hasRules = true});
-    return record_.priced && choice.byRules() ? cheaperEqual(all, choice.method, record_.incumbent) : choice.method;
+    return record_.priced && isByRules(choice.reason) ? cheaperEqual(all, choice.method, record_.incumbent) : choice.method;
 }
 
 double Rechoice::valueOf(std::uint32_t method) const noexcept

@@ -10,9 +10,13 @@ struct Choice {
     std::uint32_t method = UINT32_MAX; ///< UINT32_MAX: nothing can serve.
     std::uint32_t wanted = UINT32_MAX; ///< The best that could serve if it were ready.
     GnReason reason = GN_REASON_RULES;
-
-    bool byRules() const { return reason == GN_REASON_RULES || reason == GN_REASON_INCUMBENT; }
 };
+
+/// The rules had the say, not a pin, a fallback or their silence.
+constexpr bool isByRules(GnReason reason)
+{
+    return reason == GN_REASON_RULES || reason == GN_REASON_INCUMBENT;
+}
 
 struct ChoiceInput {
     std::uint32_t incumbent = UINT32_MAX;
@@ -25,7 +29,8 @@ struct ChoiceInput {
 /// rules and vetoes. Where what is wanted is not ready, or nobody has an opinion, a fallback, else anything eligible.
 Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceInput& input) noexcept;
 
-/// Share by which a method must be cheaper to be taken for its price: well above the noise of smoothed predictions.
+/// Share by which a method must be cheaper to be taken for its price. A prediction's own noise (cost::kStartNoise, 8 %)
+/// alone changes nothing.
 inline constexpr float kPriceMargin = 0.1f;
 /// Qualities so close count as the same: one wrong pixel in ten thousand more.
 inline constexpr float kSameQuality = 0.01f;

@@ -46,7 +46,7 @@ cost::Workload workloadOf(const Method& method, const cost::Workload& light)
     return workload;
 }
 
-/// Looked at anew every few frames: it moves slowly, and takes as long as all the rest of a light's workload.
+/// Looked at anew every few frames: it moves slowly, and asks every caster.
 double shadowPixelsOf(const LightMemory& memory, const SelectionInput& input)
 {
     constexpr std::uint64_t kEvery = 8; // frames
@@ -125,6 +125,7 @@ void FramePlan::measure()
     for (std::uint32_t i = 0; i < methods_.size(); ++i)
         measures_.push_back(cost::measuresOf(knowledge_, methods_[i].entry->name,
                                              double{methods_[i].entry->typicalWrongPercent}, device_));
+    qualities_.resize(methods_.size());
     predictions_.assign(std::size_t{slots_} * methods_.size(), {});
     for (SlotHistory& history : histories_)
         history.predictedAt = kNever;
@@ -214,6 +215,8 @@ void FramePlan::fill(const rules::RuleBase* base, std::uint64_t frame)
     if (modelMethods_ != methods) growModel();
     lights_.resize(requests_.size());
     candidates_.resize(requests_.size() * methods);
+    for (std::uint32_t m = 0; m < methods; ++m)
+        qualities_[m] = static_cast<float>(measures_[m].quality(mapSide(methods_[m])));
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         const Request& request = requests_[i];
         LightMemory& memory = *request.memory;
@@ -230,10 +233,9 @@ void FramePlan::fill(const rules::RuleBase* base, std::uint64_t frame)
         for (std::uint32_t m = 0; m < methods; ++m) {
             Candidate& from = request.decision->candidates[m];
             const cost::Prediction& cost = costs[m];
-            const double side = mapSide(methods_[m]);
             candidates_[i * methods + m] = {.eligibility = eligibilityOf(from.exclusion),
                                             .suitability = from.quantised,
-                                            .quality = static_cast<float>(measures_[m].quality(side)),
+                                            .quality = qualities_[m],
                                             .ms = cost.ms,
                                             .sigmaMs = cost.sigmaMs,
                                             .firstFrameMs = measures_[m].firstFrameMs};
@@ -248,7 +250,7 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
 {
     if (requests_.empty()) return {};
     fill(base, budget.frame);
-    const bool budgeted = base && base->options.allocation == rules::Options::Allocation::Budget && budget.ms > 0.0;
+    const bool budgeted = countsTime(base) && budget.ms > 0.0;
     plan::PlanReport report;
     if (budgeted) {
         // Grows with the number of lights, in powers of two: a steady frame allocates nothing.
@@ -269,9 +271,8 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
                 decision.candidates[m].why = plan_.why(static_cast<std::uint32_t>(i))[m];
         }
     } else {
-        const bool priced = base && base->options.allocation == rules::Options::Allocation::Budget;
         for (const Request& request : requests_) {
-            if (priced) economise(request, budget);
+            if (countsTime(base)) economise(request, budget);
             explainWithoutPlan(*request.decision, base != nullptr);
         }
     }
@@ -289,8 +290,7 @@ void FramePlan::economise(const Request& request, const Budget& budget) const
 {
     LightDecision& decision = *request.decision;
     LightMemory& memory = *request.memory;
-    const bool byRules = decision.reason == GN_REASON_RULES || decision.reason == GN_REASON_INCUMBENT;
-    if (!byRules || decision.method >= methods_.size()) return;
+    if (!isByRules(decision.reason) || decision.method >= methods_.size()) return;
     const std::span all = std::span<const Candidate>(decision.candidates).first(methods_.size());
     std::uint32_t method = cheaperEqual(all, decision.method, memory.incumbent);
     const bool learning = memory.pricedAt != 0 && budget.frame - memory.pricedAt < kPriceFrames && !budget.cut;

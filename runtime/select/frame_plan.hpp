@@ -12,6 +12,12 @@
 
 namespace gnomon {
 
+/// Whether predicted times have a say (`allocation: budget`); `allocation: none` takes the best suitability. Null: no rules.
+inline bool countsTime(const rules::RuleBase* base)
+{
+    return base && base->options.allocation == rules::Options::Allocation::Budget;
+}
+
 /// What a light's passes took in one timed frame.
 struct LightTiming {
     std::uint64_t frame = 0;
@@ -98,6 +104,7 @@ private:
     std::vector<SlotHistory> histories_; ///< By slot.
     std::vector<cost::Prediction> predictions_;  ///< slots x methods
     std::vector<cost::MethodMeasures> measures_; ///< By method.
+    std::vector<float> qualities_;               ///< By method, with this frame's settings.
     cost::KnowledgeBase knowledge_;
     std::string device_; ///< Of teach().
     std::uint32_t slots_ = 0, slotsUsed_ = 0, modelMethods_ = 0;

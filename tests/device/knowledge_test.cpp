@@ -9,16 +9,17 @@ using namespace gnomon::test;
 
 namespace {
 
-/// shadow_map resolves in `ms` whatever the workload, on a device of that name.
-std::string knowledge(const std::string& device, double ms)
+/// Algorithms take their milliseconds whatever the workload, on a device of that name.
+std::string knowledge(const std::string& device, const std::vector<std::pair<std::string, double>>& times)
 {
     std::vector<cost::KnowledgeRow> rows;
-    for (int i = 0; i < 40; ++i) {
+    for (int i = 0; i < 40 * std::ssize(times); ++i) {
+        const auto& [algorithm, ms] = times[static_cast<size_t>(i) / 40];
         cost::KnowledgeRow row;
         row.device = device;
-        row.algorithm = "shadow_map";
+        row.algorithm = algorithm;
         row.pass = i % 2 ? cost::Pass::resolve : cost::Pass::update;
-        row.workload = {.pixels = 1000.0 * (1 + i),
+        row.workload = {.pixels = 1000.0 * (1 + i % 40),
                         .casterTriangles = 100.0 * (1 + i % 7),
                         .mapTexels = 1048576.0,
                         .shadowPixels = 2000.0 * (1 + i % 11)};
@@ -27,6 +28,12 @@ std::string knowledge(const std::string& device, double ms)
         rows.push_back(row);
     }
     return cost::writeKnowledge(rows);
+}
+
+/// shadow_map alone.
+std::string knowledge(const std::string& device, double ms)
+{
+    return knowledge(device, {{"shadow_map", ms}});
 }
 
 GnResult load(const Host& host, const std::string& text)
@@ -135,4 +142,50 @@ TEST_CASE_FIXTURE(DeviceTest, "a timed light tells what it cost and what that de
     CHECK(timing.casterTriangles > 0.0);
     CHECK(timing.sharing == 1.0);
     CHECK(gnGetLightTiming(host.context, host.views[0], VK_NULL_HANDLE, &timing) == GN_ERROR_INVALID_HANDLE);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "without a budget the cheapest that shows as much serves, unless time has no say")
+{
+    Host host(smallScene());
+    host.pinAll(nullptr);
+    const std::string base = shippedRules("default");
+    std::string none = base;
+    const std::string says = "allocation: budget";
+    none.replace(none.find(says), says.size(), "allocation: none");
+    const auto timesWith = [&](double ray) {
+        return knowledge(device().properties.deviceName, {{"stencil_volume", 40.0},
+                                                          {"octree_volume", 40.0},
+                                                          {"chan_durand", 40.0},
+                                                          {"pcf_hybrid", 40.0},
+                                                          {"shadow_map", 1.0}, // cheaper still, but shows less
+                                                          {"ray_traced", ray}});
+    };
+    REQUIRE(load(host, timesWith(4.0)) == GN_SUCCESS);
+    host.require(gnLoadRules(host.context, none.data(), none.size(), "none"));
+    host.draw(12, {});
+    REQUIRE(std::string(host.decision(0).pMethod) == "stencil_volume"); // what the rules like best
+    host.require(gnLoadRules(host.context, base.data(), base.size(), "default"));
+    host.draw(1, {});
+    CHECK(std::string(host.decision(0).pMethod) == "ray_traced");
+    CHECK(host.decision(0).reason == GN_REASON_PRICE);
+    uint32_t count = 32;
+    std::vector<GnCandidate> candidates(count);
+    host.require(gnGetCandidates(host.context, host.views[0], host.lights[0], &count, candidates.data()));
+    candidates.resize(count);
+    for (const GnCandidate& candidate : candidates)
+        if (std::string(candidate.pMethod) == "stencil_volume") CHECK(candidate.elimination == GN_ELIMINATION_PRICE);
+    // With the same facts and much time to give, the rules have it their way.
+    Host rich(smallScene());
+    rich.pinAll(nullptr);
+    REQUIRE(load(rich, timesWith(4.0)) == GN_SUCCESS);
+    rich.require(gnLoadRules(rich.context, base.data(), base.size(), "default"));
+    rich.draw(12, {.adjust = [](GnFrameInfo& info, std::vector<GnViewFrame>&) { info.budgetMs = 1000.0f; }});
+    CHECK(std::string(rich.decision(0).pMethod) == "stencil_volume");
+    // And nothing is taken for a price that is no better.
+    Host dear(smallScene());
+    dear.pinAll(nullptr);
+    REQUIRE(load(dear, timesWith(80.0)) == GN_SUCCESS);
+    dear.require(gnLoadRules(dear.context, base.data(), base.size(), "default"));
+    dear.draw(12, {});
+    CHECK(std::string(dear.decision(0).pMethod) == "stencil_volume");
 }
