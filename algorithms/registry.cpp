@@ -21,30 +21,22 @@ namespace gnomon {
 namespace {
 
 constexpr std::array kAlgorithms = {
-    &kShadowMap,
-    &kCubeMap,
-    &kDualParaboloid,
+    &kShadowMap,     &kCubeMap,    &kDualParaboloid,
 #ifdef GNOMON_WITH_OPENMESH
-    &kStencilVolume,
-    &kChanDurand,
-    &kOctreeVolume,
+    &kStencilVolume, &kChanDurand, &kOctreeVolume,
 #endif
 #ifdef GNOMON_WITH_EMBREE
-    &kPcfHybrid,
-    &kRayTraced,
+    &kPcfHybrid,     &kRayTraced,
 #endif
 };
 
 /// Known to rules, left out of this build.
 constexpr std::initializer_list<const char*> kAbsentNames = {
 #ifndef GNOMON_WITH_EMBREE
-    "ray_traced",
-    "pcf_hybrid",
+    "ray_traced",     "pcf_hybrid",
 #endif
 #ifndef GNOMON_WITH_OPENMESH
-    "stencil_volume",
-    "chan_durand",
-    "octree_volume",
+    "stencil_volume", "chan_durand", "octree_volume",
 #endif
 };
 constexpr std::span<const char* const> kAbsent{kAbsentNames.begin(), kAbsentNames.size()};

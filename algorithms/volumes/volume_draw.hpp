@@ -38,8 +38,8 @@ struct VolumePlan {
     const CameraView* view = nullptr;
     const LightView* light = nullptr;
     std::span<VolumeDraw> zPass, zFail, caps; ///< zFail: sides.
-    BufferId lists[4]; ///< planVolumes(): sides of static casters, of moving ones, caps. Null ids: none.
-    BufferId commands[2];                     ///< Made of those of the lists; null ids: none.
+    BufferId lists[4];    ///< planVolumes(): sides of static casters, of moving ones, caps. Null ids: none.
+    BufferId commands[2]; ///< Made of those of the lists; null ids: none.
     BufferId receiverBounds;
     bool bounded = true; ///< Volumes end behind the farthest visible receiver.
     VkRect2D pixels{};   ///< Where the light can reach.

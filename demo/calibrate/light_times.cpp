@@ -135,8 +135,8 @@ MomentTimes measureMoment(Session& session, const std::string& method, const Mom
     }
     MomentTimes times;
     times.lights = collector.take();
-    times.firstFrameMs = std::max(
-        0.0, frameMs.front() - percentile(std::vector<double>(frameMs.begin() + 1, frameMs.end()), 0.5));
+    times.firstFrameMs =
+        std::max(0.0, frameMs.front() - percentile(std::vector<double>(frameMs.begin() + 1, frameMs.end()), 0.5));
     return times;
 }
 

@@ -44,8 +44,9 @@ Outcome<std::vector<SweepMethod>> sweepMethods(Device& device, const std::vector
         const bool asked = std::find(wanted.begin(), wanted.end(), info.pName) != wanted.end();
         if (info.pUnavailable || (!wanted.empty() && !asked)) continue;
         const bool hasMap =
-            std::any_of(info.pSettings, info.pSettings + info.settingCount,
-                        [](const GnSettingInfo& setting) { return std::string_view(setting.pName) == kResolutionSetting; });
+            std::any_of(info.pSettings, info.pSettings + info.settingCount, [](const GnSettingInfo& setting) {
+                return std::string_view(setting.pName) == kResolutionSetting;
+            });
         methods.push_back({info.pName, info.pAlgorithm, info.traits, hasMap});
     }
     for (const std::string& name : wanted)

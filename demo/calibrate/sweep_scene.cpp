@@ -80,7 +80,7 @@ void addWalls(Scene& scene, uint32_t world)
 void addWorld(Scene& scene, uint32_t world, uint32_t ground)
 {
     const bool hall = world % 2 == 1;
-    const uint32_t side = 2 + world / 2;                // 2x2 to 5x5 objects
+    const uint32_t side = 2 + world / 2;                   // 2x2 to 5x5 objects
     const double triangles = 400.0 * std::pow(2.2, world); // 400 to 100 000
     const double each = triangles / (side * side);
     const auto segments = [each](double share) { // of a surface of share x 1 segments, two triangles each
@@ -88,12 +88,13 @@ void addWorld(Scene& scene, uint32_t world, uint32_t ground)
     };
     const auto first = static_cast<uint32_t>(scene.meshes.size());
     const SphereShape ball{.radius = 0.9f, .slices = segments(2.0), .stacks = segments(0.5) + 1};
-    scene.meshes.push_back(hall ? makeTorusKnot({.knotSegments = segments(8.0), .tubeSegments = segments(0.125)})
-                                : makeTorus({.radius = 1.0f, .tube = 0.35f, .ringSegments = segments(2.0),
-                                             .tubeSegments = segments(0.5)}));
+    scene.meshes.push_back(
+        hall
+            ? makeTorusKnot({.knotSegments = segments(8.0), .tubeSegments = segments(0.125)})
+            : makeTorus({.radius = 1.0f, .tube = 0.35f, .ringSegments = segments(2.0), .tubeSegments = segments(0.5)}));
     scene.meshes.push_back(hall ? makeHilly(ball) : makeSphere(ball));
-    scene.meshes.push_back(makeColumn({.radius = 0.4f, .height = hall ? 6.0f : 3.0f, .segments = segments(1.0),
-                                       .rings = segments(1.0)}));
+    scene.meshes.push_back(
+        makeColumn({.radius = 0.4f, .height = hall ? 6.0f : 3.0f, .segments = segments(1.0), .rings = segments(1.0)}));
     const char* names[] = {"torus", "ball", "column"};
     for (uint32_t i = 0; i < 3; ++i)
         scene.meshes[first + i].name = names[i] + std::to_string(world);
@@ -103,7 +104,8 @@ void addWorld(Scene& scene, uint32_t world, uint32_t ground)
     for (uint32_t x = 0; x < side; ++x)
         for (uint32_t z = 0; z < side; ++z) {
             const uint32_t mesh = (x + 2 * z) % 3;
-            const glm::dvec3 at{(x - 0.5 * (side - 1)) * spacing, mesh == 2 ? 0.0 : 1.4, (z - 0.5 * (side - 1)) * spacing};
+            const glm::dvec3 at{(x - 0.5 * (side - 1)) * spacing, mesh == 2 ? 0.0 : 1.4,
+                                (z - 0.5 * (side - 1)) * spacing};
             addInstance(scene, world, first + mesh, at, mesh == 0);
         }
 }
@@ -114,8 +116,8 @@ Light makeLight(const SweepPoint& point, uint32_t world, uint32_t number, double
     const double turn = 2.0 * kPi * (angle + number * 0.381966); // the golden angle keeps a point's lights apart
     const double share = std::fmod(reach + 0.381966 * number, 1.0);
     Light light;
-    light.name = std::string(nameOf(point.kind)) + std::to_string(static_cast<int>(point.time)) + "_" +
-                 std::to_string(number);
+    light.name =
+        std::string(nameOf(point.kind)) + std::to_string(static_cast<int>(point.time)) + "_" + std::to_string(number);
     light.kind = point.kind;
     light.casterMask = maskOf(world);
     light.appear = point.time;
@@ -167,7 +169,8 @@ SweepPoint makePoint(Scene& scene, LightKind kind, uint32_t index, double time)
     CameraKey key;
     key.time = time;
     key.target = center + glm::dvec3(0.0, 1.0, 0.0);
-    key.eye = key.target + away * glm::normalize(glm::dvec3(std::sin(turn) * 0.4, 0.45, std::cos(turn) > 0 ? 0.9 : -0.9));
+    key.eye =
+        key.target + away * glm::normalize(glm::dvec3(std::sin(turn) * 0.4, 0.45, std::cos(turn) > 0 ? 0.9 : -0.9));
     key.cut = true;
     scene.camera.push_back(key);
     for (uint32_t i = 0; i < point.lights; ++i)

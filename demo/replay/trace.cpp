@@ -193,7 +193,8 @@ Outcome<Trace> readTrace(std::string_view bytes)
         if (in.failed) return Outcome<Trace>::failure("frame " + std::to_string(frame) + " of the trace is damaged");
     }
     if (in.left() != 8) return failure("the trace does not end where it should");
-    if (in.integer<uint64_t>() != hashOfBytes(bytes.substr(0, bytes.size() - 8))) return failure("the trace's hash differs");
+    if (in.integer<uint64_t>() != hashOfBytes(bytes.substr(0, bytes.size() - 8)))
+        return failure("the trace's hash differs");
     return trace;
 }
 

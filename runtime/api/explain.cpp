@@ -82,9 +82,8 @@ Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQu
     }
     const rules::Engine* engine = selector_->engine();
     const bool same = engine && engine->base().textHash == record->ruleHash;
-    const ExplainWords words{.methods = methods,
-                             .engine = same ? engine : nullptr,
-                             .light = scene_->lightInfo(light)->name};
+    const ExplainWords words{
+        .methods = methods, .engine = same ? engine : nullptr, .light = scene_->lightInfo(light)->name};
     switch (question.kind) {
     case GN_QUESTION_WHY:
         return explainWhy(*record, words);
@@ -99,11 +98,9 @@ Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQu
     case GN_QUESTION_WHAT_IF:
         return explainWhatIf(*record, words);
     case GN_QUESTION_WHAT_CHANGED: {
-        const std::optional<DecisionRecord> before =
-            earlierRecord(*record, view->records.oldest(), question.flags & GN_QUESTION_SINCE_SWITCH_BIT,
-                          [&](std::uint64_t frame, DecisionRecord& out) {
-                              return view->records.find(frame, record->lightId, out);
-                          });
+        const std::optional<DecisionRecord> before = earlierRecord(
+            *record, view->records.oldest(), question.flags & GN_QUESTION_SINCE_SWITCH_BIT,
+            [&](std::uint64_t frame, DecisionRecord& out) { return view->records.find(frame, record->lightId, out); });
         return explainWhatChanged(*record, before ? &*before : nullptr, words);
     }
     default:

@@ -19,9 +19,9 @@ struct MethodMeasures {
     double quality(double side) const noexcept;
 };
 
-/// Measurements of every device count for the error: the same algorithm draws the picture everywhere. `typicalWrongPercent`, what the
-/// method's author says, counts as four of them, so that a single scene does not decide. First frames are of `device`
-/// alone.
+/// Measurements of every device count for the error: the same algorithm draws the picture everywhere.
+/// `typicalWrongPercent`, what the method's author says, counts as four of them, so that a single scene does not
+/// decide. First frames are of `device` alone.
 MethodMeasures measuresOf(const KnowledgeBase& base, std::string_view algorithm, double typicalWrongPercent,
                           std::string_view device);
 

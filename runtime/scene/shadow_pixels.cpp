@@ -9,11 +9,11 @@ namespace gnomon {
 namespace {
 
 constexpr int kPieces = 4; // a volume's way is cut into so many; each is taken as a rectangle on the screen
-// Silhouette edges of a mesh. A great circle over a sphere of s x s / 2 patches, n = s^2 triangles, meets s rows of them
-// and is a zigzag of at most two edges in each.
+// Silhouette edges of a mesh. A great circle over a sphere of s x s / 2 patches, n = s^2 triangles, meets s rows of
+// them and is a zigzag of at most two edges in each.
 constexpr float kEdges = 2.0f;
-// A side of a volume is two slivers from the edge to its end. A rasteriser that works in blocks of 4 x 4 pixels touches at
-// least one in every 4 pixels of a sliver's length: 2 slivers x 16 pixels / 4.
+// A side of a volume is two slivers from the edge to its end. A rasteriser that works in blocks of 4 x 4 pixels touches
+// at least one in every 4 pixels of a sliver's length: 2 slivers x 16 pixels / 4.
 constexpr float kPixelsAlong = 8.0f;
 
 /// What turns metres into pixels, taken from the view once.
@@ -92,8 +92,7 @@ double shadowPixels(const LightView& light, const LightCasters& casters, const C
         for (int piece = 0; piece < kPieces; ++piece) {
             const float t = way * (static_cast<float>(piece) + 0.5f) / kPieces;
             const float spread = directional ? 1.0f : 1.0f + t / away;
-            pixels += static_cast<double>(
-                pixelsOf(lens, centre + t * ray, ray, way / kPieces, radius * spread, sides));
+            pixels += static_cast<double>(pixelsOf(lens, centre + t * ray, ray, way / kPieces, radius * spread, sides));
         }
     }
     return pixels;

@@ -56,7 +56,8 @@ Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceIn
     return out;
 }
 
-std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t wanted, std::uint32_t incumbent) noexcept
+std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t wanted,
+                           std::uint32_t incumbent) noexcept
 {
     const auto count = static_cast<std::uint32_t>(candidates.size());
     if (wanted >= count) return wanted;
@@ -108,11 +109,11 @@ std::uint32_t Rechoice::choose(std::span<const double> facts) noexcept
     for (std::uint32_t m = 0; m < record_.methods; ++m)
         if (barred_ >> m & 1) candidates_[m].exclusion = Exclusion::refused;
     const std::span all = std::span<const Candidate>(candidates_).first(record_.methods);
-    const Choice choice = chooseBySuitability(all, {.incumbent = record_.incumbent,
-                                                    .pinned = record_.pinned,
-                                                    .fallbacks = record_.fallbacks,
-                                                    .hasRules = true});
-    return record_.priced && isByRules(choice.reason) ? cheaperEqual(all, choice.method, record_.incumbent) : choice.method;
+    const Choice choice = chooseBySuitability(
+        all,
+        {.incumbent = record_.incumbent, .pinned = record_.pinned, .fallbacks = record_.fallbacks, .hasRules = true});
+    return record_.priced && isByRules(choice.reason) ? cheaperEqual(all, choice.method, record_.incumbent)
+                                                      : choice.method;
 }
 
 double Rechoice::valueOf(std::uint32_t method) const noexcept

@@ -71,8 +71,8 @@ private:
 /// The smallest change of one fact that flips the choice.
 struct NearMiss {
     std::uint32_t fact = 0;
-    double from = 0.0; ///< NaN: unknown when it was decided.
-    double to = 0.0;   ///< The choice made with this very number is `method`.
+    double from = 0.0;                 ///< NaN: unknown when it was decided.
+    double to = 0.0;                   ///< The choice made with this very number is `method`.
     std::uint32_t method = UINT32_MAX; ///< UINT32_MAX: nothing could serve any more.
     double distance = 0.0; ///< |to - from| as a share of the fact's universe; infinite from an unknown fact.
 };

@@ -42,7 +42,7 @@ cost::Workload workloadOf(const Method& method, const cost::Workload& light)
 {
     cost::Workload workload = light;
     workload.mapTexels = mapSide(method) * mapSide(method) * (light.point ? 6.0 : 1.0); // the faces of a cube
-    if (!method.has(GN_TRAIT_TOPOLOGY_BIT)) workload.shadowPixels = 0.0; // draws no volumes
+    if (!method.has(GN_TRAIT_TOPOLOGY_BIT)) workload.shadowPixels = 0.0;                // draws no volumes
     return workload;
 }
 
@@ -65,8 +65,8 @@ bool isNear(const cost::Workload& a, const cost::Workload& b)
 {
     return a.still == b.still && a.directional == b.directional && a.point == b.point && isNear(a.pixels, b.pixels) &&
            isNear(a.casterTriangles, b.casterTriangles) && isNear(a.drawnTriangles, b.drawnTriangles) &&
-           isNear(a.casters, b.casters) && isNear(a.drawnPixels, b.drawnPixels) &&
-           isNear(a.viewPixels, b.viewPixels) && isNear(a.shadowPixels, b.shadowPixels);
+           isNear(a.casters, b.casters) && isNear(a.drawnPixels, b.drawnPixels) && isNear(a.viewPixels, b.viewPixels) &&
+           isNear(a.shadowPixels, b.shadowPixels);
 }
 
 plan::Eligibility eligibilityOf(Exclusion exclusion)
@@ -80,8 +80,7 @@ plan::Eligibility eligibilityOf(Exclusion exclusion)
 float qualityOf(const Method& method, const cost::KnowledgeBase& knowledge)
 {
     const double typical = double{method.entry->typicalWrongPercent};
-    return static_cast<float>(
-        cost::measuresOf(knowledge, method.entry->name, typical, {}).quality(mapSide(method)));
+    return static_cast<float>(cost::measuresOf(knowledge, method.entry->name, typical, {}).quality(mapSide(method)));
 }
 
 void FramePlan::begin()
@@ -200,8 +199,8 @@ std::span<const cost::Prediction> FramePlan::predict(const LightMemory& memory, 
         isNear(memory.workload, history.predictedFor))
         return predictions;
     for (std::uint32_t m = 0; m < methods; ++m)
-        predictions[m] = model_.predict(memory.costSlot, m, workloadOf(methods_[m], memory.workload),
-                                        memory.workload.still);
+        predictions[m] =
+            model_.predict(memory.costSlot, m, workloadOf(methods_[m], memory.workload), memory.workload.still);
     history.predictedAt = frame;
     history.predictedDevice = model_.deviceOctaves();
     history.predictedFor = memory.workload;
@@ -310,15 +309,15 @@ void FramePlan::explainWithoutPlan(LightDecision& decision, bool hasRules) const
 {
     for (std::uint32_t m = 0; m < methods_.size(); ++m) {
         Candidate& candidate = decision.candidates[m];
-        candidate.why = m == decision.method                               ? plan::Why::chosen
-                        : candidate.exclusion == Exclusion::vetoed         ? plan::Why::never
-                        : candidate.exclusion != Exclusion::none           ? plan::Why::trait
-                        : decision.reason == GN_REASON_PINNED              ? plan::Why::pinned
-                        : hasRules && candidate.quantised < 0              ? plan::Why::noOpinion
+        candidate.why = m == decision.method                       ? plan::Why::chosen
+                        : candidate.exclusion == Exclusion::vetoed ? plan::Why::never
+                        : candidate.exclusion != Exclusion::none   ? plan::Why::trait
+                        : decision.reason == GN_REASON_PINNED      ? plan::Why::pinned
+                        : hasRules && candidate.quantised < 0      ? plan::Why::noOpinion
                         : decision.reason == GN_REASON_PRICE && decision.method < methods_.size() &&
                                 candidate.quantised > decision.candidates[decision.method].quantised
                             ? plan::Why::price
-                                                                           : plan::Why::outscored;
+                            : plan::Why::outscored;
     }
 }
 

@@ -12,7 +12,8 @@
 
 namespace gnomon {
 
-/// Whether predicted times have a say (`allocation: budget`); `allocation: none` takes the best suitability. Null: no rules.
+/// Whether predicted times have a say (`allocation: budget`); `allocation: none` takes the best suitability. Null: no
+/// rules.
 inline bool countsTime(const rules::RuleBase* base)
 {
     return base && base->options.allocation == rules::Options::Allocation::Budget;
@@ -101,7 +102,7 @@ private:
     std::vector<plan::LightRequest> lights_;
     std::vector<plan::Candidate> candidates_;
     std::vector<std::uint32_t> freeSlots_;
-    std::vector<SlotHistory> histories_; ///< By slot.
+    std::vector<SlotHistory> histories_;         ///< By slot.
     std::vector<cost::Prediction> predictions_;  ///< slots x methods
     std::vector<cost::MethodMeasures> measures_; ///< By method.
     std::vector<float> qualities_;               ///< By method, with this frame's settings.

@@ -162,7 +162,8 @@ TEST_CASE("every malformed scene is refused with file, line, column and reason")
 
 TEST_CASE("an error in a base names the base's file")
 {
-    const auto folder = std::filesystem::temp_directory_path() / ("gnomon_base_" + std::to_string(std::random_device{}()));
+    const auto folder =
+        std::filesystem::temp_directory_path() / ("gnomon_base_" + std::to_string(std::random_device{}()));
     std::filesystem::create_directories(folder);
     std::ofstream(folder / "ground.yaml") << "frames: 10\nfps: 0\n" << kCamera;
     std::ofstream(folder / "loop.yaml") << "base: loop.yaml\n";
