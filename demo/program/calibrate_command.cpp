@@ -55,7 +55,8 @@ int calibrate(const CalibrateOptions& options, Device& device, const std::vector
 
 int check(const CalibrateOptions& options, Device& device, const std::vector<SweepMethod>& methods)
 {
-    const std::filesystem::path file = valueOf(findKnowledge(options.knowledge.empty() ? "lavapipe" : options.knowledge));
+    const std::filesystem::path file =
+        valueOf(findKnowledge(options.knowledge.empty() ? "lavapipe" : options.knowledge));
     const cost::KnowledgeResult knowledge = cost::parseKnowledge(valueOf(readText(file)));
     if (!knowledge.base) throw HostError(file.string() + ": " + knowledge.error);
     std::vector<std::string> algorithms;
@@ -117,8 +118,7 @@ int calibrateCommand(const CalibrateOptions& options)
 {
     const std::unique_ptr<Device> device = Device::create({});
     const std::vector<SweepMethod> methods = valueOf(sweepMethods(*device, parseNames(options.methods)));
-    const int result =
-        options.check.empty() ? calibrate(options, *device, methods) : check(options, *device, methods);
+    const int result = options.check.empty() ? calibrate(options, *device, methods) : check(options, *device, methods);
     requireSilence(*device);
     return result;
 }

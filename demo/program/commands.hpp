@@ -70,6 +70,7 @@ int traceCommand(const TraceOptions& options);
 struct ReplayCommandOptions {
     std::string trace, rules, budget, knowledge, calibration;
     uint64_t seed = 1;
+    double rate = 60.0; ///< Frames a second; 0: as recorded.
 };
 int replayCommand(const ReplayCommandOptions& options);
 

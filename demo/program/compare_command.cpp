@@ -176,8 +176,8 @@ void Comparison::countErrors(Contestant& contestant)
         const SceneState& state = session.renderer.state();
         for (size_t layer = 0; layer < state.present.size(); ++layer) {
             const uint32_t light = state.present[layer];
-            const std::vector<uint8_t> counted = countedPixels(scene_, session.renderer.camera(), surfaces,
-                                                               scene_.lights[light], state.lights[light]);
+            const std::vector<uint8_t> counted =
+                countedPixels(scene_, session.renderer.camera(), surfaces, scene_.lights[light], state.lights[light]);
             contestant.errors += compare(seen[layer], truth[layer], counted);
         }
     }
@@ -247,8 +247,7 @@ void Comparison::print() const
         std::printf("no single method that serves every light has an error as low\n");
     if (budget_.undisturbed > 0)
         std::printf("budget %.2f ms: kept in %.2f %% of %u undisturbed frames after the first second, worst %.2f x\n",
-                    budget_.ms, 100.0 * budget_.within / budget_.undisturbed, budget_.undisturbed,
-                    budget_.worst);
+                    budget_.ms, 100.0 * budget_.within / budget_.undisturbed, budget_.undisturbed, budget_.worst);
 }
 
 } // namespace

@@ -37,8 +37,7 @@ namespace {
 std::string reasonText(const GnDecision& decision)
 {
     std::string text = nameOf(decision.reason);
-    if (decision.pRule && decision.reason != GN_REASON_PINNED)
-        text += std::string(" ") + decision.pRule;
+    if (decision.pRule && decision.reason != GN_REASON_PINNED) text += std::string(" ") + decision.pRule;
     return text;
 }
 
@@ -87,7 +86,11 @@ CsvWriter FrameLog::framesTable() const
         const double ms = frameMs_[i];
         table.cell(row.frame).cell(row.timeSeconds, 4).cell(ms, 3).cell(ms > 0.0 ? 1000.0 / ms : 0.0, 2);
         table.cell(double(row.stats.gpuMs), 3).cell(double(row.stats.cpuMs), 3).cell(double(row.stats.decideUs), 1);
-        table.cell(row.lights).cell(row.stats.switches).cell(double(row.stats.budgetMs), 2).cell(row.overBudget).endRow();
+        table.cell(row.lights)
+            .cell(row.stats.switches)
+            .cell(double(row.stats.budgetMs), 2)
+            .cell(row.overBudget)
+            .endRow();
     }
     return table;
 }

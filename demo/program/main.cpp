@@ -99,7 +99,8 @@ void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
 void addCalibrate(CLI::App& app, CalibrateOptions& options, int& exitCode)
 {
     CLI::App* calibrate = app.add_subcommand("calibrate", "measure methods, so that the cost model knows this device");
-    calibrate->add_option("--out", options.out, "knowledge base to write; default: knowledge.csv, with --check nothing");
+    calibrate->add_option("--out", options.out,
+                          "knowledge base to write; default: knowledge.csv, with --check nothing");
     calibrate->add_option("--methods", options.methods, "a,b,... default: all");
     calibrate->add_option("--seconds-per-method", options.secondsPerMethod, "as many points as fit")
         ->check(CLI::Range(1.0, 3600.0))
@@ -126,8 +127,9 @@ void addTrace(CLI::App& app, TraceOptions& options, int& exitCode)
     trace->add_option("--lights", options.lights, "number of lights; default: the scene's")->check(CLI::Range(1, 32));
     trace->add_option("--rules", options.rules, "rule base to ask; default: `default`");
     trace->add_option("--methods", options.methods, "a,b,... default: all that serve a light");
-    trace->add_option("--budget-ms", options.budget,
-                      "a,b,...: equal parts of the trace; each a number, or `1.3x` the cheapest plan, or `auto`")
+    trace
+        ->add_option("--budget-ms", options.budget,
+                     "a,b,...: equal parts of the trace; each a number, or `1.3x` the cheapest plan, or `auto`")
         ->capture_default_str();
     trace->callback([&] { exitCode = traceCommand(options); });
 }
@@ -142,6 +144,9 @@ void addReplay(CLI::App& app, ReplayCommandOptions& options, int& exitCode)
                                          "where the cost model starts: a path, or `none`; default: the shipped one");
     replay->add_option("--calibration", options.calibration, "start from another trace instead")->excludes(knowledge);
     replay->add_option("--seed", options.seed, "of the noise")->capture_default_str();
+    replay->add_option("--rate", options.rate, "frames a second, in between what was recorded; 0: as recorded")
+        ->check(CLI::Range(0.0, 1000.0))
+        ->capture_default_str();
     replay->callback([&] { exitCode = replayCommand(options); });
 }
 

@@ -9,6 +9,7 @@
 #include "demo/program/session.hpp"
 #include "demo/replay/budget.hpp"
 #include "demo/replay/replay.hpp"
+#include "demo/replay/resample.hpp"
 
 namespace gnomon::demo {
 
@@ -42,6 +43,7 @@ int replayCommand(const ReplayCommandOptions& options)
 {
     Trace trace = loadTrace(options.trace);
     if (trace.frames == 0) throw HostError(options.trace + ": a trace without frames");
+    if (options.rate > 0.0) trace = resample(trace, options.rate);
     const rules::RuleBase base = parseRules(options.rules);
     if (!options.rules.empty()) applyRules(trace, base);
     if (!options.budget.empty()) expect(setBudgets(trace, options.budget));

@@ -64,7 +64,7 @@ std::vector<rules::Diagnostic> lintAlong(const std::string& file, const rules::R
     if (!read) throw HostError(file + ": " + read.error());
     const Trace& trace = *read;
     const rules::BindResult bound = rules::Engine::bind(base, vocabulary.view());
-    if (!bound.engine) return {}; // the findings of lint() say why
+    if (!bound.engine) return {};     // the findings of lint() say why
     std::vector<std::size_t> columns; // of the trace, per fact of the vocabulary; its count where there is none
     for (const rules::FactInfo& fact : vocabulary.facts)
         columns.push_back(static_cast<std::size_t>(std::find(trace.facts.begin(), trace.facts.end(), fact.name) -

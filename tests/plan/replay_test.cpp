@@ -1,9 +1,11 @@
 #include "demo/replay/replay.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <doctest/doctest.h>
 
+#include "demo/replay/resample.hpp"
 #include "demo/replay/synthetic.hpp"
 #include "tests/plan/random.hpp"
 
@@ -40,6 +42,42 @@ TEST_CASE("a trace reads back as it was written, within its steps")
         CHECK(read->measures[i].quality == doctest::Approx(trace.measures[i].quality).epsilon(0.0001));
         CHECK(read->measures[i].error == doctest::Approx(trace.measures[i].error).epsilon(0.0001));
     }
+}
+
+TEST_CASE("between recorded frames everything goes over smoothly, and what jumps jumps where it was recorded")
+{
+    Trace trace = syntheticTrace({.kind = SyntheticKind::stress, .frames = 12, .lights = 5});
+    trace.frameSeconds = 0.1f;
+    trace.cuts[7] = 1;
+    trace.lightStates[trace.cell(3, 2)].present = false; // gone for a frame
+    trace.lightStates[trace.cell(4, 2)].present = trace.lightStates[trace.cell(4, 2)].fresh = true;
+    const Trace fine = resample(trace, 60.0);
+    REQUIRE(fine.frames == 72);
+    CHECK(fine.frameSeconds == doctest::Approx(1.0 / 60.0));
+    for (uint32_t frame = 0; frame < fine.frames; ++frame) {
+        const uint32_t key = frame / 6, step = frame % 6;
+        CHECK(fine.budgetsMs[frame] == trace.budgetsMs[key]);
+        CHECK((fine.cuts[frame] != 0) == (step == 0 && trace.cuts[key] != 0));
+        for (uint32_t slot = 0; slot < trace.lights; ++slot) {
+            const TraceLight& was = trace.lightStates[trace.cell(key, slot)];
+            const TraceLight& is = fine.lightStates[fine.cell(frame, slot)];
+            CHECK(is.present == was.present);
+            if (!is.present) continue;
+            CHECK(is.fresh == (was.fresh && step == 0));
+            const bool jumps = key == 11 || trace.cuts[key + 1] ||
+                               !trace.lightStates[trace.cell(key + 1, slot)].present ||
+                               trace.lightStates[trace.cell(key + 1, slot)].fresh;
+            for (uint32_t m = 0; m < trace.methods.size(); ++m) {
+                const float from = trace.measure(key, slot, m).resolveGpuMs;
+                const float to = jumps ? from : trace.measure(key + 1, slot, m).resolveGpuMs;
+                const double geometric =
+                    from > 0.0f && to > 0.0f ? from * std::pow(double{to} / from, step / 6.0) : from;
+                CHECK(fine.measure(frame, slot, m).resolveGpuMs == doctest::Approx(geometric).epsilon(1e-5));
+            }
+        }
+    }
+    CHECK(writeTrace(resample(trace, 0.0)) == writeTrace(trace));
+    CHECK(resample(trace, 1e9).frames <= kTraceMostFrames);
 }
 
 TEST_CASE("a damaged trace is an error, wherever the damage is")
