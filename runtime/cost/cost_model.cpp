@@ -33,6 +33,7 @@ constexpr double kForeignVariance = 1.0; // of the device factor of a foreign ca
 
 constexpr uint32_t kDiscarded = 3;     // timings after a switch: caches, allocation, clocks
 constexpr double kResidualBlend = 8.0; // n / (n + 8): the residual has half its weight after 8 timings
+constexpr double kSceneBlend = 1.0;    // lights of a scene have as much in common as they differ by
 constexpr double kResidualMost = 32.0; // effective timings: new ones always count for 1/32 at least
 constexpr double kPersistent = 0.25;   // octaves. Four timings in a row beyond it on one side are a step, no spikes;
                                        // one more than a step of the device needs, which therefore comes first
@@ -198,18 +199,38 @@ CostModel::Octaves CostModel::octaves(uint32_t light, uint32_t method, uint32_t 
         spread += f[i] * pf[i];
     }
     double variance = std::max(known.noise, kStartNoise) * spread + deviceVariance_;
+    mean += known.scene;
     if (light < lights_) {
         const Residual& own = residuals_[(size_t{light} * methods_ + method) * kTracks + t];
         double distance = 0.0;
         for (uint32_t i = 0; i < kFeatures; ++i)
             distance += std::fabs(f[i] - own.at[i]);
         const double n = own.samples / (1.0 + distance); // what was learned elsewhere counts for less
-        // The more lights differ by this method, the more its first timings tell.
-        const double weight = n / (n + kResidualBlend * std::min(1.0, kStartLights / known.lights));
-        mean += weight * own.octaves;
+        const double weight = trust(known, n);
+        mean += weight * (own.octaves - known.scene);
         variance += known.lights * (1.0 - weight);
     }
     return {mean, variance, known.samples >= kFeatures};
+}
+
+/// Weight of a light's own timings. The more lights differ by this method, the more its first ones tell.
+double CostModel::trust(const Track& known, double samples) const noexcept
+{
+    return samples / (samples + kResidualBlend * std::min(1.0, kStartLights / known.lights));
+}
+
+/// The mean of what its lights differ by, drawn towards nothing while they are few.
+void CostModel::noteScene(uint32_t method, uint32_t t) noexcept
+{
+    Track& known = track(method, t);
+    double sum = 0.0, weights = kSceneBlend;
+    for (uint32_t light = 0; light < lights_; ++light) {
+        const Residual& own = residual(light, method, t);
+        const double weight = trust(known, own.samples);
+        sum += weight * own.octaves;
+        weights += weight;
+    }
+    known.scene = sum / weights;
 }
 
 /// Running mean of what the fit leaves over for this light, with clipped errors; four alike in a row replace it.
@@ -263,6 +284,7 @@ void CostModel::observe(const Observation& observation) noexcept
     }
     Residual& own = residual(observation.light, observation.method, t);
     learn(own, f, error);
+    noteScene(observation.method, t);
     if (own.samples >= kResidualBlend) known.lights += (own.octaves * own.octaves - known.lights) * kLightsRate;
     // While the fit is a guess a large error is what one expects; the clip narrows as it becomes sure.
     const double clip = std::max(kClip, 2.0 * std::sqrt(known.noise * spread));

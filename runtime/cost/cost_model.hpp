@@ -10,7 +10,8 @@
 /// products of these: real times are sums (an overhead, a part per triangle, a part per texel), and the logarithm of a
 /// sum of powers is a bent surface. On such truths the bend takes the median error from 26 to 8 %.
 /// theta comes from calibration and is refined by recursive least squares; `device` is one number common to all
-/// methods, so that a new GPU is known after a few frames; the residual is what this light differs by. Steps of the
+/// methods, so that a new GPU is known after a few frames; the residual is what this light differs by, and of a light
+/// that the method has not served what its other lights differ by: a scene has its own ways. Steps of the
 /// world (a clock that drops, a scene that doubles) show in several frames in a row and are taken over at once; a spike
 /// shows in one and is not.
 ///
@@ -113,6 +114,7 @@ private:
         Matrix covariance{};
         double noise = 0.0;  ///< Variance of one timing, octaves squared.
         double lights = 0.0; ///< Variance among lights, octaves squared.
+        double scene = 0.0;  ///< What lights that were timed differ by on average: expected of the others. Octaves.
         uint32_t samples = 0;
         bool seen = false; ///< Any timing at all: a track never seen predicts nothing.
     };
@@ -137,6 +139,8 @@ private:
     static void reset(Track& track, uint32_t t) noexcept;
     static double fit(Track& track, const Features& f, double error, double forgetting) noexcept;
     void learn(Residual& residual, const Features& f, double error) noexcept;
+    double trust(const Track& track, double samples) const noexcept;
+    void noteScene(uint32_t method, uint32_t t) noexcept;
     const Features& recall(const Workload& workload, Pass pass) const noexcept;
     Octaves octaves(uint32_t light, uint32_t method, uint32_t t, const Features& f) const noexcept;
     Prediction combine(const Prediction& gpu, const Prediction& cpu) const noexcept;
