@@ -9,6 +9,7 @@
 #include "runtime/cost/cost_model.hpp"
 #include "runtime/plan/plan.hpp"
 #include "tests/plan/random.hpp"
+#include "tests/rules/bench_base.hpp"
 
 using namespace gnomon;
 using namespace gnomon::plan;
@@ -63,27 +64,37 @@ void decision(benchmark::State& state)
 }
 BENCHMARK(decision)->Arg(4)->Arg(8)->Arg(16)->Arg(64)->UseManualTime();
 
+cost::Workload workloadOf(test::Random& random, uint32_t method)
+{
+    return {.pixels = random.between(1e4, 9e5),
+            .casterTriangles = random.between(1e3, 1e5),
+            .mapTexels = method % 2 ? 1048576.0 : 0.0,
+            .viewPixels = 921600.0};
+}
+
+/// A model that knows kMethods methods; every second one has a map.
+cost::CostModel calibratedModel(uint32_t lights, test::Random& random)
+{
+    cost::CostModel model;
+    model.resize(kMethods, lights);
+    for (uint32_t method = 0; method < kMethods; ++method)
+        for (int i = 0; i < 40; ++i)
+            for (const cost::Pass pass : {cost::Pass::update, cost::Pass::resolve})
+                model.calibrate(method, pass, cost::Processor::gpu, workloadOf(random, method),
+                                random.between(0.5, 5.0));
+    model.finishCalibration(true);
+    return model;
+}
+
 /// What the cost model takes to foretell every method of every light: GPU times of update and resolve, two map sizes.
 void foretelling(benchmark::State& state)
 {
     const auto lights = static_cast<uint32_t>(state.range(0));
     test::Random random(2);
-    cost::CostModel model;
-    model.resize(kMethods, lights);
-    const auto workloadFor = [&](uint32_t method) {
-        return cost::Workload{.pixels = random.between(1e4, 9e5),
-                              .casterTriangles = random.between(1e3, 1e5),
-                              .mapTexels = method % 2 ? 1048576.0 : 0.0,
-                              .viewPixels = 921600.0};
-    };
-    for (uint32_t method = 0; method < kMethods; ++method)
-        for (int i = 0; i < 40; ++i)
-            for (const cost::Pass pass : {cost::Pass::update, cost::Pass::resolve})
-                model.calibrate(method, pass, cost::Processor::gpu, workloadFor(method), random.between(0.5, 5.0));
-    model.finishCalibration(true);
+    cost::CostModel model = calibratedModel(lights, random);
     std::vector<cost::Workload> workloads;
     for (uint32_t i = 0; i < lights; ++i)
-        workloads.push_back(workloadFor(0));
+        workloads.push_back(workloadOf(random, 0));
     std::vector<double> times;
     times.reserve(1 << 20);
     for (auto _ : state) {
@@ -108,6 +119,72 @@ void foretelling(benchmark::State& state)
     state.counters["p99_ns_per_light"] = times[times.size() * 99 / 100] * perLight;
 }
 BENCHMARK(foretelling)->Arg(64)->UseManualTime();
+
+/// From facts to methods: the rules asked about every light (6 facts, 40 rules, 12 outputs), the times of an eighth of
+/// the lights foretold anew, as FramePlan does, and the plan of all.
+void wholeDecision(benchmark::State& state)
+{
+    const auto lights = static_cast<uint32_t>(state.range(0));
+    test::Random random(3);
+    const std::vector<rules::OutputInfo> outputs = rules::test::benchOutputs();
+    rules::RuleBase base = rules::test::benchBase([&](uint32_t below) { return random.below(below); }, 40);
+    std::vector<rules::FactInfo> names;
+    for (const rules::Variable& variable : base.variables)
+        names.push_back({variable.name, ""});
+    const rules::Engine engine =
+        std::move(*rules::Engine::bind(base, {.facts = names, .outputs = outputs, .absent = {}, .traits = {}}).engine);
+    rules::Inference inference = engine.makeInference();
+    cost::CostModel model = calibratedModel(lights, random);
+    std::vector<cost::Workload> workloads;
+    std::vector<double> facts(lights * names.size());
+    for (double& fact : facts)
+        fact = random.between(0.0, 1.0);
+    std::vector<LightMemory> memories(lights);
+    std::vector<LightRequest> requests;
+    for (uint32_t i = 0; i < lights; ++i) {
+        requests.push_back({.memory = &memories[i], .importance = random.between(0.5, 1.0)});
+        workloads.push_back(workloadOf(random, 0));
+    }
+    std::vector<Candidate> candidates(lights * kMethods);
+    for (Candidate& candidate : candidates)
+        candidate.quality = static_cast<float>(random.between(0.5, 1.0));
+    PlanStep plan;
+    plan.reserve(lights, kMethods);
+    PlanInput input{.lights = requests, .candidates = candidates, .methods = kMethods, .budgetMs = 1.2 * lights};
+    std::vector<double> times;
+    times.reserve(1 << 20);
+    for (auto _ : state) {
+        for (double& fact : facts)
+            fact = std::clamp(fact + random.between(-0.002, 0.002), 0.0, 1.0);
+        for (cost::Workload& workload : workloads)
+            workload.pixels *= random.between(0.999, 1.00101);
+        const auto start = std::chrono::steady_clock::now();
+        for (uint32_t i = 0; i < lights; ++i) {
+            engine.evaluate(std::span(facts).subspan(i * names.size(), names.size()), inference);
+            const bool due = input.frame == 0 || (input.frame + i) % 8 == 0;
+            for (uint32_t m = 0; m < kMethods; ++m) {
+                Candidate& candidate = candidates[i * kMethods + m];
+                candidate.suitability = inference.outputs[m].quantised;
+                if (!due) continue;
+                cost::Workload workload = workloads[i];
+                workload.mapTexels = m % 2 ? 1048576.0 : 0.0;
+                const cost::Prediction prediction = model.predict(i, m, workload, false);
+                candidate.ms = prediction.ms;
+                candidate.sigmaMs = prediction.sigmaMs;
+            }
+        }
+        plan.step(input);
+        const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+        ++input.frame;
+        state.SetIterationTime(took.count());
+        if (times.size() < times.capacity()) times.push_back(took.count());
+    }
+    std::sort(times.begin(), times.end());
+    const double perLight = 1e9 / lights;
+    state.counters["p50_ns_per_light"] = times[times.size() / 2] * perLight;
+    state.counters["p99_ns_per_light"] = times[times.size() * 99 / 100] * perLight;
+}
+BENCHMARK(wholeDecision)->Arg(64)->UseManualTime();
 
 } // namespace
 
