@@ -1,11 +1,61 @@
 /** \file decisions.h
-\brief Questions about decisions. Included by gnomon.h, not by hosts.
+\brief Facts and candidates of decisions, and questions about them. Included by gnomon.h, not by hosts.
 
 Every view remembers what was decided for its lights in its last 256 frames: facts, rules, candidates, plan; numbers of
 fixed size, text only when asked.
 */
 #ifndef GNOMON_DECISIONS_H
 #define GNOMON_DECISIONS_H
+
+/** What a decision rested on. Strings are static. */
+typedef struct GnFact {
+    const char* pName; ///< As rules spell it: "viewerDistance".
+    const char* pUnit; ///< "m".
+    double value;      ///< NaN: unknown.
+} GnFact;
+
+/** Why a method is not a light's. */
+typedef enum GnElimination {
+    GN_ELIMINATION_NONE = 0,       ///< It is the one.
+    GN_ELIMINATION_UNABLE = 1,     ///< Cannot serve: kind of light, device, casters, memory.
+    GN_ELIMINATION_NOT_READY = 2,  ///< Its pipelines have not run yet.
+    GN_ELIMINATION_PINNED = 3,     ///< The host pinned another one.
+    GN_ELIMINATION_NEVER = 4,      ///< Vetoed by a rule.
+    GN_ELIMINATION_NO_OPINION = 5, ///< No rule speaks about it, but rules speak about others.
+    GN_ELIMINATION_FLOOR = 6,      ///< Near, and below the rule base's minimum quality.
+    GN_ELIMINATION_BUDGET = 7,     ///< Worth more, but the time is not there.
+    GN_ELIMINATION_HYSTERESIS = 8, ///< Worth more and affordable, but held back.
+    GN_ELIMINATION_OUTSCORED = 9,  ///< Worth no more than the chosen one.
+    GN_ELIMINATION_PRICE = 10,     ///< Suits better, but shows no more and is predicted to take longer.
+    GN_ELIMINATION_MAX_ENUM = 0x7FFFFFFF
+} GnElimination;
+
+#define GN_SUITABILITY_STEPS 4096      ///< Suitability 1 in the unit of GnCandidate::suitability.
+#define GN_SUITABILITY_NO_OPINION (-1) ///< No rule speaks about the method, or there are no rules.
+#define GN_SUITABILITY_UNABLE (-2)     ///< The method cannot serve the light, whatever the rules say.
+#define GN_SUITABILITY_NEVER (-3)      ///< Vetoed by a rule.
+
+/** One method as a decision saw it. */
+typedef struct GnCandidate {
+    const char* pMethod;       ///< Lives as long as the context.
+    int32_t suitability;       ///< [0, #GN_SUITABILITY_STEPS], or one of the negative values above.
+    GnElimination elimination;
+    float quality;             ///< (0, 1]: share of the truth the method keeps.
+    float predictedMs;         ///< By the cost model, GPU and CPU.
+    float sigmaMs;             ///< Standard error of the prediction.
+} GnCandidate;
+
+/** \brief The facts of the last decision of a light in a view. With null `pFacts` only the count is written.
+\return #GN_INCOMPLETE if `*pCount` was too small; #GN_ERROR_INVALID_HANDLE if the light was not in the view's last
+frame. */
+GN_API GnResult GN_CALL gnGetFacts(GnContext context, GnView view, GnLight light, uint32_t* pCount, GnFact* pFacts);
+/** \brief Every method in registry order, as the last decision of a light in a view saw it. With null `pCandidates`
+only the count is written. \return As gnGetFacts(). */
+GN_API GnResult GN_CALL gnGetCandidates(GnContext context, GnView view, GnLight light, uint32_t* pCount,
+                                        GnCandidate* pCandidates);
+/** \brief Writes why, as text: facts, rules that fired, candidates and why each lost. With null `pText` only the size
+(including the terminating zero) is written. */
+GN_API GnResult GN_CALL gnExplainDecision(GnContext context, GnView view, GnLight light, size_t* pSize, char* pText);
 
 typedef enum GnQuestionKind {
     GN_QUESTION_WHY = 0,          ///< Why this method: rules, facts, plan, cost, the runner-up.

@@ -1,0 +1,73 @@
+/** \file measurements.h
+\brief What frames, passes and lights took. Included by gnomon.h, not by hosts.
+*/
+#ifndef GNOMON_MEASUREMENTS_H
+#define GNOMON_MEASUREMENTS_H
+
+/** One pass of the newest frame whose timings are known. Strings live until the next frame call. */
+typedef struct GnPassTiming {
+    const char* pName;
+    GnView view;    ///< Null for light scope.
+    GnLight light;  ///< Null for view scope.
+    uint32_t level; ///< Number of CPU round trips before it.
+    float gpuMs;    ///< 0 for host work. On software devices GPU time is CPU time.
+    float cpuMs;    ///< Host and prepare passes, and recording.
+} GnPassTiming;
+
+/** \brief Timings of the newest completed *timed* frame (one in eight; every one with the flag), two frames late. */
+GN_API GnResult GN_CALL gnGetPassTimings(GnContext context, uint64_t* pFrame, uint32_t* pCount, GnPassTiming* pTimings);
+/** \brief Names, views, lights and levels of the passes of the *last* frame; times are 0. */
+GN_API GnResult GN_CALL gnGetFramePasses(GnContext context, uint32_t* pCount, GnPassTiming* pPasses);
+
+/** What one light's own passes took in a timed frame, beside what the cost model thinks they depend on. */
+typedef struct GnLightTiming {
+    uint64_t frame;         ///< The timed frame; 0: the light has not been timed yet, and nothing else is set.
+    const char* pMethod;    ///< That served it. Lives as long as the context.
+    VkBool32 updated;       ///< False: what is kept per light was still valid, and the two times below are 0.
+    float updateGpuMs;      ///< Maps, lists and volumes of the light. Scaled to a frame without full barriers.
+    float updateCpuMs;
+    float resolveGpuMs;     ///< What the view's pixels paid for the light.
+    float resolveCpuMs;
+    double pixels;          ///< Reached by the light, as far as known.
+    double casterTriangles; ///< In range.
+    double drawnTriangles;  ///< Of them, those an update has to draw: all, or the moving ones of a light that rests.
+    double casters;         ///< Instances in range.
+    double mapTexels;       ///< Of the method's maps for the light; 0: none.
+    double sharing;         ///< Lights of the view in that frame.
+    VkBool32 still;         ///< Neither light nor casters moved.
+    GnLightType type;
+    double drawnPixels;     ///< Of the screen rectangle around what the light can reach.
+    double viewPixels;      ///< Of the view's render area.
+    double shadowPixels;    ///< Estimated, touched by the sides of shadow volumes; 0 for methods that draw none.
+} GnLightTiming;
+
+/** \brief The newest timing of a light in a view: of a *timed* frame (one in eight; every one with the flag), two
+frames late. A row of a knowledge base is made of these. */
+GN_API GnResult GN_CALL gnGetLightTiming(GnContext context, GnView view, GnLight light, GnLightTiming* pTiming);
+
+/** Counters and totals of the last frame; what stands still must cost nothing, and these say so. */
+typedef struct GnFrameStats {
+    uint64_t frame;
+    uint32_t levels;            ///< 1 + GPU-CPU-GPU round trips.
+    uint32_t submits;
+    uint32_t hostWaits;         ///< Waits for this frame's own GPU results.
+    uint32_t passesRun;
+    uint32_t passesKept;        ///< Update passes skipped because their result was kept.
+    uint32_t deviceAllocations; ///< Vulkan objects and memory made inside the frame calls.
+    uint32_t indexListsBuilt;   ///< Silhouette or index lists built on the CPU.
+    uint32_t pipelinesCreated;  ///< Inside the frame calls; warm-up excluded.
+    uint32_t switches;          ///< Lights whose method differs from the frame before.
+    uint64_t rays;              ///< Traced in the frame.
+    float decideUs;             ///< Facts, rules and plan.
+    float cpuMs;                ///< Time in which prepare and host passes ran; side by side counts once.
+    float callMs;               ///< Wall time inside the frame calls.
+    float gpuMs;                ///< Newest known whole-frame GPU time (two frames late).
+    VkDeviceSize memory;        ///< Device bytes held.
+    uint32_t fading;            ///< Lights shown as a mix of two methods.
+    float predictedMs;          ///< By the cost model, all lights, outgoing methods of fading ones included.
+    float budgetMs;             ///< The budget the plan kept to: the host's, or that of `budget: auto`; 0: none.
+} GnFrameStats;
+
+GN_API GnResult GN_CALL gnGetFrameStats(GnContext context, GnFrameStats* pStats);
+
+#endif /* GNOMON_MEASUREMENTS_H */
