@@ -83,6 +83,43 @@ TEST_CASE_FIXTURE(DeviceTest, "a knowledge base of this device decides what is p
     CHECK(decision.predictedMs == doctest::Approx(4.0).epsilon(0.2));
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "a prediction stands while what it rests on stands, and not a frame longer")
+{
+    Host host(smallScene());
+    host.pinAll("shadow_map");
+    std::vector<cost::KnowledgeRow> rows; // a map takes a millisecond per 1000 triangles
+    for (int i = 0; i < 80; ++i) {
+        cost::KnowledgeRow row;
+        row.device = device().properties.deviceName;
+        row.algorithm = "shadow_map";
+        row.pass = i % 2 ? cost::Pass::resolve : cost::Pass::update;
+        const double triangles = 200.0 * std::exp2(i % 8);
+        row.workload = {.pixels = 1000.0 * (1 + i % 40), .casterTriangles = triangles, .mapTexels = 1048576.0};
+        row.samples = 5;
+        row.gpuMsMin = row.gpuMsP50 = row.gpuMsP95 = triangles / 1000.0;
+        rows.push_back(row);
+    }
+    REQUIRE(load(host, cost::writeKnowledge(rows)) == GN_SUCCESS);
+    host.draw(20, {}); // settled: pixels reached are the median of five looks
+    std::vector<float> standing;
+    while (standing.size() < 5) { // between two timed frames
+        const float ms = predicted(host);
+        if (!standing.empty() && ms != standing.back()) standing.clear();
+        standing.push_back(ms);
+        REQUIRE(host.frame() < 200);
+    }
+    // Eight times the triangles: foretold in the very frame.
+    GnTransform place{};
+    place.basis[0] = place.basis[4] = place.basis[8] = 0.1f;
+    place.translation[1] = 0.5;
+    for (int i = 0; i < 8; ++i) {
+        const GnInstanceCreateInfo info{.mesh = host.meshes[1], .transform = place};
+        GnInstance instance = VK_NULL_HANDLE;
+        host.require(gnCreateInstance(host.context, &info, &instance));
+    }
+    CHECK(predicted(host) > 2.0f * standing.back());
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "a knowledge base that cannot be used is refused and what was known stays")
 {
     Host host(smallScene());

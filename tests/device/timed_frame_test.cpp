@@ -1,0 +1,103 @@
+// What a timed frame does otherwise than the rest: CPU passes run in turn, so that each is charged with its own time.
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include <gnomon/algorithm.h>
+
+#include "device/fixture.hpp"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+constexpr const char* kMethod = "sleeper";
+constexpr std::chrono::milliseconds kSleep{3};
+
+const GnPluginInterface* gn = nullptr;
+std::atomic<int> running{0}, most{0};
+
+void GN_CALL sleepAWhile(GnPassContext, void*)
+{
+    const int now = ++running;
+    int before = most;
+    while (now > before && !most.compare_exchange_weak(before, now)) {
+    }
+    std::this_thread::sleep_for(kSleep);
+    --running;
+}
+
+void GN_CALL nothing(GnPassContext, VkCommandBuffer, const VkRect2D*, void*) {}
+
+void GN_CALL declare(void*, GnPassBuilder builder, const GnShadowTask* task)
+{
+    const GnBufferInfo bufferInfo{
+        .pName = "sleeper.dream", .scope = GN_SCOPE_TASK, .size = 4, .place = GN_BUFFER_UPLOAD};
+    GnAccess dream{.kind = GN_ACCESS_WRITE};
+    dream.buffer = gn->pfnBuffer(builder, &bufferInfo);
+    const GnPassInfo prepare{.pName = "sleeper.sleep",
+                             .kind = GN_PASS_PREPARE,
+                             .scope = GN_SCOPE_TASK,
+                             .accessCount = 1,
+                             .pAccesses = &dream,
+                             .pfnRun = sleepAWhile};
+    gn->pfnPass(builder, &prepare);
+    GnAccess fills[2]{{.kind = GN_ACCESS_READ}, {.kind = GN_ACCESS_WRITE}};
+    fills[0].buffer = dream.buffer;
+    fills[1].image = task->visibility;
+    fills[1].baseLayer = task->layer;
+    fills[1].clear = VK_TRUE;
+    const GnPassInfo raster{.pName = "sleeper.fill",
+                            .kind = GN_PASS_RASTER,
+                            .scope = GN_SCOPE_TASK,
+                            .accessCount = 2,
+                            .pAccesses = fills,
+                            .area = task->area,
+                            .pfnRecord = nothing};
+    gn->pfnPass(builder, &raster);
+}
+
+void registerSleeper(const Host& host)
+{
+    host.require(gnGetPluginInterface(host.context, &gn));
+    const GnAlgorithmInfo info{.pName = kMethod,
+                               .pSource = "none",
+                               .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT,
+                               .pfnDeclare = declare};
+    host.require(gnRegisterAlgorithm(host.context, &info));
+}
+
+FrameOptions timed(GnFrameFlags flags)
+{
+    return {.adjust = [flags](GnFrameInfo& info, std::vector<GnViewFrame>&) { info.flags = flags; }};
+}
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "CPU passes of lights run side by side, but in turn where their times are taken")
+{
+    Scene scene = demo::valueOf(demo::loadScene("room"));
+    demo::limitLights(scene, 4);
+    Host host(std::move(scene), {.context = [](GnContextCreateInfo& info) { info.jobThreadCount = 4; }});
+    registerSleeper(host);
+    host.pinAll(kMethod);
+    host.draw(4, timed(0)); // the method becomes ready
+    REQUIRE(host.decision(0).reason == GN_REASON_PINNED);
+    REQUIRE(host.decision(0).pMethod == std::string(kMethod));
+
+    // One frame in eight is timed unasked; of three in a row at most one.
+    most = 0;
+    float leastMs = 1e9f;
+    for (int i = 0; i < 3; ++i) {
+        host.require(host.draw(timed(0)));
+        leastMs = std::min(leastMs, host.stats().cpuMs);
+    }
+    CHECK(most >= 2);
+    CHECK(leastMs < 4.0f * static_cast<float>(kSleep.count())); // side by side counts once
+
+    most = 0;
+    host.require(host.draw(timed(GN_FRAME_TIMED_BIT)));
+    CHECK(most == 1);
+    CHECK(host.stats().cpuMs >= 4.0f * static_cast<float>(kSleep.count()));
+}
