@@ -4,6 +4,7 @@
 
 #include "algorithms/hybrid/pixel_list.hpp"
 #include "algorithms/hybrid/receivers.hpp"
+#include "algorithms/maps/map_resolve.hpp"
 #include "algorithms/omni/light_map.hpp"
 #include "runtime/scene/light_pixels.hpp"
 #include "shaders/hybrid/pcf_hybrid.h"
@@ -31,18 +32,9 @@ struct Pipelines {
 
 PipelineId classifyPipeline(const AlgorithmServices& services, bool cube, bool normals)
 {
-    const BindingInfo bindings[] = {
-        {.binding = 0, .kind = BindingKind::constants},
-        {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
-        {.binding = 3, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
-        {.binding = 4,
-         .kind = BindingKind::sampledImage,
-         .format = kMapFormat,
-         .array = cube,
-         .sampler = SamplerKind::nearestBorderFar,
-         .powerOfTwo = true},
-        {.binding = 5, .kind = BindingKind::storageBuffer},
-    };
+    BindingInfo bindings[5];
+    std::ranges::copy(lookBindings(cube), bindings);
+    bindings[4] = {.binding = 5, .kind = BindingKind::storageBuffer};
     GraphicsPipelineInfo pipeline;
     pipeline.name = "pcf_hybrid.classify";
     pipeline.vertex.code = k_maps_map_resolve_vert;
@@ -174,22 +166,21 @@ private:
         passes.transfer("pcf_hybrid.clear").writes(list).record([=](PassContext& gpu) {
             gpu.vk->vkCmdFillBuffer(gpu.cmd, gpu.buffer(list), 0, sizeof(std::uint32_t), 0);
         });
-        const bool normals = static_cast<bool>(task.normals);
-        // The variant without normals never reads that binding, which still needs an image.
-        const ImageId depth = task.depth, normalImage = normals ? task.normals : task.depth;
-        const PipelineId pipeline = pipelines_.classify[task.light->type == GN_LIGHT_TYPE_POINT][normals];
+        const LookImages look(task, map);
+        const PipelineId pipeline = pipelines_.classify[task.light->type == GN_LIGHT_TYPE_POINT][look.hasNormals];
         const VkRect2D& area = task.view->area;
         PassRef pass = passes.raster("pcf_hybrid.classify");
-        pass.samples(depth).samples(map).updates(list);
-        if (normals) pass.samples(normalImage);
+        pass.updates(list);
+        look.uses(pass);
         const VkRect2D pixels = lightPixels(*task.light, *task.view);
         pass.writes(task.visibility, visibilityIn(task, pixels))
             .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
             .record([=](PassContext& gpu) {
                 if (pixels.extent.width == 0) return;
                 gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
-                gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, depth), gpu.sampled(3, normalImage),
-                                    gpu.sampled(4, map, SamplerKind::nearestBorderFar), gpu.storage(5, list)});
+                gpu.bind(pipeline,
+                         {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                          gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.storage(5, list)});
                 gpu.drawFullscreen();
             });
     }

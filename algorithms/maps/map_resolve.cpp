@@ -2,25 +2,40 @@
 
 #include <algorithm>
 
-#include "runtime/scene/light_pixels.hpp"
 #include "algorithms/maps/depth_map.hpp"
+#include "runtime/scene/light_pixels.hpp"
 #include "shaders/maps_map_resolve_vert.h"
 
 namespace gnomon {
 
+std::array<BindingInfo, 4> lookBindings(bool layers)
+{
+    return {{{.binding = 0, .kind = BindingKind::constants},
+             {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
+             {.binding = 3, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
+             {.binding = 4,
+              .kind = BindingKind::sampledImage,
+              .format = kMapFormat,
+              .array = layers,
+              .sampler = SamplerKind::nearestBorderFar,
+              .powerOfTwo = true}}};
+}
+
+LookImages::LookImages(const ShadowTask& task, ImageId mapImage)
+    : depth(task.depth), normals(task.normals ? task.normals : task.depth), map(mapImage),
+      hasNormals(static_cast<bool>(task.normals))
+{
+}
+
+void LookImages::uses(PassRef& pass) const
+{
+    pass.samples(depth).samples(map);
+    if (hasNormals) pass.samples(normals);
+}
+
 MapResolve::MapResolve(const AlgorithmServices& services, const MapResolveInfo& info) : info_(info)
 {
-    const BindingInfo bindings[] = {
-        {.binding = 0, .kind = BindingKind::constants},
-        {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
-        {.binding = 3, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
-        {.binding = 4,
-         .kind = BindingKind::sampledImage,
-         .format = kMapFormat,
-         .array = info.layers,
-         .sampler = SamplerKind::nearestBorderFar,
-         .powerOfTwo = true},
-    };
+    const std::array bindings = lookBindings(info.layers);
     GraphicsPipelineInfo pipeline;
     pipeline.name = info.name;
     pipeline.vertex.code = k_maps_map_resolve_vert;
@@ -41,22 +56,19 @@ void MapResolve::declare(PassBuilder& passes, const ShadowTask& task, ImageId ma
                          const gpu::MapConstants& constants) const
 {
     const VkRect2D& area = task.view->area;
-    const bool normals = static_cast<bool>(task.normals);
-    // A binding that the variant without normals never reads still needs an image.
-    const ImageId depth = task.depth, normalImage = normals ? task.normals : task.depth;
-    const PipelineId pipeline = pipelines_[normals][constants.map.filterSide > 1.0f];
+    const LookImages look(task, map);
+    const PipelineId pipeline = pipelines_[look.hasNormals][constants.map.filterSide > 1.0f];
     const gpu::MapConstants* block = passes.arena().make(constants);
     PassRef pass = passes.raster(info_.name);
-    pass.samples(depth).samples(map);
-    if (normals) pass.samples(normalImage);
+    look.uses(pass);
     const VkRect2D pixels = lightPixels(*task.light, *task.view);
     pass.writes(task.visibility, visibilityIn(task, pixels))
         .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
         .record([=](PassContext& gpu) {
             if (pixels.extent.width == 0) return;
             gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
-            gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, depth), gpu.sampled(3, normalImage),
-                                gpu.sampled(4, map, SamplerKind::nearestBorderFar)});
+            gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
             gpu.drawFullscreen();
         });
 }

@@ -1,11 +1,24 @@
 #pragma once
 // The full-screen pass that turns a map into visibility, for every map that is compared on the receiver's plane.
+#include <array>
 #include <span>
 #include <vector>
 
 #include "algorithms/maps/map_look.hpp"
 
 namespace gnomon {
+
+/// What every look-up in a map reads, as map_receiver.glsl has it: 0 constants, 2 depth, 3 normals, 4 the map.
+std::array<BindingInfo, 4> lookBindings(bool layers);
+
+/// The images behind bindings 2 to 4.
+struct LookImages {
+    LookImages(const ShadowTask& task, ImageId map);
+    void uses(PassRef& pass) const;
+
+    ImageId depth, normals, map; ///< A shader variant without normals never reads them, but needs an image: depth.
+    bool hasNormals;
+};
 
 /// What a resolve shader of a family is called and where its code is.
 struct MapResolveInfo {

@@ -1,8 +1,10 @@
 #include "algorithms/volumes/chan_durand.hpp"
 
+#include <algorithm>
 #include <iterator>
 
 #include "algorithms/common/caster_lists.hpp"
+#include "algorithms/maps/map_resolve.hpp"
 #include "algorithms/omni/light_map.hpp"
 #include "algorithms/volumes/light_cells.hpp"
 #include "algorithms/volumes/view_stencil.hpp"
@@ -63,18 +65,9 @@ struct Plan {
 
 PipelineId classifyPipeline(const AlgorithmServices& services, bool cube, bool normals, bool widened)
 {
-    const BindingInfo bindings[] = {
-        {.binding = 0, .kind = BindingKind::constants},
-        {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
-        {.binding = 3, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
-        {.binding = 4,
-         .kind = BindingKind::sampledImage,
-         .format = kMapFormat,
-         .array = cube,
-         .sampler = SamplerKind::nearestBorderFar,
-         .powerOfTwo = true},
-        {.binding = 5, .kind = BindingKind::storageBuffer},
-    };
+    BindingInfo bindings[5];
+    std::ranges::copy(lookBindings(cube), bindings);
+    bindings[4] = {.binding = 5, .kind = BindingKind::storageBuffer};
     const VkStencilOpState mark{.failOp = VK_STENCIL_OP_KEEP,
                                 .passOp = VK_STENCIL_OP_KEEP,
                                 .depthFailOp = VK_STENCIL_OP_REPLACE,
@@ -263,11 +256,9 @@ private:
         passes.transfer("chan_durand.clear").writes(cells).record([=](PassContext& gpu) {
             gpu.vk->vkCmdFillBuffer(gpu.cmd, gpu.buffer(cells), 0, VK_WHOLE_SIZE, 0);
         });
-        const bool normals = static_cast<bool>(task.normals);
-        // The variant without normals never reads that binding, which still needs an image.
-        const ImageId depth = task.depth, normalImage = normals ? task.normals : task.depth;
+        const LookImages look(task, plan.map.image);
         const bool cube = task.light->type == GN_LIGHT_TYPE_POINT, widened = plan.constants.widen > 0;
-        const PipelineId pipeline = pipelines_.classify[cube][normals][widened];
+        const PipelineId pipeline = pipelines_.classify[cube][look.hasNormals][widened];
         const VkRect2D& area = task.view->area;
         const Plan* shared = &plan;
         PassRef pass = passes.raster("chan_durand.classify");
@@ -276,17 +267,15 @@ private:
                     {.layer = task.layer, .clear = true, .value = {.color = {{1.0f, 0.0f, 0.0f, 0.0f}}}})
             .depthTest(plan.stencil.image)
             .stencilWrite(plan.stencil.image, {.clear = true})
-            .samples(depth)
-            .samples(plan.map.image)
             .updates(cells);
-        if (normals) pass.samples(normalImage);
+        look.uses(pass);
         pass.record([=](PassContext& gpu) {
             const VkRect2D& pixels = shared->volumes->pixels;
             if (pixels.extent.width == 0) return; // the light reaches no pixel: 1 everywhere, as cleared
             gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
             gpu.bind(pipeline,
-                     {gpu.constants(0, shared->constants), gpu.sampled(2, depth), gpu.sampled(3, normalImage),
-                      gpu.sampled(4, shared->map.image, SamplerKind::nearestBorderFar), gpu.storage(5, cells)});
+                     {gpu.constants(0, shared->constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                      gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.storage(5, cells)});
             gpu.drawFullscreen();
         });
     }
