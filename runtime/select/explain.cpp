@@ -51,8 +51,8 @@ struct Rules {
 
 std::string headline(const DecisionRecord& record, const ExplainWords& words)
 {
-    std::string text = "light '" + std::string(words.light) + "', frame " +
-                       std::to_string(record.frame - words.frameOrigin) + ": ";
+    std::string text =
+        "light '" + std::string(words.light) + "', frame " + std::to_string(record.frame - words.frameOrigin) + ": ";
     text += methodText(record.method, words.methods);
     text += ", ";
     text += reasonText(record.reason);
@@ -72,8 +72,10 @@ void addNumbers(const DecisionRecord& record, ExplanationLines& lines)
     std::string text = "the rule base of that frame is no longer loaded; its strongest rules by number:";
     for (const FiredRule& fired : record.fired)
         if (fired.rule != rules::kNoRule)
-            text.append(" ").append(std::to_string(fired.rule + 1)).append(" (strength ").append(
-                fixed(double{fired.strength}, 2) + ")");
+            text.append(" ")
+                .append(std::to_string(fired.rule + 1))
+                .append(" (strength ")
+                .append(fixed(double{fired.strength}, 2) + ")");
     lines.add(std::move(text));
 }
 
@@ -121,8 +123,8 @@ std::string costLine(const DecisionRecord& record)
     if (record.measuredMs > 0.0f) {
         text += ", measured " + ms(double{record.measuredMs});
         if (chosen.predictedMs > 0.0f)
-            text += " (" + fixed(std::log2(double{record.measuredMs} / double{chosen.predictedMs}), 2) +
-                    " octaves off)";
+            text +=
+                " (" + fixed(std::log2(double{record.measuredMs} / double{chosen.predictedMs}), 2) + " octaves off)";
     } else {
         text += ", this frame was not timed";
     }
@@ -168,8 +170,7 @@ std::string passedOverLine(const DecisionRecord& record, const ExplainWords& wor
         break;
     }
     if (wanted.exclusion != Exclusion::none)
-        return name + " is wanted: " +
-               exclusionText(wanted, words.methods[record.wanted].unavailable, words.engine);
+        return name + " is wanted: " + exclusionText(wanted, words.methods[record.wanted].unavailable, words.engine);
     return {};
 }
 
@@ -242,8 +243,8 @@ void addOutscored(const DecisionRecord& record, const Candidate& candidate, Expl
 {
     if (record.method >= record.methods) return;
     const Candidate& chosen = record.candidates[record.method];
-    std::string text = "outscored: suitability " + fixed(suitabilityOf(candidate), 2) + " against " +
-                       fixed(suitabilityOf(chosen), 2);
+    std::string text =
+        "outscored: suitability " + fixed(suitabilityOf(candidate), 2) + " against " + fixed(suitabilityOf(chosen), 2);
     if (candidate.quantised < 0) text = "outscored: no rule has an opinion of any method";
     if (record.budgeted)
         text += "; worth (importance x suitability x quality) " +
@@ -345,7 +346,8 @@ std::string Selector::explain(const LightDecision& decision) const
     if (decision.switched && decision.incumbent != UINT32_MAX)
         text += "before: " + methods_[decision.incumbent].name + "\n";
     if (decision.outgoing != UINT32_MAX)
-        text += "fade: " + fixed(double{decision.fade}, 2) + ", the rest is " + methods_[decision.outgoing].name + "'s\n";
+        text +=
+            "fade: " + fixed(double{decision.fade}, 2) + ", the rest is " + methods_[decision.outgoing].name + "'s\n";
     if (decision.noFade) text += "no fade: " + std::string(decision.noFade) + "\n";
     text += "facts:";
     for (std::size_t i = 0; i < kFactCount; ++i)

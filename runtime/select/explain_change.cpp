@@ -26,8 +26,8 @@ std::string missText(const NearMiss& miss, const ExplainWords& words)
     std::string text = "  " + std::string(kFactNames[miss.fact].name) + " " + factText(fact, miss.from) + " -> " +
                        factText(fact, miss.to);
     if (!std::isnan(miss.from))
-        text += " (" + signedText(miss.to - miss.from, kFactNames[miss.fact].unit == std::string_view("count") ? 0 : 2) +
-                ")";
+        text += " (" +
+                signedText(miss.to - miss.from, kFactNames[miss.fact].unit == std::string_view("count") ? 0 : 2) + ")";
     return text + ": " + std::string(methodText(miss.method, words.methods)) + " instead";
 }
 
@@ -62,8 +62,8 @@ std::string explainWhatIf(const DecisionRecord& record, const ExplainWords& word
         lines.add(missText(misses[i], words));
     std::string still;
     for (const rules::CompiledVariable& variable : words.engine->compiled().variables) {
-        const bool flips = std::any_of(misses.begin(), misses.end(),
-                                       [&](const NearMiss& miss) { return miss.fact == variable.fact; });
+        const bool flips =
+            std::any_of(misses.begin(), misses.end(), [&](const NearMiss& miss) { return miss.fact == variable.fact; });
         if (!flips && variable.fact < kFactCount)
             still += (still.empty() ? "" : ", ") + std::string(kFactNames[variable.fact].name);
     }
@@ -93,8 +93,7 @@ void addFacts(const DecisionRecord& now, const DecisionRecord& before, const Exp
     std::string text;
     for (const auto& [share, i] : moved)
         text += (text.empty() ? "facts: " : "; ") + std::string(kFactNames[i].name) + " " +
-                factText(static_cast<Fact>(i), before.facts[i]) + " -> " +
-                factText(static_cast<Fact>(i), now.facts[i]);
+                factText(static_cast<Fact>(i), before.facts[i]) + " -> " + factText(static_cast<Fact>(i), now.facts[i]);
     lines.add(text.empty() ? "facts: all the same" : text);
 }
 
@@ -135,13 +134,14 @@ void addCandidates(const DecisionRecord& now, const DecisionRecord& before, cons
         const Candidate& b = now.candidates[m];
         const std::string name(methodText(m, words.methods));
         if (suitabilityText(a) != suitabilityText(b))
-            text += (text.empty() ? "suitability: " : "; ") + name + " " + suitabilityText(a) + " -> " +
-                    suitabilityText(b);
+            text +=
+                (text.empty() ? "suitability: " : "; ") + name + " " + suitabilityText(a) + " -> " + suitabilityText(b);
         if ((a.exclusion == Exclusion::none) == (b.exclusion == Exclusion::none)) return;
         const std::string_view unavailable = words.methods[m].unavailable;
         out += (out.empty() ? "" : "; ") + name +
-               (b.exclusion == Exclusion::none ? " can serve again (was out: " + exclusionText(a, unavailable, words.engine)
-                                               : " is out (" + exclusionText(b, unavailable, words.engine)) +
+               (b.exclusion == Exclusion::none
+                    ? " can serve again (was out: " + exclusionText(a, unavailable, words.engine)
+                    : " is out (" + exclusionText(b, unavailable, words.engine)) +
                ")";
     };
     compare(before.method);
@@ -162,8 +162,8 @@ void addPlan(const DecisionRecord& now, const DecisionRecord& before, Explanatio
                   two(before.budgetMs, now.budgetMs) + ": " + replanText(now.replan) +
                   (now.hold == plan::Hold::none ? "" : std::string("; held: ") + holdText(now.hold)));
     if (now.method < now.methods && before.method < before.methods)
-        lines.add("predicted " + two(before.candidates[before.method].predictedMs,
-                                     now.candidates[now.method].predictedMs));
+        lines.add("predicted " +
+                  two(before.candidates[before.method].predictedMs, now.candidates[now.method].predictedMs));
     if (now.knowledge != before.knowledge)
         lines.add("the cost model learned from " + std::to_string(now.knowledge - before.knowledge) + " timings");
 }
@@ -194,8 +194,9 @@ std::string explainWhatChanged(const DecisionRecord& record, const DecisionRecor
     lines.add(head + " (" + reasonText(record.reason) +
               (record.reason == before->reason ? ")" : std::string(", before: ") + reasonText(before->reason) + ")"));
     if (record.pinned != before->pinned)
-        lines.add(record.pinned == UINT32_MAX ? "the host handed the light back to the rules"
-                                              : "the host pinned " + std::string(methodText(record.pinned, words.methods)));
+        lines.add(record.pinned == UINT32_MAX
+                      ? "the host handed the light back to the rules"
+                      : "the host pinned " + std::string(methodText(record.pinned, words.methods)));
     if (record.ruleHash != before->ruleHash) lines.add("rules were loaded in between");
     addFacts(record, *before, words, lines);
     if (words.engine && record.ruleHash == before->ruleHash) addRules(record, *before, *words.engine, lines);

@@ -59,9 +59,8 @@ std::string exclusionText(const Candidate& candidate, std::string_view unavailab
     case Exclusion::refused:
         return candidate.refusal ? candidate.refusal : "refused by the method";
     case Exclusion::vetoed:
-        return "never, says rule " +
-               (engine ? std::string(engine->ruleId(static_cast<std::uint32_t>(candidate.detail)))
-                       : "number " + detail + " of a rule base no longer loaded");
+        return "never, says rule " + (engine ? std::string(engine->ruleId(static_cast<std::uint32_t>(candidate.detail)))
+                                             : "number " + detail + " of a rule base no longer loaded");
     }
     return {};
 }

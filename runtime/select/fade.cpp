@@ -18,7 +18,8 @@ Fade::Step Fade::advance(std::uint64_t frame, std::uint32_t method, std::uint32_
         now_.step = now_.length + 1 - now_.step;
     } else if (method != now_.shown) {
         const bool outgoingPrevails = running && 2 * now_.step < now_.length + 1;
-        now_ = {.outgoing = outgoingPrevails ? now_.outgoing : now_.shown, .shown = method, .step = 0, .length = length};
+        now_ = {
+            .outgoing = outgoingPrevails ? now_.outgoing : now_.shown, .shown = method, .step = 0, .length = length};
     }
     if (now_.outgoing == kNone) return {};
     if (++now_.step > now_.length) {

@@ -23,10 +23,9 @@ std::uint8_t packMethod(std::uint32_t method)
 template <typename Head>
 auto floatsOf(Head& head)
 {
-    return std::array{&head.floorTruth,  &head.floorStrength, &head.minimumQuality, &head.importance,
-                      &head.suitability, &head.measuredMs,    &head.budgetMs,       &head.usableMs,
-                      &head.planMs,      &head.errorMs,       &head.planValue,      &head.gain,
-                      &head.threshold};
+    return std::array{&head.floorTruth, &head.floorStrength, &head.minimumQuality, &head.importance, &head.suitability,
+                      &head.measuredMs, &head.budgetMs,      &head.usableMs,       &head.planMs,     &head.errorMs,
+                      &head.planValue,  &head.gain,          &head.threshold};
 }
 
 void writeHead(ByteWriter& out, const RecordHead& head)
@@ -73,8 +72,8 @@ void writeCandidate(ByteWriter& out, const Candidate& candidate, std::span<const
     out.real(candidate.sigmaMs);
     if (candidate.exclusion == Exclusion::none) return;
     out.integer(candidate.detail);
-    const auto refusal = candidate.refusal ? std::find(refusals.begin(), refusals.end(), candidate.refusal)
-                                           : refusals.end();
+    const auto refusal =
+        candidate.refusal ? std::find(refusals.begin(), refusals.end(), candidate.refusal) : refusals.end();
     out.integer(refusal == refusals.end() ? kNoRefusal : static_cast<std::uint16_t>(refusal - refusals.begin()));
 }
 
@@ -162,8 +161,8 @@ public:
         const auto records = in_.integer<std::uint32_t>();
         for (std::uint32_t i = 0; i < records && good(); ++i) {
             readRecord();
-            if (!good() && fault_.empty()) fault_ = "ends within record " + std::to_string(i + 1) + " of " +
-                                                    std::to_string(records);
+            if (!good() && fault_.empty())
+                fault_ = "ends within record " + std::to_string(i + 1) + " of " + std::to_string(records);
         }
         if (good() && in_.left() != 0) fault_ = "has " + std::to_string(in_.left()) + " bytes too many";
         if (in_.failed && fault_.empty()) fault_ = "ends too early";
