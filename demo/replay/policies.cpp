@@ -97,7 +97,7 @@ public:
             cost::Observation observation{.light = timing.slot,
                                           .method = timing.method,
                                           .workload = workloadOf(trace, light, timing.method),
-                                          .samplesSinceSwitch = left ? 0 : age};
+                                          .framesSinceSwitch = left ? 0 : age};
             forEachPass(trace.measure(frame, timing.slot, timing.method),
                         [&](cost::Pass pass, cost::Processor processor, double ms) {
                             observation.pass = pass;

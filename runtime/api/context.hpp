@@ -142,6 +142,7 @@ private:
     void openGraph(const GnFrameInfo& info);
     Result<void> assessView(std::uint32_t viewIndex, const GnViewFrame& frame, const GnFrameInfo& info, FrameMode mode);
     void planLights(const GnFrameInfo& info);
+    bool learnsFrom(std::uint64_t frame) const;
     double meanFrameRate() const;
     void updateBudget(const GnFrameInfo& info);
     void declareLight(const PendingLight& pending, FrameMode mode);
@@ -204,6 +205,7 @@ private:
     std::uint64_t frame_ = 0;    ///< Newest begun; 0: none.
     std::uint64_t recorded_ = 0; ///< Newest recorded that may still be dropped.
     std::uint64_t timingsTaken_ = 0;
+    std::uint64_t changedAt_ = 0; ///< Frame of the switches whose methods are timed next.
     std::array<double, 3> origin_{};
     bool originSet_ = false;
     PipelineId gridPipeline_, mixPipeline_;

@@ -16,6 +16,7 @@ namespace {
 constexpr double kOriginStep = 256.0;
 // One frame in eight carries full barriers and a pair of timestamps around every pass; they cost up to 20 % there.
 constexpr std::uint64_t kTimedPeriod = 8;
+constexpr std::uint64_t kLearnFrames = cost::kSettleFrames + cost::kPersistentTimings; ///< From a switch on.
 // Nothing fits it, so the plan step returns the cheapest plan.
 constexpr double kNextToNothingMs = 1e-3;
 
@@ -111,7 +112,8 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
         declareLight(pending, mode);
     recordDecisions();
 
-    const bool timed = timeEveryFrame_ || (info.flags & GN_FRAME_TIMED_BIT) || info.frame % kTimedPeriod == 0;
+    const bool timed = timeEveryFrame_ || (info.flags & GN_FRAME_TIMED_BIT) || info.frame % kTimedPeriod == 0 ||
+                       learnsFrom(info.frame);
     const ExecutorFrame frame{.frame = info.frame,
                               .completedFrame = info.completedFrame,
                               .timed = timed,
@@ -349,20 +351,19 @@ Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& fra
             memory.measured = true;
             memory.measuredAt = info.frame;
         }
-        const SelectionInput input{
-            .view = &view.camera,
-            .light = &light,
-            .casters = &casters,
-            .pinned = state.pinned,
-            .dynamicLights = dynamicLights,
-            .lightMotion = state.motion.share(),
-            .frameBudget = budgetMs_ > 0.0 ? lastPredictedMs_ / budgetMs_ : 0.0,
-            .frameRate = rate,
-            .importance = light.importance,
-            .recorded = mode == FrameMode::recorded,
-            .still = (state.motion.bits & 1) == 0,
-            .memoryLeft = memory_->limit() - std::min(memory_->used(), memory_->limit()),
-            .frame = info.frame};
+        const SelectionInput input{.view = &view.camera,
+                                   .light = &light,
+                                   .casters = &casters,
+                                   .pinned = state.pinned,
+                                   .dynamicLights = dynamicLights,
+                                   .lightMotion = state.motion.share(),
+                                   .frameBudget = budgetMs_ > 0.0 ? lastPredictedMs_ / budgetMs_ : 0.0,
+                                   .frameRate = rate,
+                                   .importance = light.importance,
+                                   .recorded = mode == FrameMode::recorded,
+                                   .still = (state.motion.bits & 1) == 0,
+                                   .memoryLeft = memory_->limit() - std::min(memory_->used(), memory_->limit()),
+                                   .frame = info.frame};
         view.decisions.push_back(selector_->assess(input, memory));
         LightDecision& decision = view.decisions.back();
         plan_->add(decision, memory, input);
@@ -413,8 +414,19 @@ void Context::planLights(const GnFrameInfo& info)
         predictedMs_ += pending.decision->predictedMs;
     }
     settleFades();
+    const bool changed = std::any_of(pending_.begin(), pending_.end(), [&](const PendingLight& pending) {
+        return pending.memory->methodSince == info.frame;
+    });
+    if (changed && countsTime(base) && info.frame >= changedAt_ + kLearnFrames) changedAt_ = info.frame;
     for (const ViewFrame& viewFrame : viewFrames_)
         viewFrame.view->lastFrame = info.frame;
+}
+
+/// What has just been switched on is known least: its first settled frames are timed. Of frames that all bring changes
+/// four in seven are.
+bool Context::learnsFrom(std::uint64_t frame) const
+{
+    return changedAt_ != 0 && frame >= changedAt_ + cost::kSettleFrames && frame < changedAt_ + kLearnFrames;
 }
 
 double Context::meanFrameRate() const

@@ -17,7 +17,7 @@ constexpr double kTexelsReference = 20.0;
 constexpr double kCastersReference = 4.0;
 constexpr double kFewTriangles = 500.0;    // drawn in the time that an empty pass takes
 constexpr double kClearShare = 1.0 / 32.0; // of a pixel's shading: what clearing one costs
-constexpr double kBend = 1.0 / 8.0; // products reach the size of the logarithms at 8 octaves from the reference
+constexpr double kBend = 1.0 / 8.0;        // products reach the size of the logarithms at 8 octaves from the reference
 
 constexpr double kForgetting = 0.999;   // remembers about 1000 timings, some seconds of frames
 constexpr double kClip = 0.25;          // octaves. A spike of x4 moves the fit no more than one of x1.19
@@ -31,7 +31,6 @@ constexpr double kLightsRate = 0.002;  // of the variance among lights: some sec
 constexpr double kNoiseRate = 0.02;    // smoothing of the noise over 50 timings
 constexpr double kForeignVariance = 1.0; // of the device factor of a foreign calibration: within a factor of 2
 
-constexpr uint32_t kDiscarded = 3;     // timings after a switch: caches, allocation, clocks
 constexpr double kResidualBlend = 8.0; // n / (n + 8): the residual has half its weight after 8 timings
 constexpr double kSceneBlend = 1.0;    // lights of a scene have as much in common as they differ by
 constexpr double kResidualMost = 32.0; // effective timings: new ones always count for 1/32 at least
@@ -262,7 +261,7 @@ void CostModel::learn(Residual& own, const Features& f, double error) noexcept
 void CostModel::observe(const Observation& observation) noexcept
 {
     if (observation.method >= methods_ || observation.light >= lights_ || !isTime(observation.ms)) return;
-    if (observation.disturbed || observation.samplesSinceSwitch < kDiscarded) return;
+    if (observation.disturbed || observation.framesSinceSwitch < kSettleFrames) return;
     const uint32_t t = trackOf(observation.pass, observation.processor);
     const Features f = featuresOf(observation.workload, observation.pass);
     Track& known = track(observation.method, t);

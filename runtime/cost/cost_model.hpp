@@ -37,17 +37,17 @@ constexpr uint32_t trackOf(Pass pass, Processor processor)
 
 /// What the time depends on.
 struct Workload {
-    double pixels = 0.0;          ///< Reached by the light.
-    double casterTriangles = 0.0; ///< In range of the light.
-    double mapTexels = 0.0;       ///< Of the method's maps for this light; 0: none.
-    double sharing = 1.0;         ///< Lights of the frame.
-    bool still = false;           ///< Light and casters stand still: the update may be skipped.
-    double drawnTriangles = 0.0;  ///< Of the casters', those an update draws; 0: all of them.
-    double casters = 0.0;         ///< Instances in range.
+    double pixels = 0.0;                     ///< Reached by the light.
+    double casterTriangles = 0.0;            ///< In range of the light.
+    double mapTexels = 0.0;                  ///< Of the method's maps for this light; 0: none.
+    double sharing = 1.0;                    ///< Lights of the frame.
+    bool still = false;                      ///< Light and casters stand still: the update may be skipped.
+    double drawnTriangles = 0.0;             ///< Of the casters', those an update draws; 0: all of them.
+    double casters = 0.0;                    ///< Instances in range.
     bool directional = false, point = false; ///< Kind of light; neither: a spot light.
-    double drawnPixels = 0.0; ///< Of the screen rectangle around the light; 0: `pixels`.
-    double viewPixels = 0.0;  ///< Of the view; 0: `pixels`.
-    double shadowPixels = 0.0; ///< Touched by the sides of shadow volumes; 0 for methods that draw none.
+    double drawnPixels = 0.0;                ///< Of the screen rectangle around the light; 0: `pixels`.
+    double viewPixels = 0.0;                 ///< Of the view; 0: `pixels`.
+    double shadowPixels = 0.0;               ///< Touched by the sides of shadow volumes; 0 for methods that draw none.
 
     bool operator==(const Workload&) const = default;
 };
@@ -57,6 +57,11 @@ using Features =
     std::array<double, kFeatures>; ///< 1, then the workload in logarithms less a reference size, then curvature.
 Features featuresOf(const Workload& workload, Pass pass) noexcept;
 
+/// What is timed in the first frames after a switch is passed over: caches, allocation, clocks.
+inline constexpr uint32_t kSettleFrames = 3;
+/// Timings alike that replace what was thought of a light. So many frames are timed once it has settled.
+inline constexpr uint32_t kPersistentTimings = 4;
+
 /// One timing.
 struct Observation {
     uint32_t light = 0; ///< Slot below the lights of resize().
@@ -65,7 +70,7 @@ struct Observation {
     Processor processor = Processor::gpu;
     Workload workload;
     double ms = 0.0;
-    uint32_t samplesSinceSwitch = 1u << 30; ///< Timings of this light since its method changed, this one excluded.
+    uint64_t framesSinceSwitch = 1u << 30; ///< Frames since the light's method changed.
     bool disturbed = false; ///< Pipeline compilation, resize, capture, first use: not the method's doing.
 };
 
@@ -121,7 +126,7 @@ private:
     struct Residual {
         double octaves = 0.0;
         double samples = 0.0; ///< Effective; fades with the distance of the features.
-        std::array<double, 4> recent{};
+        std::array<double, kPersistentTimings> recent{};
         Features at{};
         uint8_t recentCount = 0, recentNext = 0;
     };
@@ -164,7 +169,7 @@ private:
         uint32_t next = 0;
     };
     mutable std::array<Recall, 2> recalled_{}; ///< By pass.
-    std::vector<double> frameErrors_;    ///< Of the current frame; fixed capacity, more are not collected.
+    std::vector<double> frameErrors_;          ///< Of the current frame; fixed capacity, more are not collected.
     uint32_t frameErrorCount_ = 0;
     std::array<double, 5> steps_{}; ///< Medians of the newest frames.
     uint32_t stepCount_ = 0, stepNext_ = 0;

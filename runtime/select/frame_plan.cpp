@@ -16,8 +16,9 @@ namespace {
 // A prediction stands for so many frames, unless the light was timed or its workload left kSameShare of where it was.
 // Timings come once in eight frames, so nothing newer is known in between.
 constexpr std::uint64_t kPredictEvery = 8;
-// Timings of one frame in eight; three are passed over after a switch, and four alike correct a prediction.
-constexpr std::uint64_t kPriceFrames = 8 * 7;
+// The frames timed after a switch, when their timings are known (two frames late), twice: the first change may have
+// been one of many, and those of the same frames are learned from together.
+constexpr std::uint64_t kPriceFrames = 2 * (cost::kSettleFrames + cost::kPersistentTimings + 2);
 constexpr double kSameShare = 1.0 / 32.0; // 3 %: a time follows by less, and the model's own error is five times that
 
 /// Side of a method's maps, texels; 0: it has none.
@@ -346,7 +347,9 @@ void FramePlan::observe(LightMemory& memory, std::uint32_t method, const LightTi
                                   .method = method,
                                   .workload = workload,
                                   // A method on its way out teaches nothing, nor does it age the one that serves.
-                                  .samplesSinceSwitch = method == memory.incumbent ? memory.timedSinceSwitch++ : 0,
+                                  .framesSinceSwitch = method == memory.incumbent && timing.frame > memory.methodSince
+                                                           ? timing.frame - memory.methodSince
+                                                           : 0,
                                   .disturbed = disturbed};
     auto tell = [&](cost::Pass pass, cost::Processor processor, float ms) {
         if (!(ms > 0.0f)) return;

@@ -159,11 +159,11 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     std::uint32_t fallbacks = 0;
     for (std::uint32_t i = 0; i < methods_.size(); ++i)
         fallbacks |= methods_[i].has(GN_TRAIT_FALLBACK_BIT) ? 1u << i : 0u;
-    const Choice choice = chooseBySuitability(std::span(decision.candidates).first(methods_.size()),
-                                              {.incumbent = decision.incumbent,
-                                               .pinned = input.pinned,
-                                               .fallbacks = fallbacks,
-                                               .hasRules = engine_.has_value()});
+    const Choice choice =
+        chooseBySuitability(std::span(decision.candidates).first(methods_.size()), {.incumbent = decision.incumbent,
+                                                                                    .pinned = input.pinned,
+                                                                                    .fallbacks = fallbacks,
+                                                                                    .hasRules = engine_.has_value()});
     decision.method = choice.method;
     decision.wanted = choice.wanted;
     decision.reason = choice.reason;
@@ -181,7 +181,7 @@ void Selector::commit(LightDecision& decision, LightMemory& memory, std::uint64_
         decision.measuredMs = memory.measuredMs[decision.method];
     }
     decision.switched = memory.incumbent != UINT32_MAX && decision.method != memory.incumbent;
-    if (decision.method != memory.incumbent) memory.timedSinceSwitch = 0;
+    if (decision.method != memory.incumbent) memory.methodSince = frame;
     memory.incumbent = decision.method;
     memory.lastFrame = frame;
 }

@@ -34,12 +34,12 @@ enum class Exclusion : std::uint8_t {
 struct Candidate {
     Exclusion exclusion = Exclusion::none;
     bool opinion = false;
-    std::int32_t quantised = -1;   ///< Suitability in steps of 1/4096; -1: no opinion.
-    std::uint64_t detail = 0;      ///< Count, bytes or rule, as the exclusion says.
-    const char* refusal = nullptr; ///< Static storage.
-    float quality = 0.0f;          ///< Share of the truth it keeps, as the plan counts it; from the plan on.
-    float predictedMs = 0.0f;      ///< By the cost model.
-    float sigmaMs = 0.0f;          ///< Standard error of the prediction.
+    std::int32_t quantised = -1;          ///< Suitability in steps of 1/4096; -1: no opinion.
+    std::uint64_t detail = 0;             ///< Count, bytes or rule, as the exclusion says.
+    const char* refusal = nullptr;        ///< Static storage.
+    float quality = 0.0f;                 ///< Share of the truth it keeps, as the plan counts it; from the plan on.
+    float predictedMs = 0.0f;             ///< By the cost model.
+    float sigmaMs = 0.0f;                 ///< Standard error of the prediction.
     plan::Why why = plan::Why::outscored; ///< By the plan step, or by the best suitability where there is none.
 };
 
@@ -68,12 +68,12 @@ struct LightDecision {
     float viewerDistance = 0.0f;
     bool distanceMeasured = false;
     bool switched = false;
-    std::uint32_t outgoing = UINT32_MAX; ///< Runs as well while the picture fades from it.
-    float fade = 1.0f;                   ///< Share of `method` in what is shown.
-    const char* noFade = nullptr;        ///< Why a fade was not begun, or cut short. Static storage.
-    bool floorUnmet = false;             ///< Near, but no eligible method is good enough.
-    double floorTruth = 0.0;             ///< How true the rule base's condition for near quality is.
-    std::uint32_t rule = rules::kNoRule; ///< Strongest behind the method.
+    std::uint32_t outgoing = UINT32_MAX;        ///< Runs as well while the picture fades from it.
+    float fade = 1.0f;                          ///< Share of `method` in what is shown.
+    const char* noFade = nullptr;               ///< Why a fade was not begun, or cut short. Static storage.
+    bool floorUnmet = false;                    ///< Near, but no eligible method is good enough.
+    double floorTruth = 0.0;                    ///< How true the rule base's condition for near quality is.
+    std::uint32_t rule = rules::kNoRule;        ///< Strongest behind the method.
     std::array<FiredRule, kFiredRules> fired{}; ///< Strongest first.
     std::uint32_t pinned = UINT32_MAX;
     float importance = 1.0f;
@@ -95,7 +95,7 @@ struct LightMemory {
     Fade fade;
     cost::Workload workload;             ///< As the last frame saw it.
     std::uint32_t costSlot = UINT32_MAX; ///< In the cost model.
-    std::uint32_t timedSinceSwitch = 0;  ///< Timings since the method changed.
+    std::uint64_t methodSince = 0;       ///< Frame in which the method last changed.
     std::uint64_t pricedAt = 0;          ///< Frame in which the method last changed for its price.
 };
 

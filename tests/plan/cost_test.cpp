@@ -209,11 +209,11 @@ TEST_CASE("spikes, cold starts and disturbed frames leave the prediction where i
     model.endFrame();
     CHECK(model.predict(0, 0, Pass::resolve, workloads[0]).ms == doctest::Approx(before).epsilon(0.03));
     for (uint32_t i = 0; i < 3; ++i) {
-        spike.samplesSinceSwitch = i;
+        spike.framesSinceSwitch = i;
         model.observe(spike);
         model.endFrame();
     }
-    spike.samplesSinceSwitch = 100;
+    spike.framesSinceSwitch = 100;
     spike.disturbed = true;
     for (int i = 0; i < 50; ++i) {
         model.observe(spike);
@@ -288,7 +288,7 @@ TEST_CASE("one light that is foretold at a third of its time is right within a s
                                .pass = pass,
                                .workload = workloads[light],
                                .ms = truth.timed(random, light, light % kMethods, pass, workloads[light]),
-                               .samplesSinceSwitch = timed});
+                               .framesSinceSwitch = timed});
         model.endFrame();
     }
     MESSAGE("octaves off after one second: ", error(5), "; another light ", other, " -> ", error(1));

@@ -14,7 +14,8 @@ typedef struct GnPassTiming {
     float cpuMs;    ///< Host and prepare passes, and recording.
 } GnPassTiming;
 
-/** \brief Timings of the newest completed *timed* frame (one in eight; every one with the flag), two frames late. */
+/** \brief Timings of the newest completed *timed* frame, two frames late. Timed are one frame in eight, four after a
+method changed while time is counted, and every one with the flag. */
 GN_API GnResult GN_CALL gnGetPassTimings(GnContext context, uint64_t* pFrame, uint32_t* pCount, GnPassTiming* pTimings);
 /** \brief Names, views, lights and levels of the passes of the *last* frame; times are 0. */
 GN_API GnResult GN_CALL gnGetFramePasses(GnContext context, uint32_t* pCount, GnPassTiming* pPasses);
@@ -41,7 +42,7 @@ typedef struct GnLightTiming {
     double shadowPixels;    ///< Estimated, touched by the sides of shadow volumes; 0 for methods that draw none.
 } GnLightTiming;
 
-/** \brief The newest timing of a light in a view: of a *timed* frame (one in eight; every one with the flag), two
+/** \brief The newest timing of a light in a view: of a *timed* frame (see gnGetPassTimings()), two
 frames late. A row of a knowledge base is made of these. */
 GN_API GnResult GN_CALL gnGetLightTiming(GnContext context, GnView view, GnLight light, GnLightTiming* pTiming);
 
