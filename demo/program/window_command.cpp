@@ -10,6 +10,7 @@
 #include "demo/io/number.hpp"
 #include "demo/io/png.hpp"
 #include "demo/program/commands.hpp"
+#include "demo/program/decision_log.hpp"
 #include "demo/program/frame_log.hpp"
 #include "demo/program/pictures.hpp"
 #include "demo/program/rule_watch.hpp"
@@ -24,7 +25,8 @@ constexpr double kMetresPerSecond = 4.0, kFastFactor = 4.0;
 constexpr double kRadiansPerPixel = 0.004; // half a turn over 800 pixels
 constexpr const char* kHelp =
     "keys: W A S D Q E move (shift: fast), right mouse button looks around, C scripted camera,\n"
-    "      Tab next light, 1-9 pin a method on it, 0 hand it back to the rules, P pause,\n"
+    "      Tab next light, 1-9 pin a method on it, 0 hand it back to the rules, Y why it has its method,\n"
+    "      X what would change that, P pause,\n"
     "      F12 screenshot.png, Esc quits\n";
 
 /// Follows the scene's camera until the first key, then flies.
@@ -86,6 +88,10 @@ public:
         if (session_.scene.lights.empty()) return;
         if (key == GLFW_KEY_TAB)
             light_ = (light_ + 1) % static_cast<uint32_t>(session_.scene.lights.size());
+        else if (key == GLFW_KEY_Y)
+            answer(GN_QUESTION_WHY);
+        else if (key == GLFW_KEY_X)
+            answer(GN_QUESTION_WHAT_IF);
         else if (key == GLFW_KEY_0)
             show(session_.shadows.pin(light_, ""));
         else if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9 && size_t(key - GLFW_KEY_1) < methods_.size())
@@ -97,6 +103,26 @@ private:
     static void show(const Status& status)
     {
         if (!status) std::fprintf(stderr, "%s\n", status.error().c_str());
+    }
+    /// About the selected light in the newest frame.
+    void answer(GnQuestionKind kind) const
+    {
+        const ShadowHost& shadows = session_.shadows;
+        const GnQuestion question{.kind = kind};
+        size_t size = 0;
+        std::string text;
+        GnResult result =
+            gnExplain(shadows.context(), shadows.view(0), shadows.light(light_), &question, &size, nullptr);
+        if (result >= 0) {
+            text.resize(size);
+            result =
+                gnExplain(shadows.context(), shadows.view(0), shadows.light(light_), &question, &size, text.data());
+        }
+        if (result >= 0)
+            std::printf("%s: %s\n", session_.scene.lights[light_].name.c_str(), text.c_str());
+        else
+            std::fprintf(stderr, "%s: %s\n", session_.scene.lights[light_].name.c_str(),
+                         gnGetLastError(shadows.context()));
     }
     Session& session_;
     std::vector<std::string> methods_;
@@ -151,9 +177,10 @@ int windowCommand(const RunOptions& options)
     uint32_t frame = 0, resizes = 0;
     Clock::time_point last = Clock::now();
     RuleWatch watch(options.rules);
+    DecisionCollector decisions;
     while (!window.closed()) {
         window.pollEvents();
-        watch.poll(session.shadows);
+        watch.poll(session.shadows, [&] { decisions.collect(session.shadows); }); // under the rules that made them
         const Clock::time_point now = Clock::now();
         const double seconds = std::chrono::duration<double>(now - last).count();
         last = now;
@@ -181,6 +208,7 @@ int windowCommand(const RunOptions& options)
         });
         if (!drawn) continue;
         log.add(frame, time, session.renderer.state(), session.shadows);
+        decisions.frame(session.shadows, session.shadows.stats().frame);
         log.finish(seconds * 1000.0);
         smoothedMs = frame < 2 ? seconds * 1000.0 : 0.9 * smoothedMs + 0.1 * seconds * 1000.0; // some ten frames
         if (frame++ % 10 == 0)
@@ -198,6 +226,9 @@ int windowCommand(const RunOptions& options)
     if (!options.screenshot.empty()) expect(writePng(options.screenshot, session.renderer.readColour()));
     window.finish();
     requireSilence(session.device);
+    decisions.collect(session.shadows);
+    for (const std::string& text : options.why)
+        std::printf("%s", valueOf(answerFromLog(decisions.bytes(), valueOf(parseWhy(text)))).c_str());
     std::printf("%s", log.summaryText().c_str());
     return 0;
 }
