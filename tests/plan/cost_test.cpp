@@ -273,8 +273,8 @@ TEST_CASE("one light that is foretold at a third of its time is right within a s
         truth.own[5 * kMethods + m] *= 17.0 / 5.4; // what a moving spot light over a scanned mesh was off by
     const auto error = [&](uint32_t light) {
         const uint32_t m = light % kMethods;
-        const double real = truth.ms(light, m, Pass::update, workloads[light]) +
-                            truth.ms(light, m, Pass::resolve, workloads[light]);
+        const double real =
+            truth.ms(light, m, Pass::update, workloads[light]) + truth.ms(light, m, Pass::resolve, workloads[light]);
         return std::fabs(std::log2(model.predict(light, m, workloads[light], false).ms / real));
     };
     CHECK(error(5) > 1.0);
@@ -294,6 +294,44 @@ TEST_CASE("one light that is foretold at a third of its time is right within a s
     MESSAGE("octaves off after one second: ", error(5), "; another light ", other, " -> ", error(1));
     CHECK(error(5) < 0.35);
     CHECK(error(1) < other + 0.15);
+}
+
+TEST_CASE("what a scene's lights have in common is expected of a light that the method has not served")
+{
+    Random random(21);
+    Truth truth(random);
+    CostModel model;
+    model.resize(kMethods, kLights);
+    calibrate(model, truth, random);
+    const auto workloads = workloadsFor(random);
+    constexpr uint32_t kServed = 4;
+    const auto error = [&] { // of lights that method 2 has not served, octaves
+        double sum = 0.0;
+        for (uint32_t light = kServed; light < kLights; ++light)
+            sum += std::log2(truth.ms(light, 2, Pass::resolve, workloads[light]) /
+                             model.predict(light, 2, Pass::resolve, workloads[light]).ms);
+        return sum / (kLights - kServed);
+    };
+    const double fit = error(); // what the model's form leaves over
+    truth.method = 1.6;         // of method 2, in this scene
+    const double before = error() - fit;
+    for (uint32_t frame = 0; frame < 8; ++frame) { // the others say that it is not the device
+        for (uint32_t light = 0; light < kLights; ++light)
+            for (const Pass pass : kPasses) {
+                const uint32_t m = light < kServed ? 2 : light % 2 ? 4 : 5;
+                model.observe({.light = light,
+                               .method = m,
+                               .pass = pass,
+                               .workload = workloads[light],
+                               .ms = truth.timed(random, light, m, pass, workloads[light])});
+            }
+        model.endFrame();
+    }
+    MESSAGE("octaves off: ", before, " -> ", error() - fit);
+    CHECK(std::fabs(error() - fit) < 0.2 * before);
+    for (uint32_t light = 0; light < kServed; ++light)
+        model.forgetLight(light); // others come: what is known of the scene is known
+    CHECK(std::fabs(error() - fit) < 0.2 * before);
 }
 
 TEST_CASE("slow drift is followed")
@@ -414,12 +452,13 @@ TEST_CASE("a damaged knowledge base is an error or loses only its damaged rows")
     CHECK(parseKnowledge("# gnomon knowledge 99\n").error.find("version '99'") != std::string::npos);
     CHECK(parseKnowledge("# gnomon knowledge 2\ndevice,driver\n").error == "column 'algorithm' is missing");
     const std::string good = "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,5,1,1.5,2,0,0,0,0,0,2026\n";
-    for (const char* bad : {"d,v,shadow_map,resolve,nan,10,0,1,0,10,1,0,0,900,2000,700,5,1,1.5,2,0,0,0,0,0,2026\n",
-                            "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,5,1,inf,2,0,0,0,0,0,2026\n",
-                            "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,5,1,-1,2,0,0,0,0,0,2026\n",
-                            "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,5,1,\"1,5\",2,0,0,0,0,0,2026\n",
-                            "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,5,0,0,2,0,0,0,0,0,2026\n",
-                            "d,v,shadow_map,cook,1000,10,0,1,0,10,1,0,0,900,2000,700,5,1,1,2,0,0,0,0,0,2026\n", "d,v\n", "\"\n"}) {
+    for (const char* bad :
+         {"d,v,shadow_map,resolve,nan,10,0,1,0,10,1,0,0,900,2000,700,5,1,1.5,2,0,0,0,0,0,2026\n",
+          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,5,1,inf,2,0,0,0,0,0,2026\n",
+          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,5,1,-1,2,0,0,0,0,0,2026\n",
+          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,5,1,\"1,5\",2,0,0,0,0,0,2026\n",
+          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,5,0,0,2,0,0,0,0,0,2026\n",
+          "d,v,shadow_map,cook,1000,10,0,1,0,10,1,0,0,900,2000,700,5,1,1,2,0,0,0,0,0,2026\n", "d,v\n", "\"\n"}) {
         const KnowledgeResult result = parseKnowledge(head + bad + good);
         REQUIRE(result.base);
         CHECK(result.base->rows.size() == 1);
@@ -449,9 +488,9 @@ TEST_CASE("what a method shows wrongly is its author's figure, corrected by ever
         row.wrongPercent = wrong;
         rows.push_back(row);
     };
-    add("here", Pass::resolve, 512.0, false, 0.4, 3.0);  // 0.2 at 1024
-    add("here", Pass::resolve, 2048.0, true, 0.1, 9.0);  // 0.2 at 1024, faces of a cube
-    add("here", Pass::update, 512.0, false, 0.4, 3.0);   // the same measurement as the first
+    add("here", Pass::resolve, 512.0, false, 0.4, 3.0);    // 0.2 at 1024
+    add("here", Pass::resolve, 2048.0, true, 0.1, 9.0);    // 0.2 at 1024, faces of a cube
+    add("here", Pass::update, 512.0, false, 0.4, 3.0);     // the same measurement as the first
     add("there", Pass::resolve, 1024.0, false, 0.2, 70.0); // another device shows the same
     add("here", Pass::resolve, 1024.0, false, kNotMeasured, 4.0);
     const KnowledgeBase base{.rows = rows, .findings = {}, .rejected = 0};
