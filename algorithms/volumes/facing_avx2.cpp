@@ -1,0 +1,48 @@
+#include "algorithms/volumes/facing_kernel.hpp"
+
+#include <immintrin.h>
+
+namespace gnomon::facing {
+
+namespace {
+
+struct Light {
+    __m256 x, y, z, w;
+};
+
+/// -1 where one of eight faces looks towards the light, else 0.
+[[gnu::always_inline]] inline __m256i towards(const FaceBlock* block, uint32_t first, const Light& light)
+{
+    const __m256 xy = _mm256_add_ps(_mm256_mul_ps(_mm256_load_ps(block->x + first), light.x),
+                                    _mm256_mul_ps(_mm256_load_ps(block->y + first), light.y));
+    const __m256 xyz = _mm256_add_ps(xy, _mm256_mul_ps(_mm256_load_ps(block->z + first), light.z));
+    const __m256 sum = _mm256_add_ps(xyz, _mm256_mul_ps(_mm256_load_ps(block->w + first), light.w));
+    return _mm256_castps_si256(_mm256_cmp_ps(sum, _mm256_setzero_ps(), _CMP_GT_OQ));
+}
+
+/// As words, by halves of registers: faces 0-3 8-11 | 4-7 12-15.
+[[gnu::always_inline]] inline __m256i words(const FaceBlock* block, const Light& light)
+{
+    return _mm256_packs_epi32(towards(block, 0, light), towards(block, 8, light));
+}
+
+} // namespace
+
+void runAvx2(const FaceBlock* blocks, size_t count, const float* light, uint8_t* facing)
+{
+    const Light spread{_mm256_set1_ps(light[0]), _mm256_set1_ps(light[1]), _mm256_set1_ps(light[2]),
+                       _mm256_set1_ps(light[3])};
+    // Two blocks fill a register of bytes; their quarters come out as 0 2 4 6 | 1 3 5 7.
+    const __m256i order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
+    for (; count >= 2; count -= 2, blocks += 2, facing += 2 * kBlockFaces) {
+        const __m256i bytes = _mm256_packs_epi16(words(blocks, spread), words(blocks + 1, spread));
+        const __m256i sorted = _mm256_permutevar8x32_epi32(bytes, order);
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(facing), _mm256_and_si256(sorted, _mm256_set1_epi8(1)));
+    }
+    if (count == 0) return;
+    const __m256i last = _mm256_permute4x64_epi64(words(blocks, spread), 0xd8);
+    const __m128i bytes = _mm_packs_epi16(_mm256_castsi256_si128(last), _mm256_extracti128_si256(last, 1));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(facing), _mm_and_si128(bytes, _mm_set1_epi8(1)));
+}
+
+} // namespace gnomon::facing
