@@ -216,9 +216,20 @@ Result<BufferRing*> ResourcePool::persistentBuffer(std::uint64_t key, const Buff
     if (!ring.current || ring.current->gpu.size < info.size) {
         if (auto renewed = renew(ring, info); !renewed) return renewed.error();
     }
-    ring.current->kept.lastUsed = frame_;
+    KeptState& kept = ring.current->kept;
+    if (kept.lastUsed != frame_) kept.usedBefore = kept.lastUsed;
+    kept.lastUsed = frame_;
     touch(*ring.current);
     return &ring;
+}
+
+Result<void> ResourcePool::replace(BufferRing& ring, const BufferInfo& info)
+{
+    if (ring.renewed == frame_) return {};
+    PooledBuffer* old = ring.current;
+    Result<void> renewed = renew(ring, info);  // not to the old one, which this frame has touched
+    old->kept.lastUsed = old->kept.usedBefore; // and does not use after all
+    return renewed;
 }
 
 Result<void> ResourcePool::renew(BufferRing& ring, const BufferInfo& info)
@@ -248,6 +259,7 @@ Result<void> ResourcePool::renew(BufferRing& ring, const BufferInfo& info)
         chosen = ring.versions.back().get();
     }
     ring.current = chosen;
+    ring.renewed = frame_;
     chosen->kept.stamp = 0;
     chosen->kept.lastUsed = frame_;
     touch(*chosen);
@@ -341,7 +353,7 @@ void ResourcePool::withdraw()
     }
     for (BufferRing* ring : touchedRings_) {
         ring->current = ring->savedCurrent;
-        ring->savedFrame = 0;
+        ring->savedFrame = ring->renewed = 0;
     }
     touchedImages_.clear();
     touchedBuffers_.clear();
