@@ -1,7 +1,6 @@
 #include "runtime/passes/resources.hpp"
 
 #include <algorithm>
-#include <bit>
 
 namespace gnomon {
 
@@ -126,7 +125,7 @@ Result<std::unique_ptr<PooledImage>> ResourcePool::makeImage(const ImageInfo& in
 
 Result<std::unique_ptr<PooledBuffer>> ResourcePool::makeBuffer(const BufferInfo& info)
 {
-    const VkDeviceSize size = std::bit_ceil(std::max<VkDeviceSize>(info.size, 256));
+    const VkDeviceSize size = pooledSize(info.size);
     Result<GpuBuffer> gpu = memory_.createBuffer(size, kBufferUsage, memoryUse(info.place), info.name);
     if (!gpu) {
         evict(size);

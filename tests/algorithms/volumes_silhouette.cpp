@@ -211,6 +211,19 @@ TEST_CASE("a triangle has three sides, a lone quad four, a tetrahedron three or 
     }
 }
 
+TEST_CASE("the topology of a closed mesh takes 76 bytes a triangle")
+{
+    for (const std::uint32_t segments : {16u, 64u, 160u}) {
+        const Mesh ring = torus(1.0f, 0.35f, segments, segments);
+        const Topology topology = buildTopology(ring.positions, ring.indices);
+        const std::size_t bytes = topology.edges.capacity() * sizeof(Topology::Edge) +
+                                  topology.uses.capacity() * sizeof(Topology::EdgeUse) +
+                                  (topology.facePlanes.size() + kBlockFaces - 1) / kBlockFaces * sizeof(FaceBlock) +
+                                  topology.faceVerts.capacity() * sizeof(std::uint32_t);
+        CHECK(bytes == 76 * ring.indices.size() / 3);
+    }
+}
+
 TEST_CASE("a flattened caster still faces the light with one side")
 {
     const glm::mat3 flat(1, 0, 0, 0, 0, 0, 0, 0, 1);
