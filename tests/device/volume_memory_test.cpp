@@ -151,6 +151,43 @@ TEST_CASE_FIXTURE(DeviceTest, "caps take 24 bytes a triangle of the casters that
     CHECK(caps.bytes == 2 * rounded(statedBytes(scene, kAll).caps));
 }
 
+TEST_CASE_FIXTURE(DeviceTest,
+                  "silhouettes on the device take the topology of every mesh once, and 16 bytes a piece and frame")
+{
+    MemoryBooks books;
+    const Scene scene = memoryScene();
+    Drawn drawn(books, "stencil_volume", scene, {.extent = kExtent, .framesInFlight = 2});
+    drawn.host.require(gnSetMethodSetting(drawn.host.context, "stencil_volume", "silhouettes", 1.0));
+    for (int frame = 0; frame < 6; ++frame) {
+        drawn.host.scene.instances[1].pose.position.x += frame % 2 ? 0.01 : -0.01;
+        drawn.host.require(drawn.host.draw());
+    }
+    CAPTURE(books.list());
+    VkDeviceSize least = 0, most = 0;
+    for (const bool statics : {true, false}) {
+        VkDeviceSize bytes = 0, meshes = 0;
+        for (const demo::Instance& instance : scene.instances) {
+            if (instance.isStatic != statics) continue;
+            const demo::Mesh& mesh = scene.meshes[instance.mesh];
+            const Topology topology = buildTopology(mesh.positions, mesh.indices);
+            const VkDeviceSize edges = topology.edges.size(), faces = mesh.indices.size() / 3;
+            bytes += 16 * edges + 4 * 3 * faces + 256 * ((faces + 15) / 16);
+            bytes += 4 * ((edges + 63) / 64) + 32 * ((edges + 8191) / 8192);
+            ++meshes;
+        }
+        least += rounded(bytes);
+        most += rounded(bytes + 64 * meshes); // planes begin with a cache line
+    }
+    CHECK(books.held("volumes.topology").count == 2);
+    CHECK(books.held("volumes.topology").bytes >= least);
+    CHECK(books.held("volumes.topology").bytes <= most);
+    // One list of either kind: the device writes in order.
+    CHECK(books.held("volumes.found_sides").count == 2);
+    CHECK(books.held("volumes.found_sides").bytes ==
+          rounded(statedBytes(scene, kStatic).sides) + rounded(statedBytes(scene, kMoving).sides));
+    CHECK(books.held("volumes.lights").bytes <= 3 * rounded(16 * statedBytes(scene, kAll).pieces));
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "a view takes what its methods tell the plan, once, however many lights there are")
 {
     for (const AlgorithmEntry* entry : {&kStencilVolume, &kOctreeVolume}) {
