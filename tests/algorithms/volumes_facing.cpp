@@ -86,7 +86,7 @@ TEST_CASE("every width answers as the scalar one does, whatever planes and light
         ++widths;
         CAPTURE(std::string(nameOf(width)));
         for (std::uint32_t round = 0; round < 2000; ++round) {
-            const std::size_t count = 1 + random.below(round % 10 == 0 ? 2000 : 70);
+            const std::size_t count = 1 + random.below(round % 10 == 0 ? 4000 : 70);
             const FacePlanes planes = randomPlanes(random, count, round % 4);
             const glm::vec4 light = random.vector(round / 4 % 4);
             std::vector<std::uint8_t> expected(count), facing(count, 77);
