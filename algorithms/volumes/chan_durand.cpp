@@ -126,6 +126,11 @@ PipelineId umbraPipeline(const AlgorithmServices& services)
 
 // --- culling ---
 
+VkDeviceSize cellBytes(std::size_t layers)
+{
+    return VkDeviceSize{sizeof(std::uint32_t)} * gpu::CELLS * gpu::CELLS * layers;
+}
+
 /// Lists the commands of all draws, and has the draws take theirs from plan.commands, in the order of that list.
 void redirectCommands(FrameArena& arena, Plan& plan)
 {
@@ -239,9 +244,7 @@ public:
         plan.map = declareLightMap(passes, pipelines_.casters, task, resolution, plan.constants.base);
         plan.stencil = declareViewStencil(passes, pipelines_.view, task);
         plan.volumes = planVolumes(passes, task, plan.stencil, true, false);
-        plan.cells = passes.transient(
-            BufferInfo{.name = "chan_durand.cells",
-                       .size = plan.map.fits.size() * gpu::CELLS * gpu::CELLS * sizeof(std::uint32_t)});
+        plan.cells = passes.transient(BufferInfo{.name = "chan_durand.cells", .size = cellBytes(plan.map.fits.size())});
         declareClassify(passes, task, plan);
         if (task.settings[kCull] != 0.0) declareCull(passes, task, plan, pipelines_.cull);
         declareCount(passes, task, plan);
@@ -320,7 +323,7 @@ const AlgorithmEntry kChanDurand{
         [](std::span<const double> settings, VkExtent2D extent) {
             // As many layers as a point light may need; the two other kinds need one.
             return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), gpu::MAX_LAYERS) +
-                   viewStencilMemory(extent);
+                   pooledSize(cellBytes(gpu::MAX_LAYERS)) + viewStencilMemory(extent);
         },
     .missing = [](const DeviceTable& vk) -> const char* {
         return vk.enabled.fragmentStoresAndAtomics ? nullptr : "needs fragmentStoresAndAtomics";

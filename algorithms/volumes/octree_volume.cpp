@@ -154,8 +154,7 @@ void OctreeVolume::declare(PassBuilder& passes, const ShadowTask& task)
 
 VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent)
 {
-    // A strip of BOUNDS_ROWS pixels has 32 bytes.
-    return viewStencilMemory(extent) + VkDeviceSize{1} * extent.width * extent.height;
+    return viewStencilMemory(extent) + stripMemory(extent) + cullMemory(extent);
 }
 
 const char* missing(const DeviceTable&)

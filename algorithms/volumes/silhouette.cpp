@@ -6,6 +6,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
+#include "algorithms/volumes/facing.hpp"
+
 namespace gnomon {
 
 namespace {
@@ -27,6 +29,9 @@ int multiplicity(const Topology& topology, const Topology::Edge& edge, const std
     }
     return sum;
 }
+
+// Silhouettes found at a time: a few kilobytes beside the edges they come from.
+constexpr std::uint32_t kChunk = 512;
 
 std::uint32_t* writeQuad(std::uint32_t a, std::uint32_t b, std::uint32_t* out)
 {
@@ -62,11 +67,8 @@ glm::vec4 lightInObjectSpace(const LightView& light, const Caster& caster)
 
 void findFacing(const Topology& topology, const glm::vec4& lightOs, std::uint32_t first, std::span<std::uint8_t> facing)
 {
-    const glm::vec4* planes = topology.facePlanes.data() + first;
-    for (std::size_t i = 0; i < facing.size(); ++i) {
-        const glm::vec4 plane = planes[i];
-        facing[i] = plane.x * lightOs.x + plane.y * lightOs.y + plane.z * lightOs.z + plane.w * lightOs.w > 0.0f;
-    }
+    static const FacingWidth widest = widestFacing();
+    findFacing(widest, topology.facePlanes, lightOs, first, facing);
 }
 
 std::uint32_t sideCapacity(const Topology& topology, std::uint32_t firstEdge, std::uint32_t count)
@@ -77,19 +79,39 @@ std::uint32_t sideCapacity(const Topology& topology, std::uint32_t firstEdge, st
     return 6 * (topology.closed ? uses / 2 : uses);
 }
 
-std::uint32_t writeSides(const Topology& topology, std::span<const std::uint8_t> facing, std::uint32_t firstEdge,
-                         std::uint32_t count, std::uint32_t* out)
+std::uint32_t findSilhouette(const Topology& topology, std::span<const std::uint8_t> facing, std::uint32_t firstEdge,
+                             std::uint32_t count, SilhouetteEdge* out)
 {
-    std::uint32_t* end = out;
+    SilhouetteEdge* end = out;
     for (const Topology::Edge& edge : std::span(topology.edges).subspan(firstEdge, count)) {
         const int sum = multiplicity(topology, edge, facing.data());
         if (sum == 0) continue;
-        const std::uint32_t a = sum > 0 ? edge.v0 : edge.v1, b = sum > 0 ? edge.v1 : edge.v0;
-        const int times = std::abs(sum) / (topology.closed ? 2 : 1); // closed: always even
-        for (int i = 0; i < times; ++i)
-            end = writeQuad(a, b, end);
+        const auto times = static_cast<std::uint32_t>(std::abs(sum)) / (topology.closed ? 2 : 1); // closed: always even
+        *end++ = {sum > 0 ? edge.v0 : edge.v1, sum > 0 ? edge.v1 : edge.v0, times};
     }
     return static_cast<std::uint32_t>(end - out);
+}
+
+std::uint32_t writeSides(std::span<const SilhouetteEdge> edges, std::uint32_t* out)
+{
+    std::uint32_t* end = out;
+    for (const SilhouetteEdge& edge : edges)
+        for (std::uint32_t i = 0; i < edge.times; ++i)
+            end = writeQuad(edge.from, edge.to, end);
+    return static_cast<std::uint32_t>(end - out);
+}
+
+std::uint32_t writeSides(const Topology& topology, std::span<const std::uint8_t> facing, std::uint32_t firstEdge,
+                         std::uint32_t count, std::uint32_t* out)
+{
+    std::uint32_t written = 0;
+    SilhouetteEdge found[kChunk];
+    for (std::uint32_t done = 0; done < count; done += kChunk) {
+        const std::uint32_t edges =
+            findSilhouette(topology, facing, firstEdge + done, std::min(kChunk, count - done), found);
+        written += writeSides(std::span(found, edges), out + written);
+    }
+    return written;
 }
 
 std::uint32_t writeCaps(const Topology& topology, std::span<const std::uint8_t> facing, bool mirrored,

@@ -19,15 +19,28 @@ bool castsVolume(const Caster& caster);
 /// mirrored ones the sign follows the world's winding.
 glm::vec4 lightInObjectSpace(const LightView& light, const Caster& caster);
 
-/// facing[i] = 1 if face first + i looks towards the light, else 0.
+/// facing[i] = 1 if face first + i looks towards the light, else 0. As wide as the processor can (facing.hpp).
 void findFacing(const Topology& topology, const glm::vec4& lightOs, std::uint32_t first,
                 std::span<std::uint8_t> facing);
 
 /// Most indices writeSides can write for these edges.
 std::uint32_t sideCapacity(const Topology& topology, std::uint32_t firstEdge, std::uint32_t count);
 
-/// Writes the sides: every edge as often, and in that direction, as its signed multiplicity says; closed meshes by half
-/// of it (see stencil_volume.md). @param facing of all faces. @return indices written.
+/// An edge of the silhouette in the direction of its sign: the outside lies to its right, seen from the light.
+struct SilhouetteEdge {
+    std::uint32_t from, to; ///< Vertices.
+    std::uint32_t times;    ///< Its signed multiplicity; closed meshes: half of it (see stencil_volume.md).
+};
+
+/// Finds the silhouette among these edges. @param facing of all faces. @param out has room for `count`.
+/// @return how many it are.
+std::uint32_t findSilhouette(const Topology& topology, std::span<const std::uint8_t> facing, std::uint32_t firstEdge,
+                             std::uint32_t count, SilhouetteEdge* out);
+/// Writes the sides under silhouette edges. @return indices written.
+std::uint32_t writeSides(std::span<const SilhouetteEdge> edges, std::uint32_t* out);
+
+/// Both: every edge as often, and in that direction, as its signed multiplicity says.
+/// @param facing of all faces. @return indices written.
 std::uint32_t writeSides(const Topology& topology, std::span<const std::uint8_t> facing, std::uint32_t firstEdge,
                          std::uint32_t count, std::uint32_t* out);
 

@@ -1,5 +1,6 @@
 #include "algorithms/volumes/stencil_volume.hpp"
 
+#include "algorithms/volumes/gpu_silhouettes.hpp"
 #include "algorithms/volumes/volume_count.hpp"
 
 namespace gnomon {
@@ -9,8 +10,9 @@ namespace {
 constexpr SettingSpec kSettings[] = {
     {"bounded", "1: volumes end behind the farthest visible receiver; 0: they go on to infinity", 0, 1, 1},
     {"z_fail", "0: z-pass for every caster that cannot shadow the near plane; 1: z-fail for all", 0, 1, 0},
+    {"silhouettes", "0: found on the CPU; 1: in a compute shader", 0, 1, 0},
 };
-enum Setting : std::size_t { kBounded, kZFail };
+enum Setting : std::size_t { kBounded, kZFail, kSilhouettes };
 
 constexpr VolumeCountNames kNames{.volumes = {.zPass = {"stencil_volume.z_pass", "stencil_volume.z_pass_reversed"},
                                               .zFail = {"stencil_volume.z_fail", "stencil_volume.z_fail_reversed"}},
@@ -21,7 +23,7 @@ class StencilVolume final : public ShadowAlgorithm {
 public:
     explicit StencilVolume(const AlgorithmServices& services)
         : vk_(*services.vk), pipelines_(makeVolumeCountPipelines(services, kNames)),
-          view_(makeViewStencilPipelines(services))
+          view_(makeViewStencilPipelines(services)), silhouettes_(makeGpuSilhouettes(services))
     {
     }
     void declare(PassBuilder& passes, const ShadowTask& task) override;
@@ -31,13 +33,15 @@ private:
     const DeviceTable& vk_;
     VolumeCountPipelines pipelines_;
     ViewStencilPipelines view_;
+    GpuSilhouettes silhouettes_;
 };
 
 void StencilVolume::declare(PassBuilder& passes, const ShadowTask& task)
 {
     const ViewStencil stencil = declareViewStencil(passes, view_, task);
     const VolumePlan* volumes =
-        planVolumes(passes, task, stencil, task.settings[kBounded] != 0.0, task.settings[kZFail] != 0.0);
+        planVolumes(passes, task, stencil, task.settings[kBounded] != 0.0, task.settings[kZFail] != 0.0,
+                    task.settings[kSilhouettes] != 0.0 ? &silhouettes_ : nullptr);
     declareCount(passes, task, "stencil_volume.count", stencil, *volumes, pipelines_);
 }
 

@@ -100,9 +100,9 @@ PipelineId makeViewStripsPipeline(const AlgorithmServices& services)
                                         .bindings = kBindings});
 }
 
-VkExtent2D stripExtent(const CameraView& view)
+VkExtent2D stripExtent(VkExtent2D area)
 {
-    return {view.area.extent.width, (view.area.extent.height + gpu::BOUNDS_ROWS - 1) / gpu::BOUNDS_ROWS};
+    return {area.width, (area.height + gpu::BOUNDS_ROWS - 1) / gpu::BOUNDS_ROWS};
 }
 
 ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& pipelines, const ShadowTask& task,
@@ -129,7 +129,7 @@ ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& 
 
     BufferId stripBoxes;
     if (strips && pipelines.strips) {
-        const VkExtent2D count = stripExtent(*task.view);
+        const VkExtent2D count = stripExtent(task.view->area.extent);
         stripBoxes =
             passes.transient(BufferInfo{.name = "volumes.strips",
                                         .scope = Scope::view,
@@ -142,7 +142,14 @@ ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& 
 VkDeviceSize viewStencilMemory(VkExtent2D extent)
 {
     // Depth and stencil take 8 bytes a pixel on many devices, the buffer 4.
-    return VkDeviceSize{12} * extent.width * extent.height;
+    const VkDeviceSize pixels = VkDeviceSize{extent.width} * extent.height;
+    return 8 * pixels + pooledSize(4 * pixels) + pooledSize(sizeof(gpu::ReceiverBounds));
+}
+
+VkDeviceSize stripMemory(VkExtent2D extent)
+{
+    const VkExtent2D count = stripExtent(extent);
+    return pooledSize(VkDeviceSize{sizeof(gpu::ReceiverBox)} * count.width * count.height);
 }
 
 } // namespace gnomon

@@ -24,10 +24,11 @@ struct ViewStencil {
 ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& pipelines, const ShadowTask& task,
                                bool strips = false);
 
-/// Strips in a row and in a column of the view.
-VkExtent2D stripExtent(const CameraView& view);
+/// Strips in a row and in a column of an area of pixels.
+VkExtent2D stripExtent(VkExtent2D area);
 
-/// Device bytes of both in a view of this extent.
+/// Device bytes of copy and bounds in a view of this extent, and of the strips.
 VkDeviceSize viewStencilMemory(VkExtent2D extent);
+VkDeviceSize stripMemory(VkExtent2D extent);
 
 } // namespace gnomon

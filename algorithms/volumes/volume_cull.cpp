@@ -38,16 +38,21 @@ std::uint32_t groups(std::size_t invocations)
 }
 
 /// strips in a row, tiles in a row, tiles.
-glm::uvec4 tileCounts(const CameraView& view)
+glm::uvec4 tileCounts(VkExtent2D area)
 {
-    const VkExtent2D strips = stripExtent(view);
+    const VkExtent2D strips = stripExtent(area);
     const std::uint32_t columns = (strips.width + gpu::TILE_COLUMNS - 1) / gpu::TILE_COLUMNS;
     return {strips.width, columns, columns * strips.height, 0};
 }
 
+VkDeviceSize reachedSize(std::uint32_t tiles)
+{
+    return kReachedHead + VkDeviceSize{sizeof(gpu::ReachedBox)} * tiles;
+}
+
 BufferId declareTiles(PassBuilder& passes, PipelineId pipeline, const ShadowTask& task, const ViewStencil& stencil)
 {
-    const glm::uvec4 counts = tileCounts(*task.view);
+    const glm::uvec4 counts = tileCounts(task.view->area.extent);
     const BufferId tiles = passes.transient(BufferInfo{.name = "volumes.receiver_tiles",
                                                        .scope = Scope::view,
                                                        .size = VkDeviceSize{sizeof(gpu::ReceiverBox)} * counts.z});
@@ -164,7 +169,7 @@ gpu::ReachConstants reachConstants(const ShadowTask& task, const StaticVolumes& 
     block.sine = cone ? std::sin(light.coneAngle) : 0.0f;
     // Squared in the shader; whatever is beyond the root of the largest float has no end.
     block.range = std::min(light.constants.range, 1e18f);
-    block.tileCount = tileCounts(*task.view).z;
+    block.tileCount = tileCounts(task.view->area.extent).z;
     block.umbraMask = usableUmbrae(volumes, *task.view);
     return block;
 }
@@ -175,8 +180,7 @@ BufferId declareReached(PassBuilder& passes, PipelineId pipeline, const ShadowTa
     gpu::ReachConstants* block = passes.arena().make<gpu::ReachConstants>();
     *block = reachConstants(task, volumes);
     const BufferId reached =
-        passes.transient(BufferInfo{.name = "octree_volume.reached",
-                                    .size = kReachedHead + VkDeviceSize{sizeof(gpu::ReachedBox)} * block->tileCount});
+        passes.transient(BufferInfo{.name = "octree_volume.reached", .size = reachedSize(block->tileCount)});
     passes.transfer("octree_volume.clear").writes(reached).record([=](PassContext& gpu) {
         gpu.vk->vkCmdFillBuffer(gpu.cmd, gpu.buffer(reached), 0, kReachedHead, 0);
     });
@@ -231,6 +235,12 @@ CulledCommands declareCull(PassBuilder& passes, const VolumeCullPipelines& pipel
         }
     });
     return commands;
+}
+
+VkDeviceSize cullMemory(VkExtent2D extent)
+{
+    const std::uint32_t tiles = tileCounts(extent).z;
+    return pooledSize(VkDeviceSize{sizeof(gpu::ReceiverBox)} * tiles) + pooledSize(reachedSize(tiles));
 }
 
 } // namespace gnomon

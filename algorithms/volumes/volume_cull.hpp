@@ -33,4 +33,7 @@ struct CulledCommands {
 CulledCommands declareCull(PassBuilder& passes, const VolumeCullPipelines& pipelines, const ShadowTask& task,
                            const ViewStencil& stencil, const VolumeCull& cull);
 
+/// Device bytes of tiles, and of those that one light reaches, in a view of this extent.
+VkDeviceSize cullMemory(VkExtent2D extent);
+
 } // namespace gnomon

@@ -185,9 +185,9 @@ BufferId addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, 
 }
 
 VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded,
-                        bool zFailForAll)
+                        bool zFailForAll, const GpuSilhouettes* shader)
 {
-    const VolumeList sides[2] = {declareSides(passes, task, true), declareSides(passes, task, false)};
+    const VolumeList sides[2] = {declareSides(passes, task, true, shader), declareSides(passes, task, false, shader)};
     VolumePlan* plan = emptyPlan(passes, task, stencil, bounded);
     for (std::size_t i = 0; i < 2; ++i) {
         addSides(*plan, sides[i], zFailForAll);

@@ -47,8 +47,9 @@ struct VolumePlan {
 
 /// Declares the lists and picks the casters whose shadow the view can see. z-pass counts those that cannot shadow the
 /// near rectangle, z-fail the others, or all.
+/// @param shader null: silhouettes are found on the CPU
 VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded,
-                        bool zFailForAll);
+                        bool zFailForAll, const GpuSilhouettes* shader = nullptr);
 
 // What planVolumes() is made of, for methods that choose among the casters themselves.
 

@@ -1,5 +1,6 @@
 #include "algorithms/volumes/volume_list.hpp"
 
+#include "algorithms/volumes/gpu_silhouettes.hpp"
 #include "algorithms/volumes/silhouette.hpp"
 
 namespace gnomon {
@@ -105,7 +106,8 @@ void run(const ListBuild& build, HostContext& host)
 }
 
 VolumeList declareList(PassBuilder& passes, const ShadowTask& task, std::span<const Caster* const> casters,
-                       ListKind kind, Scope scope, std::uint32_t variant, std::uint64_t stamp)
+                       ListKind kind, Scope scope, std::uint32_t variant, std::uint64_t stamp,
+                       const GpuSilhouettes* shader = nullptr)
 {
     ListBuild* build = passes.arena().make<ListBuild>();
     build->kind = kind;
@@ -114,12 +116,16 @@ VolumeList declareList(PassBuilder& passes, const ShadowTask& task, std::span<co
     if (size == 0) return {};
 
     const bool sides = kind == ListKind::sides;
+    stamp = mix(mix(stamp, task.light->revision), build->faceCount); // faces: some topology may have come late
+    if (shader) {
+        build->list.buffer = declareGpuSides(passes, task, *shader, build->list.pieces, size, variant, stamp | 1);
+        return build->list;
+    }
     build->list.buffer = passes.persistent(BufferInfo{.name = sides ? "volumes.sides" : "volumes.caps",
                                                       .scope = scope,
                                                       .size = VkDeviceSize{4} * size,
                                                       .place = BufferPlace::upload,
                                                       .variant = variant});
-    stamp = mix(mix(stamp, task.light->revision), build->faceCount); // faces: some topology may have come late
     if (!passes.stale(build->list.buffer, stamp | 1)) {
         passes.kept();
         return build->list;
@@ -132,11 +138,11 @@ VolumeList declareList(PassBuilder& passes, const ShadowTask& task, std::span<co
 
 } // namespace
 
-VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics)
+VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics, const GpuSilhouettes* shader)
 {
     const LightCasters& casters = *task.casters;
     return declareList(passes, task, statics ? casters.statics : casters.movings, ListKind::sides, Scope::light,
-                       statics ? 0 : 1, statics ? casters.staticStamp : casters.movingStamp);
+                       statics ? 0 : 1, statics ? casters.staticStamp : casters.movingStamp, shader);
 }
 
 // Variants 0 and 1 are all static and all moving casters.

@@ -23,9 +23,12 @@ struct VolumeList {
     std::span<const VolumePiece> pieces; ///< In the order of the casters; piece i has the i-th command.
 };
 
+struct GpuSilhouettes; // gpu_silhouettes.hpp
+
 /// The sides of the static (or else the moving) casters of the light: once per light, whatever the views. Built if the
-/// light or one of these casters changed, else kept.
-VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics);
+/// light or one of these casters changed, else kept. @param shader null: on the CPU
+VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics,
+                        const GpuSilhouettes* shader = nullptr);
 
 /// What a method draws of a light's static casters whatever the view: sides, or caps, of those it has chosen once for
 /// this light and these casters. Once per light and choice; built if `stamp` or the light changed, else kept.

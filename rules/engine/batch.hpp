@@ -15,14 +15,9 @@
 #include <vector>
 
 #include "rules/engine/engine.hpp"
+#include "rules/engine/instruction_set.hpp"
 
 namespace gnomon::rules {
-
-enum class InstructionSet : uint8_t { Baseline, Avx2, Avx512 };
-
-/// Whether this build has a kernel for it and this processor runs it.
-bool isSupported(InstructionSet set) noexcept;
-InstructionSet bestInstructionSet() noexcept;
 
 /// Results in columns: one per output, each with room for `stride` situations.
 struct BatchInference {

@@ -220,7 +220,7 @@ bool PassBuilder::stale(BufferId buffer, std::uint64_t stamp)
     }
     // Fresh memory if anything in flight may still read the old content.
     if (entry.pooled->place != BufferPlace::device) {
-        if (auto renewed = graph_.pool_.renew(*entry.ring, entry.info); !renewed) {
+        if (auto renewed = graph_.pool_.replace(*entry.ring, entry.info); !renewed) {
             graph_.fail(renewed.error());
             return true;
         }

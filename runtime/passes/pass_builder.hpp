@@ -1,5 +1,7 @@
 #pragma once
 // How an algorithm speaks: it declares passes and what they touch; barriers, pools, semaphores and order follow.
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <type_traits>
@@ -60,6 +62,12 @@ struct BufferInfo {
     BufferPlace place = BufferPlace::device;
     std::uint32_t variant = 0;
 };
+
+/// Device bytes of a buffer of that size.
+constexpr VkDeviceSize pooledSize(VkDeviceSize size)
+{
+    return std::bit_ceil(std::max<VkDeviceSize>(size, 256));
+}
 
 struct Rect {
     std::int32_t x = 0, y = 0;

@@ -1,7 +1,6 @@
 #include "runtime/passes/resources.hpp"
 
 #include <algorithm>
-#include <bit>
 
 namespace gnomon {
 
@@ -126,7 +125,7 @@ Result<std::unique_ptr<PooledImage>> ResourcePool::makeImage(const ImageInfo& in
 
 Result<std::unique_ptr<PooledBuffer>> ResourcePool::makeBuffer(const BufferInfo& info)
 {
-    const VkDeviceSize size = std::bit_ceil(std::max<VkDeviceSize>(info.size, 256));
+    const VkDeviceSize size = pooledSize(info.size);
     Result<GpuBuffer> gpu = memory_.createBuffer(size, kBufferUsage, memoryUse(info.place), info.name);
     if (!gpu) {
         evict(size);
@@ -216,9 +215,20 @@ Result<BufferRing*> ResourcePool::persistentBuffer(std::uint64_t key, const Buff
     if (!ring.current || ring.current->gpu.size < info.size) {
         if (auto renewed = renew(ring, info); !renewed) return renewed.error();
     }
-    ring.current->kept.lastUsed = frame_;
+    KeptState& kept = ring.current->kept;
+    if (kept.lastUsed != frame_) kept.usedBefore = kept.lastUsed;
+    kept.lastUsed = frame_;
     touch(*ring.current);
     return &ring;
+}
+
+Result<void> ResourcePool::replace(BufferRing& ring, const BufferInfo& info)
+{
+    if (ring.renewed == frame_) return {};
+    PooledBuffer* old = ring.current;
+    Result<void> renewed = renew(ring, info);  // not to the old one, which this frame has touched
+    old->kept.lastUsed = old->kept.usedBefore; // and does not use after all
+    return renewed;
 }
 
 Result<void> ResourcePool::renew(BufferRing& ring, const BufferInfo& info)
@@ -248,6 +258,7 @@ Result<void> ResourcePool::renew(BufferRing& ring, const BufferInfo& info)
         chosen = ring.versions.back().get();
     }
     ring.current = chosen;
+    ring.renewed = frame_;
     chosen->kept.stamp = 0;
     chosen->kept.lastUsed = frame_;
     touch(*chosen);
@@ -341,7 +352,7 @@ void ResourcePool::withdraw()
     }
     for (BufferRing* ring : touchedRings_) {
         ring->current = ring->savedCurrent;
-        ring->savedFrame = 0;
+        ring->savedFrame = ring->renewed = 0;
     }
     touchedImages_.clear();
     touchedBuffers_.clear();

@@ -38,6 +38,7 @@ struct KeptState {
     std::uint64_t askedFrame = 0; ///< stale() was answered in this frame ...
     bool answer = false;          ///< ... with this.
     std::uint64_t lastUsed = 0;   ///< Frame.
+    std::uint64_t usedBefore = 0; ///< Persistent buffers: the frame before that.
 };
 
 struct PooledImage {
@@ -61,6 +62,7 @@ struct BufferRing {
     PooledBuffer* savedCurrent = nullptr;
     std::uint64_t savedFrame = 0;
     std::uint64_t lastUsed = 0;
+    std::uint64_t renewed = 0; ///< Frame that chose `current`.
 };
 
 /// Owns all pooled images and buffers of a context. One thread (the frame's).
@@ -82,6 +84,9 @@ public:
     Result<BufferRing*> persistentBuffer(std::uint64_t key, const BufferInfo& info);
     /// Moves `ring.current` to a version the GPU has done with.
     Result<void> renew(BufferRing& ring, const BufferInfo& info);
+    /// The same, leaving what the current version holds as it is: a withdrawn frame wants it back. Does nothing for a
+    /// ring that was renewed in this frame.
+    Result<void> replace(BufferRing& ring, const BufferInfo& info);
 
     /// The host's image for this frame.
     PooledImage* import(VkImage image, VkImageView view, VkFormat format, VkExtent2D extent);

@@ -19,7 +19,7 @@ void updateFacePlanes(Topology& topology, std::span<const glm::vec3> positions)
         const std::uint32_t* corner = &topology.faceVerts[3 * face];
         const glm::vec3 a = positions[corner[0]];
         const glm::vec3 normal = glm::cross(positions[corner[1]] - a, positions[corner[2]] - a);
-        topology.facePlanes[face] = glm::vec4(normal, -glm::dot(normal, a));
+        topology.facePlanes.set(face, glm::vec4(normal, -glm::dot(normal, a)));
     }
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -6,13 +7,49 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include "runtime/scene/face_block.hpp"
+
 namespace gnomon {
+
+/// Planes of faces in object space, one after the other for whom it concerns and in blocks of a structure of arrays for
+/// those that test many at once. Places behind the last face hold planes of zeros, which face no light.
+class FacePlanes {
+public:
+    void resize(std::size_t count)
+    {
+        count_ = count;
+        blocks_.assign((count + kBlockFaces - 1) / kBlockFaces, FaceBlock{});
+    }
+    std::size_t size() const noexcept { return count_; }
+
+    /// xyz unnormalised face normal, w = -dot(normal, corner).
+    glm::vec4 operator[](std::size_t face) const
+    {
+        const FaceBlock& block = blocks_[face / kBlockFaces];
+        const std::size_t lane = face % kBlockFaces;
+        return {block.x[lane], block.y[lane], block.z[lane], block.w[lane]};
+    }
+    void set(std::size_t face, const glm::vec4& plane)
+    {
+        FaceBlock& block = blocks_[face / kBlockFaces];
+        const std::size_t lane = face % kBlockFaces;
+        block.x[lane] = plane.x;
+        block.y[lane] = plane.y;
+        block.z[lane] = plane.z;
+        block.w[lane] = plane.w;
+    }
+    const FaceBlock* blocks() const noexcept { return blocks_.data(); }
+
+private:
+    std::vector<FaceBlock> blocks_;
+    std::size_t count_ = 0;
+};
 
 /// Connectivity of one mesh, made once: position-welded edges with the faces that use them.
 ///
 /// Silhouettes follow from **signed multiplicities**: orient every face so that it looks towards the light, let each
-/// use of an edge count +1 or -1 by its direction; the sum is 0 inside, +-1 at a border, +-2 at a silhouette, and may be
-/// anything on non-manifold edges. Extruding every edge that often closes the volume whatever the mesh is like.
+/// use of an edge count +1 or -1 by its direction; the sum is 0 inside, +-1 at a border, +-2 at a silhouette, and may
+/// be anything on non-manifold edges. Extruding every edge that often closes the volume whatever the mesh is like.
 struct Topology {
     /// One use of an edge by a face.
     struct EdgeUse {
@@ -27,11 +64,11 @@ struct Topology {
 
     std::vector<Edge> edges;
     std::vector<EdgeUse> uses;
-    std::vector<glm::vec4> facePlanes;     ///< Object space: xyz unnormalised face normal, w = -dot(normal, corner).
-    std::vector<std::uint32_t> faceVerts;  ///< Three per face: welded representatives, in the mesh's order.
-    bool closed = false;     ///< Every edge is used equally often in both directions: a volume without holes.
-    bool orientable = false; ///< No two faces run an edge the same way.
-    bool manifold = false;   ///< No edge has more than two faces, every vertex one fan (as OpenMesh sees it).
+    FacePlanes facePlanes;
+    std::vector<std::uint32_t> faceVerts; ///< Three per face: welded representatives, in the mesh's order.
+    bool closed = false;          ///< Every edge is used equally often in both directions: a volume without holes.
+    bool orientable = false;      ///< No two faces run an edge the same way.
+    bool manifold = false;        ///< No edge has more than two faces, every vertex one fan (as OpenMesh sees it).
     std::uint32_t looseFaces = 0; ///< Faces OpenMesh refused (third face on an edge, flipped neighbour), kept here.
 };
 

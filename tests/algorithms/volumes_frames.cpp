@@ -130,6 +130,48 @@ TEST_CASE("z-fail and z-pass give the same picture")
     }
 }
 
+TEST_CASE("silhouettes from a compute shader give the picture of those from the CPU, bit by bit")
+{
+    for (const char* scene : {"torus_grid", "room", "colonnade"}) {
+        CAPTURE(scene);
+        Session session(options(scene, {320, 240}));
+        REQUIRE(session.shadows.pinAll(kMethod));
+        for (const double zFail : {0.0, 1.0}) {
+            REQUIRE(session.shadows.set(kMethod, "z_fail", zFail));
+            const std::vector<Image8> cpu = pictures(session, "silhouettes", 0),
+                                      device = pictures(session, "silhouettes", 1);
+            CHECK(differing(cpu, device) == 0);
+            CHECK(differing(cpu, pictures(session, "silhouettes", 1, true)) == 0); // recorded
+        }
+        // Casters that moved, and the same frame from the CPU.
+        REQUIRE(session.shadows.set(kMethod, "z_fail", 0));
+        drawAt(session, 0.9);
+        drawAt(session, 1.3);
+        const std::vector<Image8> moved = session.renderer.readVisibility();
+        REQUIRE(session.shadows.set(kMethod, "silhouettes", 0));
+        drawAt(session, 1.3);
+        CHECK(differing(moved, session.renderer.readVisibility()) == 0);
+        CHECK(session.device.validation.messages() == std::vector<std::string>{});
+    }
+}
+
+TEST_CASE("the compute shader finds silhouettes when light or casters moved, and only then")
+{
+    Session session(options("torus_grid", {160, 120}));
+    REQUIRE(session.shadows.pinAll(kMethod));
+    REQUIRE(session.shadows.set(kMethod, "silhouettes", 1));
+    settle(session, 0.0, false);
+
+    const GnFrameStats still = drawAt(session, 0.0);
+    CHECK(still.passesKept == 2); // static and moving sides
+    const GnFrameStats moved = drawAt(session, 1.0 / 60.0);
+    CHECK(moved.indexListsBuilt == 0); // none on the CPU
+    CHECK(moved.passesKept == 1);
+    CHECK(moved.passesRun == still.passesRun + 3); // lights, commands, sides
+    CHECK(drawAt(session, 1.0 / 60.0).passesKept == 2);
+    CHECK(session.device.validation.messages() == std::vector<std::string>{});
+}
+
 TEST_CASE("volumes that end behind the receivers give the picture of infinite ones")
 {
     for (const char* scene : {"torus_grid", "room"}) {

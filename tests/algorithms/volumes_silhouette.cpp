@@ -4,9 +4,8 @@
 
 #include <map>
 
-#include "algorithms/volumes/silhouette.hpp"
 #include "shaders/volumes/volume.h"
-#include "tests/algorithms/volume_meshes.hpp"
+#include "tests/algorithms/volume_lists.hpp"
 
 #include "algorithms/volumes/shadow_reach.hpp"
 
@@ -14,39 +13,6 @@ using namespace gnomon;
 using namespace gnomon::test;
 
 namespace {
-
-/// The index lists of one caster and light, as the prepare pass makes them, in pieces of an odd size.
-struct Lists {
-    std::vector<std::uint8_t> facing;
-    std::vector<std::uint32_t> sides, caps;
-
-    Lists(const Placed& placed, const LightView& light)
-    {
-        constexpr std::uint32_t piece = 37;
-        const Topology& topology = placed.topology;
-        const auto faces = static_cast<std::uint32_t>(topology.facePlanes.size());
-        const auto edges = static_cast<std::uint32_t>(topology.edges.size());
-        const glm::vec4 os = lightInObjectSpace(light, placed.caster);
-        facing.resize(faces);
-        for (std::uint32_t first = 0; first < faces; first += piece)
-            findFacing(topology, os, first, std::span(facing).subspan(first, std::min(piece, faces - first)));
-        std::vector<std::uint32_t> out;
-        for (std::uint32_t first = 0; first < edges; first += piece) {
-            const std::uint32_t count = std::min(piece, edges - first);
-            out.assign(sideCapacity(topology, first, count), 0);
-            const std::uint32_t written = writeSides(topology, facing, first, count, out.data());
-            REQUIRE(written <= out.size());
-            sides.insert(sides.end(), out.begin(), out.begin() + written);
-        }
-        for (std::uint32_t first = 0; first < faces; first += piece) {
-            const std::uint32_t count = std::min(piece, faces - first);
-            out.assign(capCapacity(count), 0);
-            const std::uint32_t written = writeCaps(topology, facing, placed.caster.mirrored, first, count, out.data());
-            REQUIRE(written <= out.size());
-            caps.insert(caps.end(), out.begin(), out.begin() + written);
-        }
-    }
-};
 
 /// A caster's volume as triangles in the world.
 struct Volume {
@@ -242,6 +208,19 @@ TEST_CASE("a triangle has three sides, a lone quad four, a tetrahedron three or 
         CHECK(sides(triangle) == 3);
         CHECK(sides(quad) == 4);
         CHECK(sides(tetrahedron) == 3);
+    }
+}
+
+TEST_CASE("the topology of a closed mesh takes 76 bytes a triangle")
+{
+    for (const std::uint32_t segments : {16u, 64u, 160u}) {
+        const Mesh ring = torus(1.0f, 0.35f, segments, segments);
+        const Topology topology = buildTopology(ring.positions, ring.indices);
+        const std::size_t bytes = topology.edges.capacity() * sizeof(Topology::Edge) +
+                                  topology.uses.capacity() * sizeof(Topology::EdgeUse) +
+                                  (topology.facePlanes.size() + kBlockFaces - 1) / kBlockFaces * sizeof(FaceBlock) +
+                                  topology.faceVerts.capacity() * sizeof(std::uint32_t);
+        CHECK(bytes == 76 * ring.indices.size() / 3);
     }
 }
 

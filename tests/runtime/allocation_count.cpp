@@ -14,11 +14,17 @@
 
 namespace {
 std::atomic<std::size_t> allocations{0};
-}
+std::atomic<std::size_t> returned{0};
+} // namespace
 
 std::size_t gnomon::test::allocationCount() noexcept
 {
     return allocations.load();
+}
+
+std::int64_t gnomon::test::liveAllocationCount() noexcept
+{
+    return static_cast<std::int64_t>(allocations.load()) - static_cast<std::int64_t>(returned.load());
 }
 
 bool gnomon::test::countsOnlyOurs() noexcept
@@ -36,8 +42,9 @@ bool gnomon::test::countsOnlyOurs() noexcept
 #include <sanitizer/allocator_interface.h>
 
 namespace {
-[[maybe_unused]] const int hooksInstalled = __sanitizer_install_malloc_and_free_hooks(
-    [](const volatile void*, std::size_t) { ++allocations; }, [](const volatile void*) {});
+[[maybe_unused]] const int hooksInstalled =
+    __sanitizer_install_malloc_and_free_hooks([](const volatile void*, std::size_t) { ++allocations; },
+                                              [](const volatile void* memory) { returned += memory != nullptr; });
 }
 
 #else
@@ -51,11 +58,13 @@ void* operator new(std::size_t size)
 
 void operator delete(void* memory) noexcept
 {
+    returned += memory != nullptr;
     std::free(memory);
 }
 
 void operator delete(void* memory, std::size_t) noexcept
 {
+    returned += memory != nullptr;
     std::free(memory);
 }
 

@@ -312,8 +312,8 @@ TEST_CASE("face planes hold their corners, look outwards and follow new position
     updateFacePlanes(topology, mesh.positions);
     check();
     const Topology box = cube().topology();
-    for (const glm::vec4& plane : box.facePlanes)
-        CHECK(plane.w == doctest::Approx(-4.0f)); // area 2 x 2, distance 1
+    for (std::size_t face = 0; face < box.facePlanes.size(); ++face)
+        CHECK(box.facePlanes[face].w == doctest::Approx(-4.0f)); // area 2 x 2, distance 1
 }
 
 #if defined(__linux__)

@@ -1,0 +1,18 @@
+#pragma once
+// Silhouettes found by the device instead of the CPU: topology is handed over once, after that four numbers a caster.
+#include "algorithms/volumes/volume_list.hpp"
+
+namespace gnomon {
+
+struct GpuSilhouettes {
+    PipelineId find;
+};
+GpuSilhouettes makeGpuSilhouettes(const AlgorithmServices& services);
+
+/// A list of sides as declareSides() has it, with the commands and indices of these pieces written on the device.
+/// @param size of the list in indices. @param stamp of light and casters: unchanged, the list is kept.
+BufferId declareGpuSides(PassBuilder& passes, const ShadowTask& task, const GpuSilhouettes& shader,
+                         std::span<const VolumePiece> pieces, std::uint32_t size, std::uint32_t variant,
+                         std::uint64_t stamp);
+
+} // namespace gnomon

@@ -1,0 +1,67 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Sides of shadow volumes: findSilhouette() and writeSides() of algorithms/volumes/silhouette.cpp, an edge each. The
+// order of the sides is the device's; nothing depends on it.
+#include "silhouettes.h"
+
+layout(local_size_x = 64) in; // SILHOUETTE_GROUP
+
+layout(set = 0, binding = 0, std430) readonly buffer Topology { uint words[]; };
+layout(set = 0, binding = 1, std430) readonly buffer Lights { vec4 lights[]; }; // by piece, in object space
+layout(set = 0, binding = 2, std430) buffer List { uint list[]; };              // a command per piece, then indices
+layout(push_constant, std430) uniform Push { SilhouettePush push; };
+
+const uint COMMAND_WORDS = 5u;
+
+SilhouettePiece pieceAt(uint index)
+{
+    uint at = push.firstPiece + 8u * index;
+    return SilhouettePiece(words[at], words[at + 1u], words[at + 2u], words[at + 3u], words[at + 4u], words[at + 5u],
+                           words[at + 6u], 0u);
+}
+
+// The sum of facing.hpp, operation for operation: both find the same silhouettes.
+bool looksTowards(vec4 light, uint planes, uint face)
+{
+    uint at = planes + face / SILHOUETTE_BLOCK * (4u * SILHOUETTE_BLOCK) + face % SILHOUETTE_BLOCK;
+    precise float sum = uintBitsToFloat(words[at]) * light.x + uintBitsToFloat(words[at + 16u]) * light.y +
+                        uintBitsToFloat(words[at + 32u]) * light.z + uintBitsToFloat(words[at + 48u]) * light.w;
+    return sum > 0.0;
+}
+
+void main()
+{
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    if (group >= push.groups) return;
+    uint index = words[group];
+    SilhouettePiece piece = pieceAt(index);
+    uint edge = (group - piece.firstGroup) * SILHOUETTE_GROUP + gl_LocalInvocationID.x;
+    uint command = COMMAND_WORDS * index;
+    if (edge == 0u) { // the count is 0 already
+        list[command + 1u] = 1u;
+        list[command + 2u] = piece.firstIndex;
+        list[command + 3u] = 0u;
+        list[command + 4u] = 0u;
+    }
+    if (edge >= piece.edgeCount) return;
+
+    uint at = piece.edges + EDGE_WORDS * edge, firstUse = piece.uses + words[at + 2u];
+    vec4 light = lights[index];
+    int sum = 0;
+    for (uint use = firstUse; use < firstUse + words[at + 3u]; ++use) {
+        bool forward = (words[use] & 1u) != 0u;
+        sum += looksTowards(light, piece.planes, words[use] >> 1) == forward ? 1 : -1;
+    }
+    if (sum == 0) return;
+    uint times = uint(abs(sum)) / piece.halves;
+    uint a = 2u * words[sum > 0 ? at : at + 1u], b = 2u * words[sum > 0 ? at + 1u : at];
+    uint next = piece.firstIndex + atomicAdd(list[command], 6u * times);
+    for (uint i = 0u; i < times; ++i, next += 6u) {
+        list[next] = a;
+        list[next + 1u] = a + 1u;
+        list[next + 2u] = b + 1u;
+        list[next + 3u] = a;
+        list[next + 4u] = b + 1u;
+        list[next + 5u] = b;
+    }
+}

@@ -1,0 +1,244 @@
+// What the volume methods hold per view, light and caster: the bytes their pages state against the buffers and images
+// there are, and against what the plan is told.
+#include <algorithm>
+#include <bit>
+
+#include "algorithms/volumes/chan_durand.hpp"
+#include "algorithms/volumes/octree_volume.hpp"
+#include "algorithms/volumes/stencil_volume.hpp"
+#include "device/memory_books.hpp"
+#include "runtime/algorithm.hpp"
+#include "runtime/scene/topology.hpp"
+#include "shaders/volumes/cull.h"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+constexpr VkExtent2D kExtent{328, 180}; // no multiple of a strip or a tile
+
+/// Buffers are rounded up to a power of two.
+VkDeviceSize rounded(VkDeviceSize bytes)
+{
+    return bytes == 0 ? 0 : std::bit_ceil(std::max<VkDeviceSize>(bytes, 256));
+}
+
+struct CasterBytes {
+    VkDeviceSize sides = 0, caps = 0;
+    uint32_t pieces = 0; ///< Of sides.
+};
+
+/// "Memory" in stencil_volume.md.
+CasterBytes statedBytes(const demo::Mesh& mesh)
+{
+    constexpr VkDeviceSize kCommand = 20, kPiece = 8192;
+    const Topology topology = buildTopology(mesh.positions, mesh.indices);
+    const VkDeviceSize faces = mesh.indices.size() / 3, edges = topology.edges.size();
+    const VkDeviceSize sidePieces = (edges + kPiece - 1) / kPiece, capPieces = (faces + kPiece - 1) / kPiece;
+    return {.sides = kCommand * sidePieces + (topology.closed ? 24 * edges : 72 * faces),
+            .caps = kCommand * capPieces + 24 * faces,
+            .pieces = static_cast<uint32_t>(sidePieces)};
+}
+
+/// Of the instances that match; the floor of smallScene() is the first.
+template <typename Chosen>
+CasterBytes statedBytes(const Scene& scene, Chosen&& chosen)
+{
+    CasterBytes sum;
+    for (const demo::Instance& instance : scene.instances) {
+        if (!chosen(instance)) continue;
+        const CasterBytes one = statedBytes(scene.meshes[instance.mesh]);
+        sum.sides += one.sides;
+        sum.caps += one.caps;
+        sum.pieces += one.pieces;
+    }
+    return sum;
+}
+
+constexpr auto kStatic = [](const demo::Instance& instance) { return instance.isStatic; };
+constexpr auto kMoving = [](const demo::Instance& instance) { return !instance.isStatic; };
+constexpr auto kAll = [](const demo::Instance&) { return true; };
+
+/// Closed casters small and large, and an open one; the ball moves.
+Scene memoryScene()
+{
+    Scene scene = smallScene();
+    scene.instances[1].isStatic = false;
+    scene.meshes.push_back(demo::makeTorus({.radius = 0.8f, .tube = 0.3f, .ringSegments = 96, .tubeSegments = 64}));
+    scene.meshes.push_back(demo::makePlane({.width = 1.5f, .depth = 1.5f, .columns = 20, .rows = 20}));
+    for (const uint32_t mesh : {3u, 4u}) {
+        demo::Instance instance = scene.instances[2];
+        instance.name = mesh == 3 ? "ring" : "sheet";
+        instance.mesh = mesh;
+        instance.pose.position = {mesh == 3 ? 0.0 : -1.0, 1.5 + mesh * 0.2, 1.0};
+        scene.instances.push_back(instance);
+    }
+    return scene;
+}
+
+struct Drawn {
+    Host host;
+    explicit Drawn(const MemoryBooks& books, const char* method, const Scene& scene, HostOptions options = {})
+        : host(scene, books.options(std::move(options)))
+    {
+        host.pinAll(method);
+        for (int frame = 0; frame < 12; ++frame) {
+            host.scene.instances[1].pose.position.x += frame % 2 ? 0.01 : -0.01;
+            host.require(host.draw());
+            for (size_t light = 0; light < host.lights.size(); ++light)
+                REQUIRE(std::string(host.decision(light).pMethod) == method);
+        }
+    }
+};
+
+VkDeviceSize toldBytes(const AlgorithmEntry& entry)
+{
+    std::vector<double> defaults;
+    for (const SettingSpec& setting : entry.settings)
+        defaults.push_back(setting.standard);
+    return entry.memoryFor(defaults, kExtent);
+}
+
+VkDeviceSize viewBytes(const MemoryBooks& books)
+{
+    VkDeviceSize sum = 0;
+    for (const char* name :
+         {"volumes.depths", "volumes.depth_stencil", "volumes.bounds", "volumes.strips", "volumes.receiver_tiles"})
+        sum += books.held(name).bytes;
+    return sum;
+}
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "sides take 24 bytes an edge of closed casters and 72 a triangle of open ones, per light")
+{
+    for (const uint32_t lights : {1u, 3u})
+        for (const uint32_t inFlight : {1u, 2u, 3u}) {
+            CAPTURE(lights);
+            CAPTURE(inFlight);
+            MemoryBooks books;
+            Scene scene = memoryScene();
+            while (scene.lights.size() < lights)
+                scene.lights.push_back(
+                    spotLight("more", {-2.0, 6.0 + static_cast<double>(scene.lights.size()), 2.0}, {0, 0, 0}, true));
+            const Drawn drawn(books, "stencil_volume", scene, {.extent = kExtent, .framesInFlight = inFlight});
+            const MemoryBooks::Entry sides = books.held("volumes.sides");
+            CAPTURE(books.list());
+            // What is shown stays while the next is written; how many are in flight at once the device decides.
+            const uint32_t movings = sides.count - lights;
+            CHECK(movings >= 2 * lights);
+            CHECK(movings <= std::max(2u, inFlight) * lights);
+            CHECK(sides.bytes == lights * rounded(statedBytes(scene, kStatic).sides) +
+                                     movings * rounded(statedBytes(scene, kMoving).sides));
+            CHECK(books.held("volumes.caps").count == 0); // z-pass serves for all
+        }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "caps take 24 bytes a triangle of the casters that z-fail counts, per light and view")
+{
+    MemoryBooks books;
+    const Scene scene = memoryScene();
+    Drawn drawn(books, "stencil_volume", scene, {.extent = kExtent, .framesInFlight = 2});
+    drawn.host.require(gnSetMethodSetting(drawn.host.context, "stencil_volume", "z_fail", 1.0));
+    for (int frame = 0; frame < 6; ++frame) {
+        drawn.host.scene.instances[1].pose.position.x += frame % 2 ? 0.01 : -0.01;
+        drawn.host.require(drawn.host.draw());
+    }
+    const MemoryBooks::Entry caps = books.held("volumes.caps");
+    CAPTURE(books.list());
+    CHECK(caps.count == 2);
+    CHECK(caps.bytes == 2 * rounded(statedBytes(scene, kAll).caps));
+}
+
+TEST_CASE_FIXTURE(DeviceTest,
+                  "silhouettes on the device take the topology of every mesh once, and 16 bytes a piece and frame")
+{
+    MemoryBooks books;
+    const Scene scene = memoryScene();
+    Drawn drawn(books, "stencil_volume", scene, {.extent = kExtent, .framesInFlight = 2});
+    drawn.host.require(gnSetMethodSetting(drawn.host.context, "stencil_volume", "silhouettes", 1.0));
+    for (int frame = 0; frame < 6; ++frame) {
+        drawn.host.scene.instances[1].pose.position.x += frame % 2 ? 0.01 : -0.01;
+        drawn.host.require(drawn.host.draw());
+    }
+    CAPTURE(books.list());
+    VkDeviceSize least = 0, most = 0;
+    for (const bool statics : {true, false}) {
+        VkDeviceSize bytes = 0, meshes = 0;
+        for (const demo::Instance& instance : scene.instances) {
+            if (instance.isStatic != statics) continue;
+            const demo::Mesh& mesh = scene.meshes[instance.mesh];
+            const Topology topology = buildTopology(mesh.positions, mesh.indices);
+            const VkDeviceSize edges = topology.edges.size(), faces = mesh.indices.size() / 3;
+            bytes += 16 * edges + 4 * 3 * faces + 256 * ((faces + 15) / 16);
+            bytes += 4 * ((edges + 63) / 64) + 32 * ((edges + 8191) / 8192);
+            ++meshes;
+        }
+        least += rounded(bytes);
+        most += rounded(bytes + 64 * meshes); // planes begin with a cache line
+    }
+    CHECK(books.held("volumes.topology").count == 2);
+    CHECK(books.held("volumes.topology").bytes >= least);
+    CHECK(books.held("volumes.topology").bytes <= most);
+    // One list of either kind: the device writes in order.
+    CHECK(books.held("volumes.found_sides").count == 2);
+    CHECK(books.held("volumes.found_sides").bytes ==
+          rounded(statedBytes(scene, kStatic).sides) + rounded(statedBytes(scene, kMoving).sides));
+    CHECK(books.held("volumes.lights").bytes <= 3 * rounded(16 * statedBytes(scene, kAll).pieces));
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a view takes what its methods tell the plan, once, however many lights there are")
+{
+    for (const AlgorithmEntry* entry : {&kStencilVolume, &kOctreeVolume}) {
+        CAPTURE(std::string(entry->name));
+        for (const bool several : {false, true}) {
+            MemoryBooks books;
+            Scene scene = memoryScene();
+            if (several) scene.lights.push_back(spotLight("second", {-4.0, 6.0, 2.0}, {0.0, 0.0, 0.0}, true));
+            const Drawn drawn(books, entry->name, scene, {.extent = kExtent});
+            const VkDeviceSize view = viewBytes(books), told = toldBytes(*entry);
+            MESSAGE(std::string(entry->name) << ": " << view << " bytes a view, " << told << " told");
+            CAPTURE(books.list());
+            CHECK(view <= told);
+            CHECK(told <= view + view / 8);
+            CHECK(books.held("volumes.depth_stencil").count == 1);
+        }
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "octree_volume holds 4 kB of umbrae and 176 bytes a chosen caster more, per light")
+{
+    MemoryBooks books;
+    const Scene scene = memoryScene();
+    const Drawn drawn(books, "octree_volume", scene, {.extent = kExtent});
+    const VkDeviceSize statics =
+        static_cast<VkDeviceSize>(std::count_if(scene.instances.begin(), scene.instances.end(), kStatic));
+    CAPTURE(books.list());
+    CHECK(books.held("octree_volume.regions").bytes == rounded(4096 + 176 * statics));
+    CHECK(books.held("volumes.sides").bytes ==
+          rounded(statedBytes(scene, kStatic).sides) + 2 * rounded(statedBytes(scene, kMoving).sides));
+    const VkDeviceSize tiles = (kExtent.width + 31) / 32 * ((kExtent.height + 31) / 32);
+    CHECK(books.held("octree_volume.reached").bytes == rounded(16 + 32 * tiles));
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "chan_durand holds a map of 4 bytes a texel and its copy, cells, and 176 bytes a command")
+{
+    for (const bool point : {false, true}) {
+        CAPTURE(point);
+        MemoryBooks books;
+        Scene scene = memoryScene();
+        if (point) scene.lights = {pointLight("bulb", {1.0, 5.0, 2.0}, true)};
+        const VkDeviceSize layers = point ? 6 : 1, resolution = 512;
+        const Drawn drawn(books, "chan_durand", scene, {.extent = kExtent});
+        CAPTURE(books.list());
+        const char* map = point ? "cube_faces" : "depth_map";
+        CHECK(books.held(map).bytes >= layers * resolution * resolution * 4);
+        CHECK(books.held(map).bytes <= 2 * layers * (resolution * resolution * 4 + 256));
+        CHECK(books.held("chan_durand.cells").bytes == rounded(4096 * layers));
+        const VkDeviceSize commands = statedBytes(scene, kAll).pieces; // no caps are needed here
+        CHECK(books.held("chan_durand.items").bytes == 2 * rounded(156 * commands));
+        CHECK(books.held("chan_durand.commands").bytes == rounded(20 * commands));
+        CHECK(viewBytes(books) + books.held(map).bytes <= toldBytes(kChanDurand));
+    }
+}
