@@ -3,7 +3,7 @@
 
 namespace gnomon {
 
-/// Stencil shadow volumes: silhouettes from the CPU, counted in the stencil of a copy of the host's depth.
+/// Stencil shadow volumes: silhouettes from CPU or device, counted in the stencil of a copy of the host's depth.
 /// Source:    Rautenbach 2008, 3.1; Crow 1977; Heidmann 1991; Everitt and Kilgard 2002. Signed multiplicities:
 ///            Bergeron 1986; Kim, Kim and Turk 2008.
 /// Reads:     topology and positions of the casters, receiver depth, geometric normals. Writes: visibility.

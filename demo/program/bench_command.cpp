@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "demo/io/csv.hpp"
+#include "demo/io/number.hpp"
 #include "demo/program/ambiguity.hpp"
 #include "demo/program/bench_bare.hpp"
 #include "demo/program/commands.hpp"
@@ -36,11 +37,36 @@ struct Row {
     std::vector<PassTime> passes;
 };
 
+struct SettingChoice {
+    std::string name;
+    double value = 0.0;
+};
+
+std::vector<SettingChoice> parseChoices(const std::string& text)
+{
+    std::vector<SettingChoice> choices;
+    for (const std::string& part : parseNames(text)) {
+        const size_t equals = part.find('=');
+        const std::optional<double> value =
+            equals == std::string::npos ? std::nullopt : parseNumber(std::string_view(part).substr(equals + 1));
+        if (!value) throw HostError("--set wants SETTING=NUMBER, not '" + part + "'");
+        choices.push_back({part.substr(0, equals), *value});
+    }
+    return choices;
+}
+
+bool hasSetting(const GnMethodInfo& method, std::string_view name)
+{
+    return std::any_of(method.pSettings, method.pSettings + method.settingCount,
+                       [&](const GnSettingInfo& setting) { return setting.pName == name; });
+}
+
 /// One scene with one number of lights at one size: the truth is made once for all rows.
 class SceneBench {
 public:
-    SceneBench(Device& device, const Scene& scene, const BenchOptions& options)
-        : device_(device), scene_(scene), options_(options)
+    SceneBench(Device& device, const Scene& scene, const BenchOptions& options,
+               const std::vector<SettingChoice>& choices)
+        : device_(device), scene_(scene), options_(options), choices_(choices)
     {
         size_ = options.size.empty() ? VkExtent2D{scene.width, scene.height} : valueOf(parseSize(options.size));
         // The error is judged in the last measured frame, where whatever moves has moved.
@@ -76,6 +102,9 @@ public:
         if (served.lights.empty()) return std::nullopt;
         Session session(device_, served, {.scene = {}, .size = size_});
         if (map) expect(session.shadows.set(info.pName, kResolutionSetting, *map));
+        for (const SettingChoice& choice : choices_)
+            if (hasSetting(info, choice.name))
+                expect(session.shadows.set(info.pName, choice.name.c_str(), choice.value));
         expect(session.shadows.pinAll(info.pName));
         settle(session, frameTime(served, 0), options_.recorded);
         Row row = rowFor(session, info.pName, map.value_or(0));
@@ -149,6 +178,7 @@ private:
     Device& device_;
     const Scene& scene_;
     const BenchOptions& options_;
+    const std::vector<SettingChoice>& choices_;
     VkExtent2D size_{};
     double truthTime_ = 0.0;
     std::optional<Truth> truth_;
@@ -197,12 +227,6 @@ void print(const Row& row)
     std::fflush(stdout);
 }
 
-bool hasResolution(const GnMethodInfo& method)
-{
-    return std::any_of(method.pSettings, method.pSettings + method.settingCount,
-                       [](const GnSettingInfo& s) { return std::string_view(s.pName) == kResolutionSetting; });
-}
-
 uint32_t defaultResolution(const GnMethodInfo& method)
 {
     for (uint32_t i = 0; i < method.settingCount; ++i)
@@ -217,6 +241,7 @@ int benchCommand(const BenchOptions& options)
 {
     const std::unique_ptr<Device> device = Device::create({.validation = options.validation});
     const std::vector<std::string> wanted = parseNames(options.methods);
+    const std::vector<SettingChoice> choices = parseChoices(options.settings);
     const std::vector<uint32_t> maps = valueOf(parseCounts(options.maps, 16, 16384));
     std::vector<uint32_t> lightCounts = valueOf(parseCounts(options.lights, 1, 32));
     if (lightCounts.empty()) lightCounts.push_back(0); // the scene's
@@ -234,7 +259,7 @@ int benchCommand(const BenchOptions& options)
         for (const uint32_t count : lightCounts) {
             Scene scene = valueOf(loadScene(name));
             if (count > 0) limitLights(scene, count);
-            SceneBench bench(*device, scene, options);
+            SceneBench bench(*device, scene, options, choices);
             keep(bench.base());
             if (isWanted(kBareMethod))
                 for (const uint32_t map : maps.empty() ? std::vector<uint32_t>{kDefaultBareMap} : maps)
@@ -244,7 +269,7 @@ int benchCommand(const BenchOptions& options)
                 known.push_back(info.pName);
                 if (!isWanted(info.pName) || info.pUnavailable || (options.recorded && info.roundTrips > 0)) continue;
                 std::vector<std::optional<uint32_t>> sizes = {std::nullopt};
-                if (hasResolution(info))
+                if (hasSetting(info, kResolutionSetting))
                     sizes = maps.empty() ? decltype(sizes){defaultResolution(info)}
                                          : decltype(sizes)(maps.begin(), maps.end());
                 for (const std::optional<uint32_t>& map : sizes)

@@ -29,7 +29,7 @@ int windowCommand(const RunOptions& options);
 
 struct BenchOptions {
     std::vector<std::string> scenes;
-    std::string methods, lights, maps, size, csv;
+    std::string methods, lights, maps, settings, size, csv;
     uint32_t repeat = 15;
     bool validation = false;
     bool recorded = false;

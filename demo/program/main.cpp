@@ -62,6 +62,7 @@ void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
                       "a,b,... default: all; `none` is the base row, `bare_shadow_map` a baseline without gnomon");
     bench->add_option("--lights", options.lights, "1,2,4,... default: the scene's");
     bench->add_option("--map", options.maps, "512,1024,... for methods with a resolution; default: theirs");
+    bench->add_option("--set", options.settings, "SETTING=NUMBER,... for methods that have the setting");
     bench->add_option("--size", options.size, "picture size; default: the scene's");
     bench->add_option("--repeat", options.repeat, "interleaved pairs of frames")->check(CLI::Range(3, 10000));
     bench->add_option("--csv", options.csv, "write the table here as well");
