@@ -11,6 +11,7 @@
 #include "algorithms/omni/cube_map.hpp"
 #include "algorithms/omni/dual_paraboloid.hpp"
 #ifdef GNOMON_WITH_OPENMESH
+#include "algorithms/volumes/all_edges_volume.hpp"
 #include "algorithms/volumes/chan_durand.hpp"
 #include "algorithms/volumes/octree_volume.hpp"
 #include "algorithms/volumes/stencil_volume.hpp"
@@ -23,7 +24,7 @@ namespace {
 constexpr std::array kAlgorithms = {
     &kShadowMap,     &kCubeMap,    &kDualParaboloid,
 #ifdef GNOMON_WITH_OPENMESH
-    &kStencilVolume, &kChanDurand, &kOctreeVolume,
+    &kStencilVolume, &kChanDurand, &kOctreeVolume,   &kAllEdgesVolume,
 #endif
 #ifdef GNOMON_WITH_EMBREE
     &kPcfHybrid,     &kRayTraced,
@@ -36,7 +37,7 @@ constexpr std::initializer_list<const char*> kAbsentNames = {
     "ray_traced",     "pcf_hybrid",
 #endif
 #ifndef GNOMON_WITH_OPENMESH
-    "stencil_volume", "chan_durand", "octree_volume",
+    "stencil_volume", "chan_durand", "octree_volume", "all_edges_volume",
 #endif
 };
 constexpr std::span<const char* const> kAbsent{kAbsentNames.begin(), kAbsentNames.size()};

@@ -84,9 +84,10 @@ void recordVolumes(PassContext& gpu, const DrawPlan& plan, const VolumeCountPipe
 
 } // namespace
 
-VolumeCountPipelines makeVolumeCountPipelines(const AlgorithmServices& services, const VolumeCountNames& names)
+VolumeCountPipelines makeVolumeCountPipelines(const AlgorithmServices& services, const VolumeCountNames& names,
+                                              VolumeShape shape)
 {
-    return {.volumes = makeVolumePipelines(services, names.volumes, {}),
+    return {.volumes = makeVolumePipelines(services, names.volumes, {}, shape),
             .counted = makeResolvePipeline(services, names.counted, true),
             .withoutCasters = makeResolvePipeline(services, names.withoutCasters, false)};
 }

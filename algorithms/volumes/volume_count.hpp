@@ -13,7 +13,8 @@ struct VolumeCountPipelines {
     VolumePipelines volumes;
     PipelineId counted, withoutCasters; ///< Resolve: where the stencil is not 0, and everywhere.
 };
-VolumeCountPipelines makeVolumeCountPipelines(const AlgorithmServices& services, const VolumeCountNames& names);
+VolumeCountPipelines makeVolumeCountPipelines(const AlgorithmServices& services, const VolumeCountNames& names,
+                                              VolumeShape shape = VolumeShape::lists);
 
 /// Declares the pass that writes the task's layer. Plan and pipelines are read while recording.
 void declareCount(PassBuilder& passes, const ShadowTask& task, const char* name, const ViewStencil& stencil,
