@@ -98,7 +98,7 @@ gpu::VolumeConstants volumeConstants(const VolumePlan& plan)
     }
     const Aabb range = lightBounds(light);
     gpu::VolumeConstants block;
-    block.clipFromEye = glm::mat4(glm::dmat4(view.projection) * glm::dmat4(glm::dmat3(view.viewFromWorld)));
+    block.clipFromEye = clipFromEye(view);
     block.lightEs = directional ? glm::vec4(light.direction(), 0.0f) : glm::vec4(light.position() - view.eye, 1.0f);
     block.nearLowerEs = glm::vec4(nearBounds.lower - view.eye, plan.bounded ? 1.0f : 0.0f);
     block.nearUpperEs = glm::vec4(nearBounds.upper - view.eye, 0.0f);
@@ -110,9 +110,7 @@ gpu::VolumeConstants volumeConstants(const VolumePlan& plan)
 gpu::VolumePush volumePush(const VolumePlan& plan, const Caster& caster, float nearCopyZ)
 {
     gpu::VolumePush push;
-    const glm::vec3 translation = caster.translation - plan.view->eye;
-    for (int row = 0; row < 3; ++row)
-        push.rows[row] = glm::vec4(caster.basis[0][row], caster.basis[1][row], caster.basis[2][row], translation[row]);
+    eyeRows(caster, *plan.view, push.rows);
     push.reach = glm::vec4(casterReach(caster.bounds, *plan.light, plan.view->eye), nearCopyZ);
     return push;
 }
@@ -156,6 +154,18 @@ void drawList(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, Pipel
 }
 
 } // namespace
+
+glm::mat4 clipFromEye(const CameraView& view)
+{
+    return glm::mat4(glm::dmat4(view.projection) * glm::dmat4(glm::dmat3(view.viewFromWorld)));
+}
+
+void eyeRows(const Caster& caster, const CameraView& view, glm::vec4 (&rows)[3])
+{
+    const glm::vec3 translation = caster.translation - view.eye;
+    for (int row = 0; row < 3; ++row)
+        rows[row] = glm::vec4(caster.basis[0][row], caster.basis[1][row], caster.basis[2][row], translation[row]);
+}
 
 VolumePipelines makeVolumePipelines(const AlgorithmServices& services, const VolumePipelineNames& names,
                                     const VolumeCounting& counting, VolumeShape shape)

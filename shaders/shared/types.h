@@ -32,6 +32,7 @@ using glm::vec3;
 using glm::vec4;
 using uint = std::uint32_t;
 using glm::abs;
+using glm::cross;
 using glm::dot;
 using glm::length;
 using glm::max;
