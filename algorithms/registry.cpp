@@ -11,8 +11,10 @@
 #include "algorithms/omni/cube_map.hpp"
 #include "algorithms/omni/dual_paraboloid.hpp"
 #ifdef GNOMON_WITH_OPENMESH
+#include "algorithms/volumes/all_edges_volume.hpp"
 #include "algorithms/volumes/chan_durand.hpp"
 #include "algorithms/volumes/octree_volume.hpp"
+#include "algorithms/volumes/projected_planar.hpp"
 #include "algorithms/volumes/stencil_volume.hpp"
 #endif
 
@@ -23,7 +25,7 @@ namespace {
 constexpr std::array kAlgorithms = {
     &kShadowMap,     &kCubeMap,    &kDualParaboloid,
 #ifdef GNOMON_WITH_OPENMESH
-    &kStencilVolume, &kChanDurand, &kOctreeVolume,
+    &kStencilVolume, &kChanDurand, &kOctreeVolume,   &kAllEdgesVolume, &kProjectedPlanar,
 #endif
 #ifdef GNOMON_WITH_EMBREE
     &kPcfHybrid,     &kRayTraced,
@@ -36,7 +38,7 @@ constexpr std::initializer_list<const char*> kAbsentNames = {
     "ray_traced",     "pcf_hybrid",
 #endif
 #ifndef GNOMON_WITH_OPENMESH
-    "stencil_volume", "chan_durand", "octree_volume",
+    "stencil_volume", "chan_durand", "octree_volume", "all_edges_volume", "projected_planar",
 #endif
 };
 constexpr std::span<const char* const> kAbsent{kAbsentNames.begin(), kAbsentNames.size()};

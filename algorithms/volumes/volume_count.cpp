@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "shaders/volumes/volume.h"
 #include "shaders/volumes_resolve_frag.h"
 #include "shaders/volumes_resolve_vert.h"
 
@@ -48,10 +47,27 @@ PipelineId makeResolvePipeline(const AlgorithmServices& services, const char* na
 
 // --- recording ---
 
-gpu::VolumeResolve resolveConstants(const DrawPlan& plan)
+void recordVolumes(PassContext& gpu, const DrawPlan& plan, const VolumeCountPipelines& pipelines)
 {
-    const CameraView& view = *plan.volumes->view;
-    const LightView& light = *plan.volumes->light;
+    const VkRect2D& pixels = plan.volumes->pixels;
+    if (pixels.extent.width == 0) return; // the light reaches no pixel: 1 everywhere, as cleared
+    gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+    drawVolumes(gpu, *plan.volumes, pipelines.volumes);
+
+    const Bound resolve = gpu.constants(0, volumeResolve(*plan.volumes->view, *plan.volumes->light));
+    const Bound depth = gpu.sampled(1, plan.depth, SamplerKind::nearest, 0);
+    // Without normals the shader does not read them; something must be bound.
+    const Bound normals = gpu.sampled(2, plan.normals ? plan.normals : plan.depth, SamplerKind::nearest, 0);
+    for (const PipelineId pipeline : {pipelines.counted, pipelines.withoutCasters}) {
+        gpu.bind(pipeline, {resolve, depth, normals});
+        gpu.drawFullscreen();
+    }
+}
+
+} // namespace
+
+gpu::VolumeResolve volumeResolve(const CameraView& view, const LightView& light)
+{
     const float cosine = light.constants.directionWs.w, range = light.constants.range;
     gpu::VolumeResolve block{};
     block.view = view.constants;
@@ -65,28 +81,10 @@ gpu::VolumeResolve resolveConstants(const DrawPlan& plan)
     return block;
 }
 
-void recordVolumes(PassContext& gpu, const DrawPlan& plan, const VolumeCountPipelines& pipelines)
+VolumeCountPipelines makeVolumeCountPipelines(const AlgorithmServices& services, const VolumeCountNames& names,
+                                              VolumeShape shape)
 {
-    const VkRect2D& pixels = plan.volumes->pixels;
-    if (pixels.extent.width == 0) return; // the light reaches no pixel: 1 everywhere, as cleared
-    gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
-    drawVolumes(gpu, *plan.volumes, pipelines.volumes);
-
-    const Bound resolve = gpu.constants(0, resolveConstants(plan));
-    const Bound depth = gpu.sampled(1, plan.depth, SamplerKind::nearest, 0);
-    // Without normals the shader does not read them; something must be bound.
-    const Bound normals = gpu.sampled(2, plan.normals ? plan.normals : plan.depth, SamplerKind::nearest, 0);
-    for (const PipelineId pipeline : {pipelines.counted, pipelines.withoutCasters}) {
-        gpu.bind(pipeline, {resolve, depth, normals});
-        gpu.drawFullscreen();
-    }
-}
-
-} // namespace
-
-VolumeCountPipelines makeVolumeCountPipelines(const AlgorithmServices& services, const VolumeCountNames& names)
-{
-    return {.volumes = makeVolumePipelines(services, names.volumes, {}),
+    return {.volumes = makeVolumePipelines(services, names.volumes, {}, shape),
             .counted = makeResolvePipeline(services, names.counted, true),
             .withoutCasters = makeResolvePipeline(services, names.withoutCasters, false)};
 }

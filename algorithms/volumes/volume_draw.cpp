@@ -1,9 +1,11 @@
 #include "algorithms/volumes/volume_draw.hpp"
 
 #include "algorithms/volumes/shadow_reach.hpp"
+#include "algorithms/volumes/silhouette.hpp"
 #include "runtime/scene/light_pixels.hpp"
 
-#include "shaders/volumes/volume.h"
+#include "shaders/volumes/all_edges.h"
+#include "shaders/volumes_all_edges_vert.h"
 #include "shaders/volumes_volume_vert.h"
 
 namespace gnomon {
@@ -18,7 +20,8 @@ constexpr float kCapPush = 1.0f / 1024.0f;
 
 constexpr BindingInfo kVolumeBindings[] = {{.binding = 0, .kind = BindingKind::constants},
                                            {.binding = 1, .kind = BindingKind::storageBuffer},
-                                           {.binding = 2, .kind = BindingKind::storageBuffer}};
+                                           {.binding = 2, .kind = BindingKind::storageBuffer},
+                                           {.binding = 3, .kind = BindingKind::storageBuffer}}; // of allEdges
 
 // --- pipelines ---
 
@@ -33,15 +36,28 @@ VkStencilOpState countOp(const VolumeCounting& counting, VkStencilOp pass, VkSte
             .reference = counting.mask};
 }
 
+/// The shader that makes corners of a shape, and what it is given.
+void setShape(GraphicsPipelineInfo& info, VolumeShape shape, bool caps)
+{
+    const std::span<const BindingInfo> bindings = kVolumeBindings;
+    if (shape == VolumeShape::lists) {
+        info.vertex.code = k_volumes_volume_vert;
+        info.bindings = bindings.first(3);
+        info.pushBytes = sizeof(gpu::VolumePush);
+        return;
+    }
+    info.vertex = {.code = k_volumes_all_edges_vert, .specializationCount = 1, .specialization = {caps ? 1u : 0u}};
+    info.bindings = bindings;
+    info.pushBytes = sizeof(gpu::AllEdgesPush);
+}
+
 PipelineId makePipeline(const AlgorithmServices& services, const char* name, const VolumeCounting& counting, bool zPass,
-                        bool reversed)
+                        bool reversed, VolumeShape shape, bool caps)
 {
     constexpr VkStencilOp up = VK_STENCIL_OP_INCREMENT_AND_WRAP, down = VK_STENCIL_OP_DECREMENT_AND_WRAP;
     constexpr VkStencilOp keep = VK_STENCIL_OP_KEEP;
-    GraphicsPipelineInfo info{.name = name,
-                              .vertex = {.code = k_volumes_volume_vert},
-                              .bindings = kVolumeBindings,
-                              .pushBytes = sizeof(gpu::VolumePush)};
+    GraphicsPipelineInfo info{.name = name};
+    setShape(info, shape, caps);
     info.depthTest = true;
     info.depthCompare = reversed ? VK_COMPARE_OP_GREATER : VK_COMPARE_OP_LESS;
     // Entering a volume counts up, leaving it down: before the receiver for z-pass, backwards behind it for z-fail.
@@ -82,7 +98,7 @@ gpu::VolumeConstants volumeConstants(const VolumePlan& plan)
     }
     const Aabb range = lightBounds(light);
     gpu::VolumeConstants block;
-    block.clipFromEye = glm::mat4(glm::dmat4(view.projection) * glm::dmat4(glm::dmat3(view.viewFromWorld)));
+    block.clipFromEye = clipFromEye(view);
     block.lightEs = directional ? glm::vec4(light.direction(), 0.0f) : glm::vec4(light.position() - view.eye, 1.0f);
     block.nearLowerEs = glm::vec4(nearBounds.lower - view.eye, plan.bounded ? 1.0f : 0.0f);
     block.nearUpperEs = glm::vec4(nearBounds.upper - view.eye, 0.0f);
@@ -94,14 +110,26 @@ gpu::VolumeConstants volumeConstants(const VolumePlan& plan)
 gpu::VolumePush volumePush(const VolumePlan& plan, const Caster& caster, float nearCopyZ)
 {
     gpu::VolumePush push;
-    const glm::vec3 translation = caster.translation - plan.view->eye;
-    for (int row = 0; row < 3; ++row)
-        push.rows[row] = glm::vec4(caster.basis[0][row], caster.basis[1][row], caster.basis[2][row], translation[row]);
+    eyeRows(caster, *plan.view, push.rows);
     push.reach = glm::vec4(casterReach(caster.bounds, *plan.light, plan.view->eye), nearCopyZ);
     return push;
 }
 
-void drawList(PassContext& gpu, const VolumePlan& plan, PipelineId pipeline, const Bound& constants,
+void pushCaster(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, const Caster& caster, float nearCopyZ)
+{
+    const gpu::VolumePush push = volumePush(plan, caster, nearCopyZ);
+    if (shape == VolumeShape::lists) {
+        gpu.push(push);
+        return;
+    }
+    // Caps as writeCaps() chooses them.
+    const std::uint32_t away = caster.mirrored ? 1 : 0;
+    gpu.push(gpu::AllEdgesPush{.caster = push,
+                               .lightOs = lightInObjectSpace(*plan.light, caster),
+                               .capsFacing = caster.mesh->topology->closed ? away : gpu::ALL_FACES});
+}
+
+void drawList(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, PipelineId pipeline, const Bound& constants,
               std::span<const VolumeDraw> draws, float nearCopyZ)
 {
     const MeshView* mesh = nullptr;
@@ -109,13 +137,14 @@ void drawList(PassContext& gpu, const VolumePlan& plan, PipelineId pipeline, con
     for (const VolumeDraw& draw : draws) {
         if (draw.caster->mesh != mesh) {
             mesh = draw.caster->mesh;
-            gpu.bind(pipeline, {constants, gpu.storage(1, mesh->vertexBuffer), gpu.storage(2, plan.receiverBounds)});
+            gpu.bind(pipeline, {constants, gpu.storage(1, mesh->vertexBuffer), gpu.storage(2, plan.receiverBounds),
+                                gpu.storage(3, draw.list)}); // a mesh's own, where the shape has it
         }
         if (draw.list.index != list.index) {
             list = draw.list;
             gpu.vk->vkCmdBindIndexBuffer(gpu.cmd, gpu.buffer(list), 0, VK_INDEX_TYPE_UINT32);
         }
-        gpu.push(volumePush(plan, *draw.caster, nearCopyZ));
+        pushCaster(gpu, plan, shape, *draw.caster, nearCopyZ);
         // One by one: more than one at a time needs a device feature, and here a draw costs 0.6 us.
         constexpr std::uint32_t size = sizeof(VkDrawIndexedIndirectCommand);
         for (std::uint32_t i = 0; i < draw.commandCount; ++i)
@@ -126,13 +155,29 @@ void drawList(PassContext& gpu, const VolumePlan& plan, PipelineId pipeline, con
 
 } // namespace
 
-VolumePipelines makeVolumePipelines(const AlgorithmServices& services, const VolumePipelineNames& names,
-                                    const VolumeCounting& counting)
+glm::mat4 clipFromEye(const CameraView& view)
 {
-    VolumePipelines pipelines;
-    for (const int reversed : {0, 1}) {
-        pipelines.zPass[reversed] = makePipeline(services, names.zPass[reversed], counting, true, reversed != 0);
-        pipelines.zFail[reversed] = makePipeline(services, names.zFail[reversed], counting, false, reversed != 0);
+    return glm::mat4(glm::dmat4(view.projection) * glm::dmat4(glm::dmat3(view.viewFromWorld)));
+}
+
+void eyeRows(const Caster& caster, const CameraView& view, glm::vec4 (&rows)[3])
+{
+    const glm::vec3 translation = caster.translation - view.eye;
+    for (int row = 0; row < 3; ++row)
+        rows[row] = glm::vec4(caster.basis[0][row], caster.basis[1][row], caster.basis[2][row], translation[row]);
+}
+
+VolumePipelines makeVolumePipelines(const AlgorithmServices& services, const VolumePipelineNames& names,
+                                    const VolumeCounting& counting, VolumeShape shape)
+{
+    VolumePipelines pipelines{.shape = shape};
+    for (const int i : {0, 1}) {
+        const bool reversed = i != 0;
+        pipelines.zPass[i] = makePipeline(services, names.zPass[i], counting, true, reversed, shape, false);
+        pipelines.zFail[i] = makePipeline(services, names.zFail[i], counting, false, reversed, shape, false);
+        pipelines.caps[i] = shape == VolumeShape::lists
+                                ? pipelines.zFail[i]
+                                : makePipeline(services, names.caps[i], counting, false, reversed, shape, true);
     }
     return pipelines;
 }
@@ -204,18 +249,20 @@ void usesVolumes(PassRef& pass, const VolumePlan& plan)
         if (list) pass.indices(list).indirect(list);
     for (const BufferId commands : plan.commands)
         if (commands) pass.indirect(commands);
+    for (const BufferId list : plan.meshLists)
+        pass.indices(list).indirect(list).reads(list);
 }
 
 void drawVolumes(PassContext& gpu, const VolumePlan& plan, const VolumePipelines& pipelines)
 {
     const Bound constants = gpu.constants(0, volumeConstants(plan));
     const std::size_t reversed = plan.view->reversed() ? 1 : 0;
-    drawList(gpu, plan, pipelines.zPass[reversed], constants, plan.zPass, 0.0f);
-    drawList(gpu, plan, pipelines.zFail[reversed], constants, plan.zFail, 0.0f);
+    drawList(gpu, plan, pipelines.shape, pipelines.zPass[reversed], constants, plan.zPass, 0.0f);
+    drawList(gpu, plan, pipelines.shape, pipelines.zFail[reversed], constants, plan.zFail, 0.0f);
     // Moving a point away from the eye by the share e scales clip x, y and w alike and leaves z, but for the eye's own
     // clip z (the projection's last column): the same as lowering z by e / (1 + e) of it.
     const float push = -plan.view->projection[3][2] * kCapPush / (1.0f + kCapPush);
-    drawList(gpu, plan, pipelines.zFail[reversed], constants, plan.caps, push);
+    drawList(gpu, plan, pipelines.shape, pipelines.caps[reversed], constants, plan.caps, push);
 }
 
 const char* refusesVolumes(const DeviceTable& vk, const ShadowTask& task)

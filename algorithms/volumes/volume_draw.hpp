@@ -14,16 +14,24 @@ struct VolumeCounting {
     std::uint8_t mask = 0;    ///< Count where this bit is set only; 0: everywhere.
 };
 
+/// What the device makes corners of.
+enum class VolumeShape : std::uint8_t {
+    lists,    ///< Silhouettes and caps that the CPU has found (volume_list.hpp).
+    allEdges, ///< All edges and faces of the mesh (edge_list.hpp).
+};
+
 /// By reversed depth.
 struct VolumePipelineNames {
     const char* zPass[2];
     const char* zFail[2];
+    const char* caps[2] = {}; ///< Of allEdges; lists are drawn with zFail.
 };
 struct VolumePipelines {
-    PipelineId zPass[2], zFail[2];
+    VolumeShape shape = VolumeShape::lists;
+    PipelineId zPass[2], zFail[2], caps[2];
 };
 VolumePipelines makeVolumePipelines(const AlgorithmServices& services, const VolumePipelineNames& names,
-                                    const VolumeCounting& counting);
+                                    const VolumeCounting& counting, VolumeShape shape = VolumeShape::lists);
 
 /// A run of indirect commands for one caster.
 struct VolumeDraw {
@@ -40,6 +48,7 @@ struct VolumePlan {
     std::span<VolumeDraw> zPass, zFail, caps; ///< zFail: sides.
     BufferId lists[4];    ///< planVolumes(): sides of static casters, of moving ones, caps. Null ids: none.
     BufferId commands[2]; ///< Made of those of the lists; null ids: none.
+    std::span<const BufferId> meshLists; ///< Of allEdges.
     BufferId receiverBounds;
     bool bounded = true; ///< Volumes end behind the farthest visible receiver.
     VkRect2D pixels{};   ///< Where the light can reach.
@@ -68,6 +77,11 @@ inline void append(std::span<VolumeDraw>& draws, const VolumeDraw& draw)
     draws = {draws.data(), draws.size() + 1};
     draws.back() = draw;
 }
+
+/// clip = clipFromEye(view) * vec4(positionEs, 1): relative to the eye, in world axes.
+glm::mat4 clipFromEye(const CameraView& view);
+/// positionEs[i] = dot(rows[i], vec4(positionOs, 1)).
+void eyeRows(const Caster& caster, const CameraView& view, glm::vec4 (&rows)[3]);
 
 /// Declares what drawVolumes() reads; the pass tests depth and writes stencil of the view's copy.
 void usesVolumes(PassRef& pass, const VolumePlan& plan);

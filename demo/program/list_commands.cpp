@@ -21,7 +21,8 @@ std::string traitWords(GnTraits traits)
                                                              {GN_TRAIT_CPU_GEOMETRY_BIT, "reads triangles"},
                                                              {GN_TRAIT_TOPOLOGY_BIT, "topology"},
                                                              {GN_TRAIT_RAYS_BIT, "rays"},
-                                                             {GN_TRAIT_FALLBACK_BIT, "fallback"}};
+                                                             {GN_TRAIT_FALLBACK_BIT, "fallback"},
+                                                             {GN_TRAIT_PLANAR_BIT, "flat receivers only"}};
     std::string out;
     for (const auto& [bit, word] : words)
         if (traits & bit) out += (out.empty() ? "" : ", ") + std::string(word);

@@ -347,6 +347,7 @@ Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& fra
             const Reach reach =
                 measureReach(view.grid->camera(), view.grid->tiles(), view.grid->tilesX(), view.grid->tilesY(), light);
             memory.distance = reach.distance;
+            memory.planarity = reach.planarity;
             memory.share.add(reach.share);
             memory.measured = true;
             memory.measuredAt = info.frame;

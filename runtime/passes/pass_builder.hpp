@@ -27,9 +27,10 @@ enum class PassKind : std::uint8_t {
     host,    ///< CPU work between GPU passes; sees buffers only. Ends a level.
 };
 
-/// How often a pass or resource exists: once per view (whatever the lights), once per light (whatever the views), or
-/// once per (view, light, method). The same scope, name and variant is the same pass or resource.
-enum class Scope : std::uint8_t { view, light, task };
+/// How often a pass or resource exists: once per view (whatever the lights), once per light (whatever the views), once
+/// per (view, light, method), or once (whatever asks: what depends on a mesh alone, with the mesh's id as the variant).
+/// The same scope, name and variant is the same pass or resource.
+enum class Scope : std::uint8_t { view, light, task, scene };
 
 struct ImageId {
     std::uint32_t index = UINT32_MAX;

@@ -109,6 +109,8 @@ std::uint64_t PassGraph::key(Scope scope, const char* name, std::uint32_t varian
         return mix(mix(hash, 1), view);
     case Scope::light:
         return mix(mix(hash, 2), owner_.light);
+    case Scope::scene:
+        return mix(hash, 4);
     case Scope::task:
         break;
     }
@@ -229,8 +231,9 @@ PassRef PassGraph::open(PassKind kind, const char* name, Scope scope, std::uint3
     pendingBroken_ = false;
     pending_ = Pass{.name = name, .kind = kind, .owner = owner_};
     pending_.owner.declarer = owner_.method;
-    if (scope == Scope::view) pending_.owner.light = pending_.owner.method = UINT32_MAX;
-    if (scope == Scope::light) pending_.owner.view = pending_.owner.method = UINT32_MAX;
+    if (scope != Scope::task) pending_.owner.method = UINT32_MAX;
+    if (scope == Scope::view || scope == Scope::scene) pending_.owner.light = UINT32_MAX;
+    if (scope == Scope::light || scope == Scope::scene) pending_.owner.view = UINT32_MAX;
     pending_.firstAccess = static_cast<std::uint32_t>(accesses_.size());
     pending_.task = task_;
     pending_.level = floorLevel_;

@@ -79,6 +79,7 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::create(MeshInput input, std::
 {
     auto identity = std::make_shared<MeshIdentity>();
     identity->name = std::move(input.name);
+    identity->id = meshes_.fetch_add(1, std::memory_order_relaxed) + 1;
     identity->positionCount = static_cast<std::uint32_t>(input.positions.size() - kPositionPadding);
     identity->given = std::make_shared<const std::vector<std::uint32_t>>(std::move(input.indices));
 
@@ -137,6 +138,7 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::finish(std::shared_ptr<MeshRe
 
     MeshView& view = revision->bare;
     view.name = identity.name.c_str();
+    view.id = identity.id;
     view.positions = positions;
     view.indices = *revision->faces->indices;
     view.bounds = boundsOf(positions, view.indices);

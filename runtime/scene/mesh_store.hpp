@@ -54,6 +54,7 @@ struct MeshUpload {
 /// What all revisions of a mesh have in common.
 struct MeshIdentity {
     std::string name;
+    std::uint32_t id = 0; ///< MeshView::id.
     std::shared_ptr<const std::vector<std::uint32_t>> given; ///< Indices as the host gave them.
     std::uint32_t positionCount = 0;
     std::atomic<bool> remarked{false}; ///< That it is open or not manifold has been said.
@@ -132,6 +133,7 @@ private:
     RayScene* rays_;
     const Messages& messages_;
     bool background_;
+    mutable std::atomic<std::uint32_t> meshes_{0};
     mutable std::atomic<std::uint64_t> revisions_{0};
 };
 

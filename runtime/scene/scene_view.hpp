@@ -30,6 +30,7 @@ struct Aabb {
 /// A mesh as the frame sees it. Alive while any frame that saw it is in flight.
 struct MeshView {
     const char* name = "";
+    std::uint32_t id = 0; ///< Stable identity over revisions, from 1; never another mesh's.
     std::span<const glm::vec3> positions;
     std::span<const std::uint32_t> indices; ///< Three per triangle, zero-area triangles removed.
     Aabb bounds;                            ///< Object space.

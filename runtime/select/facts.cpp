@@ -26,11 +26,68 @@ double trianglesFact(double triangles) noexcept
     return cost::log2Exactly(std::max(1.0, triangles)) * kLog10Of2;
 }
 
+namespace {
+
+/// Some of the tiles that a light reaches, spread over all of them: the stride doubles whenever there are too many.
+class TileSample {
+public:
+    struct Tile {
+        gpu::TilePlane plane;
+        glm::vec2 place; ///< Pixels.
+    };
+    void add(const gpu::TilePlane& plane, std::uint32_t x, std::uint32_t y)
+    {
+        if (seen_++ % stride_ != 0) return;
+        if (count_ == kMost) {
+            count_ /= 2;
+            for (std::uint32_t i = 0; i < count_; ++i)
+                tiles_[i] = tiles_[2 * i];
+            stride_ *= 2;
+            if ((seen_ - 1) % stride_ != 0) return;
+        }
+        tiles_[count_++] = {plane, glm::vec2(x, y) * static_cast<float>(kTilePixels)};
+    }
+    std::span<const Tile> tiles() const { return std::span(tiles_).first(count_); }
+
+private:
+    static constexpr std::uint32_t kMost = 256; // a quarter of them are candidates: 16 000 comparisons, some 50 us
+    std::array<Tile, kMost> tiles_;
+    std::uint32_t count_ = 0, stride_ = 1, seen_ = 0;
+};
+
+/// Whether the front of the plane, which the eye sees, faces the light.
+bool planeFaces(const CameraView& view, const LightView& light, const TileSample::Tile& tile)
+{
+    const gpu::ViewConstants& c = view.constants;
+    const glm::vec2 middle = glm::vec2(view.area.offset.x, view.area.offset.y) + tile.place + gpu::PLANE_TILE_MIDDLE;
+    const glm::vec3 normal = gpu::planeNormal(gpu::viewRayWs(c, middle), glm::vec3(c.rayDxWs), glm::vec3(c.rayDyWs),
+                                              tile.plane.inverse, tile.plane.slopeX, tile.plane.slopeY);
+    if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) return glm::dot(normal, light.direction()) > 0.0f;
+    return glm::dot(normal, light.position() - view.eye) < 1.0f;
+}
+
+float planarityOf(const CameraView& view, const LightView& light, std::span<const TileSample::Tile> tiles)
+{
+    std::uint32_t most = 0;
+    const std::size_t step = std::max<std::size_t>(1, tiles.size() / 64);
+    for (std::size_t i = 0; i < tiles.size(); i += step) {
+        if (tiles[i].plane.flatness == 0.0f || !planeFaces(view, light, tiles[i])) continue;
+        std::uint32_t votes = 0;
+        for (const TileSample::Tile& tile : tiles)
+            votes += gpu::showsPlane(tile.plane, tiles[i].plane, tile.place - tiles[i].place, true);
+        most = std::max(most, votes);
+    }
+    return tiles.empty() ? 0.0f : static_cast<float>(most) / static_cast<float>(tiles.size());
+}
+
+} // namespace
+
 Reach measureReach(const CameraView& view, std::span<const DepthTile> tiles, std::uint32_t tilesX, std::uint32_t tilesY,
                    const LightView& light)
 {
-    Reach reach{.distance = std::numeric_limits<float>::infinity(), .share = 0.0f};
+    Reach reach{.distance = std::numeric_limits<float>::infinity()};
     std::uint32_t reached = 0;
+    TileSample sample;
     for (std::uint32_t y = 0; y < tilesY; ++y)
         for (std::uint32_t x = 0; x < tilesX; ++x) {
             const DepthTile tile = tiles[y * tilesX + x];
@@ -50,11 +107,15 @@ Reach measureReach(const CameraView& view, std::span<const DepthTile> tiles, std
             }
             if (!reaches(light, box)) continue;
             ++reached;
+            const bool whole =
+                (x + 1) * kTilePixels <= view.area.extent.width && (y + 1) * kTilePixels <= view.area.extent.height;
+            if (whole) sample.add(tile.plane, x, y); // others were not asked for their plane
             // The ray through the middle of the screen is the shortest of all; within a tile its corners bound it well.
             reach.distance = std::min(reach.distance, tile.nearest * std::max(1.0f, shortest * 0.999f));
         }
     const std::uint32_t all = tilesX * tilesY;
     reach.share = all ? static_cast<float>(reached) / static_cast<float>(all) : 0.0f;
+    reach.planarity = planarityOf(view, light, sample.tiles());
     return reach;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "runtime/scene/scene_view.hpp"
+#include "shaders/shared/tile_plane.h"
 
 namespace gnomon {
 
@@ -15,7 +16,7 @@ enum class Fact : std::uint8_t {
     screenShare,       ///< Share of the view's tiles that the light reaches, median of 5 measurements.
     casterTriangles,   ///< log10 of the triangles in range.
     lightRadius,       ///< Metres.
-    receiverPlanarity, ///< 0 rough to 1 flat; unknown (NaN) unless the host says.
+    receiverPlanarity, ///< Share of the light's visible receivers on one plane; unknown (NaN) until measured.
     frameBudget,       ///< Predicted shadow ms / budget; 0 without a budget.
     frameRate,         ///< Hz, mean over the last 30 frames.
     count
@@ -38,13 +39,15 @@ double trianglesFact(double triangles) noexcept;
 struct DepthTile {
     float nearest;
     float farthest;
+    gpu::TilePlane plane;
 };
-constexpr std::uint32_t kTilePixels = 16; ///< Side of a tile; shaders/runtime/depth_grid.comp.
+constexpr std::uint32_t kTilePixels = gpu::PLANE_TILE; ///< Side of a tile.
 
 /// What the newest depth grid says about a light.
 struct Reach {
-    float distance = 0.0f; ///< Eye to the nearest receiver, metres; infinite if none is visible.
-    float share = 0.0f;    ///< Of the tiles.
+    float distance = 0.0f;  ///< Eye to the nearest receiver, metres; infinite if none is visible.
+    float share = 0.0f;     ///< Of the tiles.
+    float planarity = 0.0f; ///< Share of those tiles that show the plane which most of them show, facing the light.
 };
 
 /// Receivers of a tile lie in the frustum piece between its two depths; a tile counts if the light may reach that

@@ -148,7 +148,7 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     fact(Fact::screenShare) = memory.measured ? memory.share.get() : 1.0;
     fact(Fact::casterTriangles) = trianglesFact(static_cast<double>(input.casters->triangles));
     fact(Fact::lightRadius) = input.light->constants.sourceRadius;
-    fact(Fact::receiverPlanarity) = std::numeric_limits<double>::quiet_NaN();
+    fact(Fact::receiverPlanarity) = memory.measured ? memory.planarity : std::numeric_limits<double>::quiet_NaN();
     fact(Fact::frameBudget) = input.frameBudget;
     fact(Fact::frameRate) = input.frameRate;
 

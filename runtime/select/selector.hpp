@@ -86,6 +86,7 @@ struct LightDecision {
 struct LightMemory {
     std::uint32_t incumbent = UINT32_MAX;
     float distance = 0.0f; ///< Measured; valid if `measured`.
+    float planarity = 0.0f; ///< Likewise.
     bool measured = false;
     std::uint64_t measuredAt = 0; ///< Frame of the newest measurement.
     MedianOfFive share;

@@ -21,6 +21,7 @@ std::vector<std::string> traitWords(GnTraits traits)
         {GN_TRAIT_EXACT_BIT, "exact"},
         {GN_TRAIT_CPU_GEOMETRY_BIT, "cpuGeometry"},
         {GN_TRAIT_RAYS_BIT, "rays"},
+        {GN_TRAIT_PLANAR_BIT, "planar"},
     };
     std::vector<std::string> words;
     for (const auto& entry : kWords)

@@ -1,10 +1,16 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shared/receiver.h"
+#include "shared/tile_plane.glsl"
 
-// Nearest and farthest linear depth of every 16x16 tile: what the facts need to know about receivers. One invocation a
+// Nearest and farthest linear depth of every 16x16 tile, and its plane if it shows one: what the facts need to know about receivers. One invocation a
 // tile, four depths a gather. Sky counts for nothing.
 layout(local_size_x = 8, local_size_y = 8) in;
+
+struct DepthTile {
+    float nearest;
+    float farthest;
+    TilePlane plane;
+};
 
 layout(std140, set = 0, binding = 0) uniform Constants {
     ViewConstants view;
@@ -12,9 +18,9 @@ layout(std140, set = 0, binding = 0) uniform Constants {
     uvec4 size; // pixels drawn in x and y
 };
 layout(set = 0, binding = 1) uniform sampler2D depthImage;
-layout(std430, set = 0, binding = 2) writeonly buffer Tiles { vec2 tiles[]; };
+layout(std430, set = 0, binding = 2) writeonly buffer Tiles { DepthTile tiles[]; };
 
-const uint TILE = 16;
+const uint TILE = PLANE_TILE;
 
 void main()
 {
@@ -33,5 +39,9 @@ void main()
                 farthest = max(farthest, w);
             }
         }
-    tiles[tile.y * grid.x + tile.x] = vec2(nearest, farthest);
+    TilePlane plane = TilePlane(0.0, 0.0, 0.0, 0.0);
+    uvec2 first = tile * TILE;
+    if (first.x + TILE <= size.x && first.y + TILE <= size.y)
+        plane = tilePlane(depthImage, view, ivec2(first + grid.zw));
+    tiles[tile.y * grid.x + tile.x] = DepthTile(nearest, farthest, plane);
 }

@@ -19,6 +19,7 @@
 #define GN_SHARED_END }
 #define GN_SHARED_FN inline
 #define GN_SHARED_CONST inline constexpr
+#define GN_PRECISE // a variable computed as written, without contraction: C++ is compiled so altogether
 #define GN_SHARED_OFFSET(type, member, bytes) static_assert(offsetof(type, member) == (bytes));
 #define GN_SHARED_SIZE(type, bytes) static_assert(sizeof(type) == (bytes));
 
@@ -31,6 +32,7 @@ using glm::vec3;
 using glm::vec4;
 using uint = std::uint32_t;
 using glm::abs;
+using glm::cross;
 using glm::dot;
 using glm::length;
 using glm::max;
@@ -45,6 +47,7 @@ GN_SHARED_END
 #define GN_SHARED_END
 #define GN_SHARED_FN
 #define GN_SHARED_CONST const
+#define GN_PRECISE precise
 #define GN_SHARED_OFFSET(type, member, bytes)
 #define GN_SHARED_SIZE(type, bytes)
 

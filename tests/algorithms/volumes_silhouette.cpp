@@ -2,8 +2,12 @@
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
+#include <array>
+#include <bit>
 #include <map>
 
+#include "algorithms/volumes/edge_list.hpp"
+#include "shaders/volumes/all_edges.h"
 #include "shaders/volumes/volume.h"
 #include "tests/algorithms/volume_lists.hpp"
 
@@ -13,6 +17,100 @@ using namespace gnomon;
 using namespace gnomon::test;
 
 namespace {
+
+/// What a device draws of the list of all edges and faces, as indices of the same kind.
+struct DeviceLists {
+    std::vector<std::uint32_t> sides, caps;
+    std::size_t sidesLookedAt = 0;
+
+    DeviceLists(const Placed& placed, const LightView& light)
+        : placed_(placed), lightOs_(lightInObjectSpace(light, placed.caster)),
+          words_(edgeListSize(placed.topology).bytes() / 4)
+    {
+        writeEdgeList(placed.topology, words_);
+        for (const std::uint32_t command : {kPairCommand, kBorderCommand})
+            draw(command, sides);
+        sidesLookedAt = looked_;
+        draw(kCapCommand, caps);
+        REQUIRE(largest_ < edgeListSize(placed.topology).largestIndex());
+    }
+
+private:
+    gpu::uvec4 slot(std::uint32_t index) const
+    {
+        REQUIRE(4 * index + 3 < words_.size());
+        return {words_[4 * index], words_[4 * index + 1], words_[4 * index + 2], words_[4 * index + 3]};
+    }
+    bool facing(std::uint32_t plane) const
+    {
+        const gpu::uvec4 bits = slot(plane);
+        const glm::vec4 values(std::bit_cast<float>(bits.x), std::bit_cast<float>(bits.y), std::bit_cast<float>(bits.z),
+                               std::bit_cast<float>(bits.w));
+        return gpu::facesLight(values, lightOs_);
+    }
+    std::uint32_t sideAt(std::uint32_t index) const
+    {
+        const gpu::uvec4 edge = slot(index >> 2);
+        return gpu::sideCorner(edge, facing(edge.z >> 1), facing(edge.w >> 1), index & 3);
+    }
+    std::uint32_t capAt(std::uint32_t index) const
+    {
+        const std::uint32_t away = placed_.caster.mirrored ? 1 : 0;
+        const gpu::uvec4 face = slot(index >> 3);
+        return gpu::capCorner(face, facing(face.w), placed_.topology.closed ? away : gpu::ALL_FACES, (index >> 2) & 1,
+                              index & 3);
+    }
+    void draw(std::uint32_t command, std::vector<std::uint32_t>& out)
+    {
+        const std::uint32_t count = words_[5 * command], instances = words_[5 * command + 1];
+        const std::uint32_t first = words_[5 * command + 2];
+        REQUIRE(first + count <= words_.size());
+        for (std::uint32_t instance = 0; instance < instances; ++instance)
+            for (std::uint32_t i = first; i < first + count; i += 6) {
+                std::array<std::uint32_t, 6> corners{};
+                for (std::uint32_t k = 0; k < 6; ++k) {
+                    largest_ = std::max<std::uint64_t>(largest_, words_[i + k]);
+                    corners[k] = command == kCapCommand ? capAt(words_[i + k]) : sideAt(words_[i + k]);
+                }
+                ++looked_;
+                const auto gone = std::count(corners.begin(), corners.end(), gpu::NO_CORNER);
+                CHECK((gone == 0 || gone == 6));
+                if (gone == 0) out.insert(out.end(), corners.begin(), corners.end());
+            }
+    }
+
+    const Placed& placed_;
+    glm::vec4 lightOs_;
+    std::vector<std::uint32_t> words_;
+    std::size_t looked_ = 0;
+    std::uint64_t largest_ = 0;
+};
+
+using SixCorners = std::array<std::uint32_t, 6>;
+
+/// How often each six indices occur.
+std::map<SixCorners, int> counted(const std::vector<std::uint32_t>& indices)
+{
+    std::map<SixCorners, int> counts;
+    for (std::size_t i = 0; i < indices.size(); i += 6) {
+        SixCorners corners{};
+        std::copy_n(&indices[i], 6, corners.begin());
+        ++counts[corners];
+    }
+    return counts;
+}
+
+/// How often each directed edge has a side, less how often the same one has it the other way round.
+std::map<std::pair<std::uint32_t, std::uint32_t>, int> sums(const std::vector<std::uint32_t>& sides)
+{
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> sum;
+    for (std::size_t i = 0; i < sides.size(); i += 6) {
+        const std::uint32_t a = sides[i], b = sides[i + 5];
+        sum[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
+    }
+    std::erase_if(sum, [](const auto& entry) { return entry.second == 0; });
+    return sum;
+}
 
 /// A caster's volume as triangles in the world.
 struct Volume {
@@ -192,6 +290,34 @@ TEST_CASE("from a lit point, sides alone count right along any segment that meet
     });
     CHECK(shadowed > 300);
     CHECK(lit > 300);
+}
+
+TEST_CASE("of all edges and faces the device draws the sides and caps that the CPU finds")
+{
+    forAllCases([](const Placed& placed, const LightView& light) {
+        const Lists lists(placed, light);
+        const DeviceLists device(placed, light);
+        CHECK(sums(device.sides) == sums(lists.sides));
+        CHECK(counted(device.caps) == counted(lists.caps));
+        // With more than two faces at an edge some sides may be drawn both ways; without, nothing is drawn in vain.
+        if (placed.topology.manifold) CHECK(counted(device.sides) == counted(lists.sides));
+        CHECK(6 * device.sidesLookedAt > lists.sides.size());
+    });
+}
+
+TEST_CASE("the list of a mesh holds every edge once, whatever stands where")
+{
+    const Mesh ring = torus(1.0f, 0.35f, 14, 9);
+    const Placed closed(ring, glm::mat3(1.0f), glm::vec3(0.0f)), open(holed(ring, 5), glm::mat3(1.0f), glm::vec3(0.0f));
+    const EdgeListSize size = edgeListSize(closed.topology);
+    CHECK(size.records == closed.topology.edges.size());
+    CHECK(size.faces == ring.indices.size() / 3);
+    CHECK(size.bytes() <= 117 * size.faces + 64 + 16); // 3/2 records of 24 + 16 bytes, caps of 24 + 16, planes of 16
+    CHECK(edgeListSize(open.topology).records >= open.topology.edges.size());
+    std::vector<std::uint32_t> first(edgeListSize(open.topology).bytes() / 4), second(first.size());
+    writeEdgeList(open.topology, first);
+    writeEdgeList(open.topology, second);
+    CHECK(first == second);
 }
 
 TEST_CASE("a triangle has three sides, a lone quad four, a tetrahedron three or four")

@@ -63,10 +63,36 @@ TEST_CASE_FIXTURE(DeviceTest, "the facts of a decision are the scene's numbers, 
     CHECK(factNamed(facts, "viewerDistance") == doctest::Approx(host.decision(0).viewerDistance));
     CHECK(factNamed(facts, "screenShare") > 0.0);
     CHECK(factNamed(facts, "screenShare") <= 1.0);
-    CHECK(factNamed(facts, "casterTriangles") > 1.0); // a ball has more than ten triangles
-    CHECK(std::isnan(factNamed(facts, "receiverPlanarity")));
+    CHECK(factNamed(facts, "casterTriangles") > 1.0);   // a ball has more than ten triangles
+    CHECK(factNamed(facts, "receiverPlanarity") > 0.5); // a floor with little on it
+    CHECK(factNamed(facts, "receiverPlanarity") <= 1.0);
     for (const GnFact& fact : facts)
         CHECK(std::string(fact.pUnit).size() > 0);
+}
+
+TEST_CASE_FIXTURE(DeviceTest,
+                  "planarity is high over a floor and low over hills, where the rules reject planar shadows")
+{
+    for (const bool hills : {false, true}) {
+        CAPTURE(hills);
+        Scene scene = smallScene();
+        if (hills)
+            scene.meshes[0] = demo::makeTerrain({.width = 24.0f, .depth = 24.0f, .height = 1.5f, .featureSize = 3.0f});
+        for (const char* rules : {"default", "quality", "battery"}) {
+            CAPTURE(std::string(rules));
+            Host host(scene);
+            load(host, rules);
+            host.require(host.draw());
+            CHECK(std::isnan(factNamed(factsOf(host, 0), "receiverPlanarity"))); // nothing is measured yet
+            host.draw(6, {});
+            const double planarity = factNamed(factsOf(host, 0), "receiverPlanarity");
+            MESSAGE((hills ? "hills " : "floor ") << planarity);
+            CHECK((hills ? planarity < 0.3 : planarity > 0.5)); // the ball, the box and their edges are not flat
+            const GnCandidate planar = candidateNamed(candidatesOf(host, 0), "projected_planar");
+            CHECK((planar.elimination == GN_ELIMINATION_NEVER) == hills);
+            CHECK(planar.elimination != GN_ELIMINATION_NONE);
+        }
+    }
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "candidates name the chosen method, and why each of the others is not it")

@@ -96,7 +96,7 @@ TEST_CASE_FIXTURE(DeviceTest, "silhouettes are found once, again exactly when a 
 
 TEST_CASE_FIXTURE(DeviceTest, "a kept map equals the map of a fresh context, after moves of every kind")
 {
-    for (const char* method : {"shadow_map", "stencil_volume", "octree_volume", "chan_durand"}) {
+    for (const char* method : {"shadow_map", "stencil_volume", "octree_volume", "all_edges_volume", "chan_durand"}) {
         CAPTURE(std::string(method));
         Host host(sceneWithFarCaster(demo::LightKind::Spot));
         host.pinAll(method);

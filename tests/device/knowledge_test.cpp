@@ -192,6 +192,7 @@ TEST_CASE_FIXTURE(DeviceTest, "without a budget the cheapest that shows as much 
     const auto timesWith = [&](double ray) {
         return knowledge(device().properties.deviceName, {{"stencil_volume", 40.0},
                                                           {"octree_volume", 40.0},
+                                                          {"all_edges_volume", 40.0},
                                                           {"chan_durand", 40.0},
                                                           {"pcf_hybrid", 40.0},
                                                           {"shadow_map", 1.0}, // cheaper still, but shows less

@@ -1,6 +1,7 @@
 // octree_volume: stencil_volume's picture bit by bit, from volumes that are kept while everything stands still, and
 // with far fewer of them where most are concealed.
 #include "device/draw_counter.hpp"
+#include "device/method_pair.hpp"
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -16,32 +17,10 @@ Scene shipped(const char* name)
 }
 
 /// The same scene drawn by both methods.
-struct Pair {
-    Host plain, tree;
+struct Pair : MethodPair {
+    Host& tree = other;
 
-    explicit Pair(const Scene& scene, const HostOptions& options = {}) : plain(scene, options), tree(scene, options)
-    {
-        plain.pinAll(kPlain);
-        tree.pinAll(kTree);
-    }
-
-    void set(const char* setting, double value)
-    {
-        plain.require(gnSetMethodSetting(plain.context, kPlain, setting, value));
-        tree.require(gnSetMethodSetting(tree.context, kTree, setting, value));
-    }
-
-    /// Draws both. @return texels that differ.
-    size_t differing(const FrameOptions& frame)
-    {
-        plain.require(plain.draw(frame));
-        tree.require(tree.draw(frame));
-        REQUIRE(std::string(tree.decision(0).pMethod) == kTree);
-        pictures = tree.pictures();
-        return differences(plain.pictures(), pictures);
-    }
-
-    std::vector<Image8> pictures;
+    explicit Pair(const Scene& scene, const HostOptions& options = {}) : MethodPair(kPlain, kTree, scene, options) {}
 };
 
 /// Light kinds that a scene of rooms can be lit by, all static.

@@ -78,15 +78,19 @@ std::vector<uint8_t> borderMask(const SceneResults& results, size_t layer, uint3
 
 } // namespace
 
-TEST_CASE("volumes are wrong on at most 0.01 % of the pixels, with standard depth 0.04 %, kept ones on the same pixels")
+TEST_CASE(
+    "volumes are wrong on at most 0.005 % of the pixels, with standard depth 0.04 %, whichever way they are found")
 {
     for (const std::string& name : sceneNames()) {
         CAPTURE(name);
         const SceneResults& results = resultsOf(name);
-        const ErrorCount error = printed(results, "stencil_volume"), kept = printed(results, "octree_volume");
-        CHECK(wrongPercent(error) <= (isStandardDepth(results) ? 0.04 : 0.01));
-        CHECK(kept.wrong() == error.wrong());
-        CHECK(kept.counted == error.counted);
+        const ErrorCount error = printed(results, "stencil_volume");
+        CHECK(wrongPercent(error) <= (isStandardDepth(results) ? 0.04 : 0.005));
+        for (const char* method : {"octree_volume", "all_edges_volume"}) {
+            const ErrorCount same = printed(results, method);
+            CHECK(same.wrong() == error.wrong());
+            CHECK(same.counted == error.counted);
+        }
     }
 }
 
@@ -227,8 +231,9 @@ void checkNoGrossFailure(const SceneResults& results, const std::string& method,
 void checkNoGrossFailure(const SceneResults& results)
 {
     for (const std::string& method : results.names)
-        for (const KindOfLight& kind : kKinds)
-            if (results.has(kind.kind) && (results.traitsOf(method) & kind.trait) != 0)
+        for (const KindOfLight& kind : kKinds) // off its plane a planar method is wrong: planar_test.cpp
+            if (results.has(kind.kind) && (results.traitsOf(method) & kind.trait) != 0 &&
+                (results.traitsOf(method) & GN_TRAIT_PLANAR_BIT) == 0)
                 checkNoGrossFailure(results, method, kind);
 }
 

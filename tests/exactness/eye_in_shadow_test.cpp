@@ -81,6 +81,8 @@ const Walker kVolumes{"stencil_volume", {"z_fail", 0.0}, 0.01, 0.04},
     kZFail{"stencil_volume", {"z_fail", 1.0}, 0.01, 0.04};
 const Walker kKept{"octree_volume", {"z_fail", 0.0}, 0.01, 0.04},
     kKeptZFail{"octree_volume", {"z_fail", 1.0}, 0.01, 0.04};
+const Walker kAllEdges{"all_edges_volume", {"z_fail", 0.0}, 0.01, 0.04},
+    kAllEdgesZFail{"all_edges_volume", {"z_fail", 1.0}, 0.01, 0.04};
 const Walker kMasked{"chan_durand", {"cull", 1.0}, 0.01, 0.04};
 
 } // namespace
@@ -104,6 +106,14 @@ TEST_CASE("octree_volume is right at those places, with reversed and with standa
     const test::DeviceTest silence;
     for (const auto convention : {demo::DepthConvention::ReversedInfinite, demo::DepthConvention::Standard})
         for (const Walker& walker : {kKept, kKeptZFail})
+            checkWalks(walker, convention);
+}
+
+TEST_CASE("all_edges_volume is right at those places, with reversed and with standard depth")
+{
+    const test::DeviceTest silence;
+    for (const auto convention : {demo::DepthConvention::ReversedInfinite, demo::DepthConvention::Standard})
+        for (const Walker& walker : {kAllEdges, kAllEdgesZFail})
             checkWalks(walker, convention);
 }
 

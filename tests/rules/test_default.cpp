@@ -82,6 +82,29 @@ TEST_CASE("near shadows are never best served by a plain map, whatever the other
     }
 }
 
+TEST_CASE("no shipped base lets shadows on a single plane serve where receivers are not flat, or near the viewer")
+{
+    constexpr std::size_t planar = 9;
+    REQUIRE(kMethods[planar].name == "projected_planar");
+    Random random(7);
+    for (const ShippedRuleBase& shipped : shippedRuleBases()) {
+        CAPTURE(std::string(shipped.name));
+        const Engine engine = bound(parsed(shipped.text, shipped.name));
+        Inference inference = engine.makeInference();
+        const bool thesis = shipped.name == "thesis"; // knows no planarity: avoids all but its own methods
+        for (int i = 0; i < 5'000; ++i) {
+            const double distance = random.between(0, 90), planarity = random.unit();
+            engine.evaluate(std::vector<double>{static_cast<double>(random.below(21)), random.unit(), distance,
+                                                random.unit(), random.between(2, 7), random.between(0, 2), planarity,
+                                                random.between(0, 2)},
+                            inference);
+            if (!thesis) REQUIRE(inference.outputs[planar].vetoed == (planarity <= 0.5));
+            if (thesis || distance < 30.0)
+                REQUIRE(bestOf(inference, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}) != "projected_planar");
+        }
+    }
+}
+
 TEST_CASE("while the viewer distance is unknown every method is acceptable and none is preferred")
 {
     const Engine engine = bound(defaultBase());

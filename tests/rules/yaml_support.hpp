@@ -22,9 +22,11 @@ inline const std::vector<OutputInfo> kMethods = {
     {"cube_map", {"point", "hard", "fixedPenumbra"}},
     {"dual_paraboloid", {"point", "hard", "fixedPenumbra", "cpuGeometry"}},
     {"chan_durand", {"directional", "spot", "point", "hard", "cpuGeometry"}},
-    {"octree_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}}};
+    {"octree_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}},
+    {"all_edges_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}},
+    {"projected_planar", {"directional", "spot", "point", "hard", "cpuGeometry", "planar"}}};
 inline const std::vector<std::string> kTraits = {"directional",  "spot",  "point",       "hard", "fixedPenumbra",
-                                                 "softPenumbra", "exact", "cpuGeometry", "rays"};
+                                                 "softPenumbra", "exact", "cpuGeometry", "rays", "planar"};
 inline Vocabulary vocabulary()
 {
     return {.facts = kFacts, .outputs = kMethods, .absent = {}, .traits = kTraits};

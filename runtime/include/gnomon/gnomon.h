@@ -421,6 +421,7 @@ typedef enum GnTraitBits {
     GN_TRAIT_TOPOLOGY_BIT = 0x100,      ///< Needs the topology of the casters.
     GN_TRAIT_RAYS_BIT = 0x200,          ///< Needs ray-tracing trees of the casters.
     GN_TRAIT_FALLBACK_BIT = 0x400,      ///< Serves while the chosen method is not ready.
+    GN_TRAIT_PLANAR_BIT = 0x800,        ///< Right on the plane that most receivers lie on, and nowhere else.
     GN_TRAIT_MAX_ENUM = 0x7FFFFFFF
 } GnTraitBits;
 typedef VkFlags GnTraits;

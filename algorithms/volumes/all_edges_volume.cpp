@@ -1,0 +1,164 @@
+#include "algorithms/volumes/all_edges_volume.hpp"
+
+#include <bit>
+
+#include "algorithms/volumes/edge_list.hpp"
+#include "algorithms/volumes/shadow_reach.hpp"
+#include "algorithms/volumes/silhouette.hpp"
+#include "algorithms/volumes/volume_count.hpp"
+
+namespace gnomon {
+
+namespace {
+
+constexpr SettingSpec kSettings[] = {
+    {"bounded", "1: volumes end behind the farthest visible receiver; 0: they go on to infinity", 0, 1, 1},
+    {"z_fail", "0: z-pass for every caster that cannot shadow the near plane; 1: z-fail for all", 0, 1, 0},
+};
+enum Setting : std::size_t { kBounded, kZFail };
+
+constexpr VolumeCountNames kNames{.volumes = {.zPass = {"all_edges_volume.z_pass", "all_edges_volume.z_pass_reversed"},
+                                              .zFail = {"all_edges_volume.z_fail", "all_edges_volume.z_fail_reversed"},
+                                              .caps = {"all_edges_volume.caps", "all_edges_volume.caps_reversed"}},
+                                  .counted = "all_edges_volume.counted",
+                                  .withoutCasters = "all_edges_volume.without_casters"};
+
+// --- lists of meshes ---
+
+BufferInfo listInfo(const MeshView& mesh)
+{
+    return {.name = "all_edges_volume.edges",
+            .scope = Scope::scene,
+            .size = edgeListSize(*mesh.topology).bytes(),
+            .place = BufferPlace::upload,
+            .variant = mesh.id};
+}
+
+/// The list of the mesh: built when its positions are new, and kept whatever lights and casters do.
+BufferId declareEdges(PassBuilder& passes, const MeshView& mesh)
+{
+    const BufferId list = passes.persistent(listInfo(mesh));
+    if (!passes.stale(list, mesh.revision)) {
+        passes.kept();
+        return list;
+    }
+    const Topology* topology = mesh.topology;
+    passes.prepare("all_edges_volume.edges", Scope::scene, mesh.id).writes(list).run([=](HostContext& host) {
+        writeEdgeList(*topology, host.write<std::uint32_t>(list));
+        host.countIndexList();
+    });
+    return list;
+}
+
+/// The lists of a task's meshes, each declared once.
+class MeshLists {
+public:
+    MeshLists(PassBuilder& passes, std::size_t most)
+        : passes_(passes), meshes_(passes.arena().array<const MeshView*>(most)),
+          lists_(passes.arena().array<BufferId>(most))
+    {
+    }
+    BufferId find(const MeshView& mesh)
+    {
+        // From the newest: casters of one mesh tend to follow each other.
+        for (std::size_t i = count_; i > 0; --i)
+            if (meshes_[i - 1] == &mesh) return lists_[i - 1];
+        meshes_[count_] = &mesh;
+        lists_[count_] = declareEdges(passes_, mesh);
+        return lists_[count_++];
+    }
+    std::span<const BufferId> all() const { return lists_.first(count_); }
+
+private:
+    PassBuilder& passes_;
+    std::span<const MeshView*> meshes_;
+    std::span<BufferId> lists_;
+    std::size_t count_ = 0;
+};
+
+// --- the method ---
+
+VolumePlan* planEdges(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil)
+{
+    VolumePlan* plan = emptyPlan(passes, task, stencil, task.settings[kBounded] != 0.0);
+    const bool zFailForAll = task.settings[kZFail] != 0.0;
+    MeshLists lists(passes, task.casters->all.size());
+    for (const Caster* caster : task.casters->all) {
+        if (!castsVolume(*caster) || !shadowTouches(caster->bounds, *task.light, task.view->frustum)) continue;
+        const BufferId list = lists.find(*caster->mesh);
+        VolumeDraw draw{.caster = caster, .list = list, .commands = list, .firstCommand = kPairCommand};
+        draw.commandCount = caster->mesh->topology->closed ? 1 : 2; // a closed mesh has no borders
+        const bool fails = zFailForAll || needsZFail(*plan, *caster);
+        append(fails ? plan->zFail : plan->zPass, draw);
+        draw.firstCommand = kCapCommand;
+        draw.commandCount = 1;
+        if (fails) append(plan->caps, draw);
+    }
+    plan->meshLists = lists.all();
+    return plan;
+}
+
+class AllEdgesVolume final : public ShadowAlgorithm {
+public:
+    explicit AllEdgesVolume(const AlgorithmServices& services)
+        : vk_(*services.vk), pipelines_(makeVolumeCountPipelines(services, kNames, VolumeShape::allEdges)),
+          view_(makeViewStencilPipelines(services))
+    {
+    }
+    void declare(PassBuilder& passes, const ShadowTask& task) override
+    {
+        const ViewStencil stencil = declareViewStencil(passes, view_, task);
+        const VolumePlan* volumes = planEdges(passes, task, stencil);
+        declareCount(passes, task, "all_edges_volume.count", stencil, *volumes, pipelines_);
+    }
+    const char* refuses(const ShadowTask& task) const override;
+
+private:
+    const DeviceTable& vk_;
+    VolumeCountPipelines pipelines_;
+    ViewStencilPipelines view_;
+};
+
+const char* AllEdgesVolume::refuses(const ShadowTask& task) const
+{
+    if (const char* reason = refusesVolumes(vk_, task)) return reason;
+    const VkPhysicalDeviceLimits& limits = vk_.properties.limits;
+    for (const Caster* caster : task.casters->all) {
+        if (!castsVolume(*caster)) continue;
+        const EdgeListSize size = edgeListSize(*caster->mesh->topology);
+        // Buffers grow to a power of two, and are bound whole.
+        if (size.largestIndex() > limits.maxDrawIndexedIndexValue ||
+            std::bit_ceil(size.bytes()) > limits.maxStorageBufferRange)
+            return "a caster has more edges than the device can index";
+    }
+    return nullptr;
+}
+
+const char* missing(const DeviceTable&)
+{
+    return nullptr;
+}
+
+std::unique_ptr<ShadowAlgorithm> create(const AlgorithmServices& services)
+{
+    return std::make_unique<AllEdgesVolume>(services);
+}
+
+} // namespace
+
+const AlgorithmEntry kAllEdgesVolume{
+    .name = "all_edges_volume",
+    .source = "Kolic, Mihajlovic and Budin 2004; Rautenbach 2008, 2.4",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kSettings,
+    // Lists belong to meshes, not to lights.
+    .memoryPerLight = [](std::span<const double>, VkExtent2D extent) { return viewStencilMemory(extent); },
+    .missing = missing,
+    .create = create,
+    .typicalWrongPercent = 0.004f, // stencil_volume's picture
+};
+
+} // namespace gnomon
