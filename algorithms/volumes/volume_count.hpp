@@ -1,5 +1,6 @@
 #pragma once
 // From volumes to visibility in one raster pass: clear, count, resolve where the count is not 0.
+#include "algorithms/volumes/stencil_resolve.hpp"
 #include "algorithms/volumes/volume_draw.hpp"
 
 namespace gnomon {
@@ -11,7 +12,7 @@ struct VolumeCountNames {
 };
 struct VolumeCountPipelines {
     VolumePipelines volumes;
-    PipelineId counted, withoutCasters; ///< Resolve: where the stencil is not 0, and everywhere.
+    ResolvePipelines resolve;
 };
 VolumeCountPipelines makeVolumeCountPipelines(const AlgorithmServices& services, const VolumeCountNames& names);
 
