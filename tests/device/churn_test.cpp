@@ -114,7 +114,7 @@ TEST_CASE_FIXTURE(
     "100 frames of destroyed meshes, rewritten positions, new sizes and dropped buffers show the right shadows")
 {
     for (const char* method : {"shadow_map", "cube_map", "dual_paraboloid", "stencil_volume", "octree_volume",
-                               "chan_durand", "pcf_hybrid", "ray_traced"})
+                               "chan_durand", "mccool", "pcf_hybrid", "ray_traced"})
         churn(method);
 }
 

@@ -82,9 +82,8 @@ TEST_CASE_FIXTURE(DeviceTest,
     for (const char* part :
          {"dynamicLights 0.00", "lightMotion 0.00", "viewerDistance ", "screenShare ", "casterTriangles ", "T1",
           "octree_volume: chosen", "stencil_volume: outscored", "shadow_map: outscored",
-          "cube_map: out, does not serve this kind of light",
-          "dual_paraboloid: out, does not serve this kind of light", "chan_durand: outscored", "pcf_hybrid: outscored",
-          "ray_traced: outscored"})
+          "cube_map: out, does not serve this kind of light", "dual_paraboloid: out, does not serve this kind of light",
+          "chan_durand: outscored", "mccool: outscored", "pcf_hybrid: outscored", "ray_traced: outscored"})
         CHECK_MESSAGE(contains(text, part), std::string(part));
     CHECK(!contains(text, "nan"));
 
