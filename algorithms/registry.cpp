@@ -10,6 +10,7 @@
 #include "algorithms/maps/shadow_map.hpp"
 #include "algorithms/omni/cube_map.hpp"
 #include "algorithms/omni/dual_paraboloid.hpp"
+#include "algorithms/volumes/mccool.hpp"
 #ifdef GNOMON_WITH_OPENMESH
 #include "algorithms/volumes/all_edges_volume.hpp"
 #include "algorithms/volumes/chan_durand.hpp"
@@ -27,6 +28,7 @@ constexpr std::array kAlgorithms = {
 #ifdef GNOMON_WITH_OPENMESH
     &kStencilVolume, &kChanDurand, &kOctreeVolume,   &kAllEdgesVolume, &kProjectedPlanar,
 #endif
+    &kMcCool,
 #ifdef GNOMON_WITH_EMBREE
     &kPcfHybrid,     &kRayTraced,
 #endif

@@ -72,7 +72,7 @@ DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines
         layerContent(*task.light, castersIn(task.casters->statics, fit->volume, arena),
                      castersIn(task.casters->movings, fit->volume, arena), projection, resolution);
     map.update(0, kNames, content, DepthCasters(pipelines, *fit, task, resolution, arena));
-    return {map.image(), fit, resolution};
+    return {map.image(), fit, resolution, content.stamp};
 }
 
 VkDeviceSize depthMapMemory(std::uint32_t resolution, std::uint32_t layers)

@@ -28,6 +28,7 @@ struct DepthMap {
     ImageId image;                 ///< kMapFormat, one layer, resolution x resolution.
     const LightFit* fit = nullptr; ///< Lives as long as the frame.
     std::uint32_t resolution = 0;
+    std::uint64_t stamp = 0; ///< Of the content, for what is made of it; never 0.
 };
 
 /// Declares what is missing of the map: nothing if light, casters and resolution are those of the content kept.

@@ -38,6 +38,7 @@ CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, 
                          .layers = 6});
     const Frustum visible = frustumOf(*task.view, *task.light);
     std::uint32_t needed = 0;
+    const std::span<std::uint64_t> stamps = arena.array<std::uint64_t>(6);
     for (std::uint32_t face = 0; face < 6; ++face) {
         if (!meetsPyramid(visible, task.light->position(), cubeFaceEdges(face))) {
             map.skip(face);
@@ -49,9 +50,10 @@ CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, 
         const LayerContent content =
             layerContent(*task.light, castersIn(task.casters->statics, faces[face].volume, arena),
                          castersIn(task.casters->movings, faces[face].volume, arena), projection, resolution);
+        stamps[face] = content.stamp;
         map.update(face, kFaceNames[face], content, DepthCasters(pipelines, faces[face], task, resolution, arena));
     }
-    return {map.image(), faces.data(), resolution, needed};
+    return {map.image(), faces.data(), resolution, needed, stamps.data()};
 }
 
 } // namespace gnomon

@@ -16,6 +16,7 @@ struct CubeMap {
     const LightFit* faces = nullptr; ///< Six; they live as long as the frame.
     std::uint32_t resolution = 0;
     std::uint32_t needed = 0; ///< Bit f: a receiver of task.view can lie in face f. Other layers may be undefined.
+    const std::uint64_t* stamps = nullptr; ///< Six, of the content of the faces needed.
 };
 
 /// Declares the faces that a receiver in the task's view can need and whose casters or light changed. Several views

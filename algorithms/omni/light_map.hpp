@@ -12,6 +12,8 @@ namespace gnomon {
 struct LightMap {
     ImageId image;                  ///< kMapFormat; a layer per fit.
     std::span<const LightFit> fits; ///< One or six; they live as long as the frame.
+    std::uint32_t needed = 0;       ///< Bit i: a receiver of task.view can lie in layer i; other ones may be undefined.
+    std::span<const std::uint64_t> stamps; ///< Of the content of the layers needed, for what is made of it.
 };
 
 /// Declares what is missing of the map (declareDepthMap, declareCubeMap) and adds to `constants`, from mapConstants(),

@@ -1,5 +1,6 @@
 #include "algorithms/volumes/view_stencil.hpp"
 
+#include "runtime/scene/light_pixels.hpp"
 #include "shaders/volumes/cull.h"
 
 #include "shaders/volumes_receiver_bounds_comp.h"
@@ -137,6 +138,30 @@ ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& 
     }
     declareBounds(passes, stripBoxes ? pipelines.strips : pipelines.bounds, task, depths, bounds, stripBoxes);
     return {.image = image, .receiverBounds = bounds, .strips = stripBoxes};
+}
+
+glm::mat4 clipFromEye(const CameraView& view)
+{
+    return glm::mat4(glm::dmat4(view.projection) * glm::dmat4(glm::dmat3(view.viewFromWorld)));
+}
+
+gpu::VolumeConstants volumeConstants(const CameraView& view, const LightView& light, bool bounded)
+{
+    const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
+    Aabb nearBounds{view.nearCorners[0], view.nearCorners[0]};
+    for (const glm::vec3& corner : view.nearCorners) {
+        nearBounds.lower = glm::min(nearBounds.lower, corner);
+        nearBounds.upper = glm::max(nearBounds.upper, corner);
+    }
+    const Aabb range = lightBounds(light);
+    gpu::VolumeConstants block;
+    block.clipFromEye = clipFromEye(view);
+    block.lightEs = directional ? glm::vec4(light.direction(), 0.0f) : glm::vec4(light.position() - view.eye, 1.0f);
+    block.nearLowerEs = glm::vec4(nearBounds.lower - view.eye, bounded ? 1.0f : 0.0f);
+    block.nearUpperEs = glm::vec4(nearBounds.upper - view.eye, 0.0f);
+    block.rangeLowerEs = glm::vec4(range.lower - view.eye, 0.0f);
+    block.rangeUpperEs = glm::vec4(range.upper - view.eye, 0.0f);
+    return block;
 }
 
 VkDeviceSize viewStencilMemory(VkExtent2D extent)

@@ -2,6 +2,7 @@
 // What all volume methods need of a view, made once however many lights ask: the host's depth with a stencil of our own
 // beside it, and the bounds of what the camera sees.
 #include "runtime/algorithm.hpp"
+#include "shaders/volumes/volume.h"
 
 namespace gnomon {
 
@@ -26,6 +27,13 @@ ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& 
 
 /// Strips in a row and in a column of an area of pixels.
 VkExtent2D stripExtent(VkExtent2D area);
+
+/// clip = clipFromEye(view) * vec4(positionEs, 1): relative to the eye, in world axes.
+glm::mat4 clipFromEye(const CameraView& view);
+
+/// What every shader that draws volumes knows of a light in a view.
+/// @param bounded volumes end behind the farthest visible receiver, else at infinity.
+gpu::VolumeConstants volumeConstants(const CameraView& view, const LightView& light, bool bounded);
 
 /// Device bytes of copy and bounds in a view of this extent, and of the strips.
 VkDeviceSize viewStencilMemory(VkExtent2D extent);

@@ -86,27 +86,6 @@ void collectDraws(const VolumePlan& plan, const VolumeList& list, Choose&& choos
 
 // --- recording ---
 
-gpu::VolumeConstants volumeConstants(const VolumePlan& plan)
-{
-    const CameraView& view = *plan.view;
-    const LightView& light = *plan.light;
-    const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
-    Aabb nearBounds{view.nearCorners[0], view.nearCorners[0]};
-    for (const glm::vec3& corner : view.nearCorners) {
-        nearBounds.lower = glm::min(nearBounds.lower, corner);
-        nearBounds.upper = glm::max(nearBounds.upper, corner);
-    }
-    const Aabb range = lightBounds(light);
-    gpu::VolumeConstants block;
-    block.clipFromEye = clipFromEye(view);
-    block.lightEs = directional ? glm::vec4(light.direction(), 0.0f) : glm::vec4(light.position() - view.eye, 1.0f);
-    block.nearLowerEs = glm::vec4(nearBounds.lower - view.eye, plan.bounded ? 1.0f : 0.0f);
-    block.nearUpperEs = glm::vec4(nearBounds.upper - view.eye, 0.0f);
-    block.rangeLowerEs = glm::vec4(range.lower - view.eye, 0.0f);
-    block.rangeUpperEs = glm::vec4(range.upper - view.eye, 0.0f);
-    return block;
-}
-
 gpu::VolumePush volumePush(const VolumePlan& plan, const Caster& caster, float nearCopyZ)
 {
     gpu::VolumePush push;
@@ -154,11 +133,6 @@ void drawList(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, Pipel
 }
 
 } // namespace
-
-glm::mat4 clipFromEye(const CameraView& view)
-{
-    return glm::mat4(glm::dmat4(view.projection) * glm::dmat4(glm::dmat3(view.viewFromWorld)));
-}
 
 void eyeRows(const Caster& caster, const CameraView& view, glm::vec4 (&rows)[3])
 {
@@ -255,7 +229,7 @@ void usesVolumes(PassRef& pass, const VolumePlan& plan)
 
 void drawVolumes(PassContext& gpu, const VolumePlan& plan, const VolumePipelines& pipelines)
 {
-    const Bound constants = gpu.constants(0, volumeConstants(plan));
+    const Bound constants = gpu.constants(0, volumeConstants(*plan.view, *plan.light, plan.bounded));
     const std::size_t reversed = plan.view->reversed() ? 1 : 0;
     drawList(gpu, plan, pipelines.shape, pipelines.zPass[reversed], constants, plan.zPass, 0.0f);
     drawList(gpu, plan, pipelines.shape, pipelines.zFail[reversed], constants, plan.zFail, 0.0f);

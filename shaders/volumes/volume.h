@@ -32,9 +32,9 @@ struct VolumeResolve {
     vec4 cone;          // of reaches(), receiver.h
     vec4 area;          // pixels drawn: x, y, width, height
     float rangeSquared; // square metres; infinite where there is no range
-    float padding0;
-    float padding1;
-    float padding2;
+    float shadow;       // visibility where the stencil is not 0
+    float turnedAway;   // and on surfaces that face away from the light
+    float padding;
 };
 GN_SHARED_SIZE(VolumeResolve, 224)
 

@@ -83,7 +83,7 @@ TEST_CASE_FIXTURE(DeviceTest,
          {"dynamicLights 0.00", "lightMotion 0.00", "viewerDistance ", "screenShare ", "casterTriangles ", "T1",
           "octree_volume: chosen", "stencil_volume: outscored", "shadow_map: outscored",
           "cube_map: out, does not serve this kind of light", "dual_paraboloid: out, does not serve this kind of light",
-          "chan_durand: outscored", "all_edges_volume: outscored", "projected_planar: outscored",
+          "chan_durand: outscored", "mccool: outscored", "all_edges_volume: outscored", "projected_planar: outscored",
           "pcf_hybrid: outscored", "ray_traced: outscored"})
         CHECK_MESSAGE(contains(text, part), std::string(part));
     CHECK(!contains(text, "nan"));

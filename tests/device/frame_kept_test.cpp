@@ -36,11 +36,11 @@ uint32_t updates(const Host& host)
 TEST_CASE_FIXTURE(DeviceTest,
                   "a static light over standing casters draws its map once, again exactly when one in range moved")
 {
-    const std::pair<const char*, demo::LightKind> methods[] = {{"shadow_map", demo::LightKind::Spot},
-                                                               {"cube_map", demo::LightKind::Point},
-                                                               {"dual_paraboloid", demo::LightKind::Point},
-                                                               {"chan_durand", demo::LightKind::Spot},
-                                                               {"chan_durand", demo::LightKind::Point}};
+    const std::pair<const char*, demo::LightKind> methods[] = {
+        {"shadow_map", demo::LightKind::Spot},       {"cube_map", demo::LightKind::Point},
+        {"dual_paraboloid", demo::LightKind::Point}, {"chan_durand", demo::LightKind::Spot},
+        {"chan_durand", demo::LightKind::Point},     {"mccool", demo::LightKind::Spot},
+        {"mccool", demo::LightKind::Point}};
     for (const auto& served : methods) {
         const char* method = served.first; // clang 14 captures no structured binding in CAPTURE's lambda
         CAPTURE(std::string(method));
@@ -96,7 +96,8 @@ TEST_CASE_FIXTURE(DeviceTest, "silhouettes are found once, again exactly when a 
 
 TEST_CASE_FIXTURE(DeviceTest, "a kept map equals the map of a fresh context, after moves of every kind")
 {
-    for (const char* method : {"shadow_map", "stencil_volume", "octree_volume", "all_edges_volume", "chan_durand"}) {
+    for (const char* method :
+         {"shadow_map", "stencil_volume", "octree_volume", "all_edges_volume", "chan_durand", "mccool"}) {
         CAPTURE(std::string(method));
         Host host(sceneWithFarCaster(demo::LightKind::Spot));
         host.pinAll(method);

@@ -8,8 +8,9 @@ using namespace gnomon::test;
 
 namespace {
 
-constexpr const char* kRecorded[] = {"shadow_map",    "cube_map",         "dual_paraboloid",  "stencil_volume",
-                                     "octree_volume", "all_edges_volume", "projected_planar", "chan_durand"};
+constexpr const char* kRecorded[] = {"shadow_map",       "cube_map",      "dual_paraboloid",
+                                     "stencil_volume",   "octree_volume", "all_edges_volume",
+                                     "projected_planar", "chan_durand",   "mccool"};
 
 const GnMethodInfo& methodNamed(const std::vector<GnMethodInfo>& methods, const std::string& name)
 {
@@ -91,8 +92,8 @@ TEST_CASE_FIXTURE(DeviceTest, "methods that need the CPU between passes are not 
 
 TEST_CASE_FIXTURE(DeviceTest, "a dropped frame leaves no trace: what it would have drawn is drawn by the next")
 {
-    for (const char* name :
-         {"shadow_map", "stencil_volume", "octree_volume", "all_edges_volume", "projected_planar", "chan_durand"}) {
+    for (const char* name : {"shadow_map", "stencil_volume", "octree_volume", "all_edges_volume", "projected_planar",
+                             "chan_durand", "mccool"}) {
         CAPTURE(std::string(name));
         Scene scene = smallScene();
         scene.instances[1].isStatic = false;

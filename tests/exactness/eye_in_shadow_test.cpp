@@ -41,33 +41,50 @@ struct Walker {
     double percent, percentStandard; ///< Of the counted pixels of all steps; the latter with standard depth.
 };
 
-void checkWalk(const Walker& walker, LightKind kind, bool closed, demo::DepthConvention convention)
-{
-    const std::string what = walker.method + " " + walker.setting.name + " " +
-                             std::to_string(int(walker.setting.value)) + ", " + std::string(nameOf(kind)) +
-                             (closed ? ", closed caster, " : ", open caster, ") + nameOf(convention) + " depth";
-    CAPTURE(what);
-    Stage stage(walkOut(kind, closed, convention), kSize);
+/// What a method made of all steps.
+struct Walked {
     ErrorCount error;
     uint64_t worstStep = 0;
     int inside = 0, darkSteps = 0;
+};
+
+Walked walk(const std::string& method, const Settings& settings, LightKind kind, bool closed,
+            demo::DepthConvention convention)
+{
+    Stage stage(walkOut(kind, closed, convention), kSize);
+    Walked walked;
     for (int step = 0; step < kSteps; ++step) {
         stage.goTo(step);
-        inside += inShadow(stage.scene(), stage.camera.eye);
-        const ErrorCount now = pooled(stage, stage.draw(walker.method, {walker.setting}));
-        worstStep = std::max(worstStep, now.wrong());
-        darkSteps += test::dark(stage.truth[0]) > 100;
-        error += now;
+        walked.inside += inShadow(stage.scene(), stage.camera.eye);
+        const ErrorCount now = pooled(stage, stage.draw(method, settings));
+        walked.worstStep = std::max(walked.worstStep, now.wrong());
+        walked.darkSteps += test::dark(stage.truth[0]) > 100;
+        walked.error += now;
     }
-    MESSAGE(what << ": " << inside << " of " << kSteps << " eyes in shadow, wrong " << inWords(error) << ", at most "
-                 << worstStep << " pixels a step");
-    CHECK(inside > 2);
-    CHECK(inside < kSteps - 2);
-    CHECK(darkSteps == kSteps);
+    return walked;
+}
+
+std::string circumstances(LightKind kind, bool closed, demo::DepthConvention convention)
+{
+    return std::string(nameOf(kind)) + (closed ? ", closed caster, " : ", open caster, ") + nameOf(convention) +
+           " depth";
+}
+
+void checkWalk(const Walker& walker, LightKind kind, bool closed, demo::DepthConvention convention)
+{
+    const std::string what = walker.method + " " + walker.setting.name + " " +
+                             std::to_string(int(walker.setting.value)) + ", " + circumstances(kind, closed, convention);
+    CAPTURE(what);
+    const Walked walked = walk(walker.method, {walker.setting}, kind, closed, convention);
+    MESSAGE(what << ": " << walked.inside << " of " << kSteps << " eyes in shadow, wrong " << inWords(walked.error)
+                 << ", at most " << walked.worstStep << " pixels a step");
+    CHECK(walked.inside > 2);
+    CHECK(walked.inside < kSteps - 2);
+    CHECK(walked.darkSteps == kSteps);
     // A miscounted volume turns whole regions; single pixels along edges are what definitions of exactness allow.
     const bool standard = convention == demo::DepthConvention::Standard;
-    CHECK(error.percent(error.wrong()) <= (standard ? walker.percentStandard : walker.percent));
-    CHECK(worstStep <= kSize.width * kSize.height / 1000);
+    CHECK(walked.error.percent(walked.error.wrong()) <= (standard ? walker.percentStandard : walker.percent));
+    CHECK(walked.worstStep <= kSize.width * kSize.height / 1000);
 }
 
 void checkWalks(const Walker& walker, demo::DepthConvention convention)
@@ -122,6 +139,31 @@ TEST_CASE("chan_durand counts volumes right at those places, with reversed and w
     const test::DeviceTest silence;
     for (const auto convention : {demo::DepthConvention::ReversedInfinite, demo::DepthConvention::Standard})
         checkWalks(kMasked, convention);
+}
+
+// Edges are the map's here, so the same map looked up says what is to be expected of them.
+TEST_CASE("mccool is as right at those places as its map looked up, with reversed and with standard depth")
+{
+    const test::DeviceTest silence;
+    const Settings fine{{"resolution", 2048.0}};
+    for (const auto convention : {demo::DepthConvention::ReversedInfinite, demo::DepthConvention::Standard}) {
+        for (const KindOfLight& light : kKinds) {
+            for (const bool closed : {true, false}) {
+                const std::string what = circumstances(light.kind, closed, convention);
+                CAPTURE(what);
+                const char* lookUp = light.kind == LightKind::Point ? "cube_map" : "shadow_map";
+                const Walked map = walk(lookUp, fine, light.kind, closed, convention);
+                const Walked volumes = walk("mccool", fine, light.kind, closed, convention);
+                MESSAGE("mccool, " << what << ": wrong " << inWords(volumes.error) << ", at most " << volumes.worstStep
+                                   << " pixels a step; looked up " << inWords(map.error) << ", " << map.worstStep);
+                CHECK(volumes.inside > 2);
+                CHECK(volumes.inside < kSteps - 2);
+                CHECK(volumes.darkSteps == kSteps);
+                CHECK(10 * volumes.error.wrong() <= 11 * map.error.wrong() + 10 * kSteps);
+                CHECK(volumes.worstStep <= map.worstStep + 10);
+            }
+        }
+    }
 }
 
 } // namespace gnomon::exact

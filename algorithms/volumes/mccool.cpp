@@ -1,0 +1,379 @@
+#include "algorithms/volumes/mccool.hpp"
+
+#include <array>
+#include <cstring>
+
+#include "algorithms/common/caster_lists.hpp"
+#include "algorithms/omni/light_map.hpp"
+#include "algorithms/volumes/depth_surface.hpp"
+#include "algorithms/volumes/stencil_resolve.hpp"
+
+#include "shaders/volumes_mccool_cap_frag.h"
+#include "shaders/volumes_mccool_cap_vert.h"
+#include "shaders/volumes_mccool_edges_comp.h"
+#include "shaders/volumes_mccool_polygons_comp.h"
+#include "shaders/volumes_mccool_vert.h"
+
+namespace gnomon {
+
+namespace {
+
+/// Maps of a point light.
+constexpr std::uint32_t kMaps = 6;
+/// Room for the indices of a cell in the mean: where two of its sides jump it has six triangles, at borders to nothing
+/// fewer; four or five are measured.
+constexpr std::uint32_t kCellIndices = 18;
+
+constexpr SettingSpec kSettings[] = {
+    {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024},
+    {"darkening", "Shadows are 0: black; 1: `shade`, surfaces that face away too (ambient); 2: `shade` (composite).", 0,
+     2, 0},
+    {"shade", "What is left of the light in shadows that are not black.", 0, 1, 0.3},
+    {"edges", "Cells with edges that a map may have, per texel of its side; beyond, the map is looked up.", 1, 256, 64},
+};
+enum Setting : std::size_t { kResolution, kDarkening, kShade, kEdges };
+
+struct Pipelines {
+    DepthMapPipelines casters;
+    ViewStencilPipelines view;
+    PipelineId edges, list;
+    PipelineId caps[kMaps];
+    PipelineId polygons[2][kMaps]; ///< [reversed]
+    ResolvePipelines resolve;
+};
+
+/// One map: its polygons, and how they and their cap are drawn.
+struct Layer {
+    std::uint32_t index = 0;
+    gpu::DepthSurface surface;
+    gpu::MapConstants look;
+    NearTexels near;
+    BufferId cells, polygons;
+};
+
+/// Block of mccool.vert, std140.
+struct VertexConstants {
+    gpu::VolumeConstants volume;
+    gpu::DepthSurface surface;
+};
+
+/// What the passes of one task share; in the frame's arena.
+struct Plan {
+    StencilResolve resolve;
+    ImageId map;
+    BufferId receiverBounds;
+    float nearWs = 0.0f; ///< Linear depth of the near plane.
+    std::uint32_t layerCount = 0;
+    Layer layers[kMaps];
+};
+
+using Templates = std::array<std::uint32_t, gpu::TEMPLATES * gpu::TEMPLATE_TRIANGLES>;
+
+template <typename Block>
+void copyTemplates(Block& block, const Templates& templates)
+{
+    static_assert(sizeof(block.templates) == sizeof(templates));
+    std::memcpy(block.templates, templates.data(), sizeof(templates));
+}
+
+// --- pipelines ---
+
+constexpr BindingInfo kMapBinding{.kind = BindingKind::sampledImage,
+                                  .format = kMapFormat,
+                                  .sampler = SamplerKind::nearestBorderFar,
+                                  .powerOfTwo = true};
+
+BindingInfo mapAt(std::uint32_t binding)
+{
+    BindingInfo info = kMapBinding;
+    info.binding = binding;
+    return info;
+}
+
+PipelineId edgesPipeline(const AlgorithmServices& services)
+{
+    const BindingInfo bindings[] = {
+        {.binding = 0, .kind = BindingKind::constants}, mapAt(1), {.binding = 2, .kind = BindingKind::storageBuffer}};
+    return services.pipelines->compute(
+        {.name = "mccool.edges", .compute = {.code = k_volumes_mccool_edges_comp}, .bindings = bindings});
+}
+
+PipelineId listPipeline(const AlgorithmServices& services)
+{
+    const BindingInfo bindings[] = {{.binding = 0, .kind = BindingKind::constants},
+                                    mapAt(1),
+                                    {.binding = 2, .kind = BindingKind::storageBuffer},
+                                    {.binding = 3, .kind = BindingKind::storageBuffer}};
+    return services.pipelines->compute(
+        {.name = "mccool.list", .compute = {.code = k_volumes_mccool_polygons_comp}, .bindings = bindings});
+}
+
+/// Draws into the stencil of the view's copy: turns the bit of one map wherever the depth test passes.
+GraphicsPipelineInfo toggling(std::uint32_t map)
+{
+    const VkStencilOpState toggle{.failOp = VK_STENCIL_OP_KEEP,
+                                  .passOp = VK_STENCIL_OP_INVERT,
+                                  .depthFailOp = VK_STENCIL_OP_KEEP,
+                                  .compareOp = VK_COMPARE_OP_ALWAYS,
+                                  .compareMask = 0xff,
+                                  .writeMask = 1u << map,
+                                  .reference = 0};
+    GraphicsPipelineInfo info;
+    info.stencil = {.enable = true, .front = toggle, .back = toggle};
+    info.colorMask = 0;
+    info.colorFormat = VK_FORMAT_R8_UNORM;
+    info.depthFormat = kStencilFormat;
+    return info;
+}
+
+PipelineId capPipeline(const AlgorithmServices& services, std::uint32_t map)
+{
+    const BindingInfo bindings[] = {{.binding = 0, .kind = BindingKind::constants},
+                                    {.binding = 1, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
+                                    mapAt(3),
+                                    {.binding = 4, .kind = BindingKind::storageBuffer}};
+    GraphicsPipelineInfo info = toggling(map);
+    info.name = "mccool.cap";
+    info.vertex.code = k_volumes_mccool_cap_vert;
+    info.fragment.code = k_volumes_mccool_cap_frag;
+    info.bindings = bindings;
+    return services.pipelines->graphics(info);
+}
+
+PipelineId polygonPipeline(const AlgorithmServices& services, std::uint32_t map, bool reversed)
+{
+    const BindingInfo bindings[] = {
+        {.binding = 0, .kind = BindingKind::constants}, mapAt(1), {.binding = 2, .kind = BindingKind::storageBuffer}};
+    GraphicsPipelineInfo info = toggling(map);
+    info.name = reversed ? "mccool.polygons_reversed" : "mccool.polygons";
+    info.vertex.code = k_volumes_mccool_vert;
+    info.bindings = bindings;
+    info.depthTest = true;
+    info.depthCompare = reversed ? VK_COMPARE_OP_GREATER : VK_COMPARE_OP_LESS;
+    return services.pipelines->graphics(info);
+}
+
+// --- polygons: of the light ---
+
+VkDeviceSize polygonBytes(std::uint32_t cells)
+{
+    return sizeof(std::uint32_t) * (gpu::POLYGON_HEADER + VkDeviceSize{kCellIndices} * cells);
+}
+
+VkDeviceSize cellBytes(std::uint32_t cells)
+{
+    return sizeof(std::uint32_t) * (VkDeviceSize{1} + cells);
+}
+
+void recordClear(const PassContext& gpu, const Layer& layer)
+{
+    // The first index stands in the command, not in the binding: Mesa 22.3 ignores its offset in indirect draws.
+    const VkDrawIndexedIndirectCommand empty{
+        .indexCount = 0, .instanceCount = 1, .firstIndex = gpu::POLYGON_HEADER, .vertexOffset = 0, .firstInstance = 0};
+    const std::uint32_t none = 0;
+    gpu.vk->vkCmdUpdateBuffer(gpu.cmd, gpu.buffer(layer.polygons), 0, sizeof(empty), &empty);
+    gpu.vk->vkCmdUpdateBuffer(gpu.cmd, gpu.buffer(layer.cells), 0, sizeof(none), &none);
+}
+
+void recordEdges(PassContext& gpu, ImageId map, const Layer& layer, PipelineId pipeline)
+{
+    gpu.bind(pipeline, {gpu.constants(0, layer.surface),
+                        gpu.sampled(1, map, SamplerKind::nearestBorderFar, layer.index), gpu.storage(2, layer.cells)});
+    const std::uint32_t cells = layer.surface.side + 1; // a row, and as many rows
+    gpu.vk->vkCmdDispatch(gpu.cmd, (cells + gpu::EDGE_COLUMNS - 1) / gpu::EDGE_COLUMNS,
+                          (cells + gpu::EDGE_ROWS - 1) / gpu::EDGE_ROWS, 1);
+}
+
+void recordList(PassContext& gpu, ImageId map, const Layer& layer, const Templates& templates, PipelineId pipeline)
+{
+    gpu::PolygonConstants block{};
+    block.surface = layer.surface;
+    copyTemplates(block, templates);
+    gpu.bind(pipeline, {gpu.constants(0, block), gpu.sampled(1, map, SamplerKind::nearestBorderFar, layer.index),
+                        gpu.storage(2, layer.cells), gpu.storage(3, layer.polygons)});
+    gpu.vk->vkCmdDispatch(gpu.cmd, gpu::POLYGON_GROUPS, 1, 1);
+}
+
+// --- stencil: of the task ---
+
+void recordCap(PassContext& gpu, const Plan& plan, const Layer& layer, const Templates& templates, PipelineId pipeline)
+{
+    gpu::CapConstants block{};
+    block.base = layer.look;
+    block.surface = layer.surface;
+    block.nearTexels = layer.near.texels;
+    block.nearDepth = layer.near.depth;
+    block.nearWs = plan.nearWs;
+    block.always = layer.near.always ? 1.0f : 0.0f;
+    copyTemplates(block, templates);
+    gpu.bind(pipeline,
+             {gpu.constants(0, block), gpu.sampled(1, plan.resolve.depth, SamplerKind::nearest, 0),
+              gpu.sampled(3, plan.map, SamplerKind::nearestBorderFar, layer.index), gpu.storage(4, layer.polygons)});
+    gpu.drawFullscreen();
+}
+
+void recordPolygons(PassContext& gpu, const Plan& plan, const Layer& layer, PipelineId pipeline)
+{
+    const VertexConstants block{.volume = volumeConstants(*plan.resolve.view, *plan.resolve.light, true),
+                                .surface = layer.surface};
+    gpu.bind(pipeline, {gpu.constants(0, block), gpu.sampled(1, plan.map, SamplerKind::nearestBorderFar, layer.index),
+                        gpu.storage(2, plan.receiverBounds)});
+    const VkBuffer buffer = gpu.buffer(layer.polygons);
+    gpu.vk->vkCmdBindIndexBuffer(gpu.cmd, buffer, 0, VK_INDEX_TYPE_UINT32);
+    gpu.vk->vkCmdDrawIndexedIndirect(gpu.cmd, buffer, 0, 1, sizeof(VkDrawIndexedIndirectCommand));
+}
+
+Darkness darknessOf(const ShadowTask& task)
+{
+    const auto mode = static_cast<int>(task.settings[kDarkening]);
+    const auto shade = static_cast<float>(task.settings[kShade]);
+    return {.shadow = mode == 0 ? 0.0f : shade, .turnedAway = mode == 1 ? shade : 0.0f};
+}
+
+// --- the method ---
+
+class McCool final : public ShadowAlgorithm {
+public:
+    explicit McCool(const AlgorithmServices& services) : vk_(*services.vk), templates_(cellTemplates())
+    {
+        pipelines_.casters = makeDepthMapPipelines(services);
+        pipelines_.view = makeViewStencilPipelines(services);
+        pipelines_.edges = edgesPipeline(services);
+        pipelines_.list = listPipeline(services);
+        for (std::uint32_t map = 0; map < kMaps; ++map) {
+            pipelines_.caps[map] = capPipeline(services, map);
+            for (const bool reversed : {false, true})
+                pipelines_.polygons[reversed][map] = polygonPipeline(services, map, reversed);
+        }
+        pipelines_.resolve = makeResolvePipelines(services, "mccool.in_shadow", "mccool.without_casters");
+    }
+
+    void declare(PassBuilder& passes, const ShadowTask& task) override
+    {
+        Plan& plan = *passes.arena().make<Plan>();
+        const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
+        gpu::MapConstants constants = mapConstants(task, resolution, 1);
+        const LightMap map = declareLightMap(passes, pipelines_.casters, task, resolution, constants);
+        const ViewStencil stencil = declareViewStencil(passes, pipelines_.view, task);
+        const gpu::ViewConstants& view = task.view->constants;
+        plan.map = map.image;
+        plan.receiverBounds = stencil.receiverBounds;
+        plan.nearWs = gpu::linearDepth(view, task.view->reversed() ? 1.0f : 0.0f);
+        for (std::uint32_t index = 0; index < map.fits.size(); ++index)
+            if ((map.needed >> index) & 1u) declareLayer(passes, task, plan, map, index);
+        declareStencil(passes, task, plan, stencil);
+    }
+
+    const char* refuses(const ShadowTask& task) const override
+    {
+        const auto side = static_cast<std::uint32_t>(task.settings[kResolution]);
+        const std::uint32_t last = gpu::vertexIndex(side, static_cast<int>(side) - 1, static_cast<int>(side) - 1, 2);
+        return last > vk_.properties.limits.maxDrawIndexedIndexValue
+                   ? "the map has more vertices than the device's index range"
+                   : nullptr;
+    }
+
+private:
+    /// Adds the layer to the plan, and declares its polygons where they are out of date.
+    void declareLayer(PassBuilder& passes, const ShadowTask& task, Plan& plan, const LightMap& map,
+                      std::uint32_t index) const
+    {
+        const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
+        const std::uint32_t capacity = resolution * static_cast<std::uint32_t>(task.settings[kEdges]);
+        const std::uint32_t variant = resolution * kMaps + index;
+        Layer& layer = plan.layers[plan.layerCount++];
+        layer.index = index;
+        layer.surface = depthSurface(map.fits[index], *task.light, task.view->eye, resolution);
+        layer.surface.cellCapacity = capacity;
+        layer.surface.indexCapacity = kCellIndices * capacity;
+        layer.look = mapConstants(task, resolution, 1);
+        addProjection(layer.look, map.fits[index], task);
+        layer.near = nearTexels(map.fits[index], task.view->nearCorners, resolution);
+        layer.polygons = passes.persistent(BufferInfo{
+            .name = "mccool.polygons", .scope = Scope::light, .size = polygonBytes(capacity), .variant = variant});
+        if (passes.stale(layer.polygons, Stamp().add(map.stamps[index]).add(std::uint64_t{capacity}).value()))
+            declarePolygons(passes, map.image, layer, variant);
+        else
+            passes.kept();
+    }
+
+    void declarePolygons(PassBuilder& passes, ImageId map, Layer& layer, std::uint32_t variant) const
+    {
+        layer.cells = passes.transient(BufferInfo{.name = "mccool.cells",
+                                                  .scope = Scope::light,
+                                                  .size = cellBytes(layer.surface.cellCapacity),
+                                                  .variant = variant});
+        const Layer* shared = &layer;
+        const McCool* self = this;
+        passes.transfer("mccool.clear", Scope::light, variant)
+            .writes(layer.cells)
+            .writes(layer.polygons)
+            .record([=](PassContext& gpu) { recordClear(gpu, *shared); });
+        passes.compute("mccool.edges", Scope::light, variant)
+            .samples(map, {.layer = layer.index})
+            .updates(layer.cells)
+            .record([=](PassContext& gpu) { recordEdges(gpu, map, *shared, self->pipelines_.edges); });
+        passes.compute("mccool.list", Scope::light, variant)
+            .samples(map, {.layer = layer.index})
+            .reads(layer.cells)
+            .updates(layer.polygons)
+            .record([=](PassContext& gpu) { recordList(gpu, map, *shared, self->templates_, self->pipelines_.list); });
+    }
+
+    void declareStencil(PassBuilder& passes, const ShadowTask& task, Plan& plan, const ViewStencil& stencil) const
+    {
+        PassRef pass = declareStencilPass(passes, task, "mccool.toggle", stencil, plan.resolve);
+        plan.resolve.darkness = darknessOf(task);
+        pass.samples(plan.map).reads(plan.receiverBounds);
+        for (std::uint32_t i = 0; i < plan.layerCount; ++i) {
+            const BufferId polygons = plan.layers[i].polygons;
+            pass.reads(polygons).indices(polygons).indirect(polygons);
+        }
+        const Plan* shared = &plan;
+        const McCool* self = this;
+        pass.record([=](PassContext& gpu) {
+            recordStencilPass(gpu, shared->resolve, self->pipelines_.resolve,
+                              [&](PassContext& within) { self->recordLayers(within, *shared); });
+        });
+    }
+
+    void recordLayers(PassContext& gpu, const Plan& plan) const
+    {
+        const std::size_t reversed = plan.resolve.view->reversed() ? 1 : 0;
+        for (std::uint32_t i = 0; i < plan.layerCount; ++i) {
+            const Layer& layer = plan.layers[i];
+            recordCap(gpu, plan, layer, templates_, pipelines_.caps[layer.index]);
+            recordPolygons(gpu, plan, layer, pipelines_.polygons[reversed][layer.index]);
+        }
+    }
+
+    const DeviceTable& vk_;
+    Templates templates_;
+    Pipelines pipelines_;
+};
+
+} // namespace
+
+const AlgorithmEntry kMcCool{
+    .name = "mccool",
+    .source = "McCool 2000; Rautenbach 2008, 3.3.1",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kSettings,
+    .memoryPerLight =
+        [](std::span<const double> settings, VkExtent2D extent) {
+            // As many maps as a point light may need; the two other kinds need one.
+            const auto side = static_cast<std::uint32_t>(settings[kResolution]);
+            const auto edges = static_cast<std::uint32_t>(settings[kEdges]);
+            return depthMapMemory(side, kMaps) + kMaps * (polygonBytes(side * edges) + cellBytes(side * edges)) +
+                   viewStencilMemory(extent);
+        },
+    .missing = nullptr,
+    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
+        return std::make_unique<McCool>(services);
+    },
+    .typicalWrongPercent = 0.5f, // mccool.md, colonnade
+};
+
+} // namespace gnomon

@@ -1,0 +1,31 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// One triangle over the area, or none: the near rectangle is capped only if a texel about it lies before it, or if the
+// polygons did not fit and the map has to answer.
+#include "mccool.h"
+
+layout(set = 0, binding = 0, std140) uniform Constants { CapConstants constants; };
+layout(set = 0, binding = 3) uniform sampler2D map; // border: depth 1
+layout(set = 0, binding = 4, std430) readonly buffer Polygons { uint command[]; };
+layout(location = 0) out vec3 rayWs;
+layout(location = 1) out vec4 rayClip;
+
+bool wanted()
+{
+    if (constants.always != 0.0 || command[1] == 0u) return true;
+    bool before = false;
+    for (float y = constants.nearTexels.y; y <= constants.nearTexels.w; ++y)
+        for (float x = constants.nearTexels.x; x <= constants.nearTexels.z; ++x)
+            before = before || textureLod(map, (vec2(x, y) + 0.5) / float(constants.surface.side), 0.0).x <
+                                   constants.nearDepth;
+    return before;
+}
+
+void main()
+{
+    vec2 corner = vec2((gl_VertexIndex << 1) & 2, gl_VertexIndex & 2);
+    vec4 area = constants.base.map.area;
+    rayWs = viewRayWs(constants.base.view, area.xy + corner * area.zw);
+    rayClip = constants.base.map.clipFromRay * vec4(rayWs, 0.0);
+    gl_Position = wanted() ? vec4(corner * 2.0 - 1.0, 0.0, 1.0) : vec4(2.0, 2.0, 0.0, 1.0);
+}
