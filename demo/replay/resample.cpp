@@ -96,7 +96,8 @@ Trace resample(const Trace& recorded, double framesPerSecond)
         for (uint32_t slot = 0; slot < recorded.lights; ++slot) {
             const LightPath path(recorded, frame, slot);
             for (uint32_t step = 0; step < steps; ++step)
-                path.at(step / double{steps}, out, out.cell(frame * steps + step, slot));
+                path.at(static_cast<double>(step) / static_cast<double>(steps), out,
+                        out.cell(frame * steps + step, slot));
         }
     }
     return out;
