@@ -23,9 +23,9 @@ inline const std::vector<OutputInfo> kMethods = {
     {"dual_paraboloid", {"point", "hard", "fixedPenumbra", "cpuGeometry"}},
     {"chan_durand", {"directional", "spot", "point", "hard", "cpuGeometry"}},
     {"octree_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}},
-    {"mccool", {"directional", "spot", "point", "hard"}},
     {"all_edges_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}},
-    {"projected_planar", {"directional", "spot", "point", "hard", "cpuGeometry", "planar"}}};
+    {"projected_planar", {"directional", "spot", "point", "hard", "cpuGeometry", "planar"}},
+    {"mccool", {"directional", "spot", "point", "hard"}}};
 inline const std::vector<std::string> kTraits = {"directional",  "spot",  "point",       "hard", "fixedPenumbra",
                                                  "softPenumbra", "exact", "cpuGeometry", "rays", "planar"};
 inline Vocabulary vocabulary()
