@@ -8,6 +8,9 @@ namespace {
 
 // A resource that no frame of the last second (at 60 Hz) used is given back.
 constexpr std::uint64_t kIdleFrames = 60;
+// Where more than half of what gnomon may have is taken, it goes as soon as no frame in flight can be using it: else what
+// one method has left behind keeps the next from serving.
+constexpr std::uint64_t kIdleFramesPressed = 4;
 
 VkImageUsageFlags imageUsage(VkFormat format)
 {
@@ -83,7 +86,8 @@ void ResourcePool::begin(std::uint64_t frame, std::uint64_t completedFrame)
         return true;
     });
 
-    auto idle = [&](std::uint64_t lastUsed) { return lastUsed + kIdleFrames < frame; };
+    const std::uint64_t stay = memory_.used() > memory_.limit() / 2 ? kIdleFramesPressed : kIdleFrames;
+    auto idle = [&](std::uint64_t lastUsed) { return lastUsed + stay < frame; };
     std::erase_if(images_, [&](auto& entry) {
         if (!idle(entry.second->kept.lastUsed)) return false;
         release(entry.second->gpu, entry.second->kept.lastUsed);

@@ -49,6 +49,7 @@ public:
     demo::SceneState state;
 
 private:
+    bool served(const std::string& method); ///< By the newest frame, every light that it can serve.
     void apply(const std::string& method, const Settings& settings);
     void pin(const std::string& method);
 
