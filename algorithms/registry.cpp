@@ -10,6 +10,9 @@
 #include "algorithms/maps/shadow_map.hpp"
 #include "algorithms/omni/cube_map.hpp"
 #include "algorithms/omni/dual_paraboloid.hpp"
+#if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
+#include "algorithms/volumes/angular_spans.hpp"
+#endif
 #ifdef GNOMON_WITH_OPENMESH
 #include "algorithms/volumes/chan_durand.hpp"
 #include "algorithms/volumes/octree_volume.hpp"
@@ -28,6 +31,9 @@ constexpr std::array kAlgorithms = {
 #ifdef GNOMON_WITH_EMBREE
     &kPcfHybrid,     &kRayTraced,
 #endif
+#if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
+    &kAngularSpans,
+#endif
 };
 
 /// Known to rules, left out of this build.
@@ -37,6 +43,9 @@ constexpr std::initializer_list<const char*> kAbsentNames = {
 #endif
 #ifndef GNOMON_WITH_OPENMESH
     "stencil_volume", "chan_durand", "octree_volume",
+#endif
+#if !defined(GNOMON_WITH_EMBREE) || !defined(GNOMON_WITH_OPENMESH)
+    "angular_spans",
 #endif
 };
 constexpr std::span<const char* const> kAbsent{kAbsentNames.begin(), kAbsentNames.size()};

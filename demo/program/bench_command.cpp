@@ -36,6 +36,16 @@ struct Row {
     std::vector<PassTime> passes;
 };
 
+/// What makes a method finer: texels of a map's side, rows of a table. Null: nothing does.
+const GnSettingInfo* sizeSetting(const GnMethodInfo& method)
+{
+    for (uint32_t i = 0; i < method.settingCount; ++i) {
+        const std::string_view name = method.pSettings[i].pName;
+        if (name == kResolutionSetting || name == kRowsSetting) return &method.pSettings[i];
+    }
+    return nullptr;
+}
+
 /// One scene with one number of lights at one size: the truth is made once for all rows.
 class SceneBench {
 public:
@@ -75,7 +85,7 @@ public:
         const Scene served = onlyServed(scene_, info.traits);
         if (served.lights.empty()) return std::nullopt;
         Session session(device_, served, {.scene = {}, .size = size_});
-        if (map) expect(session.shadows.set(info.pName, kResolutionSetting, *map));
+        if (map) expect(session.shadows.set(info.pName, sizeSetting(info)->pName, *map));
         expect(session.shadows.pinAll(info.pName));
         settle(session, frameTime(served, 0), options_.recorded);
         Row row = rowFor(session, info.pName, map.value_or(0));
@@ -197,20 +207,6 @@ void print(const Row& row)
     std::fflush(stdout);
 }
 
-bool hasResolution(const GnMethodInfo& method)
-{
-    return std::any_of(method.pSettings, method.pSettings + method.settingCount,
-                       [](const GnSettingInfo& s) { return std::string_view(s.pName) == kResolutionSetting; });
-}
-
-uint32_t defaultResolution(const GnMethodInfo& method)
-{
-    for (uint32_t i = 0; i < method.settingCount; ++i)
-        if (std::string_view(method.pSettings[i].pName) == kResolutionSetting)
-            return static_cast<uint32_t>(method.pSettings[i].value);
-    return 0;
-}
-
 } // namespace
 
 int benchCommand(const BenchOptions& options)
@@ -244,8 +240,8 @@ int benchCommand(const BenchOptions& options)
                 known.push_back(info.pName);
                 if (!isWanted(info.pName) || info.pUnavailable || (options.recorded && info.roundTrips > 0)) continue;
                 std::vector<std::optional<uint32_t>> sizes = {std::nullopt};
-                if (hasResolution(info))
-                    sizes = maps.empty() ? decltype(sizes){defaultResolution(info)}
+                if (const GnSettingInfo* setting = sizeSetting(info))
+                    sizes = maps.empty() ? decltype(sizes){static_cast<uint32_t>(setting->value)}
                                          : decltype(sizes)(maps.begin(), maps.end());
                 for (const std::optional<uint32_t>& map : sizes)
                     if (const std::optional<Row> row = bench.method(info, map)) keep(*row);
