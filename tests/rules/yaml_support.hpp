@@ -22,7 +22,8 @@ inline const std::vector<OutputInfo> kMethods = {
     {"cube_map", {"point", "hard", "fixedPenumbra"}},
     {"dual_paraboloid", {"point", "hard", "fixedPenumbra", "cpuGeometry"}},
     {"chan_durand", {"directional", "spot", "point", "hard", "cpuGeometry"}},
-    {"octree_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}}};
+    {"octree_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}},
+    {"angular_spans", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}}};
 inline const std::vector<std::string> kTraits = {"directional",  "spot",  "point",       "hard", "fixedPenumbra",
                                                  "softPenumbra", "exact", "cpuGeometry", "rays"};
 inline Vocabulary vocabulary()
