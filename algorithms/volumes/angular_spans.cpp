@@ -46,9 +46,11 @@ struct Tile {
     bool meets(const CasterSpans::Extent& extent, bool round) const;
 };
 
+/// The same direction within half a turn of 0.
 float wrapped(float theta, bool round)
 {
-    return round ? std::remainder(theta, 2.0f * std::numbers::pi_v<float>) : theta;
+    constexpr float turn = 2.0f * std::numbers::pi_v<float>;
+    return round ? theta - turn * std::nearbyint(theta / turn) : theta;
 }
 
 void Tile::bound(bool round)

@@ -12,14 +12,15 @@ namespace {
 constexpr Rgb8 kInk{16, 16, 16};
 
 // Okabe and Ito's eight colours, told apart by most colour-blind people as well; yellow-green added for a ninth.
-constexpr std::array<std::pair<std::string_view, Rgb8>, 8> kNamed = {{{"ray_traced", {240, 228, 66}},
+constexpr std::array<std::pair<std::string_view, Rgb8>, 9> kNamed = {{{"ray_traced", {240, 228, 66}},
                                                                       {"shadow_map", {86, 180, 233}},
                                                                       {"stencil_volume", {230, 159, 0}},
                                                                       {"pcf_hybrid", {0, 158, 115}},
                                                                       {"cube_map", {204, 121, 167}},
                                                                       {"dual_paraboloid", {213, 94, 0}},
                                                                       {"chan_durand", {0, 114, 178}},
-                                                                      {"octree_volume", {148, 103, 189}}}};
+                                                                      {"octree_volume", {148, 103, 189}},
+                                                                      {"angular_spans", {154, 205, 50}}}};
 
 } // namespace
 

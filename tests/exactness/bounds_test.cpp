@@ -143,6 +143,25 @@ TEST_CASE("the error of shadow_map falls by 1.4 to 2.6 with every doubling of it
     }
 }
 
+TEST_CASE("the error of angular_spans falls by 1.4 to 2.6 with every doubling of its rows from 75 to 600")
+{
+    for (const std::string& name : sceneNames()) {
+        CAPTURE(name);
+        const SceneResults& results = resultsOf(name);
+        double before = 0.0;
+        for (const uint32_t rows : kRowCounts) {
+            const double now = wrongPercent(printed(results, "angular_spans", rows));
+            if (before > 0.0) {
+                CAPTURE(rows);
+                MESSAGE(name << ": to " << rows << " rows the error falls " << before / now << " times");
+                CHECK(before >= 1.4 * now);
+                CHECK(before <= 2.6 * now);
+            }
+            before = now;
+        }
+    }
+}
+
 TEST_CASE("cube_map and dual_paraboloid of 1024 texels are wrong on at most 1 % of the pixels")
 {
     uint32_t scenes = 0;
