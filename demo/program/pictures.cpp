@@ -11,7 +11,7 @@ namespace {
 
 constexpr Rgb8 kInk{16, 16, 16};
 
-// Okabe and Ito's eight colours, told apart by most colour-blind people as well; yellow-green added for a ninth.
+// Okabe and Ito's eight colours, told apart by most colour-blind people as well; purple and yellow-green added.
 constexpr std::array<std::pair<std::string_view, Rgb8>, 9> kNamed = {{{"ray_traced", {240, 228, 66}},
                                                                       {"shadow_map", {86, 180, 233}},
                                                                       {"stencil_volume", {230, 159, 0}},
