@@ -184,7 +184,8 @@ void AngularSpans::declare(PassBuilder& passes, const ShadowTask& task)
         passes.kept();
     } else {
         passes.prepare("angular_spans.table", Scope::light, rows).run([job](HostContext& host) {
-            for (std::uint32_t i = job.spans->update(*job.light, job.casters, job.rows, *host.jobs); i > 0; --i)
+            for (std::uint32_t i = job.spans->update(*job.light, job.casters, job.rows, *host.jobs, *host.arena); i > 0;
+                 --i)
                 host.countIndexList();
         });
     }

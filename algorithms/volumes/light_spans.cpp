@@ -24,7 +24,7 @@ std::uint64_t LightSpans::stampOf(const LightView& light, std::span<const Caster
 }
 
 std::uint32_t LightSpans::update(const LightView& light, std::span<const Caster* const> casters, std::uint32_t rows,
-                                 JobSystem& jobs)
+                                 JobSystem& jobs, FrameArena& arena)
 {
     if (light.revision != revision_ || rows != rows_) {
         for (const std::unique_ptr<Entry>& entry : entries_)
@@ -33,36 +33,37 @@ std::uint32_t LightSpans::update(const LightView& light, std::span<const Caster*
         revision_ = light.revision;
         rows_ = rows;
     }
-    std::vector<std::unique_ptr<Entry>> old;
-    old.swap(entries_);
-    std::vector<std::uint32_t> ids; // of `old`, whose entries are moved out one by one
-    for (const std::unique_ptr<Entry>& entry : old)
-        ids.push_back(entry->caster);
-    std::vector<const Caster*> stale;
-    std::vector<Entry*> made;
+    old_.swap(entries_);
+    const std::span<std::uint32_t> ids = arena.array<std::uint32_t>(old_.size()); // entries are moved out one by one
+    for (std::size_t i = 0; i < old_.size(); ++i)
+        ids[i] = old_[i]->caster;
+    const std::span<const Caster*> stale = arena.array<const Caster*>(casters.size());
+    const std::span<Entry*> made = arena.array<Entry*>(casters.size());
+    std::size_t count = 0;
     for (const Caster* caster : casters) {
         if (!castsVolume(*caster)) continue;
         const auto found = std::lower_bound(ids.begin(), ids.end(), caster->id);
         const bool known = found != ids.end() && *found == caster->id;
         std::unique_ptr<Entry> entry =
-            known ? std::move(old[static_cast<std::size_t>(found - ids.begin())]) : std::make_unique<Entry>();
+            known ? std::move(old_[static_cast<std::size_t>(found - ids.begin())]) : std::make_unique<Entry>();
         if (entry->revision != caster->revision) {
-            stale.push_back(caster);
-            made.push_back(entry.get());
+            stale[count] = caster;
+            made[count++] = entry.get();
         }
         entry->caster = caster->id;
         entries_.push_back(std::move(entry));
     }
+    old_.clear();
     std::sort(entries_.begin(), entries_.end(), [](const auto& a, const auto& b) { return a->caster < b->caster; });
-    jobs.parallelFor(made.size(), 1, [&](std::size_t begin, std::size_t end, std::uint32_t) {
+    jobs.parallelFor(count, 1, [&](std::size_t begin, std::size_t end, std::uint32_t) {
         for (std::size_t i = begin; i < end; ++i) {
             made[i]->revision = 0;
-            made[i]->spans.build(space_, light, *stale[i], rows);
+            made[i]->spans.build(space_, light, *stale[i], rows, arena);
             made[i]->revision = stale[i]->revision;
         }
     });
     stamp_ = stampOf(light, casters, rows);
-    return static_cast<std::uint32_t>(made.size());
+    return static_cast<std::uint32_t>(count);
 }
 
 std::size_t LightSpans::memoryBytes() const

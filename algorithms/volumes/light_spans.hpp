@@ -24,7 +24,7 @@ public:
 
     /// Makes what is missing, forgets what is gone. @return tables made.
     std::uint32_t update(const LightView& light, std::span<const Caster* const> casters, std::uint32_t rows,
-                         JobSystem& jobs);
+                         JobSystem& jobs, FrameArena& arena);
 
     const SpanSpace& space() const { return space_; }
     std::span<const std::unique_ptr<Entry>> entries() const { return entries_; }
@@ -35,6 +35,7 @@ private:
     std::uint64_t stamp_ = 0, revision_ = 0;
     std::uint32_t rows_ = 0;
     std::vector<std::unique_ptr<Entry>> entries_; ///< By rising caster.
+    std::vector<std::unique_ptr<Entry>> old_;     ///< Those of before, while entries_ is made; empty otherwise.
 };
 
 /// Finds a light's tables again. One thread; what it gives stays in place while it is asked for.

@@ -40,8 +40,10 @@ struct Cut {
 
 /// The half plane (directional: plane) of a row.
 struct RowPlane {
-    bool round;
-    double theta, cosine, sine;
+    bool round = true;
+    double theta = 0.0, cosine = 1.0, sine = 0.0;
+
+    RowPlane() = default;
 
     RowPlane(bool isRound, double at)
         : round(isRound), theta(at), cosine(isRound ? std::cos(at) : 1.0), sine(isRound ? std::sin(at) : 0.0)
@@ -138,11 +140,12 @@ struct Rows {
 
 /// The faces that block light, their planes, and the theta they cover.
 void findFaces(const SpanSpace& space, const LightView& light, const Caster& caster,
-               std::span<const glm::dvec3> vertices, Rows& rows, std::vector<Face>& faces,
-               std::vector<glm::vec4>& planes)
+               std::span<const glm::dvec3> vertices, Rows& rows, std::span<Face>& faces, std::vector<glm::vec4>& planes,
+               FrameArena& arena)
 {
     const Topology& topology = *caster.mesh->topology;
-    std::vector<std::uint8_t> facing(topology.facePlanes.size());
+    const std::span<std::uint8_t> facing = arena.array<std::uint8_t>(topology.facePlanes.size());
+    faces = arena.array<Face>(facing.size());
     findFacing(topology, lightInObjectSpace(light, caster), 0, facing);
     rows.first = std::numeric_limits<double>::max();
     rows.last = -rows.first;
@@ -167,9 +170,10 @@ void findFaces(const SpanSpace& space, const LightView& light, const Caster& cas
         face.nearest = static_cast<float>(round ? std::abs(distance) : std::min({a.z, b.z, c.z}));
         face.farthest = static_cast<float>(round ? std::max({glm::length(a), glm::length(b), glm::length(c)})
                                                  : std::max({a.z, b.z, c.z}));
-        faces.push_back(face);
+        faces[planes.size()] = face;
         planes.emplace_back(glm::vec4(glm::dvec4(sign * normal, sign * distance)));
     }
+    faces = faces.first(planes.size());
 }
 
 void layRows(const SpanSpace& space, std::uint32_t count, std::size_t faceCount, Rows& rows)
@@ -188,34 +192,48 @@ void layRows(const SpanSpace& space, std::uint32_t count, std::size_t faceCount,
     rows.height = (rows.last - rows.first) / count;
 }
 
-/// All cuts of all faces, row by row and rising in each.
-std::vector<Cut> cutFaces(const Rows& rows, std::span<const glm::dvec3> vertices, std::span<const Face> faces)
+/// The rows that a face may touch; their planes decide.
+struct RowRange {
+    std::uint32_t first, last;
+};
+
+RowRange rowsOf(const Rows& rows, const Face& face)
 {
-    std::vector<RowPlane> planes;
-    planes.reserve(rows.count);
-    for (std::uint32_t row = 0; row < rows.count; ++row)
-        planes.emplace_back(rows.round, rows.centre(row));
-    std::vector<Cut> cuts;
-    const auto rowOf = [&](double theta, double slack) { // one row more on each side: the planes decide
+    if (rows.allRound) return {0, rows.count - 1};
+    const auto rowAt = [&](double theta, double slack) { // one more on each side, for rounding
         const double row = std::floor((theta - rows.first) / rows.height + slack);
         return static_cast<std::uint32_t>(std::clamp(row, 0.0, double(rows.count - 1)));
     };
+    return {rowAt(face.first, -1.0), rowAt(face.last, 1.0)};
+}
+
+/// All cuts of all faces, row by row and rising in each.
+std::span<const Cut> cutFaces(const Rows& rows, std::span<const glm::dvec3> vertices, std::span<const Face> faces,
+                              FrameArena& arena)
+{
+    const std::span<RowPlane> planes = arena.array<RowPlane>(rows.count);
+    for (std::uint32_t row = 0; row < rows.count; ++row)
+        planes[row] = RowPlane(rows.round, rows.centre(row));
+    std::size_t most = 0;
+    for (const Face& face : faces)
+        most += rowsOf(rows, face).last - rowsOf(rows, face).first + 1;
+    const std::span<Cut> cuts = arena.array<Cut>(most);
+    const std::span<std::uint32_t> next = arena.array<std::uint32_t>(std::size_t{rows.count} + 1);
+    std::fill(next.begin(), next.end(), 0u);
+    std::size_t count = 0;
     for (std::uint32_t i = 0; i < faces.size(); ++i) {
-        const bool all = rows.allRound;
-        const std::uint32_t first = all ? 0 : rowOf(faces[i].first, -1.0);
-        const std::uint32_t last = all ? rows.count - 1 : rowOf(faces[i].last, 1.0);
-        for (std::uint32_t row = first; row <= last; ++row) {
+        const RowRange range = rowsOf(rows, faces[i]);
+        for (std::uint32_t row = range.first; row <= range.last; ++row) {
             Cut cut{.row = row, .face = i, .first = 0.0f, .last = 0.0f};
-            if (cutFace(planes[row], vertices, faces[i], cut)) cuts.push_back(cut);
+            if (!cutFace(planes[row], vertices, faces[i], cut)) continue;
+            cuts[count++] = cut;
+            ++next[row + 1];
         }
     }
-    // By row with counts, then each row's few by themselves: a third of the time that one sort of all takes.
-    std::vector<std::uint32_t> next(std::size_t{rows.count} + 1, 0);
-    for (const Cut& cut : cuts)
-        ++next[cut.row + 1];
+    // By row with the counts, then each row's few by themselves: cheaper than one sort of all.
     std::partial_sum(next.begin(), next.end(), next.begin());
-    std::vector<Cut> sorted(cuts.size());
-    for (const Cut& cut : cuts)
+    const std::span<Cut> sorted = arena.array<Cut>(count);
+    for (const Cut& cut : cuts.first(count))
         sorted[next[cut.row]++] = cut;
     for (std::uint32_t row = 0, begin = 0; row < rows.count; begin = next[row++])
         std::sort(sorted.begin() + begin, sorted.begin() + next[row],
@@ -252,7 +270,8 @@ SpanPoint SpanSpace::at(const glm::vec3& p) const
     return {std::atan2(p.y, p.x), p.z / std::sqrt(std::max(out, 1e-30f)), std::sqrt(out + p.z * p.z)};
 }
 
-void CasterSpans::build(const SpanSpace& space, const LightView& light, const Caster& caster, std::uint32_t rowCount)
+void CasterSpans::build(const SpanSpace& space, const LightView& light, const Caster& caster, std::uint32_t rowCount,
+                        FrameArena& arena)
 {
     rowStart_.clear();
     spans_.clear();
@@ -262,21 +281,21 @@ void CasterSpans::build(const SpanSpace& space, const LightView& light, const Ca
     round_ = space.round();
     open_ = !caster.mesh->topology->closed;
 
-    std::vector<glm::dvec3> vertices;
-    vertices.reserve(caster.mesh->positions.size());
+    const std::span<const glm::vec3> positions = caster.mesh->positions;
+    const std::span<glm::dvec3> vertices = arena.array<glm::dvec3>(positions.size());
     const glm::dmat3 basis(caster.basis);
-    for (const glm::vec3& position : caster.mesh->positions)
-        vertices.push_back(space.local(basis * glm::dvec3(position) + glm::dvec3(caster.translation)));
+    for (std::size_t i = 0; i < positions.size(); ++i)
+        vertices[i] = space.local(basis * glm::dvec3(positions[i]) + glm::dvec3(caster.translation));
     Rows rows{.round = round_};
     const glm::dvec3 middle = space.local(glm::dvec3(caster.bounds.center()));
     if (round_) rows.middle = std::atan2(middle.y, middle.x);
-    std::vector<Face> faces;
-    findFaces(space, light, caster, vertices, rows, faces, planes_);
+    std::span<Face> faces;
+    findFaces(space, light, caster, vertices, rows, faces, planes_, arena);
     layRows(space, rowCount, faces.size(), rows);
     rows_ = rows.count;
     if (rows_ == 0) return;
 
-    const std::vector<Cut> cuts = cutFaces(rows, vertices, faces);
+    const std::span<const Cut> cuts = cutFaces(rows, vertices, faces, arena);
     pieces_.reserve(cuts.size());
     rowStart_.reserve(std::size_t{rows_} + 1);
     extent_ = {.thetaFirst = static_cast<float>(rows.middle + rows.first),

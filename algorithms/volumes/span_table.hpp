@@ -9,6 +9,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include "runtime/core/arena.hpp"
 #include "runtime/scene/scene_view.hpp"
 
 namespace gnomon {
@@ -74,8 +75,10 @@ public:
         const Span* span = nullptr;      ///< Null: nothing there.
     };
 
-    /// Makes the table; memory of an earlier one is used again. @param caster with castsVolume().
-    void build(const SpanSpace& space, const LightView& light, const Caster& caster, std::uint32_t rows);
+    /// Makes the table; memory of an earlier one is used again. @param caster with castsVolume(). @param arena for
+    /// what is needed meanwhile.
+    void build(const SpanSpace& space, const LightView& light, const Caster& caster, std::uint32_t rows,
+               FrameArena& arena);
 
     /// @param p the receiver, local. @param at the same place as SpanSpace::at() says.
     SpanAnswer ask(const glm::vec3& p, const SpanPoint& at, Cursor& cursor) const;

@@ -62,7 +62,8 @@ struct Scene {
     Scene(Mesh mesh, const LightView& of, std::uint32_t rows, const glm::mat3& basis = glm::mat3(1.0f))
         : placed(std::move(mesh), basis, glm::vec3(0.1f, -0.2f, 0.05f)), light(of), space(of)
     {
-        table.build(space, light, placed.caster, rows);
+        FrameArena arena;
+        table.build(space, light, placed.caster, rows, arena);
         for (std::uint32_t v = 0; v < placed.mesh.positions.size(); ++v)
             local.push_back(space.local(glm::dvec3(placed.world(v))));
     }
@@ -291,6 +292,7 @@ TEST_CASE("an open mesh says that it may be its own receiver, a closed one never
 TEST_CASE("tables are kept: a caster that moved has its own made again, a light that moved all")
 {
     JobSystem jobs(nullptr, nullptr, 2);
+    FrameArena arena;
     LightView light = pointLight({0.0f, 6.0f, 0.0f});
     light.id = 1;
     light.revision = 10;
@@ -305,24 +307,24 @@ TEST_CASE("tables are kept: a caster that moved has its own made again, a light 
     }
     LightSpans spans;
     CHECK(spans.stamp() != LightSpans::stampOf(light, casters, 100));
-    CHECK(spans.update(light, casters, 100, jobs) == 5);
+    CHECK(spans.update(light, casters, 100, jobs, arena) == 5);
     CHECK(spans.stamp() == LightSpans::stampOf(light, casters, 100));
-    CHECK(spans.update(light, casters, 100, jobs) == 0);
+    CHECK(spans.update(light, casters, 100, jobs, arena) == 0);
 
     placed[2]->caster.revision = 200;
     CHECK(spans.stamp() != LightSpans::stampOf(light, casters, 100));
-    CHECK(spans.update(light, casters, 100, jobs) == 1);
-    CHECK(spans.update(light, casters, 200, jobs) == 5);
+    CHECK(spans.update(light, casters, 100, jobs, arena) == 1);
+    CHECK(spans.update(light, casters, 200, jobs, arena) == 5);
     const std::size_t all = spans.memoryBytes();
     light.revision = 11;
     CHECK(spans.stamp() != LightSpans::stampOf(light, casters, 200));
     for (int i = 0; i < 10; ++i) {
         ++light.revision;
-        CHECK(spans.update(light, casters, 200, jobs) == 5);
+        CHECK(spans.update(light, casters, 200, jobs, arena) == 5);
         CHECK(spans.memoryBytes() == all); // memory is used again
     }
     casters.erase(casters.begin() + 1);
-    CHECK(spans.update(light, casters, 200, jobs) == 0);
+    CHECK(spans.update(light, casters, 200, jobs, arena) == 0);
     CHECK(spans.entries().size() == 4);
     CHECK(spans.memoryBytes() < all);
 
