@@ -11,6 +11,9 @@
 #include "algorithms/omni/cube_map.hpp"
 #include "algorithms/omni/dual_paraboloid.hpp"
 #include "algorithms/volumes/mccool.hpp"
+#if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
+#include "algorithms/volumes/angular_spans.hpp"
+#endif
 #ifdef GNOMON_WITH_OPENMESH
 #include "algorithms/volumes/all_edges_volume.hpp"
 #include "algorithms/volumes/chan_durand.hpp"
@@ -32,6 +35,9 @@ constexpr std::array kAlgorithms = {
 #ifdef GNOMON_WITH_EMBREE
     &kPcfHybrid,     &kRayTraced,
 #endif
+#if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
+    &kAngularSpans,
+#endif
 };
 
 /// Known to rules, left out of this build.
@@ -41,6 +47,9 @@ constexpr std::initializer_list<const char*> kAbsentNames = {
 #endif
 #ifndef GNOMON_WITH_OPENMESH
     "stencil_volume", "chan_durand", "octree_volume", "all_edges_volume", "projected_planar",
+#endif
+#if !defined(GNOMON_WITH_EMBREE) || !defined(GNOMON_WITH_OPENMESH)
+    "angular_spans",
 #endif
 };
 constexpr std::span<const char* const> kAbsent{kAbsentNames.begin(), kAbsentNames.size()};

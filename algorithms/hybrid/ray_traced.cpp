@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "algorithms/hybrid/receivers.hpp"
+#include "algorithms/hybrid/host_visibility.hpp"
 
 namespace gnomon {
 
@@ -14,7 +14,7 @@ constexpr std::uint32_t kTile = 4; // pixels a side: neighbours share their way 
 struct TraceJob {
     const CameraView* view;
     const LightView* light;
-    BufferId depth, normals, visibility;
+    HostVisibility buffers;
 };
 
 void traceTileRow(const TraceJob& job, const HostContext& host, const Receivers& receivers, std::uint32_t top,
@@ -44,9 +44,8 @@ void traceTileRow(const TraceJob& job, const HostContext& host, const Receivers&
 void trace(const TraceJob& job, const HostContext& host)
 {
     const VkExtent2D extent = job.view->area.extent;
-    const Receivers receivers(*job.view, *job.light, host.read<float>(job.depth),
-                              job.normals ? host.read<std::byte>(job.normals) : std::span<const std::byte>());
-    const std::span<std::uint8_t> visibility = host.write<std::uint8_t>(job.visibility);
+    const Receivers receivers = receiversOf(*job.view, *job.light, job.buffers, host);
+    const std::span<std::uint8_t> visibility = host.write<std::uint8_t>(job.buffers.rows);
     const std::uint32_t tileRows = (extent.height + kTile - 1) / kTile;
     host.jobs->parallelFor(tileRows, 4, [&](std::size_t begin, std::size_t end, std::uint32_t) {
         // Upload memory may be write-combined: whole rows at a time.
@@ -60,46 +59,17 @@ void trace(const TraceJob& job, const HostContext& host)
     });
 }
 
-void copyToLayer(PassContext& gpu, BufferId from, ImageId to, std::uint32_t layer, const VkRect2D& area)
-{
-    const VkBufferImageCopy2 region{.sType = VK_STRUCTURE_TYPE_BUFFER_IMAGE_COPY_2,
-                                    .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, layer, 1},
-                                    .imageOffset = {area.offset.x, area.offset.y, 0},
-                                    .imageExtent = {area.extent.width, area.extent.height, 1}};
-    const VkCopyBufferToImageInfo2 copy{.sType = VK_STRUCTURE_TYPE_COPY_BUFFER_TO_IMAGE_INFO_2,
-                                        .srcBuffer = gpu.buffer(from),
-                                        .dstImage = gpu.image(to),
-                                        .dstImageLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                                        .regionCount = 1,
-                                        .pRegions = &region};
-    gpu.vk->vkCmdCopyBufferToImage2(gpu.cmd, &copy);
-}
-
 class RayTraced final : public ShadowAlgorithm {
 public:
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
-        const VkRect2D area = task.view->area;
-        const TraceJob job{
-            .view = task.view,
-            .light = task.light,
-            .depth = passes.depthOnHost(),
-            .normals = passes.normalsOnHost(),
-            .visibility = passes.transient(BufferInfo{.name = "ray_traced.visibility",
-                                                      .size = VkDeviceSize(area.extent.width) * area.extent.height,
-                                                      .place = BufferPlace::upload}),
-        };
+        const TraceJob job{.view = task.view,
+                           .light = task.light,
+                           .buffers = declareHostVisibility(passes, task, "ray_traced.visibility")};
         PassRef host = passes.host("ray_traced.trace");
-        host.reads(job.depth).writes(job.visibility);
-        if (job.normals) host.reads(job.normals);
+        useHostVisibility(host, job.buffers);
         host.run([job](HostContext& context) { trace(job, context); });
-
-        const ImageId target = task.visibility;
-        const std::uint32_t layer = task.layer;
-        passes.transfer("ray_traced.copy")
-            .reads(job.visibility)
-            .writes(target, {.layer = layer})
-            .record([=](PassContext& gpu) { copyToLayer(gpu, job.visibility, target, layer, area); });
+        declareVisibilityCopy(passes, task, job.buffers, "ray_traced.copy");
     }
 };
 

@@ -117,10 +117,9 @@ std::uint32_t writeSides(const Topology& topology, std::span<const std::uint8_t>
 std::uint32_t writeCaps(const Topology& topology, std::span<const std::uint8_t> facing, bool mirrored,
                         std::uint32_t firstFace, std::uint32_t count, std::uint32_t* out)
 {
-    const std::uint8_t awayFromLight = mirrored ? 1 : 0; // mirroring turns a closed mesh inside out
     std::uint32_t* end = out;
     for (std::uint32_t face = firstFace; face < firstFace + count; ++face) {
-        if (topology.closed && facing[face] != awayFromLight) continue;
+        if (!blocksLight(topology, facing[face], mirrored)) continue;
         const std::uint32_t* corner = &topology.faceVerts[3 * face];
         const std::uint32_t a = 2 * corner[0];
         const std::uint32_t b = 2 * corner[facing[face] ? 1 : 2], c = 2 * corner[facing[face] ? 2 : 1];

@@ -23,6 +23,13 @@ glm::vec4 lightInObjectSpace(const LightView& light, const Caster& caster);
 void findFacing(const Topology& topology, const glm::vec4& lightOs, std::uint32_t first,
                 std::span<std::uint8_t> facing);
 
+/// Whether a face stops light: of a closed mesh those turned away from it, where light would leave the solid (a lit
+/// surface then never shades itself), of an open one all.
+inline bool blocksLight(const Topology& topology, std::uint8_t facing, bool mirrored)
+{
+    return !topology.closed || facing == (mirrored ? 1 : 0); // mirroring turns a closed mesh inside out
+}
+
 /// Most indices writeSides can write for these edges.
 std::uint32_t sideCapacity(const Topology& topology, std::uint32_t firstEdge, std::uint32_t count);
 

@@ -61,6 +61,16 @@ bool hasSetting(const GnMethodInfo& method, std::string_view name)
                        [&](const GnSettingInfo& setting) { return setting.pName == name; });
 }
 
+/// What makes a method finer: texels of a map's side, rows of a table. Null: nothing does.
+const GnSettingInfo* sizeSetting(const GnMethodInfo& method)
+{
+    for (uint32_t i = 0; i < method.settingCount; ++i) {
+        const std::string_view name = method.pSettings[i].pName;
+        if (name == kResolutionSetting || name == kRowsSetting) return &method.pSettings[i];
+    }
+    return nullptr;
+}
+
 /// One scene with one number of lights at one size: the truth is made once for all rows.
 class SceneBench {
 public:
@@ -101,7 +111,7 @@ public:
         const Scene served = onlyServed(scene_, info.traits);
         if (served.lights.empty()) return std::nullopt;
         Session session(device_, served, {.scene = {}, .size = size_});
-        if (map) expect(session.shadows.set(info.pName, kResolutionSetting, *map));
+        if (map) expect(session.shadows.set(info.pName, sizeSetting(info)->pName, *map));
         for (const SettingChoice& choice : choices_)
             if (hasSetting(info, choice.name))
                 expect(session.shadows.set(info.pName, choice.name.c_str(), choice.value));
@@ -227,14 +237,6 @@ void print(const Row& row)
     std::fflush(stdout);
 }
 
-uint32_t defaultResolution(const GnMethodInfo& method)
-{
-    for (uint32_t i = 0; i < method.settingCount; ++i)
-        if (std::string_view(method.pSettings[i].pName) == kResolutionSetting)
-            return static_cast<uint32_t>(method.pSettings[i].value);
-    return 0;
-}
-
 } // namespace
 
 int benchCommand(const BenchOptions& options)
@@ -269,8 +271,8 @@ int benchCommand(const BenchOptions& options)
                 known.push_back(info.pName);
                 if (!isWanted(info.pName) || info.pUnavailable || (options.recorded && info.roundTrips > 0)) continue;
                 std::vector<std::optional<uint32_t>> sizes = {std::nullopt};
-                if (hasSetting(info, kResolutionSetting))
-                    sizes = maps.empty() ? decltype(sizes){defaultResolution(info)}
+                if (const GnSettingInfo* setting = sizeSetting(info))
+                    sizes = maps.empty() ? decltype(sizes){static_cast<uint32_t>(setting->value)}
                                          : decltype(sizes)(maps.begin(), maps.end());
                 for (const std::optional<uint32_t>& map : sizes)
                     if (const std::optional<Row> row = bench.method(info, map)) keep(*row);

@@ -14,6 +14,7 @@ inline constexpr const char* kNoneMethod = "none";
 inline constexpr const char* kBareMethod = "bare_shadow_map";
 inline constexpr const char* kTruthMethod = "ray_traced";
 inline constexpr const char* kResolutionSetting = "resolution";
+inline constexpr const char* kRowsSetting = "rows"; ///< Of a table: what a map's side is to a map.
 
 /// The scene with only those lights that a method with these traits serves.
 Scene onlyServed(const Scene& scene, GnTraits traits);

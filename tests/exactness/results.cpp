@@ -42,6 +42,9 @@ SceneResults measure(const std::string& name)
     };
     for (const uint32_t resolution : kMapSizes)
         draw("shadow_map", resolution);
+    for (const uint32_t rows : kRowCounts)
+        results.pictures[key("angular_spans", rows)] =
+            stage.draw("angular_spans", {{demo::kRowsSetting, double(rows)}});
     for (const char* method : kAveraging)
         results.pictures[key(method, kWideFilter)] = stage.draw(method, {{"filter", 5.0}});
     draw("shadow_map", kCoarse);

@@ -32,6 +32,7 @@ const SceneResults& resultsOf(const std::string& scene);
 SceneResults laterResultsOf(const std::string& scene);
 
 constexpr uint32_t kMapSizes[] = {512, 1024, 2048, 4096};
+constexpr uint32_t kRowCounts[] = {75, 150, 300, 600};
 constexpr uint32_t kWideFilter = 5; ///< In place of a resolution: boxes of 5 x 5 texels averaged, default resolution.
 constexpr const char* kAveraging[] = {"shadow_map", "cube_map", "dual_paraboloid"};
 constexpr uint32_t kCoarse = 64; ///< Texels as large as casters.

@@ -1,0 +1,94 @@
+#include "algorithms/volumes/light_spans.hpp"
+
+#include <algorithm>
+
+#include "algorithms/common/caster_lists.hpp"
+#include "algorithms/volumes/silhouette.hpp"
+
+namespace gnomon {
+
+namespace {
+
+// Lights not asked for in this many questions are forgotten: some hundred frames of many lights.
+constexpr std::uint64_t kForgetAfter = 4096;
+
+} // namespace
+
+std::uint64_t LightSpans::stampOf(const LightView& light, std::span<const Caster* const> casters, std::uint32_t rows)
+{
+    Stamp stamp;
+    stamp.add(casters).add(light.revision).add(std::uint64_t{rows});
+    for (const Caster* caster : casters) // topologies may come late
+        stamp.add(std::uint64_t{castsVolume(*caster)});
+    return stamp.value();
+}
+
+std::uint32_t LightSpans::update(const LightView& light, std::span<const Caster* const> casters, std::uint32_t rows,
+                                 JobSystem& jobs, FrameArena& arena)
+{
+    if (light.revision != revision_ || rows != rows_) {
+        for (const std::unique_ptr<Entry>& entry : entries_)
+            entry->revision = 0; // no caster's: its memory is used again
+        space_ = SpanSpace(light);
+        revision_ = light.revision;
+        rows_ = rows;
+    }
+    old_.swap(entries_);
+    const std::span<std::uint32_t> ids = arena.array<std::uint32_t>(old_.size()); // entries are moved out one by one
+    for (std::size_t i = 0; i < old_.size(); ++i)
+        ids[i] = old_[i]->caster;
+    const std::span<const Caster*> stale = arena.array<const Caster*>(casters.size());
+    const std::span<Entry*> made = arena.array<Entry*>(casters.size());
+    std::size_t count = 0;
+    for (const Caster* caster : casters) {
+        if (!castsVolume(*caster)) continue;
+        const auto found = std::lower_bound(ids.begin(), ids.end(), caster->id);
+        const bool known = found != ids.end() && *found == caster->id;
+        std::unique_ptr<Entry> entry =
+            known ? std::move(old_[static_cast<std::size_t>(found - ids.begin())]) : std::make_unique<Entry>();
+        if (entry->revision != caster->revision) {
+            stale[count] = caster;
+            made[count++] = entry.get();
+        }
+        entry->caster = caster->id;
+        entries_.push_back(std::move(entry));
+    }
+    old_.clear();
+    std::sort(entries_.begin(), entries_.end(), [](const auto& a, const auto& b) { return a->caster < b->caster; });
+    jobs.parallelFor(count, 1, [&](std::size_t begin, std::size_t end, std::uint32_t) {
+        for (std::size_t i = begin; i < end; ++i) {
+            made[i]->revision = 0;
+            made[i]->spans.build(space_, light, *stale[i], rows, arena);
+            made[i]->revision = stale[i]->revision;
+        }
+    });
+    stamp_ = stampOf(light, casters, rows);
+    return static_cast<std::uint32_t>(count);
+}
+
+std::size_t LightSpans::memoryBytes() const
+{
+    std::size_t sum = entries_.capacity() * sizeof(entries_[0]);
+    for (const std::unique_ptr<Entry>& entry : entries_)
+        sum += sizeof(Entry) + entry->spans.memoryBytes();
+    return sum;
+}
+
+LightSpans& LightSpansCache::find(std::uint32_t light, std::uint32_t rows)
+{
+    ++asked_;
+    const auto found = std::find_if(kept_.begin(), kept_.end(), [&](const std::unique_ptr<Kept>& kept) {
+        return kept->light == light && kept->rows == rows;
+    });
+    Kept* kept = found != kept_.end() ? found->get() : nullptr;
+    if (!kept) {
+        std::erase_if(kept_, [&](const std::unique_ptr<Kept>& old) { return old->used + kForgetAfter < asked_; });
+        kept = kept_.emplace_back(std::make_unique<Kept>()).get();
+        kept->light = light;
+        kept->rows = rows;
+    }
+    kept->used = asked_;
+    return kept->spans;
+}
+
+} // namespace gnomon

@@ -1,0 +1,99 @@
+// angular_spans: right but for rows for every kind of light, its tables kept while nothing moves.
+#include <algorithm>
+#include <cmath>
+
+#include "device/fixture.hpp"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+constexpr const char* kSpans = "angular_spans";
+
+Scene litBy(demo::LightKind kind)
+{
+    Scene scene = smallScene();
+    scene.instances[1].isStatic = false;
+    if (kind == demo::LightKind::Point) scene.lights = {pointLight("bulb", {1.0, 5.0, 2.0}, true)};
+    if (kind == demo::LightKind::Directional) {
+        scene.lights[0].kind = kind;
+        scene.lights[0].direction = glm::normalize(glm::dvec3(0.4, -1.0, 0.3));
+    }
+    return scene;
+}
+
+constexpr demo::LightKind kKinds[] = {demo::LightKind::Directional, demo::LightKind::Spot, demo::LightKind::Point};
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "with finer rows angular_spans comes near ray_traced, whatever the light")
+{
+    for (const demo::LightKind kind : kKinds) {
+        CAPTURE(static_cast<int>(kind));
+        Host traced(litBy(kind), {.extent = {640, 360}}), spans(litBy(kind), {.extent = {640, 360}});
+        traced.pinAll("ray_traced");
+        spans.pinAll(kSpans);
+        traced.require(traced.draw());
+        const std::vector<Image8> truth = traced.pictures();
+        CHECK(dark(truth[0]) > 1000);
+        size_t wrong[2];
+        for (int i = 0; i < 2; ++i) {
+            spans.require(gnSetMethodSetting(spans.context, kSpans, "rows", i == 0 ? 50.0 : 800.0));
+            spans.require(spans.draw());
+            REQUIRE(std::string(spans.decision(0).pMethod) == kSpans);
+            wrong[i] = differences(truth, spans.pictures());
+        }
+        MESSAGE("wrong at 50 rows " << wrong[0] << ", at 800 " << wrong[1]);
+        CHECK(wrong[0] > 4 * wrong[1]); // four doublings, 1.4 each
+        CHECK(wrong[1] < 640 * 360 / 1000);
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "its tables are made once, again for what moved, and equal those of a fresh context")
+{
+    for (const demo::LightKind kind : kKinds) {
+        CAPTURE(static_cast<int>(kind));
+        Host host(litBy(kind), {.viewCount = 2});
+        host.pinAll(kSpans);
+        host.require(host.draw());
+        CHECK(host.passCount("angular_spans.table") == 1); // one for both views
+        const uint32_t all = host.stats().indexListsBuilt;
+        CHECK(all >= 3);
+        for (int frame = 0; frame < 3; ++frame) {
+            host.require(host.draw());
+            CHECK(host.passCount("angular_spans.table") == 0);
+            CHECK(host.stats().indexListsBuilt == 0);
+            CHECK(host.stats().passesKept > 0);
+        }
+        host.scene.instances[1].pose.position.x += 0.4;
+        host.require(host.draw());
+        CHECK(host.stats().indexListsBuilt == 1); // the ball's
+        host.scene.lights[0].position.x -= 0.7;
+        host.scene.lights[0].direction = glm::normalize(host.scene.lights[0].direction + glm::dvec3(0.1, 0.0, 0.0));
+        host.require(host.draw());
+        CHECK(host.stats().indexListsBuilt == all);
+        Host fresh(host.scene, {.viewCount = 2});
+        fresh.pinAll(kSpans);
+        fresh.require(fresh.draw());
+        CHECK(dark(host.pictures()[0]) > 100);
+        for (const uint32_t view : {0u, 1u})
+            CHECK(differences(host.pictures(view), fresh.pictures(view)) == 0);
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "it serves no recorded frame, and no caster that is alpha-tested")
+{
+    Host host(litBy(demo::LightKind::Spot));
+    host.pinAll(kSpans);
+    host.require(host.draw({.call = Call::record}));
+    CHECK(std::string(host.decision(0).pMethod) != kSpans);
+
+    Scene scene = litBy(demo::LightKind::Spot);
+    scene.instances[1].alphaTested = true;
+    Host holes(scene);
+    holes.pinAll(kSpans);
+    holes.require(holes.draw());
+    CHECK(std::string(holes.decision(0).pMethod) != kSpans);
+    CHECK(holes.explanation(0).find("alpha-tested casters in range") != std::string::npos);
+}
