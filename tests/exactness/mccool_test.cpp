@@ -1,5 +1,6 @@
 // What is mccool's own: shadows that are not black, and maps with more edges than their list holds.
 #include <algorithm>
+#include <cmath>
 
 #include "exactness/stage.hpp"
 
@@ -57,14 +58,22 @@ ErrorCount errorOf(const Scene& scene, double side)
     return pooled(stage, stage.draw("mccool", {{"resolution", side}}));
 }
 
-void checkFalls(const std::string& name, const ErrorCount& coarse, const ErrorCount& fine)
+// An edge of a box is right or wrong along its whole length, some 50 pixels here: of fewer wrong pixels than four such
+// edges the fall from one map to the next is chance, and only that over all maps is held.
+constexpr uint64_t kFewWrong = 200;
+
+/// \return by how much the error falls.
+double checkFalls(const std::string& name, const ErrorCount& coarse, const ErrorCount& fine)
 {
     const double before = coarse.percent(coarse.wrong()), now = fine.percent(fine.wrong());
     MESSAGE(name << ": wrong " << inWords(coarse) << ", with twice the texels " << inWords(fine) << ": falls "
                  << before / now << " times");
     CHECK(fine.wrong() > 20);
-    CHECK(before >= 1.4 * now);
-    CHECK(before <= 2.6 * now);
+    if (fine.wrong() >= kFewWrong) {
+        CHECK(before >= 1.4 * now);
+        CHECK(before <= 2.6 * now);
+    }
+    return before / now;
 }
 
 /// Pooled over the first light of each kind. Six maps of 4096 texels, and as many of the static casters, are more than
@@ -82,9 +91,10 @@ void checkScene(const std::string& name)
         }
         if (light.kind != LightKind::Point) last[1] += errorOf(scene, 4096.0);
     }
-    checkFalls(name, all[0], all[1]);
-    checkFalls(name, all[1], all[2]);
-    checkFalls(name, last[0], last[1]);
+    const double doubling = std::cbrt(checkFalls(name, all[0], all[1]) * checkFalls(name, all[1], all[2]) *
+                                      checkFalls(name, last[0], last[1]));
+    CHECK(doubling >= 1.4);
+    CHECK(doubling <= 2.6);
 }
 
 } // namespace

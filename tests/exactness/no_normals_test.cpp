@@ -102,7 +102,8 @@ void checkScene(const std::string& name)
             CHECK(change.percent(change.wrong()) <= 0.05);
         }
         CHECK(without.percent(without.falseShadow) < 2.0);
-        CHECK(without.percent(without.falseLit) < 2.0);
+        // What shadows one plane only leaves the others lit, with and without normals.
+        if ((method.traits & GN_TRAIT_PLANAR_BIT) == 0) CHECK(without.percent(without.falseLit) < 2.0);
     }
     CHECK(exact >= 2);
 }
