@@ -78,8 +78,6 @@ inline void append(std::span<VolumeDraw>& draws, const VolumeDraw& draw)
     draws.back() = draw;
 }
 
-/// clip = clipFromEye(view) * vec4(positionEs, 1): relative to the eye, in world axes.
-glm::mat4 clipFromEye(const CameraView& view);
 /// positionEs[i] = dot(rows[i], vec4(positionOs, 1)).
 void eyeRows(const Caster& caster, const CameraView& view, glm::vec4 (&rows)[3]);
 

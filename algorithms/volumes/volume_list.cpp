@@ -1,5 +1,6 @@
 #include "algorithms/volumes/volume_list.hpp"
 
+#include "algorithms/common/caster_lists.hpp"
 #include "algorithms/volumes/gpu_silhouettes.hpp"
 #include "algorithms/volumes/silhouette.hpp"
 
@@ -21,15 +22,6 @@ struct ListBuild {
     std::uint32_t faceCount = 0;             ///< Bytes of scratch.
     std::uint32_t casterCount = 0;
 };
-
-std::uint64_t mix(std::uint64_t hash, std::uint64_t value)
-{
-    // The finaliser of splitmix64 over a running sum.
-    hash += value + 0x9e3779b97f4a7c15ull;
-    hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9ull;
-    hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebull;
-    return hash ^ (hash >> 31);
-}
 
 std::uint32_t pieceCount(std::size_t items)
 {
@@ -116,9 +108,10 @@ VolumeList declareList(PassBuilder& passes, const ShadowTask& task, std::span<co
     if (size == 0) return {};
 
     const bool sides = kind == ListKind::sides;
-    stamp = mix(mix(stamp, task.light->revision), build->faceCount); // faces: some topology may have come late
+    // Faces: some topology may have come late.
+    stamp = Stamp().add(stamp).add(task.light->revision).add(std::uint64_t{build->faceCount}).value();
     if (shader) {
-        build->list.buffer = declareGpuSides(passes, task, *shader, build->list.pieces, size, variant, stamp | 1);
+        build->list.buffer = declareGpuSides(passes, task, *shader, build->list.pieces, size, variant, stamp);
         return build->list;
     }
     build->list.buffer = passes.persistent(BufferInfo{.name = sides ? "volumes.sides" : "volumes.caps",
@@ -126,7 +119,7 @@ VolumeList declareList(PassBuilder& passes, const ShadowTask& task, std::span<co
                                                       .size = VkDeviceSize{4} * size,
                                                       .place = BufferPlace::upload,
                                                       .variant = variant});
-    if (!passes.stale(build->list.buffer, stamp | 1)) {
+    if (!passes.stale(build->list.buffer, stamp)) {
         passes.kept();
         return build->list;
     }
@@ -162,10 +155,10 @@ VolumeList declareChosenCaps(PassBuilder& passes, const ShadowTask& task, const 
 
 VolumeList declareCaps(PassBuilder& passes, const ShadowTask& task, std::span<const Caster* const> casters)
 {
-    std::uint64_t stamp = 0;
+    Stamp stamp;
     for (const Caster* caster : casters)
-        stamp = mix(stamp, caster->revision);
-    return declareList(passes, task, casters, ListKind::caps, Scope::task, 0, stamp);
+        stamp.add(caster->revision);
+    return declareList(passes, task, casters, ListKind::caps, Scope::task, 0, stamp.value());
 }
 
 } // namespace gnomon
