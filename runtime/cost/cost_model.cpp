@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "runtime/cost/exponent.hpp"
 
@@ -283,7 +284,7 @@ void CostModel::observe(const Observation& observation) noexcept
     }
     Residual& own = residual(observation.light, observation.method, t);
     learn(own, f, error);
-    noteScene(observation.method, t);
+    known.timed = true;
     if (own.samples >= kResidualBlend) known.lights += (own.octaves * own.octaves - known.lights) * kLightsRate;
     // While the fit is a guess a large error is what one expects; the clip narrows as it becomes sure.
     const double clip = std::max(kClip, 2.0 * std::sqrt(known.noise * spread));
@@ -322,6 +323,8 @@ void CostModel::noteStep(double frameMedian) noexcept
 
 void CostModel::endFrame() noexcept
 {
+    for (uint32_t i = 0; i < tracks_.size(); ++i)
+        if (std::exchange(tracks_[i].timed, false)) noteScene(i / kTracks, i % kTracks);
     if (frameErrorCount_ == 0) return;
     noteStep(medianOf(frameErrors_.data(), frameErrorCount_));
     frameErrorCount_ = 0;

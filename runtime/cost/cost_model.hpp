@@ -121,7 +121,8 @@ private:
         double lights = 0.0; ///< Variance among lights, octaves squared.
         double scene = 0.0;  ///< What lights that were timed differ by on average: expected of the others. Octaves.
         uint32_t samples = 0;
-        bool seen = false; ///< Any timing at all: a track never seen predicts nothing.
+        bool seen = false;  ///< Any timing at all: a track never seen predicts nothing.
+        bool timed = false; ///< In the current frame.
     };
     struct Residual {
         double octaves = 0.0;

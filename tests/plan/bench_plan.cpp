@@ -18,6 +18,14 @@ namespace {
 
 constexpr uint32_t kMethods = 12;
 
+void countPercentiles(benchmark::State& state, std::vector<double>& seconds, uint32_t lights)
+{
+    std::sort(seconds.begin(), seconds.end());
+    const double perLight = 1e9 / lights;
+    state.counters["p50_ns_per_light"] = seconds[seconds.size() / 2] * perLight;
+    state.counters["p99_ns_per_light"] = seconds[seconds.size() * 99 / 100] * perLight;
+}
+
 void decision(benchmark::State& state)
 {
     const auto lights = static_cast<uint32_t>(state.range(0));
@@ -56,10 +64,7 @@ void decision(benchmark::State& state)
         state.SetIterationTime(took.count());
         if (times.size() < times.capacity()) times.push_back(took.count());
     }
-    std::sort(times.begin(), times.end());
-    const double perLight = 1e9 / lights;
-    state.counters["p50_ns_per_light"] = times[times.size() / 2] * perLight;
-    state.counters["p99_ns_per_light"] = times[times.size() * 99 / 100] * perLight;
+    countPercentiles(state, times, lights);
     state.counters["changed"] = static_cast<double>(changed) / static_cast<double>(times.size());
 }
 BENCHMARK(decision)->Arg(4)->Arg(8)->Arg(16)->Arg(64)->UseManualTime();
@@ -113,10 +118,7 @@ void foretelling(benchmark::State& state)
         state.SetIterationTime(took.count());
         if (times.size() < times.capacity()) times.push_back(took.count());
     }
-    std::sort(times.begin(), times.end());
-    const double perLight = 1e9 / lights;
-    state.counters["p50_ns_per_light"] = times[times.size() / 2] * perLight;
-    state.counters["p99_ns_per_light"] = times[times.size() * 99 / 100] * perLight;
+    countPercentiles(state, times, lights);
 }
 BENCHMARK(foretelling)->Arg(64)->UseManualTime();
 
@@ -179,10 +181,7 @@ void wholeDecision(benchmark::State& state)
         state.SetIterationTime(took.count());
         if (times.size() < times.capacity()) times.push_back(took.count());
     }
-    std::sort(times.begin(), times.end());
-    const double perLight = 1e9 / lights;
-    state.counters["p50_ns_per_light"] = times[times.size() / 2] * perLight;
-    state.counters["p99_ns_per_light"] = times[times.size() * 99 / 100] * perLight;
+    countPercentiles(state, times, lights);
 }
 BENCHMARK(wholeDecision)->Arg(64)->UseManualTime();
 

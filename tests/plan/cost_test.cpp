@@ -92,19 +92,28 @@ Errors errorsOf(const CostModel& model, const Truth& truth, Random& random, uint
     return {errors[1000], errors[1900]};
 }
 
-void runFrame(CostModel& model, const Truth& truth, Random& random, const std::vector<Workload>& workloads,
-              uint32_t methodShift = 0)
+/// One frame's timings; `methodOf` says which method serves a light.
+template <typename MethodOf>
+void runFrameWith(CostModel& model, const Truth& truth, Random& random, const std::vector<Workload>& workloads,
+                  MethodOf&& methodOf, uint64_t framesSinceSwitch = 1000)
 {
     for (uint32_t light = 0; light < kLights; ++light)
         for (const Pass pass : kPasses) {
-            const uint32_t m = (light + methodShift) % kMethods;
+            const uint32_t m = methodOf(light);
             model.observe({.light = light,
                            .method = m,
                            .pass = pass,
                            .workload = workloads[light],
-                           .ms = truth.timed(random, light, m, pass, workloads[light])});
+                           .ms = truth.timed(random, light, m, pass, workloads[light]),
+                           .framesSinceSwitch = framesSinceSwitch});
         }
     model.endFrame();
+}
+
+void runFrame(CostModel& model, const Truth& truth, Random& random, const std::vector<Workload>& workloads,
+              uint32_t methodShift = 0)
+{
+    runFrameWith(model, truth, random, workloads, [=](uint32_t light) { return (light + methodShift) % kMethods; });
 }
 
 std::vector<Workload> workloadsFor(Random& random)
@@ -279,18 +288,10 @@ TEST_CASE("one light that is foretold at a third of its time is right within a s
     };
     CHECK(error(5) > 1.0);
     const double other = error(1);
-    // One frame in eight is timed: seven in a second, the first three of which are not learned from.
-    for (uint32_t timed = 0; timed < 7; ++timed) {
-        for (uint32_t light = 0; light < kLights; ++light)
-            for (const Pass pass : kPasses)
-                model.observe({.light = light,
-                               .method = light % kMethods,
-                               .pass = pass,
-                               .workload = workloads[light],
-                               .ms = truth.timed(random, light, light % kMethods, pass, workloads[light]),
-                               .framesSinceSwitch = timed});
-        model.endFrame();
-    }
+    // One frame in eight is timed: seven in a second.
+    for (uint32_t timed = 0; timed < 7; ++timed)
+        runFrameWith(
+            model, truth, random, workloads, [](uint32_t l) { return l % kMethods; }, timed);
     MESSAGE("octaves off after one second: ", error(5), "; another light ", other, " -> ", error(1));
     CHECK(error(5) < 0.35);
     CHECK(error(1) < other + 0.15);
@@ -315,18 +316,10 @@ TEST_CASE("what a scene's lights have in common is expected of a light that the 
     const double fit = error(); // what the model's form leaves over
     truth.method = 1.6;         // of method 2, in this scene
     const double before = error() - fit;
-    for (uint32_t frame = 0; frame < 8; ++frame) { // the others say that it is not the device
-        for (uint32_t light = 0; light < kLights; ++light)
-            for (const Pass pass : kPasses) {
-                const uint32_t m = light < kServed ? 2 : light % 2 ? 4 : 5;
-                model.observe({.light = light,
-                               .method = m,
-                               .pass = pass,
-                               .workload = workloads[light],
-                               .ms = truth.timed(random, light, m, pass, workloads[light])});
-            }
-        model.endFrame();
-    }
+    for (uint32_t frame = 0; frame < 8; ++frame) // the others say that it is not the device
+        runFrameWith(model, truth, random, workloads, [](uint32_t light) {
+            return light < kServed ? 2u : light % 2 ? 4u : 5u;
+        });
     MESSAGE("octaves off: ", before, " -> ", error() - fit);
     CHECK(std::fabs(error() - fit) < 0.2 * before);
     for (uint32_t light = 0; light < kServed; ++light)
