@@ -142,6 +142,7 @@ private:
     void openGraph(const GnFrameInfo& info);
     Result<void> assessView(std::uint32_t viewIndex, const GnViewFrame& frame, const GnFrameInfo& info, FrameMode mode);
     void planLights(const GnFrameInfo& info);
+    void noteChanges(std::uint64_t frame);
     bool learnsFrom(std::uint64_t frame) const;
     double meanFrameRate() const;
     void updateBudget(const GnFrameInfo& info);

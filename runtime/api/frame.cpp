@@ -16,7 +16,6 @@ namespace {
 constexpr double kOriginStep = 256.0;
 // One frame in eight carries full barriers and a pair of timestamps around every pass; they cost up to 20 % there.
 constexpr std::uint64_t kTimedPeriod = 8;
-constexpr std::uint64_t kLearnFrames = cost::kSettleFrames + cost::kPersistentTimings; ///< From a switch on.
 // Nothing fits it, so the plan step returns the cheapest plan.
 constexpr double kNextToNothingMs = 1e-3;
 
@@ -326,7 +325,7 @@ Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& fra
         pinnedLights += lights_[light->id].pinned != UINT32_MAX;
     }
 
-    const bool fresh = view.grid->collect(info.completedFrame);
+    view.grid->collect(info.completedFrame);
     if (gridReady_ && selector_->hasRules() && pinnedLights < frame.lightCount && view.grid->wanted(info.frame)) {
         graph_->beginTask({.view = view.id}, &view.camera, viewFrame.depth, viewFrame.normals);
         if (auto ok = view.grid->declare(*graph_, view.camera, viewFrame.depth, gridPipeline_, info.frame); !ok)
@@ -343,7 +342,10 @@ Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& fra
         state.motion.note(info.frame, light, casters);
         state.lastFrame = info.frame;
         LightMemory& memory = view.lights[light.id];
-        if (view.grid->valid() && (fresh || !memory.measured)) {
+        // Lights take turns, so that no frame looks all of them up.
+        const std::uint64_t age = info.frame - memory.measuredAt;
+        const bool due = (info.frame + light.id) % kGridPeriod == 0 || age >= 2 * kGridPeriod;
+        if (view.grid->valid() && (!memory.measured || due)) {
             const Reach reach =
                 measureReach(view.grid->camera(), view.grid->tiles(), view.grid->tilesX(), view.grid->tilesY(), light);
             memory.distance = reach.distance;
@@ -415,19 +417,9 @@ void Context::planLights(const GnFrameInfo& info)
         predictedMs_ += pending.decision->predictedMs;
     }
     settleFades();
-    const bool changed = std::any_of(pending_.begin(), pending_.end(), [&](const PendingLight& pending) {
-        return pending.memory->methodSince == info.frame;
-    });
-    if (changed && countsTime(base) && info.frame >= changedAt_ + kLearnFrames) changedAt_ = info.frame;
+    if (countsTime(base)) noteChanges(info.frame);
     for (const ViewFrame& viewFrame : viewFrames_)
         viewFrame.view->lastFrame = info.frame;
-}
-
-/// What has just been switched on is known least: its first settled frames are timed. Of frames that all bring changes
-/// four in seven are.
-bool Context::learnsFrom(std::uint64_t frame) const
-{
-    return changedAt_ != 0 && frame >= changedAt_ + cost::kSettleFrames && frame < changedAt_ + kLearnFrames;
 }
 
 double Context::meanFrameRate() const

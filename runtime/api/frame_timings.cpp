@@ -10,8 +10,25 @@ namespace {
 
 // What no frame of the last ten seconds (at 60 Hz) asked for is forgotten.
 constexpr std::uint64_t kForgetFrames = 600;
+constexpr std::uint64_t kLearnFrames = cost::kSettleFrames + cost::kPersistentTimings; // from a switch on
 
 } // namespace
+
+/// A frame in which a light's method changed; one while the last one's timings are still to come is passed over, so
+/// that of frames that all bring changes four in seven are timed.
+void Context::noteChanges(std::uint64_t frame)
+{
+    const bool changed = std::any_of(pending_.begin(), pending_.end(), [frame](const PendingLight& pending) {
+        return pending.memory->methodSince == frame;
+    });
+    if (changed && frame >= changedAt_ + kLearnFrames) changedAt_ = frame;
+}
+
+/// What has just been switched on is known least: its first settled frames are timed.
+bool Context::learnsFrom(std::uint64_t frame) const
+{
+    return changedAt_ != 0 && frame >= changedAt_ + cost::kSettleFrames && frame < changedAt_ + kLearnFrames;
+}
 
 void Context::takeTimings()
 {

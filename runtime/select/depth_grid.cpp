@@ -43,9 +43,8 @@ PipelineId DepthGrid::pipeline(PipelineLibrary& library)
                             .pushBytes = 0});
 }
 
-bool DepthGrid::collect(std::uint64_t completedFrame)
+void DepthGrid::collect(std::uint64_t completedFrame)
 {
-    bool fresh = false;
     for (Measurement& measurement : measurements_) {
         if (measurement.frame == 0 || measurement.frame > completedFrame) continue;
         if (!measurement.stale && measurement.frame > newest_) {
@@ -56,11 +55,10 @@ bool DepthGrid::collect(std::uint64_t completedFrame)
             tilesX_ = measurement.tilesX;
             tilesY_ = measurement.tilesY;
             newest_ = measurement.frame;
-            valid_ = fresh = true;
+            valid_ = true;
         }
         measurement.frame = 0;
     }
-    return fresh;
 }
 
 void DepthGrid::invalidate()

@@ -21,8 +21,8 @@ public:
 
     static PipelineId pipeline(PipelineLibrary& library);
 
-    /// Takes over the newest completed measurement. @return true if there is a new one.
-    bool collect(std::uint64_t completedFrame);
+    /// Takes over the newest completed measurement.
+    void collect(std::uint64_t completedFrame);
     /// The camera jumped or the size changed: nothing measured so far applies.
     void invalidate();
     bool wanted(std::uint64_t frame) const;

@@ -50,7 +50,8 @@ public:
     std::span<const Tile> tiles() const { return std::span(tiles_).first(count_); }
 
 private:
-    static constexpr std::uint32_t kMost = 256; // a quarter of them are candidates: 16 000 comparisons, some 50 us
+    // A share of 128 tiles is known to 4 %, a third of what divides flat from rough in the shipped rules.
+    static constexpr std::uint32_t kMost = 128;
     std::array<Tile, kMost> tiles_;
     std::uint32_t count_ = 0, stride_ = 1, seen_ = 0;
 };
@@ -69,7 +70,8 @@ bool planeFaces(const CameraView& view, const LightView& light, const TileSample
 float planarityOf(const CameraView& view, const LightView& light, std::span<const TileSample::Tile> tiles)
 {
     std::uint32_t most = 0;
-    const std::size_t step = std::max<std::size_t>(1, tiles.size() / 64);
+    // A plane that half of the tiles show is missed by 16 candidates once in 60 000 times, one of a quarter once in 100.
+    const std::size_t step = std::max<std::size_t>(1, tiles.size() / 16);
     for (std::size_t i = 0; i < tiles.size(); i += step) {
         if (tiles[i].plane.flatness == 0.0f || !planeFaces(view, light, tiles[i])) continue;
         std::uint32_t votes = 0;

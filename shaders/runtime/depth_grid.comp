@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared/tile_plane.glsl"
 
-// Nearest and farthest linear depth of every 16x16 tile, and its plane if it shows one: what the facts need to know about receivers. One invocation a
-// tile, four depths a gather. Sky counts for nothing.
+// Nearest and farthest linear depth of every 16x16 tile, and its plane if it shows one: what the facts need to know about
+// receivers. One invocation a tile, four depths a gather. Sky counts for nothing.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 struct DepthTile {

@@ -137,7 +137,8 @@ TEST_CASE("a gain above the threshold of the plan is taken at once, one below it
     scene.of(0, kCheap).quality = 0.72f;
     scene.step(60);
     CHECK(scene.chosen(0) == kCheap);
-    scene.of(0, kCheap).quality = 0.7f; // the other is 1.5 % better now: 13 frames are worth 9.8 at the threshold of 2 %
+    scene.of(0, kCheap).quality =
+        0.7f; // the other is 1.5 % better now: 13 frames are worth 9.8 at the threshold of 2 %
     CHECK(scene.step(13).switches == 0);
     CHECK(scene.chosen(0) == kCheap);
     CHECK(scene.why(0, kGood) == Why::hysteresis);

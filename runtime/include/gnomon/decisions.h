@@ -1,11 +1,28 @@
 /** \file decisions.h
-\brief Facts and candidates of decisions, and questions about them. Included by gnomon.h, not by hosts.
+\brief Decisions, their facts and candidates, and questions about them. Included by gnomon.h, not by hosts.
 
 Every view remembers what was decided for its lights in its last 256 frames: facts, rules, candidates, plan; numbers of
 fixed size, text only when asked.
 */
 #ifndef GNOMON_DECISIONS_H
 #define GNOMON_DECISIONS_H
+
+/** What was decided for a light in a view in the last frame. */
+typedef struct GnDecision {
+    const char* pMethod;           ///< Name, or null for #GN_REASON_NOTHING_READY. Lives as long as the context.
+    GnReason reason;
+    float suitability;             ///< [0, 1].
+    float predictedMs;             ///< By the cost model, GPU and CPU; a guess until the method has been timed.
+    float measuredMs;              ///< Of the newest timed frame of this light and method; 0 if none.
+    float viewerDistance;          ///< Metres from the eye to the light's nearest visible receiver.
+    VkBool32 viewerDistanceMeasured; ///< False: a lower bound.
+    VkBool32 switched;             ///< Differs from the frame before.
+    const char* pRule;             ///< Id of the strongest rule behind the method, or null. Until rules are loaded anew.
+    const char* pOutgoing;         ///< The method the picture fades from, which runs as well; null: there is no fade.
+    float fade;                    ///< (0, 1]. Share of `pMethod` in what is shown; 1: all of it.
+} GnDecision;
+
+GN_API GnResult GN_CALL gnGetDecision(GnContext context, GnView view, GnLight light, GnDecision* pDecision);
 
 /** What a decision rested on. Strings are static. */
 typedef struct GnFact {

@@ -482,23 +482,6 @@ typedef enum GnReason {
     GN_REASON_MAX_ENUM = 0x7FFFFFFF
 } GnReason;
 
-/** What was decided for a light in a view in the last frame. */
-typedef struct GnDecision {
-    const char* pMethod;           ///< Name, or null for #GN_REASON_NOTHING_READY. Lives as long as the context.
-    GnReason reason;
-    float suitability;             ///< [0, 1].
-    float predictedMs;             ///< By the cost model, GPU and CPU; a guess until the method has been timed.
-    float measuredMs;              ///< Of the newest timed frame of this light and method; 0 if none.
-    float viewerDistance;          ///< Metres from the eye to the light's nearest visible receiver.
-    VkBool32 viewerDistanceMeasured; ///< False: a lower bound.
-    VkBool32 switched;             ///< Differs from the frame before.
-    const char* pRule;             ///< Id of the strongest rule behind the method, or null. Until rules are loaded anew.
-    const char* pOutgoing;         ///< The method the picture fades from, which runs as well; null: there is no fade.
-    float fade;                    ///< (0, 1]. Share of `pMethod` in what is shown; 1: all of it.
-} GnDecision;
-
-GN_API GnResult GN_CALL gnGetDecision(GnContext context, GnView view, GnLight light, GnDecision* pDecision);
-
 #include <gnomon/decisions.h>
 #include <gnomon/measurements.h>
 
