@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "shaders/hybrid/pcf_hybrid.h"
+#include "shaders/hybrid/ray_list.h"
 
 namespace gnomon {
 

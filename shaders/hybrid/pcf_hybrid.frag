@@ -4,11 +4,12 @@
 // Source: Beister, Ernst and Stamminger 2005; Morais 2015, 3.4.1. Differs: the four comparisons are counted, not read from a
 // filtered value, whose weights may hide one of them; and a comparison closer than depths are exact does not count.
 #extension GL_GOOGLE_include_directive : require
-#include "pcf_hybrid.h"
+#include "ray_list.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants {
     MapConstants constants;
     uint capacity;
+    uint reasons;
 };
 layout(set = 0, binding = 2) uniform sampler2D depthImage;
 layout(set = 0, binding = 3) uniform sampler2D normalImage;
@@ -17,15 +18,12 @@ layout(set = 0, binding = 4) uniform sampler2DArray map;
 #else
 layout(set = 0, binding = 4) uniform sampler2D map; // border: depth 1, past the map nothing casts
 #endif
-layout(set = 0, binding = 5, std430) buffer List {
-    uint count;
-    uint pixels[];
-};
 layout(location = 0) in vec3 rayWs;
 layout(location = 1) in vec4 rayClip;
 layout(location = 0) out float visibility;
 
 #include "../maps/agreement.glsl"
+#include "ray_list.glsl"
 
 void main()
 {
@@ -34,12 +32,10 @@ void main()
     vec4 clip = mapClipOf(r, layer);
     float lit = verdict(tapOf(r, clip, layer), 0);
     // A normal guessed from depth is no reason to call a surface turned away.
-    bool decided = r.decided && (HAS_NORMALS || r.visibility > 0.0);
-    bool certain = decided || (!r.decided && lit != 0.5);
-    visibility = decided ? r.visibility : certain ? lit : 1.0;
-    if (!certain) {
-        uint place = atomicAdd(count, 1u);
-        uvec2 pixel = uvec2(gl_FragCoord.xy);
-        if (place < capacity) pixels[place] = packPixel(pixel.x, pixel.y);
-    }
+    if (r.decided && (HAS_NORMALS || r.visibility > 0.0))
+        visibility = decidedAs(r.visibility, r.visibility > 0.0 ? REASON_OUTSIDE : REASON_BACKFACING);
+    else if (!r.decided && lit != 0.5)
+        visibility = decidedAs(lit, lit > 0.5 ? REASON_TC_LIT : REASON_TC_SHADOW);
+    else
+        visibility = undecided();
 }

@@ -1,6 +1,6 @@
-// What the passes of pcf_hybrid share.
-#ifndef GNOMON_HYBRID_PCF_HYBRID_H
-#define GNOMON_HYBRID_PCF_HYBRID_H
+// What the methods that ask a map first and trace the rest share between their passes.
+#ifndef GNOMON_HYBRID_RAY_LIST_H
+#define GNOMON_HYBRID_RAY_LIST_H
 #include "../maps/map_look.h"
 
 GN_SHARED_BEGIN
@@ -8,12 +8,30 @@ GN_SHARED_BEGIN
 struct HybridConstants {
     MapConstants base;
     uint capacity; // pixels the list holds
-    uint padding0;
+    uint reasons;  // 1: visibility shows why, not what
     uint padding1;
     uint padding2;
 };
 GN_SHARED_OFFSET(HybridConstants, capacity, 384)
 GN_SHARED_SIZE(HybridConstants, 400)
+
+// Why a pixel is lit or dark: Moderno's record of a pixel, its section 1.3. With the setting `reasons` the byte in
+// visibility is the code itself.
+GN_SHARED_CONST uint REASON_OUTSIDE = 1u;       // lit: sky, or the light does not reach it
+GN_SHARED_CONST uint REASON_BACKFACING = 2u;    // dark: its surface faces away
+GN_SHARED_CONST uint REASON_MAP_LIT = 3u;       // the map alone
+GN_SHARED_CONST uint REASON_MAP_SHADOW = 4u;
+GN_SHARED_CONST uint REASON_TC_LIT = 5u;        // texels agree
+GN_SHARED_CONST uint REASON_TC_SHADOW = 6u;
+GN_SHARED_CONST uint REASON_NB_CONFIRMED = 7u;  // dark: a neighbouring texel's triangle is hit
+GN_SHARED_CONST uint REASON_NB_CORRECTED = 8u;  // dark against the map, by the same witness
+GN_SHARED_CONST uint REASON_AG_CONFIRMED = 9u;  // dark: a triangle beside the texel's own is hit
+GN_SHARED_CONST uint REASON_RT_LIT = 10u;       // its own ray
+GN_SHARED_CONST uint REASON_RT_SHADOW = 11u;
+GN_SHARED_CONST uint REASON_FALLBACK_LIT = 12u; // nobody proved anything, and rays are off
+GN_SHARED_CONST uint REASON_TILE_LIT = 13u;     // proved for a whole tile of pixels
+GN_SHARED_CONST uint REASON_TILE_SHADOW = 14u;
+GN_SHARED_CONST uint REASON_COUNT = 15u;
 
 // A pixel in the list: 16 bits of x, 16 of y, in image coordinates.
 GN_SHARED_FN uint packPixel(uint x, uint y) { return x | (y << 16u); }

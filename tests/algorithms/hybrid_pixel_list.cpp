@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "algorithms/hybrid/pixel_list.hpp"
-#include "shaders/hybrid/pcf_hybrid.h"
+#include "shaders/hybrid/ray_list.h"
 
 using namespace gnomon;
 
