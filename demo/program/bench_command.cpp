@@ -8,6 +8,7 @@
 #include "demo/program/bench_bare.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/measure.hpp"
+#include "demo/program/setting_choices.hpp"
 #include "demo/program/progress.hpp"
 #include "demo/scene/scene_file.hpp"
 
@@ -36,24 +37,6 @@ struct Row {
     double memoryMib = 0.0;
     std::vector<PassTime> passes;
 };
-
-struct SettingChoice {
-    std::string name;
-    double value = 0.0;
-};
-
-std::vector<SettingChoice> parseChoices(const std::string& text)
-{
-    std::vector<SettingChoice> choices;
-    for (const std::string& part : parseNames(text)) {
-        const size_t equals = part.find('=');
-        const std::optional<double> value =
-            equals == std::string::npos ? std::nullopt : parseNumber(std::string_view(part).substr(equals + 1));
-        if (!value) throw HostError("--set wants SETTING=NUMBER, not '" + part + "'");
-        choices.push_back({part.substr(0, equals), *value});
-    }
-    return choices;
-}
 
 bool hasSetting(const GnMethodInfo& method, std::string_view name)
 {

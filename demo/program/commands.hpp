@@ -2,6 +2,7 @@
 // The commands of the gnomon program. Each returns its exit code; failures are HostErrors.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,13 @@ struct ContactOptions {
     std::string methods, size, out = "contact.png";
 };
 int contactCommand(const ContactOptions& options);
+
+struct ReasonsOptions {
+    std::string scene, method, light, settings, size;
+    std::optional<uint32_t> frame; ///< Default: the middle one.
+    std::string out;               ///< Empty: no picture.
+};
+int reasonsCommand(const ReasonsOptions& options);
 
 struct CompareOptions {
     std::string scene, rules, methods, size;

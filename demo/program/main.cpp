@@ -82,6 +82,20 @@ void addContact(CLI::App& app, ContactOptions& options, int& exitCode)
     contact->callback([&] { exitCode = contactCommand(options); });
 }
 
+void addReasons(CLI::App& app, ReasonsOptions& options, int& exitCode)
+{
+    CLI::App* reasons =
+        app.add_subcommand("reasons", "why a hybrid method's pixels are lit or dark, and how often wrongly");
+    reasons->add_option("SCENE", options.scene, kSceneHelp)->required();
+    reasons->add_option("--method", options.method, "one with the setting `reasons`")->required();
+    reasons->add_option("--light", options.light, "its name; default: all lights");
+    reasons->add_option("--set", options.settings, "SETTING=NUMBER,...");
+    reasons->add_option("--size", options.size, "picture size; default: the scene's");
+    reasons->add_option("--frame", options.frame, "of the scene; default: the middle one");
+    reasons->add_option("--out", options.out, "PNG file: the reasons as colours over the picture");
+    reasons->callback([&] { exitCode = reasonsCommand(options); });
+}
+
 void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
 {
     CLI::App* compare = app.add_subcommand("compare", "whole runs by the rules against the same by one method each");
@@ -161,12 +175,14 @@ int main(int argc, char** argv)
     RunOptions run;
     BenchOptions bench;
     ContactOptions contact;
+    ReasonsOptions reasons;
     std::string rules, facts, lintTrace;
     addRun(app, run, exitCode);
     WhyOptions why;
     addWhy(app, why, exitCode);
     addBench(app, bench, exitCode);
     addContact(app, contact, exitCode);
+    addReasons(app, reasons, exitCode);
     CompareOptions compare;
     addCompare(app, compare, exitCode);
     CalibrateOptions calibrate;

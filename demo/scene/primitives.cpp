@@ -279,4 +279,40 @@ Mesh makeCard(const CardShape& shape)
         1, 1, [&](double u, double v) { return glm::dvec3((u - 0.5) * shape.width, (v - 0.5) * shape.height, 0.0); });
 }
 
+Mesh makeLeaves(const LeavesShape& shape)
+{
+    Mesh mesh;
+    for (uint32_t leaf = 0; leaf < shape.count; ++leaf) {
+        // Numbers of a leaf: a column of the lattice.
+        const auto random = [&](int32_t row) { return double(latticeValue(int32_t(leaf), row, shape.seed)); };
+        const auto direction = [&](int32_t row) { // uniform on the sphere, by Archimedes
+            const double z = 2.0 * random(row) - 1.0, angle = kTwoPi * random(row + 1), r = std::sqrt(1.0 - z * z);
+            return glm::dvec3(r * std::cos(angle), r * std::sin(angle), z);
+        };
+        const glm::dvec3 centre = direction(0) * std::cbrt(random(2)) * 0.5 * glm::dvec3(shape.size);
+        const glm::dvec3 along = direction(3);
+        // Any axis but a parallel one spans the leaf's plane together with it.
+        const glm::dvec3 other = std::abs(along.y) < 0.9 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(1.0, 0.0, 0.0);
+        const glm::dvec3 side = glm::normalize(glm::cross(along, other)), up = glm::cross(side, along);
+        const double turn = kTwoPi * random(5);
+        const glm::dvec3 across = std::cos(turn) * side + std::sin(turn) * up, normal = glm::cross(along, across);
+        const uint32_t tip = addVertex(mesh, centre + 0.5 * shape.length * along);
+        const uint32_t left = addVertex(mesh, centre + 0.5 * shape.width * across);
+        const uint32_t base = addVertex(mesh, centre - 0.5 * shape.length * along);
+        const uint32_t right = addVertex(mesh, centre - 0.5 * shape.width * across);
+        if (!shape.closed) {
+            addQuad(mesh, tip, left, base, right);
+            continue;
+        }
+        const uint32_t top = addVertex(mesh, centre + 0.125 * shape.width * normal);
+        const uint32_t bottom = addVertex(mesh, centre - 0.125 * shape.width * normal);
+        const uint32_t rim[] = {tip, left, base, right};
+        for (uint32_t i = 0; i < 4; ++i) {
+            addTriangle(mesh, rim[i], rim[(i + 1) % 4], top);
+            addTriangle(mesh, rim[(i + 1) % 4], rim[i], bottom);
+        }
+    }
+    return mesh;
+}
+
 } // namespace gnomon::demo

@@ -86,6 +86,16 @@ struct CardShape {
     float width = 1.0f, height = 1.0f;
 };
 
+/// Leaves strewn evenly in an ellipsoid around the origin, turned every way: what sub-texel and thin casters are made
+/// of.
+struct LeavesShape {
+    glm::vec3 size{4.0f};              ///< Of the ellipsoid, axis to axis.
+    float length = 0.4f, width = 0.2f; ///< Of a leaf, a rhombus.
+    uint32_t count = 500;
+    uint32_t seed = 1;
+    bool closed = false; ///< Eight triangles around a body a quarter as thick as wide, instead of two of a sheet.
+};
+
 Mesh makePlane(const PlaneShape& shape);
 Mesh makeBox(const BoxShape& shape);
 Mesh makeSphere(const SphereShape& shape);
@@ -97,6 +107,7 @@ Mesh makeArch(const ArchShape& shape);
 Mesh makeTerrain(const TerrainShape& shape);
 Mesh makeCloth(const ClothShape& shape);
 Mesh makeCard(const CardShape& shape);
+Mesh makeLeaves(const LeavesShape& shape);
 
 /// Height of the terrain's surface above its y = 0 at any x, z of its rectangle (the formula, not the triangles).
 float terrainHeight(const TerrainShape& shape, float x, float z);

@@ -170,6 +170,18 @@ Mesh readCard(MapReader& map, const SceneFileOptions& options)
     return built(map, options, 2, [&] { return makeCard(s); });
 }
 
+Mesh readLeaves(MapReader& map, const SceneFileOptions& options)
+{
+    LeavesShape s;
+    s.size = glm::vec3(map.vector("size", glm::dvec3(s.size), kLength));
+    s.length = length(map, "length", s.length);
+    s.width = length(map, "width", s.width);
+    s.count = map.integer("count", s.count, 1, kMostTrianglesPerMesh);
+    s.seed = map.integer("seed", s.seed, 0, 0xffffffffu);
+    s.closed = map.boolean("closed", s.closed);
+    return built(map, options, (s.closed ? 8ull : 2ull) * s.count, [&] { return makeLeaves(s); });
+}
+
 struct ShapeReader {
     std::string_view key;
     Mesh (*read)(MapReader& map, const SceneFileOptions& options);
@@ -187,6 +199,7 @@ constexpr std::array kShapes = {
     ShapeReader{"terrain", readTerrain},
     ShapeReader{"cloth", readCloth},
     ShapeReader{"card", readCard},
+    ShapeReader{"leaves", readLeaves},
 };
 
 Mesh readFile(MapReader& map, const YamlNode& fileNode, const std::string& name, const std::filesystem::path& folder,

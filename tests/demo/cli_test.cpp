@@ -104,8 +104,8 @@ TEST_CASE("run leaves both tables, pictures, the rules used and a dump, and its 
 TEST_CASE("the log of a run answers every question without a device, and names what it does not have")
 {
     const Folder folder("why");
-    const Ran ran = gnomonProgram("run room --frames 6 --size 160x90 --out '" + folder.path.string() + "' --why 3:" +
-                                  "no_such_light");
+    const Ran ran = gnomonProgram("run room --frames 6 --size 160x90 --out '" + folder.path.string() +
+                                  "' --why 3:" + "no_such_light");
     CHECK(ran.exitCode == 1);
     CHECK(ran.output.find("no_such_light") != std::string::npos);
     const fs::path log = folder.path / "decisions.gnlog";
@@ -178,6 +178,35 @@ TEST_CASE("compare runs the rules and every method that serves all lights, and h
     CHECK(wrong.output.find("cube_map") != std::string::npos);
 }
 
+TEST_CASE("reasons account for every pixel, and what a ray decided is never wrong")
+{
+    const Folder folder("reasons");
+    const fs::path picture = folder.path / "reasons.png";
+    const Ran ran = gnomonProgram("reasons torus_grid --method pcf_hybrid --set resolution=64 --size 160x120 --out '" +
+                                  picture.string() + "'");
+    CAPTURE(ran.output);
+    REQUIRE(ran.exitCode == 0);
+    std::istringstream output(ran.output);
+    unsigned long long pixels = 0, wrongByMap = 0;
+    std::set<std::string> reasons;
+    for (std::string line; std::getline(output, line);) {
+        std::vector<std::string> cells;
+        if (!splitCsvLine(line, cells) || cells.size() != 7 || cells[0] != "torus_grid") continue;
+        reasons.insert(cells[2]);
+        pixels += std::stoull(cells[3]);
+        const unsigned long long wrong = std::stoull(cells[5]) + std::stoull(cells[6]);
+        if (cells[2].starts_with("rt_")) CHECK(wrong == 0);
+        if (cells[2].starts_with("tc_")) wrongByMap += wrong;
+    }
+    CHECK(pixels == 160 * 120);
+    CHECK(reasons == std::set<std::string>{"outside", "backfacing", "tc_lit", "tc_shadow", "rt_lit", "rt_shadow"});
+    CHECK(wrongByMap > 0); // 64 texels cannot do it
+    const auto drawn = readPng(picture, 3);
+    REQUIRE(drawn);
+    CHECK(drawn->width == 160);
+    CHECK(distinctColours(*drawn) > 50);
+}
+
 TEST_CASE("a comma locale changes no number")
 {
     const Ran plain = gnomonProgram("explain thesis --facts dynamicLights=6,viewerDistance=4.5", "LC_ALL=C");
@@ -207,6 +236,8 @@ TEST_CASE("bad input ends with one and a sentence that names it")
         {"lint '" + (folder.path / "bad.yaml").string() + "'", "bad.yaml:2"},
         {"explain thesis --facts no_such_fact=1", "no_such_fact"},
         {"bench room --map 512,x", "'x'"},
+        {"reasons torus_grid --method shadow_map --size 16x16", "reasons"},
+        {"reasons torus_grid --method pcf_hybrid --light no_such_light", "no_such_light"},
         {"bench torus_grid --methods no_such_method --size 16x16 --repeat 3", "no_such_method"},
     };
     for (const auto& bad : cases) {

@@ -69,7 +69,7 @@ TEST_CASE("every edge of a closed primitive is used once each way, and outward w
 
 TEST_CASE("no primitive has a zero-area triangle or a vertex that nothing uses")
 {
-    std::vector<Mesh> meshes = {makePlane({}), makeTerrain({}), makeCloth({}), makeCard({})};
+    std::vector<Mesh> meshes = {makePlane({}), makeTerrain({}), makeCloth({}), makeCard({}), makeLeaves({})};
     for (ClosedCase& c : closedCases())
         meshes.push_back(std::move(c.mesh));
     for (const Mesh& mesh : meshes) {
@@ -132,6 +132,31 @@ TEST_CASE("open primitives have a border, face the documented way and keep their
 
     CHECK(normalOf(makeCard({}), 0).z == 1.0f);
     CHECK(countEdges(makeCard({})).border == 4);
+}
+
+TEST_CASE("leaves lie within their ellipsoid, are turned every way, and closed ones are bodies of their own")
+{
+    const LeavesShape shape{.size = {6.0f, 4.0f, 2.0f}, .count = 300, .closed = true};
+    const Mesh closed = makeLeaves(shape);
+    CHECK(closed.triangleCount() == 2400);
+    const EdgeCount edges = countEdges(closed);
+    CHECK(edges.border == 0);
+    CHECK(edges.unbalanced == 0);
+    CHECK(edges.crowded == 0);
+    // Two pyramids over a rhombus of half the product of its diagonals, together a quarter of the width high.
+    CHECK(signedVolume(closed) == Approx(300 * 0.5 * 0.4 * 0.2 * 0.25 * 0.2 / 3.0).epsilon(1e-4));
+    glm::vec3 farthest(0.0f);
+    for (const glm::vec3& p : closed.positions) {
+        CHECK(glm::length(p / (0.5f * shape.size)) <= 1.0f + 0.2f / 1.0f); // half a leaf beyond the shortest half axis
+        farthest = glm::max(farthest, glm::abs(p));
+    }
+    CHECK(farthest.x > 2.5f);
+
+    const Mesh sheets = makeLeaves({});
+    CHECK(sheets.triangleCount() == 1000);
+    CHECK(countEdges(sheets).border == 2000);
+    CHECK(makeLeaves({}).positions == sheets.positions);
+    CHECK(makeLeaves({.seed = 2}).positions != sheets.positions);
 }
 
 TEST_CASE("the terrain is the same everywhere, within its height, and really slopes")

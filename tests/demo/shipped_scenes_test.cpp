@@ -100,6 +100,21 @@ TEST_CASE("the shipped scenes are found by name and keep to their triangle budge
     }
 }
 
+TEST_CASE("the views of the theses load, a square picture with three cameras each")
+{
+    const std::filesystem::path folder = shippedScenes().front().file.parent_path() / "views";
+    for (const char* name : {"primitives", "foliage", "flowers", "bench"}) {
+        INFO(name);
+        const auto scene = loadScene((folder / (std::string(name) + ".yaml")).string());
+        REQUIRE_MESSAGE(scene, scene.error());
+        CHECK(scene->name == name);
+        CHECK(scene->width == scene->height);
+        CHECK(scene->camera.size() == 3);
+        CHECK(scene->frames == 181); // frames 0, 90 and 180 show the keys
+        CHECK(scene->lights.size() == 1);
+    }
+}
+
 TEST_CASE("every shipped scene can fail: each of the six trouble spots is there")
 {
     for (const ShippedScene& scene : shippedScenes()) {
