@@ -31,12 +31,14 @@ int windowCommand(const RunOptions& options);
 struct BenchOptions {
     std::vector<std::string> scenes;
     std::string methods, lights, maps, settings, size, csv;
+    std::string figure, out; ///< A figure instead of scenes, and its picture.
     uint32_t repeat = 15;
     bool validation = false;
     bool recorded = false;
     bool passes = false; ///< Print what each pass takes.
 };
 int benchCommand(const BenchOptions& options);
+int figureCommand(const BenchOptions& options); ///< `bench --figure`.
 
 struct ContactOptions {
     std::vector<std::string> scenes;

@@ -57,7 +57,11 @@ void addWhy(CLI::App& app, WhyOptions& options, int& exitCode)
 void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
 {
     CLI::App* bench = app.add_subcommand("bench", "time and error of methods, one CSV row each");
-    bench->add_option("SCENE", options.scenes, kSceneHelp)->required();
+    auto* scenes = bench->add_option("SCENE", options.scenes, kSceneHelp);
+    auto* figure =
+        bench->add_option("--figure", options.figure, "a figure of Rautenbach 2008 instead of scenes: 4.6, 4.40, ...");
+    figure->excludes(scenes);
+    bench->add_option("--out", options.out, "with --figure: PNG file, drawn by gnuplot")->needs(figure);
     bench->add_option("--methods", options.methods,
                       "a,b,... default: all; `none` is the base row, `bare_shadow_map` a baseline without gnomon");
     bench->add_option("--lights", options.lights, "1,2,4,... default: the scene's");
@@ -69,7 +73,10 @@ void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
     bench->add_flag("--recorded", options.recorded, "use gnCmdRenderShadows; methods with round trips are skipped");
     bench->add_flag("--passes", options.passes, "print the fastest time of every pass, from frames with full barriers");
     bench->add_flag("--validate", options.validation, "run under the validation layer (times are then meaningless)");
-    bench->callback([&] { exitCode = benchCommand(options); });
+    bench->callback([&, scenes] {
+        if (options.figure.empty() && options.scenes.empty()) throw CLI::RequiredError(scenes->get_name());
+        exitCode = options.figure.empty() ? benchCommand(options) : figureCommand(options);
+    });
 }
 
 void addContact(CLI::App& app, ContactOptions& options, int& exitCode)

@@ -36,7 +36,9 @@ Outcome<fs::path> findScene(const std::string& nameOrPath)
 {
     std::error_code ignored; // unreadable counts as absent; the message below names it
     if (fs::is_regular_file(nameOrPath, ignored)) return fs::path(nameOrPath);
-    const bool isName = !nameOrPath.empty() && nameOrPath.find_first_of("/\\.") == std::string::npos;
+    // "views/bench" is a name too; nothing with a dot is, so that no name leads out of the folder.
+    const bool isName =
+        !nameOrPath.empty() && nameOrPath[0] != '/' && nameOrPath.find_first_of("\\.") == std::string::npos;
     if (!isName) return Outcome<fs::path>::failure(nameOrPath + ": no such scene file");
     for (const fs::path& folder : sceneFolders()) {
         const fs::path file = folder / (nameOrPath + ".yaml");

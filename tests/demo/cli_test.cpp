@@ -166,6 +166,20 @@ TEST_CASE("bench prints exactly the promised columns and a base row first")
     }
 }
 
+TEST_CASE("a figure is a row for every number of lights and faces")
+{
+    const Folder folder("figure");
+    const fs::path csv = folder.path / "figure.csv";
+    const Ran ran = gnomonProgram("bench --figure 4.19 --size 32x24 --repeat 3 --csv '" + csv.string() + "'");
+    CAPTURE(ran.output);
+    REQUIRE(ran.exitCode == 0);
+    const std::vector<std::string> table = lines(csv);
+    REQUIRE(table.size() == 1 + 4 * 5);
+    CHECK(table[0] == "figure,method,faces,lights,increment_ms_min");
+    CHECK(table[1].starts_with("4.19,shadow_map,600,1,"));
+    CHECK(table.back().starts_with("4.19,shadow_map,100000,16,"));
+}
+
 TEST_CASE("compare runs the rules and every method that serves all lights, and holds them against each other")
 {
     const Ran ran = gnomonProgram("compare torus_grid --size 96x64 --frames 8 --alternations 1 --budget-ms 1000");
@@ -236,6 +250,7 @@ TEST_CASE("bad input ends with one and a sentence that names it")
         {"lint '" + (folder.path / "bad.yaml").string() + "'", "bad.yaml:2"},
         {"explain thesis --facts no_such_fact=1", "no_such_fact"},
         {"bench room --map 512,x", "'x'"},
+        {"bench --figure 9.9", "9.9"},
         {"reasons torus_grid --method shadow_map --size 16x16", "reasons"},
         {"reasons torus_grid --method pcf_hybrid --light no_such_light", "no_such_light"},
         {"bench torus_grid --methods no_such_method --size 16x16 --repeat 3", "no_such_method"},
