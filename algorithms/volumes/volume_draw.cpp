@@ -18,6 +18,23 @@ namespace {
 /// nothing visible can lie in between, because the surface hides it.
 constexpr float kCapPush = 1.0f / 1024.0f;
 
+/// What is added to clip z to move a volume away from the eye by this share of the distance. That scales clip x, y and
+/// w alike and leaves z, but for the eye's own clip z (the projection's last column): the same as lowering z by e / (1
+/// + e) of it.
+float pushBy(const CameraView& view, float share)
+{
+    return -view.projection[3][2] * share / (1.0f + share);
+}
+
+/// What the offset of receivers (definition in shaders/shared/receiver.h) takes off their distance, as a share of it:
+/// 2/3 of the offset, the mean cosine between a pixel's ray and a surface without a favoured direction. Rays start
+/// there, and not on the surface, where a sheet that rises from a concave edge of the receiver's own mesh is closer
+/// than depths are exact.
+float sidePush(const CameraView& view)
+{
+    return 2.0f / 3.0f * view.constants.offsetFactor * view.constants.pixelSize / 256.0f;
+}
+
 constexpr BindingInfo kVolumeBindings[] = {{.binding = 0, .kind = BindingKind::constants},
                                            {.binding = 1, .kind = BindingKind::storageBuffer},
                                            {.binding = 2, .kind = BindingKind::storageBuffer},
@@ -86,17 +103,17 @@ void collectDraws(const VolumePlan& plan, const VolumeList& list, Choose&& choos
 
 // --- recording ---
 
-gpu::VolumePush volumePush(const VolumePlan& plan, const Caster& caster, float nearCopyZ)
+gpu::VolumePush volumePush(const VolumePlan& plan, const Caster& caster, float clipZ)
 {
     gpu::VolumePush push;
     eyeRows(caster, *plan.view, push.rows);
-    push.reach = glm::vec4(casterReach(caster.bounds, *plan.light, plan.view->eye), nearCopyZ);
+    push.reach = glm::vec4(casterReach(caster.bounds, *plan.light, plan.view->eye), clipZ);
     return push;
 }
 
-void pushCaster(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, const Caster& caster, float nearCopyZ)
+void pushCaster(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, const Caster& caster, float clipZ)
 {
-    const gpu::VolumePush push = volumePush(plan, caster, nearCopyZ);
+    const gpu::VolumePush push = volumePush(plan, caster, clipZ);
     if (shape == VolumeShape::lists) {
         gpu.push(push);
         return;
@@ -109,7 +126,7 @@ void pushCaster(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, con
 }
 
 void drawList(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, PipelineId pipeline, const Bound& constants,
-              std::span<const VolumeDraw> draws, float nearCopyZ)
+              std::span<const VolumeDraw> draws, float clipZ)
 {
     const MeshView* mesh = nullptr;
     BufferId list;
@@ -123,7 +140,7 @@ void drawList(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, Pipel
             list = draw.list;
             gpu.vk->vkCmdBindIndexBuffer(gpu.cmd, gpu.buffer(list), 0, VK_INDEX_TYPE_UINT32);
         }
-        pushCaster(gpu, plan, shape, *draw.caster, nearCopyZ);
+        pushCaster(gpu, plan, shape, *draw.caster, clipZ);
         // One by one: more than one at a time needs a device feature, and here a draw costs 0.6 us.
         constexpr std::uint32_t size = sizeof(VkDrawIndexedIndirectCommand);
         for (std::uint32_t i = 0; i < draw.commandCount; ++i)
@@ -231,12 +248,10 @@ void drawVolumes(PassContext& gpu, const VolumePlan& plan, const VolumePipelines
 {
     const Bound constants = gpu.constants(0, volumeConstants(*plan.view, *plan.light, plan.bounded));
     const std::size_t reversed = plan.view->reversed() ? 1 : 0;
-    drawList(gpu, plan, pipelines.shape, pipelines.zPass[reversed], constants, plan.zPass, 0.0f);
-    drawList(gpu, plan, pipelines.shape, pipelines.zFail[reversed], constants, plan.zFail, 0.0f);
-    // Moving a point away from the eye by the share e scales clip x, y and w alike and leaves z, but for the eye's own
-    // clip z (the projection's last column): the same as lowering z by e / (1 + e) of it.
-    const float push = -plan.view->projection[3][2] * kCapPush / (1.0f + kCapPush);
-    drawList(gpu, plan, pipelines.shape, pipelines.caps[reversed], constants, plan.caps, push);
+    const float sides = pushBy(*plan.view, sidePush(*plan.view)), caps = pushBy(*plan.view, kCapPush);
+    drawList(gpu, plan, pipelines.shape, pipelines.zPass[reversed], constants, plan.zPass, sides);
+    drawList(gpu, plan, pipelines.shape, pipelines.zFail[reversed], constants, plan.zFail, sides);
+    drawList(gpu, plan, pipelines.shape, pipelines.caps[reversed], constants, plan.caps, caps);
 }
 
 const char* refusesVolumes(const DeviceTable& vk, const ShadowTask& task)

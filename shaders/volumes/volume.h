@@ -21,7 +21,7 @@ GN_SHARED_SIZE(VolumeConstants, 144)
 // One caster.
 struct VolumePush {
     vec4 rows[3]; // positionEs[i] = dot(rows[i], vec4(positionOs, 1))
-    vec4 reach;   // xyz: see extrusionPlane; w: added to clip z of near copies
+    vec4 reach;   // xyz: see extrusionPlane; w: added to clip z, times w
 };
 GN_SHARED_SIZE(VolumePush, 64)
 

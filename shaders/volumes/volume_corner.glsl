@@ -12,9 +12,9 @@ vec4 volumeCorner(VolumePush caster, uint vertex, bool moved)
 {
     vec4 os = vec4(positions[3 * vertex], positions[3 * vertex + 1], positions[3 * vertex + 2], 1.0);
     vec3 es = vec3(dot(caster.rows[0], os), dot(caster.rows[1], os), dot(caster.rows[2], os));
-    vec4 corner =
-        constants.clipFromEye * (moved ? extruded(es, constants.lightEs, receiverPlane(caster.reach.xyz)) : vec4(es, 1.0));
-    if (!moved) corner.z += caster.reach.w;
+    vec4 point = moved ? extruded(es, constants.lightEs, receiverPlane(caster.reach.xyz)) : vec4(es, 1.0);
+    vec4 corner = constants.clipFromEye * point;
+    corner.z += caster.reach.w * point.w;
     return corner;
 }
 #endif

@@ -3,6 +3,7 @@
 // measured.
 #include <cmath>
 
+#include "demo/program/ambiguity.hpp"
 #include "demo/program/receivers.hpp"
 #include "exactness/results.hpp"
 
@@ -76,7 +77,36 @@ std::vector<uint8_t> borderMask(const SceneResults& results, size_t layer, uint3
     return mask;
 }
 
+/// Wrong pixels of one light that have a clear answer.
+uint64_t clearlyWrong(const SceneResults& results, const Pictures& pictures, size_t layer)
+{
+    const uint32_t light = results.state.present[layer];
+    const std::vector<uint8_t> ambiguous =
+        demo::ambiguousPixels(results.scene, results.state, results.camera, results.surfaces, results.light(layer),
+                              results.state.lights[light], results.counted[layer]);
+    return demo::compare(pictures[layer], results.truth[layer], results.counted[layer], ambiguous).wrongClear;
+}
+
 } // namespace
+
+// Standard depth leaves an ulp a hundred times as long, and what is clear by the definition is not to its rasteriser.
+// One light exceeds two: colonnade's sun, four where it all but grazes the folds of cloth.
+TEST_CASE("volumes are wrong on at most two pixels a light that have a clear answer")
+{
+    for (const std::string& name : sceneNames()) {
+        const SceneResults& results = resultsOf(name);
+        if (isStandardDepth(results)) continue;
+        CAPTURE(name);
+        uint64_t clear = 0;
+        for (size_t layer = 0; layer < results.truth.size(); ++layer) {
+            const uint64_t ofLight = clearlyWrong(results, results.of("stencil_volume"), layer);
+            MESSAGE(name << ": " << results.light(layer).name << ", clearly wrong " << ofLight);
+            CHECK(ofLight <= 4);
+            clear += ofLight;
+        }
+        CHECK(clear <= 2 * results.truth.size());
+    }
+}
 
 TEST_CASE(
     "volumes are wrong on at most 0.005 % of the pixels, with standard depth 0.04 %, whichever way they are found")
