@@ -17,6 +17,13 @@ enum class Asked : std::uint8_t {
     ray,  ///< Whether anything blocks the ray.
 };
 
+/// The surface behind a pixel that asks.
+struct Receiver {
+    glm::vec3 viewRay; ///< World, of linear depth 1.
+    float w;           ///< Linear depth.
+    glm::vec3 normal;  ///< Unit; without normals from the host, the direction of the view ray.
+};
+
 /// A view's receivers for one light.
 class Receivers {
 public:
@@ -26,7 +33,13 @@ public:
               std::span<const std::byte> normals);
 
     /// The ray of the pixel at image coordinates, or why it needs none.
-    Asked at(std::uint32_t x, std::uint32_t y, ShadowRay& ray) const;
+    Asked at(std::uint32_t x, std::uint32_t y, ShadowRay& ray) const
+    {
+        Receiver receiver;
+        return at(x, y, ray, receiver);
+    }
+    Asked at(std::uint32_t x, std::uint32_t y, ShadowRay& ray, Receiver& receiver) const;
+    bool hasNormals() const { return !normals_.empty(); }
 
 private:
     glm::vec3 normalAt(std::size_t pixel) const;

@@ -1,0 +1,111 @@
+#include "algorithms/hybrid/map_texels.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shaders/omni/cube.h"
+
+namespace gnomon {
+
+namespace {
+
+constexpr int kBlockSize[] = {1, 4, 9}; // by TexelBlock
+
+/// What mapClipOf() and tapOf() of shaders/maps/agreement.glsl give.
+struct Found {
+    glm::vec4 clip;
+    glm::vec2 normalPerTexel;
+    std::uint32_t layer = 0;
+};
+
+Found findInCube(const gpu::MapLook& look, glm::vec3 fromLight, glm::vec3 normalWs)
+{
+    const std::uint32_t face = gpu::cubeFaceOf(fromLight);
+    const glm::vec3 local = gpu::inCubeFace(face, fromLight), normal = gpu::inCubeFace(face, normalWs);
+    const glm::vec2 texels = (glm::vec2(local) / look.slope + local.z) * (0.5f * look.side);
+    return {glm::vec4(texels, look.depthConstant * local.z + look.depthScale, local.z),
+            glm::vec2(normal) * (2.0f * look.slope / look.side), face};
+}
+
+Found findInPlane(const gpu::MapLook& look, const Receiver& receiver)
+{
+    return {look.clipOfEye + receiver.w * (look.clipFromRay * glm::vec4(receiver.viewRay, 0.0f)),
+            glm::vec2(glm::dot(receiver.normal, glm::vec3(look.texelDx)),
+                      glm::dot(receiver.normal, glm::vec3(look.texelDy)))};
+}
+
+} // namespace
+
+MapTexels::MapTexels(const HostMap& map, const gpu::MapConstants& constants, bool cube, const Receiver& receiver)
+    : map_(map)
+{
+    const gpu::MapLook& look = constants.map;
+    const float w = receiver.w;
+    const glm::vec3 fromLight = glm::vec3(look.eyeFromLight) + w * receiver.viewRay;
+    const float offset = look.offset.x + w * (look.offset.y + w * look.offset.z);
+    const float facing = glm::dot(receiver.normal, fromLight * look.positional + glm::vec3(look.axisWs));
+    const Found found = cube ? findInCube(look, fromLight, receiver.normal) : findInPlane(look, receiver);
+    const float inverseW = 1.0f / found.clip.w;
+    plane_ = gpu::planarDepth(look, found.clip.z * inverseW, inverseW, facing, offset, found.normalPerTexel);
+    plane_.at -= gpu::DEPTH_ROUNDING + gpu::SNAP_TEXELS * (std::abs(plane_.perTexel.x) + std::abs(plane_.perTexel.y));
+    layer_ = found.layer;
+    at_ = glm::vec2(found.clip) * inverseW;
+    // Far outside is as good as outside, and is an integer.
+    const glm::vec2 near = glm::clamp(at_, -4.0f, look.side + 4.0f), floored = glm::floor(near);
+    own_ = glm::ivec2(floored);
+    quadrant_ = {near.x - floored.x < 0.5f ? -1 : 1, near.y - floored.y < 0.5f ? -1 : 1};
+}
+
+/// Texels of all blocks in one order: own, the three towards the nearest corner, the five others.
+glm::ivec2 MapTexels::stepOf(int index) const
+{
+    static constexpr int kSteps[9][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {-1, 0}, {0, -1}, {-1, 1}, {1, -1}, {-1, -1}};
+    return quadrant_ * glm::ivec2(kSteps[index][0], kSteps[index][1]);
+}
+
+bool MapTexels::holds(glm::ivec2 texel) const
+{
+    const auto side = static_cast<int>(map_.side);
+    return texel.x >= 0 && texel.y >= 0 && texel.x < side && texel.y < side;
+}
+
+std::size_t MapTexels::place(glm::ivec2 texel) const
+{
+    return static_cast<std::size_t>(texel.y) * map_.side + static_cast<std::size_t>(texel.x);
+}
+
+bool MapTexels::lit(glm::ivec2 texel) const
+{
+    if (!holds(texel)) return true;
+    const glm::vec2 centre = glm::vec2(texel) + 0.5f;
+    const float receiver = plane_.at + glm::dot(plane_.perTexel, centre - at_);
+    return std::min(receiver, 1.0f) <= map_.depth[layer_][place(texel)];
+}
+
+bool MapTexels::agree(bool expected, TexelBlock block) const
+{
+    for (int i = 0; i < kBlockSize[static_cast<int>(block)]; ++i)
+        if (lit(own_ + stepOf(i)) != expected) return false;
+    return true;
+}
+
+std::uint32_t MapTexels::triangles(TexelBlock block, std::uint32_t (&numbers)[9]) const
+{
+    std::uint32_t count = 0;
+    for (int i = 0; i < kBlockSize[static_cast<int>(block)]; ++i) {
+        const glm::ivec2 texel = own_ + stepOf(i);
+        if (!holds(texel)) continue;
+        const std::uint32_t number = map_.triangle[layer_][place(texel)];
+        if (number == 0xffffffffu || std::find(numbers, numbers + count, number) != numbers + count) continue;
+        numbers[count++] = number;
+    }
+    return count;
+}
+
+bool MapTexels::foreign() const
+{
+    return holds(own_) && map_.triangle[layer_][place(own_)] == 0xffffffffu &&
+           map_.depth[layer_][place(own_)] < 1.0f;
+}
+
+} // namespace gnomon

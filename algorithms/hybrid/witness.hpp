@@ -1,0 +1,52 @@
+#pragma once
+// Whether one triangle that a map names blocks one ray: what a single witness proves. A hit proves shadow, a miss
+// nothing. Source: Moderno, 3.2.
+#include <cstdint>
+#include <span>
+
+#include <glm/mat3x3.hpp>
+
+#include "algorithms/hybrid/triangle_rings.hpp"
+#include "runtime/core/arena.hpp"
+#include "runtime/rays/ray_scene.hpp"
+#include "runtime/scene/scene_view.hpp"
+
+namespace gnomon {
+
+/// What a texel holds where no triangle was drawn.
+inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
+
+/// The triangles of a light's casters, numbered one caster after the other.
+class NumberedTriangles {
+public:
+    /// Rings come from the cache, built or still to be built; null leaves them out. Memory from the arena.
+    NumberedTriangles(std::span<const Caster* const> casters, RingsCache* cache, FrameArena& arena);
+
+    struct Entry {
+        const Caster* caster;
+        RingsCache::Entry* rings; ///< May be null.
+        std::uint32_t first;      ///< Number of its first triangle.
+        /// Stretch of the transform: the tracer moves the ray into the object, and its rounding there grows by this.
+        float stretch;
+        bool testifies; ///< The tracer sees it as it is drawn: opaque, with a tree, not flattened.
+    };
+    std::span<const Entry> entries() const { return entries_; }
+    /// Changes when the numbers do.
+    std::uint64_t stamp() const { return stamp_; }
+
+    const Entry& of(std::uint32_t number) const;
+
+    /// Whether the triangle blocks the ray, well inside its edges and between the ray's ends. "True" is what the tracer
+    /// says too; "false" says nothing.
+    bool blocks(std::uint32_t number, const ShadowRay& ray) const;
+
+private:
+    std::span<Entry> entries_;
+    std::uint64_t stamp_ = 0;
+};
+
+/// The triangle as such: corners relative to the ray's origin. \param size of the coordinates that the tracer rounds.
+bool hitsInside(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& direction, double tfar,
+                double size);
+
+} // namespace gnomon
