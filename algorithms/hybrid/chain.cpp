@@ -17,23 +17,19 @@ ChainStages stagesOf(ChainMode mode)
 
 bool blockBlocks(const ChainScene& scene, const MapTexels& texels, TexelBlock block, const ShadowRay& ray)
 {
-    std::uint32_t numbers[9];
-    const std::uint32_t count = texels.triangles(block, numbers);
-    for (std::uint32_t i = 0; i < count; ++i)
-        if (scene.triangles.blocks(numbers[i], ray)) return true;
-    return false;
+    return texels.anyTriangle(block, [&](std::uint32_t number) { return scene.witnesses.blocks(number, ray); });
 }
 
 bool ringBlocks(const ChainScene& scene, const MapTexels& texels, int shared, bool own, const ShadowRay& ray)
 {
-    std::uint32_t numbers[9];
-    if (texels.triangles(TexelBlock::own, numbers) == 0) return false;
-    const std::uint32_t number = numbers[0];
-    if (own && scene.triangles.blocks(number, ray)) return true;
-    const NumberedTriangles::Entry& entry = scene.triangles.of(number);
+    const std::uint32_t number = texels.ownTriangle();
+    if (number == kNoTriangle) return false;
+    if (own && scene.witnesses.blocks(number, ray)) return true;
+    const NumberedTriangles::Entry& entry = scene.witnesses.triangles().of(number);
     if (!entry.rings || !entry.rings->built || !entry.testifies) return false;
-    return entry.rings->rings.around(*entry.caster->mesh->topology, number - entry.first, shared,
-                                     [&](std::uint32_t face) { return scene.triangles.blocks(entry.first + face, ray); });
+    return entry.rings->rings.around(
+        *entry.caster->mesh->topology, number - entry.first, shared,
+        [&](std::uint32_t face) { return scene.witnesses.blocks(entry.first + face, ray); });
 }
 
 std::uint32_t chainReason(const ChainScene& scene, const ChainStages& stages, bool lit, bool normals,

@@ -27,12 +27,12 @@ struct ChainStages {
 };
 ChainStages stagesOf(ChainMode mode);
 
-/// What one light's pixels are asked against.
+/// What one light's pixels are asked against, by one thread.
 struct ChainScene {
     const HostMap& map;
     const gpu::MapConstants& constants;
     bool cube = false;
-    const NumberedTriangles& triangles;
+    Witnesses& witnesses;
 };
 
 /// Whether any triangle named by the block blocks the ray.

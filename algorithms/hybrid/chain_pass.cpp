@@ -23,7 +23,7 @@ struct Picture {
     const ChainJob& job;
     const HostContext& host;
     const Receivers& receivers;
-    const ChainScene& scene;
+    const HostMap& map;
     BitRows lit;
 };
 
@@ -44,11 +44,14 @@ private:
     BitRows asked_; ///< Row 0 is `top_`.
     std::span<Mark> marks_;
     std::size_t count_ = 0;
+    Witnesses witnesses_;
+    ChainScene scene_;
     RayBatch<256> batch_; // the width of RayScene's sparse packets
 };
 
 Piece::Piece(const Picture& picture, std::uint32_t top, std::uint32_t bottom)
-    : picture_(picture), top_(top), bottom_(bottom)
+    : picture_(picture), top_(top), bottom_(bottom), witnesses_(*picture.job.triangles),
+      scene_{picture.map, picture.job.constants->base, picture.job.light->type == GN_LIGHT_TYPE_POINT, witnesses_}
 {
     FrameArena& arena = *picture.host.arena;
     const std::uint32_t width = picture.lit.width, rows = bottom - top;
@@ -92,7 +95,7 @@ void Piece::ask(std::uint32_t x, std::uint32_t y)
         settle(x, y, asked == Asked::lit ? gpu::REASON_OUTSIDE : gpu::REASON_BACKFACING);
         return;
     }
-    const std::uint32_t reason = chainReason(picture_.scene, picture_.job.stages, picture_.lit.at(x, y),
+    const std::uint32_t reason = chainReason(scene_, picture_.job.stages, picture_.lit.at(x, y),
                                              picture_.receivers.hasNormals(), receiver, ray);
     if (reason != gpu::REASON_RT_LIT) {
         settle(x, y, reason);
@@ -170,10 +173,9 @@ void writeMarks(const ChainJob& job, const HostContext& host, std::span<const st
 void runChain(const ChainJob& job, const HostContext& host)
 {
     const HostMap map = job.map.onHost(host);
-    const ChainScene scene{map, job.constants->base, job.light->type == GN_LIGHT_TYPE_POINT, *job.triangles};
     const Receivers receivers(*job.view, *job.light, host.read<float>(job.depth),
                               job.normals ? host.read<std::byte>(job.normals) : std::span<const std::byte>());
-    const Picture picture{job, host, receivers, scene, litRows(job, host)};
+    const Picture picture{job, host, receivers, map, litRows(job, host)};
     const std::uint32_t height = picture.lit.height, bands = (height + kBand - 1) / kBand;
     const std::span<std::span<const Mark>> pieces = host.arena->array<std::span<const Mark>>(bands);
     std::ranges::fill(pieces, std::span<const Mark>());

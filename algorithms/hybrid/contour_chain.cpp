@@ -5,7 +5,6 @@
 #include "algorithms/hybrid/chain_pass.hpp"
 #include "algorithms/hybrid/ray_list.hpp"
 #include "algorithms/maps/map_resolve.hpp"
-#include "algorithms/omni/light_map.hpp"
 #include "runtime/scene/light_pixels.hpp"
 #include "shaders/hybrid_contour_chain_cube_frag.h"
 #include "shaders/hybrid_contour_chain_frag.h"

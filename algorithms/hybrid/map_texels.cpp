@@ -9,8 +9,6 @@ namespace gnomon {
 
 namespace {
 
-constexpr int kBlockSize[] = {1, 4, 9}; // by TexelBlock
-
 /// What mapClipOf() and tapOf() of shaders/maps/agreement.glsl give.
 struct Found {
     glm::vec4 clip;
@@ -56,24 +54,6 @@ MapTexels::MapTexels(const HostMap& map, const gpu::MapConstants& constants, boo
     quadrant_ = {near.x - floored.x < 0.5f ? -1 : 1, near.y - floored.y < 0.5f ? -1 : 1};
 }
 
-/// Texels of all blocks in one order: own, the three towards the nearest corner, the five others.
-glm::ivec2 MapTexels::stepOf(int index) const
-{
-    static constexpr int kSteps[9][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {-1, 0}, {0, -1}, {-1, 1}, {1, -1}, {-1, -1}};
-    return quadrant_ * glm::ivec2(kSteps[index][0], kSteps[index][1]);
-}
-
-bool MapTexels::holds(glm::ivec2 texel) const
-{
-    const auto side = static_cast<int>(map_.side);
-    return texel.x >= 0 && texel.y >= 0 && texel.x < side && texel.y < side;
-}
-
-std::size_t MapTexels::place(glm::ivec2 texel) const
-{
-    return static_cast<std::size_t>(texel.y) * map_.side + static_cast<std::size_t>(texel.x);
-}
-
 bool MapTexels::lit(glm::ivec2 texel) const
 {
     if (!holds(texel)) return true;
@@ -84,28 +64,14 @@ bool MapTexels::lit(glm::ivec2 texel) const
 
 bool MapTexels::agree(bool expected, TexelBlock block) const
 {
-    for (int i = 0; i < kBlockSize[static_cast<int>(block)]; ++i)
+    for (int i = 0; i < sizeOf(block); ++i)
         if (lit(own_ + stepOf(i)) != expected) return false;
     return true;
 }
 
-std::uint32_t MapTexels::triangles(TexelBlock block, std::uint32_t (&numbers)[9]) const
-{
-    std::uint32_t count = 0;
-    for (int i = 0; i < kBlockSize[static_cast<int>(block)]; ++i) {
-        const glm::ivec2 texel = own_ + stepOf(i);
-        if (!holds(texel)) continue;
-        const std::uint32_t number = map_.triangle[layer_][place(texel)];
-        if (number == 0xffffffffu || std::find(numbers, numbers + count, number) != numbers + count) continue;
-        numbers[count++] = number;
-    }
-    return count;
-}
-
 bool MapTexels::foreign() const
 {
-    return holds(own_) && map_.triangle[layer_][place(own_)] == 0xffffffffu &&
-           map_.depth[layer_][place(own_)] < 1.0f;
+    return holds(own_) && triangle(own_) == kNone && map_.depth[layer_][place(own_)] < 1.0f;
 }
 
 } // namespace gnomon

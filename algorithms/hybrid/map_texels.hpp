@@ -31,16 +31,53 @@ public:
     /// Four: exactly when a bilinear filter of the comparisons would give 0 or 1 (Moderno, 3.4).
     bool agree(bool lit, TexelBlock block) const;
 
-    /// Numbers of the triangles in the block, each once, the own texel's first; no triangle is none. @return how many.
-    std::uint32_t triangles(TexelBlock block, std::uint32_t (&numbers)[9]) const;
+    /// Calls `visit(number)` for the triangles in the block, each once, the own texel's first, the nearest three next; no
+    /// triangle is none. Stops when it returns true, and says so.
+    template <typename Visit>
+    bool anyTriangle(TexelBlock block, Visit&& visit) const
+    {
+        std::uint32_t seen[9], count = 0;
+        for (int i = 0; i < sizeOf(block); ++i) {
+            const std::uint32_t number = triangle(own_ + stepOf(i));
+            bool again = number == kNone;
+            for (std::uint32_t k = 0; k < count; ++k)
+                again = again || seen[k] == number;
+            if (again) continue;
+            seen[count++] = number;
+            if (visit(number)) return true;
+        }
+        return false;
+    }
+    /// Of the own texel.
+    std::uint32_t ownTriangle() const { return triangle(own_); }
 
     /// Something that is no triangle of ours is nearest in the own texel.
     bool foreign() const;
 
 private:
-    glm::ivec2 stepOf(int index) const;
-    bool holds(glm::ivec2 texel) const;
-    std::size_t place(glm::ivec2 texel) const;
+    static constexpr std::uint32_t kNone = 0xffffffffu;
+    static constexpr int sizeOf(TexelBlock block)
+    {
+        return block == TexelBlock::own ? 1 : block == TexelBlock::four ? 4 : 9;
+    }
+    /// Texels of all blocks in one order: own, the three towards the nearest corner, the five others.
+    glm::ivec2 stepOf(int index) const
+    {
+        constexpr int steps[9][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {-1, 0}, {0, -1}, {-1, 1}, {1, -1}, {-1, -1}};
+        return quadrant_ * glm::ivec2(steps[index][0], steps[index][1]);
+    }
+    bool holds(glm::ivec2 texel) const
+    {
+        return static_cast<std::uint32_t>(texel.x) < map_.side && static_cast<std::uint32_t>(texel.y) < map_.side;
+    }
+    std::size_t place(glm::ivec2 texel) const
+    {
+        return static_cast<std::size_t>(texel.y) * map_.side + static_cast<std::size_t>(texel.x);
+    }
+    std::uint32_t triangle(glm::ivec2 texel) const
+    {
+        return holds(texel) ? map_.triangle[layer_][place(texel)] : kNone;
+    }
     bool lit(glm::ivec2 texel) const;
 
     const HostMap& map_;

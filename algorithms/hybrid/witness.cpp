@@ -40,28 +40,38 @@ bool traced(const Caster& caster)
 
 } // namespace
 
-bool hitsInside(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& direction, double tfar,
-                double size)
+Witness witnessOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c)
 {
-    const glm::dvec3 ab = b - a, bc = c - b, ca = a - c;
-    // The volumes spanned by the ray and an edge: all of one sign where the line passes inside.
-    const double volumes[3] = {glm::dot(direction, glm::cross(a, b)), glm::dot(direction, glm::cross(b, c)),
-                               glm::dot(direction, glm::cross(c, a))};
-    const double sign = volumes[0] > 0.0 ? 1.0 : -1.0;
-    const double along = size1(direction), slack = kSlack * size;
-    const double lengths[3] = {size1(ab), size1(bc), size1(ca)};
-    for (int edge = 0; edge < 3; ++edge)
-        if (sign * volumes[edge] < slack * lengths[edge] * along) return false;
+    return {.a = a,
+            .b = b,
+            .c = c,
+            .normal = glm::cross(b - a, c - b),
+            .lengths = {size1(b - a), size1(c - b), size1(a - c)},
+            .size = std::max({size1(a), size1(b), size1(c)}),
+            .stretch = 1.0};
+}
 
-    const glm::dvec3 normal = glm::cross(ab, bc);
-    const double toPlane = glm::dot(a, normal), perLength = glm::dot(direction, normal);
-    const double facing = perLength > 0.0 ? 1.0 : -1.0;
-    // Near the plane the tracer's rounding is that of the products of two edges.
-    const double planeSlack = slack * lengths[0] * lengths[1];
-    if (facing * toPlane < planeSlack) return false;
-    if (!std::isfinite(tfar)) return true;
-    const double end = tfar * std::abs(perLength);
-    return facing * toPlane < end - planeSlack - kSlack * tfar * along * lengths[0] * lengths[1];
+bool blocks(const Witness& witness, const ShadowRay& ray)
+{
+    const glm::dvec3 origin(ray.origin), direction(ray.direction);
+    const double slack = kSlack * witness.stretch * (witness.size + 2.0 * size1(origin));
+    const glm::dvec3 a = witness.a - origin;
+    const double perLength = glm::dot(direction, witness.normal), facing = perLength > 0.0 ? 1.0 : -1.0;
+    const double toPlane = facing * glm::dot(a, witness.normal);
+    // How far off the tracer may be with the plane is the rounding of products of two edges.
+    const double edges = witness.lengths[0] * witness.lengths[1];
+    if (!(toPlane > slack * edges)) return false;
+    const double along = size1(direction);
+    if (std::isfinite(ray.tfar)) {
+        const auto end = static_cast<double>(ray.tfar);
+        if (!(toPlane < end * std::abs(perLength) - (slack + kSlack * end * along) * edges)) return false;
+    }
+    // The volumes spanned by the ray and an edge have the sign of their sum where the line passes inside.
+    const glm::dvec3 b = witness.b - origin, c = witness.c - origin;
+    const auto inside = [&](const glm::dvec3& from, const glm::dvec3& to, double length) {
+        return facing * glm::dot(direction, glm::cross(from, to)) > slack * length * along;
+    };
+    return inside(a, b, witness.lengths[0]) && inside(b, c, witness.lengths[1]) && inside(c, a, witness.lengths[2]);
 }
 
 NumberedTriangles::NumberedTriangles(std::span<const Caster* const> casters, RingsCache* cache, FrameArena& arena)
@@ -92,21 +102,29 @@ const NumberedTriangles::Entry& NumberedTriangles::of(std::uint32_t number) cons
     return *(after - 1);
 }
 
-bool NumberedTriangles::blocks(std::uint32_t number, const ShadowRay& ray) const
+void Witnesses::fetch(std::uint32_t number, Kept& kept) const
 {
-    const Entry& entry = of(number);
-    if (!entry.testifies) return false;
+    const NumberedTriangles::Entry& entry = triangles_.of(number);
+    kept.number = number;
+    kept.testifies = entry.testifies;
+    if (!entry.testifies) return;
     const Caster& caster = *entry.caster;
-    const MeshView& mesh = *caster.mesh;
-    const std::uint32_t* corners = mesh.indices.data() + std::size_t{3} * (number - entry.first);
+    const std::uint32_t* corners = caster.mesh->indices.data() + std::size_t{3} * (number - entry.first);
     const glm::dmat3 basis(caster.basis);
-    const glm::dvec3 offset = glm::dvec3(caster.translation) - glm::dvec3(ray.origin);
-    const glm::dvec3 a = basis * glm::dvec3(mesh.positions[corners[0]]) + offset;
-    const glm::dvec3 b = basis * glm::dvec3(mesh.positions[corners[1]]) + offset;
-    const glm::dvec3 c = basis * glm::dvec3(mesh.positions[corners[2]]) + offset;
-    const double size = (size1(caster.translation) + size1(ray.origin) + std::max({size1(a), size1(b), size1(c)})) *
-                        static_cast<double>(entry.stretch);
-    return hitsInside(a, b, c, ray.direction, static_cast<double>(ray.tfar), size);
+    const glm::dvec3 translation(caster.translation);
+    const auto world = [&](std::uint32_t corner) {
+        return basis * glm::dvec3(caster.mesh->positions[corner]) + translation;
+    };
+    kept.witness = witnessOf(world(corners[0]), world(corners[1]), world(corners[2]));
+    kept.witness.size += size1(translation);
+    kept.witness.stretch = static_cast<double>(entry.stretch);
+}
+
+bool Witnesses::blocks(std::uint32_t number, const ShadowRay& ray)
+{
+    Kept& kept = kept_[number % kPlaces];
+    if (kept.number != number) fetch(number, kept);
+    return kept.testifies && gnomon::blocks(kept.witness, ray);
 }
 
 } // namespace gnomon

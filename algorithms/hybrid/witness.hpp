@@ -36,17 +36,47 @@ public:
 
     const Entry& of(std::uint32_t number) const;
 
-    /// Whether the triangle blocks the ray, well inside its edges and between the ray's ends. "True" is what the tracer
-    /// says too; "false" says nothing.
-    bool blocks(std::uint32_t number, const ShadowRay& ray) const;
-
 private:
     std::span<Entry> entries_;
     std::uint64_t stamp_ = 0;
 };
 
-/// The triangle as such: corners relative to the ray's origin. \param size of the coordinates that the tracer rounds.
-bool hitsInside(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& direction, double tfar,
-                double size);
+/// A triangle in the world, as something to ask rays against.
+struct Witness {
+    glm::dvec3 a, b, c, normal;
+    double lengths[3]; ///< Of the edges ab, bc, ca, as sums of coordinates: bounds that cost no root.
+    double size;       ///< Of the coordinates that the tracer rounds.
+    double stretch;    ///< Of its rounding, by the transform.
+};
+Witness witnessOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
+
+/// Whether the triangle blocks the ray, well inside its edges and between the ray's ends. "True" is what the tracer says
+/// too; "false" says nothing.
+bool blocks(const Witness& witness, const ShadowRay& ray);
+
+/// Triangles by number, remembered for the next ray: neighbouring pixels ask the same ones. Of one thread.
+class Witnesses {
+public:
+    explicit Witnesses(const NumberedTriangles& triangles) : triangles_(triangles)
+    {
+        for (Kept& kept : kept_)
+            kept.number = kNoTriangle;
+    }
+    const NumberedTriangles& triangles() const { return triangles_; }
+    bool blocks(std::uint32_t number, const ShadowRay& ray);
+
+private:
+    struct Kept {
+        std::uint32_t number;
+        bool testifies;
+        Witness witness;
+    };
+    void fetch(std::uint32_t number, Kept& kept) const;
+
+    const NumberedTriangles& triangles_;
+    // What four rows of pixels meet: a few dozen triangles at a time. 37 kB.
+    static constexpr std::uint32_t kPlaces = 256;
+    Kept kept_[kPlaces];
+};
 
 } // namespace gnomon

@@ -4,18 +4,6 @@
 
 namespace gnomon {
 
-void addLightProjection(gpu::MapConstants& constants, std::span<const LightFit> fits, const ShadowTask& task)
-{
-    if (fits.size() == 1) {
-        addProjection(constants, fits.front(), task);
-        return;
-    }
-    const MapProjection face = mapProjection(fits.front(), *task.light); // all six differ in their axes only
-    constants.map.depthConstant = face.depthConstant;
-    constants.map.depthScale = face.depthScale;
-    constants.map.slope = 0.5f * fits.front().texelAtOne;
-}
-
 LightMap declareLightMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
                          std::uint32_t resolution, gpu::MapConstants& constants)
 {

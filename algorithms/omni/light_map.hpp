@@ -16,9 +16,6 @@ struct LightMap {
     std::span<const std::uint64_t> stamps; ///< Of the content of the layers needed, for what is made of it.
 };
 
-/// Adds to `constants`, from mapConstants(), how receivers are found in the map of these fits (one, or six of a cube).
-void addLightProjection(gpu::MapConstants& constants, std::span<const LightFit> fits, const ShadowTask& task);
-
 /// Declares what is missing of the map (declareDepthMap, declareCubeMap) and adds to `constants`, from mapConstants(),
 /// how receivers are found in it (shaders/maps/agreement.glsl).
 LightMap declareLightMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
