@@ -81,11 +81,12 @@ void packBits(std::span<const std::uint8_t> bytes, std::span<std::uint64_t> row)
 void contourRow(const BitRows& bits, std::uint32_t y, std::uint32_t radius, std::span<std::uint64_t> contour)
 {
     std::fill(contour.begin(), contour.end(), std::uint64_t{0});
-    const std::uint32_t first = y > radius ? y - radius : 0, last = std::min(y + radius, bits.height - 1);
-    for (std::uint32_t row = first; row <= last; ++row)
-        addBoundary(bits, row, contour);
-    for (std::uint32_t step = 0; step < radius; ++step)
+    addBoundary(bits, y, contour);
+    for (std::uint32_t step = 1; step <= radius; ++step) {
         widen(bits.width, contour);
+        if (y >= step) addBoundary(bits, y - step, contour);
+        if (y + step < bits.height) addBoundary(bits, y + step, contour);
+    }
 }
 
 void fullRow(std::uint32_t width, std::span<std::uint64_t> row)

@@ -1,6 +1,7 @@
 // Bit rows and contours against the same said pixel by pixel.
 #include <doctest/doctest.h>
 
+#include <cstdlib>
 #include <random>
 #include <vector>
 
@@ -38,7 +39,7 @@ struct Picture {
     {
         for (int dy = -radius; dy <= radius; ++dy)
             for (int dx = -radius; dx <= radius; ++dx)
-                if (inside(x + dx, y + dy) && border(x + dx, y + dy)) return true;
+                if (std::abs(dx) + std::abs(dy) <= radius && inside(x + dx, y + dy) && border(x + dx, y + dy)) return true;
         return false;
     }
 };

@@ -267,10 +267,10 @@ TEST_CASE("A2: more texels and wider rings have all the witnesses of fewer")
         vertices += count(pixels, [](const Pixel& p) { return p.vertices && !p.edges; });
     });
     // And each step finds more.
-    CHECK(four > 100);
-    CHECK(nine > 100);
-    CHECK(edges > 100);
-    CHECK(vertices > 10);
+    CHECK(four > 20);
+    CHECK(nine > 20);
+    CHECK(edges > 20);
+    CHECK(vertices > 0);
 }
 
 TEST_CASE("A3: where nine texels agree four do, and are wrong no more often")

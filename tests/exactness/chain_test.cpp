@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "algorithms/hybrid/bit_rows.hpp"
 #include "exactness/stage.hpp"
 #include "shaders/hybrid/ray_list.h"
 
@@ -48,6 +49,27 @@ void everywhere(const Pictures& pictures, Visit&& visit)
     for (size_t layer = 0; layer < pictures.size(); ++layer)
         for (size_t i = 0; i < pictures[layer].texels.size(); ++i)
             visit(layer, i);
+}
+
+struct Contour {
+    uint64_t pixels = 0, lit = 0;
+};
+Contour contourOf(const Image8& picture, uint32_t width)
+{
+    const size_t words = BitRows::wordsPerRow(picture.width);
+    std::vector<uint64_t> memory(words * picture.height), row(words);
+    const BitRows bits{picture.width, picture.height, memory};
+    for (uint32_t y = 0; y < picture.height; ++y)
+        packBits({picture.at(0, y), picture.width}, bits.row(y));
+    Contour contour;
+    for (uint32_t y = 0; y < picture.height; ++y) {
+        contourRow(bits, y, (width - 1) / 2, row);
+        contour.pixels += countBits(row);
+        for (size_t i = 0; i < words; ++i)
+            row[i] &= bits.row(y)[i];
+        contour.lit += countBits(row);
+    }
+    return contour;
 }
 
 } // namespace
@@ -143,7 +165,7 @@ TEST_CASE("outside its contour the chain is the plain map, bit for bit")
 }
 
 // The thesis's bands (its 3.2 and 4.A4), pooled over all lights: single views lie outside of them where shadows are
-// slits.
+// slits. The contours are those of the plain maps' pictures.
 TEST_CASE("contours of 4 and 6 pixels are 1.6 to 2.0 and 2.1 to 3.0 times that of 2, and half lit")
 {
     const test::DeviceTest silence;
@@ -151,25 +173,16 @@ TEST_CASE("contours of 4 and 6 pixels are 1.6 to 2.0 and 2.1 to 3.0 times that o
     uint64_t lit = 0;
     for (const std::string& name : scenes()) {
         Stage stage(shippedScene(name), testSize());
-        std::vector<Pictures> contours;
-        for (const int width : {2, 4, 6})
-            contours.push_back(stage.draw(kChain, with(kModeNoRay, width, true, 2048)));
-        const Pictures plain = stage.draw(kChain, with(kModeNoRay, 2, true, 2048));
-        uint64_t outside = 0;
-        everywhere(contours[0], [&](size_t layer, size_t i) {
-            std::array<bool, 3> in{};
-            for (size_t k = 0; k < 3; ++k) {
-                const uint8_t reason = contours[k][layer].texels[i];
-                in[k] = !byMap(reason) && reason != gpu::REASON_BACKFACING;
-                size[k] += in[k];
+        const Settings plain{{"resolution", 2048.0}, {"filter", 1.0}};
+        for (const char* method : {"shadow_map", "cube_map"}) {
+            for (const Image8& picture : stage.draw(method, plain)) {
+                if (picture.width == 0) continue;
+                const std::array<Contour, 3> contours{contourOf(picture, 2), contourOf(picture, 4), contourOf(picture, 6)};
+                for (size_t k = 0; k < 3; ++k)
+                    size[k] += contours[k].pixels;
+                lit += contours[1].lit;
             }
-            outside += (in[0] && !in[1]) || (in[1] && !in[2]);
-            // What the map said: confirmed ones were dark, corrected ones lit; leftovers are lit three times of four.
-            const uint8_t reason = contours[1][layer].texels[i];
-            lit += in[1] && (reason == gpu::REASON_TC_LIT || reason == gpu::REASON_NB_CORRECTED ||
-                             reason == gpu::REASON_FALLBACK_LIT);
-        });
-        CHECK(outside == 0);
+        }
     }
     const double four = double(size[1]) / double(size[0]), six = double(size[2]) / double(size[0]);
     const double litShare = double(lit) / double(size[1]);
@@ -192,6 +205,7 @@ TEST_CASE("with 2048 texels 1.5 % of the pixels are traced, and 8 % of the map's
         const Pictures reasons = stage.draw(kChain, with(kModeTcLit, 4, true, 2048));
         const Pictures plain = stage.draw("shadow_map", {{"resolution", 2048.0}, {"filter", 1.0}});
         const Pictures cubes = stage.draw("cube_map", {{"resolution", 2048.0}, {"filter", 1.0}});
+        uint64_t byTexelsWrong[2] = {};
         const uint64_t before[] = {traced, pixels, wrongMap, wrongChain};
         everywhere(reasons, [&](size_t layer, size_t i) {
             const uint8_t reason = reasons[layer].texels[i];
@@ -202,7 +216,9 @@ TEST_CASE("with 2048 texels 1.5 % of the pixels are traced, and 8 % of the map's
             const bool lit = stage.truth[layer].texels[i] >= 128;
             wrongMap += (map[layer].texels[i] >= 128) != lit;
             wrongChain += litBy(reason) != lit;
+            if (litBy(reason) != lit) ++byTexelsWrong[byTexels(reason) ? 0 : 1];
         });
+        MESSAGE(name << ": wrong by texels " << byTexelsWrong[0] << " outside " << byTexelsWrong[1]);
         MESSAGE(name << ": traced " << percentText(100.0 * double(traced - before[0]) / double(pixels - before[1]))
                      << ", wrong " << wrongChain - before[3] << " of the map's " << wrongMap - before[2]);
     }
