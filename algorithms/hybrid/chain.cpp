@@ -8,7 +8,7 @@ ChainStages stagesOf(ChainMode mode)
     case ChainMode::chain: return {.hintLit = true, .hintShadow = true, .witnesses = true};
     case ChainMode::tcOnly:
     case ChainMode::wholeTc: return {.hintLit = true, .hintShadow = true};
-    case ChainMode::tcLit: return {.hintLit = true, .witnesses = true};
+    case ChainMode::tcLit: return {.hintLit = true, .witnesses = true, .hintsLast = true};
     case ChainMode::strict: return {.witnesses = true};
     case ChainMode::noRay: return {.hintLit = true, .hintShadow = true, .witnesses = true, .rays = false};
     }
@@ -33,16 +33,17 @@ bool ringBlocks(const ChainScene& scene, const MapTexels& texels, int shared, bo
 }
 
 std::uint32_t chainReason(const ChainScene& scene, const ChainStages& stages, bool lit, bool normals,
-                          const Receiver& receiver, const ShadowRay& ray)
+                          const MapTexels& texels, const ShadowRay& ray)
 {
-    const MapTexels texels(scene.map, scene.constants, scene.cube, receiver);
-    if ((lit ? stages.hintLit : stages.hintShadow) && normals && texels.agree(lit, TexelBlock::four))
+    const bool hints = normals && (lit ? stages.hintLit : stages.hintShadow);
+    if (hints && !stages.hintsLast && texels.agree(lit, TexelBlock::four))
         return lit ? gpu::REASON_TC_LIT : gpu::REASON_TC_SHADOW;
     if (stages.witnesses) {
         if (blockBlocks(scene, texels, TexelBlock::nine, ray))
             return lit ? gpu::REASON_NB_CORRECTED : gpu::REASON_NB_CONFIRMED;
         if (!lit && ringBlocks(scene, texels, 1, false, ray)) return gpu::REASON_AG_CONFIRMED;
     }
+    if (hints && stages.hintsLast && texels.clearlyLit()) return gpu::REASON_TC_LIT;
     // No ray sees what the host draws by itself: there the map is all there is.
     if (!lit && texels.foreign()) return gpu::REASON_MAP_SHADOW;
     return stages.rays ? gpu::REASON_RT_LIT : gpu::REASON_FALLBACK_LIT;

@@ -13,7 +13,7 @@ namespace gnomon {
 enum class ChainMode : std::uint8_t {
     chain,   ///< Texels that agree are believed, then witnesses, then rays: the thesis's.
     tcOnly,  ///< No witnesses.
-    tcLit,   ///< Texels that agree are believed only where they say lit.
+    tcLit,   ///< Texels that agree are believed only where they say lit, and no witness says otherwise.
     strict,  ///< Texels are not believed at all.
     noRay,   ///< As `chain`, but what is left over is lit.
     wholeTc, ///< As `tcOnly`, on the whole image.
@@ -23,6 +23,7 @@ enum class ChainMode : std::uint8_t {
 struct ChainStages {
     bool hintLit = false, hintShadow = false; ///< Agreeing texels are believed where they say so.
     bool witnesses = false;
+    bool hintsLast = false; ///< Witnesses come first, and texels must agree by more than depths may be off.
     bool rays = true;
 };
 ChainStages stagesOf(ChainMode mode);
@@ -45,7 +46,7 @@ bool ringBlocks(const ChainScene& scene, const MapTexels& texels, int shared, bo
 /// \param lit what the map says. \param normals whether the receiver's normal is the surface's: without it texels cannot
 /// be compared, and none is believed.
 std::uint32_t chainReason(const ChainScene& scene, const ChainStages& stages, bool lit, bool normals,
-                          const Receiver& receiver, const ShadowRay& ray);
+                          const MapTexels& texels, const ShadowRay& ray);
 
 /// What a reason means: lit or dark.
 bool isLit(std::uint32_t reason);

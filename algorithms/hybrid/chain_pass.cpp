@@ -18,6 +18,15 @@ struct Mark {
     std::uint32_t pixel, range;
 };
 
+/// A pixel that asks the map. What it will read lies all over the map (at 2048 texels 32 MB, each row of a texel's
+/// neighbours on pages of its own), and is called for well before: a pixel takes half the time.
+struct Waiting {
+    std::uint32_t x, y;
+    bool lit;
+    ShadowRay ray;
+    MapTexels texels;
+};
+
 /// What all pieces share.
 struct Picture {
     const ChainJob& job;
@@ -34,7 +43,10 @@ public:
     std::span<const Mark> run();
 
 private:
+    void call(std::uint32_t x, std::uint32_t y);
+    void askCalled();
     void ask(std::uint32_t x, std::uint32_t y);
+    void decide(const Waiting& pixel);
     void settle(std::uint32_t x, std::uint32_t y, std::uint32_t reason);
     void flush();
     void runBand(std::uint32_t top, std::uint32_t bottom);
@@ -46,6 +58,11 @@ private:
     std::size_t count_ = 0;
     Witnesses witnesses_;
     ChainScene scene_;
+    // Pixels called for, and of these the ones that ask the map.
+    static constexpr std::uint32_t kOnTheWay = 64;
+    std::uint32_t called_[kOnTheWay], calledCount_ = 0;
+    Waiting waiting_[kOnTheWay];
+    std::uint32_t waitingCount_ = 0;
     RayBatch<256> batch_; // the width of RayScene's sparse packets
 };
 
@@ -84,24 +101,53 @@ void Piece::flush()
                  });
 }
 
+void Piece::call(std::uint32_t x, std::uint32_t y)
+{
+    const VkOffset2D& from = picture_.job.view->area.offset;
+    picture_.receivers.prefetch(static_cast<std::uint32_t>(from.x) + x, static_cast<std::uint32_t>(from.y) + y);
+    called_[calledCount_++] = gpu::packPixel(x, y);
+    if (calledCount_ == kOnTheWay) askCalled();
+}
+
+void Piece::askCalled()
+{
+    waitingCount_ = 0;
+    for (std::uint32_t i = 0; i < calledCount_; ++i)
+        ask(gpu::pixelX(called_[i]), gpu::pixelY(called_[i]));
+    calledCount_ = 0;
+    for (std::uint32_t i = 0; i < waitingCount_; ++i)
+        decide(waiting_[i]);
+}
+
 void Piece::ask(std::uint32_t x, std::uint32_t y)
 {
     const VkOffset2D& from = picture_.job.view->area.offset;
-    ShadowRay& ray = batch_.rays[batch_.count];
+    Waiting& pixel = waiting_[waitingCount_];
     Receiver receiver;
     const Asked asked = picture_.receivers.at(static_cast<std::uint32_t>(from.x) + x,
-                                              static_cast<std::uint32_t>(from.y) + y, ray, receiver);
+                                              static_cast<std::uint32_t>(from.y) + y, pixel.ray, receiver);
     if (asked != Asked::ray) {
         settle(x, y, asked == Asked::lit ? gpu::REASON_OUTSIDE : gpu::REASON_BACKFACING);
         return;
     }
-    const std::uint32_t reason = chainReason(scene_, picture_.job.stages, picture_.lit.at(x, y),
-                                             picture_.receivers.hasNormals(), receiver, ray);
+    pixel.x = x;
+    pixel.y = y;
+    pixel.lit = picture_.lit.at(x, y);
+    pixel.texels = MapTexels(scene_.map, scene_.constants, scene_.cube, receiver);
+    pixel.texels.prefetch(pixel.lit ? picture_.job.stages.hintLit : picture_.job.stages.hintShadow);
+    ++waitingCount_;
+}
+
+void Piece::decide(const Waiting& pixel)
+{
+    const std::uint32_t reason = chainReason(scene_, picture_.job.stages, pixel.lit, picture_.receivers.hasNormals(),
+                                             pixel.texels, pixel.ray);
     if (reason != gpu::REASON_RT_LIT) {
-        settle(x, y, reason);
+        settle(pixel.x, pixel.y, reason);
         return;
     }
-    batch_.tags[batch_.count++] = gpu::packPixel(x, y);
+    batch_.rays[batch_.count] = pixel.ray;
+    batch_.tags[batch_.count++] = gpu::packPixel(pixel.x, pixel.y);
     if (batch_.full()) flush();
 }
 
@@ -117,9 +163,9 @@ void Piece::runBand(std::uint32_t top, std::uint32_t bottom)
             for (std::uint32_t y = top; y < bottom; ++y) {
                 auto bits = static_cast<std::uint32_t>(asked_.row(y - top_)[word] >> step & 0xfu);
                 for (; bits != 0; bits &= bits - 1)
-                    ask(static_cast<std::uint32_t>(64 * word) + step +
-                            static_cast<std::uint32_t>(std::countr_zero(bits)),
-                        y);
+                    call(static_cast<std::uint32_t>(64 * word) + step +
+                             static_cast<std::uint32_t>(std::countr_zero(bits)),
+                         y);
             }
             any &= ~(std::uint64_t{0xf} << step);
         }
@@ -130,6 +176,7 @@ std::span<const Mark> Piece::run()
 {
     for (std::uint32_t y = top_; y < bottom_; y += kBand)
         runBand(y, std::min(y + kBand, bottom_));
+    askCalled();
     flush();
     return marks_.first(count_);
 }

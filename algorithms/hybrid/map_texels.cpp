@@ -35,7 +35,7 @@ Found findInPlane(const gpu::MapLook& look, const Receiver& receiver)
 } // namespace
 
 MapTexels::MapTexels(const HostMap& map, const gpu::MapConstants& constants, bool cube, const Receiver& receiver)
-    : map_(map)
+    : map_(&map)
 {
     const gpu::MapLook& look = constants.map;
     const float w = receiver.w;
@@ -45,7 +45,8 @@ MapTexels::MapTexels(const HostMap& map, const gpu::MapConstants& constants, boo
     const Found found = cube ? findInCube(look, fromLight, receiver.normal) : findInPlane(look, receiver);
     const float inverseW = 1.0f / found.clip.w;
     plane_ = gpu::planarDepth(look, found.clip.z * inverseW, inverseW, facing, offset, found.normalPerTexel);
-    plane_.at -= gpu::DEPTH_ROUNDING + gpu::SNAP_TEXELS * (std::abs(plane_.perTexel.x) + std::abs(plane_.perTexel.y));
+    slack_ = gpu::DEPTH_ROUNDING + gpu::SNAP_TEXELS * (std::abs(plane_.perTexel.x) + std::abs(plane_.perTexel.y));
+    plane_.at -= slack_;
     layer_ = found.layer;
     at_ = glm::vec2(found.clip) * inverseW;
     // Far outside is as good as outside, and is an integer.
@@ -54,12 +55,12 @@ MapTexels::MapTexels(const HostMap& map, const gpu::MapConstants& constants, boo
     quadrant_ = {near.x - floored.x < 0.5f ? -1 : 1, near.y - floored.y < 0.5f ? -1 : 1};
 }
 
-bool MapTexels::lit(glm::ivec2 texel) const
+bool MapTexels::lit(glm::ivec2 texel, float room) const
 {
     if (!holds(texel)) return true;
     const glm::vec2 centre = glm::vec2(texel) + 0.5f;
     const float receiver = plane_.at + glm::dot(plane_.perTexel, centre - at_);
-    return std::min(receiver, 1.0f) <= map_.depth[layer_][place(texel)];
+    return std::min(receiver + room, 1.0f) <= map_->depth[layer_][place(texel)];
 }
 
 bool MapTexels::agree(bool expected, TexelBlock block) const
@@ -69,9 +70,26 @@ bool MapTexels::agree(bool expected, TexelBlock block) const
     return true;
 }
 
+bool MapTexels::clearlyLit() const
+{
+    for (int i = 0; i < sizeOf(TexelBlock::four); ++i)
+        if (!lit(own_ + stepOf(i), 2.0f * slack_)) return false;
+    return true;
+}
+
+void MapTexels::prefetch(bool depths) const
+{
+    for (int dy = -1; dy <= 1; ++dy) {
+        const glm::ivec2 texel = own_ + glm::ivec2(0, dy);
+        if (!holds(texel)) continue;
+        prefetchRead(map_->triangle[layer_].data() + place(texel));
+        if (depths) prefetchRead(map_->depth[layer_].data() + place(texel));
+    }
+}
+
 bool MapTexels::foreign() const
 {
-    return holds(own_) && triangle(own_) == kNone && map_.depth[layer_][place(own_)] < 1.0f;
+    return holds(own_) && triangle(own_) == kNone && map_->depth[layer_][place(own_)] < 1.0f;
 }
 
 } // namespace gnomon

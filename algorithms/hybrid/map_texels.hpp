@@ -25,11 +25,17 @@ enum class TexelBlock { own, four, nine };
 /// A receiver in the map. Four texels are those whose centres surround it, nine the own one and all its neighbours.
 class MapTexels {
 public:
+    MapTexels() = default;
     MapTexels(const HostMap& map, const gpu::MapConstants& constants, bool cube, const Receiver& receiver);
 
     /// Whether all texels of the block say the same as `lit`. Outside the map everything is lit.
     /// Four: exactly when a bilinear filter of the comparisons would give 0 or 1 (Moderno, 3.4).
     bool agree(bool lit, TexelBlock block) const;
+
+    /// Whether the four texels are farther than the receiver by more than rounding and snapping may move either
+    /// (shaders/maps/agreement.glsl has the same for pcf_hybrid). Where contact shadows are thinner than that, texels agree
+    /// on nothing worth believing.
+    bool clearlyLit() const;
 
     /// Calls `visit(number)` for the triangles in the block, each once, the own texel's first, the nearest three next; no
     /// triangle is none. Stops when it returns true, and says so.
@@ -51,6 +57,9 @@ public:
     /// Of the own texel.
     std::uint32_t ownTriangle() const { return triangle(own_); }
 
+    /// Calls for the nine texels' memory. \param depths theirs too, else the triangles alone.
+    void prefetch(bool depths) const;
+
     /// Something that is no triangle of ours is nearest in the own texel.
     bool foreign() const;
 
@@ -68,24 +77,25 @@ private:
     }
     bool holds(glm::ivec2 texel) const
     {
-        return static_cast<std::uint32_t>(texel.x) < map_.side && static_cast<std::uint32_t>(texel.y) < map_.side;
+        return static_cast<std::uint32_t>(texel.x) < map_->side && static_cast<std::uint32_t>(texel.y) < map_->side;
     }
     std::size_t place(glm::ivec2 texel) const
     {
-        return static_cast<std::size_t>(texel.y) * map_.side + static_cast<std::size_t>(texel.x);
+        return static_cast<std::size_t>(texel.y) * map_->side + static_cast<std::size_t>(texel.x);
     }
     std::uint32_t triangle(glm::ivec2 texel) const
     {
-        return holds(texel) ? map_.triangle[layer_][place(texel)] : kNone;
+        return holds(texel) ? map_->triangle[layer_][place(texel)] : kNone;
     }
-    bool lit(glm::ivec2 texel) const;
+    bool lit(glm::ivec2 texel, float room = 0.0f) const; ///< By more than `room`.
 
-    const HostMap& map_;
+    const HostMap* map_ = nullptr;
     std::uint32_t layer_ = 0;
     glm::vec2 at_{0.0f};
     glm::ivec2 own_{0};
     glm::ivec2 quadrant_{0}; ///< Towards the nearest corner of the own texel.
-    gpu::PlanarDepth plane_{};
+    gpu::PlanarDepth plane_{}; ///< Already nearer by `slack_`.
+    float slack_ = 0.0f;
 };
 
 } // namespace gnomon

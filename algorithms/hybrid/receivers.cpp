@@ -38,6 +38,13 @@ glm::vec3 Receivers::normalAt(std::size_t pixel) const
     return normal / gpu::max(gpu::length(normal), 1e-20f); // halves are unit length to 1e-3 only
 }
 
+void Receivers::prefetch(std::uint32_t x, std::uint32_t y) const
+{
+    const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;
+    prefetchRead(depth_.data() + pixel);
+    if (!normals_.empty()) prefetchRead(normals_.data() + pixel * (halfNormals_ ? 8 : 16));
+}
+
 Asked Receivers::at(std::uint32_t x, std::uint32_t y, ShadowRay& ray, Receiver& surface) const
 {
     const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;

@@ -10,6 +10,14 @@
 
 namespace gnomon {
 
+/// Has memory brought near that will be read soon, where the compiler knows how.
+inline void prefetchRead([[maybe_unused]] const void* memory)
+{
+#if defined(__GNUC__)
+    __builtin_prefetch(memory);
+#endif
+}
+
 /// What a pixel wants to know.
 enum class Asked : std::uint8_t {
     lit,  ///< Nothing: sky, or the light does not reach it.
@@ -39,6 +47,8 @@ public:
         return at(x, y, ray, receiver);
     }
     Asked at(std::uint32_t x, std::uint32_t y, ShadowRay& ray, Receiver& receiver) const;
+    /// Calls for what at() will read.
+    void prefetch(std::uint32_t x, std::uint32_t y) const;
     bool hasNormals() const { return !normals_.empty(); }
 
 private:

@@ -143,7 +143,7 @@ Pixel pixelAt(const Asking& asking, std::uint32_t x, std::uint32_t y)
     p.edges = ringBlocks(asking.scene, texels, 2, true, ray);
     p.vertices = ringBlocks(asking.scene, texels, 1, true, ray);
     for (std::size_t i = 0; i < std::size(kModes); ++i)
-        p.reason[i] = chainReason(asking.scene, stagesOf(kModes[i]), p.lit, true, receiver, ray);
+        p.reason[i] = chainReason(asking.scene, stagesOf(kModes[i]), p.lit, true, texels, ray);
     p.unfiltered = unfilteredAt(asking.world, asking.map, asking.light, asking.constants, receiver);
     std::uint8_t occluded = 0;
     asking.world.rays.occluded({&ray, 1}, 1u, RayCoherence::sparse, {&occluded, 1});
