@@ -28,9 +28,9 @@ namespace gnomon {
 namespace {
 
 constexpr std::array kAlgorithms = {
-    &kShadowMap,     &kCubeMap,    &kDualParaboloid,
+    &kShadowMap,     &kCubeMap,      &kDualParaboloid,
 #ifdef GNOMON_WITH_OPENMESH
-    &kStencilVolume, &kChanDurand, &kOctreeVolume,   &kAllEdgesVolume, &kProjectedPlanar,
+    &kStencilVolume, &kChanDurand,   &kOctreeVolume,   &kAllEdgesVolume, &kProjectedPlanar,
 #endif
     &kMcCool,
 #ifdef GNOMON_WITH_EMBREE

@@ -23,8 +23,8 @@ struct BitRows {
 void packBits(std::span<const std::uint8_t> bytes, std::span<std::uint64_t> row);
 
 /// The pixels of row y that are at most `radius` steps, in x or in y, from a change: radius 0 marks the pixels that
-/// differ from one of their four neighbours (both sides of a border, two pixels wide), each further step adds a pixel on
-/// either side. What lies outside the picture differs from nobody.
+/// differ from one of their four neighbours (both sides of a border, two pixels wide), each further step adds a pixel
+/// on either side. What lies outside the picture differs from nobody.
 ///
 /// Source: Moderno, 3.1.2, his contours of 2, 4 and 6 pixels. He does not say how he dilates; by steps in x or in y a
 /// straight edge of any direction has twice and three times the pixels of two, as in his tables (trees 1.97 and 2.92);

@@ -5,12 +5,17 @@ namespace gnomon {
 ChainStages stagesOf(ChainMode mode)
 {
     switch (mode) {
-    case ChainMode::chain: return {.hintLit = true, .hintShadow = true, .witnesses = true};
+    case ChainMode::chain:
+        return {.hintLit = true, .hintShadow = true, .witnesses = true};
     case ChainMode::tcOnly:
-    case ChainMode::wholeTc: return {.hintLit = true, .hintShadow = true};
-    case ChainMode::tcLit: return {.hintLit = true, .witnesses = true, .hintsLast = true};
-    case ChainMode::strict: return {.witnesses = true};
-    case ChainMode::noRay: return {.hintLit = true, .hintShadow = true, .witnesses = true, .rays = false};
+    case ChainMode::wholeTc:
+        return {.hintLit = true, .hintShadow = true};
+    case ChainMode::tcLit:
+        return {.hintLit = true, .witnesses = true, .hintsLast = true};
+    case ChainMode::strict:
+        return {.witnesses = true};
+    case ChainMode::noRay:
+        return {.hintLit = true, .hintShadow = true, .witnesses = true, .rays = false};
     }
     return {};
 }

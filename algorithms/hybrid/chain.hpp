@@ -43,8 +43,8 @@ bool blockBlocks(const ChainScene& scene, const MapTexels& texels, TexelBlock bl
 bool ringBlocks(const ChainScene& scene, const MapTexels& texels, int shared, bool own, const ShadowRay& ray);
 
 /// Why the pixel is as it is, a REASON_ of shaders/hybrid/ray_list.h; REASON_RT_LIT: only its ray can say.
-/// \param lit what the map says. \param normals whether the receiver's normal is the surface's: without it texels cannot
-/// be compared, and none is believed.
+/// \param lit what the map says. \param normals whether the receiver's normal is the surface's: without it texels
+/// cannot be compared, and none is believed.
 std::uint32_t chainReason(const ChainScene& scene, const ChainStages& stages, bool lit, bool normals,
                           const MapTexels& texels, const ShadowRay& ray);
 

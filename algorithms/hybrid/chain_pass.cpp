@@ -67,8 +67,9 @@ private:
 };
 
 Piece::Piece(const Picture& picture, std::uint32_t top, std::uint32_t bottom)
-    : picture_(picture), top_(top), bottom_(bottom), witnesses_(*picture.job.triangles),
-      scene_{picture.map, picture.job.constants->base, picture.job.light->type == GN_LIGHT_TYPE_POINT, witnesses_}
+    : picture_(picture), top_(top), bottom_(bottom),
+      witnesses_(*picture.job.triangles), scene_{picture.map, picture.job.constants->base,
+                                                 picture.job.light->type == GN_LIGHT_TYPE_POINT, witnesses_}
 {
     FrameArena& arena = *picture.host.arena;
     const std::uint32_t width = picture.lit.width, rows = bottom - top;
@@ -94,11 +95,10 @@ void Piece::settle(std::uint32_t x, std::uint32_t y, std::uint32_t reason)
 
 void Piece::flush()
 {
-    batch_.flush(picture_.host, picture_.job.light->mask, RayCoherence::sparse,
-                 [&](std::uint32_t pixel, bool occluded) {
-                     settle(gpu::pixelX(pixel), gpu::pixelY(pixel),
-                            occluded ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT);
-                 });
+    batch_.flush(
+        picture_.host, picture_.job.light->mask, RayCoherence::sparse, [&](std::uint32_t pixel, bool occluded) {
+            settle(gpu::pixelX(pixel), gpu::pixelY(pixel), occluded ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT);
+        });
 }
 
 void Piece::call(std::uint32_t x, std::uint32_t y)
@@ -140,8 +140,8 @@ void Piece::ask(std::uint32_t x, std::uint32_t y)
 
 void Piece::decide(const Waiting& pixel)
 {
-    const std::uint32_t reason = chainReason(scene_, picture_.job.stages, pixel.lit, picture_.receivers.hasNormals(),
-                                             pixel.texels, pixel.ray);
+    const std::uint32_t reason =
+        chainReason(scene_, picture_.job.stages, pixel.lit, picture_.receivers.hasNormals(), pixel.texels, pixel.ray);
     if (reason != gpu::REASON_RT_LIT) {
         settle(pixel.x, pixel.y, reason);
         return;

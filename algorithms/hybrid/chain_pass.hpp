@@ -1,5 +1,6 @@
 #pragma once
-// The host pass of contour_chain: from what the map says of every pixel to the pixels of which it is to be told otherwise.
+// The host pass of contour_chain: from what the map says of every pixel to the pixels of which it is to be told
+// otherwise.
 #include <cstdint>
 #include <span>
 
@@ -16,9 +17,9 @@ struct ChainJob {
     const gpu::HybridConstants* constants;
     const NumberedTriangles* triangles;
     IdMap map;
-    BufferId depth, normals; ///< Of the view, read back; normals may be null.
-    BufferId status;         ///< A byte a pixel of the area; bit 0: the map says lit.
-    BufferId marks;          ///< Written: packed pixels.
+    BufferId depth, normals;     ///< Of the view, read back; normals may be null.
+    BufferId status;             ///< A byte a pixel of the area; bit 0: the map says lit.
+    BufferId marks;              ///< Written: packed pixels.
     std::span<MarkRange> ranges; ///< Written: kMarkRanges parts of `marks`.
     ChainStages stages;
     std::uint32_t contour = 0; ///< Width in pixels; 0: every pixel is asked.

@@ -214,7 +214,8 @@ IdMap declareIdMap(PassBuilder& passes, const IdMapPipelines& pipelines, const S
 VkDeviceSize idMapMemory(std::uint32_t resolution, std::uint32_t layers)
 {
     // Depth and numbers on the device (the numbers only while they are drawn), and both on the CPU.
-    return layers * (VkDeviceSize{resolution} * resolution * 8 + 2 * pooledSize(VkDeviceSize{resolution} * resolution * 4));
+    return layers *
+           (VkDeviceSize{resolution} * resolution * 8 + 2 * pooledSize(VkDeviceSize{resolution} * resolution * 4));
 }
 
 } // namespace gnomon

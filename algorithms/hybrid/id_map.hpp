@@ -1,6 +1,6 @@
 #pragma once
-// A light's depth map whose texels also name the nearest triangle, with a copy on the CPU; kept for as long as light and
-// casters stand still.
+// A light's depth map whose texels also name the nearest triangle, with a copy on the CPU; kept for as long as light
+// and casters stand still.
 #include <cstdint>
 #include <span>
 
@@ -26,7 +26,7 @@ struct IdMap {
     std::uint32_t side = 0;
     BufferId depths[6], numbers[6]; ///< On the CPU, of the layers needed.
 
-    void uses(PassRef& host) const;                  ///< What a host pass reads.
+    void uses(PassRef& host) const;                   ///< What a host pass reads.
     HostMap onHost(const HostContext& context) const; ///< In that pass. Layers not needed are empty.
 };
 

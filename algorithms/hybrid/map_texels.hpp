@@ -33,12 +33,12 @@ public:
     bool agree(bool lit, TexelBlock block) const;
 
     /// Whether the four texels are farther than the receiver by more than rounding and snapping may move either
-    /// (shaders/maps/agreement.glsl has the same for pcf_hybrid). Where contact shadows are thinner than that, texels agree
-    /// on nothing worth believing.
+    /// (shaders/maps/agreement.glsl has the same for pcf_hybrid). Where contact shadows are thinner than that, texels
+    /// agree on nothing worth believing.
     bool clearlyLit() const;
 
-    /// Calls `visit(number)` for the triangles in the block, each once, the own texel's first, the nearest three next; no
-    /// triangle is none. Stops when it returns true, and says so.
+    /// Calls `visit(number)` for the triangles in the block, each once, the own texel's first, the nearest three next;
+    /// no triangle is none. Stops when it returns true, and says so.
     template <typename Visit>
     bool anyTriangle(TexelBlock block, Visit&& visit) const
     {
@@ -93,7 +93,7 @@ private:
     std::uint32_t layer_ = 0;
     glm::vec2 at_{0.0f};
     glm::ivec2 own_{0};
-    glm::ivec2 quadrant_{0}; ///< Towards the nearest corner of the own texel.
+    glm::ivec2 quadrant_{0};   ///< Towards the nearest corner of the own texel.
     gpu::PlanarDepth plane_{}; ///< Already nearer by `slack_`.
     float slack_ = 0.0f;
 };

@@ -19,8 +19,7 @@ public:
     PointMarks(const AlgorithmServices& services, const char* name);
 
     /// Declares the points. The list and the ranges, which live as long as the frame, are read when they are drawn.
-    void declare(PassBuilder& passes, const ShadowTask& task, BufferId pixels,
-                 std::span<const MarkRange> ranges) const;
+    void declare(PassBuilder& passes, const ShadowTask& task, BufferId pixels, std::span<const MarkRange> ranges) const;
 
 private:
     const char* name_;

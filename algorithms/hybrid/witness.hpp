@@ -50,8 +50,8 @@ struct Witness {
 };
 Witness witnessOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
 
-/// Whether the triangle blocks the ray, well inside its edges and between the ray's ends. "True" is what the tracer says
-/// too; "false" says nothing.
+/// Whether the triangle blocks the ray, well inside its edges and between the ray's ends. "True" is what the tracer
+/// says too; "false" says nothing.
 bool blocks(const Witness& witness, const ShadowRay& ray);
 
 /// Triangles by number, remembered for the next ray: neighbouring pixels ask the same ones. Of one thread.

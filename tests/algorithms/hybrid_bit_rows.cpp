@@ -39,7 +39,8 @@ struct Picture {
     {
         for (int dy = -radius; dy <= radius; ++dy)
             for (int dx = -radius; dx <= radius; ++dx)
-                if (std::abs(dx) + std::abs(dy) <= radius && inside(x + dx, y + dy) && border(x + dx, y + dy)) return true;
+                if (std::abs(dx) + std::abs(dy) <= radius && inside(x + dx, y + dy) && border(x + dx, y + dy))
+                    return true;
         return false;
     }
 };

@@ -19,10 +19,11 @@ struct Pixel {
     Asked asked = Asked::lit;
     bool lit = true;      ///< By the map's own texel; away from the light: dark.
     bool blocked = false; ///< By the tracer.
-    bool own = false, four = false, nine = false, edges = false, vertices = false; ///< Witnesses: ST, NB4, NB9, AG1, AG2.
-    bool agree4 = false, agree9 = false;                                           ///< TC4, TC9 say what the map says.
-    std::optional<bool> unfiltered; ///< A bilinear filter of the comparisons gives 0 or 1; none: too close to say.
-    std::uint32_t reason[5] = {};   ///< By mode, of those that leave something out.
+    bool own = false, four = false, nine = false, edges = false,
+         vertices = false;               ///< Witnesses: ST, NB4, NB9, AG1, AG2.
+    bool agree4 = false, agree9 = false; ///< TC4, TC9 say what the map says.
+    std::optional<bool> unfiltered;      ///< A bilinear filter of the comparisons gives 0 or 1; none: too close to say.
+    std::uint32_t reason[5] = {};        ///< By mode, of those that leave something out.
 
     bool truthLit() const { return asked == Asked::lit || (asked == Asked::ray && !blocked); }
 };
@@ -60,8 +61,8 @@ World::World() : ground(makeScene(rays)), loose(looseMesh(rays))
     looseTopology = buildTopology(loose.view.positions, loose.view.indices);
     ground.view.topology = &groundTopology;
     loose.view.topology = &looseTopology;
-    const glm::mat4 turned = glm::rotate(glm::mat4(1.0f), 0.4f, {1, 3, 2}) *
-                             glm::scale(glm::mat4(1.0f), glm::vec3(1.3f, 0.8f, -1.0f));
+    const glm::mat4 turned =
+        glm::rotate(glm::mat4(1.0f), 0.4f, {1, 3, 2}) * glm::scale(glm::mat4(1.0f), glm::vec3(1.3f, 0.8f, -1.0f));
     casters = {casterOf(ground, 0), casterOf(loose, 1, glm::mat3(turned), {1.0f, 2.0f, 3.0f})};
     for (Caster& caster : casters) {
         Aabb bounds{glm::vec3(1e9f), glm::vec3(-1e9f)};
@@ -76,8 +77,8 @@ World::World() : ground(makeScene(rays)), loose(looseMesh(rays))
     seen = look({}, brute::trianglesOf(casters));
 }
 
-/// Whether a bilinear filter would give 0 or 1, from the texel's rays and the receiver's plane in double precision; none
-/// where the receiver is close to a line of texel centres, a comparison close to equal, or the map ends.
+/// Whether a bilinear filter would give 0 or 1, from the texel's rays and the receiver's plane in double precision;
+/// none where the receiver is close to a line of texel centres, a comparison close to equal, or the map ends.
 std::optional<bool> unfilteredAt(const World& world, const DrawnMap& map, const LightView& light,
                                  const gpu::MapConstants& constants, const Receiver& receiver)
 {

@@ -1,6 +1,6 @@
 #pragma once
-// A scene of one mesh, seen by a camera and lit by one light, as tests of hybrids ask it without a device: what the host
-// would hand over, and what the brute force is told of the same.
+// A scene of one mesh, seen by a camera and lit by one light, as tests of hybrids ask it without a device: what the
+// host would hand over, and what the brute force is told of the same.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

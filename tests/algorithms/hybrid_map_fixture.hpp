@@ -1,6 +1,6 @@
 #pragma once
-// A map of depth and triangle numbers drawn in double precision, triangle by triangle: what the device leaves in a copy of
-// its map, for the scene of hybrid_fixture.hpp.
+// A map of depth and triangle numbers drawn in double precision, triangle by triangle: what the device leaves in a copy
+// of its map, for the scene of hybrid_fixture.hpp.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -43,8 +43,10 @@ inline void fill(DrawnMap& map, std::size_t layer, const glm::dvec3& a, const gl
     const double dx = -normal.x / normal.z, dy = -normal.y / normal.z;
     const double bias = std::max(std::abs(dx), std::abs(dy)) + 0x1p-22;
     const auto clamped = [&](double v) { return static_cast<int>(std::clamp(v, 0.0, double(map.side))); };
-    const int left = clamped(std::floor(std::min({a.x, b.x, c.x}))), top = clamped(std::floor(std::min({a.y, b.y, c.y})));
-    const int right = clamped(std::ceil(std::max({a.x, b.x, c.x}))), bottom = clamped(std::ceil(std::max({a.y, b.y, c.y})));
+    const int left = clamped(std::floor(std::min({a.x, b.x, c.x}))),
+              top = clamped(std::floor(std::min({a.y, b.y, c.y})));
+    const int right = clamped(std::ceil(std::max({a.x, b.x, c.x}))),
+              bottom = clamped(std::ceil(std::max({a.y, b.y, c.y})));
     for (int y = top; y < bottom; ++y)
         for (int x = left; x < right; ++x) {
             const glm::dvec3 at(x + 0.5, y + 0.5, 0.0);
@@ -102,7 +104,8 @@ inline DrawnMap drawMap(const LightView& light, std::span<const Caster* const> c
                 std::array<glm::dvec4, 3> clip;
                 for (std::size_t c = 0; c < 3; ++c) {
                     const glm::vec3 p = mesh.positions[mesh.indices[3 * i + c]];
-                    const glm::dvec3 world = glm::dmat3(caster->basis) * glm::dvec3(p) + glm::dvec3(caster->translation);
+                    const glm::dvec3 world =
+                        glm::dmat3(caster->basis) * glm::dvec3(p) + glm::dvec3(caster->translation);
                     clip[c] = clipFromWorld * glm::dvec4(world, 1.0);
                 }
                 project(map, layer, clip, number);

@@ -77,8 +77,8 @@ TEST_CASE("what a witness says blocks, blocks for the tracer, under every transf
                 CAPTURE(finite);
                 CHECK(told.contradicted == 0);
                 CHECK(told.blocked > 2000);
-                // Near edges and ends nothing is claimed; elsewhere that must stay the exception, where coordinates are no hundred
-                // times what they span.
+                // Near edges and ends nothing is claimed; elsewhere that must stay the exception, where coordinates are
+                // no hundred times what they span.
                 CHECK(told.clear > 500);
                 if (far < 100.0f) CHECK(told.clearWitnessed > told.clear * 24 / 25);
             }
@@ -115,7 +115,8 @@ TEST_CASE("numbers change when a caster comes, goes or changes its mesh, not whe
 {
     RayScene rays;
     std::mt19937 random(3);
-    const TracedMesh few(rays, randomTriangles(random, 3, 2.0f, 0.5f)), many(rays, randomTriangles(random, 9, 2.0f, 0.5f));
+    const TracedMesh few(rays, randomTriangles(random, 3, 2.0f, 0.5f)),
+        many(rays, randomTriangles(random, 9, 2.0f, 0.5f));
     std::vector<Caster> casters{casterOf(few, 1), casterOf(many, 2), casterOf(few, 3)};
     const auto stampOf = [&](std::vector<const Caster*> pointers) {
         FrameArena arena;

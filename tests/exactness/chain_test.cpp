@@ -1,6 +1,7 @@
 // contour_chain on a device, by the reasons it gives: what it may be wrong about, and where its maps come from.
 #include <algorithm>
 #include <array>
+#include <cstdio>
 
 #include "algorithms/hybrid/bit_rows.hpp"
 #include "exactness/stage.hpp"
@@ -38,7 +39,9 @@ bool litBy(uint8_t reason)
 
 Settings with(Mode mode, int contour, bool reasons, double resolution = 512)
 {
-    return {{"mode", double(mode)}, {"contour", double(contour)}, {"reasons", reasons ? 1.0 : 0.0},
+    return {{"mode", double(mode)},
+            {"contour", double(contour)},
+            {"reasons", reasons ? 1.0 : 0.0},
             {"resolution", resolution}};
 }
 
@@ -54,7 +57,7 @@ void everywhere(const Pictures& pictures, Visit&& visit)
 struct Contour {
     uint64_t pixels = 0, lit = 0;
 };
-Contour contourOf(const Image8& picture, uint32_t width)
+Contour contourOf(const Image8& picture, uint32_t width, std::vector<uint8_t>* inside = nullptr)
 {
     const size_t words = BitRows::wordsPerRow(picture.width);
     std::vector<uint64_t> memory(words * picture.height), row(words);
@@ -65,6 +68,8 @@ Contour contourOf(const Image8& picture, uint32_t width)
     for (uint32_t y = 0; y < picture.height; ++y) {
         contourRow(bits, y, (width - 1) / 2, row);
         contour.pixels += countBits(row);
+        for (uint32_t x = 0; inside && x < picture.width; ++x)
+            inside->push_back(row[x / 64] >> (x % 64) & 1);
         for (size_t i = 0; i < words; ++i)
             row[i] &= bits.row(y)[i];
         contour.lit += countBits(row);
@@ -177,7 +182,8 @@ TEST_CASE("contours of 4 and 6 pixels are 1.6 to 2.0 and 2.1 to 3.0 times that o
         for (const char* method : {"shadow_map", "cube_map"}) {
             for (const Image8& picture : stage.draw(method, plain)) {
                 if (picture.width == 0) continue;
-                const std::array<Contour, 3> contours{contourOf(picture, 2), contourOf(picture, 4), contourOf(picture, 6)};
+                const std::array<Contour, 3> contours{contourOf(picture, 2), contourOf(picture, 4),
+                                                      contourOf(picture, 6)};
                 for (size_t k = 0; k < 3; ++k)
                     size[k] += contours[k].pixels;
                 lit += contours[1].lit;
@@ -219,11 +225,77 @@ TEST_CASE("with 2048 texels 1.5 % of the pixels are traced, and 8 % of the map's
             wrongHints += litBy(reason) != lit && byTexels(reason);
         });
         MESSAGE(name << ": traced " << percentText(100.0 * double(traced - before[0]) / double(pixels - before[1]))
-                     << ", wrong " << wrongChain - before[3] << " of the map's " << wrongMap - before[2] << ", by texels " << wrongHints);
+                     << ", wrong " << wrongChain - before[3] << " of the map's " << wrongMap - before[2]
+                     << ", by texels " << wrongHints);
     }
     CHECK(double(traced) <= 0.015 * double(pixels));
     CHECK(double(wrongChain) <= 0.08 * double(wrongMap));
     CHECK(wrongMap > 1000);
+}
+
+namespace {
+
+/// A row of the thesis's tables, summed over the lights of a scene.
+struct Row {
+    uint64_t pixels = 0, mapWrong = 0, contour = 0, caught = 0, chainWrong = 0, noRayWrong = 0;
+    std::array<uint64_t, 4> traced{}; ///< By mode: chain, texels only, texels that say lit, strict.
+};
+
+Row rowOf(Stage& stage, double resolution, int width)
+{
+    const Settings plain{{"resolution", resolution}, {"filter", 1.0}};
+    const Pictures planar = stage.draw("shadow_map", plain), cubes = stage.draw("cube_map", plain);
+    std::array<Pictures, 5> reasons;
+    for (int mode = 0; mode < 5; ++mode)
+        reasons[size_t(mode)] = stage.draw(kChain, with(Mode(mode), width, true, resolution));
+    Row row;
+    for (size_t layer = 0; layer < stage.truth.size(); ++layer) {
+        const Image8& map = planar[layer].width > 0 ? planar[layer] : cubes[layer];
+        std::vector<uint8_t> inside;
+        row.contour += contourOf(map, uint32_t(width), &inside).pixels;
+        for (size_t i = 0; i < inside.size(); ++i) {
+            const bool lit = stage.truth[layer].texels[i] >= 128, wrong = (map.texels[i] >= 128) != lit;
+            ++row.pixels;
+            row.mapWrong += wrong;
+            row.caught += wrong && inside[i];
+            row.chainWrong += litBy(reasons[0][layer].texels[i]) != lit;
+            row.noRayWrong += inside[i] && litBy(reasons[4][layer].texels[i]) != lit;
+            for (size_t mode = 0; mode < 4; ++mode) {
+                const uint8_t reason = reasons[mode][layer].texels[i];
+                row.traced[mode] += reason == gpu::REASON_RT_LIT || reason == gpu::REASON_RT_SHADOW;
+            }
+        }
+    }
+    return row;
+}
+
+} // namespace
+
+// Not a test: what the thesis's tables 5, 6, 12, 14 and 15 and the modes of contour_chain.md are, for our scenes.
+//   exactness_chain_tests -ns -tc="tables*"
+TEST_CASE("tables of the thesis" * doctest::skip())
+{
+    const test::DeviceTest silence;
+    std::printf(
+        "| scene | map | contour | contour %% of image | caught %% | map wrong in contour %% | texels alone leave %% | "
+        "chain leaves %% | `mode` 2 leaves %% | strict leaves %% | chain traces %% of image | map's errors left %% | "
+        "no "
+        "rays: wrong in contour %% |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+    for (const std::string& name : scenes()) {
+        Stage stage(shippedScene(name), testSize());
+        for (const double resolution : {1024.0, 2048.0})
+            for (const int width : {2, 4, 6}) {
+                const Row row = rowOf(stage, resolution, width);
+                const auto share = [](uint64_t part, uint64_t whole) { return 100.0 * double(part) / double(whole); };
+                std::printf(
+                    "| %s | %.0f | %d | %.2f | %.1f | %.2f | %.1f | %.1f | %.1f | %.1f | %.2f | %.1f | %.2f |\n",
+                    name.c_str(), resolution, width, share(row.contour, row.pixels), share(row.caught, row.mapWrong),
+                    share(row.caught, row.contour), share(row.traced[1], row.contour),
+                    share(row.traced[0], row.contour), share(row.traced[2], row.contour),
+                    share(row.traced[3], row.contour), share(row.traced[0], row.pixels),
+                    share(row.chainWrong, row.mapWrong), share(row.noRayWrong, row.contour));
+            }
+    }
 }
 
 } // namespace gnomon::exact
