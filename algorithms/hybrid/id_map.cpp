@@ -36,7 +36,8 @@ struct Declaring {
     void drawDepthOnly(const IdMap& map, std::uint32_t layer, std::span<const Caster* const> casters) const;
     void draw(const IdMap& map, std::uint32_t layer, std::span<const Caster* const> casters, bool over, ImageId numbers,
               BufferId firsts) const;
-    void copy(std::uint32_t layer, ImageId from, BufferId to, VkImageAspectFlags aspect, const char* name) const;
+    void copy(std::uint32_t layer, ImageId from, std::uint32_t fromLayer, BufferId to, VkImageAspectFlags aspect,
+              const char* name) const;
 };
 
 /// The casters that the host draws come last of the two lists, the first of which is returned.
@@ -66,7 +67,7 @@ void Declaring::draw(const IdMap& map, std::uint32_t layer, std::span<const Cast
     none.color.uint32[0] = kNoTriangle;
     passes.raster("contour_chain.casters", Scope::light, variant(layer))
         .depthWrite(map.depth, {.layer = layer, .clear = !over, .value = {.depthStencil = {1.0f, 0}}})
-        .writes(numbers, {.layer = layer, .clear = true, .value = none})
+        .writes(numbers, {.clear = true, .value = none})
         .reads(firsts)
         .record([=, pipeline = pipelines.casters](PassContext& gpu) {
             if (casters.empty()) return;
@@ -79,14 +80,15 @@ void Declaring::draw(const IdMap& map, std::uint32_t layer, std::span<const Cast
         });
 }
 
-void Declaring::copy(std::uint32_t layer, ImageId from, BufferId to, VkImageAspectFlags aspect, const char* name) const
+void Declaring::copy(std::uint32_t layer, ImageId from, std::uint32_t fromLayer, BufferId to, VkImageAspectFlags aspect,
+                     const char* name) const
 {
     passes.transfer(name, Scope::light, variant(layer))
-        .copies(from, {.layer = layer})
+        .copies(from, {.layer = fromLayer})
         .writes(to)
         .record([=, side = resolution](PassContext& gpu) {
             const VkBufferImageCopy2 region{.sType = VK_STRUCTURE_TYPE_BUFFER_IMAGE_COPY_2,
-                                            .imageSubresource = {aspect, 0, layer, 1},
+                                            .imageSubresource = {aspect, 0, fromLayer, 1},
                                             .imageExtent = {side, side, 1}};
             const VkCopyImageToBufferInfo2 info{.sType = VK_STRUCTURE_TYPE_COPY_IMAGE_TO_BUFFER_INFO_2,
                                                 .srcImage = gpu.image(from),
@@ -194,28 +196,29 @@ IdMap declareIdMap(PassBuilder& passes, const IdMapPipelines& pipelines, const S
             passes.kept();
             continue;
         }
+        // One image for all layers, one after the other: six would take a third more memory.
         const ImageId numbers = passes.transient(ImageInfo{.name = "contour_chain.numbers",
                                                            .scope = Scope::light,
                                                            .format = kNumberFormat,
                                                            .extent = {resolution, resolution},
-                                                           .layers = cube ? 6u : 1u,
                                                            .variant = resolution});
         const std::span<const Caster*> sorted = arena.array<const Caster*>(casters.size());
         const std::size_t own = splitHostDrawn(casters, sorted);
         const bool over = own < sorted.size();
         if (over) declaring.drawDepthOnly(map, layer, sorted.subspan(own));
         declaring.draw(map, layer, sorted.first(own), over, numbers, declareFirsts(passes, triangles));
-        declaring.copy(layer, map.depth, map.depths[layer], VK_IMAGE_ASPECT_DEPTH_BIT, "contour_chain.copy_depth");
-        declaring.copy(layer, numbers, map.numbers[layer], VK_IMAGE_ASPECT_COLOR_BIT, "contour_chain.copy_numbers");
+        declaring.copy(layer, map.depth, layer, map.depths[layer], VK_IMAGE_ASPECT_DEPTH_BIT,
+                       "contour_chain.copy_depth");
+        declaring.copy(layer, numbers, 0, map.numbers[layer], VK_IMAGE_ASPECT_COLOR_BIT, "contour_chain.copy_numbers");
     }
     return map;
 }
 
 VkDeviceSize idMapMemory(std::uint32_t resolution, std::uint32_t layers)
 {
-    // Depth and numbers on the device (the numbers only while they are drawn), and both on the CPU.
-    return layers *
-           (VkDeviceSize{resolution} * resolution * 8 + 2 * pooledSize(VkDeviceSize{resolution} * resolution * 4));
+    // Depth on the device, both on the CPU; and one layer of numbers while they are drawn.
+    const VkDeviceSize layer = VkDeviceSize{resolution} * resolution * 4;
+    return layers * (layer + 2 * pooledSize(layer)) + layer;
 }
 
 } // namespace gnomon
