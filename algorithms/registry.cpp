@@ -4,6 +4,7 @@
 #include <initializer_list>
 
 #ifdef GNOMON_WITH_EMBREE
+#include "algorithms/hybrid/contour_chain.hpp"
 #include "algorithms/hybrid/pcf_hybrid.hpp"
 #include "algorithms/hybrid/ray_traced.hpp"
 #endif
@@ -27,13 +28,13 @@ namespace gnomon {
 namespace {
 
 constexpr std::array kAlgorithms = {
-    &kShadowMap,     &kCubeMap,    &kDualParaboloid,
+    &kShadowMap,     &kCubeMap,      &kDualParaboloid,
 #ifdef GNOMON_WITH_OPENMESH
-    &kStencilVolume, &kChanDurand, &kOctreeVolume,   &kAllEdgesVolume, &kProjectedPlanar,
+    &kStencilVolume, &kChanDurand,   &kOctreeVolume,   &kAllEdgesVolume, &kProjectedPlanar,
 #endif
     &kMcCool,
 #ifdef GNOMON_WITH_EMBREE
-    &kPcfHybrid,     &kRayTraced,
+    &kPcfHybrid,     &kContourChain, &kRayTraced,
 #endif
 #if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
     &kAngularSpans,
@@ -43,7 +44,7 @@ constexpr std::array kAlgorithms = {
 /// Known to rules, left out of this build.
 constexpr std::initializer_list<const char*> kAbsentNames = {
 #ifndef GNOMON_WITH_EMBREE
-    "ray_traced",     "pcf_hybrid",
+    "ray_traced",     "pcf_hybrid",  "contour_chain",
 #endif
 #ifndef GNOMON_WITH_OPENMESH
     "stencil_volume", "chan_durand", "octree_volume", "all_edges_volume", "projected_planar",

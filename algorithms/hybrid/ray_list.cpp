@@ -4,8 +4,6 @@
 
 #include "algorithms/hybrid/pixel_list.hpp"
 #include "algorithms/hybrid/receivers.hpp"
-#include "shaders/hybrid_points_frag.h"
-#include "shaders/hybrid_points_vert.h"
 
 namespace gnomon {
 
@@ -16,12 +14,7 @@ struct TraceJob {
     const CameraView* view;
     const LightView* light;
     RayList list;
-    std::uint32_t* umbraCount; ///< Of this frame; read when the points are drawn.
-};
-
-struct PointsPush {
-    glm::vec4 area;
-    float value;
+    MarkRange* umbra; ///< Of this frame; read when the points are drawn.
 };
 
 /// Traces the pixels of a part of the list; blocked[i] answers pixels[i].
@@ -57,29 +50,14 @@ void trace(const TraceJob& job, const HostContext& host)
     for (std::uint32_t i = 0; i < count; ++i) {
         if (blocked[i]) umbra[written++] = pixels[i];
     }
-    *job.umbraCount = written;
-}
-
-glm::vec4 areaOf(const VkRect2D& area)
-{
-    return {static_cast<float>(area.offset.x), static_cast<float>(area.offset.y), static_cast<float>(area.extent.width),
-            static_cast<float>(area.extent.height)};
+    job.umbra->count = written;
 }
 
 } // namespace
 
-RayLists::RayLists(const AlgorithmServices& services, const RayListNames& names) : names_(names)
+RayLists::RayLists(const AlgorithmServices& services, const RayListNames& names)
+    : names_(names), points_(services, names.umbra)
 {
-    const BindingInfo bindings[] = {binding()};
-    GraphicsPipelineInfo pipeline;
-    pipeline.name = names.umbra;
-    pipeline.vertex.code = k_hybrid_points_vert;
-    pipeline.fragment.code = k_hybrid_points_frag;
-    pipeline.bindings = bindings;
-    pipeline.pushBytes = sizeof(PointsPush);
-    pipeline.topology = VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
-    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
-    points_ = services.pipelines->graphics(pipeline);
 }
 
 RayList RayLists::open(PassBuilder& passes, const ShadowTask& task, bool reasons) const
@@ -105,26 +83,14 @@ RayList RayLists::open(PassBuilder& passes, const ShadowTask& task, bool reasons
 
 void RayLists::close(PassBuilder& passes, const ShadowTask& task, const RayList& list) const
 {
-    const TraceJob job{
-        .view = task.view, .light = task.light, .list = list, .umbraCount = passes.arena().make<std::uint32_t>()};
+    MarkRange* umbra = passes.arena().make<MarkRange>();
+    umbra->value = list.reasons ? static_cast<float>(gpu::REASON_RT_SHADOW) / 255.0f : 0.0f;
+    const TraceJob job{.view = task.view, .light = task.light, .list = list, .umbra = umbra};
     PassRef host = passes.host(names_.trace);
     host.reads(list.pixels).reads(list.depth).writes(list.umbra);
     if (list.normals) host.reads(list.normals);
     host.run([job](HostContext& context) { trace(job, context); });
-
-    const VkRect2D& area = task.view->area;
-    const PointsPush push{.area = areaOf(area),
-                          .value = list.reasons ? static_cast<float>(gpu::REASON_RT_SHADOW) / 255.0f : 0.0f};
-    passes.raster(names_.umbra)
-        .reads(list.umbra)
-        .writes(task.visibility, {.layer = task.layer, .blend = true})
-        .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
-        .record([umbra = list.umbra, count = job.umbraCount, pipeline = points_, push](PassContext& gpu) {
-            if (*count == 0) return;
-            gpu.bind(pipeline, {gpu.storage(5, umbra)});
-            gpu.push(push);
-            gpu.vk->vkCmdDraw(gpu.cmd, *count, 1, 0, 0);
-        });
+    points_.declare(passes, task, list.umbra, {umbra, 1});
 }
 
 } // namespace gnomon

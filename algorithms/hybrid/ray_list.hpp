@@ -2,6 +2,7 @@
 // From the pixels that a map could not answer to what their rays say: the second half of every map-and-rays hybrid.
 #include <cstdint>
 
+#include "algorithms/hybrid/point_marks.hpp"
 #include "runtime/algorithm.hpp"
 #include "shaders/hybrid/ray_list.h"
 
@@ -45,7 +46,7 @@ public:
 
 private:
     RayListNames names_;
-    PipelineId points_;
+    PointMarks points_;
 };
 
 } // namespace gnomon

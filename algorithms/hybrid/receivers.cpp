@@ -38,7 +38,14 @@ glm::vec3 Receivers::normalAt(std::size_t pixel) const
     return normal / gpu::max(gpu::length(normal), 1e-20f); // halves are unit length to 1e-3 only
 }
 
-Asked Receivers::at(std::uint32_t x, std::uint32_t y, ShadowRay& ray) const
+void Receivers::prefetch(std::uint32_t x, std::uint32_t y) const
+{
+    const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;
+    prefetchRead(depth_.data() + pixel);
+    if (!normals_.empty()) prefetchRead(normals_.data() + pixel * (halfNormals_ ? 8 : 16));
+}
+
+Asked Receivers::at(std::uint32_t x, std::uint32_t y, ShadowRay& ray, Receiver& surface) const
 {
     const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;
     const float depth = depth_[pixel];
@@ -46,7 +53,9 @@ Asked Receivers::at(std::uint32_t x, std::uint32_t y, ShadowRay& ray) const
 
     const glm::vec2 centre(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
     const glm::vec3 viewRay = gpu::viewRayWs(view_, centre);
-    const glm::vec3 receiver = glm::vec3(view_.eyeWs) + gpu::linearDepth(view_, depth) * viewRay;
+    surface.viewRay = viewRay;
+    surface.w = gpu::linearDepth(view_, depth);
+    const glm::vec3 receiver = glm::vec3(view_.eyeWs) + surface.w * viewRay;
     if (!gpu::lightReaches(light_, receiver)) return Asked::lit;
 
     const glm::vec3 toLight = gpu::towardsLightWs(light_, receiver);
@@ -56,6 +65,7 @@ Asked Receivers::at(std::uint32_t x, std::uint32_t y, ShadowRay& ray) const
         if (!(gpu::dot(normal, toLight) > 0.0f)) return Asked::dark;
         away = normal;
     }
+    surface.normal = normal;
     const float offset = gpu::receiverOffset(view_, light_, depth, viewRay, receiver, normal);
     ray.origin = receiver + offset * away;
     if (light_.type == gpu::LIGHT_DIRECTIONAL) {

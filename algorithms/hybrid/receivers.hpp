@@ -10,11 +10,26 @@
 
 namespace gnomon {
 
+/// Has memory brought near that will be read soon, where the compiler knows how.
+inline void prefetchRead([[maybe_unused]] const void* memory)
+{
+#if defined(__GNUC__)
+    __builtin_prefetch(memory);
+#endif
+}
+
 /// What a pixel wants to know.
 enum class Asked : std::uint8_t {
     lit,  ///< Nothing: sky, or the light does not reach it.
     dark, ///< Nothing: its surface faces away from the light.
     ray,  ///< Whether anything blocks the ray.
+};
+
+/// The surface behind a pixel that asks.
+struct Receiver {
+    glm::vec3 viewRay; ///< World, of linear depth 1.
+    float w;           ///< Linear depth.
+    glm::vec3 normal;  ///< Unit; without normals from the host, the direction of the view ray.
 };
 
 /// A view's receivers for one light.
@@ -26,7 +41,15 @@ public:
               std::span<const std::byte> normals);
 
     /// The ray of the pixel at image coordinates, or why it needs none.
-    Asked at(std::uint32_t x, std::uint32_t y, ShadowRay& ray) const;
+    Asked at(std::uint32_t x, std::uint32_t y, ShadowRay& ray) const
+    {
+        Receiver receiver;
+        return at(x, y, ray, receiver);
+    }
+    Asked at(std::uint32_t x, std::uint32_t y, ShadowRay& ray, Receiver& receiver) const;
+    /// Calls for what at() will read.
+    void prefetch(std::uint32_t x, std::uint32_t y) const;
+    bool hasNormals() const { return !normals_.empty(); }
 
 private:
     glm::vec3 normalAt(std::size_t pixel) const;

@@ -31,6 +31,9 @@ struct DepthMap {
     std::uint64_t stamp = 0; ///< Of the content, for what is made of it; never 0.
 };
 
+/// The projection of a directional or spot light's map; memory from the arena.
+LightFit* fitDepthMap(const DepthMapPipelines& pipelines, const ShadowTask& task, FrameArena& arena);
+
 /// Declares what is missing of the map: nothing if light, casters and resolution are those of the content kept.
 /// The light is directional or spot.
 DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,

@@ -115,4 +115,16 @@ void addProjection(gpu::MapConstants& constants, const LightFit& fit, const Shad
     if (look.positional == 0.0f) look.axisWs = glm::vec4(glm::vec3(fromClip[2]), 0.0f);
 }
 
+void addLightProjection(gpu::MapConstants& constants, std::span<const LightFit> fits, const ShadowTask& task)
+{
+    if (fits.size() == 1) {
+        addProjection(constants, fits.front(), task);
+        return;
+    }
+    const MapProjection face = mapProjection(fits.front(), *task.light); // all six differ in their axes only
+    constants.map.depthConstant = face.depthConstant;
+    constants.map.depthScale = face.depthScale;
+    constants.map.slope = 0.5f * fits.front().texelAtOne;
+}
+
 } // namespace gnomon

@@ -32,4 +32,7 @@ gpu::MapConstants mapConstants(const ShadowTask& task, std::uint32_t resolution,
 /// Adds how the view's receivers are found in the map of one fit.
 void addProjection(gpu::MapConstants& constants, const LightFit& fit, const ShadowTask& task);
 
+/// The same for a light of any kind: one fit, or the six of a cube.
+void addLightProjection(gpu::MapConstants& constants, std::span<const LightFit> fits, const ShadowTask& task);
+
 } // namespace gnomon

@@ -19,32 +19,45 @@ constexpr LayerNames kFaceNames[6] = {
 
 } // namespace
 
-CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
-                       std::uint32_t resolution)
+std::span<LightFit> fitCubeFaces(const DepthMapPipelines& pipelines, const ShadowTask& task, std::uint32_t resolution,
+                                 FrameArena& arena)
 {
-    FrameArena& arena = passes.arena();
     const Aabb bounds = sceneBounds(*task.casters);
     const std::span<LightFit> faces = arena.array<LightFit>(6);
     for (std::uint32_t face = 0; face < 6; ++face) {
         faces[face] = fitCubeFace(*task.light, bounds, face, resolution, kCubeBorderTexels);
         if (pipelines.clamps) raiseNearEnd(faces[face], *task.light, bounds);
     }
+    return faces;
+}
 
+std::uint32_t neededCubeFaces(const ShadowTask& task)
+{
+    const Frustum visible = frustumOf(*task.view, *task.light);
+    std::uint32_t needed = 0;
+    for (std::uint32_t face = 0; face < 6; ++face)
+        if (meetsPyramid(visible, task.light->position(), cubeFaceEdges(face))) needed |= 1u << face;
+    return needed;
+}
+
+CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
+                       std::uint32_t resolution)
+{
+    FrameArena& arena = passes.arena();
+    const std::span<const LightFit> faces = fitCubeFaces(pipelines, task, resolution, arena);
     KeptMap map(passes, {.name = "cube_faces.depth",
                          .staticsName = "cube_faces.statics",
                          .stampName = "cube_faces.stamp",
                          .format = kMapFormat,
                          .resolution = resolution,
                          .layers = 6});
-    const Frustum visible = frustumOf(*task.view, *task.light);
-    std::uint32_t needed = 0;
+    const std::uint32_t needed = neededCubeFaces(task);
     const std::span<std::uint64_t> stamps = arena.array<std::uint64_t>(6);
     for (std::uint32_t face = 0; face < 6; ++face) {
-        if (!meetsPyramid(visible, task.light->position(), cubeFaceEdges(face))) {
+        if ((needed >> face & 1) == 0) {
             map.skip(face);
             continue;
         }
-        needed |= 1u << face;
         // The light's revision stands for the position; of the fit, only the ends depend on casters.
         const std::uint64_t projection = Stamp().add(faces[face].nearWs).add(faces[face].farWs).value();
         const LayerContent content =

@@ -19,6 +19,12 @@ struct CubeMap {
     const std::uint64_t* stamps = nullptr; ///< Six, of the content of the faces needed.
 };
 
+/// The projections of the six faces; memory from the arena.
+std::span<LightFit> fitCubeFaces(const DepthMapPipelines& pipelines, const ShadowTask& task, std::uint32_t resolution,
+                                 FrameArena& arena);
+/// Bit f: a receiver in the task's view can lie in face f.
+std::uint32_t neededCubeFaces(const ShadowTask& task);
+
 /// Declares the faces that a receiver in the task's view can need and whose casters or light changed. Several views
 /// share the map: a face is drawn if any of them needs it. The light is a point light.
 CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,

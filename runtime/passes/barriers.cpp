@@ -115,8 +115,10 @@ void BarrierBatch::toHost()
 {
     memory_.srcStageMask |= VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
     memory_.srcAccessMask |= VK_ACCESS_2_MEMORY_WRITE_BIT;
-    memory_.dstStageMask |= VK_PIPELINE_STAGE_2_HOST_BIT;
-    memory_.dstAccessMask |= VK_ACCESS_2_HOST_READ_BIT;
+    // Not only for the CPU to read: a buffer that was copied to and is then given back may be a mesh's memory in the
+    // next frame, written by the CPU and read as vertices without any pass of ours in between.
+    memory_.dstStageMask |= VK_PIPELINE_STAGE_2_HOST_BIT | VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    memory_.dstAccessMask |= VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
 }
 
 void BarrierBatch::full(VkCommandBuffer cmd)

@@ -2,15 +2,12 @@
 // `HybridConstants`' members as `constants`, `capacity` and `reasons`.
 #ifndef GNOMON_HYBRID_RAY_LIST_GLSL
 #define GNOMON_HYBRID_RAY_LIST_GLSL
-#include "ray_list.h"
+#include "decided.glsl"
 
 layout(set = 0, binding = 5, std430) buffer List {
     uint count;
     uint pixels[];
 };
-
-// What the pass writes for a decided pixel.
-float decidedAs(float visibility, uint reason) { return reasons == 0u ? visibility : float(reason) / 255.0; }
 
 // Puts the pixel onto the list. @return what it shows until its ray says otherwise: lit.
 float undecided()

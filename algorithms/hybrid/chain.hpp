@@ -1,0 +1,54 @@
+#pragma once
+// What can be said about a pixel near a shadow's edge before a ray is traced: by texels that agree, by triangles that
+// neighbouring texels name, by triangles around the own texel's. Source: Moderno, 3.2 to 3.6.
+#include <cstdint>
+
+#include "algorithms/hybrid/map_texels.hpp"
+#include "algorithms/hybrid/witness.hpp"
+#include "shaders/hybrid/ray_list.h"
+
+namespace gnomon {
+
+/// Values of the setting `mode`.
+enum class ChainMode : std::uint8_t {
+    chain,   ///< Texels that agree are believed, then witnesses, then rays: the thesis's.
+    tcOnly,  ///< No witnesses.
+    tcLit,   ///< Texels that agree are believed only where they say lit, and no witness says otherwise.
+    strict,  ///< Texels are not believed at all.
+    noRay,   ///< As `chain`, but what is left over is lit.
+    wholeTc, ///< As `tcOnly`, on the whole image.
+};
+
+/// The stages a mode has.
+struct ChainStages {
+    bool hintLit = false, hintShadow = false; ///< Agreeing texels are believed where they say so.
+    bool witnesses = false;
+    bool hintsLast = false; ///< Witnesses come first, and texels must agree by more than depths may be off.
+    bool rays = true;
+};
+ChainStages stagesOf(ChainMode mode);
+
+/// What one light's pixels are asked against, by one thread.
+struct ChainScene {
+    const HostMap& map;
+    const gpu::MapConstants& constants;
+    bool cube = false;
+    Witnesses& witnesses;
+};
+
+/// Whether any triangle named by the block blocks the ray.
+bool blockBlocks(const ChainScene& scene, const MapTexels& texels, TexelBlock block, const ShadowRay& ray);
+/// Whether the own texel's triangle or one that shares at least `shared` of its vertices (2: an edge, 1: any) does.
+/// \param own false: that one has been asked already.
+bool ringBlocks(const ChainScene& scene, const MapTexels& texels, int shared, bool own, const ShadowRay& ray);
+
+/// Why the pixel is as it is, a REASON_ of shaders/hybrid/ray_list.h; REASON_RT_LIT: only its ray can say.
+/// \param lit what the map says. \param normals whether the receiver's normal is the surface's: without it texels
+/// cannot be compared, and none is believed.
+std::uint32_t chainReason(const ChainScene& scene, const ChainStages& stages, bool lit, bool normals,
+                          const MapTexels& texels, const ShadowRay& ray);
+
+/// What a reason means: lit or dark.
+bool isLit(std::uint32_t reason);
+
+} // namespace gnomon

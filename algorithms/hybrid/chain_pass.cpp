@@ -1,0 +1,236 @@
+#include "algorithms/hybrid/chain_pass.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "algorithms/hybrid/bit_rows.hpp"
+#include "algorithms/hybrid/receivers.hpp"
+
+namespace gnomon {
+
+namespace {
+
+constexpr std::uint32_t kBand = 4;  // rows, and columns of a step: neighbouring rays share their way through the trees
+constexpr std::uint32_t kPiece = 8; // bands a thread takes at once: enough rays to fill batches
+
+/// A pixel of which the picture is to be told.
+struct Mark {
+    std::uint32_t pixel, range;
+};
+
+/// A pixel that asks the map. What it will read lies all over the map (at 2048 texels 32 MB, each row of a texel's
+/// neighbours on pages of its own), and is called for well before: a pixel takes half the time.
+struct Waiting {
+    std::uint32_t x, y;
+    bool lit;
+    ShadowRay ray;
+    MapTexels texels;
+};
+
+/// What all pieces share.
+struct Picture {
+    const ChainJob& job;
+    const HostContext& host;
+    const Receivers& receivers;
+    const HostMap& map;
+    BitRows lit;
+};
+
+/// Some rows of the picture.
+class Piece {
+public:
+    Piece(const Picture& picture, std::uint32_t top, std::uint32_t bottom);
+    std::span<const Mark> run();
+
+private:
+    void call(std::uint32_t x, std::uint32_t y);
+    void askCalled();
+    void ask(std::uint32_t x, std::uint32_t y);
+    void decide(const Waiting& pixel);
+    void settle(std::uint32_t x, std::uint32_t y, std::uint32_t reason);
+    void flush();
+    void runBand(std::uint32_t top, std::uint32_t bottom);
+
+    const Picture& picture_;
+    std::uint32_t top_, bottom_;
+    BitRows asked_; ///< Row 0 is `top_`.
+    std::span<Mark> marks_;
+    std::size_t count_ = 0;
+    Witnesses witnesses_;
+    ChainScene scene_;
+    // Pixels called for, and of these the ones that ask the map.
+    static constexpr std::uint32_t kOnTheWay = 64;
+    std::uint32_t called_[kOnTheWay], calledCount_ = 0;
+    Waiting waiting_[kOnTheWay];
+    std::uint32_t waitingCount_ = 0;
+    RayBatch<256> batch_; // the width of RayScene's sparse packets
+};
+
+Piece::Piece(const Picture& picture, std::uint32_t top, std::uint32_t bottom)
+    : picture_(picture), top_(top), bottom_(bottom),
+      witnesses_(*picture.job.triangles), scene_{picture.map, picture.job.constants->base,
+                                                 picture.job.light->type == GN_LIGHT_TYPE_POINT, witnesses_}
+{
+    FrameArena& arena = *picture.host.arena;
+    const std::uint32_t width = picture.lit.width, rows = bottom - top;
+    asked_ = {width, rows, arena.array<std::uint64_t>(rows * BitRows::wordsPerRow(width))};
+    for (std::uint32_t y = top; y < bottom; ++y) {
+        if (picture.job.contour == 0)
+            fullRow(width, asked_.row(y - top));
+        else // two pixels are a border itself, every two more a dilation
+            contourRow(picture.lit, y, (picture.job.contour - 1) / 2, asked_.row(y - top));
+    }
+    marks_ = arena.array<Mark>(countBits(asked_.words));
+}
+
+void Piece::settle(std::uint32_t x, std::uint32_t y, std::uint32_t reason)
+{
+    const ChainJob& job = picture_.job;
+    if (!job.reasons && isLit(reason) == picture_.lit.at(x, y)) return;
+    const VkOffset2D& from = job.view->area.offset;
+    const std::uint32_t pixel =
+        gpu::packPixel(static_cast<std::uint32_t>(from.x) + x, static_cast<std::uint32_t>(from.y) + y);
+    marks_[count_++] = {pixel, job.reasons ? reason : isLit(reason) ? 1u : 0u};
+}
+
+void Piece::flush()
+{
+    batch_.flush(
+        picture_.host, picture_.job.light->mask, RayCoherence::sparse, [&](std::uint32_t pixel, bool occluded) {
+            settle(gpu::pixelX(pixel), gpu::pixelY(pixel), occluded ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT);
+        });
+}
+
+void Piece::call(std::uint32_t x, std::uint32_t y)
+{
+    const VkOffset2D& from = picture_.job.view->area.offset;
+    picture_.receivers.prefetch(static_cast<std::uint32_t>(from.x) + x, static_cast<std::uint32_t>(from.y) + y);
+    called_[calledCount_++] = gpu::packPixel(x, y);
+    if (calledCount_ == kOnTheWay) askCalled();
+}
+
+void Piece::askCalled()
+{
+    waitingCount_ = 0;
+    for (std::uint32_t i = 0; i < calledCount_; ++i)
+        ask(gpu::pixelX(called_[i]), gpu::pixelY(called_[i]));
+    calledCount_ = 0;
+    for (std::uint32_t i = 0; i < waitingCount_; ++i)
+        decide(waiting_[i]);
+}
+
+void Piece::ask(std::uint32_t x, std::uint32_t y)
+{
+    const VkOffset2D& from = picture_.job.view->area.offset;
+    Waiting& pixel = waiting_[waitingCount_];
+    Receiver receiver;
+    const Asked asked = picture_.receivers.at(static_cast<std::uint32_t>(from.x) + x,
+                                              static_cast<std::uint32_t>(from.y) + y, pixel.ray, receiver);
+    if (asked != Asked::ray) {
+        settle(x, y, asked == Asked::lit ? gpu::REASON_OUTSIDE : gpu::REASON_BACKFACING);
+        return;
+    }
+    pixel.x = x;
+    pixel.y = y;
+    pixel.lit = picture_.lit.at(x, y);
+    pixel.texels = MapTexels(scene_.map, scene_.constants, scene_.cube, receiver);
+    pixel.texels.prefetch(pixel.lit ? picture_.job.stages.hintLit : picture_.job.stages.hintShadow);
+    ++waitingCount_;
+}
+
+void Piece::decide(const Waiting& pixel)
+{
+    const std::uint32_t reason =
+        chainReason(scene_, picture_.job.stages, pixel.lit, picture_.receivers.hasNormals(), pixel.texels, pixel.ray);
+    if (reason != gpu::REASON_RT_LIT) {
+        settle(pixel.x, pixel.y, reason);
+        return;
+    }
+    batch_.rays[batch_.count] = pixel.ray;
+    batch_.tags[batch_.count++] = gpu::packPixel(pixel.x, pixel.y);
+    if (batch_.full()) flush();
+}
+
+void Piece::runBand(std::uint32_t top, std::uint32_t bottom)
+{
+    const std::size_t words = BitRows::wordsPerRow(asked_.width);
+    for (std::size_t word = 0; word < words; ++word) {
+        std::uint64_t any = 0;
+        for (std::uint32_t y = top; y < bottom; ++y)
+            any |= asked_.row(y - top_)[word];
+        while (any != 0) {
+            const auto step = static_cast<std::uint32_t>(std::countr_zero(any)) / kBand * kBand;
+            for (std::uint32_t y = top; y < bottom; ++y) {
+                auto bits = static_cast<std::uint32_t>(asked_.row(y - top_)[word] >> step & 0xfu);
+                for (; bits != 0; bits &= bits - 1)
+                    call(static_cast<std::uint32_t>(64 * word) + step +
+                             static_cast<std::uint32_t>(std::countr_zero(bits)),
+                         y);
+            }
+            any &= ~(std::uint64_t{0xf} << step);
+        }
+    }
+}
+
+std::span<const Mark> Piece::run()
+{
+    for (std::uint32_t y = top_; y < bottom_; y += kBand)
+        runBand(y, std::min(y + kBand, bottom_));
+    askCalled();
+    flush();
+    return marks_.first(count_);
+}
+
+BitRows litRows(const ChainJob& job, const HostContext& host)
+{
+    const VkExtent2D extent = job.view->area.extent;
+    const std::span<const std::uint8_t> status = host.read<std::uint8_t>(job.status);
+    const BitRows lit{extent.width, extent.height,
+                      host.arena->array<std::uint64_t>(extent.height * BitRows::wordsPerRow(extent.width))};
+    host.jobs->parallelFor(extent.height, 64, [&](std::size_t begin, std::size_t end, std::uint32_t) {
+        for (std::size_t y = begin; y < end; ++y)
+            packBits(status.subspan(y * extent.width, extent.width), lit.row(static_cast<std::uint32_t>(y)));
+    });
+    return lit;
+}
+
+/// Puts the marks of all pieces into the list, range by range.
+void writeMarks(const ChainJob& job, const HostContext& host, std::span<const std::span<const Mark>> pieces)
+{
+    std::ranges::fill(job.ranges, MarkRange{});
+    for (const std::span<const Mark> piece : pieces)
+        for (const Mark& mark : piece)
+            ++job.ranges[mark.range].count;
+    std::uint32_t next[kMarkRanges] = {}, first = 0;
+    for (std::size_t i = 0; i < kMarkRanges; ++i) {
+        MarkRange& range = job.ranges[i];
+        range.first = next[i] = first;
+        // A reason's byte is its code; else the first range is dark and the second lit.
+        range.value = static_cast<float>(i) / (job.reasons ? 255.0f : 1.0f);
+        first += range.count;
+    }
+    const std::span<std::uint32_t> out = host.write<std::uint32_t>(job.marks);
+    for (const std::span<const Mark> piece : pieces)
+        for (const Mark& mark : piece)
+            out[next[mark.range]++] = mark.pixel;
+}
+
+} // namespace
+
+void runChain(const ChainJob& job, const HostContext& host)
+{
+    const HostMap map = job.map.onHost(host);
+    const Receivers receivers(*job.view, *job.light, host.read<float>(job.depth),
+                              job.normals ? host.read<std::byte>(job.normals) : std::span<const std::byte>());
+    const Picture picture{job, host, receivers, map, litRows(job, host)};
+    const std::uint32_t height = picture.lit.height, bands = (height + kBand - 1) / kBand;
+    const std::span<std::span<const Mark>> pieces = host.arena->array<std::span<const Mark>>(bands);
+    std::ranges::fill(pieces, std::span<const Mark>());
+    host.jobs->parallelFor(bands, kPiece, [&](std::size_t begin, std::size_t end, std::uint32_t) {
+        const auto top = static_cast<std::uint32_t>(begin) * kBand;
+        pieces[begin] = Piece(picture, top, std::min(static_cast<std::uint32_t>(end) * kBand, height)).run();
+    });
+    writeMarks(job, host, pieces);
+}
+
+} // namespace gnomon

@@ -1,0 +1,189 @@
+#include "algorithms/hybrid/contour_chain.hpp"
+
+#include <algorithm>
+
+#include "algorithms/hybrid/chain_pass.hpp"
+#include "algorithms/hybrid/ray_list.hpp"
+#include "algorithms/maps/map_resolve.hpp"
+#include "runtime/scene/light_pixels.hpp"
+#include "shaders/hybrid_contour_chain_cube_frag.h"
+#include "shaders/hybrid_contour_chain_frag.h"
+#include "shaders/maps_map_resolve_vert.h"
+
+namespace gnomon {
+
+namespace {
+
+enum Setting { kResolution, kContour, kMode, kReasons };
+
+constexpr SettingSpec kSettings[] = {
+    {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024},
+    {"contour", "Width in pixels of what is looked into around edges of the map's shadows: 2, 4 or 6; 0: everywhere.",
+     0, 6, 4},
+    {"mode", "0 chain, 1 texels only, 2 texels that say lit, 3 strict, 4 no rays, 5 texels everywhere: see the page.",
+     0, 5, 2},
+    kReasonsSetting,
+};
+
+PipelineId statusPipeline(const AlgorithmServices& services, bool cube, bool normals)
+{
+    const std::array bindings = lookBindings(cube);
+    GraphicsPipelineInfo pipeline;
+    pipeline.name = "contour_chain.status";
+    pipeline.vertex.code = k_maps_map_resolve_vert;
+    pipeline.fragment.code = cube ? std::span<const std::uint32_t>(k_hybrid_contour_chain_cube_frag)
+                                  : std::span<const std::uint32_t>(k_hybrid_contour_chain_frag);
+    pipeline.fragment.specializationCount = 1;
+    pipeline.fragment.specialization[0] = normals;
+    pipeline.bindings = bindings;
+    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
+    return services.pipelines->graphics(pipeline);
+}
+
+/// Contours are 2, 4 or 6 pixels wide; numbers between them count as the next one.
+std::uint32_t contourWidth(double setting)
+{
+    return (static_cast<std::uint32_t>(setting) + 1) / 2 * 2;
+}
+
+class ContourChain final : public ShadowAlgorithm {
+public:
+    explicit ContourChain(const AlgorithmServices& services)
+        : map_(makeIdMapPipelines(services)), marks_(services, "contour_chain.marks")
+    {
+        for (const bool cube : {false, true})
+            for (const bool normals : {false, true})
+                status_[cube][normals] = statusPipeline(services, cube, normals);
+    }
+
+    void declare(PassBuilder& passes, const ShadowTask& task) override
+    {
+        const auto mode = static_cast<ChainMode>(task.settings[kMode]);
+        ChainJob job = makeJob(passes, task, mode);
+        if (job.stages.witnesses) declareRings(passes, *job.triangles);
+        declareStatus(passes, task, job);
+        PassRef host = passes.host("contour_chain.chain");
+        host.reads(job.status).reads(job.depth).writes(job.marks);
+        if (job.normals) host.reads(job.normals);
+        job.map.uses(host);
+        host.run([job](HostContext& context) { runChain(job, context); });
+        marks_.declare(passes, task, job.marks, job.ranges);
+    }
+
+private:
+    ChainJob makeJob(PassBuilder& passes, const ShadowTask& task, ChainMode mode);
+    void declareRings(PassBuilder& passes, const NumberedTriangles& triangles) const;
+    void declareStatus(PassBuilder& passes, const ShadowTask& task, const ChainJob& job) const;
+
+    IdMapPipelines map_;
+    PipelineId status_[2][2]; ///< [cube][has normals]
+    PointMarks marks_;
+    RingsCache rings_;
+};
+
+ChainJob ContourChain::makeJob(PassBuilder& passes, const ShadowTask& task, ChainMode mode)
+{
+    FrameArena& arena = passes.arena();
+    const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
+    const ChainStages stages = stagesOf(mode);
+    const NumberedTriangles* triangles =
+        arena.make(NumberedTriangles(task.casters->all, stages.witnesses ? &rings_ : nullptr, arena));
+    gpu::HybridConstants* constants = arena.make<gpu::HybridConstants>();
+    const IdMap map = declareIdMap(passes, map_, task, resolution, *triangles);
+    constants->base = mapConstants(task, resolution, 1);
+    addLightProjection(constants->base, map.fits, task);
+    constants->reasons = task.settings[kReasons] != 0.0;
+    const VkExtent2D extent = task.view->area.extent;
+    const VkDeviceSize pixels = VkDeviceSize{extent.width} * extent.height;
+    return {.view = task.view,
+            .light = task.light,
+            .constants = constants,
+            .triangles = triangles,
+            .map = map,
+            .depth = passes.depthOnHost(),
+            .normals = passes.normalsOnHost(),
+            .status = passes.transient(
+                BufferInfo{.name = "contour_chain.status", .size = pixels, .place = BufferPlace::readback}),
+            .marks = passes.transient(
+                BufferInfo{.name = "contour_chain.marks", .size = 4 * pixels, .place = BufferPlace::upload}),
+            .ranges = arena.array<MarkRange>(kMarkRanges),
+            .stages = stages,
+            .contour = mode == ChainMode::wholeTc ? 0 : contourWidth(task.settings[kContour]),
+            .reasons = constants->reasons != 0};
+}
+
+void ContourChain::declareRings(PassBuilder& passes, const NumberedTriangles& triangles) const
+{
+    for (const NumberedTriangles::Entry& entry : triangles.entries()) {
+        if (!entry.rings || entry.rings->built) continue;
+        passes.prepare("contour_chain.rings", Scope::scene, entry.caster->mesh->id)
+            .run([rings = entry.rings, topology = entry.caster->mesh->topology](HostContext& host) {
+                rings->rings.build(*topology);
+                rings->built = true;
+                host.countIndexList();
+            });
+    }
+}
+
+void ContourChain::declareStatus(PassBuilder& passes, const ShadowTask& task, const ChainJob& job) const
+{
+    const LookImages look(task, job.map.depth);
+    const PipelineId pipeline = status_[job.map.fits.size() > 1][look.hasNormals];
+    const VkRect2D& area = task.view->area;
+    const VkRect2D pixels = lightPixels(*task.light, *task.view);
+    PassRef pass = passes.raster("contour_chain.status");
+    look.uses(pass);
+    pass.writes(task.visibility, visibilityIn(task, pixels))
+        .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
+        .record([=, constants = job.constants](PassContext& gpu) {
+            if (pixels.extent.width == 0) return;
+            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+            gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
+            gpu.drawFullscreen();
+        });
+    passes.transfer("contour_chain.copy_status")
+        .copies(task.visibility, {.layer = task.layer})
+        .writes(job.status)
+        .record([=, image = task.visibility, layer = task.layer, status = job.status](PassContext& gpu) {
+            const VkBufferImageCopy2 region{.sType = VK_STRUCTURE_TYPE_BUFFER_IMAGE_COPY_2,
+                                            .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, layer, 1},
+                                            .imageOffset = {area.offset.x, area.offset.y, 0},
+                                            .imageExtent = {area.extent.width, area.extent.height, 1}};
+            const VkCopyImageToBufferInfo2 info{.sType = VK_STRUCTURE_TYPE_COPY_IMAGE_TO_BUFFER_INFO_2,
+                                                .srcImage = gpu.image(image),
+                                                .srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                                .dstBuffer = gpu.buffer(status),
+                                                .regionCount = 1,
+                                                .pRegions = &region};
+            gpu.vk->vkCmdCopyImageToBuffer2(gpu.cmd, &info);
+        });
+}
+
+} // namespace
+
+constinit const AlgorithmEntry kContourChain{
+    .name = "contour_chain",
+    .source = "Moderno, chapters 3 and 4",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
+    .roundTrips = 1,
+    .maxRounds = 0,
+    .settings = kSettings,
+    .memoryPerLight =
+        [](std::span<const double> settings, VkExtent2D extent) {
+            // As many layers as a point light may need; the two other kinds need one. A byte and a mark a pixel.
+            return idMapMemory(static_cast<std::uint32_t>(settings[kResolution]), 6) +
+                   pooledSize(VkDeviceSize{extent.width} * extent.height) +
+                   pooledSize(VkDeviceSize{4} * extent.width * extent.height);
+        },
+    .missing = [](const DeviceTable& vk) -> const char* {
+        return vk.enabled.geometryShader ? nullptr : "needs geometryShader"; // gl_PrimitiveID in fragment shaders
+    },
+    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
+        return std::make_unique<ContourChain>(services);
+    },
+    .typicalWrongPercent = 0.038f, // contour_chain.md, colonnade
+};
+
+} // namespace gnomon

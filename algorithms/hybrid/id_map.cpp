@@ -1,0 +1,224 @@
+#include "algorithms/hybrid/id_map.hpp"
+
+#include <algorithm>
+
+#include "algorithms/common/caster_lists.hpp"
+#include "algorithms/maps/depth_casters.hpp"
+#include "algorithms/maps/map_look.hpp"
+#include "algorithms/omni/cube_faces.hpp"
+#include "shaders/hybrid_id_map_frag.h"
+#include "shaders/hybrid_id_map_vert.h"
+
+namespace gnomon {
+
+namespace {
+
+constexpr VkFormat kNumberFormat = VK_FORMAT_R32_UINT;
+// Stamps of an image that exists, and of a layer that holds nothing.
+constexpr std::uint64_t kMade = 1, kEmpty = 2;
+
+/// One map, while it is declared.
+struct Declaring {
+    PassBuilder& passes;
+    const IdMapPipelines& pipelines;
+    const ShadowTask& task;
+    std::uint32_t resolution;
+
+    std::uint32_t variant(std::uint32_t layer) const { return resolution * 8 + layer; }
+    BufferId layerBuffer(const char* name, std::uint32_t layer) const
+    {
+        return passes.persistent(BufferInfo{.name = name,
+                                            .scope = Scope::light,
+                                            .size = VkDeviceSize{4} * resolution * resolution,
+                                            .place = BufferPlace::readback,
+                                            .variant = variant(layer)});
+    }
+    void drawDepthOnly(const IdMap& map, std::uint32_t layer, std::span<const Caster* const> casters) const;
+    void draw(const IdMap& map, std::uint32_t layer, std::span<const Caster* const> casters, bool over, ImageId numbers,
+              BufferId firsts) const;
+    void copy(std::uint32_t layer, ImageId from, std::uint32_t fromLayer, BufferId to, VkImageAspectFlags aspect,
+              const char* name) const;
+};
+
+/// The casters that the host draws come last of the two lists, the first of which is returned.
+std::size_t splitHostDrawn(std::span<const Caster* const> casters, std::span<const Caster*> sorted)
+{
+    std::size_t own = 0, last = casters.size();
+    for (const Caster* caster : casters)
+        (caster->hostDrawn ? sorted[--last] : sorted[own++]) = caster;
+    return own;
+}
+
+/// First, so that a texel in which they are nearest keeps naming no triangle.
+void Declaring::drawDepthOnly(const IdMap& map, std::uint32_t layer, std::span<const Caster* const> casters) const
+{
+    const DepthCasters draw(pipelines.depth, map.fits[layer], task, resolution, passes.arena());
+    passes.raster("contour_chain.host_casters", Scope::light, variant(layer))
+        .depthWrite(map.depth, {.layer = layer, .clear = true, .value = {.depthStencil = {1.0f, 0}}})
+        .record([=](PassContext& gpu) { draw(gpu, casters, false); });
+}
+
+void Declaring::draw(const IdMap& map, std::uint32_t layer, std::span<const Caster* const> casters, bool over,
+                     ImageId numbers, BufferId firsts) const
+{
+    const MapProjection projection = mapProjection(map.fits[layer], *task.light);
+    const DepthCasters::Push push{projection.clipFromZero, glm::vec4(projection.zeroWs, 0.0f)};
+    VkClearValue none{};
+    none.color.uint32[0] = kNoTriangle;
+    passes.raster("contour_chain.casters", Scope::light, variant(layer))
+        .depthWrite(map.depth, {.layer = layer, .clear = !over, .value = {.depthStencil = {1.0f, 0}}})
+        .writes(numbers, {.clear = true, .value = none})
+        .reads(firsts)
+        .record([=, pipeline = pipelines.casters](PassContext& gpu) {
+            if (casters.empty()) return;
+            const Bound bindings[] = {gpu.storage(0, firsts)};
+            gpu.drawCasters({.pipeline = pipeline,
+                             .casters = casters,
+                             .bindings = bindings,
+                             .push = &push,
+                             .pushSize = sizeof(push)});
+        });
+}
+
+void Declaring::copy(std::uint32_t layer, ImageId from, std::uint32_t fromLayer, BufferId to, VkImageAspectFlags aspect,
+                     const char* name) const
+{
+    passes.transfer(name, Scope::light, variant(layer))
+        .copies(from, {.layer = fromLayer})
+        .writes(to)
+        .record([=, side = resolution](PassContext& gpu) {
+            const VkBufferImageCopy2 region{.sType = VK_STRUCTURE_TYPE_BUFFER_IMAGE_COPY_2,
+                                            .imageSubresource = {aspect, 0, fromLayer, 1},
+                                            .imageExtent = {side, side, 1}};
+            const VkCopyImageToBufferInfo2 info{.sType = VK_STRUCTURE_TYPE_COPY_IMAGE_TO_BUFFER_INFO_2,
+                                                .srcImage = gpu.image(from),
+                                                .srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                                .dstBuffer = gpu.buffer(to),
+                                                .regionCount = 1,
+                                                .pRegions = &region};
+            gpu.vk->vkCmdCopyImageToBuffer2(gpu.cmd, &info);
+        });
+}
+
+/// Numbers of first triangles by index of the caster, for the vertex shader.
+BufferId declareFirsts(PassBuilder& passes, const NumberedTriangles& triangles)
+{
+    std::uint32_t count = 1;
+    for (const NumberedTriangles::Entry& entry : triangles.entries())
+        count = std::max(count, entry.caster->index + 1);
+    const BufferId firsts = passes.transient(BufferInfo{.name = "contour_chain.firsts",
+                                                        .scope = Scope::light,
+                                                        .size = sizeof(std::uint32_t) * VkDeviceSize{count},
+                                                        .place = BufferPlace::upload});
+    passes.prepare("contour_chain.firsts", Scope::light)
+        .writes(firsts)
+        .run([firsts, entries = triangles.entries()](HostContext& host) {
+            const std::span<std::uint32_t> out = host.write<std::uint32_t>(firsts);
+            for (const NumberedTriangles::Entry& entry : entries)
+                out[entry.caster->index] = entry.first;
+        });
+    return firsts;
+}
+
+} // namespace
+
+IdMapPipelines makeIdMapPipelines(const AlgorithmServices& services)
+{
+    static constexpr BindingInfo kBindings[] = {{.binding = 0, .kind = BindingKind::storageBuffer}};
+    IdMapPipelines result{.casters = {}, .depth = makeDepthMapPipelines(services)};
+    GraphicsPipelineInfo info;
+    info.name = "contour_chain.casters";
+    info.vertex.code = k_hybrid_id_map_vert;
+    info.fragment.code = k_hybrid_id_map_frag;
+    info.bindings = kBindings;
+    info.pushBytes = sizeof(DepthCasters::Push);
+    info.vertexStride = sizeof(glm::vec3);
+    info.casters = info.transforms = true;
+    info.depthTest = info.depthWrite = true;
+    info.depthCompare = VK_COMPARE_OP_LESS;
+    info.depthFormat = kMapFormat;
+    info.colorFormat = kNumberFormat;
+    info.depthClamp = result.depth.clamps;
+    result.casters = services.pipelines->graphics(info);
+    return result;
+}
+
+void IdMap::uses(PassRef& host) const
+{
+    for (std::size_t layer = 0; layer < fits.size(); ++layer)
+        if (needed >> layer & 1) host.reads(depths[layer]).reads(numbers[layer]);
+}
+
+HostMap IdMap::onHost(const HostContext& context) const
+{
+    HostMap map{.side = side, .depth = {}, .triangle = {}};
+    for (std::size_t layer = 0; layer < fits.size(); ++layer) {
+        if ((needed >> layer & 1) == 0) continue;
+        map.depth[layer] = context.read<float>(depths[layer]);
+        map.triangle[layer] = context.read<std::uint32_t>(numbers[layer]);
+    }
+    return map;
+}
+
+IdMap declareIdMap(PassBuilder& passes, const IdMapPipelines& pipelines, const ShadowTask& task,
+                   std::uint32_t resolution, const NumberedTriangles& triangles)
+{
+    FrameArena& arena = passes.arena();
+    const Declaring declaring{passes, pipelines, task, resolution};
+    const bool cube = task.light->type == GN_LIGHT_TYPE_POINT;
+    IdMap map{.depth = passes.persistent(ImageInfo{.name = "contour_chain.depth",
+                                                   .scope = Scope::light,
+                                                   .format = kMapFormat,
+                                                   .extent = {resolution, resolution},
+                                                   .layers = cube ? 6u : 1u,
+                                                   .variant = resolution}),
+              .fits = cube ? std::span<const LightFit>(fitCubeFaces(pipelines.depth, task, resolution, arena))
+                           : std::span<const LightFit>(fitDepthMap(pipelines.depth, task, arena), 1),
+              .needed = cube ? neededCubeFaces(task) : 1u,
+              .side = resolution,
+              .depths = {},
+              .numbers = {}};
+    const bool fresh = passes.stale(map.depth, kMade);
+    for (std::uint32_t layer = 0; layer < map.fits.size(); ++layer) {
+        map.depths[layer] = declaring.layerBuffer("contour_chain.depths", layer);
+        map.numbers[layer] = declaring.layerBuffer("contour_chain.numbers", layer);
+        if ((map.needed >> layer & 1) == 0) {
+            if (fresh) passes.stale(map.depths[layer], kEmpty); // what an earlier image held is gone with it
+            continue;
+        }
+        const LightFit& fit = map.fits[layer];
+        const std::span<const Caster* const> casters = castersIn(task.casters->all, fit.volume, arena);
+        const std::uint64_t stamp =
+            Stamp().add(task.light->revision).add(fit.clipFromWorld).add(triangles.stamp()).add(casters).value();
+        const bool depthDue = passes.stale(map.depths[layer], stamp);
+        const bool numbersDue = passes.stale(map.numbers[layer], stamp);
+        if (!depthDue && !numbersDue && !fresh) {
+            passes.kept();
+            continue;
+        }
+        // One image for all layers, one after the other: six would take a third more memory.
+        const ImageId numbers = passes.transient(ImageInfo{.name = "contour_chain.numbers",
+                                                           .scope = Scope::light,
+                                                           .format = kNumberFormat,
+                                                           .extent = {resolution, resolution},
+                                                           .variant = resolution});
+        const std::span<const Caster*> sorted = arena.array<const Caster*>(casters.size());
+        const std::size_t own = splitHostDrawn(casters, sorted);
+        const bool over = own < sorted.size();
+        if (over) declaring.drawDepthOnly(map, layer, sorted.subspan(own));
+        declaring.draw(map, layer, sorted.first(own), over, numbers, declareFirsts(passes, triangles));
+        declaring.copy(layer, map.depth, layer, map.depths[layer], VK_IMAGE_ASPECT_DEPTH_BIT,
+                       "contour_chain.copy_depth");
+        declaring.copy(layer, numbers, 0, map.numbers[layer], VK_IMAGE_ASPECT_COLOR_BIT, "contour_chain.copy_numbers");
+    }
+    return map;
+}
+
+VkDeviceSize idMapMemory(std::uint32_t resolution, std::uint32_t layers)
+{
+    // Depth on the device, both on the CPU; and one layer of numbers while they are drawn.
+    const VkDeviceSize layer = VkDeviceSize{resolution} * resolution * 4;
+    return layers * (layer + 2 * pooledSize(layer)) + layer;
+}
+
+} // namespace gnomon

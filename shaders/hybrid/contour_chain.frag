@@ -1,0 +1,36 @@
+#version 460
+// What the map alone says of a pixel: one texel, as shadow_map and cube_map look it up. The chain goes on from there. Bit 0
+// of the byte is 1 where the pixel is lit, as visibility (255 or 0) and as a reason (REASON_OUTSIDE, REASON_MAP_LIT) alike.
+#extension GL_GOOGLE_include_directive : require
+#include "ray_list.h"
+
+layout(set = 0, binding = 0, std140) uniform Constants {
+    MapConstants constants;
+    uint capacity;
+    uint reasons;
+};
+layout(set = 0, binding = 2) uniform sampler2D depthImage;
+layout(set = 0, binding = 3) uniform sampler2D normalImage;
+#ifdef MAP_LAYERS
+layout(set = 0, binding = 4) uniform sampler2DArray map;
+#else
+layout(set = 0, binding = 4) uniform sampler2D map; // border: depth 1, past the map nothing casts
+#endif
+layout(location = 0) in vec3 rayWs;
+layout(location = 1) in vec4 rayClip;
+layout(location = 0) out float visibility;
+
+#include "../maps/agreement.glsl"
+#include "../maps/filter.glsl"
+#include "decided.glsl"
+
+void main()
+{
+    PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.map, rayWs);
+    float layer;
+    vec4 clip = mapClipOf(r, layer);
+    Tap tap = tapOf(r, clip, layer);
+    float lit = nearestVisibility(tap, tap.at);
+    visibility = r.decided ? decidedAs(r.visibility, r.visibility > 0.0 ? REASON_OUTSIDE : REASON_BACKFACING)
+                           : decidedAs(lit, lit > 0.0 ? REASON_MAP_LIT : REASON_MAP_SHADOW);
+}
