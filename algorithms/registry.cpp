@@ -18,6 +18,7 @@
 #include "algorithms/volumes/all_edges_volume.hpp"
 #include "algorithms/volumes/chan_durand.hpp"
 #include "algorithms/volumes/octree_volume.hpp"
+#include "algorithms/volumes/penumbra_wedges.hpp"
 #include "algorithms/volumes/projected_planar.hpp"
 #include "algorithms/volumes/stencil_volume.hpp"
 #endif
@@ -29,7 +30,7 @@ namespace {
 constexpr std::array kAlgorithms = {
     &kShadowMap,     &kCubeMap,    &kDualParaboloid,
 #ifdef GNOMON_WITH_OPENMESH
-    &kStencilVolume, &kChanDurand, &kOctreeVolume,   &kAllEdgesVolume, &kProjectedPlanar,
+    &kStencilVolume, &kChanDurand, &kOctreeVolume,   &kAllEdgesVolume, &kProjectedPlanar, &kPenumbraWedges,
 #endif
     &kMcCool,
 #ifdef GNOMON_WITH_EMBREE
@@ -46,7 +47,7 @@ constexpr std::initializer_list<const char*> kAbsentNames = {
     "ray_traced",     "pcf_hybrid",
 #endif
 #ifndef GNOMON_WITH_OPENMESH
-    "stencil_volume", "chan_durand", "octree_volume", "all_edges_volume", "projected_planar",
+    "stencil_volume", "chan_durand", "octree_volume", "all_edges_volume", "projected_planar", "penumbra_wedges",
 #endif
 #if !defined(GNOMON_WITH_EMBREE) || !defined(GNOMON_WITH_OPENMESH)
     "angular_spans",

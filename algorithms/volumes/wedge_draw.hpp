@@ -1,0 +1,35 @@
+#pragma once
+// Penumbra wedges under the sides of shadow volumes: which are drawn for a light in a view, and their drawing.
+#include "algorithms/volumes/volume_draw.hpp"
+
+namespace gnomon {
+
+/// Coverage beyond the stencil's count, and how many edges may have it off by one (wedge.frag).
+inline constexpr VkFormat kCoverageFormat = VK_FORMAT_R16G16_SFLOAT;
+
+struct WedgePipelines {
+    PipelineId wedges[2]; ///< By reversed depth.
+};
+WedgePipelines makeWedgePipelines(const AlgorithmServices& services);
+
+/// In the frame's arena.
+struct WedgePlan {
+    const CameraView* view = nullptr;
+    const LightView* light = nullptr;
+    std::span<VolumeDraw> draws; ///< Of sides, whose lists the wedges read.
+    BufferId lists[2];           ///< Null ids: none.
+    BufferId receiverBounds;
+    ImageId depth;
+    bool bounded = true;
+    VkRect2D pixels{}; ///< Where the light can reach.
+};
+
+/// Those casters of two lists of sides whose penumbra the view can see.
+WedgePlan* planWedges(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil,
+                      std::span<const VolumeList, 2> sides, bool bounded);
+
+/// Declares the pass that adds up the wedges. @return of kCoverageFormat, by task
+ImageId declareWedges(PassBuilder& passes, const ShadowTask& task, const char* name, const ViewStencil& stencil,
+                      const WedgePlan& plan, const WedgePipelines& pipelines);
+
+} // namespace gnomon
