@@ -116,7 +116,7 @@ TEST_CASE_FIXTURE(
 {
     for (const char* method :
          {"shadow_map", "cube_map", "dual_paraboloid", "stencil_volume", "octree_volume", "all_edges_volume",
-          "projected_planar", "chan_durand", "mccool", "pcf_hybrid", "ray_traced", "angular_spans"})
+          "projected_planar", "chan_durand", "mccool", "pcf_hybrid", "ray_traced", "angular_spans", "penumbra_wedges"})
         churn(method);
 }
 
