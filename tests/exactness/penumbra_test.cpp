@@ -1,4 +1,5 @@
 // Soft shadows against 256 rays a pixel, by the definitions' soft error.
+#include <algorithm>
 #include <cmath>
 
 #include "exactness/soft_reference.hpp"
@@ -144,10 +145,10 @@ TEST_CASE("the eye may be inside a wedge or before it, and the near plane may cu
             pass += softErrorOf(stage.draw(kWedges), truth);
             fail += softErrorOf(stage.draw(kWedges, {{"z_fail", 1.0}, {"bounded", 0.0}}), truth);
         }
-        MESSAGE(demo::nameOf(kind) << " light, " << inside << " of " << kSteps << " eyes in the penumbra: "
-                                   << inWords(pass) << "; z-fail, endless " << inWords(fail));
+        MESSAGE(std::string(demo::nameOf(kind)) << " light, " << inside << " of " << kSteps << " eyes in the penumbra: "
+                                                << inWords(pass) << "; z-fail, endless " << inWords(fail));
         CHECK(inside >= 2);
-        CHECK(inside < kSteps);
+        CHECK(inside < kSteps); // others in the umbra, or lit
         for (const SoftError& error : {pass, fail}) {
             CHECK(error.penumbra > 500);
             CHECK(error.mean() <= 0.02);
@@ -186,44 +187,60 @@ TEST_CASE("a source without a radius gives stencil_volume's picture bit by bit, 
 
 namespace {
 
-/// Pixels that stand out by more than a quarter from eight neighbours that are alike: no edge, but a speckle.
-uint64_t speckles(const Image8& picture)
+/// Whether a pixel stands out by more than a quarter from eight neighbours that are alike: no edge, but a speckle.
+bool standsOut(const Image8& picture, uint32_t x, uint32_t y)
+{
+    int least = 255, most = 0;
+    for (uint32_t k = 0; k < 9; ++k) {
+        if (k == 4) continue;
+        const int value = *picture.at(x + k % 3 - 1, y + k / 3 - 1);
+        least = std::min(least, value);
+        most = std::max(most, value);
+    }
+    const int own = *picture.at(x, y);
+    return most - least < 48 && (own > most + 64 || own < least - 64);
+}
+
+/// Those that the hard picture has not: receivers on a silhouette edge itself are ambiguous there as well.
+uint64_t speckles(const Image8& picture, const Image8& hard)
 {
     uint64_t count = 0;
     for (uint32_t y = 1; y + 1 < picture.height; ++y)
-        for (uint32_t x = 1; x + 1 < picture.width; ++x) {
-            int least = 255, most = 0;
-            for (uint32_t k = 0; k < 9; ++k)
-                if (k != 4) {
-                    const int value = *picture.at(x + k % 3 - 1, y + k / 3 - 1);
-                    least = std::min(least, value);
-                    most = std::max(most, value);
-                }
-            const int own = *picture.at(x, y);
-            count += most - least < 48 && (own > most + 64 || own < least - 64);
-        }
+        for (uint32_t x = 1; x + 1 < picture.width; ++x)
+            count += standsOut(picture, x, y) && !standsOut(hard, x, y);
     return count;
+}
+
+uint64_t pixelsBetween(const Image8& picture)
+{
+    return uint64_t(std::count_if(picture.texels.begin(), picture.texels.end(),
+                                  [](uint8_t value) { return value > 5 && value < 250; }));
 }
 
 } // namespace
 
 // Where the hard shadow's border lies, count and wedge decide about its side on their own: by rasterisation, and in
-// floats.
+// floats. In two of these pictures they do not agree about a pixel; unless that is settled it is lit in a penumbra.
 TEST_CASE("no speckles in penumbrae where count and wedges meet")
 {
     const test::DeviceTest silence;
-    uint64_t seen = 0;
     for (const Caster caster : {Caster::box, Caster::sphere, Caster::torus}) {
-        Stage stage(softScene(caster, LightKind::Point, 1.6, 0.6f), {1280, 720});
-        const Pictures pictures = stage.draw(kWedges);
-        uint64_t between = 0;
-        for (const uint8_t value : pictures[0].texels)
-            between += value > 5 && value < 250;
-        CHECK(between > 20000);
-        seen += speckles(pictures[0]);
-        MESSAGE(speckles(pictures[0]) << " speckles in " << between << " pixels of penumbra");
+        Scene scene = softScene(caster, LightKind::Point, 1.6, 0.6f);
+        for (int i = 1; i < 8; ++i)
+            scene.camera.push_back(
+                {.time = double(i), .eye = {0.8 - i, 3.2 - 0.3 * i, 4.2}, .target = {0.4, 0.3 + 0.05 * i, -0.4}});
+        Stage stage(std::move(scene), {1280, 720});
+        uint64_t seen = 0, between = 0;
+        for (int i = 0; i < 10; ++i) {
+            stage.goTo(0.37 * i);
+            const Pictures soft = stage.draw(kWedges), hard = stage.draw("stencil_volume");
+            seen += speckles(soft[0], hard[0]);
+            between += pixelsBetween(soft[0]);
+        }
+        MESSAGE(seen << " speckles in " << between << " pixels of penumbra");
+        CHECK(between > 200000);
+        CHECK(seen == 0);
     }
-    CHECK(seen == 0);
 }
 
 TEST_CASE("shadows of two casters that overlap stay dark, and nothing is lit more than once")
