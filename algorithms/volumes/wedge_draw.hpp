@@ -8,7 +8,7 @@ namespace gnomon {
 inline constexpr VkFormat kCoverageFormat = VK_FORMAT_R16G16_SFLOAT;
 
 struct WedgePipelines {
-    PipelineId wedges[2]; ///< By reversed depth.
+    PipelineId before[2], around[2]; ///< By reversed depth; see WedgePlan.
 };
 WedgePipelines makeWedgePipelines(const AlgorithmServices& services);
 
@@ -16,8 +16,10 @@ WedgePipelines makeWedgePipelines(const AlgorithmServices& services);
 struct WedgePlan {
     const CameraView* view = nullptr;
     const LightView* light = nullptr;
-    std::span<VolumeDraw> draws; ///< Of sides, whose lists the wedges read.
-    BufferId lists[2];           ///< Null ids: none.
+    // Of sides, whose lists the wedges read. Casters whose penumbra is clear of the near rectangle, of which the near
+    // sides of hulls are drawn, and the others.
+    std::span<VolumeDraw> before, around;
+    BufferId lists[2]; ///< Null ids: none.
     BufferId receiverBounds;
     ImageId depth;
     bool bounded = true;

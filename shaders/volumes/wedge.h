@@ -21,8 +21,9 @@ GN_SHARED_SIZE(WedgeConstants, 176)
 // One caster, and which two of the hull's eight triangles are drawn.
 struct WedgePush {
     VolumePush caster;
-    uint part; // 0 to WEDGE_PARTS - 1
-    uint padding[3];
+    uint part;   // 0 to WEDGE_PARTS - 1
+    uint before; // 1: the hull's near side is drawn, 0: its far side
+    uint padding[2];
 };
 GN_SHARED_SIZE(WedgePush, 80)
 
@@ -114,7 +115,8 @@ GN_SHARED_FN EdgeShare edgeShare(vec3 from, vec3 to, vec3 light, float radius)
     bool behind = max(tFrom, tTo) <= nearest || min(tFrom, tTo) >= lightDistance;
     if (behind || beside >= 1.0f || u0 == u1) return nothing;
     // Sector less triangle, in shares of the disc: taken away where the centre is covered, added where it is not.
-    float outer = abs(atan(u1, beside) - atan(u0, beside)) - beside * abs(u1 - u0);
+    float twice = beside * abs(u1 - u0);
+    float outer = atan(twice, beside * beside + u0 * u1) - twice;
     EdgeShare result;
     result.share = (side > 0.0f ? -outer : outer) * (1.0f / 6.28318531f);
     bool throughCentre = min(u0, u1) <= 1e-3f && max(u0, u1) >= -1e-3f;

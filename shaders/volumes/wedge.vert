@@ -41,7 +41,9 @@ void main()
     vec4 position = corner < 2u ? vec4(tip, 1.0) : extruded(tip, vec4(wedge.rays[(corner + 2u) & 3u], 0.0), endPlane(wedge));
     gl_Position = constants.clipFromEye * position;
     if (wedge.whole == 0.0) return;
-    // The whole view, as the far side of a hull: at the depth of the sky, turned away from the eye.
-    vec2 screen = vec2(corner == 2u || corner == 3u ? -1.0 : 1.0, corner == 2u || corner == 4u ? -1.0 : 1.0);
-    gl_Position = push.part == 3u ? vec4(screen, wedges.view.skyDepth, 1.0) : vec4(0.0, 0.0, 0.0, 1.0);
+    // The whole view as one side of a hull: of the depth of the sky and turned away from the eye, or as near as can be
+    // and turned towards it.
+    bool left = corner == 2u || corner == 3u, low = (corner == 2u || corner == 4u) == (push.before == 0u);
+    float z = push.before == 0u ? wedges.view.skyDepth : 1.0 - wedges.view.skyDepth;
+    gl_Position = push.part == 3u ? vec4(left ? -1.0 : 1.0, low ? -1.0 : 1.0, z, 1.0) : vec4(0.0, 0.0, 0.0, 1.0);
 }

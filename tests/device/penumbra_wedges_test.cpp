@@ -1,5 +1,6 @@
 // penumbra_wedges on a device: what it keeps, that lights of one view do not disturb each other, and what it refuses.
-#include "device/fixture.hpp"
+#include "algorithms/volumes/penumbra_wedges.hpp"
+#include "device/memory_books.hpp"
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -80,14 +81,37 @@ TEST_CASE_FIXTURE(DeviceTest, "lights of one view are as they are alone, recorde
     }
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "what a view takes is what the plan is told, however many lights")
+{
+    constexpr VkExtent2D extent{328, 180};
+    const VkDeviceSize told = kPenumbraWedges.memoryFor(std::vector<double>{1.0, 0.0}, extent);
+    for (const size_t lights : {1u, 3u}) {
+        MemoryBooks books;
+        Scene scene = softScene(demo::LightKind::Spot, 0.4f);
+        while (scene.lights.size() < lights) {
+            scene.lights.push_back(pointLight("more", {-2.0, 4.0 + double(scene.lights.size()), 1.0}, true));
+            scene.lights.back().radius = 0.2f;
+        }
+        Host host(scene, books.options({.extent = extent}));
+        host.pinAll(kMethod);
+        for (int frame = 0; frame < 4; ++frame)
+            host.require(host.draw());
+        CAPTURE(books.list());
+        CHECK(books.held("penumbra_wedges.coverage").count == 1);
+        VkDeviceSize held = books.held("penumbra_wedges.coverage").bytes;
+        for (const char* name : {"volumes.depths", "volumes.depth_stencil", "volumes.bounds"})
+            held += books.held(name).bytes;
+        CHECK(held > told / 2);
+        CHECK(held <= told + told / 8); // images may be padded
+    }
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "the sun is left to others")
 {
     Scene scene = softScene(demo::LightKind::Spot, 0.4f);
     scene.lights[0].kind = demo::LightKind::Directional;
     scene.lights[0].radius = 0.005f;
     Host host(scene);
-    host.pinAll(kMethod);
-    host.require(host.draw());
-    CHECK(std::string(host.decision(0).pMethod) != kMethod);
-    CHECK(host.explanation(0).find("penumbra_wedges: out, does not serve this kind of light") != std::string::npos);
+    CHECK(gnSetLightMethod(host.context, host.lights[0], kMethod) < 0);
+    CHECK(host.lastError().find("'penumbra_wedges' does not serve the kind of light") != std::string::npos);
 }
