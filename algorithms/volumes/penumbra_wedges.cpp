@@ -129,9 +129,9 @@ VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent)
     return viewStencilMemory(extent) + VkDeviceSize{4} * extent.width * extent.height; // coverage
 }
 
-const char* missing(const DeviceTable&)
+const char* missing(const DeviceTable& vk)
 {
-    return nullptr;
+    return missingForWedges(vk);
 }
 
 std::unique_ptr<ShadowAlgorithm> create(const AlgorithmServices& services)

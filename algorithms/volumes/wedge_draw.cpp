@@ -117,6 +117,15 @@ WedgePipelines makeWedgePipelines(const AlgorithmServices& services)
                        makePipeline(services, "penumbra_wedges.around_reversed", true, false)}};
 }
 
+const char* missingForWedges(const DeviceTable& vk)
+{
+    VkFormatProperties2 format{.sType = VK_STRUCTURE_TYPE_FORMAT_PROPERTIES_2};
+    vk.vkGetPhysicalDeviceFormatProperties2(vk.physicalDevice, kCoverageFormat, &format);
+    const bool blends =
+        (format.formatProperties.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT) != 0;
+    return blends ? nullptr : "needs blending of R32_SFLOAT";
+}
+
 WedgePlan* planWedges(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil,
                       std::span<const VolumeList, 2> sides, bool bounded)
 {

@@ -4,13 +4,17 @@
 
 namespace gnomon {
 
-/// Coverage beyond the stencil's count, and how many edges may have it off by one (wedge.frag).
-inline constexpr VkFormat kCoverageFormat = VK_FORMAT_R16G16_SFLOAT;
+/// Coverage beyond the stencil's count, and how many edges may have it off by one: see coverageSum(). Hundreds of edges
+/// of a fine mesh add up at a pixel; in sixteen bits that came out wrong by up to a 25th.
+inline constexpr VkFormat kCoverageFormat = VK_FORMAT_R32_SFLOAT;
 
 struct WedgePipelines {
     PipelineId before[2], around[2]; ///< By reversed depth; see WedgePlan.
 };
 WedgePipelines makeWedgePipelines(const AlgorithmServices& services);
+
+/// Null, or why the device cannot add up wedges. Static storage.
+const char* missingForWedges(const DeviceTable& vk);
 
 /// In the frame's arena.
 struct WedgePlan {

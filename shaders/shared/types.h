@@ -38,6 +38,7 @@ using glm::atan;
 using glm::clamp;
 using glm::cross;
 using glm::dot;
+using glm::floor;
 using glm::length;
 using glm::max;
 using glm::min;

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What one edge adds to the coverage of the light at a receiver; and 1 where that may be off by a whole disc.
+// What one edge adds to the coverage of the light at a receiver; and DOUBT where that may be off by a whole disc.
 // Blended as colour + what is there * alpha.
 #include "wedge.h"
 
@@ -21,5 +21,5 @@ void main()
     vec3 largest = max(abs(receiver), abs(wedges.lightEs.xyz));
     float doubt = w * wedges.view.pixelSize / 64.0 + 2.0 * depthUlpWs(wedges.view, depth, ray) +
                   max(largest.x, max(largest.y, largest.z)) * (1.0 / 1048576.0);
-    coverage = vec4(edge.share, edge.clearance < doubt ? 1.0 : 0.0, 0.0, 1.0);
+    coverage = vec4(edge.share + (edge.clearance < doubt ? DOUBT : 0.0), 0.0, 0.0, 1.0);
 }

@@ -75,6 +75,19 @@ GN_SHARED_FN uint wedgeCorner(uint part, uint corner)
     return (corners >> (4u * corner)) & 7u;
 }
 
+// Of all edges at a pixel one number is kept: the sum of their shares, and DOUBT for each that may be off by a disc.
+// Shares add up to far less than half of it; of what is left behind it a float keeps 2^-18 while fewer than two doubt.
+GN_SHARED_CONST float DOUBT = 64.0f;
+
+GN_SHARED_FN float sharesOf(float sum)
+{
+    return sum - DOUBT * floor(sum / DOUBT + 0.5f);
+}
+GN_SHARED_FN bool doubtful(float sum)
+{
+    return sum > 0.5f * DOUBT;
+}
+
 // What an edge adds to the stencil's count, in discs, and how certain that is.
 struct EdgeShare {
     float share;
