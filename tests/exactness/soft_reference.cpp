@@ -1,5 +1,6 @@
 #include "exactness/soft_reference.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -67,6 +68,15 @@ SoftTruth softTruth(const Stage& stage, size_t layer, const brute::Scene& caster
     return truth;
 }
 
+std::vector<SoftTruth> softTruths(const Stage& stage)
+{
+    const brute::Scene casters(bruteTriangles(stage));
+    std::vector<SoftTruth> truths;
+    for (size_t layer = 0; layer < stage.present.size(); ++layer)
+        truths.push_back(softTruth(stage, layer, casters));
+    return truths;
+}
+
 SoftError& SoftError::operator+=(const SoftError& other)
 {
     penumbra += other.penumbra;
@@ -98,6 +108,14 @@ SoftError compareSoft(const Image8& picture, const SoftTruth& truth)
         }
     }
     return error;
+}
+
+SoftError compareSoft(const Pictures& pictures, const std::vector<SoftTruth>& truths)
+{
+    SoftError sum;
+    for (size_t layer = 0; layer < pictures.size(); ++layer)
+        sum += compareSoft(pictures[layer], truths[layer]);
+    return sum;
 }
 
 std::string inWords(const SoftError& error)

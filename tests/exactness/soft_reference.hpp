@@ -16,6 +16,8 @@ struct SoftTruth {
 
 /// \param casters Made of the stage's bruteTriangles().
 SoftTruth softTruth(const Stage& stage, size_t layer, const brute::Scene& casters);
+/// Of all lights.
+std::vector<SoftTruth> softTruths(const Stage& stage);
 
 struct SoftError {
     uint64_t penumbra = 0;    ///< Asked pixels of which the truth lies in (0.02, 0.98).
@@ -30,6 +32,7 @@ struct SoftError {
     SoftError& operator+=(const SoftError& other);
 };
 SoftError compareSoft(const Image8& picture, const SoftTruth& truth);
+SoftError compareSoft(const Pictures& pictures, const std::vector<SoftTruth>& truths);
 
 /// "0.0123 over 4567 (worst 0.1), outside 0.0001 over 8910, wrong 2".
 std::string inWords(const SoftError& error);
