@@ -19,6 +19,7 @@
 #include "algorithms/volumes/all_edges_volume.hpp"
 #include "algorithms/volumes/chan_durand.hpp"
 #include "algorithms/volumes/octree_volume.hpp"
+#include "algorithms/volumes/penumbra_wedges.hpp"
 #include "algorithms/volumes/projected_planar.hpp"
 #include "algorithms/volumes/stencil_volume.hpp"
 #endif
@@ -30,7 +31,7 @@ namespace {
 constexpr std::array kAlgorithms = {
     &kShadowMap,     &kCubeMap,      &kDualParaboloid,
 #ifdef GNOMON_WITH_OPENMESH
-    &kStencilVolume, &kChanDurand,   &kOctreeVolume,   &kAllEdgesVolume, &kProjectedPlanar,
+    &kStencilVolume, &kChanDurand,   &kOctreeVolume,   &kAllEdgesVolume, &kProjectedPlanar, &kPenumbraWedges,
 #endif
     &kMcCool,
 #ifdef GNOMON_WITH_EMBREE
@@ -47,7 +48,7 @@ constexpr std::initializer_list<const char*> kAbsentNames = {
     "ray_traced",     "pcf_hybrid",  "contour_chain",
 #endif
 #ifndef GNOMON_WITH_OPENMESH
-    "stencil_volume", "chan_durand", "octree_volume", "all_edges_volume", "projected_planar",
+    "stencil_volume", "chan_durand", "octree_volume", "all_edges_volume", "projected_planar", "penumbra_wedges",
 #endif
 #if !defined(GNOMON_WITH_EMBREE) || !defined(GNOMON_WITH_OPENMESH)
     "angular_spans",

@@ -74,7 +74,7 @@ bool shadowsNearRectangle(const Aabb& box, const LightView& light, const std::ar
     return true;
 }
 
-bool shadowTouches(const Aabb& box, const LightView& light, std::span<const Plane> frustum)
+bool shadowTouches(const Aabb& box, const LightView& light, std::span<const Plane> frustum, float sourceRadius)
 {
     const glm::vec3 center = box.center(), half = box.halfExtent();
     const float size = glm::length(glm::abs(center)) + glm::length(half);
@@ -83,10 +83,10 @@ bool shadowTouches(const Aabb& box, const LightView& light, std::span<const Plan
         const float radius = extent.x + extent.y + extent.z;
         const float nearest = glm::dot(plane.normal, center) + plane.distance + radius;
         if (nearest >= -4e-6f * size) continue; // not outside this plane
-        // The box lies outside; its shadow does too if light takes it further out.
+        // The box lies outside; its shadow does too if light takes it further out, from wherever on the source.
         const float inwards = light.type == GN_LIGHT_TYPE_DIRECTIONAL
                                   ? glm::dot(plane.normal, light.direction())
-                                  : glm::dot(plane.normal, center - light.position()) + radius;
+                                  : glm::dot(plane.normal, center - light.position()) + radius + sourceRadius;
         if (inwards <= 0.0f) return false;
     }
     return true;

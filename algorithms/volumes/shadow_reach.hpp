@@ -13,7 +13,9 @@ namespace gnomon {
 bool shadowsNearRectangle(const Aabb& box, const LightView& light, const std::array<glm::vec3, 4>& nearCorners);
 
 /// Whether the shadow of the box can meet the view frustum. "True" may be wrong, "false" never is.
-bool shadowTouches(const Aabb& box, const LightView& light, std::span<const Plane> frustum);
+/// @param sourceRadius of a light with a position: the penumbra counts as shadow; 0: what the light's centre does not
+/// see
+bool shadowTouches(const Aabb& box, const LightView& light, std::span<const Plane> frustum, float sourceRadius = 0.0f);
 
 /// `reach` of VolumePush for a caster with these bounds, relative to the eye.
 glm::vec3 casterReach(const Aabb& box, const LightView& light, glm::vec3 eye);

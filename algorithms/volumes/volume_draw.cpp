@@ -224,6 +224,12 @@ VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewS
                         bool zFailForAll, const GpuSilhouettes* shader)
 {
     const VolumeList sides[2] = {declareSides(passes, task, true, shader), declareSides(passes, task, false, shader)};
+    return planVolumes(passes, task, stencil, sides, bounded, zFailForAll);
+}
+
+VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil,
+                        std::span<const VolumeList, 2> sides, bool bounded, bool zFailForAll)
+{
     VolumePlan* plan = emptyPlan(passes, task, stencil, bounded);
     for (std::size_t i = 0; i < 2; ++i) {
         addSides(*plan, sides[i], zFailForAll);

@@ -59,6 +59,9 @@ struct VolumePlan {
 /// @param shader null: silhouettes are found on the CPU
 VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded,
                         bool zFailForAll, const GpuSilhouettes* shader = nullptr);
+/// The same from sides that are declared already, of the static and of the moving casters.
+VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil,
+                        std::span<const VolumeList, 2> sides, bool bounded, bool zFailForAll);
 
 // What planVolumes() is made of, for methods that choose among the casters themselves.
 

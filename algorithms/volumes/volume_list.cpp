@@ -11,6 +11,10 @@ namespace {
 // Edges or faces a piece: a few microseconds of work, against about one to hand it to a thread.
 constexpr std::uint32_t kPieceSize = 8192;
 
+// Of a side, and of a near and a far cap together. Every piece starts at a multiple of it, so that a shader that reads
+// the list (penumbra_wedges) knows from an index where its side starts.
+constexpr std::uint32_t kIndicesPerSide = 6;
+
 enum class ListKind : std::uint8_t { sides, caps };
 
 /// Everything the building pass needs, in the frame's arena.
@@ -46,6 +50,7 @@ std::uint32_t layOut(FrameArena& arena, std::span<const Caster* const> casters, 
     const std::span<VolumePiece> list = arena.array<VolumePiece>(pieces);
     const std::span<VolumePiece> faces = arena.array<VolumePiece>(facePieces);
     std::uint32_t next = pieces * static_cast<std::uint32_t>(sizeof(VkDrawIndexedIndirectCommand) / 4);
+    next = (next + kIndicesPerSide - 1) / kIndicesPerSide * kIndicesPerSide;
     std::size_t piece = 0, facePiece = 0;
     for (const Caster* caster : casters) {
         if (!castsVolume(*caster)) continue;

@@ -3,6 +3,7 @@
 //
 // The buffer starts with one VkDrawIndexedIndirectCommand per piece; indices follow, every piece with room for the most
 // it can need. Counts therefore live and stay with the buffer: a kept list is drawn without the CPU knowing its length.
+// Pieces start at multiples of six indices: side i of the buffer is indices 6 i to 6 i + 5.
 #include <cstdint>
 #include <span>
 

@@ -9,8 +9,10 @@
 #include <cstdint>
 
 #include <glm/common.hpp>
+#include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
+#include <glm/trigonometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -32,11 +34,15 @@ using glm::vec3;
 using glm::vec4;
 using uint = std::uint32_t;
 using glm::abs;
+using glm::atan;
+using glm::clamp;
 using glm::cross;
 using glm::dot;
+using glm::floor;
 using glm::length;
 using glm::max;
 using glm::min;
+using glm::sqrt;
 inline uint floatBitsToUint(float value) { return std::bit_cast<uint>(value); }
 inline float uintBitsToFloat(uint bits) { return std::bit_cast<float>(bits); }
 GN_SHARED_END

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "algorithms/volumes/shadow_reach.hpp"
 #include "runtime/scene/light_pixels.hpp"
 #include "runtime/scene/shadow_pixels.hpp"
-#include "algorithms/volumes/shadow_reach.hpp"
 #include "tests/algorithms/volume_meshes.hpp"
 
 using namespace gnomon;
@@ -165,6 +165,32 @@ TEST_CASE("a shadow that is left out has no point in the frustum")
     }
     CHECK(out > 500);
     CHECK(in > 500);
+}
+
+TEST_CASE("a penumbra that is left out has no point in the frustum")
+{
+    Random random(5);
+    const CameraView view = camera(glm::vec3(0.5f, 1.0f, 6.0f), glm::vec3(0.0f));
+    int out = 0, hardOut = 0;
+    for (int i = 0; i < 6000; ++i) {
+        Setting s(random);
+        if (s.light.type == GN_LIGHT_TYPE_DIRECTIONAL) continue;
+        const glm::vec3 shift = random.inBox(glm::vec3(-8.0f), glm::vec3(8.0f));
+        s.box.lower += shift;
+        s.box.upper += shift;
+        const float radius = random(0.0f, 2.0f);
+        hardOut += !shadowTouches(s.box, s.light, view.frustum);
+        if (shadowTouches(s.box, s.light, view.frustum, radius)) continue;
+        ++out;
+        for (int k = 0; k < 60; ++k) {
+            const glm::dvec3 p(random.inBox(s.box.lower, s.box.upper));
+            const glm::dvec3 on(glm::normalize(random.inBox(glm::vec3(-1.0f), glm::vec3(1.0f))) * radius);
+            const glm::dvec3 ray = p - (s.source(p) + on);
+            CHECK(!inside(view, p + ray * std::exp(static_cast<double>(random(-6.0f, 4.0f)))));
+        }
+    }
+    CHECK(out > 500);
+    CHECK(hardOut > out);
 }
 
 TEST_CASE("bounds of a spot light hold its cone and touch it on some axis")

@@ -8,9 +8,9 @@ using namespace gnomon::test;
 
 namespace {
 
-constexpr const char* kRecorded[] = {"shadow_map",       "cube_map",      "dual_paraboloid",
-                                     "stencil_volume",   "octree_volume", "all_edges_volume",
-                                     "projected_planar", "chan_durand",   "mccool"};
+constexpr const char* kRecorded[] = {"shadow_map",    "cube_map",         "dual_paraboloid",  "stencil_volume",
+                                     "octree_volume", "all_edges_volume", "projected_planar", "chan_durand",
+                                     "mccool",        "penumbra_wedges"};
 
 const GnMethodInfo& methodNamed(const std::vector<GnMethodInfo>& methods, const std::string& name)
 {
@@ -93,7 +93,7 @@ TEST_CASE_FIXTURE(DeviceTest, "methods that need the CPU between passes are not 
 TEST_CASE_FIXTURE(DeviceTest, "a dropped frame leaves no trace: what it would have drawn is drawn by the next")
 {
     for (const char* name : {"shadow_map", "stencil_volume", "octree_volume", "all_edges_volume", "projected_planar",
-                             "chan_durand", "mccool"}) {
+                             "chan_durand", "mccool", "penumbra_wedges"}) {
         CAPTURE(std::string(name));
         Scene scene = smallScene();
         scene.instances[1].isStatic = false;

@@ -1,61 +1,10 @@
 // Every method is held against ray_traced; here ray_traced is held against a brute force in double precision that
 // shares no code with it, over the depth and the normals that the host really drew.
-#include "exactness/stage.hpp"
+#include "exactness/brute_stage.hpp"
 #include "exactness/testbed.hpp"
-#include "runtime/brute_force.hpp"
 
 namespace gnomon::exact {
 namespace {
-
-brute::View bruteView(const Stage& stage)
-{
-    brute::View view;
-    view.eye = stage.camera.eye;
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column)
-            view.viewFromWorld[size_t(3 * row + column)] = stage.camera.viewFromWorld[column][row];
-    for (int i = 0; i < 16; ++i)
-        view.projection[size_t(i)] = stage.camera.projection[i / 4][i % 4];
-    view.width = static_cast<int>(stage.surfaces.depth.width);
-    view.height = static_cast<int>(stage.surfaces.depth.height);
-    view.convention = stage.scene().depth.convention == demo::DepthConvention::Standard ? GN_DEPTH_STANDARD
-                                                                                        : GN_DEPTH_REVERSED_INFINITE;
-    return view;
-}
-
-brute::Light bruteLight(const Stage& stage, size_t layer)
-{
-    const uint32_t index = stage.present[layer];
-    const GnLightInfo info = demo::toGnLight(stage.scene().lights[index], stage.state.lights[index]);
-    brute::Light light;
-    light.type = info.type;
-    light.position = {info.position[0], info.position[1], info.position[2]};
-    light.direction = {info.direction[0], info.direction[1], info.direction[2]};
-    light.range = static_cast<double>(info.range);
-    light.coneAngle = static_cast<double>(info.coneAngle);
-    return light;
-}
-
-/// World triangles from what the host registers: the basis in float, positions and translation as they are.
-std::vector<brute::Triangle> bruteTriangles(const Stage& stage)
-{
-    std::vector<brute::Triangle> triangles;
-    for (size_t i = 0; i < stage.scene().instances.size(); ++i) {
-        const GnTransform t = demo::toGnTransform(stage.state.instances[i]);
-        const demo::Mesh& mesh = stage.scene().meshes[stage.scene().instances[i].mesh];
-        const auto world = [&](uint32_t index) {
-            const glm::dvec3 p(mesh.positions[index]);
-            glm::dvec3 out;
-            for (int row = 0; row < 3; ++row)
-                out[row] = double(t.basis[3 * row]) * p.x + double(t.basis[3 * row + 1]) * p.y +
-                           double(t.basis[3 * row + 2]) * p.z + t.translation[row];
-            return out;
-        };
-        for (size_t k = 0; k < mesh.indices.size(); k += 3)
-            triangles.push_back({world(mesh.indices[k]), world(mesh.indices[k + 1]), world(mesh.indices[k + 2])});
-    }
-    return triangles;
-}
 
 struct Tally {
     uint64_t facing = 0, dark = 0, ambiguous = 0, grazing = 0;
@@ -87,8 +36,7 @@ Tally tallyOf(const Stage& stage, size_t layer, const brute::Light& light, const
     for (int y = 0; y < view.height; ++y) {
         for (int x = 0; x < view.width; ++x) {
             const auto px = static_cast<uint32_t>(x), py = static_cast<uint32_t>(y);
-            const float* n = stage.surfaces.normals.at(px, py);
-            const glm::dvec3 normal(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
+            const glm::dvec3 normal = drawnNormal(stage, px, py);
             const brute::Answer answer =
                 brute::answerAt(view, light, casters, x, y, *stage.surfaces.depth.at(px, py), &normal);
             tally.add(answer, *stage.truth[layer].at(px, py) >= 128);

@@ -109,6 +109,34 @@ Scene hangingCaster(LightKind kind, bool closed, DepthConvention convention)
     return scene;
 }
 
+Scene softScene(Caster caster, LightKind kind, double height, float radius)
+{
+    Scene scene;
+    scene.name = "soft caster";
+    place(scene, "floor", makeBox({.size = glm::vec3(30.0f, 0.2f, 30.0f)}), {0.0, -0.1, 0.0});
+    const auto mesh = [&]() -> Mesh {
+        switch (caster) {
+        case Caster::box:
+            return makeBox({.size = glm::vec3(1.0f)});
+        case Caster::sphere:
+            return makeSphere({.radius = 0.6f, .slices = 32, .stacks = 16});
+        case Caster::cylinder:
+            return makeCylinder({.radius = 0.4f, .topRadius = 0.4f, .height = 1.2f, .segments = 24});
+        case Caster::torus:
+            break;
+        }
+        return makeTorus({.radius = 0.6f, .tube = 0.2f, .ringSegments = 32, .tubeSegments = 12});
+    };
+    const double below = caster == Caster::cylinder ? 0.6 : 0.0; // its origin is its foot
+    place(scene, "caster", mesh(), {0.0, height - below, 0.0}).pose.rotation =
+        turned(glm::normalize(glm::dvec3(0.2, 1.0, 0.1)), 25.0);
+    Light light = lamp("lamp", kind, {-1.2, 4.0, 1.0}, {0.0, 0.5, 0.0});
+    light.radius = radius;
+    scene.lights = {light};
+    scene.camera = {{.eye = {0.8, 3.2, 4.2}, .target = {0.4, 0.3, -0.4}}};
+    return scene;
+}
+
 Scene onlyClosed(Scene scene)
 {
     // Every edge is used once in each direction, corners at equal positions being one corner.

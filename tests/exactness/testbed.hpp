@@ -13,6 +13,11 @@ demo::Scene testbed(demo::DepthConvention convention);
 /// the left; the shadow falls to the right, towards +x. The near plane is half a metre away, so that it is 0.7 m wide.
 demo::Scene hangingCaster(demo::LightKind kind, bool closed, demo::DepthConvention convention);
 
+/// One closed caster over a floor in the light of one lamp with a surface, four metres above the floor.
+enum class Caster : uint8_t { box, sphere, cylinder, torus };
+/// \param height Of the caster's centre over the floor; \param radius of the lamp. Metres.
+demo::Scene softScene(Caster caster, demo::LightKind kind, double height, float radius);
+
 /// The instances whose mesh is closed, alone.
 demo::Scene onlyClosed(demo::Scene scene);
 

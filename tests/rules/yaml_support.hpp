@@ -27,7 +27,8 @@ inline const std::vector<OutputInfo> kMethods = {
     {"projected_planar", {"directional", "spot", "point", "hard", "cpuGeometry", "planar"}},
     {"mccool", {"directional", "spot", "point", "hard"}},
     {"angular_spans", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}},
-    {"contour_chain", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}}};
+    {"contour_chain", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}},
+    {"penumbra_wedges", {"spot", "point", "hard", "softPenumbra", "cpuGeometry"}}};
 
 inline const std::vector<std::string> kTraits = {"directional",  "spot",  "point",       "hard", "fixedPenumbra",
                                                  "softPenumbra", "exact", "cpuGeometry", "rays", "planar"};

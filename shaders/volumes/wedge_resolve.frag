@@ -1,0 +1,54 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Visibility from the stencil's count and what the wedges add to it.
+#include "wedge.h"
+
+layout(set = 0, binding = 0, std140) uniform Constants { VolumeResolve resolve; };
+layout(set = 0, binding = 1) uniform sampler2D depthImage;
+layout(set = 0, binding = 2) uniform sampler2D normalImage;
+layout(set = 0, binding = 3) uniform usampler2D stencilImage;
+layout(set = 0, binding = 4) uniform sampler2D coverageImage; // sharesOf(), doubtful()
+layout(location = 0) in vec3 rayWs;
+layout(location = 0) out vec4 visibility;
+
+// Covered discs at a pixel. Counts are kept modulo 256; rounding along a border may leave -1.
+float coveredAt(ivec2 pixel)
+{
+    int count = int(texelFetch(stencilImage, pixel, 0).x);
+    return float(count < 128 ? count : count - 256) + sharesOf(texelFetch(coverageImage, pixel, 0).x);
+}
+
+// Where stencil and wedges may disagree about the side of an edge, the count that fits the neighbours on the same
+// surface. Along such a border coverage is continuous: neighbours differ by less than the half that is at stake.
+// inDoubt: whether they may. Few pixels are; a loop of no rounds costs the others nothing on any device, where a branch
+// around it costs a software device all eight rounds at every pixel.
+float settled(ivec2 pixel, float covered, float w, bool inDoubt)
+{
+    float sum = 0.0, neighbours = 0.0;
+    int rounds = inDoubt ? 8 : 0;
+    for (int i = 0; i < rounds; ++i) {
+        int place = i < 4 ? i : i + 1;
+        ivec2 at = pixel + ivec2(place % 3 - 1, place / 3 - 1);
+        vec2 inside = vec2(at) + 0.5 - resolve.area.xy;
+        bool usable = all(greaterThan(inside, vec2(0.0))) && all(lessThan(inside, resolve.area.zw));
+        at = usable ? at : pixel;
+        float depth = texelFetch(depthImage, at, 0).x;
+        usable = usable && !doubtful(texelFetch(coverageImage, at, 0).x) && depth != resolve.view.skyDepth &&
+                 abs(linearDepth(resolve.view, depth) - w) < 0.02 * w;
+        sum += usable ? coveredAt(at) : 0.0;
+        neighbours += usable ? 1.0 : 0.0;
+    }
+    return neighbours > 0.0 ? covered + clamp(round(sum / neighbours - covered), -1.0, 1.0) : covered;
+}
+
+void main()
+{
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    float depth = texelFetch(depthImage, pixel, 0).x;
+    float w = linearDepth(resolve.view, depth);
+    vec3 toLight = resolve.lightEs.xyz - w * rayWs;
+    bool reached = depth != resolve.view.skyDepth && reaches(-toLight, resolve.cone, resolve.rangeSquared);
+    bool facing = resolve.view.hasNormals == 0u || dot(texelFetch(normalImage, pixel, 0).xyz, toLight) > 0.0;
+    float covered = settled(pixel, coveredAt(pixel), w, doubtful(texelFetch(coverageImage, pixel, 0).x));
+    visibility = vec4(!reached ? 1.0 : facing ? clamp(1.0 - covered, 0.0, 1.0) : 0.0, 0.0, 0.0, 1.0);
+}

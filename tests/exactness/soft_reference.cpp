@@ -1,0 +1,131 @@
+#include "exactness/soft_reference.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+namespace gnomon::exact {
+namespace {
+
+constexpr uint32_t kStrata = 16; // a side: 256 rays
+
+/// A number in [0, 1) of its own for every pixel, stratum and axis.
+double jitter(uint32_t pixel, uint32_t stratum, uint32_t axis)
+{
+    uint64_t h = (uint64_t(pixel) << 32 | stratum << 1 | axis) + 0x9e3779b97f4a7c15ull;
+    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ull;
+    h = (h ^ (h >> 27)) * 0x94d049bb133111ebull;
+    return double((h ^ (h >> 31)) >> 11) * 0x1p-53;
+}
+
+/// From the unit square to the unit disc, equal areas to equal areas.
+glm::dvec2 onDisc(double u, double v)
+{
+    const double radius = std::sqrt(u), angle = 2.0 * std::numbers::pi * v;
+    return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
+double shareSeen(const brute::Scene& casters, const glm::dvec3& origin, const glm::dvec3& light, double radius,
+                 uint32_t pixel)
+{
+    const glm::dvec3 axis = glm::normalize(light - origin);
+    const glm::dvec3 helper = std::abs(axis.y) < 0.9 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(1.0, 0.0, 0.0);
+    const glm::dvec3 x = glm::normalize(glm::cross(helper, axis)), y = glm::cross(axis, x);
+    uint32_t seen = 0;
+    for (uint32_t i = 0; i < kStrata * kStrata; ++i) {
+        const glm::dvec2 at = radius * onDisc((i % kStrata + jitter(pixel, i, 0)) / kStrata,
+                                              (i / kStrata + jitter(pixel, i, 1)) / kStrata);
+        seen += !casters.blocked(origin, light + at.x * x + at.y * y - origin, 1.0);
+    }
+    return double(seen) / (kStrata * kStrata);
+}
+
+} // namespace
+
+SoftTruth softTruth(const Stage& stage, size_t layer, const brute::Scene& casters)
+{
+    const brute::View view = bruteView(stage);
+    const brute::Light light = bruteLight(stage, layer);
+    const auto radius = static_cast<double>(stage.scene().lights[stage.present[layer]].radius);
+    SoftTruth truth;
+    for (int y = 0; y < view.height; ++y) {
+        for (int x = 0; x < view.width; ++x) {
+            const auto px = static_cast<uint32_t>(x), py = static_cast<uint32_t>(y);
+            const glm::dvec3 normal = drawnNormal(stage, px, py);
+            const brute::Answer answer =
+                brute::answerAt(view, light, casters, x, y, *stage.surfaces.depth.at(px, py), &normal);
+            const bool asked = answer.state == brute::State::asked;
+            const glm::dvec3 origin = answer.receiver + normal * (answer.offset / glm::length(normal));
+            truth.asked.push_back(asked && !answer.grazing);
+            truth.visibility.push_back(
+                asked ? shareSeen(casters, origin, light.position, radius, static_cast<uint32_t>(y * view.width + x))
+                      : double(answer.lit));
+        }
+    }
+    return truth;
+}
+
+std::vector<SoftTruth> softTruths(const Stage& stage)
+{
+    const brute::Scene casters(bruteTriangles(stage));
+    std::vector<SoftTruth> truths;
+    for (size_t layer = 0; layer < stage.present.size(); ++layer)
+        truths.push_back(softTruth(stage, layer, casters));
+    return truths;
+}
+
+SoftError& SoftError::operator+=(const SoftError& other)
+{
+    penumbra += other.penumbra;
+    sum += other.sum;
+    worst = std::max(worst, other.worst);
+    outside += other.outside;
+    wrong += other.wrong;
+    outsideSum += other.outsideSum;
+    notAskedOff += other.notAskedOff;
+    return *this;
+}
+
+SoftError compareSoft(const Image8& picture, const SoftTruth& truth)
+{
+    SoftError error;
+    REQUIRE(picture.texels.size() == truth.visibility.size());
+    for (size_t i = 0; i < truth.visibility.size(); ++i) {
+        const double off = std::abs(picture.texels[i] / 255.0 - truth.visibility[i]);
+        if (!truth.asked[i]) {
+            error.notAskedOff += off > 1.5 / 255.0 && (truth.visibility[i] == 0.0 || truth.visibility[i] == 1.0);
+        } else if (truth.visibility[i] > 0.02 && truth.visibility[i] < 0.98) {
+            ++error.penumbra;
+            error.sum += off;
+            error.worst = std::max(error.worst, off);
+        } else {
+            ++error.outside;
+            error.wrong += off >= 0.5;
+            error.outsideSum += off;
+        }
+    }
+    return error;
+}
+
+SoftError compareSoft(const Pictures& pictures, const std::vector<SoftTruth>& truths)
+{
+    SoftError sum;
+    for (size_t layer = 0; layer < pictures.size(); ++layer)
+        sum += compareSoft(pictures[layer], truths[layer]);
+    return sum;
+}
+
+std::string inWords(const SoftError& error)
+{
+    char text[160];
+    std::snprintf(text, sizeof text, "%.4f over %llu (worst %.2f), outside %.5f over %llu, wrong %llu", error.mean(),
+                  static_cast<unsigned long long>(error.penumbra), error.worst,
+                  error.outside ? error.outsideSum / double(error.outside) : 0.0,
+                  static_cast<unsigned long long>(error.outside), static_cast<unsigned long long>(error.wrong));
+    return text;
+}
+
+} // namespace gnomon::exact
