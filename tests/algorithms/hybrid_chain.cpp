@@ -220,9 +220,10 @@ void forAllMaps(Check&& check)
         for (const Lamp& lamp : lamps())
             for (const std::uint32_t side : {64u, 192u})
                 all.emplace_back(std::string(lamp.name) + " " + std::to_string(side), pixelsOf(world, lamp.view, side));
-    for (const auto& [name, pixels] : all) {
+    for (const auto& entry : all) {
+        const std::string& name = entry.first;
         CAPTURE(name);
-        check(pixels);
+        check(entry.second);
     }
 }
 
