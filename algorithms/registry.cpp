@@ -6,6 +6,7 @@
 #ifdef GNOMON_WITH_EMBREE
 #include "algorithms/hybrid/pcf_hybrid.hpp"
 #include "algorithms/hybrid/ray_traced.hpp"
+#include "algorithms/hybrid/tile_shafts.hpp"
 #endif
 #include "algorithms/maps/shadow_map.hpp"
 #include "algorithms/omni/cube_map.hpp"
@@ -33,7 +34,7 @@ constexpr std::array kAlgorithms = {
 #endif
     &kMcCool,
 #ifdef GNOMON_WITH_EMBREE
-    &kPcfHybrid,     &kRayTraced,
+    &kPcfHybrid,     &kRayTraced,  &kTileShafts,
 #endif
 #if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
     &kAngularSpans,
@@ -43,7 +44,7 @@ constexpr std::array kAlgorithms = {
 /// Known to rules, left out of this build.
 constexpr std::initializer_list<const char*> kAbsentNames = {
 #ifndef GNOMON_WITH_EMBREE
-    "ray_traced",     "pcf_hybrid",
+    "ray_traced",     "pcf_hybrid",  "tile_shafts",
 #endif
 #ifndef GNOMON_WITH_OPENMESH
     "stencil_volume", "chan_durand", "octree_volume", "all_edges_volume", "projected_planar",
