@@ -1,9 +1,11 @@
-// The four planes around what a triangle shadows.
+// The four planes around what a triangle shadows: one through the light and each edge, and its own. All four at once,
+// in the lanes of one register, relative to the tile, whose size and distance then are what rounding is measured by.
 #include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>
 
+#include "algorithms/hybrid/float4.hpp"
 #include "algorithms/hybrid/shaft.hpp"
 
 namespace gnomon {
@@ -11,122 +13,160 @@ namespace gnomon {
 namespace {
 
 constexpr double kRoundoff = 0x1p-24;
+// Of distances between receiver, triangle and light. Embree's edge functions and ours are sums of products of such
+// differences: four roundings each, and as many for the planes in single precision; twice that is allowed.
+constexpr double kDistanceRoundings = 16.0 * kRoundoff;
 
-/// A plane with what the ray tracer may be off by at the receivers.
-struct Wall {
-    glm::dvec3 normal{0.0};
-    double distance = 1e30; ///< Of a wall that is not there: everything is inside.
-    double margin = 0.0;
+struct Vec4 {
+    Float4 x, y, z;
 };
 
-/// A wall as the lanes see it: relative to the centre, in single precision, whose errors widen the margin.
-void store(const Wall& wall, const Hull& hull, glm::dvec3 centre, int slot, lanes::ShadowPlanes& planes)
+Vec4 operator-(const Vec4& a, const Vec4& b)
 {
-    const double f = wall.distance + glm::dot(wall.normal, centre);
-    // Receivers lie in the hull; five roundings of a sum of products, five of the plane's own numbers.
-    const glm::dvec3 reach = hull.largest() + glm::abs(centre);
-    const glm::dvec3 extent =
-        glm::min(reach, glm::abs(hull.centre - centre) + glm::abs(hull.axis[0]) * hull.half[0] +
-                            glm::abs(hull.axis[1]) * hull.half[1] + glm::abs(hull.axis[2]) * hull.half[2]);
-    const double sums = 10.0 * kRoundoff * (2.0 * glm::dot(glm::abs(wall.normal), extent));
-    planes.x[slot] = static_cast<float>(wall.normal.x);
-    planes.y[slot] = static_cast<float>(wall.normal.y);
-    planes.z[slot] = static_cast<float>(wall.normal.z);
-    planes.f[slot] = static_cast<float>(f);
-    planes.margin[slot] = static_cast<float>((wall.margin + sums) * (1.0 + 1e-6));
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
-/// A triangle as the light sees it.
-struct Seen {
-    Wall own; ///< Its own plane: inside is what lies behind it.
-    Wall edges[3];
-    double height[3];   ///< Of the corner across each edge over its wall.
-    double lightHeight; ///< Of the light over the triangle's plane; of directional lights the sine.
-};
-
-Seen look(const ShaftLight& light, const glm::dvec3 (&corners)[3], glm::dvec3 rounding)
+Float4 dot(const Vec4& a, const Vec4& b)
 {
-    Seen seen;
-    glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
-    normal /= std::max(glm::length(normal), 1e-300);
-    seen.lightHeight =
-        light.directional ? glm::dot(normal, light.toLight) : glm::dot(normal, light.position - corners[0]);
-    if (seen.lightHeight < 0.0) {
-        normal = -normal;
-        seen.lightHeight = -seen.lightHeight;
-    }
-    seen.own = {-normal, glm::dot(normal, corners[0]), glm::dot(glm::abs(normal), rounding)};
-    for (int i = 0; i < 3; ++i) {
-        const glm::dvec3 a = corners[i], b = corners[(i + 1) % 3], third = corners[(i + 2) % 3];
-        glm::dvec3 side =
-            light.directional ? glm::cross(light.toLight, b - a) : glm::cross(a - light.position, b - light.position);
-        side /= std::max(glm::length(side), 1e-300);
-        seen.height[i] = glm::dot(side, third - a);
-        if (seen.height[i] < 0.0) {
-            side = -side;
-            seen.height[i] = -seen.height[i];
-        }
-        seen.edges[i] = {side, -glm::dot(side, light.directional ? a : light.position),
-                         glm::dot(glm::abs(side), rounding)};
-    }
-    return seen;
+    return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/// How much wider than at the triangle an error of direction is at the hull.
-double magnification(const ShaftLight& light, const Hull& hull, const glm::dvec3 (&corners)[3], double lightHeight)
+Vec4 cross(const Vec4& a, const Vec4& b)
 {
-    if (light.directional) return 1.0;
-    const double farthest =
-        glm::length(hull.centre - light.position) + glm::length(glm::dvec3(hull.half[0], hull.half[1], hull.half[2]));
-    double nearest = 1e300, longest = 0.0;
-    for (int i = 0; i < 3; ++i) {
-        nearest = std::min(nearest, glm::length(corners[i] - light.position));
-        longest = std::max(longest, glm::length(corners[i] - corners[(i + 1) % 3]));
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// The sums of the amounts that cross() subtracts: its error is a share of them.
+Vec4 crossAmounts(const Vec4& a, const Vec4& b)
+{
+    const Vec4 p{absolute(a.x), absolute(a.y), absolute(a.z)}, q{absolute(b.x), absolute(b.y), absolute(b.z)};
+    return {p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
+}
+
+Vec4 columns(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d)
+{
+    return {Float4{a.x, b.x, c.x, d.x}, Float4{a.y, b.y, c.y, d.y}, Float4{a.z, b.z, c.z, d.z}};
+}
+
+Vec4 all(glm::vec3 v)
+{
+    return columns(v, v, v, v);
+}
+
+/// Of the corners, only that they lie between two parallel planes is known; the other two planes pass everything.
+void makeSlab(glm::vec3 normal, float distance, float band, float margin, lanes::ShadowPlanes& planes)
+{
+    const bool known = band < 1e18f; // else wherever the shaft has met it
+    constexpr float everywhere = 1e30f;
+    const float sign[4] = {1.0f, -1.0f, 0.0f, 0.0f};
+    for (int i = 0; i < 4; ++i) {
+        const float s = known ? sign[i] : 0.0f;
+        planes.x[i] = s * normal.x;
+        planes.y[i] = s * normal.y;
+        planes.z[i] = s * normal.z;
+        planes.f[i] = s == 0.0f ? everywhere : s * distance + band;
+        planes.margin[i] = s == 0.0f ? 0.0f : margin;
     }
-    const double distance = std::max({lightHeight, nearest - longest, 1e-300});
-    return std::max(1.0, farthest / distance);
+    planes.certain = 0;
 }
 
 } // namespace
 
-lanes::ShadowPlanes shadowOf(const ShaftLight& light, const Hull& hull, const glm::dvec3 (&corners)[3],
-                             glm::dvec3 rounding, bool opaque, glm::dvec3 centre)
+ShadowMaker::ShadowMaker(const ShaftLight& light, const Hull& hull, const ShaftCaster& caster)
+    : basis_(caster.basis), translation_(caster.translation - hull.centre), directional_(light.directional),
+      opaque_(caster.opaque), light_(light.directional ? light.toLight : light.position - hull.centre),
+      rounding_(caster.rounding(hull.largest())), relative_(static_cast<float>(kDistanceRoundings * caster.skew())),
+      farthest_(0.0f), nearOffset_(static_cast<float>(2.0 * hull.largestOffset))
 {
-    Seen seen = look(light, corners, rounding);
-    const double wider = magnification(light, hull, corners, seen.lightHeight);
-    lanes::ShadowPlanes planes{};
-    bool edgeOn = false; // so narrow that it is not known which side of a wall is which
-    for (int i = 0; i < 3; ++i)
-        edgeOn = edgeOn || !(seen.height[i] > 4.0 * seen.edges[i].margin);
-    if (edgeOn) {
-        // What is left of it lies between two parallel walls, to each side of the edge that fits best.
-        int best = 0;
-        double thickness[3];
-        for (int i = 0; i < 3; ++i) {
-            thickness[i] = 0.0;
-            for (const glm::dvec3& corner : corners)
-                thickness[i] =
-                    std::max(thickness[i], std::abs(glm::dot(seen.edges[i].normal, corner) + seen.edges[i].distance));
-            best = thickness[i] < thickness[best] ? i : best;
-        }
-        const Wall wall = seen.edges[best];
-        const double band = (thickness[best] + wall.margin) * wider;
-        const bool known = band < 1e18; // else wherever the shaft has met it
-        const Wall walls[4] = {known ? Wall{wall.normal, wall.distance + band, wall.margin} : Wall{},
-                               known ? Wall{-wall.normal, band - wall.distance, wall.margin} : Wall{}, Wall{}, Wall{}};
-        for (int i = 0; i < 4; ++i)
-            store(walls[i], hull, centre, i, planes);
-        return planes;
-    }
+    glm::dvec3 extent(0.0);
     for (int i = 0; i < 3; ++i) {
-        seen.edges[i].margin *= wider;
-        store(seen.edges[i], hull, centre, i, planes);
+        axis_[i] = glm::vec3(hull.axis[i] * hull.half[i]);
+        extent += glm::abs(hull.axis[i]) * hull.half[i];
     }
-    store(seen.own, hull, centre, 3, planes);
+    extent_ = glm::vec3(extent);
+    rounding_ *= 1.0f + 1e-6f;
+    if (!directional_) farthest_ = glm::length(light_) + glm::length(extent_);
+}
+
+/// How much wider than at the triangle an error of direction is at the hull.
+float ShadowMaker::wideness(const glm::vec3 (&corners)[3]) const
+{
+    if (directional_) return 1.0f;
+    const glm::vec3 lower = glm::min(glm::min(corners[0], corners[1]), corners[2]);
+    const glm::vec3 upper = glm::max(glm::max(corners[0], corners[1]), corners[2]);
+    const glm::vec3 apart = glm::max(lower - light_, light_ - upper);
+    const float distance =
+        std::max({apart.x, apart.y, apart.z, 1e-20f}); // of the light from the triangle's box, or less
+    return std::max(1.0f, farthest_ / distance);
+}
+
+Shadowing ShadowMaker::make(glm::vec3 a, glm::vec3 b, glm::vec3 c, lanes::ShadowPlanes& planes) const
+{
+    const glm::vec3 at[3] = {glm::vec3(basis_ * glm::dvec3(a) + translation_),
+                             glm::vec3(basis_ * glm::dvec3(b) + translation_),
+                             glm::vec3(basis_ * glm::dvec3(c) + translation_)};
+    // Lanes 0 to 2: a plane holds an edge and the light, and the third corner is inside. Lane 3: the triangle's own,
+    // and the light is outside.
+    const Vec4 anchor = columns(at[0], at[1], at[2], at[0]);
+    const Vec4 edge = columns(at[1], at[2], at[0], at[1]) - anchor;
+    const Vec4 light = directional_ ? all(light_) : all(light_) - anchor;
+    const glm::vec3 e = at[2] - at[0];
+    const Vec4 across = {Float4{light.x[0], light.x[1], light.x[2], e.x},
+                         Float4{light.y[0], light.y[1], light.y[2], e.y},
+                         Float4{light.z[0], light.z[1], light.z[2], e.z}};
+    const Vec4 third = columns(at[2], at[0], at[1], at[0]) - anchor;
+    const Vec4 inside = {Float4{third.x[0], third.x[1], third.x[2], -light.x[3]},
+                         Float4{third.y[0], third.y[1], third.y[2], -light.y[3]},
+                         Float4{third.z[0], third.z[1], third.z[2], -light.z[3]}};
+    Vec4 normal = cross(edge, across);
+    Float4 height = dot(normal, inside);
+    const Float4 sign = height < 0.0f ? Float4{-1.0f, -1.0f, -1.0f, -1.0f} : Float4{1.0f, 1.0f, 1.0f, 1.0f};
+    normal = {normal.x * sign, normal.y * sign, normal.z * sign};
+    height *= sign;
+    const Float4 distance = -dot(normal, anchor);
+
+    const Vec4 amounts = crossAmounts(edge, across);
+    const Vec4 apart = {absolute(anchor.x) + extent_.x, absolute(anchor.y) + extent_.y, absolute(anchor.z) + extent_.z};
+    const Vec4 off = {absolute(normal.x), absolute(normal.y), absolute(normal.z)};
+    const Float4 narrow = dot(off, all(rounding_)) + relative_ * dot(amounts, apart);
+    const float wider = wideness(at);
+    const Float4 margin = narrow * Float4{wider, wider, wider, 1.0f};
+
+    Float4 radius = margin;
+    for (const glm::vec3& v : axis_)
+        radius += absolute(normal.x * v.x + normal.y * v.y + normal.z * v.z);
+    const std::uint32_t edgeOn = bitsOf(height <= 4.0f * narrow) & 7u; // which side is which is not known
+    const std::uint32_t outside = bitsOf(distance + radius < 0.0f);
+    if (edgeOn == 0 && outside != 0) return Shadowing::none;
+
+    if (edgeOn != 0) {
+        int best = 0;
+        float thickness[3];
+        for (int i = 0; i < 3; ++i) {
+            thickness[i] = 0.0f;
+            for (const glm::vec3& corner : at)
+                thickness[i] = std::max(thickness[i], std::abs(normal.x[i] * corner.x + normal.y[i] * corner.y +
+                                                               normal.z[i] * corner.z + distance[i]));
+            // Walls have lengths: of two the one with the thinner triangle between, each by its own.
+            const float size = std::abs(normal.x[i]) + std::abs(normal.y[i]) + std::abs(normal.z[i]);
+            const float bestSize = std::abs(normal.x[best]) + std::abs(normal.y[best]) + std::abs(normal.z[best]);
+            best = thickness[i] * bestSize < thickness[best] * size ? i : best;
+        }
+        makeSlab({normal.x[best], normal.y[best], normal.z[best]}, distance[best],
+                 (thickness[best] + narrow[best]) * wider, margin[best], planes);
+        return Shadowing::some;
+    }
+    store(planes.x, normal.x);
+    store(planes.y, normal.y);
+    store(planes.z, normal.z);
+    store(planes.f, distance);
+    store(planes.margin, margin);
     // Rays end an offset before the light: what could lie behind that end proves nothing.
-    const bool before = light.directional || seen.lightHeight > 2.0 * hull.largestOffset + 2.0 * seen.own.margin;
-    planes.certain = opaque && before ? 1 : 0;
-    return planes;
+    const float size2 = normal.x[3] * normal.x[3] + normal.y[3] * normal.y[3] + normal.z[3] * normal.z[3];
+    const float before = height[3] - 2.0f * margin[3];
+    const bool ends = directional_ || (before > 0.0f && before * before > nearOffset_ * nearOffset_ * size2);
+    planes.certain = opaque_ && ends ? 1 : 0;
+    return planes.certain != 0 && bitsOf(distance - radius > 0.0f) == 15u ? Shadowing::all : Shadowing::some;
 }
 
 } // namespace gnomon

@@ -7,22 +7,16 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
+#include "algorithms/hybrid/float4.hpp"
 
 namespace gnomon {
 
 namespace {
 
-using Float4 [[gnu::vector_size(16)]] = float;
-using Int4 [[gnu::vector_size(16)]] = std::int32_t;
-
 // The unit roundoff of single precision.
 constexpr double kRoundoff = 0x1p-24;
-// What Embree's robust test is off by: a ray to mesh space and an edge function there are about four roundings of the
-// coordinates; twice that is allowed. The offset of definitions.md, 2^-21 c, is made for the same error.
-constexpr double kRayRoundings = 8.0 * kRoundoff;
+// A ray on its way to mesh space: three products and a sum of each coordinate, and the matrix's own rounding.
+constexpr double kRayRoundings = 4.0 * kRoundoff;
 // Our own sums of three products and a distance in single precision: five roundings of their largest term, and the
 // same again for the planes that were rounded.
 constexpr double kSumRoundings = 10.0 * kRoundoff;
@@ -30,23 +24,6 @@ constexpr double kSumRoundings = 10.0 * kRoundoff;
 glm::dvec3 largestOf(const Aabb& box)
 {
     return glm::dvec3(glm::max(glm::abs(box.lower), glm::abs(box.upper)));
-}
-
-/// Four floats and what they are compared with as bits, lowest first.
-std::uint32_t bitsOf(Int4 mask)
-{
-#if defined(__SSE2__)
-    return static_cast<std::uint32_t>(_mm_movemask_ps(reinterpret_cast<__m128>(mask)));
-#else
-    return static_cast<std::uint32_t>((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));
-#endif
-}
-
-Float4 load(const float* values)
-{
-    Float4 result;
-    __builtin_memcpy(&result, values, sizeof result);
-    return result;
 }
 
 glm::dvec3 anyPerpendicular(glm::dvec3 unit)
@@ -185,7 +162,7 @@ Shaft shaftOf(const ShaftLight& light, const Hull& hull)
 
 ShaftCaster::ShaftCaster(const Caster& caster)
     : mesh(caster.mesh), tree(caster.mesh->rays->tree().get()), basis(caster.basis), translation(caster.translation),
-      reach(largestOf(caster.bounds) + glm::abs(translation)),
+      reach(largestOf(caster.bounds)),
       meshReach(glm::max(glm::abs(caster.mesh->bounds.lower), glm::abs(caster.mesh->bounds.upper))),
       opaque(opacityOf(caster) == nullptr)
 {
@@ -200,7 +177,13 @@ ShaftCaster::ShaftCaster(const Caster& caster)
 
 glm::dvec3 ShaftCaster::rounding(glm::dvec3 largestCoordinates) const
 {
-    return kRayRoundings * (spread * (largestCoordinates + reach));
+    return kRayRoundings * (spread * (largestCoordinates + glm::abs(translation)));
+}
+
+double ShaftCaster::skew() const
+{
+    const glm::dvec3 rows = spread * glm::dvec3(1.0);
+    return std::max({1.0, rows.x, rows.y, rows.z});
 }
 
 MeshShaft::MeshShaft(const Shaft& shaft, const ShaftCaster* caster, glm::dvec3 rounding, glm::vec3 reach)
@@ -262,7 +245,7 @@ Shadowing FlatHull::under(const lanes::ShadowPlanes& volume) const
     Float4 radius = margin;
     for (const float* a : axis) {
         const Float4 along = x * a[0] + y * a[1] + z * a[2];
-        radius += along < 0.0f ? -along : along;
+        radius += absolute(along);
     }
     if (bitsOf(middle + radius < 0.0f) != 0) return Shadowing::none;
     return volume.certain != 0 && bitsOf(middle - radius > 0.0f) == 15u ? Shadowing::all : Shadowing::some;

@@ -8,8 +8,8 @@
 #include <glm/mat3x3.hpp>
 
 #include "algorithms/hybrid/lanes.hpp"
-#include "runtime/rays/triangle_tree.hpp"
 #include "runtime/rays/ray_scene.hpp"
+#include "runtime/rays/triangle_tree.hpp"
 
 namespace gnomon {
 
@@ -61,8 +61,10 @@ struct ShaftCaster {
 
     explicit ShaftCaster(const Caster& caster);
 
-    /// What the ray tracer may be wrong by in each coordinate, between here and points with such coordinates.
+    /// What the ray tracer may be wrong by in each coordinate where rays start at such coordinates.
     glm::dvec3 rounding(glm::dvec3 largestCoordinates) const;
+    /// How much a mesh's space enlarges relative errors: 1 where axes stay axes.
+    double skew() const;
 };
 
 /// A shaft's planes in a mesh's space, each moved outward by all that is rounded on either side.
@@ -85,11 +87,30 @@ enum class Shadowing : std::uint8_t {
     all, ///< Blocks every ray of it.
 };
 
-/// The space that a triangle (world) shadows, seen from a hull. @param centre what the planes are relative to.
-lanes::ShadowPlanes shadowOf(const ShaftLight& light, const Hull& hull, const glm::dvec3 (&corners)[3],
-                             glm::dvec3 rounding, bool opaque, glm::dvec3 centre);
+/// Makes the spaces that the triangles of one caster shadow, seen from one tile.
+class ShadowMaker {
+public:
+    ShadowMaker(const ShaftLight& light, const Hull& hull, const ShaftCaster& caster);
 
-/// A hull in single precision, for many triangles.
+    /// @param a b c corners in mesh space @param planes relative to the hull's centre; valid where Shadowing::some
+    Shadowing make(glm::vec3 a, glm::vec3 b, glm::vec3 c, lanes::ShadowPlanes& planes) const;
+
+private:
+    float wideness(const glm::vec3 (&corners)[3]) const;
+
+    glm::dmat3 basis_;
+    glm::dvec3 translation_; ///< From the hull's centre.
+    bool directional_, opaque_;
+    glm::vec3 light_; ///< From the hull's centre, or the direction towards it.
+    glm::vec3 axis_[3];
+    glm::vec3 extent_;
+    glm::vec3 rounding_; ///< Of coordinates, by the ray tracer.
+    float relative_;     ///< Its and our roundings of distances.
+    float farthest_;     ///< Receiver from the light.
+    float nearOffset_;
+};
+
+/// A hull in single precision, for many volumes.
 struct FlatHull {
     float centre[3]; ///< Relative to the planes' centre.
     float axis[3][3];

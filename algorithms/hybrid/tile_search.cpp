@@ -29,6 +29,13 @@ std::uint32_t innerBits(const TriangleTree::Node& node)
     return bits;
 }
 
+/// Triangles worth looking at one by one, for a tile of so many blocks. Embree takes 1 300 cycles a block, a triangle
+/// 150; larger tiles may still be split.
+std::size_t triangleLimit(std::uint32_t blocks)
+{
+    return blocks == 1 ? 6 : blocks == 4 ? 24 : 32;
+}
+
 } // namespace
 
 ShaftScene::ShaftScene(const Kernels& width, const LightView& view, std::span<const Caster* const> all,
@@ -73,8 +80,11 @@ bool TileSearch::push(const Item& item)
 
 glm::dvec3 TileSearch::roundingOf(const Hull& hull, const ShaftCaster& caster) const
 {
+    // Errors of distances are smaller for what is closer; for planes that meet boxes anywhere, all there is.
     const ShaftLight& light = scene_.light;
-    return caster.rounding(light.directional ? hull.largest() : glm::max(hull.largest(), glm::abs(light.position)));
+    const glm::dvec3 largest = hull.largest();
+    return 2.0 *
+           caster.rounding(caster.reach + (light.directional ? largest : glm::max(largest, glm::abs(light.position))));
 }
 
 MeshShaft TileSearch::meshShaft(const Shaft& shaft, const Hull& hull, const ShaftCaster& caster) const
@@ -149,18 +159,28 @@ std::span<const TileSearch::Item> TileSearch::narrowed(std::span<const Item> ite
     return left;
 }
 
+std::size_t TileSearch::trianglesIn(std::span<const Item> leaves) const
+{
+    std::size_t count = 0;
+    for (const Item& item : leaves) {
+        const TriangleTree& tree = *scene_.casters[item.caster].tree;
+        for (std::uint32_t bits = item.mask; bits != 0; bits &= bits - 1)
+            count += tree.leaf(tree.nodes()[item.node].child[std::countr_zero(bits)]).size();
+    }
+    return count;
+}
+
 /// Shadow volumes of what the leaves hold, as far as they meet the hull.
 TileSearch::Found TileSearch::volumesOf(std::span<const Item> items, const Hull& hull, const Shaft& shaft,
                                         Volumes& volumes)
 {
     volumes.centre = hull.centre;
-    const FlatHull flat(hull, hull.centre);
     std::size_t made = 0;
     for (std::size_t i = 0; i < items.size();) {
         const std::uint32_t index = items[i].caster;
         const ShaftCaster& caster = scene_.casters[index];
         const MeshShaft here = meshShaft(shaft, hull, caster);
-        const glm::dvec3 rounding = roundingOf(hull, caster);
+        const ShadowMaker maker(scene_.light, hull, caster);
         for (; i < items.size() && items[i].caster == index; ++i) {
             const TriangleTree::Node& node = caster.tree->nodes()[items[i].node];
             for (std::uint32_t bits = items[i].mask; bits != 0; bits &= bits - 1) {
@@ -169,16 +189,10 @@ TileSearch::Found TileSearch::volumesOf(std::span<const Item> items, const Hull&
                     const glm::vec3* at = caster.mesh->positions.data();
                     const glm::vec3 a = at[corner[0]], b = at[corner[1]], c = at[corner[2]];
                     if (!here.touches(a, b, c)) continue;
-                    const glm::dvec3 corners[3] = {caster.basis * glm::dvec3(a) + caster.translation,
-                                                   caster.basis * glm::dvec3(b) + caster.translation,
-                                                   caster.basis * glm::dvec3(c) + caster.translation};
-                    const ShadowPlanes planes =
-                        shadowOf(scene_.light, hull, corners, rounding, caster.opaque, hull.centre);
-                    const Shadowing shadowing = flat.under(planes);
-                    if (shadowing == Shadowing::all) return Found::covered;
-                    if (shadowing == Shadowing::none) continue;
                     if (made == kVolumes) return Found::tooMany;
-                    planes_[made++] = planes;
+                    const Shadowing shadowing = maker.make(a, b, c, planes_[made]);
+                    if (shadowing == Shadowing::all) return Found::covered;
+                    made += shadowing == Shadowing::some;
                 }
             }
         }
@@ -256,12 +270,14 @@ void TileSearch::search(Tile tile, std::span<const Item> items)
         traceAll(tile);
     } else if (!left.empty()) {
         Volumes volumes;
-        Found found = leaves ? volumesOf(left, hull, shaft, volumes) : Found::tooMany;
+        const Found found = leaves && trianglesIn(left) <= triangleLimit(tile.count)
+                                ? volumesOf(left, hull, shaft, volumes)
+                                : Found::tooMany;
         if (found == Found::covered)
             answers_->dark(tile.first, tile.count);
         else if (found == Found::volumes)
             searchVolumes(tile, volumes);
-        else if (tile.count == 1)
+        else if (tile.count <= 4)
             traceAll(tile);
         else
             for (std::uint32_t i = 0; i < 4; ++i)

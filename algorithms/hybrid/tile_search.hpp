@@ -62,6 +62,7 @@ private:
     std::span<const Item> roots(const Hull& hull, const Shaft& shaft);
     std::span<const Item> narrowed(std::span<const Item> items, const Hull& hull, const Shaft& shaft, bool& leaves);
     void walk(const ShaftCaster& caster, const MeshShaft& shaft, Item item, std::size_t limit);
+    std::size_t trianglesIn(std::span<const Item> leaves) const;
     enum class Found : std::uint8_t { volumes, covered, tooMany };
     Found volumesOf(std::span<const Item> items, const Hull& hull, const Shaft& shaft, Volumes& volumes);
     MeshShaft meshShaft(const Shaft& shaft, const Hull& hull, const ShaftCaster& caster) const;
