@@ -32,7 +32,7 @@ inline constexpr uint32_t kLit = 0, kDark = 1, kRay = 2;
 /// The receivers of a block. Lanes that need no ray repeat one that does, so that bounds need no masks.
 struct alignas(64) Block {
     float origin[3][kLanes]; ///< Of the rays.
-    float offset[kLanes];    ///< That the origin is away from the surface.
+    float tfar[kLanes];      ///< ShadowRay::tfar
     uint32_t asked[kLanes];
     float normalSum[3];  ///< Of the lanes that ask.
     float largestOffset; ///< Of the lanes that ask.

@@ -38,17 +38,6 @@ glm::vec3 Receivers::normalAt(std::size_t pixel) const
     return normal / gpu::max(gpu::length(normal), 1e-20f); // halves are unit length to 1e-3 only
 }
 
-ShadowRay shadowRay(const gpu::LightConstants& light, glm::vec3 origin, float offset)
-{
-    if (light.type == gpu::LIGHT_DIRECTIONAL)
-        return {.origin = origin,
-                .tfar = std::numeric_limits<float>::infinity(),
-                .direction = -glm::vec3(light.directionWs)};
-    const glm::vec3 direction = glm::vec3(light.positionWs) - origin;
-    // The end is less than zero where the receiver is closer to the light than the offset: nothing fits between them.
-    return {.origin = origin, .tfar = 1.0f - offset / gpu::max(gpu::length(direction), 1e-20f), .direction = direction};
-}
-
 Asked Receivers::at(std::uint32_t x, std::uint32_t y, ShadowRay& ray) const
 {
     const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;
@@ -68,7 +57,15 @@ Asked Receivers::at(std::uint32_t x, std::uint32_t y, ShadowRay& ray) const
         away = normal;
     }
     const float offset = gpu::receiverOffset(view_, light_, depth, viewRay, receiver, normal);
-    ray = shadowRay(light_, receiver + offset * away, offset);
+    ray.origin = receiver + offset * away;
+    if (light_.type == gpu::LIGHT_DIRECTIONAL) {
+        ray.direction = toLight;
+        ray.tfar = std::numeric_limits<float>::infinity();
+    } else {
+        ray.direction = glm::vec3(light_.positionWs) - ray.origin;
+        // Less than zero where the receiver is closer to the light than the offset: nothing fits between them.
+        ray.tfar = 1.0f - offset / gpu::max(gpu::length(ray.direction), 1e-20f);
+    }
     return Asked::ray;
 }
 

@@ -39,9 +39,6 @@ private:
     bool halfNormals_;
 };
 
-/// The ray from where a receiver's starts, that far from its surface.
-ShadowRay shadowRay(const gpu::LightConstants& light, glm::vec3 origin, float offset);
-
 /// IEEE 754 binary16, all values.
 float fromHalf(std::uint16_t bits);
 

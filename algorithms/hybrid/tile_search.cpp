@@ -10,10 +10,14 @@ using namespace lanes;
 namespace {
 
 // Nodes that a tile keeps before it stops descending and lets its quarters go on.
-constexpr std::size_t kItemBudget = 24;
-// Volumes that a tile may make. Sixteen pixels against one volume take a thirtieth of what Embree takes for sixteen
-// rays.
-constexpr std::size_t kVolumes = 24;
+constexpr std::size_t kItemBudget = 16;
+// Volumes that a tile may make, and triangles it may look at for them. Sixteen pixels against one volume take about 30
+// cycles, making it about 100, sixteen rays 1 300 to 2 500 (Zen 4): larger limits leave fewer rays and take longer.
+constexpr std::size_t kVolumes = 32;
+constexpr std::size_t kTriangles = 64;
+// Blocks of the smallest tile that is asked for its triangles: what is too many for 16x16 pixels is mostly too many for
+// its quarters, and asking them takes as long as tracing.
+constexpr std::uint32_t kSmallest = 16;
 // Lists on top of each other, one a size of tile, of at most the budget or what the root started with.
 constexpr std::size_t kItemMemory = 4096;
 // At most this many volumes are asked by pixels at once rather than by tiles first: making a hull costs as much.
@@ -27,13 +31,6 @@ std::uint32_t innerBits(const TriangleTree::Node& node)
     for (std::uint32_t i = 0; i < node.count; ++i)
         bits |= TriangleTree::isLeaf(node.child[i]) ? 0u : 1u << i;
     return bits;
-}
-
-/// Triangles worth looking at one by one, for a tile of so many blocks. Embree takes 1 300 cycles a block, a triangle
-/// 150; larger tiles may still be split.
-std::size_t triangleLimit(std::uint32_t blocks)
-{
-    return blocks == 1 ? 6 : blocks == 4 ? 24 : 32;
 }
 
 } // namespace
@@ -270,14 +267,13 @@ void TileSearch::search(Tile tile, std::span<const Item> items)
         traceAll(tile);
     } else if (!left.empty()) {
         Volumes volumes;
-        const Found found = leaves && trianglesIn(left) <= triangleLimit(tile.count)
-                                ? volumesOf(left, hull, shaft, volumes)
-                                : Found::tooMany;
+        const Found found =
+            leaves && trianglesIn(left) <= kTriangles ? volumesOf(left, hull, shaft, volumes) : Found::tooMany;
         if (found == Found::covered)
             answers_->dark(tile.first, tile.count);
         else if (found == Found::volumes)
             searchVolumes(tile, volumes);
-        else if (tile.count <= 4)
+        else if (tile.count <= kSmallest)
             traceAll(tile);
         else
             for (std::uint32_t i = 0; i < 4; ++i)

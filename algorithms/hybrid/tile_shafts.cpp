@@ -59,6 +59,7 @@ std::uint32_t everyOtherBit(std::uint32_t z)
     return result;
 }
 static_assert(kLargestTile / kBlockSide <= 1u << 4);
+constexpr std::uint32_t kBlocks = (kLargestTile / kBlockSide) * (kLargestTile / kBlockSide);
 
 /// One thread's share of the tiles.
 class TileRows final : public TileAnswers {
@@ -67,8 +68,13 @@ public:
         : job_(job), host_(host), reader_(reader), bytes_(job.reasons), search_(scene, *host.arena),
           blocks_(host.arena->array<Block>(std::size_t(job.tile / kBlockSide) * (job.tile / kBlockSide))),
           stride_((job.view->area.extent.width + job.tile - 1) / job.tile * job.tile),
-          rows_(host.arena->array<std::uint8_t>(std::size_t(job.tile) * stride_))
+          rows_(host.arena->array<std::uint8_t>(std::size_t(job.tile) * stride_)),
+          directional_(job.light->type == GN_LIGHT_TYPE_DIRECTIONAL),
+          light_(directional_ ? -job.light->direction() : job.light->position())
     {
+        for (std::uint32_t i = 0; i < blocks_.size(); ++i)
+            corner_[i] = static_cast<std::uint32_t>(everyOtherBit(i >> 1) * kBlockSide * stride_ +
+                                                    everyOtherBit(i) * kBlockSide);
     }
 
     void answer(std::uint32_t tileRow, std::span<std::uint8_t> visibility);
@@ -77,12 +83,8 @@ private:
     void dark(std::uint32_t firstBlock, std::uint32_t count) override;
     void lanes(std::uint32_t block, const std::uint32_t (&state)[kLanes]) override;
     void read(std::uint32_t left, std::uint32_t top);
-    void ask(std::uint32_t block, std::uint32_t lane, std::size_t at);
-    std::size_t rowAt(std::uint32_t block) const ///< Of the block's first pixel.
-    {
-        return std::size_t(everyOtherBit(block >> 1)) * kBlockSide * stride_ + left_ +
-               everyOtherBit(block) * kBlockSide;
-    }
+    void ask(const Block& from, std::uint32_t lane, std::size_t at);
+    std::size_t rowAt(std::uint32_t block) const { return corner_[block] + left_; } ///< Of the block's first pixel.
     void flush()
     {
         batch_.flush(host_, job_.light->mask, RayCoherence::tiles, [&](std::uint32_t at, bool occluded) {
@@ -98,7 +100,10 @@ private:
     std::span<Block> blocks_;
     std::size_t stride_; ///< Of rows_: whole tiles.
     std::span<std::uint8_t> rows_;
-    std::uint32_t left_ = 0; ///< Of the tile at work, in the area.
+    bool directional_;
+    glm::vec3 light_;               ///< Position, or the direction towards it.
+    std::uint32_t corner_[kBlocks]; ///< Of the blocks of a tile, in rows_.
+    std::uint32_t left_ = 0;        ///< Of the tile at work, in the area.
     RayBatch<256> batch_;
 };
 
@@ -116,8 +121,10 @@ void TileRows::read(std::uint32_t left, std::uint32_t top)
         if (x >= extent.width || y >= extent.height) continue;
         reader_.read(x, y, block);
         std::uint8_t bytes[kLanes];
-        for (std::uint32_t lane = 0; lane < kLanes; ++lane)
-            bytes[lane] = before[block.asked[lane]];
+        std::memset(bytes, before[lanes::kRay], kLanes);
+        if (block.rays != kLanes)
+            for (std::uint32_t lane = 0; lane < kLanes; ++lane)
+                bytes[lane] = before[block.asked[lane]];
         for (std::uint32_t row = 0; row < kBlockSide; ++row)
             std::memcpy(&rows_[rowAt(i) + row * stride_], bytes + row * kBlockSide, kBlockSide);
     }
@@ -125,21 +132,24 @@ void TileRows::read(std::uint32_t left, std::uint32_t top)
 
 void TileRows::dark(std::uint32_t firstBlock, std::uint32_t count)
 {
+    const std::uint8_t byte = bytes_.of[gpu::REASON_TILE_SHADOW];
     for (std::uint32_t i = firstBlock; i < firstBlock + count; ++i) {
-        if (blocks_[i].rays == 0) continue;
-        for (std::uint32_t lane = 0; lane < kLanes; ++lane)
-            if (blocks_[i].asked[lane] == lanes::kRay)
-                rows_[rowAt(i) + lane / kBlockSide * stride_ + lane % kBlockSide] = bytes_.of[gpu::REASON_TILE_SHADOW];
+        const Block& block = blocks_[i];
+        for (std::uint32_t row = 0; row < kBlockSide && block.rays != 0; ++row) {
+            std::uint8_t* first = &rows_[rowAt(i) + row * stride_];
+            for (std::uint32_t x = 0; x < kBlockSide; ++x)
+                if (block.rays == kLanes || block.asked[row * kBlockSide + x] == lanes::kRay) first[x] = byte;
+        }
     }
 }
 
 /// The ray of Receivers::at().
-void TileRows::ask(std::uint32_t block, std::uint32_t lane, std::size_t at)
+void TileRows::ask(const Block& from, std::uint32_t lane, std::size_t at)
 {
-    const Block& from = blocks_[block];
-    const gpu::LightConstants& light = job_.light->constants;
     ShadowRay& ray = batch_.rays[batch_.count];
-    ray = shadowRay(light, {from.origin[0][lane], from.origin[1][lane], from.origin[2][lane]}, from.offset[lane]);
+    ray.origin = {from.origin[0][lane], from.origin[1][lane], from.origin[2][lane]};
+    ray.tfar = from.tfar[lane];
+    ray.direction = directional_ ? light_ : light_ - ray.origin;
     batch_.tags[batch_.count++] = static_cast<std::uint32_t>(at);
     if (batch_.full()) flush();
 }
@@ -147,11 +157,12 @@ void TileRows::ask(std::uint32_t block, std::uint32_t lane, std::size_t at)
 void TileRows::lanes(std::uint32_t block, const std::uint32_t (&state)[kLanes])
 {
     const std::size_t first = rowAt(block);
+    const Block& from = blocks_[block];
     for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-        if (blocks_[block].asked[lane] != lanes::kRay) continue;
+        if (from.asked[lane] != lanes::kRay) continue;
         const std::size_t at = first + lane / kBlockSide * stride_ + lane % kBlockSide;
         if (state[lane] == lanes::kUnsure)
-            ask(block, lane, at);
+            ask(from, lane, at);
         else
             rows_[at] = bytes_.of[state[lane] == lanes::kInside ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT];
     }
