@@ -26,7 +26,8 @@ inline const std::vector<OutputInfo> kMethods = {
     {"all_edges_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}},
     {"projected_planar", {"directional", "spot", "point", "hard", "cpuGeometry", "planar"}},
     {"mccool", {"directional", "spot", "point", "hard"}},
-    {"angular_spans", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}}};
+    {"angular_spans", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}},
+    {"tile_shafts", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}}};
 
 inline const std::vector<std::string> kTraits = {"directional",  "spot",  "point",       "hard", "fixedPenumbra",
                                                  "softPenumbra", "exact", "cpuGeometry", "rays", "planar"};
