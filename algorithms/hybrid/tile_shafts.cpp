@@ -164,7 +164,7 @@ void TileRows::lanes(std::uint32_t block, const std::uint32_t (&state)[kLanes])
         if (state[lane] == lanes::kUnsure)
             ask(from, lane, at);
         else
-            rows_[at] = bytes_.of[state[lane] == lanes::kInside ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT];
+            rows_[at] = bytes_.of[state[lane] == lanes::kInside ? gpu::REASON_TILE_SHADOW : gpu::REASON_TILE_LIT];
     }
 }
 
