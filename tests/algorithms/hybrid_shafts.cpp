@@ -178,6 +178,7 @@ TEST_CASE("a triangle tree holds every triangle once, inside of its boxes, also 
         checkTree(*moved->tree(), mesh);
         CHECK(moved->tree()->nodes().size() == before->nodes().size());
         CHECK(moved->memoryBytes() > moved->tree()->memoryBytes());
+        MESSAGE(count << " triangles: " << moved->tree()->memoryBytes() << " bytes");
     }
 }
 
