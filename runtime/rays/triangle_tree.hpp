@@ -41,7 +41,7 @@ public:
     /// triangles).
     static std::shared_ptr<const TriangleTree> build(RTCDeviceTy* device, std::span<const glm::vec3> positions,
                                                      std::span<const std::uint32_t> indices);
-    /// The same tree around other positions of the same triangles: a thirtieth of the time of a new one. Boxes of
+    /// The same tree around other positions of the same triangles. Boxes of
     /// triangles that have parted overlap more; what is found in them is the same.
     std::shared_ptr<const TriangleTree> refitted(std::span<const glm::vec3> positions,
                                                  std::span<const std::uint32_t> indices) const;
