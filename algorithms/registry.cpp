@@ -7,6 +7,7 @@
 #include "algorithms/hybrid/contour_chain.hpp"
 #include "algorithms/hybrid/pcf_hybrid.hpp"
 #include "algorithms/hybrid/ray_traced.hpp"
+#include "algorithms/hybrid/tile_shafts.hpp"
 #endif
 #include "algorithms/maps/shadow_map.hpp"
 #include "algorithms/omni/cube_map.hpp"
@@ -35,7 +36,7 @@ constexpr std::array kAlgorithms = {
 #endif
     &kMcCool,
 #ifdef GNOMON_WITH_EMBREE
-    &kPcfHybrid,     &kContourChain, &kRayTraced,
+    &kPcfHybrid,     &kContourChain, &kRayTraced,      &kTileShafts,
 #endif
 #if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
     &kAngularSpans,
@@ -45,7 +46,7 @@ constexpr std::array kAlgorithms = {
 /// Known to rules, left out of this build.
 constexpr std::initializer_list<const char*> kAbsentNames = {
 #ifndef GNOMON_WITH_EMBREE
-    "ray_traced",     "pcf_hybrid",  "contour_chain",
+    "ray_traced",     "pcf_hybrid",  "contour_chain", "tile_shafts",
 #endif
 #ifndef GNOMON_WITH_OPENMESH
     "stencil_volume", "chan_durand", "octree_volume", "all_edges_volume", "projected_planar", "penumbra_wedges",

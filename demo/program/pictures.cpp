@@ -12,7 +12,7 @@ namespace {
 constexpr Rgb8 kInk{16, 16, 16};
 
 // Okabe and Ito's eight colours, told apart by most colour-blind people as well; yellow-green added for a ninth.
-constexpr std::array<std::pair<std::string_view, Rgb8>, 14> kNamed = {{{"ray_traced", {240, 228, 66}},
+constexpr std::array<std::pair<std::string_view, Rgb8>, 15> kNamed = {{{"ray_traced", {240, 228, 66}},
                                                                        {"shadow_map", {86, 180, 233}},
                                                                        {"stencil_volume", {230, 159, 0}},
                                                                        {"pcf_hybrid", {0, 158, 115}},
@@ -25,7 +25,8 @@ constexpr std::array<std::pair<std::string_view, Rgb8>, 14> kNamed = {{{"ray_tra
                                                                        {"mccool", {188, 189, 34}},
                                                                        {"angular_spans", {154, 205, 50}},
                                                                        {"contour_chain", {0, 139, 139}},
-                                                                       {"penumbra_wedges", {255, 152, 150}}}};
+                                                                       {"penumbra_wedges", {255, 152, 150}},
+                                                                       {"tile_shafts", {255, 187, 120}}}};
 
 } // namespace
 

@@ -6,42 +6,13 @@
 #include <unordered_map>
 #include <vector>
 
-#include <embree3/rtcore.h>
 #include <glm/matrix.hpp>
-#include <tbb/task_arena.h>
 
-#if defined(__SSE2__)
-#include <immintrin.h>
-#endif
+#include "runtime/rays/embree_thread.hpp"
+#include "runtime/rays/triangle_tree.hpp"
 
 namespace gnomon {
 namespace {
-
-/// Embree's results must not follow the floating-point mode of the host's threads: round to nearest, nothing traps,
-/// denormals flushed (as Embree's manual asks for; a denormal reciprocal direction costs a hundred cycles a box).
-class FloatMode {
-public:
-#if defined(__SSE2__)
-    FloatMode() : saved_(_mm_getcsr())
-    {
-        _mm_setcsr(0x1f80u | 0x8000u | 0x0040u);
-    }
-    ~FloatMode()
-    {
-        _mm_setcsr(saved_);
-    }
-
-private:
-    unsigned saved_;
-#else
-    FloatMode() {}
-    ~FloatMode() {}
-
-public:
-#endif
-    FloatMode(const FloatMode&) = delete;
-    FloatMode& operator=(const FloatMode&) = delete;
-};
 
 /// What Embree took on this thread; trees are built by one thread each.
 thread_local std::ptrdiff_t bytesHere = 0;
@@ -53,11 +24,9 @@ bool countBytes(void* total, ssize_t bytes, bool)
     return true;
 }
 
-/// Commits on the calling thread alone: without an arena of one Embree would start TBB's workers beside the host's.
 void commitHere(RTCScene scene)
 {
-    tbb::task_arena alone(1, 1);
-    alone.execute([scene] { rtcCommitScene(scene); });
+    buildHere([scene] { rtcCommitScene(scene); });
 }
 
 const RTCSceneFlags kSceneFlags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
@@ -76,19 +45,6 @@ struct Placed {
     std::uint64_t seen = 0; ///< The last update() that brought it.
 };
 
-/// An instance whose basis has no inverse cannot be asked by rays; as a volume it is empty.
-bool traceable(const Caster& caster)
-{
-    if (!caster.mesh || !caster.mesh->rays) return false;
-    const float determinant = glm::determinant(caster.basis);
-    return std::isfinite(1.0f / determinant);
-}
-
-PFN_gnOpacity opacityOf(const Caster& caster)
-{
-    return caster.alphaTested ? caster.opacity : nullptr;
-}
-
 bool unchanged(const Placed& placed, const Caster& caster)
 {
     return placed.rays == caster.mesh->rays && placed.meshRevision == caster.mesh->revision &&
@@ -98,25 +54,43 @@ bool unchanged(const Placed& placed, const Caster& caster)
 
 } // namespace
 
+bool castsRays(const Caster& caster)
+{
+    if (!caster.mesh || !caster.mesh->rays) return false;
+    const float determinant = glm::determinant(caster.basis);
+    return std::isfinite(1.0f / determinant);
+}
+
 struct MeshRays::Impl {
     RTCScene scene = nullptr;
     std::size_t bytes = 0;
+    std::shared_ptr<const TriangleTree> tree;
+    std::shared_ptr<std::atomic<std::ptrdiff_t>> treeBytes; ///< Of all meshes; may outlive their scene.
 
     Impl() = default;
     Impl(const Impl&) = delete;
     Impl& operator=(const Impl&) = delete;
-    ~Impl() { rtcReleaseScene(scene); }
+    ~Impl()
+    {
+        rtcReleaseScene(scene);
+        if (tree) treeBytes->fetch_sub(static_cast<std::ptrdiff_t>(tree->memoryBytes()), std::memory_order_relaxed);
+    }
 };
 
 MeshRays::MeshRays(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 MeshRays::~MeshRays() = default;
 std::size_t MeshRays::memoryBytes() const noexcept
 {
-    return impl_->bytes;
+    return impl_->bytes + (impl_->tree ? impl_->tree->memoryBytes() : 0);
+}
+const std::shared_ptr<const TriangleTree>& MeshRays::tree() const noexcept
+{
+    return impl_->tree;
 }
 
 struct RayScene::Impl {
     std::atomic<std::ptrdiff_t> bytes{0}; ///< Held by Embree, as it reports them.
+    std::shared_ptr<std::atomic<std::ptrdiff_t>> treeBytes = std::make_shared<std::atomic<std::ptrdiff_t>>(0);
     RTCDevice device = nullptr;
     RTCScene top = nullptr;
     bool hasMasks = false; ///< Embree was built with ray masks; otherwise the filter tests them.
@@ -304,11 +278,12 @@ bool RayScene::Impl::removeUnseen()
 RayScene::RayScene() : impl_(std::make_unique<Impl>()) {}
 RayScene::~RayScene() = default;
 
-std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices)
+std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices,
+                                          const TriangleTree* before)
 {
     if (!impl_->device || indices.empty()) return nullptr;
     const FloatMode mode;
-    const std::ptrdiff_t before = bytesHere;
+    const std::ptrdiff_t bytesBefore = bytesHere;
     static_cast<void>(rtcGetDeviceError(impl_->device)); // of this thread; clears what an earlier call left
     auto mesh = std::make_unique<MeshRays::Impl>();
     const RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -324,7 +299,11 @@ std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3> positions, 
     rtcReleaseGeometry(geometry);
     commitHere(mesh->scene);
     if (rtcGetDeviceError(impl_->device) != RTC_ERROR_NONE) return nullptr; // out of memory: the mesh casts no rays
-    mesh->bytes = static_cast<std::size_t>(std::max<std::ptrdiff_t>(bytesHere - before, 0));
+    mesh->bytes = static_cast<std::size_t>(std::max<std::ptrdiff_t>(bytesHere - bytesBefore, 0));
+    mesh->treeBytes = impl_->treeBytes;
+    mesh->tree = before ? before->refitted(positions, indices) : TriangleTree::build(impl_->device, positions, indices);
+    if (mesh->tree)
+        mesh->treeBytes->fetch_add(static_cast<std::ptrdiff_t>(mesh->tree->memoryBytes()), std::memory_order_relaxed);
     return std::unique_ptr<MeshRays>(new MeshRays(std::move(mesh)));
 }
 
@@ -337,7 +316,7 @@ void RayScene::update(std::span<const Caster> casters)
     bool changed = false;
     std::size_t position = 0;
     for (const Caster& caster : casters) {
-        if (!traceable(caster)) continue;
+        if (!castsRays(caster)) continue;
         std::uint32_t index = scene.find(position, caster.id);
         if (index == UINT32_MAX || !unchanged(scene.placed[index], caster)) {
             if (index == UINT32_MAX) index = scene.add(caster.id);
@@ -383,7 +362,9 @@ void RayScene::occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask
 
 std::size_t RayScene::memoryBytes() const noexcept
 {
-    return static_cast<std::size_t>(std::max<std::ptrdiff_t>(impl_->bytes.load(std::memory_order_relaxed), 0));
+    const std::ptrdiff_t bytes =
+        impl_->bytes.load(std::memory_order_relaxed) + impl_->treeBytes->load(std::memory_order_relaxed);
+    return static_cast<std::size_t>(std::max<std::ptrdiff_t>(bytes, 0));
 }
 
 } // namespace gnomon

@@ -1,6 +1,6 @@
 #pragma once
-// Shadow rays against the frame's casters (Embree 3.13, two-level, robust). The only header of floor 3 that speaks of
-// rays; ray_scene.cpp is the only file that includes Embree's.
+// Shadow rays against the frame's casters (Embree 3.13, two-level, robust). ray_scene.cpp and its neighbour
+// triangle_tree.cpp are the only files that include Embree's headers.
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -10,6 +10,16 @@
 
 namespace gnomon {
 
+class TriangleTree;
+
+/// Whether rays meet a caster: it has a mesh with a tree, and a basis with an inverse (as a volume it is empty else).
+bool castsRays(const Caster& caster);
+/// Says which hits of a caster count; null: all.
+inline PFN_gnOpacity opacityOf(const Caster& caster)
+{
+    return caster.alphaTested ? caster.opacity : nullptr;
+}
+
 /// One shadow ray: from the (already offset) receiver to just before the light.
 struct ShadowRay {
     glm::vec3 origin;    ///< World, relative to the frame's origin; the offset of definitions is applied.
@@ -17,13 +27,15 @@ struct ShadowRay {
     glm::vec3 direction; ///< Need not be unit length.
 };
 
-/// The tree of one mesh; built by a worker.
+/// The trees of one mesh: Embree's for rays, and one that may be walked; built by a worker.
 class MeshRays {
 public:
     ~MeshRays();
     MeshRays(const MeshRays&) = delete;
     MeshRays& operator=(const MeshRays&) = delete;
-    std::size_t memoryBytes() const noexcept;
+    std::size_t memoryBytes() const noexcept; ///< Of both.
+    /// Null where it could not be made.
+    const std::shared_ptr<const TriangleTree>& tree() const noexcept;
 
 private:
     friend class RayScene;
@@ -43,9 +55,11 @@ public:
     RayScene(const RayScene&) = delete;
     RayScene& operator=(const RayScene&) = delete;
 
-    /// Builds a mesh's tree; any thread. The arrays must outlive the result (they are shared, not copied; positions
+    /// Builds a mesh's trees; any thread. The arrays must outlive the result (they are shared, not copied; positions
     /// are read as 16-byte loads, so the array must be readable 4 bytes past its end).
-    std::unique_ptr<MeshRays> build(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices);
+    /// @param before the walkable tree of the same triangles in other positions, to be refitted; or null.
+    std::unique_ptr<MeshRays> build(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices,
+                                    const TriangleTree* before = nullptr);
 
     /// Brings the top level to this frame's casters (those with mesh->rays; others are left out). Only what changed
     /// since the last call is touched; nothing changed costs nothing. One thread, before any trace of the frame.

@@ -5,6 +5,11 @@
 
 namespace gnomon {
 
+bool castsRays(const Caster&)
+{
+    return false;
+}
+
 struct MeshRays::Impl {};
 MeshRays::MeshRays(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 MeshRays::~MeshRays() = default;
@@ -13,10 +18,17 @@ std::size_t MeshRays::memoryBytes() const noexcept
     return 0;
 }
 
+const std::shared_ptr<const TriangleTree>& MeshRays::tree() const noexcept
+{
+    static const std::shared_ptr<const TriangleTree> none;
+    return none;
+}
+
 struct RayScene::Impl {};
 RayScene::RayScene() = default;
 RayScene::~RayScene() = default;
-std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3>, std::span<const std::uint32_t>)
+std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3>, std::span<const std::uint32_t>,
+                                          const TriangleTree*)
 {
     return nullptr;
 }

@@ -78,10 +78,22 @@ struct MeshFaces {
         const std::lock_guard lock(mutex_);
         connectivity_ = std::move(topology);
     }
+    /// The same for the tree of the triangles, which the next revision refits.
+    std::shared_ptr<const TriangleTree> tree() const
+    {
+        const std::lock_guard lock(mutex_);
+        return tree_;
+    }
+    void remember(std::shared_ptr<const TriangleTree> tree)
+    {
+        const std::lock_guard lock(mutex_);
+        tree_ = std::move(tree);
+    }
 
 private:
     mutable std::mutex mutex_;
     std::shared_ptr<const Topology> connectivity_;
+    std::shared_ptr<const TriangleTree> tree_;
 };
 
 /// One revision of a mesh and all that is derived from it. What a frame has been shown does not change any more:

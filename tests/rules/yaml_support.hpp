@@ -28,7 +28,8 @@ inline const std::vector<OutputInfo> kMethods = {
     {"mccool", {"directional", "spot", "point", "hard"}},
     {"angular_spans", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}},
     {"contour_chain", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}},
-    {"penumbra_wedges", {"spot", "point", "hard", "softPenumbra", "cpuGeometry"}}};
+    {"penumbra_wedges", {"spot", "point", "hard", "softPenumbra", "cpuGeometry"}},
+    {"tile_shafts", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}}};
 
 inline const std::vector<std::string> kTraits = {"directional",  "spot",  "point",       "hard", "fixedPenumbra",
                                                  "softPenumbra", "exact", "cpuGeometry", "rays", "planar"};

@@ -1,0 +1,8 @@
+#include "algorithms/hybrid/lanes.hpp"
+
+namespace gnomon::lanes {
+#include "algorithms/hybrid/lanes_kernel.inc"
+
+constinit const Kernels kBaseline{.fromHalf = fromHalf, .receivers = receivers, .bound = bound, .classify = classify};
+
+} // namespace gnomon::lanes

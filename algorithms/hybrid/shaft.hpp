@@ -1,0 +1,122 @@
+#pragma once
+// The hull of a tile's receivers, the shaft between it and the light, and the space that a triangle shadows: what
+// tile_shafts proves things with. Set up in double precision, asked in single, with margins for what the ray tracer
+// rounds (the page tile_shafts derives them).
+#include <cstdint>
+
+#include <glm/ext/vector_double3.hpp>
+#include <glm/mat3x3.hpp>
+
+#include "algorithms/hybrid/lanes.hpp"
+#include "runtime/rays/ray_scene.hpp"
+#include "runtime/rays/triangle_tree.hpp"
+
+namespace gnomon {
+
+/// A light as shafts see it.
+struct ShaftLight {
+    bool directional = false;
+    glm::dvec3 position{0.0}; ///< Spot and point lights.
+    glm::dvec3 toLight{0.0};  ///< Directional lights; unit length.
+
+    explicit ShaftLight(const LightView& light);
+};
+
+/// A box with any orientation around where a tile's rays start.
+struct Hull {
+    glm::dvec3 centre{0.0};
+    glm::dvec3 axis[3]; ///< Orthonormal; the last is the receivers' mean normal, along which they are thinnest.
+    double half[3]{};
+    double largestOffset = 0.0;
+
+    double radius(glm::dvec3 direction) const
+    {
+        return glm::abs(glm::dot(direction, axis[0])) * half[0] + glm::abs(glm::dot(direction, axis[1])) * half[1] +
+               glm::abs(glm::dot(direction, axis[2])) * half[2];
+    }
+    glm::dvec3 largest() const; ///< Coordinates, by amount.
+};
+
+/// The hull of the blocks' rays; false where none asks or one is not a number. @param row direction of pixel rows
+bool hullOf(const lanes::Kernels& kernels, const lanes::Block* blocks, std::uint32_t count, glm::vec3 row, Hull& hull);
+
+/// Everything between a hull and the light lies inside of all planes.
+struct Shaft {
+    static constexpr int kPlanes = 6; ///< Four through the light, the receivers' own, one across the light's direction.
+    glm::dvec3 normal[kPlanes];
+    double distance[kPlanes];
+};
+Shaft shaftOf(const ShaftLight& light, const Hull& hull);
+
+/// A caster as shafts meet it.
+struct ShaftCaster {
+    const MeshView* mesh = nullptr;
+    const TriangleTree* tree = nullptr; ///< Null: only its bounds are known, and all they touch is traced.
+    glm::dmat3 basis{1.0};
+    glm::dvec3 translation{0.0};
+    glm::dmat3 spread{1.0}; ///< |basis| |inverse basis|: how an error in one coordinate spreads to others.
+    glm::dvec3 reach{0.0};  ///< Largest coordinates of its bounds and of its translation, by amount, added.
+    glm::vec3 meshReach{0.0f};
+    bool opaque = true;
+
+    explicit ShaftCaster(const Caster& caster);
+
+    /// What the ray tracer may be wrong by in each coordinate where rays start at such coordinates.
+    glm::dvec3 rounding(glm::dvec3 largestCoordinates) const;
+    /// How much a mesh's space enlarges relative errors: 1 where axes stay axes.
+    double skew() const;
+};
+
+/// A shaft's planes in a mesh's space, each moved outward by all that is rounded on either side.
+struct MeshShaft {
+    float normal[Shaft::kPlanes][3];
+    float distance[Shaft::kPlanes];
+
+    /// With `caster` null in world space, for points no farther than `reach`.
+    MeshShaft(const Shaft& shaft, const ShaftCaster* caster, glm::dvec3 rounding, glm::vec3 reach);
+
+    /// Bit i: box i of the node may touch the shaft.
+    std::uint32_t touches(const TriangleTree::Node& node) const;
+    bool touches(glm::vec3 a, glm::vec3 b, glm::vec3 c) const;
+};
+
+/// What a triangle does to a tile.
+enum class Shadowing : std::uint8_t {
+    none, ///< Blocks no ray of it.
+    some,
+    all, ///< Blocks every ray of it.
+};
+
+/// Makes the spaces that the triangles of one caster shadow, seen from one tile.
+class ShadowMaker {
+public:
+    ShadowMaker(const ShaftLight& light, const Hull& hull, const ShaftCaster& caster);
+
+    /// @param a b c corners in mesh space @param planes relative to the hull's centre; valid where Shadowing::some
+    Shadowing make(glm::vec3 a, glm::vec3 b, glm::vec3 c, lanes::ShadowPlanes& planes) const;
+
+private:
+    float wideness(const glm::vec3 (&corners)[3]) const;
+
+    glm::dmat3 basis_;
+    glm::dvec3 translation_; ///< From the hull's centre.
+    bool directional_, opaque_;
+    glm::vec3 light_; ///< From the hull's centre, or the direction towards it.
+    glm::vec3 axis_[3];
+    glm::vec3 extent_;
+    glm::vec3 rounding_; ///< Of coordinates, by the ray tracer.
+    float relative_;     ///< Its and our roundings of distances.
+    float farthest_;     ///< Receiver from the light.
+    float nearOffset_;
+};
+
+/// A hull in single precision, for many volumes.
+struct FlatHull {
+    float centre[3]; ///< Relative to the planes' centre.
+    float axis[3][3];
+
+    FlatHull(const Hull& hull, glm::dvec3 centre);
+    Shadowing under(const lanes::ShadowPlanes& volume) const;
+};
+
+} // namespace gnomon

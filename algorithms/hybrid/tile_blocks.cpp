@@ -1,0 +1,135 @@
+#include "algorithms/hybrid/tile_blocks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "algorithms/hybrid/receivers.hpp"
+#include "rules/engine/instruction_set.hpp"
+
+namespace gnomon {
+
+using namespace lanes;
+
+std::span<const Kernels* const> kernelsHere()
+{
+    static constexpr const Kernels* kAll[] = {
+        &kBaseline,
+#if GNOMON_LANES_X86
+        &kAvx2,
+        &kAvx512
+#endif
+    };
+    std::size_t count = 1;
+#if GNOMON_LANES_X86
+    if (rules::isSupported(rules::InstructionSet::Avx2)) count = 2;
+    if (count == 2 && rules::isSupported(rules::InstructionSet::Avx512)) count = 3;
+#endif
+    return std::span(kAll).first(count);
+}
+
+const Kernels& widestKernels()
+{
+    return *kernelsHere().back();
+}
+
+BlockReader::BlockReader(const Kernels& kernels, const CameraView& view, const LightView& light,
+                         std::span<const float> depth, std::span<const std::byte> normals)
+    : kernels_(kernels), area_(view.area), width_(view.extent.width), depth_(depth), normals_(normals),
+      halfNormals_(view.normalFormat == VK_FORMAT_R16G16B16A16_SFLOAT)
+{
+    const gpu::ViewConstants& v = view.constants;
+    const gpu::LightConstants& l = light.constants;
+    const bool directional = l.type == gpu::LIGHT_DIRECTIONAL;
+    float largest = 0.0f;
+    for (int i = 0; i < 3; ++i) {
+        constants_.eye[i] = v.eyeWs[i];
+        constants_.rayCorner[i] = v.rayCornerWs[i];
+        constants_.rayDx[i] = v.rayDxWs[i];
+        constants_.rayDy[i] = v.rayDyWs[i];
+        constants_.lightPosition[i] = l.positionWs[i];
+        constants_.lightDirection[i] = l.directionWs[i];
+        largest = std::max({largest, std::abs(l.positionWs[i] - v.eyeWs[i]), std::abs(l.positionWs[i])});
+    }
+    constants_.depthScale = v.depthScale;
+    constants_.depthMul = v.depthMul;
+    constants_.depthAdd = v.depthAdd;
+    constants_.skyDepth = v.skyDepth;
+    constants_.offsetFactor = v.offsetFactor;
+    constants_.pixelSize = v.pixelSize;
+    constants_.cone = l.directionWs.w * std::abs(l.directionWs.w);
+    constants_.rangeSquared = l.range * l.range;
+    constants_.lightLargest = directional ? 0.0f : largest;
+    constants_.directional = directional;
+    constants_.hasNormals = !normals.empty();
+}
+
+void BlockReader::normal(const std::byte* texel, Texels& texels, std::uint32_t lane) const
+{
+    float values[3];
+    if (halfNormals_) {
+        std::uint16_t halves[3];
+        std::memcpy(halves, texel, sizeof halves);
+        for (int i = 0; i < 3; ++i)
+            values[i] = fromHalf(halves[i]);
+    } else {
+        std::memcpy(values, texel, sizeof values);
+    }
+    for (int i = 0; i < 3; ++i)
+        texels.normal[i][lane] = values[i];
+}
+
+/// Rows of four, one after the other.
+void BlockReader::whole(std::size_t pixel, Texels& texels) const
+{
+    for (std::uint32_t row = 0; row < kBlockSide; ++row)
+        std::memcpy(texels.depth + row * kBlockSide, depth_.data() + pixel + row * std::size_t(width_),
+                    kBlockSide * sizeof(float));
+    if (normals_.empty()) {
+        std::memset(texels.normal, 0, sizeof texels.normal);
+        return;
+    }
+    if (halfNormals_) {
+        std::uint16_t halves[4 * kLanes];
+        for (std::uint32_t row = 0; row < kBlockSide; ++row)
+            std::memcpy(halves + row * 4 * kBlockSide, normals_.data() + (pixel + row * std::size_t(width_)) * 8,
+                        kBlockSide * 8);
+        kernels_.fromHalf(halves, texels.normal);
+        return;
+    }
+    for (std::uint32_t i = 0; i < kLanes; ++i)
+        normal(normals_.data() + (pixel + i / kBlockSide * std::size_t(width_) + i % kBlockSide) * 16, texels, i);
+}
+
+/// Pixels beyond the area are sky.
+void BlockReader::part(std::uint32_t x, std::uint32_t y, Texels& texels) const
+{
+    for (std::uint32_t i = 0; i < kLanes; ++i) {
+        const std::uint32_t column = x + i % kBlockSide, row = y + i / kBlockSide;
+        texels.depth[i] = constants_.skyDepth;
+        texels.normal[0][i] = texels.normal[1][i] = texels.normal[2][i] = 0.0f;
+        if (column >= area_.extent.width || row >= area_.extent.height) continue;
+        const std::size_t pixel = std::size_t(static_cast<std::uint32_t>(area_.offset.y) + row) * width_ +
+                                  static_cast<std::uint32_t>(area_.offset.x) + column;
+        texels.depth[i] = depth_[pixel];
+        if (!normals_.empty()) normal(normals_.data() + pixel * (halfNormals_ ? 8 : 16), texels, i);
+    }
+}
+
+void BlockReader::read(std::uint32_t x, std::uint32_t y, Block& block) const
+{
+    Texels texels;
+    const std::uint32_t left = static_cast<std::uint32_t>(area_.offset.x) + x;
+    const std::uint32_t top = static_cast<std::uint32_t>(area_.offset.y) + y;
+    for (std::uint32_t i = 0; i < kLanes; ++i) {
+        texels.x[i] = static_cast<float>(left + i % kBlockSide) + 0.5f;
+        texels.y[i] = static_cast<float>(top + i / kBlockSide) + 0.5f;
+    }
+    if (x + kBlockSide <= area_.extent.width && y + kBlockSide <= area_.extent.height)
+        whole(std::size_t(top) * width_ + left, texels);
+    else
+        part(x, y, texels);
+    kernels_.receivers(constants_, texels, block);
+}
+
+} // namespace gnomon

@@ -1,0 +1,39 @@
+#pragma once
+// A tile of receivers in blocks of 4x4 pixels, read from what was read back.
+#include <cstddef>
+#include <span>
+
+#include "algorithms/hybrid/lanes.hpp"
+#include "runtime/scene/scene_view.hpp"
+
+namespace gnomon {
+
+/// The widest that this build has and this processor runs.
+const lanes::Kernels& widestKernels();
+std::span<const lanes::Kernels* const> kernelsHere(); ///< All that run here, narrowest first.
+
+/// Reads blocks of a view for one light.
+class BlockReader {
+public:
+    /// Arguments as for Receivers.
+    BlockReader(const lanes::Kernels& kernels, const CameraView& view, const LightView& light,
+                std::span<const float> depth, std::span<const std::byte> normals);
+
+    /// The block whose first pixel is at (x, y) of the view's area. Lanes beyond the area ask nothing.
+    void read(std::uint32_t x, std::uint32_t y, lanes::Block& block) const;
+
+private:
+    void whole(std::size_t pixel, lanes::Texels& texels) const;
+    void part(std::uint32_t x, std::uint32_t y, lanes::Texels& texels) const;
+    void normal(const std::byte* texel, lanes::Texels& texels, std::uint32_t lane) const;
+
+    const lanes::Kernels& kernels_;
+    lanes::Constants constants_{};
+    VkRect2D area_;
+    std::uint32_t width_;
+    std::span<const float> depth_;
+    std::span<const std::byte> normals_;
+    bool halfNormals_;
+};
+
+} // namespace gnomon

@@ -1,0 +1,293 @@
+#include "algorithms/hybrid/tile_search.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace gnomon {
+
+using namespace lanes;
+
+namespace {
+
+// Nodes that a tile keeps before it stops descending and lets its quarters go on.
+constexpr std::size_t kItemBudget = 16;
+// Volumes that a tile may make, and triangles it may look at for them. Sixteen pixels against one volume take about 30
+// cycles, making it about 100, sixteen rays 1 300 to 2 500 (Zen 4): larger limits leave fewer rays and take longer.
+constexpr std::size_t kVolumes = 32;
+constexpr std::size_t kTriangles = 64;
+// Blocks of the smallest tile that is asked for its triangles: what is too many for 16x16 pixels is mostly too many for
+// its quarters, and asking them takes as long as tracing.
+constexpr std::uint32_t kSmallest = 16;
+// Lists on top of each other, one a size of tile, of at most the budget or what the root started with.
+constexpr std::size_t kItemMemory = 4096;
+// At most this many volumes are asked by pixels at once rather than by tiles first: making a hull costs as much.
+constexpr std::size_t kFew = 3;
+constexpr std::uint32_t kLoose = UINT32_MAX; // an item's node: the caster has no tree
+
+/// Bits of children that are nodes.
+std::uint32_t innerBits(const TriangleTree::Node& node)
+{
+    std::uint32_t bits = 0;
+    for (std::uint32_t i = 0; i < node.count; ++i)
+        bits |= TriangleTree::isLeaf(node.child[i]) ? 0u : 1u << i;
+    return bits;
+}
+
+} // namespace
+
+ShaftScene::ShaftScene(const Kernels& width, const LightView& view, std::span<const Caster* const> all,
+                       glm::vec3 rowDirection, FrameArena& arena)
+    : light(view), kernels(&width), row(rowDirection)
+{
+    const std::span<ShaftCaster> list = arena.array<ShaftCaster>(all.size());
+    const std::span<TriangleTree::Node> nodes = arena.array<TriangleTree::Node>(all.size() / 4 + 1);
+    std::uint32_t count = 0;
+    for (const Caster* caster : all) {
+        if (!castsRays(*caster)) continue; // left out as rays leave it out
+        new (&list[count]) ShaftCaster(*caster);
+        TriangleTree::Node& node = nodes[count / 4];
+        if (count % 4 == 0) node = {};
+        for (int axis = 0; axis < 3; ++axis) {
+            node.lower[axis][count % 4] = caster->bounds.lower[axis];
+            node.upper[axis][count % 4] = caster->bounds.upper[axis];
+        }
+        node.child[count % 4] = count;
+        node.count = count % 4 + 1;
+        ++count;
+    }
+    casters = list.first(count);
+    boxes = nodes.first((count + 3) / 4);
+}
+
+TileSearch::TileSearch(const ShaftScene& scene, FrameArena& arena)
+    : scene_(scene), items_(arena.array<Item>(std::max(kItemMemory, 6 * scene.casters.size()))),
+      planes_(arena.array<ShadowPlanes>(kVolumes)), lists_(arena.array<const ShadowPlanes*>(8 * kVolumes))
+{
+}
+
+bool TileSearch::push(const Item& item)
+{
+    if (itemCount_ == items_.size()) {
+        overflow_ = true;
+        return false;
+    }
+    items_[itemCount_++] = item;
+    return true;
+}
+
+glm::dvec3 TileSearch::roundingOf(const Hull& hull, const ShaftCaster& caster) const
+{
+    // Errors of distances are smaller for what is closer; for planes that meet boxes anywhere, all there is.
+    const ShaftLight& light = scene_.light;
+    const glm::dvec3 largest = hull.largest();
+    return 2.0 *
+           caster.rounding(caster.reach + (light.directional ? largest : glm::max(largest, glm::abs(light.position))));
+}
+
+MeshShaft TileSearch::meshShaft(const Shaft& shaft, const Hull& hull, const ShaftCaster& caster) const
+{
+    return MeshShaft(shaft, &caster, roundingOf(hull, caster), caster.meshReach);
+}
+
+/// The casters whose bounds the shaft touches.
+std::span<const TileSearch::Item> TileSearch::roots(const Hull& hull, const Shaft& shaft)
+{
+    const std::size_t first = itemCount_;
+    glm::dvec3 rounding(0.0), reach(0.0);
+    for (const ShaftCaster& caster : scene_.casters) {
+        rounding = glm::max(rounding, roundingOf(hull, caster));
+        reach = glm::max(reach, caster.reach);
+    }
+    const MeshShaft world(shaft, nullptr, rounding, glm::vec3(reach) * (1.0f + 1e-6f));
+    for (const TriangleTree::Node& four : scene_.boxes) {
+        for (std::uint32_t bits = world.touches(four); bits != 0; bits &= bits - 1) {
+            const std::uint32_t caster = four.child[std::countr_zero(bits)];
+            const TriangleTree* tree = scene_.casters[caster].tree;
+            push({.caster = caster, .node = tree ? 0 : kLoose, .mask = tree ? (1u << tree->nodes()[0].count) - 1u : 0});
+        }
+    }
+    return items_.subspan(first, itemCount_ - first);
+}
+
+/// Goes down from an item until leaves are reached or the list is long.
+void TileSearch::walk(const ShaftCaster& caster, const MeshShaft& shaft, Item item, std::size_t limit)
+{
+    const std::span<const TriangleTree::Node> nodes = caster.tree->nodes();
+    Item open[64];
+    std::size_t count = 0;
+    open[count++] = item;
+    while (count > 0) {
+        Item next = open[--count];
+        const TriangleTree::Node& node = nodes[next.node];
+        next.mask &= shaft.touches(node);
+        const std::uint32_t inner = next.mask & innerBits(node);
+        if (inner != 0 && itemCount_ + count < limit && count + 4 <= std::size(open)) {
+            for (std::uint32_t bits = inner; bits != 0; bits &= bits - 1) {
+                const std::uint32_t child = node.child[std::countr_zero(bits)];
+                open[count++] = {.caster = next.caster, .node = child, .mask = (1u << nodes[child].count) - 1u};
+            }
+            next.mask &= ~inner;
+        }
+        if (next.mask != 0 && !push(next)) return;
+    }
+}
+
+/// What of the items touches the shaft. @param leaves set where nothing is left but leaves
+std::span<const TileSearch::Item> TileSearch::narrowed(std::span<const Item> items, const Hull& hull,
+                                                       const Shaft& shaft, bool& leaves)
+{
+    const std::size_t first = itemCount_;
+    for (std::size_t i = 0; i < items.size();) {
+        const std::uint32_t index = items[i].caster;
+        const ShaftCaster& caster = scene_.casters[index];
+        const MeshShaft here = meshShaft(shaft, hull, caster);
+        for (; i < items.size() && items[i].caster == index; ++i) {
+            if (items[i].node == kLoose)
+                push(items[i]);
+            else
+                walk(caster, here, items[i], first + kItemBudget);
+        }
+    }
+    const std::span<const Item> left = items_.subspan(first, itemCount_ - first);
+    leaves = std::all_of(left.begin(), left.end(), [&](const Item& item) {
+        if (item.node == kLoose) return false;
+        return (innerBits(scene_.casters[item.caster].tree->nodes()[item.node]) & item.mask) == 0;
+    });
+    return left;
+}
+
+std::size_t TileSearch::trianglesIn(std::span<const Item> leaves) const
+{
+    std::size_t count = 0;
+    for (const Item& item : leaves) {
+        const TriangleTree& tree = *scene_.casters[item.caster].tree;
+        for (std::uint32_t bits = item.mask; bits != 0; bits &= bits - 1)
+            count += tree.leaf(tree.nodes()[item.node].child[std::countr_zero(bits)]).size();
+    }
+    return count;
+}
+
+/// Shadow volumes of what the leaves hold, as far as they meet the hull.
+TileSearch::Found TileSearch::volumesOf(std::span<const Item> items, const Hull& hull, const Shaft& shaft,
+                                        Volumes& volumes)
+{
+    volumes.centre = hull.centre;
+    std::size_t made = 0;
+    for (std::size_t i = 0; i < items.size();) {
+        const std::uint32_t index = items[i].caster;
+        const ShaftCaster& caster = scene_.casters[index];
+        const MeshShaft here = meshShaft(shaft, hull, caster);
+        const ShadowMaker maker(scene_.light, hull, caster);
+        for (; i < items.size() && items[i].caster == index; ++i) {
+            const TriangleTree::Node& node = caster.tree->nodes()[items[i].node];
+            for (std::uint32_t bits = items[i].mask; bits != 0; bits &= bits - 1) {
+                for (const std::uint32_t triangle : caster.tree->leaf(node.child[std::countr_zero(bits)])) {
+                    const std::uint32_t* corner = caster.mesh->indices.data() + 3 * std::size_t(triangle);
+                    const glm::vec3* at = caster.mesh->positions.data();
+                    const glm::vec3 a = at[corner[0]], b = at[corner[1]], c = at[corner[2]];
+                    if (!here.touches(a, b, c)) continue;
+                    if (made == kVolumes) return Found::tooMany;
+                    const Shadowing shadowing = maker.make(a, b, c, planes_[made]);
+                    if (shadowing == Shadowing::all) return Found::covered;
+                    made += shadowing == Shadowing::some;
+                }
+            }
+        }
+    }
+    listCount_ = 0;
+    for (std::size_t i = 0; i < made; ++i)
+        lists_[listCount_++] = &planes_[i];
+    volumes.list = lists_.first(made);
+    return Found::volumes;
+}
+
+void TileSearch::traceAll(Tile tile)
+{
+    std::uint32_t state[kLanes];
+    std::fill_n(state, kLanes, kUnsure);
+    for (std::uint32_t i = tile.first; i < tile.first + tile.count; ++i)
+        if (blocks_[i].rays != 0) answers_->lanes(i, state);
+}
+
+void TileSearch::searchBlock(std::uint32_t block, const Volumes& volumes)
+{
+    if (blocks_[block].rays == 0 || volumes.list.empty()) return;
+    const glm::vec3 rounded(volumes.centre);
+    const float centre[3] = {rounded.x, rounded.y, rounded.z};
+    std::uint32_t state[kLanes];
+    scene_.kernels->classify(blocks_[block], centre, volumes.list.data(),
+                             static_cast<std::uint32_t>(volumes.list.size()), state);
+    answers_->lanes(block, state);
+}
+
+void TileSearch::searchVolumes(Tile tile, const Volumes& above)
+{
+    if (tile.count == 1 || above.list.size() <= kFew) {
+        for (std::uint32_t i = tile.first; i < tile.first + tile.count; ++i)
+            searchBlock(i, above);
+        return;
+    }
+    Hull hull;
+    if (!hullOf(*scene_.kernels, &blocks_[tile.first], tile.count, scene_.row, hull)) return; // nobody asks
+    const FlatHull flat(hull, above.centre);
+    const std::size_t first = listCount_;
+    for (const ShadowPlanes* volume : above.list) {
+        const Shadowing shadowing = flat.under(*volume);
+        if (shadowing == Shadowing::all) {
+            answers_->dark(tile.first, tile.count);
+            listCount_ = first;
+            return;
+        }
+        if (shadowing == Shadowing::some) lists_[listCount_++] = volume;
+    }
+    const Volumes here{.centre = above.centre, .list = lists_.subspan(first, listCount_ - first)};
+    if (!here.list.empty()) {
+        const std::uint32_t quarter = tile.count / 4;
+        for (std::uint32_t i = 0; i < 4; ++i)
+            searchVolumes({.first = tile.first + i * quarter, .count = quarter}, here);
+    }
+    listCount_ = first;
+}
+
+void TileSearch::search(Tile tile, std::span<const Item> items)
+{
+    const bool root = tile.count == blocks_.size();
+    Hull hull;
+    if (!hullOf(*scene_.kernels, &blocks_[tile.first], tile.count, scene_.row, hull)) {
+        traceAll(tile); // some start nowhere; or nobody asks
+        return;
+    }
+    const std::size_t saved = itemCount_;
+    const Shaft shaft = shaftOf(scene_.light, hull);
+    if (root) items = roots(hull, shaft);
+    bool leaves = false;
+    const std::span<const Item> left = narrowed(items, hull, shaft, leaves);
+    if (overflow_) {
+        overflow_ = false;
+        traceAll(tile);
+    } else if (!left.empty()) {
+        Volumes volumes;
+        const Found found =
+            leaves && trianglesIn(left) <= kTriangles ? volumesOf(left, hull, shaft, volumes) : Found::tooMany;
+        if (found == Found::covered)
+            answers_->dark(tile.first, tile.count);
+        else if (found == Found::volumes)
+            searchVolumes(tile, volumes);
+        else if (tile.count <= kSmallest)
+            traceAll(tile);
+        else
+            for (std::uint32_t i = 0; i < 4; ++i)
+                search({.first = tile.first + i * (tile.count / 4), .count = tile.count / 4}, left);
+    }
+    itemCount_ = saved;
+}
+
+void TileSearch::run(std::span<const Block> blocks, TileAnswers& answers)
+{
+    blocks_ = blocks;
+    answers_ = &answers;
+    itemCount_ = 0;
+    search({.first = 0, .count = static_cast<std::uint32_t>(blocks.size())}, {});
+}
+
+} // namespace gnomon

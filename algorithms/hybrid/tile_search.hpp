@@ -1,0 +1,83 @@
+#pragma once
+// One tile of receivers against the casters of a light: what shafts prove, what shadow volumes of single triangles
+// prove, and what only rays can tell. Smaller tiles start from what their parents could not rule out.
+#include <cstdint>
+#include <span>
+
+#include "algorithms/hybrid/shaft.hpp"
+#include "runtime/core/arena.hpp"
+
+namespace gnomon {
+
+/// The casters of a light in this frame; the same for all tiles.
+struct ShaftScene {
+    ShaftLight light;
+    const lanes::Kernels* kernels = nullptr;
+    std::span<const ShaftCaster> casters;
+    std::span<const TriangleTree::Node> boxes; ///< World bounds of the casters, four to a node; child: the caster.
+    glm::vec3 row{1.0f, 0.0f, 0.0f};           ///< Direction of pixel rows.
+
+    ShaftScene(const lanes::Kernels& kernels, const LightView& light, std::span<const Caster* const> all,
+               glm::vec3 rowDirection, FrameArena& arena);
+};
+
+/// What became of some of a tile's blocks.
+class TileAnswers {
+public:
+    virtual void dark(std::uint32_t firstBlock, std::uint32_t count) = 0; ///< Every pixel that asks.
+    /// What is known of one block's lanes, as lanes::kMissed and so on; unsure ones want a ray.
+    virtual void lanes(std::uint32_t block, const std::uint32_t (&state)[lanes::kLanes]) = 0;
+
+protected:
+    ~TileAnswers() = default;
+};
+
+/// Memory to search tiles in; one a thread.
+class TileSearch {
+public:
+    TileSearch(const ShaftScene& scene, FrameArena& arena);
+
+    /// Searches for a tile of `count` blocks in Z order, count a power of four. Pixels that ask and of which nothing is
+    /// reported are lit.
+    void run(std::span<const lanes::Block> blocks, TileAnswers& answers);
+
+private:
+    /// Children of a tree's node that may touch a shaft.
+    struct Item {
+        std::uint32_t caster, node, mask;
+    };
+    struct Volumes { ///< Of the tiles below the one they were made for.
+        glm::dvec3 centre{0.0};
+        std::span<const lanes::ShadowPlanes* const> list;
+    };
+    struct Tile {
+        std::uint32_t first, count; ///< Blocks.
+    };
+
+    void search(Tile tile, std::span<const Item> items);
+    void searchVolumes(Tile tile, const Volumes& above);
+    void searchBlock(std::uint32_t block, const Volumes& volumes);
+    void traceAll(Tile tile);
+
+    std::span<const Item> roots(const Hull& hull, const Shaft& shaft);
+    std::span<const Item> narrowed(std::span<const Item> items, const Hull& hull, const Shaft& shaft, bool& leaves);
+    void walk(const ShaftCaster& caster, const MeshShaft& shaft, Item item, std::size_t limit);
+    std::size_t trianglesIn(std::span<const Item> leaves) const;
+    enum class Found : std::uint8_t { volumes, covered, tooMany };
+    Found volumesOf(std::span<const Item> items, const Hull& hull, const Shaft& shaft, Volumes& volumes);
+    MeshShaft meshShaft(const Shaft& shaft, const Hull& hull, const ShaftCaster& caster) const;
+    glm::dvec3 roundingOf(const Hull& hull, const ShaftCaster& caster) const;
+    bool push(const Item& item);
+
+    const ShaftScene& scene_;
+    std::span<const lanes::Block> blocks_;
+    TileAnswers* answers_ = nullptr;
+    std::span<Item> items_; ///< A stack: lists of the tiles from the root down to the one at work.
+    std::size_t itemCount_ = 0;
+    std::span<lanes::ShadowPlanes> planes_;       ///< Of the one tile that has volumes.
+    std::span<const lanes::ShadowPlanes*> lists_; ///< A stack as items_.
+    std::size_t listCount_ = 0;
+    bool overflow_ = false;
+};
+
+} // namespace gnomon

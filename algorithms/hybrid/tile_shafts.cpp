@@ -1,0 +1,242 @@
+#include "algorithms/hybrid/tile_shafts.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <new>
+#include <type_traits>
+
+#include "algorithms/hybrid/host_visibility.hpp"
+#include "algorithms/hybrid/ray_list.hpp"
+#include "algorithms/hybrid/tile_blocks.hpp"
+#include "algorithms/hybrid/tile_search.hpp"
+
+namespace gnomon {
+
+namespace {
+
+using lanes::Block;
+using lanes::kBlockSide;
+using lanes::kLanes;
+
+enum Setting { kTile, kReasons };
+
+constexpr std::uint32_t kLargestTile = 64;
+constexpr SettingSpec kSettings[] = {
+    {"tile", "Side of the largest tile, pixels; rounded down to a power of two.", kBlockSide, kLargestTile, 32},
+    kReasonsSetting,
+};
+
+/// Everything the host pass needs; copied into the frame.
+struct ShaftJob {
+    const CameraView* view;
+    const LightView* light;
+    const LightCasters* casters;
+    HostVisibility buffers;
+    std::uint32_t tile; ///< Pixels a side, a power of two.
+    bool reasons;
+};
+
+/// The byte in visibility for each reason.
+struct Bytes {
+    std::uint8_t of[gpu::REASON_COUNT];
+
+    explicit Bytes(bool reasons)
+    {
+        for (std::uint32_t i = 0; i < gpu::REASON_COUNT; ++i) {
+            const bool lit = i == gpu::REASON_OUTSIDE || i == gpu::REASON_TILE_LIT || i == gpu::REASON_RT_LIT;
+            of[i] = reasons ? static_cast<std::uint8_t>(i) : lit ? 255 : 0;
+        }
+    }
+};
+
+/// Column (or, shifted by one, row) of a block from its number in Z order.
+std::uint32_t everyOtherBit(std::uint32_t z)
+{
+    std::uint32_t result = 0;
+    for (std::uint32_t bit = 0; bit < 4; ++bit)
+        result |= (z >> bit) & (1u << bit);
+    return result;
+}
+static_assert(kLargestTile / kBlockSide <= 1u << 4);
+constexpr std::uint32_t kBlocks = (kLargestTile / kBlockSide) * (kLargestTile / kBlockSide);
+
+/// One thread's share of the tiles.
+class TileRows final : public TileAnswers {
+public:
+    TileRows(const ShaftJob& job, const HostContext& host, const BlockReader& reader, const ShaftScene& scene)
+        : job_(job), host_(host), reader_(reader), bytes_(job.reasons), search_(scene, *host.arena),
+          blocks_(host.arena->array<Block>(std::size_t(job.tile / kBlockSide) * (job.tile / kBlockSide))),
+          stride_((job.view->area.extent.width + job.tile - 1) / job.tile * job.tile),
+          rows_(host.arena->array<std::uint8_t>(std::size_t(job.tile) * stride_)),
+          directional_(job.light->type == GN_LIGHT_TYPE_DIRECTIONAL),
+          light_(directional_ ? -job.light->direction() : job.light->position())
+    {
+        for (std::uint32_t i = 0; i < blocks_.size(); ++i)
+            corner_[i] = static_cast<std::uint32_t>(everyOtherBit(i >> 1) * kBlockSide * stride_ +
+                                                    everyOtherBit(i) * kBlockSide);
+    }
+
+    void answer(std::uint32_t tileRow, std::span<std::uint8_t> visibility);
+
+private:
+    void dark(std::uint32_t firstBlock, std::uint32_t count) override;
+    void lanes(std::uint32_t block, const std::uint32_t (&state)[kLanes]) override;
+    void read(std::uint32_t left, std::uint32_t top);
+    void ask(const Block& from, std::uint32_t lane, std::size_t at);
+    std::size_t rowAt(std::uint32_t block) const { return corner_[block] + left_; } ///< Of the block's first pixel.
+    void flush()
+    {
+        batch_.flush(host_, job_.light->mask, RayCoherence::tiles, [&](std::uint32_t at, bool occluded) {
+            rows_[at] = bytes_.of[occluded ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT];
+        });
+    }
+
+    const ShaftJob& job_;
+    const HostContext& host_;
+    const BlockReader& reader_;
+    const Bytes bytes_;
+    TileSearch search_;
+    std::span<Block> blocks_;
+    std::size_t stride_; ///< Of rows_: whole tiles.
+    std::span<std::uint8_t> rows_;
+    bool directional_;
+    glm::vec3 light_;               ///< Position, or the direction towards it.
+    std::uint32_t corner_[kBlocks]; ///< Of the blocks of a tile, in rows_.
+    std::uint32_t left_ = 0;        ///< Of the tile at work, in the area.
+    RayBatch<256> batch_;
+};
+
+/// Reads a tile and writes what needs no search; the others are lit until more is known.
+void TileRows::read(std::uint32_t left, std::uint32_t top)
+{
+    const VkExtent2D extent = job_.view->area.extent;
+    left_ = left;
+    const std::uint8_t before[3] = {bytes_.of[gpu::REASON_OUTSIDE], bytes_.of[gpu::REASON_BACKFACING],
+                                    bytes_.of[gpu::REASON_TILE_LIT]};
+    for (std::uint32_t i = 0; i < blocks_.size(); ++i) {
+        const std::uint32_t x = left + everyOtherBit(i) * kBlockSide, y = top + everyOtherBit(i >> 1) * kBlockSide;
+        Block& block = blocks_[i];
+        block.rays = 0;
+        if (x >= extent.width || y >= extent.height) continue;
+        reader_.read(x, y, block);
+        std::uint8_t bytes[kLanes];
+        std::memset(bytes, before[lanes::kRay], kLanes);
+        if (block.rays != kLanes)
+            for (std::uint32_t lane = 0; lane < kLanes; ++lane)
+                bytes[lane] = before[block.asked[lane]];
+        for (std::uint32_t row = 0; row < kBlockSide; ++row)
+            std::memcpy(&rows_[rowAt(i) + row * stride_], bytes + row * kBlockSide, kBlockSide);
+    }
+}
+
+void TileRows::dark(std::uint32_t firstBlock, std::uint32_t count)
+{
+    const std::uint8_t byte = bytes_.of[gpu::REASON_TILE_SHADOW];
+    for (std::uint32_t i = firstBlock; i < firstBlock + count; ++i) {
+        const Block& block = blocks_[i];
+        for (std::uint32_t row = 0; row < kBlockSide && block.rays != 0; ++row) {
+            std::uint8_t* first = &rows_[rowAt(i) + row * stride_];
+            for (std::uint32_t x = 0; x < kBlockSide; ++x)
+                if (block.rays == kLanes || block.asked[row * kBlockSide + x] == lanes::kRay) first[x] = byte;
+        }
+    }
+}
+
+/// The ray of Receivers::at().
+void TileRows::ask(const Block& from, std::uint32_t lane, std::size_t at)
+{
+    ShadowRay& ray = batch_.rays[batch_.count];
+    ray.origin = {from.origin[0][lane], from.origin[1][lane], from.origin[2][lane]};
+    ray.tfar = from.tfar[lane];
+    ray.direction = directional_ ? light_ : light_ - ray.origin;
+    batch_.tags[batch_.count++] = static_cast<std::uint32_t>(at);
+    if (batch_.full()) flush();
+}
+
+void TileRows::lanes(std::uint32_t block, const std::uint32_t (&state)[kLanes])
+{
+    const std::size_t first = rowAt(block);
+    const Block& from = blocks_[block];
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+        if (from.asked[lane] != lanes::kRay) continue;
+        const std::size_t at = first + lane / kBlockSide * stride_ + lane % kBlockSide;
+        if (state[lane] == lanes::kUnsure)
+            ask(from, lane, at);
+        else
+            rows_[at] = bytes_.of[state[lane] == lanes::kInside ? gpu::REASON_TILE_SHADOW : gpu::REASON_TILE_LIT];
+    }
+}
+
+void TileRows::answer(std::uint32_t tileRow, std::span<std::uint8_t> visibility)
+{
+    const VkExtent2D extent = job_.view->area.extent;
+    const std::uint32_t top = tileRow * job_.tile;
+    for (std::uint32_t left = 0; left < extent.width; left += job_.tile) {
+        read(left, top);
+        search_.run(blocks_, *this);
+    }
+    flush();
+    // Upload memory may be write-combined: whole rows at a time.
+    for (std::uint32_t y = 0; y < std::min(job_.tile, extent.height - top); ++y)
+        std::memcpy(&visibility[std::size_t(top + y) * extent.width], &rows_[y * stride_], extent.width);
+}
+
+void answer(const ShaftJob& job, const HostContext& host)
+{
+    const CameraView& view = *job.view;
+    const lanes::Kernels& kernels = widestKernels();
+    const BlockReader reader(kernels, view, *job.light, host.read<float>(job.buffers.depth),
+                             job.buffers.normals ? host.read<std::byte>(job.buffers.normals)
+                                                 : std::span<const std::byte>());
+    const ShaftScene scene(kernels, *job.light, job.casters->all, glm::vec3(view.constants.rayDxWs), *host.arena);
+    const std::span<std::uint8_t> visibility = host.write<std::uint8_t>(job.buffers.rows);
+    const std::uint32_t tileRows = (view.area.extent.height + job.tile - 1) / job.tile;
+    const std::span<TileRows*> rows = host.arena->array<TileRows*>(host.jobs->threadCount());
+    std::fill(rows.begin(), rows.end(), nullptr);
+    static_assert(std::is_trivially_destructible_v<TileRows>);
+    host.jobs->parallelFor(tileRows, 1, [&](std::size_t begin, std::size_t end, std::uint32_t thread) {
+        if (!rows[thread])
+            rows[thread] =
+                new (host.arena->allocate(sizeof(TileRows), alignof(TileRows))) TileRows(job, host, reader, scene);
+        for (std::size_t row = begin; row < end; ++row)
+            rows[thread]->answer(static_cast<std::uint32_t>(row), visibility);
+    });
+}
+
+class TileShafts final : public ShadowAlgorithm {
+public:
+    void declare(PassBuilder& passes, const ShadowTask& task) override
+    {
+        const ShaftJob job{.view = task.view,
+                           .light = task.light,
+                           .casters = task.casters,
+                           .buffers = declareHostVisibility(passes, task, "tile_shafts.visibility"),
+                           .tile = std::bit_floor(static_cast<std::uint32_t>(task.settings[kTile])),
+                           .reasons = task.settings[kReasons] != 0.0};
+        PassRef host = passes.host("tile_shafts.search");
+        useHostVisibility(host, job.buffers);
+        host.run([job](HostContext& context) { answer(job, context); });
+        declareVisibilityCopy(passes, task, job.buffers, "tile_shafts.copy");
+    }
+};
+
+} // namespace
+
+constinit const AlgorithmEntry kTileShafts{
+    .name = "tile_shafts",
+    .source = "gnomon; Haines and Wallace 1991",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
+    .roundTrips = 1,
+    .maxRounds = 0,
+    .settings = kSettings,
+    .memoryPerLight = [](std::span<const double>,
+                         VkExtent2D extent) { return VkDeviceSize(extent.width) * extent.height; },
+    .missing = nullptr,
+    .create = [](const AlgorithmServices&) -> std::unique_ptr<ShadowAlgorithm> {
+        return std::make_unique<TileShafts>();
+    },
+};
+
+} // namespace gnomon

@@ -1,0 +1,317 @@
+// tile_shafts without a device: sixteen lanes are the scalar receiver, trees hold their triangles, and whatever a tile
+// proves is what rays say.
+#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "algorithms/hybrid/receivers.hpp"
+#include "algorithms/hybrid/tile_blocks.hpp"
+#include "algorithms/hybrid/tile_search.hpp"
+#include "runtime/ray_fixture.hpp"
+
+using namespace gnomon;
+using test::randomPoint;
+using test::TracedMesh;
+
+namespace {
+
+constexpr std::uint32_t kWidth = 37, kHeight = 26; // blocks are cut on both sides
+
+CameraView randomView(std::mt19937& random, VkFormat normals)
+{
+    CameraView view;
+    gpu::ViewConstants& v = view.constants;
+    v.eyeWs = glm::vec4(randomPoint(random, 30.0f), 0.0f);
+    v.rayCornerWs = glm::vec4(-0.8f, 0.5f, -1.0f, 0.0f);
+    v.rayDxWs = glm::vec4(0.045f, 0.002f, 0.0f, 0.0f);
+    v.rayDyWs = glm::vec4(0.001f, -0.04f, 0.003f, 0.0f);
+    v.depthScale = 0.1f;
+    v.depthMul = 1.0f;
+    v.depthAdd = 0.0f;
+    v.skyDepth = 0.0f;
+    v.offsetFactor = 1.0f;
+    v.pixelSize = 0.04f;
+    v.hasNormals = normals != VK_FORMAT_UNDEFINED;
+    view.normalFormat = normals;
+    view.extent = {kWidth + 5, kHeight + 3};
+    view.area = {{3, 2}, {kWidth, kHeight}};
+    return view;
+}
+
+LightView lightOf(GnLightType type, glm::vec3 position, glm::vec3 direction)
+{
+    LightView light;
+    light.type = type;
+    const bool directional = type == GN_LIGHT_TYPE_DIRECTIONAL;
+    light.constants.positionWs = glm::vec4(position, directional ? 0.0f : 1.0f);
+    light.constants.directionWs =
+        glm::vec4(glm::normalize(direction), type == GN_LIGHT_TYPE_SPOT ? std::cos(0.7f) : -2.0f);
+    light.constants.range = directional ? kUnlimitedRange : 60.0f;
+    light.constants.type = static_cast<gpu::uint>(type);
+    return light;
+}
+
+std::vector<std::byte> randomNormals(std::mt19937& random, VkFormat format, std::size_t pixels)
+{
+    if (format == VK_FORMAT_UNDEFINED) return {};
+    const bool half = format == VK_FORMAT_R16G16B16A16_SFLOAT;
+    std::vector<std::byte> bytes(pixels * (half ? 8 : 16));
+    for (std::size_t i = 0; i < pixels; ++i) {
+        std::uint16_t halves[4];
+        for (std::uint16_t& h : halves) // every sign, exponents up to 1, subnormals among them
+            h = static_cast<std::uint16_t>((random() & 0x8000u) | random() % 0x3c00u);
+        const glm::vec4 floats(randomPoint(random, 1.0f), 0.0f);
+        std::memcpy(bytes.data() + i * (half ? 8 : 16), half ? static_cast<const void*>(halves) : &floats,
+                    half ? 8 : 16);
+    }
+    return bytes;
+}
+
+/// Lanes that are not what Receivers says, bit by bit.
+int wrongLanes(const CameraView& view, const LightView& light, const std::vector<float>& depth,
+               const std::vector<std::byte>& normals, const lanes::Kernels& kernels, int (&asked)[3])
+{
+    const Receivers receivers(view, light, depth, normals);
+    const BlockReader reader(kernels, view, light, depth, normals);
+    int wrong = 0;
+    for (std::uint32_t y = 0; y < kHeight; y += 4)
+        for (std::uint32_t x = 0; x < kWidth; x += 4) {
+            lanes::Block block;
+            reader.read(x, y, block);
+            for (std::uint32_t i = 0; i < lanes::kLanes; ++i) {
+                const std::uint32_t px = x + i % 4, py = y + i / 4;
+                if (px >= kWidth || py >= kHeight) {
+                    wrong += block.asked[i] == lanes::kRay;
+                    continue;
+                }
+                ShadowRay ray;
+                const Asked expected = receivers.at(px + 3, py + 2, ray);
+                ++asked[static_cast<int>(expected)];
+                wrong += block.asked[i] != static_cast<std::uint32_t>(expected);
+                if (expected != Asked::ray || block.asked[i] != lanes::kRay) continue;
+                for (std::uint32_t axis = 0; axis < 3; ++axis)
+                    wrong += std::memcmp(&block.origin[axis][i], &ray.origin[int(axis)], sizeof(float)) != 0;
+                wrong += std::memcmp(&block.tfar[i], &ray.tfar, sizeof(float)) != 0;
+            }
+        }
+    return wrong;
+}
+
+} // namespace
+
+TEST_CASE("sixteen lanes give the receivers and rays of the scalar formulas, bit by bit, in every instruction set")
+{
+    std::mt19937 random(3);
+    int asked[3] = {};
+    for (const VkFormat format : {VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_UNDEFINED}) {
+        for (const GnLightType type : {GN_LIGHT_TYPE_DIRECTIONAL, GN_LIGHT_TYPE_SPOT, GN_LIGHT_TYPE_POINT}) {
+            const CameraView view = randomView(random, format);
+            std::vector<float> depth(std::size_t(view.extent.width) * view.extent.height);
+            std::uniform_real_distribution<float> value(0.002f, 0.2f);
+            for (float& d : depth)
+                d = random() % 9 == 0 ? 0.0f : value(random);
+            const std::vector<std::byte> normals = randomNormals(random, format, depth.size());
+            const glm::vec3 ahead = glm::vec3(view.constants.eyeWs) + glm::vec3(0.0f, 0.0f, -12.0f);
+            const LightView light = lightOf(type, ahead + glm::vec3(1.0f, 9.0f, 0.0f), {0.1f, -1.0f, 0.2f});
+            for (const lanes::Kernels* kernels : kernelsHere())
+                CHECK(wrongLanes(view, light, depth, normals, *kernels, asked) == 0);
+        }
+    }
+    for (const int count : asked)
+        CHECK(count > 1000);
+}
+
+namespace {
+
+/// Triangles below a node; counts those that stick out of the boxes above them.
+void collect(const TriangleTree& tree, std::uint32_t index, const TracedMesh& mesh, std::vector<int>& times, int& out)
+{
+    const TriangleTree::Node& node = tree.nodes()[index];
+    for (std::uint32_t i = 0; i < node.count; ++i) {
+        if (!TriangleTree::isLeaf(node.child[i])) {
+            CHECK(node.child[i] > index);
+            collect(tree, node.child[i], mesh, times, out);
+            continue;
+        }
+        for (const std::uint32_t triangle : tree.leaf(node.child[i])) {
+            ++times[triangle];
+            for (std::size_t corner = 0; corner < 3; ++corner) {
+                const glm::vec3 p = mesh.positions[mesh.indices[3 * std::size_t(triangle) + corner]];
+                for (int axis = 0; axis < 3; ++axis)
+                    out += p[axis] < node.lower[axis][i] || p[axis] > node.upper[axis][i];
+            }
+        }
+    }
+}
+
+void checkTree(const TriangleTree& tree, const TracedMesh& mesh)
+{
+    std::vector<int> times(mesh.indices.size() / 3);
+    int out = 0;
+    collect(tree, 0, mesh, times, out);
+    CHECK(out == 0);
+    CHECK(std::all_of(times.begin(), times.end(), [](int count) { return count == 1; }));
+}
+
+} // namespace
+
+TEST_CASE("a triangle tree holds every triangle once, inside of its boxes, also after a refit")
+{
+    RayScene rays;
+    std::mt19937 random(5);
+    for (const std::size_t count : {1, 3, 5, 64, 3000}) {
+        CAPTURE(count);
+        TracedMesh mesh(rays, test::randomTriangles(random, count, 5.0f, 0.5f));
+        REQUIRE(mesh.rays->tree());
+        checkTree(*mesh.rays->tree(), mesh);
+        const std::shared_ptr<const TriangleTree> before = mesh.rays->tree();
+        for (glm::vec3& position : mesh.positions)
+            position += randomPoint(random, 2.0f);
+        const std::unique_ptr<MeshRays> moved = rays.build(mesh.view.positions, mesh.indices, before.get());
+        REQUIRE(moved);
+        checkTree(*moved->tree(), mesh);
+        CHECK(moved->tree()->nodes().size() == before->nodes().size());
+        CHECK(moved->memoryBytes() > moved->tree()->memoryBytes());
+        MESSAGE(count << " triangles: " << moved->tree()->memoryBytes() << " bytes");
+    }
+}
+
+namespace {
+
+float halfOpaque(std::uint32_t, float u, float, void*)
+{
+    return u < 0.5f ? 1.0f : 0.0f;
+}
+
+/// A tile of 16x16 receivers on a plane.
+std::vector<lanes::Block> patch(std::mt19937& random, const LightView& light, float size)
+{
+    const glm::vec3 centre = randomPoint(random, 6.0f);
+    const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
+    const glm::vec3 toLight =
+        glm::normalize(directional ? -glm::vec3(light.constants.directionWs) : light.position() - centre);
+    glm::vec3 normal = glm::normalize(toLight + randomPoint(random, 0.8f));
+    if (glm::dot(normal, toLight) < 0.0f) normal = -normal;
+    const glm::vec3 u = glm::normalize(glm::cross(normal, glm::vec3(0.3f, 0.5f, 0.8f))), v = glm::cross(normal, u);
+    std::vector<lanes::Block> blocks(16);
+    for (std::uint32_t b = 0; b < 16; ++b) {
+        lanes::Block& block = blocks[b];
+        std::memset(static_cast<void*>(&block), 0, sizeof block);
+        const std::uint32_t bx = (b & 1) | (b >> 1 & 2), by = (b >> 1 & 1) | (b >> 2 & 2);
+        for (std::uint32_t i = 0; i < lanes::kLanes; ++i) {
+            const float x = size * (float(4 * bx + i % 4) - 7.5f) / 16.0f,
+                        y = size * (float(4 * by + i / 4) - 7.5f) / 16.0f;
+            const glm::vec3 p = centre + x * u + y * v;
+            for (int axis = 0; axis < 3; ++axis)
+                block.origin[axis][i] = p[axis];
+            block.asked[i] = lanes::kRay;
+            block.tfar[i] = directional ? std::numeric_limits<float>::infinity() : 1.0f - 1e-5f;
+        }
+        for (int axis = 0; axis < 3; ++axis)
+            block.normalSum[axis] = 16.0f * normal[axis];
+        block.largestOffset = 1e-4f;
+        block.rays = lanes::kLanes;
+        block.finite = 1;
+    }
+    return blocks;
+}
+
+struct Collected final : TileAnswers {
+    std::array<std::array<std::uint32_t, lanes::kLanes>, 16> state{};
+    void dark(std::uint32_t first, std::uint32_t count) override
+    {
+        for (std::uint32_t i = first; i < first + count; ++i)
+            state[i].fill(lanes::kInside);
+    }
+    void lanes(std::uint32_t block, const std::uint32_t (&of)[lanes::kLanes]) override
+    {
+        std::copy_n(of, lanes::kLanes, state[block].begin());
+    }
+};
+
+/// Casters as hosts make them: turned, mirrored, stretched, flat, with holes; one whose mesh rays never see.
+std::vector<Caster> castersOf(std::mt19937& random, const std::vector<std::unique_ptr<TracedMesh>>& meshes)
+{
+    std::vector<Caster> casters;
+    for (std::uint32_t i = 0; i < 60; ++i) {
+        glm::mat3 basis(
+            glm::rotate(glm::mat4(1.0f), float(i), glm::normalize(glm::vec3(1, 2, 0.3f) + randomPoint(random, 0.9f))));
+        if (i % 5 == 1) basis[0] = -basis[0];
+        if (i % 5 == 2) basis[1] *= 3.0f;
+        if (i % 11 == 3) basis[2] = basis[0] * 0.5f; // no inverse
+        if (i % 13 == 4) basis = glm::mat3(1.0f);
+        Caster caster = test::casterOf(*meshes[i % meshes.size()], i + 1, basis, randomPoint(random, 7.0f));
+        caster.bounds = transformed(caster.mesh->bounds, caster.basis, caster.translation);
+        caster.mirrored = i % 5 == 1;
+        caster.mask = i % 7 == 5 ? 2u : 1u;
+        caster.alphaTested = i % 6 == 0;
+        caster.opacity = i % 12 == 0 ? halfOpaque : nullptr;
+        casters.push_back(caster);
+    }
+    return casters;
+}
+
+} // namespace
+
+TEST_CASE("what tiles prove is what rays say, for turned, mirrored, flat and holed casters under every kind of light")
+{
+    std::mt19937 random(17);
+    RayScene rays;
+    std::vector<std::unique_ptr<TracedMesh>> meshes;
+    for (const auto& [count, size] : {std::pair<std::size_t, float>{1, 3.0f}, {2, 2.0f}, {40, 0.6f}, {400, 0.2f}}) {
+        meshes.push_back(std::make_unique<TracedMesh>(rays, test::randomTriangles(random, count, 1.5f, size)));
+        MeshView& view = meshes.back()->view;
+        for (const glm::vec3& p : view.positions) {
+            view.bounds.lower = glm::min(view.bounds.lower, p);
+            view.bounds.upper = glm::max(view.bounds.upper, p);
+        }
+    }
+    const std::vector<Caster> casters = castersOf(random, meshes);
+    rays.update(casters);
+    std::vector<const Caster*> seen;
+    for (const Caster& caster : casters)
+        if (caster.mask & 1u) seen.push_back(&caster);
+
+    std::size_t lit = 0, dark = 0, unsure = 0, wrong = 0;
+    for (int trial = 0; trial < 3000; ++trial) {
+        const GnLightType type = trial % 3 == 0   ? GN_LIGHT_TYPE_DIRECTIONAL
+                                 : trial % 3 == 1 ? GN_LIGHT_TYPE_SPOT
+                                                  : GN_LIGHT_TYPE_POINT;
+        const LightView light = lightOf(type, randomPoint(random, 9.0f), randomPoint(random, 1.0f));
+        const std::vector<lanes::Block> blocks = patch(random, light, trial % 4 == 0 ? 2.0f : 0.2f);
+        FrameArena arena;
+        const auto all = kernelsHere();
+        const lanes::Kernels& kernels = *all[std::size_t(trial) % all.size()];
+        const ShaftScene scene(kernels, light, seen, {1, 0, 0}, arena);
+        TileSearch search(scene, arena);
+        Collected found;
+        search.run(blocks, found);
+        for (std::size_t b = 0; b < blocks.size(); ++b)
+            for (std::uint32_t i = 0; i < lanes::kLanes; ++i) {
+                ShadowRay ray;
+                ray.origin = {blocks[b].origin[0][i], blocks[b].origin[1][i], blocks[b].origin[2][i]};
+                ray.tfar = blocks[b].tfar[i];
+                ray.direction = type == GN_LIGHT_TYPE_DIRECTIONAL ? -glm::vec3(light.constants.directionWs)
+                                                                  : light.position() - ray.origin;
+                const std::uint32_t state = found.state[b][i];
+                unsure += state == lanes::kUnsure;
+                if (state == lanes::kUnsure) continue;
+                std::uint8_t occluded = 2;
+                rays.occluded({&ray, 1}, 1u, RayCoherence::sparse, {&occluded, 1});
+                wrong += (state == lanes::kInside) != (occluded == 1);
+                lit += occluded == 0;
+                dark += occluded == 1;
+            }
+    }
+    MESSAGE("proven lit " << lit << ", dark " << dark << "; left to rays " << unsure << "; wrong " << wrong);
+    CHECK(wrong == 0);
+    CHECK(lit > 50000);
+    CHECK(dark > 50000);
+    CHECK(unsure < (lit + dark));
+}
