@@ -4,6 +4,7 @@
 #include <initializer_list>
 
 #ifdef GNOMON_WITH_EMBREE
+#include "algorithms/hybrid/conservative_map.hpp"
 #include "algorithms/hybrid/pcf_hybrid.hpp"
 #include "algorithms/hybrid/ray_traced.hpp"
 #endif
@@ -33,7 +34,7 @@ constexpr std::array kAlgorithms = {
 #endif
     &kMcCool,
 #ifdef GNOMON_WITH_EMBREE
-    &kPcfHybrid,     &kRayTraced,
+    &kPcfHybrid,     &kRayTraced,  &kConservativeMap,
 #endif
 #if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
     &kAngularSpans,
@@ -43,7 +44,7 @@ constexpr std::array kAlgorithms = {
 /// Known to rules, left out of this build.
 constexpr std::initializer_list<const char*> kAbsentNames = {
 #ifndef GNOMON_WITH_EMBREE
-    "ray_traced",     "pcf_hybrid",
+    "ray_traced",     "pcf_hybrid",  "conservative_map",
 #endif
 #ifndef GNOMON_WITH_OPENMESH
     "stencil_volume", "chan_durand", "octree_volume", "all_edges_volume", "projected_planar",

@@ -34,6 +34,7 @@ using uint = std::uint32_t;
 using glm::abs;
 using glm::cross;
 using glm::dot;
+using glm::floor;
 using glm::length;
 using glm::max;
 using glm::min;

@@ -1,0 +1,351 @@
+// Conservative rasterisation by edge functions: which texels of a map a triangle touches, which it covers, and between
+// which depths it lies there. Nothing is extended or cut: a quad of texels around the triangle is drawn and three edge
+// functions are asked at the centre of each.
+// Source: J. Hasselgren, T. Akenine-Moller, L. Ohlsson, "Conservative rasterization", GPU Gems 2, ch. 42 (semi-diagonal of
+// the texel projected on the edge's normal); M. Olano, T. Greer, "Triangle scan conversion using 2D homogeneous
+// coordinates", 1997 (no clipping at the near end); Hertel, Hormann and Westermann 2009 (two layers).
+//
+// "Texels" are positions in the map: x right, y down, texel k from k to k + 1. A vertex in the map is V = (x w, y w, w),
+// w its distance along the axis of a perspective and 1 for a directional light. The edge from Vj to Vk is the plane
+// N = Vj x Vk through the light, and E(c) = N.(c, 1) / |N.xy| the distance of c from it in texels, where |N.xy| is taken.
+//
+// What floats leave open goes into the margins: every bound below is "value +- error", with 2^-24 a rounding.
+#ifndef GNOMON_HYBRID_CONSERVATIVE_H
+#define GNOMON_HYBRID_CONSERVATIVE_H
+#include "../maps/map_look.h"
+
+GN_SHARED_BEGIN
+
+// Roundings of a 32-bit float, as shares of its size.
+GN_SHARED_CONST float ULPS_20 = 1.0f / 1048576.0f;
+GN_SHARED_CONST float ULPS_21 = 1.0f / 2097152.0f;
+GN_SHARED_CONST float ULPS_22 = 1.0f / 4194304.0f;
+GN_SHARED_CONST float ULPS_23 = 1.0f / 8388608.0f;
+
+// Flags of a caster.
+GN_SHARED_CONST uint CASTER_PERSPECTIVE = 1u;
+GN_SHARED_CONST uint CASTER_BACK_ONLY = 2u; // only faces turned away from the light
+GN_SHARED_CONST uint CASTER_MIRRORED = 4u;  // the winding is reversed
+GN_SHARED_CONST uint CASTER_KEEPS = 8u;     // edges may be kept (thesis): bits per triangle at binding 3
+
+// One caster in one map.
+struct ConservativePush {
+    mat4 texelFromObject; // x, y: texels times w; z: depth of a directional light; w
+    float side;           // of the map, texels
+    float depthConstant;  // perspective: depth = depthConstant + depthScale / w
+    float depthScale;
+    float texelError;     // how far x and y may be off by rounding, texels times w; base shift included
+    float wError;         // and w, metres
+    float depthError;     // of a depth: depthError + depthErrorSquare (depthConstant - depth)^2
+    float depthErrorSquare;
+    uint flags;
+};
+GN_SHARED_OFFSET(ConservativePush, side, 64)
+GN_SHARED_SIZE(ConservativePush, 96)
+
+// Share of a texel by which every triangle is grown or shrunk besides its own errors: half of it is the receiver's, whose
+// place is known to RECEIVER_TEXELS; the other half covers what is computed about edges at the texel.
+GN_SHARED_CONST float GUARD_TEXELS = 1.0f / 64.0f;
+GN_SHARED_CONST float RECEIVER_TEXELS = 1.0f / 128.0f;
+
+// A triangle as drawn. `rect`: first texel, and one past the last. Places are relative to texelBase(rect).
+struct ConservativeTriangle {
+    vec4 edge0;  // E(c) = x c.x + y c.y + z; w: what E must reach for the texel at c to be touched (-w) or covered (+w)
+    vec4 edge1;
+    vec4 edge2;
+    vec4 plane;  // depth at the base, its slope per texel, w: how far depths within a texel lie from its centre's
+    vec4 rect;   // empty: nothing to draw
+    vec4 range;  // x, y: smallest and largest depth of the triangle; z: upper bound of its slope, |dz/dx| + |dz/dy|;
+                 // w: 1 if it is seen edge-on, to within rounding
+};
+
+GN_SHARED_FN vec2 texelBase(vec4 rect) { return vec2(floor(0.5f * (rect.x + rect.z)), floor(0.5f * (rect.y + rect.w))); }
+
+// Largest of x and y.
+GN_SHARED_FN float sizeXY(vec3 v) { return max(abs(v.x), abs(v.y)); }
+
+// --- rectangle ---
+
+// Bounds of points in texels, and the smallest w among them.
+struct TexelBounds {
+    vec4 box; // lower, upper
+    float leastW;
+};
+
+GN_SHARED_FN TexelBounds grownBy(TexelBounds bounds, vec3 v)
+{
+    TexelBounds result;
+    float x = v.x / v.z, y = v.y / v.z;
+    result.box = vec4(min(bounds.box.x, x), min(bounds.box.y, y), max(bounds.box.z, x), max(bounds.box.w, y));
+    result.leastW = min(bounds.leastW, v.z);
+    return result;
+}
+
+// The corner `a`, if it lies before the light, and where the edge a -> b crosses w = `least`.
+GN_SHARED_FN TexelBounds withCorner(TexelBounds bounds, vec3 a, vec3 b, float least)
+{
+    TexelBounds result = bounds;
+    if (a.z > least) result = grownBy(result, a);
+    if ((a.z > least) != (b.z > least)) {
+        float share = (least - a.z) / (b.z - a.z);
+        result = grownBy(result, vec3(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y), least));
+    }
+    return result;
+}
+
+// Whether all corners lie on the outside of one side of the map, a texel away. True behind the light as well: the
+// sides are planes through it.
+GN_SHARED_FN bool outsideMap(vec3 a, vec3 b, vec3 c, float side, float error)
+{
+    float left = max(a.x + a.z, max(b.x + b.z, c.x + c.z));
+    float top = max(a.y + a.z, max(b.y + b.z, c.y + c.z));
+    float past = side + 1.0f;
+    float right = min(a.x - past * a.z, min(b.x - past * b.z, c.x - past * c.z));
+    float bottom = min(a.y - past * a.z, min(b.y - past * b.z, c.y - past * c.z));
+    return left < -error || top < -error || right > error || bottom > error;
+}
+
+// --- edges ---
+
+// The plane N through the light and an edge, and how far rounding may have moved it.
+struct EdgePlane {
+    vec3 normal;
+    float errorXY; // of x and y, by this arithmetic
+    float errorZ;
+    float inputXY; // the same by what its corners are off
+    float inputZ;
+};
+
+GN_SHARED_FN EdgePlane edgePlane(vec3 a, vec3 b, float texelError, float wError)
+{
+    EdgePlane edge;
+    edge.normal = cross(a, b);
+    float sizeA = sizeXY(a), sizeB = sizeXY(b);
+    // Two products and a sum of three roundings, plus the shift to the base: four units of 2^-24.
+    edge.errorXY = ULPS_22 * (sizeA * abs(b.z) + sizeB * abs(a.z));
+    edge.errorZ = ULPS_21 * sizeA * sizeB;
+    edge.inputXY = texelError * (abs(a.z) + abs(b.z)) + wError * (sizeA + sizeB);
+    edge.inputZ = 2.0f * texelError * (sizeA + sizeB);
+    return edge;
+}
+
+// E and its margin but for the texel's own offset. reach: half width and height of the rectangle, added up.
+GN_SHARED_FN vec4 edgeFunction(EdgePlane edge, float sign, float reach, bool crossing, float cornerTexels)
+{
+    float inverse = 1.0f / max(length(vec2(edge.normal.x, edge.normal.y)), 1e-30f);
+    float inputs = (edge.inputXY * reach + edge.inputZ) * inverse;
+    // Before the light, corners that are off move no point of the triangle by more than they are.
+    float margin = (edge.errorXY * reach + edge.errorZ) * inverse + (crossing ? inputs : min(inputs, cornerTexels));
+    vec3 scaled = edge.normal * (sign * inverse);
+    return vec4(scaled.x, scaled.y, scaled.z, min(margin, 1e9f));
+}
+
+// Half a texel's extent along the normal: what E falls short at the centre where the square only just touches.
+GN_SHARED_FN float squareExtent(vec4 edge) { return 0.5f * (abs(edge.x) + abs(edge.y)); }
+
+// --- the whole ---
+
+GN_SHARED_FN ConservativeTriangle nothingDrawn()
+{
+    ConservativeTriangle none;
+    none.edge0 = none.edge1 = none.edge2 = none.plane = none.rect = none.range = vec4(0.0f);
+    return none;
+}
+
+// Seen edge-on: the band around its longest edge, with its smallest depth.
+GN_SHARED_FN ConservativeTriangle bandOf(vec4 rect, EdgePlane e0, EdgePlane e1, EdgePlane e2, float thickness,
+                                         float reach, bool crossing, float cornerTexels, vec2 depths)
+{
+    ConservativeTriangle band = nothingDrawn();
+    float size0 = length(vec2(e0.normal.x, e0.normal.y)), size1 = length(vec2(e1.normal.x, e1.normal.y));
+    float size2 = length(vec2(e2.normal.x, e2.normal.y));
+    float size = max(size0, max(size1, size2));
+    vec4 edge = size0 == size ? edgeFunction(e0, 1.0f, reach, crossing, cornerTexels)
+                : size1 == size ? edgeFunction(e1, 1.0f, reach, crossing, cornerTexels)
+                                : edgeFunction(e2, 1.0f, reach, crossing, cornerTexels);
+    float margin = edge.w + squareExtent(edge) + GUARD_TEXELS + thickness / max(size, 1e-30f);
+    band.edge0 = vec4(edge.x, edge.y, edge.z, margin);
+    band.edge1 = vec4(-edge.x, -edge.y, -edge.z, margin);
+    band.edge2 = vec4(0.0f, 0.0f, 0.0f, 1.0f);
+    band.rect = rect;
+    band.plane = vec4(depths.x, 0.0f, 0.0f, 0.0f);
+    band.range = vec4(depths.x, depths.y, 0.0f, 1.0f);
+    return band;
+}
+
+// A triangle with corners in object space.
+GN_SHARED_FN ConservativeTriangle conservativeTriangle(ConservativePush caster, vec3 p0, vec3 p1, vec3 p2)
+{
+    bool perspective = (caster.flags & CASTER_PERSPECTIVE) != 0u;
+    vec4 q0 = caster.texelFromObject * vec4(p0, 1.0f);
+    vec4 q1 = caster.texelFromObject * vec4(p1, 1.0f);
+    vec4 q2 = caster.texelFromObject * vec4(p2, 1.0f);
+    vec3 v0 = vec3(q0.x, q0.y, q0.w), v1 = vec3(q1.x, q1.y, q1.w), v2 = vec3(q2.x, q2.y, q2.w);
+    float greatestW = max(abs(v0.z), max(abs(v1.z), abs(v2.z)));
+    float least = 4.0f * caster.wError + 1e-20f; // nearer to the light's plane than rounding: behind it
+    float texelError = caster.texelError + ULPS_22 * caster.side * greatestW;
+    float wError = caster.wError + ULPS_23 * greatestW;
+    if (outsideMap(v0, v1, v2, caster.side, texelError)) return nothingDrawn();
+
+    TexelBounds bounds;
+    bounds.box = vec4(1e30f, 1e30f, -1e30f, -1e30f);
+    bounds.leastW = 1e30f;
+    bounds = withCorner(withCorner(withCorner(bounds, v0, v1, least), v1, v2, least), v2, v0, least);
+    if (bounds.leastW > 1e29f) return nothingDrawn(); // behind the light
+    float cornerTexels = texelError / bounds.leastW;
+    float grow = cornerTexels + GUARD_TEXELS;
+    vec4 rect = vec4(max(floor(max(bounds.box.x - grow, -1.0f)), 0.0f), max(floor(max(bounds.box.y - grow, -1.0f)), 0.0f),
+                     min(floor(min(bounds.box.z + grow, caster.side)) + 1.0f, caster.side),
+                     min(floor(min(bounds.box.w + grow, caster.side)) + 1.0f, caster.side));
+    if (!(rect.x < rect.z && rect.y < rect.w)) return nothingDrawn();
+
+    // Relative to the base, so that places do not cancel.
+    vec2 base = texelBase(rect);
+    float reach = 0.5f * (rect.z - rect.x + rect.w - rect.y) + 2.0f;
+    v0 = vec3(v0.x - base.x * v0.z, v0.y - base.y * v0.z, v0.z);
+    v1 = vec3(v1.x - base.x * v1.z, v1.y - base.y * v1.z, v1.z);
+    v2 = vec3(v2.x - base.x * v2.z, v2.y - base.y * v2.z, v2.z);
+    bool crossing = min(v0.z, min(v1.z, v2.z)) <= least;
+    EdgePlane e0 = edgePlane(v1, v2, texelError, wError);
+    EdgePlane e1 = edgePlane(v2, v0, texelError, wError);
+    EdgePlane e2 = edgePlane(v0, v1, texelError, wError);
+
+    // Six times the volume of light and triangle, positive where it turns away: x, y and w are right-handed.
+    float volume = dot(v0, e0.normal);
+    float normalXY = abs(e0.normal.x) + abs(e0.normal.y);
+    float volumeError = texelError * normalXY + wError * abs(e0.normal.z) +
+                        2.0f * sizeXY(v0) * (e0.errorXY + e0.inputXY) + abs(v0.z) * (e0.errorZ + e0.inputZ);
+    float volumeRounding = ULPS_21 * (sizeXY(v0) * normalXY + abs(v0.z * e0.normal.z)) +
+                           2.0f * sizeXY(v0) * e0.errorXY + abs(v0.z) * e0.errorZ;
+    volumeError += volumeRounding;
+    bool sure = abs(volume) > volumeError;
+
+    float z0 = perspective ? caster.depthConstant + caster.depthScale / max(v0.z, 1e-20f) : q0.z;
+    float z1 = perspective ? caster.depthConstant + caster.depthScale / max(v1.z, 1e-20f) : q1.z;
+    float z2 = perspective ? caster.depthConstant + caster.depthScale / max(v2.z, 1e-20f) : q2.z;
+    vec2 depths = vec2(crossing ? 0.0f : min(z0, min(z1, z2)), max(z0, max(z1, z2)));
+    if (!sure) {
+        // A plane through the light but for volumeError: off it by volume / w / |N.xy| texels at a point of depth w.
+        // What is nearer to the light than 1/64 of the near end is as good as at the light.
+        float nearW = perspective ? -caster.depthScale / caster.depthConstant / 64.0f : 1.0f;
+        float thickness = (abs(volume) + volumeError) / max(bounds.leastW, nearW);
+        return bandOf(rect, e0, e1, e2, thickness, reach, crossing, cornerTexels, depths);
+    }
+    bool away = ((caster.flags & CASTER_MIRRORED) != 0u) != (volume > 0.0f);
+    if ((caster.flags & CASTER_BACK_ONLY) != 0u && !away) return nothingDrawn();
+
+    ConservativeTriangle triangle;
+    float sign = volume > 0.0f ? 1.0f : -1.0f;
+    triangle.edge0 = edgeFunction(e0, sign, reach, crossing, cornerTexels);
+    triangle.edge1 = edgeFunction(e1, sign, reach, crossing, cornerTexels);
+    triangle.edge2 = edgeFunction(e2, sign, reach, crossing, cornerTexels);
+    triangle.edge0.w += squareExtent(triangle.edge0) + GUARD_TEXELS;
+    triangle.edge1.w += squareExtent(triangle.edge1) + GUARD_TEXELS;
+    triangle.edge2.w += squareExtent(triangle.edge2) + GUARD_TEXELS;
+    triangle.rect = rect;
+
+    // Perspective: (c, 1) = sum of E-weighted corners, and 1 / w is the sum of the weights, N0 + N1 + N2 of it, which is
+    // the cross product of two sides. Directional: weights times depths, from the first corner's.
+    vec3 side1 = v1 - v0, side2 = v2 - v0;
+    vec3 weights = perspective ? cross(side1, side2) : (z1 - z0) * e1.normal + (z2 - z0) * e2.normal;
+    float rise = max(abs(z1 - z0), abs(z2 - z0));
+    float weightsXY = perspective ? ULPS_21 * (sizeXY(side1) * abs(side2.z) + sizeXY(side2) * abs(side1.z))
+                                  : 2.0f * rise * (e1.errorXY + e2.errorXY) +
+                                        ULPS_22 * rise * (sizeXY(e1.normal) + sizeXY(e2.normal));
+    float weightsZ = perspective ? ULPS_20 * sizeXY(side1) * sizeXY(side2)
+                                 : 2.0f * rise * (e1.errorZ + e2.errorZ) +
+                                       ULPS_22 * rise * (abs(e1.normal.z) + abs(e2.normal.z));
+    float relative = (crossing ? volumeError : volumeRounding) / abs(volume);
+    if (crossing) {
+        float sizes = sizeXY(side1) + sizeXY(side2);
+        weightsXY += 4.0f * texelError * (abs(side1.z) + abs(side2.z)) + 4.0f * wError * sizes;
+        weightsZ += 4.0f * texelError * sizes;
+    }
+    float scale = (perspective ? caster.depthScale : 1.0f) / volume;
+    vec3 slope = weights * scale;
+    float start = perspective ? caster.depthConstant : z0;
+    float slopes = abs(slope.x) + abs(slope.y);
+    float slopeError = 2.0f * (abs(scale) * weightsXY + relative * slopes);
+    float farthest = min(abs(slope.z) + slopes * reach, 1.0f);
+    float slack = abs(scale) * (weightsXY * reach + weightsZ) + relative * farthest + ULPS_23;
+    // A point of the texel's square, and the corners may be off besides.
+    float away1 = 0.5f + GUARD_TEXELS + (crossing ? 0.25f : min(cornerTexels, 0.25f));
+    triangle.plane = vec4(start + slope.z, slope.x, slope.y, away1 * slopes + slack);
+    triangle.range = vec4(depths.x, depths.y, slopes + slopeError, 0.0f);
+    // Too close to edge-on to say anything by its plane.
+    if (!(triangle.plane.w < 1e9f)) triangle.plane = vec4(depths.x, 0.0f, 0.0f, 1e9f);
+    return triangle;
+}
+
+// --- at a texel: c its centre relative to the base ---
+
+GN_SHARED_FN float edgeAt(vec4 edge, vec2 c) { return edge.x * c.x + edge.y * c.y + edge.z; }
+
+GN_SHARED_FN bool touches(ConservativeTriangle t, vec2 c)
+{
+    return edgeAt(t.edge0, c) >= -t.edge0.w && edgeAt(t.edge1, c) >= -t.edge1.w && edgeAt(t.edge2, c) >= -t.edge2.w;
+}
+GN_SHARED_FN bool covers(ConservativeTriangle t, vec2 c)
+{
+    return t.range.w == 0.0f && edgeAt(t.edge0, c) >= t.edge0.w && edgeAt(t.edge1, c) >= t.edge1.w &&
+           edgeAt(t.edge2, c) >= t.edge2.w;
+}
+
+GN_SHARED_FN float depthAt(ConservativeTriangle t, vec2 c) { return t.plane.x + t.plane.y * c.x + t.plane.z * c.y; }
+
+// What a depth may be off because places are.
+GN_SHARED_FN float depthErrorAt(float constant, float error, float errorSquare, float depth)
+{
+    float inverse = constant - depth; // perspective: a multiple of 1 / w
+    return error + errorSquare * inverse * inverse;
+}
+
+// Nothing of the triangle is nearer to the light in the texel. Below 1: what casts is told from nothing.
+GN_SHARED_FN float nearDepth(ConservativePush caster, ConservativeTriangle t, vec2 c)
+{
+    float depth = max(t.range.x, depthAt(t, c) - t.plane.w);
+    depth -= depthErrorAt(caster.depthConstant, caster.depthError, caster.depthErrorSquare, depth);
+    return min(max(depth, 0.0f), 1.0f - ULPS_23);
+}
+
+// Nothing of the triangle is farther from the light in a texel that it covers.
+GN_SHARED_FN float farDepth(ConservativePush caster, ConservativeTriangle t, vec2 c)
+{
+    float depth = min(t.range.y, depthAt(t, c) + t.plane.w);
+    float nearest = max(t.range.x, depthAt(t, c) - t.plane.w);
+    return depth + depthErrorAt(caster.depthConstant, caster.depthError, caster.depthErrorSquare, nearest);
+}
+
+// --- the thesis's form: plane depth at the centre, a fixed distance, kept edges ---
+
+// Eq. 19 in normalised coordinates: half a texel's diagonal.
+GN_SHARED_CONST float THESIS_TEXELS = 0.70710678f;
+
+GN_SHARED_FN bool thesisTouches(ConservativeTriangle t, vec2 c)
+{
+    return edgeAt(t.edge0, c) >= -THESIS_TEXELS && edgeAt(t.edge1, c) >= -THESIS_TEXELS &&
+           edgeAt(t.edge2, c) >= -THESIS_TEXELS;
+}
+
+// keep: bit i, edge i (opposite to corner i) stays in place. Where two kept edges meet, the chord between the points at which
+// one crosses the other's moved line cuts the corner off: there both distances add up to the offset. Its 1, 1, 2 and 4
+// triangles are this one rule (Morais 2015, 4.1 to 4.4).
+GN_SHARED_FN bool thesisCovers(ConservativeTriangle t, vec2 c, uint keep)
+{
+    float d0 = edgeAt(t.edge0, c), d1 = edgeAt(t.edge1, c), d2 = edgeAt(t.edge2, c);
+    bool keep0 = (keep & 1u) != 0u, keep1 = (keep & 2u) != 0u, keep2 = (keep & 4u) != 0u;
+    return t.range.w == 0.0f && d0 >= (keep0 ? 0.0f : THESIS_TEXELS) && d1 >= (keep1 ? 0.0f : THESIS_TEXELS) &&
+           d2 >= (keep2 ? 0.0f : THESIS_TEXELS) && (!keep0 || !keep1 || d0 + d1 >= THESIS_TEXELS) &&
+           (!keep1 || !keep2 || d1 + d2 >= THESIS_TEXELS) && (!keep2 || !keep0 || d2 + d0 >= THESIS_TEXELS);
+}
+
+// --- slopes as depths: the largest one wins a depth test LESS ---
+
+// 0: nothing may be said about the texel. SLOPE_UNIT: a slope of 1/1024 a texel is half.
+GN_SHARED_CONST float SLOPE_UNIT = 1024.0f;
+GN_SHARED_FN float slopeAsDepth(float slope) { return 1.0f / (1.0f + SLOPE_UNIT * slope); }
+// Rounded up: the division, and what is stored, are exact to 2^-21 of the sum.
+GN_SHARED_FN float slopeOfDepth(float depth) { return (1.0f / depth * (1.0f + ULPS_20) - 1.0f) / SLOPE_UNIT; }
+
+GN_SHARED_END
+#endif
