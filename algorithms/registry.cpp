@@ -13,6 +13,7 @@
 #include "algorithms/omni/dual_paraboloid.hpp"
 #include "algorithms/volumes/mccool.hpp"
 #if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
+#include "algorithms/hybrid/conservative_map_adjacency.hpp"
 #include "algorithms/volumes/angular_spans.hpp"
 #endif
 #ifdef GNOMON_WITH_OPENMESH
@@ -37,7 +38,7 @@ constexpr std::array kAlgorithms = {
     &kPcfHybrid,     &kRayTraced,  &kConservativeMap,
 #endif
 #if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
-    &kAngularSpans,
+    &kAngularSpans,  &kConservativeMapAdjacency,
 #endif
 };
 
@@ -50,7 +51,7 @@ constexpr std::initializer_list<const char*> kAbsentNames = {
     "stencil_volume", "chan_durand", "octree_volume", "all_edges_volume", "projected_planar",
 #endif
 #if !defined(GNOMON_WITH_EMBREE) || !defined(GNOMON_WITH_OPENMESH)
-    "angular_spans",
+    "angular_spans",  "conservative_map_adjacency",
 #endif
 };
 constexpr std::span<const char* const> kAbsent{kAbsentNames.begin(), kAbsentNames.size()};

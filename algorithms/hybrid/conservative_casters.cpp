@@ -131,11 +131,11 @@ void ConservativeCasters::uses(PassRef& pass) const
 
 void ConservativeCasters::operator()(PassContext& gpu, std::span<const Caster* const> casters, bool) const
 {
-    const bool under = layer_ == ConservativeLayer::covered || layer_ == ConservativeLayer::thesisCovered;
+    const bool over = layer_ == ConservativeLayer::nearest || layer_ == ConservativeLayer::thesisNearest;
     for (const Caster* caster : casters) {
         const MeshView* mesh = caster->mesh;
         // Light may pass an alpha-tested face anywhere: it may block, and nothing is covered.
-        if (!mesh || (caster->alphaTested && (under || layer_ == ConservativeLayer::slope))) continue;
+        if (!mesh || (caster->alphaTested && !over)) continue;
         const BufferId kept = keptOf(*caster);
         gpu::ConservativePush push = conservativePush(*projection_, *caster, thesis() || backFacesOnly(*caster));
         if (kept) push.flags |= gpu::CASTER_KEEPS;
@@ -146,13 +146,11 @@ void ConservativeCasters::operator()(PassContext& gpu, std::span<const Caster* c
     }
 }
 
-void ConservativeCasters::drawEdges(PassContext& gpu, const Caster& caster, BufferId triples, std::uint32_t first,
-                                    std::uint32_t count) const
+void ConservativeCasters::drawEdges(PassContext& gpu, const Caster& caster, BufferId edges) const
 {
-    if (count == 0) return;
-    gpu.bind(pipeline_, {gpu.storage(1, caster.mesh->vertexBuffer), gpu.storage(2, triples), gpu.storage(3, triples)});
+    gpu.bind(pipeline_, {gpu.storage(1, caster.mesh->vertexBuffer), gpu.storage(2, edges), gpu.storage(3, edges)});
     gpu.push(conservativePush(*projection_, caster, false));
-    gpu.vk->vkCmdDraw(gpu.cmd, 3 * count, 1, 3 * first, 0);
+    gpu.vk->vkCmdDrawIndirect(gpu.cmd, gpu.buffer(edges), 0, 1, sizeof(VkDrawIndirectCommand));
 }
 
 } // namespace gnomon

@@ -17,6 +17,7 @@ enum class ConservativeLayer : std::uint32_t {
     slope,   ///< Every texel touched, with the slope as a depth; 0: faces or edges seen edge-on.
     thesisNearest,
     thesisCovered,
+    centre, ///< Every texel whose centre is on a face, with the depth there.
 };
 
 /// A map as casters and receivers meet in it.
@@ -59,9 +60,8 @@ public:
     void keep(std::span<const KeptEdges> kept) { kept_ = kept; }
     void uses(PassRef& pass) const;
     void operator()(PassContext& gpu, std::span<const Caster* const> casters, bool statics) const;
-    /// Edges as triangles with two equal corners: `count` triples of vertices of the caster's mesh.
-    void drawEdges(PassContext& gpu, const Caster& caster, BufferId triples, std::uint32_t first,
-                   std::uint32_t count) const;
+    /// Edges as triangles of two corners: an indirect command and three vertices of the caster's mesh an edge.
+    void drawEdges(PassContext& gpu, const Caster& caster, BufferId edges) const;
 
 private:
     bool thesis() const

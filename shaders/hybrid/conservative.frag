@@ -34,15 +34,18 @@ void main()
         depth = nearDepth(caster, t, c);
     } else if (LAYER == LAYER_FAR) {
         drawn = drawn && covers(t, c);
-        depth = max(farDepth(caster, t, c), 0.0);
+        depth = farDepth(caster, t, c);
     } else if (LAYER == LAYER_SLOPE) {
         drawn = drawn && touches(t, c);
         depth = t.range.w != 0.0 ? 0.0 : slopeAsDepth(t.range.z);
+    } else if (LAYER == LAYER_CENTRE) {
+        drawn = drawn && holds(t, c);
+        depth = clamp(depthAt(t, c), t.range.x, t.range.y);
     } else {
         drawn = drawn && (LAYER == LAYER_THESIS_NEAR ? thesisTouches(t, c) : thesisCovers(t, c, keptEdges()));
-        depth = max(depthAt(t, c), 0.0);
+        depth = depthAt(t, c);
     }
     // Depth 1 means that nothing is there.
     if (!drawn || !(depth < 1.0)) discard;
-    gl_FragDepth = depth;
+    gl_FragDepth = max(depth, 0.0);
 }

@@ -291,6 +291,16 @@ GN_SHARED_FN bool covers(ConservativeTriangle t, vec2 c)
            edgeAt(t.edge2, c) >= t.edge2.w;
 }
 
+// Whether the centre lies on the triangle beyond doubt: by more than the edges may be off.
+GN_SHARED_FN bool edgeHolds(vec4 edge, vec2 c)
+{
+    return edgeAt(edge, c) >= edge.w - squareExtent(edge) - GUARD_TEXELS;
+}
+GN_SHARED_FN bool holds(ConservativeTriangle t, vec2 c)
+{
+    return t.range.w == 0.0f && edgeHolds(t.edge0, c) && edgeHolds(t.edge1, c) && edgeHolds(t.edge2, c);
+}
+
 GN_SHARED_FN float depthAt(ConservativeTriangle t, vec2 c) { return t.plane.x + t.plane.y * c.x + t.plane.z * c.y; }
 
 // What a depth may be off because places are.
@@ -316,6 +326,37 @@ GN_SHARED_FN float farDepth(ConservativePush caster, ConservativeTriangle t, vec
     return depth + depthErrorAt(caster.depthConstant, caster.depthError, caster.depthErrorSquare, nearest);
 }
 
+// --- sheets: faces that stay together in a texel which no border of theirs touches ---
+
+// 0: a border or an edge-on face does. Slopes as depths: the largest wins a depth test LESS; 1/1024 a texel is half.
+GN_SHARED_CONST float SLOPE_UNIT = 1024.0f;
+GN_SHARED_FN float slopeAsDepth(float slope) { return 1.0f / (1.0f + SLOPE_UNIT * slope); }
+// Rounded up: both divisions and what is stored are exact to 2^-21 of the sum.
+GN_SHARED_FN float slopeOfDepth(float depth) { return (1.0f / depth * (1.0f + ULPS_20) - 1.0f) / SLOPE_UNIT; }
+
+// The errors of the casters of a map, the largest of each; as in ConservativePush.
+struct SheetErrors {
+    float side;
+    float depthConstant;
+    float inverseScale; // perspective: 1 / depthScale; directional: 0
+    float texelError;
+    float depthError;
+    float depthErrorSquare;
+};
+
+// Nothing of the sheet that has `centre` as its depth at the texel's centre is farther from the light in the texel, where
+// no face is steeper than `slope`: from the centre every point of the square is half a texel away in x and in y. Centre and
+// slope are those of corners that may be off by texelError; so may the truth.
+GN_SHARED_FN float sheetDepth(SheetErrors errors, float centre, float slope)
+{
+    float inverseW = errors.inverseScale != 0.0f ? (centre - errors.depthConstant) * errors.inverseScale : 1.0f;
+    float reach = 0.5f + GUARD_TEXELS + 2.0f * (errors.texelError * inverseW + errors.side * ULPS_22);
+    float rise = reach * slope;
+    float nearest = centre - rise;
+    return centre + rise + DEPTH_ROUNDING +
+           depthErrorAt(errors.depthConstant, errors.depthError, errors.depthErrorSquare, nearest);
+}
+
 // --- the thesis's form: plane depth at the centre, a fixed distance, kept edges ---
 
 // Eq. 19 in normalised coordinates: half a texel's diagonal.
@@ -338,14 +379,6 @@ GN_SHARED_FN bool thesisCovers(ConservativeTriangle t, vec2 c, uint keep)
            d2 >= (keep2 ? 0.0f : THESIS_TEXELS) && (!keep0 || !keep1 || d0 + d1 >= THESIS_TEXELS) &&
            (!keep1 || !keep2 || d1 + d2 >= THESIS_TEXELS) && (!keep2 || !keep0 || d2 + d0 >= THESIS_TEXELS);
 }
-
-// --- slopes as depths: the largest one wins a depth test LESS ---
-
-// 0: nothing may be said about the texel. SLOPE_UNIT: a slope of 1/1024 a texel is half.
-GN_SHARED_CONST float SLOPE_UNIT = 1024.0f;
-GN_SHARED_FN float slopeAsDepth(float slope) { return 1.0f / (1.0f + SLOPE_UNIT * slope); }
-// Rounded up: the division, and what is stored, are exact to 2^-21 of the sum.
-GN_SHARED_FN float slopeOfDepth(float depth) { return (1.0f / depth * (1.0f + ULPS_20) - 1.0f) / SLOPE_UNIT; }
 
 GN_SHARED_END
 #endif

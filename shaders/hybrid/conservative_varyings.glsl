@@ -17,3 +17,4 @@ const uint LAYER_FAR = 1u;         // under-estimated: every texel covered, with
 const uint LAYER_SLOPE = 2u;       // every texel touched, with the triangle's slope
 const uint LAYER_THESIS_NEAR = 3u; // as the thesis has them: depth of the plane at the centre
 const uint LAYER_THESIS_FAR = 4u;
+const uint LAYER_CENTRE = 5u;      // every texel whose centre is on the triangle, with its depth there
