@@ -323,7 +323,8 @@ GN_SHARED_FN float farDepth(ConservativePush caster, ConservativeTriangle t, vec
 {
     float depth = min(t.range.y, depthAt(t, c) + t.plane.w);
     float nearest = max(t.range.x, depthAt(t, c) - t.plane.w);
-    return depth + depthErrorAt(caster.depthConstant, caster.depthError, caster.depthErrorSquare, nearest);
+    depth += depthErrorAt(caster.depthConstant, caster.depthError, caster.depthErrorSquare, nearest);
+    return max(depth, 0.0f);
 }
 
 // --- sheets: faces that stay together in a texel which no border of theirs touches ---

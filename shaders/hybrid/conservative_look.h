@@ -39,11 +39,20 @@ GN_SHARED_FN MapPoint mapPointOf(ConservativeConstants constants, vec4 clip, flo
     return at;
 }
 
-// Whether the map may be asked: inside its sides, not before its near end, and in a texel that is known.
+// How far a place is from the nearest border of its texel.
+GN_SHARED_FN float borderDistance(float texel)
+{
+    float part = texel - floor(texel);
+    return min(part, 1.0f - part);
+}
+
+// Whether the map may be asked: inside its sides, not before its near end, and in a texel that is known. A point that may
+// lie in the neighbouring one does so by at most RECEIVER_TEXELS, by which triangles are grown and shrunk.
 GN_SHARED_FN bool mapKnows(MapPoint at, float w, float side)
 {
-    return w > 0.0f && at.depth > at.depthError && at.texelError <= RECEIVER_TEXELS && at.texel.x >= RECEIVER_TEXELS &&
-           at.texel.y >= RECEIVER_TEXELS && at.texel.x <= side - RECEIVER_TEXELS && at.texel.y <= side - RECEIVER_TEXELS;
+    float room = RECEIVER_TEXELS + min(borderDistance(at.texel.x), borderDistance(at.texel.y));
+    return w > 0.0f && at.depth > at.depthError && at.texelError <= room && at.texel.x >= 0.0f && at.texel.y >= 0.0f &&
+           at.texel.x < side && at.texel.y < side;
 }
 
 // 1 lit, 0 in shadow, 0.5 unknown. nearest: nothing in the texel is nearer to the light; covered: something that covers the
