@@ -84,7 +84,8 @@ TEST_CASE_FIXTURE(DeviceTest,
           "octree_volume: chosen", "stencil_volume: outscored", "shadow_map: outscored",
           "cube_map: out, does not serve this kind of light", "dual_paraboloid: out, does not serve this kind of light",
           "chan_durand: outscored", "mccool: outscored", "all_edges_volume: outscored", "projected_planar: outscored",
-          "pcf_hybrid: outscored", "ray_traced: outscored"})
+          "pcf_hybrid: outscored", "ray_traced: outscored", "conservative_map: outscored",
+          "conservative_map_adjacency: outscored"})
         CHECK_MESSAGE(contains(text, part), std::string(part));
     CHECK(!contains(text, "nan"));
 

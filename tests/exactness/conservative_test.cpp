@@ -44,29 +44,47 @@ std::string inWords(const Certain& c)
            ", ambiguous " + std::to_string(c.ambiguous);
 }
 
-/// The picture of reasons against the truth. Every pixel has a reason, and facing decides none that counts.
+struct Wrong {
+    bool lit, dark, traced;
+};
+
+/// Who answered otherwise than the truth.
+Wrong wrongAt(uint8_t reason, bool lit)
+{
+    return {.lit = reason == gpu::REASON_MAP_LIT && !lit,
+            .dark = reason == gpu::REASON_MAP_SHADOW && lit,
+            .traced = (reason == gpu::REASON_RT_LIT && !lit) || (reason == gpu::REASON_RT_SHADOW && lit)};
+}
+
+/// The picture of reasons against the truth.
 Certain compared(const Stage& stage, const Pictures& reasons, size_t layer)
 {
     const std::vector<uint8_t>& counted = stage.counted[layer];
-    const uint32_t light = stage.present[layer];
-    const std::vector<uint8_t> unclear =
-        demo::ambiguousPixels(stage.scene(), stage.state, stage.camera, stage.surfaces, stage.scene().lights[light],
-                              stage.state.lights[light], counted);
+    std::vector<uint8_t> wrong(counted.size(), 0);
     Certain sum;
+    uint64_t tracedWrong = 0;
     for (size_t i = 0; i < counted.size(); ++i) {
         if (counted[i] != 1) continue;
         const uint8_t reason = reasons[layer].texels[i];
-        const bool lit = stage.truth[layer].texels[i] >= 128;
         sum.lit += reason == gpu::REASON_MAP_LIT;
         sum.dark += reason == gpu::REASON_MAP_SHADOW;
         sum.traced += reason == gpu::REASON_RT_LIT || reason == gpu::REASON_RT_SHADOW;
-        const bool wrong = (reason == gpu::REASON_MAP_LIT && !lit) || (reason == gpu::REASON_MAP_SHADOW && lit);
-        const bool tracedWrong =
-            (reason == gpu::REASON_RT_LIT && !lit) || (reason == gpu::REASON_RT_SHADOW && lit); // the same rays
-        CHECK(!tracedWrong);
-        sum.ambiguous += wrong && unclear[i];
-        sum.falseLit += wrong && !unclear[i] && !lit;
-        sum.falseDark += wrong && !unclear[i] && lit;
+        const Wrong now = wrongAt(reason, stage.truth[layer].texels[i] >= 128);
+        tracedWrong += now.traced;
+        sum.falseLit += now.lit;
+        sum.falseDark += now.dark;
+        wrong[i] = now.lit || now.dark;
+    }
+    CHECK(tracedWrong == 0); // they are the truth's own rays
+    if (sum.wrong() == 0) return sum;
+    const uint32_t light = stage.present[layer];
+    const std::vector<uint8_t> unclear =
+        demo::ambiguousPixels(stage.scene(), stage.state, stage.camera, stage.surfaces, stage.scene().lights[light],
+                              stage.state.lights[light], wrong);
+    for (size_t i = 0; i < unclear.size(); ++i) {
+        if (!unclear[i] || !wrong[i]) continue;
+        ++sum.ambiguous;
+        --(stage.truth[layer].texels[i] >= 128 ? sum.falseDark : sum.falseLit);
     }
     return sum;
 }

@@ -26,7 +26,9 @@ inline const std::vector<OutputInfo> kMethods = {
     {"all_edges_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}},
     {"projected_planar", {"directional", "spot", "point", "hard", "cpuGeometry", "planar"}},
     {"mccool", {"directional", "spot", "point", "hard"}},
-    {"angular_spans", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}}};
+    {"angular_spans", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}},
+    {"conservative_map", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}},
+    {"conservative_map_adjacency", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}}};
 
 inline const std::vector<std::string> kTraits = {"directional",  "spot",  "point",       "hard", "fixedPenumbra",
                                                  "softPenumbra", "exact", "cpuGeometry", "rays", "planar"};
