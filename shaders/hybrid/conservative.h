@@ -329,9 +329,9 @@ GN_SHARED_FN float farDepth(ConservativePush caster, ConservativeTriangle t, vec
 
 // --- sheets: faces that stay together in a texel which no border of theirs touches ---
 
-// 0: a border or an edge-on face does. Slopes as depths: the largest wins a depth test LESS; 1/1024 a texel is half.
+// 0: a border or an edge-on face does; 1: no face is there. Slopes as depths: the largest wins a depth test LESS; 1/1024 a texel is half.
 GN_SHARED_CONST float SLOPE_UNIT = 1024.0f;
-GN_SHARED_FN float slopeAsDepth(float slope) { return 1.0f / (1.0f + SLOPE_UNIT * slope); }
+GN_SHARED_FN float slopeAsDepth(float slope) { return min(1.0f / (1.0f + SLOPE_UNIT * slope), 1.0f - ULPS_23); }
 // Rounded up: both divisions and what is stored are exact to 2^-21 of the sum.
 GN_SHARED_FN float slopeOfDepth(float depth) { return (1.0f / depth * (1.0f + ULPS_20) - 1.0f) / SLOPE_UNIT; }
 
