@@ -29,29 +29,36 @@ namespace gnomon {
 namespace {
 
 constexpr std::array kAlgorithms = {
-    &kShadowMap,     &kCubeMap,    &kDualParaboloid,
+    &kShadowMap,       &kCubeMap,
+    &kDualParaboloid,
 #ifdef GNOMON_WITH_OPENMESH
-    &kStencilVolume, &kChanDurand, &kOctreeVolume,   &kAllEdgesVolume, &kProjectedPlanar,
+    &kStencilVolume,   &kChanDurand,
+    &kOctreeVolume,    &kAllEdgesVolume,
+    &kProjectedPlanar,
 #endif
     &kMcCool,
 #ifdef GNOMON_WITH_EMBREE
-    &kPcfHybrid,     &kRayTraced,  &kConservativeMap,
+    &kPcfHybrid,       &kRayTraced,
+    &kConservativeMap,
 #endif
 #if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
-    &kAngularSpans,  &kConservativeMapAdjacency,
+    &kAngularSpans,    &kConservativeMapAdjacency,
 #endif
 };
 
 /// Known to rules, left out of this build.
 constexpr std::initializer_list<const char*> kAbsentNames = {
 #ifndef GNOMON_WITH_EMBREE
-    "ray_traced",     "pcf_hybrid",  "conservative_map",
+    "ray_traced",       "pcf_hybrid",
+    "conservative_map",
 #endif
 #ifndef GNOMON_WITH_OPENMESH
-    "stencil_volume", "chan_durand", "octree_volume", "all_edges_volume", "projected_planar",
+    "stencil_volume",   "chan_durand",
+    "octree_volume",    "all_edges_volume",
+    "projected_planar",
 #endif
 #if !defined(GNOMON_WITH_EMBREE) || !defined(GNOMON_WITH_OPENMESH)
-    "angular_spans",  "conservative_map_adjacency",
+    "angular_spans",    "conservative_map_adjacency",
 #endif
 };
 constexpr std::span<const char* const> kAbsent{kAbsentNames.begin(), kAbsentNames.size()};

@@ -38,14 +38,14 @@ glm::dvec3 axis(const ConservativeProjection& projection, int row)
     return {m[0][row], m[1][row], m[2][row]};
 }
 
-/// Texels (times w) that a metre can move a point of the map by, seen from any base within it: about its middle, and half
-/// a side of what changes w.
+/// Texels (times w) that a metre can move a point of the map by, seen from any base within it: about its middle, and
+/// half a side of what changes w.
 double texelsPerMetre(const ConservativeProjection& projection)
 {
     const double half = 0.5 * static_cast<double>(projection.side);
     const glm::dvec3 forward = axis(projection, 3);
-    const double aside = std::max(glm::length(axis(projection, 0) - half * forward),
-                                  glm::length(axis(projection, 1) - half * forward));
+    const double aside =
+        std::max(glm::length(axis(projection, 0) - half * forward), glm::length(axis(projection, 1) - half * forward));
     return aside + half * glm::length(forward);
 }
 

@@ -37,8 +37,8 @@ void addRounding(gpu::ConservativeConstants& constants, const ConservativeProjec
 /// One caster's constants. @param backOnly of the faces, those turned away from the light.
 gpu::ConservativePush conservativePush(const ConservativeProjection& projection, const Caster& caster, bool backOnly);
 
-/// Whether of a caster only the faces turned away from the light are occluders: no light reaches a receiver outside a closed
-/// solid through it without leaving it by one. Holes that rays may find in its faces (alpha) open it.
+/// Whether of a caster only the faces turned away from the light are occluders: no light reaches a receiver outside a
+/// closed solid through it without leaving it by one. Holes that rays may find in its faces (alpha) open it.
 bool backFacesOnly(const Caster& caster);
 
 /// Bits of the edges that the thesis keeps, per caster drawn; null buffer: none.

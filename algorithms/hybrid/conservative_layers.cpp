@@ -16,7 +16,10 @@ namespace gnomon {
 namespace {
 
 // Of a point light's six faces and, last, of a map that is alone.
-#define GNOMON_LAYER(layer, face) {layer ".casters" face, layer ".statics" face, layer ".copy_statics" face}
+#define GNOMON_LAYER(layer, face)                                                                                      \
+    {                                                                                                                  \
+        layer ".casters" face, layer ".statics" face, layer ".copy_statics" face                                       \
+    }
 #define GNOMON_LAYERS(layer)                                                                                           \
     {                                                                                                                  \
         GNOMON_LAYER(layer, ".+x"), GNOMON_LAYER(layer, ".-x"), GNOMON_LAYER(layer, ".+y"),                            \
@@ -119,8 +122,8 @@ ConservativeMaps::ConservativeMaps(const AlgorithmServices& services)
 {
     for (const int thesis : {0, 1})
         for (const int covered : {0, 1})
-            layers_[thesis][covered] = makeConservativePipeline(services, kKinds[thesis][covered].passes[kAlone].casters,
-                                                                kKinds[thesis][covered].content);
+            layers_[thesis][covered] = makeConservativePipeline(
+                services, kKinds[thesis][covered].passes[kAlone].casters, kKinds[thesis][covered].content);
 }
 
 ImageId ConservativeMaps::declareLayer(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,

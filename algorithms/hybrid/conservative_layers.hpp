@@ -1,6 +1,6 @@
 #pragma once
-// The two layers of a conservative map around a light of any kind, and the pass that asks them: what conservative_map and
-// conservative_map_adjacency share. Kept for as long as light and casters stand still.
+// The two layers of a conservative map around a light of any kind, and the pass that asks them: what conservative_map
+// and conservative_map_adjacency share. Kept for as long as light and casters stand still.
 #include <cstdint>
 #include <span>
 

@@ -23,7 +23,8 @@ constexpr RayListNames kNames = {.list = "conservative_map_adjacency.uncertain",
 class ConservativeMapAdjacency final : public ShadowAlgorithm {
 public:
     explicit ConservativeMapAdjacency(const AlgorithmServices& services)
-        : vk_(*services.vk), maps_(services), sheets_(services), classify_(services, "conservative_map_adjacency.classify"), lists_(services, kNames)
+        : vk_(*services.vk), maps_(services), sheets_(services),
+          classify_(services, "conservative_map_adjacency.classify"), lists_(services, kNames)
     {
     }
 

@@ -77,12 +77,10 @@ BufferId declareList(PassBuilder& passes, const LightView& light, const Caster& 
         passes.kept();
         return list;
     }
-    passes.prepare(name, Scope::light, caster.id)
-        .writes(list)
-        .run([=, from = &light, by = &caster](HostContext& host) {
-            write(*by, turnedFaces(*from, *by, *host.arena), host.write<std::uint32_t>(list).first(words));
-            host.countIndexList();
-        });
+    passes.prepare(name, Scope::light, caster.id).writes(list).run([=, from = &light, by = &caster](HostContext& host) {
+        write(*by, turnedFaces(*from, *by, *host.arena), host.write<std::uint32_t>(list).first(words));
+        host.countIndexList();
+    });
     return list;
 }
 

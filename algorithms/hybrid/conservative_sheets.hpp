@@ -1,6 +1,7 @@
 #pragma once
-// The under-estimated layer by sheets: a texel that no silhouette touches is covered by whatever face lies over its centre and
-// the faces that go on from there. And the thesis's form, in which triangles keep the edges that they share with neighbours.
+// The under-estimated layer by sheets: a texel that no silhouette touches is covered by whatever face lies over its
+// centre and the faces that go on from there. And the thesis's form, in which triangles keep the edges that they share
+// with neighbours.
 #include "algorithms/hybrid/conservative_layers.hpp"
 
 namespace gnomon {

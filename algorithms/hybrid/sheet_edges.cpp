@@ -9,8 +9,8 @@ namespace gnomon {
 
 namespace {
 
-// The light in object space is rounded to floats: each of its coordinates is off by 2^-24 of the largest, and so is what
-// follows; eight times that, and four for the three axes.
+// The light in object space is rounded to floats: each of its coordinates is off by 2^-24 of the largest, and so is
+// what follows; eight times that, and four for the three axes.
 constexpr double kFacingError = 0x1p-19;
 
 /// Whether the sheet goes on across the edge.
@@ -51,13 +51,14 @@ void findTurned(const Topology& topology, std::span<const glm::vec3> positions, 
         const glm::dvec3 normal = glm::cross(b - a, c - a);
         const double side = glm::dot(normal, light - w * a);
         const double error = kFacingError * glm::length(normal) * (glm::length(light) + std::abs(w) * glm::length(a));
-        turned[face] = std::abs(side) <= error ? Turned::edgeOn
+        turned[face] = std::abs(side) <= error    ? Turned::edgeOn
                        : (side > 0.0) == mirrored ? Turned::away
                                                   : Turned::towards;
     }
 }
 
-void writeSheetEdges(const Topology& topology, std::span<const Turned> turned, bool closed, std::span<std::uint32_t> out)
+void writeSheetEdges(const Topology& topology, std::span<const Turned> turned, bool closed,
+                     std::span<std::uint32_t> out)
 {
     std::uint32_t next = kSheetListHeader;
     for (const Topology::Edge& edge : topology.edges) {

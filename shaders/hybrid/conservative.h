@@ -1,13 +1,14 @@
 // Conservative rasterisation by edge functions: which texels of a map a triangle touches, which it covers, and between
 // which depths it lies there. Nothing is extended or cut: a quad of texels around the triangle is drawn and three edge
 // functions are asked at the centre of each.
-// Source: J. Hasselgren, T. Akenine-Moller, L. Ohlsson, "Conservative rasterization", GPU Gems 2, ch. 42 (semi-diagonal of
-// the texel projected on the edge's normal); M. Olano, T. Greer, "Triangle scan conversion using 2D homogeneous
+// Source: J. Hasselgren, T. Akenine-Moller, L. Ohlsson, "Conservative rasterization", GPU Gems 2, ch. 42 (semi-diagonal
+// of the texel projected on the edge's normal); M. Olano, T. Greer, "Triangle scan conversion using 2D homogeneous
 // coordinates", 1997 (no clipping at the near end); Hertel, Hormann and Westermann 2009 (two layers).
 //
-// "Texels" are positions in the map: x right, y down, texel k from k to k + 1. A vertex in the map is V = (x w, y w, w),
-// w its distance along the axis of a perspective and 1 for a directional light. The edge from Vj to Vk is the plane
-// N = Vj x Vk through the light, and E(c) = N.(c, 1) / |N.xy| the distance of c from it in texels, where |N.xy| is taken.
+// "Texels" are positions in the map: x right, y down, texel k from k to k + 1. A vertex in the map is V = (x w, y w,
+// w), w its distance along the axis of a perspective and 1 for a directional light. The edge from Vj to Vk is the plane
+// N = Vj x Vk through the light, and E(c) = N.(c, 1) / |N.xy| the distance of c from it in texels, where |N.xy| is
+// taken.
 //
 // What floats leave open goes into the margins: every bound below is "value +- error", with 2^-24 a rounding.
 #ifndef GNOMON_HYBRID_CONSERVATIVE_H
@@ -34,35 +35,41 @@ struct ConservativePush {
     float side;           // of the map, texels
     float depthConstant;  // perspective: depth = depthConstant + depthScale / w
     float depthScale;
-    float texelError;     // how far x and y may be off by rounding, texels times w; base shift included
-    float wError;         // and w, metres
-    float depthError;     // of a depth: depthError + depthErrorSquare (depthConstant - depth)^2
+    float texelError; // how far x and y may be off by rounding, texels times w; base shift included
+    float wError;     // and w, metres
+    float depthError; // of a depth: depthError + depthErrorSquare (depthConstant - depth)^2
     float depthErrorSquare;
     uint flags;
 };
 GN_SHARED_OFFSET(ConservativePush, side, 64)
 GN_SHARED_SIZE(ConservativePush, 96)
 
-// Share of a texel by which every triangle is grown or shrunk besides its own errors: half of it is the receiver's, whose
-// place is known to RECEIVER_TEXELS; the other half covers what is computed about edges at the texel.
+// Share of a texel by which every triangle is grown or shrunk besides its own errors: half of it is the receiver's,
+// whose place is known to RECEIVER_TEXELS; the other half covers what is computed about edges at the texel.
 GN_SHARED_CONST float GUARD_TEXELS = 1.0f / 64.0f;
 GN_SHARED_CONST float RECEIVER_TEXELS = 1.0f / 128.0f;
 
 // A triangle as drawn. `rect`: first texel, and one past the last. Places are relative to texelBase(rect).
 struct ConservativeTriangle {
-    vec4 edge0;  // E(c) = x c.x + y c.y + z; w: what E must reach for the texel at c to be touched (-w) or covered (+w)
+    vec4 edge0; // E(c) = x c.x + y c.y + z; w: what E must reach for the texel at c to be touched (-w) or covered (+w)
     vec4 edge1;
     vec4 edge2;
-    vec4 plane;  // depth at the base, its slope per texel, w: how far depths within a texel lie from its centre's
-    vec4 rect;   // empty: nothing to draw
-    vec4 range;  // x, y: smallest and largest depth of the triangle; z: upper bound of its slope, |dz/dx| + |dz/dy|;
-                 // w: 1 if it is seen edge-on, to within rounding
+    vec4 plane; // depth at the base, its slope per texel, w: how far depths within a texel lie from its centre's
+    vec4 rect;  // empty: nothing to draw
+    vec4 range; // x, y: smallest and largest depth of the triangle; z: upper bound of its slope, |dz/dx| + |dz/dy|;
+                // w: 1 if it is seen edge-on, to within rounding
 };
 
-GN_SHARED_FN vec2 texelBase(vec4 rect) { return vec2(floor(0.5f * (rect.x + rect.z)), floor(0.5f * (rect.y + rect.w))); }
+GN_SHARED_FN vec2 texelBase(vec4 rect)
+{
+    return vec2(floor(0.5f * (rect.x + rect.z)), floor(0.5f * (rect.y + rect.w)));
+}
 
 // Largest of x and y.
-GN_SHARED_FN float sizeXY(vec3 v) { return max(abs(v.x), abs(v.y)); }
+GN_SHARED_FN float sizeXY(vec3 v)
+{
+    return max(abs(v.x), abs(v.y));
+}
 
 // --- rectangle ---
 
@@ -141,7 +148,10 @@ GN_SHARED_FN vec4 edgeFunction(EdgePlane edge, float sign, float reach, bool cro
 }
 
 // Half a texel's extent along the normal: what E falls short at the centre where the square only just touches.
-GN_SHARED_FN float squareExtent(vec4 edge) { return 0.5f * (abs(edge.x) + abs(edge.y)); }
+GN_SHARED_FN float squareExtent(vec4 edge)
+{
+    return 0.5f * (abs(edge.x) + abs(edge.y));
+}
 
 // --- the whole ---
 
@@ -160,7 +170,7 @@ GN_SHARED_FN ConservativeTriangle bandOf(vec4 rect, EdgePlane e0, EdgePlane e1, 
     float size0 = length(vec2(e0.normal.x, e0.normal.y)), size1 = length(vec2(e1.normal.x, e1.normal.y));
     float size2 = length(vec2(e2.normal.x, e2.normal.y));
     float size = max(size0, max(size1, size2));
-    vec4 edge = size0 == size ? edgeFunction(e0, 1.0f, reach, crossing, cornerTexels)
+    vec4 edge = size0 == size   ? edgeFunction(e0, 1.0f, reach, crossing, cornerTexels)
                 : size1 == size ? edgeFunction(e1, 1.0f, reach, crossing, cornerTexels)
                                 : edgeFunction(e2, 1.0f, reach, crossing, cornerTexels);
     float margin = edge.w + squareExtent(edge) + GUARD_TEXELS + thickness / max(size, 1e-30f);
@@ -194,9 +204,10 @@ GN_SHARED_FN ConservativeTriangle conservativeTriangle(ConservativePush caster, 
     if (bounds.leastW > 1e29f) return nothingDrawn(); // behind the light
     float cornerTexels = texelError / bounds.leastW;
     float grow = cornerTexels + GUARD_TEXELS;
-    vec4 rect = vec4(max(floor(max(bounds.box.x - grow, -1.0f)), 0.0f), max(floor(max(bounds.box.y - grow, -1.0f)), 0.0f),
-                     min(floor(min(bounds.box.z + grow, caster.side)) + 1.0f, caster.side),
-                     min(floor(min(bounds.box.w + grow, caster.side)) + 1.0f, caster.side));
+    vec4 rect =
+        vec4(max(floor(max(bounds.box.x - grow, -1.0f)), 0.0f), max(floor(max(bounds.box.y - grow, -1.0f)), 0.0f),
+             min(floor(min(bounds.box.z + grow, caster.side)) + 1.0f, caster.side),
+             min(floor(min(bounds.box.w + grow, caster.side)) + 1.0f, caster.side));
     if (!(rect.x < rect.z && rect.y < rect.w)) return nothingDrawn();
 
     // Relative to the base, so that places do not cancel.
@@ -244,17 +255,17 @@ GN_SHARED_FN ConservativeTriangle conservativeTriangle(ConservativePush caster, 
     triangle.edge2.w += squareExtent(triangle.edge2) + GUARD_TEXELS;
     triangle.rect = rect;
 
-    // Perspective: (c, 1) = sum of E-weighted corners, and 1 / w is the sum of the weights, N0 + N1 + N2 of it, which is
-    // the cross product of two sides. Directional: weights times depths, from the first corner's.
+    // Perspective: (c, 1) = sum of E-weighted corners, and 1 / w is the sum of the weights, N0 + N1 + N2 of it, which
+    // is the cross product of two sides. Directional: weights times depths, from the first corner's.
     vec3 side1 = v1 - v0, side2 = v2 - v0;
     vec3 weights = perspective ? cross(side1, side2) : (z1 - z0) * e1.normal + (z2 - z0) * e2.normal;
     float rise = max(abs(z1 - z0), abs(z2 - z0));
     float weightsXY = perspective ? ULPS_21 * (sizeXY(side1) * abs(side2.z) + sizeXY(side2) * abs(side1.z))
                                   : 2.0f * rise * (e1.errorXY + e2.errorXY) +
                                         ULPS_22 * rise * (sizeXY(e1.normal) + sizeXY(e2.normal));
-    float weightsZ = perspective ? ULPS_20 * sizeXY(side1) * sizeXY(side2)
-                                 : 2.0f * rise * (e1.errorZ + e2.errorZ) +
-                                       ULPS_22 * rise * (abs(e1.normal.z) + abs(e2.normal.z));
+    float weightsZ =
+        perspective ? ULPS_20 * sizeXY(side1) * sizeXY(side2)
+                    : 2.0f * rise * (e1.errorZ + e2.errorZ) + ULPS_22 * rise * (abs(e1.normal.z) + abs(e2.normal.z));
     float relative = (crossing ? volumeError : volumeRounding) / abs(volume);
     if (crossing) {
         float sizes = sizeXY(side1) + sizeXY(side2);
@@ -279,7 +290,10 @@ GN_SHARED_FN ConservativeTriangle conservativeTriangle(ConservativePush caster, 
 
 // --- at a texel: c its centre relative to the base ---
 
-GN_SHARED_FN float edgeAt(vec4 edge, vec2 c) { return edge.x * c.x + edge.y * c.y + edge.z; }
+GN_SHARED_FN float edgeAt(vec4 edge, vec2 c)
+{
+    return edge.x * c.x + edge.y * c.y + edge.z;
+}
 
 GN_SHARED_FN bool touches(ConservativeTriangle t, vec2 c)
 {
@@ -301,7 +315,10 @@ GN_SHARED_FN bool holds(ConservativeTriangle t, vec2 c)
     return t.range.w == 0.0f && edgeHolds(t.edge0, c) && edgeHolds(t.edge1, c) && edgeHolds(t.edge2, c);
 }
 
-GN_SHARED_FN float depthAt(ConservativeTriangle t, vec2 c) { return t.plane.x + t.plane.y * c.x + t.plane.z * c.y; }
+GN_SHARED_FN float depthAt(ConservativeTriangle t, vec2 c)
+{
+    return t.plane.x + t.plane.y * c.x + t.plane.z * c.y;
+}
 
 // What a depth may be off because places are.
 GN_SHARED_FN float depthErrorAt(float constant, float error, float errorSquare, float depth)
@@ -329,11 +346,18 @@ GN_SHARED_FN float farDepth(ConservativePush caster, ConservativeTriangle t, vec
 
 // --- sheets: faces that stay together in a texel which no border of theirs touches ---
 
-// 0: a border or an edge-on face does; 1: no face is there. Slopes as depths: the largest wins a depth test LESS; 1/1024 a texel is half.
+// 0: a border or an edge-on face does; 1: no face is there. Slopes as depths: the largest wins a depth test LESS;
+// 1/1024 a texel is half.
 GN_SHARED_CONST float SLOPE_UNIT = 1024.0f;
-GN_SHARED_FN float slopeAsDepth(float slope) { return min(1.0f / (1.0f + SLOPE_UNIT * slope), 1.0f - ULPS_23); }
+GN_SHARED_FN float slopeAsDepth(float slope)
+{
+    return min(1.0f / (1.0f + SLOPE_UNIT * slope), 1.0f - ULPS_23);
+}
 // Rounded up: both divisions and what is stored are exact to 2^-21 of the sum.
-GN_SHARED_FN float slopeOfDepth(float depth) { return (1.0f / depth * (1.0f + ULPS_20) - 1.0f) / SLOPE_UNIT; }
+GN_SHARED_FN float slopeOfDepth(float depth)
+{
+    return (1.0f / depth * (1.0f + ULPS_20) - 1.0f) / SLOPE_UNIT;
+}
 
 // The errors of the casters of a map, the largest of each; as in ConservativePush.
 struct SheetErrors {
@@ -345,9 +369,9 @@ struct SheetErrors {
     float depthErrorSquare;
 };
 
-// Nothing of the sheet that has `centre` as its depth at the texel's centre is farther from the light in the texel, where
-// no face is steeper than `slope`: from the centre every point of the square is half a texel away in x and in y. Centre and
-// slope are those of corners that may be off by texelError; so may the truth.
+// Nothing of the sheet that has `centre` as its depth at the texel's centre is farther from the light in the texel,
+// where no face is steeper than `slope`: from the centre every point of the square is half a texel away in x and in y.
+// Centre and slope are those of corners that may be off by texelError; so may the truth.
 GN_SHARED_FN float sheetDepth(SheetErrors errors, float centre, float slope)
 {
     float inverseW = errors.inverseScale != 0.0f ? (centre - errors.depthConstant) * errors.inverseScale : 1.0f;
@@ -369,9 +393,9 @@ GN_SHARED_FN bool thesisTouches(ConservativeTriangle t, vec2 c)
            edgeAt(t.edge2, c) >= -THESIS_TEXELS;
 }
 
-// keep: bit i, edge i (opposite to corner i) stays in place. Where two kept edges meet, the chord between the points at which
-// one crosses the other's moved line cuts the corner off: there both distances add up to the offset. Its 1, 1, 2 and 4
-// triangles are this one rule (Morais 2015, 4.1 to 4.4).
+// keep: bit i, edge i (opposite to corner i) stays in place. Where two kept edges meet, the chord between the points at
+// which one crosses the other's moved line cuts the corner off: there both distances add up to the offset. Its 1, 1, 2
+// and 4 triangles are this one rule (Morais 2015, 4.1 to 4.4).
 GN_SHARED_FN bool thesisCovers(ConservativeTriangle t, vec2 c, uint keep)
 {
     float d0 = edgeAt(t.edge0, c), d1 = edgeAt(t.edge1, c), d2 = edgeAt(t.edge2, c);

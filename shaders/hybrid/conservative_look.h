@@ -46,8 +46,8 @@ GN_SHARED_FN float borderDistance(float texel)
     return min(part, 1.0f - part);
 }
 
-// Whether the map may be asked: inside its sides, not before its near end, and in a texel that is known. A point that may
-// lie in the neighbouring one does so by at most RECEIVER_TEXELS, by which triangles are grown and shrunk.
+// Whether the map may be asked: inside its sides, not before its near end, and in a texel that is known. A point that
+// may lie in the neighbouring one does so by at most RECEIVER_TEXELS, by which triangles are grown and shrunk.
 GN_SHARED_FN bool mapKnows(MapPoint at, float w, float side)
 {
     float room = RECEIVER_TEXELS + min(borderDistance(at.texel.x), borderDistance(at.texel.y));
@@ -55,8 +55,8 @@ GN_SHARED_FN bool mapKnows(MapPoint at, float w, float side)
            at.texel.x < side && at.texel.y < side;
 }
 
-// 1 lit, 0 in shadow, 0.5 unknown. nearest: nothing in the texel is nearer to the light; covered: something that covers the
-// texel is not farther. Both 1 where there is nothing, wherever the point lies.
+// 1 lit, 0 in shadow, 0.5 unknown. nearest: nothing in the texel is nearer to the light; covered: something that covers
+// the texel is not farther. Both 1 where there is nothing, wherever the point lies.
 GN_SHARED_FN float conservativeVerdict(float nearest, float covered, float depth, float error)
 {
     if (min(depth + error, 1.0f) <= nearest) return 1.0f;

@@ -17,10 +17,10 @@
 #include "shaders/hybrid/conservative_look.h"
 
 using namespace gnomon;
-using gpu::ConservativePush;
-using gpu::ConservativeTriangle;
 using glm::dvec2;
 using glm::dvec3;
+using gpu::ConservativePush;
+using gpu::ConservativeTriangle;
 
 namespace {
 
@@ -156,7 +156,8 @@ TEST_CASE("every texel that a random triangle meets is touched, every one called
         const glm::vec3 at(in(0.0f, kSide), in(0.0f, kSide), in(0.1f, 0.9f));
         std::array<glm::vec3, 3> corners;
         for (glm::vec3& corner : corners)
-            corner = glm::vec3(at.x + size * in(-1.0f, 1.0f), at.y + size * in(-1.0f, 1.0f), at.z + 0.1f * in(-1.0f, 1.0f));
+            corner =
+                glm::vec3(at.x + size * in(-1.0f, 1.0f), at.y + size * in(-1.0f, 1.0f), at.z + 0.1f * in(-1.0f, 1.0f));
         const Count now = checkAll(straightDown(), corners);
         all.touched += now.touched;
         all.covered += now.covered;
@@ -276,8 +277,8 @@ TEST_CASE("outside the map, before its near end and in a texel known too roughly
     CHECK(known(0.01f, 63.99f, 5));
     CHECK(!known(-0.1f, 30, 5));
     CHECK(!known(30, 64.1f, 5));
-    CHECK(!known(30, 30, 0.2f));  // before the near end
-    CHECK(!known(30, 30, -5.0f)); // behind the light
+    CHECK(!known(30, 30, 0.2f));           // before the near end
+    CHECK(!known(30, 30, -5.0f));          // behind the light
     CHECK(known(30.5f, 30.5f, 5, 0.001f)); // by 0.026 texels, in the middle of one
     CHECK(!known(30, 30.5f, 5, 0.001f));   // and at a border
     CHECK(!known(std::nanf(""), 30, 5));
@@ -327,7 +328,8 @@ bool inside(dvec2 p, dvec2 a, dvec2 b, dvec2 c)
 
 TEST_CASE("the rule of kept edges is the union of the thesis's 1, 1, 2 and 4 triangles")
 {
-    const std::array<glm::vec3, 3> corners = {glm::vec3(10, 12, 0.5f), glm::vec3(50, 16, 0.5f), glm::vec3(22, 48, 0.5f)};
+    const std::array<glm::vec3, 3> corners = {glm::vec3(10, 12, 0.5f), glm::vec3(50, 16, 0.5f),
+                                              glm::vec3(22, 48, 0.5f)};
     const dvec2 v[3] = {dvec2(corners[0]), dvec2(corners[1]), dvec2(corners[2])};
     // Edge i lies opposite to corner i; O(i) is moved inward by the offset.
     const auto from = [&](int i) { return v[(i + 1) % 3]; };

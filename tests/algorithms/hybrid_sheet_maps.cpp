@@ -1,5 +1,5 @@
-// Texels that sheets claim, held against rays through them: fans of triangles round a vertex, whole and with a wedge of light,
-// slivers and folds among them. And that the thesis's kept edges claim more than is covered.
+// Texels that sheets claim, held against rays through them: fans of triangles round a vertex, whole and with a wedge of
+// light, slivers and folds among them. And that the thesis's kept edges claim more than is covered.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -12,9 +12,9 @@
 #include "shaders/hybrid/conservative.h"
 
 using namespace gnomon;
+using glm::dvec2;
 using gpu::ConservativePush;
 using gpu::ConservativeTriangle;
-using glm::dvec2;
 
 namespace {
 

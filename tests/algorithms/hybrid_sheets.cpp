@@ -60,7 +60,8 @@ Shape box()
     return shape;
 }
 
-std::vector<Turned> turnedOf(const Shape& shape, const Topology& topology, const glm::vec4& light, bool mirrored = false)
+std::vector<Turned> turnedOf(const Shape& shape, const Topology& topology, const glm::vec4& light,
+                             bool mirrored = false)
 {
     std::vector<Turned> turned(shape.indices.size() / 3);
     findTurned(topology, shape.positions, light, mirrored, turned);
@@ -111,7 +112,8 @@ TEST_CASE("a closed box ends where what is turned away meets what is not, and mi
     const glm::vec4 aslant(0.3f, 1.0f, 0.2f, 0.0f);
     CHECK(bordersOf(box(), aslant).size() == 6); // the hexagon around a corner
     CHECK(bordersOf(box(), aslant, true) == bordersOf(box(), aslant));
-    // From straight above the sides are edge-on: what lies between a side and the bottom ends, and so do the sides' own edges.
+    // From straight above the sides are edge-on: what lies between a side and the bottom ends, and so do the sides' own
+    // edges.
     CHECK(bordersOf(box(), kAbove).size() >= 4);
 }
 

@@ -115,10 +115,9 @@ TEST_CASE_FIXTURE(
     DeviceTest,
     "100 frames of destroyed meshes, rewritten positions, new sizes and dropped buffers show the right shadows")
 {
-    for (const char* method :
-         {"shadow_map", "cube_map", "dual_paraboloid", "stencil_volume", "octree_volume", "all_edges_volume",
-          "projected_planar", "chan_durand", "mccool", "pcf_hybrid", "ray_traced", "angular_spans",
-          "conservative_map", "conservative_map_adjacency"})
+    for (const char* method : {"shadow_map", "cube_map", "dual_paraboloid", "stencil_volume", "octree_volume",
+                               "all_edges_volume", "projected_planar", "chan_durand", "mccool", "pcf_hybrid",
+                               "ray_traced", "angular_spans", "conservative_map", "conservative_map_adjacency"})
         churn(method);
 }
 
