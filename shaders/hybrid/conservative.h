@@ -162,130 +162,214 @@ GN_SHARED_FN ConservativeTriangle nothingDrawn()
     return none;
 }
 
-// Seen edge-on: the band around its longest edge, with its smallest depth.
-GN_SHARED_FN ConservativeTriangle bandOf(vec4 rect, EdgePlane e0, EdgePlane e1, EdgePlane e2, float thickness,
-                                         float reach, bool crossing, float cornerTexels, vec2 depths)
+// A triangle in the map: relative to the base of its rectangle, so that places do not cancel.
+struct ProjectedTriangle {
+    vec3 v0;
+    vec3 v1;
+    vec3 v2;
+    vec3 depths;  // of the corners; before the light only
+    EdgePlane e0; // opposite to corner 0
+    EdgePlane e1;
+    EdgePlane e2;
+    vec4 rect;        // empty: nothing to draw
+    float reach;      // half its width and height, added up
+    float leastW;     // of what lies before the light
+    float texelError; // of x and y, of w, and of places in the map
+    float wError;
+    float cornerTexels;
+    float volume; // six times that of light and triangle, positive where it turns away: x, y and w are right-handed
+    float volumeError;    // by all
+    float volumeRounding; // by its arithmetic alone
+    bool crossing;        // a corner is not before the light
+};
+
+GN_SHARED_FN vec3 relativeTo(vec2 base, vec3 v)
 {
-    ConservativeTriangle band = nothingDrawn();
-    float size0 = length(vec2(e0.normal.x, e0.normal.y)), size1 = length(vec2(e1.normal.x, e1.normal.y));
-    float size2 = length(vec2(e2.normal.x, e2.normal.y));
+    return vec3(v.x - base.x * v.z, v.y - base.y * v.z, v.z);
+}
+
+// The texels that the bounds touch.
+GN_SHARED_FN vec4 touchedRect(TexelBounds bounds, float grow, float side)
+{
+    return vec4(max(floor(max(bounds.box.x - grow, -1.0f)), 0.0f), max(floor(max(bounds.box.y - grow, -1.0f)), 0.0f),
+                min(floor(min(bounds.box.z + grow, side)) + 1.0f, side),
+                min(floor(min(bounds.box.w + grow, side)) + 1.0f, side));
+}
+
+GN_SHARED_FN float cornerDepth(ConservativePush caster, vec4 q)
+{
+    bool perspective = (caster.flags & CASTER_PERSPECTIVE) != 0u;
+    return perspective ? caster.depthConstant + caster.depthScale / max(q.w, 1e-20f) : q.z;
+}
+
+GN_SHARED_FN ProjectedTriangle withVolume(ProjectedTriangle triangle)
+{
+    ProjectedTriangle t = triangle;
+    t.e0 = edgePlane(t.v1, t.v2, t.texelError, t.wError);
+    t.e1 = edgePlane(t.v2, t.v0, t.texelError, t.wError);
+    t.e2 = edgePlane(t.v0, t.v1, t.texelError, t.wError);
+    t.volume = dot(t.v0, t.e0.normal);
+    float size = sizeXY(t.v0), w = abs(t.v0.z);
+    float normalXY = abs(t.e0.normal.x) + abs(t.e0.normal.y), normalZ = abs(t.e0.normal.z);
+    t.volumeRounding = ULPS_21 * (size * normalXY + w * normalZ) + 2.0f * size * t.e0.errorXY + w * t.e0.errorZ;
+    t.volumeError = t.texelError * normalXY + t.wError * normalZ + 2.0f * size * (t.e0.errorXY + t.e0.inputXY) +
+                    w * (t.e0.errorZ + t.e0.inputZ) + t.volumeRounding;
+    return t;
+}
+
+GN_SHARED_FN ProjectedTriangle projectedTriangle(ConservativePush caster, vec3 p0, vec3 p1, vec3 p2)
+{
+    vec4 q0 = caster.texelFromObject * vec4(p0, 1.0f);
+    vec4 q1 = caster.texelFromObject * vec4(p1, 1.0f);
+    vec4 q2 = caster.texelFromObject * vec4(p2, 1.0f);
+    ProjectedTriangle t;
+    t.v0 = vec3(q0.x, q0.y, q0.w);
+    t.v1 = vec3(q1.x, q1.y, q1.w);
+    t.v2 = vec3(q2.x, q2.y, q2.w);
+    t.depths = vec3(cornerDepth(caster, q0), cornerDepth(caster, q1), cornerDepth(caster, q2));
+    float greatestW = max(abs(q0.w), max(abs(q1.w), abs(q2.w)));
+    float least = 4.0f * caster.wError + 1e-20f; // nearer to the light's plane than rounding: behind it
+    t.texelError = caster.texelError + ULPS_22 * caster.side * greatestW;
+    t.wError = caster.wError + ULPS_23 * greatestW;
+
+    TexelBounds bounds;
+    bounds.box = vec4(1e30f, 1e30f, -1e30f, -1e30f);
+    bounds.leastW = 1e30f;
+    bounds = withCorner(bounds, t.v0, t.v1, least);
+    bounds = withCorner(bounds, t.v1, t.v2, least);
+    bounds = withCorner(bounds, t.v2, t.v0, least);
+    t.leastW = bounds.leastW;
+    t.cornerTexels = t.texelError / bounds.leastW;
+    t.crossing = min(q0.w, min(q1.w, q2.w)) <= least;
+    bool behind = bounds.leastW > 1e29f;
+    bool outside = behind || outsideMap(t.v0, t.v1, t.v2, caster.side, t.texelError);
+    t.rect = outside ? vec4(0.0f) : touchedRect(bounds, t.cornerTexels + GUARD_TEXELS, caster.side);
+    t.reach = 0.5f * (t.rect.z - t.rect.x + t.rect.w - t.rect.y) + 2.0f;
+    vec2 base = texelBase(t.rect);
+    t.v0 = relativeTo(base, t.v0);
+    t.v1 = relativeTo(base, t.v1);
+    t.v2 = relativeTo(base, t.v2);
+    return withVolume(t);
+}
+
+// Smallest and largest depth. Before the near end of a map there is nothing but 0.
+GN_SHARED_FN vec2 depthRange(ProjectedTriangle t)
+{
+    return vec2(t.crossing ? 0.0f : min(t.depths.x, min(t.depths.y, t.depths.z)),
+                max(t.depths.x, max(t.depths.y, t.depths.z)));
+}
+
+GN_SHARED_FN vec4 edgeOf(ProjectedTriangle t, EdgePlane edge, float sign)
+{
+    vec4 result = edgeFunction(edge, sign, t.reach, t.crossing, t.cornerTexels);
+    result.w += squareExtent(result) + GUARD_TEXELS;
+    return result;
+}
+
+// Seen edge-on: the band around its longest edge, with its smallest depth.
+GN_SHARED_FN ConservativeTriangle bandOf(ConservativePush caster, ProjectedTriangle t)
+{
+    // A plane through the light but for volumeError: off it by volume / w / |N.xy| texels at a point of depth w. What
+    // is nearer to the light than 1/64 of the near end is as good as at the light.
+    bool perspective = (caster.flags & CASTER_PERSPECTIVE) != 0u;
+    float nearW = perspective ? -caster.depthScale / caster.depthConstant / 64.0f : 1.0f;
+    float thickness = (abs(t.volume) + t.volumeError) / max(t.leastW, nearW);
+    float size0 = length(vec2(t.e0.normal.x, t.e0.normal.y)), size1 = length(vec2(t.e1.normal.x, t.e1.normal.y));
+    float size2 = length(vec2(t.e2.normal.x, t.e2.normal.y));
     float size = max(size0, max(size1, size2));
-    vec4 edge = size0 == size   ? edgeFunction(e0, 1.0f, reach, crossing, cornerTexels)
-                : size1 == size ? edgeFunction(e1, 1.0f, reach, crossing, cornerTexels)
-                                : edgeFunction(e2, 1.0f, reach, crossing, cornerTexels);
-    float margin = edge.w + squareExtent(edge) + GUARD_TEXELS + thickness / max(size, 1e-30f);
+    vec4 edge;
+    if (size0 == size)
+        edge = edgeOf(t, t.e0, 1.0f);
+    else if (size1 == size)
+        edge = edgeOf(t, t.e1, 1.0f);
+    else
+        edge = edgeOf(t, t.e2, 1.0f);
+    float margin = edge.w + thickness / max(size, 1e-30f);
+    vec2 depths = depthRange(t);
+    ConservativeTriangle band;
     band.edge0 = vec4(edge.x, edge.y, edge.z, margin);
     band.edge1 = vec4(-edge.x, -edge.y, -edge.z, margin);
     band.edge2 = vec4(0.0f, 0.0f, 0.0f, 1.0f);
-    band.rect = rect;
     band.plane = vec4(depths.x, 0.0f, 0.0f, 0.0f);
+    band.rect = t.rect;
     band.range = vec4(depths.x, depths.y, 0.0f, 1.0f);
     return band;
+}
+
+// Sum of the edges' normals, weighted so that its value at (c, 1) over the volume is what depth is made of, and how far
+// it may be off. Perspective: (c, 1) is the corners' sum weighted by E, and 1 / w is the sum of the weights, N0 + N1 +
+// N2 of it, the cross product of two sides. Directional: weights times depths, from the first's.
+struct DepthWeights {
+    vec3 normal;
+    float errorXY;
+    float errorZ;
+};
+
+GN_SHARED_FN DepthWeights depthWeights(ProjectedTriangle t, bool perspective)
+{
+    vec3 side1 = t.v1 - t.v0, side2 = t.v2 - t.v0;
+    float size1 = sizeXY(side1), size2 = sizeXY(side2);
+    DepthWeights weights;
+    if (perspective) {
+        weights.normal = cross(side1, side2);
+        weights.errorXY = ULPS_21 * (size1 * abs(side2.z) + size2 * abs(side1.z));
+        weights.errorZ = ULPS_20 * size1 * size2;
+    } else {
+        float rise1 = t.depths.y - t.depths.x, rise2 = t.depths.z - t.depths.x;
+        float rise = max(abs(rise1), abs(rise2));
+        weights.normal = rise1 * t.e1.normal + rise2 * t.e2.normal;
+        weights.errorXY =
+            rise * (2.0f * (t.e1.errorXY + t.e2.errorXY) + ULPS_22 * (sizeXY(t.e1.normal) + sizeXY(t.e2.normal)));
+        weights.errorZ =
+            rise * (2.0f * (t.e1.errorZ + t.e2.errorZ) + ULPS_22 * (abs(t.e1.normal.z) + abs(t.e2.normal.z)));
+    }
+    if (t.crossing) { // corners that are off turn the plane; otherwise they move points of it, by as much
+        weights.errorXY += 4.0f * (t.texelError * (abs(side1.z) + abs(side2.z)) + t.wError * (size1 + size2));
+        weights.errorZ += 4.0f * t.texelError * (size1 + size2);
+    }
+    return weights;
+}
+
+GN_SHARED_FN ConservativeTriangle withDepths(ConservativeTriangle triangle, ConservativePush caster,
+                                             ProjectedTriangle t)
+{
+    bool perspective = (caster.flags & CASTER_PERSPECTIVE) != 0u;
+    DepthWeights weights = depthWeights(t, perspective);
+    float scale = (perspective ? caster.depthScale : 1.0f) / t.volume;
+    float relative = (t.crossing ? t.volumeError : t.volumeRounding) / abs(t.volume);
+    vec3 slope = weights.normal * scale;
+    float start = perspective ? caster.depthConstant : t.depths.x;
+    float slopes = abs(slope.x) + abs(slope.y);
+    float slopeError = 2.0f * (abs(scale) * weights.errorXY + relative * slopes);
+    float farthest = min(abs(slope.z) + slopes * t.reach, 1.0f);
+    float slack = abs(scale) * (weights.errorXY * t.reach + weights.errorZ) + relative * farthest + ULPS_23;
+    // To any point of the texel's square, and as far as corners may be off besides.
+    float around = 0.5f + GUARD_TEXELS + (t.crossing ? 0.0f : t.cornerTexels);
+    vec2 depths = depthRange(t);
+    ConservativeTriangle result = triangle;
+    result.plane = vec4(start + slope.z, slope.x, slope.y, around * slopes + slack);
+    result.range = vec4(depths.x, depths.y, slopes + slopeError, 0.0f);
+    // Too close to edge-on to say anything by its plane.
+    if (!(result.plane.w < 1e9f)) result.plane = vec4(depths.x, 0.0f, 0.0f, 1e9f);
+    return result;
 }
 
 // A triangle with corners in object space.
 GN_SHARED_FN ConservativeTriangle conservativeTriangle(ConservativePush caster, vec3 p0, vec3 p1, vec3 p2)
 {
-    bool perspective = (caster.flags & CASTER_PERSPECTIVE) != 0u;
-    vec4 q0 = caster.texelFromObject * vec4(p0, 1.0f);
-    vec4 q1 = caster.texelFromObject * vec4(p1, 1.0f);
-    vec4 q2 = caster.texelFromObject * vec4(p2, 1.0f);
-    vec3 v0 = vec3(q0.x, q0.y, q0.w), v1 = vec3(q1.x, q1.y, q1.w), v2 = vec3(q2.x, q2.y, q2.w);
-    float greatestW = max(abs(v0.z), max(abs(v1.z), abs(v2.z)));
-    float least = 4.0f * caster.wError + 1e-20f; // nearer to the light's plane than rounding: behind it
-    float texelError = caster.texelError + ULPS_22 * caster.side * greatestW;
-    float wError = caster.wError + ULPS_23 * greatestW;
-    if (outsideMap(v0, v1, v2, caster.side, texelError)) return nothingDrawn();
-
-    TexelBounds bounds;
-    bounds.box = vec4(1e30f, 1e30f, -1e30f, -1e30f);
-    bounds.leastW = 1e30f;
-    bounds = withCorner(withCorner(withCorner(bounds, v0, v1, least), v1, v2, least), v2, v0, least);
-    if (bounds.leastW > 1e29f) return nothingDrawn(); // behind the light
-    float cornerTexels = texelError / bounds.leastW;
-    float grow = cornerTexels + GUARD_TEXELS;
-    vec4 rect =
-        vec4(max(floor(max(bounds.box.x - grow, -1.0f)), 0.0f), max(floor(max(bounds.box.y - grow, -1.0f)), 0.0f),
-             min(floor(min(bounds.box.z + grow, caster.side)) + 1.0f, caster.side),
-             min(floor(min(bounds.box.w + grow, caster.side)) + 1.0f, caster.side));
-    if (!(rect.x < rect.z && rect.y < rect.w)) return nothingDrawn();
-
-    // Relative to the base, so that places do not cancel.
-    vec2 base = texelBase(rect);
-    float reach = 0.5f * (rect.z - rect.x + rect.w - rect.y) + 2.0f;
-    v0 = vec3(v0.x - base.x * v0.z, v0.y - base.y * v0.z, v0.z);
-    v1 = vec3(v1.x - base.x * v1.z, v1.y - base.y * v1.z, v1.z);
-    v2 = vec3(v2.x - base.x * v2.z, v2.y - base.y * v2.z, v2.z);
-    bool crossing = min(v0.z, min(v1.z, v2.z)) <= least;
-    EdgePlane e0 = edgePlane(v1, v2, texelError, wError);
-    EdgePlane e1 = edgePlane(v2, v0, texelError, wError);
-    EdgePlane e2 = edgePlane(v0, v1, texelError, wError);
-
-    // Six times the volume of light and triangle, positive where it turns away: x, y and w are right-handed.
-    float volume = dot(v0, e0.normal);
-    float normalXY = abs(e0.normal.x) + abs(e0.normal.y);
-    float volumeError = texelError * normalXY + wError * abs(e0.normal.z) +
-                        2.0f * sizeXY(v0) * (e0.errorXY + e0.inputXY) + abs(v0.z) * (e0.errorZ + e0.inputZ);
-    float volumeRounding = ULPS_21 * (sizeXY(v0) * normalXY + abs(v0.z * e0.normal.z)) +
-                           2.0f * sizeXY(v0) * e0.errorXY + abs(v0.z) * e0.errorZ;
-    volumeError += volumeRounding;
-    bool sure = abs(volume) > volumeError;
-
-    float z0 = perspective ? caster.depthConstant + caster.depthScale / max(v0.z, 1e-20f) : q0.z;
-    float z1 = perspective ? caster.depthConstant + caster.depthScale / max(v1.z, 1e-20f) : q1.z;
-    float z2 = perspective ? caster.depthConstant + caster.depthScale / max(v2.z, 1e-20f) : q2.z;
-    vec2 depths = vec2(crossing ? 0.0f : min(z0, min(z1, z2)), max(z0, max(z1, z2)));
-    if (!sure) {
-        // A plane through the light but for volumeError: off it by volume / w / |N.xy| texels at a point of depth w.
-        // What is nearer to the light than 1/64 of the near end is as good as at the light.
-        float nearW = perspective ? -caster.depthScale / caster.depthConstant / 64.0f : 1.0f;
-        float thickness = (abs(volume) + volumeError) / max(bounds.leastW, nearW);
-        return bandOf(rect, e0, e1, e2, thickness, reach, crossing, cornerTexels, depths);
-    }
-    bool away = ((caster.flags & CASTER_MIRRORED) != 0u) != (volume > 0.0f);
+    ProjectedTriangle t = projectedTriangle(caster, p0, p1, p2);
+    if (!(t.rect.x < t.rect.z && t.rect.y < t.rect.w)) return nothingDrawn();
+    if (!(abs(t.volume) > t.volumeError)) return bandOf(caster, t);
+    bool away = ((caster.flags & CASTER_MIRRORED) != 0u) != (t.volume > 0.0f);
     if ((caster.flags & CASTER_BACK_ONLY) != 0u && !away) return nothingDrawn();
 
-    ConservativeTriangle triangle;
-    float sign = volume > 0.0f ? 1.0f : -1.0f;
-    triangle.edge0 = edgeFunction(e0, sign, reach, crossing, cornerTexels);
-    triangle.edge1 = edgeFunction(e1, sign, reach, crossing, cornerTexels);
-    triangle.edge2 = edgeFunction(e2, sign, reach, crossing, cornerTexels);
-    triangle.edge0.w += squareExtent(triangle.edge0) + GUARD_TEXELS;
-    triangle.edge1.w += squareExtent(triangle.edge1) + GUARD_TEXELS;
-    triangle.edge2.w += squareExtent(triangle.edge2) + GUARD_TEXELS;
-    triangle.rect = rect;
-
-    // Perspective: (c, 1) = sum of E-weighted corners, and 1 / w is the sum of the weights, N0 + N1 + N2 of it, which
-    // is the cross product of two sides. Directional: weights times depths, from the first corner's.
-    vec3 side1 = v1 - v0, side2 = v2 - v0;
-    vec3 weights = perspective ? cross(side1, side2) : (z1 - z0) * e1.normal + (z2 - z0) * e2.normal;
-    float rise = max(abs(z1 - z0), abs(z2 - z0));
-    float weightsXY = perspective ? ULPS_21 * (sizeXY(side1) * abs(side2.z) + sizeXY(side2) * abs(side1.z))
-                                  : 2.0f * rise * (e1.errorXY + e2.errorXY) +
-                                        ULPS_22 * rise * (sizeXY(e1.normal) + sizeXY(e2.normal));
-    float weightsZ =
-        perspective ? ULPS_20 * sizeXY(side1) * sizeXY(side2)
-                    : 2.0f * rise * (e1.errorZ + e2.errorZ) + ULPS_22 * rise * (abs(e1.normal.z) + abs(e2.normal.z));
-    float relative = (crossing ? volumeError : volumeRounding) / abs(volume);
-    if (crossing) {
-        float sizes = sizeXY(side1) + sizeXY(side2);
-        weightsXY += 4.0f * texelError * (abs(side1.z) + abs(side2.z)) + 4.0f * wError * sizes;
-        weightsZ += 4.0f * texelError * sizes;
-    }
-    float scale = (perspective ? caster.depthScale : 1.0f) / volume;
-    vec3 slope = weights * scale;
-    float start = perspective ? caster.depthConstant : z0;
-    float slopes = abs(slope.x) + abs(slope.y);
-    float slopeError = 2.0f * (abs(scale) * weightsXY + relative * slopes);
-    float farthest = min(abs(slope.z) + slopes * reach, 1.0f);
-    float slack = abs(scale) * (weightsXY * reach + weightsZ) + relative * farthest + ULPS_23;
-    // A point of the texel's square, and the corners may be off besides.
-    float away1 = 0.5f + GUARD_TEXELS + (crossing ? 0.25f : min(cornerTexels, 0.25f));
-    triangle.plane = vec4(start + slope.z, slope.x, slope.y, away1 * slopes + slack);
-    triangle.range = vec4(depths.x, depths.y, slopes + slopeError, 0.0f);
-    // Too close to edge-on to say anything by its plane.
-    if (!(triangle.plane.w < 1e9f)) triangle.plane = vec4(depths.x, 0.0f, 0.0f, 1e9f);
-    return triangle;
+    float sign = t.volume > 0.0f ? 1.0f : -1.0f;
+    ConservativeTriangle triangle = nothingDrawn();
+    triangle.edge0 = edgeOf(t, t.e0, sign);
+    triangle.edge1 = edgeOf(t, t.e1, sign);
+    triangle.edge2 = edgeOf(t, t.e2, sign);
+    triangle.rect = t.rect;
+    return withDepths(triangle, caster, t);
 }
 
 // --- at a texel: c its centre relative to the base ---
