@@ -1,5 +1,5 @@
-// conservative_map and conservative_map_adjacency from frame to frame: layers and borders are kept while nothing moves, and
-// what is drawn again equals a fresh context's.
+// conservative_map and conservative_map_adjacency from frame to frame: layers and borders are kept while nothing moves,
+// and what is drawn again equals a fresh context's.
 #include "device/fixture.hpp"
 
 #include <glm/geometric.hpp>
@@ -14,11 +14,12 @@ constexpr demo::LightKind kKinds[] = {demo::LightKind::Directional, demo::LightK
 Scene litBy(demo::LightKind kind)
 {
     Scene scene = smallScene();
-    demo::Light& light = scene.lights[0];
-    light.kind = kind;
-    light.isStatic = false;
-    if (kind == demo::LightKind::Directional) light.range = 0.0f;
     scene.instances[1].isStatic = false;
+    if (kind == demo::LightKind::Point) scene.lights = {pointLight("bulb", {1.0, 5.0, 2.0}, true)};
+    if (kind == demo::LightKind::Directional) {
+        scene.lights[0].kind = kind;
+        scene.lights[0].direction = glm::normalize(glm::dvec3(0.4, -1.0, 0.3));
+    }
     return scene;
 }
 
@@ -32,7 +33,8 @@ uint32_t drawnLayers(const Host& host, const std::string& stem)
 
 } // namespace
 
-TEST_CASE_FIXTURE(DeviceTest, "conservative layers are drawn once, again when a caster moves, and equal a fresh context's")
+TEST_CASE_FIXTURE(DeviceTest,
+                  "conservative layers are drawn once, again when a caster moves, and equal a fresh context's")
 {
     for (const std::string method : {"conservative_map", "conservative_map_adjacency"}) {
         const std::string covered = method == "conservative_map" ? "conservative.covered.casters" : "sheets.casters";
