@@ -4,6 +4,7 @@
 #include <initializer_list>
 
 #ifdef GNOMON_WITH_EMBREE
+#include "algorithms/hybrid/conservative_map.hpp"
 #include "algorithms/hybrid/contour_chain.hpp"
 #include "algorithms/hybrid/pcf_hybrid.hpp"
 #include "algorithms/hybrid/ray_traced.hpp"
@@ -14,6 +15,7 @@
 #include "algorithms/omni/dual_paraboloid.hpp"
 #include "algorithms/volumes/mccool.hpp"
 #if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
+#include "algorithms/hybrid/conservative_map_adjacency.hpp"
 #include "algorithms/volumes/angular_spans.hpp"
 #endif
 #ifdef GNOMON_WITH_OPENMESH
@@ -30,29 +32,38 @@ namespace gnomon {
 namespace {
 
 constexpr std::array kAlgorithms = {
-    &kShadowMap,     &kCubeMap,      &kDualParaboloid,
+    &kShadowMap,       &kCubeMap,
+    &kDualParaboloid,
 #ifdef GNOMON_WITH_OPENMESH
-    &kStencilVolume, &kChanDurand,   &kOctreeVolume,   &kAllEdgesVolume, &kProjectedPlanar, &kPenumbraWedges,
+    &kStencilVolume,   &kChanDurand,
+    &kOctreeVolume,    &kAllEdgesVolume,
+    &kProjectedPlanar, &kPenumbraWedges,
 #endif
     &kMcCool,
 #ifdef GNOMON_WITH_EMBREE
-    &kPcfHybrid,     &kContourChain, &kRayTraced,      &kTileShafts,
+    &kPcfHybrid,       &kContourChain,
+    &kConservativeMap, &kRayTraced,
+    &kTileShafts,
 #endif
 #if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
-    &kAngularSpans,
+    &kAngularSpans,    &kConservativeMapAdjacency,
 #endif
 };
 
 /// Known to rules, left out of this build.
 constexpr std::initializer_list<const char*> kAbsentNames = {
 #ifndef GNOMON_WITH_EMBREE
-    "ray_traced",     "pcf_hybrid",  "contour_chain", "tile_shafts",
+    "ray_traced",       "pcf_hybrid",
+    "contour_chain",    "conservative_map",
+    "tile_shafts",
 #endif
 #ifndef GNOMON_WITH_OPENMESH
-    "stencil_volume", "chan_durand", "octree_volume", "all_edges_volume", "projected_planar", "penumbra_wedges",
+    "stencil_volume",   "chan_durand",
+    "octree_volume",    "all_edges_volume",
+    "projected_planar", "penumbra_wedges",
 #endif
 #if !defined(GNOMON_WITH_EMBREE) || !defined(GNOMON_WITH_OPENMESH)
-    "angular_spans",
+    "angular_spans",    "conservative_map_adjacency",
 #endif
 };
 constexpr std::span<const char* const> kAbsent{kAbsentNames.begin(), kAbsentNames.size()};

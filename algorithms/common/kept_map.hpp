@@ -51,6 +51,8 @@ public:
 
     /// Declares what brings the layer up to date. `draw(PassContext&, casters, bool statics)` records casters, the
     /// static or the moving ones of the content; `draw.uses(PassRef&)` declares what else it reads. Copied bytewise.
+    /// Where it has `draw.prepared(PassBuilder&, statics, movings)`, passes that come before may be declared there for
+    /// the casters about to be drawn; what it returns draws.
     template <typename Draw>
     void update(std::uint32_t layer, const LayerNames& names, const LayerContent& content, const Draw& draw);
 
@@ -68,6 +70,17 @@ private:
     bool fresh_ = false, freshStatics_ = false;
 };
 
+/// The drawing of a pass that is about to be declared.
+template <typename Draw>
+Draw preparedDraw(const Draw& draw, PassBuilder& passes, std::span<const Caster* const> statics,
+                  std::span<const Caster* const> movings)
+{
+    if constexpr (requires { draw.prepared(passes, statics, movings); })
+        return draw.prepared(passes, statics, movings);
+    else
+        return draw;
+}
+
 template <typename Draw>
 void KeptMap::update(std::uint32_t layer, const LayerNames& names, const LayerContent& content, const Draw& draw)
 {
@@ -78,26 +91,29 @@ void KeptMap::update(std::uint32_t layer, const LayerNames& names, const LayerCo
     }
     const std::uint32_t variant = info_.resolution;
     if (content.staticsStamp == 0 || content.movings.empty()) {
+        const Draw both = preparedDraw(draw, passes_, content.statics, content.movings);
         PassRef all = passes_.raster(names.casters, Scope::light, variant);
-        draw.uses(all.depthWrite(image_, cleared));
+        both.uses(all.depthWrite(image_, cleared));
         all.record([=, statics = content.statics, movings = content.movings](PassContext& gpu) {
-            draw(gpu, statics, true);
-            draw(gpu, movings, false);
+            both(gpu, statics, true);
+            both(gpu, movings, false);
         });
         return;
     }
     const ImageId kept = staticsImage();
     if (due(layer, content.staticsStamp, true)) {
+        const Draw first = preparedDraw(draw, passes_, content.statics, {});
         PassRef still = passes_.raster(names.statics, Scope::light, variant);
-        draw.uses(still.depthWrite(kept, cleared));
-        still.record([=, statics = content.statics](PassContext& gpu) { draw(gpu, statics, true); });
+        first.uses(still.depthWrite(kept, cleared));
+        still.record([=, statics = content.statics](PassContext& gpu) { first(gpu, statics, true); });
     } else {
         passes_.kept();
     }
     copyStatics(names.copyStatics, layer);
+    const Draw second = preparedDraw(draw, passes_, {}, content.movings);
     PassRef over = passes_.raster(names.casters, Scope::light, variant);
-    draw.uses(over.depthWrite(image_, {.layer = layer}));
-    over.record([=, movings = content.movings](PassContext& gpu) { draw(gpu, movings, false); });
+    second.uses(over.depthWrite(image_, {.layer = layer}));
+    over.record([=, movings = content.movings](PassContext& gpu) { second(gpu, movings, false); });
 }
 
 } // namespace gnomon

@@ -12,21 +12,24 @@ namespace {
 constexpr Rgb8 kInk{16, 16, 16};
 
 // Okabe and Ito's eight colours, told apart by most colour-blind people as well; yellow-green added for a ninth.
-constexpr std::array<std::pair<std::string_view, Rgb8>, 15> kNamed = {{{"ray_traced", {240, 228, 66}},
-                                                                       {"shadow_map", {86, 180, 233}},
-                                                                       {"stencil_volume", {230, 159, 0}},
-                                                                       {"pcf_hybrid", {0, 158, 115}},
-                                                                       {"cube_map", {204, 121, 167}},
-                                                                       {"dual_paraboloid", {213, 94, 0}},
-                                                                       {"chan_durand", {0, 114, 178}},
-                                                                       {"octree_volume", {148, 103, 189}},
-                                                                       {"all_edges_volume", {140, 86, 75}},
-                                                                       {"projected_planar", {160, 160, 160}},
-                                                                       {"mccool", {188, 189, 34}},
-                                                                       {"angular_spans", {154, 205, 50}},
-                                                                       {"contour_chain", {0, 139, 139}},
-                                                                       {"penumbra_wedges", {255, 152, 150}},
-                                                                       {"tile_shafts", {255, 187, 120}}}};
+constexpr std::array<std::pair<std::string_view, Rgb8>, 17> kNamed = {
+    {{"ray_traced", {240, 228, 66}},
+     {"shadow_map", {86, 180, 233}},
+     {"stencil_volume", {230, 159, 0}},
+     {"pcf_hybrid", {0, 158, 115}},
+     {"cube_map", {204, 121, 167}},
+     {"dual_paraboloid", {213, 94, 0}},
+     {"chan_durand", {0, 114, 178}},
+     {"octree_volume", {148, 103, 189}},
+     {"all_edges_volume", {140, 86, 75}},
+     {"projected_planar", {160, 160, 160}},
+     {"mccool", {188, 189, 34}},
+     {"angular_spans", {154, 205, 50}},
+     {"contour_chain", {0, 139, 139}},
+     {"penumbra_wedges", {255, 152, 150}},
+     {"tile_shafts", {255, 187, 120}},
+     {"conservative_map", {0, 168, 168}},
+     {"conservative_map_adjacency", {120, 220, 220}}}};
 
 } // namespace
 

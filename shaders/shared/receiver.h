@@ -81,22 +81,29 @@ GN_SHARED_FN float depthUlpWs(ViewConstants view, float depth, vec3 ray)
     return length(ray) * w * w * abs(view.depthMul / view.depthScale) * ulp;
 }
 
+// Largest coordinate of receiver or light, relative to the eye and to the frame's origin: in the one the receiver is
+// unprojected, in the other rays meet casters.
+GN_SHARED_FN float largestCoordinate(ViewConstants view, LightConstants light, vec3 receiverWs)
+{
+    vec3 r = max(abs(receiverWs - vec3(view.eyeWs)), abs(receiverWs));
+    vec3 l = max(abs(vec3(light.positionWs) - vec3(view.eyeWs)), abs(vec3(light.positionWs)));
+    float c = max(r.x, max(r.y, r.z));
+    float cl = light.type == LIGHT_DIRECTIONAL ? 0.0f : max(l.x, max(l.y, l.z));
+    return max(c, cl);
+}
+
 // Offset of a ray's start along the geometric normal towards the light, metres:
 //   k (u |n.v| + f / 256 + 2^-21 c)
-// u: one ulp of the depth value; f: footprint of a pixel; c: largest coordinate of receiver or light, relative to the
-// eye and to the frame's origin: in the one the receiver is unprojected, in the other rays meet casters. Against
-// volumes over 685 000 pixels k = 1 leaves 13 disagreements with reversed-Z; standard depth needs k = 3.
+// u: one ulp of the depth value; f: footprint of a pixel; c: largestCoordinate(). Against volumes over 685 000 pixels k = 1
+// leaves 13 disagreements with reversed-Z; standard depth needs k = 3.
 GN_SHARED_FN float receiverOffset(ViewConstants view, LightConstants light, float depth, vec3 ray, vec3 receiverWs,
                                   vec3 normalWs)
 {
     float w = linearDepth(view, depth);
     float u = depthUlpWs(view, depth, ray) * abs(dot(normalWs, ray)) / length(ray);
     float f = w * view.pixelSize;
-    vec3 r = max(abs(receiverWs - vec3(view.eyeWs)), abs(receiverWs));
-    vec3 l = max(abs(vec3(light.positionWs) - vec3(view.eyeWs)), abs(vec3(light.positionWs)));
-    float c = max(r.x, max(r.y, r.z));
-    float cl = light.type == LIGHT_DIRECTIONAL ? 0.0f : max(l.x, max(l.y, l.z));
-    return view.offsetFactor * (u + f / 256.0f + max(c, cl) * (1.0f / 2097152.0f));
+    float c = largestCoordinate(view, light, receiverWs);
+    return view.offsetFactor * (u + f / 256.0f + c * (1.0f / 2097152.0f));
 }
 
 GN_SHARED_END

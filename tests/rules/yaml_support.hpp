@@ -29,7 +29,9 @@ inline const std::vector<OutputInfo> kMethods = {
     {"angular_spans", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}},
     {"contour_chain", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}},
     {"penumbra_wedges", {"spot", "point", "hard", "softPenumbra", "cpuGeometry"}},
-    {"tile_shafts", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}}};
+    {"tile_shafts", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}},
+    {"conservative_map", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}},
+    {"conservative_map_adjacency", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}}};
 
 inline const std::vector<std::string> kTraits = {"directional",  "spot",  "point",       "hard", "fixedPenumbra",
                                                  "softPenumbra", "exact", "cpuGeometry", "rays", "planar"};

@@ -1,0 +1,160 @@
+#include "algorithms/hybrid/conservative_casters.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "algorithms/maps/depth_map.hpp"
+#include "shaders/hybrid_conservative_frag.h"
+#include "shaders/hybrid_conservative_vert.h"
+
+namespace gnomon {
+
+namespace {
+
+// Object to world to map, and the ray tracer's way back to object space: eight roundings of the largest coordinate that
+// takes part, each 2^-24 of it, and twice that.
+constexpr double kCoordinateError = 0x1p-20;
+
+double largest(const glm::dvec3& v)
+{
+    const glm::dvec3 size = glm::abs(v);
+    return std::max({size.x, size.y, size.z});
+}
+
+/// How far a corner of the caster may be off, metres.
+double cornerErrorWs(const ConservativeProjection& projection, const Caster& caster)
+{
+    const double bounds = std::max(largest(glm::dvec3(caster.bounds.lower)), largest(glm::dvec3(caster.bounds.upper)));
+    const double moved = largest(glm::dvec3(caster.translation));
+    return kCoordinateError * (bounds + moved + static_cast<double>(projection.lightCoordinate));
+}
+
+glm::dvec3 axis(const ConservativeProjection& projection, int row)
+{
+    const glm::dmat4& m = projection.texelFromZero;
+    return {m[0][row], m[1][row], m[2][row]};
+}
+
+/// Texels (times w) that a metre can move a point of the map by, seen from any base within it: about its middle, and
+/// half a side of what changes w.
+double texelsPerMetre(const ConservativeProjection& projection)
+{
+    const double half = 0.5 * static_cast<double>(projection.side);
+    const glm::dvec3 forward = axis(projection, 3);
+    const double aside =
+        std::max(glm::length(axis(projection, 0) - half * forward), glm::length(axis(projection, 1) - half * forward));
+    return aside + half * glm::length(forward);
+}
+
+} // namespace
+
+ConservativeProjection conservativeProjection(const LightFit& fit, const LightView& light, std::uint32_t resolution)
+{
+    const MapProjection map = mapProjection(fit, light);
+    const double side = resolution;
+    glm::dmat4 rows = glm::transpose(glm::dmat4(map.clipFromZero));
+    rows[0] = 0.5 * side * (rows[0] + rows[3]);
+    rows[1] = 0.5 * side * (rows[1] + rows[3]);
+    const bool perspective = light.type != GN_LIGHT_TYPE_DIRECTIONAL;
+    return {.texelFromZero = glm::transpose(rows),
+            .zeroWs = glm::dvec3(map.zeroWs),
+            .side = static_cast<float>(side),
+            .depthConstant = map.depthConstant,
+            .depthScale = map.depthScale,
+            .perspective = perspective,
+            .lightCoordinate = perspective ? static_cast<float>(largest(glm::dvec3(light.position()))) : 0.0f};
+}
+
+void addRounding(gpu::ConservativeConstants& constants, const ConservativeProjection& projection)
+{
+    constants.texelsPerMetre = static_cast<float>(texelsPerMetre(projection));
+    // Depth = constant + scale / w changes by |scale| / w^2 a metre, which is (constant - depth)^2 / |scale|.
+    constants.depthPerMetre = projection.perspective ? 0.0f : static_cast<float>(glm::length(axis(projection, 2)));
+    constants.depthSquare = projection.perspective ? 1.0f / std::fabs(projection.depthScale) : 0.0f;
+}
+
+gpu::ConservativePush conservativePush(const ConservativeProjection& projection, const Caster& caster, bool backOnly)
+{
+    glm::dmat4 zeroFromObject(glm::dmat3(caster.basis));
+    zeroFromObject[3] = glm::dvec4(glm::dvec3(caster.translation) - projection.zeroWs, 1.0);
+    const double error = cornerErrorWs(projection, caster);
+    gpu::ConservativePush push{};
+    push.texelFromObject = glm::mat4(projection.texelFromZero * zeroFromObject);
+    push.side = projection.side;
+    push.depthConstant = projection.depthConstant;
+    push.depthScale = projection.depthScale;
+    push.texelError = static_cast<float>(error * texelsPerMetre(projection));
+    push.wError = static_cast<float>(error * glm::length(axis(projection, 3)));
+    const double constant = projection.perspective ? 0.0 : error * glm::length(axis(projection, 2));
+    push.depthError = static_cast<float>(constant) + gpu::DEPTH_ROUNDING;
+    push.depthErrorSquare =
+        projection.perspective ? static_cast<float>(error) / std::fabs(projection.depthScale) : 0.0f;
+    push.flags = (projection.perspective ? gpu::CASTER_PERSPECTIVE : 0u) | (backOnly ? gpu::CASTER_BACK_ONLY : 0u) |
+                 (caster.mirrored ? gpu::CASTER_MIRRORED : 0u);
+    return push;
+}
+
+bool backFacesOnly(const Caster& caster)
+{
+    return caster.closed && !caster.alphaTested;
+}
+
+PipelineId makeConservativePipeline(const AlgorithmServices& services, const char* name, ConservativeLayer layer)
+{
+    constexpr BindingInfo bindings[] = {{.binding = 1, .kind = BindingKind::storageBuffer},
+                                        {.binding = 2, .kind = BindingKind::storageBuffer},
+                                        {.binding = 3, .kind = BindingKind::storageBuffer}};
+    const auto number = static_cast<std::uint32_t>(layer);
+    GraphicsPipelineInfo info;
+    info.name = name;
+    info.vertex = {.code = k_hybrid_conservative_vert, .specializationCount = 1, .specialization = {number}};
+    info.fragment = {.code = k_hybrid_conservative_frag, .specializationCount = 1, .specialization = {number}};
+    info.bindings = bindings;
+    info.pushBytes = sizeof(gpu::ConservativePush);
+    info.depthTest = info.depthWrite = true;
+    info.depthCompare = VK_COMPARE_OP_LESS;
+    info.depthFormat = kMapFormat;
+    return services.pipelines->graphics(info);
+}
+
+BufferId ConservativeCasters::keptOf(const Caster& caster) const
+{
+    for (const KeptEdges& kept : kept_)
+        if (kept.caster == &caster) return kept.bits;
+    return {};
+}
+
+void ConservativeCasters::uses(PassRef& pass) const
+{
+    for (const KeptEdges& kept : kept_)
+        pass.reads(kept.bits);
+}
+
+void ConservativeCasters::operator()(PassContext& gpu, std::span<const Caster* const> casters, bool) const
+{
+    const bool over = layer_ == ConservativeLayer::nearest || layer_ == ConservativeLayer::thesisNearest;
+    for (const Caster* caster : casters) {
+        const MeshView* mesh = caster->mesh;
+        // Light may pass an alpha-tested face anywhere: it may block, and nothing is covered.
+        if (!mesh || (caster->alphaTested && !over)) continue;
+        const BufferId kept = keptOf(*caster);
+        gpu::ConservativePush push = conservativePush(*projection_, *caster, thesis() || backFacesOnly(*caster));
+        if (kept) push.flags |= gpu::CASTER_KEEPS;
+        gpu.bind(pipeline_, {gpu.storage(1, mesh->vertexBuffer), gpu.storage(2, mesh->indexBuffer),
+                             kept ? gpu.storage(3, kept) : gpu.storage(3, mesh->indexBuffer)});
+        gpu.push(push);
+        gpu.vk->vkCmdDraw(gpu.cmd, 3 * mesh->triangleCount(), 1, 0, 0);
+    }
+}
+
+void ConservativeCasters::drawEdges(PassContext& gpu, const Caster& caster, BufferId edges) const
+{
+    gpu.bind(pipeline_, {gpu.storage(1, caster.mesh->vertexBuffer), gpu.storage(2, edges), gpu.storage(3, edges)});
+    gpu.push(conservativePush(*projection_, caster, false));
+    gpu.vk->vkCmdDrawIndirect(gpu.cmd, gpu.buffer(edges), 0, 1, sizeof(VkDrawIndirectCommand));
+}
+
+} // namespace gnomon

@@ -1,0 +1,79 @@
+#pragma once
+// Drawing casters into a layer of a conservative map (shaders/hybrid/conservative.h).
+#include <cstdint>
+#include <span>
+
+#include <glm/mat4x4.hpp>
+
+#include "algorithms/maps/map_look.hpp"
+#include "shaders/hybrid/conservative_look.h"
+
+namespace gnomon {
+
+/// What a layer of a map holds; the numbers of conservative_varyings.glsl.
+enum class ConservativeLayer : std::uint32_t {
+    nearest, ///< Every texel touched, with the smallest depth in it.
+    covered, ///< Every texel covered, with the largest depth in it.
+    slope,   ///< Every texel touched, with the slope as a depth; 0: faces or edges seen edge-on.
+    thesisNearest,
+    thesisCovered,
+    centre, ///< Every texel whose centre is on a face, with the depth there.
+};
+
+/// A map as casters and receivers meet in it.
+struct ConservativeProjection {
+    glm::dmat4 texelFromZero{1.0}; ///< x and y in texels times w, as gpu::MapLook has them.
+    glm::dvec3 zeroWs{0.0};
+    float side = 0.0f;
+    float depthConstant = 0.0f, depthScale = -1.0f; ///< As in MapProjection.
+    bool perspective = false;
+    float lightCoordinate = 0.0f; ///< Largest coordinate of the light; 0 without a place.
+};
+ConservativeProjection conservativeProjection(const LightFit& fit, const LightView& light, std::uint32_t resolution);
+
+/// Fills what a receiver's rounding does in the map.
+void addRounding(gpu::ConservativeConstants& constants, const ConservativeProjection& projection);
+
+/// One caster's constants. @param backOnly of the faces, those turned away from the light.
+gpu::ConservativePush conservativePush(const ConservativeProjection& projection, const Caster& caster, bool backOnly);
+
+/// Whether of a caster only the faces turned away from the light are occluders: no light reaches a receiver outside a
+/// closed solid through it without leaving it by one. Holes that rays may find in its faces (alpha) open it.
+bool backFacesOnly(const Caster& caster);
+
+/// Bits of the edges that the thesis keeps, per caster drawn; null buffer: none.
+struct KeptEdges {
+    const Caster* caster;
+    BufferId bits;
+};
+
+/// Pipelines of one layer, for all methods.
+PipelineId makeConservativePipeline(const AlgorithmServices& services, const char* name, ConservativeLayer layer);
+
+/// Records casters; what KeptMap::update takes. Copied bytewise.
+class ConservativeCasters {
+public:
+    ConservativeCasters(PipelineId pipeline, ConservativeLayer layer, const ConservativeProjection* projection)
+        : pipeline_(pipeline), layer_(layer), projection_(projection)
+    {
+    }
+    void keep(std::span<const KeptEdges> kept) { kept_ = kept; }
+    void uses(PassRef& pass) const;
+    void operator()(PassContext& gpu, std::span<const Caster* const> casters, bool statics) const;
+    /// Edges as triangles of two corners: an indirect command and three vertices of the caster's mesh an edge.
+    void drawEdges(PassContext& gpu, const Caster& caster, BufferId edges) const;
+
+private:
+    bool thesis() const
+    {
+        return layer_ == ConservativeLayer::thesisNearest || layer_ == ConservativeLayer::thesisCovered;
+    }
+    BufferId keptOf(const Caster& caster) const;
+
+    PipelineId pipeline_;
+    ConservativeLayer layer_;
+    const ConservativeProjection* projection_; ///< In the frame's memory.
+    std::span<const KeptEdges> kept_;
+};
+
+} // namespace gnomon

@@ -1,0 +1,216 @@
+#include "algorithms/hybrid/conservative_layers.hpp"
+
+#include <algorithm>
+
+#include "algorithms/maps/depth_map.hpp"
+#include "algorithms/maps/map_resolve.hpp"
+#include "algorithms/omni/cube_faces.hpp"
+#include "algorithms/omni/frusta.hpp"
+#include "runtime/scene/light_pixels.hpp"
+#include "shaders/hybrid_conservative_classify_cube_frag.h"
+#include "shaders/hybrid_conservative_classify_frag.h"
+#include "shaders/shared_fullscreen_vert.h"
+
+namespace gnomon {
+
+namespace {
+
+// Of a point light's six faces and, last, of a map that is alone.
+#define GNOMON_LAYER(layer, face)                                                                                      \
+    {                                                                                                                  \
+        layer ".casters" face, layer ".statics" face, layer ".copy_statics" face                                       \
+    }
+#define GNOMON_LAYERS(layer)                                                                                           \
+    {                                                                                                                  \
+        GNOMON_LAYER(layer, ".+x"), GNOMON_LAYER(layer, ".-x"), GNOMON_LAYER(layer, ".+y"),                            \
+            GNOMON_LAYER(layer, ".-y"), GNOMON_LAYER(layer, ".+z"), GNOMON_LAYER(layer, ".-z"),                        \
+            GNOMON_LAYER(layer, "")                                                                                    \
+    }
+constexpr std::uint32_t kAlone = 6;
+
+struct LayerKind {
+    const char *image, *statics, *stamp;
+    LayerNames passes[7];
+    ConservativeLayer content;
+};
+constexpr LayerKind kKinds[2][2] = {
+    {{"conservative.near", "conservative.near_statics", "conservative.near_stamp", GNOMON_LAYERS("conservative.near"),
+      ConservativeLayer::nearest},
+     {"conservative.covered", "conservative.covered_statics", "conservative.covered_stamp",
+      GNOMON_LAYERS("conservative.covered"), ConservativeLayer::covered}},
+    {{"conservative.thesis_near", "conservative.thesis_near_statics", "conservative.thesis_near_stamp",
+      GNOMON_LAYERS("conservative.thesis_near"), ConservativeLayer::thesisNearest},
+     {"conservative.thesis_covered", "conservative.thesis_covered_statics", "conservative.thesis_covered_stamp",
+      GNOMON_LAYERS("conservative.thesis_covered"), ConservativeLayer::thesisCovered}},
+};
+#undef GNOMON_LAYERS
+#undef GNOMON_LAYER
+
+std::span<LightFit> fitsOf(const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
+{
+    const LightView& light = *task.light;
+    const Aabb bounds = sceneBounds(*task.casters);
+    if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) return {arena.make(fitDirectional(light, bounds)), 1};
+    // Depths before the near end are written as 0, whether the device can clamp or not.
+    const bool point = light.type == GN_LIGHT_TYPE_POINT;
+    const std::span<LightFit> fits = arena.array<LightFit>(point ? 6 : 1);
+    for (std::uint32_t i = 0; i < fits.size(); ++i) {
+        fits[i] = point ? fitCubeFace(light, bounds, i, resolution, kCubeBorderTexels) : fitSpot(light, bounds);
+        raiseNearEnd(fits[i], light, bounds);
+    }
+    return fits;
+}
+
+std::uint32_t neededFaces(const ShadowTask& task)
+{
+    const Frustum visible = frustumOf(*task.view, *task.light);
+    std::uint32_t needed = 0;
+    for (std::uint32_t face = 0; face < 6; ++face)
+        if (meetsPyramid(visible, task.light->position(), cubeFaceEdges(face))) needed |= 1u << face;
+    return needed;
+}
+
+PipelineId classifyPipeline(const AlgorithmServices& services, const char* name, bool cube, bool normals)
+{
+    const auto look = lookBindings(cube);
+    BindingInfo bindings[6];
+    std::ranges::copy(look, bindings);
+    bindings[4] = RayLists::binding();
+    bindings[5] = look[3];
+    bindings[5].binding = 6;
+    bindings[3].sampler = bindings[5].sampler = SamplerKind::nearest;
+    GraphicsPipelineInfo pipeline;
+    pipeline.name = name;
+    pipeline.vertex.code = k_shared_fullscreen_vert;
+    pipeline.fragment.code = cube ? std::span<const std::uint32_t>(k_hybrid_conservative_classify_cube_frag)
+                                  : std::span<const std::uint32_t>(k_hybrid_conservative_classify_frag);
+    pipeline.fragment.specializationCount = 1;
+    pipeline.fragment.specialization[0] = normals;
+    pipeline.bindings = bindings;
+    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
+    return services.pipelines->graphics(pipeline);
+}
+
+} // namespace
+
+// --- projections and content ---
+
+ConservativeMapView conservativeView(const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
+{
+    const std::span<LightFit> fits = fitsOf(task, resolution, arena);
+    const std::span<ConservativeProjection> projections = arena.array<ConservativeProjection>(fits.size());
+    for (std::size_t i = 0; i < fits.size(); ++i)
+        projections[i] = conservativeProjection(fits[i], *task.light, resolution);
+    return {.fits = fits,
+            .projections = projections,
+            .resolution = resolution,
+            .needed = fits.size() == 1 ? 1 : neededFaces(task)};
+}
+
+LayerContent conservativeContent(const ShadowTask& task, const ConservativeMapView& view, std::uint32_t layer,
+                                 std::uint64_t salt, FrameArena& arena)
+{
+    const LightFit& fit = view.fits[layer];
+    const std::uint64_t projection = Stamp().add(fit.clipFromWorld).add(salt).value();
+    return layerContent(*task.light, castersIn(task.casters->statics, fit.volume, arena),
+                        castersIn(task.casters->movings, fit.volume, arena), projection, view.resolution);
+}
+
+// --- layers ---
+
+ConservativeMaps::ConservativeMaps(const AlgorithmServices& services)
+{
+    for (const int thesis : {0, 1})
+        for (const int covered : {0, 1})
+            layers_[thesis][covered] = makeConservativePipeline(
+                services, kKinds[thesis][covered].passes[kAlone].casters, kKinds[thesis][covered].content);
+}
+
+ImageId ConservativeMaps::declareLayer(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                       bool thesis, bool covered) const
+{
+    const LayerKind& kind = kKinds[thesis][covered];
+    const auto layers = static_cast<std::uint32_t>(view.fits.size());
+    KeptMap map(passes, {.name = kind.image,
+                         .staticsName = kind.statics,
+                         .stampName = kind.stamp,
+                         .format = kMapFormat,
+                         .resolution = view.resolution,
+                         .layers = layers});
+    for (std::uint32_t layer = 0; layer < layers; ++layer) {
+        if ((view.needed & (1u << layer)) == 0) {
+            map.skip(layer);
+            continue;
+        }
+        const ConservativeCasters casters(layers_[thesis][covered], kind.content, &view.projections[layer]);
+        map.update(layer, kind.passes[layers == 1 ? kAlone : layer],
+                   conservativeContent(task, view, layer, 0, passes.arena()), casters);
+    }
+    return map.image();
+}
+
+ImageId ConservativeMaps::declareNearest(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                         bool thesis) const
+{
+    return declareLayer(passes, task, view, thesis, false);
+}
+
+ImageId ConservativeMaps::declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                         bool thesis) const
+{
+    return declareLayer(passes, task, view, thesis, true);
+}
+
+// --- the question ---
+
+ConservativeClassify::ConservativeClassify(const AlgorithmServices& services, const char* name) : name_(name)
+{
+    for (const bool cube : {false, true})
+        for (const bool normals : {false, true})
+            pipelines_[cube][normals] = classifyPipeline(services, name, cube, normals);
+}
+
+void ConservativeClassify::declare(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                   const ConservativeImages& images, const RayList& list, bool thesis) const
+{
+    gpu::ConservativeConstants* constants = passes.arena().make<gpu::ConservativeConstants>();
+    gpu::MapConstants& base = constants->hybrid.base;
+    base = mapConstants(task, view.resolution, 1);
+    addProjection(base, view.fits.front(), task); // a cube's faces differ in their axes only, which the shader knows
+    base.map.slope = 0.5f * view.fits.front().texelAtOne;
+    constants->hybrid.capacity = list.capacity;
+    constants->hybrid.reasons = list.reasons;
+    constants->light = task.light->constants;
+    constants->thesis = thesis;
+    addRounding(*constants, view.projections.front());
+
+    const LookImages look(task, images.nearest);
+    const PipelineId pipeline = pipelines_[view.fits.size() == 6][look.hasNormals];
+    const VkRect2D& area = task.view->area;
+    const VkRect2D pixels = lightPixels(*task.light, *task.view);
+    PassRef pass = passes.raster(name_);
+    pass.updates(list.pixels).samples(images.covered);
+    look.uses(pass);
+    pass.writes(task.visibility, visibilityIn(task, pixels))
+        .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
+        .record([=, covered = images.covered, found = list.pixels](PassContext& gpu) {
+            if (pixels.extent.width == 0) return;
+            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+            gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                                gpu.sampled(4, look.map), gpu.storage(5, found), gpu.sampled(6, covered)});
+            gpu.drawFullscreen();
+        });
+}
+
+const char* refusesConservative(const DeviceTable& vk, const ShadowTask& task)
+{
+    const VkDeviceSize most = vk.properties.limits.maxStorageBufferRange;
+    for (const Caster* caster : task.casters->all) {
+        if (!caster->mesh) continue;
+        const VkDeviceSize largest = std::max(caster->mesh->positions.size_bytes(), caster->mesh->indices.size_bytes());
+        if (largest > most) return "a caster's mesh is larger than a storage buffer";
+    }
+    return nullptr;
+}
+
+} // namespace gnomon

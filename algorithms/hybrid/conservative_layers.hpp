@@ -1,0 +1,64 @@
+#pragma once
+// The two layers of a conservative map around a light of any kind, and the pass that asks them: what conservative_map
+// and conservative_map_adjacency share. Kept for as long as light and casters stand still.
+#include <cstdint>
+#include <span>
+
+#include "algorithms/common/kept_map.hpp"
+#include "algorithms/hybrid/conservative_casters.hpp"
+#include "algorithms/hybrid/ray_list.hpp"
+
+namespace gnomon {
+
+/// The projections of a light's map: one, or six around a point light.
+struct ConservativeMapView {
+    std::span<const LightFit> fits;                      ///< They live as long as the frame.
+    std::span<const ConservativeProjection> projections; ///< Of each fit.
+    std::uint32_t resolution = 0;
+    std::uint32_t needed = 0; ///< Bit i: a receiver of task.view can lie in layer i.
+};
+ConservativeMapView conservativeView(const ShadowTask& task, std::uint32_t resolution, FrameArena& arena);
+
+/// What goes into one of its layers. @param salt whatever else its content depends on.
+LayerContent conservativeContent(const ShadowTask& task, const ConservativeMapView& view, std::uint32_t layer,
+                                 std::uint64_t salt, FrameArena& arena);
+
+/// Both layers as declared in this frame, depth images with a layer per fit.
+struct ConservativeImages {
+    ImageId nearest, covered;
+};
+
+class ConservativeMaps {
+public:
+    explicit ConservativeMaps(const AlgorithmServices& services);
+
+    /// Declares what is missing of the over-estimated layer.
+    ImageId declareNearest(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                           bool thesis) const;
+    /// And of the under-estimated one, of triangles by themselves.
+    ImageId declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                           bool thesis) const;
+    PipelineId coveredPipeline(bool thesis) const { return layers_[thesis][1]; }
+
+private:
+    ImageId declareLayer(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view, bool thesis,
+                         bool covered) const;
+    PipelineId layers_[2][2]; ///< [thesis][covered]
+};
+
+/// Asks the map: writes the task's visibility, and what it cannot answer onto the list.
+class ConservativeClassify {
+public:
+    ConservativeClassify(const AlgorithmServices& services, const char* name);
+    void declare(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                 const ConservativeImages& images, const RayList& list, bool thesis) const;
+
+private:
+    const char* name_;
+    PipelineId pipelines_[2][2]; ///< [cube][has normals]
+};
+
+/// Why the casters cannot be read by shaders, or null.
+const char* refusesConservative(const DeviceTable& vk, const ShadowTask& task);
+
+} // namespace gnomon

@@ -1,0 +1,331 @@
+#include "algorithms/hybrid/conservative_sheets.hpp"
+
+#include <algorithm>
+
+#include "algorithms/hybrid/sheet_edges.hpp"
+#include "algorithms/maps/depth_map.hpp"
+#include "algorithms/volumes/silhouette.hpp"
+#include "shaders/hybrid_conservative_sheets_frag.h"
+#include "shaders/shared_fullscreen_vert.h"
+
+namespace gnomon {
+
+namespace {
+
+// --- names ---
+
+// Of a point light's six faces and, last, of a map that is alone.
+constexpr LayerNames kLayers[7] = {
+    {"sheets.casters.+x", "sheets.statics.+x", "sheets.copy_statics.+x"},
+    {"sheets.casters.-x", "sheets.statics.-x", "sheets.copy_statics.-x"},
+    {"sheets.casters.+y", "sheets.statics.+y", "sheets.copy_statics.+y"},
+    {"sheets.casters.-y", "sheets.statics.-y", "sheets.copy_statics.-y"},
+    {"sheets.casters.+z", "sheets.statics.+z", "sheets.copy_statics.+z"},
+    {"sheets.casters.-z", "sheets.statics.-z", "sheets.copy_statics.-z"},
+    {"sheets.casters", "sheets.statics", "sheets.copy_statics"},
+};
+constexpr LayerNames kThesisLayers[7] = {
+    {"sheets.thesis_casters.+x", "sheets.thesis_statics.+x", "sheets.thesis_copy_statics.+x"},
+    {"sheets.thesis_casters.-x", "sheets.thesis_statics.-x", "sheets.thesis_copy_statics.-x"},
+    {"sheets.thesis_casters.+y", "sheets.thesis_statics.+y", "sheets.thesis_copy_statics.+y"},
+    {"sheets.thesis_casters.-y", "sheets.thesis_statics.-y", "sheets.thesis_copy_statics.-y"},
+    {"sheets.thesis_casters.+z", "sheets.thesis_statics.+z", "sheets.thesis_copy_statics.+z"},
+    {"sheets.thesis_casters.-z", "sheets.thesis_statics.-z", "sheets.thesis_copy_statics.-z"},
+    {"sheets.thesis_casters", "sheets.thesis_statics", "sheets.thesis_copy_statics"},
+};
+// The passes that find the sheets of a layer's static and of its moving casters.
+struct SheetNames {
+    const char *slope, *centre;
+};
+constexpr SheetNames kSheets[7][2] = {
+    {{"sheets.slope.+x", "sheets.centre.+x"}, {"sheets.moving_slope.+x", "sheets.moving_centre.+x"}},
+    {{"sheets.slope.-x", "sheets.centre.-x"}, {"sheets.moving_slope.-x", "sheets.moving_centre.-x"}},
+    {{"sheets.slope.+y", "sheets.centre.+y"}, {"sheets.moving_slope.+y", "sheets.moving_centre.+y"}},
+    {{"sheets.slope.-y", "sheets.centre.-y"}, {"sheets.moving_slope.-y", "sheets.moving_centre.-y"}},
+    {{"sheets.slope.+z", "sheets.centre.+z"}, {"sheets.moving_slope.+z", "sheets.moving_centre.+z"}},
+    {{"sheets.slope.-z", "sheets.centre.-z"}, {"sheets.moving_slope.-z", "sheets.moving_centre.-z"}},
+    {{"sheets.slope", "sheets.centre"}, {"sheets.moving_slope", "sheets.moving_centre"}},
+};
+
+// --- lists that the CPU makes ---
+
+/// Sheets are known of casters with a topology in which every face stops light.
+bool hasSheets(const Caster& caster)
+{
+    return castsVolume(caster) && !caster.alphaTested;
+}
+
+std::span<const Turned> turnedFaces(const LightView& light, const Caster& caster, FrameArena& arena)
+{
+    const Topology& topology = *caster.mesh->topology;
+    const std::span<Turned> turned = arena.array<Turned>(caster.mesh->triangleCount());
+    findTurned(topology, caster.mesh->positions, lightInObjectSpace(light, caster), caster.mirrored, turned);
+    return turned;
+}
+
+/// A list of the light and the caster, made again when either moves.
+template <typename Write>
+BufferId declareList(PassBuilder& passes, const LightView& light, const Caster& caster, const char* name,
+                     std::uint64_t words, const Write& write)
+{
+    const BufferId list = passes.persistent(BufferInfo{.name = name,
+                                                       .scope = Scope::light,
+                                                       .size = words * sizeof(std::uint32_t),
+                                                       .place = BufferPlace::upload,
+                                                       .variant = caster.id});
+    if (!passes.stale(list, Stamp().add(light.revision).add(caster).value())) {
+        passes.kept();
+        return list;
+    }
+    passes.prepare(name, Scope::light, caster.id).writes(list).run([=, from = &light, by = &caster](HostContext& host) {
+        write(*by, turnedFaces(*from, *by, *host.arena), host.write<std::uint32_t>(list).first(words));
+        host.countIndexList();
+    });
+    return list;
+}
+
+BufferId declareBorders(PassBuilder& passes, const LightView& light, const Caster& caster)
+{
+    const auto write = [](const Caster& of, std::span<const Turned> turned, std::span<std::uint32_t> out) {
+        writeSheetEdges(*of.mesh->topology, turned, of.closed, out);
+    };
+    return declareList(passes, light, caster, "sheets.borders", sheetListWords(caster.mesh->topology->edges.size()),
+                       write);
+}
+
+BufferId declareKeptEdges(PassBuilder& passes, const LightView& light, const Caster& caster)
+{
+    const auto write = [](const Caster& of, std::span<const Turned> turned, std::span<std::uint32_t> out) {
+        writeKeptEdges(*of.mesh->topology, turned, out);
+    };
+    return declareList(passes, light, caster, "sheets.kept_edges", keptEdgeWords(caster.mesh->triangleCount()), write);
+}
+
+// --- sheets ---
+
+/// The sheets of one group of casters, as two images of this frame; null ids: none.
+struct Sheets {
+    ImageId slopes, centres;
+    gpu::SheetErrors errors{};
+};
+
+gpu::SheetErrors errorsOf(const ConservativeProjection& projection, std::span<const Caster* const> casters)
+{
+    gpu::SheetErrors errors{};
+    errors.side = projection.side;
+    errors.depthConstant = projection.depthConstant;
+    errors.inverseScale = projection.perspective ? 1.0f / projection.depthScale : 0.0f;
+    for (const Caster* caster : casters) {
+        const gpu::ConservativePush push = conservativePush(projection, *caster, true);
+        errors.texelError = std::max(errors.texelError, push.texelError);
+        // Of the centre's corners and of the truth's.
+        errors.depthError = std::max(errors.depthError, 2.0f * push.depthError);
+        errors.depthErrorSquare = std::max(errors.depthErrorSquare, 2.0f * push.depthErrorSquare);
+    }
+    return errors;
+}
+
+/// Draws a layer of the under-estimated map; what KeptMap::update takes.
+class SheetCasters {
+public:
+    SheetCasters(const ConservativeCasters& covered, const ConservativeSheets::Pipelines& pipelines,
+                 const ShadowTask& task, const ConservativeMapView& view, std::uint32_t layer)
+        : covered_(covered), pipelines_(pipelines), light_(task.light), projection_(&view.projections[layer]),
+          resolution_(view.resolution), names_(kSheets[view.fits.size() == 1 ? 6 : layer])
+    {
+    }
+
+    SheetCasters prepared(PassBuilder& passes, std::span<const Caster* const> statics,
+                          std::span<const Caster* const> movings) const
+    {
+        SheetCasters ready = *this;
+        ready.sheets_[0] = declareSheets(passes, statics, 0);
+        ready.sheets_[1] = declareSheets(passes, movings, 1);
+        return ready;
+    }
+
+    void uses(PassRef& pass) const
+    {
+        for (const Sheets& sheets : sheets_)
+            if (sheets.slopes) pass.samples(sheets.slopes).samples(sheets.centres);
+    }
+
+    void operator()(PassContext& gpu, std::span<const Caster* const> casters, bool statics) const
+    {
+        covered_(gpu, casters, statics);
+        const Sheets& sheets = sheets_[statics ? 0 : 1];
+        if (!sheets.slopes) return;
+        gpu.bind(pipelines_.sheets, {gpu.sampled(1, sheets.slopes), gpu.sampled(2, sheets.centres)});
+        gpu.push(sheets.errors);
+        gpu.drawFullscreen();
+    }
+
+private:
+    ImageId image(PassBuilder& passes, const char* name, std::uint32_t group) const
+    {
+        return passes.transient(ImageInfo{.name = name,
+                                          .scope = Scope::light,
+                                          .format = kMapFormat,
+                                          .extent = {resolution_, resolution_},
+                                          .variant = 2 * resolution_ + group});
+    }
+    Sheets declareSheets(PassBuilder& passes, std::span<const Caster* const> casters, std::uint32_t group) const;
+
+    ConservativeCasters covered_;
+    ConservativeSheets::Pipelines pipelines_;
+    const LightView* light_;
+    const ConservativeProjection* projection_;
+    std::uint32_t resolution_;
+    const SheetNames* names_; ///< Of the static and the moving casters.
+    Sheets sheets_[2];
+};
+
+Sheets SheetCasters::declareSheets(PassBuilder& passes, std::span<const Caster* const> casters,
+                                   std::uint32_t group) const
+{
+    const std::span<const Caster*> found = passes.arena().array<const Caster*>(casters.size());
+    const auto end = std::copy_if(casters.begin(), casters.end(), found.begin(), [](auto* c) { return hasSheets(*c); });
+    const std::span<const Caster* const> with(found.begin(), end);
+    if (with.empty()) return {};
+    const std::span<BufferId> borders = passes.arena().array<BufferId>(with.size());
+    for (std::size_t i = 0; i < with.size(); ++i)
+        borders[i] = declareBorders(passes, *light_, *with[i]);
+
+    const Part cleared{.clear = true, .value = {.depthStencil = {1.0f, 0}}};
+    const Sheets sheets{.slopes = image(passes, "sheets.slopes", group),
+                        .centres = image(passes, "sheets.centres", group),
+                        .errors = errorsOf(*projection_, with)};
+    PassRef slope = passes.raster(names_[group].slope, Scope::light, resolution_);
+    for (const BufferId list : borders)
+        slope.reads(list).indirect(list);
+    const ConservativeCasters faces(pipelines_.slope, ConservativeLayer::slope, projection_);
+    slope.depthWrite(sheets.slopes, cleared).record([=](PassContext& gpu) {
+        faces(gpu, with, false);
+        for (std::size_t i = 0; i < with.size(); ++i)
+            faces.drawEdges(gpu, *with[i], borders[i]);
+    });
+    const ConservativeCasters centres(pipelines_.centre, ConservativeLayer::centre, projection_);
+    passes.raster(names_[group].centre, Scope::light, resolution_)
+        .depthWrite(sheets.centres, cleared)
+        .record([=](PassContext& gpu) { centres(gpu, with, false); });
+    return sheets;
+}
+
+// --- kept edges ---
+
+/// Draws a layer of the thesis's map.
+class KeptCasters {
+public:
+    KeptCasters(const ConservativeCasters& covered, const LightView& light) : covered_(covered), light_(&light) {}
+
+    KeptCasters prepared(PassBuilder& passes, std::span<const Caster* const> statics,
+                         std::span<const Caster* const> movings) const
+    {
+        const std::span<KeptEdges> kept = passes.arena().array<KeptEdges>(statics.size() + movings.size());
+        std::size_t count = 0;
+        for (const auto casters : {statics, movings})
+            for (const Caster* caster : casters)
+                if (hasSheets(*caster)) kept[count++] = {caster, declareKeptEdges(passes, *light_, *caster)};
+        KeptCasters ready = *this;
+        ready.covered_.keep(kept.first(count));
+        return ready;
+    }
+    void uses(PassRef& pass) const { covered_.uses(pass); }
+    void operator()(PassContext& gpu, std::span<const Caster* const> casters, bool statics) const
+    {
+        covered_(gpu, casters, statics);
+    }
+
+private:
+    ConservativeCasters covered_;
+    const LightView* light_;
+};
+
+// --- the layer ---
+
+/// Of casters whose topology is there: sheets come with it, and what was kept without has to go.
+std::uint64_t sheetSalt(const ShadowTask& task)
+{
+    const auto count = std::ranges::count_if(task.casters->all, [](auto* caster) { return hasSheets(*caster); });
+    return static_cast<std::uint64_t>(count) + 1;
+}
+
+/// @param drawing of a layer's number
+template <typename Drawing>
+ImageId declareLayers(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                      const KeptMapInfo& info, const LayerNames (&names)[7], const Drawing& drawing)
+{
+    KeptMap map(passes, info);
+    const std::uint64_t salt = sheetSalt(task);
+    for (std::uint32_t layer = 0; layer < info.layers; ++layer) {
+        if ((view.needed & (1u << layer)) == 0) {
+            map.skip(layer);
+            continue;
+        }
+        map.update(layer, names[info.layers == 1 ? 6 : layer],
+                   conservativeContent(task, view, layer, salt, passes.arena()), drawing(layer));
+    }
+    return map.image();
+}
+
+} // namespace
+
+ConservativeSheets::ConservativeSheets(const AlgorithmServices& services)
+{
+    pipelines_.slope = makeConservativePipeline(services, "sheets.slope", ConservativeLayer::slope);
+    pipelines_.centre = makeConservativePipeline(services, "sheets.centre", ConservativeLayer::centre);
+    const BindingInfo map{
+        .kind = BindingKind::sampledImage, .format = kMapFormat, .sampler = SamplerKind::nearest, .powerOfTwo = true};
+    BindingInfo bindings[] = {map, map};
+    bindings[0].binding = 1;
+    bindings[1].binding = 2;
+    GraphicsPipelineInfo info;
+    info.name = "sheets.covered";
+    info.vertex.code = k_shared_fullscreen_vert;
+    info.fragment.code = k_hybrid_conservative_sheets_frag;
+    info.bindings = bindings;
+    info.pushBytes = sizeof(gpu::SheetErrors);
+    info.depthTest = info.depthWrite = true;
+    info.depthCompare = VK_COMPARE_OP_LESS;
+    info.depthFormat = kMapFormat;
+    pipelines_.sheets = services.pipelines->graphics(info);
+}
+
+ImageId ConservativeSheets::declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                           const ConservativeMaps& maps) const
+{
+    const KeptMapInfo info{.name = "sheets.map",
+                           .staticsName = "sheets.map_statics",
+                           .stampName = "sheets.stamp",
+                           .format = kMapFormat,
+                           .resolution = view.resolution,
+                           .layers = static_cast<std::uint32_t>(view.fits.size())};
+    return declareLayers(passes, task, view, info, kLayers, [&](std::uint32_t layer) {
+        const ConservativeCasters covered(maps.coveredPipeline(false), ConservativeLayer::covered,
+                                          &view.projections[layer]);
+        return SheetCasters(covered, pipelines_, task, view, layer);
+    });
+}
+
+ImageId ConservativeSheets::declareThesis(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                          const ConservativeMaps& maps) const
+{
+    const KeptMapInfo info{.name = "sheets.thesis_map",
+                           .staticsName = "sheets.thesis_map_statics",
+                           .stampName = "sheets.thesis_stamp",
+                           .format = kMapFormat,
+                           .resolution = view.resolution,
+                           .layers = static_cast<std::uint32_t>(view.fits.size())};
+    return declareLayers(passes, task, view, info, kThesisLayers, [&](std::uint32_t layer) {
+        const ConservativeCasters covered(maps.coveredPipeline(true), ConservativeLayer::thesisCovered,
+                                          &view.projections[layer]);
+        return KeptCasters(covered, *task.light);
+    });
+}
+
+VkDeviceSize ConservativeSheets::memory(std::uint32_t resolution)
+{
+    return VkDeviceSize{resolution} * resolution * 4 * 4; // slopes and centres of static and of moving casters
+}
+
+} // namespace gnomon

@@ -1,0 +1,115 @@
+#version 460
+// Which pixels the two layers of a conservative map can answer: lit where nothing in the texel is nearer to the light,
+// dark where something that covers the texel is. All others go onto the list. What is asked is the point at which the
+// pixel's ray would start, so that both say the same.
+// Source: Hertel, Hormann and Westermann 2009; Morais 2015, 3.4.2 and 4.
+#extension GL_GOOGLE_include_directive : require
+#include "conservative_look.h"
+#ifdef MAP_LAYERS
+#include "../omni/cube.h"
+#endif
+
+layout(set = 0, binding = 0, std140) uniform Constants {
+    MapConstants constants;
+    uint capacity;
+    uint reasons;
+    uint padding1;
+    uint padding2;
+    LightConstants light;
+    float texelsPerMetre;
+    float depthPerMetre;
+    float depthSquare;
+    uint thesis;
+};
+layout(set = 0, binding = 2) uniform sampler2D depthImage;
+layout(set = 0, binding = 3) uniform sampler2D normalImage;
+#ifdef MAP_LAYERS
+layout(set = 0, binding = 4) uniform sampler2DArray nearMap;
+layout(set = 0, binding = 6) uniform sampler2DArray farMap;
+#else
+layout(set = 0, binding = 4) uniform sampler2D nearMap;
+layout(set = 0, binding = 6) uniform sampler2D farMap;
+#endif
+layout(location = 0) out float visibility;
+
+layout(constant_id = 0) const bool HAS_NORMALS = true;
+
+#include "ray_list.glsl"
+
+// The start of a pixel's ray, relative to the eye, as algorithms/hybrid/receivers.cpp has it.
+struct RayStart {
+    vec3 fromEye;
+    float errorWs;
+    bool reached; // by the light
+    bool facing;
+};
+
+RayStart rayStart(ViewConstants view, float depth, ivec2 pixel)
+{
+    vec3 ray = viewRayWs(view, vec2(pixel) + 0.5);
+    vec3 fromEye = linearDepth(view, depth) * ray;
+    vec3 receiver = view.eyeWs.xyz + fromEye;
+    vec3 toLight = towardsLightWs(light, receiver);
+    vec3 normal = ray / length(ray), away = toLight;
+    RayStart start;
+    start.facing = true;
+    if (HAS_NORMALS) {
+        normal = texelFetch(normalImage, pixel, 0).xyz;
+        normal /= max(length(normal), 1e-20);
+        away = normal;
+        start.facing = dot(normal, toLight) > 0.0;
+    }
+    start.reached = lightReaches(light, receiver);
+    start.fromEye = fromEye + receiverOffset(view, light, depth, ray, receiver, normal) * away;
+    // What the ray tracer's receiver may differ by: a unit in the last place of the depth, and of coordinates.
+    start.errorWs = depthUlpWs(view, depth, ray) + largestCoordinate(view, light, receiver) * ULPS_21;
+    return start;
+}
+
+vec4 mapClip(RayStart start, out float layer)
+{
+    MapLook look = constants.map;
+#ifdef MAP_LAYERS
+    vec3 fromLight = look.eyeFromLight.xyz + start.fromEye;
+    uint face = cubeFaceOf(fromLight);
+    vec3 local = inCubeFace(face, fromLight);
+    layer = float(face);
+    return vec4((local.xy / look.slope + local.z) * (0.5 * look.side), 0.0, local.z);
+#else
+    layer = 0.0;
+    return look.clipOfEye + look.clipFromRay * vec4(start.fromEye, 0.0);
+#endif
+}
+
+void main()
+{
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    float depth = texelFetch(depthImage, pixel, 0).x;
+    bool exists = depth != constants.view.skyDepth;
+    RayStart start = rayStart(constants.view, exists ? depth : 0.5, pixel);
+
+    float layer;
+    vec4 clip = mapClip(start, layer);
+    HybridConstants hybrid = HybridConstants(constants, capacity, reasons, padding1, padding2);
+    MapPoint at = mapPointOf(
+        ConservativeConstants(hybrid, light, texelsPerMetre, depthPerMetre, depthSquare, thesis), clip, start.errorWs);
+    ivec2 texel = clamp(ivec2(floor(at.texel)), ivec2(0), ivec2(constants.map.side) - 1);
+#ifdef MAP_LAYERS
+    float nearest = texelFetch(nearMap, ivec3(texel, int(layer)), 0).x;
+    float covered = texelFetch(farMap, ivec3(texel, int(layer)), 0).x;
+#else
+    float nearest = texelFetch(nearMap, texel, 0).x;
+    float covered = texelFetch(farMap, texel, 0).x;
+#endif
+    float lit = conservativeVerdict(nearest, covered, at.depth, thesis != 0u ? 0.0 : at.depthError);
+    bool known = mapKnows(at, clip.w, constants.map.side);
+
+    if (!exists || !start.reached)
+        visibility = decidedAs(1.0, REASON_OUTSIDE);
+    else if (!start.facing)
+        visibility = decidedAs(0.0, REASON_BACKFACING);
+    else if (known && lit != 0.5)
+        visibility = decidedAs(lit, lit > 0.5 ? REASON_MAP_LIT : REASON_MAP_SHADOW);
+    else
+        visibility = undecided();
+}

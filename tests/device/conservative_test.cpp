@@ -1,0 +1,90 @@
+// conservative_map and conservative_map_adjacency from frame to frame: layers and borders are kept while nothing moves,
+// and what is drawn again equals a fresh context's.
+#include "device/fixture.hpp"
+
+#include <glm/geometric.hpp>
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+constexpr demo::LightKind kKinds[] = {demo::LightKind::Directional, demo::LightKind::Spot, demo::LightKind::Point};
+
+Scene litBy(demo::LightKind kind)
+{
+    Scene scene = smallScene();
+    scene.instances[1].isStatic = false;
+    if (kind == demo::LightKind::Point) scene.lights = {pointLight("bulb", {1.0, 5.0, 2.0}, true)};
+    if (kind == demo::LightKind::Directional) {
+        scene.lights[0].kind = kind;
+        scene.lights[0].direction = glm::normalize(glm::dvec3(0.4, -1.0, 0.3));
+    }
+    return scene;
+}
+
+uint32_t drawnLayers(const Host& host, const std::string& stem)
+{
+    uint32_t count = host.passCount(stem);
+    for (const char* face : {".+x", ".-x", ".+y", ".-y", ".+z", ".-z"})
+        count += host.passCount(stem + face);
+    return count;
+}
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest,
+                  "conservative layers are drawn once, again when a caster moves, and equal a fresh context's")
+{
+    for (const std::string method : {"conservative_map", "conservative_map_adjacency"}) {
+        const std::string covered = method == "conservative_map" ? "conservative.covered.casters" : "sheets.casters";
+        for (const demo::LightKind kind : kKinds) {
+            CAPTURE(method);
+            CAPTURE(static_cast<int>(kind));
+            Host host(litBy(kind), {.viewCount = 2});
+            host.pinAll(method.c_str());
+            host.require(host.draw());
+            REQUIRE(std::string(host.decision(0).pMethod) == method);
+            CHECK(drawnLayers(host, "conservative.near.casters") >= 1);
+            CHECK(drawnLayers(host, covered) >= 1);
+            for (int frame = 0; frame < 3; ++frame) {
+                host.require(host.draw());
+                CHECK(drawnLayers(host, "conservative.near.casters") == 0);
+                CHECK(drawnLayers(host, covered) == 0);
+                CHECK(drawnLayers(host, "sheets.slope") == 0);
+                CHECK(host.stats().indexListsBuilt == 0);
+            }
+            host.scene.instances[1].pose.position.x += 0.4;
+            host.require(host.draw());
+            CHECK(drawnLayers(host, "conservative.near.casters") >= 1);
+            CHECK(host.stats().indexListsBuilt == (method == "conservative_map" ? 0 : 1)); // the ball's borders
+            Host fresh(host.scene, {.viewCount = 2});
+            fresh.pinAll(method.c_str());
+            fresh.require(fresh.draw());
+            Host traced(host.scene, {.viewCount = 2});
+            traced.pinAll("ray_traced");
+            traced.require(traced.draw());
+            for (const uint32_t view : {0u, 1u}) {
+                CHECK(differences(host.pictures(view), fresh.pictures(view)) == 0);
+                CHECK(differences(host.pictures(view), traced.pictures(view)) == 0);
+            }
+        }
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "what is alpha-tested may block and covers nothing: pictures are the rays' own")
+{
+    for (const char* method : {"conservative_map", "conservative_map_adjacency"}) {
+        CAPTURE(std::string(method));
+        Scene scene = litBy(demo::LightKind::Spot);
+        scene.instances[1].alphaTested = true;
+        Host host(scene), traced(scene);
+        host.pinAll(method);
+        traced.pinAll("ray_traced");
+        for (Host* each : {&host, &traced})
+            each->require(each->draw());
+        if (std::string(host.decision(0).pMethod) != method) continue; // the host gives no opacity
+        CHECK(dark(host.pictures()[0]) > 100);
+        CHECK(differences(host.pictures(), traced.pictures()) == 0);
+    }
+}
