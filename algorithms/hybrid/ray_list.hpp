@@ -10,7 +10,8 @@ namespace gnomon {
 
 /// The setting that turns visibility into reason codes (REASON_*, shaders/hybrid/ray_list.h), for overlays.
 inline constexpr SettingSpec kReasonsSetting = {
-    "reasons", "1: the byte in visibility is why a pixel is lit or dark, a code of the page `hybrid`.", 0, 1, 0};
+    "reasons", "1: the byte in visibility is why a pixel is lit or dark: a REASON of shaders/hybrid/ray_list.h.", 0, 1,
+    0};
 
 /// What passes and buffers are called, "algorithm.what".
 struct RayListNames {

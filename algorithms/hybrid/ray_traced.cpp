@@ -3,18 +3,35 @@
 #include <algorithm>
 
 #include "algorithms/hybrid/host_visibility.hpp"
+#include "algorithms/hybrid/ray_list.hpp"
 
 namespace gnomon {
 
 namespace {
 
+enum Setting { kReasons };
+
+constexpr SettingSpec kSettings[] = {kReasonsSetting};
+
 constexpr std::uint32_t kTile = 4; // pixels a side: neighbours share their way through the trees
+
+/// The bytes of visibility that a pixel can show.
+struct Shades {
+    std::uint8_t lit = 255, dark = 0;            ///< Pixels that ask nothing.
+    std::uint8_t unoccluded = 255, occluded = 0; ///< What a ray said.
+};
+
+constexpr Shades kReasonCodes{.lit = gpu::REASON_OUTSIDE,
+                              .dark = gpu::REASON_BACKFACING,
+                              .unoccluded = gpu::REASON_RT_LIT,
+                              .occluded = gpu::REASON_RT_SHADOW};
 
 /// Everything the host pass needs; copied into the frame.
 struct TraceJob {
     const CameraView* view;
     const LightView* light;
     HostVisibility buffers;
+    Shades shades;
 };
 
 void traceTileRow(const TraceJob& job, const HostContext& host, const Receivers& receivers, std::uint32_t top,
@@ -22,7 +39,9 @@ void traceTileRow(const TraceJob& job, const HostContext& host, const Receivers&
 {
     const VkRect2D& area = job.view->area;
     const std::uint32_t width = area.extent.width, height = std::min(kTile, area.extent.height - top);
-    const auto answer = [&](std::uint32_t pixel, bool occluded) { rows[pixel] = occluded ? 0 : 255; };
+    const auto answer = [&](std::uint32_t pixel, bool occluded) {
+        rows[pixel] = occluded ? job.shades.occluded : job.shades.unoccluded;
+    };
     RayBatch<512> batch;
     for (std::uint32_t left = 0; left < width; left += kTile) {
         const std::uint32_t right = std::min(left + kTile, width);
@@ -31,7 +50,7 @@ void traceTileRow(const TraceJob& job, const HostContext& host, const Receivers&
                 const auto imageX = static_cast<std::uint32_t>(area.offset.x) + x;
                 const auto imageY = static_cast<std::uint32_t>(area.offset.y) + top + y;
                 const Asked asked = receivers.at(imageX, imageY, batch.rays[batch.count]);
-                rows[y * width + x] = asked == Asked::lit ? 255 : 0;
+                rows[y * width + x] = asked == Asked::lit ? job.shades.lit : job.shades.dark;
                 if (asked != Asked::ray) continue;
                 batch.tags[batch.count++] = y * width + x;
                 if (batch.full()) batch.flush(host, job.light->mask, RayCoherence::tiles, answer);
@@ -65,7 +84,8 @@ public:
     {
         const TraceJob job{.view = task.view,
                            .light = task.light,
-                           .buffers = declareHostVisibility(passes, task, "ray_traced.visibility")};
+                           .buffers = declareHostVisibility(passes, task, "ray_traced.visibility"),
+                           .shades = task.settings[kReasons] != 0.0 ? kReasonCodes : Shades{}};
         PassRef host = passes.host("ray_traced.trace");
         useHostVisibility(host, job.buffers);
         host.run([job](HostContext& context) { trace(job, context); });
@@ -82,7 +102,7 @@ constinit const AlgorithmEntry kRayTraced{
               GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
     .roundTrips = 1,
     .maxRounds = 0,
-    .settings = {},
+    .settings = kSettings,
     .memoryPerLight = [](std::span<const double>,
                          VkExtent2D extent) { return VkDeviceSize(extent.width) * extent.height; },
     .missing = nullptr,

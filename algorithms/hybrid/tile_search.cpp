@@ -167,38 +167,70 @@ std::size_t TileSearch::trianglesIn(std::span<const Item> leaves) const
     return count;
 }
 
-/// Shadow volumes of what the leaves hold, as far as they meet the hull.
-TileSearch::Found TileSearch::volumesOf(std::span<const Item> items, const Hull& hull, const Shaft& shaft,
-                                        Volumes& volumes)
+/// Makes the shadow volumes of the triangles in the items' leaves that touch the shaft, and calls take(shadowing) for
+/// each, made in `planes`, until it returns true. Children that are nodes are passed over. @return whether it did
+template <typename Take>
+bool TileSearch::forVolumes(std::span<const Item> items, const Hull& hull, const Shaft& shaft, ShadowPlanes*& planes,
+                            Take take) const
 {
-    volumes.centre = hull.centre;
-    std::size_t made = 0;
     for (std::size_t i = 0; i < items.size();) {
         const std::uint32_t index = items[i].caster;
         const ShaftCaster& caster = scene_.casters[index];
         const MeshShaft here = meshShaft(shaft, hull, caster);
         const ShadowMaker maker(scene_.light, hull, caster);
         for (; i < items.size() && items[i].caster == index; ++i) {
+            if (items[i].node == kLoose) continue;
             const TriangleTree::Node& node = caster.tree->nodes()[items[i].node];
-            for (std::uint32_t bits = items[i].mask; bits != 0; bits &= bits - 1) {
+            for (std::uint32_t bits = items[i].mask & ~innerBits(node); bits != 0; bits &= bits - 1) {
                 for (const std::uint32_t triangle : caster.tree->leaf(node.child[std::countr_zero(bits)])) {
                     const std::uint32_t* corner = caster.mesh->indices.data() + 3 * std::size_t(triangle);
                     const glm::vec3* at = caster.mesh->positions.data();
                     const glm::vec3 a = at[corner[0]], b = at[corner[1]], c = at[corner[2]];
-                    if (!here.touches(a, b, c)) continue;
-                    if (made == kVolumes) return Found::tooMany;
-                    const Shadowing shadowing = maker.make(a, b, c, planes_[made]);
-                    if (shadowing == Shadowing::all) return Found::covered;
-                    made += shadowing == Shadowing::some;
+                    if (here.touches(a, b, c) && take(maker.make(a, b, c, *planes))) return true;
                 }
             }
         }
     }
+    return false;
+}
+
+/// Shadow volumes of what the leaves hold, as far as they meet the hull.
+TileSearch::Found TileSearch::volumesOf(std::span<const Item> items, const Hull& hull, const Shaft& shaft,
+                                        Volumes& volumes)
+{
+    volumes.centre = hull.centre;
+    std::size_t made = 0;
+    Found found = Found::volumes;
+    ShadowPlanes spare;
+    ShadowPlanes* planes = planes_.data();
+    forVolumes(items, hull, shaft, planes, [&](Shadowing shadowing) {
+        if (shadowing == Shadowing::all) found = Found::covered;
+        if (shadowing == Shadowing::some && made == kVolumes) found = Found::tooMany;
+        if (shadowing == Shadowing::some && made < kVolumes) {
+            ++made;
+            planes = made < kVolumes ? &planes_[made] : &spare;
+        }
+        return found != Found::volumes;
+    });
     listCount_ = 0;
     for (std::size_t i = 0; i < made; ++i)
         lists_[listCount_++] = &planes_[i];
     volumes.list = lists_.first(made);
-    return Found::volumes;
+    return found;
+}
+
+/// Whether one of the triangles that were reached already hides the light from the whole hull: a wall, among much else.
+bool TileSearch::coveredByOne(std::span<const Item> items, const Hull& hull, const Shaft& shaft) const
+{
+    std::size_t left = kTriangles;
+    bool covered = false;
+    ShadowPlanes scratch;
+    ShadowPlanes* planes = &scratch;
+    forVolumes(items, hull, shaft, planes, [&](Shadowing shadowing) {
+        covered = shadowing == Shadowing::all;
+        return covered || --left == 0;
+    });
+    return covered;
 }
 
 void TileSearch::traceAll(Tile tile)
@@ -269,7 +301,7 @@ void TileSearch::search(Tile tile, std::span<const Item> items)
         Volumes volumes;
         const Found found =
             leaves && trianglesIn(left) <= kTriangles ? volumesOf(left, hull, shaft, volumes) : Found::tooMany;
-        if (found == Found::covered)
+        if (found == Found::covered || (found == Found::tooMany && coveredByOne(left, hull, shaft)))
             answers_->dark(tile.first, tile.count);
         else if (found == Found::volumes)
             searchVolumes(tile, volumes);
