@@ -48,6 +48,12 @@ FadeRequest Context::nextFade(const PendingLight& pending, const rules::RuleBase
         step = {};
         obstacle = kCannotServe;
     }
+    const auto exact = [&](std::uint32_t method) { return (*methods_)[method].has(GN_TRAIT_EXACT_BIT); };
+    if (step.outgoing != Fade::kNone && !step.begun && exact(step.outgoing) && exact(decision.method)) {
+        memory.fade.skip();
+        step = {};
+        obstacle = "both methods are exact, there is nothing to see";
+    }
     const bool changed = decision.incumbent != UINT32_MAX && decision.method != decision.incumbent;
     if (obstacle && (begun || changed)) decision.noFade = obstacle;
     decision.outgoing = step.outgoing;
