@@ -123,8 +123,8 @@ TEST_CASE_FIXTURE(DeviceTest, "every frame of a fade shows the mix of both metho
     FadeHost host;
     checkWholeFade(host, "shadow_map", "stencil_volume", {});
     checkWholeFade(host, "stencil_volume", "shadow_map", {.call = Call::record});
-    checkWholeFade(host, "shadow_map", "pcf_hybrid", {});     // one round trip
-    checkWholeFade(host, "ray_traced", "shadow_map", {});     // one on its way out
+    checkWholeFade(host, "shadow_map", "pcf_hybrid", {}); // one round trip
+    checkWholeFade(host, "ray_traced", "shadow_map", {}); // one on its way out
     checkWholeFade(host, "shadow_map", "ray_traced", {});
 }
 
@@ -172,7 +172,8 @@ TEST_CASE_FIXTURE(DeviceTest, "a dropped frame takes no step of a fade, the firs
     checkAlone(host, host.pictures(), own.b);
 }
 
-TEST_CASE_FIXTURE(DeviceTest, "a pin, a camera cut, a light that was away and crossFadeFrames 0 show the method at once")
+TEST_CASE_FIXTURE(DeviceTest,
+                  "a pin, a camera cut, a light that was away and crossFadeFrames 0 show the method at once")
 {
     FadeHost host;
     const FrameOptions cut{
@@ -239,6 +240,28 @@ TEST_CASE_FIXTURE(DeviceTest, "a change that is taken back turns the fade round;
     CHECK(worstMix(host.pictures()[0], own.a[0], c[0], 1.0 / 5.0) <= kRounding);
     host.draw(kFadeFrames, {});
     checkAlone(host, host.pictures(), c);
+}
+
+TEST_CASE_FIXTURE(DeviceTest,
+                  "from one exact method to another nothing fades, and says so; a fade to one of them runs on")
+{
+    FadeHost host;
+    const Pictures own = settle(host, "shadow_map", "stencil_volume");
+    favour(host, "stencil_volume");
+    host.draw(kFadeFrames + 1, {});
+    checkAlone(host, host.pictures(), own.b);
+    favour(host, "ray_traced");
+    host.require(host.draw());
+    CHECK(std::string(host.decision(0).pMethod) == "ray_traced");
+    CHECK(host.decision(0).fade == 1.0f);
+    CHECK(host.passCount("view.fade") == 0);
+    CHECK(host.explanation(0).find("no fade: both methods are exact") != std::string::npos);
+    favour(host, "shadow_map");
+    host.draw(3, {}); // the exact one fades most of the way out,
+    favour(host, "stencil_volume");
+    host.require(host.draw()); // then back to one like it: the mix goes on from the map
+    CHECK(std::string(host.decision(0).pOutgoing) == "shadow_map");
+    CHECK(host.decision(0).fade < 1.0f);
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a method that cannot serve any more does not fade: recorded frames have no round trips")
@@ -339,8 +362,7 @@ TEST_CASE_FIXTURE(DeviceTest, "budget auto: the cheapest plan is measured, then 
     host.draw(10, {});
     CHECK(host.stats().budgetMs == budget);
     // The host's word counts for more, and rules that ask for none have none.
-    host.require(host.draw(
-        {.adjust = [](GnFrameInfo& info, std::vector<GnViewFrame>&) { info.budgetMs = 7.0f; }}));
+    host.require(host.draw({.adjust = [](GnFrameInfo& info, std::vector<GnViewFrame>&) { info.budgetMs = 7.0f; }}));
     CHECK(host.stats().budgetMs == 7.0f);
     host.require(host.draw());
     CHECK(host.stats().budgetMs == budget);
