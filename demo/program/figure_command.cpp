@@ -110,10 +110,11 @@ std::string hexOf(const Rgb8& colour)
     return text;
 }
 
-/// The method's colour, the darker the more faces.
-Rgb8 colourOf(const Curve& curve)
+/// The method's colour; where a figure has several models, the darker the more faces.
+Rgb8 colourOf(const Curve& curve, bool shaded)
 {
     const Rgb8 colour = methodColour(curve.method);
+    if (!shaded) return colour;
     const auto place = std::find_if(kModels.begin(), kModels.end(),
                                     [&](const Model& model) { return model.faces() == curve.model.faces(); });
     const auto percent = static_cast<uint32_t>(100 - 20 * (place - kModels.begin()));
@@ -128,9 +129,12 @@ std::string plotScript(const Figure& figure, const std::vector<Curve>& curves, c
     script += std::string("set title 'figure ") + figure.name + ": " + figure.title + "'\n";
     script += "set xlabel 'lights'\nset ylabel 'ms a frame'\nset logscale x 2\nset xrange [0.9:18]\nset yrange [0:]\n"
               "set xtics (1,2,4,8,16)\nset grid\nset key left top\nplot ";
+    const bool shaded = std::any_of(curves.begin(), curves.end(), [&](const Curve& curve) {
+        return curve.model.faces() != curves.front().model.faces();
+    });
     for (const Curve& curve : curves) {
         script += &curve != curves.data() ? ", " : "";
-        script += "'-' using 1:2 with linespoints lw 2 pt 7 lc rgb '" + hexOf(colourOf(curve)) + "' title '" +
+        script += "'-' using 1:2 with linespoints lw 2 pt 7 lc rgb '" + hexOf(colourOf(curve, shaded)) + "' title '" +
                   curve.method + ' ' + std::to_string(curve.model.faces()) + " faces' noenhanced";
     }
     script += '\n';
