@@ -106,10 +106,15 @@ struct Count {
     int touched = 0, covered = 0, hit = 0;
 };
 
-/// Every texel against 17 x 17 rays through it, its corners and sides among them.
+#ifdef GNOMON_SANITIZED
+constexpr int kRays = 4; // instrumented, each ray takes fifty times as long
+#else
+constexpr int kRays = 16;
+#endif
+
+/// Every texel against rays through it, kRays + 1 a side, its corners and sides among them.
 Count checkAll(const ConservativePush& push, const std::array<glm::vec3, 3>& corners)
 {
-    constexpr int rays = 16;
     const ConservativeTriangle t = conservativeTriangle(push, corners[0], corners[1], corners[2]);
     Count count;
     int missed = 0, uncovered = 0, above = 0, below = 0, unordered = 0;
@@ -121,9 +126,9 @@ Count checkAll(const ConservativePush& push, const std::array<glm::vec3, 3>& cor
             unordered += texel.covered && (!texel.touched || texel.nearest > texel.farthest);
             if (texel.held) missed += !hitAt(push, corners, {x + 0.5, y + 0.5});
             bool any = false;
-            for (int j = 0; j <= rays; ++j) {
-                for (int i = 0; i <= rays; ++i) {
-                    const auto hit = hitAt(push, corners, {x + double(i) / rays, y + double(j) / rays});
+            for (int j = 0; j <= kRays; ++j) {
+                for (int i = 0; i <= kRays; ++i) {
+                    const auto hit = hitAt(push, corners, {x + double(i) / kRays, y + double(j) / kRays});
                     any = any || hit;
                     missed += hit && !texel.touched;
                     uncovered += !hit && texel.covered;
