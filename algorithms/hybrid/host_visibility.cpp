@@ -21,6 +21,11 @@ void copyToLayer(PassContext& gpu, BufferId from, ImageId to, std::uint32_t laye
 
 } // namespace
 
+VkDeviceSize hostVisibilityMemory(VkExtent2D extent)
+{
+    return pooledSize(VkDeviceSize(extent.width) * extent.height);
+}
+
 HostVisibility declareHostVisibility(PassBuilder& passes, const ShadowTask& task, const char* name)
 {
     const VkExtent2D extent = task.view->area.extent;

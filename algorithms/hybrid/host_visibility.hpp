@@ -14,6 +14,9 @@ struct HostVisibility {
 /// Declares the buffers. @param name of the rows, "algorithm.visibility".
 HostVisibility declareHostVisibility(PassBuilder& passes, const ShadowTask& task, const char* name);
 
+/// Device bytes of the rows, for AlgorithmEntry::memoryPerLight; the view's receivers are shared by its lights.
+VkDeviceSize hostVisibilityMemory(VkExtent2D extent);
+
 /// What the host pass reads and writes.
 void useHostVisibility(PassRef& pass, const HostVisibility& buffers);
 
