@@ -8,28 +8,17 @@
 
 #include <glm/matrix.hpp>
 
-#include "runtime/rays/embree_thread.hpp"
-#include "runtime/rays/triangle_tree.hpp"
+#include "runtime/rays/mesh_rays.hpp"
 
 namespace gnomon {
 namespace {
 
-/// What Embree took on this thread; trees are built by one thread each.
-thread_local std::ptrdiff_t bytesHere = 0;
-
 bool countBytes(void* total, ssize_t bytes, bool)
 {
     static_cast<std::atomic<std::ptrdiff_t>*>(total)->fetch_add(bytes, std::memory_order_relaxed);
-    bytesHere += bytes;
+    embreeBytesHere += bytes;
     return true;
 }
-
-void commitHere(RTCScene scene)
-{
-    buildHere([scene] { rtcCommitScene(scene); });
-}
-
-const RTCSceneFlags kSceneFlags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 
 /// A caster in the top level. Its index in the table is Embree's geometry id.
 struct Placed {
@@ -61,27 +50,11 @@ bool castsRays(const Caster& caster)
     return std::isfinite(1.0f / determinant);
 }
 
-struct MeshRays::Impl {
-    RTCScene scene = nullptr;
-    std::size_t bytes = 0;
-    std::shared_ptr<const TriangleTree> tree;
-    std::shared_ptr<std::atomic<std::ptrdiff_t>> treeBytes; ///< Of all meshes; may outlive their scene.
-
-    Impl() = default;
-    Impl(const Impl&) = delete;
-    Impl& operator=(const Impl&) = delete;
-    ~Impl()
-    {
-        rtcReleaseScene(scene);
-        if (tree) treeBytes->fetch_sub(static_cast<std::ptrdiff_t>(tree->memoryBytes()), std::memory_order_relaxed);
-    }
-};
-
 MeshRays::MeshRays(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 MeshRays::~MeshRays() = default;
 std::size_t MeshRays::memoryBytes() const noexcept
 {
-    return impl_->bytes + (impl_->tree ? impl_->tree->memoryBytes() : 0);
+    return impl_->embree.bytes() + (impl_->tree ? impl_->tree->memoryBytes() : 0);
 }
 const std::shared_ptr<const TriangleTree>& MeshRays::tree() const noexcept
 {
@@ -279,29 +252,14 @@ RayScene::RayScene() : impl_(std::make_unique<Impl>()) {}
 RayScene::~RayScene() = default;
 
 std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices,
-                                          const TriangleTree* before)
+                                          MeshRaysHistory* history)
 {
     if (!impl_->device || indices.empty()) return nullptr;
     const FloatMode mode;
-    const std::ptrdiff_t bytesBefore = bytesHere;
-    static_cast<void>(rtcGetDeviceError(impl_->device)); // of this thread; clears what an earlier call left
-    auto mesh = std::make_unique<MeshRays::Impl>();
-    const RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0,
-                               sizeof(glm::vec3), positions.size());
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0,
-                               3 * sizeof(std::uint32_t), indices.size() / 3);
-    rtcCommitGeometry(geometry);
-    mesh->scene = rtcNewScene(impl_->device);
-    rtcSetSceneFlags(mesh->scene, kSceneFlags);
-    rtcSetSceneBuildQuality(mesh->scene, RTC_BUILD_QUALITY_MEDIUM);
-    rtcAttachGeometry(mesh->scene, geometry);
-    rtcReleaseGeometry(geometry);
-    commitHere(mesh->scene);
-    if (rtcGetDeviceError(impl_->device) != RTC_ERROR_NONE) return nullptr; // out of memory: the mesh casts no rays
-    mesh->bytes = static_cast<std::size_t>(std::max<std::ptrdiff_t>(bytesHere - bytesBefore, 0));
+    std::unique_ptr<MeshRays::Impl> mesh =
+        makeMeshRays(impl_->device, positions, indices, history ? history->impl_ : nullptr);
+    if (!mesh) return nullptr;
     mesh->treeBytes = impl_->treeBytes;
-    mesh->tree = before ? before->refitted(positions, indices) : TriangleTree::build(impl_->device, positions, indices);
     if (mesh->tree)
         mesh->treeBytes->fetch_add(static_cast<std::ptrdiff_t>(mesh->tree->memoryBytes()), std::memory_order_relaxed);
     return std::unique_ptr<MeshRays>(new MeshRays(std::move(mesh)));
@@ -320,7 +278,7 @@ void RayScene::update(std::span<const Caster> casters)
         std::uint32_t index = scene.find(position, caster.id);
         if (index == UINT32_MAX || !unchanged(scene.placed[index], caster)) {
             if (index == UINT32_MAX) index = scene.add(caster.id);
-            scene.place(index, caster, caster.mesh->rays->impl_->scene);
+            scene.place(index, caster, caster.mesh->rays->impl_->embree.scene());
             changed = true;
         }
         scene.placed[index].seen = scene.updates;

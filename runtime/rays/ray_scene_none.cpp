@@ -10,6 +10,10 @@ bool castsRays(const Caster&)
     return false;
 }
 
+class MeshRaysHistory::Impl {};
+MeshRaysHistory::MeshRaysHistory() = default;
+MeshRaysHistory::~MeshRaysHistory() = default;
+
 struct MeshRays::Impl {};
 MeshRays::MeshRays(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 MeshRays::~MeshRays() = default;
@@ -27,8 +31,7 @@ const std::shared_ptr<const TriangleTree>& MeshRays::tree() const noexcept
 struct RayScene::Impl {};
 RayScene::RayScene() = default;
 RayScene::~RayScene() = default;
-std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3>, std::span<const std::uint32_t>,
-                                          const TriangleTree*)
+std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3>, std::span<const std::uint32_t>, MeshRaysHistory*)
 {
     return nullptr;
 }
