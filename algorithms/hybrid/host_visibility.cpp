@@ -48,6 +48,13 @@ Receivers receiversOf(const CameraView& view, const LightView& light, const Host
                      buffers.normals ? host.read<std::byte>(buffers.normals) : std::span<const std::byte>());
 }
 
+BlockReader blocksOf(const CameraView& view, const LightView& light, const HostVisibility& buffers,
+                     const HostContext& host)
+{
+    return BlockReader(widestKernels(), view, light, host.read<float>(buffers.depth),
+                       buffers.normals ? host.read<std::byte>(buffers.normals) : std::span<const std::byte>());
+}
+
 void declareVisibilityCopy(PassBuilder& passes, const ShadowTask& task, const HostVisibility& buffers, const char* name)
 {
     const ImageId target = task.visibility;

@@ -1,6 +1,7 @@
 #pragma once
 // Visibility that host passes write: receivers read back, rows in upload memory, a copy into the light's layer.
 #include "algorithms/hybrid/receivers.hpp"
+#include "algorithms/hybrid/tile_blocks.hpp"
 #include "runtime/algorithm.hpp"
 
 namespace gnomon {
@@ -23,6 +24,10 @@ void useHostVisibility(PassRef& pass, const HostVisibility& buffers);
 /// The view's receivers, in the host pass.
 Receivers receiversOf(const CameraView& view, const LightView& light, const HostVisibility& buffers,
                       const HostContext& host);
+
+/// The same sixteen at a time.
+BlockReader blocksOf(const CameraView& view, const LightView& light, const HostVisibility& buffers,
+                     const HostContext& host);
 
 /// Declares the pass that copies the rows to task.visibility. @param name "algorithm.copy".
 void declareVisibilityCopy(PassBuilder& passes, const ShadowTask& task, const HostVisibility& buffers,
