@@ -1,6 +1,7 @@
 #include "algorithms/hybrid/ray_traced.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "algorithms/hybrid/host_visibility.hpp"
 #include "algorithms/hybrid/ray_list.hpp"
@@ -35,28 +36,41 @@ struct TraceJob {
     Shades shades;
 };
 
-/// Answers a row of blocks: neighbours share their way through the trees.
+// Blocks in a row whose rays are asked at once.
+constexpr std::uint32_t kBlocks = 16;
+
+/// Writes what is known of a block's pixels. @param first of them in rows
+void show(const Shades& shades, const lanes::Block& block, std::uint32_t blocked, std::uint8_t* first,
+          std::uint32_t stride)
+{
+    const std::uint8_t before[] = {shades.lit, shades.dark, shades.unoccluded}; // by lanes::Block::asked
+    std::uint8_t bytes[kLanes];
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane)
+        bytes[lane] = (blocked >> lane & 1) != 0 ? shades.occluded : before[block.asked[lane]];
+    for (std::uint32_t y = 0; y < kBlockSide; ++y)
+        std::memcpy(first + std::size_t(y) * stride, bytes + y * kBlockSide, kBlockSide);
+}
+
+/// Answers a row of blocks: the pixels of one share their way through the trees.
 void traceBlocks(const TraceJob& job, const HostContext& host, const BlockReader& reader, std::uint32_t top,
                  std::span<std::uint8_t> rows, std::uint32_t stride)
 {
-    const std::uint8_t before[] = {job.shades.lit, job.shades.dark, job.shades.unoccluded}; // by lanes::Block::asked
-    const auto answer = [&](std::uint32_t at, bool occluded) {
-        if (occluded) rows[at] = job.shades.occluded;
-    };
-    RayBatch<512> batch;
-    lanes::Block block;
-    for (std::uint32_t left = 0; left < stride; left += kBlockSide) {
-        reader.read(left, top, block);
-        for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-            const std::uint32_t at = lane / kBlockSide * stride + left + lane % kBlockSide;
-            rows[at] = before[block.asked[lane]];
-            if (block.asked[lane] != lanes::kRay) continue;
-            batch.rays[batch.count] = rayOf(block, lane, *job.light);
-            batch.tags[batch.count++] = at;
-            if (batch.full()) batch.flush(host, job.light->mask, RayCoherence::tiles, answer);
+    lanes::Block blocks[kBlocks];
+    RayPacket packets[kBlocks];
+    std::uint16_t blocked[kBlocks];
+    for (std::uint32_t left = 0; left < stride; left += kBlocks * kBlockSide) {
+        const std::uint32_t count = std::min(kBlocks, (stride - left) / kBlockSide);
+        std::size_t rays = 0;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            reader.read(left + i * kBlockSide, top, blocks[i]);
+            packRays(blocks[i], *job.light, packets[i]);
+            rays += blocks[i].rays;
         }
+        host.rays->occluded(std::span(packets, count), job.light->mask, std::span(blocked, count));
+        host.countRays(rays);
+        for (std::uint32_t i = 0; i < count; ++i)
+            show(job.shades, blocks[i], blocked[i], &rows[left + i * kBlockSide], stride);
     }
-    batch.flush(host, job.light->mask, RayCoherence::tiles, answer);
 }
 
 void trace(const TraceJob& job, const HostContext& host)

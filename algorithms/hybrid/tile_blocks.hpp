@@ -20,6 +20,9 @@ inline ShadowRay rayOf(const lanes::Block& block, std::uint32_t lane, const Ligh
     return {origin, block.tfar[lane], directional ? -light.direction() : light.position() - origin};
 }
 
+/// All of them.
+void packRays(const lanes::Block& block, const LightView& light, RayPacket& packet);
+
 /// Reads blocks of a view for one light.
 class BlockReader {
 public:

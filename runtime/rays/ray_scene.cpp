@@ -1,7 +1,9 @@
 #include "runtime/rays/ray_scene.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <unordered_map>
 #include <vector>
@@ -40,6 +42,13 @@ bool unchanged(const Placed& placed, const Caster& caster)
            placed.basis == caster.basis && placed.translation == caster.translation && placed.mask == caster.mask &&
            placed.opacity == opacityOf(caster) && placed.userData == caster.userData;
 }
+
+/// What the filter finds behind Embree's context.
+struct Query {
+    RTCIntersectContext context; // first: Embree hands back a pointer to it
+    const Placed* placed = nullptr;
+    std::uint32_t lightMask = 0;
+};
 
 } // namespace
 
@@ -81,16 +90,10 @@ struct RayScene::Impl {
     void place(std::uint32_t index, const Caster& caster, RTCScene tree);
     std::uint32_t add(std::uint32_t id);
     bool removeUnseen();
+    Query query(std::uint32_t lightMask) const;
 };
 
 namespace {
-
-/// What the filter finds behind Embree's context.
-struct Query {
-    RTCIntersectContext context; // first: Embree hands back a pointer to it
-    const Placed* placed = nullptr;
-    std::uint32_t lightMask = 0;
-};
 
 /// Called for hits that would end a ray: lets it go on where the caster is not opaque.
 void filterHits(const RTCFilterFunctionNArguments* args)
@@ -134,6 +137,33 @@ void traceTiles(RTCScene scene, Query& query, std::span<const ShadowRay> rays, s
     }
 }
 
+/// Packets as they are.
+void tracePackets(RTCScene scene, Query& query, std::span<const RayPacket> packets, std::span<std::uint16_t> blocked)
+{
+    RTCRay16 rays{};
+    static_assert(sizeof rays.org_x == sizeof packets[0].tfar);
+    alignas(64) int valid[RayPacket::kWidth];
+    std::fill(std::begin(rays.mask), std::end(rays.mask), query.lightMask);
+    for (std::size_t p = 0; p < packets.size(); ++p) {
+        const RayPacket& packet = packets[p];
+        if (packet.asked == 0) continue;
+        float* const origin[] = {rays.org_x, rays.org_y, rays.org_z};
+        float* const direction[] = {rays.dir_x, rays.dir_y, rays.dir_z};
+        for (int axis = 0; axis < 3; ++axis) {
+            std::memcpy(origin[axis], packet.origin[axis], sizeof packet.tfar);
+            std::memcpy(direction[axis], packet.direction[axis], sizeof packet.tfar);
+        }
+        std::memcpy(rays.tfar, packet.tfar, sizeof packet.tfar);
+        for (std::uint32_t i = 0; i < RayPacket::kWidth; ++i)
+            valid[i] = -static_cast<int>(packet.asked >> i & 1);
+        rtcOccluded16(valid, scene, &query.context, &rays);
+        std::uint32_t bits = 0;
+        for (std::uint32_t i = 0; i < RayPacket::kWidth; ++i) // a hit leaves tfar = -infinity
+            bits |= static_cast<std::uint32_t>((rays.tfar[i] < 0.0f) & (packet.tfar[i] >= 0.0f)) << i;
+        blocked[p] = static_cast<std::uint16_t>(bits & packet.asked);
+    }
+}
+
 /// 256 rays at a time as a stream, for scattered rays.
 void traceSparse(RTCScene scene, Query& query, std::span<const ShadowRay> rays, std::span<std::uint8_t> occluded)
 {
@@ -165,6 +195,20 @@ void traceSparse(RTCScene scene, Query& query, std::span<const ShadowRay> rays, 
 }
 
 } // namespace
+
+Query RayScene::Impl::query(std::uint32_t lightMask) const
+{
+    Query query{};
+    rtcInitIntersectContext(&query.context);
+    query.placed = placed.data();
+    query.lightMask = lightMask;
+    if ((opacityMask & lightMask) != 0 || !hasMasks) query.context.filter = filterHits;
+    // Never the coherent flag: with it rtcOccluded16 of Embree 3.13.5 does not return from some packets of diverging
+    // rays against several instances (AVX-512; rays_test finds one), and on tiles of a screen it gains nothing: 100
+    // million rays a second with and without.
+    query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    return query;
+}
 
 RayScene::Impl::Impl()
 {
@@ -297,25 +341,26 @@ void RayScene::update(std::span<const Caster> casters)
 void RayScene::occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask, RayCoherence coherence,
                         std::span<std::uint8_t> occluded) const
 {
-    const Impl& scene = *impl_;
-    if (!scene.device) {
+    if (!impl_->device) {
         std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
         return;
     }
     const FloatMode mode;
-    Query query{};
-    rtcInitIntersectContext(&query.context);
-    query.placed = scene.placed.data();
-    query.lightMask = lightMask;
-    if ((scene.opacityMask & lightMask) != 0 || !scene.hasMasks) query.context.filter = filterHits;
-    // Never the coherent flag: with it rtcOccluded16 of Embree 3.13.5 does not return from some packets of diverging
-    // rays against several instances (AVX-512; rays_test finds one), and on tiles of a screen it gains nothing: 100
-    // million rays a second with and without.
-    query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    Query query = impl_->query(lightMask);
     if (coherence == RayCoherence::tiles)
-        traceTiles(scene.top, query, rays, occluded);
+        traceTiles(impl_->top, query, rays, occluded);
     else
-        traceSparse(scene.top, query, rays, occluded);
+        traceSparse(impl_->top, query, rays, occluded);
+}
+
+void RayScene::occluded(std::span<const RayPacket> packets, std::uint32_t lightMask,
+                        std::span<std::uint16_t> blocked) const
+{
+    std::fill(blocked.begin(), blocked.end(), std::uint16_t{0});
+    if (!impl_->device) return;
+    const FloatMode mode;
+    Query query = impl_->query(lightMask);
+    tracePackets(impl_->top, query, packets, blocked);
 }
 
 std::size_t RayScene::memoryBytes() const noexcept

@@ -27,6 +27,13 @@ struct ShadowRay {
     glm::vec3 direction; ///< Need not be unit length.
 };
 
+/// Sixteen shadow rays side by side, as ShadowRay has one.
+struct alignas(64) RayPacket {
+    static constexpr std::uint32_t kWidth = 16;
+    float origin[3][kWidth], direction[3][kWidth], tfar[kWidth];
+    std::uint32_t asked; ///< Bit i: ray i is there.
+};
+
 /// What revisions of a mesh hand on for as long as its triangles stay the same: a tree that nobody traces any more is
 /// moved to the next positions, which takes a twentieth of the time of building one (bench_rays). Trees that have worn,
 /// which triangles that part do to them, are built anew.
@@ -87,6 +94,10 @@ public:
     /// @param rays in 4x4 pixel tiles for RayCoherence::tiles.
     void occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask, RayCoherence coherence,
                   std::span<std::uint8_t> occluded) const;
+
+    /// The same for rays that lie in packets, those of a packet close together.
+    /// @param blocked bit i of blocked[p]: ray i of packet p is there and blocked
+    void occluded(std::span<const RayPacket> packets, std::uint32_t lightMask, std::span<std::uint16_t> blocked) const;
 
     std::size_t memoryBytes() const noexcept;
 

@@ -177,10 +177,10 @@ double milliseconds(const Body& body)
 
 /// Minima over the repeats, milliseconds for all lights of a frame.
 struct Times {
-    double trace = 1e30;        ///< The method's host passes.
-    double increment = 1e30;    ///< What the method adds to a frame.
-    double unprojecting = 1e30; ///< The bare loop from depth and normals.
-    double prepared = 1e30;     ///< The bare loop over rays that lie ready.
+    double trace = 1e30;                ///< The method's host passes.
+    double with = 1e30, without = 1e30; ///< A frame with the method and one without shadows.
+    double unprojecting = 1e30;         ///< The bare loop from depth and normals.
+    double prepared = 1e30;             ///< The bare loop over rays that lie ready.
 };
 
 /// All lights of a frame at rest, traced without gnomon.
@@ -260,13 +260,15 @@ void bench(const std::string& name)
             if (pass.name == "ray_traced.trace") best.trace = std::min(best.trace, pass.cpuMs);
         best.unprojecting = std::min(best.unprojecting, milliseconds([&] { bare.unprojectAndTrace(); }));
         const PairTimes pair = timePairs(session, 1, false, nullptr);
-        best.increment = std::min(best.increment, pair.withMs.front() - pair.withoutMs.front());
+        best.with = std::min(best.with, pair.withMs.front());
+        best.without = std::min(best.without, pair.withoutMs.front());
         best.prepared = std::min(best.prepared, milliseconds([&] { bare.tracePrepared(); }));
     }
+    const double increment = best.with - best.without;
     std::printf("%-12s trace %8.2f ms, bare from depth %8.2f ms: %5.1f %%   method %8.2f ms, bare over prepared rays "
                 "%8.2f ms: %5.1f %%   %zu pixels differ\n",
-                name.c_str(), best.trace, best.unprojecting, 100.0 * best.unprojecting / best.trace, best.increment,
-                best.prepared, 100.0 * best.prepared / best.increment, differing);
+                name.c_str(), best.trace, best.unprojecting, 100.0 * best.unprojecting / best.trace, increment,
+                best.prepared, 100.0 * best.prepared / increment, differing);
 }
 
 } // namespace

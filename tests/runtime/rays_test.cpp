@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <deque>
 #include <filesystem>
 #include <limits>
@@ -43,6 +44,38 @@ std::vector<std::uint8_t> trace(const RayScene& scene, const std::vector<ShadowR
 {
     std::vector<std::uint8_t> occluded(rays.size(), 0xcc);
     scene.occluded(rays, mask, coherence, occluded);
+    return occluded;
+}
+
+/// The same rays in packets; every seventh is not asked, and its answer taken from `occluded`.
+std::vector<std::uint8_t> tracePackets(const RayScene& scene, const std::vector<ShadowRay>& rays,
+                                       std::vector<std::uint8_t> occluded, std::uint32_t mask)
+{
+    constexpr std::size_t width = RayPacket::kWidth;
+    std::vector<RayPacket> packets((rays.size() + width - 1) / width);
+    for (RayPacket& packet : packets) { // rays that are not there may be anything
+        std::memset(static_cast<void*>(&packet), 0xff, sizeof packet);
+        packet.asked = 0;
+    }
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (i % 7 == 3) continue;
+        RayPacket& packet = packets[i / width];
+        for (int axis = 0; axis < 3; ++axis) {
+            packet.origin[axis][i % width] = rays[i].origin[axis];
+            packet.direction[axis][i % width] = rays[i].direction[axis];
+        }
+        packet.tfar[i % width] = rays[i].tfar;
+        packet.asked |= 1u << i % width;
+    }
+    std::vector<std::uint16_t> blocked(packets.size(), 0xcccc);
+    scene.occluded(packets, mask, blocked);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const bool bit = (blocked[i / width] >> i % width & 1) != 0;
+        if (i % 7 != 3)
+            occluded[i] = bit;
+        else
+            CHECK_FALSE(bit);
+    }
     return occluded;
 }
 
@@ -88,7 +121,9 @@ void checkAgainstTruth(const RayScene& scene, const std::vector<Caster>& casters
 {
     const brute::Scene truth(brute::trianglesOf(casters, mask));
     for (const RayCoherence coherence : {RayCoherence::tiles, RayCoherence::sparse}) {
-        const Tally tally = compare(truth, rays, trace(scene, rays, coherence, mask));
+        const std::vector<std::uint8_t> answers = trace(scene, rays, coherence, mask);
+        CHECK(tracePackets(scene, rays, answers, mask) == answers);
+        const Tally tally = compare(truth, rays, answers);
         CAPTURE(tally.close);
         CHECK(tally.wrong == 0);
         CHECK(tally.free > static_cast<int>(rays.size()) / 20);
