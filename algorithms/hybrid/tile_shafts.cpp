@@ -60,6 +60,10 @@ std::uint32_t everyOtherBit(std::uint32_t z)
 static_assert(kLargestTile / kBlockSide <= 1u << 4);
 constexpr std::uint32_t kBlocks = (kLargestTile / kBlockSide) * (kLargestTile / kBlockSide);
 
+// A block with at least so many lanes to ask is a packet of its own, others are put together.
+constexpr int kTogether = 8;
+constexpr std::uint32_t kPackets = 16; // asked at once
+
 /// One thread's share of the tiles.
 class TileRows final : public TileAnswers {
 public:
@@ -81,13 +85,10 @@ private:
     void lanes(std::uint32_t block, const std::uint32_t (&state)[kLanes]) override;
     void read(std::uint32_t left, std::uint32_t top);
     void ask(const Block& from, std::uint32_t lane, std::size_t at);
+    void askTogether(const Block& from, std::uint32_t lanes, std::size_t first);
     std::size_t rowAt(std::uint32_t block) const { return corner_[block] + left_; } ///< Of the block's first pixel.
-    void flush()
-    {
-        batch_.flush(host_, job_.light->mask, RayCoherence::tiles, [&](std::uint32_t at, bool occluded) {
-            rows_[at] = bytes_.of[occluded ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT];
-        });
-    }
+    void flush();
+    void flushPackets();
 
     const ShaftJob& job_;
     const HostContext& host_;
@@ -100,6 +101,9 @@ private:
     std::uint32_t corner_[kBlocks]; ///< Of the blocks of a tile, in rows_.
     std::uint32_t left_ = 0;        ///< Of the tile at work, in the area.
     RayBatch<256> batch_;
+    RayPacket packets_[kPackets];
+    std::size_t firsts_[kPackets]; ///< Pixels of the packets' first rays, in rows_.
+    std::uint32_t packetCount_ = 0;
 };
 
 /// Reads a tile and writes what needs no search; the others are lit until more is known.
@@ -138,6 +142,37 @@ void TileRows::dark(std::uint32_t firstBlock, std::uint32_t count)
     }
 }
 
+void TileRows::flush()
+{
+    batch_.flush(host_, job_.light->mask, RayCoherence::tiles, [&](std::uint32_t at, bool occluded) {
+        rows_[at] = bytes_.of[occluded ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT];
+    });
+}
+
+void TileRows::flushPackets()
+{
+    std::uint16_t blocked[kPackets];
+    host_.rays->occluded(std::span(packets_, packetCount_), job_.light->mask, std::span(blocked, packetCount_));
+    for (std::uint32_t i = 0; i < packetCount_; ++i) {
+        host_.countRays(static_cast<std::size_t>(std::popcount(packets_[i].asked)));
+        for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+            if ((packets_[i].asked >> lane & 1) == 0) continue;
+            rows_[firsts_[i] + lane / kBlockSide * stride_ + lane % kBlockSide] =
+                bytes_.of[(blocked[i] >> lane & 1) != 0 ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT];
+        }
+    }
+    packetCount_ = 0;
+}
+
+/// A block's rays side by side as they are.
+void TileRows::askTogether(const Block& from, std::uint32_t lanes, std::size_t first)
+{
+    packRays(from, *job_.light, packets_[packetCount_]);
+    packets_[packetCount_].asked = lanes;
+    firsts_[packetCount_++] = first;
+    if (packetCount_ == kPackets) flushPackets();
+}
+
 void TileRows::ask(const Block& from, std::uint32_t lane, std::size_t at)
 {
     batch_.rays[batch_.count] = rayOf(from, lane, *job_.light);
@@ -149,13 +184,22 @@ void TileRows::lanes(std::uint32_t block, const std::uint32_t (&state)[kLanes])
 {
     const std::size_t first = rowAt(block);
     const Block& from = blocks_[block];
+    std::uint32_t unsure = 0;
     for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
         if (from.asked[lane] != lanes::kRay) continue;
         const std::size_t at = first + lane / kBlockSide * stride_ + lane % kBlockSide;
         if (state[lane] == lanes::kUnsure)
-            ask(from, lane, at);
+            unsure |= 1u << lane;
         else
             rows_[at] = bytes_.of[state[lane] == lanes::kInside ? gpu::REASON_TILE_SHADOW : gpu::REASON_TILE_LIT];
+    }
+    if (std::popcount(unsure) >= kTogether) {
+        askTogether(from, unsure, first);
+        return;
+    }
+    for (; unsure != 0; unsure &= unsure - 1) {
+        const auto lane = static_cast<std::uint32_t>(std::countr_zero(unsure));
+        ask(from, lane, first + lane / kBlockSide * stride_ + lane % kBlockSide);
     }
 }
 
@@ -168,6 +212,7 @@ void TileRows::answer(std::uint32_t tileRow, std::span<std::uint8_t> visibility)
         search_.run(blocks_, *this);
     }
     flush();
+    flushPackets();
     // Upload memory may be write-combined: whole rows at a time.
     for (std::uint32_t y = 0; y < std::min(job_.tile, extent.height - top); ++y)
         std::memcpy(&visibility[std::size_t(top + y) * extent.width], &rows_[y * stride_], extent.width);
