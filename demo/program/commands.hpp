@@ -53,6 +53,14 @@ struct ReasonsOptions {
 };
 int reasonsCommand(const ReasonsOptions& options);
 
+struct TablesOptions {
+    std::string thesis; ///< moderno or morais.
+    std::string csv;    ///< Empty: no file.
+    uint32_t picture = 1024; ///< Pixels a side.
+    bool tight = false;      ///< moderno: the other of the fits that the thesis may mean.
+};
+int tablesCommand(const TablesOptions& options);
+
 struct CompareOptions {
     std::string scene, rules, methods, size;
     uint32_t frames = 0; ///< 0: the scene's.
