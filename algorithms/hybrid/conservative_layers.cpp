@@ -95,23 +95,28 @@ PipelineId classifyPipeline(const AlgorithmServices& services, const char* name,
 
 // --- projections and content ---
 
-ConservativeMapView conservativeView(const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
+ConservativeMapView conservativeView(const ShadowTask& task, std::uint32_t resolution, ThesisOffset offset,
+                                     FrameArena& arena)
 {
     const std::span<LightFit> fits = fitsOf(task, resolution, arena);
     const std::span<ConservativeProjection> projections = arena.array<ConservativeProjection>(fits.size());
-    for (std::size_t i = 0; i < fits.size(); ++i)
+    for (std::size_t i = 0; i < fits.size(); ++i) {
         projections[i] = conservativeProjection(fits[i], *task.light, resolution);
+        projections[i].offset = offset;
+    }
     return {.fits = fits,
             .projections = projections,
             .resolution = resolution,
-            .needed = fits.size() == 1 ? 1 : neededFaces(task)};
+            .needed = fits.size() == 1 ? 1 : neededFaces(task),
+            .offset = offset};
 }
 
 LayerContent conservativeContent(const ShadowTask& task, const ConservativeMapView& view, std::uint32_t layer,
                                  std::uint64_t salt, FrameArena& arena)
 {
     const LightFit& fit = view.fits[layer];
-    const std::uint64_t projection = Stamp().add(fit.clipFromWorld).add(salt).value();
+    const std::uint64_t projection = 
+        Stamp().add(fit.clipFromWorld).add(salt).add(static_cast<std::uint64_t>(view.offset)).value();
     return layerContent(*task.light, castersIn(task.casters->statics, fit.volume, arena),
                         castersIn(task.casters->movings, fit.volume, arena), projection, view.resolution);
 }

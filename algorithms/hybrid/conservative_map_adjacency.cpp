@@ -7,12 +7,13 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kMode, kReasons };
+enum Setting { kResolution, kMode, kReasons, kLambda };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024},
     {"mode", "0: sheets between silhouettes, guaranteed; 1: as in the thesis, triangles with kept edges.", 0, 1, 0},
     kReasonsSetting,
+    kLambdaSetting,
 };
 
 constexpr RayListNames kNames = {.list = "conservative_map_adjacency.uncertain",
@@ -32,7 +33,8 @@ public:
     {
         const bool thesis = task.settings[kMode] != 0.0;
         const ConservativeMapView view =
-            conservativeView(task, static_cast<std::uint32_t>(task.settings[kResolution]), passes.arena());
+            conservativeView(task, static_cast<std::uint32_t>(task.settings[kResolution]),
+                             static_cast<ThesisOffset>(static_cast<std::uint32_t>(task.settings[kLambda])), passes.arena());
         const ConservativeImages images{.nearest = maps_.declareNearest(passes, task, view, thesis),
                                         .covered = thesis ? sheets_.declareThesis(passes, task, view, maps_)
                                                           : sheets_.declareCovered(passes, task, view, maps_)};

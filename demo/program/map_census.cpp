@@ -12,12 +12,13 @@ struct Asked {
     std::vector<SettingChoice> settings;
 };
 
-Asked askedOf(MapMethod method, double side)
+Asked askedOf(MapMethod method, double side, double lambda)
 {
     std::vector<SettingChoice> settings{{"resolution", side}, {"reasons", 1.0}};
     if (method == MapMethod::pcf) return {"pcf_hybrid", settings};
     const bool thesis = method == MapMethod::crsm || method == MapMethod::crsma;
     settings.push_back({"mode", thesis ? 1.0 : 0.0});
+    settings.push_back({"lambda", lambda});
     const bool alone = method == MapMethod::crsm || method == MapMethod::guaranteed;
     return {alone ? "conservative_map" : "conservative_map_adjacency", settings};
 }
@@ -72,13 +73,20 @@ std::vector<MapView> measureMaps(ThesisView& stage, const char* scene, const Map
             countPlain(stage, side, views.back());
         }
         // A method's map is made once for the three cameras.
-        for (const MapMethod method : options.methods)
+        const auto measure = [&](MapMethod method, double lambda, auto&& countsOf) {
+            const Asked asked = askedOf(method, side, lambda);
             for (size_t i = 0; i < std::size(kLooks); ++i) {
                 stage.look(kLooks[i]);
-                const Asked asked = askedOf(method, side);
-                views[first + i].methods[size_t(method)] =
+                countsOf(views[first + i]) =
                     countReasons(stage.draw(asked.method, asked.settings), stage.truth(), stage.counted());
             }
+        };
+        for (const MapMethod method : options.methods)
+            measure(method, 1.0, [method](MapView& view) -> CertainCounts& { return view.methods[size_t(method)]; });
+        for (size_t lambda = 0; options.lambdas && map == kMiddleMap && lambda < 3; ++lambda)
+            for (const size_t form : {0u, 1u})
+                measure(form == 0 ? MapMethod::crsm : MapMethod::crsma, double(lambda),
+                        [=](MapView& view) -> CertainCounts& { return view.byLambda[lambda][form]; });
         if (options.measured) std::for_each(views.begin() + std::ptrdiff_t(first), views.end(), options.measured);
     }
     return views;

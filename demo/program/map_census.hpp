@@ -28,6 +28,8 @@ struct CertainCounts {
 
 inline constexpr uint32_t kCensusMaps[] = {512, 1024, 2048, 4096};
 
+inline constexpr uint32_t kMiddleMap = 1024;
+
 struct MapView {
     const char* scene; ///< The thesis's.
     Look look;
@@ -37,6 +39,9 @@ struct MapView {
     std::array<CertainCounts, kMapMethods> methods{};
 
     uint64_t plainWrong() const { return plainWrongLit + plainWrongDark; }
+    /// CRSM and CRSMA with edges moved by a texel's extent, half its diagonal, its diagonal (setting `lambda`); measured at
+    /// kMiddleMap.
+    std::array<std::array<CertainCounts, 2>, 3> byLambda{};
     const CertainCounts& of(MapMethod method) const { return methods[size_t(method)]; }
 };
 
@@ -58,6 +63,7 @@ struct MapCensusOptions {
     std::vector<uint32_t> maps{std::begin(kCensusMaps), std::end(kCensusMaps)};
     std::vector<MapMethod> methods{MapMethod::pcf, MapMethod::crsm, MapMethod::crsma, MapMethod::guaranteed,
                                    MapMethod::sheets};
+    bool lambdas = false;
     std::function<void(const MapView&)> measured;
 };
 /// All looks of one scene, a map after the other.

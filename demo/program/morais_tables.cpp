@@ -11,7 +11,6 @@ namespace {
 using Views = std::span<const MapView>;
 constexpr MapMethod kThesis[] = {MapMethod::pcf, MapMethod::crsm, MapMethod::crsma};
 constexpr MapMethod kOurs[] = {MapMethod::guaranteed, MapMethod::sheets};
-constexpr uint32_t kMiddleMap = 1024;
 
 /// Null: not printed (of Sponza there is one view).
 const PrintedMapView* printedOf(const char* scene, Look look)
@@ -74,6 +73,7 @@ PairTable certain(Views ours)
     for (const MapMethod method : kThesis)
         for (const char* what : {" lit", " dark", " traced"})
             table.columns.push_back(nameOf(method) + std::string(what));
+    table.columns.insert(table.columns.end(), {"CRSM, of the dark traced", "CRSMA, of the dark traced"});
     forEachView(table, kMiddleMap, ours, [&](PairTable::Row& row, const PrintedMapView* p, const MapView& o) {
         for (const MapMethod method : kThesis) {
             const uint32_t* c = p ? p->certain[size_t(method)] : nullptr;
@@ -81,6 +81,11 @@ PairTable certain(Views ours)
             row.cells.push_back({share(p, c ? c[0] : 0), percentOf(mine.lit, o.facing), 1});
             row.cells.push_back({share(p, c ? c[3] : 0), percentOf(mine.dark, o.facing), 1});
             row.cells.push_back({share(p, c ? c[1] + c[4] : 0), tracedPercent(o, method), 1});
+        }
+        for (const MapMethod method : {MapMethod::crsm, MapMethod::crsma}) {
+            const uint32_t* c = p ? p->certain[size_t(method)] : nullptr;
+            const std::optional<double> printed = c ? std::optional(percentOf(c[4], c[3] + c[4])) : std::nullopt;
+            row.cells.push_back({printed, percentOf(o.of(method).tracedDark, o.dark), 1});
         }
     });
     return table;
@@ -162,6 +167,40 @@ PairTable wrong(Views ours)
     return table;
 }
 
+/// Eq. 19 by what its distance may mean.
+PairTable lambdas(Views ours)
+{
+    PairTable table{.id = "lambda",
+                    .title = "**What eq. 19's distance may mean**, at 1024 texels: traced of light-facing pixels in percent, and "
+                             "wrong ones per million, means over a scene's views; his numbers do not say which is meant.",
+                    .heads = {"scene", "edges move by"},
+                    .columns = {"CRSM", "CRSMA", "CRSM wrong", "CRSMA wrong"},
+                    .rows = {}};
+    constexpr const char* names[] = {"a texel's extent", "half its diagonal", "its diagonal"};
+    for (const CensusScene& scene : kCensusScenes)
+        for (size_t lambda = 0; lambda < 3; ++lambda) {
+            PairTable::Row row{.names = {scene.printed, names[lambda]}, .cells = std::vector<Pair>(4)};
+            for (const size_t form : {0u, 1u}) {
+                double theirs = 0.0, theirWrong = 0.0, mine = 0.0, wrong = 0.0;
+                int printed = 0;
+                for (const Look look : kLooks) {
+                    const MapView& o = viewOf(ours, scene.printed, look, kMiddleMap);
+                    mine += percentOf(o.byLambda[lambda][form].traced(), o.facing) / 3.0;
+                    wrong += 1e4 * percentOf(o.byLambda[lambda][form].wrong(), o.facing) / 3.0;
+                    const PrintedMapView* p = printedOf(scene.printed, look);
+                    if (!p) continue;
+                    ++printed;
+                    theirs += *share(p, p->sweep[form + 1][1][0]);
+                    theirWrong += 1e4 * *share(p, p->sweep[form + 1][1][1]);
+                }
+                row.cells[form] = {theirs / printed, mine, 1};
+                row.cells[form + 2] = {theirWrong / printed, wrong, 0};
+            }
+            table.rows.push_back(row);
+        }
+    return table;
+}
+
 } // namespace
 
 const MapView& viewOf(std::span<const MapView> views, const char* scene, Look look, uint32_t map)
@@ -175,7 +214,7 @@ const MapView& viewOf(std::span<const MapView> views, const char* scene, Look lo
 
 std::vector<PairTable> moraisTables(std::span<const MapView> ours)
 {
-    return {plainMaps(ours), certain(ours), sweep(ours), wrong(ours)};
+    return {plainMaps(ours), certain(ours), sweep(ours), wrong(ours), lambdas(ours)};
 }
 
 } // namespace gnomon::demo

@@ -21,7 +21,7 @@ std::vector<PairTable> moderno(Device& device, const TablesOptions& options)
 
 std::vector<PairTable> morais(Device& device, const TablesOptions& options)
 {
-    MapCensusOptions census{.picture = options.picture};
+    MapCensusOptions census{.picture = options.picture, .lambdas = true};
     census.measured = [](const MapView& view) {
         std::fprintf(stderr, "%s %s %u:", view.scene, nameOf(view.look), view.map);
         for (size_t i = 0; i < kMapMethods; ++i)
