@@ -66,7 +66,7 @@ std::vector<MapView> measureMaps(ThesisView& stage, const char* scene, const Map
     std::vector<MapView> views;
     for (const uint32_t map : options.maps) {
         const size_t first = views.size();
-        const double side = kTexelsPerPrinted * map * options.picture / 1024.0;
+        const double side = kTexelsPerPrinted * map;
         for (const Look look : kLooks) {
             stage.look(look);
             views.push_back({.scene = scene, .look = look, .map = map});

@@ -59,7 +59,7 @@ inline constexpr std::array<CensusScene, 4> kCensusScenes = {{{"bench", kBenchVi
 inline constexpr double kTexelsPerPrinted = 0.5;
 
 struct MapCensusOptions {
-    uint32_t picture = 1024; ///< Pixels a side; maps keep the thesis's ratio to it.
+    uint32_t picture = 1024; ///< Pixels a side; shares hardly depend on it.
     std::vector<uint32_t> maps{std::begin(kCensusMaps), std::end(kCensusMaps)};
     std::vector<MapMethod> methods{MapMethod::pcf, MapMethod::crsm, MapMethod::crsma, MapMethod::guaranteed,
                                    MapMethod::sheets};
