@@ -54,8 +54,7 @@ std::uint32_t chainReason(const ChainScene& scene, const ChainStages& stages, bo
     return stages.rays ? gpu::REASON_RT_LIT : gpu::REASON_FALLBACK_LIT;
 }
 
-std::uint32_t chainVotes(const ChainScene& scene, bool lit, bool normals, const MapTexels& texels,
-                         const ShadowRay& ray)
+std::uint32_t chainVotes(const ChainScene& scene, bool lit, bool normals, const MapTexels& texels, const ShadowRay& ray)
 {
     std::uint32_t votes = lit ? gpu::VOTE_LIT : 0;
     if (normals && texels.agree(lit, TexelBlock::four)) votes |= gpu::VOTE_TC4;

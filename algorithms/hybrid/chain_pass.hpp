@@ -23,7 +23,7 @@ struct ChainJob {
     std::span<MarkRange> ranges; ///< Written: parts of `marks`, one per byte that a pixel can have.
     ChainStages stages;
     std::uint32_t contour = 0; ///< Width in pixels; 0: every pixel is asked.
-    bool reasons = false; ///< The byte is not visibility, but why: a reason or, with `votes`, votes.
+    bool reasons = false;      ///< The byte is not visibility, but why: a reason or, with `votes`, votes.
     bool votes = false;
 };
 

@@ -27,7 +27,8 @@ enum class ThesisOffset : std::uint32_t {
     diagonal,     ///< Read in coordinates of the map.
 };
 inline constexpr SettingSpec kLambdaSetting = {
-    "lambda", "Mode 1 moves edges by: 0 a texel's extent along their normal, 1 half its diagonal, 2 its diagonal.", 0, 2, 1};
+    "lambda", "Mode 1 moves edges by: 0 a texel's extent along their normal, 1 half its diagonal, 2 its diagonal.", 0,
+    2, 1};
 
 /// A map as casters and receivers meet in it.
 struct ConservativeProjection {

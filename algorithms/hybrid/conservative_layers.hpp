@@ -15,7 +15,7 @@ struct ConservativeMapView {
     std::span<const LightFit> fits;                      ///< They live as long as the frame.
     std::span<const ConservativeProjection> projections; ///< Of each fit.
     std::uint32_t resolution = 0;
-    std::uint32_t needed = 0; ///< Bit i: a receiver of task.view can lie in layer i.
+    std::uint32_t needed = 0;                         ///< Bit i: a receiver of task.view can lie in layer i.
     ThesisOffset offset = ThesisOffset::halfDiagonal; ///< Of the thesis's layers.
 };
 ConservativeMapView conservativeView(const ShadowTask& task, std::uint32_t resolution, ThesisOffset offset,

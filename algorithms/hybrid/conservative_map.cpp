@@ -31,9 +31,9 @@ public:
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
         const bool thesis = task.settings[kMode] != 0.0;
-        const ConservativeMapView view =
-            conservativeView(task, static_cast<std::uint32_t>(task.settings[kResolution]),
-                             static_cast<ThesisOffset>(static_cast<std::uint32_t>(task.settings[kLambda])), passes.arena());
+        const ConservativeMapView view = conservativeView(
+            task, static_cast<std::uint32_t>(task.settings[kResolution]),
+            static_cast<ThesisOffset>(static_cast<std::uint32_t>(task.settings[kLambda])), passes.arena());
         const ConservativeImages images{.nearest = maps_.declareNearest(passes, task, view, thesis),
                                         .covered = maps_.declareCovered(passes, task, view, thesis)};
         const RayList list = lists_.open(passes, task, task.settings[kReasons] != 0.0);

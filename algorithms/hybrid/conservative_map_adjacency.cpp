@@ -32,9 +32,9 @@ public:
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
         const bool thesis = task.settings[kMode] != 0.0;
-        const ConservativeMapView view =
-            conservativeView(task, static_cast<std::uint32_t>(task.settings[kResolution]),
-                             static_cast<ThesisOffset>(static_cast<std::uint32_t>(task.settings[kLambda])), passes.arena());
+        const ConservativeMapView view = conservativeView(
+            task, static_cast<std::uint32_t>(task.settings[kResolution]),
+            static_cast<ThesisOffset>(static_cast<std::uint32_t>(task.settings[kLambda])), passes.arena());
         const ConservativeImages images{.nearest = maps_.declareNearest(passes, task, view, thesis),
                                         .covered = thesis ? sheets_.declareThesis(passes, task, view, maps_)
                                                           : sheets_.declareCovered(passes, task, view, maps_)};

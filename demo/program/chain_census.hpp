@@ -21,11 +21,11 @@ const char* nameOf(Witness witness) noexcept;
 /// The pixels of one contour. "Lit" and "dark" are what the plain map says.
 struct ContourCounts {
     uint64_t pixels = 0, lit = 0;
-    uint64_t wrongLit = 0, wrongDark = 0;               ///< By the map.
-    uint64_t hintedLit = 0, hintedDark = 0;             ///< By four texels that agree ("TC4"), ...
-    uint64_t wrongHintsLit = 0, wrongHintsDark = 0;     ///< ... and wrong ones among them.
-    uint64_t corrected = 0;                             ///< Lit, not hinted, a triangle of nine texels blocks.
-    uint64_t darkAfterNb = 0, darkAfterAg = 0;          ///< Dark ones settled so far: hints, nine texels, vertex ring.
+    uint64_t wrongLit = 0, wrongDark = 0;           ///< By the map.
+    uint64_t hintedLit = 0, hintedDark = 0;         ///< By four texels that agree ("TC4"), ...
+    uint64_t wrongHintsLit = 0, wrongHintsDark = 0; ///< ... and wrong ones among them.
+    uint64_t corrected = 0;                         ///< Lit, not hinted, a triangle of nine texels blocks.
+    uint64_t darkAfterNb = 0, darkAfterAg = 0;      ///< Dark ones settled so far: hints, nine texels, vertex ring.
     // The rest is in no printed row.
     uint64_t hintedLit9 = 0, hintedDark9 = 0, wrongHintsLit9 = 0, wrongHintsDark9 = 0; ///< By nine texels.
     std::array<uint64_t, kWitnesses> confirms{}, corrects{}; ///< Dark and lit pixels with such a witness.
@@ -49,10 +49,7 @@ struct ContourCounts {
     /// Where no hint is believed.
     uint64_t leftStrict() const { return lit - corrects[size_t(Witness::nb9)] + dark() - provedDark; }
     /// One technique alone, what it does not hit lit: tables 9 to 11.
-    uint64_t wrongAlone(Witness w) const
-    {
-        return wrongLit - corrects[size_t(w)] + rightDark() - confirms[size_t(w)];
-    }
+    uint64_t wrongAlone(Witness w) const { return wrongLit - corrects[size_t(w)] + rightDark() - confirms[size_t(w)]; }
 };
 
 inline constexpr uint32_t kContours[] = {2, 4, 6};
@@ -65,22 +62,20 @@ struct ChainView {
     uint32_t map = 0; ///< The thesis's.
     uint64_t image = 0;
     std::array<ContourCounts, 3> contours{};
-    ContourCounts whole;  ///< Printed: pixels, wrongLit + wrongDark as wrongLit, and of TC4 the undecided and wrong.
-    uint32_t side = 0;    ///< Of our map.
+    ContourCounts whole; ///< Printed: pixels, wrongLit + wrongDark as wrongLit, and of TC4 the undecided and wrong.
+    uint32_t side = 0;   ///< Of our map.
 };
 
 struct ChainScene {
     const char* printed; ///< The thesis's name.
     ViewScene view;
 };
-inline constexpr std::array<ChainScene, 4> kChainScenes = {{{"primitives", kPrimitivesView},
-                                                            {"bench", kBenchView},
-                                                            {"trees", kFoliageView},
-                                                            {"flowers", kFlowersView}}};
+inline constexpr std::array<ChainScene, 4> kChainScenes = {
+    {{"primitives", kPrimitivesView}, {"bench", kBenchView}, {"trees", kFoliageView}, {"flowers", kFlowersView}}};
 
 struct ChainCensusOptions {
-    uint32_t picture = 1024;       ///< Pixels a side; maps keep the thesis's ratio to it.
-    MapFit fit = MapFit::square;   ///< The thesis has its map "fitted to the camera's frustum", and says no more.
+    uint32_t picture = 1024;     ///< Pixels a side; maps keep the thesis's ratio to it.
+    MapFit fit = MapFit::square; ///< The thesis has its map "fitted to the camera's frustum", and says no more.
     std::function<void(const ChainView&)> measured; ///< After each.
 };
 /// All views, in the order of kChainScenes, kLooks, kChainMaps.

@@ -11,7 +11,7 @@ namespace gnomon::demo {
 struct RunOptions {
     std::string scene, rules, method, size;
     std::string knowledge; ///< loadKnowledge().
-    uint32_t frames = 0; ///< 0: the scene's.
+    uint32_t frames = 0;   ///< 0: the scene's.
     float budgetMs = 0.0f;
     std::string out = "out/run";
     std::string dump;
@@ -54,8 +54,8 @@ struct ReasonsOptions {
 int reasonsCommand(const ReasonsOptions& options);
 
 struct TablesOptions {
-    std::string thesis; ///< moderno or morais.
-    std::string csv;    ///< Empty: no file.
+    std::string thesis;      ///< moderno or morais.
+    std::string csv;         ///< Empty: no file.
     uint32_t picture = 1024; ///< Pixels a side.
     bool tight = false;      ///< moderno: the other of the fits that the thesis may mean.
 };

@@ -33,14 +33,14 @@ inline constexpr uint32_t kMiddleMap = 1024;
 struct MapView {
     const char* scene; ///< The thesis's.
     Look look;
-    uint32_t map = 0; ///< The thesis's.
-    uint64_t facing = 0, dark = 0;            ///< Light-facing pixels, and those in shadow by the truth.
+    uint32_t map = 0;                               ///< The thesis's.
+    uint64_t facing = 0, dark = 0;                  ///< Light-facing pixels, and those in shadow by the truth.
     uint64_t plainWrongLit = 0, plainWrongDark = 0; ///< By the plain map.
     std::array<CertainCounts, kMapMethods> methods{};
 
     uint64_t plainWrong() const { return plainWrongLit + plainWrongDark; }
-    /// CRSM and CRSMA with edges moved by a texel's extent, half its diagonal, its diagonal (setting `lambda`); measured at
-    /// kMiddleMap.
+    /// CRSM and CRSMA with edges moved by a texel's extent, half its diagonal, its diagonal (setting `lambda`);
+    /// measured at kMiddleMap.
     std::array<std::array<CertainCounts, 2>, 3> byLambda{};
     const CertainCounts& of(MapMethod method) const { return methods[size_t(method)]; }
 };
@@ -49,13 +49,11 @@ struct CensusScene {
     const char* printed;
     ViewScene view;
 };
-inline constexpr std::array<CensusScene, 4> kCensusScenes = {{{"bench", kBenchView},
-                                                              {"flowers", kFlowersView},
-                                                              {"trees", kFoliageView},
-                                                              {"sponza", kColonnadeView}}};
+inline constexpr std::array<CensusScene, 4> kCensusScenes = {
+    {{"bench", kBenchView}, {"flowers", kFlowersView}, {"trees", kFoliageView}, {"sponza", kColonnadeView}}};
 
-/// Texels per side of our maps for one of the thesis's, whose maps lie around scenes of a size that it does not tell. With
-/// half as many the plain map is as wrong as his (README.md).
+/// Texels per side of our maps for one of the thesis's, whose maps lie around scenes of a size that it does not tell.
+/// With half as many the plain map is as wrong as his (README.md).
 inline constexpr double kTexelsPerPrinted = 0.5;
 
 struct MapCensusOptions {

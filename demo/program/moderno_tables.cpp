@@ -49,7 +49,8 @@ constexpr std::array kGrowth = {Column{"contour % of image", chain::ofImage, 2},
 PairTable growth(Views printed, Views ours)
 {
     PairTable table{.id = "growth",
-                    .title = "**By map and contour**, means over the twelve views (tables 29, 45, ... 199; 5, 6, 12 to 15).",
+                    .title =
+                        "**By map and contour**, means over the twelve views (tables 29, 45, ... 199; 5, 6, 12 to 15).",
                     .heads = {"map", "contour"},
                     .columns = namesOf(kGrowth),
                     .rows = {}};
@@ -115,7 +116,8 @@ PairTable stages(Views printed, Views ours)
                                  Column{"- false shadow, of the dark", chain::wrongHintsOfDark, 2},
                                  Column{"wrong without rays %", chain::withoutRays, 2}};
     PairTable table{.id = "stages",
-                    .title = "**The chain's stages**, of the contour, over views, maps and contours (tables 6, 12 to 15).",
+                    .title =
+                        "**The chain's stages**, of the contour, over views, maps and contours (tables 6, 12 to 15).",
                     .heads = {"of the contour"},
                     .columns = {"mean", "least", "most"},
                     .rows = {}};
@@ -127,12 +129,12 @@ PairTable stages(Views printed, Views ours)
 /// Tables 7 and 8.
 PairTable hints(Views ours)
 {
-    PairTable table{.id = "hints",
-                    .title = "**Texels that agree** (tables 7, 8), means.",
-                    .heads = {"texels"},
-                    .columns = {"settled %", "of the lit %", "of the dark %", "wrong, of the lit %",
-                                "wrong, of the dark %"},
-                    .rows = {}};
+    PairTable table{
+        .id = "hints",
+        .title = "**Texels that agree** (tables 7, 8), means.",
+        .heads = {"texels"},
+        .columns = {"settled %", "of the lit %", "of the dark %", "wrong, of the lit %", "wrong, of the dark %"},
+        .rows = {}};
     for (const bool nine : {false, true}) {
         const PrintedHints& p = kPrintedHints[nine];
         const PrintedHints o = meanHints(ours, nine);
@@ -158,8 +160,9 @@ double meanAlone(std::span<const PrintedChainView> printed, Witness witness)
 PairTable witnesses(Views ours)
 {
     PairTable table{.id = "witnesses",
-                    .title = "**Triangles named by texels, each technique alone** (tables 9 to 11; whole image: 16, 30, "
-                             "... 184), means; what is not hit is lit.",
+                    .title =
+                        "**Triangles named by texels, each technique alone** (tables 9 to 11; whole image: 16, 30, "
+                        "... 184), means; what is not hit is lit.",
                     .heads = {"technique"},
                     .columns = {"wrong in contour %", "lit corrected %", "of wrong lit %", "dark confirmed %",
                                 "of right dark %", "wrong, whole image %"},
@@ -279,8 +282,8 @@ double ringProves(std::span<const ChainView> views, const char* scene)
 std::vector<PairTable> modernoTables(std::span<const ChainView> ours)
 {
     const std::vector<ChainView> printed = printedViews();
-    return {growth(printed, ours), scenes(printed, ours),  stages(printed, ours),
-            hints(ours),           witnesses(ours),        wholeImage(printed, ours)};
+    return {growth(printed, ours), scenes(printed, ours), stages(printed, ours),
+            hints(ours),           witnesses(ours),       wholeImage(printed, ours)};
 }
 
 } // namespace gnomon::demo

@@ -13,20 +13,35 @@ namespace gnomon::demo {
 using ChainShare = double (*)(const ChainView& view, const ContourCounts& contour);
 
 namespace chain {
-inline double ofImage(const ChainView& v, const ContourCounts& c) { return percentOf(c.pixels, v.image); }
+inline double ofImage(const ChainView& v, const ContourCounts& c)
+{
+    return percentOf(c.pixels, v.image);
+}
 /// The map's errors that lie in the contour.
-inline double caught(const ChainView& v, const ContourCounts& c) { return percentOf(c.wrong(), v.whole.wrong()); }
-inline double mapWrong(const ChainView&, const ContourCounts& c) { return percentOf(c.wrong(), c.pixels); }
+inline double caught(const ChainView& v, const ContourCounts& c)
+{
+    return percentOf(c.wrong(), v.whole.wrong());
+}
+inline double mapWrong(const ChainView&, const ContourCounts& c)
+{
+    return percentOf(c.wrong(), c.pixels);
+}
 inline double hinted(const ChainView&, const ContourCounts& c)
 {
     return percentOf(c.pixels - c.leftAfterTc(), c.pixels);
 }
-inline double leftAfterTc(const ChainView&, const ContourCounts& c) { return percentOf(c.leftAfterTc(), c.pixels); }
+inline double leftAfterTc(const ChainView&, const ContourCounts& c)
+{
+    return percentOf(c.leftAfterTc(), c.pixels);
+}
 inline double settledByNb(const ChainView&, const ContourCounts& c)
 {
     return percentOf(c.hintedLit + c.corrected + c.darkAfterNb, c.pixels);
 }
-inline double settled(const ChainView&, const ContourCounts& c) { return percentOf(c.pixels - c.left(), c.pixels); }
+inline double settled(const ChainView&, const ContourCounts& c)
+{
+    return percentOf(c.pixels - c.left(), c.pixels);
+}
 inline double settledOfLit(const ChainView&, const ContourCounts& c)
 {
     return percentOf(c.hintedLit + c.corrected, c.lit);
@@ -35,20 +50,44 @@ inline double settledOfDarkByNb(const ChainView&, const ContourCounts& c)
 {
     return percentOf(c.darkAfterNb, c.dark());
 }
-inline double settledOfDark(const ChainView&, const ContourCounts& c) { return percentOf(c.darkAfterAg, c.dark()); }
-inline double left(const ChainView&, const ContourCounts& c) { return percentOf(c.left(), c.pixels); }
-inline double strictLeft(const ChainView&, const ContourCounts& c) { return percentOf(c.leftStrict(), c.pixels); }
-inline double litOfLeft(const ChainView&, const ContourCounts& c) { return percentOf(c.leftLit(), c.left()); }
+inline double settledOfDark(const ChainView&, const ContourCounts& c)
+{
+    return percentOf(c.darkAfterAg, c.dark());
+}
+inline double left(const ChainView&, const ContourCounts& c)
+{
+    return percentOf(c.left(), c.pixels);
+}
+inline double strictLeft(const ChainView&, const ContourCounts& c)
+{
+    return percentOf(c.leftStrict(), c.pixels);
+}
+inline double litOfLeft(const ChainView&, const ContourCounts& c)
+{
+    return percentOf(c.leftLit(), c.left());
+}
 /// Rays of what texels alone would leave.
-inline double raysOfTc(const ChainView&, const ContourCounts& c) { return percentOf(c.left(), c.leftAfterTc()); }
-inline double traced(const ChainView& v, const ContourCounts& c) { return percentOf(c.left(), v.image); }
+inline double raysOfTc(const ChainView&, const ContourCounts& c)
+{
+    return percentOf(c.left(), c.leftAfterTc());
+}
+inline double traced(const ChainView& v, const ContourCounts& c)
+{
+    return percentOf(c.left(), v.image);
+}
 /// Of the map's errors in the whole image, after rays: hints that were wrong, and what lies outside the contour.
 inline double errorsLeft(const ChainView& v, const ContourCounts& c)
 {
     return percentOf(v.whole.wrong() - c.wrong() + c.wrongHints(), v.whole.wrong());
 }
-inline double wrongHints(const ChainView&, const ContourCounts& c) { return percentOf(c.wrongHints(), c.pixels); }
-inline double wrongHintsOfLit(const ChainView&, const ContourCounts& c) { return percentOf(c.wrongHintsLit, c.lit); }
+inline double wrongHints(const ChainView&, const ContourCounts& c)
+{
+    return percentOf(c.wrongHints(), c.pixels);
+}
+inline double wrongHintsOfLit(const ChainView&, const ContourCounts& c)
+{
+    return percentOf(c.wrongHintsLit, c.lit);
+}
 inline double wrongHintsOfDark(const ChainView&, const ContourCounts& c)
 {
     return percentOf(c.wrongHintsDark, c.dark());

@@ -1,6 +1,6 @@
 #pragma once
-// F. Morais, "Rasterization + Ray Tracing: Rendering of Hard Shadows", Universidade do Minho, 2015: the counts his tables
-// print for a picture of 1024 x 1024 pixels.
+// F. Morais, "Rasterization + Ray Tracing: Rendering of Hard Shadows", Universidade do Minho, 2015: the counts his
+// tables print for a picture of 1024 x 1024 pixels.
 
 #include <span>
 
@@ -12,9 +12,9 @@ namespace gnomon::demo {
 /// totals have the wrong ones taken off.
 struct PrintedMapView {
     const char* scene;
-    Look look; ///< Sponza has one view, written as `side`.
-    uint32_t table;     ///< Of `certain`.
-    uint32_t facing;    ///< Tables 5, 6, 27 to 34.
+    Look look;            ///< Sponza has one view, written as `side`.
+    uint32_t table;       ///< Of `certain`.
+    uint32_t facing;      ///< Tables 5, 6, 27 to 34.
     uint32_t plain[4][2]; ///< Wrongly lit and dark by the plain map, by kCensusMaps (tables 11, 12, 37 to 58).
     /// PCF, CRSM, CRSMA at 1024 texels: lit, traced to lit, wrongly lit; dark, traced to dark, wrongly dark.
     uint32_t certain[3][6];

@@ -16,9 +16,8 @@ constexpr MapMethod kOurs[] = {MapMethod::guaranteed, MapMethod::sheets};
 const PrintedMapView* printedOf(const char* scene, Look look)
 {
     const auto all = printedMapViews();
-    const auto found = std::ranges::find_if(all, [&](const PrintedMapView& view) {
-        return std::string_view(view.scene) == scene && view.look == look;
-    });
+    const auto found = std::ranges::find_if(
+        all, [&](const PrintedMapView& view) { return std::string_view(view.scene) == scene && view.look == look; });
     return found == all.end() ? nullptr : &*found;
 }
 
@@ -54,8 +53,7 @@ PairTable plainMaps(Views ours)
                 {share(p, p ? p->plain[i][0] + p->plain[i][1] : 0), percentOf(o.plainWrong(), o.facing), 2});
         }
         const Pair first = row.cells.front(), last = row.cells.back();
-        const std::optional<double> printed =
-            p ? std::optional(*first.printed / *last.printed) : std::nullopt;
+        const std::optional<double> printed = p ? std::optional(*first.printed / *last.printed) : std::nullopt;
         row.cells.push_back({printed, *first.ours / *last.ours, 1});
     });
     return table;
@@ -65,8 +63,9 @@ PairTable plainMaps(Views ours)
 PairTable certain(Views ours)
 {
     PairTable table{.id = "certain",
-                    .title = "**At 1024 texels**, percent of the light-facing pixels: certainly lit, certainly dark, traced "
-                             "(tables 14, 15, 59 to 66).",
+                    .title =
+                        "**At 1024 texels**, percent of the light-facing pixels: certainly lit, certainly dark, traced "
+                        "(tables 14, 15, 59 to 66).",
                     .heads = {"scene", "view"},
                     .columns = {},
                     .rows = {}};
@@ -94,13 +93,14 @@ PairTable certain(Views ours)
 /// Tables 17, 18 and 75 to 82: his counts of CRSM and CRSMA at 512 texels contradict his other tables and are left out.
 PairTable sweep(Views ours)
 {
-    PairTable table{.id = "sweep",
-                    .title = "**By map**, traced of light-facing pixels in percent, mean over a scene's views (tables 17, 18, "
-                             "75 to 82; of CRSM and CRSMA at 512 texels they contradict tables 22, 85 and 92 and are left "
-                             "out). The last two are ours, never wrong.",
-                    .heads = {"scene", "map"},
-                    .columns = {"PCF", "CRSM", "CRSMA", "CRSMA over CRSM", "guaranteed", "sheets"},
-                    .rows = {}};
+    PairTable table{
+        .id = "sweep",
+        .title = "**By map**, traced of light-facing pixels in percent, mean over a scene's views (tables 17, 18, "
+                 "75 to 82; of CRSM and CRSMA at 512 texels they contradict tables 22, 85 and 92 and are left "
+                 "out). The last two are ours, never wrong.",
+        .heads = {"scene", "map"},
+        .columns = {"PCF", "CRSM", "CRSMA", "CRSMA over CRSM", "guaranteed", "sheets"},
+        .rows = {}};
     for (const CensusScene& scene : kCensusScenes)
         for (size_t i = 0; i < std::size(kCensusMaps); ++i) {
             PairTable::Row row{.names = {scene.printed, std::to_string(kCensusMaps[i])}, .cells = {}};
@@ -135,8 +135,9 @@ PairTable sweep(Views ours)
 PairTable wrong(Views ours)
 {
     PairTable table{.id = "wrong",
-                    .title = "**Wrong pixels**, all views of a scene together (the same tables); false shadow alone where "
-                             "\"dark\" (tables 14, 15, 59 to 66).",
+                    .title =
+                        "**Wrong pixels**, all views of a scene together (the same tables); false shadow alone where "
+                        "\"dark\" (tables 14, 15, 59 to 66).",
                     .heads = {"scene", "map"},
                     .columns = {"PCF", "CRSM", "CRSMA", "guaranteed", "sheets", "CRSM dark", "CRSMA dark"},
                     .rows = {}};
@@ -158,10 +159,12 @@ PairTable wrong(Views ours)
             }
             PairTable::Row row{.names = {scene.printed, std::to_string(kCensusMaps[i])}, .cells = {}};
             for (size_t m = 0; m < kMapMethods; ++m)
-                row.cells.push_back({m < 3 ? std::optional(double(theirs[m])) : std::nullopt, double(mine[m].wrong()), 0});
+                row.cells.push_back(
+                    {m < 3 ? std::optional(double(theirs[m])) : std::nullopt, double(mine[m].wrong()), 0});
             const bool known = kCensusMaps[i] == kMiddleMap;
             for (const size_t m : {size_t(MapMethod::crsm), size_t(MapMethod::crsma)})
-                row.cells.push_back({known ? std::optional(double(theirDark[m])) : std::nullopt, double(mine[m].wrongDark), 0});
+                row.cells.push_back(
+                    {known ? std::optional(double(theirDark[m])) : std::nullopt, double(mine[m].wrongDark), 0});
             table.rows.push_back(row);
         }
     return table;
@@ -170,12 +173,13 @@ PairTable wrong(Views ours)
 /// Eq. 19 by what its distance may mean.
 PairTable lambdas(Views ours)
 {
-    PairTable table{.id = "lambda",
-                    .title = "**What eq. 19's distance may mean**, at 1024 texels: traced of light-facing pixels in percent, and "
-                             "wrong ones per million, means over a scene's views; his numbers do not say which is meant.",
-                    .heads = {"scene", "edges move by"},
-                    .columns = {"CRSM", "CRSMA", "CRSM wrong", "CRSMA wrong"},
-                    .rows = {}};
+    PairTable table{
+        .id = "lambda",
+        .title = "**What eq. 19's distance may mean**, at 1024 texels: traced of light-facing pixels in percent, and "
+                 "wrong ones per million, means over a scene's views; his numbers do not say which is meant.",
+        .heads = {"scene", "edges move by"},
+        .columns = {"CRSM", "CRSMA", "CRSM wrong", "CRSMA wrong"},
+        .rows = {}};
     constexpr const char* names[] = {"a texel's extent", "half its diagonal", "its diagonal"};
     for (const CensusScene& scene : kCensusScenes)
         for (size_t lambda = 0; lambda < 3; ++lambda) {

@@ -17,8 +17,8 @@ struct Pair {
 };
 
 struct PairTable {
-    std::string id;    ///< One word, for CSV.
-    std::string title; ///< A sentence with the thesis's table numbers.
+    std::string id;                 ///< One word, for CSV.
+    std::string title;              ///< A sentence with the thesis's table numbers.
     std::vector<std::string> heads; ///< Of the columns that name a row.
     std::vector<std::string> columns;
     struct Row {

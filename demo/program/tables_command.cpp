@@ -14,9 +14,9 @@ std::vector<PairTable> moderno(Device& device, const TablesOptions& options)
         std::fprintf(stderr, "%s %s %u: map of %u texels, %.2f %% of the image wrong\n", view.scene, nameOf(view.look),
                      view.map, view.side, percentOf(view.whole.wrong(), view.image));
     };
-    return modernoTables(measureChain(device, {.picture = options.picture,
-                                               .fit = options.tight ? MapFit::tight : MapFit::square,
-                                               .measured = progress}));
+    return modernoTables(measureChain(
+        device,
+        {.picture = options.picture, .fit = options.tight ? MapFit::tight : MapFit::square, .measured = progress}));
 }
 
 std::vector<PairTable> morais(Device& device, const TablesOptions& options)

@@ -54,8 +54,8 @@ void ThesisView::look(Look look)
     seen_->truth = draw(kTruthMethod, {});
     seen_->camera = session_.renderer.camera();
     seen_->surfaces = {session_.renderer.readDepth(), session_.renderer.readNormals()};
-    seen_->counted = countedPixels(scene_, seen_->camera, seen_->surfaces, scene_.lights[0],
-                                   session_.renderer.state().lights[0]);
+    seen_->counted =
+        countedPixels(scene_, seen_->camera, seen_->surfaces, scene_.lights[0], session_.renderer.state().lights[0]);
 }
 
 Image8 ThesisView::draw(const std::string& method, const std::vector<SettingChoice>& settings)

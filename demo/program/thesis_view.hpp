@@ -18,8 +18,8 @@ inline constexpr Look kLooks[] = {Look::side, Look::with, Look::against};
 const char* nameOf(Look look) noexcept;
 
 struct ViewScene {
-    const char* file;      ///< In demo/scenes/views.
-    uint32_t frames[3];    ///< By Look.
+    const char* file;   ///< In demo/scenes/views.
+    uint32_t frames[3]; ///< By Look.
 };
 inline constexpr ViewScene kPrimitivesView{"primitives", {0, 90, 180}};
 inline constexpr ViewScene kBenchView{"bench", {0, 90, 180}};
