@@ -17,16 +17,16 @@ GN_SHARED_SIZE(HybridConstants, 400)
 
 // Why a pixel is lit or dark: Moderno's record of a pixel, its section 1.3. With the setting `reasons` the byte in
 // visibility is the code itself.
-GN_SHARED_CONST uint REASON_OUTSIDE = 1u;    // lit: sky, or the light does not reach it
-GN_SHARED_CONST uint REASON_BACKFACING = 2u; // dark: its surface faces away
-GN_SHARED_CONST uint REASON_MAP_LIT = 3u;    // the map alone
+GN_SHARED_CONST uint REASON_OUTSIDE = 1u;       // lit: sky, or the light does not reach it
+GN_SHARED_CONST uint REASON_BACKFACING = 2u;    // dark: its surface faces away
+GN_SHARED_CONST uint REASON_MAP_LIT = 3u;       // the map alone
 GN_SHARED_CONST uint REASON_MAP_SHADOW = 4u;
-GN_SHARED_CONST uint REASON_TC_LIT = 5u; // texels agree
+GN_SHARED_CONST uint REASON_TC_LIT = 5u;        // texels agree
 GN_SHARED_CONST uint REASON_TC_SHADOW = 6u;
-GN_SHARED_CONST uint REASON_NB_CONFIRMED = 7u; // dark: a neighbouring texel's triangle is hit
-GN_SHARED_CONST uint REASON_NB_CORRECTED = 8u; // dark against the map, by the same witness
-GN_SHARED_CONST uint REASON_AG_CONFIRMED = 9u; // dark: a triangle beside the texel's own is hit
-GN_SHARED_CONST uint REASON_RT_LIT = 10u;      // its own ray
+GN_SHARED_CONST uint REASON_NB_CONFIRMED = 7u;  // dark: a neighbouring texel's triangle is hit
+GN_SHARED_CONST uint REASON_NB_CORRECTED = 8u;  // dark against the map, by the same witness
+GN_SHARED_CONST uint REASON_AG_CONFIRMED = 9u;  // dark: a triangle beside the texel's own is hit
+GN_SHARED_CONST uint REASON_RT_LIT = 10u;       // its own ray
 GN_SHARED_CONST uint REASON_RT_SHADOW = 11u;
 GN_SHARED_CONST uint REASON_FALLBACK_LIT = 12u; // nobody proved anything, and rays are off
 GN_SHARED_CONST uint REASON_TILE_LIT = 13u;     // proved for a whole tile of pixels
@@ -48,18 +48,9 @@ GN_SHARED_CONST uint VOTES_OUTSIDE = 7u;
 GN_SHARED_CONST uint VOTES_BACKFACING = 254u;
 
 // A pixel in the list: 16 bits of x, 16 of y, in image coordinates.
-GN_SHARED_FN uint packPixel(uint x, uint y)
-{
-    return x | (y << 16u);
-}
-GN_SHARED_FN uint pixelX(uint packedPixel)
-{
-    return packedPixel & 0xffffu;
-}
-GN_SHARED_FN uint pixelY(uint packedPixel)
-{
-    return packedPixel >> 16u;
-}
+GN_SHARED_FN uint packPixel(uint x, uint y) { return x | (y << 16u); }
+GN_SHARED_FN uint pixelX(uint packedPixel) { return packedPixel & 0xffffu; }
+GN_SHARED_FN uint pixelY(uint packedPixel) { return packedPixel >> 16u; }
 
 GN_SHARED_END
 #endif
