@@ -87,6 +87,8 @@ std::vector<ChainView> measureChain(Device& device, const ChainCensusOptions& op
         ThesisView stage(device, scene.view, options.picture);
         for (const Look look : kLooks) {
             stage.look(look);
+            // The finer map after the coarser: a method that serves already need not fit into what memory is left, and
+            // its statement counts the six layers of a point light.
             for (const uint32_t map : kChainMaps) {
                 const uint32_t side = stage.sideAsFitted(map * options.picture / 1024, options.fit);
                 const Image8 votes = stage.draw("contour_chain", {{"resolution", double(side)}, {"reasons", 2.0}});
