@@ -3,9 +3,9 @@
 // bands that do not hold here.
 #include <algorithm>
 
-#include "demo/program/ambiguity.hpp"
 #include "demo/program/morais_tables.hpp"
 #include "device/fixture.hpp"
+#include "exactness/stage.hpp"
 #include "shaders/hybrid/ray_list.h"
 
 namespace gnomon::demo {
@@ -194,6 +194,32 @@ TEST_CASE("AC-19: the picture's size does not matter")
         for (const MapMethod method : {MapMethod::pcf, MapMethod::crsm, MapMethod::crsma})
             CHECK(std::abs(traced(view, method) - traced(at(view, 1024), method)) <= 0.3);
     }
+}
+
+TEST_CASE("AC-20: the shadow of a pole thinner than a texel is traced whole")
+{
+    const test::DeviceTest silence;
+    Scene scene = exact::shippedScene("views/bench");
+    std::erase_if(scene.instances, [](const Instance& i) { return i.name != "ground" && i.name != "pole"; });
+    exact::Stage stage(scene, {kPicture, kPicture});
+    // The ground is 120 m wide and the pole 0.2 to 0.3: half a texel of 256.
+    for (const char* method : {"conservative_map", "conservative_map_adjacency"})
+        for (const double mode : {0.0, 1.0}) {
+            CAPTURE(std::string(method));
+            CAPTURE(mode);
+            const Image8 reasons =
+                stage.draw(method, {{"resolution", 256.0}, {"mode", mode}, {"reasons", 1.0}}).front();
+            uint64_t certainlyDark = 0, tracedDark = 0, wrong = 0;
+            for (size_t i = 0; i < reasons.texels.size(); ++i) {
+                const uint8_t reason = reasons.texels[i];
+                certainlyDark += reason == gpu::REASON_MAP_SHADOW;
+                tracedDark += reason == gpu::REASON_RT_SHADOW;
+                wrong += stage.counted[0][i] == 1 && reason == gpu::REASON_MAP_LIT && stage.truth[0].texels[i] < 128;
+            }
+            CHECK(certainlyDark == 0);
+            CHECK(tracedDark > 50);
+            CHECK(wrong == 0);
+        }
 }
 
 // The criterion on open geometry. Where maps are finer than the colonnade's thin wall is thick (8 mm: the depth of its
