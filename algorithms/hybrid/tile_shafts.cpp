@@ -8,7 +8,6 @@
 
 #include "algorithms/hybrid/host_visibility.hpp"
 #include "algorithms/hybrid/ray_list.hpp"
-#include "algorithms/hybrid/tile_blocks.hpp"
 #include "algorithms/hybrid/tile_search.hpp"
 
 namespace gnomon {
@@ -68,9 +67,7 @@ public:
         : job_(job), host_(host), reader_(reader), bytes_(job.reasons), search_(scene, *host.arena),
           blocks_(host.arena->array<Block>(std::size_t(job.tile / kBlockSide) * (job.tile / kBlockSide))),
           stride_((job.view->area.extent.width + job.tile - 1) / job.tile * job.tile),
-          rows_(host.arena->array<std::uint8_t>(std::size_t(job.tile) * stride_)),
-          directional_(job.light->type == GN_LIGHT_TYPE_DIRECTIONAL),
-          light_(directional_ ? -job.light->direction() : job.light->position())
+          rows_(host.arena->array<std::uint8_t>(std::size_t(job.tile) * stride_))
     {
         for (std::uint32_t i = 0; i < blocks_.size(); ++i)
             corner_[i] = static_cast<std::uint32_t>(everyOtherBit(i >> 1) * kBlockSide * stride_ +
@@ -100,8 +97,6 @@ private:
     std::span<Block> blocks_;
     std::size_t stride_; ///< Of rows_: whole tiles.
     std::span<std::uint8_t> rows_;
-    bool directional_;
-    glm::vec3 light_;               ///< Position, or the direction towards it.
     std::uint32_t corner_[kBlocks]; ///< Of the blocks of a tile, in rows_.
     std::uint32_t left_ = 0;        ///< Of the tile at work, in the area.
     RayBatch<256> batch_;
@@ -143,13 +138,9 @@ void TileRows::dark(std::uint32_t firstBlock, std::uint32_t count)
     }
 }
 
-/// The ray of Receivers::at().
 void TileRows::ask(const Block& from, std::uint32_t lane, std::size_t at)
 {
-    ShadowRay& ray = batch_.rays[batch_.count];
-    ray.origin = {from.origin[0][lane], from.origin[1][lane], from.origin[2][lane]};
-    ray.tfar = from.tfar[lane];
-    ray.direction = directional_ ? light_ : light_ - ray.origin;
+    batch_.rays[batch_.count] = rayOf(from, lane, *job_.light);
     batch_.tags[batch_.count++] = static_cast<std::uint32_t>(at);
     if (batch_.full()) flush();
 }
@@ -185,11 +176,9 @@ void TileRows::answer(std::uint32_t tileRow, std::span<std::uint8_t> visibility)
 void answer(const ShaftJob& job, const HostContext& host)
 {
     const CameraView& view = *job.view;
-    const lanes::Kernels& kernels = widestKernels();
-    const BlockReader reader(kernels, view, *job.light, host.read<float>(job.buffers.depth),
-                             job.buffers.normals ? host.read<std::byte>(job.buffers.normals)
-                                                 : std::span<const std::byte>());
-    const ShaftScene scene(kernels, *job.light, job.casters->all, glm::vec3(view.constants.rayDxWs), *host.arena);
+    const BlockReader reader = blocksOf(view, *job.light, job.buffers, host);
+    const ShaftScene scene(widestKernels(), *job.light, job.casters->all, glm::vec3(view.constants.rayDxWs),
+                           *host.arena);
     const std::span<std::uint8_t> visibility = host.write<std::uint8_t>(job.buffers.rows);
     const std::uint32_t tileRows = (view.area.extent.height + job.tile - 1) / job.tile;
     const std::span<TileRows*> rows = host.arena->array<TileRows*>(host.jobs->threadCount());
@@ -231,8 +220,7 @@ constinit const AlgorithmEntry kTileShafts{
     .roundTrips = 1,
     .maxRounds = 0,
     .settings = kSettings,
-    .memoryPerLight = [](std::span<const double>,
-                         VkExtent2D extent) { return VkDeviceSize(extent.width) * extent.height; },
+    .memoryPerLight = [](std::span<const double>, VkExtent2D extent) { return hostVisibilityMemory(extent); },
     .missing = nullptr,
     .create = [](const AlgorithmServices&) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<TileShafts>();
