@@ -54,6 +54,19 @@ std::uint32_t chainReason(const ChainScene& scene, const ChainStages& stages, bo
     return stages.rays ? gpu::REASON_RT_LIT : gpu::REASON_FALLBACK_LIT;
 }
 
+std::uint32_t chainVotes(const ChainScene& scene, bool lit, bool normals, const MapTexels& texels, const ShadowRay& ray)
+{
+    std::uint32_t votes = lit ? gpu::VOTE_LIT : 0;
+    if (normals && texels.agree(lit, TexelBlock::four)) votes |= gpu::VOTE_TC4;
+    if (normals && texels.agree(lit, TexelBlock::nine)) votes |= gpu::VOTE_TC9;
+    if (blockBlocks(scene, texels, TexelBlock::own, ray)) votes |= gpu::VOTE_ST;
+    if (blockBlocks(scene, texels, TexelBlock::four, ray)) votes |= gpu::VOTE_NB4;
+    if (blockBlocks(scene, texels, TexelBlock::nine, ray)) votes |= gpu::VOTE_NB9;
+    if (ringBlocks(scene, texels, 2, true, ray)) votes |= gpu::VOTE_AG1;
+    if (ringBlocks(scene, texels, 1, true, ray)) votes |= gpu::VOTE_AG2;
+    return votes;
+}
+
 bool isLit(std::uint32_t reason)
 {
     constexpr std::uint32_t lit = 1u << gpu::REASON_OUTSIDE | 1u << gpu::REASON_MAP_LIT | 1u << gpu::REASON_TC_LIT |

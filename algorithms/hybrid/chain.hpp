@@ -48,6 +48,10 @@ bool ringBlocks(const ChainScene& scene, const MapTexels& texels, int shared, bo
 std::uint32_t chainReason(const ChainScene& scene, const ChainStages& stages, bool lit, bool normals,
                           const MapTexels& texels, const ShadowRay& ray);
 
+/// What every stage would say by itself, asked or not: the VOTE_ bits of shaders/hybrid/ray_list.h.
+std::uint32_t chainVotes(const ChainScene& scene, bool lit, bool normals, const MapTexels& texels,
+                         const ShadowRay& ray);
+
 /// What a reason means: lit or dark.
 bool isLit(std::uint32_t reason);
 

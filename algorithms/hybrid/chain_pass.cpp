@@ -127,7 +127,11 @@ void Piece::ask(std::uint32_t x, std::uint32_t y)
     const Asked asked = picture_.receivers.at(static_cast<std::uint32_t>(from.x) + x,
                                               static_cast<std::uint32_t>(from.y) + y, pixel.ray, receiver);
     if (asked != Asked::ray) {
-        settle(x, y, asked == Asked::lit ? gpu::REASON_OUTSIDE : gpu::REASON_BACKFACING);
+        const bool lit = asked == Asked::lit;
+        if (picture_.job.votes)
+            settle(x, y, lit ? gpu::VOTES_OUTSIDE : gpu::VOTES_BACKFACING);
+        else
+            settle(x, y, lit ? gpu::REASON_OUTSIDE : gpu::REASON_BACKFACING);
         return;
     }
     pixel.x = x;
@@ -140,6 +144,11 @@ void Piece::ask(std::uint32_t x, std::uint32_t y)
 
 void Piece::decide(const Waiting& pixel)
 {
+    if (picture_.job.votes) {
+        settle(pixel.x, pixel.y,
+               chainVotes(scene_, pixel.lit, picture_.receivers.hasNormals(), pixel.texels, pixel.ray));
+        return;
+    }
     const std::uint32_t reason =
         chainReason(scene_, picture_.job.stages, pixel.lit, picture_.receivers.hasNormals(), pixel.texels, pixel.ray);
     if (reason != gpu::REASON_RT_LIT) {
@@ -201,11 +210,11 @@ void writeMarks(const ChainJob& job, const HostContext& host, std::span<const st
     for (const std::span<const Mark> piece : pieces)
         for (const Mark& mark : piece)
             ++job.ranges[mark.range].count;
-    std::uint32_t next[kMarkRanges] = {}, first = 0;
-    for (std::size_t i = 0; i < kMarkRanges; ++i) {
+    std::uint32_t next[markRanges(true)] = {}, first = 0;
+    for (std::size_t i = 0; i < job.ranges.size(); ++i) {
         MarkRange& range = job.ranges[i];
         range.first = next[i] = first;
-        // A reason's byte is its code; else the first range is dark and the second lit.
+        // A reason's byte is its code, votes are a byte; else the first range is dark and the second lit.
         range.value = static_cast<float>(i) / (job.reasons ? 255.0f : 1.0f);
         first += range.count;
     }

@@ -20,14 +20,18 @@ struct ChainJob {
     BufferId depth, normals;     ///< Of the view, read back; normals may be null.
     BufferId status;             ///< A byte a pixel of the area; bit 0: the map says lit.
     BufferId marks;              ///< Written: packed pixels.
-    std::span<MarkRange> ranges; ///< Written: kMarkRanges parts of `marks`.
+    std::span<MarkRange> ranges; ///< Written: parts of `marks`, one per byte that a pixel can have.
     ChainStages stages;
     std::uint32_t contour = 0; ///< Width in pixels; 0: every pixel is asked.
-    bool reasons = false;
+    bool reasons = false;      ///< The byte is not visibility, but why: a reason or, with `votes`, votes.
+    bool votes = false;
 };
 
-/// A range for every reason.
-inline constexpr std::size_t kMarkRanges = gpu::REASON_COUNT;
+/// A range for every reason, or for every set of votes.
+constexpr std::size_t markRanges(bool votes)
+{
+    return votes ? 256 : gpu::REASON_COUNT;
+}
 
 void runChain(const ChainJob& job, const HostContext& host);
 

@@ -93,7 +93,10 @@ gpu::ConservativePush conservativePush(const ConservativeProjection& projection,
     push.depthErrorSquare =
         projection.perspective ? static_cast<float>(error) / std::fabs(projection.depthScale) : 0.0f;
     push.flags = (projection.perspective ? gpu::CASTER_PERSPECTIVE : 0u) | (backOnly ? gpu::CASTER_BACK_ONLY : 0u) |
-                 (caster.mirrored ? gpu::CASTER_MIRRORED : 0u);
+                 (caster.mirrored ? gpu::CASTER_MIRRORED : 0u) |
+                 (projection.offset == ThesisOffset::tight      ? gpu::CASTER_TIGHT
+                  : projection.offset == ThesisOffset::diagonal ? gpu::CASTER_DIAGONAL
+                                                                : 0u);
     return push;
 }
 

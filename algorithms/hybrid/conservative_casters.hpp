@@ -20,6 +20,16 @@ enum class ConservativeLayer : std::uint32_t {
     centre, ///< Every texel whose centre is on a face, with the depth there.
 };
 
+/// By how much the thesis's form moves edges (Morais 2015, eq. 19): values of the setting `lambda`.
+enum class ThesisOffset : std::uint32_t {
+    tight,        ///< The texel's extent along the edge's normal: what the guaranteed form has.
+    halfDiagonal, ///< Eq. 19 read in normalised coordinates.
+    diagonal,     ///< Read in coordinates of the map.
+};
+inline constexpr SettingSpec kLambdaSetting = {
+    "lambda", "Mode 1 moves edges by: 0 a texel's extent along their normal, 1 half its diagonal, 2 its diagonal.", 0,
+    2, 1};
+
 /// A map as casters and receivers meet in it.
 struct ConservativeProjection {
     glm::dmat4 texelFromZero{1.0}; ///< x and y in texels times w, as gpu::MapLook has them.
@@ -28,6 +38,7 @@ struct ConservativeProjection {
     float depthConstant = 0.0f, depthScale = -1.0f; ///< As in MapProjection.
     bool perspective = false;
     float lightCoordinate = 0.0f; ///< Largest coordinate of the light; 0 without a place.
+    ThesisOffset offset = ThesisOffset::halfDiagonal;
 };
 ConservativeProjection conservativeProjection(const LightFit& fit, const LightView& light, std::uint32_t resolution);
 

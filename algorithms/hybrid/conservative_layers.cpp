@@ -68,21 +68,29 @@ PipelineId classifyPipeline(const AlgorithmServices& services, const char* name,
 
 // --- projections and content ---
 
-ConservativeMapView conservativeView(const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
+ConservativeMapView conservativeView(const ShadowTask& task, std::uint32_t resolution, ThesisOffset offset,
+                                     FrameArena& arena)
 {
     // Depths before the near end are written as 0, whether the device can clamp or not.
     const std::span<const LightFit> fits = fitLightMap(true, task, resolution, arena);
     const std::span<ConservativeProjection> projections = arena.array<ConservativeProjection>(fits.size());
-    for (std::size_t i = 0; i < fits.size(); ++i)
+    for (std::size_t i = 0; i < fits.size(); ++i) {
         projections[i] = conservativeProjection(fits[i], *task.light, resolution);
-    return {.fits = fits, .projections = projections, .resolution = resolution, .needed = neededLayers(task)};
+        projections[i].offset = offset;
+    }
+    return {.fits = fits,
+            .projections = projections,
+            .resolution = resolution,
+            .needed = neededLayers(task),
+            .offset = offset};
 }
 
 LayerContent conservativeContent(const ShadowTask& task, const ConservativeMapView& view, std::uint32_t layer,
                                  std::uint64_t salt, FrameArena& arena)
 {
     const LightFit& fit = view.fits[layer];
-    const std::uint64_t projection = Stamp().add(fit.clipFromWorld).add(salt).value();
+    const std::uint64_t projection =
+        Stamp().add(fit.clipFromWorld).add(salt).add(static_cast<std::uint64_t>(view.offset)).value();
     return layerContent(*task.light, castersIn(task.casters->statics, fit.volume, arena),
                         castersIn(task.casters->movings, fit.volume, arena), projection, view.resolution);
 }
@@ -176,7 +184,8 @@ void ConservativeMethod::declare(PassBuilder& passes, const ShadowTask& task)
 {
     const bool thesis = task.settings[kMode] != 0.0;
     const ConservativeMapView view =
-        conservativeView(task, static_cast<std::uint32_t>(task.settings[kResolution]), passes.arena());
+        conservativeView(task, static_cast<std::uint32_t>(task.settings[kResolution]),
+                         static_cast<ThesisOffset>(static_cast<std::uint32_t>(task.settings[kLambda])), passes.arena());
     const ConservativeImages images{.nearest = maps_.declareNearest(passes, task, view, thesis),
                                     .covered = declareCovered(passes, task, view, maps_, thesis)};
     const RayList list = lists_.open(passes, task, task.settings[kReasons] != 0.0);

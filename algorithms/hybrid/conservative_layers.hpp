@@ -15,9 +15,11 @@ struct ConservativeMapView {
     std::span<const LightFit> fits;                      ///< They live as long as the frame.
     std::span<const ConservativeProjection> projections; ///< Of each fit.
     std::uint32_t resolution = 0;
-    std::uint32_t needed = 0; ///< Bit i: a receiver of task.view can lie in layer i.
+    std::uint32_t needed = 0;                         ///< Bit i: a receiver of task.view can lie in layer i.
+    ThesisOffset offset = ThesisOffset::halfDiagonal; ///< Of the thesis's layers.
 };
-ConservativeMapView conservativeView(const ShadowTask& task, std::uint32_t resolution, FrameArena& arena);
+ConservativeMapView conservativeView(const ShadowTask& task, std::uint32_t resolution, ThesisOffset offset,
+                                     FrameArena& arena);
 
 /// What goes into one of its layers. @param salt whatever else its content depends on.
 LayerContent conservativeContent(const ShadowTask& task, const ConservativeMapView& view, std::uint32_t layer,
@@ -61,11 +63,12 @@ private:
 /// What both methods are but for their under-estimated layer.
 class ConservativeMethod : public ShadowAlgorithm {
 public:
-    enum Setting : std::size_t { kResolution, kMode, kReasons };
+    enum Setting : std::size_t { kResolution, kMode, kReasons, kLambda };
     static constexpr SettingSpec kSettings[] = {
         {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024},
         {"mode", "0: guaranteed; 1: as in the thesis.", 0, 1, 0},
         kReasonsSetting,
+        kLambdaSetting,
     };
     static constexpr std::uint32_t kTraits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT |
                                              GN_TRAIT_HARD_BIT | GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT |

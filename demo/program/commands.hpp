@@ -11,7 +11,7 @@ namespace gnomon::demo {
 struct RunOptions {
     std::string scene, rules, method, size;
     std::string knowledge; ///< loadKnowledge().
-    uint32_t frames = 0; ///< 0: the scene's.
+    uint32_t frames = 0;   ///< 0: the scene's.
     float budgetMs = 0.0f;
     std::string out = "out/run";
     std::string dump;
@@ -52,6 +52,14 @@ struct ReasonsOptions {
     std::string out;               ///< Empty: no picture.
 };
 int reasonsCommand(const ReasonsOptions& options);
+
+struct TablesOptions {
+    std::string thesis;      ///< moderno or morais.
+    std::string csv;         ///< Empty: no file.
+    uint32_t picture = 1024; ///< Pixels a side.
+    bool tight = false;      ///< moderno: the other of the fits that the thesis may mean.
+};
+int tablesCommand(const TablesOptions& options);
 
 struct CompareOptions {
     std::string scene, rules, methods, size, plot;

@@ -103,6 +103,22 @@ void addReasons(CLI::App& app, ReasonsOptions& options, int& exitCode)
     reasons->callback([&] { exitCode = reasonsCommand(options); });
 }
 
+void addTables(CLI::App& app, TablesOptions& options, int& exitCode)
+{
+    CLI::App* tables =
+        app.add_subcommand("tables", "a thesis's main tables on the scenes views/..., printed numbers / ours");
+    tables->add_option("THESIS", options.thesis, "moderno or morais")
+        ->required()
+        ->check(CLI::IsMember({"moderno", "morais"}));
+    tables->add_option("--csv", options.csv, "write a line per cell here as well");
+    tables->add_option("--picture", options.picture, "pixels a side; other sizes than the theses' change all numbers")
+        ->check(CLI::Range(64, 4096))
+        ->capture_default_str();
+    tables->add_flag("--tight", options.tight,
+                     "moderno: texels as of a map fitted in width and height to what is seen, not of a square one");
+    tables->callback([&] { exitCode = tablesCommand(options); });
+}
+
 void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
 {
     CLI::App* compare = app.add_subcommand("compare", "whole runs by the rules against the same by one method each");
@@ -191,6 +207,8 @@ int main(int argc, char** argv)
     addBench(app, bench, exitCode);
     addContact(app, contact, exitCode);
     addReasons(app, reasons, exitCode);
+    TablesOptions tables;
+    addTables(app, tables, exitCode);
     CompareOptions compare;
     addCompare(app, compare, exitCode);
     CalibrateOptions calibrate;

@@ -42,7 +42,8 @@ void main()
         drawn = drawn && holds(t, c);
         depth = clamp(depthAt(t, c), t.range.x, t.range.y);
     } else {
-        drawn = drawn && (LAYER == LAYER_THESIS_NEAR ? thesisTouches(t, c) : thesisCovers(t, c, keptEdges()));
+        drawn = drawn && (LAYER == LAYER_THESIS_NEAR ? thesisTouches(t, c, caster.flags)
+                                                     : thesisCovers(t, c, keptEdges(), caster.flags));
         depth = depthAt(t, c);
     }
     // Depth 1 means that nothing is there.

@@ -33,6 +33,20 @@ GN_SHARED_CONST uint REASON_TILE_LIT = 13u;     // proved for a whole tile of pi
 GN_SHARED_CONST uint REASON_TILE_SHADOW = 14u;
 GN_SHARED_CONST uint REASON_COUNT = 15u;
 
+// With `reasons` 2 contour_chain's byte is what each of its stages would say by itself (Moderno's tables 5 to 15 are
+// counts of such bytes). Bit 0 is what the map says; then who agrees with it, and whose triangles block the ray.
+GN_SHARED_CONST uint VOTE_LIT = 1u;
+GN_SHARED_CONST uint VOTE_TC4 = 2u; // the four texels around the receiver agree
+GN_SHARED_CONST uint VOTE_TC9 = 4u;
+GN_SHARED_CONST uint VOTE_ST = 8u; // the own texel's triangle
+GN_SHARED_CONST uint VOTE_NB4 = 16u;
+GN_SHARED_CONST uint VOTE_NB9 = 32u;
+GN_SHARED_CONST uint VOTE_AG1 = 64u; // the own one's or one that shares an edge with it
+GN_SHARED_CONST uint VOTE_AG2 = 128u;
+// What asks nobody counts as agreed on, and as proved where it is dark (his 4.4).
+GN_SHARED_CONST uint VOTES_OUTSIDE = 7u;
+GN_SHARED_CONST uint VOTES_BACKFACING = 254u;
+
 // A pixel in the list: 16 bits of x, 16 of y, in image coordinates.
 GN_SHARED_FN uint packPixel(uint x, uint y) { return x | (y << 16u); }
 GN_SHARED_FN uint pixelX(uint packedPixel) { return packedPixel & 0xffffu; }

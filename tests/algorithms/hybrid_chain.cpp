@@ -22,8 +22,9 @@ struct Pixel {
     bool own = false, four = false, nine = false, edges = false,
          vertices = false;               ///< Witnesses: ST, NB4, NB9, AG1, AG2.
     bool agree4 = false, agree9 = false; ///< TC4, TC9 say what the map says.
-    std::optional<bool> unfiltered;      ///< A bilinear filter of the comparisons gives 0 or 1; none: too close to say.
-    std::uint32_t reason[5] = {};        ///< By mode, of those that leave something out.
+    std::uint32_t votes = 0;
+    std::optional<bool> unfiltered; ///< A bilinear filter of the comparisons gives 0 or 1; none: too close to say.
+    std::uint32_t reason[5] = {};   ///< By mode, of those that leave something out.
 
     bool truthLit() const { return asked == Asked::lit || (asked == Asked::ray && !blocked); }
 };
@@ -143,6 +144,7 @@ Pixel pixelAt(const Asking& asking, std::uint32_t x, std::uint32_t y)
     p.nine = blockBlocks(asking.scene, texels, TexelBlock::nine, ray);
     p.edges = ringBlocks(asking.scene, texels, 2, true, ray);
     p.vertices = ringBlocks(asking.scene, texels, 1, true, ray);
+    p.votes = chainVotes(asking.scene, p.lit, true, texels, ray);
     for (std::size_t i = 0; i < std::size(kModes); ++i)
         p.reason[i] = chainReason(asking.scene, stagesOf(kModes[i]), p.lit, true, texels, ray);
     p.unfiltered = unfilteredAt(asking.world, asking.map, asking.light, asking.constants, receiver);
@@ -363,5 +365,22 @@ TEST_CASE("A7: four texels agree exactly where a bilinear filter of their compar
         MESSAGE("asked " << asked << ", between 0 and 1 " << mixed << ", differ " << differ);
         CHECK(differ == 0);
         if (asked > 0) CHECK(mixed > 100);
+    });
+}
+
+TEST_CASE("votes are what each stage says by itself")
+{
+    forAllMaps([](const std::vector<Pixel>& pixels) {
+        int differ = 0;
+        for (const Pixel& p : pixels) {
+            if (p.asked != Asked::ray) continue;
+            const std::pair<std::uint32_t, bool> bits[] = {{gpu::VOTE_LIT, p.lit},    {gpu::VOTE_TC4, p.agree4},
+                                                           {gpu::VOTE_TC9, p.agree9}, {gpu::VOTE_ST, p.own},
+                                                           {gpu::VOTE_NB4, p.four},   {gpu::VOTE_NB9, p.nine},
+                                                           {gpu::VOTE_AG1, p.edges},  {gpu::VOTE_AG2, p.vertices}};
+            for (const auto& [bit, said] : bits)
+                differ += ((p.votes & bit) != 0) != said;
+        }
+        CHECK(differ == 0);
     });
 }

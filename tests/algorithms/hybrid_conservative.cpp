@@ -308,7 +308,7 @@ int thesisArea(const std::array<glm::vec3, 3>& corners, std::uint32_t keep)
     int count = 0;
     for (float y = 0.125f; y < kSide; y += 0.25f)
         for (float x = 0.125f; x < kSide; x += 0.25f)
-            count += thesisCovers(t, glm::vec2(x, y) - gpu::texelBase(t.rect), keep);
+            count += thesisCovers(t, glm::vec2(x, y) - gpu::texelBase(t.rect), keep, 0u);
     return count;
 }
 
@@ -329,10 +329,16 @@ bool inside(dvec2 p, dvec2 a, dvec2 b, dvec2 c)
     return (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
 }
 
-} // namespace
-
-TEST_CASE("the rule of kept edges is the union of the thesis's 1, 1, 2 and 4 triangles")
+/// An edge's offset along its normal.
+double offsetOf(dvec2 normal, std::uint32_t flags)
 {
+    if ((flags & gpu::CASTER_TIGHT) != 0) return 0.5 * (std::abs(normal.x) + std::abs(normal.y));
+    return (flags & gpu::CASTER_DIAGONAL) != 0 ? std::sqrt(2.0) : std::sqrt(0.5);
+}
+
+void checkUnion(std::uint32_t flags)
+{
+    CAPTURE(flags);
     const std::array<glm::vec3, 3> corners = {glm::vec3(10, 12, 0.5f), glm::vec3(50, 16, 0.5f),
                                               glm::vec3(22, 48, 0.5f)};
     const dvec2 v[3] = {dvec2(corners[0]), dvec2(corners[1]), dvec2(corners[2])};
@@ -343,7 +349,7 @@ TEST_CASE("the rule of kept edges is the union of the thesis's 1, 1, 2 and 4 tri
         const dvec2 u = glm::normalize(along(i));
         dvec2 n(-u.y, u.x);
         if (glm::dot(n, v[i] - from(i)) < 0.0) n = -n;
-        return from(i) + double(gpu::THESIS_TEXELS) * n;
+        return from(i) + offsetOf(n, flags) * n;
     };
     const auto corner = [&](int i, bool iMoved, int j, bool jMoved) {
         return meet(iMoved ? moved(i) : from(i), along(i), jMoved ? moved(j) : from(j), along(j));
@@ -369,11 +375,19 @@ TEST_CASE("the rule of kept edges is the union of the thesis's 1, 1, 2 and 4 tri
                 bool in = false; // a fan; the polygon is convex
                 for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
                     in = in || inside({x, y}, polygon[0], polygon[i], polygon[i + 1]);
-                wrong += in != thesisCovers(t, glm::vec2(float(x), float(y)) - gpu::texelBase(t.rect), keep);
+                wrong += in != thesisCovers(t, glm::vec2(float(x), float(y)) - gpu::texelBase(t.rect), keep, flags);
             }
         }
         CHECK(wrong <= 2); // points on a border
         for (std::uint32_t more = 0; more < 8; ++more)
             if ((more & keep) == keep) CHECK(thesisArea(corners, more) >= thesisArea(corners, keep));
     }
+}
+
+} // namespace
+
+TEST_CASE("the rule of kept edges is the union of the thesis's 1, 1, 2 and 4 triangles, by whatever edges move")
+{
+    for (const std::uint32_t flags : {0u, gpu::CASTER_TIGHT, gpu::CASTER_DIAGONAL})
+        checkUnion(flags);
 }

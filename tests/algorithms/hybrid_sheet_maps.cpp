@@ -122,7 +122,7 @@ Claims claimsOf(const Shape& shape)
         for (int y = int(t.rect.y); y < int(t.rect.w); ++y) {
             for (int x = int(t.rect.x); x < int(t.rect.z); ++x) {
                 const glm::vec2 centre = glm::vec2(float(x) + 0.5f, float(y) + 0.5f) - gpu::texelBase(t.rect);
-                if (thesisCovers(t, centre, kept[face / 8] >> (4 * (face % 8)) & 7u))
+                if (thesisCovers(t, centre, kept[face / 8] >> (4 * (face % 8)) & 7u, 0u))
                     claims.thesis[static_cast<std::size_t>(y * kSide + x)] = true;
             }
         }

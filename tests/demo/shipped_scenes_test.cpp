@@ -102,7 +102,7 @@ TEST_CASE("the shipped scenes are found by name and keep to their triangle budge
 
 TEST_CASE("the views of the theses load, a square picture with three cameras each")
 {
-    for (const char* name : {"primitives", "foliage", "flowers", "bench"}) {
+    for (const char* name : {"primitives", "foliage", "flowers", "bench", "colonnade"}) {
         INFO(name);
         const auto scene = loadScene(std::string("views/") + name);
         REQUIRE_MESSAGE(scene, scene.error());

@@ -126,6 +126,30 @@ TEST_CASE("in its contour the chain is wrong only where agreeing texels are, and
     }
 }
 
+TEST_CASE("votes tell why the chain decided as it did")
+{
+    const test::DeviceTest silence;
+    Stage stage(shippedScene("colonnade"), kSize);
+    const Pictures reasons = stage.draw(kChain, with(kModeChain, 0, true));
+    const Pictures votes = stage.draw(kChain, {{"reasons", 2.0}, {"resolution", 512.0}, {"contour", 2.0}});
+    uint64_t differ = 0, asked = 0;
+    everywhere(reasons, [&](size_t layer, size_t i) {
+        const uint8_t reason = reasons[layer].texels[i];
+        if (byMap(reason) || reason == gpu::REASON_BACKFACING) return;
+        const uint32_t vote = votes[layer].texels[i];
+        const bool lit = vote & gpu::VOTE_LIT;
+        const uint32_t expected = vote & gpu::VOTE_TC4   ? lit ? gpu::REASON_TC_LIT : gpu::REASON_TC_SHADOW
+                                  : vote & gpu::VOTE_NB9 ? lit ? gpu::REASON_NB_CORRECTED : gpu::REASON_NB_CONFIRMED
+                                  : !lit && (vote & gpu::VOTE_AG2) ? gpu::REASON_AG_CONFIRMED
+                                                                   : gpu::REASON_RT_LIT;
+        ++asked;
+        differ += expected == gpu::REASON_RT_LIT ? reason != gpu::REASON_RT_LIT && reason != gpu::REASON_RT_SHADOW
+                                                 : reason != expected;
+    });
+    CHECK(differ == 0);
+    CHECK(asked > 100000);
+}
+
 TEST_CASE("reasons say what visibility says, and name as many rays as are counted")
 {
     const test::DeviceTest silence;
