@@ -4,8 +4,10 @@
 #include <initializer_list>
 
 #ifdef GNOMON_WITH_EMBREE
+#include "algorithms/hybrid/coherence_sampling.hpp"
 #include "algorithms/hybrid/conservative_map.hpp"
 #include "algorithms/hybrid/contour_chain.hpp"
+#include "algorithms/hybrid/eight_point_hybrid.hpp"
 #include "algorithms/hybrid/pcf_hybrid.hpp"
 #include "algorithms/hybrid/ray_traced.hpp"
 #include "algorithms/hybrid/tile_shafts.hpp"
@@ -43,7 +45,8 @@ constexpr std::array kAlgorithms = {
 #ifdef GNOMON_WITH_EMBREE
     &kPcfHybrid,       &kContourChain,
     &kConservativeMap, &kRayTraced,
-    &kTileShafts,
+    &kTileShafts,      &kEightPointHybrid,
+    &kCoherenceSampling,
 #endif
 #if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
     &kAngularSpans,    &kConservativeMapAdjacency,
@@ -55,7 +58,8 @@ constexpr std::initializer_list<const char*> kAbsentNames = {
 #ifndef GNOMON_WITH_EMBREE
     "ray_traced",       "pcf_hybrid",
     "contour_chain",    "conservative_map",
-    "tile_shafts",
+    "tile_shafts",      "eight_point_hybrid",
+    "coherence_sampling",
 #endif
 #ifndef GNOMON_WITH_OPENMESH
     "stencil_volume",   "chan_durand",
