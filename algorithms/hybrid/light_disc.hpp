@@ -19,13 +19,13 @@ inline float discRadius(const LightView& light)
 }
 
 /// A sun as wide as this is half of the sky's height; its disc's rim lies at tan = 1.
-inline constexpr float kWidestSun = 0.785f;
+inline constexpr float kWidestSun = 0.7854f;
 
 /// Why rays cannot go to points of this light's disc, or null.
 inline const char* refusesDisc(const LightView& light)
 {
     const bool wide = light.type == GN_LIGHT_TYPE_DIRECTIONAL && light.constants.sourceRadius > kWidestSun;
-    return wide ? "directional light's sourceRadius above 0.785 (45 degrees)" : nullptr;
+    return wide ? "directional light's sourceRadius above 0.7854 (45 degrees)" : nullptr;
 }
 
 /// The world axis along which a direction goes least; the first of equals.
