@@ -48,7 +48,7 @@ CellGrid::CellGrid(std::uint32_t side) : side_(side)
         }
     }
     for (std::uint32_t step = 0; step < 4 * (side - 1); ++step)
-        rim_[step % (side - 1)] |= CellMask{1} << onRim(step, side);
+        rim_[step % rimSets()] |= CellMask{1} << onRim(step, side);
 }
 
 } // namespace gnomon

@@ -31,9 +31,9 @@ public:
     /// Cells with a neighbour, of eight, that is not like them.
     CellMask border(CellMask seen) const { return (grown(seen) & ~seen) | (grown(all_ & ~seen) & seen); }
 
-    /// Some cells of the rim, spread around it. The sets of `rimSets()` consecutive numbers hold all of it.
+    /// Two opposite cells of the rim. The sets of `rimSets()` consecutive numbers hold all of it.
     CellMask rim(std::uint32_t number) const { return rim_[number % rimSets()]; }
-    std::uint32_t rimSets() const { return side_ - 1; }
+    std::uint32_t rimSets() const { return 2 * (side_ - 1); }
 
     /// Where a cell is asked, in the unit disc. Equal areas for all cells; neighbours in the grid are neighbours there,
     /// the rim of the grid is the rim of the disc.
@@ -49,7 +49,7 @@ private:
 
     std::uint32_t side_;
     CellMask all_ = 0;
-    std::array<CellMask, kMaxSide - 1> rim_{};
+    std::array<CellMask, 2 * (kMaxSide - 1)> rim_{};
     std::array<glm::vec2, kMaxSide * kMaxSide> at_{};
 };
 
@@ -57,21 +57,20 @@ private:
 /// Source: P. Shirley and K. Chiu, "A low distortion map between disk and square", Journal of Graphics Tools 2(3), 1997.
 glm::vec2 discOfSquare(glm::vec2 square);
 
-/// Finds the cells that a receiver sees, from what is believed of it: asks the cells on the border of what is seen, and
-/// again wherever an answer has moved that border, until all of it has been asked.
-/// @param seen in: what is believed, right in `known`; out: what was found.
-/// @param known in: cells that were asked; out: all that were.
-/// @param doubted cells to ask in any case.
-/// @param ask ask(cells): those of the cells that are seen.
-template <typename Ask>
-void followBorder(const CellGrid& grid, CellMask& seen, CellMask& known, CellMask doubted, Ask&& ask)
-{
-    for (;;) {
-        const CellMask cells = (grid.border(seen) | doubted) & ~known;
-        if (cells == 0) return;
-        seen = (seen & ~cells) | (ask(cells) & cells);
+/// What is known of the cells that a receiver sees. Once next() names none, all cells on the border of what is seen have
+/// been asked: it has been followed wherever answers have moved it.
+struct CellPicture {
+    CellMask seen = 0;  ///< As believed, or found.
+    CellMask known = 0; ///< Cells that have been asked.
+
+    /// The cells to ask next. @param doubted to be asked in any case.
+    CellMask next(const CellGrid& grid, CellMask doubted) const { return (grid.border(seen) | doubted) & ~known; }
+    /// @param answer those of the cells that are seen.
+    void learn(CellMask cells, CellMask answer)
+    {
+        seen = (seen & ~cells) | (answer & cells);
         known |= cells;
     }
-}
+};
 
 } // namespace gnomon

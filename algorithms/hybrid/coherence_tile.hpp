@@ -21,7 +21,7 @@ struct CellLight {
 /// Memory for a tile; one a thread.
 class CoherenceTile {
 public:
-    static constexpr std::uint32_t kSide = 16; ///< Pixels; the first of them traces all of its cells.
+    static constexpr std::uint32_t kSide = 32; ///< Pixels; the first of them traces all of its cells.
 
     CoherenceTile(const CellLight& light, const HostContext& host) : light_(light), host_(host) {}
 
@@ -35,25 +35,39 @@ private:
         ShadowRay centre;
         Receiver surface;
         LightDisc disc;
-        CellMask seen, known;
+        CellPicture cells;
         bool asks;
+        std::uint8_t alike; ///< Bits of Side: neighbours that ask and lie on the same surface.
     };
-    static constexpr std::uint32_t kPixels = kSide * kSide;
+    static constexpr std::uint32_t kPixels = kSide * kSide, kCells = CellGrid::kMaxSide * CellGrid::kMaxSide;
+    static constexpr std::size_t kBatch = kSide * kCells; ///< Rays: as many as a diagonal can ask.
+    /// Pixels that follow their borders together, and what they ask next.
+    struct Following {
+        Pixel* pixel;
+        CellMask doubted, asked;
+    };
 
     void read(const Receivers& receivers, std::uint32_t left, std::uint32_t top, std::span<std::uint8_t> visibility,
               std::size_t stride);
+    enum Side : std::uint8_t { kLeft = 1, kRight = 2, kAbove = 4, kBelow = 8, kAround = 15 };
+
+    void findAlike();
+    bool alike(const Pixel& pixel, const Pixel& other) const;
     void askRims(std::uint32_t left, std::uint32_t top);
-    void predict(std::uint32_t x, std::uint32_t y);
-    void review(std::uint32_t x, std::uint32_t y);
-    CellMask ask(const Pixel& pixel, CellMask cells);
-    const Pixel* alike(const Pixel& pixel, std::int32_t x, std::int32_t y) const;
+    CellMask predict(Pixel& pixel) const;
+    CellMask review(const Pixel& pixel) const;
+    template <typename Doubt>
+    void sweep(std::uint32_t diagonal, Doubt doubt);
+    void follow(std::span<Following> pixels);
+    std::span<Following> askNext(std::span<Following> pixels);
     Pixel& at(std::uint32_t x, std::uint32_t y) { return pixels_[y * kSide + x]; }
 
     const CellLight& light_;
     const HostContext& host_;
     std::uint32_t width_ = 0, height_ = 0;
-    std::uint64_t rays_ = 0; ///< Of the tile at work that were asked pixel by pixel.
     Pixel pixels_[kPixels];
+    Following following_[kSide];
+    RayBatch<kBatch> batch_;
 };
 
 } // namespace gnomon
