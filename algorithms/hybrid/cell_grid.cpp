@@ -43,7 +43,8 @@ CellGrid::CellGrid(std::uint32_t side) : side_(side)
             const std::uint32_t bit = kMaxSide * row + column;
             all_ |= CellMask{1} << bit;
             // In the middle, for every receiver: jittered, neighbours would disagree about cells that no edge crosses,
-            // and half planes over the disc be off by 0.0145 on average in place of 0.0094 (0.0169 in the worst direction).
+            // and half planes over the disc be off by 0.0145 on average in place of 0.0094 (0.0169 in the worst
+            // direction).
             at_[bit] = discOfSquare(cell * (glm::vec2(column, row) + 0.5f) - 1.0f);
         }
     }

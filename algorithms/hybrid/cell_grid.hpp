@@ -39,10 +39,7 @@ public:
     /// the rim of the grid is the rim of the disc.
     glm::vec2 at(std::uint32_t bit) const { return at_[bit]; }
 
-    float share(CellMask seen) const
-    {
-        return static_cast<float>(std::popcount(seen)) / static_cast<float>(count());
-    }
+    float share(CellMask seen) const { return static_cast<float>(std::popcount(seen)) / static_cast<float>(count()); }
 
 private:
     static constexpr CellMask kFirstColumn = 0x0101010101010101ull, kLastColumn = kFirstColumn << 7;
@@ -54,11 +51,12 @@ private:
 };
 
 /// From the square [-1, 1]^2 to the unit disc, equal areas to equal areas and squares about the centre to circles.
-/// Source: P. Shirley and K. Chiu, "A low distortion map between disk and square", Journal of Graphics Tools 2(3), 1997.
+/// Source: P. Shirley and K. Chiu, "A low distortion map between disk and square", Journal of Graphics Tools 2(3),
+/// 1997.
 glm::vec2 discOfSquare(glm::vec2 square);
 
-/// What is known of the cells that a receiver sees. Once next() names none, all cells on the border of what is seen have
-/// been asked: it has been followed wherever answers have moved it.
+/// What is known of the cells that a receiver sees. Once next() names none, all cells on the border of what is seen
+/// have been asked: it has been followed wherever answers have moved it.
 struct CellPicture {
     CellMask seen = 0;  ///< As believed, or found.
     CellMask known = 0; ///< Cells that have been asked.

@@ -61,14 +61,14 @@ void sample(const SampleJob& job, const HostContext& host)
         sampleTileRow(job, receivers, tile, top, height, rows);
         std::memcpy(&visibility[std::size_t(top) * extent.width], rows.data(), rows.size());
     };
-    host.jobs->parallelFor((extent.height + side - 1) / side, 1,
-                           [&](std::size_t begin, std::size_t end, std::uint32_t thread) {
-                               if (!tiles[thread])
-                                   tiles[thread] = new (host.arena->allocate(
-                                       sizeof(CoherenceTile), alignof(CoherenceTile))) CoherenceTile(light, host);
-                               for (std::size_t row = begin; row < end; ++row)
-                                   rowOf(static_cast<std::uint32_t>(row) * side, *tiles[thread]);
-                           });
+    host.jobs->parallelFor(
+        (extent.height + side - 1) / side, 1, [&](std::size_t begin, std::size_t end, std::uint32_t thread) {
+            if (!tiles[thread])
+                tiles[thread] = new (host.arena->allocate(sizeof(CoherenceTile), alignof(CoherenceTile)))
+                    CoherenceTile(light, host);
+            for (std::size_t row = begin; row < end; ++row)
+                rowOf(static_cast<std::uint32_t>(row) * side, *tiles[thread]);
+        });
 }
 
 class CoherenceSampling final : public ShadowAlgorithm {

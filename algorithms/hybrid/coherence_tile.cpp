@@ -38,8 +38,8 @@ bool CoherenceTile::alike(const Pixel& pixel, const Pixel& other) const
 {
     if (!pixel.asks || !other.asks || glm::dot(pixel.surface.normal, other.surface.normal) < kAlikeCosine) return false;
     const glm::vec3 apart = other.centre.origin - pixel.centre.origin;
-    const float off = std::fmin(std::fabs(glm::dot(pixel.surface.normal, apart)),
-                                std::fabs(glm::dot(other.surface.normal, apart)));
+    const float off =
+        std::fmin(std::fabs(glm::dot(pixel.surface.normal, apart)), std::fabs(glm::dot(other.surface.normal, apart)));
     return off <= kAlikeFootprints * light_.pixelSize * std::fmin(pixel.surface.w, other.surface.w);
 }
 
@@ -63,8 +63,8 @@ void CoherenceTile::findAlike()
     }
 }
 
-/// Some cells of every pixel's rim, other ones from pixel to pixel: what comes before the light comes over its rim. They
-/// depend on no neighbour, so that the rays of a tile share their packets.
+/// Some cells of every pixel's rim, other ones from pixel to pixel: what comes before the light comes over its rim.
+/// They depend on no neighbour, so that the rays of a tile share their packets.
 void CoherenceTile::askRims(std::uint32_t left, std::uint32_t top)
 {
     const auto answer = [&](std::uint32_t tag, bool occluded) {
@@ -74,8 +74,9 @@ void CoherenceTile::askRims(std::uint32_t left, std::uint32_t top)
         for (std::uint32_t x = 0; x < width_; ++x) {
             Pixel& pixel = at(x, y);
             if (!pixel.asks) continue;
-            // Of fourteen sets any 5 x 3 pixels hold them all. Where one side is not looked at by a neighbour, such as on
-            // the tile's own rim, a pixel looks at four times as many: of 120 pixels missed of 24 842 most were there.
+            // Of fourteen sets any 5 x 3 pixels hold them all. Where one side is not looked at by a neighbour, such as
+            // on the tile's own rim, a pixel looks at four times as many: of 120 pixels missed of 24 842 most were
+            // there.
             const std::uint32_t first = left + x + 5 * (top + y);
             for (std::uint32_t set = 0; set < (pixel.alike == kAround ? 1u : 4u); ++set)
                 pixel.cells.known |= light_.grid.rim(first + 4 * set);

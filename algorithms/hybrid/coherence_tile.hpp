@@ -13,8 +13,8 @@ namespace gnomon {
 /// The light and its cells; the same for all tiles.
 struct CellLight {
     CellGrid grid;
-    float radius;     ///< discRadius().
-    float pixelSize;  ///< Width of a pixel at linear depth 1, metres.
+    float radius;    ///< discRadius().
+    float pixelSize; ///< Width of a pixel at linear depth 1, metres.
     std::uint32_t mask;
 };
 

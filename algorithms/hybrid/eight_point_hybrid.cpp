@@ -64,7 +64,9 @@ void tracePoints(const PointsJob& job, const HostContext& host, const Receivers&
     const PointDisc own(*job.light);
     const std::array points = lightPoints();
     RayBatch<256> batch; // 32 pixels
-    const auto answer = [&](std::uint32_t i, bool occluded) { seen[i] = static_cast<std::uint8_t>(seen[i] - occluded); };
+    const auto answer = [&](std::uint32_t i, bool occluded) {
+        seen[i] = static_cast<std::uint8_t>(seen[i] - occluded);
+    };
     for (std::uint32_t i = 0; i < pixels.size(); ++i) {
         ShadowRay centre;
         const Asked asked = receivers.at(gpu::pixelX(pixels[i]), gpu::pixelY(pixels[i]), centre);

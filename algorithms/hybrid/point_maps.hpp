@@ -22,18 +22,15 @@ struct PointDisc {
     glm::vec3 across; ///< Of LightDisc, for all receivers.
     float radius;     ///< discRadius().
 
-    explicit PointDisc(const LightView& light)
-        : across(axisAcross(light.direction())), radius(discRadius(light))
-    {
-    }
+    explicit PointDisc(const LightView& light) : across(axisAcross(light.direction())), radius(discRadius(light)) {}
 };
 
 /// The light as a point of its disc has it, the disc seen along the axis. A spot light's cone is wider by 1/8 of the
 /// distance, so that farther away than eight radii the cone of the light lies inside the cone of every point.
 LightView lightFrom(const LightView& light, glm::vec2 point);
 
-/// Declares what is missing of the layers, of kMapFormat and resolution x resolution, and adds to `looks` how the view's
-/// receivers are found in each (map_look.h). The light is directional or spot.
+/// Declares what is missing of the layers, of kMapFormat and resolution x resolution, and adds to `looks` how the
+/// view's receivers are found in each (map_look.h). The light is directional or spot.
 ImageId declarePointMaps(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
                          std::uint32_t resolution, std::span<gpu::MapLook, kLightPoints> looks);
 

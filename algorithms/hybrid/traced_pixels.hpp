@@ -1,5 +1,6 @@
 #pragma once
-// One ray a pixel towards the light's centre: all of ray_traced, and what soft methods are for a light without a radius.
+// One ray a pixel towards the light's centre: all of ray_traced, and what soft methods are for a light without a
+// radius.
 #include "runtime/algorithm.hpp"
 
 namespace gnomon {

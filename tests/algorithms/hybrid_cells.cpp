@@ -140,7 +140,8 @@ TEST_CASE("half planes over the disc are off by 0.0095 on average, 0.017 in the 
     CHECK(worst <= 0.0175);
 }
 
-TEST_CASE("from a neighbour's cells all are found as they are, a third or less of them asked, whatever way an edge moves")
+TEST_CASE(
+    "from a neighbour's cells all are found as they are, a third or less of them asked, whatever way an edge moves")
 {
     std::mt19937 random(7);
     std::uniform_real_distribution<float> unit(-1.0f, 1.0f);

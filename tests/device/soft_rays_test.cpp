@@ -102,7 +102,8 @@ TEST_CASE_FIXTURE(DeviceTest, "eight maps are drawn once, again when a caster mo
     CHECK(differences(host.pictures(), picturesOf(fresh, kEight)) == 0);
 }
 
-TEST_CASE_FIXTURE(DeviceTest, "coherence_sampling's picture is the same for any number of threads, and from frame to frame")
+TEST_CASE_FIXTURE(DeviceTest,
+                  "coherence_sampling's picture is the same for any number of threads, and from frame to frame")
 {
     const Scene scene = softScene({kSpot, kSun, kPoint});
     const auto threads = [](uint32_t count) {

@@ -66,7 +66,8 @@ Scene softened(const std::string& name, float radius, uint32_t lights)
 
 } // namespace
 
-TEST_CASE("penumbrae of single casters are off by 0.03 of the light at most, for 30 % of the rays; by 0.08 of eight points")
+TEST_CASE(
+    "penumbrae of single casters are off by 0.03 of the light at most, for 30 % of the rays; by 0.08 of eight points")
 {
     const test::DeviceTest silence;
     check("box, spot", softScene(Caster::box, LightKind::Spot, 0.9, 0.3f));
@@ -77,7 +78,8 @@ TEST_CASE("penumbrae of single casters are off by 0.03 of the light at most, for
     check("cylinder, wide spot, standard depth", std::move(standard));
 }
 
-TEST_CASE("penumbrae of shipped scenes are off by 0.03 of the light at most, for 30 % of the rays; by 0.08 of eight points")
+TEST_CASE(
+    "penumbrae of shipped scenes are off by 0.03 of the light at most, for 30 % of the rays; by 0.08 of eight points")
 {
     const test::DeviceTest silence;
     check("torus_grid", softened("torus_grid", 0.6f, 1), {144, 81});

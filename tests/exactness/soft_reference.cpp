@@ -64,9 +64,9 @@ SoftTruth softTruth(const Stage& stage, size_t layer, const brute::Scene& caster
             const glm::dvec3 origin = answer.receiver + normal * (answer.offset / glm::length(normal));
             truth.asked.push_back(asked && !answer.grazing);
             const glm::dvec3 towards = sun ? -glm::normalize(light.direction) : light.position - origin;
-            truth.visibility.push_back(asked ? shareSeen(casters, origin, towards, radius, end,
-                                                         static_cast<uint32_t>(y * view.width + x))
-                                             : double(answer.lit));
+            truth.visibility.push_back(
+                asked ? shareSeen(casters, origin, towards, radius, end, static_cast<uint32_t>(y * view.width + x))
+                      : double(answer.lit));
         }
     }
     return truth;
