@@ -47,17 +47,17 @@ void CoherenceTile::findAlike()
 {
     for (std::uint32_t y = 0; y < height_; ++y)
         for (std::uint32_t x = 0; x < width_; ++x)
-            at(x, y).alike = 0;
+            at(x, y).beside = 0;
     for (std::uint32_t y = 0; y < height_; ++y) {
         for (std::uint32_t x = 0; x < width_; ++x) {
             Pixel& pixel = at(x, y);
             if (x + 1 < width_ && alike(pixel, at(x + 1, y))) {
-                pixel.alike |= kRight;
-                at(x + 1, y).alike |= kLeft;
+                pixel.beside |= kRight;
+                at(x + 1, y).beside |= kLeft;
             }
             if (y + 1 < height_ && alike(pixel, at(x, y + 1))) {
-                pixel.alike |= kBelow;
-                at(x, y + 1).alike |= kAbove;
+                pixel.beside |= kBelow;
+                at(x, y + 1).beside |= kAbove;
             }
         }
     }
@@ -78,7 +78,7 @@ void CoherenceTile::askRims(std::uint32_t left, std::uint32_t top)
             // on the tile's own rim, a pixel looks at four times as many: of 120 pixels missed of 24 842 most were
             // there.
             const std::uint32_t first = left + x + 5 * (top + y);
-            for (std::uint32_t set = 0; set < (pixel.alike == kAround ? 1u : 4u); ++set)
+            for (std::uint32_t set = 0; set < (pixel.beside == kAround ? 1u : 4u); ++set)
                 pixel.cells.known |= light_.grid.rim(first + 4 * set);
             for (CellMask cells = pixel.cells.known; cells != 0; cells &= cells - 1) {
                 const auto bit = static_cast<std::uint32_t>(std::countr_zero(cells));
@@ -95,11 +95,11 @@ void CoherenceTile::askRims(std::uint32_t left, std::uint32_t top)
 /// doubts.
 CellMask CoherenceTile::predict(Pixel& pixel) const
 {
-    const CellMask left = pixel.alike & kLeft ? (&pixel - 1)->cells.seen : 0;
-    const CellMask above = pixel.alike & kAbove ? (&pixel - kSide)->cells.seen : 0;
-    if (!(pixel.alike & (kLeft | kAbove))) return light_.grid.all();
-    pixel.cells.seen |= (pixel.alike & kLeft ? left : above) & ~pixel.cells.known;
-    return (pixel.alike & kLeft) && (pixel.alike & kAbove) ? left ^ above : 0;
+    const CellMask left = pixel.beside & kLeft ? (&pixel - 1)->cells.seen : 0;
+    const CellMask above = pixel.beside & kAbove ? (&pixel - kSide)->cells.seen : 0;
+    if (!(pixel.beside & (kLeft | kAbove))) return light_.grid.all();
+    pixel.cells.seen |= (pixel.beside & kLeft ? left : above) & ~pixel.cells.known;
+    return (pixel.beside & kLeft) && (pixel.beside & kAbove) ? left ^ above : 0;
 }
 
 /// On the way back: what any neighbour has found out otherwise is doubted.
@@ -109,7 +109,7 @@ CellMask CoherenceTile::review(const Pixel& pixel) const
     constexpr std::pair<Side, std::ptrdiff_t> sides[] = {{kLeft, -1}, {kRight, 1}, {kAbove, -row}, {kBelow, row}};
     CellMask doubted = 0;
     for (const auto& [side, way] : sides)
-        if (pixel.alike & side) doubted |= pixel.cells.seen ^ (&pixel + way)->cells.seen;
+        if (pixel.beside & side) doubted |= pixel.cells.seen ^ (&pixel + way)->cells.seen;
     return doubted;
 }
 

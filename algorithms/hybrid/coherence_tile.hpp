@@ -37,7 +37,7 @@ private:
         LightDisc disc;
         CellPicture cells;
         bool asks;
-        std::uint8_t alike; ///< Bits of Side: neighbours that ask and lie on the same surface.
+        std::uint8_t beside; ///< Bits of Side: neighbours that ask and lie on the same surface.
     };
     static constexpr std::uint32_t kPixels = kSide * kSide, kCells = CellGrid::kMaxSide * CellGrid::kMaxSide;
     static constexpr std::size_t kBatch = kSide * kCells; ///< Rays: as many as a diagonal can ask.
