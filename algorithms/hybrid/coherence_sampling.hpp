@@ -1,5 +1,5 @@
 #pragma once
-// Soft shadows of lights with a surface by rays: 64 cells of the light a pixel, of which a fifth or less is traced,
+// Soft shadows of lights with a surface by rays: 64 cells of the light a pixel, of which about a tenth is traced,
 // because a pixel's picture of the light is nearly its neighbour's.
 // Source:    M. Agrawala, R. Ramamoorthi, A. Heirich, L. Moll, "Efficient image-based methods for rendering soft
 //            shadows", SIGGRAPH 2000, section 4.

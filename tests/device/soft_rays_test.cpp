@@ -145,6 +145,28 @@ TEST_CASE_FIXTURE(DeviceTest, "soft lights of one view are as they are alone")
     }
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "a host without normals has the same soft shadows, but for pixels at edges")
+{
+    Host host(softScene({kSpot, kSun}));
+    for (const char* method : {kEight, kCoherence}) {
+        const std::vector<Image8> with = picturesOf(host, method);
+        host.require(host.draw({.adjust = [](GnFrameInfo&, std::vector<GnViewFrame>& views) {
+            views[0].normalImage = VK_NULL_HANDLE;
+            views[0].normalView = VK_NULL_HANDLE;
+            views[0].normalFormat = VK_FORMAT_UNDEFINED;
+        }}));
+        const std::vector<Image8> without = host.pictures();
+        for (size_t light = 0; light < 2; ++light) {
+            size_t apart = 0;
+            for (size_t i = 0; i < with[light].texels.size(); ++i)
+                apart += std::abs(int(with[light].texels[i]) - int(without[light].texels[i])) > 32;
+            MESSAGE(std::string(method) << ": " << apart << " of " << with[light].texels.size() << " pixels apart");
+            CHECK(1000 * apart <= with[light].texels.size());
+            CHECK(between(without[light]) > 100);
+        }
+    }
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "point lights are left to coherence_sampling, suns above 45 degrees to others")
 {
     Scene sky = softScene({kSun, kPoint});
