@@ -63,6 +63,16 @@ void CoherenceTile::findAlike()
     }
 }
 
+/// Adds rays to the batch; their tags are those of `tag` * kCells and up.
+void CoherenceTile::ask(const Pixel& pixel, CellMask cells, std::uint32_t tag)
+{
+    for (; cells != 0; cells &= cells - 1) {
+        const auto bit = static_cast<std::uint32_t>(std::countr_zero(cells));
+        batch_.rays[batch_.count] = pixel.disc.ray(pixel.centre, light_.grid.at(bit));
+        batch_.tags[batch_.count++] = tag * kCells + bit;
+    }
+}
+
 /// Some cells of every pixel's rim, other ones from pixel to pixel: what comes before the light comes over its rim.
 /// They depend on no neighbour, so that the rays of a tile share their packets.
 void CoherenceTile::askRims(std::uint32_t left, std::uint32_t top)
@@ -80,11 +90,7 @@ void CoherenceTile::askRims(std::uint32_t left, std::uint32_t top)
             const std::uint32_t first = left + x + 5 * (top + y);
             for (std::uint32_t set = 0; set < (pixel.beside == kAround ? 1u : 4u); ++set)
                 pixel.cells.known |= light_.grid.rim(first + 4 * set);
-            for (CellMask cells = pixel.cells.known; cells != 0; cells &= cells - 1) {
-                const auto bit = static_cast<std::uint32_t>(std::countr_zero(cells));
-                batch_.rays[batch_.count] = pixel.disc.ray(pixel.centre, light_.grid.at(bit));
-                batch_.tags[batch_.count++] = (y * kSide + x) * kCells + bit;
-            }
+            ask(pixel, pixel.cells.known, y * kSide + x);
             if (batch_.count + kCells > kBatch) batch_.flush(host_, light_.mask, RayCoherence::tiles, answer);
         }
     }
@@ -121,11 +127,7 @@ std::span<CoherenceTile::Following> CoherenceTile::askNext(std::span<Following> 
         const Pixel& pixel = *following.pixel;
         following.asked = pixel.cells.next(light_.grid, following.doubted);
         if (following.asked == 0) continue;
-        for (CellMask cells = following.asked; cells != 0; cells &= cells - 1) {
-            const auto bit = static_cast<std::uint32_t>(std::countr_zero(cells));
-            batch_.rays[batch_.count] = pixel.disc.ray(pixel.centre, light_.grid.at(bit));
-            batch_.tags[batch_.count++] = static_cast<std::uint32_t>(kept) * kCells + bit;
-        }
+        ask(pixel, following.asked, static_cast<std::uint32_t>(kept));
         pixels[kept++] = following;
     }
     return pixels.first(kept);

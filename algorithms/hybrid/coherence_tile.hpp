@@ -31,6 +31,7 @@ public:
                 std::uint32_t height, std::span<std::uint8_t> visibility, std::size_t stride);
 
 private:
+    enum Side : std::uint8_t { kLeft = 1, kRight = 2, kAbove = 4, kBelow = 8, kAround = 15 };
     struct Pixel {
         ShadowRay centre;
         Receiver surface;
@@ -49,10 +50,9 @@ private:
 
     void read(const Receivers& receivers, std::uint32_t left, std::uint32_t top, std::span<std::uint8_t> visibility,
               std::size_t stride);
-    enum Side : std::uint8_t { kLeft = 1, kRight = 2, kAbove = 4, kBelow = 8, kAround = 15 };
-
     void findAlike();
     bool alike(const Pixel& pixel, const Pixel& other) const;
+    void ask(const Pixel& pixel, CellMask cells, std::uint32_t tag);
     void askRims(std::uint32_t left, std::uint32_t top);
     CellMask predict(Pixel& pixel) const;
     CellMask review(const Pixel& pixel) const;
