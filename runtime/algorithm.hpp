@@ -13,12 +13,12 @@ struct ShadowTask {
     const CameraView* view = nullptr;
     const LightView* light = nullptr;
     const LightCasters* casters = nullptr;
-    std::span<const double> settings;  ///< In the order of AlgorithmEntry::settings.
-    std::uint32_t layer = 0;           ///< The light's layer in `visibility`.
-    ImageId visibility;                ///< R8_UNORM array of the view. Every pixel of view->area must be written.
-    ImageId depth;                     ///< The host's depth, sampled and copied only.
-    ImageId normals;                   ///< The host's geometric normals; null id if it has none.
-    bool recorded = false;             ///< gnCmdRenderShadows: no host passes.
+    std::span<const double> settings; ///< In the order of AlgorithmEntry::settings.
+    std::uint32_t layer = 0;          ///< The light's layer in `visibility`.
+    ImageId visibility;               ///< R8_UNORM array of the view. Every pixel of view->area must be written.
+    ImageId depth;                    ///< The host's depth, sampled and copied only.
+    ImageId normals;                  ///< The host's geometric normals; null id if it has none.
+    bool recorded = false;            ///< gnCmdRenderShadows: no host passes.
 };
 
 /// A knob: range and default are shown, checked and documented from here.
@@ -55,7 +55,7 @@ public:
 /// One line of the registry.
 struct AlgorithmEntry {
     const char* name;
-    const char* source;       ///< Thesis section or paper.
+    const char* source; ///< Thesis section or paper.
     GnTraits traits;
     std::uint32_t roundTrips; ///< GPU-CPU-GPU; 0: may be recorded.
     std::uint32_t maxRounds;  ///< Levels that declareLater may add.
@@ -74,6 +74,9 @@ struct AlgorithmEntry {
     /// Wrong light-facing pixels in percent, worst shipped scene, 1280x720, map side 1024, as `gnomon bench` prints it:
     /// the quality the plan counts with until a knowledge base says better.
     float typicalWrongPercent = 0.0f;
+
+    /// Null, or whether these settings give up what GN_TRAIT_EXACT_BIT promises.
+    bool (*approximates)(std::span<const double> settings) = nullptr;
 
     VkDeviceSize memoryFor(std::span<const double> values, VkExtent2D extent) const
     {

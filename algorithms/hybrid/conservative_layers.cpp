@@ -2,11 +2,8 @@
 
 #include <algorithm>
 
-#include "algorithms/maps/depth_map.hpp"
 #include "algorithms/maps/map_resolve.hpp"
-#include "algorithms/omni/cube_faces.hpp"
-#include "algorithms/omni/frusta.hpp"
-#include "runtime/scene/light_pixels.hpp"
+#include "algorithms/omni/light_map.hpp"
 #include "shaders/hybrid_conservative_classify_cube_frag.h"
 #include "shaders/hybrid_conservative_classify_frag.h"
 #include "shaders/shared_fullscreen_vert.h"
@@ -46,30 +43,6 @@ constexpr LayerKind kKinds[2][2] = {
 #undef GNOMON_LAYERS
 #undef GNOMON_LAYER
 
-std::span<LightFit> fitsOf(const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
-{
-    const LightView& light = *task.light;
-    const Aabb bounds = sceneBounds(*task.casters);
-    if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) return {arena.make(fitDirectional(light, bounds)), 1};
-    // Depths before the near end are written as 0, whether the device can clamp or not.
-    const bool point = light.type == GN_LIGHT_TYPE_POINT;
-    const std::span<LightFit> fits = arena.array<LightFit>(point ? 6 : 1);
-    for (std::uint32_t i = 0; i < fits.size(); ++i) {
-        fits[i] = point ? fitCubeFace(light, bounds, i, resolution, kCubeBorderTexels) : fitSpot(light, bounds);
-        raiseNearEnd(fits[i], light, bounds);
-    }
-    return fits;
-}
-
-std::uint32_t neededFaces(const ShadowTask& task)
-{
-    const Frustum visible = frustumOf(*task.view, *task.light);
-    std::uint32_t needed = 0;
-    for (std::uint32_t face = 0; face < 6; ++face)
-        if (meetsPyramid(visible, task.light->position(), cubeFaceEdges(face))) needed |= 1u << face;
-    return needed;
-}
-
 PipelineId classifyPipeline(const AlgorithmServices& services, const char* name, bool cube, bool normals)
 {
     const auto look = lookBindings(cube);
@@ -97,14 +70,12 @@ PipelineId classifyPipeline(const AlgorithmServices& services, const char* name,
 
 ConservativeMapView conservativeView(const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
 {
-    const std::span<LightFit> fits = fitsOf(task, resolution, arena);
+    // Depths before the near end are written as 0, whether the device can clamp or not.
+    const std::span<const LightFit> fits = fitLightMap(true, task, resolution, arena);
     const std::span<ConservativeProjection> projections = arena.array<ConservativeProjection>(fits.size());
     for (std::size_t i = 0; i < fits.size(); ++i)
         projections[i] = conservativeProjection(fits[i], *task.light, resolution);
-    return {.fits = fits,
-            .projections = projections,
-            .resolution = resolution,
-            .needed = fits.size() == 1 ? 1 : neededFaces(task)};
+    return {.fits = fits, .projections = projections, .resolution = resolution, .needed = neededLayers(task)};
 }
 
 LayerContent conservativeContent(const ShadowTask& task, const ConservativeMapView& view, std::uint32_t layer,
@@ -176,8 +147,7 @@ void ConservativeClassify::declare(PassBuilder& passes, const ShadowTask& task, 
     gpu::ConservativeConstants* constants = passes.arena().make<gpu::ConservativeConstants>();
     gpu::MapConstants& base = constants->hybrid.base;
     base = mapConstants(task, view.resolution, 1);
-    addProjection(base, view.fits.front(), task); // a cube's faces differ in their axes only, which the shader knows
-    base.map.slope = 0.5f * view.fits.front().texelAtOne;
+    addLightProjection(base, view.fits, task);
     constants->hybrid.capacity = list.capacity;
     constants->hybrid.reasons = list.reasons;
     constants->light = task.light->constants;
@@ -186,31 +156,54 @@ void ConservativeClassify::declare(PassBuilder& passes, const ShadowTask& task, 
 
     const LookImages look(task, images.nearest);
     const PipelineId pipeline = pipelines_[view.fits.size() == 6][look.hasNormals];
-    const VkRect2D& area = task.view->area;
-    const VkRect2D pixels = lightPixels(*task.light, *task.view);
-    PassRef pass = passes.raster(name_);
-    pass.updates(list.pixels).samples(images.covered);
-    look.uses(pass);
-    pass.writes(task.visibility, visibilityIn(task, pixels))
-        .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
-        .record([=, covered = images.covered, found = list.pixels](PassContext& gpu) {
-            if (pixels.extent.width == 0) return;
-            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
-            gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                                gpu.sampled(4, look.map), gpu.storage(5, found), gpu.sampled(6, covered)});
-            gpu.drawFullscreen();
-        });
+    LookPass pass(passes, task, name_, look);
+    pass.uses.updates(list.pixels).samples(images.covered);
+    pass.record([=, covered = images.covered, found = list.pixels](PassContext& gpu) {
+        gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                            gpu.sampled(4, look.map), gpu.storage(5, found), gpu.sampled(6, covered)});
+    });
 }
 
-const char* refusesConservative(const DeviceTable& vk, const ShadowTask& task)
+// --- the methods ---
+
+ConservativeMethod::ConservativeMethod(const AlgorithmServices& services, const char* classify,
+                                       const RayListNames& names)
+    : vk_(*services.vk), maps_(services), classify_(services, classify), lists_(services, names)
 {
-    const VkDeviceSize most = vk.properties.limits.maxStorageBufferRange;
+}
+
+void ConservativeMethod::declare(PassBuilder& passes, const ShadowTask& task)
+{
+    const bool thesis = task.settings[kMode] != 0.0;
+    const ConservativeMapView view =
+        conservativeView(task, static_cast<std::uint32_t>(task.settings[kResolution]), passes.arena());
+    const ConservativeImages images{.nearest = maps_.declareNearest(passes, task, view, thesis),
+                                    .covered = declareCovered(passes, task, view, maps_, thesis)};
+    const RayList list = lists_.open(passes, task, task.settings[kReasons] != 0.0);
+    classify_.declare(passes, task, view, images, list, thesis);
+    lists_.close(passes, task, list);
+}
+
+const char* ConservativeMethod::refuses(const ShadowTask& task) const
+{
+    const VkDeviceSize most = vk_.properties.limits.maxStorageBufferRange;
     for (const Caster* caster : task.casters->all) {
         if (!caster->mesh) continue;
         const VkDeviceSize largest = std::max(caster->mesh->positions.size_bytes(), caster->mesh->indices.size_bytes());
         if (largest > most) return "a caster's mesh is larger than a storage buffer";
     }
     return nullptr;
+}
+
+const char* ConservativeMethod::missing(const DeviceTable& vk)
+{
+    return vk.enabled.fragmentStoresAndAtomics ? nullptr : "needs fragmentStoresAndAtomics";
+}
+
+VkDeviceSize ConservativeMethod::memory(std::span<const double> settings, VkExtent2D extent)
+{
+    // Two layers, each as many images as a point light may need.
+    return 2 * depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), 6) + RayLists::memory(extent);
 }
 
 } // namespace gnomon

@@ -58,7 +58,36 @@ private:
     PipelineId pipelines_[2][2]; ///< [cube][has normals]
 };
 
-/// Why the casters cannot be read by shaders, or null.
-const char* refusesConservative(const DeviceTable& vk, const ShadowTask& task);
+/// What both methods are but for their under-estimated layer.
+class ConservativeMethod : public ShadowAlgorithm {
+public:
+    enum Setting : std::size_t { kResolution, kMode, kReasons };
+    static constexpr SettingSpec kSettings[] = {
+        {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024},
+        {"mode", "0: guaranteed; 1: as in the thesis.", 0, 1, 0},
+        kReasonsSetting,
+    };
+    static constexpr std::uint32_t kTraits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT |
+                                             GN_TRAIT_HARD_BIT | GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT |
+                                             GN_TRAIT_RAYS_BIT;
+    static const char* missing(const DeviceTable& vk);
+    static bool approximates(std::span<const double> settings) { return settings[kMode] != 0.0; }
+    /// Of both layers and the list.
+    static VkDeviceSize memory(std::span<const double> settings, VkExtent2D extent);
+
+    ConservativeMethod(const AlgorithmServices& services, const char* classify, const RayListNames& names);
+    void declare(PassBuilder& passes, const ShadowTask& task) override;
+    const char* refuses(const ShadowTask& task) const override;
+
+protected:
+    virtual ImageId declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                   const ConservativeMaps& maps, bool thesis) const = 0;
+
+private:
+    const DeviceTable& vk_;
+    ConservativeMaps maps_;
+    ConservativeClassify classify_;
+    RayLists lists_;
+};
 
 } // namespace gnomon

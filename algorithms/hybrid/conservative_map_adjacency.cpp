@@ -1,54 +1,32 @@
 #include "algorithms/hybrid/conservative_map_adjacency.hpp"
 
 #include "algorithms/hybrid/conservative_sheets.hpp"
-#include "algorithms/maps/depth_map.hpp"
 
 namespace gnomon {
 
 namespace {
-
-enum Setting { kResolution, kMode, kReasons };
-
-constexpr SettingSpec kSettings[] = {
-    {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024},
-    {"mode", "0: sheets between silhouettes, guaranteed; 1: as in the thesis, triangles with kept edges.", 0, 1, 0},
-    kReasonsSetting,
-};
 
 constexpr RayListNames kNames = {.list = "conservative_map_adjacency.uncertain",
                                  .clear = "conservative_map_adjacency.clear",
                                  .trace = "conservative_map_adjacency.trace",
                                  .umbra = "conservative_map_adjacency.umbra"};
 
-class ConservativeMapAdjacency final : public ShadowAlgorithm {
+class ConservativeMapAdjacency final : public ConservativeMethod {
 public:
     explicit ConservativeMapAdjacency(const AlgorithmServices& services)
-        : vk_(*services.vk), maps_(services), sheets_(services),
-          classify_(services, "conservative_map_adjacency.classify"), lists_(services, kNames)
+        : ConservativeMethod(services, "conservative_map_adjacency.classify", kNames), sheets_(services)
     {
     }
-
-    void declare(PassBuilder& passes, const ShadowTask& task) override
-    {
-        const bool thesis = task.settings[kMode] != 0.0;
-        const ConservativeMapView view =
-            conservativeView(task, static_cast<std::uint32_t>(task.settings[kResolution]), passes.arena());
-        const ConservativeImages images{.nearest = maps_.declareNearest(passes, task, view, thesis),
-                                        .covered = thesis ? sheets_.declareThesis(passes, task, view, maps_)
-                                                          : sheets_.declareCovered(passes, task, view, maps_)};
-        const RayList list = lists_.open(passes, task, task.settings[kReasons] != 0.0);
-        classify_.declare(passes, task, view, images, list, thesis);
-        lists_.close(passes, task, list);
-    }
-
-    const char* refuses(const ShadowTask& task) const override { return refusesConservative(vk_, task); }
 
 private:
-    const DeviceTable& vk_;
-    ConservativeMaps maps_;
+    ImageId declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                           const ConservativeMaps& maps, bool thesis) const override
+    {
+        return thesis ? sheets_.declareThesis(passes, task, view, maps)
+                      : sheets_.declareCovered(passes, task, view, maps);
+    }
+
     ConservativeSheets sheets_;
-    ConservativeClassify classify_;
-    RayLists lists_;
 };
 
 } // namespace
@@ -56,24 +34,20 @@ private:
 constinit const AlgorithmEntry kConservativeMapAdjacency{
     .name = "conservative_map_adjacency",
     .source = "Morais 2015, 4",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT | GN_TRAIT_TOPOLOGY_BIT,
+    .traits = ConservativeMethod::kTraits | GN_TRAIT_TOPOLOGY_BIT,
     .roundTrips = 1,
     .maxRounds = 0,
-    .settings = kSettings,
+    .settings = ConservativeMethod::kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent) {
-            // Two layers, each as many images as a point light may need.
-            const auto resolution = static_cast<std::uint32_t>(settings[kResolution]);
-            return 2 * depthMapMemory(resolution, 6) + ConservativeSheets::memory(resolution) +
-                   RayLists::memory(extent);
+            return ConservativeMethod::memory(settings, extent) +
+                   ConservativeSheets::memory(static_cast<std::uint32_t>(settings[ConservativeMethod::kResolution]));
         },
-    .missing = [](const DeviceTable& vk) -> const char* {
-        return vk.enabled.fragmentStoresAndAtomics ? nullptr : "needs fragmentStoresAndAtomics";
-    },
+    .missing = ConservativeMethod::missing,
     .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<ConservativeMapAdjacency>(services);
     },
+    .approximates = ConservativeMethod::approximates,
 };
 
 } // namespace gnomon

@@ -5,7 +5,6 @@
 #include "algorithms/hybrid/chain_pass.hpp"
 #include "algorithms/hybrid/ray_list.hpp"
 #include "algorithms/maps/map_resolve.hpp"
-#include "runtime/scene/light_pixels.hpp"
 #include "shaders/hybrid_contour_chain_cube_frag.h"
 #include "shaders/hybrid_contour_chain_frag.h"
 #include "shaders/maps_map_resolve_vert.h"
@@ -130,18 +129,10 @@ void ContourChain::declareStatus(PassBuilder& passes, const ShadowTask& task, co
     const LookImages look(task, job.map.depth);
     const PipelineId pipeline = status_[job.map.fits.size() > 1][look.hasNormals];
     const VkRect2D& area = task.view->area;
-    const VkRect2D pixels = lightPixels(*task.light, *task.view);
-    PassRef pass = passes.raster("contour_chain.status");
-    look.uses(pass);
-    pass.writes(task.visibility, visibilityIn(task, pixels))
-        .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
-        .record([=, constants = job.constants](PassContext& gpu) {
-            if (pixels.extent.width == 0) return;
-            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
-            gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
-            gpu.drawFullscreen();
-        });
+    LookPass(passes, task, "contour_chain.status", look).record([=, constants = job.constants](PassContext& gpu) {
+        gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                            gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
+    });
     passes.transfer("contour_chain.copy_status")
         .copies(task.visibility, {.layer = task.layer})
         .writes(job.status)

@@ -9,7 +9,6 @@
 #include "algorithms/hybrid/receivers.hpp"
 #include "algorithms/hybrid/traced_pixels.hpp"
 #include "algorithms/maps/map_resolve.hpp"
-#include "runtime/scene/light_pixels.hpp"
 #include "shaders/hybrid_eight_point_hybrid_frag.h"
 #include "shaders/maps_map_resolve_vert.h"
 
@@ -145,21 +144,12 @@ private:
                          const gpu::EightPointConstants* constants, BufferId list) const
     {
         const LookImages look(task, map);
-        const VkRect2D& area = task.view->area;
-        const VkRect2D pixels = lightPixels(*task.light, *task.view);
-        PassRef pass = passes.raster("eight_point_hybrid.classify");
-        pass.updates(list);
-        look.uses(pass);
-        pass.writes(task.visibility, visibilityIn(task, pixels))
-            .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
-            .record([=, pipeline = classify_[look.hasNormals]](PassContext& gpu) {
-                if (pixels.extent.width == 0) return;
-                gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
-                gpu.bind(pipeline,
-                         {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                          gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.storage(5, list)});
-                gpu.drawFullscreen();
-            });
+        LookPass pass(passes, task, "eight_point_hybrid.classify", look);
+        pass.uses.updates(list);
+        pass.record([=, pipeline = classify_[look.hasNormals]](PassContext& gpu) {
+            gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.storage(5, list)});
+        });
     }
 
     void declareTrace(PassBuilder& passes, const ShadowTask& task, const RayList& list) const

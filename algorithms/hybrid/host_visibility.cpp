@@ -21,6 +21,11 @@ void copyToLayer(PassContext& gpu, BufferId from, ImageId to, std::uint32_t laye
 
 } // namespace
 
+VkDeviceSize hostVisibilityMemory(VkExtent2D extent)
+{
+    return pooledSize(VkDeviceSize(extent.width) * extent.height);
+}
+
 HostVisibility declareHostVisibility(PassBuilder& passes, const ShadowTask& task, const char* name)
 {
     const VkExtent2D extent = task.view->area.extent;
@@ -41,6 +46,13 @@ Receivers receiversOf(const CameraView& view, const LightView& light, const Host
 {
     return Receivers(view, light, host.read<float>(buffers.depth),
                      buffers.normals ? host.read<std::byte>(buffers.normals) : std::span<const std::byte>());
+}
+
+BlockReader blocksOf(const CameraView& view, const LightView& light, const HostVisibility& buffers,
+                     const HostContext& host)
+{
+    return BlockReader(widestKernels(), view, light, host.read<float>(buffers.depth),
+                       buffers.normals ? host.read<std::byte>(buffers.normals) : std::span<const std::byte>());
 }
 
 void declareVisibilityCopy(PassBuilder& passes, const ShadowTask& task, const HostVisibility& buffers, const char* name)

@@ -1,6 +1,7 @@
 #pragma once
 // Visibility that host passes write: receivers read back, rows in upload memory, a copy into the light's layer.
 #include "algorithms/hybrid/receivers.hpp"
+#include "algorithms/hybrid/tile_blocks.hpp"
 #include "runtime/algorithm.hpp"
 
 namespace gnomon {
@@ -14,12 +15,19 @@ struct HostVisibility {
 /// Declares the buffers. @param name of the rows, "algorithm.visibility".
 HostVisibility declareHostVisibility(PassBuilder& passes, const ShadowTask& task, const char* name);
 
+/// Device bytes of the rows, for AlgorithmEntry::memoryPerLight; the view's receivers are shared by its lights.
+VkDeviceSize hostVisibilityMemory(VkExtent2D extent);
+
 /// What the host pass reads and writes.
 void useHostVisibility(PassRef& pass, const HostVisibility& buffers);
 
 /// The view's receivers, in the host pass.
 Receivers receiversOf(const CameraView& view, const LightView& light, const HostVisibility& buffers,
                       const HostContext& host);
+
+/// The same sixteen at a time.
+BlockReader blocksOf(const CameraView& view, const LightView& light, const HostVisibility& buffers,
+                     const HostContext& host);
 
 /// Declares the pass that copies the rows to task.visibility. @param name "algorithm.copy".
 void declareVisibilityCopy(PassBuilder& passes, const ShadowTask& task, const HostVisibility& buffers,

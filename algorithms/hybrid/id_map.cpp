@@ -5,7 +5,7 @@
 #include "algorithms/common/caster_lists.hpp"
 #include "algorithms/maps/depth_casters.hpp"
 #include "algorithms/maps/map_look.hpp"
-#include "algorithms/omni/cube_faces.hpp"
+#include "algorithms/omni/light_map.hpp"
 #include "shaders/hybrid_id_map_frag.h"
 #include "shaders/hybrid_id_map_vert.h"
 
@@ -172,9 +172,8 @@ IdMap declareIdMap(PassBuilder& passes, const IdMapPipelines& pipelines, const S
                                                    .extent = {resolution, resolution},
                                                    .layers = cube ? 6u : 1u,
                                                    .variant = resolution}),
-              .fits = cube ? std::span<const LightFit>(fitCubeFaces(pipelines.depth, task, resolution, arena))
-                           : std::span<const LightFit>(fitDepthMap(pipelines.depth, task, arena), 1),
-              .needed = cube ? neededCubeFaces(task) : 1u,
+              .fits = fitLightMap(pipelines.depth.clamps, task, resolution, arena),
+              .needed = neededLayers(task),
               .side = resolution,
               .depths = {},
               .numbers = {}};

@@ -5,7 +5,6 @@
 #include "algorithms/hybrid/ray_list.hpp"
 #include "algorithms/maps/map_resolve.hpp"
 #include "algorithms/omni/light_map.hpp"
-#include "runtime/scene/light_pixels.hpp"
 #include "shaders/hybrid_pcf_hybrid_cube_frag.h"
 #include "shaders/hybrid_pcf_hybrid_frag.h"
 #include "shaders/maps_map_resolve_vert.h"
@@ -73,21 +72,12 @@ private:
     {
         const LookImages look(task, map);
         const PipelineId pipeline = classify_[task.light->type == GN_LIGHT_TYPE_POINT][look.hasNormals];
-        const VkRect2D& area = task.view->area;
-        PassRef pass = passes.raster("pcf_hybrid.classify");
-        pass.updates(list);
-        look.uses(pass);
-        const VkRect2D pixels = lightPixels(*task.light, *task.view);
-        pass.writes(task.visibility, visibilityIn(task, pixels))
-            .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
-            .record([=](PassContext& gpu) {
-                if (pixels.extent.width == 0) return;
-                gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
-                gpu.bind(pipeline,
-                         {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                          gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.storage(5, list)});
-                gpu.drawFullscreen();
-            });
+        LookPass pass(passes, task, "pcf_hybrid.classify", look);
+        pass.uses.updates(list);
+        pass.record([=](PassContext& gpu) {
+            gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.storage(5, list)});
+        });
     }
 
     DepthMapPipelines casters_;

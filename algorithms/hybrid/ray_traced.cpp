@@ -1,5 +1,6 @@
 #include "algorithms/hybrid/ray_traced.hpp"
 
+#include "algorithms/hybrid/host_visibility.hpp"
 #include "algorithms/hybrid/ray_list.hpp"
 #include "algorithms/hybrid/traced_pixels.hpp"
 
@@ -30,8 +31,7 @@ constinit const AlgorithmEntry kRayTraced{
     .roundTrips = 1,
     .maxRounds = 0,
     .settings = kSettings,
-    .memoryPerLight = [](std::span<const double>,
-                         VkExtent2D extent) { return VkDeviceSize(extent.width) * extent.height; },
+    .memoryPerLight = [](std::span<const double>, VkExtent2D extent) { return hostVisibilityMemory(extent); },
     .missing = nullptr,
     .create = [](const AlgorithmServices&) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<RayTraced>();

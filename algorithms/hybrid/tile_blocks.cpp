@@ -33,6 +33,21 @@ const Kernels& widestKernels()
     return *kernelsHere().back();
 }
 
+void packRays(const Block& block, const LightView& light, RayPacket& packet)
+{
+    static_assert(RayPacket::kWidth == kLanes);
+    std::memcpy(packet.origin, block.origin, sizeof packet.origin);
+    std::memcpy(packet.tfar, block.tfar, sizeof packet.tfar);
+    const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
+    const glm::vec3 from = directional ? -light.direction() : light.position();
+    for (int axis = 0; axis < 3; ++axis)
+        for (std::uint32_t i = 0; i < kLanes; ++i)
+            packet.direction[axis][i] = directional ? from[axis] : from[axis] - block.origin[axis][i];
+    packet.asked = 0;
+    for (std::uint32_t i = 0; i < kLanes; ++i)
+        packet.asked |= static_cast<std::uint32_t>(block.asked[i] == kRay) << i;
+}
+
 BlockReader::BlockReader(const Kernels& kernels, const CameraView& view, const LightView& light,
                          std::span<const float> depth, std::span<const std::byte> normals)
     : kernels_(kernels), area_(view.area), width_(view.extent.width), depth_(depth), normals_(normals),

@@ -4,13 +4,24 @@
 #include <span>
 
 #include "algorithms/hybrid/lanes.hpp"
-#include "runtime/scene/scene_view.hpp"
+#include "runtime/rays/ray_scene.hpp"
 
 namespace gnomon {
 
 /// The widest that this build has and this processor runs.
 const lanes::Kernels& widestKernels();
 std::span<const lanes::Kernels* const> kernelsHere(); ///< All that run here, narrowest first.
+
+/// The ray of Receivers::at() of a lane that asks.
+inline ShadowRay rayOf(const lanes::Block& block, std::uint32_t lane, const LightView& light)
+{
+    const glm::vec3 origin(block.origin[0][lane], block.origin[1][lane], block.origin[2][lane]);
+    const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
+    return {origin, block.tfar[lane], directional ? -light.direction() : light.position() - origin};
+}
+
+/// All of them.
+void packRays(const lanes::Block& block, const LightView& light, RayPacket& packet);
 
 /// Reads blocks of a view for one light.
 class BlockReader {

@@ -167,11 +167,10 @@ std::size_t TileSearch::trianglesIn(std::span<const Item> leaves) const
     return count;
 }
 
-/// Makes the shadow volumes of the triangles in the items' leaves that touch the shaft, and calls take(shadowing) for
-/// each, made in `planes`, until it returns true. Children that are nodes are passed over. @return whether it did
-template <typename Take>
-bool TileSearch::forVolumes(std::span<const Item> items, const Hull& hull, const Shaft& shaft, ShadowPlanes*& planes,
-                            Take take) const
+/// Calls visit(maker, a, b, c) for the triangles in the items' leaves that touch the shaft, until it returns false.
+/// Children that are nodes are passed over.
+template <typename Visit>
+void TileSearch::visitTriangles(std::span<const Item> items, const Hull& hull, const Shaft& shaft, Visit visit) const
 {
     for (std::size_t i = 0; i < items.size();) {
         const std::uint32_t index = items[i].caster;
@@ -186,12 +185,11 @@ bool TileSearch::forVolumes(std::span<const Item> items, const Hull& hull, const
                     const std::uint32_t* corner = caster.mesh->indices.data() + 3 * std::size_t(triangle);
                     const glm::vec3* at = caster.mesh->positions.data();
                     const glm::vec3 a = at[corner[0]], b = at[corner[1]], c = at[corner[2]];
-                    if (here.touches(a, b, c) && take(maker.make(a, b, c, *planes))) return true;
+                    if (here.touches(a, b, c) && !visit(maker, a, b, c)) return;
                 }
             }
         }
     }
-    return false;
 }
 
 /// Shadow volumes of what the leaves hold, as far as they meet the hull.
@@ -202,20 +200,16 @@ TileSearch::Found TileSearch::volumesOf(std::span<const Item> items, const Hull&
     std::size_t made = 0;
     Found found = Found::volumes;
     ShadowPlanes spare;
-    ShadowPlanes* planes = planes_.data();
-    forVolumes(items, hull, shaft, planes, [&](Shadowing shadowing) {
+    visitTriangles(items, hull, shaft, [&](const ShadowMaker& maker, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
+        const Shadowing shadowing = maker.make(a, b, c, made < kVolumes ? planes_[made] : spare);
         if (shadowing == Shadowing::all) found = Found::covered;
-        if (shadowing == Shadowing::some && made == kVolumes) found = Found::tooMany;
-        if (shadowing == Shadowing::some && made < kVolumes) {
-            ++made;
-            planes = made < kVolumes ? &planes_[made] : &spare;
-        }
-        return found != Found::volumes;
+        if (shadowing == Shadowing::some && ++made > kVolumes) found = Found::tooMany;
+        return found == Found::volumes;
     });
     listCount_ = 0;
-    for (std::size_t i = 0; i < made; ++i)
+    for (std::size_t i = 0; i < std::min(made, kVolumes); ++i)
         lists_[listCount_++] = &planes_[i];
-    volumes.list = lists_.first(made);
+    volumes.list = lists_.first(listCount_);
     return found;
 }
 
@@ -225,10 +219,9 @@ bool TileSearch::coveredByOne(std::span<const Item> items, const Hull& hull, con
     std::size_t left = kTriangles;
     bool covered = false;
     ShadowPlanes scratch;
-    ShadowPlanes* planes = &scratch;
-    forVolumes(items, hull, shaft, planes, [&](Shadowing shadowing) {
-        covered = shadowing == Shadowing::all;
-        return covered || --left == 0;
+    visitTriangles(items, hull, shaft, [&](const ShadowMaker& maker, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
+        covered = maker.make(a, b, c, scratch) == Shadowing::all;
+        return !covered && --left > 0;
     });
     return covered;
 }

@@ -65,9 +65,8 @@ private:
     std::size_t trianglesIn(std::span<const Item> leaves) const;
     enum class Found : std::uint8_t { volumes, covered, tooMany };
     Found volumesOf(std::span<const Item> items, const Hull& hull, const Shaft& shaft, Volumes& volumes);
-    template <typename Take>
-    bool forVolumes(std::span<const Item> items, const Hull& hull, const Shaft& shaft, lanes::ShadowPlanes*& planes,
-                    Take take) const;
+    template <typename Visit>
+    void visitTriangles(std::span<const Item> items, const Hull& hull, const Shaft& shaft, Visit visit) const;
     bool coveredByOne(std::span<const Item> items, const Hull& hull, const Shaft& shaft) const;
     MeshShaft meshShaft(const Shaft& shaft, const Hull& hull, const ShaftCaster& caster) const;
     glm::dvec3 roundingOf(const Hull& hull, const ShaftCaster& caster) const;

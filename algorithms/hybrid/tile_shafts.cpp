@@ -8,7 +8,6 @@
 
 #include "algorithms/hybrid/host_visibility.hpp"
 #include "algorithms/hybrid/ray_list.hpp"
-#include "algorithms/hybrid/tile_blocks.hpp"
 #include "algorithms/hybrid/tile_search.hpp"
 
 namespace gnomon {
@@ -61,6 +60,10 @@ std::uint32_t everyOtherBit(std::uint32_t z)
 static_assert(kLargestTile / kBlockSide <= 1u << 4);
 constexpr std::uint32_t kBlocks = (kLargestTile / kBlockSide) * (kLargestTile / kBlockSide);
 
+// A block with at least so many lanes to ask is a packet of its own, others are put together.
+constexpr int kTogether = 8;
+constexpr std::uint32_t kPackets = 16; // asked at once
+
 /// One thread's share of the tiles.
 class TileRows final : public TileAnswers {
 public:
@@ -68,9 +71,7 @@ public:
         : job_(job), host_(host), reader_(reader), bytes_(job.reasons), search_(scene, *host.arena),
           blocks_(host.arena->array<Block>(std::size_t(job.tile / kBlockSide) * (job.tile / kBlockSide))),
           stride_((job.view->area.extent.width + job.tile - 1) / job.tile * job.tile),
-          rows_(host.arena->array<std::uint8_t>(std::size_t(job.tile) * stride_)),
-          directional_(job.light->type == GN_LIGHT_TYPE_DIRECTIONAL),
-          light_(directional_ ? -job.light->direction() : job.light->position())
+          rows_(host.arena->array<std::uint8_t>(std::size_t(job.tile) * stride_))
     {
         for (std::uint32_t i = 0; i < blocks_.size(); ++i)
             corner_[i] = static_cast<std::uint32_t>(everyOtherBit(i >> 1) * kBlockSide * stride_ +
@@ -84,13 +85,10 @@ private:
     void lanes(std::uint32_t block, const std::uint32_t (&state)[kLanes]) override;
     void read(std::uint32_t left, std::uint32_t top);
     void ask(const Block& from, std::uint32_t lane, std::size_t at);
+    void askTogether(const Block& from, std::uint32_t lanes, std::size_t first);
     std::size_t rowAt(std::uint32_t block) const { return corner_[block] + left_; } ///< Of the block's first pixel.
-    void flush()
-    {
-        batch_.flush(host_, job_.light->mask, RayCoherence::tiles, [&](std::uint32_t at, bool occluded) {
-            rows_[at] = bytes_.of[occluded ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT];
-        });
-    }
+    void flush();
+    void flushPackets();
 
     const ShaftJob& job_;
     const HostContext& host_;
@@ -100,11 +98,12 @@ private:
     std::span<Block> blocks_;
     std::size_t stride_; ///< Of rows_: whole tiles.
     std::span<std::uint8_t> rows_;
-    bool directional_;
-    glm::vec3 light_;               ///< Position, or the direction towards it.
     std::uint32_t corner_[kBlocks]; ///< Of the blocks of a tile, in rows_.
     std::uint32_t left_ = 0;        ///< Of the tile at work, in the area.
     RayBatch<256> batch_;
+    RayPacket packets_[kPackets];
+    std::size_t firsts_[kPackets]; ///< Pixels of the packets' first rays, in rows_.
+    std::uint32_t packetCount_ = 0;
 };
 
 /// Reads a tile and writes what needs no search; the others are lit until more is known.
@@ -143,13 +142,40 @@ void TileRows::dark(std::uint32_t firstBlock, std::uint32_t count)
     }
 }
 
-/// The ray of Receivers::at().
+void TileRows::flush()
+{
+    batch_.flush(host_, job_.light->mask, RayCoherence::tiles, [&](std::uint32_t at, bool occluded) {
+        rows_[at] = bytes_.of[occluded ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT];
+    });
+}
+
+void TileRows::flushPackets()
+{
+    std::uint16_t blocked[kPackets];
+    host_.rays->occluded(std::span(packets_, packetCount_), job_.light->mask, std::span(blocked, packetCount_));
+    for (std::uint32_t i = 0; i < packetCount_; ++i) {
+        host_.countRays(static_cast<std::size_t>(std::popcount(packets_[i].asked)));
+        for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+            if ((packets_[i].asked >> lane & 1) == 0) continue;
+            rows_[firsts_[i] + lane / kBlockSide * stride_ + lane % kBlockSide] =
+                bytes_.of[(blocked[i] >> lane & 1) != 0 ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT];
+        }
+    }
+    packetCount_ = 0;
+}
+
+/// A block's rays side by side as they are.
+void TileRows::askTogether(const Block& from, std::uint32_t lanes, std::size_t first)
+{
+    packRays(from, *job_.light, packets_[packetCount_]);
+    packets_[packetCount_].asked = lanes;
+    firsts_[packetCount_++] = first;
+    if (packetCount_ == kPackets) flushPackets();
+}
+
 void TileRows::ask(const Block& from, std::uint32_t lane, std::size_t at)
 {
-    ShadowRay& ray = batch_.rays[batch_.count];
-    ray.origin = {from.origin[0][lane], from.origin[1][lane], from.origin[2][lane]};
-    ray.tfar = from.tfar[lane];
-    ray.direction = directional_ ? light_ : light_ - ray.origin;
+    batch_.rays[batch_.count] = rayOf(from, lane, *job_.light);
     batch_.tags[batch_.count++] = static_cast<std::uint32_t>(at);
     if (batch_.full()) flush();
 }
@@ -158,13 +184,22 @@ void TileRows::lanes(std::uint32_t block, const std::uint32_t (&state)[kLanes])
 {
     const std::size_t first = rowAt(block);
     const Block& from = blocks_[block];
+    std::uint32_t unsure = 0;
     for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
         if (from.asked[lane] != lanes::kRay) continue;
         const std::size_t at = first + lane / kBlockSide * stride_ + lane % kBlockSide;
         if (state[lane] == lanes::kUnsure)
-            ask(from, lane, at);
+            unsure |= 1u << lane;
         else
             rows_[at] = bytes_.of[state[lane] == lanes::kInside ? gpu::REASON_TILE_SHADOW : gpu::REASON_TILE_LIT];
+    }
+    if (std::popcount(unsure) >= kTogether) {
+        askTogether(from, unsure, first);
+        return;
+    }
+    for (; unsure != 0; unsure &= unsure - 1) {
+        const auto lane = static_cast<std::uint32_t>(std::countr_zero(unsure));
+        ask(from, lane, first + lane / kBlockSide * stride_ + lane % kBlockSide);
     }
 }
 
@@ -177,6 +212,7 @@ void TileRows::answer(std::uint32_t tileRow, std::span<std::uint8_t> visibility)
         search_.run(blocks_, *this);
     }
     flush();
+    flushPackets();
     // Upload memory may be write-combined: whole rows at a time.
     for (std::uint32_t y = 0; y < std::min(job_.tile, extent.height - top); ++y)
         std::memcpy(&visibility[std::size_t(top + y) * extent.width], &rows_[y * stride_], extent.width);
@@ -185,11 +221,9 @@ void TileRows::answer(std::uint32_t tileRow, std::span<std::uint8_t> visibility)
 void answer(const ShaftJob& job, const HostContext& host)
 {
     const CameraView& view = *job.view;
-    const lanes::Kernels& kernels = widestKernels();
-    const BlockReader reader(kernels, view, *job.light, host.read<float>(job.buffers.depth),
-                             job.buffers.normals ? host.read<std::byte>(job.buffers.normals)
-                                                 : std::span<const std::byte>());
-    const ShaftScene scene(kernels, *job.light, job.casters->all, glm::vec3(view.constants.rayDxWs), *host.arena);
+    const BlockReader reader = blocksOf(view, *job.light, job.buffers, host);
+    const ShaftScene scene(widestKernels(), *job.light, job.casters->all, glm::vec3(view.constants.rayDxWs),
+                           *host.arena);
     const std::span<std::uint8_t> visibility = host.write<std::uint8_t>(job.buffers.rows);
     const std::uint32_t tileRows = (view.area.extent.height + job.tile - 1) / job.tile;
     const std::span<TileRows*> rows = host.arena->array<TileRows*>(host.jobs->threadCount());
@@ -231,8 +265,7 @@ constinit const AlgorithmEntry kTileShafts{
     .roundTrips = 1,
     .maxRounds = 0,
     .settings = kSettings,
-    .memoryPerLight = [](std::span<const double>,
-                         VkExtent2D extent) { return VkDeviceSize(extent.width) * extent.height; },
+    .memoryPerLight = [](std::span<const double>, VkExtent2D extent) { return hostVisibilityMemory(extent); },
     .missing = nullptr,
     .create = [](const AlgorithmServices&) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<TileShafts>();

@@ -1,6 +1,7 @@
 #include "algorithms/hybrid/traced_pixels.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "algorithms/hybrid/host_visibility.hpp"
 #include "shaders/hybrid/ray_list.h"
@@ -9,7 +10,8 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::uint32_t kTile = 4; // pixels a side: neighbours share their way through the trees
+using lanes::kBlockSide;
+using lanes::kLanes;
 
 /// The bytes of visibility that a pixel can show.
 struct Shades {
@@ -30,46 +32,59 @@ struct TraceJob {
     Shades shades;
 };
 
-void traceTileRow(const TraceJob& job, const HostContext& host, const Receivers& receivers, std::uint32_t top,
-                  std::span<std::uint8_t> rows)
+// Blocks in a row whose rays are asked at once.
+constexpr std::uint32_t kBlocks = 16;
+
+/// Writes what is known of a block's pixels. @param first of them in rows
+void show(const Shades& shades, const lanes::Block& block, std::uint32_t blocked, std::uint8_t* first,
+          std::uint32_t stride)
 {
-    const VkRect2D& area = job.view->area;
-    const std::uint32_t width = area.extent.width, height = std::min(kTile, area.extent.height - top);
-    const auto answer = [&](std::uint32_t pixel, bool occluded) {
-        rows[pixel] = occluded ? job.shades.occluded : job.shades.unoccluded;
-    };
-    RayBatch<512> batch;
-    for (std::uint32_t left = 0; left < width; left += kTile) {
-        const std::uint32_t right = std::min(left + kTile, width);
-        for (std::uint32_t y = 0; y < height; ++y) {
-            for (std::uint32_t x = left; x < right; ++x) {
-                const auto imageX = static_cast<std::uint32_t>(area.offset.x) + x;
-                const auto imageY = static_cast<std::uint32_t>(area.offset.y) + top + y;
-                const Asked asked = receivers.at(imageX, imageY, batch.rays[batch.count]);
-                rows[y * width + x] = asked == Asked::lit ? job.shades.lit : job.shades.dark;
-                if (asked != Asked::ray) continue;
-                batch.tags[batch.count++] = y * width + x;
-                if (batch.full()) batch.flush(host, job.light->mask, RayCoherence::tiles, answer);
-            }
+    const std::uint8_t before[] = {shades.lit, shades.dark, shades.unoccluded}; // by lanes::Block::asked
+    std::uint8_t bytes[kLanes];
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane)
+        bytes[lane] = (blocked >> lane & 1) != 0 ? shades.occluded : before[block.asked[lane]];
+    for (std::uint32_t y = 0; y < kBlockSide; ++y)
+        std::memcpy(first + std::size_t(y) * stride, bytes + y * kBlockSide, kBlockSide);
+}
+
+/// Answers a row of blocks: the pixels of one share their way through the trees.
+void traceBlocks(const TraceJob& job, const HostContext& host, const BlockReader& reader, std::uint32_t top,
+                 std::span<std::uint8_t> rows, std::uint32_t stride)
+{
+    lanes::Block blocks[kBlocks];
+    RayPacket packets[kBlocks];
+    std::uint16_t blocked[kBlocks];
+    for (std::uint32_t left = 0; left < stride; left += kBlocks * kBlockSide) {
+        const std::uint32_t count = std::min(kBlocks, (stride - left) / kBlockSide);
+        std::size_t rays = 0;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            reader.read(left + i * kBlockSide, top, blocks[i]);
+            packRays(blocks[i], *job.light, packets[i]);
+            rays += blocks[i].rays;
         }
+        host.rays->occluded(std::span(packets, count), job.light->mask, std::span(blocked, count));
+        host.countRays(rays);
+        for (std::uint32_t i = 0; i < count; ++i)
+            show(job.shades, blocks[i], blocked[i], &rows[left + i * kBlockSide], stride);
     }
-    batch.flush(host, job.light->mask, RayCoherence::tiles, answer);
 }
 
 void trace(const TraceJob& job, const HostContext& host)
 {
     const VkExtent2D extent = job.view->area.extent;
-    const Receivers receivers = receiversOf(*job.view, *job.light, job.buffers, host);
+    const BlockReader reader = blocksOf(*job.view, *job.light, job.buffers, host);
     const std::span<std::uint8_t> visibility = host.write<std::uint8_t>(job.buffers.rows);
-    const std::uint32_t tileRows = (extent.height + kTile - 1) / kTile;
-    host.jobs->parallelFor(tileRows, 4, [&](std::size_t begin, std::size_t end, std::uint32_t) {
+    const std::uint32_t blockRows = (extent.height + kBlockSide - 1) / kBlockSide;
+    const std::uint32_t stride = (extent.width + kBlockSide - 1) / kBlockSide * kBlockSide;
+    host.jobs->parallelFor(blockRows, 4, [&](std::size_t begin, std::size_t end, std::uint32_t) {
         // Upload memory may be write-combined: whole rows at a time.
-        const std::span<std::uint8_t> rows = host.arena->array<std::uint8_t>(std::size_t(kTile) * extent.width);
+        const std::span<std::uint8_t> rows = host.arena->array<std::uint8_t>(std::size_t(kBlockSide) * stride);
         for (std::size_t row = begin; row < end; ++row) {
-            const auto top = static_cast<std::uint32_t>(row) * kTile;
-            traceTileRow(job, host, receivers, top, rows);
-            const std::size_t count = std::size_t(std::min(kTile, extent.height - top)) * extent.width;
-            std::copy_n(rows.begin(), count, visibility.begin() + std::ptrdiff_t(top) * extent.width);
+            const auto top = static_cast<std::uint32_t>(row) * kBlockSide;
+            traceBlocks(job, host, reader, top, rows, stride);
+            for (std::uint32_t y = 0; y < std::min(kBlockSide, extent.height - top); ++y)
+                std::copy_n(rows.begin() + std::ptrdiff_t(y) * stride, extent.width,
+                            visibility.begin() + std::ptrdiff_t(top + y) * extent.width);
         }
     });
 }

@@ -53,12 +53,12 @@ void DepthCasters::operator()(PassContext& gpu, std::span<const Caster* const> c
                      .hostProjection = host_});
 }
 
-LightFit* fitDepthMap(const DepthMapPipelines& pipelines, const ShadowTask& task, FrameArena& arena)
+LightFit* fitDepthMap(bool clamps, const ShadowTask& task, FrameArena& arena)
 {
     const Aabb bounds = sceneBounds(*task.casters);
     const bool spot = task.light->type == GN_LIGHT_TYPE_SPOT;
     LightFit* fit = arena.make(spot ? fitSpot(*task.light, bounds) : fitDirectional(*task.light, bounds));
-    if (spot && pipelines.clamps) raiseNearEnd(*fit, *task.light, bounds);
+    if (spot && clamps) raiseNearEnd(*fit, *task.light, bounds);
     return fit;
 }
 
@@ -67,7 +67,7 @@ DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines
 {
     static constexpr LayerNames kNames{"depth_map.casters", "depth_map.statics", "depth_map.copy_statics"};
     FrameArena& arena = passes.arena();
-    const LightFit* fit = fitDepthMap(pipelines, task, arena);
+    const LightFit* fit = fitDepthMap(pipelines.clamps, task, arena);
     KeptMap map(passes, {.name = "depth_map.depth",
                          .staticsName = "depth_map.statics",
                          .stampName = "depth_map.stamp",

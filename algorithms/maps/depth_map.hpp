@@ -32,7 +32,8 @@ struct DepthMap {
 };
 
 /// The projection of a directional or spot light's map; memory from the arena.
-LightFit* fitDepthMap(const DepthMapPipelines& pipelines, const ShadowTask& task, FrameArena& arena);
+/// @param clamps whatever is nearer than the near end is drawn on it, so that the end may lie farther away
+LightFit* fitDepthMap(bool clamps, const ShadowTask& task, FrameArena& arena);
 
 /// Declares what is missing of the map: nothing if light, casters and resolution are those of the content kept.
 /// The light is directional or spot.

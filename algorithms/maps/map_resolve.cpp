@@ -33,6 +33,15 @@ void LookImages::uses(PassRef& pass) const
     if (hasNormals) pass.samples(normals);
 }
 
+LookPass::LookPass(PassBuilder& passes, const ShadowTask& task, const char* name, const LookImages& look)
+    : uses(passes.raster(name)), pixels_(lightPixels(*task.light, *task.view))
+{
+    const VkRect2D& area = task.view->area;
+    look.uses(uses);
+    uses.writes(task.visibility, visibilityIn(task, pixels_))
+        .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height});
+}
+
 MapResolve::MapResolve(const AlgorithmServices& services, const MapResolveInfo& info) : info_(info)
 {
     const std::array bindings = lookBindings(info.layers);
@@ -55,22 +64,13 @@ MapResolve::MapResolve(const AlgorithmServices& services, const MapResolveInfo& 
 void MapResolve::declare(PassBuilder& passes, const ShadowTask& task, ImageId map,
                          const gpu::MapConstants& constants) const
 {
-    const VkRect2D& area = task.view->area;
     const LookImages look(task, map);
     const PipelineId pipeline = pipelines_[look.hasNormals][constants.map.filterSide > 1.0f];
     const gpu::MapConstants* block = passes.arena().make(constants);
-    PassRef pass = passes.raster(info_.name);
-    look.uses(pass);
-    const VkRect2D pixels = lightPixels(*task.light, *task.view);
-    pass.writes(task.visibility, visibilityIn(task, pixels))
-        .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
-        .record([=](PassContext& gpu) {
-            if (pixels.extent.width == 0) return;
-            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
-            gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
-            gpu.drawFullscreen();
-        });
+    LookPass(passes, task, info_.name, look).record([=](PassContext& gpu) {
+        gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                            gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
+    });
 }
 
 std::uint32_t filterSide(double setting)

@@ -20,6 +20,30 @@ struct LookImages {
     bool hasNormals;
 };
 
+/// The full-screen pass that asks a map: it writes the task's layer of visibility where the light reaches pixels, and
+/// what is not asked is lit.
+class LookPass {
+public:
+    LookPass(PassBuilder& passes, const ShadowTask& task, const char* name, const LookImages& look);
+
+    PassRef uses; ///< For what the shader uses beside the look's images.
+
+    /// Ends the declaration. @param bind (PassContext&): binds the pipeline; copied bytewise
+    template <typename Bind>
+    void record(const Bind& bind)
+    {
+        uses.record([bind, pixels = pixels_](PassContext& gpu) {
+            if (pixels.extent.width == 0) return;
+            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+            bind(gpu);
+            gpu.drawFullscreen();
+        });
+    }
+
+private:
+    VkRect2D pixels_; ///< Where the light reaches.
+};
+
 /// What a resolve shader of a family is called and where its code is.
 struct MapResolveInfo {
     const char* name = "";                   ///< Pass and pipelines.

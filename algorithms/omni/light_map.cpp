@@ -4,6 +4,17 @@
 
 namespace gnomon {
 
+std::span<const LightFit> fitLightMap(bool clamps, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
+{
+    if (task.light->type == GN_LIGHT_TYPE_POINT) return fitCubeFaces(clamps, task, resolution, arena);
+    return {fitDepthMap(clamps, task, arena), 1};
+}
+
+std::uint32_t neededLayers(const ShadowTask& task)
+{
+    return task.light->type == GN_LIGHT_TYPE_POINT ? neededCubeFaces(task) : 1;
+}
+
 LightMap declareLightMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
                          std::uint32_t resolution, gpu::MapConstants& constants)
 {

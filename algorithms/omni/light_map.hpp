@@ -16,6 +16,12 @@ struct LightMap {
     std::span<const std::uint64_t> stamps; ///< Of the content of the layers needed, for what is made of it.
 };
 
+/// The projections of a light's map, for maps that are drawn in another way; memory from the arena.
+/// @param clamps as in fitDepthMap()
+std::span<const LightFit> fitLightMap(bool clamps, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena);
+/// LightMap::needed.
+std::uint32_t neededLayers(const ShadowTask& task);
+
 /// Declares what is missing of the map (declareDepthMap, declareCubeMap) and adds to `constants`, from mapConstants(),
 /// how receivers are found in it (shaders/maps/agreement.glsl).
 LightMap declareLightMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,

@@ -214,8 +214,7 @@ constinit const AlgorithmEntry kAngularSpans{
     .roundTrips = 1,
     .maxRounds = 0,
     .settings = kSettings,
-    .memoryPerLight = [](std::span<const double>,
-                         VkExtent2D extent) { return VkDeviceSize(extent.width) * extent.height; },
+    .memoryPerLight = [](std::span<const double>, VkExtent2D extent) { return hostVisibilityMemory(extent); },
     .missing = nullptr,
     .create = [](const AlgorithmServices&) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<AngularSpans>();

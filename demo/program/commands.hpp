@@ -54,7 +54,7 @@ struct ReasonsOptions {
 int reasonsCommand(const ReasonsOptions& options);
 
 struct CompareOptions {
-    std::string scene, rules, methods, size;
+    std::string scene, rules, methods, size, plot;
     uint32_t frames = 0; ///< 0: the scene's.
     uint32_t alternations = 5;
     float budgetMs = 0.0f;

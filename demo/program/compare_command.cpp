@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numeric>
 
 #include "demo/io/number.hpp"
 #include "demo/program/commands.hpp"
+#include "demo/program/gnuplot.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/program/progress.hpp"
 #include "demo/scene/scene_file.hpp"
@@ -43,8 +46,9 @@ private:
 struct Contestant {
     std::string name;
     std::unique_ptr<Session> session;
-    std::vector<double> ratios; ///< Of each alternation: its frames' time over its sentinels' time.
-    double frameMs = 0.0;       ///< Mean of the fastest alternation.
+    std::vector<double> ratios;  ///< Of each alternation: its frames' time over its sentinels' time.
+    double frameMs = 0.0;        ///< Mean of the fastest alternation.
+    std::vector<double> fastest; ///< Of each frame, over the alternations, ms.
     ErrorCount errors;
     uint64_t switches = 0;
 
@@ -64,7 +68,8 @@ public:
     {
         size_ = options.size.empty() ? VkExtent2D{scene_.width, scene_.height} : valueOf(parseSize(options.size));
         frames_ = options.frames > 0 ? options.frames : scene_.frames;
-        addAdaptive();
+        for (const std::string& rules : parseNames(options.rules.empty() ? "default" : options.rules))
+            addAdaptive(rules);
         for (const std::string& method : methodNames())
             addMethod(method);
         sentinel_ = std::make_unique<Sentinel>(*device_, scene_, contestants_[0].session->geometry);
@@ -101,19 +106,23 @@ private:
         return std::make_unique<Session>(*device_, scene_, SessionOptions{.scene = {}, .size = size_});
     }
     std::vector<std::string> methodNames();
-    void addAdaptive();
+    void addAdaptive(const std::string& rules);
     void addMethod(const std::string& method);
     void drawFrame(Session& session, uint32_t frame);
     void countErrors(Contestant& contestant);
     void alternation(Contestant& contestant);
     void countBudget(const std::vector<FrameTime>& frames);
+    void printAgainst(const Contestant& adaptive) const;
+    std::vector<double> envelope(const Contestant& adaptive) const;
+    void plot() const;
 
     CompareOptions options_;
     Scene scene_;
     std::unique_ptr<Device> device_;
     VkExtent2D size_{};
     uint32_t frames_ = 0;
-    std::vector<Contestant> contestants_; ///< The adaptive run first.
+    std::vector<Contestant> contestants_; ///< The adaptive runs first.
+    size_t adaptives_ = 0;
     std::unique_ptr<Sentinel> sentinel_;
     std::unique_ptr<Session> truth_;
     BudgetCount budget_;
@@ -128,12 +137,13 @@ std::vector<std::string> Comparison::methodNames()
     return names;
 }
 
-void Comparison::addAdaptive()
+void Comparison::addAdaptive(const std::string& name)
 {
-    Contestant contestant{.name = "adaptive", .session = makeSession()};
-    const RuleText rules = valueOf(findRules(options_.rules));
+    Contestant contestant{.name = name + " rules", .session = makeSession()};
+    const RuleText rules = valueOf(findRules(name));
     expect(contestant.session->shadows.loadRules(rules.text, rules.name));
     contestants_.push_back(std::move(contestant));
+    ++adaptives_;
 }
 
 // Only methods that serve every light of the scene are whole answers.
@@ -198,9 +208,11 @@ void Comparison::alternation(Contestant& contestant)
         contestant.switches += stats.switches;
     }
     double frameMs = 0.0, sentinelMs = 0.0;
-    for (const FrameTime& time : times) {
-        frameMs += time.frameMs;
-        sentinelMs += time.sentinelMs;
+    contestant.fastest.resize(frames_, std::numeric_limits<double>::infinity());
+    for (uint32_t frame = 0; frame < frames_; ++frame) {
+        frameMs += times[frame].frameMs;
+        sentinelMs += times[frame].sentinelMs;
+        contestant.fastest[frame] = std::min(contestant.fastest[frame], times[frame].frameMs);
     }
     contestant.ratios.push_back(frameMs / sentinelMs);
     const double mean = frameMs / double(times.size());
@@ -225,29 +237,78 @@ void Comparison::countBudget(const std::vector<FrameTime>& frames)
     }
 }
 
+/// Of each frame, the fastest of the methods whose error over the run is not above that of the adaptive one.
+std::vector<double> Comparison::envelope(const Contestant& adaptive) const
+{
+    std::vector<double> lowest(frames_, std::numeric_limits<double>::infinity());
+    for (size_t i = adaptives_; i < contestants_.size(); ++i)
+        if (contestants_[i].errors.wrong() <= adaptive.errors.wrong())
+            for (uint32_t frame = 0; frame < frames_; ++frame)
+                lowest[frame] = std::min(lowest[frame], contestants_[i].fastest[frame]);
+    return lowest;
+}
+
+void Comparison::printAgainst(const Contestant& adaptive) const
+{
+    const Contestant* rival = nullptr;
+    for (size_t i = adaptives_; i < contestants_.size(); ++i) {
+        const Contestant& contestant = contestants_[i];
+        const bool asGood = contestant.errors.wrong() <= adaptive.errors.wrong();
+        if (asGood && (!rival || contestant.best() < rival->best())) rival = &contestant;
+    }
+    if (!rival) {
+        std::printf("%s: no single method that serves every light has an error as low\n", adaptive.name.c_str());
+        return;
+    }
+    const std::vector<double> lowest = envelope(adaptive);
+    std::printf("%s / best single method of equal or lower error (%s): %.3f; / envelope of such methods, frame by "
+                "frame: %.3f\n",
+                adaptive.name.c_str(), rival->name.c_str(), adaptive.best() / rival->best(),
+                std::accumulate(adaptive.fastest.begin(), adaptive.fastest.end(), 0.0) /
+                    std::accumulate(lowest.begin(), lowest.end(), 0.0));
+}
+
 void Comparison::print() const
 {
     std::printf("%s, %ux%u, %u frames, fastest of %u alternations\n", scene_.name.c_str(), size_.width, size_.height,
                 frames_, options_.alternations);
     std::printf("%-18s %10s %16s %10s %9s\n", "", "frame ms", "over sentinel", "wrong %", "switches");
-    const Contestant& adaptive = contestants_.front();
-    const Contestant* rival = nullptr;
-    for (const Contestant& contestant : contestants_) {
+    for (const Contestant& contestant : contestants_)
         std::printf("%-18s %10.3f %16.3f %10.4f %9llu\n", contestant.name.c_str(), contestant.frameMs,
                     contestant.best(), contestant.errors.percent(contestant.errors.wrong()),
                     static_cast<unsigned long long>(contestant.switches));
-        if (&contestant == &adaptive) continue;
-        const bool asGood = contestant.errors.wrong() <= adaptive.errors.wrong();
-        if (asGood && (!rival || contestant.best() < rival->best())) rival = &contestant;
-    }
-    if (rival)
-        std::printf("adaptive / best single method of equal or lower error (%s): %.3f\n", rival->name.c_str(),
-                    adaptive.best() / rival->best());
-    else
-        std::printf("no single method that serves every light has an error as low\n");
+    for (size_t i = 0; i < adaptives_; ++i)
+        printAgainst(contestants_[i]);
     if (budget_.undisturbed > 0)
         std::printf("budget %.2f ms: kept in %.2f %% of %u undisturbed frames after the first second, worst %.2f x\n",
                     budget_.ms, 100.0 * budget_.within / budget_.undisturbed, budget_.undisturbed, budget_.worst);
+    if (!options_.plot.empty()) plot();
+}
+
+/// Milliseconds of every frame: the methods, what could be had of them, and the adaptive runs.
+void Comparison::plot() const
+{
+    const std::string settings =
+        "set title '" + scene_.name +
+        "'\nset xlabel 'frame'\nset ylabel 'ms'\nset yrange [0:]\nset grid\nset key left top\n";
+    const auto curve = [](const std::string& title, const std::string& style, const std::vector<double>& ms) {
+        PlotCurve made{.title = title, .style = style};
+        for (size_t frame = 0; frame < ms.size(); ++frame)
+            made.points.emplace_back(double(frame), ms[frame]);
+        return made;
+    };
+    std::vector<PlotCurve> curves;
+    for (size_t i = adaptives_; i < contestants_.size(); ++i)
+        curves.push_back(curve(contestants_[i].name,
+                               "lines lw 1 lc rgb '" + hexOf(methodColour(contestants_[i].name)) + "'",
+                               contestants_[i].fastest));
+    if (const std::vector<double> lowest = envelope(contestants_.front()); std::isfinite(lowest.front()))
+        curves.push_back(curve("envelope of equal error", "lines lw 2 dt 2 lc rgb 'black'", lowest));
+    for (size_t i = 0; i < adaptives_; ++i)
+        curves.push_back(curve(contestants_[i].name,
+                               i == 0 ? "lines lw 2 lc rgb 'black'" : "lines lw 2 lc rgb 'gray50'",
+                               contestants_[i].fastest));
+    plotCurves(settings, curves, options_.plot);
 }
 
 } // namespace

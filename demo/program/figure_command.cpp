@@ -2,13 +2,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <cstdlib>
 
 #include "demo/io/csv.hpp"
-#include "demo/io/number.hpp"
 #include "demo/program/commands.hpp"
+#include "demo/program/gnuplot.hpp"
 #include "demo/program/measure.hpp"
-#include "demo/program/pictures.hpp"
 #include "demo/scene/primitives.hpp"
 #include "demo/scene/scene_file.hpp"
 
@@ -103,13 +101,6 @@ CsvWriter table(const Figure& figure, const std::vector<Curve>& curves)
     return csv;
 }
 
-std::string hexOf(const Rgb8& colour)
-{
-    char text[8];
-    std::snprintf(text, sizeof text, "#%02x%02x%02x", colour.r, colour.g, colour.b);
-    return text;
-}
-
 /// The method's colour; where a figure has several models, the darker the more faces.
 Rgb8 colourOf(const Curve& curve, bool shaded)
 {
@@ -122,41 +113,23 @@ Rgb8 colourOf(const Curve& curve, bool shaded)
     return {shade(colour.r), shade(colour.g), shade(colour.b)};
 }
 
-/// What gnuplot is told.
-std::string plotScript(const Figure& figure, const std::vector<Curve>& curves, const std::string& out)
+void plot(const Figure& figure, const std::vector<Curve>& curves, const std::string& out)
 {
-    std::string script = "set terminal pngcairo size 640,420 font 'sans,10'\nset output '" + out + "'\n";
-    script += std::string("set title 'figure ") + figure.name + ": " + figure.title + "'\n";
-    script += "set xlabel 'lights'\nset ylabel 'ms a frame'\nset logscale x 2\nset xrange [0.9:18]\nset yrange [0:]\n"
-              "set xtics (1,2,4,8,16)\nset grid\nset key left top\nplot ";
+    const std::string settings =
+        std::string("set title 'figure ") + figure.name + ": " + figure.title +
+        "'\nset xlabel 'lights'\nset ylabel 'ms a frame'\nset logscale x 2\nset xrange [0.9:18]\nset yrange [0:]\n"
+        "set xtics (1,2,4,8,16)\nset grid\nset key left top\n";
     const bool shaded = std::any_of(curves.begin(), curves.end(), [&](const Curve& curve) {
         return curve.model.faces() != curves.front().model.faces();
     });
+    std::vector<PlotCurve> plotted;
     for (const Curve& curve : curves) {
-        script += &curve != curves.data() ? ", " : "";
-        script += "'-' using 1:2 with linespoints lw 2 pt 7 lc rgb '" + hexOf(colourOf(curve, shaded)) + "' title '" +
-                  curve.method + ' ' + std::to_string(curve.model.faces()) + " faces' noenhanced";
+        plotted.push_back({.title = curve.method + ' ' + std::to_string(curve.model.faces()) + " faces",
+                           .style = "linespoints lw 2 pt 7 lc rgb '" + hexOf(colourOf(curve, shaded)) + "'"});
+        for (size_t i = 0; i < kLights.size(); ++i)
+            plotted.back().points.emplace_back(kLights[i], curve.milliseconds[i]);
     }
-    script += '\n';
-    for (const Curve& curve : curves) {
-        for (size_t i = 0; i < kLights.size(); ++i) {
-            script += std::to_string(kLights[i]) + ' ';
-            appendFixed(script, curve.milliseconds[i], 3);
-            script += '\n';
-        }
-        script += "e\n";
-    }
-    return script;
-}
-
-void plot(const Figure& figure, const std::vector<Curve>& curves, const std::string& out)
-{
-    FILE* pipe = popen("gnuplot", "w"); // NOLINT: a fixed word, no input of anyone's
-    if (!pipe) throw HostError("gnuplot could not be started");
-    const std::string script = plotScript(figure, curves, out);
-    std::fwrite(script.data(), 1, script.size(), pipe);
-    if (pclose(pipe) != 0) throw HostError("gnuplot failed; is it installed?");
-    std::printf("%s\n", out.c_str());
+    plotCurves(settings, plotted, out);
 }
 
 } // namespace

@@ -107,7 +107,7 @@ void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
 {
     CLI::App* compare = app.add_subcommand("compare", "whole runs by the rules against the same by one method each");
     compare->add_option("SCENE", options.scene, kSceneHelp)->required();
-    compare->add_option("--rules", options.rules, "rule base of the adaptive run; default: `default`");
+    compare->add_option("--rules", options.rules, "a,b,... rule bases of adaptive runs; default: `default`");
     compare->add_option("--methods", options.methods, "a,b,... default: all that serve every light");
     compare->add_option("--size", options.size, "picture size; default: the scene's");
     compare->add_option("--frames", options.frames, "frames of a run; default: the scene's")
@@ -115,6 +115,7 @@ void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
     compare->add_option("--alternations", options.alternations, "runs of each")->check(CLI::Range(1, 1000));
     compare->add_option("--budget-ms", options.budgetMs, "for all shadows of a frame; default: none")
         ->check(CLI::NonNegativeNumber);
+    compare->add_option("--plot", options.plot, "PNG file of every frame's time, drawn by gnuplot");
     compare->callback([&] { exitCode = compareCommand(options); });
 }
 

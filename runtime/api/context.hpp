@@ -153,6 +153,7 @@ private:
     const LightCasters& castersOf(const LightView& light);
 
     // Cross-fades (frame_fade.cpp).
+    bool showTheSame(const PendingLight& pending, std::uint32_t a, std::uint32_t b) const;
     FadeRequest nextFade(const PendingLight& pending, const rules::RuleBase* base);
     void settleFades();
     ImageId declareOutgoing(const PendingLight& pending, FrameMode mode);

@@ -25,6 +25,12 @@ PipelineId fadeMixPipeline(PipelineLibrary& library)
                              .colorFormat = VK_FORMAT_R8_UNORM});
 }
 
+/// Whether two methods give the same picture: both answer by geometry, and no caster is there for one of them alone.
+bool Context::showTheSame(const PendingLight& pending, std::uint32_t a, std::uint32_t b) const
+{
+    return (*methods_)[a].isExact() && (*methods_)[b].isExact() && pending.casters->missable == 0;
+}
+
 /// Where the light's fade stands in this frame, before commit(): what it would cost beside the plan.
 FadeRequest Context::nextFade(const PendingLight& pending, const rules::RuleBase* base)
 {
@@ -32,11 +38,11 @@ FadeRequest Context::nextFade(const PendingLight& pending, const rules::RuleBase
     LightDecision& decision = *pending.decision;
     LightMemory& memory = *pending.memory;
     const std::uint32_t length = base && gridReady_ ? base->policy.hysteresis.crossFadeFrames : 0;
-    const char* obstacle = length == 0                                ? "the rules ask for none"
-                           : view.camera.cut                          ? "the camera was cut"
-                           : decision.reason == GN_REASON_PINNED      ? "the host pinned the method"
-                           : memory.lastFrame != view.lastFrame       ? "the light was not in the frame before"
-                                                                      : nullptr;
+    const char* obstacle = length == 0                           ? "the rules ask for none"
+                           : view.camera.cut                     ? "the camera was cut"
+                           : decision.reason == GN_REASON_PINNED ? "the host pinned the method"
+                           : memory.lastFrame != view.lastFrame  ? "the light was not in the frame before"
+                                                                 : nullptr;
     const bool begun = memory.fade.running();
     Fade::Step step = memory.fade.advance(frame_, decision.method, length, obstacle != nullptr);
     auto canFade = [&](std::uint32_t method) {
@@ -48,8 +54,7 @@ FadeRequest Context::nextFade(const PendingLight& pending, const rules::RuleBase
         step = {};
         obstacle = kCannotServe;
     }
-    const auto exact = [&](std::uint32_t method) { return (*methods_)[method].has(GN_TRAIT_EXACT_BIT); };
-    if (step.outgoing != Fade::kNone && !step.begun && exact(step.outgoing) && exact(decision.method)) {
+    if (step.outgoing != Fade::kNone && !step.begun && showTheSame(pending, step.outgoing, decision.method)) {
         memory.fade.skip();
         step = {};
         obstacle = "both methods are exact, there is nothing to see";

@@ -1,35 +1,26 @@
 #include "runtime/rays/ray_scene.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <unordered_map>
 #include <vector>
 
 #include <glm/matrix.hpp>
 
-#include "runtime/rays/embree_thread.hpp"
-#include "runtime/rays/triangle_tree.hpp"
+#include "runtime/rays/mesh_rays.hpp"
 
 namespace gnomon {
 namespace {
 
-/// What Embree took on this thread; trees are built by one thread each.
-thread_local std::ptrdiff_t bytesHere = 0;
-
 bool countBytes(void* total, ssize_t bytes, bool)
 {
     static_cast<std::atomic<std::ptrdiff_t>*>(total)->fetch_add(bytes, std::memory_order_relaxed);
-    bytesHere += bytes;
+    embreeBytesHere += bytes;
     return true;
 }
-
-void commitHere(RTCScene scene)
-{
-    buildHere([scene] { rtcCommitScene(scene); });
-}
-
-const RTCSceneFlags kSceneFlags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 
 /// A caster in the top level. Its index in the table is Embree's geometry id.
 struct Placed {
@@ -52,6 +43,13 @@ bool unchanged(const Placed& placed, const Caster& caster)
            placed.opacity == opacityOf(caster) && placed.userData == caster.userData;
 }
 
+/// What the filter finds behind Embree's context.
+struct Query {
+    RTCIntersectContext context; // first: Embree hands back a pointer to it
+    const Placed* placed = nullptr;
+    std::uint32_t lightMask = 0;
+};
+
 } // namespace
 
 bool castsRays(const Caster& caster)
@@ -61,27 +59,11 @@ bool castsRays(const Caster& caster)
     return std::isfinite(1.0f / determinant);
 }
 
-struct MeshRays::Impl {
-    RTCScene scene = nullptr;
-    std::size_t bytes = 0;
-    std::shared_ptr<const TriangleTree> tree;
-    std::shared_ptr<std::atomic<std::ptrdiff_t>> treeBytes; ///< Of all meshes; may outlive their scene.
-
-    Impl() = default;
-    Impl(const Impl&) = delete;
-    Impl& operator=(const Impl&) = delete;
-    ~Impl()
-    {
-        rtcReleaseScene(scene);
-        if (tree) treeBytes->fetch_sub(static_cast<std::ptrdiff_t>(tree->memoryBytes()), std::memory_order_relaxed);
-    }
-};
-
 MeshRays::MeshRays(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 MeshRays::~MeshRays() = default;
 std::size_t MeshRays::memoryBytes() const noexcept
 {
-    return impl_->bytes + (impl_->tree ? impl_->tree->memoryBytes() : 0);
+    return impl_->embree.bytes() + (impl_->tree ? impl_->tree->memoryBytes() : 0);
 }
 const std::shared_ptr<const TriangleTree>& MeshRays::tree() const noexcept
 {
@@ -108,16 +90,10 @@ struct RayScene::Impl {
     void place(std::uint32_t index, const Caster& caster, RTCScene tree);
     std::uint32_t add(std::uint32_t id);
     bool removeUnseen();
+    Query query(std::uint32_t lightMask) const;
 };
 
 namespace {
-
-/// What the filter finds behind Embree's context.
-struct Query {
-    RTCIntersectContext context; // first: Embree hands back a pointer to it
-    const Placed* placed = nullptr;
-    std::uint32_t lightMask = 0;
-};
 
 /// Called for hits that would end a ray: lets it go on where the caster is not opaque.
 void filterHits(const RTCFilterFunctionNArguments* args)
@@ -161,6 +137,33 @@ void traceTiles(RTCScene scene, Query& query, std::span<const ShadowRay> rays, s
     }
 }
 
+/// Packets as they are.
+void tracePackets(RTCScene scene, Query& query, std::span<const RayPacket> packets, std::span<std::uint16_t> blocked)
+{
+    RTCRay16 rays{};
+    static_assert(sizeof rays.org_x == sizeof packets[0].tfar);
+    alignas(64) int valid[RayPacket::kWidth];
+    std::fill(std::begin(rays.mask), std::end(rays.mask), query.lightMask);
+    for (std::size_t p = 0; p < packets.size(); ++p) {
+        const RayPacket& packet = packets[p];
+        if (packet.asked == 0) continue;
+        float* const origin[] = {rays.org_x, rays.org_y, rays.org_z};
+        float* const direction[] = {rays.dir_x, rays.dir_y, rays.dir_z};
+        for (int axis = 0; axis < 3; ++axis) {
+            std::memcpy(origin[axis], packet.origin[axis], sizeof packet.tfar);
+            std::memcpy(direction[axis], packet.direction[axis], sizeof packet.tfar);
+        }
+        std::memcpy(rays.tfar, packet.tfar, sizeof packet.tfar);
+        for (std::uint32_t i = 0; i < RayPacket::kWidth; ++i)
+            valid[i] = -static_cast<int>(packet.asked >> i & 1);
+        rtcOccluded16(valid, scene, &query.context, &rays);
+        std::uint32_t bits = 0;
+        for (std::uint32_t i = 0; i < RayPacket::kWidth; ++i) // a hit leaves tfar = -infinity
+            bits |= static_cast<std::uint32_t>((rays.tfar[i] < 0.0f) & (packet.tfar[i] >= 0.0f)) << i;
+        blocked[p] = static_cast<std::uint16_t>(bits & packet.asked);
+    }
+}
+
 /// 256 rays at a time as a stream, for scattered rays.
 void traceSparse(RTCScene scene, Query& query, std::span<const ShadowRay> rays, std::span<std::uint8_t> occluded)
 {
@@ -192,6 +195,20 @@ void traceSparse(RTCScene scene, Query& query, std::span<const ShadowRay> rays, 
 }
 
 } // namespace
+
+Query RayScene::Impl::query(std::uint32_t lightMask) const
+{
+    Query query{};
+    rtcInitIntersectContext(&query.context);
+    query.placed = placed.data();
+    query.lightMask = lightMask;
+    if ((opacityMask & lightMask) != 0 || !hasMasks) query.context.filter = filterHits;
+    // Never the coherent flag: with it rtcOccluded16 of Embree 3.13.5 does not return from some packets of diverging
+    // rays against several instances (AVX-512; rays_test finds one), and on tiles of a screen it gains nothing: 100
+    // million rays a second with and without.
+    query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    return query;
+}
 
 RayScene::Impl::Impl()
 {
@@ -279,29 +296,14 @@ RayScene::RayScene() : impl_(std::make_unique<Impl>()) {}
 RayScene::~RayScene() = default;
 
 std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices,
-                                          const TriangleTree* before)
+                                          MeshRaysHistory* history)
 {
     if (!impl_->device || indices.empty()) return nullptr;
     const FloatMode mode;
-    const std::ptrdiff_t bytesBefore = bytesHere;
-    static_cast<void>(rtcGetDeviceError(impl_->device)); // of this thread; clears what an earlier call left
-    auto mesh = std::make_unique<MeshRays::Impl>();
-    const RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0,
-                               sizeof(glm::vec3), positions.size());
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0,
-                               3 * sizeof(std::uint32_t), indices.size() / 3);
-    rtcCommitGeometry(geometry);
-    mesh->scene = rtcNewScene(impl_->device);
-    rtcSetSceneFlags(mesh->scene, kSceneFlags);
-    rtcSetSceneBuildQuality(mesh->scene, RTC_BUILD_QUALITY_MEDIUM);
-    rtcAttachGeometry(mesh->scene, geometry);
-    rtcReleaseGeometry(geometry);
-    commitHere(mesh->scene);
-    if (rtcGetDeviceError(impl_->device) != RTC_ERROR_NONE) return nullptr; // out of memory: the mesh casts no rays
-    mesh->bytes = static_cast<std::size_t>(std::max<std::ptrdiff_t>(bytesHere - bytesBefore, 0));
+    std::unique_ptr<MeshRays::Impl> mesh =
+        makeMeshRays(impl_->device, positions, indices, history ? history->impl_ : nullptr);
+    if (!mesh) return nullptr;
     mesh->treeBytes = impl_->treeBytes;
-    mesh->tree = before ? before->refitted(positions, indices) : TriangleTree::build(impl_->device, positions, indices);
     if (mesh->tree)
         mesh->treeBytes->fetch_add(static_cast<std::ptrdiff_t>(mesh->tree->memoryBytes()), std::memory_order_relaxed);
     return std::unique_ptr<MeshRays>(new MeshRays(std::move(mesh)));
@@ -320,7 +322,7 @@ void RayScene::update(std::span<const Caster> casters)
         std::uint32_t index = scene.find(position, caster.id);
         if (index == UINT32_MAX || !unchanged(scene.placed[index], caster)) {
             if (index == UINT32_MAX) index = scene.add(caster.id);
-            scene.place(index, caster, caster.mesh->rays->impl_->scene);
+            scene.place(index, caster, caster.mesh->rays->impl_->embree.scene());
             changed = true;
         }
         scene.placed[index].seen = scene.updates;
@@ -339,25 +341,26 @@ void RayScene::update(std::span<const Caster> casters)
 void RayScene::occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask, RayCoherence coherence,
                         std::span<std::uint8_t> occluded) const
 {
-    const Impl& scene = *impl_;
-    if (!scene.device) {
+    if (!impl_->device) {
         std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
         return;
     }
     const FloatMode mode;
-    Query query{};
-    rtcInitIntersectContext(&query.context);
-    query.placed = scene.placed.data();
-    query.lightMask = lightMask;
-    if ((scene.opacityMask & lightMask) != 0 || !scene.hasMasks) query.context.filter = filterHits;
-    // Never the coherent flag: with it rtcOccluded16 of Embree 3.13.5 does not return from some packets of diverging
-    // rays against several instances (AVX-512; rays_test finds one), and on tiles of a screen it gains nothing: 100
-    // million rays a second with and without.
-    query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    Query query = impl_->query(lightMask);
     if (coherence == RayCoherence::tiles)
-        traceTiles(scene.top, query, rays, occluded);
+        traceTiles(impl_->top, query, rays, occluded);
     else
-        traceSparse(scene.top, query, rays, occluded);
+        traceSparse(impl_->top, query, rays, occluded);
+}
+
+void RayScene::occluded(std::span<const RayPacket> packets, std::uint32_t lightMask,
+                        std::span<std::uint16_t> blocked) const
+{
+    std::fill(blocked.begin(), blocked.end(), std::uint16_t{0});
+    if (!impl_->device) return;
+    const FloatMode mode;
+    Query query = impl_->query(lightMask);
+    tracePackets(impl_->top, query, packets, blocked);
 }
 
 std::size_t RayScene::memoryBytes() const noexcept

@@ -1,6 +1,6 @@
 #pragma once
-// Shadow rays against the frame's casters (Embree 3.13, two-level, robust). ray_scene.cpp and its neighbour
-// triangle_tree.cpp are the only files that include Embree's headers.
+// Shadow rays against the frame's casters (Embree 3.13, two-level, robust). The files of this folder are the
+// only ones that include Embree's headers.
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -27,9 +27,33 @@ struct ShadowRay {
     glm::vec3 direction; ///< Need not be unit length.
 };
 
+/// Sixteen shadow rays side by side, as ShadowRay has one.
+struct alignas(64) RayPacket {
+    static constexpr std::uint32_t kWidth = 16;
+    float origin[3][kWidth], direction[3][kWidth], tfar[kWidth];
+    std::uint32_t asked; ///< Bit i: ray i is there.
+};
+
+/// What revisions of a mesh hand on for as long as its triangles stay the same: a tree that nobody traces any more is
+/// moved to the next positions, which takes a twentieth of the time of building one (bench_rays). Trees that have worn,
+/// which triangles that part do to them, are built anew.
+class MeshRaysHistory {
+public:
+    class Impl;
+    MeshRaysHistory();
+    ~MeshRaysHistory();
+    MeshRaysHistory(const MeshRaysHistory&) = delete;
+    MeshRaysHistory& operator=(const MeshRaysHistory&) = delete;
+
+private:
+    friend class RayScene;
+    std::shared_ptr<Impl> impl_;
+};
+
 /// The trees of one mesh: Embree's for rays, and one that may be walked; built by a worker.
 class MeshRays {
 public:
+    struct Impl;
     ~MeshRays();
     MeshRays(const MeshRays&) = delete;
     MeshRays& operator=(const MeshRays&) = delete;
@@ -39,7 +63,6 @@ public:
 
 private:
     friend class RayScene;
-    struct Impl;
     explicit MeshRays(std::unique_ptr<Impl> impl);
     std::unique_ptr<Impl> impl_;
 };
@@ -57,9 +80,10 @@ public:
 
     /// Builds a mesh's trees; any thread. The arrays must outlive the result (they are shared, not copied; positions
     /// are read as 16-byte loads, so the array must be readable 4 bytes past its end).
-    /// @param before the walkable tree of the same triangles in other positions, to be refitted; or null.
+    /// @param history what builds with the same `indices`, the array itself, hand on; outlives the array's use; or
+    /// null.
     std::unique_ptr<MeshRays> build(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices,
-                                    const TriangleTree* before = nullptr);
+                                    MeshRaysHistory* history = nullptr);
 
     /// Brings the top level to this frame's casters (those with mesh->rays; others are left out). Only what changed
     /// since the last call is touched; nothing changed costs nothing. One thread, before any trace of the frame.
@@ -70,6 +94,10 @@ public:
     /// @param rays in 4x4 pixel tiles for RayCoherence::tiles.
     void occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask, RayCoherence coherence,
                   std::span<std::uint8_t> occluded) const;
+
+    /// The same for rays that lie in packets, those of a packet close together.
+    /// @param blocked bit i of blocked[p]: ray i of packet p is there and blocked
+    void occluded(std::span<const RayPacket> packets, std::uint32_t lightMask, std::span<std::uint16_t> blocked) const;
 
     std::size_t memoryBytes() const noexcept;
 

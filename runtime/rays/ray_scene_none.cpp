@@ -10,6 +10,10 @@ bool castsRays(const Caster&)
     return false;
 }
 
+class MeshRaysHistory::Impl {};
+MeshRaysHistory::MeshRaysHistory() = default;
+MeshRaysHistory::~MeshRaysHistory() = default;
+
 struct MeshRays::Impl {};
 MeshRays::MeshRays(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 MeshRays::~MeshRays() = default;
@@ -27,8 +31,7 @@ const std::shared_ptr<const TriangleTree>& MeshRays::tree() const noexcept
 struct RayScene::Impl {};
 RayScene::RayScene() = default;
 RayScene::~RayScene() = default;
-std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3>, std::span<const std::uint32_t>,
-                                          const TriangleTree*)
+std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3>, std::span<const std::uint32_t>, MeshRaysHistory*)
 {
     return nullptr;
 }
@@ -36,6 +39,10 @@ void RayScene::update(std::span<const Caster>) {}
 void RayScene::occluded(std::span<const ShadowRay>, std::uint32_t, RayCoherence, std::span<std::uint8_t> occluded) const
 {
     std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
+}
+void RayScene::occluded(std::span<const RayPacket>, std::uint32_t, std::span<std::uint16_t> blocked) const
+{
+    std::fill(blocked.begin(), blocked.end(), std::uint16_t{0});
 }
 std::size_t RayScene::memoryBytes() const noexcept
 {

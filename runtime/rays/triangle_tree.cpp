@@ -18,6 +18,12 @@ struct Box {
         lower = glm::min(lower, point);
         upper = glm::max(upper, point);
     }
+    /// Half the surface.
+    double area() const
+    {
+        const glm::dvec3 size = glm::dvec3(upper) - glm::dvec3(lower);
+        return size.x * size.y + size.y * size.z + size.z * size.x;
+    }
 };
 
 /// What the builder makes, in memory of its own, until flatten() has put it into arrays.
@@ -140,6 +146,7 @@ std::shared_ptr<const TriangleTree> TriangleTree::build(RTCDeviceTy* device, std
     }
     tree->nodes_.shrink_to_fit();
     tree->fit(positions, indices);
+    tree->spreadBuilt_ = tree->spread_;
     return tree;
 }
 
@@ -153,8 +160,10 @@ std::shared_ptr<const TriangleTree> TriangleTree::refitted(std::span<const glm::
 
 void TriangleTree::fit(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices)
 {
+    double area = 0.0, rootArea = 0.0;
     for (std::size_t index = nodes_.size(); index-- > 0;) {
         Node& node = nodes_[index];
+        Box all;
         for (std::uint32_t i = 0; i < kWidth; ++i) {
             Box box;
             if (i >= node.count) {
@@ -174,8 +183,14 @@ void TriangleTree::fit(std::span<const glm::vec3> positions, std::span<const std
                 node.lower[axis][i] = i < node.count ? box.lower[axis] : 0.0f;
                 node.upper[axis][i] = i < node.count ? box.upper[axis] : 0.0f;
             }
+            if (i >= node.count) continue;
+            area += box.area();
+            all.add(box.lower);
+            all.add(box.upper);
         }
+        rootArea = all.area(); // the root comes last
     }
+    spread_ = rootArea > 0.0 ? area / rootArea : 0.0;
 }
 
 std::size_t TriangleTree::memoryBytes() const noexcept

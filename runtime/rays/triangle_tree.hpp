@@ -41,16 +41,23 @@ public:
     /// triangles).
     static std::shared_ptr<const TriangleTree> build(RTCDeviceTy* device, std::span<const glm::vec3> positions,
                                                      std::span<const std::uint32_t> indices);
-    /// The same tree around other positions of the same triangles. Boxes of
-    /// triangles that have parted overlap more; what is found in them is the same.
+    /// The same tree around other positions of the same triangles. Boxes of triangles that have parted overlap more;
+    /// what is found in them is the same.
     std::shared_ptr<const TriangleTree> refitted(std::span<const glm::vec3> positions,
                                                  std::span<const std::uint32_t> indices) const;
+    /// Its boxes have grown so much against the root's since it was built that building it anew pays.
+    bool worn() const noexcept { return spread_ > kWorn * spreadBuilt_; }
 
 private:
+    // Lauterbach, Yoon, Tuft and Manocha 2006 (RT-DEFORM) build anew when boxes have worsened by 40 %.
+    static constexpr double kWorn = 1.4;
+
     void fit(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices);
 
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> triangles_;
+    double spread_ = 0.0; ///< Area of all boxes below the root, in areas of the root: rays meet so many of them.
+    double spreadBuilt_ = 0.0;
 };
 
 } // namespace gnomon

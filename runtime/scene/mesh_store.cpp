@@ -175,9 +175,8 @@ void MeshBuilder::derive(MeshRevision& revision) const noexcept
         view.closed = revision.topology->closed;
         remarkOn(revision);
 #endif
-        if (rays_) revision.rays = rays_->build(view.positions, view.indices, revision.faces->tree().get());
+        if (rays_) revision.rays = rays_->build(view.positions, view.indices, &revision.faces->rays);
         view.rays = revision.rays.get();
-        if (view.rays && view.rays->tree()) revision.faces->remember(view.rays->tree());
     } catch (const std::exception& failure) {
         try {
             messages_.warn("MeshNotPrepared",

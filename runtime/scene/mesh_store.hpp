@@ -54,7 +54,7 @@ struct MeshUpload {
 /// What all revisions of a mesh have in common.
 struct MeshIdentity {
     std::string name;
-    std::uint32_t id = 0; ///< MeshView::id.
+    std::uint32_t id = 0;                                    ///< MeshView::id.
     std::shared_ptr<const std::vector<std::uint32_t>> given; ///< Indices as the host gave them.
     std::uint32_t positionCount = 0;
     std::atomic<bool> remarked{false}; ///< That it is open or not manifold has been said.
@@ -78,22 +78,11 @@ struct MeshFaces {
         const std::lock_guard lock(mutex_);
         connectivity_ = std::move(topology);
     }
-    /// The same for the tree of the triangles, which the next revision refits.
-    std::shared_ptr<const TriangleTree> tree() const
-    {
-        const std::lock_guard lock(mutex_);
-        return tree_;
-    }
-    void remember(std::shared_ptr<const TriangleTree> tree)
-    {
-        const std::lock_guard lock(mutex_);
-        tree_ = std::move(tree);
-    }
+    MeshRaysHistory rays;
 
 private:
     mutable std::mutex mutex_;
     std::shared_ptr<const Topology> connectivity_;
-    std::shared_ptr<const TriangleTree> tree_;
 };
 
 /// One revision of a mesh and all that is derived from it. What a frame has been shown does not change any more:

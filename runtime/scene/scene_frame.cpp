@@ -132,6 +132,7 @@ LightCasters SceneRegistry::castersOf(const LightView& light, FrameArena& arena)
             movings[movingCount++] = &caster;
         if (caster.mesh) result.triangles += caster.mesh->triangleCount();
         if (caster.hostDrawn && !caster.mayBeMissed) ++result.hostDrawn;
+        if (caster.mayBeMissed && (caster.hostDrawn || caster.alphaTested)) ++result.missable;
     }
     std::copy_n(movings.begin(), movingCount, all.begin() + staticCount);
     result.all = all.first(staticCount + movingCount);

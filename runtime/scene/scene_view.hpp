@@ -94,6 +94,7 @@ struct LightCasters {
     std::uint64_t movingStamp = 0;      ///< The same for `movings`; 0 when there are none.
     std::uint32_t triangles = 0;
     std::uint32_t hostDrawn = 0; ///< Host-drawn casters in range that may not be missed.
+    std::uint32_t missable = 0;  ///< Casters in range that some methods draw and others leave out.
 };
 
 /// A plane with dot(normal, p) + distance >= 0 inside.

@@ -35,6 +35,7 @@ struct Method {
         return (entry->traits & bit) != 0;
     }
     bool has(GnTraitBits trait) const { return (entry->traits & trait) != 0; }
+    bool isExact() const { return has(GN_TRAIT_EXACT_BIT) && !(entry->approximates && entry->approximates(settings)); }
 };
 
 class MethodTable {

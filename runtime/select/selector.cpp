@@ -126,7 +126,7 @@ void Selector::rank(const SelectionInput&, LightDecision& decision)
     }
     for (std::uint32_t i = 0; i < methods_.size(); ++i) {
         Candidate& candidate = decision.candidates[i];
-        candidate.quantised = methods_[i].has(GN_TRAIT_EXACT_BIT) ? 2 : methods_[i].has(GN_TRAIT_FALLBACK_BIT) ? 1 : 0;
+        candidate.quantised = methods_[i].isExact() ? 2 : methods_[i].has(GN_TRAIT_FALLBACK_BIT) ? 1 : 0;
     }
 }
 

@@ -182,9 +182,11 @@ TEST_CASE("a figure is a row for every number of lights and faces")
 
 TEST_CASE("compare runs the rules and every method that serves all lights, and holds them against each other")
 {
-    const Ran ran = gnomonProgram("compare torus_grid --size 96x64 --frames 8 --alternations 1 --budget-ms 1000");
+    const Ran ran = gnomonProgram("compare torus_grid --rules default,thesis --size 96x64 --frames 8 --alternations 1 "
+                                  "--budget-ms 1000");
     CHECK(ran.exitCode == 0);
-    for (const char* line : {"\nadaptive ", "\nstencil_volume ", "\nshadow_map ", "over sentinel", "switches"})
+    for (const char* line : {"\ndefault rules ", "\nthesis rules ", "\nstencil_volume ", "\nshadow_map ",
+                             "over sentinel", "switches", "default rules / best single method", "frame by frame"})
         CHECK_MESSAGE(ran.output.find(line) != std::string::npos, ran.output);
     CHECK(ran.output.find("\ncube_map ") == std::string::npos); // serves no spot light
     const Ran wrong = gnomonProgram("compare torus_grid --methods cube_map");

@@ -19,25 +19,6 @@ bool contains(const std::string& text, const std::string& part)
     return text.find(part) != std::string::npos;
 }
 
-/// A host-drawn caster that draws nothing: what counts is that nobody else can see it.
-GnInstance addHostDrawn(Host& host, GnInstanceFlags extra, double x, uint32_t mask)
-{
-    GnInstanceCreateInfo info{};
-    info.flags = GN_INSTANCE_HOST_DRAWN_BIT | extra;
-    info.pName = "grass";
-    info.transform.translation[0] = x;
-    info.transform.translation[1] = 1.0;
-    info.casterMask = mask;
-    for (int i = 0; i < 3; ++i) {
-        info.boundsMin[i] = -0.5f;
-        info.boundsMax[i] = 0.5f;
-    }
-    info.pfnDrawCasters = [](VkCommandBuffer, const GnCasterProjection*, void*) {};
-    GnInstance instance = VK_NULL_HANDLE;
-    host.require(gnCreateInstance(host.context, &info, &instance));
-    return instance;
-}
-
 } // namespace
 
 TEST_CASE_FIXTURE(DeviceTest, "a pinned light is served by its method until it is handed back to the rules")

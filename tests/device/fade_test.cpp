@@ -264,6 +264,26 @@ TEST_CASE_FIXTURE(DeviceTest,
     CHECK(host.decision(0).fade < 1.0f);
 }
 
+TEST_CASE_FIXTURE(DeviceTest,
+                  "exact methods do fade where their pictures may differ: missable casters, coarser settings")
+{
+    const auto fades = [](GnInstanceFlags grass, double mode) {
+        FadeHost host;
+        if (grass) addHostDrawn(host, grass, 0.0, 0xffffffffu);
+        host.require(gnSetMethodSetting(host.context, "conservative_map", "mode", mode));
+        settle(host, "shadow_map", "conservative_map");
+        favour(host, "conservative_map");
+        host.draw(kFadeFrames + 1, {});
+        favour(host, "tile_shafts");
+        host.require(host.draw());
+        CHECK(std::string(host.decision(0).pMethod) == "tile_shafts");
+        return host.decision(0).fade < 1.0f;
+    };
+    CHECK_FALSE(fades(0, 0.0));
+    CHECK(fades(GN_INSTANCE_MAY_BE_MISSED_BIT, 0.0));
+    CHECK(fades(0, 1.0));
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "a method that cannot serve any more does not fade: recorded frames have no round trips")
 {
     FadeHost host;

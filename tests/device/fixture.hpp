@@ -164,6 +164,9 @@ Scene smallScene();
 demo::Light spotLight(const char* name, const glm::dvec3& position, const glm::dvec3& target, bool isStatic);
 demo::Light pointLight(const char* name, const glm::dvec3& position, bool isStatic);
 
+/// A host-drawn caster that draws nothing: what counts is that nobody else can see it.
+GnInstance addHostDrawn(Host& host, GnInstanceFlags extra, double x, uint32_t mask);
+
 size_t differences(const Image8& a, const Image8& b);
 size_t differences(const std::vector<Image8>& a, const std::vector<Image8>& b);
 /// Pixels that are fully dark or fully lit: a picture with shadows has many of both.

@@ -90,8 +90,7 @@ uint64_t clearlyWrong(const SceneResults& results, const Pictures& pictures, siz
 } // namespace
 
 // Standard depth leaves an ulp a hundred times as long, and what is clear by the definition is not to its rasteriser.
-// One light exceeds two: colonnade's sun, four where it all but grazes the folds of cloth.
-TEST_CASE("volumes are wrong on at most two pixels a light that have a clear answer")
+TEST_CASE("volumes are clearly wrong on at most two pixels a light on average, and on four of any")
 {
     for (const std::string& name : sceneNames()) {
         const SceneResults& results = resultsOf(name);

@@ -12,20 +12,33 @@ namespace gnomon::test {
 /// A mesh with its tree. The positions have one spare element: trees read 16 bytes a vertex.
 struct TracedMesh {
     std::vector<glm::vec3> positions;
-    std::vector<std::uint32_t> indices;
+    std::vector<std::uint32_t> indices; ///< Empty if shared.
     std::unique_ptr<MeshRays> rays;
     MeshView view;
 
     TracedMesh(RayScene& scene, std::vector<glm::vec3> corners, std::vector<std::uint32_t> triangles = {})
         : positions(std::move(corners)), indices(std::move(triangles))
     {
-        const std::size_t count = positions.size();
-        for (std::uint32_t i = 0; indices.size() < count && i < count; ++i)
+        for (std::uint32_t i = 0; indices.size() < positions.size() && i < positions.size(); ++i)
             indices.push_back(i);
-        positions.emplace_back(0.0f);
+        build(scene, indices, nullptr);
+    }
+    /// A revision. @param shared outlives history and mesh
+    TracedMesh(RayScene& scene, std::vector<glm::vec3> corners, std::span<const std::uint32_t> shared,
+               MeshRaysHistory& history)
+        : positions(std::move(corners))
+    {
+        build(scene, shared, &history);
+    }
+
+private:
+    void build(RayScene& scene, std::span<const std::uint32_t> triangles, MeshRaysHistory* history)
+    {
+        const std::size_t count = positions.size();
+        positions.emplace_back(0.0f); // Embree reads 16 bytes a corner
         view.positions = std::span<const glm::vec3>(positions).first(count);
-        view.indices = indices;
-        rays = scene.build(view.positions, indices);
+        view.indices = triangles;
+        rays = scene.build(view.positions, triangles, history);
         view.rays = rays.get();
         static std::uint64_t revision = 0;
         view.revision = ++revision;

@@ -3,8 +3,11 @@
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
+#include <deque>
 #include <filesystem>
 #include <limits>
 #include <thread>
@@ -15,10 +18,13 @@
 
 #include "runtime/brute_force.hpp"
 #include "runtime/ray_fixture.hpp"
+#include "runtime/rays/triangle_tree.hpp"
+#include "runtime/wavy_sheet.hpp"
 
 using namespace gnomon;
 using test::casterOf;
 using test::TracedMesh;
+using test::waves;
 
 namespace {
 
@@ -38,6 +44,38 @@ std::vector<std::uint8_t> trace(const RayScene& scene, const std::vector<ShadowR
 {
     std::vector<std::uint8_t> occluded(rays.size(), 0xcc);
     scene.occluded(rays, mask, coherence, occluded);
+    return occluded;
+}
+
+/// The same rays in packets; every seventh is not asked, and its answer taken from `occluded`.
+std::vector<std::uint8_t> tracePackets(const RayScene& scene, const std::vector<ShadowRay>& rays,
+                                       std::vector<std::uint8_t> occluded, std::uint32_t mask)
+{
+    constexpr std::size_t width = RayPacket::kWidth;
+    std::vector<RayPacket> packets((rays.size() + width - 1) / width);
+    for (RayPacket& packet : packets) { // rays that are not there may be anything
+        std::memset(static_cast<void*>(&packet), 0xff, sizeof packet);
+        packet.asked = 0;
+    }
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (i % 7 == 3) continue;
+        RayPacket& packet = packets[i / width];
+        for (int axis = 0; axis < 3; ++axis) {
+            packet.origin[axis][i % width] = rays[i].origin[axis];
+            packet.direction[axis][i % width] = rays[i].direction[axis];
+        }
+        packet.tfar[i % width] = rays[i].tfar;
+        packet.asked |= 1u << i % width;
+    }
+    std::vector<std::uint16_t> blocked(packets.size(), 0xcccc);
+    scene.occluded(packets, mask, blocked);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const bool bit = (blocked[i / width] >> i % width & 1) != 0;
+        if (i % 7 != 3)
+            occluded[i] = bit;
+        else
+            CHECK_FALSE(bit);
+    }
     return occluded;
 }
 
@@ -83,7 +121,9 @@ void checkAgainstTruth(const RayScene& scene, const std::vector<Caster>& casters
 {
     const brute::Scene truth(brute::trianglesOf(casters, mask));
     for (const RayCoherence coherence : {RayCoherence::tiles, RayCoherence::sparse}) {
-        const Tally tally = compare(truth, rays, trace(scene, rays, coherence, mask));
+        const std::vector<std::uint8_t> answers = trace(scene, rays, coherence, mask);
+        CHECK(tracePackets(scene, rays, answers, mask) == answers);
+        const Tally tally = compare(truth, rays, answers);
         CAPTURE(tally.close);
         CHECK(tally.wrong == 0);
         CHECK(tally.free > static_cast<int>(rays.size()) / 20);
@@ -223,6 +263,57 @@ TEST_CASE("update follows casters that move, come, go and change their mesh")
     scene.update({});
     for (const std::uint8_t occluded : trace(scene, rays, RayCoherence::tiles))
         REQUIRE(occluded == 0);
+}
+
+TEST_CASE("trees handed on from revision to revision answer like built ones, and take no more memory")
+{
+    constexpr std::uint32_t side = 24;
+    std::mt19937 random(9);
+    RayScene scene, fresh;
+    MeshRaysHistory history;
+    const std::vector<std::uint32_t> indices = test::sheetTriangles(side);
+    const std::vector<ShadowRay> rays = randomRays(random, 1000, 1.2f);
+    std::deque<std::unique_ptr<TracedMesh>> inFlight; // three frames still look at their own
+    std::size_t settled = 0;
+    for (int revision = 0; revision < 24; ++revision) {
+        CAPTURE(revision);
+        const float phase = 0.2f * float(revision);
+        inFlight.push_back(std::make_unique<TracedMesh>(scene, waves(side, phase), indices, history));
+        if (inFlight.size() > 3) inFlight.pop_front();
+        const TracedMesh built(fresh, waves(side, phase), indices);
+        const std::vector<Caster> casters{casterOf(*inFlight.back(), 1)}, same{casterOf(built, 1)};
+        scene.update(casters);
+        fresh.update(same);
+        for (const RayCoherence coherence : {RayCoherence::tiles, RayCoherence::sparse})
+            CHECK(trace(scene, rays, coherence) == trace(fresh, rays, coherence));
+        if (revision == 0) checkAgainstTruth(scene, casters, rays);
+        if (revision == 12) settled = scene.memoryBytes();
+        if (revision > 12) CHECK(scene.memoryBytes() == settled);
+    }
+    checkAgainstTruth(scene, {casterOf(*inFlight.back(), 1)}, rays);
+}
+
+TEST_CASE("a tree whose triangles have parted is built anew")
+{
+    constexpr std::uint32_t side = 24;
+    std::mt19937 random(10);
+    RayScene scene;
+    MeshRaysHistory history;
+    const std::vector<std::uint32_t> indices = test::sheetTriangles(side);
+    const TracedMesh sheet(scene, waves(side, 0.0f), indices, history);
+    const TracedMesh moved(scene, waves(side, 1.0f), indices, history);
+    const auto sameShape = [](const TracedMesh& a, const TracedMesh& b) {
+        return std::ranges::equal(a.rays->tree()->triangles(), b.rays->tree()->triangles());
+    };
+    CHECK(sameShape(sheet, moved));
+    std::vector<glm::vec3> corners = waves(side, 0.0f); // every corner somewhere else on the sheet
+    std::ranges::shuffle(corners, random);
+    const TracedMesh torn(scene, corners, indices, history);
+    CHECK_FALSE(sameShape(sheet, torn));
+    CHECK_FALSE(torn.rays->tree()->worn());
+    const std::vector<Caster> casters{casterOf(torn, 1)};
+    scene.update(casters);
+    checkAgainstTruth(scene, casters, randomRays(random, 1000, 1.2f));
 }
 
 TEST_CASE("an alpha-tested caster blocks where its opacity is at least one half, others as before")

@@ -1,0 +1,41 @@
+#include "demo/program/gnuplot.hpp"
+
+#include <cstdio>
+
+#include "demo/host/vulkan.hpp"
+#include "demo/io/number.hpp"
+
+namespace gnomon::demo {
+
+std::string hexOf(const Rgb8& colour)
+{
+    char text[8];
+    std::snprintf(text, sizeof text, "#%02x%02x%02x", colour.r, colour.g, colour.b);
+    return text;
+}
+
+void plotCurves(const std::string& settings, const std::vector<PlotCurve>& curves, const std::string& out)
+{
+    std::string script = "set terminal pngcairo size 640,420 font 'sans,10'\nset output '" + out + "'\n" + settings;
+    for (const PlotCurve& curve : curves) {
+        script += &curve == curves.data() ? "plot " : ", ";
+        script += "'-' using 1:2 with " + curve.style + " title '" + curve.title + "' noenhanced";
+    }
+    script += '\n';
+    for (const PlotCurve& curve : curves) {
+        for (const auto& [x, y] : curve.points) {
+            appendFixed(script, x, 3);
+            script += ' ';
+            appendFixed(script, y, 3);
+            script += '\n';
+        }
+        script += "e\n";
+    }
+    FILE* pipe = popen("gnuplot", "w"); // NOLINT: a fixed word, no input of anyone's
+    if (!pipe) throw HostError("gnuplot could not be started");
+    std::fwrite(script.data(), 1, script.size(), pipe);
+    if (pclose(pipe) != 0) throw HostError("gnuplot failed; is it installed?");
+    std::printf("%s\n", out.c_str());
+}
+
+} // namespace gnomon::demo
