@@ -4,8 +4,10 @@
 #include <initializer_list>
 
 #ifdef GNOMON_WITH_EMBREE
+#include "algorithms/hybrid/coherence_sampling.hpp"
 #include "algorithms/hybrid/conservative_map.hpp"
 #include "algorithms/hybrid/contour_chain.hpp"
+#include "algorithms/hybrid/eight_point_hybrid.hpp"
 #include "algorithms/hybrid/pcf_hybrid.hpp"
 #include "algorithms/hybrid/ray_traced.hpp"
 #include "algorithms/hybrid/tile_shafts.hpp"
@@ -32,38 +34,48 @@ namespace gnomon {
 namespace {
 
 constexpr std::array kAlgorithms = {
-    &kShadowMap,       &kCubeMap,
+    &kShadowMap,
+    &kCubeMap,
     &kDualParaboloid,
 #ifdef GNOMON_WITH_OPENMESH
-    &kStencilVolume,   &kChanDurand,
-    &kOctreeVolume,    &kAllEdgesVolume,
-    &kProjectedPlanar, &kPenumbraWedges,
+    &kStencilVolume,
+    &kChanDurand,
+    &kOctreeVolume,
+    &kAllEdgesVolume,
+    &kProjectedPlanar,
+    &kPenumbraWedges,
 #endif
     &kMcCool,
 #ifdef GNOMON_WITH_EMBREE
-    &kPcfHybrid,       &kContourChain,
-    &kConservativeMap, &kRayTraced,
+    &kPcfHybrid,
+    &kContourChain,
+    &kConservativeMap,
+    &kRayTraced,
     &kTileShafts,
+    &kEightPointHybrid,
+    &kCoherenceSampling,
 #endif
 #if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
-    &kAngularSpans,    &kConservativeMapAdjacency,
+    &kAngularSpans,
+    &kConservativeMapAdjacency,
 #endif
 };
 
 /// Known to rules, left out of this build.
 constexpr std::initializer_list<const char*> kAbsentNames = {
 #ifndef GNOMON_WITH_EMBREE
-    "ray_traced",       "pcf_hybrid",
-    "contour_chain",    "conservative_map",
-    "tile_shafts",
+    "ray_traced",         "pcf_hybrid",
+    "contour_chain",      "conservative_map",
+    "tile_shafts",        "eight_point_hybrid",
+    "coherence_sampling",
 #endif
 #ifndef GNOMON_WITH_OPENMESH
-    "stencil_volume",   "chan_durand",
-    "octree_volume",    "all_edges_volume",
-    "projected_planar", "penumbra_wedges",
+    "stencil_volume",     "chan_durand",
+    "octree_volume",      "all_edges_volume",
+    "projected_planar",   "penumbra_wedges",
 #endif
 #if !defined(GNOMON_WITH_EMBREE) || !defined(GNOMON_WITH_OPENMESH)
-    "angular_spans",    "conservative_map_adjacency",
+    "angular_spans",      "conservative_map_adjacency",
 #endif
 };
 constexpr std::span<const char* const> kAbsent{kAbsentNames.begin(), kAbsentNames.size()};

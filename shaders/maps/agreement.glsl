@@ -2,7 +2,7 @@
 // receiver's plane. With MAP_LAYERS the map is the six faces around a point light. For the includer: planar_tap.glsl.
 #ifndef GNOMON_MAPS_AGREEMENT_GLSL
 #define GNOMON_MAPS_AGREEMENT_GLSL
-#include "planar_tap.glsl"
+#include "verdict.glsl"
 #ifdef MAP_LAYERS
 #include "../omni/cube.h"
 #endif
@@ -33,25 +33,5 @@ Tap tapOf(PlaneReceiver r, vec4 clip, float layer)
     vec2 normalPerTexel = vec2(dot(r.normalWs, look.texelDx.xyz), dot(r.normalWs, look.texelDy.xyz));
 #endif
     return planarTap(look, r, clip, normalPerTexel, layer);
-}
-
-// What the (2 + 2 * widen)^2 texels around the receiver say: 1 all lit, 0 all in shadow, 0.5 they disagree. A texel
-// within the slack of rounding and snapping on either side says neither.
-float verdict(Tap tap, int widen)
-{
-    float slack = DEPTH_ROUNDING + SNAP_TEXELS * (abs(tap.depthPerTexel.x) + abs(tap.depthPerTexel.y));
-    vec2 centre = floor(tap.at - 0.5) + 1.0;
-    bool lit = true, dark = true;
-    for (int y = -widen; y <= widen; y += 2) {
-        for (int x = -widen; x <= widen; x += 2) {
-            vec2 corner = centre + vec2(x, y);
-            vec4 nearest = vec4(tapDepth(tap, corner + vec2(-0.5, 0.5)), tapDepth(tap, corner + vec2(0.5, 0.5)),
-                                tapDepth(tap, corner + vec2(0.5, -0.5)), tapDepth(tap, corner + vec2(-0.5, -0.5)));
-            vec4 texels = mapGather(tap, corner);
-            lit = lit && all(lessThanEqual(min(nearest + 2.0 * slack, vec4(1.0)), texels));
-            dark = dark && all(greaterThan(min(nearest, vec4(1.0)), texels));
-        }
-    }
-    return lit ? 1.0 : dark ? 0.0 : 0.5;
 }
 #endif

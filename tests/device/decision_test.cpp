@@ -80,7 +80,9 @@ TEST_CASE_FIXTURE(DeviceTest,
                              "tile_shafts: outscored",
                              "conservative_map: outscored",
                              "conservative_map_adjacency: outscored",
-                             "penumbra_wedges: outscored"})
+                             "penumbra_wedges: outscored",
+                             "coherence_sampling: outscored",
+                             "eight_point_hybrid: outscored"})
         CHECK_MESSAGE(contains(text, part), std::string(part));
     CHECK(!contains(text, "nan"));
 

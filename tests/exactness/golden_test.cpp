@@ -88,6 +88,17 @@ TEST_CASE("every method draws the colonnade as it did when its golden image was 
                           sideBySide(stage.draw(filtered, {{"filter", 5.0}, {"resolution", 512.0}})));
 }
 
+TEST_CASE("soft rays draw the colonnade under wide lights as they did when their golden images were looked at")
+{
+    const test::DeviceTest silence;
+    Scene scene = shippedScene(kScene);
+    for (demo::Light& light : scene.lights)
+        light.radius = light.kind == LightKind::Directional ? 0.05f : 0.3f;
+    Stage stage(std::move(scene), kSize);
+    for (const std::string soft : {"coherence_sampling", "eight_point_hybrid"})
+        compareWithGolden(std::string(kScene) + "_soft_" + soft, sideBySide(stage.draw(soft)));
+}
+
 TEST_CASE("the comparison with golden images sees a shift by one pixel and a shadow that is missing")
 {
     const test::DeviceTest silence;

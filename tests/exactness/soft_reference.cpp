@@ -28,17 +28,18 @@ glm::dvec2 onDisc(double u, double v)
     return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
-double shareSeen(const brute::Scene& casters, const glm::dvec3& origin, const glm::dvec3& light, double radius,
-                 uint32_t pixel)
+/// \param towards The disc's centre from the origin; \param end of the rays, in parts of them.
+double shareSeen(const brute::Scene& casters, const glm::dvec3& origin, const glm::dvec3& towards, double radius,
+                 double end, uint32_t pixel)
 {
-    const glm::dvec3 axis = glm::normalize(light - origin);
+    const glm::dvec3 axis = glm::normalize(towards);
     const glm::dvec3 helper = std::abs(axis.y) < 0.9 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(1.0, 0.0, 0.0);
     const glm::dvec3 x = glm::normalize(glm::cross(helper, axis)), y = glm::cross(axis, x);
     uint32_t seen = 0;
     for (uint32_t i = 0; i < kStrata * kStrata; ++i) {
         const glm::dvec2 at = radius * onDisc((i % kStrata + jitter(pixel, i, 0)) / kStrata,
                                               (i / kStrata + jitter(pixel, i, 1)) / kStrata);
-        seen += !casters.blocked(origin, light + at.x * x + at.y * y - origin, 1.0);
+        seen += !casters.blocked(origin, towards + at.x * x + at.y * y, end);
     }
     return double(seen) / (kStrata * kStrata);
 }
@@ -49,7 +50,9 @@ SoftTruth softTruth(const Stage& stage, size_t layer, const brute::Scene& caster
 {
     const brute::View view = bruteView(stage);
     const brute::Light light = bruteLight(stage, layer);
-    const auto radius = static_cast<double>(stage.scene().lights[stage.present[layer]].radius);
+    const bool sun = light.type == GN_LIGHT_TYPE_DIRECTIONAL; // its radius is an angle
+    const auto source = static_cast<double>(stage.scene().lights[stage.present[layer]].radius);
+    const double radius = sun ? std::tan(source) : source, end = sun ? HUGE_VAL : 1.0;
     SoftTruth truth;
     for (int y = 0; y < view.height; ++y) {
         for (int x = 0; x < view.width; ++x) {
@@ -60,8 +63,9 @@ SoftTruth softTruth(const Stage& stage, size_t layer, const brute::Scene& caster
             const bool asked = answer.state == brute::State::asked;
             const glm::dvec3 origin = answer.receiver + normal * (answer.offset / glm::length(normal));
             truth.asked.push_back(asked && !answer.grazing);
+            const glm::dvec3 towards = sun ? -glm::normalize(light.direction) : light.position - origin;
             truth.visibility.push_back(
-                asked ? shareSeen(casters, origin, light.position, radius, static_cast<uint32_t>(y * view.width + x))
+                asked ? shareSeen(casters, origin, towards, radius, end, static_cast<uint32_t>(y * view.width + x))
                       : double(answer.lit));
         }
     }

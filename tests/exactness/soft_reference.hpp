@@ -1,6 +1,6 @@
 #pragma once
-// What a light with a surface shows: 256 rays a pixel to the disc that its sphere turns towards the receiver, traced by
-// the brute force. And the soft error, as the definitions have it.
+// What a light with a surface shows: 256 rays a pixel to the disc that its sphere turns towards the receiver, or to the
+// sun's, traced by the brute force. And the soft error, as the definitions have it.
 #include <cstdint>
 #include <vector>
 

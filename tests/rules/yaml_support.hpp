@@ -31,7 +31,9 @@ inline const std::vector<OutputInfo> kMethods = {
     {"penumbra_wedges", {"spot", "point", "hard", "softPenumbra", "cpuGeometry"}},
     {"tile_shafts", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}},
     {"conservative_map", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}},
-    {"conservative_map_adjacency", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}}};
+    {"conservative_map_adjacency", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}},
+    {"coherence_sampling", {"directional", "spot", "point", "hard", "softPenumbra", "cpuGeometry", "rays"}},
+    {"eight_point_hybrid", {"directional", "spot", "hard", "softPenumbra", "cpuGeometry", "rays"}}};
 
 inline const std::vector<std::string> kTraits = {"directional",  "spot",  "point",       "hard", "fixedPenumbra",
                                                  "softPenumbra", "exact", "cpuGeometry", "rays", "planar"};

@@ -1,0 +1,106 @@
+#include "algorithms/hybrid/traced_pixels.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "algorithms/hybrid/host_visibility.hpp"
+#include "shaders/hybrid/ray_list.h"
+
+namespace gnomon {
+
+namespace {
+
+using lanes::kBlockSide;
+using lanes::kLanes;
+
+/// The bytes of visibility that a pixel can show.
+struct Shades {
+    std::uint8_t lit = 255, dark = 0;            ///< Pixels that ask nothing.
+    std::uint8_t unoccluded = 255, occluded = 0; ///< What a ray said.
+};
+
+constexpr Shades kReasonCodes{.lit = gpu::REASON_OUTSIDE,
+                              .dark = gpu::REASON_BACKFACING,
+                              .unoccluded = gpu::REASON_RT_LIT,
+                              .occluded = gpu::REASON_RT_SHADOW};
+
+/// Everything the host pass needs; copied into the frame.
+struct TraceJob {
+    const CameraView* view;
+    const LightView* light;
+    HostVisibility buffers;
+    Shades shades;
+};
+
+// Blocks in a row whose rays are asked at once.
+constexpr std::uint32_t kBlocks = 16;
+
+/// Writes what is known of a block's pixels. @param first of them in rows
+void show(const Shades& shades, const lanes::Block& block, std::uint32_t blocked, std::uint8_t* first,
+          std::uint32_t stride)
+{
+    const std::uint8_t before[] = {shades.lit, shades.dark, shades.unoccluded}; // by lanes::Block::asked
+    std::uint8_t bytes[kLanes];
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane)
+        bytes[lane] = (blocked >> lane & 1) != 0 ? shades.occluded : before[block.asked[lane]];
+    for (std::uint32_t y = 0; y < kBlockSide; ++y)
+        std::memcpy(first + std::size_t(y) * stride, bytes + y * kBlockSide, kBlockSide);
+}
+
+/// Answers a row of blocks: the pixels of one share their way through the trees.
+void traceBlocks(const TraceJob& job, const HostContext& host, const BlockReader& reader, std::uint32_t top,
+                 std::span<std::uint8_t> rows, std::uint32_t stride)
+{
+    lanes::Block blocks[kBlocks];
+    RayPacket packets[kBlocks];
+    std::uint16_t blocked[kBlocks];
+    for (std::uint32_t left = 0; left < stride; left += kBlocks * kBlockSide) {
+        const std::uint32_t count = std::min(kBlocks, (stride - left) / kBlockSide);
+        std::size_t rays = 0;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            reader.read(left + i * kBlockSide, top, blocks[i]);
+            packRays(blocks[i], *job.light, packets[i]);
+            rays += blocks[i].rays;
+        }
+        host.rays->occluded(std::span(packets, count), job.light->mask, std::span(blocked, count));
+        host.countRays(rays);
+        for (std::uint32_t i = 0; i < count; ++i)
+            show(job.shades, blocks[i], blocked[i], &rows[left + i * kBlockSide], stride);
+    }
+}
+
+void trace(const TraceJob& job, const HostContext& host)
+{
+    const VkExtent2D extent = job.view->area.extent;
+    const BlockReader reader = blocksOf(*job.view, *job.light, job.buffers, host);
+    const std::span<std::uint8_t> visibility = host.write<std::uint8_t>(job.buffers.rows);
+    const std::uint32_t blockRows = (extent.height + kBlockSide - 1) / kBlockSide;
+    const std::uint32_t stride = (extent.width + kBlockSide - 1) / kBlockSide * kBlockSide;
+    host.jobs->parallelFor(blockRows, 4, [&](std::size_t begin, std::size_t end, std::uint32_t) {
+        // Upload memory may be write-combined: whole rows at a time.
+        const std::span<std::uint8_t> rows = host.arena->array<std::uint8_t>(std::size_t(kBlockSide) * stride);
+        for (std::size_t row = begin; row < end; ++row) {
+            const auto top = static_cast<std::uint32_t>(row) * kBlockSide;
+            traceBlocks(job, host, reader, top, rows, stride);
+            for (std::uint32_t y = 0; y < std::min(kBlockSide, extent.height - top); ++y)
+                std::copy_n(rows.begin() + std::ptrdiff_t(y) * stride, extent.width,
+                            visibility.begin() + std::ptrdiff_t(top + y) * extent.width);
+        }
+    });
+}
+
+} // namespace
+
+void declareTracedPixels(PassBuilder& passes, const ShadowTask& task, const TracedNames& names, bool reasons)
+{
+    const TraceJob job{.view = task.view,
+                       .light = task.light,
+                       .buffers = declareHostVisibility(passes, task, names.visibility),
+                       .shades = reasons ? kReasonCodes : Shades{}};
+    PassRef host = passes.host(names.trace);
+    useHostVisibility(host, job.buffers);
+    host.run([job](HostContext& context) { trace(job, context); });
+    declareVisibilityCopy(passes, task, job.buffers, names.copy);
+}
+
+} // namespace gnomon

@@ -1,0 +1,26 @@
+// The vote of the texels around a receiver, each compared at its own centre on the receiver's plane. For the includer:
+// planar_tap.glsl.
+#ifndef GNOMON_MAPS_VERDICT_GLSL
+#define GNOMON_MAPS_VERDICT_GLSL
+#include "planar_tap.glsl"
+
+// What the (2 + 2 * widen)^2 texels around the receiver say: 1 all lit, 0 all in shadow, 0.5 they disagree. A texel
+// within the slack of rounding and snapping on either side says neither.
+float verdict(Tap tap, int widen)
+{
+    float slack = DEPTH_ROUNDING + SNAP_TEXELS * (abs(tap.depthPerTexel.x) + abs(tap.depthPerTexel.y));
+    vec2 centre = floor(tap.at - 0.5) + 1.0;
+    bool lit = true, dark = true;
+    for (int y = -widen; y <= widen; y += 2) {
+        for (int x = -widen; x <= widen; x += 2) {
+            vec2 corner = centre + vec2(x, y);
+            vec4 nearest = vec4(tapDepth(tap, corner + vec2(-0.5, 0.5)), tapDepth(tap, corner + vec2(0.5, 0.5)),
+                                tapDepth(tap, corner + vec2(0.5, -0.5)), tapDepth(tap, corner + vec2(-0.5, -0.5)));
+            vec4 texels = mapGather(tap, corner);
+            lit = lit && all(lessThanEqual(min(nearest + 2.0 * slack, vec4(1.0)), texels));
+            dark = dark && all(greaterThan(min(nearest, vec4(1.0)), texels));
+        }
+    }
+    return lit ? 1.0 : dark ? 0.0 : 0.5;
+}
+#endif
