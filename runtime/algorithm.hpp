@@ -60,8 +60,8 @@ struct AlgorithmEntry {
     std::uint32_t roundTrips; ///< GPU-CPU-GPU; 0: may be recorded.
     std::uint32_t maxRounds;  ///< Levels that declareLater may add.
     std::span<const SettingSpec> settings;
-    /// Device bytes one light needs in a view of this extent.
-    VkDeviceSize (*memoryPerLight)(std::span<const double> settings, VkExtent2D extent);
+    /// Device bytes that a light of the kind needs in a view of this extent.
+    VkDeviceSize (*memoryPerLight)(std::span<const double> settings, VkExtent2D extent, GnLightType type);
     /// Null, or why the device cannot run it ("needs depthClamp"). Static storage.
     const char* (*missing)(const DeviceTable& vk);
     std::unique_ptr<ShadowAlgorithm> (*create)(const AlgorithmServices& services);
@@ -78,9 +78,9 @@ struct AlgorithmEntry {
     /// Null, or whether these settings give up what GN_TRAIT_EXACT_BIT promises.
     bool (*approximates)(std::span<const double> settings) = nullptr;
 
-    VkDeviceSize memoryFor(std::span<const double> values, VkExtent2D extent) const
+    VkDeviceSize memoryFor(std::span<const double> values, VkExtent2D extent, GnLightType type) const
     {
-        if (memoryPerLight) return memoryPerLight(values, extent);
+        if (memoryPerLight) return memoryPerLight(values, extent, type);
         return bytesPerPixel * extent.width * extent.height;
     }
 };

@@ -102,7 +102,8 @@ constinit const AlgorithmEntry kCoherenceSampling{
     .roundTrips = 1,
     .maxRounds = 0,
     .settings = kSettings,
-    .memoryPerLight = [](std::span<const double>, VkExtent2D extent) { return hostVisibilityMemory(extent); },
+    .memoryPerLight = [](std::span<const double>, VkExtent2D extent,
+                         GnLightType) { return hostVisibilityMemory(extent); },
     .missing = nullptr,
     .create = [](const AlgorithmServices&) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<CoherenceSampling>();

@@ -209,10 +209,11 @@ const char* ConservativeMethod::missing(const DeviceTable& vk)
     return vk.enabled.fragmentStoresAndAtomics ? nullptr : "needs fragmentStoresAndAtomics";
 }
 
-VkDeviceSize ConservativeMethod::memory(std::span<const double> settings, VkExtent2D extent)
+VkDeviceSize ConservativeMethod::memory(std::span<const double> settings, VkExtent2D extent, GnLightType type)
 {
-    // Two layers, each as many images as a point light may need.
-    return 2 * depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), 6) + RayLists::memory(extent);
+    // Two layers, each as many images as the light needs.
+    return 2 * depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type)) +
+           RayLists::memory(extent);
 }
 
 } // namespace gnomon

@@ -76,7 +76,7 @@ public:
     static const char* missing(const DeviceTable& vk);
     static bool approximates(std::span<const double> settings) { return settings[kMode] != 0.0; }
     /// Of both layers and the list.
-    static VkDeviceSize memory(std::span<const double> settings, VkExtent2D extent);
+    static VkDeviceSize memory(std::span<const double> settings, VkExtent2D extent, GnLightType type);
 
     ConservativeMethod(const AlgorithmServices& services, const char* classify, const RayListNames& names);
     void declare(PassBuilder& passes, const ShadowTask& task) override;

@@ -39,8 +39,8 @@ constinit const AlgorithmEntry kConservativeMapAdjacency{
     .maxRounds = 0,
     .settings = ConservativeMethod::kSettings,
     .memoryPerLight =
-        [](std::span<const double> settings, VkExtent2D extent) {
-            return ConservativeMethod::memory(settings, extent) +
+        [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
+            return ConservativeMethod::memory(settings, extent, type) +
                    ConservativeSheets::memory(static_cast<std::uint32_t>(settings[ConservativeMethod::kResolution]));
         },
     .missing = ConservativeMethod::missing,

@@ -164,9 +164,9 @@ constinit const AlgorithmEntry kContourChain{
     .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
-        [](std::span<const double> settings, VkExtent2D extent) {
-            // As many layers as a point light may need; the two other kinds need one. A byte and a mark a pixel.
-            return idMapMemory(static_cast<std::uint32_t>(settings[kResolution]), 6) +
+        [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
+            // A byte and a mark a pixel.
+            return idMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type)) +
                    pooledSize(VkDeviceSize{extent.width} * extent.height) +
                    pooledSize(VkDeviceSize{4} * extent.width * extent.height);
         },

@@ -180,7 +180,7 @@ constinit const AlgorithmEntry kEightPointHybrid{
     .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
-        [](std::span<const double> settings, VkExtent2D extent) {
+        [](std::span<const double> settings, VkExtent2D extent, GnLightType) {
             return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), kLightPoints) +
                    RayLists::memory(extent);
         },

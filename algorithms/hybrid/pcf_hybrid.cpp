@@ -96,9 +96,9 @@ constinit const AlgorithmEntry kPcfHybrid{
     .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
-        [](std::span<const double> settings, VkExtent2D extent) {
-            // As many layers as a point light may need; the two other kinds need one.
-            return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), 6) + RayLists::memory(extent);
+        [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
+            return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type)) +
+                   RayLists::memory(extent);
         },
     .missing = [](const DeviceTable& vk) -> const char* {
         return vk.enabled.fragmentStoresAndAtomics ? nullptr : "needs fragmentStoresAndAtomics";

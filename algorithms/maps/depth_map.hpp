@@ -40,6 +40,12 @@ LightFit* fitDepthMap(bool clamps, const ShadowTask& task, FrameArena& arena);
 DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
                          std::uint32_t resolution);
 
+/// Maps around a light: six for a point light.
+constexpr std::uint32_t mapLayers(GnLightType type)
+{
+    return type == GN_LIGHT_TYPE_POINT ? 6 : 1;
+}
+
 /// Device bytes of one map, a kept copy of the static casters included.
 VkDeviceSize depthMapMemory(std::uint32_t resolution, std::uint32_t layers = 1);
 

@@ -51,8 +51,8 @@ constinit const AlgorithmEntry kShadowMap{
     .roundTrips = 0,
     .maxRounds = 0,
     .settings = kSettings,
-    .memoryPerLight = [](std::span<const double> settings,
-                         VkExtent2D) { return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution])); },
+    .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
+                         GnLightType) { return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution])); },
     .missing = nullptr,
     .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<ShadowMap>(services);

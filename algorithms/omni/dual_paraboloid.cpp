@@ -221,8 +221,8 @@ constinit const AlgorithmEntry kDualParaboloid{
     .roundTrips = 0,
     .maxRounds = 0,
     .settings = kSettings,
-    .memoryPerLight = [](std::span<const double> settings,
-                         VkExtent2D) { return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), 2); },
+    .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
+                         GnLightType) { return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), 2); },
     .missing = nullptr,
     .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<DualParaboloid>(services);

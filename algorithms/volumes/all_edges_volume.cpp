@@ -155,7 +155,7 @@ const AlgorithmEntry kAllEdgesVolume{
     .maxRounds = 0,
     .settings = kSettings,
     // Lists belong to meshes, not to lights.
-    .memoryPerLight = [](std::span<const double>, VkExtent2D extent) { return viewStencilMemory(extent); },
+    .memoryPerLight = [](std::span<const double>, VkExtent2D extent, GnLightType) { return viewStencilMemory(extent); },
     .missing = missing,
     .create = create,
     .typicalWrongPercent = 0.004f, // stencil_volume's picture

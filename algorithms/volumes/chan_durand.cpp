@@ -320,10 +320,9 @@ const AlgorithmEntry kChanDurand{
     .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
-        [](std::span<const double> settings, VkExtent2D extent) {
-            // As many layers as a point light may need; the two other kinds need one.
-            return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), gpu::MAX_LAYERS) +
-                   pooledSize(cellBytes(gpu::MAX_LAYERS)) + viewStencilMemory(extent);
+        [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
+            return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type)) +
+                   pooledSize(cellBytes(mapLayers(type))) + viewStencilMemory(extent);
         },
     .missing = [](const DeviceTable& vk) -> const char* {
         return vk.enabled.fragmentStoresAndAtomics ? nullptr : "needs fragmentStoresAndAtomics";

@@ -362,11 +362,11 @@ const AlgorithmEntry kMcCool{
     .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
-        [](std::span<const double> settings, VkExtent2D extent) {
-            // As many maps as a point light may need; the two other kinds need one.
+        [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
             const auto side = static_cast<std::uint32_t>(settings[kResolution]);
             const auto edges = static_cast<std::uint32_t>(settings[kEdges]);
-            return depthMapMemory(side, kMaps) + kMaps * (polygonBytes(side * edges) + cellBytes(side * edges)) +
+            const std::uint32_t maps = mapLayers(type);
+            return depthMapMemory(side, maps) + maps * (polygonBytes(side * edges) + cellBytes(side * edges)) +
                    viewStencilMemory(extent);
         },
     .missing = nullptr,

@@ -152,7 +152,7 @@ void OctreeVolume::declare(PassBuilder& passes, const ShadowTask& task)
     declareCount(passes, task, "octree_volume.count", stencil, *plan, pipelines_);
 }
 
-VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent)
+VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent, GnLightType)
 {
     return viewStencilMemory(extent) + stripMemory(extent) + cullMemory(extent);
 }

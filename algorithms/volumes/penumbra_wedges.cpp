@@ -124,7 +124,7 @@ void PenumbraWedges::declare(PassBuilder& passes, const ShadowTask& task)
     declareResolve(passes, task, stencil, coverage, resolve_);
 }
 
-VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent)
+VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent, GnLightType)
 {
     return viewStencilMemory(extent) + VkDeviceSize{4} * extent.width * extent.height; // coverage
 }

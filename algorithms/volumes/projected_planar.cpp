@@ -239,7 +239,7 @@ const AlgorithmEntry kProjectedPlanar{
     .maxRounds = 0,
     .settings = {},
     .memoryPerLight =
-        [](std::span<const double>, VkExtent2D extent) {
+        [](std::span<const double>, VkExtent2D extent, GnLightType) {
             // A tile of 16 x 16 pixels has 16 bytes.
             return VkDeviceSize{extent.width} * extent.height / 16 + sizeof(gpu::ReceiverPlane);
         },

@@ -45,7 +45,7 @@ void StencilVolume::declare(PassBuilder& passes, const ShadowTask& task)
     declareCount(passes, task, "stencil_volume.count", stencil, *volumes, pipelines_);
 }
 
-VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent)
+VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent, GnLightType)
 {
     return viewStencilMemory(extent);
 }

@@ -92,7 +92,7 @@ Candidate Selector::examine(const Method& method, const SelectionInput& input, s
     if (method.has(GN_TRAIT_TOPOLOGY_BIT) && withoutTopology) return out(Exclusion::topology, withoutTopology);
     if (method.has(GN_TRAIT_RAYS_BIT) && withoutTree) return out(Exclusion::trees, withoutTree);
     // What the incumbent holds is in use already; it need not fit twice.
-    const VkDeviceSize needs = method.entry->memoryFor(method.settings, input.view->extent);
+    const VkDeviceSize needs = method.entry->memoryFor(method.settings, input.view->extent, input.light->type);
     if (method.index != incumbent && needs > input.memoryLeft) return out(Exclusion::memory, needs);
     const ShadowTask task{.view = input.view,
                           .light = input.light,

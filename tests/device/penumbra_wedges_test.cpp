@@ -85,7 +85,7 @@ TEST_CASE_FIXTURE(DeviceTest, "lights of one view are as they are alone, recorde
 TEST_CASE_FIXTURE(DeviceTest, "what a view takes is what the plan is told, however many lights")
 {
     constexpr VkExtent2D extent{328, 180};
-    const VkDeviceSize told = kPenumbraWedges.memoryFor(std::vector<double>{1.0, 0.0}, extent);
+    const VkDeviceSize told = kPenumbraWedges.memoryFor(std::vector<double>{1.0, 0.0}, extent, GN_LIGHT_TYPE_SPOT);
     for (const size_t lights : {1u, 3u}) {
         MemoryBooks books;
         Scene scene = softScene(demo::LightKind::Spot, 0.4f);

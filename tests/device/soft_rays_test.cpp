@@ -105,7 +105,8 @@ TEST_CASE_FIXTURE(DeviceTest, "eight maps are drawn once, again when a caster mo
     CHECK(differences(before, host.pictures()) > 50);
 
     CAPTURE(books.list());
-    const VkDeviceSize told = 2 * kEightPointHybrid.memoryFor(std::vector<double>{512.0}, host.extent());
+    const VkDeviceSize told =
+        2 * kEightPointHybrid.memoryFor(std::vector<double>{512.0}, host.extent(), GN_LIGHT_TYPE_SPOT);
     const VkDeviceSize held = books.held("point_maps.").bytes + books.held("eight_point_hybrid.").bytes;
     CHECK(held > told / 4); // so few triangles that the static ones are not kept apart: half of the maps
     CHECK(held <= told + told / 8);
