@@ -131,6 +131,17 @@ void BlockReader::part(std::uint32_t x, std::uint32_t y, Texels& texels) const
     }
 }
 
+void BlockReader::prefetch(std::uint32_t x, std::uint32_t y) const
+{
+    if (x + kBlockSide > area_.extent.width || y + kBlockSide > area_.extent.height) return;
+    std::size_t pixel = std::size_t(static_cast<std::uint32_t>(area_.offset.y) + y) * width_ +
+                        static_cast<std::uint32_t>(area_.offset.x) + x;
+    for (std::uint32_t row = 0; row < kBlockSide; ++row, pixel += width_) {
+        prefetchRead(depth_.data() + pixel);
+        if (!normals_.empty()) prefetchRead(normals_.data() + pixel * (halfNormals_ ? 8 : 16));
+    }
+}
+
 void BlockReader::read(std::uint32_t x, std::uint32_t y, Block& block) const
 {
     Texels texels;

@@ -32,6 +32,8 @@ public:
 
     /// The block whose first pixel is at (x, y) of the view's area. Lanes beyond the area ask nothing.
     void read(std::uint32_t x, std::uint32_t y, lanes::Block& block) const;
+    /// Calls for what read() will read there, which may be beyond the area.
+    void prefetch(std::uint32_t x, std::uint32_t y) const;
 
 private:
     void whole(std::size_t pixel, lanes::Texels& texels) const;

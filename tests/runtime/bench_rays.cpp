@@ -76,6 +76,7 @@ void moveWalkable(benchmark::State& state)
 
 BENCHMARK(build)->Arg(10000)->Arg(100352)->Unit(benchmark::kMillisecond);
 BENCHMARK(move)->Arg(10000)->Arg(100352)->Unit(benchmark::kMillisecond);
+BENCHMARK(move)->Arg(50176)->Threads(2)->UseRealTime()->Unit(benchmark::kMillisecond); // a frame of two such meshes
 BENCHMARK(moveWalkable)->Arg(10000)->Arg(100352)->Unit(benchmark::kMillisecond);
 
 } // namespace
