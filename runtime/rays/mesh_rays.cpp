@@ -120,7 +120,8 @@ std::unique_ptr<MeshRays::Impl> makeMeshRays(RTCDevice device, std::span<const g
         if (history) mesh->generation = history->startOver();
     }
     if (history) mesh->embree = history->exchange({mesh->tree, mesh->generation});
-    if (mesh->embree.movable())
+    mesh->moved = mesh->embree.movable();
+    if (mesh->moved)
         mesh->embree.move(positions);
     else
         mesh->embree = EmbreeTree(device, positions, indices, before.tree != nullptr);

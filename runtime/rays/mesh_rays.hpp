@@ -26,7 +26,7 @@ inline void commitHere(RTCScene scene)
 class EmbreeTree {
 public:
     EmbreeTree() = default;
-    /// @param movable costs rays some 10 % and memory; move() needs it
+    /// @param movable move() may be called: a dynamic scene of Embree's
     EmbreeTree(RTCDevice device, std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices,
                bool movable);
     EmbreeTree(EmbreeTree&& other) noexcept { swap(other); }
@@ -78,6 +78,7 @@ struct MeshRays::Impl {
     std::shared_ptr<std::atomic<std::ptrdiff_t>> treeBytes; ///< Of all meshes; may outlive their scene.
     std::shared_ptr<MeshRaysHistory::Impl> history;         ///< Gets `embree` in the end; null: nobody does.
     std::uint32_t generation = 0;
+    bool moved = false;
 
     Impl() = default;
     Impl(const Impl&) = delete;

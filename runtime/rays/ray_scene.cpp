@@ -65,6 +65,10 @@ std::size_t MeshRays::memoryBytes() const noexcept
 {
     return impl_->embree.bytes() + (impl_->tree ? impl_->tree->memoryBytes() : 0);
 }
+bool MeshRays::moved() const noexcept
+{
+    return impl_->moved;
+}
 const std::shared_ptr<const TriangleTree>& MeshRays::tree() const noexcept
 {
     return impl_->tree;

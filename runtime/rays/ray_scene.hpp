@@ -58,6 +58,7 @@ public:
     MeshRays(const MeshRays&) = delete;
     MeshRays& operator=(const MeshRays&) = delete;
     std::size_t memoryBytes() const noexcept; ///< Of both.
+    bool moved() const noexcept;              ///< Embree's is one that was handed on, not built.
     /// Null where it could not be made.
     const std::shared_ptr<const TriangleTree>& tree() const noexcept;
 

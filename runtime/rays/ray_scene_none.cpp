@@ -22,6 +22,11 @@ std::size_t MeshRays::memoryBytes() const noexcept
     return 0;
 }
 
+bool MeshRays::moved() const noexcept
+{
+    return false;
+}
+
 const std::shared_ptr<const TriangleTree>& MeshRays::tree() const noexcept
 {
     static const std::shared_ptr<const TriangleTree> none;

@@ -1,7 +1,7 @@
 #version 460
 // One texel of a layer: is it touched, or covered, and between which depths. The depth test LESS keeps the smallest.
 #extension GL_GOOGLE_include_directive : require
-#include "conservative.h"
+#include "conservative_thesis.h"
 
 #define VARYING in
 #include "conservative_varyings.glsl"

@@ -15,6 +15,7 @@
 #include <glm/matrix.hpp>
 
 #include "shaders/hybrid/conservative_look.h"
+#include "shaders/hybrid/conservative_thesis.h"
 
 using namespace gnomon;
 using glm::dvec2;

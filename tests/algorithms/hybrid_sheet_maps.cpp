@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "algorithms/hybrid/sheet_edges.hpp"
-#include "shaders/hybrid/conservative.h"
+#include "shaders/hybrid/conservative_thesis.h"
 
 using namespace gnomon;
 using glm::dvec2;

@@ -280,6 +280,8 @@ TEST_CASE("trees handed on from revision to revision answer like built ones, and
         const float phase = 0.2f * float(revision);
         inFlight.push_back(std::make_unique<TracedMesh>(scene, waves(side, phase), indices, history));
         if (inFlight.size() > 3) inFlight.pop_front();
+        // The first is not movable; four more are built before one of those is looked at no longer.
+        CHECK(inFlight.back()->rays->moved() == (revision > 4));
         const TracedMesh built(fresh, waves(side, phase), indices);
         const std::vector<Caster> casters{casterOf(*inFlight.back(), 1)}, same{casterOf(built, 1)};
         scene.update(casters);
@@ -311,6 +313,7 @@ TEST_CASE("a tree whose triangles have parted is built anew")
     const TracedMesh torn(scene, corners, indices, history);
     CHECK_FALSE(sameShape(sheet, torn));
     CHECK_FALSE(torn.rays->tree()->worn());
+    CHECK_FALSE(torn.rays->moved());
     const std::vector<Caster> casters{casterOf(torn, 1)};
     scene.update(casters);
     checkAgainstTruth(scene, casters, randomRays(random, 1000, 1.2f));
