@@ -202,15 +202,19 @@ CostModel::Octaves CostModel::octaves(uint32_t light, uint32_t method, uint32_t 
     mean += known.scene;
     if (light < lights_) {
         const Residual& own = residuals_[(size_t{light} * methods_ + method) * kTracks + t];
-        double distance = 0.0;
-        for (uint32_t i = 0; i < kFeatures; ++i)
-            distance += std::fabs(f[i] - own.at[i]);
-        const double n = own.samples / (1.0 + distance); // what was learned elsewhere counts for less
-        const double weight = trust(known, n);
+        const double weight = trust(known, effectiveSamples(own, f));
         mean += weight * (own.octaves - known.scene);
         variance += known.lights * (1.0 - weight);
     }
     return {mean, variance, known.samples >= kFeatures};
+}
+
+double CostModel::effectiveSamples(const Residual& own, const Features& f) noexcept
+{
+    double distance = 0.0;
+    for (uint32_t i = 0; i < kFeatures; ++i)
+        distance += std::fabs(f[i] - own.at[i]);
+    return own.samples / (1.0 + distance); // what was learned elsewhere counts for less
 }
 
 /// Weight of a light's own timings. The more lights differ by this method, the more its first ones tell.
@@ -236,10 +240,7 @@ void CostModel::noteScene(uint32_t method, uint32_t t) noexcept
 /// Running mean of what the fit leaves over for this light, with clipped errors; four alike in a row replace it.
 void CostModel::learn(Residual& own, const Features& f, double error) noexcept
 {
-    double distance = 0.0;
-    for (uint32_t i = 0; i < kFeatures; ++i)
-        distance += std::fabs(f[i] - own.at[i]);
-    own.samples = own.samples > 0.0 ? own.samples / (1.0 + distance) : 0.0;
+    own.samples = effectiveSamples(own, f);
     own.at = f;
     own.recent[own.recentNext] = error;
     own.recentNext = static_cast<uint8_t>((own.recentNext + 1) % own.recent.size());
@@ -269,7 +270,7 @@ void CostModel::observe(const Observation& observation) noexcept
     const double y = log2Exactly(observation.ms);
     const double surprise = y - octaves(observation.light, observation.method, t, f).mean;
     const bool votes = known.samples >= kFeatures; // a guess says nothing about the device
-    if (votes && frameErrorCount_ < frameErrors_.size()) frameErrors_[frameErrorCount_++] = surprise;
+    if (votes) noteVote(surprise, observation.method, isSettled(residual(observation.light, observation.method, t), f));
     ++samples_;
     // Device first: until it is known every method looks wrong by the same factor, and nothing else is learned.
     if (deviceFrames_ < kDeviceFrames && votes) {
@@ -295,6 +296,31 @@ void CostModel::observe(const Observation& observation) noexcept
         known.noise = std::max(kLeastNoise, known.noise + (square - known.noise) * kNoiseRate);
     ++known.samples;
     known.seen = true;
+}
+
+/// Whether it is known what this light takes by its method: four timings that count in full, as kPersistentTimings.
+bool CostModel::isSettled(const Residual& own, const Features& f) noexcept
+{
+    return effectiveSamples(own, f) >= kPersistentTimings;
+}
+
+/// Settled lights stand in front.
+void CostModel::noteVote(double surprise, uint32_t method, bool settled) noexcept
+{
+    if (frameErrorCount_ == frameErrors_.size()) return;
+    frameMethods_ = frameErrorCount_ == 0 || method == frameMethod_ ? frameMethods_ : 2;
+    frameMethod_ = method;
+    frameErrors_[frameErrorCount_++] = surprise;
+    if (settled) std::swap(frameErrors_[frameSettled_++], frameErrors_[frameErrorCount_ - 1]);
+}
+
+/// What timings say of the device: those of lights whose time was known, as long as there are any. Where nobody knew
+/// it, the scene or the method is as likely to be the cause, unless several methods say the same, or nothing is known
+/// of the device yet.
+uint32_t CostModel::deviceVotes() const noexcept
+{
+    if (deviceFrames_ < kDeviceFrames || (frameSettled_ == 0 && frameMethods_ > 1)) return frameErrorCount_;
+    return frameSettled_;
 }
 
 /// The median of the last five frames' medians is beyond kDeviceStep only if three of them are.
@@ -325,9 +351,9 @@ void CostModel::endFrame() noexcept
 {
     for (uint32_t i = 0; i < tracks_.size(); ++i)
         if (std::exchange(tracks_[i].timed, false)) noteScene(i / kTracks, i % kTracks);
-    if (frameErrorCount_ == 0) return;
-    noteStep(medianOf(frameErrors_.data(), frameErrorCount_));
-    frameErrorCount_ = 0;
+    if (const uint32_t votes = deviceVotes(); votes > 0) noteStep(medianOf(frameErrors_.data(), votes));
+    frameErrorCount_ = frameSettled_ = 0;
+    frameMethods_ = 1;
 }
 
 void CostModel::forgetLight(uint32_t light) noexcept

@@ -10,7 +10,8 @@
 /// products of these: real times are sums (an overhead, a part per triangle, a part per texel), and the logarithm of a
 /// sum of powers is a bent surface. On such truths the bend takes the median error from 26 to 8 %.
 /// theta comes from calibration and is refined by recursive least squares; `device` is one number common to all
-/// methods, so that a new GPU is known after a few frames; the residual is what this light differs by, and of a light
+/// methods, so that a new GPU is known after a few frames, and a step of which is believed where lights show it whose
+/// time was known, or several methods do; the residual is what this light differs by, and of a light
 /// that the method has not served what its other lights differ by: a scene has its own ways. Steps of the
 /// world (a clock that drops, a scene that doubles) show in several frames in a row and are taken over at once; a spike
 /// shows in one and is not.
@@ -145,11 +146,15 @@ private:
     static void reset(Track& track, uint32_t t) noexcept;
     static double fit(Track& track, const Features& f, double error, double forgetting) noexcept;
     void learn(Residual& residual, const Features& f, double error) noexcept;
+    static double effectiveSamples(const Residual& own, const Features& f) noexcept;
     double trust(const Track& track, double samples) const noexcept;
     void noteScene(uint32_t method, uint32_t t) noexcept;
     const Features& recall(const Workload& workload, Pass pass) const noexcept;
     Octaves octaves(uint32_t light, uint32_t method, uint32_t t, const Features& f) const noexcept;
     Prediction combine(const Prediction& gpu, const Prediction& cpu) const noexcept;
+    static bool isSettled(const Residual& own, const Features& f) noexcept;
+    void noteVote(double surprise, uint32_t method, bool settled) noexcept;
+    uint32_t deviceVotes() const noexcept;
     void noteStep(double frameMedian) noexcept;
 
     uint32_t methods_ = 0, lights_ = 0;
@@ -172,7 +177,9 @@ private:
     mutable std::array<Recall, 2> recalled_{}; ///< By pass.
     std::vector<double> frameErrors_;          ///< Of the current frame; fixed capacity, more are not collected.
     uint32_t frameErrorCount_ = 0;
-    std::array<double, 5> steps_{}; ///< Medians of the newest frames.
+    uint32_t frameSettled_ = 0;                   ///< Of these, by lights whose time was known: the first ones.
+    uint32_t frameMethod_ = 0, frameMethods_ = 1; ///< The newest one's method; whether there were others: 2.
+    std::array<double, 5> steps_{};               ///< Medians of the newest frames.
     uint32_t stepCount_ = 0, stepNext_ = 0;
     uint64_t samples_ = 0;
 };

@@ -250,6 +250,8 @@ void addOutscored(const DecisionRecord& record, const Candidate& candidate, Expl
         text += "; worth (importance x suitability x quality) " +
                 fixed(double{record.importance} * suitabilityOf(candidate) * double{candidate.quality}, 3) +
                 " against " + fixed(double{record.importance} * suitabilityOf(chosen) * double{chosen.quality}, 3);
+    else if (record.priced)
+        text += "; takes " + costText(candidate) + " against " + costText(chosen);
     lines.add(std::move(text));
 }
 

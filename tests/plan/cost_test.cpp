@@ -327,6 +327,30 @@ TEST_CASE("what a scene's lights have in common is expected of a light that the 
     CHECK(std::fabs(error() - fit) < 0.2 * before);
 }
 
+TEST_CASE("lights that turn to a method dearer than was thought say nothing about the device, nor of other methods")
+{
+    Random random(22);
+    Truth truth(random);
+    CostModel model;
+    model.resize(kMethods, kLights);
+    calibrate(model, truth, random);
+    const auto workloads = workloadsFor(random);
+    const auto serve = [&](uint32_t method, int frames) {
+        for (int frame = 0; frame < frames; ++frame)
+            runFrameWith(model, truth, random, workloads, [=](uint32_t) { return method; });
+    };
+    serve(5, 20); // how much the fit is off with these workloads is known
+    const double before = model.predict(0, 5, workloads[0], false).ms;
+    const double device = model.deviceOctaves();
+    truth.method = 1.6; // of method 2, in this scene
+    serve(2, 12);
+    CHECK(model.deviceOctaves() == device);
+    CHECK(model.predict(0, 5, workloads[0], false).ms == doctest::Approx(before).epsilon(1e-12));
+    truth.factor *= 1.5; // while all are served by one method whose times are known
+    serve(2, 8);
+    CHECK(model.deviceOctaves() - device == doctest::Approx(log2Exactly(1.5)).epsilon(0.15));
+}
+
 TEST_CASE("slow drift is followed")
 {
     Random random(6);
