@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <array>
 
 #include "demo/replay/replay.hpp"
 #include "runtime/cost/cost_model.hpp"
 #include "runtime/plan/plan.hpp"
+#include "runtime/plan/worth.hpp"
 
 namespace gnomon::demo {
 
@@ -225,10 +227,17 @@ private:
 
 double valueOf(const Trace& trace, uint32_t frame, uint32_t slot, uint32_t method) noexcept
 {
-    const TraceMethod& measured = trace.measure(frame, slot, method);
-    if (measured.suitability < 0) return 0.0;
-    return double{trace.lightStates[trace.cell(frame, slot)].importance} * (measured.suitability / 4096.0) *
-           double{measured.quality};
+    const auto methods = static_cast<uint32_t>(std::min<size_t>(trace.methods.size(), plan::kMaxMethods));
+    std::array<plan::Merit, plan::kMaxMethods> merits;
+    for (uint32_t m = 0; m < methods; ++m) {
+        const TraceMethod& measured = trace.measure(frame, slot, m);
+        merits[m] = {measured.suitability, measured.quality, measured.suitability >= kTraceNoOpinion};
+    }
+    if (method >= methods || merits[method].suitability < 0) return 0.0;
+    std::array<int32_t, plan::kMaxMethods> suitability;
+    plan::sharedSuitability(std::span(merits).first(methods), suitability);
+    return double{trace.lightStates[trace.cell(frame, slot)].importance} *
+           plan::worth(suitability[method], double{merits[method].quality});
 }
 
 /// The same admission as the plan step's, without pins.

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "rules/engine/engine.hpp" // kSuitabilitySteps
+#include "runtime/plan/worth.hpp"
 
 namespace gnomon::plan {
 
@@ -63,18 +63,22 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
 {
     const LightRequest& request = input.lights[light];
     uint32_t able = 0, unvetoed = 0, spoken = 0;
+    std::array<Merit, kMaxMethods> merits;
     for (uint32_t m = 0; m < methods_; ++m) {
         const Candidate& candidate = input.candidates[at(light, m)];
         const uint32_t bit = 1u << m;
-        const double suitability = std::max(candidate.suitability, 0) / double{rules::kSuitabilitySteps};
-        const double quality = std::isfinite(candidate.quality) ? std::clamp(double{candidate.quality}, 0.0, 1.0) : 0.0;
-        values_[at(light, m)] = request.importance * suitability * quality;
+        const float quality = std::isfinite(candidate.quality) ? std::clamp(candidate.quality, 0.0f, 1.0f) : 0.0f;
+        merits[m] = {candidate.suitability, quality, candidate.eligibility == Eligibility::eligible};
         const bool known = std::isfinite(candidate.ms) && candidate.ms >= 0.0;
         costsMs_[at(light, m)] = known ? candidate.ms : 0.0;
         if (candidate.eligibility != Eligibility::trait && known) able |= bit;
         if (candidate.eligibility != Eligibility::never) unvetoed |= bit;
         if (candidate.suitability >= 0) spoken |= bit;
     }
+    std::array<int32_t, kMaxMethods> suitability;
+    sharedSuitability(std::span(merits).first(methods_), suitability);
+    for (uint32_t m = 0; m < methods_; ++m)
+        values_[at(light, m)] = request.importance * worth(suitability[m], double{merits[m].quality});
     const uint32_t pin = request.pinned < methods_ ? able & (1u << request.pinned) : 0;
     uint32_t allowed = able & unvetoed;
     if (allowed & spoken) allowed &= spoken; // where nobody has an opinion, all are equally unloved
@@ -364,13 +368,16 @@ void PlanStep::explainLight(const PlanInput& input, uint32_t light, double usabl
 {
     LightPlan& plan = plans_[light];
     if (plan.chosen == kNone) return;
+    const int32_t suitability = input.candidates[at(light, plan.chosen)].suitability;
     for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
         const auto m = static_cast<uint32_t>(std::countr_zero(mask));
         Why& why = why_[at(light, m)];
         if (m == plan.chosen)
             why = Why::chosen;
-        else if (input.allocation == rules::Options::Allocation::None || values_[at(light, m)] <= plan.benefit)
+        else if (input.allocation == rules::Options::Allocation::None)
             why = Why::outscored;
+        else if (values_[at(light, m)] <= plan.benefit)
+            why = input.candidates[at(light, m)].suitability > suitability ? Why::price : Why::outscored;
         else if (m == plan.wanted || planMs + moveMs(light, m) <= usableMs)
             why = Why::hysteresis;
         else
@@ -439,7 +446,7 @@ double PlanStep::cheapestMs(const PlanInput& input) noexcept
 
 const char* toText(Why why) noexcept
 {
-    static constexpr const char* kWords[] = {"chosen", "trait",  "pinned",     "never",    "no opinion",
+    static constexpr const char* kWords[] = {"chosen", "trait",  "pinned",     "never",     "no opinion",
                                              "floor",  "budget", "hysteresis", "outscored", "price"};
     return kWords[static_cast<size_t>(why)];
 }

@@ -83,7 +83,7 @@ enum class Why : uint8_t {
     budget,     ///< Better, but the time is not there.
     hysteresis, ///< Better and affordable, but held: LightPlan::hold says by what.
     outscored,  ///< No better than the chosen one.
-    price,      ///< Suits better, but without a budget: shows no more, and takes longer.
+    price,      ///< Suits better, but shows no more, and takes longer.
 };
 
 /// What keeps a light from the method the best plan gives it.
@@ -101,7 +101,7 @@ struct LightPlan {
     uint32_t chosen = kNone;
     uint32_t incumbent = kNone; ///< Before this step.
     uint32_t wanted = kNone;    ///< By the best plan.
-    double benefit = 0.0;       ///< importance * suitability * quality.
+    double benefit = 0.0;       ///< importance * worth().
     double ms = 0.0;            ///< Predicted, without fixed parts.
     Hold hold = Hold::none;
     bool floorUnmet = false; ///< Near, but no method is good enough: the best of them serve.

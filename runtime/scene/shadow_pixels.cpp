@@ -4,17 +4,29 @@
 #include <cmath>
 #include <limits>
 
+#include "runtime/scene/topology.hpp"
+
 namespace gnomon {
 
 namespace {
 
 constexpr int kPieces = 4; // a volume's way is cut into so many; each is taken as a rectangle on the screen
-// Silhouette edges of a mesh. A great circle over a sphere of s x s / 2 patches, n = s^2 triangles, meets s rows of
-// them and is a zigzag of at most two edges in each.
+// Silhouette edges of a mesh whose topology is not known. A great circle over a sphere of s x s / 2 patches, n = s^2
+// triangles, meets s rows of them and is a zigzag of at most two edges in each.
 constexpr float kEdges = 2.0f;
 // A side of a volume is two slivers from the edge to its end. A rasteriser that works in blocks of 4 x 4 pixels touches
 // at least one in every 4 pixels of a sliver's length: 2 slivers x 16 pixels / 4.
 constexpr float kPixelsAlong = 8.0f;
+// Of what lies inside the outlines, where blocks are whole and many pass at once, a pixel counts for so much. Of 0.25,
+// 1 and 2 this leaves the calibration of stencil_volume least over: in the median 10 %, where the others leave 11
+// and 15.
+constexpr float kInside = 0.25f;
+
+float sidesOf(const MeshView* mesh)
+{
+    if (!mesh) return 0.0f;
+    return mesh->topology ? mesh->topology->meanSides : kEdges * std::sqrt(static_cast<float>(mesh->triangleCount()));
+}
 
 /// What turns metres into pixels, taken from the view once.
 struct Lens {
@@ -47,10 +59,21 @@ float wayOut(const Aabb& box, glm::vec3 from, glm::vec3 ray)
     return std::max(way, 0.0f);
 }
 
-/// Pixels of a piece of a volume with so many sides: `length` metres along `ray` around `at`, `radius` to each side.
-float pixelsOf(const Lens& lens, glm::vec3 at, glm::vec3 ray, float length, float radius, float sides)
+/// Half of what a box measures across a volume as the eye sees it: along the direction at right angles to both rays.
+float halfWidthOf(glm::vec3 halfSize, glm::vec3 ray, glm::vec3 es, const Lens& lens)
+{
+    const glm::vec3 normal = glm::cross(ray, es);
+    const float length = glm::length(normal);
+    const glm::vec3 across = length > 1e-6f * glm::length(es) ? normal / length : lens.right;
+    return glm::dot(glm::abs(across), halfSize);
+}
+
+/// Pixels of a piece of a volume with so many sides: `length` metres along `ray` around `at`, where the caster's half
+/// size has spread to `halfSize`.
+float pixelsOf(const Lens& lens, glm::vec3 at, glm::vec3 ray, float length, glm::vec3 halfSize, float sides)
 {
     const glm::vec3 es = at - lens.eye;
+    const float radius = halfWidthOf(halfSize, ray, es, lens);
     float depth = glm::dot(es, lens.forward);
     if (depth < -radius) return 0.0f; // behind the eye
     depth = std::max(depth, std::max(radius, 1e-3f));
@@ -61,8 +84,8 @@ float pixelsOf(const Lens& lens, glm::vec3 at, glm::vec3 ray, float length, floa
     if (outside.x > 0.0f || outside.y > 0.0f) return 0.0f;
     const glm::vec3 along = ray - glm::dot(ray, es) / std::max(glm::dot(es, es), 1e-12f) * es; // across the view ray
     const float way = scale * length * glm::length(along);
-    const float area = 2.0f * halfWidth * (way + 0.5f * halfWidth);
-    return std::min(area, 4.0f * lens.half.x * lens.half.y) +
+    const float area = 2.0f * halfWidth * way;
+    return kInside * std::min(area, 4.0f * lens.half.x * lens.half.y) +
            kPixelsAlong * sides * std::min(way, lens.half.x + lens.half.y);
 }
 
@@ -81,18 +104,18 @@ double shadowPixels(const LightView& light, const LightCasters& casters, const C
     double pixels = 0.0;
     for (const Caster* caster : casters.all) {
         const glm::vec3 centre = 0.5f * (caster->bounds.lower + caster->bounds.upper);
-        const glm::vec3 size = caster->bounds.upper - caster->bounds.lower;
-        const float radius = 0.5f * std::cbrt(std::max(size.x * size.y * size.z, 1e-9f));
+        const glm::vec3 halfSize = 0.5f * (caster->bounds.upper - caster->bounds.lower);
         const glm::vec3 toCaster = directional ? light.direction() : centre - light.position();
         const float away = directional ? 1.0f : std::max(glm::length(toCaster), 1e-3f);
         const glm::vec3 ray = toCaster / away;
         float way = wayOut(all, centre, ray);
         if (!light.unlimited() && !directional) way = std::min(way, std::max(light.constants.range - away, 0.0f));
-        const float sides = caster->mesh ? kEdges * std::sqrt(static_cast<float>(caster->mesh->triangleCount())) : 0.0f;
+        const float sides = sidesOf(caster->mesh);
         for (int piece = 0; piece < kPieces; ++piece) {
             const float t = way * (static_cast<float>(piece) + 0.5f) / kPieces;
             const float spread = directional ? 1.0f : 1.0f + t / away;
-            pixels += static_cast<double>(pixelsOf(lens, centre + t * ray, ray, way / kPieces, radius * spread, sides));
+            pixels +=
+                static_cast<double>(pixelsOf(lens, centre + t * ray, ray, way / kPieces, spread * halfSize, sides));
         }
     }
     return pixels;

@@ -4,10 +4,9 @@
 
 namespace gnomon {
 
-/// Pixels that the sides of the shadow volumes touch, from the casters' bounds to the end of all bounds: those inside
-/// the outlines, and the blocks along every side, by the number of sides that meshes of so many triangles have. What
-/// overlaps counts each time. An estimate for the cost model, no bound. Takes time in
-/// proportion to the casters.
+/// Pixels that the sides of the shadow volumes touch, from the casters to the end of all their bounds: the blocks along
+/// every side, by the number of sides that the mesh has on average, and a share of those inside the outlines. What
+/// overlaps counts each time. An estimate for the cost model, no bound. Takes time in proportion to the casters.
 double shadowPixels(const LightView& light, const LightCasters& casters, const CameraView& view);
 
 } // namespace gnomon

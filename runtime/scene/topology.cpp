@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 
 #include <glm/geometric.hpp>
 
@@ -235,6 +236,29 @@ void judge(const Faces& faces, Topology& topology)
         topology.manifold = topology.manifold && faces.mesh.is_manifold(vertex);
 }
 
+/// A plane with a random normal parts the normals of two faces with the probability angle / pi: so often does a
+/// distant light see one from the front and the other from behind. A side of a closed mesh is drawn once, of an open
+/// one twice, a border's once whatever the light.
+float meanSides(const Topology& topology)
+{
+    constexpr double kPi = 3.14159265358979323846;
+    double sides = 0.0;
+    for (const Topology::Edge& edge : topology.edges) {
+        if (edge.useCount != 2) {
+            sides += 0.5 * (edge.useCount + edge.useCount % 2);
+            continue;
+        }
+        const Topology::EdgeUse &one = topology.uses[edge.firstUse], &other = topology.uses[edge.firstUse + 1];
+        const glm::dvec3 a(topology.facePlanes[one.face]), b(topology.facePlanes[other.face]);
+        const double lengths = std::sqrt(glm::dot(a, a) * glm::dot(b, b));
+        if (lengths == 0.0) continue;                             // faces no light
+        const double agree = one.sign == other.sign ? -1.0 : 1.0; // both running it the same way: one is flipped
+        const double angle = std::acos(std::clamp(agree * glm::dot(a, b) / lengths, -1.0, 1.0));
+        sides += (topology.closed ? 1.0 : 2.0) * angle / kPi;
+    }
+    return static_cast<float>(sides);
+}
+
 } // namespace
 
 Topology buildTopology(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices)
@@ -253,6 +277,7 @@ Topology buildTopology(std::span<const glm::vec3> positions, std::span<const std
     collector.finish(topology);
     judge(faces, topology);
     updateFacePlanes(topology, positions);
+    topology.meanSides = meanSides(topology);
     return topology;
 }
 #endif

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "rules/engine/number_text.hpp"
+#include "runtime/plan/worth.hpp"
 
 namespace gnomon {
 
@@ -64,8 +65,9 @@ std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t 
     const Candidate& best = candidates[wanted];
     const auto doesAsWell = [&](std::uint32_t m) {
         const Candidate& other = candidates[m];
-        return other.exclusion == Exclusion::none && other.quantised >= 0 && 2 * other.quantised >= best.quantised &&
-               other.quality >= best.quality - kSameQuality && other.predictedMs > 0.0f &&
+        return other.exclusion == Exclusion::none && other.quantised >= 0 &&
+               plan::kLikedAtMost * other.quantised >= best.quantised &&
+               other.quality >= best.quality - plan::kSameQuality && other.predictedMs > 0.0f &&
                other.sigmaMs <= 0.5f * other.predictedMs;
     };
     std::uint32_t cheapest = wanted;
@@ -116,10 +118,25 @@ std::uint32_t Rechoice::choose(std::span<const double> facts) noexcept
                                                       : choice.method;
 }
 
+GnReason reasonOf(const plan::LightPlan& plan, plan::Why bestSuited) noexcept
+{
+    if (plan.hold != plan::Hold::none) return GN_REASON_HELD;
+    return bestSuited == plan::Why::price ? GN_REASON_PRICE : GN_REASON_BUDGET;
+}
+
+double worthOf(const DecisionRecord& record, std::span<const Candidate> candidates, std::uint32_t method) noexcept
+{
+    std::array<plan::Merit, plan::kMaxMethods> merits;
+    for (std::uint32_t m = 0; m < record.methods; ++m)
+        merits[m] = {candidates[m].quantised, candidates[m].quality, candidates[m].exclusion == Exclusion::none};
+    std::array<std::int32_t, plan::kMaxMethods> suitability;
+    plan::sharedSuitability(std::span(merits).first(record.methods), suitability);
+    return double{record.importance} * plan::worth(suitability[method], double{candidates[method].quality});
+}
+
 double Rechoice::valueOf(std::uint32_t method) const noexcept
 {
-    const double suitability = std::max(candidates_[method].quantised, 0) / double{rules::kSuitabilitySteps};
-    return double{record_.importance} * suitability * double{candidates_[method].quality};
+    return worthOf(record_, candidates_, method);
 }
 
 /// Methods that are able, not vetoed, spoken of where any is, and good enough as far as any is.

@@ -32,8 +32,6 @@ Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceIn
 /// Share by which a method must be cheaper to be taken for its price. A prediction's own noise (cost::kStartNoise, 8 %)
 /// alone changes nothing.
 inline constexpr float kPriceMargin = 0.1f;
-/// Qualities so close count as the same: one wrong pixel in ten thousand more.
-inline constexpr float kSameQuality = 0.01f;
 
 /// What serves where no budget says what time is worth: then time buys quality and nothing else. The cheapest method
 /// that shows as much as `wanted`, that the rules like at least half as well (what they avoid is not taken for its
@@ -41,6 +39,13 @@ inline constexpr float kSameQuality = 0.01f;
 /// well stays until something is cheaper by kPriceMargin.
 std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t wanted,
                            std::uint32_t incumbent) noexcept;
+
+/// Why the plan's choice is not the best suited method, of which it says `bestSuited`.
+GnReason reasonOf(const plan::LightPlan& plan, plan::Why bestSuited) noexcept;
+
+/// What the plan counts for a method: importance * suitability * quality, the suitability shared by what shows as much
+/// (plan/worth.hpp).
+double worthOf(const DecisionRecord& record, std::span<const Candidate> candidates, std::uint32_t method) noexcept;
 
 /// A decision made again with other facts, everything else as it was: pins, capabilities, predictions, the other lights
 /// of the plan. With the facts of the record the answer is the record's method.

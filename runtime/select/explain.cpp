@@ -239,19 +239,18 @@ void addBudget(const DecisionRecord& record, const Candidate& candidate, Explana
               " of " + ms(double{record.usableMs}) + " usable (budget " + ms(double{record.budgetMs}) + ")");
 }
 
-void addOutscored(const DecisionRecord& record, const Candidate& candidate, ExplanationLines& lines)
+void addOutscored(const DecisionRecord& record, std::uint32_t method, ExplanationLines& lines)
 {
     if (record.method >= record.methods) return;
-    const Candidate& chosen = record.candidates[record.method];
+    const Candidate &candidate = record.candidates[method], &chosen = record.candidates[record.method];
     std::string text =
         "outscored: suitability " + fixed(suitabilityOf(candidate), 2) + " against " + fixed(suitabilityOf(chosen), 2);
     if (candidate.quantised < 0) text = "outscored: no rule has an opinion of any method";
     if (record.budgeted)
-        text += "; worth (importance x suitability x quality) " +
-                fixed(double{record.importance} * suitabilityOf(candidate) * double{candidate.quality}, 3) +
-                " against " + fixed(double{record.importance} * suitabilityOf(chosen) * double{chosen.quality}, 3);
-    else if (record.priced)
-        text += "; takes " + costText(candidate) + " against " + costText(chosen);
+        text += "; worth (importance x suitability of what shows as much x quality) " +
+                fixed(worthOf(record, record.candidates, method), 3) + " against " +
+                fixed(worthOf(record, record.candidates, record.method), 3);
+    if (record.budgeted || record.priced) text += "; takes " + costText(candidate) + " against " + costText(chosen);
     lines.add(std::move(text));
 }
 
@@ -287,7 +286,7 @@ void addElimination(const DecisionRecord& record, std::uint32_t method, const Ex
     case plan::Why::outscored:
         break;
     }
-    addOutscored(record, candidate, lines);
+    addOutscored(record, method, lines);
 }
 
 } // namespace

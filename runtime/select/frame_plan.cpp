@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "runtime/plan/worth.hpp"
 #include "runtime/scene/light_pixels.hpp"
 #include "runtime/scene/shadow_pixels.hpp"
 #include "runtime/select/choice.hpp"
@@ -266,9 +267,9 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
                              .policy = &base->policy});
         for (std::size_t i = 0; i < requests_.size(); ++i) {
             LightDecision& decision = *requests_[i].decision;
-            take(plan_.lights()[i], decision);
             for (std::uint32_t m = 0; m < methods_.size(); ++m)
                 decision.candidates[m].why = plan_.why(static_cast<std::uint32_t>(i))[m];
+            take(plan_.lights()[i], decision);
         }
     } else {
         for (const Request& request : requests_) {
@@ -296,7 +297,7 @@ void FramePlan::economise(const Request& request, const Budget& budget) const
     const bool learning = memory.pricedAt != 0 && budget.frame - memory.pricedAt < kPriceFrames && !budget.cut;
     if (method != memory.incumbent && learning && memory.incumbent < methods_.size() &&
         all[memory.incumbent].exclusion == Exclusion::none &&
-        all[memory.incumbent].quality >= all[decision.method].quality - kSameQuality)
+        all[memory.incumbent].quality >= all[decision.method].quality - plan::kSameQuality)
         method = memory.incumbent;
     if (method == decision.method) return;
     if (method != memory.incumbent) memory.pricedAt = budget.frame;
@@ -330,7 +331,7 @@ void FramePlan::take(const plan::LightPlan& plan, LightDecision& decision) const
     if (plan.chosen == plan::kNone || plan.chosen == decision.method) return;
     decision.wanted = decision.method;
     decision.method = plan.chosen;
-    decision.reason = plan.hold != plan::Hold::none ? GN_REASON_HELD : GN_REASON_BUDGET;
+    decision.reason = reasonOf(plan, decision.candidates[decision.wanted].why);
 }
 
 void FramePlan::observe(LightMemory& memory, std::uint32_t method, const LightTiming& timing, bool disturbed)

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "rules/yaml/rule_base_reader.hpp"
+#include "runtime/select/choice.hpp"
 #include "runtime/select/vocabulary.hpp"
 
 namespace gnomon::test {
@@ -80,13 +81,13 @@ void Desk::plan(const Situation& situation, LightDecision& decision, FrameRecord
     const rules::Policy& policy = engine_.base().policy;
     memory_.incumbent = situation.incumbent;
     plan_.reserve(2, methods);
-    std::vector<plan::LightRequest> lights = {{.memory = &memory_,
-                                               .importance = situation.importance,
-                                               .pinned = situation.pinned,
-                                               .floor = !policy.floor.when.empty() &&
-                                                        decision.floorTruth >= policy.floor.atStrength,
-                                               .minimumQuality = static_cast<float>(policy.floor.minimumQuality)},
-                                              {.memory = &other_, .pinned = 0}};
+    std::vector<plan::LightRequest> lights = {
+        {.memory = &memory_,
+         .importance = situation.importance,
+         .pinned = situation.pinned,
+         .floor = !policy.floor.when.empty() && decision.floorTruth >= policy.floor.atStrength,
+         .minimumQuality = static_cast<float>(policy.floor.minimumQuality)},
+        {.memory = &other_, .pinned = 0}};
     std::vector<plan::Candidate> candidates;
     for (std::uint32_t m = 0; m < methods; ++m) {
         const Candidate& from = decision.candidates[m];
@@ -115,7 +116,7 @@ void Desk::plan(const Situation& situation, LightDecision& decision, FrameRecord
     if (light.chosen == plan::kNone || light.chosen == decision.method) return;
     decision.wanted = decision.method;
     decision.method = light.chosen;
-    decision.reason = light.hold != plan::Hold::none ? GN_REASON_HELD : GN_REASON_BUDGET;
+    decision.reason = reasonOf(light, decision.candidates[decision.wanted].why);
 }
 
 DecisionRecord Desk::decide(const Situation& situation)
@@ -157,7 +158,7 @@ DecisionRecord Desk::decide(const Situation& situation)
                       .budgetMs = situation.budgetMs};
     for (std::uint32_t m = 0; m < methods; ++m) {
         Candidate& candidate = decision.candidates[m];
-        candidate.why = m == decision.method ? plan::Why::chosen
+        candidate.why = m == decision.method      ? plan::Why::chosen
                         : candidate.quantised < 0 ? plan::Why::noOpinion
                                                   : plan::Why::outscored;
     }

@@ -65,10 +65,9 @@ TEST_CASE("a decision by the rules: why, why not, and what if hold up when the r
                    "strength 1.00", "because edges are looked at from near", "viewerDistance 12.50 m: near 1.00",
                    "casterTriangles 3.50 log10: small 1.00", "predicted 1.00 ms +- 0.10 ms", "quality 1.00",
                    "next: pcf_hybrid, suitability 0.50"});
-    checkContains(whyNot(desk, record, "shadow_map"),
-                  {"not shadow_map:", "outscored: suitability 0.16 against 0.84", "rule A1 (avoided)",
-                   "silent: rule A2: viewerDistance far 0.00", "it would be chosen with viewerDistance ",
-                   "instead of 12.5 m"});
+    checkContains(whyNot(desk, record, "shadow_map"), {"not shadow_map:", "outscored: suitability 0.16 against 0.84",
+                                                       "rule A1 (avoided)", "silent: rule A2: viewerDistance far 0.00",
+                                                       "it would be chosen with viewerDistance ", "instead of 12.5 m"});
     checkContains(whyNot(desk, record, "stencil_volume"), {"stencil_volume is what was chosen"});
     checkContains(whyNot(desk, record, "ray_traced"), {"no rule that fires speaks of it"});
 
@@ -131,6 +130,7 @@ TEST_CASE("a method that does not fit the budget names both times, and what the 
     situation.othersMs = 4.0;
     situation.method("stencil_volume").predictedMs = 8.0f;
     situation.method("pcf_hybrid").predictedMs = 3.0f;
+    situation.method("pcf_hybrid").quality = 0.95f; // shows less
     const DecisionRecord record = desk.decide(situation);
     CHECK(nameOf(record.method) == "pcf_hybrid");
     CHECK(record.reason == GN_REASON_BUDGET);
@@ -140,7 +140,24 @@ TEST_CASE("a method that does not fit the budget names both times, and what the 
                    "the first plan"});
     checkContains(whyNot(desk, record, "stencil_volume"),
                   {"budget: it needs 8.00 ms", "the other lights leave 5.80 ms of 9.80 ms"});
-    checkContains(explainWhatIf(record, desk.words()), {"viewerDistance", "shadow_map instead", "other lights' methods"});
+    checkContains(explainWhatIf(record, desk.words()),
+                  {"viewerDistance", "shadow_map instead", "other lights' methods"});
+}
+
+TEST_CASE("what suits better but shows no more is left for its price, with time to spare too")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    situation.budgetMs = 100.0;
+    situation.method("stencil_volume").predictedMs = 8.0f;
+    situation.method("pcf_hybrid").predictedMs = 3.0f;
+    const DecisionRecord record = desk.decide(situation);
+    CHECK(nameOf(record.method) == "pcf_hybrid");
+    CHECK(record.reason == GN_REASON_PRICE);
+    checkContains(explainWhy(record, desk.words()),
+                  {"stencil_volume suits better (0.84), but shows no more and takes 8.00 ms +- 0.10 ms"});
+    checkContains(whyNot(desk, record, "stencil_volume"), {"shows no more and takes 8.00 ms +- 0.10 ms"});
+    checkContains(whyNot(desk, record, "shadow_map"), {"worth", "takes 1.00 ms +- 0.10 ms against 3.00 ms"});
 }
 
 TEST_CASE("a held method names the hold, the gain and what a change needs")
@@ -149,16 +166,16 @@ TEST_CASE("a held method names the hold, the gain and what a change needs")
     Situation situation;
     situation.budgetMs = 10.0;
     situation.fact(Fact::viewerDistance) = 70.0;
-    situation.method("shadow_map").quality = 0.60f;
+    situation.method("shadow_map").quality = 0.50f;
+    situation.method("pcf_hybrid").quality = 0.60f; // shows as much as shadow_map, and therefore counts as much
     const DecisionRecord first = desk.decide(situation);
-    REQUIRE(nameOf(first.method) == "shadow_map");
+    REQUIRE(nameOf(first.method) == "pcf_hybrid");
     situation.incumbent = first.method;
-    situation.method("pcf_hybrid").quality = 1.0f;
-    situation.method("shadow_map").quality = 0.59f; // 0.84 * 0.59 against 0.50 * 1: pcf_hybrid gains 0.4 %
+    situation.method("shadow_map").quality = 0.603f; // as much, and gains 0.5 %
     const DecisionRecord record = desk.decide(situation);
-    CHECK(nameOf(record.method) == "shadow_map");
+    CHECK(nameOf(record.method) == "pcf_hybrid");
     REQUIRE(record.hold == plan::Hold::threshold);
-    checkContains(whyNot(desk, record, "pcf_hybrid"),
+    checkContains(whyNot(desk, record, "shadow_map"),
                   {"held: the whole plan would not gain enough", "the best plan gains 0.", "needs more than 2.0 %"});
     // What if: the very number flips the plan too, once it has been calm for long enough.
     for (const NearMiss& miss : nearMisses(record, desk.engine())) {

@@ -1,8 +1,10 @@
 #include "runtime/plan/plan.hpp"
 
+#include <array>
 #include <doctest/doctest.h>
 #include <vector>
 
+#include "runtime/plan/worth.hpp"
 #include "tests/plan/random.hpp"
 #include "tests/rules/allocation_count.hpp"
 
@@ -59,6 +61,28 @@ std::vector<Candidate> cheapAndGood()
 }
 
 } // namespace
+
+TEST_CASE("what shows as much counts as much, unless the rules like it less than half as well")
+{
+    const std::array<Merit, 5> merits = {Merit{3400, 0.99f, true},  // best suited
+                                         Merit{2000, 1.0f, true},   // shows more
+                                         Merit{1600, 1.0f, true},   // avoided
+                                         Merit{2000, 0.9f, true},   // shows less
+                                         Merit{4000, 0.5f, false}}; // may not serve
+    std::array<int32_t, 5> suitability{};
+    sharedSuitability(merits, suitability);
+    CHECK(suitability == std::array<int32_t, 5>{3400, 3400, 2000, 2000, 4000});
+    // A budget with room for either is spent on neither: the cheaper one serves.
+    Scene scene(1, cheapAndGood());
+    scene.of(0, kCheap).quality = 0.95f;
+    scene.step();
+    CHECK(scene.chosen(0) == kCheap);
+    CHECK(scene.why(0, kGood) == Why::price);
+    scene.of(0, kCheap).suitability = scene.of(0, kGood).suitability / 3;
+    scene.memories[0] = {};
+    scene.step();
+    CHECK(scene.chosen(0) == kGood);
+}
 
 TEST_CASE("authority runs from capability over pin, never, floor and budget to benefit")
 {

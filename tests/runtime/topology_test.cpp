@@ -286,6 +286,35 @@ TEST_CASE("faces that collapse when corners are welded use no edge")
     checkUses(topology);
 }
 
+TEST_CASE("the mean number of sides is what random directions of light find")
+{
+    Mesh holed = torus(24, 12);
+    holed.remove(7);
+    Mesh flipped = torus(24, 12);
+    flipped.flip(100);
+    std::mt19937 random(5);
+    std::normal_distribution<float> normal;
+    for (const Mesh& mesh : {cube(), torus(24, 12), holed, flipped}) {
+        const Topology topology = mesh.topology();
+        constexpr int kDirections = 20000;
+        double found = 0.0;
+        for (int i = 0; i < kDirections; ++i) {
+            const glm::vec4 light(normal(random), normal(random), normal(random), 0.0f);
+            for (const Topology::Edge& edge : topology.edges) {
+                double sum = 0.0; // signed multiplicity
+                for (std::uint32_t use = edge.firstUse; use < edge.firstUse + edge.useCount; ++use) {
+                    const Topology::EdgeUse& one = topology.uses[use];
+                    const bool facing = glm::dot(topology.facePlanes[one.face], light) > 0.0f;
+                    sum += facing ? one.sign : -one.sign;
+                }
+                found += std::abs(sum) / (topology.closed ? 2.0 : 1.0);
+            }
+        }
+        CHECK(double(topology.meanSides) == doctest::Approx(found / kDirections).epsilon(0.01));
+    }
+    CHECK(cube().topology().meanSides == doctest::Approx(6.0)); // twelve edges at right angles, half of them seen
+}
+
 TEST_CASE("nothing is a topology too")
 {
     const Topology topology = buildTopology({}, {});

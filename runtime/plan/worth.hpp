@@ -1,0 +1,47 @@
+#pragma once
+// What a method is worth to a light, time apart.
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "rules/engine/engine.hpp" // kSuitabilitySteps
+
+namespace gnomon::plan {
+
+/// Qualities so close count as the same: one wrong pixel in ten thousand more.
+inline constexpr float kSameQuality = 0.01f;
+/// What the rules like less than half as well is not taken for another's equal, whatever it shows: they avoid it.
+inline constexpr std::int32_t kLikedAtMost = 2;
+
+/// What worth is made of.
+struct Merit {
+    std::int32_t suitability = -1; ///< In steps of 1/4096; negative: nobody speaks of it.
+    float quality = 1.0f;          ///< [0, 1].
+    bool eligible = false;         ///< May serve. What may not lends its suitability to nobody.
+};
+
+/// The suitability that counts, for every method, in steps: its own, or that of a better suited one which it shows as
+/// much as. A viewer sees what is shown, so what the rules say for the one holds for the other; which of them serves is
+/// a matter of time alone. Otherwise a budget with room would be spent on a dearer way to the same picture.
+/// @param suitability as many as merits.
+inline void sharedSuitability(std::span<const Merit> merits, std::span<std::int32_t> suitability) noexcept
+{
+    for (std::size_t m = 0; m < merits.size(); ++m) {
+        const Merit& own = merits[m];
+        std::int32_t best = own.suitability > 0 ? own.suitability : 0;
+        for (const Merit& other : merits) {
+            const bool equal = other.eligible & (own.quality >= other.quality - kSameQuality) &
+                               (kLikedAtMost * own.suitability >= other.suitability);
+            best = equal && other.suitability > best ? other.suitability : best;
+        }
+        suitability[m] = best;
+    }
+}
+
+/// suitability * quality, [0, 1]; times importance it is what the plan sums up.
+inline double worth(std::int32_t suitability, double quality) noexcept
+{
+    return suitability / double{rules::kSuitabilitySteps} * quality;
+}
+
+} // namespace gnomon::plan
