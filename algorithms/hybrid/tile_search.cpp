@@ -12,8 +12,8 @@ namespace {
 // Nodes that a tile keeps before it stops descending and lets its quarters go on.
 constexpr std::size_t kItemBudget = 16;
 // Volumes that a tile may make, and triangles it may look at for them. Sixteen pixels against one volume take about 30
-// cycles, making it about 100, sixteen rays took 1 300 to 2 500 (Zen 4) when larger limits
-// left fewer rays and took longer; since rays go in packets, half and a quarter of these could not be told apart.
+// cycles, making it about 100, sixteen rays took 1 300 to 2 500 (Zen 4) when larger limits left fewer rays and took
+// longer; since rays go in packets, half and a quarter of these could not be told apart.
 constexpr std::size_t kVolumes = 32;
 constexpr std::size_t kTriangles = 64;
 // Blocks of the smallest tile that is asked for its triangles: what is too many for 16x16 pixels is mostly too many for

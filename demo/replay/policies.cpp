@@ -234,10 +234,9 @@ double valueOf(const Trace& trace, uint32_t frame, uint32_t slot, uint32_t metho
         merits[m] = {measured.suitability, measured.quality, measured.suitability >= kTraceNoOpinion};
     }
     if (method >= methods || merits[method].suitability < 0) return 0.0;
-    std::array<int32_t, plan::kMaxMethods> suitability;
-    plan::sharedSuitability(std::span(merits).first(methods), suitability);
+    const std::span all = std::span<const plan::Merit>(merits).first(methods);
     return double{trace.lightStates[trace.cell(frame, slot)].importance} *
-           plan::worth(suitability[method], double{merits[method].quality});
+           plan::worth(plan::sharedSuitability(all, method), double{merits[method].quality});
 }
 
 /// The same admission as the plan step's, without pins.

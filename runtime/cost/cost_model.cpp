@@ -18,8 +18,9 @@ constexpr double kTexelsReference = 20.0;
 constexpr double kCastersReference = 4.0;
 constexpr double kFewTriangles = 500.0;    // drawn in the time that an empty pass takes
 constexpr double kClearShare = 1.0 / 32.0; // of a pixel's shading: what clearing one costs
-// A pixel that a side of a volume touches takes this share of the time of one that is resolved: 0.06 to 0.25 leave a
-// calibration of the volume methods least over (10 to 12 % in the median, 14 % where both are features of their own).
+// A pixel that a side of a volume touches takes this share of the time of one that is resolved. A least-squares fit to
+// the rows of `gnomon calibrate --methods stencil_volume,octree_volume` leaves 10 to 12 % in the median with 1/16 to
+// 1/4, 13 to 15 % where these pixels are a feature of their own.
 constexpr double kSideShare = 1.0 / 8.0;
 constexpr double kBend = 1.0 / 8.0; // products reach the size of the logarithms at 8 octaves from the reference
 
@@ -311,7 +312,7 @@ bool CostModel::isSettled(const Residual& own, const Features& f) noexcept
 void CostModel::noteVote(double surprise, uint32_t method, bool settled) noexcept
 {
     if (frameErrorCount_ == frameErrors_.size()) return;
-    frameMethods_ = frameErrorCount_ == 0 || method == frameMethod_ ? frameMethods_ : 2;
+    frameMixed_ = frameErrorCount_ > 0 && (frameMixed_ || method != frameMethod_);
     frameMethod_ = method;
     frameErrors_[frameErrorCount_++] = surprise;
     if (settled) std::swap(frameErrors_[frameSettled_++], frameErrors_[frameErrorCount_ - 1]);
@@ -322,7 +323,7 @@ void CostModel::noteVote(double surprise, uint32_t method, bool settled) noexcep
 /// of the device yet.
 uint32_t CostModel::deviceVotes() const noexcept
 {
-    if (deviceFrames_ < kDeviceFrames || (frameSettled_ == 0 && frameMethods_ > 1)) return frameErrorCount_;
+    if (deviceFrames_ < kDeviceFrames || (frameSettled_ == 0 && frameMixed_)) return frameErrorCount_;
     return frameSettled_;
 }
 
@@ -356,7 +357,6 @@ void CostModel::endFrame() noexcept
         if (std::exchange(tracks_[i].timed, false)) noteScene(i / kTracks, i % kTracks);
     if (const uint32_t votes = deviceVotes(); votes > 0) noteStep(medianOf(frameErrors_.data(), votes));
     frameErrorCount_ = frameSettled_ = 0;
-    frameMethods_ = 1;
 }
 
 void CostModel::forgetLight(uint32_t light) noexcept

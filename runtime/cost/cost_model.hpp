@@ -177,9 +177,10 @@ private:
     mutable std::array<Recall, 2> recalled_{}; ///< By pass.
     std::vector<double> frameErrors_;          ///< Of the current frame; fixed capacity, more are not collected.
     uint32_t frameErrorCount_ = 0;
-    uint32_t frameSettled_ = 0;                   ///< Of these, by lights whose time was known: the first ones.
-    uint32_t frameMethod_ = 0, frameMethods_ = 1; ///< The newest one's method; whether there were others: 2.
-    std::array<double, 5> steps_{};               ///< Medians of the newest frames.
+    uint32_t frameSettled_ = 0;     ///< Of these, by lights whose time was known: the first ones.
+    uint32_t frameMethod_ = 0;      ///< The newest one's method;
+    bool frameMixed_ = false;       ///< whether there were others.
+    std::array<double, 5> steps_{}; ///< Medians of the newest frames.
     uint32_t stepCount_ = 0, stepNext_ = 0;
     uint64_t samples_ = 0;
 };

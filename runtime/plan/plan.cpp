@@ -75,10 +75,9 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
         if (candidate.eligibility != Eligibility::never) unvetoed |= bit;
         if (candidate.suitability >= 0) spoken |= bit;
     }
-    std::array<int32_t, kMaxMethods> suitability;
-    sharedSuitability(std::span(merits).first(methods_), suitability);
+    const std::span all = std::span<const Merit>(merits).first(methods_);
     for (uint32_t m = 0; m < methods_; ++m)
-        values_[at(light, m)] = request.importance * worth(suitability[m], double{merits[m].quality});
+        values_[at(light, m)] = request.importance * worth(sharedSuitability(all, m), double{merits[m].quality});
     const uint32_t pin = request.pinned < methods_ ? able & (1u << request.pinned) : 0;
     uint32_t allowed = able & unvetoed;
     if (allowed & spoken) allowed &= spoken; // where nobody has an opinion, all are equally unloved
@@ -377,7 +376,9 @@ void PlanStep::explainLight(const PlanInput& input, uint32_t light, double usabl
         else if (input.allocation == rules::Options::Allocation::None)
             why = Why::outscored;
         else if (values_[at(light, m)] <= plan.benefit)
-            why = input.candidates[at(light, m)].suitability > suitability ? Why::price : Why::outscored;
+            why = input.candidates[at(light, m)].suitability > suitability && costsMs_[at(light, m)] > plan.ms
+                      ? Why::price
+                      : Why::outscored;
         else if (m == plan.wanted || planMs + moveMs(light, m) <= usableMs)
             why = Why::hysteresis;
         else

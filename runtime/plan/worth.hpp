@@ -20,22 +20,22 @@ struct Merit {
     bool eligible = false;         ///< May serve. What may not lends its suitability to nobody.
 };
 
-/// The suitability that counts, for every method, in steps: its own, or that of a better suited one which it shows as
-/// much as. A viewer sees what is shown, so what the rules say for the one holds for the other; which of them serves is
-/// a matter of time alone. Otherwise a budget with room would be spent on a dearer way to the same picture.
-/// @param suitability as many as merits.
-inline void sharedSuitability(std::span<const Merit> merits, std::span<std::int32_t> suitability) noexcept
+/// Whether a viewer sees as much with the one as with the other, and the rules do not avoid it.
+inline bool showsAsMuch(const Merit& own, const Merit& other) noexcept
 {
-    for (std::size_t m = 0; m < merits.size(); ++m) {
-        const Merit& own = merits[m];
-        std::int32_t best = own.suitability > 0 ? own.suitability : 0;
-        for (const Merit& other : merits) {
-            const bool equal = other.eligible & (own.quality >= other.quality - kSameQuality) &
-                               (kLikedAtMost * own.suitability >= other.suitability);
-            best = equal && other.suitability > best ? other.suitability : best;
-        }
-        suitability[m] = best;
-    }
+    return (own.quality >= other.quality - kSameQuality) & (kLikedAtMost * own.suitability >= other.suitability);
+}
+
+/// The suitability that counts for a method, in steps: its own, or that of a better suited one which it shows as much
+/// as. What the rules say for the one then holds for the other, and which of them serves is a matter of time alone.
+/// Otherwise a budget with room would be spent on a dearer way to the same picture.
+inline std::int32_t sharedSuitability(std::span<const Merit> merits, std::size_t method) noexcept
+{
+    const Merit& own = merits[method];
+    std::int32_t best = own.suitability > 0 ? own.suitability : 0;
+    for (const Merit& other : merits)
+        best = other.eligible & (other.suitability > best) & showsAsMuch(own, other) ? other.suitability : best;
+    return best;
 }
 
 /// suitability * quality, [0, 1]; times importance it is what the plan sums up.

@@ -17,9 +17,8 @@ constexpr float kEdges = 2.0f;
 // A side of a volume is two slivers from the edge to its end. A rasteriser that works in blocks of 4 x 4 pixels touches
 // at least one in every 4 pixels of a sliver's length: 2 slivers x 16 pixels / 4.
 constexpr float kPixelsAlong = 8.0f;
-// Of what lies inside the outlines, where blocks are whole and many pass at once, a pixel counts for so much. Of 0.25,
-// 1 and 2 this leaves the calibration of stencil_volume least over: in the median 10 %, where the others leave 11
-// and 15.
+// Of what lies inside the outlines, where blocks are whole and many pass at once, a pixel counts for so much: with 0.25
+// the fit of kSideShare (cost_model.cpp) leaves 10 % of stencil_volume in the median, with 1 and 2 it leaves 11 and 15.
 constexpr float kInside = 0.25f;
 
 float sidesOf(const MeshView* mesh)

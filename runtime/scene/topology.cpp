@@ -238,7 +238,7 @@ void judge(const Faces& faces, Topology& topology)
 
 /// A plane with a random normal parts the normals of two faces with the probability angle / pi: so often does a
 /// distant light see one from the front and the other from behind. A side of a closed mesh is drawn once, of an open
-/// one twice, a border's once whatever the light.
+/// one twice, a border's once whatever the light; of more than two uses half are taken.
 float meanSides(const Topology& topology)
 {
     constexpr double kPi = 3.14159265358979323846;

@@ -57,6 +57,15 @@ Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceIn
     return out;
 }
 
+namespace {
+
+plan::Merit meritOf(const Candidate& candidate)
+{
+    return {candidate.quantised, candidate.quality, candidate.exclusion == Exclusion::none};
+}
+
+} // namespace
+
 std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t wanted,
                            std::uint32_t incumbent) noexcept
 {
@@ -66,8 +75,7 @@ std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t 
     const auto doesAsWell = [&](std::uint32_t m) {
         const Candidate& other = candidates[m];
         return other.exclusion == Exclusion::none && other.quantised >= 0 &&
-               plan::kLikedAtMost * other.quantised >= best.quantised &&
-               other.quality >= best.quality - plan::kSameQuality && other.predictedMs > 0.0f &&
+               plan::showsAsMuch(meritOf(other), meritOf(best)) && other.predictedMs > 0.0f &&
                other.sigmaMs <= 0.5f * other.predictedMs;
     };
     std::uint32_t cheapest = wanted;
@@ -128,10 +136,10 @@ double worthOf(const DecisionRecord& record, std::span<const Candidate> candidat
 {
     std::array<plan::Merit, plan::kMaxMethods> merits;
     for (std::uint32_t m = 0; m < record.methods; ++m)
-        merits[m] = {candidates[m].quantised, candidates[m].quality, candidates[m].exclusion == Exclusion::none};
-    std::array<std::int32_t, plan::kMaxMethods> suitability;
-    plan::sharedSuitability(std::span(merits).first(record.methods), suitability);
-    return double{record.importance} * plan::worth(suitability[method], double{candidates[method].quality});
+        merits[m] = meritOf(candidates[m]);
+    const std::span all = std::span<const plan::Merit>(merits).first(record.methods);
+    return double{record.importance} *
+           plan::worth(plan::sharedSuitability(all, method), double{candidates[method].quality});
 }
 
 double Rechoice::valueOf(std::uint32_t method) const noexcept

@@ -69,15 +69,22 @@ TEST_CASE("what shows as much counts as much, unless the rules like it less than
                                          Merit{1600, 1.0f, true},   // avoided
                                          Merit{2000, 0.9f, true},   // shows less
                                          Merit{4000, 0.5f, false}}; // may not serve
-    std::array<int32_t, 5> suitability{};
-    sharedSuitability(merits, suitability);
-    CHECK(suitability == std::array<int32_t, 5>{3400, 3400, 2000, 2000, 4000});
+    const std::array<int32_t, 5> suitability = {3400, 3400, 2000, 2000, 4000};
+    for (size_t m = 0; m < merits.size(); ++m)
+        CHECK(sharedSuitability(merits, m) == suitability[m]);
     // A budget with room for either is spent on neither: the cheaper one serves.
     Scene scene(1, cheapAndGood());
     scene.of(0, kCheap).quality = 0.95f;
     scene.step();
     CHECK(scene.chosen(0) == kCheap);
     CHECK(scene.why(0, kGood) == Why::price);
+    // Worth more and dearer: what suits better did not lose by its price.
+    scene.of(0, kCheap).quality = 1.0f;
+    scene.of(0, kCheap).ms = 5.0;
+    scene.memories[0] = {};
+    scene.step();
+    CHECK(scene.chosen(0) == kCheap);
+    CHECK(scene.why(0, kGood) == Why::outscored);
     scene.of(0, kCheap).suitability = scene.of(0, kGood).suitability / 3;
     scene.memories[0] = {};
     scene.step();

@@ -30,28 +30,15 @@ gnomon::cost::KnowledgeBase shippedKnowledge()
     return std::move(*knowledge.base);
 }
 
-/// A trace, and what the plan keeps, starting from the knowledge base that ships.
 struct Case {
     const char* name;
-    double regret, picks;
-    double over, worst; ///< Share of frames over the budget; the worst one over it.
-    double switches;    ///< Per light and second.
-    double flips;       ///< Per minute.
-    bool beatsAll;      ///< No fixed method loses less.
+    double switches; ///< Per light and second: a scene that stands still, lights and eye that move, a stress.
 };
-
-// Of all four: 3 % regret, 93 % picks, 1 % of the frames over the budget and none by more than 25 %, switches a light
-// and second within what the issue of each allows, one flip a minute.
-constexpr Case kCases[] = {
-    {"static", 0.03, 0.93, 0.01, 1.25, 0.05, 1.0, true},
-    {"slow_walk", 0.03, 0.93, 0.01, 1.25, 0.2, 1.0, true},
-    {"stress", 0.03, 0.93, 0.01, 1.25, 1.5, 1.0, true},
-    {"budget_step", 0.03, 0.93, 0.01, 1.25, 0.2, 1.0, true},
-};
+constexpr Case kCases[] = {{"static", 0.05}, {"slow_walk", 0.2}, {"stress", 1.5}, {"budget_step", 0.2}};
 
 } // namespace
 
-TEST_CASE("on recorded traces the plan keeps the floor and what it has kept so far of the budget")
+TEST_CASE("on recorded traces the plan keeps floor and budget and loses little against the best plan of every frame")
 {
     const gnomon::cost::KnowledgeBase knowledge = shippedKnowledge();
     ReplayOptions options;
@@ -65,14 +52,14 @@ TEST_CASE("on recorded traces the plan keeps the floor and what it has kept so f
         MESSAGE(std::string(wanted.name), ", minima\n", toTable(all), "raw times\n",
                 toTable(compare(trace, raw, nullptr)));
         const ReplayMetrics& plan = all[0];
-        CHECK(plan.regret <= wanted.regret);
-        CHECK(plan.picks >= wanted.picks);
-        CHECK(plan.over <= wanted.over);
-        CHECK(plan.worst <= wanted.worst);
+        CHECK(plan.regret <= 0.03);
+        CHECK(plan.picks >= 0.93);
+        CHECK(plan.over <= 0.01);
+        CHECK(plan.worst <= 1.25);
         CHECK(plan.floorViolations == 0);
         CHECK(plan.switchesPerLightSecond <= wanted.switches);
-        CHECK(plan.flipsPerMinute <= wanted.flips);
-        for (size_t i = 2; i < all.size() && wanted.beatsAll; ++i) // table and fixed methods
+        CHECK(plan.flipsPerMinute <= 1.0);
+        for (size_t i = 2; i < all.size(); ++i) // table and fixed methods
             CHECK(plan.regret <= all[i].regret);
     }
 }

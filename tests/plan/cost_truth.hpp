@@ -1,0 +1,121 @@
+#pragma once
+// A device for tests of the cost model: times that the model's form does not fit, with noise and spikes.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "runtime/cost/cost_model.hpp"
+#include "runtime/cost/exponent.hpp"
+#include "tests/plan/random.hpp"
+
+namespace gnomon::cost::test {
+
+using gnomon::test::Random;
+
+inline constexpr uint32_t kMethods = 6, kLights = 8;
+
+inline Workload anyWorkload(Random& random)
+{
+    return {.pixels = exp2Exactly(random.between(12, 20)),
+            .casterTriangles = exp2Exactly(random.between(8, 20)),
+            .mapTexels = exp2Exactly(2.0 * random.below(4) + 16),
+            .sharing = 1.0,
+            .still = random.unit() < 0.3};
+}
+
+/// A truth that is *not* what the model fits: an overhead plus sums of powers, and a factor per (light, method).
+struct Truth {
+    double factor = 1.0;
+    double method = 1.0;
+    std::vector<double> own;
+
+    explicit Truth(Random& random)
+    {
+        for (uint32_t i = 0; i < kMethods * kLights; ++i)
+            own.push_back(exp2Exactly(random.between(-0.2, 0.2)));
+    }
+    double ms(uint32_t light, uint32_t m, Pass pass, const Workload& w) const
+    {
+        const double k = 0.5 + 0.3 * m;
+        const double time =
+            pass == Pass::resolve
+                ? 0.02 + 2.0 * k * w.pixels / 1e6
+                : (0.05 + 0.8 * k * w.casterTriangles / 1e5 + 0.4 * w.mapTexels / 1e6) / (w.still ? 4 : 1);
+        return time * factor * (m == 2 ? method : 1.0) * own[light * kMethods + m];
+    }
+    /// 8 % noise; one timing in 200 is a spike of x2 to x6.
+    double timed(Random& random, uint32_t light, uint32_t m, Pass pass, const Workload& w) const
+    {
+        const double gauss = random.unit() + random.unit() + random.unit() + random.unit() - 2.0; // sigma 0.577
+        double time = ms(light, m, pass, w) * exp2Exactly(0.111 / 0.577 * gauss);
+        if (random.unit() < 0.005) time *= random.between(2, 6);
+        return time;
+    }
+};
+
+inline constexpr Pass kPasses[] = {Pass::update, Pass::resolve};
+
+inline void calibrate(CostModel& model, const Truth& truth, Random& random, bool same = true)
+{
+    for (uint32_t m = 0; m < kMethods; ++m)
+        for (int i = 0; i < 40; ++i)
+            for (const Pass pass : kPasses) {
+                const Workload w = anyWorkload(random);
+                double least = std::numeric_limits<double>::infinity(); // of five sweeps, as calibration runs do
+                for (int sweep = 0; sweep < 5; ++sweep)
+                    least = std::min(least, truth.timed(random, 0, m, pass, w) / truth.own[m]);
+                model.calibrate(m, pass, Processor::gpu, w, least);
+            }
+    model.finishCalibration(same);
+}
+
+struct Errors {
+    double median, p95;
+};
+inline Errors errorsOf(const CostModel& model, const Truth& truth, Random& random, uint32_t light)
+{
+    std::vector<double> errors;
+    for (int i = 0; i < 2000; ++i) {
+        const Workload w = anyWorkload(random);
+        const uint32_t m = random.below(kMethods);
+        const double real = truth.ms(light, m, Pass::update, w) + truth.ms(light, m, Pass::resolve, w);
+        errors.push_back(std::fabs(model.predict(light, m, w, false).ms / real - 1.0));
+    }
+    std::sort(errors.begin(), errors.end());
+    return {errors[1000], errors[1900]};
+}
+
+/// One frame's timings; `methodOf` says which method serves a light.
+template <typename MethodOf>
+void runFrameWith(CostModel& model, const Truth& truth, Random& random, const std::vector<Workload>& workloads,
+                  MethodOf&& methodOf, uint64_t framesSinceSwitch = 1000)
+{
+    for (uint32_t light = 0; light < kLights; ++light)
+        for (const Pass pass : kPasses) {
+            const uint32_t m = methodOf(light);
+            model.observe({.light = light,
+                           .method = m,
+                           .pass = pass,
+                           .workload = workloads[light],
+                           .ms = truth.timed(random, light, m, pass, workloads[light]),
+                           .framesSinceSwitch = framesSinceSwitch});
+        }
+    model.endFrame();
+}
+
+inline void runFrame(CostModel& model, const Truth& truth, Random& random, const std::vector<Workload>& workloads,
+                     uint32_t methodShift = 0)
+{
+    runFrameWith(model, truth, random, workloads, [=](uint32_t light) { return (light + methodShift) % kMethods; });
+}
+
+inline std::vector<Workload> workloadsFor(Random& random)
+{
+    std::vector<Workload> workloads;
+    for (uint32_t i = 0; i < kLights; ++i)
+        workloads.push_back(anyWorkload(random));
+    return workloads;
+}
+
+} // namespace gnomon::cost::test
