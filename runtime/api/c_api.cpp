@@ -171,6 +171,13 @@ GnResult GN_CALL gnWarmUp(GnContext context)
     return atBoundary(context, [&](Context& c) { return status(context, c.warmUp()); });
 }
 
+GnResult GN_CALL gnWarmUpMethod(GnContext context, const char* pMethod)
+{
+    return atBoundary(context, [&](Context& c) {
+        return pMethod ? status(context, c.warmUpMethod(pMethod)) : nullArgument(context, "pMethod");
+    });
+}
+
 // --- geometry ---
 
 GnResult GN_CALL gnCreateMesh(GnContext context, const GnMeshCreateInfo* pCreateInfo, GnMesh* pMesh)

@@ -164,13 +164,29 @@ void Context::finishUnderway()
 
 Result<void> Context::warmUp()
 {
+    return warmUp([](const Method&) { return true; });
+}
+
+Result<void> Context::warmUpMethod(const char* name)
+{
+    const Result<Method*> method = usableMethod(name);
+    if (!method) return method.error();
+    return warmUp([&](const Method& each) { return &each == *method || each.has(GN_TRAIT_FALLBACK_BIT); });
+}
+
+template <typename Wanted>
+Result<void> Context::warmUp(Wanted&& wanted)
+{
     finishUnderway();
     scene_->finishBackground();
     methods_->finishBackground();
     while (pipelines_->createNext(kRuntimeOwner)) {
     }
-    for (std::uint32_t i = 0; i < methods_->size(); ++i)
-        methods_->createNow((*methods_)[i]);
+    jobs_->parallelFor(methods_->size(), 1, [&](std::size_t begin, std::size_t end, std::uint32_t) {
+        for (std::size_t i = begin; i < end; ++i)
+            if (Method& method = (*methods_)[static_cast<std::uint32_t>(i)]; wanted(method))
+                methods_->createNow(method);
+    });
     return executor_->once([&](VkCommandBuffer cmd) -> Result<void> {
         if (!gridReady_) {
             if (auto tried = pipelines_->recordTrials(cmd, kRuntimeOwner); !tried) return tried;
@@ -178,7 +194,7 @@ Result<void> Context::warmUp()
         }
         for (std::uint32_t i = 0; i < methods_->size(); ++i) {
             Method& method = (*methods_)[i];
-            if (method.ready || method.unavailable) continue;
+            if (method.ready || method.unavailable || !wanted(method)) continue;
             if (const std::string failure = pipelines_->failure(i); !failure.empty()) {
                 method.unavailable = "its pipelines could not be created";
                 messages_.warn("MethodFailed", "method '" + method.name + "': " + failure);
@@ -243,6 +259,17 @@ Result<GnVisibility> Context::visibility(GnView handle)
 
 // --- methods and rules ---
 
+Result<Method*> Context::usableMethod(const char* name)
+{
+    Method* method = methods_->find(name);
+    if (!method)
+        return Error{GN_ERROR_UNKNOWN_METHOD, "UnknownMethod", std::string("no method is named '") + name + "'"};
+    if (method->unavailable)
+        return Error{GN_ERROR_FEATURE_MISSING, "MethodUnavailable",
+                     "method '" + method->name + "': " + method->unavailable};
+    return method;
+}
+
 Result<void> Context::setLightMethod(GnLight light, const char* name)
 {
     const std::optional<SceneRegistry::LightInfo> info = scene_->lightInfo(light);
@@ -252,12 +279,9 @@ Result<void> Context::setLightMethod(GnLight light, const char* name)
         state.pinned = UINT32_MAX;
         return {};
     }
-    const Method* method = methods_->find(name);
-    if (!method)
-        return Error{GN_ERROR_UNKNOWN_METHOD, "UnknownMethod", std::string("no method is named '") + name + "'"};
-    if (method->unavailable)
-        return Error{GN_ERROR_FEATURE_MISSING, "MethodUnavailable",
-                     "method '" + method->name + "': " + method->unavailable};
+    const Result<Method*> found = usableMethod(name);
+    if (!found) return found.error();
+    const Method* method = *found;
     if (!method->serves(info->type))
         return Error{GN_ERROR_UNKNOWN_METHOD, "MethodLightKind",
                      "method '" + method->name + "' does not serve the kind of light '" + std::string(info->name) +

@@ -53,6 +53,7 @@ public:
     Context& operator=(const Context&) = delete;
 
     Result<void> warmUp();
+    Result<void> warmUpMethod(const char* name);
     Result<GnView> createView(const GnViewCreateInfo& info);
     void destroyView(GnView view);
     Result<GnVisibility> visibility(GnView view);
@@ -129,6 +130,11 @@ private:
 
     // The frame, stage by stage (frame.cpp).
     Result<GnResult> startFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd);
+    template <typename Wanted>
+    Result<void> warmUp(Wanted&& wanted); ///< Methods for which wanted(method) holds.
+    Result<Method*> usableMethod(const char* name);
+    /// Whose pipelines this frame runs for the first time, once they are compiled: one method a frame.
+    std::uint32_t nextTrial();
     Result<GnResult> runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
                               std::chrono::steady_clock::time_point start);
     Result<void> takeInput(const GnFrameInfo& info);

@@ -65,6 +65,27 @@ Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, Vk
     return run;
 }
 
+std::uint32_t Context::nextTrial()
+{
+    if (!gridReady_) {
+        while (pipelines_->createNext(kRuntimeOwner)) {
+        }
+        return kRuntimeOwner;
+    }
+    MethodDemand demand{.pinned = 0, .others = pending_.empty()};
+    for (const PendingLight& pending : pending_) {
+        const std::uint32_t pinned = pending.decision->pinned;
+        if (pinned == UINT32_MAX) {
+            demand.others = true;
+            continue;
+        }
+        demand.pinned |= 1u << pinned;
+        const Method& method = (*methods_)[pinned];
+        demand.others |= pending.decision->method != pinned && (method.ready || method.unavailable);
+    }
+    return methods_->nextTrial(demand);
+}
+
 Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
                                    std::chrono::steady_clock::time_point start)
 {
@@ -83,16 +104,6 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     openGraph(info);
     const SceneRegistry::Snapshot& snapshot = scene_->begin(info.frame, origin_);
 
-    // Pipelines that are compiled but never ran: one method a frame.
-    std::uint32_t trial = UINT32_MAX;
-    if (!gridReady_) {
-        while (pipelines_->createNext(kRuntimeOwner)) {
-        }
-        trial = kRuntimeOwner;
-    } else {
-        trial = methods_->nextTrial();
-    }
-
     const auto decideStart = std::chrono::steady_clock::now();
     for (std::uint32_t i = 0; i < info.viewCount; ++i)
         if (Result<void> ok = prepareView(*viewFrames_[i].view, info.pViews[i]); !ok) return ok.error();
@@ -107,6 +118,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
         if (Result<void> ok = assessView(i, info.pViews[i], info, mode); !ok) return ok.error();
     planLights(info);
     stats_.decideUs = static_cast<float>(msSince(decideStart) * 1000.0);
+    const std::uint32_t trial = nextTrial();
     for (const PendingLight& pending : pending_)
         declareLight(pending, mode);
     recordDecisions();

@@ -34,7 +34,7 @@ inline std::int32_t sharedSuitability(std::span<const Merit> merits, std::size_t
     const Merit& own = merits[method];
     std::int32_t best = own.suitability > 0 ? own.suitability : 0;
     for (const Merit& other : merits)
-        best = other.eligible & (other.suitability > best) & showsAsMuch(own, other) ? other.suitability : best;
+        best = (other.eligible & (other.suitability > best) & showsAsMuch(own, other)) ? other.suitability : best;
     return best;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "rules/engine/number_text.hpp"
 
@@ -107,33 +108,45 @@ void MethodTable::createNow(Method& method)
     }
 }
 
-std::uint32_t MethodTable::nextTrial()
+MethodTable::Step MethodTable::advance(Method& method)
 {
-    for (const bool fallbacks : {true, false})
-        for (auto& method : methods_) {
-            if (method->ready || method->unavailable || method->has(GN_TRAIT_FALLBACK_BIT) != fallbacks) continue;
-            if (!method->warmUpStarted) {
-                method->warmUpStarted = true;
-                if (background_) {
-                    method->table = this;
-                    method->warmUp.data = method.get();
-                    method->warmUp.run = [](void* data) {
-                        auto* self = static_cast<Method*>(data);
-                        self->table->createNow(*self);
-                    };
-                    jobs_.submit(method->warmUp);
-                    return UINT32_MAX; // one method at a time
-                }
-                createNow(*method);
-            }
-            if (background_ && !method->warmUp.done()) return UINT32_MAX;
-            if (const std::string failure = pipelines_.failure(method->index); !failure.empty()) {
-                method->unavailable = "its pipelines could not be created";
-                continue;
-            }
-            return method->index;
+    if (method.ready || method.unavailable) return Step::done;
+    if (!method.warmUpStarted) {
+        method.warmUpStarted = true;
+        if (background_) {
+            method.table = this;
+            method.warmUp.data = &method;
+            method.warmUp.run = [](void* data) {
+                auto* self = static_cast<Method*>(data);
+                self->table->createNow(*self);
+            };
+            jobs_.submit(method.warmUp);
+            return Step::waits; // one method at a time
         }
-    return UINT32_MAX;
+        createNow(method);
+    }
+    if (background_ && !method.warmUp.done()) return Step::waits;
+    if (const std::string failure = pipelines_.failure(method.index); !failure.empty()) {
+        method.unavailable = "its pipelines could not be created";
+        return Step::done;
+    }
+    return Step::created;
+}
+
+std::uint32_t MethodTable::nextTrial(const MethodDemand& demand)
+{
+    const auto first = [&](auto&& belongs) -> std::optional<std::uint32_t> {
+        for (auto& method : methods_) {
+            if (!belongs(*method)) continue;
+            const Step step = advance(*method);
+            if (step != Step::done) return step == Step::created ? method->index : UINT32_MAX;
+        }
+        return std::nullopt;
+    };
+    if (const auto found = first([](const Method& method) { return method.has(GN_TRAIT_FALLBACK_BIT); })) return *found;
+    if (const auto found = first([&](const Method& method) { return (demand.pinned >> method.index & 1u) != 0; }))
+        return *found;
+    return demand.others ? first([](const Method&) { return true; }).value_or(UINT32_MAX) : UINT32_MAX;
 }
 
 void MethodTable::finishBackground()

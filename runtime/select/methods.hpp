@@ -38,6 +38,12 @@ struct Method {
     bool isExact() const { return has(GN_TRAIT_EXACT_BIT) && !(entry->approximates && entry->approximates(settings)); }
 };
 
+/// What a frame may ask for.
+struct MethodDemand {
+    std::uint32_t pinned = 0; ///< Bit i: a light is pinned to method i.
+    bool others = true; ///< There is no light yet, or one that is not pinned, or not served by what it is pinned to.
+};
+
 class MethodTable {
 public:
     MethodTable(const DeviceTable& vk, PipelineStore& pipelines, JobSystem& jobs, bool background);
@@ -55,9 +61,9 @@ public:
     const Method& operator[](std::uint32_t index) const { return *methods_[index]; }
     std::uint32_t size() const { return static_cast<std::uint32_t>(methods_.size()); }
 
-    /// Starts or continues background creation, fallbacks first; returns a method whose pipelines are created but not
-    /// yet executed, or UINT32_MAX.
-    std::uint32_t nextTrial();
+    /// Starts or continues background creation: fallbacks, then what lights are pinned to, then what others may ask
+    /// for. Returns a method whose pipelines are created but not yet executed, or UINT32_MAX.
+    std::uint32_t nextTrial(const MethodDemand& demand);
     /// Creates all pipelines of a method now.
     void createNow(Method& method);
     void finishBackground();
@@ -66,6 +72,9 @@ public:
     std::uint64_t revision() const { return revision_; }
 
 private:
+    enum class Step : std::uint8_t { done, waits, created };
+    Step advance(Method& method); ///< By what one frame may do for it.
+
     const DeviceTable& vk_;
     PipelineStore& pipelines_;
     JobSystem& jobs_;

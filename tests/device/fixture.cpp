@@ -128,7 +128,7 @@ Host::Host(Scene wanted, const HostOptions& options)
                                                                     ? VK_COMPARE_OP_LESS
                                                                     : VK_COMPARE_OP_GREATER})),
       timeline_(makeTimeline(device())), readback_(device()), extent_(options.extent),
-      hidden_(scene.instances.size(), false)
+      hidden_(scene.instances.size(), false), warmUp_(options.warmUp)
 {
     surfaces_.resize(options.viewCount);
     createSurfaces();
@@ -153,7 +153,6 @@ Host::Host(Scene wanted, const HostOptions& options)
         const GnViewCreateInfo info{.pName = "test", .maxLights = options.maxLights};
         require(gnCreateView(context, &info, &view));
     }
-    if (options.warmUp) require(gnWarmUp(context));
 }
 
 Host::~Host()
@@ -326,6 +325,25 @@ GnViewFrame Host::viewFrame(uint32_t view, const CameraMatrices& camera, const s
 
 // --- frames ---
 
+void Host::pin(size_t light, const char* method)
+{
+    require(gnSetLightMethod(context, lights[light], method));
+    if (!method) {
+        pinned_.erase(lights[light]);
+        return;
+    }
+    pinned_.insert(lights[light]);
+    if (warmUp_ && warm_.insert(method).second) require(gnWarmUpMethod(context, method));
+}
+
+/// A frame with lights that no method is pinned to may ask for any.
+void Host::warmUpFor(const std::vector<GnLight>& lit)
+{
+    if (!warmUp_ || allWarm_) return;
+    allWarm_ = lit.empty() || !std::ranges::all_of(lit, [&](GnLight light) { return pinned_.contains(light); });
+    if (allWarm_) require(gnWarmUp(context));
+}
+
 void Host::wait(uint64_t submission) const
 {
     if (submission > 0) waitTimeline(device(), timeline_.get(), submission);
@@ -381,6 +399,7 @@ GnResult Host::draw(const FrameOptions& options)
     for (const uint32_t i : state.present)
         present.push_back(lights[i]);
     const std::vector<GnLight>& lit = options.lights ? *options.lights : present;
+    warmUpFor(lit);
 
     const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                          .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};

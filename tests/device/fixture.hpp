@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -54,7 +55,7 @@ struct HostOptions {
     uint32_t viewCount = 1;
     uint32_t maxLights = 16;
     GnContextCreateFlags flags = GN_CONTEXT_NO_BACKGROUND_BIT;
-    bool warmUp = true;
+    bool warmUp = true; ///< A method when a light is pinned to it; before a frame with lights that are not, all.
     std::function<void(GnContextCreateInfo&)> context; ///< Last word on the create-info.
 };
 
@@ -88,7 +89,7 @@ public:
     /// The camera does not see it; it casts all the same.
     void hide(size_t instance) { hidden_[instance] = true; }
 
-    void pin(size_t light, const char* method) { require(gnSetLightMethod(context, lights[light], method)); }
+    void pin(size_t light, const char* method); ///< Null: the rules decide.
     void pinAll(const char* method);
     void require(GnResult result) const;
 
@@ -131,6 +132,7 @@ private:
     void update(const demo::SceneState& state);
     void drawSurface(VkCommandBuffer cmd, const Surface& surface, const demo::CameraMatrices& camera,
                      const demo::SceneState& state);
+    void warmUpFor(const std::vector<GnLight>& lit);
     GnViewFrame viewFrame(uint32_t view, const demo::CameraMatrices& camera, const std::vector<GnLight>& lit) const;
     void submit(VkCommandBuffer cmd, bool last);
     void wait(uint64_t submission) const;
@@ -151,6 +153,10 @@ private:
     std::deque<Retired> retired_;
     std::deque<std::pair<uint64_t, uint64_t>> unfinished_; ///< (submission, gnomon's frame), oldest first.
     std::vector<bool> hidden_;
+    const bool warmUp_;
+    bool allWarm_ = false;
+    std::set<std::string> warm_;
+    std::set<GnLight> pinned_;
     std::vector<GnTransform> lastTransforms_;
     std::vector<demo::LightState> lastLights_;
     uint64_t submission_ = 0, frame_ = 0, completed_ = 0;

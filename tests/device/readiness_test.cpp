@@ -88,6 +88,12 @@ HostOptions withJobs(HostJobs& jobs, GnContextCreateFlags flags)
     return options;
 }
 
+/// Whether a frame with all lights pinned to a method may need this one.
+bool needed(const GnMethodInfo& method, const std::string& pinned)
+{
+    return (method.traits & GN_TRAIT_FALLBACK_BIT) != 0 || method.pName == pinned;
+}
+
 std::vector<Image8> submitted(const Scene& scene, const char* method)
 {
     Host host(scene);
@@ -120,10 +126,34 @@ TEST_CASE_FIXTURE(DeviceTest, "without warm-up nothing is ready and all is lit, 
         CHECK(reasons.contains(GN_REASON_FALLBACK)); // shadow_map served meanwhile
         CHECK(differences(host.pictures(), submitted(smallScene(), "ray_traced")) == 0);
         if (flags == 0) continue;
-        host.draw(static_cast<uint32_t>(availableMethods(host.context).size()), {});
+        // As long as every light is pinned nobody can ask for another method; then all come, one a frame.
+        const auto methods = static_cast<uint32_t>(availableMethods(host.context).size());
+        host.draw(methods, {});
+        for (const GnMethodInfo& method : availableMethods(host.context))
+            CHECK_MESSAGE(bool(method.ready) == needed(method, "ray_traced"), std::string(method.pName));
+        host.pin(0, nullptr);
+        host.draw(methods, {});
         for (const GnMethodInfo& method : availableMethods(host.context))
             CHECK_MESSAGE(method.ready, std::string(method.pName));
     }
+}
+
+TEST_CASE_FIXTURE(DeviceTest,
+                  "a method warmed up alone serves in the first frame, and only what stands in for it is compiled")
+{
+    Host host(smallScene(), {.warmUp = false});
+    host.require(gnSetLightMethod(host.context, host.lights[0], "stencil_volume"));
+    host.require(gnWarmUpMethod(host.context, "stencil_volume"));
+    for (const GnMethodInfo& method : availableMethods(host.context))
+        CHECK_MESSAGE(bool(method.ready) == needed(method, "stencil_volume"), std::string(method.pName));
+    host.require(host.draw());
+    CHECK(host.decision(0).reason == GN_REASON_PINNED);
+    CHECK(differences(host.pictures(), submitted(smallScene(), "stencil_volume")) == 0);
+
+    CHECK(gnWarmUpMethod(host.context, "magic") == GN_ERROR_UNKNOWN_METHOD);
+    CHECK(host.lastError().find("'magic'") != std::string::npos);
+    CHECK(gnWarmUpMethod(host.context, nullptr) == GN_ERROR_NULL_ARGUMENT);
+    CHECK(gnWarmUpMethod(nullptr, "stencil_volume") == GN_ERROR_NULL_ARGUMENT);
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a frame in two halves shows what a whole one shows; a timeout of 0 does not wait")
@@ -187,7 +217,8 @@ TEST_CASE_FIXTURE(DeviceTest, "a method that does not fit the memory limit is ou
     Host host(smallScene(), options);
     host.require(gnSetMethodSetting(host.context, "shadow_map", "resolution", 4096));
     host.pinAll("shadow_map");
-    host.require(host.draw());
+    host.draw(static_cast<uint32_t>(availableMethods(host.context).size()),
+              {}); // the others are asked for in its place
     const std::string text = host.explanation(0);
     INFO(text);
     CHECK(text.find("shadow_map: out, memory: needs 128.0 MiB") != std::string::npos);
@@ -280,7 +311,8 @@ TEST_CASE_FIXTURE(DeviceTest, "every submit happens under the host's queue lock,
         info.pUserData = &lock;
     };
     Host host(smallScene(), options);
-    CHECK(lock.taken == 1); // the warm-up
+    host.require(gnWarmUp(host.context));
+    CHECK(lock.taken == 1);
     for (const char* method : {"shadow_map", "ray_traced"}) {
         host.pinAll(method);
         const int before = lock.taken;

@@ -14,7 +14,6 @@ Stage::Stage(Scene scene, VkExtent2D extent, double time)
     : scene_(std::move(scene)),
       session_(test::device(), scene_, {.scene = {}, .size = extent, .contextFlags = GN_CONTEXT_NO_BACKGROUND_BIT})
 {
-    REQUIRE_MESSAGE(gnWarmUp(session_.shadows.context()) >= 0, gnGetLastError(session_.shadows.context()));
     for (const GnMethodInfo& info : methods()) {
         traits_[info.pName] = info.traits;
         for (uint32_t i = 0; i < info.settingCount; ++i)
@@ -73,6 +72,9 @@ bool Stage::served(const std::string& method)
 Pictures Stage::draw(const std::string& method, const Settings& settings)
 {
     REQUIRE(traits_.contains(method));
+    GnContext context = session_.shadows.context();
+    if (warm_.insert(method).second)
+        REQUIRE_MESSAGE(gnWarmUpMethod(context, method.c_str()) >= 0, gnGetLastError(context));
     apply(method, settings);
     pin(method);
     const CameraState eye = session_.camera(time_);

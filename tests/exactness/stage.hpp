@@ -2,6 +2,7 @@
 // A scene set up once on a validated device, asked for the visibility of one method after another, with the truth
 // beside it. Methods and settings change from frame to frame within one context, as they do under the rules.
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,7 @@ private:
     demo::Session session_;
     std::map<std::string, std::vector<std::pair<std::string, double>>> defaults_;
     std::map<std::string, GnTraits> traits_;
+    std::set<std::string> warm_;
 };
 
 /// 1280x720, for which the bounds are meant, unless $GNOMON_TEST_SIZE says otherwise.
