@@ -66,6 +66,13 @@ plan::Merit meritOf(const Candidate& candidate)
 
 } // namespace
 
+float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::uint32_t incumbent) noexcept
+{
+    const Candidate& candidate = candidates[method];
+    const bool serves = method == incumbent;
+    return candidate.predictedMs + (serves ? 0.0f : candidate.firstMs / float{plan::kExpectedStayFrames});
+}
+
 std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t wanted,
                            std::uint32_t incumbent) noexcept
 {
@@ -78,14 +85,13 @@ std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t 
                plan::showsAsMuch(meritOf(other), meritOf(best)) && other.predictedMs > 0.0f &&
                other.sigmaMs <= 0.5f * other.predictedMs;
     };
+    const auto price = [&](std::uint32_t m) { return priceOf(candidates, m, incumbent); };
     std::uint32_t cheapest = wanted;
     for (std::uint32_t m = 0; m < count; ++m)
-        if (doesAsWell(m) && candidates[m].predictedMs < candidates[cheapest].predictedMs) cheapest = m;
-    const bool stays = incumbent < count && doesAsWell(incumbent) &&
-                       candidates[incumbent].predictedMs <= candidates[wanted].predictedMs;
+        if (doesAsWell(m) && price(m) < price(cheapest)) cheapest = m;
+    const bool stays = incumbent < count && doesAsWell(incumbent) && price(incumbent) <= price(wanted);
     const std::uint32_t from = stays ? incumbent : wanted;
-    const float enough = (1.0f - kPriceMargin) * candidates[from].predictedMs;
-    return candidates[cheapest].predictedMs < enough ? cheapest : from;
+    return price(cheapest) < (1.0f - kPriceMargin) * price(from) ? cheapest : from;
 }
 
 Rechoice::Rechoice(const DecisionRecord& record, const rules::Engine& engine)

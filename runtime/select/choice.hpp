@@ -33,6 +33,10 @@ Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceIn
 /// alone changes nothing.
 inline constexpr float kPriceMargin = 0.1f;
 
+/// What a frame with a method takes, ms: as predicted, and where it does not serve yet, its share of the first frame's
+/// surplus (maps and lists of what stands still), spread over plan::kExpectedStayFrames.
+float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::uint32_t incumbent) noexcept;
+
 /// What serves where no budget says what time is worth: then time buys quality and nothing else. The cheapest method
 /// that shows as much as `wanted`, that the rules like at least half as well (what they avoid is not taken for its
 /// price), and whose time is known to a half; `wanted` itself unless that saves kPriceMargin. An incumbent that does as

@@ -115,6 +115,15 @@ std::string costText(const Candidate& candidate)
     return ms(double{candidate.predictedMs}) + " +- " + ms(double{candidate.sigmaMs});
 }
 
+/// Of a method that does not serve: with its first frame, where that is no trifle.
+std::string changeCostText(const Candidate& candidate)
+{
+    std::string text = costText(candidate);
+    if (candidate.firstMs > candidate.predictedMs)
+        text += " (its first frame " + ms(double{candidate.firstMs}) + " more)";
+    return text;
+}
+
 std::string costLine(const DecisionRecord& record)
 {
     if (record.method >= record.methods) return {};
@@ -157,7 +166,7 @@ std::string passedOverLine(const DecisionRecord& record, const ExplainWords& wor
     const std::string name(methodText(record.wanted, words.methods));
     switch (wanted.why) {
     case plan::Why::budget:
-        return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but needs " + costText(wanted);
+        return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but needs " + changeCostText(wanted);
     case plan::Why::hysteresis:
         return name + " would be better, but is held: " + holdText(record.hold) + "; " + gainText(record);
     case plan::Why::floor:
@@ -165,7 +174,7 @@ std::string passedOverLine(const DecisionRecord& record, const ExplainWords& wor
                fixed(double{wanted.quality}, 2) + " is below the near floor";
     case plan::Why::price:
         return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but shows no more and takes " +
-               costText(wanted);
+               changeCostText(wanted);
     default:
         break;
     }
@@ -250,7 +259,8 @@ void addOutscored(const DecisionRecord& record, std::uint32_t method, Explanatio
         text += "; worth (importance x suitability of what shows as much x quality) " +
                 fixed(worthOf(record, record.candidates, method), 3) + " against " +
                 fixed(worthOf(record, record.candidates, record.method), 3);
-    if (record.budgeted || record.priced) text += "; takes " + costText(candidate) + " against " + costText(chosen);
+    if (record.budgeted || record.priced)
+        text += "; takes " + changeCostText(candidate) + " against " + costText(chosen);
     lines.add(std::move(text));
 }
 
@@ -275,7 +285,7 @@ void addElimination(const DecisionRecord& record, std::uint32_t method, const Ex
                          "; " + gainText(record));
     case plan::Why::price:
         return lines.add("it suits better (" + fixed(suitabilityOf(candidate), 2) + "), but shows no more and takes " +
-                         costText(candidate));
+                         changeCostText(candidate));
     case plan::Why::noOpinion:
         return lines.add("no rule that fires speaks of it, and rules speak of others");
     case plan::Why::trait:

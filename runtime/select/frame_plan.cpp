@@ -127,7 +127,7 @@ void FramePlan::measure()
         measures_.push_back(cost::measuresOf(knowledge_, methods_[i].entry->name,
                                              double{methods_[i].entry->typicalWrongPercent}, device_));
     qualities_.resize(methods_.size());
-    predictions_.assign(std::size_t{slots_} * methods_.size(), {});
+    costs_.assign(std::size_t{slots_} * methods_.size(), {});
     for (SlotHistory& history : histories_)
         history.predictedAt = kNever;
 }
@@ -191,22 +191,26 @@ void FramePlan::add(LightDecision& decision, LightMemory& memory, const Selectio
 }
 
 /// What every method would take for a light, looked up or asked anew. Lights take turns, so that no frame asks for all.
-std::span<const cost::Prediction> FramePlan::predict(const LightMemory& memory, std::uint64_t frame)
+std::span<const FramePlan::Cost> FramePlan::predict(const LightMemory& memory, std::uint64_t frame)
 {
     const std::uint32_t methods = methods_.size();
     SlotHistory& history = histories_[memory.costSlot];
-    const std::span predictions = std::span(predictions_).subspan(std::size_t{memory.costSlot} * methods, methods);
+    const std::span costs = std::span(costs_).subspan(std::size_t{memory.costSlot} * methods, methods);
     const bool due = (frame + memory.costSlot) % kPredictEvery == 0 || frame - history.predictedAt >= kPredictEvery;
     if (history.predictedAt != kNever && !due && history.predictedDevice == model_.deviceOctaves() &&
         isNear(memory.workload, history.predictedFor))
-        return predictions;
-    for (std::uint32_t m = 0; m < methods; ++m)
-        predictions[m] =
-            model_.predict(memory.costSlot, m, workloadOf(methods_[m], memory.workload), memory.workload.still);
+        return costs;
+    for (std::uint32_t m = 0; m < methods; ++m) {
+        const cost::Workload workload = workloadOf(methods_[m], memory.workload);
+        const auto of = [&](cost::Pass pass) { return model_.predict(memory.costSlot, m, pass, workload); };
+        // What stands still is drawn once, in the first frame.
+        costs[m] = {.steady = model_.predict(memory.costSlot, m, workload, workload.still),
+                    .firstMs = std::max(measures_[m].firstFrameMs, workload.still ? of(cost::Pass::update).ms : 0.0)};
+    }
     history.predictedAt = frame;
     history.predictedDevice = model_.deviceOctaves();
     history.predictedFor = memory.workload;
-    return predictions;
+    return costs;
 }
 
 /// Candidates and requests of the plan step, and the prediction of every decision.
@@ -230,19 +234,20 @@ void FramePlan::fill(const rules::RuleBase* base, std::uint64_t frame)
             lights_[i].floor = true;
             lights_[i].minimumQuality = static_cast<float>(base->policy.floor.minimumQuality);
         }
-        const std::span<const cost::Prediction> costs = predict(memory, frame);
+        const std::span<const Cost> costs = predict(memory, frame);
         for (std::uint32_t m = 0; m < methods; ++m) {
             Candidate& from = request.decision->candidates[m];
-            const cost::Prediction& cost = costs[m];
+            const cost::Prediction& cost = costs[m].steady;
             candidates_[i * methods + m] = {.eligibility = eligibilityOf(from.exclusion),
                                             .suitability = from.quantised,
                                             .quality = qualities_[m],
                                             .ms = cost.ms,
                                             .sigmaMs = cost.sigmaMs,
-                                            .firstFrameMs = measures_[m].firstFrameMs};
+                                            .firstFrameMs = costs[m].firstMs};
             from.quality = candidates_[i * methods + m].quality;
             from.predictedMs = static_cast<float>(cost.ms);
             from.sigmaMs = static_cast<float>(cost.sigmaMs);
+            from.firstMs = static_cast<float>(costs[m].firstMs);
         }
     }
 }

@@ -79,7 +79,11 @@ private:
     std::uint32_t slotOf(LightMemory& memory);
     void growModel();
     void measure();
-    std::span<const cost::Prediction> predict(const LightMemory& memory, std::uint64_t frame);
+    struct Cost {
+        cost::Prediction steady;
+        double firstMs = 0.0; ///< What the first frame takes beyond that.
+    };
+    std::span<const Cost> predict(const LightMemory& memory, std::uint64_t frame);
     std::vector<std::string> algorithms() const;
 
     static constexpr std::uint64_t kNever = UINT64_MAX;
@@ -103,7 +107,7 @@ private:
     std::vector<plan::Candidate> candidates_;
     std::vector<std::uint32_t> freeSlots_;
     std::vector<SlotHistory> histories_;         ///< By slot.
-    std::vector<cost::Prediction> predictions_;  ///< slots x methods
+    std::vector<Cost> costs_;                    ///< slots x methods
     std::vector<cost::MethodMeasures> measures_; ///< By method.
     std::vector<float> qualities_;               ///< By method, with this frame's settings.
     cost::KnowledgeBase knowledge_;

@@ -9,7 +9,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::string_view kMagic = "GNDECID1";
+constexpr std::string_view kMagic = "GNDECID2";
 constexpr std::uint8_t kNoMethod = 255;
 constexpr std::uint16_t kNoRefusal = 65535;
 enum : std::uint8_t { kBudgeted = 1, kSwitched = 2, kFloor = 4, kFloorUnmet = 8, kPriced = 16 };
@@ -70,6 +70,7 @@ void writeCandidate(ByteWriter& out, const Candidate& candidate, std::span<const
     out.real(candidate.quality);
     out.real(candidate.predictedMs);
     out.real(candidate.sigmaMs);
+    out.real(candidate.firstMs);
     if (candidate.exclusion == Exclusion::none) return;
     out.integer(candidate.detail);
     const auto refusal =
@@ -275,6 +276,7 @@ private:
         candidate.quality = in_.real32();
         candidate.predictedMs = in_.real32();
         candidate.sigmaMs = in_.real32();
+        candidate.firstMs = in_.real32();
         if (candidate.exclusion != Exclusion::none) {
             candidate.detail = in_.integer<std::uint64_t>();
             const auto refusal = in_.integer<std::uint16_t>();

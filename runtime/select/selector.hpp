@@ -40,6 +40,7 @@ struct Candidate {
     float quality = 0.0f;                 ///< Share of the truth it keeps, as the plan counts it; from the plan on.
     float predictedMs = 0.0f;             ///< By the cost model.
     float sigmaMs = 0.0f;                 ///< Standard error of the prediction.
+    float firstMs = 0.0f;                 ///< What the first frame takes beyond that, where the light changes to it.
     plan::Why why = plan::Why::outscored; ///< By the plan step, or by the best suitability where there is none.
 };
 

@@ -200,7 +200,7 @@ TEST_CASE("a log that is cut short, damaged, foreign or of another version is an
     damaged[bytes.size() / 2] ^= 1;
     CHECK(contains(errorOf(damaged), "hash"));
     std::string other = bytes;
-    other[7] = '2';
+    other[7] = '1';
     CHECK(contains(errorOf(other), "version"));
     CHECK(contains(errorOf("frame,light,method\n"), "does not start"));
     CHECK(contains(errorOf(std::string_view(bytes).substr(0, 100)), "cut short"));
@@ -267,4 +267,18 @@ TEST_CASE("without a budget the cheapest of those that show as much serves, and 
     all[3].quantised = 1700; // half as well is enough
     CHECK(cheaperEqual(all, 0, 1) == 3);
     CHECK(cheaperEqual(all, UINT32_MAX, 1) == UINT32_MAX);
+}
+
+TEST_CASE("without a budget a map of what stands still must earn its first frame before it serves for its price")
+{
+    std::array<Candidate, 2> all{};
+    all[0] = {.quantised = 3000, .quality = 1.0f, .predictedMs = 2.2f, .sigmaMs = 0.2f};
+    all[1] = {.quantised = 3000, .quality = 1.0f, .predictedMs = 1.5f, .sigmaMs = 0.2f, .firstMs = 20.0f};
+    CHECK(cheaperEqual(all, 0, 0) == 1); // 0.7 ms for a second of frames: twice what it takes
+    CHECK(priceOf(all, 1, 1) == 1.5f);   // paid already
+    all[1].firstMs = 60.0f;
+    CHECK(cheaperEqual(all, 0, 0) == 0);
+    CHECK(cheaperEqual(all, 0, 1) == 1); // and stays where it has been paid
+    all[0].firstMs = 60.0f;              // to begin with, both cost it
+    CHECK(cheaperEqual(all, 0, UINT32_MAX) == 1);
 }
