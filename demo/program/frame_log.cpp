@@ -22,13 +22,16 @@ const char* nameOf(GnReason reason) noexcept
         return "budget";
     case GN_REASON_HELD:
         return "held";
+    case GN_REASON_PRICE:
+        return "price";
     case GN_REASON_NOTHING_READY:
         return "nothing_ready";
     case GN_REASON_NO_OPINION:
         return "no_opinion";
-    default:
-        return "unknown";
+    case GN_REASON_MAX_ENUM:
+        break;
     }
+    return "unknown";
 }
 
 namespace {

@@ -128,8 +128,9 @@ std::uint32_t Rechoice::choose(std::span<const double> facts) noexcept
     const Choice choice = chooseBySuitability(
         all,
         {.incumbent = record_.incumbent, .pinned = record_.pinned, .fallbacks = record_.fallbacks, .hasRules = true});
-    return record_.priced && isByRules(choice.reason) ? cheaperEqual(all, choice.method, record_.incumbent)
-                                                      : choice.method;
+    return record_.priced && isByRules(choice.reason)
+               ? cheaperEqual(all, choice.method, record_.guessed ? UINT32_MAX : record_.incumbent)
+               : choice.method;
 }
 
 GnReason reasonOf(const plan::LightPlan& plan, plan::Why bestSuited) noexcept

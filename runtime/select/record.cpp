@@ -70,6 +70,7 @@ RecordHead makeRecord(const LightDecision& decision, const FrameRecord& frame, s
     head.hold = decision.hold;
     head.budgeted = frame.budgeted;
     head.priced = frame.priced;
+    head.guessed = decision.guessed;
     head.switched = decision.switched;
     head.floorUnmet = decision.floorUnmet;
     head.importance = decision.importance;

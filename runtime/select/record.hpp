@@ -34,14 +34,15 @@ struct RecordHead {
     std::uint32_t wanted = UINT32_MAX; ///< Before readiness or the plan had their say.
     std::uint32_t incumbent = UINT32_MAX;
     std::uint32_t pinned = UINT32_MAX;
-    std::uint32_t methods = 0;      ///< Candidates in use.
-    std::uint32_t fallbacks = 0;    ///< Bit m: method m serves while another is not ready.
-    std::uint32_t distanceAge = 0;  ///< Frames since viewerDistance was measured; UINT32_MAX: never, a lower bound.
+    std::uint32_t methods = 0;     ///< Candidates in use.
+    std::uint32_t fallbacks = 0;   ///< Bit m: method m serves while another is not ready.
+    std::uint32_t distanceAge = 0; ///< Frames since viewerDistance was measured; UINT32_MAX: never, a lower bound.
     GnReason reason = GN_REASON_RULES;
     Replan replan = Replan::everyFrame;
     plan::Hold hold = plan::Hold::none;
     bool budgeted = false; ///< A plan decided; the members from budgetMs on are set.
     bool priced = false;   ///< No budget, but the rule base lets predicted times choose among equals.
+    bool guessed = false;  ///< The incumbent was chosen before its receivers were measured; it has no advantage.
     bool switched = false;
     bool floor = false; ///< The near-quality floor held.
     bool floorUnmet = false;
@@ -49,7 +50,7 @@ struct RecordHead {
     float minimumQuality = 0.0f;
     float importance = 1.0f;
     float suitability = 0.0f;
-    float measuredMs = 0.0f; ///< Of this very frame, two frames later; 0: not timed.
+    float measuredMs = 0.0f;                               ///< Of this very frame, two frames later; 0: not timed.
     float budgetMs = 0.0f, usableMs = 0.0f, planMs = 0.0f; ///< Of all lights; usable is the budget less headroom.
     float planValue = 0.0f;
     float errorMs = 0.0f;   ///< One standard error of the predicted sum of all lights.
@@ -96,7 +97,7 @@ public:
     void noteMeasured(std::uint64_t frame, std::uint32_t lightId, std::uint32_t method, float ms);
 
     std::uint64_t newest() const { return newest_; } ///< 0: none yet.
-    std::uint64_t oldest() const;            ///< 0: none yet.
+    std::uint64_t oldest() const;                    ///< 0: none yet.
     bool has(std::uint64_t frame) const;
     /// Lights of a frame; 0 for one that is not in the ring.
     std::uint32_t lights(std::uint64_t frame) const;

@@ -12,7 +12,7 @@ namespace {
 constexpr std::string_view kMagic = "GNDECID2";
 constexpr std::uint8_t kNoMethod = 255;
 constexpr std::uint16_t kNoRefusal = 65535;
-enum : std::uint8_t { kBudgeted = 1, kSwitched = 2, kFloor = 4, kFloorUnmet = 8, kPriced = 16 };
+enum : std::uint8_t { kBudgeted = 1, kSwitched = 2, kFloor = 4, kFloorUnmet = 8, kPriced = 16, kGuessed = 32 };
 
 std::uint8_t packMethod(std::uint32_t method)
 {
@@ -43,7 +43,7 @@ void writeHead(ByteWriter& out, const RecordHead& head)
     out.integer(static_cast<std::uint8_t>(head.hold));
     out.integer(static_cast<std::uint8_t>((head.budgeted ? kBudgeted : 0) | (head.switched ? kSwitched : 0) |
                                           (head.floor ? kFloor : 0) | (head.floorUnmet ? kFloorUnmet : 0) |
-                                          (head.priced ? kPriced : 0)));
+                                          (head.priced ? kPriced : 0) | (head.guessed ? kGuessed : 0)));
     for (const float* value : floatsOf(head))
         out.real(*value);
     for (const double fact : head.facts)
@@ -245,7 +245,7 @@ private:
         const auto flags = in_.integer<std::uint8_t>();
         head.budgeted = flags & kBudgeted, head.switched = flags & kSwitched;
         head.floor = flags & kFloor, head.floorUnmet = flags & kFloorUnmet;
-        head.priced = flags & kPriced;
+        head.priced = flags & kPriced, head.guessed = flags & kGuessed;
         for (float* value : floatsOf(head))
             *value = in_.real32();
         for (double& fact : head.facts)

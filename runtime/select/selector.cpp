@@ -136,6 +136,7 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     decision.light = input.light->handle;
     decision.lightId = input.light->id;
     decision.incumbent = memory.incumbent;
+    decision.guessed = memory.guessed;
     decision.pinned = input.pinned;
     decision.importance = input.importance;
     decision.distanceMeasured = memory.measured;
@@ -183,6 +184,7 @@ void Selector::commit(LightDecision& decision, LightMemory& memory, std::uint64_
     decision.switched = memory.incumbent != UINT32_MAX && decision.method != memory.incumbent;
     if (decision.method != memory.incumbent) memory.methodSince = frame;
     memory.incumbent = decision.method;
+    memory.guessed = !memory.measured;
     memory.lastFrame = frame;
 }
 

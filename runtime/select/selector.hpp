@@ -69,6 +69,7 @@ struct LightDecision {
     float viewerDistance = 0.0f;
     bool distanceMeasured = false;
     bool switched = false;
+    bool guessed = false;                       ///< The incumbent was chosen before its receivers were measured.
     std::uint32_t outgoing = UINT32_MAX;        ///< Runs as well while the picture fades from it.
     float fade = 1.0f;                          ///< Share of `method` in what is shown.
     const char* noFade = nullptr;               ///< Why a fade was not begun, or cut short. Static storage.
@@ -86,7 +87,7 @@ struct LightDecision {
 /// What is remembered of a light in a view between frames.
 struct LightMemory {
     std::uint32_t incumbent = UINT32_MAX;
-    float distance = 0.0f; ///< Measured; valid if `measured`.
+    float distance = 0.0f;  ///< Measured; valid if `measured`.
     float planarity = 0.0f; ///< Likewise.
     bool measured = false;
     std::uint64_t measuredAt = 0; ///< Frame of the newest measurement.
@@ -98,6 +99,7 @@ struct LightMemory {
     cost::Workload workload;             ///< As the last frame saw it.
     std::uint32_t costSlot = UINT32_MAX; ///< In the cost model.
     std::uint64_t methodSince = 0;       ///< Frame in which the method last changed.
+    bool guessed = false;                ///< The incumbent was chosen while `measured` was false.
     std::uint64_t pricedAt = 0;          ///< Frame in which the method last changed for its price.
 };
 

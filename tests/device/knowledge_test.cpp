@@ -69,6 +69,12 @@ TEST_CASE_FIXTURE(DeviceTest, "a knowledge base of this device decides what is p
     // Twenty more lights than the cost model has room for at first.
     const GnLightInfo info{.type = GN_LIGHT_TYPE_SPOT, .position = {0, 5, 0}, .direction = {0, -1, 0}, .range = 10};
     std::vector<GnLight> lights = host.lights;
+    const auto newest = [&] {
+        GnDecision decision{};
+        host.require(gnGetDecision(host.context, host.views[0], lights.back(), &decision));
+        return decision.predictedMs;
+    };
+    float first = 0.0f;
     for (int i = 0; i < 20; ++i) {
         GnLight light = VK_NULL_HANDLE;
         host.require(gnCreateLight(host.context, &info, &light));
@@ -76,11 +82,12 @@ TEST_CASE_FIXTURE(DeviceTest, "a knowledge base of this device decides what is p
         lights.resize(1);
         lights.push_back(light);
         host.require(host.draw({.lights = &lights}));
+        if (i > 0 && i < 19) continue;
+        host.require(host.draw({.lights = &lights})); // once more: at rest
+        if (i == 0) first = newest();
     }
-    host.require(host.draw({.lights = &lights}));
-    GnDecision decision{};
-    host.require(gnGetDecision(host.context, host.views[0], lights.back(), &decision));
-    CHECK(decision.predictedMs == doctest::Approx(4.0).epsilon(0.2));
+    CHECK(first > 0.0f);
+    CHECK(newest() == doctest::Approx(first).epsilon(0.5)); // meanwhile it learns from real, shorter times
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a prediction stands while what it rests on stands, and not a frame longer")
