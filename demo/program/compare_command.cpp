@@ -57,8 +57,9 @@ struct Contestant {
 
 struct BudgetCount {
     uint32_t undisturbed = 0, within = 0;
-    double worst = 0.0; ///< Shadow time over budget.
-    double ms = 0.0;    ///< The newest.
+    double worst = 0.0;     ///< Shadow time over budget.
+    uint32_t tooLittle = 0; ///< Frames in which the cheapest plan that keeps the near floor was foretold to take more.
+    double ms = 0.0;        ///< The newest.
 };
 
 class Comparison {
@@ -98,7 +99,7 @@ public:
 
 private:
     struct FrameTime {
-        double sentinelMs, frameMs, shadowMs, budgetMs;
+        double sentinelMs, frameMs, shadowMs, budgetMs, predictedMs;
     };
 
     std::unique_ptr<Session> makeSession()
@@ -204,7 +205,8 @@ void Comparison::alternation(Contestant& contestant)
         drawFrame(*contestant.session, frame);
         const double frameMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
         const GnFrameStats stats = contestant.session->shadows.stats();
-        times.push_back({sentinelMs, frameMs, double(stats.gpuMs) + double(stats.cpuMs), double(stats.budgetMs)});
+        times.push_back({sentinelMs, frameMs, double(stats.gpuMs) + double(stats.cpuMs), double(stats.budgetMs),
+                         double(stats.predictedMs)});
         contestant.switches += stats.switches;
     }
     double frameMs = 0.0, sentinelMs = 0.0;
@@ -229,8 +231,12 @@ void Comparison::countBudget(const std::vector<FrameTime>& frames)
     const double first = frameTime(scene_, 0) + 1.0; // the first second is for learning
     for (uint32_t i = 0; i < frames.size(); ++i) {
         if (frameTime(scene_, i) < first || frames[i].sentinelMs > limit || frames[i].budgetMs <= 0.0) continue;
-        const double share = frames[i].shadowMs / frames[i].budgetMs;
         budget_.ms = frames[i].budgetMs;
+        if (frames[i].predictedMs > frames[i].budgetMs) {
+            ++budget_.tooLittle;
+            continue;
+        }
+        const double share = frames[i].shadowMs / frames[i].budgetMs;
         ++budget_.undisturbed;
         budget_.within += share <= 1.0;
         budget_.worst = std::max(budget_.worst, share);
@@ -280,8 +286,11 @@ void Comparison::print() const
     for (size_t i = 0; i < adaptives_; ++i)
         printAgainst(contestants_[i]);
     if (budget_.undisturbed > 0)
-        std::printf("budget %.2f ms: kept in %.2f %% of %u undisturbed frames after the first second, worst %.2f x\n",
-                    budget_.ms, 100.0 * budget_.within / budget_.undisturbed, budget_.undisturbed, budget_.worst);
+        std::printf(
+            "budget %.2f ms: kept in %.2f %% of %u undisturbed frames after the first second, worst %.2f x; in %u "
+            "more no plan keeps it and the near floor\n",
+            budget_.ms, 100.0 * budget_.within / budget_.undisturbed, budget_.undisturbed, budget_.worst,
+            budget_.tooLittle);
     if (!options_.plot.empty()) plot();
 }
 

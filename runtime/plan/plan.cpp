@@ -304,6 +304,30 @@ void PlanStep::improve(const PlanInput& input, PlanReport& report) noexcept
     }
 }
 
+/// No plan fits, and `best` is the cheapest: of what is no dearer, each light takes what is worth most, and stays with
+/// what it has where that is worth as much.
+void PlanStep::settleForLess(const PlanInput& input, std::span<uint32_t> best) const noexcept
+{
+    for (uint32_t light = 0; light < lightCount_; ++light) {
+        if (best[light] == kNone) continue;
+        const double cheapestMs = costsMs_[at(light, best[light])];
+        uint32_t most = best[light];
+        for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
+            const auto m = static_cast<uint32_t>(std::countr_zero(mask));
+            const bool payable = problem_.fixedMs.empty() || problem_.fixedMs[m] <= problem_.fixedMs[best[light]];
+            if (payable && costsMs_[at(light, m)] <= (1.0 + kNoDearer) * cheapestMs &&
+                values_[at(light, m)] > values_[at(light, most)])
+                most = m;
+        }
+        const uint32_t incumbent = input.lights[light].memory->incumbent;
+        const bool stays =
+            incumbent < methods_ && (allowed_[light] >> incumbent & 1) &&
+            costsMs_[at(light, incumbent)] <= (1.0 + 2.0 * kNoDearer) * cheapestMs &&
+            values_[at(light, incumbent)] >= (1.0 - policyOf(input).hysteresis.planGain) * values_[at(light, most)];
+        best[light] = stays ? incumbent : most;
+    }
+}
+
 PlanReport PlanStep::planWithinBudget(const PlanInput& input) noexcept
 {
     PlanReport report;
@@ -324,6 +348,11 @@ PlanReport PlanStep::planWithinBudget(const PlanInput& input) noexcept
     if (solution.fits && solution.costMs > input.budgetMs - bestHeadroom) {
         report.usableMs = problem_.budgetMs = input.budgetMs - bestHeadroom;
         solution = knapsack_.solve(problem_, best);
+    }
+    if (!solution.fits) {
+        settleForLess(input, best);
+        const Sums sums = sumOf(problem_, best);
+        solution.value = sums.value, solution.costMs = sums.costMs;
     }
     report.bestValue = solution.value;
     report.bestMs = solution.costMs;

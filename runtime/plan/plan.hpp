@@ -139,6 +139,9 @@ inline constexpr double kMostHeadroom = 0.5;
 /// Share of the headroom that may be used up before a plan counts as broken. Entering and leaving at the same limit
 /// would repair and upgrade in turn on noise.
 inline constexpr double kKeepShare = 0.5;
+/// Where no plan fits and the cheapest serves, what takes this share more counts as no dearer, and an incumbent twice as
+/// much: a prediction's own noise (cost::kStartNoise, 8 %) says nothing of which is cheapest.
+inline constexpr double kNoDearer = 0.1;
 /// A gain below the threshold is taken once what was missed adds up to so many frames at the threshold: with 2 %, a
 /// gain of 0.5 % after 40 frames, of 0.1 % after 200. Where nothing moves the last percent is found, where things move
 /// a gain is gone before its time has come (README.md).
@@ -170,6 +173,7 @@ private:
     void applyFloor(const PlanInput& input, uint32_t light) noexcept;
     void chooseBySuitability(const PlanInput& input) noexcept;
     PlanReport planWithinBudget(const PlanInput& input) noexcept;
+    void settleForLess(const PlanInput& input, std::span<uint32_t> best) const noexcept;
     double headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept;
     bool repair(const PlanInput& input, double usableMs) noexcept;
     void improve(const PlanInput& input, PlanReport& report) noexcept;

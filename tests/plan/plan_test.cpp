@@ -325,6 +325,33 @@ TEST_CASE("the cheapest plan keeps the floor and charges a fixed part once")
     CHECK((scene.step(), scene.plan.cheapestMs(scene.input)) == doctest::Approx(6.75));
 }
 
+TEST_CASE("where no plan fits the cheapest serves, but what noise calls the cheapest moves nobody")
+{
+    const uint32_t kLiked = 0, kAvoided = 1; // the third is dear
+    Scene scene(6, {{.suitability = 3000, .quality = 0.95f, .ms = 3.0},
+                    {.suitability = 600, .quality = 0.95f, .ms = 2.9},
+                    {.suitability = 3600, .quality = 0.95f, .ms = 6.0}});
+    scene.input.budgetMs = 10.0;
+    const PlanReport report = scene.step();
+    CHECK(report.overMs > 0.0);
+    Random random(3);
+    uint32_t switches = 0;
+    for (int frame = 0; frame < 300; ++frame) {
+        for (uint32_t light = 0; light < 6; ++light) {
+            CHECK(scene.chosen(light) == kLiked);
+            scene.of(light, kLiked).ms = 3.0 * random.between(0.94, 1.06);
+            scene.of(light, kAvoided).ms = 2.9 * random.between(0.94, 1.06);
+        }
+        switches += scene.step().switches;
+    }
+    CHECK(switches == 0);
+    for (uint32_t light = 0; light < 6; ++light)
+        scene.of(light, kAvoided).ms = 2.0; // a third less is no noise
+    scene.step(30);
+    for (uint32_t light = 0; light < 6; ++light)
+        CHECK(scene.chosen(light) == kAvoided);
+}
+
 TEST_CASE("over random scenes no plan breaks a budget that can be kept, and decisions allocate nothing and repeat")
 {
     std::vector<uint32_t> first;
