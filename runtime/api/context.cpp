@@ -381,7 +381,8 @@ Result<GnDecision> Context::decision(GnView view, GnLight light)
                       .switched = d.switched ? VK_TRUE : VK_FALSE,
                       .pRule = selector_->ruleName(d.rule),
                       .pOutgoing = d.outgoing == UINT32_MAX ? nullptr : (*methods_)[d.outgoing].name.c_str(),
-                      .fade = d.fade};
+                      .fade = d.fade,
+                      .pProbed = d.probed == UINT32_MAX ? nullptr : (*methods_)[d.probed].name.c_str()};
 }
 
 Result<std::string> Context::explanation(GnView view, GnLight light)

@@ -162,6 +162,9 @@ private:
     bool showTheSame(const PendingLight& pending, std::uint32_t a, std::uint32_t b) const;
     FadeRequest nextFade(const PendingLight& pending, const rules::RuleBase* base);
     void settleFades();
+    bool canShareLayer(const LightDecision& decision, std::uint32_t method) const;
+    bool wantsProbe(const rules::RuleBase* base) const;
+    void settleProbe();
     ImageId declareOutgoing(const PendingLight& pending, FrameMode mode);
     void declareMix(const PendingLight& pending, ImageId pair);
     void withdrawFades(std::uint64_t frame);
@@ -223,6 +226,10 @@ private:
     std::vector<LightFrame> lightFrames_;
     std::vector<PendingLight> pending_;
     std::vector<FadeRequest> fades_; ///< As pending_.
+    struct ProbeRun {                ///< One at a time.
+        std::uint32_t view = 0, light = 0, method = UINT32_MAX;
+        std::uint64_t since = 0; ///< Frame; 0: there was none yet.
+    } probe_;
     std::vector<DeclaredTask> tasks_;
     std::vector<PooledImage*> visibilities_, imports_;
     std::vector<RetiredGrid> retiredGrids_;

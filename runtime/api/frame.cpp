@@ -420,6 +420,7 @@ void Context::planLights(const GnFrameInfo& info)
     planReport_ = plan_->decide(base, {.ms = measuresBudget_ ? kNextToNothingMs : budgetMs_,
                                        .measuredMs = untimedGpuMs_ > 0.0f ? untimedGpuMs_ + lastCpuMs_ : -1.0,
                                        .cut = cut,
+                                       .probe = wantsProbe(base),
                                        .frame = info.frame});
     fades_.clear();
     for (const PendingLight& pending : pending_) {
@@ -429,6 +430,7 @@ void Context::planLights(const GnFrameInfo& info)
         predictedMs_ += pending.decision->predictedMs;
     }
     settleFades();
+    settleProbe();
     if (countsTime(base)) noteChanges(info.frame);
     for (const ViewFrame& viewFrame : viewFrames_)
         viewFrame.view->lastFrame = info.frame;
@@ -458,7 +460,7 @@ void Context::declareLight(const PendingLight& pending, FrameMode mode)
     messages_.warn(error->id, "light '" + std::string(pending.light->name) + "', method '" +
                                   (*methods_)[decision.method].name + "': " + error->text + "; lit in this frame");
     decision.candidates[decision.method].exclusion = Exclusion::memory;
-    decision.method = decision.outgoing = UINT32_MAX;
+    decision.method = decision.outgoing = decision.probed = UINT32_MAX;
     decision.fade = 1.0f;
     decision.reason = GN_REASON_NOTHING_READY;
     pending.memory->fade.lose();

@@ -31,6 +31,12 @@ bool Context::showTheSame(const PendingLight& pending, std::uint32_t a, std::uin
     return (*methods_)[a].isExact() && (*methods_)[b].isExact() && pending.casters->missable == 0;
 }
 
+/// Whether a method may run beside another for a light. What a host pass declares comes after the mix.
+bool Context::canShareLayer(const LightDecision& decision, std::uint32_t method) const
+{
+    return decision.candidates[method].exclusion == Exclusion::none && (*methods_)[method].entry->maxRounds == 0;
+}
+
 /// Where the light's fade stands in this frame, before commit(): what it would cost beside the plan.
 FadeRequest Context::nextFade(const PendingLight& pending, const rules::RuleBase* base)
 {
@@ -45,11 +51,8 @@ FadeRequest Context::nextFade(const PendingLight& pending, const rules::RuleBase
                                                                  : nullptr;
     const bool begun = memory.fade.running();
     Fade::Step step = memory.fade.advance(frame_, decision.method, length, obstacle != nullptr);
-    auto canFade = [&](std::uint32_t method) {
-        // What a host pass declares comes after the mix.
-        return decision.candidates[method].exclusion == Exclusion::none && (*methods_)[method].entry->maxRounds == 0;
-    };
-    if (step.outgoing != Fade::kNone && !(canFade(step.outgoing) && canFade(decision.method))) {
+    if (step.outgoing != Fade::kNone &&
+        !(canShareLayer(decision, step.outgoing) && canShareLayer(decision, decision.method))) {
         memory.fade.skip();
         step = {};
         obstacle = kCannotServe;
@@ -81,21 +84,23 @@ void Context::settleFades()
     }
 }
 
-/// The outgoing method of a fading light. @return the image of two layers that both methods write; null: no fade.
+/// The outgoing method of a fading light, or the one that is probed: a fade that shows nothing of it. @return the image
+/// of two layers that both methods write; null: only one runs.
 ImageId Context::declareOutgoing(const PendingLight& pending, FrameMode mode)
 {
     LightDecision& decision = *pending.decision;
-    if (decision.outgoing == UINT32_MAX) return {};
+    const std::uint32_t beside = decision.outgoing != UINT32_MAX ? decision.outgoing : decision.probed;
+    if (beside == UINT32_MAX) return {};
     const ViewFrame& viewFrame = viewFrames_[pending.viewIndex];
     const CameraView& camera = viewFrame.view->camera;
     graph_->beginTask({.view = camera.id, .light = pending.light->id}, &camera, viewFrame.depth, viewFrame.normals);
     const ImageId pair = PassBuilder(*graph_).transient(
         ImageInfo{.name = "view.fade", .format = VK_FORMAT_R8_UNORM, .extent = camera.extent, .layers = 2});
     std::optional<Error> error = graph_->endTask();
-    if (!error) error = declareMethod(pending, decision.outgoing, pair, kOutgoingLayer, mode);
+    if (!error) error = declareMethod(pending, beside, pair, kOutgoingLayer, mode);
     if (!error) return pair;
     pending.memory->fade.skip();
-    decision.outgoing = UINT32_MAX;
+    decision.outgoing = decision.probed = UINT32_MAX;
     decision.fade = 1.0f;
     decision.noFade = kCannotServe;
     return {};
@@ -118,7 +123,7 @@ void Context::declareMix(const PendingLight& pending, ImageId pair)
             gpu.drawFullscreen();
         });
     (void)graph_->endTask(); // makes nothing, so nothing can fail
-    ++stats_.fading;
+    stats_.fading += pending.decision->outgoing != UINT32_MAX;
     FadingFrame& note = fading_[frame_ % fading_.size()];
     if (note.frame != frame_) note = {.frame = frame_, .lights = 0};
     ++note.lights;

@@ -10,7 +10,6 @@ namespace {
 
 // What no frame of the last ten seconds (at 60 Hz) asked for is forgotten.
 constexpr std::uint64_t kForgetFrames = 600;
-constexpr std::uint64_t kLearnFrames = cost::kSettleFrames + cost::kPersistentTimings; // from a switch on
 
 } // namespace
 
@@ -21,13 +20,16 @@ void Context::noteChanges(std::uint64_t frame)
     const bool changed = std::any_of(pending_.begin(), pending_.end(), [frame](const PendingLight& pending) {
         return pending.memory->methodSince == frame;
     });
-    if (changed && frame >= changedAt_ + kLearnFrames) changedAt_ = frame;
+    if (changed && frame >= changedAt_ + cost::kLearnFrames) changedAt_ = frame;
 }
 
 /// What has just been switched on is known least: its first settled frames are timed.
 bool Context::learnsFrom(std::uint64_t frame) const
 {
-    return changedAt_ != 0 && frame >= changedAt_ + cost::kSettleFrames && frame < changedAt_ + kLearnFrames;
+    const auto settled = [frame](std::uint64_t since) {
+        return since != 0 && frame >= since + cost::kSettleFrames && frame < since + cost::kLearnFrames;
+    };
+    return settled(changedAt_) || (probe_.method != UINT32_MAX && settled(probe_.since));
 }
 
 void Context::takeTimings()

@@ -62,6 +62,8 @@ Features featuresOf(const Workload& workload, Pass pass) noexcept;
 inline constexpr uint32_t kSettleFrames = 3;
 /// Timings alike that replace what was thought of a light. So many frames are timed once it has settled.
 inline constexpr uint32_t kPersistentTimings = 4;
+/// From a switch on, until its timings are taken.
+inline constexpr uint32_t kLearnFrames = kSettleFrames + kPersistentTimings;
 
 /// One timing.
 struct Observation {

@@ -163,6 +163,10 @@ public:
         return std::span(why_).subspan(size_t{light} * methods_, methods_);
     }
 
+    /// Of the newest step: whether pins, vetoes and floor leave the light this method, and importance * worth().
+    bool mayServe(uint32_t light, uint32_t method) const noexcept { return (allowed_[light] >> method & 1) != 0; }
+    double benefitOf(uint32_t light, uint32_t method) const noexcept { return values_[at(light, method)]; }
+
     /// The cheapest plan that keeps pins, vetoes and floors, in milliseconds: what `budget: auto` starts from. Counts
     /// the same input as step(), but changes nothing that step() depends on.
     double cheapestMs(const PlanInput& input) noexcept;

@@ -359,6 +359,7 @@ std::string Selector::explain(const LightDecision& decision) const
     if (decision.outgoing != UINT32_MAX)
         text +=
             "fade: " + fixed(double{decision.fade}, 2) + ", the rest is " + methods_[decision.outgoing].name + "'s\n";
+    if (decision.probed != UINT32_MAX) text += "probe: " + methods_[decision.probed].name + " is measured, not shown\n";
     if (decision.noFade) text += "no fade: " + std::string(decision.noFade) + "\n";
     text += "facts:";
     for (std::size_t i = 0; i < kFactCount; ++i)

@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint64_t kPredictEvery = 8;
 // The frames timed after a switch, when their timings are known (two frames late), twice: the first change may have
 // been one of many, and those of the same frames are learned from together.
-constexpr std::uint64_t kPriceFrames = 2 * (cost::kSettleFrames + cost::kPersistentTimings + 2);
+constexpr std::uint64_t kPriceFrames = 2 * (cost::kLearnFrames + 2);
 constexpr double kSameShare = 1.0 / 32.0; // 3 %: a time follows by less, and the model's own error is five times that
 
 /// Share of the rectangle around a light that it reaches, by GnLightType, until it is measured: the rest is sky, out of
@@ -259,6 +259,7 @@ void FramePlan::fill(const rules::RuleBase* base, std::uint64_t frame)
 
 plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& budget)
 {
+    probe_ = {};
     if (requests_.empty()) return {};
     fill(base, budget.frame);
     const bool budgeted = countsTime(base) && budget.ms > 0.0;
@@ -266,15 +267,17 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
     if (budgeted) {
         // Grows with the number of lights, in powers of two: a steady frame allocates nothing.
         plan_.reserve(std::bit_ceil(static_cast<std::uint32_t>(requests_.size())), methods_.size());
-        report = plan_.step({.frame = budget.frame,
-                             .lights = lights_,
-                             .candidates = candidates_,
-                             .methods = methods_.size(),
-                             .budgetMs = budget.ms,
-                             .measuredMs = budget.measuredMs,
-                             .cut = budget.cut,
-                             .allocation = rules::Options::Allocation::Budget,
-                             .policy = &base->policy});
+        const plan::PlanInput input{.frame = budget.frame,
+                                    .lights = lights_,
+                                    .candidates = candidates_,
+                                    .methods = methods_.size(),
+                                    .budgetMs = budget.ms,
+                                    .measuredMs = budget.measuredMs,
+                                    .cut = budget.cut,
+                                    .allocation = rules::Options::Allocation::Budget,
+                                    .policy = &base->policy};
+        report = plan_.step(input);
+        if (budget.probe) probe_ = plan::chooseProbe(input, plan_, report, base->policy.probing.sigma);
         for (std::size_t i = 0; i < requests_.size(); ++i) {
             LightDecision& decision = *requests_[i].decision;
             for (std::uint32_t m = 0; m < methods_.size(); ++m)
@@ -356,13 +359,14 @@ void FramePlan::observe(LightMemory& memory, std::uint32_t method, const LightTi
         workloadOf(methods_[method], then.frame == timing.frame ? then.workload : memory.workload);
     history.timed = {timing, method, workload};
     history.predictedAt = kNever; // this light is known better now
+    // A method on its way out teaches nothing, nor does it age the one that serves.
+    const std::uint64_t since = method == memory.incumbent ? memory.methodSince
+                                : method == memory.probed  ? memory.probedSince
+                                                           : timing.frame;
     cost::Observation observation{.light = slot,
                                   .method = method,
                                   .workload = workload,
-                                  // A method on its way out teaches nothing, nor does it age the one that serves.
-                                  .framesSinceSwitch = method == memory.incumbent && timing.frame > memory.methodSince
-                                                           ? timing.frame - memory.methodSince
-                                                           : 0,
+                                  .framesSinceSwitch = timing.frame > since ? timing.frame - since : 0,
                                   .disturbed = disturbed};
     auto tell = [&](cost::Pass pass, cost::Processor processor, float ms) {
         if (!(ms > 0.0f)) return;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "runtime/cost/method_measures.hpp"
-#include "runtime/plan/plan.hpp"
+#include "runtime/plan/probe.hpp"
 #include "runtime/select/selector.hpp"
 
 namespace gnomon {
@@ -46,10 +46,13 @@ public:
         double ms = 0.0;          ///< 0: none; the best suitability is kept.
         double measuredMs = -1.0; ///< Newest measured sum; < 0: unknown.
         bool cut = false;
+        bool probe = false; ///< probe() is wanted.
         std::uint64_t frame = 0;
     };
     /// Predicts, and with a budget and a rule base that says so, chooses anew. @return the report of the plan step.
     plan::PlanReport decide(const rules::RuleBase* base, const Budget& budget);
+    /// What the newest decide() would have measured; lights by the order of add().
+    const plan::Probe& probe() const { return probe_; }
 
     /// Timings of one completed frame, light by light, then endFrame().
     void observe(LightMemory& memory, std::uint32_t method, const LightTiming& timing, bool disturbed);
@@ -102,6 +105,7 @@ private:
     const MethodTable& methods_;
     cost::CostModel model_;
     plan::PlanStep plan_;
+    plan::Probe probe_;
     std::vector<Request> requests_;
     std::vector<plan::LightRequest> lights_;
     std::vector<plan::Candidate> candidates_;

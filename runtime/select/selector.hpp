@@ -72,6 +72,7 @@ struct LightDecision {
     bool guessed = false;                       ///< The incumbent was chosen before its receivers were measured.
     std::uint32_t outgoing = UINT32_MAX;        ///< Runs as well while the picture fades from it.
     float fade = 1.0f;                          ///< Share of `method` in what is shown.
+    std::uint32_t probed = UINT32_MAX;          ///< Runs as well, to be measured; what it shows nobody sees.
     const char* noFade = nullptr;               ///< Why a fade was not begun, or cut short. Static storage.
     bool floorUnmet = false;                    ///< Near, but no eligible method is good enough.
     double floorTruth = 0.0;                    ///< How true the rule base's condition for near quality is.
@@ -101,6 +102,8 @@ struct LightMemory {
     std::uint64_t methodSince = 0;       ///< Frame in which the method last changed.
     bool guessed = false;                ///< The incumbent was chosen while `measured` was false.
     std::uint64_t pricedAt = 0;          ///< Frame in which the method last changed for its price.
+    std::uint32_t probed = UINT32_MAX;   ///< The newest method that was measured beside it, from probedSince on.
+    std::uint64_t probedSince = 0;
 };
 
 /// A request: everything about one light in one view that the choice may depend on.

@@ -20,6 +20,7 @@ typedef struct GnDecision {
     const char* pRule;             ///< Id of the strongest rule behind the method, or null. Until rules are loaded anew.
     const char* pOutgoing;         ///< The method the picture fades from, which runs as well; null: there is no fade.
     float fade;                    ///< (0, 1]. Share of `pMethod` in what is shown; 1: all of it.
+    const char* pProbed;           ///< A method that runs unseen to be measured (`policy.probing`); null: there is none.
 } GnDecision;
 
 GN_API GnResult GN_CALL gnGetDecision(GnContext context, GnView view, GnLight light, GnDecision* pDecision);

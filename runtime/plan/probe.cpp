@@ -1,0 +1,42 @@
+#include "runtime/plan/probe.hpp"
+
+#include <cmath>
+
+namespace gnomon::plan {
+namespace {
+
+/// How many standard errors below its prediction a method must take to be cheaper than `ownMs`; < 0: it cannot be, or
+/// is thought to be already.
+double sigmasToWin(const Candidate& candidate, double ownMs) noexcept
+{
+    const bool known = std::isfinite(candidate.ms) && candidate.ms > ownMs;
+    return known && candidate.sigmaMs > 0.0 ? (candidate.ms - ownMs) / candidate.sigmaMs : -1.0;
+}
+
+} // namespace
+
+Probe chooseProbe(const PlanInput& input, const PlanStep& plan, const PlanReport& report, double sigmas) noexcept
+{
+    const double spareMs = report.usableMs - report.predictedMs;
+    Probe best;
+    double least = 0.0, nearest = 0.0;
+    for (uint32_t light = 0; light < input.lights.size(); ++light) {
+        const LightPlan& own = plan.lights()[light];
+        const double importance = input.lights[light].importance;
+        const bool settled = own.chosen != kNone && own.chosen == own.incumbent && own.hold == Hold::none;
+        if (!settled || input.lights[light].pinned != kNone || (best.light != kNone && importance > least)) continue;
+        for (uint32_t m = 0; m < input.methods; ++m) {
+            const Candidate& candidate = input.candidates[size_t{light} * input.methods + m];
+            if (m == own.chosen || !plan.mayServe(light, m) || plan.benefitOf(light, m) < own.benefit) continue;
+            const double needed = sigmasToWin(candidate, own.ms);
+            if (needed < 0.0 || needed > sigmas) continue;
+            if (candidate.ms + sigmas * candidate.sigmaMs > spareMs || candidate.firstFrameMs > spareMs) continue;
+            if (best.light != kNone && importance == least && needed >= nearest) continue;
+            best = {light, m};
+            least = importance, nearest = needed;
+        }
+    }
+    return best;
+}
+
+} // namespace gnomon::plan

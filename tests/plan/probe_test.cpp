@@ -1,0 +1,85 @@
+// Which method is measured beside those that serve.
+#include "runtime/plan/probe.hpp"
+
+#include <doctest/doctest.h>
+#include <vector>
+
+using namespace gnomon;
+using namespace gnomon::plan;
+
+namespace {
+
+/// Two lights, method 0 serves; 1 shows as much, is foretold 15 % dearer, and not well known; 2 shows less.
+struct Scene {
+    std::vector<LightMemory> memories{2};
+    std::vector<LightRequest> requests;
+    std::vector<Candidate> candidates;
+    PlanStep plan;
+    PlanInput input;
+    PlanReport report;
+
+    Scene()
+    {
+        for (LightMemory& memory : memories) {
+            requests.push_back({.memory = &memory});
+            candidates.push_back({.suitability = 3000, .quality = 1.0f, .ms = 2.0, .sigmaMs = 0.1});
+            candidates.push_back({.suitability = 3000, .quality = 1.0f, .ms = 2.3, .sigmaMs = 0.3});
+            candidates.push_back({.suitability = 3000, .quality = 0.5f, .ms = 2.1, .sigmaMs = 0.3});
+        }
+        requests[1].importance = 0.5;
+        plan.reserve(2, 3);
+    }
+    Scene(const Scene&) = delete;
+    Candidate& of(uint32_t light, uint32_t method) { return candidates[light * 3 + method]; }
+    Probe probe(double budgetMs = 10.0, double sigmas = 2.0)
+    {
+        for (int frame = 0; frame < 2; ++frame) { // the second finds everything settled
+            input = {.frame = input.frame + 1,
+                     .lights = requests,
+                     .candidates = candidates,
+                     .methods = 3,
+                     .budgetMs = budgetMs};
+            report = plan.step(input);
+        }
+        return chooseProbe(input, plan, report, sigmas);
+    }
+};
+
+} // namespace
+
+TEST_CASE("what may be cheaper and shows as much is probed, on the light of least importance")
+{
+    Scene scene;
+    const Probe probe = scene.probe();
+    CHECK(probe.light == 1);
+    CHECK(probe.method == 1);
+    scene.requests[1].pinned = 0;
+    CHECK(scene.probe().light == 0);
+    scene.of(0, 1).eligibility = Eligibility::trait;
+    CHECK(scene.probe().light == kNone);
+}
+
+TEST_CASE("nothing is probed that is known, cannot win, or might not fit")
+{
+    Scene scene;
+    scene.requests[1].pinned = 0;
+    CHECK(scene.probe(10.0, 0.9).light == kNone); // it would have to take one standard error less
+    CHECK(scene.probe(10.0, 1.1).light == 0);
+    CHECK(scene.probe(6.5).light == kNone); // 4 ms serve, 2.3 + 2 * 0.3 more are needed
+    CHECK(scene.probe(7.5).light == 0);
+    scene.of(0, 1).firstFrameMs = 20.0;
+    CHECK(scene.probe().light == kNone);
+    scene.of(0, 1).firstFrameMs = 0.0;
+    scene.of(0, 1).sigmaMs = 0.1; // 0.3 ms dearer for certain
+    CHECK(scene.probe().light == kNone);
+}
+
+TEST_CASE("of two methods the one that needs less luck is probed")
+{
+    Scene scene;
+    scene.requests[1].pinned = 0;
+    scene.of(0, 2) = {.suitability = 3000, .quality = 1.0f, .ms = 2.2, .sigmaMs = 0.4};
+    CHECK(scene.probe().method == 2);
+    scene.of(0, 2).ms = 2.7;
+    CHECK(scene.probe().method == 1);
+}
