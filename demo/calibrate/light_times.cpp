@@ -100,6 +100,20 @@ std::string today()
     return text;
 }
 
+uint32_t framesFor(uint32_t samples)
+{
+    return kDiscarded + 2 * samples - 1 + kLate;
+}
+
+/// As many samples as the moment asks for and has the time for. What takes long is disturbed by less.
+uint32_t framesFor(const Moment& moment, double frameMs)
+{
+    uint32_t samples = moment.samples;
+    while (samples > 1 && framesFor(samples) * frameMs > 1000.0 * moment.seconds)
+        --samples;
+    return framesFor(samples);
+}
+
 } // namespace
 
 void useMethod(ShadowHost& shadows, const std::string& method)
@@ -116,14 +130,9 @@ void useMethod(ShadowHost& shadows, const std::string& method)
     expect(shadows.loadRules(rules, "calibration"));
 }
 
-uint32_t framesOf(const Moment& moment)
-{
-    return kDiscarded + 2 * moment.samples - 1 + kLate;
-}
-
 MomentTimes measureMoment(Session& session, const std::string& method, const Moment& moment)
 {
-    const uint32_t frames = framesOf(moment);
+    uint32_t frames = framesFor(moment.samples);
     std::vector<double> frameMs;
     frameMs.push_back(drawFrame(session, moment.time, false, true));
     Collector collector(session, method);
@@ -131,10 +140,12 @@ MomentTimes measureMoment(Session& session, const std::string& method, const Mom
         const bool timed = i + kLate < frames && i >= kDiscarded && (i - kDiscarded) % 2 == 0;
         const double ms = drawFrame(session, moment.time + i * moment.step, timed, false);
         if (!timed) frameMs.push_back(ms);
+        if (i + 1 == kDiscarded) frames = framesFor(moment, ms);
         collector.note(i >= kDiscarded);
     }
     MomentTimes times;
     times.lights = collector.take();
+    times.lastTime = moment.time + (frames - 1) * moment.step;
     times.firstFrameMs =
         std::max(0.0, frameMs.front() - percentile(std::vector<double>(frameMs.begin() + 1, frameMs.end()), 0.5));
     return times;

@@ -1,6 +1,7 @@
 #pragma once
 // What the lights of a scene cost by one method, as the cost model is told: update and resolve, GPU and CPU apart.
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -19,16 +20,16 @@ struct LightTimes {
 struct MomentTimes {
     std::vector<LightTimes> lights; ///< Those that the method served, in layer order.
     double firstFrameMs = 0.0;      ///< By which the first frame took longer than the median of the others.
+    double lastTime = 0.0;          ///< Seconds, of the last frame drawn.
 };
 
 struct Moment {
     double time = 0.0; ///< Seconds.
     double step = 0.0; ///< Between frames; 0: nothing moves.
     uint32_t samples = 3;
+    /// Where it would take longer: fewer samples, at least one.
+    double seconds = std::numeric_limits<double>::infinity();
 };
-
-/// Frames that measureMoment() draws.
-uint32_t framesOf(const Moment& moment);
 
 /// Makes the rules name one method for every light that it serves; unlike a pin this leaves the runtime measuring how
 /// much of the picture a light reaches.

@@ -74,11 +74,13 @@ SweepRun Sweeper::run(const SweepMethod& method, double seconds)
         if (expected > seconds && out.points >= kLeastPoints) break;
         session_.renderer.resize({point.width, point.height});
         if (method.hasMap) expect(session_.shadows.set(method.name, kResolutionSetting, point.mapSide));
-        const Moment moment{.time = point.time, .step = point.motion == SweepMotion::nothing ? 0.0 : kFrameStep};
+        const Moment moment{.time = point.time,
+                            .step = point.motion == SweepMotion::nothing ? 0.0 : kFrameStep,
+                            .seconds = seconds / kLeastPoints};
         const MomentTimes times = measureMoment(session_, method.name, moment);
         std::vector<cost::KnowledgeRow> rows = rowsOf(times, method.algorithm, device_);
         // Errors vary slowly over the sweep; every second point tells enough of them.
-        if (method.name != kTruthMethod && out.points % 2 == 0) measureErrors(moment, rows, times);
+        if (method.name != kTruthMethod && out.points % 2 == 0) measureErrors(rows, times);
         out.rows.insert(out.rows.end(), rows.begin(), rows.end());
         ++out.points;
     }
@@ -87,19 +89,18 @@ SweepRun Sweeper::run(const SweepMethod& method, double seconds)
 }
 
 /// The wrong share of the point's first light goes into its rows. False where this build has no ray tracing.
-bool Sweeper::measureErrors(const Moment& moment, std::vector<cost::KnowledgeRow>& rows, const MomentTimes& times)
+bool Sweeper::measureErrors(std::vector<cost::KnowledgeRow>& rows, const MomentTimes& times)
 {
     if (times.lights.empty()) return false;
     Renderer& renderer = session_.renderer;
-    const double last = moment.time + (framesOf(moment) - 1) * moment.step;
     const Image8 visibility = renderer.readVisibility().front();
     const FrameSurfaces surfaces{renderer.readDepth(), renderer.readNormals()};
     const uint32_t light = renderer.state().present.front();
     if (times.lights.front().light != light) return false; // it was not timed
     for (const uint32_t present : renderer.state().present)
         if (!session_.shadows.pin(present, kTruthMethod)) return false;
-    const CameraState camera = session_.camera(last);
-    renderer.draw({.time = last, .cameras = {&camera, 1}, .shadows = &session_.shadows});
+    const CameraState camera = session_.camera(times.lastTime);
+    renderer.draw({.time = times.lastTime, .cameras = {&camera, 1}, .shadows = &session_.shadows});
     const Image8 truth = renderer.readVisibility().front();
     for (const uint32_t present : renderer.state().present)
         expect(session_.shadows.pin(present, {}));

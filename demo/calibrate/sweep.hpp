@@ -29,7 +29,7 @@ public:
     SweepRun run(const SweepMethod& method, double seconds);
 
 private:
-    bool measureErrors(const Moment& moment, std::vector<cost::KnowledgeRow>& rows, const MomentTimes& times);
+    bool measureErrors(std::vector<cost::KnowledgeRow>& rows, const MomentTimes& times);
 
     Device& device_;
     Sweep sweep_;
