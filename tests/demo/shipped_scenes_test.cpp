@@ -114,6 +114,19 @@ TEST_CASE("the views of the theses load, a square picture with three cameras eac
     }
 }
 
+TEST_CASE("the forest has a million triangles, and nothing in it moves but the camera")
+{
+    const auto scene = loadScene("views/forest");
+    REQUIRE_MESSAGE(scene, scene.error());
+    size_t triangles = 0;
+    for (const Instance& instance : scene->instances) {
+        triangles += scene->meshes[instance.mesh].indices.size() / 3;
+        CHECK(instance.isStatic);
+    }
+    CHECK(triangles > 1'000'000);
+    CHECK(scene->lights.at(0).isStatic);
+}
+
 TEST_CASE("every shipped scene can fail: each of the six trouble spots is there")
 {
     for (const ShippedScene& scene : shippedScenes()) {
