@@ -204,7 +204,15 @@ std::uint32_t Rechoice::chooseInPlan() const noexcept
         const double more = best == UINT32_MAX ? 1.0 : valueOf(m) - valueOf(best);
         if (more > 0.0 || (more == 0.0 && ms < candidates_[best].predictedMs)) best = m;
     }
-    if (!stays) return best != UINT32_MAX ? best : cheapest != UINT32_MAX ? cheapest : std::countr_zero(mask);
+    if (!stays && best == UINT32_MAX && cheapest != UINT32_MAX) { // PlanStep::settleForLess
+        const double enough = (1.0 + plan::kNoDearer) * double{candidates_[cheapest].predictedMs};
+        best = cheapest;
+        for (std::uint32_t rest = mask & ~barred_; rest; rest &= rest - 1) {
+            const auto m = static_cast<std::uint32_t>(std::countr_zero(rest));
+            if (double{candidates_[m].predictedMs} <= enough && valueOf(m) > valueOf(best)) best = m;
+        }
+    }
+    if (!stays) return best != UINT32_MAX ? best : std::countr_zero(mask);
     if (best == UINT32_MAX || best == chosen) return chosen;
     const double needed = double{record_.threshold} * double{record_.planValue};
     return valueOf(best) - valueOf(chosen) > needed ? best : chosen;

@@ -1,7 +1,6 @@
 #include "runtime/select/depth_grid.hpp"
 
 #include <bit>
-#include <cstring>
 
 #include "runtime/passes/pass_context.hpp"
 #include "shaders/runtime_depth_grid_comp.h"
@@ -48,12 +47,11 @@ void DepthGrid::collect(std::uint64_t completedFrame)
     for (Measurement& measurement : measurements_) {
         if (measurement.frame == 0 || measurement.frame > completedFrame) continue;
         if (!measurement.stale && measurement.frame > newest_) {
-            const std::size_t count = std::size_t{measurement.tilesX} * measurement.tilesY;
-            tiles_.resize(count);
-            std::memcpy(tiles_.data(), measurement.buffer->gpu.mapped, count * sizeof(DepthTile));
             camera_ = measurement.camera;
-            tilesX_ = measurement.tilesX;
-            tilesY_ = measurement.tilesY;
+            allTiles_ = measurement.tilesX * measurement.tilesY;
+            tiles_.reserve(allTiles_); // a steady frame allocates nothing
+            const auto* mapped = reinterpret_cast<const DepthTile*>(measurement.buffer->gpu.mapped);
+            receiverTiles(camera_, {mapped, allTiles_}, measurement.tilesX, tiles_);
             newest_ = measurement.frame;
             valid_ = true;
         }

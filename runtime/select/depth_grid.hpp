@@ -33,10 +33,9 @@ public:
     void drop(std::uint64_t frame);
 
     bool valid() const { return valid_; }
-    std::span<const DepthTile> tiles() const { return tiles_; }
+    std::span<const ReceiverTile> tiles() const { return tiles_; } ///< Without sky.
+    std::uint32_t allTiles() const { return allTiles_; }
     const CameraView& camera() const { return camera_; }
-    std::uint32_t tilesX() const { return tilesX_; }
-    std::uint32_t tilesY() const { return tilesY_; }
 
 private:
     struct Measurement {
@@ -48,9 +47,9 @@ private:
     };
     DeviceMemory& memory_;
     std::vector<Measurement> measurements_;
-    std::vector<DepthTile> tiles_;
+    std::vector<ReceiverTile> tiles_;
     CameraView camera_;
-    std::uint32_t tilesX_ = 0, tilesY_ = 0;
+    std::uint32_t allTiles_ = 0;
     bool valid_ = false;
     std::uint64_t newest_ = 0;
 };

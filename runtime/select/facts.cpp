@@ -70,7 +70,8 @@ bool planeFaces(const CameraView& view, const LightView& light, const TileSample
 float planarityOf(const CameraView& view, const LightView& light, std::span<const TileSample::Tile> tiles)
 {
     std::uint32_t most = 0;
-    // A plane that half of the tiles show is missed by 16 candidates once in 60 000 times, one of a quarter once in 100.
+    // A plane that half of the tiles show is missed by 16 candidates once in 60 000 times, one of a quarter once in
+    // 100.
     const std::size_t step = std::max<std::size_t>(1, tiles.size() / 16);
     for (std::size_t i = 0; i < tiles.size(); i += step) {
         if (tiles[i].plane.flatness == 0.0f || !planeFaces(view, light, tiles[i])) continue;
@@ -84,39 +85,51 @@ float planarityOf(const CameraView& view, const LightView& light, std::span<cons
 
 } // namespace
 
-Reach measureReach(const CameraView& view, std::span<const DepthTile> tiles, std::uint32_t tilesX, std::uint32_t tilesY,
+void receiverTiles(const CameraView& view, std::span<const DepthTile> tiles, std::uint32_t tilesX,
+                   std::vector<ReceiverTile>& out)
+{
+    out.clear();
+    for (std::uint32_t i = 0; i < tiles.size(); ++i) {
+        const DepthTile& tile = tiles[i];
+        if (!(tile.nearest <= tile.farthest)) continue; // sky
+        const std::uint32_t x = i % tilesX, y = i / tilesX;
+        Aabb box{glm::vec3(std::numeric_limits<float>::max()), glm::vec3(std::numeric_limits<float>::lowest())};
+        float shortest = std::numeric_limits<float>::max();
+        for (std::uint32_t corner = 0; corner < 4; ++corner) {
+            const glm::vec2 pixel{static_cast<float>(view.area.offset.x) + float((x + (corner & 1)) * kTilePixels),
+                                  static_cast<float>(view.area.offset.y) + float((y + (corner >> 1)) * kTilePixels)};
+            const glm::vec3 ray = gpu::viewRayWs(view.constants, pixel);
+            for (const float depth : {tile.nearest, tile.farthest}) {
+                box.lower = glm::min(box.lower, view.eye + ray * depth);
+                box.upper = glm::max(box.upper, view.eye + ray * depth);
+            }
+            shortest = std::min(shortest, glm::length(ray));
+        }
+        out.push_back({.box = box,
+                       // The ray through the middle of the screen is the shortest of all; within a tile its corners
+                       // bound it well.
+                       .distance = tile.nearest * std::max(1.0f, shortest * 0.999f),
+                       .x = x,
+                       .y = y,
+                       .plane = tile.plane,
+                       .whole = (x + 1) * kTilePixels <= view.area.extent.width &&
+                                (y + 1) * kTilePixels <= view.area.extent.height});
+    }
+}
+
+Reach measureReach(const CameraView& view, std::span<const ReceiverTile> tiles, std::uint32_t allTiles,
                    const LightView& light)
 {
     Reach reach{.distance = std::numeric_limits<float>::infinity()};
     std::uint32_t reached = 0;
     TileSample sample;
-    for (std::uint32_t y = 0; y < tilesY; ++y)
-        for (std::uint32_t x = 0; x < tilesX; ++x) {
-            const DepthTile tile = tiles[y * tilesX + x];
-            if (!(tile.nearest <= tile.farthest)) continue; // sky
-            Aabb box{glm::vec3(std::numeric_limits<float>::max()), glm::vec3(std::numeric_limits<float>::lowest())};
-            float shortest = std::numeric_limits<float>::max();
-            for (std::uint32_t corner = 0; corner < 4; ++corner) {
-                const glm::vec2 pixel{static_cast<float>(view.area.offset.x) + float((x + (corner & 1)) * kTilePixels),
-                                      static_cast<float>(view.area.offset.y) +
-                                          float((y + (corner >> 1)) * kTilePixels)};
-                const glm::vec3 ray = gpu::viewRayWs(view.constants, pixel);
-                for (const float depth : {tile.nearest, tile.farthest}) {
-                    box.lower = glm::min(box.lower, view.eye + ray * depth);
-                    box.upper = glm::max(box.upper, view.eye + ray * depth);
-                }
-                shortest = std::min(shortest, glm::length(ray));
-            }
-            if (!reaches(light, box)) continue;
-            ++reached;
-            const bool whole =
-                (x + 1) * kTilePixels <= view.area.extent.width && (y + 1) * kTilePixels <= view.area.extent.height;
-            if (whole) sample.add(tile.plane, x, y); // others were not asked for their plane
-            // The ray through the middle of the screen is the shortest of all; within a tile its corners bound it well.
-            reach.distance = std::min(reach.distance, tile.nearest * std::max(1.0f, shortest * 0.999f));
-        }
-    const std::uint32_t all = tilesX * tilesY;
-    reach.share = all ? static_cast<float>(reached) / static_cast<float>(all) : 0.0f;
+    for (const ReceiverTile& tile : tiles) {
+        if (!reaches(light, tile.box)) continue;
+        ++reached;
+        if (tile.whole) sample.add(tile.plane, tile.x, tile.y);
+        reach.distance = std::min(reach.distance, tile.distance);
+    }
+    reach.share = allTiles ? static_cast<float>(reached) / static_cast<float>(allTiles) : 0.0f;
     reach.planarity = planarityOf(view, light, sample.tiles());
     return reach;
 }

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
+#include <vector>
 
 #include "runtime/scene/scene_view.hpp"
 #include "shaders/shared/tile_plane.h"
@@ -43,6 +45,19 @@ struct DepthTile {
 };
 constexpr std::uint32_t kTilePixels = gpu::PLANE_TILE; ///< Side of a tile.
 
+/// A tile that shows more than sky: what every light is asked about it.
+struct ReceiverTile {
+    Aabb box;              ///< Around the piece of the frustum between its two depths.
+    float distance = 0.0f; ///< From the eye to that piece; never farther than the true nearest receiver. Metres.
+    std::uint32_t x = 0, y = 0;
+    gpu::TilePlane plane;
+    bool whole = false; ///< Within the picture; others were not asked for their plane.
+};
+
+/// The tiles of a depth grid, row by row, without sky; in place of what `out` holds.
+void receiverTiles(const CameraView& view, std::span<const DepthTile> tiles, std::uint32_t tilesX,
+                   std::vector<ReceiverTile>& out);
+
 /// What the newest depth grid says about a light.
 struct Reach {
     float distance = 0.0f;  ///< Eye to the nearest receiver, metres; infinite if none is visible.
@@ -52,7 +67,8 @@ struct Reach {
 
 /// Receivers of a tile lie in the frustum piece between its two depths; a tile counts if the light may reach that
 /// piece. Exact up to the tile: never farther than the true nearest receiver.
-Reach measureReach(const CameraView& view, std::span<const DepthTile> tiles, std::uint32_t tilesX, std::uint32_t tilesY,
+/// @param allTiles Of the grid, sky included.
+Reach measureReach(const CameraView& view, std::span<const ReceiverTile> tiles, std::uint32_t allTiles,
                    const LightView& light);
 
 /// Distance below which no receiver of the light can lie: to its range.

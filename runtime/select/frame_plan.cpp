@@ -27,6 +27,9 @@ constexpr double kSameShare = 1.0 / 32.0; // 3 %: a time follows by less, and th
 /// devices.
 constexpr double kReachedShare[] = {0.82, 0.31, 0.72};
 
+/// Octaves by which the device may drift before everything is foretold anew: 1 %, a third of kSameShare.
+constexpr double kSameDevice = 1.0 / 64.0;
+
 /// Side of a method's maps, texels; 0: it has none.
 double mapSide(const Method& method)
 {
@@ -202,7 +205,8 @@ std::span<const FramePlan::Cost> FramePlan::predict(const LightMemory& memory, s
     SlotHistory& history = histories_[memory.costSlot];
     const std::span costs = std::span(costs_).subspan(std::size_t{memory.costSlot} * methods, methods);
     const bool due = (frame + memory.costSlot) % kPredictEvery == 0 || frame - history.predictedAt >= kPredictEvery;
-    if (history.predictedAt != kNever && !due && history.predictedDevice == model_.deviceOctaves() &&
+    if (history.predictedAt != kNever && !due &&
+        std::fabs(history.predictedDevice - model_.deviceOctaves()) < kSameDevice &&
         isNear(memory.workload, history.predictedFor))
         return costs;
     for (std::uint32_t m = 0; m < methods; ++m) {

@@ -73,7 +73,8 @@ const char* Selector::ruleName(std::uint32_t rule) const
 }
 
 /// Capability: what no rule can overrule.
-Candidate Selector::examine(const Method& method, const SelectionInput& input, std::uint32_t incumbent) const
+Candidate Selector::examine(const Method& method, const SelectionInput& input, const Unprepared& casters,
+                            std::uint32_t incumbent) const
 {
     auto out = [](Exclusion exclusion, std::uint64_t detail = 0) {
         return Candidate{.exclusion = exclusion, .detail = detail};
@@ -83,14 +84,8 @@ Candidate Selector::examine(const Method& method, const SelectionInput& input, s
     if (input.recorded && method.entry->roundTrips > 0) return out(Exclusion::roundTrips, method.entry->roundTrips);
     if (method.has(GN_TRAIT_CPU_GEOMETRY_BIT) && input.casters->hostDrawn)
         return out(Exclusion::hostDrawn, input.casters->hostDrawn);
-    std::uint64_t withoutTopology = 0, withoutTree = 0;
-    for (const Caster* caster : input.casters->all) {
-        if (!caster->mesh) continue;
-        withoutTopology += caster->mesh->topology == nullptr;
-        withoutTree += caster->mesh->rays == nullptr;
-    }
-    if (method.has(GN_TRAIT_TOPOLOGY_BIT) && withoutTopology) return out(Exclusion::topology, withoutTopology);
-    if (method.has(GN_TRAIT_RAYS_BIT) && withoutTree) return out(Exclusion::trees, withoutTree);
+    if (method.has(GN_TRAIT_TOPOLOGY_BIT) && casters.topology) return out(Exclusion::topology, casters.topology);
+    if (method.has(GN_TRAIT_RAYS_BIT) && casters.trees) return out(Exclusion::trees, casters.trees);
     // What the incumbent holds is in use already; it need not fit twice.
     const VkDeviceSize needs = method.entry->memoryFor(method.settings, input.view->extent, input.light->type);
     if (method.index != incumbent && needs > input.memoryLeft) return out(Exclusion::memory, needs);
@@ -153,8 +148,14 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     fact(Fact::frameBudget) = input.frameBudget;
     fact(Fact::frameRate) = input.frameRate;
 
+    Unprepared unprepared;
+    for (const Caster* caster : input.casters->all) {
+        if (!caster->mesh) continue;
+        unprepared.topology += caster->mesh->topology == nullptr;
+        unprepared.trees += caster->mesh->rays == nullptr;
+    }
     for (std::uint32_t i = 0; i < methods_.size(); ++i)
-        decision.candidates[i] = examine(methods_[i], input, memory.fade.shows(i) ? i : memory.incumbent);
+        decision.candidates[i] = examine(methods_[i], input, unprepared, memory.fade.shows(i) ? i : memory.incumbent);
     rank(input, decision);
 
     std::uint32_t fallbacks = 0;

@@ -152,7 +152,11 @@ public:
 private:
     std::vector<rules::Diagnostic> bind(rules::RuleBase base, const AlgorithmRegistry& registry,
                                         std::optional<rules::Engine>& engine) const;
-    Candidate examine(const Method& method, const SelectionInput& input, std::uint32_t incumbent) const;
+    struct Unprepared { ///< Casters that wait for workers.
+        std::uint64_t topology = 0, trees = 0;
+    };
+    Candidate examine(const Method& method, const SelectionInput& input, const Unprepared& casters,
+                      std::uint32_t incumbent) const;
     void rank(const SelectionInput& input, LightDecision& decision);
 
     MethodTable& methods_;
