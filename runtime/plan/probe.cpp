@@ -1,16 +1,16 @@
 #include "runtime/plan/probe.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace gnomon::plan {
 namespace {
 
-/// How many standard errors below its prediction a method must take to be cheaper than `ownMs`; < 0: it cannot be, or
-/// is thought to be already.
+/// How many standard errors below its prediction a method must take to be cheaper than `ownMs`; < 0: its time is known.
 double sigmasToWin(const Candidate& candidate, double ownMs) noexcept
 {
-    const bool known = std::isfinite(candidate.ms) && candidate.ms > ownMs;
-    return known && candidate.sigmaMs > 0.0 ? (candidate.ms - ownMs) / candidate.sigmaMs : -1.0;
+    if (!std::isfinite(candidate.ms) || !(candidate.sigmaMs > kSure * candidate.ms)) return -1.0;
+    return std::max(0.0, (candidate.ms - ownMs) / candidate.sigmaMs);
 }
 
 } // namespace
@@ -23,7 +23,7 @@ Probe chooseProbe(const PlanInput& input, const PlanStep& plan, const PlanReport
     for (uint32_t light = 0; light < input.lights.size(); ++light) {
         const LightPlan& own = plan.lights()[light];
         const double importance = input.lights[light].importance;
-        const bool settled = own.chosen != kNone && own.chosen == own.incumbent && own.hold == Hold::none;
+        const bool settled = own.chosen != kNone && own.chosen == own.incumbent;
         if (!settled || input.lights[light].pinned != kNone || (best.light != kNone && importance > least)) continue;
         for (uint32_t m = 0; m < input.methods; ++m) {
             const Candidate& candidate = input.candidates[size_t{light} * input.methods + m];

@@ -42,7 +42,7 @@ void load(Host& host, uint32_t everyFrames)
                               " is favoured}\n"
                               "  - {rule: if lightRadius is all then " +
                               kProbed + " is favoured}\npolicy: {probing: {everyFrames: " + std::to_string(everyFrames) +
-                              ", sigma: 3}}\n";
+                              ", sigma: 10}}\n";
     host.require(gnLoadRules(host.context, rules.data(), rules.size(), "probing"));
 }
 
@@ -81,7 +81,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a probe runs unseen for as long as it takes to ti
     host.require(host.draw());
     const std::vector<Image8> expected = host.pictures();
     host.pinAll(nullptr);
-    const Seen seen = draw(host, 100.0f, 3 * kEvery, expected);
+    const Seen seen = draw(host, 1e5f, 3 * kEvery, expected);
     REQUIRE(!seen.frames.empty());
     CHECK(seen.wrong == 0); // both methods are exact, and only one is shown
     uint64_t begun = seen.frames.front(), last = begun;
@@ -103,7 +103,7 @@ TEST_CASE_FIXTURE(DeviceTest, "nothing is probed where the rules say never, or t
     host.require(host.draw());
     const std::vector<Image8> expected = host.pictures();
     host.pinAll(nullptr);
-    CHECK(draw(host, 100.0f, 2 * kEvery, expected).frames.empty());
+    CHECK(draw(host, 1e5f, 2 * kEvery, expected).frames.empty());
     load(host, kEvery);
     CHECK(draw(host, 0.001f, 2 * kEvery, expected).frames.empty()); // less than what serves takes
     CHECK(draw(host, 0.0f, 2 * kEvery, expected).frames.empty());   // no budget says what may be spent
