@@ -100,9 +100,9 @@ ImageId Context::declareOutgoing(const PendingLight& pending, FrameMode mode)
     if (!error) error = declareMethod(pending, beside, pair, kOutgoingLayer, mode);
     if (!error) return pair;
     pending.memory->fade.skip();
+    if (decision.outgoing != UINT32_MAX) decision.noFade = kCannotServe;
     decision.outgoing = decision.probed = UINT32_MAX;
     decision.fade = 1.0f;
-    decision.noFade = kCannotServe;
     return {};
 }
 

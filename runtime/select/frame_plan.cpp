@@ -364,8 +364,9 @@ void FramePlan::observe(LightMemory& memory, std::uint32_t method, const LightTi
     history.timed = {timing, method, workload};
     history.predictedAt = kNever; // this light is known better now
     // A method on its way out teaches nothing, nor does it age the one that serves.
+    const bool probed = method == memory.probed && timing.frame < memory.probedSince + cost::kLearnFrames;
     const std::uint64_t since = method == memory.incumbent ? memory.methodSince
-                                : method == memory.probed  ? memory.probedSince
+                                : probed                   ? memory.probedSince
                                                            : timing.frame;
     cost::Observation observation{.light = slot,
                                   .method = method,
