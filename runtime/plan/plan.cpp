@@ -304,6 +304,42 @@ void PlanStep::improve(const PlanInput& input, PlanReport& report) noexcept
     }
 }
 
+/// What shows as much for clearly less: a plan within its budget saves time too where that takes nothing from the picture.
+/// A few lights at a time, and none before its first frame would be earned back.
+void PlanStep::economise(const PlanInput& input, PlanReport& report) noexcept
+{
+    const rules::Policy::Hysteresis& hysteresis = policyOf(input).hysteresis;
+    for (uint32_t light = 0; light < lightCount_ && report.upgrades < hysteresis.upgradesPerFrame; ++light) {
+        const uint32_t from = current_[light];
+        if (from == kNone || input.lights[light].pinned != kNone) continue;
+        const uint32_t to = thriftier(input, light, from);
+        if (to == kNone) continue;
+        move(light, to);
+        ++report.upgrades;
+        report.cause = Cause::gain;
+    }
+}
+
+/// The cheapest method that is worth what `from` is and takes clearly less, its first frame spread over the stay.
+uint32_t PlanStep::thriftier(const PlanInput& input, uint32_t light, uint32_t from) const noexcept
+{
+    const LightMemory& memory = *input.lights[light].memory;
+    double enough = costsMs_[at(light, from)] / (1.0 + 2.0 * kNoDearer);
+    uint32_t best = kNone;
+    for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
+        const auto m = static_cast<uint32_t>(std::countr_zero(mask));
+        const Candidate& candidate = input.candidates[at(light, m)];
+        const double priceMs = costsMs_[at(light, m)] + candidate.firstFrameMs / kExpectedStayFrames;
+        if (m == from || !(priceMs < enough) || values_[at(light, m)] < values_[at(light, from)]) continue;
+        if (candidate.sigmaMs > 0.5 * candidate.ms || !problem_.fixedMs.empty()) continue;
+        if (isBanned(memory, from, m, input.frame) ||
+            wouldFlip(memory, m, input.frame, policyOf(input).hysteresis.flipWindowFrames))
+            continue;
+        best = m, enough = priceMs;
+    }
+    return best;
+}
+
 /// No plan fits, and `best` is the cheapest: of what is no dearer, each light takes what is worth most, and stays with
 /// what it has where that is worth as much.
 void PlanStep::settleForLess(const PlanInput& input, std::span<uint32_t> best) const noexcept
@@ -376,6 +412,7 @@ PlanReport PlanStep::planWithinBudget(const PlanInput& input) noexcept
     calmFrames_ = over || input.measuredMs > input.budgetMs ? 0 : std::min(calmFrames_ + 1, kSpareFrames);
     if (!over) {
         improve(input, report);
+        economise(input, report);
         return report;
     }
     report.cause = Cause::repaired;
@@ -389,31 +426,6 @@ PlanReport PlanStep::planWithinBudget(const PlanInput& input) noexcept
         countUsers();
     }
     return report;
-}
-
-/// Methods that would be worth more: is it time or hysteresis that stands in the way?
-void PlanStep::explainLight(const PlanInput& input, uint32_t light, double usableMs, double planMs) noexcept
-{
-    LightPlan& plan = plans_[light];
-    if (plan.chosen == kNone) return;
-    const int32_t suitability = input.candidates[at(light, plan.chosen)].suitability;
-    for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
-        const auto m = static_cast<uint32_t>(std::countr_zero(mask));
-        Why& why = why_[at(light, m)];
-        if (m == plan.chosen)
-            why = Why::chosen;
-        else if (input.allocation == rules::Options::Allocation::None)
-            why = Why::outscored;
-        else if (values_[at(light, m)] <= plan.benefit)
-            why = input.candidates[at(light, m)].suitability > suitability && costsMs_[at(light, m)] > plan.ms
-                      ? Why::price
-                      : Why::outscored;
-        else if (m == plan.wanted || planMs + moveMs(light, m) <= usableMs)
-            why = Why::hysteresis;
-        else
-            why = Why::budget;
-    }
-    if (plan.wanted == plan.chosen) plan.hold = Hold::none;
 }
 
 /// Writes the decision into the lights' memories; finds flips.
@@ -472,26 +484,6 @@ double PlanStep::cheapestMs(const PlanInput& input) noexcept
     admit(input);
     problem_.budgetMs = 0.0; // nothing fits, so the cheapest plan found is returned
     return knapsack_.solveGreedy(problem_, std::span(best_).first(lightCount_)).costMs;
-}
-
-const char* toText(Why why) noexcept
-{
-    static constexpr const char* kWords[] = {"chosen", "trait",  "pinned",     "never",     "no opinion",
-                                             "floor",  "budget", "hysteresis", "outscored", "price"};
-    return kWords[static_cast<size_t>(why)];
-}
-
-const char* toText(Hold hold) noexcept
-{
-    static constexpr const char* kWords[] = {"none", "threshold",   "quota", "spare time",
-                                             "ban",  "first frame", "payers"};
-    return kWords[static_cast<size_t>(hold)];
-}
-
-const char* toText(Cause cause) noexcept
-{
-    static constexpr const char* kWords[] = {"kept", "forced", "repaired", "gain", "fresh", "unbudgeted"};
-    return kWords[static_cast<size_t>(cause)];
 }
 
 } // namespace gnomon::plan

@@ -181,6 +181,8 @@ private:
     double headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept;
     bool repair(const PlanInput& input, double usableMs) noexcept;
     void improve(const PlanInput& input, PlanReport& report) noexcept;
+    void economise(const PlanInput& input, PlanReport& report) noexcept;
+    uint32_t thriftier(const PlanInput& input, uint32_t light, uint32_t from) const noexcept;
     Hold tryUpgrade(const PlanInput& input, uint32_t light, double usableMs) noexcept;
     Hold holdOf(const PlanInput& input, uint32_t light) const noexcept;
     void explainLight(const PlanInput& input, uint32_t light, double usableMs, double planMs) noexcept;

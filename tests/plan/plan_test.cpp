@@ -352,6 +352,35 @@ TEST_CASE("where no plan fits the cheapest serves, but what noise calls the chea
         CHECK(scene.chosen(light) == kAvoided);
 }
 
+TEST_CASE("within the budget a light changes to what shows as much for clearly less, and not for noise")
+{
+    const uint32_t kServes = 0, kOther = 1;
+    Scene scene(4, {{.suitability = 3000, .quality = 0.95f, .ms = 2.0, .sigmaMs = 0.1},
+                    {.suitability = 3000, .quality = 0.95f, .ms = 2.1, .sigmaMs = 0.1}});
+    scene.input.budgetMs = 100.0;
+    scene.step(2);
+    Random random(5);
+    uint32_t switches = 0;
+    for (int frame = 0; frame < 300; ++frame) {
+        for (uint32_t light = 0; light < 4; ++light) {
+            scene.of(light, kServes).ms = 2.0 * random.between(0.94, 1.06);
+            scene.of(light, kOther).ms = 1.95 * random.between(0.94, 1.06);
+        }
+        switches += scene.step().switches;
+    }
+    CHECK(switches == 0);
+    for (uint32_t light = 0; light < 4; ++light) {
+        scene.of(light, kOther).ms = 1.5;
+        scene.of(light, kOther).firstFrameMs = light == 0 ? 60.0 : 6.0; // a millisecond a frame, or a tenth
+    }
+    const uint32_t most = rules::Policy{}.hysteresis.upgradesPerFrame;
+    CHECK(scene.step().switches == most);
+    scene.step(5);
+    CHECK(scene.chosen(0) == kServes);
+    for (uint32_t light = 1; light < 4; ++light)
+        CHECK(scene.chosen(light) == kOther);
+}
+
 TEST_CASE("over random scenes no plan breaks a budget that can be kept, and decisions allocate nothing and repeat")
 {
     std::vector<uint32_t> first;
