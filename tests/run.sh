@@ -16,6 +16,6 @@ cmake --preset release -DGNOMON_BUILD_TESTS=ON >"$build/configure.log" 2>&1 || {
 say "building"
 cmake --build --preset release -- -j"$(nproc)"
 say "testing"
-# Two at a time: the device uses every core, but half of a test is one thread's work (on two cores 18 minutes; one at a
-# time it was 30 beside other work).
+# Two at a time: the device uses every core, but half of a test is one thread's work: ten minutes on two
+# cores.
 exec ctest --preset release --no-tests=error --parallel 2 "$@"
