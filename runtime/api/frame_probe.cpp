@@ -7,7 +7,8 @@ namespace gnomon {
 bool Context::wantsProbe(const rules::RuleBase* base) const
 {
     if (!base || base->policy.probing.everyFrames == 0 || probe_.method != UINT32_MAX || !gridReady_) return false;
-    return frame_ >= probe_.since + base->policy.probing.everyFrames;
+    // Predictions are made anew about once in a grid's period; looking more often finds the same.
+    return frame_ % kGridPeriod == 0 && frame_ >= probe_.since + base->policy.probing.everyFrames;
 }
 
 /// Goes on with the probe that runs, or begins the one that the plan step named. Fades go before.

@@ -1,0 +1,65 @@
+// The passes of one light by the method that was decided.
+#include "runtime/api/context.hpp"
+
+namespace gnomon {
+
+void Context::declareLight(const PendingLight& pending, FrameMode mode)
+{
+    LightDecision& decision = *pending.decision;
+    if (decision.method == UINT32_MAX) return declareLit(pending.viewIndex, pending.layer);
+    const ImageId pair = declareOutgoing(pending, mode);
+    const ImageId visibility = pair ? pair : viewFrames_[pending.viewIndex].visibility;
+    const std::uint32_t layer = pair ? kIncomingLayer : pending.layer;
+    const std::optional<Error> error = declareMethod(pending, decision.method, visibility, layer, mode);
+    if (!error) {
+        if (pair) declareMix(pending, pair);
+        return;
+    }
+    messages_.warn(error->id, "light '" + std::string(pending.light->name) + "', method '" +
+                                  (*methods_)[decision.method].name + "': " + error->text + "; lit in this frame");
+    decision.candidates[decision.method].exclusion = Exclusion::memory;
+    decision.method = decision.outgoing = decision.probed = UINT32_MAX;
+    decision.fade = 1.0f;
+    decision.reason = GN_REASON_NOTHING_READY;
+    pending.memory->fade.lose();
+    declareLit(pending.viewIndex, pending.layer);
+}
+
+/// One method's passes for a light. @return why it cannot run.
+std::optional<Error> Context::declareMethod(const PendingLight& pending, std::uint32_t index, ImageId visibility,
+                                            std::uint32_t layer, FrameMode mode)
+{
+    ViewFrame& viewFrame = viewFrames_[pending.viewIndex];
+    Method& method = (*methods_)[index];
+    const ShadowTask task{.view = &viewFrame.view->camera,
+                          .light = pending.light,
+                          .casters = pending.casters,
+                          .settings = method.settings,
+                          .layer = layer,
+                          .visibility = visibility,
+                          .depth = viewFrame.depth,
+                          .normals = viewFrame.normals,
+                          .recorded = mode == FrameMode::recorded};
+    graph_->beginTask({.view = viewFrame.view->id, .light = pending.light->id, .method = index}, task.view, task.depth,
+                      task.normals);
+    PassBuilder builder(*graph_);
+    method.algorithm->declare(builder, task);
+    if (std::optional<Error> error = graph_->endTask()) return error;
+    raysNeeded_ |= method.has(GN_TRAIT_RAYS_BIT);
+    if (index == pending.decision->method) tasks_.push_back({pending.light->id, index, task});
+    return std::nullopt;
+}
+
+/// A light that nothing can serve is lit.
+void Context::declareLit(std::uint32_t viewIndex, std::uint32_t layer)
+{
+    ViewFrame& viewFrame = viewFrames_[viewIndex];
+    graph_->beginTask({.view = viewFrame.view->id}, &viewFrame.view->camera, viewFrame.depth, viewFrame.normals);
+    PassBuilder(*graph_)
+        .raster("view.lit", Scope::view, layer)
+        .writes(viewFrame.visibility, {.layer = layer, .clear = true, .value = {.color = {.float32 = {1, 1, 1, 1}}}})
+        .record([](PassContext&) {});
+    graph_->endTask();
+}
+
+} // namespace gnomon
