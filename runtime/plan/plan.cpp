@@ -304,10 +304,11 @@ void PlanStep::improve(const PlanInput& input, PlanReport& report) noexcept
     }
 }
 
-/// What shows as much for clearly less: a plan within its budget saves time too where that takes nothing from the picture.
-/// A few lights at a time, and none before its first frame would be earned back.
+/// What shows as much for clearly less: a plan within its budget saves time too where that takes nothing from the
+/// picture. A few lights at a time, and none before its first frame would be earned back.
 void PlanStep::economise(const PlanInput& input, PlanReport& report) noexcept
 {
+    if (!problem_.fixedMs.empty()) return; // what one light saves another may pay
     const rules::Policy::Hysteresis& hysteresis = policyOf(input).hysteresis;
     for (uint32_t light = 0; light < lightCount_ && report.upgrades < hysteresis.upgradesPerFrame; ++light) {
         const uint32_t from = current_[light];
@@ -329,9 +330,9 @@ uint32_t PlanStep::thriftier(const PlanInput& input, uint32_t light, uint32_t fr
     for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
         const auto m = static_cast<uint32_t>(std::countr_zero(mask));
         const Candidate& candidate = input.candidates[at(light, m)];
-        const double priceMs = costsMs_[at(light, m)] + candidate.firstFrameMs / kExpectedStayFrames;
+        const double priceMs = changePriceMs(costsMs_[at(light, m)], candidate.firstFrameMs);
         if (m == from || !(priceMs < enough) || values_[at(light, m)] < values_[at(light, from)]) continue;
-        if (candidate.sigmaMs > 0.5 * candidate.ms || !problem_.fixedMs.empty()) continue;
+        if (!isPriceKnown(candidate.ms, candidate.sigmaMs)) continue;
         if (isBanned(memory, from, m, input.frame) ||
             wouldFlip(memory, m, input.frame, policyOf(input).hysteresis.flipWindowFrames))
             continue;
@@ -340,8 +341,8 @@ uint32_t PlanStep::thriftier(const PlanInput& input, uint32_t light, uint32_t fr
     return best;
 }
 
-/// No plan fits, and `best` is the cheapest: of what is no dearer, each light takes what is worth most, and stays with
-/// what it has where that is worth as much.
+/// Every plan breaks the budget, and `best` is the cheapest: of what is no dearer, each light takes what is worth most,
+/// and stays with what it has where that is worth as much.
 void PlanStep::settleForLess(const PlanInput& input, std::span<uint32_t> best) const noexcept
 {
     for (uint32_t light = 0; light < lightCount_; ++light) {
@@ -385,7 +386,8 @@ PlanReport PlanStep::planWithinBudget(const PlanInput& input) noexcept
         report.usableMs = problem_.budgetMs = input.budgetMs - bestHeadroom;
         solution = knapsack_.solve(problem_, best);
     }
-    if (!solution.fits) {
+    // Above the headroom alone the cheapest still keeps the budget; only beyond it nothing is lost by a tenth more.
+    if (!solution.fits && solution.costMs > input.budgetMs) {
         settleForLess(input, best);
         const Sums sums = sumOf(problem_, best);
         solution.value = sums.value, solution.costMs = sums.costMs;

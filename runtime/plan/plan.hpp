@@ -131,16 +131,13 @@ struct PlanReport {
 /// Spare time must have lasted so long before it is spent: one half second at 60 Hz, the relief that groups of frames
 /// in other controllers wait for.
 inline constexpr uint32_t kSpareFrames = 30;
-/// A voluntary switch must earn back its first frame within so many frames. Stress scenes move a light about once a
-/// second (README.md).
-inline constexpr uint32_t kExpectedStayFrames = 60;
 /// Headroom never takes more than this share: an unknown device would otherwise have no budget at all.
 inline constexpr double kMostHeadroom = 0.5;
 /// Share of the headroom that may be used up before a plan counts as broken. Entering and leaving at the same limit
 /// would repair and upgrade in turn on noise.
 inline constexpr double kKeepShare = 0.5;
-/// Where no plan fits and the cheapest serves, what takes this share more counts as no dearer, and an incumbent twice as
-/// much: a prediction's own noise (cost::kStartNoise, 8 %) says nothing of which is cheapest.
+/// Where no plan fits and the cheapest serves, what takes this share more counts as no dearer, and an incumbent twice
+/// as much: a prediction's own noise (cost::kStartNoise, 8 %) says nothing of which is cheapest.
 inline constexpr double kNoDearer = 0.1;
 /// A gain below the threshold is taken once what was missed adds up to so many frames at the threshold: with 2 %, a
 /// gain of 0.5 % after 40 frames, of 0.1 % after 200. Where nothing moves the last percent is found, where things move

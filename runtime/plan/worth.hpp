@@ -38,6 +38,23 @@ inline std::int32_t sharedSuitability(std::span<const Merit> merits, std::size_t
     return best;
 }
 
+/// A switch must earn back its first frame within so many frames. Stress scenes move a light about once a second
+/// (README.md).
+inline constexpr std::uint32_t kExpectedStayFrames = 60;
+
+/// What a frame with a method takes that does not serve yet, ms: as predicted, and its share of the first frame's
+/// surplus (maps and lists of what stands still).
+inline double changePriceMs(double predictedMs, double firstFrameMs) noexcept
+{
+    return predictedMs + firstFrameMs / kExpectedStayFrames;
+}
+
+/// Whether a time is known to a half: what is not is no reason to change a method for its price.
+inline bool isPriceKnown(double predictedMs, double sigmaMs) noexcept
+{
+    return predictedMs > 0.0 && sigmaMs <= 0.5 * predictedMs;
+}
+
 /// suitability * quality, [0, 1]; times importance it is what the plan sums up.
 inline double worth(std::int32_t suitability, double quality) noexcept
 {

@@ -69,8 +69,8 @@ plan::Merit meritOf(const Candidate& candidate)
 float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::uint32_t incumbent) noexcept
 {
     const Candidate& candidate = candidates[method];
-    const bool serves = method == incumbent;
-    return candidate.predictedMs + (serves ? 0.0f : candidate.firstMs / float{plan::kExpectedStayFrames});
+    if (method == incumbent) return candidate.predictedMs;
+    return static_cast<float>(plan::changePriceMs(double{candidate.predictedMs}, double{candidate.firstMs}));
 }
 
 std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t wanted,
@@ -82,8 +82,8 @@ std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t 
     const auto doesAsWell = [&](std::uint32_t m) {
         const Candidate& other = candidates[m];
         return other.exclusion == Exclusion::none && other.quantised >= 0 &&
-               plan::showsAsMuch(meritOf(other), meritOf(best)) && other.predictedMs > 0.0f &&
-               other.sigmaMs <= 0.5f * other.predictedMs;
+               plan::showsAsMuch(meritOf(other), meritOf(best)) &&
+               plan::isPriceKnown(double{other.predictedMs}, double{other.sigmaMs});
     };
     const auto price = [&](std::uint32_t m) { return priceOf(candidates, m, incumbent); };
     std::uint32_t cheapest = wanted;
@@ -205,7 +205,10 @@ std::uint32_t Rechoice::chooseInPlan() const noexcept
         if (more > 0.0 || (more == 0.0 && ms < candidates_[best].predictedMs)) best = m;
     }
     if (!stays && best == UINT32_MAX && cheapest != UINT32_MAX) { // PlanStep::settleForLess
-        const double enough = (1.0 + plan::kNoDearer) * double{candidates_[cheapest].predictedMs};
+        const double own = chosen < record_.methods ? double{candidates_[chosen].predictedMs} : 0.0;
+        const double cheapestMs = double{candidates_[cheapest].predictedMs};
+        const bool over = double{record_.planMs} - own + cheapestMs > double{record_.budgetMs};
+        const double enough = over ? (1.0 + plan::kNoDearer) * cheapestMs : cheapestMs;
         best = cheapest;
         for (std::uint32_t rest = mask & ~barred_; rest; rest &= rest - 1) {
             const auto m = static_cast<std::uint32_t>(std::countr_zero(rest));

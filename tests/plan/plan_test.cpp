@@ -352,6 +352,18 @@ TEST_CASE("where no plan fits the cheapest serves, but what noise calls the chea
         CHECK(scene.chosen(light) == kAvoided);
 }
 
+TEST_CASE("what fits the budget but not its headroom is not given up for a better suited method that fits neither")
+{
+    const uint32_t kFits = 1;
+    Scene scene(
+        1, {{.suitability = 3000, .quality = 0.95f, .ms = 3.0}, {.suitability = 600, .quality = 0.95f, .ms = 2.9}});
+    scene.input.budgetMs = 2.95; // less two hundredths: 2.891
+    const PlanReport report = scene.step();
+    CHECK(report.usableMs < 2.9);
+    CHECK(scene.chosen(0) == kFits);
+    CHECK(report.overMs == 0.0);
+}
+
 TEST_CASE("within the budget a light changes to what shows as much for clearly less, and not for noise")
 {
     const uint32_t kServes = 0, kOther = 1;

@@ -23,7 +23,7 @@ struct Scene {
         for (LightMemory& memory : memories) {
             requests.push_back({.memory = &memory});
             candidates.push_back({.suitability = 3000, .quality = 1.0f, .ms = 2.0, .sigmaMs = 0.1});
-            candidates.push_back({.suitability = 3000, .quality = 1.0f, .ms = 2.3, .sigmaMs = 0.3});
+            candidates.push_back({.suitability = 3000, .quality = 1.0f, .ms = 2.3, .sigmaMs = 0.45});
             candidates.push_back({.suitability = 3000, .quality = 0.5f, .ms = 2.1, .sigmaMs = 0.3});
         }
         requests[1].importance = 0.5;
@@ -63,15 +63,19 @@ TEST_CASE("nothing is probed that is known, cannot win, or might not fit")
 {
     Scene scene;
     scene.requests[1].pinned = 0;
-    CHECK(scene.probe(10.0, 0.9).light == kNone); // it would have to take one standard error less
-    CHECK(scene.probe(10.0, 1.1).light == 0);
-    CHECK(scene.probe(6.5).light == kNone); // 4 ms serve, 2.3 + 2 * 0.3 more are needed
-    CHECK(scene.probe(7.5).light == 0);
+    CHECK(scene.probe(10.0, 0.6).light == kNone); // it would have to take two thirds of a standard error less
+    CHECK(scene.probe(10.0, 0.7).light == 0);
+    CHECK(scene.probe(7.0).light == kNone); // 4 ms serve, 2.3 + 2 * 0.45 more are needed
+    CHECK(scene.probe(7.6).light == 0);
     scene.of(0, 1).firstFrameMs = 20.0;
     CHECK(scene.probe().light == kNone);
     scene.of(0, 1).firstFrameMs = 0.0;
     scene.of(0, 1).sigmaMs = 0.1; // 0.3 ms dearer for certain
     CHECK(scene.probe().light == kNone);
+    scene.of(0, 1) = {.suitability = 3000, .quality = 1.0f, .ms = 2.01, .sigmaMs = 0.2}; // could win, but is known
+    CHECK(scene.probe().light == kNone);
+    scene.of(0, 1).sigmaMs = 0.4;
+    CHECK(scene.probe().light == 0);
 }
 
 TEST_CASE("of two methods the one that needs less luck is probed")
@@ -81,5 +85,6 @@ TEST_CASE("of two methods the one that needs less luck is probed")
     scene.of(0, 2) = {.suitability = 3000, .quality = 1.0f, .ms = 2.2, .sigmaMs = 0.4};
     CHECK(scene.probe().method == 2);
     scene.of(0, 2).ms = 2.7;
+    scene.of(0, 2).sigmaMs = 0.5;
     CHECK(scene.probe().method == 1);
 }
