@@ -379,7 +379,7 @@ Result<GnDecision> Context::decision(GnView view, GnLight light)
                       .viewerDistance = d.viewerDistance,
                       .viewerDistanceMeasured = d.distanceMeasured ? VK_TRUE : VK_FALSE,
                       .switched = d.switched ? VK_TRUE : VK_FALSE,
-                      .pRule = selector_->ruleName(d.rule),
+                      .pRule = ruleBehind(*findView(view), d),
                       .pOutgoing = d.outgoing == UINT32_MAX ? nullptr : (*methods_)[d.outgoing].name.c_str(),
                       .fade = d.fade,
                       .pProbed = d.probed == UINT32_MAX ? nullptr : (*methods_)[d.probed].name.c_str()};

@@ -173,6 +173,7 @@ private:
     // Records of decisions (explain.cpp).
     void recordDecisions();
     void noteMeasured(const FrameTimings& timings);
+    const char* ruleBehind(const View& view, const LightDecision& decision);
     Result<DecisionRecord> recordOf(const View& view, GnLight light, std::uint64_t frame);
 
     void forgetOldLights();
@@ -201,6 +202,8 @@ private:
     std::unique_ptr<PipelineStore> pipelines_;
     std::unique_ptr<MethodTable> methods_;
     std::unique_ptr<Selector> selector_;
+    std::shared_ptr<const rules::Engine> askedRules_; ///< By ruleBehind(), and what they infer.
+    rules::Inference inference_;
     std::unique_ptr<FramePlan> plan_;
     plan::PlanReport planReport_;
     FrameArena arena_;

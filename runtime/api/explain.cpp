@@ -27,7 +27,7 @@ void Context::recordDecisions()
     for (const ViewFrame& viewFrame : viewFrames_) {
         frame.cut |= viewFrame.view->camera.cut;
         const auto lights = static_cast<std::uint32_t>(viewFrame.view->decisions.size());
-        viewFrame.view->records.begin(frame_, lights, methods_->size());
+        viewFrame.view->records.begin(frame_, lights, methods_->size(), selector_->sharedEngine());
     }
     for (const PendingLight& pending : pending_)
         viewFrames_[pending.viewIndex].view->records.add(
@@ -69,6 +69,21 @@ Result<DecisionRecord> Context::recordOf(const View& view, GnLight light, std::u
     return record;
 }
 
+/// Id of the strongest rule behind the method that serves; found when asked for, by the rules of that frame.
+const char* Context::ruleBehind(const View& view, const LightDecision& decision)
+{
+    const std::shared_ptr<const rules::Engine> engine = view.records.rules(view.records.newest());
+    if (!engine || decision.method >= engine->outputs().size()) return nullptr;
+    if (askedRules_ != engine) { // hosts ask every frame: nothing is allocated then
+        inference_ = engine->makeInference();
+        askedRules_ = engine;
+    }
+    engine->evaluate(decision.facts, inference_);
+    const std::uint32_t rule = inference_.outputs[decision.method].strongestRule;
+    const std::string_view id = engine->ruleId(rule);
+    return id.empty() ? nullptr : id.data(); // ends with a zero: it is a whole std::string or a literal
+}
+
 Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQuestion& question)
 {
     const View* view = findView(viewHandle);
@@ -80,10 +95,8 @@ Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQu
         const Method& method = (*methods_)[i];
         methods.push_back({method.name, method.unavailable ? method.unavailable : ""});
     }
-    const rules::Engine* engine = selector_->engine();
-    const bool same = engine && engine->base().textHash == record->ruleHash;
-    const ExplainWords words{
-        .methods = methods, .engine = same ? engine : nullptr, .light = scene_->lightInfo(light)->name};
+    const std::shared_ptr<const rules::Engine> engine = view->records.rules(record->frame);
+    const ExplainWords words{.methods = methods, .engine = engine.get(), .light = scene_->lightInfo(light)->name};
     switch (question.kind) {
     case GN_QUESTION_WHY:
         return explainWhy(*record, words);

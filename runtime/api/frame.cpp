@@ -383,6 +383,7 @@ Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& fra
         plan_->add(decision, memory, input);
         pending_.push_back({viewIndex, i, &light, &casters, &decision, &memory});
     }
+    selector_->choose(view.decisions);
     return {};
 }
 

@@ -32,9 +32,9 @@ Replan replanOf(const LightDecision& decision, const FrameRecord& frame)
 
 } // namespace
 
-std::array<FiredRule, kFiredRules> strongestRules(const rules::Engine& engine, const rules::Inference& inference)
+FiredRules strongestRules(const rules::Engine& engine, const rules::Inference& inference)
 {
-    std::array<FiredRule, kFiredRules> strongest{};
+    FiredRules strongest{};
     for (std::uint32_t i = 0; i < inference.rules.size(); ++i) {
         const rules::RuleState& state = inference.rules[i];
         const auto strength = static_cast<float>(state.strength);
@@ -76,7 +76,6 @@ RecordHead makeRecord(const LightDecision& decision, const FrameRecord& frame, s
     head.importance = decision.importance;
     head.suitability = decision.suitability;
     head.facts = decision.facts;
-    head.fired = decision.fired;
     if (frame.base && !frame.base->policy.floor.when.empty()) {
         head.floorTruth = static_cast<float>(decision.floorTruth);
         head.floorStrength = static_cast<float>(frame.base->policy.floor.atStrength);
@@ -115,10 +114,11 @@ void RecordRing::grow(std::uint32_t lights, std::uint32_t methods)
     methods_ = newMethods;
 }
 
-void RecordRing::begin(std::uint64_t frame, std::uint32_t lights, std::uint32_t methods)
+void RecordRing::begin(std::uint64_t frame, std::uint32_t lights, std::uint32_t methods,
+                       std::shared_ptr<const rules::Engine> rules)
 {
     if (lights > lights_ || methods > methods_) grow(lights, methods);
-    slots_[frame % kFrames] = {.frame = frame, .count = 0};
+    slots_[frame % kFrames] = {.frame = frame, .count = 0, .rules = std::move(rules)};
     newest_ = frame;
 }
 
@@ -159,11 +159,21 @@ std::uint32_t RecordRing::lights(std::uint64_t frame) const
     return has(frame) ? slots_[frame % kFrames].count : 0;
 }
 
+std::shared_ptr<const rules::Engine> RecordRing::rules(std::uint64_t frame) const
+{
+    return has(frame) ? slots_[frame % kFrames].rules : nullptr;
+}
+
 DecisionRecord RecordRing::at(std::uint64_t frame, std::uint32_t index) const
 {
     DecisionRecord out;
     const std::size_t place = cell(frame, index);
     static_cast<RecordHead&>(out) = heads_[place];
+    if (const auto engine = rules(frame)) {
+        rules::Inference inference = engine->makeInference();
+        engine->evaluate(out.facts, inference);
+        out.fired = strongestRules(*engine, inference);
+    }
     std::copy_n(candidates_.begin() + static_cast<std::ptrdiff_t>(place * methods_), out.methods,
                 out.candidates.begin());
     return out;

@@ -3,6 +3,7 @@
 // when somebody asks (explain.hpp).
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -24,7 +25,19 @@ enum class Replan : std::uint8_t {
     count
 };
 
-/// All of a record but its candidates.
+/// One of the rules that fired most strongly.
+struct FiredRule {
+    std::uint32_t rule = rules::kNoRule;
+    std::uint32_t variable = rules::kNoRule; ///< Of the limiting antecedent, as rules::RuleState counts.
+    std::uint32_t term = 0;
+    float strength = 0.0f;   ///< Weight included.
+    float membership = 0.0f; ///< Of the limiting term.
+    float weight = 1.0f;
+};
+constexpr std::size_t kFiredRules = 4;
+using FiredRules = std::array<FiredRule, kFiredRules>; ///< Strongest first; what did not fire is kNoRule.
+
+/// What is written down of a decision each frame, beside its candidates.
 struct RecordHead {
     std::uint64_t frame = 0;
     std::uint64_t ruleHash = 0;  ///< rules::RuleBase::textHash; 0: no rules.
@@ -57,10 +70,14 @@ struct RecordHead {
     float gain = 0.0f;      ///< What the best plan is worth more, as a share of planValue.
     float threshold = 0.0f; ///< The gain that a change needs.
     FactValues facts{};
-    std::array<FiredRule, kFiredRules> fired{};
 };
 
-struct DecisionRecord : RecordHead {
+/// The same with the rules behind it, which follow from its facts whenever somebody asks.
+struct ReasonedHead : RecordHead {
+    FiredRules fired{};
+};
+
+struct DecisionRecord : ReasonedHead {
     std::array<Candidate, kMaxMethods> candidates{};
 
     std::span<const Candidate> all() const { return std::span(candidates).first(methods); }
@@ -77,20 +94,20 @@ struct FrameRecord {
     plan::PlanReport report;
 };
 
-/// The strongest rules of an inference; what did not fire is kNoRule.
-std::array<FiredRule, kFiredRules> strongestRules(const rules::Engine& engine, const rules::Inference& inference);
+FiredRules strongestRules(const rules::Engine& engine, const rules::Inference& inference);
 
 /// The record of one settled decision. @param measuredAt frame of the distance measurement in use
 RecordHead makeRecord(const LightDecision& decision, const FrameRecord& frame, std::uint64_t measuredAt);
 
 /// The last 256 frames of a view. Grows when more lights or methods appear than ever before, else allocates nothing:
-/// a light of 6 methods takes 137 kB.
+/// a light of 6 methods takes 123 kB.
 class RecordRing {
 public:
     static constexpr std::uint32_t kFrames = 256;
 
-    /// Starts a frame, over the one of 256 frames ago.
-    void begin(std::uint64_t frame, std::uint32_t lights, std::uint32_t methods);
+    /// Starts a frame, over the one of 256 frames ago. @param rules what decides it, kept as long; null: none
+    void begin(std::uint64_t frame, std::uint32_t lights, std::uint32_t methods,
+               std::shared_ptr<const rules::Engine> rules);
     /// At most as many as begin() was told.
     void add(const RecordHead& head, std::span<const Candidate> candidates);
     /// A timing of a frame in the ring has come in.
@@ -101,6 +118,8 @@ public:
     bool has(std::uint64_t frame) const;
     /// Lights of a frame; 0 for one that is not in the ring.
     std::uint32_t lights(std::uint64_t frame) const;
+    /// The rules a frame was decided by, whatever was loaded since; null: none, or the frame is not in the ring.
+    std::shared_ptr<const rules::Engine> rules(std::uint64_t frame) const;
     DecisionRecord at(std::uint64_t frame, std::uint32_t index) const;
     /// False if the frame is not in the ring or did not have the light.
     bool find(std::uint64_t frame, std::uint32_t lightId, DecisionRecord& out) const;
@@ -109,6 +128,7 @@ private:
     struct Slot {
         std::uint64_t frame = 0;
         std::uint32_t count = 0;
+        std::shared_ptr<const rules::Engine> rules;
     };
     std::size_t cell(std::uint64_t frame, std::uint32_t index) const { return frame % kFrames * lights_ + index; }
     void grow(std::uint32_t lights, std::uint32_t methods);

@@ -28,7 +28,7 @@ auto floatsOf(Head& head)
                       &head.planValue,  &head.gain,          &head.threshold};
 }
 
-void writeHead(ByteWriter& out, const RecordHead& head)
+void writeHead(ByteWriter& out, const ReasonedHead& head)
 {
     out.integer(head.frame);
     out.integer(head.ruleHash);
@@ -101,7 +101,7 @@ void DecisionLog::add(const DecisionRecord& record)
 DecisionRecord DecisionLog::record(std::size_t index) const
 {
     DecisionRecord out;
-    static_cast<RecordHead&>(out) = heads[index];
+    static_cast<ReasonedHead&>(out) = heads[index];
     std::copy_n(candidates.begin() + static_cast<std::ptrdiff_t>(index * methods.size()), methods.size(),
                 out.candidates.begin());
     return out;
@@ -228,7 +228,7 @@ private:
 
     void readRecord()
     {
-        RecordHead head;
+        ReasonedHead head;
         head.methods = static_cast<std::uint32_t>(log_.methods.size());
         head.frame = in_.integer<std::uint64_t>();
         if (head.frame < log_.frameOrigin) fault("has a frame before its origin");

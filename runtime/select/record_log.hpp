@@ -55,7 +55,7 @@ struct DecisionLog {
     std::vector<LoggedMethod> methods;
     std::string rulesName, rulesText;
     std::vector<LoggedLight> lights;
-    std::vector<RecordHead> heads;     ///< By frame; every one has as many methods as there are above.
+    std::vector<ReasonedHead> heads;   ///< By frame; every one has as many methods as there are above.
     std::vector<Candidate> candidates; ///< heads x methods
     std::deque<std::string> refusals;  ///< Candidate::refusal points here after reading.
 

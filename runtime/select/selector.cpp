@@ -1,6 +1,7 @@
 #include "runtime/select/selector.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "runtime/select/choice.hpp"
@@ -41,8 +42,7 @@ Result<void> Selector::loadRules(std::string_view text, std::string_view fileNam
         return Error{GN_ERROR_RULES, "RulesRefused",
                      first != findings.end() ? rules::toText(*first) : std::string(fileName) + ": refused"};
     }
-    engine_ = std::move(engine);
-    inference_ = engine_->makeInference();
+    adopt(std::move(*engine));
     rulesText_ = text;
     rulesName_ = fileName;
     return {};
@@ -60,16 +60,15 @@ Result<void> Selector::rebind(const AlgorithmRegistry& registry)
     if (!engine)
         return Error{GN_ERROR_RULES, "RulesRefused",
                      findings.empty() ? "the rules no longer bind" : rules::toText(findings.front())};
-    engine_ = std::move(engine);
-    inference_ = engine_->makeInference();
+    adopt(std::move(*engine));
     return {};
 }
 
-const char* Selector::ruleName(std::uint32_t rule) const
+void Selector::adopt(rules::Engine engine)
 {
-    if (!engine_ || rule == rules::kNoRule) return nullptr;
-    const std::string_view id = engine_->ruleId(rule);
-    return id.empty() ? nullptr : id.data(); // ends with a zero: it is a whole std::string or a literal
+    engine_ = std::make_shared<const rules::Engine>(std::move(engine));
+    batch_.emplace(*engine_);
+    opinions_ = {};
 }
 
 /// Capability: what no rule can overrule.
@@ -100,32 +99,41 @@ Candidate Selector::examine(const Method& method, const SelectionInput& input, c
     return {};
 }
 
-/// Suitability of every method, from the rules; without rules the exact ones first, then the fallback.
-void Selector::rank(const SelectionInput&, LightDecision& decision)
+/// Suitability of every method, from the rules.
+void Selector::rank(std::span<LightDecision> decisions)
 {
-    if (engine_) {
-        engine_->evaluate(decision.facts, inference_);
-        decision.fired = strongestRules(*engine_, inference_);
-        decision.floorTruth = inference_.floorTruth;
-        for (std::uint32_t i = 0; i < methods_.size(); ++i) {
-            const rules::OutputState& output = inference_.outputs[i];
-            Candidate& candidate = decision.candidates[i];
-            candidate.opinion = output.hasOpinion;
-            candidate.quantised = output.quantised;
-            if (output.vetoed && candidate.exclusion == Exclusion::none) {
+    const auto lights = static_cast<std::uint32_t>(decisions.size());
+    if (opinions_.stride < lights) opinions_ = batch_->makeInference(std::bit_ceil(lights));
+    facts_.resize(kFactCount * lights);
+    for (std::size_t fact = 0; fact < kFactCount; ++fact)
+        for (std::uint32_t i = 0; i < lights; ++i)
+            facts_[fact * lights + i] = decisions[i].facts[fact];
+    batch_->evaluateBatch(facts_, lights, opinions_);
+    for (std::uint32_t i = 0; i < lights; ++i) {
+        decisions[i].floorTruth = opinions_.floorTruth[i];
+        for (std::uint32_t m = 0; m < methods_.size(); ++m) {
+            Candidate& candidate = decisions[i].candidates[m];
+            const std::size_t place = opinions_.at(m, i);
+            candidate.quantised = opinions_.quantised[place];
+            candidate.opinion = candidate.quantised >= 0;
+            if (opinions_.vetoRule[place] != rules::kNoRule && candidate.exclusion == Exclusion::none) {
                 candidate.exclusion = Exclusion::vetoed;
-                candidate.detail = output.vetoRule;
+                candidate.detail = opinions_.vetoRule[place];
             }
         }
-        return;
     }
+}
+
+/// The exact ones first, then the fallback.
+void Selector::rankWithoutRules(LightDecision& decision) const
+{
     for (std::uint32_t i = 0; i < methods_.size(); ++i) {
         Candidate& candidate = decision.candidates[i];
         candidate.quantised = methods_[i].isExact() ? 2 : methods_[i].has(GN_TRAIT_FALLBACK_BIT) ? 1 : 0;
     }
 }
 
-LightDecision Selector::assess(const SelectionInput& input, const LightMemory& memory)
+LightDecision Selector::assess(const SelectionInput& input, const LightMemory& memory) const
 {
     LightDecision decision;
     decision.light = input.light->handle;
@@ -156,22 +164,26 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     }
     for (std::uint32_t i = 0; i < methods_.size(); ++i)
         decision.candidates[i] = examine(methods_[i], input, unprepared, memory.fade.shows(i) ? i : memory.incumbent);
-    rank(input, decision);
+    return decision;
+}
 
+void Selector::choose(std::span<LightDecision> decisions)
+{
+    if (engine_ && !decisions.empty()) rank(decisions);
     std::uint32_t fallbacks = 0;
     for (std::uint32_t i = 0; i < methods_.size(); ++i)
         fallbacks |= methods_[i].has(GN_TRAIT_FALLBACK_BIT) ? 1u << i : 0u;
-    const Choice choice =
-        chooseBySuitability(std::span(decision.candidates).first(methods_.size()), {.incumbent = decision.incumbent,
-                                                                                    .pinned = input.pinned,
-                                                                                    .fallbacks = fallbacks,
-                                                                                    .hasRules = engine_.has_value()});
-    decision.method = choice.method;
-    decision.wanted = choice.wanted;
-    decision.reason = choice.reason;
-    const std::uint32_t best = choice.method;
-    if (best != UINT32_MAX && engine_) decision.rule = inference_.outputs[best].strongestRule;
-    return decision;
+    for (LightDecision& decision : decisions) {
+        if (!engine_) rankWithoutRules(decision);
+        const Choice choice = chooseBySuitability(std::span(decision.candidates).first(methods_.size()),
+                                                  {.incumbent = decision.incumbent,
+                                                   .pinned = decision.pinned,
+                                                   .fallbacks = fallbacks,
+                                                   .hasRules = engine_ != nullptr});
+        decision.method = choice.method;
+        decision.wanted = choice.wanted;
+        decision.reason = choice.reason;
+    }
 }
 
 void Selector::commit(LightDecision& decision, LightMemory& memory, std::uint64_t frame) const

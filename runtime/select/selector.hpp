@@ -1,12 +1,15 @@
 #pragma once
 // Facts in, a method per light out, with everything that is needed to say why.
 #include <array>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
 
+#include "rules/engine/batch.hpp"
 #include "rules/engine/engine.hpp"
 #include "runtime/cost/cost_model.hpp"
 #include "runtime/plan/plan.hpp"
@@ -44,17 +47,6 @@ struct Candidate {
     plan::Why why = plan::Why::outscored; ///< By the plan step, or by the best suitability where there is none.
 };
 
-/// One of the rules that fired most strongly.
-struct FiredRule {
-    std::uint32_t rule = rules::kNoRule;
-    std::uint32_t variable = rules::kNoRule; ///< Of the limiting antecedent, as rules::RuleState counts.
-    std::uint32_t term = 0;
-    float strength = 0.0f;   ///< Weight included.
-    float membership = 0.0f; ///< Of the limiting term.
-    float weight = 1.0f;
-};
-constexpr std::size_t kFiredRules = 4;
-
 /// What was decided for one light in one view, and from what. Fixed size.
 struct LightDecision {
     GnLight light = VK_NULL_HANDLE;
@@ -69,15 +61,13 @@ struct LightDecision {
     float viewerDistance = 0.0f;
     bool distanceMeasured = false;
     bool switched = false;
-    bool guessed = false;                       ///< The incumbent was chosen before its receivers were measured.
-    std::uint32_t outgoing = UINT32_MAX;        ///< Runs as well while the picture fades from it.
-    float fade = 1.0f;                          ///< Share of `method` in what is shown.
-    std::uint32_t probed = UINT32_MAX;          ///< Runs as well, to be measured; what it shows nobody sees.
-    const char* noFade = nullptr;               ///< Why a fade was not begun, or cut short. Static storage.
-    bool floorUnmet = false;                    ///< Near, but no eligible method is good enough.
-    double floorTruth = 0.0;                    ///< How true the rule base's condition for near quality is.
-    std::uint32_t rule = rules::kNoRule;        ///< Strongest behind the method.
-    std::array<FiredRule, kFiredRules> fired{}; ///< Strongest first.
+    bool guessed = false;                ///< The incumbent was chosen before its receivers were measured.
+    std::uint32_t outgoing = UINT32_MAX; ///< Runs as well while the picture fades from it.
+    float fade = 1.0f;                   ///< Share of `method` in what is shown.
+    std::uint32_t probed = UINT32_MAX;   ///< Runs as well, to be measured; what it shows nobody sees.
+    const char* noFade = nullptr;        ///< Why a fade was not begun, or cut short. Static storage.
+    bool floorUnmet = false;             ///< Near, but no eligible method is good enough.
+    double floorTruth = 0.0;             ///< How true the rule base's condition for near quality is.
     std::uint32_t pinned = UINT32_MAX;
     float importance = 1.0f;
     plan::Hold hold = plan::Hold::none;
@@ -133,35 +123,42 @@ public:
     /// Methods were added: the names the rules may use have grown.
     Result<void> rebind(const AlgorithmRegistry& registry);
 
-    bool hasRules() const { return engine_.has_value(); }
-    const rules::Engine* engine() const { return engine_ ? &*engine_ : nullptr; }
+    bool hasRules() const { return engine_ != nullptr; }
+    const rules::Engine* engine() const { return engine_.get(); }
+    /// Records outlive the rules in force: whoever explains one later keeps those it was decided by.
+    const std::shared_ptr<const rules::Engine>& sharedEngine() const { return engine_; }
     /// The rule base in force as it was read, and the name it came under.
     std::string_view rulesText() const { return rulesText_; }
     std::string_view rulesName() const { return rulesName_; }
 
-    /// Facts, candidates and the best by suitability; allocates nothing, changes nothing.
-    LightDecision assess(const SelectionInput& input, const LightMemory& memory);
+    /// Facts and capability of one light; allocates nothing. No method is chosen yet.
+    LightDecision assess(const SelectionInput& input, const LightMemory& memory) const;
+    /// What the rules think of all of them, asked together, and the best by suitability. Allocates only for more lights
+    /// than ever before.
+    void choose(std::span<LightDecision> decisions);
     /// The method is settled: what the log says of it, and what the next frame remembers.
     void commit(LightDecision& decision, LightMemory& memory, std::uint64_t frame) const;
 
-    /// Id of a rule, or null; lives until rules are loaded anew.
-    const char* ruleName(std::uint32_t rule) const;
     /// All facts, rules and candidates of a decision.
     std::string explain(const LightDecision& decision) const;
 
 private:
     std::vector<rules::Diagnostic> bind(rules::RuleBase base, const AlgorithmRegistry& registry,
                                         std::optional<rules::Engine>& engine) const;
+    void adopt(rules::Engine engine);
     struct Unprepared { ///< Casters that wait for workers.
         std::uint64_t topology = 0, trees = 0;
     };
     Candidate examine(const Method& method, const SelectionInput& input, const Unprepared& casters,
                       std::uint32_t incumbent) const;
-    void rank(const SelectionInput& input, LightDecision& decision);
+    void rank(std::span<LightDecision> decisions);
+    void rankWithoutRules(LightDecision& decision) const;
 
     MethodTable& methods_;
-    std::optional<rules::Engine> engine_;
-    mutable rules::Inference inference_;
+    std::shared_ptr<const rules::Engine> engine_; ///< Null: no rules.
+    std::optional<rules::BatchEngine> batch_;     ///< Of engine_.
+    rules::BatchInference opinions_;              ///< Of a view's lights.
+    std::vector<double> facts_;                   ///< A column per fact, as batch_ reads them.
     std::string rulesText_, rulesName_;
 };
 

@@ -51,6 +51,13 @@ TEST_CASE_FIXTURE(DeviceTest, "all four questions are answered, for the newest f
     CHECK(contains(ask(host, {.kind = GN_QUESTION_WHAT_CHANGED}), "still octree_volume"));
     CHECK(contains(ask(host, {.kind = GN_QUESTION_WHY, .frame = 8}), "measured ")); // a timed frame
 
+    // Other rules for what comes; what was decided before is explained by those that decided it.
+    const std::string other = shippedRules("quality");
+    host.require(gnLoadRules(host.context, other.data(), other.size(), "quality"));
+    CHECK(contains(ask(host, {.kind = GN_QUESTION_WHY, .frame = 12}), "rule T1"));
+    CHECK(std::string(host.decision(0).pRule) == "T1"); // the newest frame is one of them
+    host.require(gnLoadRules(host.context, rules.data(), rules.size(), "thesis"));
+
     host.pinAll("shadow_map");
     host.draw(3, {});
     text = ask(host, {.kind = GN_QUESTION_WHAT_CHANGED, .frame = 13});

@@ -60,10 +60,11 @@ void keep(benchmark::State& state)
     Desk desk = defaultDesk();
     DecisionRecord record = defaultRecord(desk);
     const auto lights = static_cast<std::uint32_t>(state.range(0));
+    const auto rules = std::make_shared<const rules::Engine>(desk.engine());
     RecordRing ring;
     std::uint64_t frame = 0;
     for (auto _ : state) {
-        ring.begin(++frame, lights, record.methods);
+        ring.begin(++frame, lights, record.methods, rules);
         record.frame = frame;
         for (std::uint32_t i = 0; i < lights; ++i)
             ring.add(record, record.all());

@@ -132,7 +132,6 @@ DecisionRecord Desk::decide(const Situation& situation)
     decision.pinned = situation.pinned;
     decision.importance = static_cast<float>(situation.importance);
     decision.floorTruth = inference.floorTruth;
-    decision.fired = strongestRules(engine_, inference);
     for (std::uint32_t m = 0; m < methods; ++m) {
         Candidate& candidate = decision.candidates[m] = situation.candidates[m];
         candidate.quantised = inference.outputs[m].quantised;
@@ -169,6 +168,7 @@ DecisionRecord Desk::decide(const Situation& situation)
     decision.switched = situation.incumbent != UINT32_MAX && decision.method != situation.incumbent;
     DecisionRecord record;
     static_cast<RecordHead&>(record) = makeRecord(decision, frame, frame_);
+    record.fired = strongestRules(engine_, inference);
     record.candidates = decision.candidates;
     return record;
 }

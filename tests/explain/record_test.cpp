@@ -37,7 +37,7 @@ std::vector<Candidate> candidatesOf(std::uint64_t frame, std::uint32_t count)
 void fill(RecordRing& ring, std::uint64_t first, std::uint64_t last, std::uint32_t lights, std::uint32_t methods)
 {
     for (std::uint64_t frame = first; frame <= last; ++frame) {
-        ring.begin(frame, lights, methods);
+        ring.begin(frame, lights, methods, nullptr);
         for (std::uint32_t light = 0; light < lights; ++light)
             ring.add(headOf(frame, 10 + light, methods), candidatesOf(frame, methods));
     }
@@ -136,7 +136,7 @@ TEST_CASE("a ring in use allocates nothing, and its record holds no memory of it
     const std::vector<Candidate> candidates = candidatesOf(1, 6);
     const size_t before = allocationCount();
     for (std::uint64_t frame = 2; frame < 1000; ++frame) {
-        ring.begin(frame, 8, 6);
+        ring.begin(frame, 8, 6, nullptr);
         for (std::uint32_t light = 0; light < 8; ++light)
             ring.add(headOf(frame, light, 6), candidates);
     }
@@ -158,6 +158,31 @@ TEST_CASE("a record keeps the strongest rules, strongest first, with what limits
     }
     CHECK(std::string(desk.engine().variableName(record.fired[2].variable)) == "casterTriangles");
     CHECK(record.fired[3].rule == rules::kNoRule);
+}
+
+TEST_CASE("a record is explained by the rules it was decided by, whatever was loaded since")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    situation.fact(Fact::viewerDistance) = 10.0;
+    DecisionRecord record = desk.decide(situation);
+    auto decided = std::make_shared<const rules::Engine>(desk.engine());
+    const std::weak_ptr<const rules::Engine> watched = decided;
+    RecordRing ring;
+    ring.begin(record.frame, 1, record.methods, std::move(decided));
+    ring.add(record, record.all());
+    ring.begin(record.frame + 1, 1, record.methods, nullptr); // the rules were taken away
+    CHECK(ring.rules(record.frame + 1) == nullptr);
+    REQUIRE(ring.rules(record.frame) == watched.lock());
+    const DecisionRecord kept = ring.at(record.frame, 0);
+    REQUIRE(kept.fired[0].rule != rules::kNoRule);
+    for (std::size_t i = 0; i < kFiredRules; ++i) {
+        CHECK(kept.fired[i].rule == record.fired[i].rule);
+        CHECK(kept.fired[i].strength == record.fired[i].strength);
+    }
+    // ... and let go when the frame leaves the ring.
+    ring.begin(record.frame + RecordRing::kFrames, 1, record.methods, nullptr);
+    CHECK(watched.expired());
 }
 
 TEST_CASE("a log read back answers every question with the same words")
@@ -241,7 +266,8 @@ TEST_CASE("whatever bytes a log holds, reading ends in a log or an error, and a 
     CHECK(errors > 1000);
 }
 
-TEST_CASE("without a budget the cheapest of those that show as much serves, and stays until something is clearly cheaper")
+TEST_CASE(
+    "without a budget the cheapest of those that show as much serves, and stays until something is clearly cheaper")
 {
     std::array<Candidate, 4> all{};
     const auto set = [&](uint32_t m, int32_t suitability, float quality, float ms) {
