@@ -11,7 +11,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr uint32_t kPointsPerKind = 40;
-constexpr uint32_t kLeastPoints = 12; // below that there are hardly more rows than coefficients
 constexpr double kFrameStep = 1.0 / 60.0;
 constexpr uint32_t kSceneSamples = 6;
 
@@ -62,7 +61,7 @@ Sweeper::Sweeper(Device& device)
     warmUp(session_);
 }
 
-SweepRun Sweeper::run(const SweepMethod& method, double seconds)
+SweepRun Sweeper::run(const SweepMethod& method, double seconds, uint32_t leastPoints)
 {
     SweepRun out;
     const Clock::time_point start = Clock::now();
@@ -71,12 +70,15 @@ SweepRun Sweeper::run(const SweepMethod& method, double seconds)
         if (!(method.traits & traitOf(point.kind))) continue;
         // The next point takes about as long as those before it.
         const double expected = out.points > 0 ? secondsSince(start) * (out.points + 1) / out.points : 0.0;
-        if (expected > seconds && out.points >= kLeastPoints) break;
+        if (expected > seconds && out.points >= leastPoints) break;
         session_.renderer.resize({point.width, point.height});
         if (method.hasMap) expect(session_.shadows.set(method.name, kResolutionSetting, point.mapSide));
+        // What is left, over the points that there must be: one that took longer is made good by the others.
+        const double left = std::max(seconds - secondsSince(start), 0.0);
+        const uint32_t owed = leastPoints - std::min(out.points, leastPoints - 1);
         const Moment moment{.time = point.time,
                             .step = point.motion == SweepMotion::nothing ? 0.0 : kFrameStep,
-                            .seconds = seconds / kLeastPoints};
+                            .seconds = std::min(left / owed, seconds / leastPoints)};
         const MomentTimes times = measureMoment(session_, method.name, moment);
         std::vector<cost::KnowledgeRow> rows = rowsOf(times, method.algorithm, device_);
         // Errors vary slowly over the sweep; every second point tells enough of them.

@@ -22,11 +22,13 @@ struct SweepRun {
     double seconds = 0.0;
 };
 
+constexpr uint32_t kLeastPoints = 12; ///< To learn from: below that there are hardly more rows than coefficients.
+
 class Sweeper {
 public:
     explicit Sweeper(Device& device);
     /// As many points as fit into the time, but at least the first few of every kind of light it serves.
-    SweepRun run(const SweepMethod& method, double seconds);
+    SweepRun run(const SweepMethod& method, double seconds, uint32_t leastPoints = kLeastPoints);
 
 private:
     bool measureErrors(std::vector<cost::KnowledgeRow>& rows, const MomentTimes& times);

@@ -59,7 +59,7 @@ struct BudgetCount {
     uint32_t undisturbed = 0, within = 0;
     double worst = 0.0;     ///< Shadow time over budget.
     uint32_t tooLittle = 0; ///< Frames in which the cheapest plan that keeps the near floor was foretold to take more.
-    double ms = 0.0;        ///< The newest.
+    double leastMs = std::numeric_limits<double>::infinity(), mostMs = 0.0;
 };
 
 class Comparison {
@@ -231,7 +231,8 @@ void Comparison::countBudget(const std::vector<FrameTime>& frames)
     const double first = frameTime(scene_, 0) + 1.0; // the first second is for learning
     for (uint32_t i = 0; i < frames.size(); ++i) {
         if (frameTime(scene_, i) < first || frames[i].sentinelMs > limit || frames[i].budgetMs <= 0.0) continue;
-        budget_.ms = frames[i].budgetMs;
+        budget_.leastMs = std::min(budget_.leastMs, frames[i].budgetMs);
+        budget_.mostMs = std::max(budget_.mostMs, frames[i].budgetMs);
         if (frames[i].predictedMs > frames[i].budgetMs) {
             ++budget_.tooLittle;
             continue;
@@ -287,9 +288,9 @@ void Comparison::print() const
         printAgainst(contestants_[i]);
     if (budget_.undisturbed + budget_.tooLittle > 0)
         std::printf(
-            "budget %.2f ms: kept in %.2f %% of %u undisturbed frames after the first second, worst %.2f x; in %u "
+            "budget %.2f to %.2f ms: kept in %.2f %% of %u undisturbed frames after the first second, worst %.2f x; in %u "
             "more no plan keeps it and the near floor\n",
-            budget_.ms, 100.0 * budget_.within / std::max(1u, budget_.undisturbed), budget_.undisturbed, budget_.worst,
+            budget_.leastMs, budget_.mostMs, 100.0 * budget_.within / std::max(1u, budget_.undisturbed), budget_.undisturbed, budget_.worst,
             budget_.tooLittle);
     if (!options_.plot.empty()) plot();
 }

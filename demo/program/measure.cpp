@@ -103,6 +103,7 @@ PairTimes timePairs(Session& session, uint32_t pairs, bool recorded, OtherShadow
         const GnFrameStats stats = other ? GnFrameStats{} : session.shadows.stats();
         times.gpuMs.push_back(double(stats.gpuMs));
         times.cpuMs.push_back(double(stats.cpuMs));
+        times.raysMs.push_back(double(stats.raysMs));
     }
     return times;
 }

@@ -40,6 +40,7 @@ void settle(Session& session, double time, bool recorded);
 struct PairTimes {
     std::vector<double> withMs, withoutMs; ///< Wall time of each frame of the interleaved pairs.
     std::vector<double> gpuMs, cpuMs;      ///< As gnomon reports them.
+    std::vector<double> raysMs;            ///< Inside the ray tracer, all threads.
 };
 
 /// Alternates frames without and with shadows; both of a pair show the same time. \param shadows false: `other`

@@ -259,7 +259,7 @@ private:
     std::array<float, 30> frameTimes_{};
     std::uint32_t frameTimeCount_ = 0;
     std::chrono::steady_clock::time_point lastFrameStart_{};
-    std::uint64_t objectsBefore_ = 0, pipelinesBefore_ = 0;
+    std::uint64_t objectsBefore_ = 0, pipelinesBefore_ = 0, queriesBefore_ = 0; ///< When the frame began.
     GnFrameStats stats_{};
     bool lost_ = false;
     std::string lastError_;

@@ -90,6 +90,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
                                    std::chrono::steady_clock::time_point start)
 {
     objectsBefore_ = vk_->objectsMade;
+    queriesBefore_ = rays_ ? rays_->queryNanoseconds() : 0;
     pipelinesBefore_ = vk_->pipelinesMade;
     if (frame_ != 0) {
         const auto ms = std::chrono::duration<float, std::milli>(start - lastFrameStart_).count();
@@ -397,6 +398,13 @@ void Context::updateBudget(const GnFrameInfo& info)
     if (automatic) {
         if (autoBudgetRules_ != base->textHash) autoBudget_.restart();
         autoBudgetRules_ = base->textHash;
+        std::uint32_t lights = 0;
+        bool cut = false;
+        for (std::uint32_t i = 0; i < info.viewCount; ++i) {
+            lights += info.pViews[i].lightCount;
+            cut |= info.pViews[i].cameraCut != VK_FALSE;
+        }
+        autoBudget_.look(lights, cut);
         // What was timed last, if nothing but methods had a part in it.
         const bool disturbed = std::any_of(disturbed_.begin(), disturbed_.end(), [&](std::uint64_t frame) {
             return frame != 0 && frame + kTimedPeriod > info.frame;

@@ -106,6 +106,7 @@ void Context::finishStats()
     stats_.passesKept = graph_->keptPasses();
     stats_.indexListsBuilt = counters.indexListsBuilt;
     stats_.rays = counters.rays;
+    if (rays_) stats_.raysMs = 1e-6f * static_cast<float>(rays_->queryNanoseconds() - queriesBefore_);
     stats_.cpuMs = counters.cpuMs;
     stats_.deviceAllocations = static_cast<std::uint32_t>(vk_->objectsMade - objectsBefore_);
     stats_.pipelinesCreated = static_cast<std::uint32_t>(vk_->pipelinesMade - pipelinesBefore_);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -14,6 +15,24 @@
 
 namespace gnomon {
 namespace {
+
+/// Adds the time until its end to a sum of several threads.
+class QueryTimer {
+public:
+    explicit QueryTimer(std::atomic<std::uint64_t>& sum) : sum_(sum) {}
+    ~QueryTimer()
+    {
+        const auto took = std::chrono::steady_clock::now() - start_;
+        const auto nanoseconds = std::chrono::duration_cast<std::chrono::nanoseconds>(took).count();
+        sum_.fetch_add(static_cast<std::uint64_t>(nanoseconds), std::memory_order_relaxed);
+    }
+    QueryTimer(const QueryTimer&) = delete;
+    QueryTimer& operator=(const QueryTimer&) = delete;
+
+private:
+    std::atomic<std::uint64_t>& sum_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 bool countBytes(void* total, ssize_t bytes, bool)
 {
@@ -85,6 +104,7 @@ struct RayScene::Impl {
     std::vector<std::uint32_t> lastOrder;                     ///< Places of the last update's casters, in its order.
     std::uint64_t updates = 0;
     std::uint32_t opacityMask = 0; ///< Union of the masks of casters with an opacity.
+    mutable std::atomic<std::uint64_t> queryNanoseconds{0};
 
     Impl();
     Impl(const Impl&) = delete;
@@ -349,6 +369,7 @@ void RayScene::occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask
         std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
         return;
     }
+    const QueryTimer timer(impl_->queryNanoseconds);
     const FloatMode mode;
     Query query = impl_->query(lightMask);
     if (coherence == RayCoherence::tiles)
@@ -362,9 +383,15 @@ void RayScene::occluded(std::span<const RayPacket> packets, std::uint32_t lightM
 {
     std::fill(blocked.begin(), blocked.end(), std::uint16_t{0});
     if (!impl_->device) return;
+    const QueryTimer timer(impl_->queryNanoseconds);
     const FloatMode mode;
     Query query = impl_->query(lightMask);
     tracePackets(impl_->top, query, packets, blocked);
+}
+
+std::uint64_t RayScene::queryNanoseconds() const noexcept
+{
+    return impl_->queryNanoseconds.load(std::memory_order_relaxed);
 }
 
 std::size_t RayScene::memoryBytes() const noexcept

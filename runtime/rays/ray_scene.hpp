@@ -101,6 +101,8 @@ public:
     void occluded(std::span<const RayPacket> packets, std::uint32_t lightMask, std::span<std::uint16_t> blocked) const;
 
     std::size_t memoryBytes() const noexcept;
+    /// CPU time inside Embree's queries so far, added up over threads.
+    std::uint64_t queryNanoseconds() const noexcept;
 
 private:
     struct Impl;

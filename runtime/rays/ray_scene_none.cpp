@@ -49,6 +49,11 @@ void RayScene::occluded(std::span<const RayPacket>, std::uint32_t, std::span<std
 {
     std::fill(blocked.begin(), blocked.end(), std::uint16_t{0});
 }
+std::uint64_t RayScene::queryNanoseconds() const noexcept
+{
+    return 0;
+}
+
 std::size_t RayScene::memoryBytes() const noexcept
 {
     return 0;

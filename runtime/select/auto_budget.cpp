@@ -4,12 +4,23 @@
 
 namespace gnomon {
 
+void AutoBudget::look(std::uint32_t lights, bool cut)
+{
+    const std::uint32_t changed = lights > lights_ ? lights - lights_ : lights_ - lights;
+    const bool other = cut || 4 * changed >= std::max(lights_, 1u);
+    if (!other || lights == 0) return; // without lights nothing is spent
+    const bool known = !measuring() || again_;
+    *this = {};
+    again_ = known;
+    lights_ = lights;
+}
+
 bool AutoBudget::note(double tookMs, double intervalMs)
 {
     if (!measuring() || !(tookMs > 0.0)) return false;
     tookMs_[frames_++] = tookMs;
     elapsedMs_ += intervalMs;
-    const bool enough = frames_ >= kFewestFrames && elapsedMs_ >= 1000.0;
+    const bool enough = again_ ? frames_ >= kFewestAgain : frames_ >= kFewestFrames && elapsedMs_ >= 1000.0;
     if (!enough && frames_ < kMostFrames) return false;
     // The median of the later half: the first frames fill caches and make maps that are kept.
     const auto first = tookMs_.begin() + frames_ / 2, last = tookMs_.begin() + frames_;

@@ -5,7 +5,9 @@
 
 namespace gnomon {
 
-/// 1.3 times the cheapest plan that keeps the near floor, measured in the first second, in which that plan runs.
+/// 1.3 times the cheapest plan that keeps the near floor, measured in the first second, in which that plan runs; anew,
+/// in a part of a second, after a camera cut and when a quarter of the lights have come or gone: that plan is another
+/// one.
 class AutoBudget {
 public:
     /// Room for one step up where every light has the cheapest method (selector.md 2.9).
@@ -14,9 +16,13 @@ public:
     /// eight) on either side of the half that counts.
     static constexpr std::uint32_t kMostFrames = 60;
     static constexpr std::uint32_t kFewestFrames = 32;
+    /// What is known of the methods by then need not be learned again: one timed frame on either side.
+    static constexpr std::uint32_t kFewestAgain = 16;
 
     /// Measures anew.
     void restart() { *this = {}; }
+    /// Each frame, before note(). @param lights of all views
+    void look(std::uint32_t lights, bool cut);
     bool measuring() const { return ms_ == 0.0; }
     /// One frame of the cheapest plan. @return true if this frame made the budget known.
     /// @param tookMs     Of all shadow passes, > 0.
@@ -27,6 +33,8 @@ public:
 private:
     std::array<double, kMostFrames> tookMs_{};
     std::uint32_t frames_ = 0;
+    std::uint32_t lights_ = 0; ///< That it is, or was, measured with.
+    bool again_ = false;
     double elapsedMs_ = 0.0;
     double ms_ = 0.0;
 };

@@ -80,13 +80,13 @@ TEST_CASE("a fade turns round where the change is taken back, and no share moves
 {
     Light light(kA);
     light.next(kB);
-    light.next(kB);                                // 2/5 B
-    CHECK(is(light.next(kA), kB, 4.0f / 5.0f));    // 1/5 B
-    CHECK(is(light.next(kB), kA, 2.0f / 5.0f));    // 2/5 B
+    light.next(kB);                             // 2/5 B
+    CHECK(is(light.next(kA), kB, 4.0f / 5.0f)); // 1/5 B
+    CHECK(is(light.next(kB), kA, 2.0f / 5.0f)); // 2/5 B
     CHECK(is(light.next(kB), kA, 3.0f / 5.0f));
     Light early(kA);
-    early.next(kB);                                // 1/5 B
-    CHECK(is(early.next(kA), Fade::kNone, 1.0f));  // 0/5 B
+    early.next(kB);                               // 1/5 B
+    CHECK(is(early.next(kA), Fade::kNone, 1.0f)); // 0/5 B
     CHECK(is(early.next(kA), Fade::kNone, 1.0f));
 }
 
@@ -172,6 +172,37 @@ TEST_CASE("budget auto is 1.3 times the median of the later half of the first se
     CHECK(budget.ms() == doctest::Approx(2.6));
     budget.restart();
     CHECK(budget.measuring());
+}
+
+TEST_CASE("budget auto is measured anew after a cut and when a quarter of the lights have come or gone")
+{
+    AutoBudget budget;
+    const auto measure = [&](std::uint32_t lights, double ms) {
+        std::uint32_t frames = 0;
+        for (budget.look(lights, false); budget.measuring(); budget.look(lights, false)) {
+            budget.note(ms, 5.0);
+            ++frames;
+        }
+        return frames;
+    };
+    CHECK(measure(8, 2.0) == AutoBudget::kMostFrames); // 300 ms: not a second yet
+    budget.look(9, false);
+    budget.look(7, false);
+    budget.look(0, false); // a frame without lights
+    CHECK(budget.ms() == doctest::Approx(2.6));
+    CHECK(measure(10, 4.0) == AutoBudget::kFewestAgain);
+    CHECK(budget.ms() == doctest::Approx(5.2));
+    budget.look(10, true);
+    CHECK(budget.measuring());
+    CHECK(measure(10, 3.0) == AutoBudget::kFewestAgain);
+    budget.look(7, false);
+    CHECK(budget.measuring());
+    // Lights that come one after another: each quarter starts it again.
+    for (int i = 0; i < 10; ++i)
+        budget.note(9.0, 5.0);
+    budget.look(9, false);
+    CHECK(measure(9, 1.0) == AutoBudget::kFewestAgain);
+    CHECK(budget.ms() == doctest::Approx(1.3));
 }
 
 TEST_CASE("budget auto takes a second of time where frames are slow, and ignores frames that took nothing")
