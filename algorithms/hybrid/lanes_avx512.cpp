@@ -1,3 +1,5 @@
+#include <immintrin.h>
+
 #include "algorithms/hybrid/lanes.hpp"
 
 namespace gnomon::lanes {

@@ -127,6 +127,34 @@ TEST_CASE("sixteen lanes give the receivers and rays of the scalar formulas, bit
         CHECK(count > 1000);
 }
 
+TEST_CASE("sixteen lanes agree with the scalar formulas where a surface turns away from the light by the last bits")
+{
+    std::mt19937 random(5);
+    int asked[3] = {};
+    const CameraView view = randomView(random, VK_FORMAT_R32G32B32A32_SFLOAT);
+    const std::vector<float> depth(std::size_t(view.extent.width) * view.extent.height, 0.02f);
+    const glm::vec3 ahead = glm::vec3(view.constants.eyeWs) + glm::vec3(0.0f, 0.0f, -5.0f);
+    const LightView light = lightOf(GN_LIGHT_TYPE_POINT, ahead + glm::vec3(1.0f, 9.0f, 0.0f), {0.1f, -1.0f, 0.2f});
+    for (int round = 0; round < 20; ++round) {
+        std::vector<glm::vec4> normals;
+        for (std::uint32_t i = 0; i < depth.size(); ++i) {
+            const glm::vec2 pixel(float(i % view.extent.width) + 0.5f, float(i / view.extent.width) + 0.5f);
+            const glm::vec3 at = glm::vec3(view.constants.eyeWs) +
+                                 gpu::linearDepth(view.constants, depth[i]) * gpu::viewRayWs(view.constants, pixel);
+            const glm::vec3 to = glm::normalize(light.position() - at);
+            const glm::vec3 across = glm::normalize(glm::cross(to, randomPoint(random, 1.0f)));
+            const float turn = std::ldexp(randomPoint(random, 1.0f).x, -26 + int(random() % 12));
+            normals.emplace_back(3.0f * (across + turn * to), 0.0f);
+        }
+        std::vector<std::byte> bytes(normals.size() * sizeof(glm::vec4));
+        std::memcpy(bytes.data(), normals.data(), bytes.size());
+        for (const lanes::Kernels* kernels : kernelsHere())
+            CHECK(wrongLanes(view, light, depth, bytes, *kernels, asked) == 0);
+    }
+    CHECK(asked[static_cast<int>(Asked::dark)] > 1000);
+    CHECK(asked[static_cast<int>(Asked::ray)] > 1000);
+}
+
 namespace {
 
 /// Triangles below a node; counts those that stick out of the boxes above them.
