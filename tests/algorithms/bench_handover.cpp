@@ -1,6 +1,7 @@
 /// What it takes to hand pixels from a shadow map to the ray tracer and back: a hybrid's frame, less the same frame
 /// with the plain look-up of the same map, less the time inside Embree. One light at rest, maps kept, 1280x720; the
-/// methods alternate. No test, since machines differ: ninja bench_handover && ./bench_handover [SCENE...]
+/// methods alternate. Then the same rays by the map's side: is their time linear in their number (Morais 2015, AC-22 of
+/// algorithms/hybrid/README.md)? No test, since machines differ: ninja bench_handover && ./bench_handover [SCENE...]
 
 #include <algorithm>
 #include <cstdio>
@@ -74,11 +75,58 @@ void bench(Device& device, const std::string& name)
         const double handOver = lane.incrementMs() - lanes.front().incrementMs() - lane.raysMs / threads;
         const double allowed = kConstantMs + 1e-6 * kNsPerRay * rays;
         const double nowhere = std::max(lane.incrementMs() - lane.passesMs, 0.0);
-        std::printf("%-18s %-27s frame %7.2f ms  plain %7.2f  Embree %6.2f  rays %8.0f  hand-over %6.2f of %5.2f ms %s"
+        std::printf("%-16s %-26s frame %7.2f ms  plain %7.2f  Embree %6.2f  rays %8.0f  hand-over %6.2f of %5.2f ms %s"
                     "  in no pass %4.1f %%\n",
                     name.c_str(), lane.method, lane.incrementMs(), lanes.front().incrementMs(), lane.raysMs / threads,
                     rays, handOver, allowed, handOver <= allowed ? "met" : "missed", 100.0 * nowhere / lane.withMs);
     }
+}
+
+/// CPU time of the passes that trace, fastest of a few frames.
+double traceMs(Session& session)
+{
+    double best = 1e30;
+    for (uint32_t i = 0; i < kRounds / 2; ++i) {
+        double sum = 0.0;
+        for (const PassTime& pass : timePasses(session, 1))
+            if (pass.name.ends_with(".trace")) sum += pass.cpuMs;
+        best = std::min(best, sum);
+    }
+    return best;
+}
+
+/// Share of the variance of y that a line through (x, y) explains.
+double squaredCorrelation(const std::vector<double>& x, const std::vector<double>& y)
+{
+    const auto n = static_cast<double>(x.size());
+    double sx = 0.0, sy = 0.0, sxx = 0.0, syy = 0.0, sxy = 0.0;
+    for (size_t i = 0; i < x.size(); ++i) {
+        sx += x[i], sy += y[i];
+        sxx += x[i] * x[i], syy += y[i] * y[i], sxy += x[i] * y[i];
+    }
+    const double covariance = n * sxy - sx * sy;
+    return covariance * covariance / ((n * sxx - sx * sx) * (n * syy - sy * sy));
+}
+
+/// Every map side of every hybrid with its own number of rays.
+void linearity(Device& device, const std::string& name)
+{
+    Scene scene = valueOf(loadScene(name));
+    limitLights(scene, 1);
+    std::vector<double> rays, ms;
+    for (const char* hybrid : {"pcf_hybrid", "conservative_map"}) { // their passes named trace do nothing else
+        Lane lane(device, scene, hybrid);
+        for (const double side : {512.0, 1024.0, 2048.0, 4096.0}) {
+            expect(lane.session->shadows.set(hybrid, kResolutionSetting, side));
+            settle(*lane.session, 0.0, false);
+            ms.push_back(traceMs(*lane.session));
+            rays.push_back(static_cast<double>(lane.session->shadows.stats().rays));
+        }
+    }
+    const auto [fewest, most] = std::minmax_element(rays.begin(), rays.end());
+    std::printf("%-18s trace time against %.0f to %.0f rays: R^2 %.3f\n", name.c_str(), *fewest, *most,
+                squaredCorrelation(rays, ms));
+    std::fflush(stdout);
 }
 
 } // namespace
@@ -90,6 +138,8 @@ try {
     const std::unique_ptr<Device> device = Device::create({});
     for (const std::string& scene : scenes)
         bench(*device, scene);
+    for (const std::string& scene : scenes)
+        linearity(*device, scene);
     return 0;
 } catch (const std::exception& failure) {
     std::fprintf(stderr, "bench_handover: %s\n", failure.what());
