@@ -159,3 +159,21 @@ TEST_CASE("whatever changes from frame to frame, every layer wanted holds its ca
     CHECK(untouched > 10);
     CHECK(frames.vulkan.faults.empty());
 }
+
+// KeptMap asks for the statics' image only where a layer is drawn again: that it is a new one is forgotten by then for
+// the layers that come later, and they copy what was never drawn.
+TEST_CASE("a layer that moves later than another draws its statics again as well" * doctest::should_fail())
+{
+    Frames frames;
+    std::vector<Wanted> wanted{{{1}, {7}, 100, 50}, {{2}, {8}, 200, 60}};
+    CHECK(frames.run(wanted).size() == 6);
+    CHECK(frames.run(wanted).empty());
+    frames.runOut();
+    wanted[0].movings = {9};
+    wanted[0].stamp = 101;
+    CHECK(frames.run(wanted) == Names{"statics 0", "copy 0", "casters 0"});
+    wanted[1].movings = {10};
+    wanted[1].stamp = 201;
+    CHECK(frames.run(wanted) == Names{"statics 1", "copy 1", "casters 1"}); // copy 1, casters 1
+    CHECK(frames.layers[1] == Revisions{2, 10});                            // 10 alone
+}
