@@ -1,0 +1,207 @@
+#pragma once
+// The host pass of contour_chain on hand-made buffers, and every pixel's answer asked by itself.
+#include <vector>
+
+#include "algorithms/host_frame.hpp"
+#include "algorithms/hybrid/bit_rows.hpp"
+#include "algorithms/hybrid/chain_pass.hpp"
+#include "algorithms/hybrid_map_fixture.hpp"
+#include "runtime/scene/topology.hpp"
+
+namespace gnomon::test {
+
+constexpr std::uint32_t kMapSide = 96;
+constexpr std::size_t kPixels = std::size_t{kWidth} * kHeight;
+
+struct World {
+    RayScene rays;
+    TracedMesh mesh;
+    Topology topology;
+    std::vector<Caster> casters;
+    std::vector<const Caster*> pointers;
+    Seen seen;
+
+    World() : mesh(makeScene(rays)), topology(buildTopology(mesh.view.positions, mesh.view.indices))
+    {
+        mesh.view.id = 1;
+        mesh.view.topology = &topology;
+        casters = {casterOf(mesh, 0)};
+        casters[0].bounds = {glm::vec3(-18.0f), glm::vec3(18.0f)};
+        pointers = {&casters[0]};
+        rays.update(casters);
+        seen = look({}, brute::trianglesOf(casters));
+    }
+};
+inline const World& world()
+{
+    static const World one;
+    return one;
+}
+
+struct Lamp {
+    LightView view;
+    DrawnMap map;
+    gpu::HybridConstants constants{};
+
+    explicit Lamp(const LightView& light) : view(light), map(drawMap(light, world().pointers, kMapSide))
+    {
+        ShadowTask task;
+        task.view = &world().seen.view;
+        task.light = &view;
+        constants.base = mapConstants(task, kMapSide, 1);
+        addLightProjection(constants.base, map.fits, task);
+    }
+    bool cube() const { return view.type == GN_LIGHT_TYPE_POINT; }
+};
+inline const Lamp& lamp(bool cube)
+{
+    static const Lamp spot(makeLight(GN_LIGHT_TYPE_SPOT, {2, 12, 6}, {-0.2, -1, -0.5}, 40, 0.6).view);
+    static const Lamp point(makeLight(GN_LIGHT_TYPE_POINT, {1, 3.2, 3}, {0, -1, 0}, 25, 0.0).view);
+    return cube ? point : spot;
+}
+
+struct Asking {
+    const Lamp& lamp;
+    ChainStages stages = stagesOf(ChainMode::chain);
+    std::uint32_t contour = 0;
+    bool reasons = false, votes = false, normals = true;
+    VkRect2D area{{0, 0}, {kWidth, kHeight}};
+    std::uint32_t flipped = 0; ///< Every so many pixels the map's word is turned round; 0: none.
+    std::uint32_t threads = 2;
+
+    /// Of the picture, from a place in the area.
+    std::size_t pixel(std::uint32_t x, std::uint32_t y) const
+    {
+        return (static_cast<std::uint32_t>(area.offset.y) + y) * kWidth + static_cast<std::uint32_t>(area.offset.x) + x;
+    }
+    std::span<const std::byte> normalBytes() const
+    {
+        return normals ? world().seen.normalBytes() : std::span<const std::byte>();
+    }
+};
+
+inline NumberedTriangles numbered(RingsCache& rings, FrameArena& arena)
+{
+    NumberedTriangles triangles(world().pointers, &rings, arena);
+    for (const NumberedTriangles::Entry& entry : triangles.entries()) {
+        entry.rings->rings.build(*entry.caster->mesh->topology);
+        entry.rings->built = true;
+    }
+    return triangles;
+}
+
+/// A pixel of the picture, asked by itself.
+struct Expected {
+    bool lit = true; ///< By the map.
+    std::uint32_t reason = gpu::REASON_OUTSIDE, votes = gpu::VOTES_OUTSIDE;
+    bool traced = false;
+};
+
+inline std::vector<Expected> expect(const Asking& asking)
+{
+    FrameArena arena;
+    RingsCache rings;
+    const NumberedTriangles triangles = numbered(rings, arena);
+    Witnesses witnesses(triangles);
+    const HostMap map = asking.lamp.map.view();
+    const ChainScene scene{map, asking.lamp.constants.base, asking.lamp.cube(), witnesses};
+    const Receivers receivers(world().seen.view, asking.lamp.view, world().seen.depth, asking.normalBytes());
+    std::vector<Expected> pixels(kPixels);
+    for (std::uint32_t i = 0; i < kPixels; ++i) {
+        Expected& pixel = pixels[i];
+        ShadowRay ray;
+        Receiver receiver;
+        const Asked asked = receivers.at(i % kWidth, i / kWidth, ray, receiver);
+        const bool flip = asking.flipped != 0 && i % asking.flipped == 0;
+        if (asked == Asked::dark) pixel = {false, gpu::REASON_BACKFACING, gpu::VOTES_BACKFACING};
+        if (asked != Asked::ray) {
+            pixel.lit = pixel.lit != flip;
+            continue;
+        }
+        const MapTexels texels(map, scene.constants, scene.cube, receiver);
+        pixel.lit = texels.agree(true, TexelBlock::own) != flip;
+        pixel.reason = chainReason(scene, asking.stages, pixel.lit, asking.normals, texels, ray);
+        pixel.votes = chainVotes(scene, pixel.lit, asking.normals, texels, ray);
+        pixel.traced = pixel.reason == gpu::REASON_RT_LIT;
+        std::uint8_t occluded = 0;
+        world().rays.occluded({&ray, 1}, 1u, RayCoherence::sparse, {&occluded, 1});
+        if (pixel.traced && occluded) pixel.reason = gpu::REASON_RT_SHADOW;
+    }
+    return pixels;
+}
+
+struct Outcome {
+    std::vector<MarkRange> ranges;
+    std::vector<std::uint32_t> marks;
+    std::uint64_t rays = 0;
+};
+
+inline Outcome run(const Asking& asking, const std::vector<Expected>& expected)
+{
+    HostFrame frame(const_cast<RayScene&>(world().rays), asking.threads);
+    RingsCache rings;
+    const NumberedTriangles triangles = numbered(rings, frame.arena());
+    CameraView view = world().seen.view;
+    view.area = asking.area;
+    std::vector<std::uint8_t> status;
+    for (std::uint32_t y = 0; y < view.area.extent.height; ++y)
+        for (std::uint32_t x = 0; x < view.area.extent.width; ++x) {
+            const bool lit = expected[asking.pixel(x, y)].lit;
+            status.push_back(static_cast<std::uint8_t>((x * 37 + y) << 1 | (lit ? 1 : 0))); // only bit 0 counts
+        }
+    const DrawnMap& drawn = asking.lamp.map;
+    IdMap map{.depth = {},
+              .fits = drawn.fits,
+              .needed = (1u << drawn.fits.size()) - 1,
+              .side = drawn.side,
+              .depths = {},
+              .numbers = {}};
+    static constexpr const char* kNames[] = {"d0", "d1", "d2", "d3", "d4", "d5", "n0", "n1", "n2", "n3", "n4", "n5"};
+    for (std::size_t i = 0; i < drawn.fits.size(); ++i) {
+        map.depths[i] = frame.holding<float>(kNames[i], drawn.depth[i]);
+        map.numbers[i] = frame.holding<std::uint32_t>(kNames[6 + i], drawn.numbers[i]);
+    }
+    Outcome outcome;
+    outcome.ranges.resize(markRanges(asking.votes), {7, 7, 7.0f});
+    const ChainJob job{.view = &view,
+                       .light = &asking.lamp.view,
+                       .constants = &asking.lamp.constants,
+                       .triangles = &triangles,
+                       .map = map,
+                       .depth = frame.holding<float>("depth", world().seen.depth),
+                       .normals = asking.normals ? frame.holding("normals", asking.normalBytes()) : BufferId{},
+                       .status = frame.holding<std::uint8_t>("status", status),
+                       .marks = frame.buffer("marks", 4 * status.size()),
+                       .ranges = outcome.ranges,
+                       .stages = asking.stages,
+                       .contour = asking.contour,
+                       .reasons = asking.reasons || asking.votes,
+                       .votes = asking.votes};
+    outcome.rays = frame.run([&](const HostContext& host) { runChain(job, host); });
+    const auto all = frame.content<std::uint32_t>(job.marks);
+    const MarkRange& last = outcome.ranges.back();
+    REQUIRE(last.first + last.count <= all.size());
+    outcome.marks.assign(all.begin(), all.begin() + last.first + last.count);
+    return outcome;
+}
+
+/// Whether each pixel of the picture is one of the area's contour.
+inline std::vector<bool> contourOf(const Asking& asking, const std::vector<Expected>& expected)
+{
+    const VkExtent2D extent = asking.area.extent;
+    std::vector<bool> inside(kPixels, false);
+    const std::size_t words = BitRows::wordsPerRow(extent.width);
+    std::vector<std::uint64_t> memory(words * extent.height, 0), row(words, ~std::uint64_t{0});
+    const BitRows lit{extent.width, extent.height, memory};
+    for (std::uint32_t y = 0; y < extent.height; ++y)
+        for (std::uint32_t x = 0; x < extent.width; ++x)
+            if (expected[asking.pixel(x, y)].lit) lit.row(y)[x / 64] |= std::uint64_t{1} << x % 64;
+    for (std::uint32_t y = 0; y < extent.height; ++y) {
+        if (asking.contour != 0) contourRow(lit, y, (asking.contour - 1) / 2, row);
+        for (std::uint32_t x = 0; x < extent.width; ++x)
+            inside[asking.pixel(x, y)] = (row[x / 64] >> x % 64 & 1) != 0;
+    }
+    return inside;
+}
+
+} // namespace gnomon::test
