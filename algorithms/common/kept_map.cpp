@@ -5,10 +5,6 @@
 namespace gnomon {
 
 namespace {
-// An image that has just been made carries no stamp; from then on it carries this one.
-constexpr std::uint64_t kMade = 1;
-// Stamp of a layer that holds nothing.
-constexpr std::uint64_t kEmpty = 2;
 constexpr std::uint32_t kMaxLayers = 8;
 } // namespace
 
@@ -37,7 +33,6 @@ KeptMap::KeptMap(PassBuilder& passes, const KeptMapInfo& info) : passes_(passes)
                                          .extent = {info.resolution, info.resolution},
                                          .layers = info.layers,
                                          .variant = info.resolution});
-    fresh_ = passes.stale(image_, kMade);
 }
 
 ImageId KeptMap::staticsImage()
@@ -49,26 +44,19 @@ ImageId KeptMap::staticsImage()
                                             .extent = {info_.resolution, info_.resolution},
                                             .layers = info_.layers,
                                             .variant = info_.resolution});
-    freshStatics_ = passes_.stale(statics_, kMade);
     return statics_;
 }
 
-// A stamp belongs to a whole resource, layers need one each: the smallest buffer there is carries it.
-bool KeptMap::due(std::uint32_t layer, std::uint64_t stamp, bool statics)
+// A stamp belongs to a whole resource, layers need one each: the smallest buffer there is carries it. It may outlive
+// the image, so it is of this very image.
+bool KeptMap::due(std::uint32_t layer, std::uint64_t stamp, ImageId image)
 {
-    const std::uint32_t slot = layer + (statics ? kMaxLayers : 0);
+    const std::uint32_t slot = layer + (image.index == image_.index ? 0 : kMaxLayers);
     const BufferId carrier = passes_.persistent(BufferInfo{.name = info_.stampName,
                                                            .scope = Scope::light,
                                                            .size = 4,
                                                            .variant = info_.resolution * 2 * kMaxLayers + slot});
-    const bool changed = passes_.stale(carrier, stamp);
-    return changed || (statics ? freshStatics_ : fresh_);
-}
-
-void KeptMap::skip(std::uint32_t layer)
-{
-    // What an earlier image held is gone with it.
-    if (fresh_) due(layer, kEmpty, false);
+    return passes_.stale(carrier, Stamp().add(stamp).add(passes_.serial(image)).value());
 }
 
 void KeptMap::copyStatics(const char* name, std::uint32_t layer)

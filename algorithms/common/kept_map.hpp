@@ -49,25 +49,22 @@ public:
 
     ImageId image() const { return image_; }
 
-    /// Declares what brings the layer up to date. `draw(PassContext&, casters, bool statics)` records casters, the
+    /// Declares what brings the layer up to date; one that is not asked for may hold anything. Layers differ in their
+    /// passes' names. `draw(PassContext&, casters, bool statics)` records casters, the
     /// static or the moving ones of the content; `draw.uses(PassRef&)` declares what else it reads. Copied bytewise.
     /// Where it has `draw.prepared(PassBuilder&, statics, movings)`, passes that come before may be declared there for
     /// the casters about to be drawn; what it returns draws.
     template <typename Draw>
     void update(std::uint32_t layer, const LayerNames& names, const LayerContent& content, const Draw& draw);
 
-    /// The layer is not needed by this task; its content may be of an earlier frame or none at all.
-    void skip(std::uint32_t layer);
-
 private:
-    bool due(std::uint32_t layer, std::uint64_t stamp, bool statics);
+    bool due(std::uint32_t layer, std::uint64_t stamp, ImageId image);
     void copyStatics(const char* name, std::uint32_t layer);
     ImageId staticsImage();
 
     PassBuilder& passes_;
     KeptMapInfo info_;
     ImageId image_, statics_;
-    bool fresh_ = false, freshStatics_ = false;
 };
 
 /// The drawing of a pass that is about to be declared.
@@ -85,7 +82,7 @@ template <typename Draw>
 void KeptMap::update(std::uint32_t layer, const LayerNames& names, const LayerContent& content, const Draw& draw)
 {
     const Part cleared{.layer = layer, .clear = true, .value = {.depthStencil = {1.0f, 0}}};
-    if (!due(layer, content.stamp, false)) {
+    if (!due(layer, content.stamp, image_)) {
         passes_.kept();
         return;
     }
@@ -101,7 +98,7 @@ void KeptMap::update(std::uint32_t layer, const LayerNames& names, const LayerCo
         return;
     }
     const ImageId kept = staticsImage();
-    if (due(layer, content.staticsStamp, true)) {
+    if (due(layer, content.staticsStamp, kept)) {
         const Draw first = preparedDraw(draw, passes_, content.statics, {});
         PassRef still = passes_.raster(names.statics, Scope::light, variant);
         first.uses(still.depthWrite(kept, cleared));

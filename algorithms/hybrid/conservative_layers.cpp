@@ -117,10 +117,7 @@ ImageId ConservativeMaps::declareLayer(PassBuilder& passes, const ShadowTask& ta
                          .resolution = view.resolution,
                          .layers = layers});
     for (std::uint32_t layer = 0; layer < layers; ++layer) {
-        if ((view.needed & (1u << layer)) == 0) {
-            map.skip(layer);
-            continue;
-        }
+        if ((view.needed & (1u << layer)) == 0) continue;
         const ConservativeCasters casters(layers_[thesis][covered], kind.content, &view.projections[layer]);
         map.update(layer, kind.passes[layers == 1 ? kAlone : layer],
                    conservativeContent(task, view, layer, 0, passes.arena()), casters);

@@ -258,10 +258,7 @@ ImageId declareLayers(PassBuilder& passes, const ShadowTask& task, const Conserv
     KeptMap map(passes, info);
     const std::uint64_t salt = sheetSalt(task);
     for (std::uint32_t layer = 0; layer < info.layers; ++layer) {
-        if ((view.needed & (1u << layer)) == 0) {
-            map.skip(layer);
-            continue;
-        }
+        if ((view.needed & (1u << layer)) == 0) continue;
         map.update(layer, names[info.layers == 1 ? 6 : layer],
                    conservativeContent(task, view, layer, salt, passes.arena()), drawing(layer));
     }

@@ -53,10 +53,7 @@ CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, 
     const std::uint32_t needed = neededCubeFaces(task);
     const std::span<std::uint64_t> stamps = arena.array<std::uint64_t>(6);
     for (std::uint32_t face = 0; face < 6; ++face) {
-        if ((needed >> face & 1) == 0) {
-            map.skip(face);
-            continue;
-        }
+        if ((needed >> face & 1) == 0) continue;
         // The light's revision stands for the position; of the fit, only the ends depend on casters.
         const std::uint64_t projection = Stamp().add(faces[face].nearWs).add(faces[face].farWs).value();
         const LayerContent content =

@@ -181,10 +181,7 @@ private:
         const float past = 1.0f - discRadius; // sine of the angle past the rim that the border shows, and more
         for (std::uint32_t hemi = 0; hemi < 2; ++hemi) {
             const glm::vec3 inward(0.0f, hemi == 0 ? -1.0f : 1.0f, 0.0f);
-            if (culls && !touches(visible, Plane{inward, -glm::dot(inward, light.position())})) {
-                map.skip(hemi);
-                continue;
-            }
+            if (culls && !touches(visible, Plane{inward, -glm::dot(inward, light.position())})) continue;
             const auto statics = castersInHalf(task.casters->statics, light.position(), hemi, past, arena);
             const auto movings = castersInHalf(task.casters->movings, light.position(), hemi, past, arena);
             draw.push.hemi = hemi;

@@ -204,6 +204,7 @@ bool PassBuilder::stale(ImageId image, std::uint64_t stamp)
     kept.askedFrame = graph_.pool_.frame();
     kept.answer = kept.stamp != stamp;
     kept.stamp = stamp;
+    if (kept.answer) graph_.taskStale_.push_back(&kept);
     return kept.answer;
 }
 
@@ -230,7 +231,13 @@ bool PassBuilder::stale(BufferId buffer, std::uint64_t stamp)
     fresh.askedFrame = graph_.pool_.frame();
     fresh.answer = true;
     fresh.stamp = stamp;
+    graph_.taskStale_.push_back(&fresh);
     return true;
+}
+
+std::uint64_t PassBuilder::serial(ImageId image) const
+{
+    return image ? graph_.images_[image.index].pooled->serial : 0;
 }
 
 void PassBuilder::kept(std::uint32_t count)

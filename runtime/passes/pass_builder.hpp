@@ -155,6 +155,9 @@ public:
     /// fresh memory when the old content is still in flight.
     bool stale(ImageId image, std::uint64_t stamp);
     bool stale(BufferId buffer, std::uint64_t stamp);
+    /// Another number for every image that was ever made: a stamp kept beside an image takes it in, since the image may
+    /// have been freed and made anew. 0: there is none.
+    std::uint64_t serial(ImageId image) const;
 
     // Passes. `variant` as for resources. Names are "algorithm.stage", static storage.
     PassRef raster(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);

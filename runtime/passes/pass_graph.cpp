@@ -179,6 +179,7 @@ void PassGraph::resumeTask(std::uint32_t task)
     normals_ = tasks_[task].normals;
     taskFirstPass_ = passes_.size();
     taskKept_ = 0;
+    taskStale_.clear();
     error_.reset();
 }
 
@@ -199,6 +200,8 @@ std::optional<Error> PassGraph::endTask()
             (access.isImage ? images_[access.resource].pooled->kept : buffers_[access.resource].pooled->kept).stamp = 0;
         }
     }
+    for (KeptState* promised : taskStale_) // stamps that lie beside what they are of
+        promised->stamp = 0;
     std::optional<Error> error = std::move(error_);
     error_.reset();
     return error;

@@ -168,6 +168,7 @@ private:
     const CameraView* view_ = nullptr;
     ImageId depth_, normals_;
     std::size_t taskFirstPass_ = 0;
+    std::vector<KeptState*> taskStale_; ///< What the task has promised to make.
     std::optional<Error> error_;
 
     Pass pending_;                ///< Under declaration.

@@ -122,6 +122,7 @@ Result<std::unique_ptr<PooledImage>> ResourcePool::makeImage(const ImageInfo& in
     }
     auto image = std::make_unique<PooledImage>();
     image->gpu = std::move(*gpu);
+    image->serial = ++imagesMade_;
     image->layers.resize(info.layers, kFreshSync);
     image->savedLayers.resize(info.layers, kFreshSync);
     return image;
@@ -305,6 +306,7 @@ Result<std::unique_ptr<PooledImage>> ResourcePool::ownedImage(const ImageCreate&
     if (!gpu) return gpu.error();
     auto image = std::make_unique<PooledImage>();
     image->gpu = std::move(*gpu);
+    image->serial = ++imagesMade_;
     image->layers.resize(info.layers, kFreshSync);
     image->savedLayers.resize(info.layers, kFreshSync);
     return image;

@@ -45,7 +45,8 @@ struct PooledImage {
     GpuImage gpu;
     std::vector<SyncState> layers, savedLayers;
     KeptState kept;
-    bool imported = false; ///< The host's: state starts and ends every frame as the contract says.
+    std::uint64_t serial = 0; ///< Of all images that were ever made; 0: the host's.
+    bool imported = false;    ///< The host's: state starts and ends every frame as the contract says.
 };
 
 struct PooledBuffer {
@@ -119,6 +120,7 @@ private:
 
     DeviceMemory& memory_;
     std::uint64_t frame_ = 0, completed_ = 0;
+    std::uint64_t imagesMade_ = 0;
     std::unordered_map<std::uint64_t, std::unique_ptr<PooledImage>> images_; // persistent, by key
     std::unordered_map<std::uint64_t, BufferRing> buffers_;                  // persistent, by key
     std::unordered_map<std::uint64_t, BufferRing> transientBuffers_;         // by key
