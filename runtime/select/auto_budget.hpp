@@ -6,7 +6,7 @@
 namespace gnomon {
 
 /// 1.3 times the cheapest plan that keeps the near floor, measured in the first second, in which that plan runs; anew,
-/// in a part of a second, after a camera cut and when a quarter of the lights have come or gone: that plan is another
+/// in a part of a second, after a camera cut and when an eighth of the lights have come or gone: that plan is another
 /// one.
 class AutoBudget {
 public:

@@ -174,7 +174,7 @@ TEST_CASE("budget auto is 1.3 times the median of the later half of the first se
     CHECK(budget.measuring());
 }
 
-TEST_CASE("budget auto is measured anew after a cut and when a quarter of the lights have come or gone")
+TEST_CASE("budget auto is measured anew after a cut and when an eighth of the lights have come or gone")
 {
     AutoBudget budget;
     const auto measure = [&](std::uint32_t lights, double ms) {
@@ -185,19 +185,19 @@ TEST_CASE("budget auto is measured anew after a cut and when a quarter of the li
         }
         return frames;
     };
-    CHECK(measure(8, 2.0) == AutoBudget::kMostFrames); // 300 ms: not a second yet
-    budget.look(9, false);
-    budget.look(7, false);
+    CHECK(measure(9, 2.0) == AutoBudget::kMostFrames); // 300 ms: not a second yet
+    budget.look(10, false);
+    budget.look(8, false);
     budget.look(0, false); // a frame without lights
     CHECK(budget.ms() == doctest::Approx(2.6));
-    CHECK(measure(10, 4.0) == AutoBudget::kFewestAgain);
+    CHECK(measure(11, 4.0) == AutoBudget::kFewestAgain);
     CHECK(budget.ms() == doctest::Approx(5.2));
-    budget.look(10, true);
+    budget.look(11, true);
     CHECK(budget.measuring());
-    CHECK(measure(10, 3.0) == AutoBudget::kFewestAgain);
+    CHECK(measure(11, 3.0) == AutoBudget::kFewestAgain);
     budget.look(7, false);
     CHECK(budget.measuring());
-    // Lights that come one after another: each quarter starts it again.
+    // Lights that come one after another: each eighth starts it again.
     for (int i = 0; i < 10; ++i)
         budget.note(9.0, 5.0);
     budget.look(9, false);
