@@ -22,7 +22,7 @@ struct SweepRun {
     double seconds = 0.0;
 };
 
-constexpr uint32_t kLeastPoints = 12; ///< To learn from: below that there are hardly more rows than coefficients.
+constexpr uint32_t kLeastPoints = cost::kFeatures + 1; ///< To learn from: one more than a fit has coefficients.
 
 class Sweeper {
 public:
