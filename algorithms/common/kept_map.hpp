@@ -49,11 +49,12 @@ public:
 
     ImageId image() const { return image_; }
 
-    /// Declares what brings the layer up to date; one that is not asked for may hold anything. Layers differ in their
-    /// passes' names. `draw(PassContext&, casters, bool statics)` records casters, the
-    /// static or the moving ones of the content; `draw.uses(PassRef&)` declares what else it reads. Copied bytewise.
-    /// Where it has `draw.prepared(PassBuilder&, statics, movings)`, passes that come before may be declared there for
-    /// the casters about to be drawn; what it returns draws.
+    /// Declares what brings the layer up to date; one that is not asked for may hold anything.
+    /// @param names other ones for every layer: passes are known by their names
+    /// @param draw  `draw(PassContext&, casters, bool statics)` records casters, the static or the moving ones of the
+    ///              content; `draw.uses(PassRef&)` declares what else it reads. Copied bytewise. Where it has
+    ///              `draw.prepared(PassBuilder&, statics, movings)`, passes that come before may be declared there for
+    ///              the casters about to be drawn; what it returns draws.
     template <typename Draw>
     void update(std::uint32_t layer, const LayerNames& names, const LayerContent& content, const Draw& draw);
 

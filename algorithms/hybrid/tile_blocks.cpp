@@ -4,12 +4,29 @@
 #include <cmath>
 #include <cstring>
 
+#if GNOMON_LANES_X86
+#include <cpuid.h>
+#endif
+
 #include "algorithms/hybrid/receivers.hpp"
 #include "rules/engine/instruction_set.hpp"
 
 namespace gnomon {
 
 using namespace lanes;
+
+#if GNOMON_LANES_X86
+namespace {
+
+/// No feature string of clang 14's __builtin_cpu_supports().
+bool hasF16c()
+{
+    unsigned a = 0, b = 0, c = 0, d = 0;
+    return __get_cpuid(1, &a, &b, &c, &d) != 0 && (c & bit_F16C) != 0;
+}
+
+} // namespace
+#endif
 
 std::span<const Kernels* const> kernelsHere()
 {
@@ -22,7 +39,7 @@ std::span<const Kernels* const> kernelsHere()
     };
     std::size_t count = 1;
 #if GNOMON_LANES_X86
-    if (rules::isSupported(rules::InstructionSet::Avx2)) count = 2;
+    if (rules::isSupported(rules::InstructionSet::Avx2) && hasF16c()) count = 2;
     if (count == 2 && rules::isSupported(rules::InstructionSet::Avx512)) count = 3;
 #endif
     return std::span(kAll).first(count);

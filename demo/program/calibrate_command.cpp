@@ -14,10 +14,11 @@ namespace gnomon::demo {
 namespace {
 
 constexpr uint32_t kCheckMoments = 3; // of a scene's length
-// A check begins with so many points of the sweep a method, to learn how fast the device is today: ten timings show a
-// device factor (runtime/cost/README.md), and these are twenty at least.
+// A check begins with so many points of the sweep a method, to learn how fast the device is today. Ten timings show a
+// device factor (runtime/cost/README.md); fewer say nothing.
 constexpr uint32_t kSpeedPoints = 5;
 constexpr double kSpeedSeconds = 2.0; // a method
+constexpr size_t kFewestTimings = 10;
 
 /// What one light took by one method, update and resolve together, and what was foretold.
 struct Foretold {
@@ -68,7 +69,7 @@ double presentFactor(Device& device, const std::vector<SweepMethod>& methods, co
             const double measured = row.gpuMsMin + row.cpuMsMin;
             if (predicted > 0.0 && measured > 0.0) ratios.push_back(measured / predicted);
         }
-    return ratios.empty() ? 1.0 : percentile(std::move(ratios), 0.5);
+    return ratios.size() < kFewestTimings ? 1.0 : percentile(std::move(ratios), 0.5);
 }
 
 int check(const CalibrateOptions& options, Device& device, const std::vector<SweepMethod>& methods)

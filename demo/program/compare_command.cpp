@@ -287,11 +287,11 @@ void Comparison::print() const
     for (size_t i = 0; i < adaptives_; ++i)
         printAgainst(contestants_[i]);
     if (budget_.undisturbed + budget_.tooLittle > 0)
-        std::printf(
-            "budget %.2f to %.2f ms: kept in %.2f %% of %u undisturbed frames after the first second, worst %.2f x; in %u "
-            "more no plan keeps it and the near floor\n",
-            budget_.leastMs, budget_.mostMs, 100.0 * budget_.within / std::max(1u, budget_.undisturbed), budget_.undisturbed, budget_.worst,
-            budget_.tooLittle);
+        std::printf("budget %.2f to %.2f ms: kept in %.2f %% of %u undisturbed frames after the first second, worst "
+                    "%.2f x; in %u "
+                    "more no plan keeps it and the near floor\n",
+                    budget_.leastMs, budget_.mostMs, 100.0 * budget_.within / std::max(1u, budget_.undisturbed),
+                    budget_.undisturbed, budget_.worst, budget_.tooLittle);
     if (!options_.plot.empty()) plot();
 }
 

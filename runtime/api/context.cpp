@@ -389,7 +389,8 @@ Result<std::string> Context::explanation(GnView view, GnLight light)
 {
     const Result<const LightDecision*> found = findDecision(view, light);
     if (!found) return found.error();
-    return selector_->explain(**found);
+    const RecordRing& records = findView(view)->records;
+    return selector_->explain(**found, records.rules(records.newest()).get());
 }
 
 Result<std::uint32_t> Context::facts(GnView view, GnLight light, std::span<GnFact> out)

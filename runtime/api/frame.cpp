@@ -51,8 +51,7 @@ Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, Vk
     const auto start = std::chrono::steady_clock::now();
     if (Result<void> ok = takeInput(info); !ok) return ok.error();
     const std::uint64_t before = frame_;
-    Result<GnResult> run = runFrame(info, mode, cmd, start);
-    if (!run) {
+    const auto undo = [&] {
         pool_->withdraw();
         executor_->drop();
         scene_->dropUploads(info.frame);
@@ -61,8 +60,15 @@ Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, Vk
         withdrawFades(info.frame);
         frame_ = before;
         recorded_ = 0;
+    };
+    try {
+        Result<GnResult> run = runFrame(info, mode, cmd, start);
+        if (!run) undo();
+        return run;
+    } catch (...) { // no memory; the C API says so
+        undo();
+        throw;
     }
-    return run;
 }
 
 std::uint32_t Context::nextTrial()

@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "rules/engine/float_mode.hpp"
+
 namespace gnomon {
 namespace {
 
@@ -146,6 +148,7 @@ void JobSystem::Pool::helpWith(Range& range, std::unique_lock<std::mutex>& lock)
     std::exception_ptr error;
     lock.unlock();
     try {
+        const rules::FloatMode mode; // a host's thread may be in any
         range.work(thread);
     } catch (...) {
         error = std::current_exception();
@@ -160,7 +163,10 @@ void JobSystem::Pool::helpWith(Range& range, std::unique_lock<std::mutex>& lock)
 void JobSystem::Pool::runJob(Job& job, std::unique_lock<std::mutex>& lock) noexcept
 {
     lock.unlock();
-    job.run(job.data);
+    {
+        const rules::FloatMode mode;
+        job.run(job.data);
+    }
     lock.lock();
     job.finished.store(true, std::memory_order_release); // from here on the job may be gone
     if (waiters) progress.notify_all();

@@ -201,11 +201,12 @@ bool PassBuilder::stale(ImageId image, std::uint64_t stamp)
     if (!image) return true;
     KeptState& kept = graph_.images_[image.index].pooled->kept;
     if (kept.askedFrame == graph_.pool_.frame()) return kept.answer;
+    const bool answer = kept.stamp != stamp;
+    if (answer) graph_.taskStale_.push_back(&kept); // it may throw; nothing is promised yet
     kept.askedFrame = graph_.pool_.frame();
-    kept.answer = kept.stamp != stamp;
+    kept.answer = answer;
     kept.stamp = stamp;
-    if (kept.answer) graph_.taskStale_.push_back(&kept);
-    return kept.answer;
+    return answer;
 }
 
 bool PassBuilder::stale(BufferId buffer, std::uint64_t stamp)
@@ -228,10 +229,10 @@ bool PassBuilder::stale(BufferId buffer, std::uint64_t stamp)
         entry.pooled = entry.ring->current;
     }
     KeptState& fresh = entry.pooled->kept;
+    graph_.taskStale_.push_back(&fresh);
     fresh.askedFrame = graph_.pool_.frame();
     fresh.answer = true;
     fresh.stamp = stamp;
-    graph_.taskStale_.push_back(&fresh);
     return true;
 }
 

@@ -349,12 +349,12 @@ void ResourcePool::withdraw()
     for (PooledImage* image : touchedImages_) {
         std::copy(image->savedLayers.begin(), image->savedLayers.end(), image->layers.begin());
         image->kept.stamp = image->kept.savedStamp;
-        image->kept.savedFrame = 0;
+        image->kept.savedFrame = image->kept.askedFrame = 0; // the frame may be submitted again
     }
     for (PooledBuffer* buffer : touchedBuffers_) {
         buffer->sync = buffer->savedSync;
         buffer->kept.stamp = buffer->kept.savedStamp;
-        buffer->kept.savedFrame = 0;
+        buffer->kept.savedFrame = buffer->kept.askedFrame = 0;
     }
     for (BufferRing* ring : touchedRings_) {
         ring->current = ring->savedCurrent;

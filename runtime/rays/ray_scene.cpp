@@ -104,7 +104,7 @@ struct RayScene::Impl {
     std::vector<std::uint32_t> lastOrder;                     ///< Places of the last update's casters, in its order.
     std::uint64_t updates = 0;
     std::uint32_t opacityMask = 0; ///< Union of the masks of casters with an opacity.
-    mutable std::atomic<std::uint64_t> queryNanoseconds{0};
+    alignas(64) mutable std::atomic<std::uint64_t> queryNanoseconds{0}; ///< Written by all, beside what all read.
 
     Impl();
     Impl(const Impl&) = delete;

@@ -101,7 +101,7 @@ public:
     void occluded(std::span<const RayPacket> packets, std::uint32_t lightMask, std::span<std::uint16_t> blocked) const;
 
     std::size_t memoryBytes() const noexcept;
-    /// CPU time inside Embree's queries so far, added up over threads.
+    /// Time inside occluded() so far, that of every thread added up.
     std::uint64_t queryNanoseconds() const noexcept;
 
 private:

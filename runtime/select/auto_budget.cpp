@@ -6,13 +6,18 @@ namespace gnomon {
 
 void AutoBudget::look(std::uint32_t lights, bool cut)
 {
+    if (lights == 0) return; // nothing is spent without lights
+    if (measuring()) {
+        lights_ = lights;
+        return;
+    }
+    ++known_;
     const std::uint32_t changed = lights > lights_ ? lights - lights_ : lights_ - lights;
     // An eighth more lights takes less than half of what kFactor leaves.
-    const bool other = cut || 8 * changed >= std::max(lights_, 1u);
-    if (!other || lights == 0) return; // without lights nothing is spent
-    const bool known = !measuring() || again_;
+    other_ = 8 * changed >= lights_ ? other_ + 1 : 0;
+    if (other_ < kSettled && !(cut && known_ >= kSettled)) return;
     *this = {};
-    again_ = known;
+    again_ = true;
     lights_ = lights;
 }
 

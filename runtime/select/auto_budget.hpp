@@ -6,8 +6,8 @@
 namespace gnomon {
 
 /// 1.3 times the cheapest plan that keeps the near floor, measured in the first second, in which that plan runs; anew,
-/// in a part of a second, after a camera cut and when an eighth of the lights have come or gone: that plan is another
-/// one.
+/// in a part of a second, after a camera cut and once an eighth of the lights have come or gone to stay: that plan is
+/// another one. Lights that flicker, views that take turns and cuts in every frame do not keep it measuring.
 class AutoBudget {
 public:
     /// Room for one step up where every light has the cheapest method (selector.md 2.9).
@@ -18,6 +18,9 @@ public:
     static constexpr std::uint32_t kFewestFrames = 32;
     /// What is known of the methods by then need not be learned again: one timed frame on either side.
     static constexpr std::uint32_t kFewestAgain = 16;
+    /// Other lights that stay so many frames, half a second at 60 Hz, are there to stay; and between two cuts that
+    /// count lies as much.
+    static constexpr std::uint32_t kSettled = 30;
 
     /// Measures anew.
     void restart() { *this = {}; }
@@ -34,6 +37,8 @@ private:
     std::array<double, kMostFrames> tookMs_{};
     std::uint32_t frames_ = 0;
     std::uint32_t lights_ = 0; ///< That it is, or was, measured with.
+    std::uint32_t known_ = 0;  ///< Frames since it was measured, ...
+    std::uint32_t other_ = 0;  ///< ... of these the newest ones with other lights, in a row.
     bool again_ = false;
     double elapsedMs_ = 0.0;
     double ms_ = 0.0;

@@ -346,7 +346,7 @@ std::string explainWhyNot(const DecisionRecord& record, std::uint32_t method, co
 
 // --- the long form of the newest frame ---
 
-std::string Selector::explain(const LightDecision& decision) const
+std::string Selector::explain(const LightDecision& decision, const rules::Engine* engine) const
 {
     std::string text = "method: ";
     text += decision.method == UINT32_MAX ? "none" : methods_[decision.method].name;
@@ -365,10 +365,10 @@ std::string Selector::explain(const LightDecision& decision) const
     for (std::size_t i = 0; i < kFactCount; ++i)
         text += (i ? ", " : " ") + std::string(kFactNames[i].name) + " " + fixed(decision.facts[i], 2);
     text += decision.distanceMeasured ? "\n" : " (viewerDistance: lower bound)\n";
-    if (engine_) {
-        rules::Inference inference = engine_->makeInference();
-        engine_->evaluate(decision.facts, inference);
-        text += "rules:\n" + rules::explain(*engine_, inference, {.rulesPerOutput = 2, .because = false});
+    if (engine) {
+        rules::Inference inference = engine->makeInference();
+        engine->evaluate(decision.facts, inference);
+        text += "rules:\n" + rules::explain(*engine, inference, {.rulesPerOutput = 2, .because = false});
         if (!text.empty() && text.back() != '\n') text += '\n';
     }
     text += "candidates:\n";
@@ -379,7 +379,7 @@ std::string Selector::explain(const LightDecision& decision) const
         if (i == decision.method)
             text += "chosen, " + fixed(decision.predictedMs, 2) + " ms";
         else if (candidate.exclusion != Exclusion::none)
-            text += "out, " + exclusionText(candidate, unavailable ? unavailable : "", engine());
+            text += "out, " + exclusionText(candidate, unavailable ? unavailable : "", engine);
         else if (candidate.quantised < 0)
             text += "no opinion";
         else

@@ -128,6 +128,7 @@ void addCandidates(const DecisionRecord& now, const DecisionRecord& before, cons
                    ExplanationLines& lines)
 {
     std::string text, out;
+    const rules::Engine* const then = now.ruleHash == before.ruleHash ? words.engine : nullptr;
     const auto compare = [&](std::uint32_t m) {
         if (m >= now.methods || m >= before.methods) return;
         const Candidate& a = before.candidates[m];
@@ -139,9 +140,8 @@ void addCandidates(const DecisionRecord& now, const DecisionRecord& before, cons
         if ((a.exclusion == Exclusion::none) == (b.exclusion == Exclusion::none)) return;
         const std::string_view unavailable = words.methods[m].unavailable;
         out += (out.empty() ? "" : "; ") + name +
-               (b.exclusion == Exclusion::none
-                    ? " can serve again (was out: " + exclusionText(a, unavailable, words.engine)
-                    : " is out (" + exclusionText(b, unavailable, words.engine)) +
+               (b.exclusion == Exclusion::none ? " can serve again (was out: " + exclusionText(a, unavailable, then)
+                                               : " is out (" + exclusionText(b, unavailable, words.engine)) +
                ")";
     };
     compare(before.method);

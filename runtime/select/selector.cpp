@@ -66,8 +66,10 @@ Result<void> Selector::rebind(const AlgorithmRegistry& registry)
 
 void Selector::adopt(rules::Engine engine)
 {
-    engine_ = std::make_shared<const rules::Engine>(std::move(engine));
-    batch_.emplace(*engine_);
+    auto shared = std::make_shared<const rules::Engine>(std::move(engine));
+    rules::BatchEngine batch(*shared); // what may throw comes before what changes
+    engine_ = std::move(shared);
+    batch_ = std::move(batch);
     opinions_ = {};
 }
 
@@ -103,6 +105,7 @@ Candidate Selector::examine(const Method& method, const SelectionInput& input, c
 void Selector::rank(std::span<LightDecision> decisions)
 {
     const auto lights = static_cast<std::uint32_t>(decisions.size());
+    const auto known = std::min(methods_.size(), static_cast<std::uint32_t>(engine_->outputs().size()));
     if (opinions_.stride < lights) opinions_ = batch_->makeInference(std::bit_ceil(lights));
     facts_.resize(kFactCount * lights);
     for (std::size_t fact = 0; fact < kFactCount; ++fact)
@@ -111,7 +114,7 @@ void Selector::rank(std::span<LightDecision> decisions)
     batch_->evaluateBatch(facts_, lights, opinions_);
     for (std::uint32_t i = 0; i < lights; ++i) {
         decisions[i].floorTruth = opinions_.floorTruth[i];
-        for (std::uint32_t m = 0; m < methods_.size(); ++m) {
+        for (std::uint32_t m = 0; m < known; ++m) {
             Candidate& candidate = decisions[i].candidates[m];
             const std::size_t place = opinions_.at(m, i);
             candidate.quantised = opinions_.quantised[place];

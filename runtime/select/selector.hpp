@@ -139,8 +139,8 @@ public:
     /// The method is settled: what the log says of it, and what the next frame remembers.
     void commit(LightDecision& decision, LightMemory& memory, std::uint64_t frame) const;
 
-    /// All facts, rules and candidates of a decision.
-    std::string explain(const LightDecision& decision) const;
+    /// All facts, rules and candidates of a decision. @param engine that decided it; null: no rules
+    std::string explain(const LightDecision& decision, const rules::Engine* engine) const;
 
 private:
     std::vector<rules::Diagnostic> bind(rules::RuleBase base, const AlgorithmRegistry& registry,

@@ -192,3 +192,19 @@ TEST_CASE("what a task that failed has promised is drawn when it is declared aga
     CHECK(frames.run(wanted) == Names{"statics 0", "copy 0", "casters 0"});
     CHECK(frames.layers[0] == Revisions{1, 7});
 }
+
+TEST_CASE("a frame that is taken back and submitted again with other casters leaves their stamp")
+{
+    Frames frames;
+    std::vector<Wanted> wanted{{{1}, {}, 100, 0}};
+    CHECK(frames.run(wanted).size() == 1);
+    wanted[0] = {{2}, {}, 101, 0};
+    CHECK(frames.run(wanted).size() == 1);
+    frames.pool.withdraw();
+    --frames.frame;
+    wanted[0] = {{3}, {}, 102, 0};
+    CHECK(frames.run(wanted).size() == 1);
+    wanted[0] = {{1}, {}, 100, 0};
+    CHECK(frames.run(wanted).size() == 1);
+    CHECK(frames.layers[0] == Revisions{1});
+}

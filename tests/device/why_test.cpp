@@ -56,6 +56,7 @@ TEST_CASE_FIXTURE(DeviceTest, "all four questions are answered, for the newest f
     host.require(gnLoadRules(host.context, other.data(), other.size(), "quality"));
     CHECK(contains(ask(host, {.kind = GN_QUESTION_WHY, .frame = 12}), "rule T1"));
     CHECK(std::string(host.decision(0).pRule) == "T1"); // the newest frame is one of them
+    CHECK(contains(host.explanation(0), "T1"));
     host.require(gnLoadRules(host.context, rules.data(), rules.size(), "thesis"));
 
     host.pinAll("shadow_map");

@@ -174,35 +174,68 @@ TEST_CASE("budget auto is 1.3 times the median of the later half of the first se
     CHECK(budget.measuring());
 }
 
-TEST_CASE("budget auto is measured anew after a cut and when an eighth of the lights have come or gone")
+namespace {
+
+/// Frames of `lights` lights that take `ms` each, until the budget is known. @return how many
+std::uint32_t measure(AutoBudget& budget, std::uint32_t lights, double ms)
+{
+    std::uint32_t frames = 0;
+    for (; budget.measuring(); ++frames) {
+        budget.look(lights, false);
+        budget.note(ms, 5.0);
+    }
+    return frames;
+}
+
+/// Whether the budget stays known over the frames.
+bool stays(AutoBudget& budget, std::uint32_t frames, std::uint32_t lights, bool cut)
+{
+    for (std::uint32_t i = 0; i < frames; ++i)
+        budget.look(lights, cut);
+    return !budget.measuring();
+}
+
+} // namespace
+
+TEST_CASE("budget auto is measured anew after a cut and once an eighth of the lights have come or gone to stay")
 {
     AutoBudget budget;
-    const auto measure = [&](std::uint32_t lights, double ms) {
-        std::uint32_t frames = 0;
-        for (budget.look(lights, false); budget.measuring(); budget.look(lights, false)) {
-            budget.note(ms, 5.0);
-            ++frames;
-        }
-        return frames;
-    };
-    CHECK(measure(9, 2.0) == AutoBudget::kMostFrames); // 300 ms: not a second yet
-    budget.look(10, false);
-    budget.look(8, false);
-    budget.look(0, false); // a frame without lights
+    CHECK(measure(budget, 9, 2.0) == AutoBudget::kMostFrames); // 300 ms: not a second yet
+    CHECK(stays(budget, 300, 10, false));
+    CHECK(stays(budget, 300, 8, false));
+    CHECK(stays(budget, 300, 0, false)); // frames without lights
     CHECK(budget.ms() == doctest::Approx(2.6));
-    CHECK(measure(11, 4.0) == AutoBudget::kFewestAgain);
+    CHECK(stays(budget, AutoBudget::kSettled - 1, 11, false));
+    CHECK_FALSE(stays(budget, 1, 11, false));
+    CHECK(measure(budget, 11, 4.0) == AutoBudget::kFewestAgain);
     CHECK(budget.ms() == doctest::Approx(5.2));
-    budget.look(11, true);
-    CHECK(budget.measuring());
-    CHECK(measure(11, 3.0) == AutoBudget::kFewestAgain);
-    budget.look(7, false);
-    CHECK(budget.measuring());
-    // Lights that come one after another: each eighth starts it again.
-    for (int i = 0; i < 10; ++i)
-        budget.note(9.0, 5.0);
-    budget.look(9, false);
-    CHECK(measure(9, 1.0) == AutoBudget::kFewestAgain);
-    CHECK(budget.ms() == doctest::Approx(1.3));
+    CHECK(stays(budget, AutoBudget::kSettled, 11, false));
+    CHECK_FALSE(stays(budget, 1, 11, true)); // a cut
+    CHECK(measure(budget, 11, 3.0) == AutoBudget::kFewestAgain);
+}
+
+TEST_CASE("budget auto is not measured over and over by flickering lights, views in turn or cuts in every frame")
+{
+    AutoBudget budget;
+    measure(budget, 4, 2.0);
+    for (int i = 0; i < 1000; ++i)
+        REQUIRE(stays(budget, 10, i % 2 ? 4 : 5, false));
+    std::uint32_t measuring = 0;
+    for (int i = 0; i < 460; ++i) {
+        budget.look(4, true);
+        budget.note(2.0, 5.0);
+        measuring += budget.measuring();
+    }
+    CHECK(measuring <= 10 * AutoBudget::kFewestAgain);
+    // While it measures, lights may come one after another.
+    budget.restart();
+    std::uint32_t lights = 1;
+    for (; budget.measuring() && lights < 100; ++lights) {
+        budget.look(lights, false);
+        budget.note(1.0, 20.0);
+    }
+    CHECK(lights == 51); // a second
+    CHECK(stays(budget, 100, 50, false));
 }
 
 TEST_CASE("budget auto takes a second of time where frames are slow, and ignores frames that took nothing")

@@ -17,7 +17,7 @@ typedef struct GnDecision {
     float viewerDistance;          ///< Metres from the eye to the light's nearest visible receiver.
     VkBool32 viewerDistanceMeasured; ///< False: a lower bound.
     VkBool32 switched;             ///< Differs from the frame before.
-    const char* pRule;             ///< Id of the strongest rule behind the method, or null. Until rules are loaded anew.
+    const char* pRule;             ///< Id of the strongest rule behind the method, or null. Valid until the next frame.
     const char* pOutgoing;         ///< The method the picture fades from, which runs as well; null: there is no fade.
     float fade;                    ///< (0, 1]. Share of `pMethod` in what is shown; 1: all of it.
     const char* pProbed;           ///< A method that runs unseen to be measured (`policy.probing`); null: there is none.

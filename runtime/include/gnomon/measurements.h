@@ -67,7 +67,7 @@ typedef struct GnFrameStats {
     uint32_t fading;            ///< Lights shown as a mix of two methods.
     float predictedMs;          ///< By the cost model, all lights, outgoing methods of fading ones included.
     float budgetMs;             ///< The budget the plan kept to: the host's, or that of `budget: auto`; 0: none.
-    float raysMs;               ///< CPU time inside the ray tracer's queries, added up over threads.
+    float raysMs;               ///< Inside the ray tracer's queries, wall time of every thread added up.
 } GnFrameStats;
 
 GN_API GnResult GN_CALL gnGetFrameStats(GnContext context, GnFrameStats* pStats);
