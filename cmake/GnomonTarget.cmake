@@ -1,4 +1,4 @@
-# Flags that every gnomon target shares. Decisions must not depend on the compiler (selector.md: same inputs, same
+# Flags that every gnomon target shares. Decisions must not depend on the compiler (same inputs, same
 # decision), hence no contraction of a*b+c and no fast-math anywhere.
 add_library(gnomon_flags INTERFACE)
 target_compile_features(gnomon_flags INTERFACE cxx_std_20)

@@ -151,6 +151,7 @@ private:
     void noteChanges(std::uint64_t frame);
     bool learnsFrom(std::uint64_t frame) const;
     double meanFrameRate() const;
+    bool cameraCut() const;
     void updateBudget(const GnFrameInfo& info);
     void declareLight(const PendingLight& pending, FrameMode mode);
     std::optional<Error> declareMethod(const PendingLight& pending, std::uint32_t method, ImageId visibility,

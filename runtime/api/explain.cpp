@@ -18,14 +18,13 @@ void Context::recordDecisions()
                       .base = base,
                       .budgeted = countsTime(base) && (measuresBudget_ || budgetMs_ > 0.0),
                       .priced = countsTime(base) && !measuresBudget_ && !(budgetMs_ > 0.0),
-                      .cut = false,
+                      .cut = cameraCut(),
                       .measuring = measuresBudget_,
                       .budgetMs = budgetMs_,
                       .report = planReport_};
     for (std::uint32_t i = 0; i < methods_->size(); ++i)
         frame.fallbacks |= (*methods_)[i].has(GN_TRAIT_FALLBACK_BIT) ? 1u << i : 0u;
     for (const ViewFrame& viewFrame : viewFrames_) {
-        frame.cut |= viewFrame.view->camera.cut;
         const auto lights = static_cast<std::uint32_t>(viewFrame.view->decisions.size());
         viewFrame.view->records.begin(frame_, lights, methods_->size(), selector_->sharedEngine());
     }

@@ -405,12 +405,9 @@ void Context::updateBudget(const GnFrameInfo& info)
         if (autoBudgetRules_ != base->textHash) autoBudget_.restart();
         autoBudgetRules_ = base->textHash;
         std::uint32_t lights = 0;
-        bool cut = false;
-        for (std::uint32_t i = 0; i < info.viewCount; ++i) {
+        for (std::uint32_t i = 0; i < info.viewCount; ++i)
             lights += info.pViews[i].lightCount;
-            cut |= info.pViews[i].cameraCut != VK_FALSE;
-        }
-        autoBudget_.look(lights, cut);
+        autoBudget_.look(lights, cameraCut());
         // What was timed last, if nothing but methods had a part in it.
         const bool disturbed = std::any_of(disturbed_.begin(), disturbed_.end(), [&](std::uint64_t frame) {
             return frame != 0 && frame + kTimedPeriod > info.frame;
@@ -428,9 +425,7 @@ void Context::updateBudget(const GnFrameInfo& info)
 void Context::planLights(const GnFrameInfo& info)
 {
     const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
-    bool cut = budgetBegins_; // the cheapest plan was to be measured, not to be kept
-    for (const ViewFrame& viewFrame : viewFrames_)
-        cut |= viewFrame.view->camera.cut;
+    const bool cut = cameraCut() || budgetBegins_; // the cheapest plan was to be measured, not to be kept
     planReport_ = plan_->decide(base, {.ms = measuresBudget_ ? kNextToNothingMs : budgetMs_,
                                        .measuredMs = untimedGpuMs_ > 0.0f ? untimedGpuMs_ + lastCpuMs_ : -1.0,
                                        .cut = cut,
@@ -448,6 +443,13 @@ void Context::planLights(const GnFrameInfo& info)
     if (countsTime(base)) noteChanges(info.frame);
     for (const ViewFrame& viewFrame : viewFrames_)
         viewFrame.view->lastFrame = info.frame;
+}
+
+/// Of any view of the frame.
+bool Context::cameraCut() const
+{
+    return std::any_of(viewFrames_.begin(), viewFrames_.end(),
+                       [](const ViewFrame& viewFrame) { return viewFrame.view->camera.cut; });
 }
 
 double Context::meanFrameRate() const

@@ -10,7 +10,7 @@ namespace gnomon {
 /// another one. Lights that flicker, views that take turns and cuts in every frame do not keep it measuring.
 class AutoBudget {
 public:
-    /// Room for one step up where every light has the cheapest method (selector.md 2.9).
+    /// Room for one step up where every light has the cheapest method.
     static constexpr double kFactor = 1.3;
     /// The first second, in frames at 60 Hz; where frames are slower, one second of time, but two timed frames (one in
     /// eight) on either side of the half that counts.

@@ -23,7 +23,7 @@ constexpr VkExtent2D kSize{1280, 720};
 constexpr const char* kPlainMethod = "shadow_map";
 constexpr const char* kHybrids[] = {"pcf_hybrid", "contour_chain", "conservative_map", "conservative_map_adjacency"};
 
-// Allowed (issue text of the hybrid family): 25 ns a ray and 2.5 ms a frame, where the thesis's hand-over took 20 ns a
+// Allowed: 25 ns a ray and 2.5 ms a frame, where the thesis's hand-over took 20 ns a
 // ray that no stage accounted for (Morais 2015, 5.3).
 constexpr double kNsPerRay = 25.0, kConstantMs = 2.5;
 

@@ -108,13 +108,23 @@ TEST_CASE(
     CHECK(frames.layers == std::vector<Revisions>{{1}, {2}, {3}});
 }
 
+namespace {
+
+/// Draws layers of static and moving casters, then gives the statics' image back, which a second frame has no use for.
+void loseStatics(Frames& frames, const std::vector<Wanted>& wanted)
+{
+    CHECK(frames.run(wanted).size() == 3 * wanted.size());
+    CHECK(frames.run(wanted).empty());
+    frames.runOut();
+}
+
+} // namespace
+
 TEST_CASE("static casters are drawn again when their image alone was given back")
 {
     Frames frames;
     std::vector<Wanted> wanted{{{1}, {7}, 100, 50}};
-    CHECK(frames.run(wanted).size() == 3);
-    CHECK(frames.run(wanted).empty());
-    frames.runOut();
+    loseStatics(frames, wanted);
     CHECK(frames.run(wanted).empty()); // nobody misses it yet
     wanted[0].movings = {8};
     wanted[0].stamp = 101;
@@ -166,9 +176,7 @@ TEST_CASE(
 {
     Frames frames;
     std::vector<Wanted> wanted{{{1}, {7}, 100, 50}, {{2}, {8}, 200, 60}};
-    CHECK(frames.run(wanted).size() == 6);
-    CHECK(frames.run(wanted).empty());
-    frames.runOut();
+    loseStatics(frames, wanted);
     wanted[0].movings = {9};
     wanted[0].stamp = 101;
     CHECK(frames.run(wanted) == Names{"statics 0", "copy 0", "casters 0"});
