@@ -7,7 +7,7 @@ layout(set = 1, binding = 1) uniform sampler2D shadowMap;
 layout(push_constant) uniform Push {
     mat4 lightClipFromEye;
 };
-layout(location = 0) in vec4 lightClipRay;
+layout(location = 0) noperspective in vec4 lightClipRay;
 layout(location = 0) out float visibility;
 
 void main()

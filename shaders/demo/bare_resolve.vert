@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 
-layout(location = 0) out vec4 lightClipRay;
+layout(location = 0) noperspective out vec4 lightClipRay;
 layout(push_constant) uniform Push {
     mat4 lightClipFromEye;
 };

@@ -16,8 +16,8 @@ layout(set = 0, binding = 4) uniform sampler2DArray map;
 #else
 layout(set = 0, binding = 4) uniform sampler2D map; // border: depth 1, past the map nothing casts
 #endif
-layout(location = 0) in vec3 rayWs;
-layout(location = 1) in vec4 rayClip;
+layout(location = 0) noperspective in vec3 rayWs;
+layout(location = 1) noperspective in vec4 rayClip;
 layout(location = 0) out float visibility;
 
 #include "../maps/agreement.glsl"

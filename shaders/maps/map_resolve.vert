@@ -7,8 +7,8 @@
 layout(set = 0, binding = 0, std140) uniform Constants {
     MapConstants constants;
 };
-layout(location = 0) out vec3 rayWs;
-layout(location = 1) out vec4 rayClip;
+layout(location = 0) noperspective out vec3 rayWs;
+layout(location = 1) noperspective out vec4 rayClip;
 
 void main()
 {

@@ -18,8 +18,8 @@ layout(set = 0, binding = 4) uniform sampler2DArray map;
 layout(set = 0, binding = 4) uniform sampler2D map; // border: depth 1, past the map nothing casts
 #endif
 layout(set = 0, binding = 5, std430) buffer Cells { uint cells[]; };
-layout(location = 0) in vec3 rayWs;
-layout(location = 1) in vec4 rayClip;
+layout(location = 0) noperspective in vec3 rayWs;
+layout(location = 1) noperspective in vec4 rayClip;
 layout(location = 0) out float visibility;
 
 layout(constant_id = 1) const bool WIDENED = false; // a loop without known end takes a third longer for 2 x 2

@@ -9,8 +9,8 @@ layout(set = 0, binding = 0, std140) uniform Constants { CapConstants constants;
 layout(set = 0, binding = 1) uniform sampler2D depthImage;
 layout(set = 0, binding = 3) uniform sampler2D map; // border: depth 1
 layout(set = 0, binding = 4, std430) readonly buffer Polygons { uint command[]; };
-layout(location = 0) in vec3 rayWs;
-layout(location = 1) in vec4 rayClip;
+layout(location = 0) noperspective in vec3 rayWs;
+layout(location = 1) noperspective in vec4 rayClip;
 
 float texelDepth(vec2 texel) { return textureLod(map, (texel + 0.5) / float(constants.surface.side), 0.0).x; }
 

@@ -7,8 +7,8 @@
 layout(set = 0, binding = 0, std140) uniform Constants { CapConstants constants; };
 layout(set = 0, binding = 3) uniform sampler2D map; // border: depth 1
 layout(set = 0, binding = 4, std430) readonly buffer Polygons { uint command[]; };
-layout(location = 0) out vec3 rayWs;
-layout(location = 1) out vec4 rayClip;
+layout(location = 0) noperspective out vec3 rayWs;
+layout(location = 1) noperspective out vec4 rayClip;
 
 bool wanted()
 {

@@ -7,7 +7,7 @@ layout(set = 0, binding = 0, std140) uniform Constants { VolumeResolve resolve; 
 layout(set = 0, binding = 1) uniform sampler2D depthImage;
 layout(set = 0, binding = 2) uniform sampler2D normalImage;
 layout(set = 0, binding = 3, std430) readonly buffer Plane { ReceiverPlane plane; };
-layout(location = 0) in vec3 rayWs;
+layout(location = 0) noperspective in vec3 rayWs;
 layout(location = 0) out vec4 visibility;
 
 void main()

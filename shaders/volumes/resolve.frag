@@ -9,7 +9,7 @@ layout(constant_id = 0) const bool COUNTED = false; // the first draw
 layout(set = 0, binding = 0, std140) uniform Constants { VolumeResolve resolve; };
 layout(set = 0, binding = 1) uniform sampler2D depthImage;
 layout(set = 0, binding = 2) uniform sampler2D normalImage;
-layout(location = 0) in vec3 rayWs;
+layout(location = 0) noperspective in vec3 rayWs;
 layout(location = 0) out vec4 visibility;
 
 void main()

@@ -4,7 +4,7 @@
 #include "volume.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants { VolumeResolve resolve; };
-layout(location = 0) out vec3 rayWs;
+layout(location = 0) noperspective out vec3 rayWs;
 
 void main()
 {

@@ -8,7 +8,7 @@ layout(set = 0, binding = 1) uniform sampler2D depthImage;
 layout(set = 0, binding = 2) uniform sampler2D normalImage;
 layout(set = 0, binding = 3) uniform usampler2D stencilImage;
 layout(set = 0, binding = 4) uniform sampler2D coverageImage; // sharesOf(), doubtful()
-layout(location = 0) in vec3 rayWs;
+layout(location = 0) noperspective in vec3 rayWs;
 layout(location = 0) out vec4 visibility;
 
 // Covered discs at a pixel. Counts are kept modulo 256; rounding along a border may leave -1.
