@@ -4,6 +4,8 @@
 #include <cstring>
 #include <limits>
 
+#include "runtime/scene/light_pixels.hpp"
+
 namespace gnomon {
 
 float fromHalf(std::uint16_t bits)
@@ -77,6 +79,17 @@ Asked Receivers::at(std::uint32_t x, std::uint32_t y, ShadowRay& ray, Receiver& 
         ray.tfar = 1.0f - offset / gpu::max(gpu::length(ray.direction), 1e-20f);
     }
     return Asked::ray;
+}
+
+AskedPixels askedPixels(const CameraView& view, const LightView& light, std::uint32_t tileSide)
+{
+    const VkRect2D pixels = lightPixels(light, view);
+    const auto left = static_cast<std::uint32_t>(pixels.offset.x - view.area.offset.x);
+    const auto top = static_cast<std::uint32_t>(pixels.offset.y - view.area.offset.y);
+    return {.left = left / tileSide * tileSide,
+            .top = top / tileSide * tileSide,
+            .right = left + pixels.extent.width,
+            .bottom = top + pixels.extent.height};
 }
 
 } // namespace gnomon

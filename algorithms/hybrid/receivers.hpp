@@ -62,6 +62,15 @@ private:
     bool halfNormals_;
 };
 
+/// The pixels of the view's area that the light may reach, from its first one, to whole tiles: nothing else asks.
+struct AskedPixels {
+    std::uint32_t left = 0, top = 0;     ///< Multiples of the tile's side.
+    std::uint32_t right = 0, bottom = 0; ///< One past the last ones, within the area.
+
+    bool holdsRow(std::uint32_t y) const { return top <= y && y < bottom; }
+};
+AskedPixels askedPixels(const CameraView& view, const LightView& light, std::uint32_t tileSide);
+
 /// IEEE 754 binary16, all values.
 float fromHalf(std::uint16_t bits);
 

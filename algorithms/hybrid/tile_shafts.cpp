@@ -72,8 +72,10 @@ public:
         : job_(job), host_(host), reader_(reader), bytes_(job.reasons), search_(scene, *host.arena),
           blocks_(host.arena->array<Block>(std::size_t(job.tile / kBlockSide) * (job.tile / kBlockSide))),
           stride_((job.view->area.extent.width + job.tile - 1) / job.tile * job.tile),
-          rows_(host.arena->array<std::uint8_t>(std::size_t(job.tile) * stride_))
+          rows_(host.arena->array<std::uint8_t>(std::size_t(job.tile) * stride_)),
+          asked_(askedPixels(*job.view, *job.light, job.tile))
     {
+        fillOutside();
         for (std::uint32_t i = 0; i < blocks_.size(); ++i)
             corner_[i] = static_cast<std::uint32_t>(everyOtherBit(i >> 1) * kBlockSide * stride_ +
                                                     everyOtherBit(i) * kBlockSide);
@@ -84,6 +86,7 @@ public:
 private:
     void dark(std::uint32_t firstBlock, std::uint32_t count) override;
     void lanes(std::uint32_t block, const std::uint32_t (&state)[kLanes]) override;
+    void fillOutside() { std::fill(rows_.begin(), rows_.end(), bytes_.of[gpu::REASON_OUTSIDE]); }
     void read(std::uint32_t left, std::uint32_t top);
     void ask(const Block& from, std::uint32_t lane, std::size_t at);
     void askTogether(const Block& from, std::uint32_t lanes, std::size_t first);
@@ -99,6 +102,7 @@ private:
     std::span<Block> blocks_;
     std::size_t stride_; ///< Of rows_: whole tiles.
     std::span<std::uint8_t> rows_;
+    AskedPixels asked_;
     std::uint32_t corner_[kBlocks]; ///< Of the blocks of a tile, in rows_.
     std::uint32_t left_ = 0;        ///< Of the tile at work, in the area.
     RayBatch<256> batch_;
@@ -211,12 +215,16 @@ void TileRows::answer(std::uint32_t tileRow, std::span<std::uint8_t> visibility)
 {
     const VkExtent2D extent = job_.view->area.extent;
     const std::uint32_t top = tileRow * job_.tile;
-    for (std::uint32_t left = 0; left < extent.width; left += job_.tile) {
-        read(left, top);
-        search_.run(blocks_, *this);
+    if (asked_.holdsRow(top)) {
+        for (std::uint32_t left = asked_.left; left < asked_.right; left += job_.tile) {
+            read(left, top);
+            search_.run(blocks_, *this);
+        }
+        flush();
+        flushPackets();
+    } else {
+        fillOutside();
     }
-    flush();
-    flushPackets();
     // Upload memory may be write-combined: whole rows at a time.
     for (std::uint32_t y = 0; y < std::min(job_.tile, extent.height - top); ++y)
         std::memcpy(&visibility[std::size_t(top + y) * extent.width], &rows_[y * stride_], extent.width);

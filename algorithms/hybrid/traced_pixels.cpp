@@ -48,14 +48,14 @@ void show(const Shades& shades, const lanes::Block& block, std::uint32_t blocked
 }
 
 /// Answers a row of blocks: the pixels of one share their way through the trees.
-void traceBlocks(const TraceJob& job, const HostContext& host, const BlockReader& reader, std::uint32_t top,
-                 std::span<std::uint8_t> rows, std::uint32_t stride)
+void traceBlocks(const TraceJob& job, const HostContext& host, const BlockReader& reader, const AskedPixels& asked,
+                 std::uint32_t top, std::span<std::uint8_t> rows, std::uint32_t stride)
 {
     lanes::Block blocks[kBlocks];
     RayPacket packets[kBlocks];
     std::uint16_t blocked[kBlocks];
-    for (std::uint32_t left = 0; left < stride; left += kBlocks * kBlockSide) {
-        const std::uint32_t count = std::min(kBlocks, (stride - left) / kBlockSide);
+    for (std::uint32_t left = asked.left; left < asked.right; left += kBlocks * kBlockSide) {
+        const std::uint32_t count = std::min(kBlocks, (asked.right - left + kBlockSide - 1) / kBlockSide);
         std::size_t rays = 0;
         for (std::uint32_t i = 0; i < count; ++i) {
             reader.read(left + i * kBlockSide, top, blocks[i]);
@@ -73,15 +73,19 @@ void trace(const TraceJob& job, const HostContext& host)
 {
     const VkExtent2D extent = job.view->area.extent;
     const BlockReader reader = blocksOf(*job.view, *job.light, job.buffers, host);
+    const AskedPixels asked = askedPixels(*job.view, *job.light, kBlockSide);
     const std::span<std::uint8_t> visibility = host.write<std::uint8_t>(job.buffers.rows);
     const std::uint32_t blockRows = (extent.height + kBlockSide - 1) / kBlockSide;
     const std::uint32_t stride = (extent.width + kBlockSide - 1) / kBlockSide * kBlockSide;
     host.jobs->parallelFor(blockRows, 4, [&](std::size_t begin, std::size_t end, std::uint32_t) {
         // Upload memory may be write-combined: whole rows at a time.
         const std::span<std::uint8_t> rows = host.arena->array<std::uint8_t>(std::size_t(kBlockSide) * stride);
+        bool filled = false; // with what no block overwrites
         for (std::size_t row = begin; row < end; ++row) {
             const auto top = static_cast<std::uint32_t>(row) * kBlockSide;
-            traceBlocks(job, host, reader, top, rows, stride);
+            if (!filled || !asked.holdsRow(top)) std::fill(rows.begin(), rows.end(), job.shades.lit);
+            filled = true;
+            if (asked.holdsRow(top)) traceBlocks(job, host, reader, asked, top, rows, stride);
             for (std::uint32_t y = 0; y < std::min(kBlockSide, extent.height - top); ++y)
                 std::copy_n(rows.begin() + std::ptrdiff_t(y) * stride, extent.width,
                             visibility.begin() + std::ptrdiff_t(top + y) * extent.width);

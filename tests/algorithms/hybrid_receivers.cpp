@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <random>
 
 #include "algorithms/hybrid_fixture.hpp"
 
@@ -126,6 +127,43 @@ TEST_CASE("without normals every reached pixel is asked")
     CHECK(t.otherState <= 2);
     CHECK(t.wrong <= 2);
     CHECK(t.asked > 10000);
+}
+
+TEST_CASE("outside of what a light's bounds cover no pixel asks, and none is dark")
+{
+    RayScene rays;
+    const TracedMesh mesh = makeScene(rays);
+    const std::vector<Caster> casters{test::casterOf(mesh, 0)};
+    const std::vector<brute::Triangle> triangles = brute::trianglesOf(casters);
+    const Seen seen = look({}, triangles);
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    int outside = 0, asking = 0, whole = 0;
+    for (int i = 0; i < 60; ++i) {
+        const glm::dvec3 at(8.0 * unit(random), 2.5 + 2.0 * unit(random), 8.0 * unit(random));
+        const double range = 3.0 + 2.0 * unit(random);
+        const LightPair light = i % 2 ? makeLight(GN_LIGHT_TYPE_POINT, at, {0, -1, 0}, range, 0.0)
+                                      : makeLight(GN_LIGHT_TYPE_SPOT, at, {unit(random), -1, unit(random)}, range, 0.4);
+        const Receivers receivers(seen.view, light.view, seen.depth, seen.normalBytes());
+        const AskedPixels part = askedPixels(seen.view, light.view, 4);
+        CHECK(part.left % 4 == 0);
+        CHECK(part.top % 4 == 0);
+        CHECK(part.right <= kWidth);
+        CHECK(part.bottom <= kHeight);
+        whole += part.left == 0 && part.top == 0 && part.right == kWidth && part.bottom == kHeight;
+        for (std::uint32_t y = 0; y < kHeight; ++y)
+            for (std::uint32_t x = 0; x < kWidth; ++x) {
+                ShadowRay ray;
+                const bool lit = receivers.at(x, y, ray) == Asked::lit;
+                asking += !lit;
+                if (part.holdsRow(y) && part.left <= x && x < part.right) continue;
+                ++outside;
+                REQUIRE(lit);
+            }
+    }
+    MESSAGE(outside << " pixels outside, " << asking << " ask, " << whole << " of 60 lights cover all");
+    CHECK(outside > 60 * kWidth * kHeight / 4);
+    CHECK(asking > 60 * kWidth * kHeight / 100);
 }
 
 TEST_CASE("a receiver closer to the light than the offset is lit")
