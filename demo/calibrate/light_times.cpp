@@ -30,7 +30,8 @@ cost::Workload workloadOf(const GnLightTiming& timing)
             .point = timing.type == GN_LIGHT_TYPE_POINT,
             .drawnPixels = timing.drawnPixels,
             .viewPixels = timing.viewPixels,
-            .shadowPixels = timing.shadowPixels};
+            .shadowPixels = timing.shadowPixels,
+            .treeLevels = timing.treeLevels};
 }
 
 double drawFrame(Session& session, double time, bool timed, bool cut)

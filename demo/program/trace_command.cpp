@@ -63,6 +63,7 @@ private:
                 if (std::string_view(info.pSettings[i].pName) == kResolutionSetting) side = info.pSettings[i].value;
             trace_.mapTexels.push_back(static_cast<float>(side * side));
             trace_.drawsVolumes.push_back((info.traits & GN_TRAIT_TOPOLOGY_BIT) != 0);
+            trace_.tracesPixels.push_back((info.traits & GN_TRAIT_RAYS_BIT) != 0 && side == 0.0);
         }
         if (trace_.methods.empty()) throw HostError("no method serves a light of this scene");
     }
@@ -259,18 +260,21 @@ private:
         for (uint32_t light = 0; light < trace_.lights; ++light)
             if (served[trace_.cell(found->second, light)]) {
                 keepFastest(found->second, light, method);
-                if (trace_.drawsVolumes[method]) noteVolumes(found->second, number, light);
+                noteShape(found->second, number, light);
             }
     }
 
-    /// The part of a workload that only methods with volumes are told.
-    void noteVolumes(uint32_t frame, uint64_t number, uint32_t light)
+    /// The parts of a workload that only some methods are told: with volumes, or with a ray for every pixel.
+    void noteShape(uint32_t frame, uint64_t number, uint32_t light)
     {
         GnLightTiming timing{};
         if (gnGetLightTiming(session_.shadows.context(), session_.shadows.view(0), session_.shadows.light(light),
                              &timing) >= 0 &&
-            timing.frame == number)
-            trace_.lightStates[trace_.cell(frame, light)].shadowPixels = static_cast<float>(timing.shadowPixels);
+            timing.frame == number) {
+            TraceLight& state = trace_.lightStates[trace_.cell(frame, light)];
+            if (timing.shadowPixels > 0.0) state.shadowPixels = static_cast<float>(timing.shadowPixels);
+            if (timing.treeLevels > 0.0) state.treeLevels = static_cast<float>(timing.treeLevels);
+        }
     }
 
     void keepFastest(uint32_t frame, uint32_t light, uint32_t method)

@@ -25,7 +25,8 @@ cost::Workload workloadOf(const Trace& trace, const TraceLight& light, uint32_t 
             .point = light.point,
             .drawnPixels = double{light.drawnPixels},
             .viewPixels = double{light.viewPixels},
-            .shadowPixels = trace.drawsVolumes[method] ? double{light.shadowPixels} : 0.0};
+            .shadowPixels = trace.drawsVolumes[method] ? double{light.shadowPixels} : 0.0,
+            .treeLevels = trace.tracesPixels[method] ? double{light.treeLevels} : 0.0};
 }
 
 /// What was measured, pass by pass; a pass that did not run says nothing.

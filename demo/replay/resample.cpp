@@ -47,6 +47,7 @@ public:
         light.casters = betweenOctaves(light.casters, there.casters, share);
         light.drawnPixels = betweenOctaves(light.drawnPixels, there.drawnPixels, share);
         light.shadowPixels = betweenOctaves(light.shadowPixels, there.shadowPixels, share);
+        light.treeLevels = betweenOctaves(light.treeLevels, there.treeLevels, share);
         const size_t facts = recorded_.facts.size(), methods = recorded_.methods.size();
         for (size_t f = 0; f < facts; ++f)
             out.factValues[cell * facts + f] =

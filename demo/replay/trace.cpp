@@ -13,7 +13,7 @@ namespace gnomon::demo {
 
 namespace {
 
-constexpr std::string_view kMagic = "GNTRACE2";
+constexpr std::string_view kMagic = "GNTRACE3";
 constexpr size_t kMostCells = size_t{1} << 24; ///< (frame, light, method) triples: 340 MB in memory.
 constexpr double kTimeSteps = 2048.0, kTimeShift = 20.0, kSpreadSteps = 32.0;
 
@@ -55,10 +55,10 @@ public:
 };
 
 /// The sizes of a light's workload in the order of the file.
-std::array<float*, 8> sizesOf(TraceLight& light)
+std::array<float*, 9> sizesOf(TraceLight& light)
 {
-    return {&light.pixels,      &light.casterTriangles, &light.drawnTriangles, &light.casters,
-            &light.drawnPixels, &light.viewPixels,      &light.shadowPixels,   &light.sharing};
+    return {&light.pixels,     &light.casterTriangles, &light.drawnTriangles, &light.casters, &light.drawnPixels,
+            &light.viewPixels, &light.shadowPixels,    &light.treeLevels,     &light.sharing};
 }
 
 void readLight(Reader& in, Trace& trace, uint32_t frame, uint32_t slot)
@@ -117,6 +117,7 @@ void Trace::allocate()
     const size_t cells = size_t{frames} * lights;
     mapTexels.resize(methods.size());
     drawsVolumes.resize(methods.size());
+    tracesPixels.resize(methods.size());
     budgetsMs.resize(frames);
     cuts.resize(frames);
     lightStates.resize(cells);
@@ -134,7 +135,7 @@ std::string writeTrace(const Trace& trace)
     for (size_t m = 0; m < trace.methods.size(); ++m) {
         out.name(trace.methods[m]);
         out.real(trace.mapTexels[m]);
-        out.integer(static_cast<uint8_t>(trace.drawsVolumes[m]));
+        out.integer(static_cast<uint8_t>(trace.drawsVolumes[m] | trace.tracesPixels[m] << 1));
     }
     for (const std::string& fact : trace.facts)
         out.name(fact);
@@ -170,11 +171,13 @@ Outcome<Trace> readTrace(std::string_view bytes)
         size_t{trace.frames} * trace.lights * (methods + facts + 1) > kMostCells)
         return failure("the trace is shorter than its header says, or too large");
     std::vector<float> texels;
-    std::vector<uint8_t> volumes;
+    std::vector<uint8_t> volumes, traces;
     for (uint32_t m = 0; m < methods && !in.failed; ++m) {
         trace.methods.push_back(in.name());
         texels.push_back(in.measure());
-        volumes.push_back(in.integer<uint8_t>() & 1);
+        const auto flags = in.integer<uint8_t>();
+        volumes.push_back(flags & 1);
+        traces.push_back(flags >> 1 & 1);
     }
     for (uint32_t f = 0; f < facts && !in.failed; ++f)
         trace.facts.push_back(in.name());
@@ -182,6 +185,7 @@ Outcome<Trace> readTrace(std::string_view bytes)
     trace.allocate();
     trace.mapTexels = std::move(texels);
     trace.drawsVolumes = std::move(volumes);
+    trace.tracesPixels = std::move(traces);
     std::vector<uint8_t> present(trace.lights);
     for (uint32_t frame = 0; frame < trace.frames; ++frame) {
         trace.budgetsMs[frame] = in.measure();

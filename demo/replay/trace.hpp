@@ -5,14 +5,15 @@
 ///
 /// File, little-endian, no padding:
 ///
-///     "GNTRACE2"                                            version in the last byte
+///     "GNTRACE3"                                            version in the last byte
 ///     u32 frames, lights, methods, facts; f32 frameSeconds
-///     methods x { u8 length, name, f32 mapTexels, u8 flags (1: draws volumes) }    facts x { u8 length, name }
-///     frames x { f32 budgetMs; u8 flags (1: cut); lights x u8 present }
-///     and after each frame's head, for each light present:
+///     methods x { u8 length, name, f32 mapTexels, u8 flags (1: draws volumes, 2: traces pixels) }    facts x { u8
+///     length, name } frames x { f32 budgetMs; u8 flags (1: cut); lights x u8 present } and after each frame's head,
+///     for each light present:
 ///         f32 importance, minimumQuality
 ///         u8 flags (1: near floor, 2: still, 4: new light in this slot, 8: directional, 16: point)
-///         f32 pixels, casterTriangles, drawnTriangles, casters, drawnPixels, viewPixels, shadowPixels, sharing
+///         f32 pixels, casterTriangles, drawnTriangles, casters, drawnPixels, viewPixels, shadowPixels, treeLevels,
+///         sharing
 ///         facts x f32
 ///         methods x { u16 updateGpu, updateCpu, resolveGpu, resolveCpu, u16 error, u8 spread, u16 quality,
 ///                     i16 suitability }
@@ -64,7 +65,7 @@ struct TraceLight {
     float importance = 1.0f, minimumQuality = 0.0f;
     float pixels = 0.0f, casterTriangles = 0.0f; ///< And all that follow: as the cost model's Workload.
     float drawnTriangles = 0.0f, casters = 0.0f;
-    float drawnPixels = 0.0f, viewPixels = 0.0f, shadowPixels = 0.0f;
+    float drawnPixels = 0.0f, viewPixels = 0.0f, shadowPixels = 0.0f, treeLevels = 0.0f;
     float sharing = 1.0f;
 };
 
@@ -74,6 +75,7 @@ struct Trace {
     std::vector<std::string> methods, facts;
     std::vector<float> mapTexels;        ///< Per method.
     std::vector<uint8_t> drawsVolumes;   ///< Per method.
+    std::vector<uint8_t> tracesPixels;   ///< Likewise: a ray for every pixel.
     std::vector<float> budgetsMs;        ///< Per frame.
     std::vector<uint8_t> cuts;           ///< Per frame.
     std::vector<TraceLight> lightStates; ///< frames x lights

@@ -365,10 +365,12 @@ Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& fra
         const std::uint64_t age = info.frame - memory.measuredAt;
         const bool due = (info.frame + light.id) % kGridPeriod == 0 || age >= 2 * kGridPeriod;
         if (view.grid->valid() && (!memory.measured || due)) {
-            const Reach reach = measureReach(view.grid->camera(), view.grid->tiles(), view.grid->allTiles(), light);
+            const Reach reach =
+                measureReach(view.grid->camera(), view.grid->tiles(), view.grid->allTiles(), light, casters.all);
             memory.distance = reach.distance;
             memory.planarity = reach.planarity;
             memory.share.add(reach.share);
+            memory.treeLevels.add(reach.treeLevels);
             memory.measured = true;
             memory.measuredAt = info.frame;
         }

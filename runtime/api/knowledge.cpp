@@ -17,7 +17,8 @@ Result<void> Context::loadKnowledge(std::string_view text, std::string_view file
     const std::string device = vk_->properties.deviceName;
     const cost::Learned learned = plan_->teach(std::move(*parsed.base), device);
     if (learned.rows == 0)
-        messages_.warn("KnowledgeEmpty", file + ": no row of an algorithm of this build; predictions stay as they were");
+        messages_.warn("KnowledgeEmpty",
+                       file + ": no row of an algorithm of this build; predictions stay as they were");
     else if (!learned.sameDevice)
         messages_.info("KnowledgeForeign", file + ": measured on " + learned.device + ", not on " + device +
                                                "; the factor between them is learned from the first timed frames");
@@ -53,7 +54,8 @@ Result<GnLightTiming> Context::lightTiming(GnView viewHandle, GnLight light)
                                                       : GN_LIGHT_TYPE_SPOT,
                          .drawnPixels = workload.drawnPixels,
                          .viewPixels = workload.viewPixels,
-                         .shadowPixels = workload.shadowPixels};
+                         .shadowPixels = workload.shadowPixels,
+                         .treeLevels = workload.treeLevels};
 }
 
 } // namespace gnomon

@@ -48,7 +48,8 @@ struct Workload {
     bool directional = false, point = false; ///< Kind of light; neither: a spot light.
     double drawnPixels = 0.0;                ///< Of the screen rectangle around the light; 0: `pixels`.
     double viewPixels = 0.0;                 ///< Of the view; 0: `pixels`.
-    double shadowPixels = 0.0;               ///< Touched by the sides of shadow volumes; 0 for methods that draw none.
+    double shadowPixels = 0.0;               ///< Covered by the sides of shadow volumes; 0 for methods that draw none.
+    double treeLevels = 0.0;                 ///< On the way of a reached pixel's ray; 0 for methods that trace few.
 
     bool operator==(const Workload&) const = default;
 };

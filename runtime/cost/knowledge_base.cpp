@@ -29,6 +29,7 @@ enum Column : uint32_t {
     drawnPixels,
     viewPixels,
     shadowPixels,
+    treeLevels,
     samples,
     gpuMin,
     gpuP50,
@@ -42,11 +43,12 @@ enum Column : uint32_t {
     kColumns,
 };
 constexpr std::array<std::string_view, kColumns> kNames = {
-    "device",          "driver",     "algorithm",     "pass",       "pixels",         "caster_triangles",
-    "map_texels",      "sharing",    "still",         "drawn_triangles", "casters",   "directional",
-    "point",           "drawn_pixels", "view_pixels",   "shadow_pixels",
-    "samples",         "gpu_ms_min", "gpu_ms_p50",    "gpu_ms_p95", "cpu_ms_min",     "cpu_ms_p50",
-    "first_frame_ms",  "wrong_percent", "clock_mhz",  "date"};
+    "device",           "driver",      "algorithm",  "pass",           "pixels",
+    "caster_triangles", "map_texels",  "sharing",    "still",          "drawn_triangles",
+    "casters",          "directional", "point",      "drawn_pixels",   "view_pixels",
+    "shadow_pixels",    "tree_levels", "samples",    "gpu_ms_min",     "gpu_ms_p50",
+    "gpu_ms_p95",       "cpu_ms_min",  "cpu_ms_p50", "first_frame_ms", "wrong_percent",
+    "clock_mhz",        "date"};
 
 /// The whole cell as a number that a measurement can have: finite and not negative. An empty cell is 0.
 std::optional<double> measureOf(std::string_view cell)
@@ -163,7 +165,8 @@ private:
                                            .point = numbers[pointLight] != 0.0,
                                            .drawnPixels = numbers[drawnPixels],
                                            .viewPixels = numbers[viewPixels],
-                                           .shadowPixels = numbers[shadowPixels]},
+                                           .shadowPixels = numbers[shadowPixels],
+                                           .treeLevels = numbers[treeLevels]},
                               .samples = static_cast<uint32_t>(std::min(numbers[samples], 1e9)),
                               .gpuMsMin = numbers[gpuMin],
                               .gpuMsP50 = numbers[gpuP50],
@@ -221,11 +224,27 @@ std::string writeKnowledge(std::span<const KnowledgeRow> rows)
         }
         out += row.pass == Pass::update ? "update" : "resolve";
         const Workload& workload = row.workload;
-        for (const double number : {workload.pixels, workload.casterTriangles, workload.mapTexels, workload.sharing,
-                                    workload.still ? 1.0 : 0.0, workload.drawnTriangles, workload.casters,
-                                    workload.directional ? 1.0 : 0.0, workload.point ? 1.0 : 0.0, workload.drawnPixels,
-                                    workload.viewPixels, workload.shadowPixels, 1.0 * row.samples, row.gpuMsMin, row.gpuMsP50,
-                                    row.gpuMsP95, row.cpuMsMin, row.cpuMsP50, row.firstFrameMs, row.wrongPercent,
+        for (const double number : {workload.pixels,
+                                    workload.casterTriangles,
+                                    workload.mapTexels,
+                                    workload.sharing,
+                                    workload.still ? 1.0 : 0.0,
+                                    workload.drawnTriangles,
+                                    workload.casters,
+                                    workload.directional ? 1.0 : 0.0,
+                                    workload.point ? 1.0 : 0.0,
+                                    workload.drawnPixels,
+                                    workload.viewPixels,
+                                    workload.shadowPixels,
+                                    workload.treeLevels,
+                                    1.0 * row.samples,
+                                    row.gpuMsMin,
+                                    row.gpuMsP50,
+                                    row.gpuMsP95,
+                                    row.cpuMsMin,
+                                    row.cpuMsP50,
+                                    row.firstFrameMs,
+                                    row.wrongPercent,
                                     row.clockMhz}) {
             out += ',';
             if (number >= 0.0) appendNumber(out, number); // kNotMeasured is an empty cell

@@ -2,7 +2,7 @@
 
 /// The knowledge base: what calibration measured, as a CSV that people can read and programs can merge.
 ///
-///     # gnomon knowledge 2
+///     # gnomon knowledge 3
 ///     device,driver,algorithm,pass,pixels,caster_triangles,map_texels,sharing,still,samples,gpu_ms_p50,gpu_ms_p95,...
 ///
 /// The first line names the version. Columns are found by name, in any order; unknown ones are passed over. A row that
@@ -20,7 +20,7 @@
 
 namespace gnomon::cost {
 
-inline constexpr uint32_t kKnowledgeVersion = 2;
+inline constexpr uint32_t kKnowledgeVersion = 3;
 inline constexpr size_t kMaxKnowledgeBytes = size_t{4} << 20; ///< The file is untrusted; 12 methods take 60 kB.
 inline constexpr size_t kMaxKnowledgeRows = 65536;
 
@@ -35,7 +35,7 @@ struct KnowledgeRow {
     uint32_t samples = 0;
     double gpuMsMin = 0.0, gpuMsP50 = 0.0, gpuMsP95 = 0.0;
     double cpuMsMin = 0.0, cpuMsP50 = 0.0;
-    double firstFrameMs = 0.0;           ///< By which the first frame after a switch takes longer.
+    double firstFrameMs = 0.0;          ///< By which the first frame after a switch takes longer.
     double wrongPercent = kNotMeasured; ///< Of the light-facing pixels, against ray tracing.
     double clockMhz = 0.0;
     std::string date;

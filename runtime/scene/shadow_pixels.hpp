@@ -4,9 +4,10 @@
 
 namespace gnomon {
 
-/// Pixels that the sides of the shadow volumes touch, from the casters to the end of all their bounds: the blocks along
-/// every side, by the number of sides that the mesh has on average, and a share of those inside the outlines. What
-/// overlaps counts each time. An estimate for the cost model, no bound. Takes time in proportion to the casters.
+/// Pixels that the sides of the shadow volumes cover, from the casters to the end of all their bounds, by the number
+/// and length of sides that each mesh has on average. What a rasteriser pays on top for slivers is counted in pixels,
+/// too. What overlaps counts each time. An estimate for the cost model, no bound. Takes time in proportion to the
+/// casters.
 double shadowPixels(const LightView& light, const LightCasters& casters, const CameraView& view);
 
 } // namespace gnomon

@@ -236,27 +236,32 @@ void judge(const Faces& faces, Topology& topology)
         topology.manifold = topology.manifold && faces.mesh.is_manifold(vertex);
 }
 
-/// A plane with a random normal parts the normals of two faces with the probability angle / pi: so often does a
-/// distant light see one from the front and the other from behind. A side of a closed mesh is drawn once, of an open
-/// one twice, a border's once whatever the light; of more than two uses half are taken.
-float meanSides(const Topology& topology)
+/// How often an edge is a side. A plane with a random normal parts the normals of two faces with the probability angle
+/// / pi: so often does a distant light see one from the front and the other from behind. A side of a closed mesh is
+/// drawn once, of an open one twice, a border's once whatever the light; of more than two uses half are taken.
+double meanSides(const Topology& topology, const Topology::Edge& edge)
 {
     constexpr double kPi = 3.14159265358979323846;
-    double sides = 0.0;
+    if (edge.useCount != 2) return 0.5 * (edge.useCount + edge.useCount % 2);
+    const Topology::EdgeUse &one = topology.uses[edge.firstUse], &other = topology.uses[edge.firstUse + 1];
+    const glm::dvec3 a(topology.facePlanes[one.face]), b(topology.facePlanes[other.face]);
+    const double lengths = std::sqrt(glm::dot(a, a) * glm::dot(b, b));
+    if (lengths == 0.0) return 0.0;                           // faces no light
+    const double agree = one.sign == other.sign ? -1.0 : 1.0; // both running it the same way: one is flipped
+    const double angle = std::acos(std::clamp(agree * glm::dot(a, b) / lengths, -1.0, 1.0));
+    return (topology.closed ? 1.0 : 2.0) * angle / kPi;
+}
+
+void noteSides(Topology& topology, std::span<const glm::vec3> positions)
+{
+    double count = 0.0, length = 0.0;
     for (const Topology::Edge& edge : topology.edges) {
-        if (edge.useCount != 2) {
-            sides += 0.5 * (edge.useCount + edge.useCount % 2);
-            continue;
-        }
-        const Topology::EdgeUse &one = topology.uses[edge.firstUse], &other = topology.uses[edge.firstUse + 1];
-        const glm::dvec3 a(topology.facePlanes[one.face]), b(topology.facePlanes[other.face]);
-        const double lengths = std::sqrt(glm::dot(a, a) * glm::dot(b, b));
-        if (lengths == 0.0) continue;                             // faces no light
-        const double agree = one.sign == other.sign ? -1.0 : 1.0; // both running it the same way: one is flipped
-        const double angle = std::acos(std::clamp(agree * glm::dot(a, b) / lengths, -1.0, 1.0));
-        sides += (topology.closed ? 1.0 : 2.0) * angle / kPi;
+        const double sides = meanSides(topology, edge);
+        count += sides;
+        length += sides * static_cast<double>(glm::distance(positions[edge.v0], positions[edge.v1]));
     }
-    return static_cast<float>(sides);
+    topology.meanSides = static_cast<float>(count);
+    topology.meanSideLength = static_cast<float>(length);
 }
 
 } // namespace
@@ -277,7 +282,7 @@ Topology buildTopology(std::span<const glm::vec3> positions, std::span<const std
     collector.finish(topology);
     judge(faces, topology);
     updateFacePlanes(topology, positions);
-    topology.meanSides = meanSides(topology);
+    noteSides(topology, positions);
     return topology;
 }
 #endif

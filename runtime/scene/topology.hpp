@@ -69,7 +69,8 @@ struct Topology {
     bool closed = false;          ///< Every edge is used equally often in both directions: a volume without holes.
     bool orientable = false;      ///< No two faces run an edge the same way.
     bool manifold = false;        ///< No edge has more than two faces, every vertex one fan (as OpenMesh sees it).
-    float meanSides = 0.0f; ///< Sides of its shadow volumes, on average over all directions of light; as built.
+    float meanSides = 0.0f;       ///< Sides of its shadow volumes, on average over all directions of light; as built.
+    float meanSideLength = 0.0f;  ///< And the lengths of their edges together, object space.
     std::uint32_t looseFaces = 0; ///< Faces OpenMesh refused (third face on an edge, flipped neighbour), kept here.
 };
 

@@ -63,13 +63,16 @@ struct Reach {
     float distance = 0.0f;  ///< Eye to the nearest receiver, metres; infinite if none is visible.
     float share = 0.0f;     ///< Of the tiles.
     float planarity = 0.0f; ///< Share of those tiles that show the plane which most of them show, facing the light.
+    /// Levels of trees that a ray towards the light goes through, on average over these receivers: log2 of the
+    /// triangles of every caster whose bounds it meets; none where a receiver faces away.
+    float treeLevels = 0.0f;
 };
 
 /// Receivers of a tile lie in the frustum piece between its two depths; a tile counts if the light may reach that
 /// piece. Exact up to the tile: never farther than the true nearest receiver.
-/// @param allTiles Of the grid, sky included.
+/// @param allTiles Of the grid, sky included. @param casters Of the light.
 Reach measureReach(const CameraView& view, std::span<const ReceiverTile> tiles, std::uint32_t allTiles,
-                   const LightView& light);
+                   const LightView& light, std::span<const Caster* const> casters);
 
 /// Distance below which no receiver of the light can lie: to its range.
 float reachLowerBound(const CameraView& view, const LightView& light);

@@ -26,6 +26,8 @@ constexpr double kSameShare = 1.0 / 32.0; // 3 %: a time follows by less, and th
 /// its range or beside its cone. Medians of the moments in rules/knowledge/lavapipe.csv, a matter of scenes, not of
 /// devices.
 constexpr double kReachedShare[] = {0.82, 0.31, 0.72};
+/// Likewise of Reach::treeLevels.
+constexpr double kTreeLevels = 5.4;
 
 /// Octaves by which the device may drift before everything is foretold anew: 1 %, a third of kSameShare.
 constexpr double kSameDevice = 1.0 / 64.0;
@@ -51,8 +53,9 @@ double drawnTriangles(const SelectionInput& input)
 cost::Workload workloadOf(const Method& method, const cost::Workload& light)
 {
     cost::Workload workload = light;
-    workload.mapTexels = mapSide(method) * mapSide(method) * (light.point ? 6.0 : 1.0); // the faces of a cube
-    if (!method.has(GN_TRAIT_TOPOLOGY_BIT)) workload.shadowPixels = 0.0;                // draws no volumes
+    workload.mapTexels = mapSide(method) * mapSide(method) * (light.point ? 6.0 : 1.0);        // the faces of a cube
+    if (!method.has(GN_TRAIT_TOPOLOGY_BIT)) workload.shadowPixels = 0.0;                       // draws no volumes
+    if (!method.has(GN_TRAIT_RAYS_BIT) || workload.mapTexels > 0.0) workload.treeLevels = 0.0; // a map answers most
     return workload;
 }
 
@@ -76,7 +79,7 @@ bool isNear(const cost::Workload& a, const cost::Workload& b)
     return a.still == b.still && a.directional == b.directional && a.point == b.point && isNear(a.pixels, b.pixels) &&
            isNear(a.casterTriangles, b.casterTriangles) && isNear(a.drawnTriangles, b.drawnTriangles) &&
            isNear(a.casters, b.casters) && isNear(a.drawnPixels, b.drawnPixels) && isNear(a.viewPixels, b.viewPixels) &&
-           isNear(a.shadowPixels, b.shadowPixels);
+           isNear(a.shadowPixels, b.shadowPixels) && isNear(a.treeLevels, b.treeLevels);
 }
 
 plan::Eligibility eligibilityOf(Exclusion exclusion)
@@ -194,7 +197,8 @@ void FramePlan::add(LightDecision& decision, LightMemory& memory, const Selectio
                        .point = input.light->type == GN_LIGHT_TYPE_POINT,
                        .drawnPixels = rectangle,
                        .viewPixels = all,
-                       .shadowPixels = shadowPixelsOf(memory, input)};
+                       .shadowPixels = shadowPixelsOf(memory, input),
+                       .treeLevels = memory.measured ? memory.treeLevels.get() : kTreeLevels};
     requests_.push_back({&decision, &memory, input.pinned, input.importance});
 }
 

@@ -83,6 +83,7 @@ struct LightMemory {
     bool measured = false;
     std::uint64_t measuredAt = 0; ///< Frame of the newest measurement.
     MedianOfFive share;
+    MedianOfFive treeLevels;                     ///< Reach::treeLevels; valid if `measured`.
     std::array<float, kMaxMethods> measuredMs{}; ///< Newest per method; 0: none.
     std::uint64_t lastFrame = 0;
     plan::LightMemory plan;

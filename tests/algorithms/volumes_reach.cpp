@@ -261,6 +261,13 @@ TEST_CASE("the pixels of shadow volumes are about those of their outlines")
     view.constants.pixelSize = 1.0f / pixelsPerMetre;
     const LightView sun = directionalLight(glm::vec3(0.0f, -1.0f, 0.0f));
     Caster ground, cube;
+    Topology topology; // a box's silhouette of six edges of half a metre, as a mesh that its instance doubles in size
+    topology.meanSides = 6.0f;
+    topology.meanSideLength = 3.0f;
+    MeshView mesh;
+    mesh.topology = &topology;
+    cube.mesh = &mesh;
+    cube.basis = glm::mat3(2.0f);
     ground.bounds = {glm::vec3(-6.0f, -0.02f, -6.0f), glm::vec3(6.0f, 0.0f, 6.0f)};
     cube.bounds = {glm::vec3(-0.5f, 3.0f, -0.5f), glm::vec3(0.5f, 4.0f, 0.5f)};
     const auto pixelsOf = [&](std::initializer_list<const Caster*> casters, const CameraView& from) {
@@ -271,11 +278,13 @@ TEST_CASE("the pixels of shadow volumes are about those of their outlines")
     };
     const double nothing = pixelsOf({&ground}, view);
     const double one = pixelsOf({&ground, &cube}, view) - nothing;
-    // A quarter of a prism 1 m wide from the middle of the cube down to the ground, 12 m away.
-    const double expected = 0.25 * 1.0 * 3.5 * double(pixelsPerMetre) / 12.0 * double(pixelsPerMetre) / 12.0;
+    // Six metres of edges on their way from the middle of the cube down to the ground, 12 m away; 20 pixels for every
+    // pixel of the ways of six sides; four pieces of six sides, 200 pixels each.
+    const double scale = double(pixelsPerMetre) / 12.0, way = 3.5 * scale;
+    const double expected = way * 6.0 * scale + 20.0 * way * 6.0 + 4.0 * 200.0 * 6.0;
     MESSAGE(one << " pixels, of " << expected);
-    CHECK(one > 0.8 * expected);
-    CHECK(one < 1.2 * expected);
+    CHECK(one > 0.9 * expected);
+    CHECK(one < 1.1 * expected);
     const double two = pixelsOf({&ground, &cube, &cube}, view) - nothing;
     CHECK(two == doctest::Approx(2.0 * one)); // what overlaps counts each time
     CameraView away = camera(glm::vec3(0.0f, 2.0f, 12.0f), glm::vec3(0.0f, 2.0f, 24.0f)); // all behind the eye

@@ -22,7 +22,8 @@ std::string knowledge(const std::string& device, const std::vector<std::pair<std
         row.workload = {.pixels = 1000.0 * (1 + i % 40),
                         .casterTriangles = 100.0 * (1 + i % 7),
                         .mapTexels = 1048576.0,
-                        .shadowPixels = 2000.0 * (1 + i % 11)};
+                        .shadowPixels = 2000.0 * (1 + i % 11),
+                        .treeLevels = 1.0 * (i % 13)};
         row.samples = 5;
         row.gpuMsMin = row.gpuMsP50 = row.gpuMsP95 = ms;
         rows.push_back(row);

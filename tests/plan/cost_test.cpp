@@ -358,15 +358,15 @@ TEST_CASE("a damaged knowledge base is an error or loses only its damaged rows")
     CHECK_FALSE(parseKnowledge("").base);
     CHECK_FALSE(parseKnowledge("# gnomon knowledge 0\n").base);
     CHECK(parseKnowledge("# gnomon knowledge 99\n").error.find("version '99'") != std::string::npos);
-    CHECK(parseKnowledge("# gnomon knowledge 2\ndevice,driver\n").error == "column 'algorithm' is missing");
-    const std::string good = "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,5,1,1.5,2,0,0,0,0,0,2026\n";
+    CHECK(parseKnowledge("# gnomon knowledge 3\ndevice,driver\n").error == "column 'algorithm' is missing");
+    const std::string good = "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,4,5,1,1.5,2,0,0,0,0,0,2026\n";
     for (const char* bad :
-         {"d,v,shadow_map,resolve,nan,10,0,1,0,10,1,0,0,900,2000,700,5,1,1.5,2,0,0,0,0,0,2026\n",
-          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,5,1,inf,2,0,0,0,0,0,2026\n",
-          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,5,1,-1,2,0,0,0,0,0,2026\n",
-          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,5,1,\"1,5\",2,0,0,0,0,0,2026\n",
-          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,5,0,0,2,0,0,0,0,0,2026\n",
-          "d,v,shadow_map,cook,1000,10,0,1,0,10,1,0,0,900,2000,700,5,1,1,2,0,0,0,0,0,2026\n", "d,v\n", "\"\n"}) {
+         {"d,v,shadow_map,resolve,nan,10,0,1,0,10,1,0,0,900,2000,700,4,5,1,1.5,2,0,0,0,0,0,2026\n",
+          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,4,5,1,inf,2,0,0,0,0,0,2026\n",
+          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,4,5,1,-1,2,0,0,0,0,0,2026\n",
+          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,4,5,1,\"1,5\",2,0,0,0,0,0,2026\n",
+          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,4,5,0,0,2,0,0,0,0,0,2026\n",
+          "d,v,shadow_map,cook,1000,10,0,1,0,10,1,0,0,900,2000,700,4,5,1,1,2,0,0,0,0,0,2026\n", "d,v\n", "\"\n"}) {
         const KnowledgeResult result = parseKnowledge(head + bad + good);
         REQUIRE(result.base);
         CHECK(result.base->rows.size() == 1);

@@ -297,7 +297,7 @@ TEST_CASE("the mean number of sides is what random directions of light find")
     for (const Mesh& mesh : {cube(), torus(24, 12), holed, flipped}) {
         const Topology topology = mesh.topology();
         constexpr int kDirections = 20000;
-        double found = 0.0;
+        double found = 0.0, length = 0.0;
         for (int i = 0; i < kDirections; ++i) {
             const glm::vec4 light(normal(random), normal(random), normal(random), 0.0f);
             for (const Topology::Edge& edge : topology.edges) {
@@ -307,12 +307,16 @@ TEST_CASE("the mean number of sides is what random directions of light find")
                     const bool facing = glm::dot(topology.facePlanes[one.face], light) > 0.0f;
                     sum += facing ? one.sign : -one.sign;
                 }
-                found += std::abs(sum) / (topology.closed ? 2.0 : 1.0);
+                const double sides = std::abs(sum) / (topology.closed ? 2.0 : 1.0);
+                found += sides;
+                length += sides * double(glm::distance(mesh.positions[edge.v0], mesh.positions[edge.v1]));
             }
         }
         CHECK(double(topology.meanSides) == doctest::Approx(found / kDirections).epsilon(0.01));
+        CHECK(double(topology.meanSideLength) == doctest::Approx(length / kDirections).epsilon(0.01));
     }
-    CHECK(cube().topology().meanSides == doctest::Approx(6.0)); // twelve edges at right angles, half of them seen
+    CHECK(cube().topology().meanSides == doctest::Approx(6.0));       // twelve edges at right angles, half of them seen
+    CHECK(cube().topology().meanSideLength == doctest::Approx(12.0)); // two metres each
 }
 
 TEST_CASE("nothing is a topology too")

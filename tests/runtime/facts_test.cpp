@@ -1,0 +1,112 @@
+// Levels of trees that rays meet, as the facts estimate them from tiles of receivers.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "runtime/select/facts.hpp"
+
+using namespace gnomon;
+
+namespace {
+
+/// Looks along -z from the origin, a pixel a milliradian.
+CameraView camera()
+{
+    CameraView view;
+    view.area = {{0, 0}, {640, 640}};
+    view.constants.rayCornerWs = glm::vec4(-0.32f, 0.32f, -1.0f, 0.0f);
+    view.constants.rayDxWs = glm::vec4(0.001f, 0.0f, 0.0f, 0.0f);
+    view.constants.rayDyWs = glm::vec4(0.0f, -0.001f, 0.0f, 0.0f);
+    return view;
+}
+
+/// A wall across the view, ten metres away, of 37 x 37 tiles around the middle: a stride of 16 meets every column.
+std::vector<ReceiverTile> wall(float flatness)
+{
+    constexpr std::uint32_t kTiles = 37;
+    std::vector<ReceiverTile> tiles;
+    for (std::uint32_t y = 0; y < kTiles; ++y)
+        for (std::uint32_t x = 0; x < kTiles; ++x) {
+            const glm::vec3 at(0.16f * (float(x) - 18.0f), 0.16f * (18.0f - float(y)), -10.0f);
+            tiles.push_back({.box = {at - 0.08f, at + 0.08f},
+                             .distance = 10.0f,
+                             .x = x,
+                             .y = y,
+                             .plane = {0.1f, 0.0f, 0.0f, flatness},
+                             .whole = true});
+        }
+    return tiles;
+}
+
+LightView sun(glm::vec3 direction)
+{
+    LightView light;
+    light.type = GN_LIGHT_TYPE_DIRECTIONAL;
+    light.constants.directionWs = glm::vec4(direction, -2.0f);
+    return light;
+}
+
+/// Of so many triangles that its tree has so many levels.
+struct Box {
+    std::vector<std::uint32_t> indices;
+    MeshView mesh;
+    Caster caster;
+
+    Box(Aabb bounds, std::uint32_t levels) : indices(3 * ((std::size_t{1} << levels) - 1))
+    {
+        mesh.indices = indices;
+        caster.mesh = &mesh;
+        caster.bounds = bounds;
+    }
+};
+
+float levels(const std::vector<ReceiverTile>& tiles, const LightView& light, std::vector<const Caster*> casters)
+{
+    return measureReach(camera(), tiles, 1600, light, casters).treeLevels;
+}
+
+} // namespace
+
+TEST_CASE("a ray counts the levels of every tree whose box it meets, and only those")
+{
+    const std::vector<ReceiverTile> rough = wall(0.0f); // shows no plane: every receiver may face the light
+    const LightView ahead = sun(glm::vec3(0.0f, 0.0f, -1.0f));
+    const Box left({glm::vec3(-9.0f, -9.0f, -6.0f), glm::vec3(0.0f, 9.0f, -5.0f)}, 8);
+    const Box all({glm::vec3(-9.0f, -9.0f, -4.0f), glm::vec3(9.0f, 9.0f, -3.0f)}, 5);
+    const Box behind({glm::vec3(-9.0f, -9.0f, -13.0f), glm::vec3(9.0f, 9.0f, -12.0f)}, 11);
+    CHECK(levels(rough, ahead, {}) == 0.0f);
+    CHECK(levels(rough, ahead, {&all.caster}) == doctest::Approx(5.0));
+    CHECK(levels(rough, ahead, {&left.caster}) == doctest::Approx(4.0).epsilon(0.1)); // half of the ways
+    CHECK(levels(rough, ahead, {&behind.caster}) == 0.0f);
+    CHECK(levels(rough, ahead, {&all.caster, &left.caster, &behind.caster}) == doctest::Approx(9.0).epsilon(0.1));
+
+    // Towards a light with a position the way ends there.
+    LightView lamp;
+    lamp.type = GN_LIGHT_TYPE_POINT;
+    lamp.constants.positionWs = glm::vec4(0.0f, 0.0f, -4.5f, 1.0f);
+    lamp.constants.range = 100.0f;
+    CHECK(levels(rough, lamp, {&all.caster}) == 0.0f);
+    CHECK(levels(rough, lamp, {&all.caster, &left.caster}) == doctest::Approx(4.0).epsilon(0.1));
+}
+
+TEST_CASE("receivers that face away from the light ask for no ray")
+{
+    const std::vector<ReceiverTile> flat = wall(1.0f);
+    const Box all({glm::vec3(-9.0f, -9.0f, -14.0f), glm::vec3(9.0f, 9.0f, -3.0f)}, 5);
+    CHECK(levels(flat, sun(glm::vec3(0.0f, 0.0f, -1.0f)), {&all.caster}) == doctest::Approx(5.0));
+    CHECK(levels(flat, sun(glm::vec3(0.0f, 0.0f, 1.0f)), {&all.caster}) == 0.0f);
+}
+
+TEST_CASE("of very many casters a part is asked, and stands for all")
+{
+    const std::vector<ReceiverTile> rough = wall(0.0f);
+    std::vector<Box> boxes;
+    boxes.reserve(5000);
+    for (int i = 0; i < 5000; ++i)
+        boxes.emplace_back(Aabb{glm::vec3(-9.0f, -9.0f, -6.0f), glm::vec3(9.0f, 9.0f, -5.0f)}, 3);
+    std::vector<const Caster*> casters;
+    for (const Box& box : boxes)
+        casters.push_back(&box.caster);
+    CHECK(levels(rough, sun(glm::vec3(0.0f, 0.0f, -1.0f)), casters) == doctest::Approx(15000.0).epsilon(0.02));
+}
