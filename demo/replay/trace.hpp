@@ -7,9 +7,13 @@
 ///
 ///     "GNTRACE3"                                            version in the last byte
 ///     u32 frames, lights, methods, facts; f32 frameSeconds
-///     methods x { u8 length, name, f32 mapTexels, u8 flags (1: draws volumes, 2: traces pixels) }    facts x { u8
-///     length, name } frames x { f32 budgetMs; u8 flags (1: cut); lights x u8 present } and after each frame's head,
-///     for each light present:
+///     methods x { u8 length, name, f32 mapTexels, u8 flags (1: draws volumes, 2: traces pixels) }
+///
+///     facts x { u8 length, name }
+///
+///     frames x { f32 budgetMs; u8 flags (1: cut); lights x u8 present }
+///
+///     and after each frame's head, for each light present:
 ///         f32 importance, minimumQuality
 ///         u8 flags (1: near floor, 2: still, 4: new light in this slot, 8: directional, 16: point)
 ///         f32 pixels, casterTriangles, drawnTriangles, casters, drawnPixels, viewPixels, shadowPixels, treeLevels,

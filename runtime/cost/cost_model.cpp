@@ -22,8 +22,7 @@ constexpr double kClearShare = 1.0 / 32.0; // of a pixel's shading: what clearin
 // lavapipe (scene/shadow_pixels.cpp).
 constexpr double kSideShare = 1.0 / 16.0;
 // A level of a caster's tree on a ray's way takes this share of what reading a receiver takes: 0.72 of 2.6 ns, a fit to
-// `gnomon calibrate --methods ray_traced` on two cores with AVX2. With it, scenes that have no part in the fit are
-// foretold within 8 % in the median and 31 % at the 95th percentile; without, within 17 and 48 %.
+// the rows of `gnomon calibrate --methods ray_traced` on two cores with AVX2.
 constexpr double kLevelShare = 0.28;
 constexpr double kBend = 1.0 / 8.0; // products reach the size of the logarithms at 8 octaves from the reference
 

@@ -122,7 +122,7 @@ WayToLight wayToLight(const LightView& light, glm::vec3 receiver)
 /// Reach::treeLevels of receivers that face the light.
 float levelsMet(const LightView& light, std::span<const Caster* const> casters, std::span<const TileSample::Tile> tiles)
 {
-    // Ways times boxes, some 10 us: ways first, at least a sixteenth of them, then boxes.
+    // Ways times boxes at most, every eighth frame. Ways go first, down to a sixteenth of them, then boxes.
     constexpr std::size_t kMost = 2048;
     const std::size_t asked = tiles.size() * casters.size();
     if (asked == 0) return 0.0f;

@@ -22,12 +22,12 @@ GN_API GnResult GN_CALL gnGetFramePasses(GnContext context, uint32_t* pCount, Gn
 
 /** What one light's own passes took in a timed frame, beside what the cost model thinks they depend on. */
 typedef struct GnLightTiming {
-    uint64_t frame;      ///< The timed frame; 0: the light has not been timed yet, and nothing else is set.
-    const char* pMethod; ///< That served it. Lives as long as the context.
-    VkBool32 updated;    ///< False: what is kept per light was still valid, and the two times below are 0.
-    float updateGpuMs;   ///< Maps, lists and volumes of the light. Scaled to a frame without full barriers.
+    uint64_t frame;         ///< The timed frame; 0: the light has not been timed yet, and nothing else is set.
+    const char* pMethod;    ///< That served it. Lives as long as the context.
+    VkBool32 updated;       ///< False: what is kept per light was still valid, and the two times below are 0.
+    float updateGpuMs;      ///< Maps, lists and volumes of the light. Scaled to a frame without full barriers.
     float updateCpuMs;
-    float resolveGpuMs; ///< What the view's pixels paid for the light.
+    float resolveGpuMs;     ///< What the view's pixels paid for the light.
     float resolveCpuMs;
     double pixels;          ///< Reached by the light, as far as known.
     double casterTriangles; ///< In range.
@@ -37,10 +37,10 @@ typedef struct GnLightTiming {
     double sharing;         ///< Lights of the view in that frame.
     VkBool32 still;         ///< Neither light nor casters moved.
     GnLightType type;
-    double drawnPixels;  ///< Of the screen rectangle around what the light can reach.
-    double viewPixels;   ///< Of the view's render area.
-    double shadowPixels; ///< Estimated, covered by the sides of shadow volumes; 0 for methods that draw none.
-    double treeLevels;   ///< Estimated, of casters' trees on a ray's way to the light; 0 for methods that trace few.
+    double drawnPixels;     ///< Of the screen rectangle around what the light can reach.
+    double viewPixels;      ///< Of the view's render area.
+    double shadowPixels;    ///< Estimated, covered by the sides of shadow volumes; 0 for methods that draw none.
+    double treeLevels;      ///< Estimated, of casters' trees on a ray's way to the light; 0 for methods that trace few.
 } GnLightTiming;
 
 /** \brief The newest timing of a light in a view: of a *timed* frame (see gnGetPassTimings()), two
@@ -50,9 +50,9 @@ GN_API GnResult GN_CALL gnGetLightTiming(GnContext context, GnView view, GnLight
 /** Counters and totals of the last frame; what stands still must cost nothing, and these say so. */
 typedef struct GnFrameStats {
     uint64_t frame;
-    uint32_t levels; ///< 1 + GPU-CPU-GPU round trips.
+    uint32_t levels;            ///< 1 + GPU-CPU-GPU round trips.
     uint32_t submits;
-    uint32_t hostWaits; ///< Waits for this frame's own GPU results.
+    uint32_t hostWaits;         ///< Waits for this frame's own GPU results.
     uint32_t passesRun;
     uint32_t passesKept;        ///< Update passes skipped because their result was kept.
     uint32_t deviceAllocations; ///< Vulkan objects and memory made inside the frame calls.
