@@ -63,7 +63,7 @@ GNOMON_INLINE Lanes each(const Lanes& x, const Lanes& y, Operation operation)
 
 GNOMON_INLINE Vector all(double value)
 {
-    return Vector{} + value;
+    return value - Vector{}; // which, unlike a sum, is known to be `value` whatever its sign: nothing is left to compute
 }
 
 GNOMON_INLINE Lanes fill(double value)
