@@ -6,6 +6,7 @@
 #include <mutex>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "rules/engine/float_mode.hpp"
@@ -13,8 +14,37 @@
 namespace gnomon {
 namespace {
 
+/// What a thread is doing, and as part of what. Who waits for a piece of work helps with all that is part of it, and
+/// with nothing else: another frame's work, or a mesh's in the background, would hold it up.
+struct Origin {
+    const void* work = nullptr; ///< A Range or a Job.
+    const Origin* part = nullptr;
+
+    bool isPartOf(const void* whole) const noexcept
+    {
+        const Origin* at = this;
+        while (at && at->work != whole)
+            at = at->part;
+        return at != nullptr;
+    }
+};
+
+thread_local const Origin* doing = nullptr; // of this thread
+
+class Doing {
+public:
+    explicit Doing(const Origin& origin) noexcept : before_(std::exchange(doing, &origin)) {}
+    ~Doing() { doing = before_; }
+    Doing(const Doing&) = delete;
+    Doing& operator=(const Doing&) = delete;
+
+private:
+    const Origin* before_;
+};
+
 /// A parallelFor in progress; lives on the stack of its caller, who leaves only after every helper has left.
 struct Range {
+    Origin origin{this, doing};
     void (*fn)(void* self, std::size_t begin, std::size_t end, std::uint32_t thread) = nullptr;
     void* self = nullptr;
     std::size_t count = 0;
@@ -33,6 +63,7 @@ struct Range {
 
     void work(std::uint32_t thread)
     {
+        const Doing scope(origin);
         while (!exhausted()) {
             const std::size_t begin = next.fetch_add(grain, std::memory_order_relaxed);
             if (begin >= count) return;
@@ -65,7 +96,7 @@ struct JobSystem::Pool {
     void push(Job& job) noexcept;
     void unlink(Range& range) noexcept;
     bool unlink(Job& job) noexcept;
-    Range* joinRange() noexcept;
+    Range* joinRange(const void* whole) noexcept;
     bool serveOne(std::unique_lock<std::mutex>& lock);
     void helpWith(Range& range, std::unique_lock<std::mutex>& lock);
     void runJob(Job& job, std::unique_lock<std::mutex>& lock) noexcept;
@@ -73,12 +104,19 @@ struct JobSystem::Pool {
     void loop();
     static void GN_CALL redeemTicket(void* pool);
 
+    /// Until `condition` holds; meanwhile helps with ranges that are part of `whole`, if any is named.
     template <typename Condition>
-    void waitFor(std::unique_lock<std::mutex>& lock, Condition condition)
+    void waitFor(std::unique_lock<std::mutex>& lock, const void* whole, Condition condition)
     {
-        ++waiters;
-        progress.wait(lock, condition);
-        --waiters;
+        while (!condition()) {
+            if (Range* range = whole ? joinRange(whole) : nullptr) {
+                helpWith(*range, lock);
+                continue;
+            }
+            ++waiters;
+            progress.wait(lock);
+            --waiters;
+        }
     }
 };
 
@@ -112,14 +150,18 @@ void JobSystem::Pool::unlink(Range& range) noexcept
     *link = range.following;
 }
 
-/// The first range that still wants a helper, with the caller counted in. Ranges that want no more leave the list.
-Range* JobSystem::Pool::joinRange() noexcept
+/// The first range, of those that are part of `whole` if that is named, that still wants a helper, with the caller
+/// counted in. Ranges that want no more leave the list.
+Range* JobSystem::Pool::joinRange(const void* whole) noexcept
 {
-    while (Range* range = firstRange) {
+    Range* following = nullptr;
+    for (Range* range = firstRange; range; range = following) {
+        following = range->following;
         if (range->exhausted()) {
             unlink(*range);
             continue;
         }
+        if (whole && !range->origin.isPartOf(whole)) continue;
         ++range->inside;
         if (++range->joined == range->maxHelpers) unlink(*range);
         return range;
@@ -130,7 +172,7 @@ Range* JobSystem::Pool::joinRange() noexcept
 /// Ranges come first: somebody on the frame's path waits for them. False: nothing to do.
 bool JobSystem::Pool::serveOne(std::unique_lock<std::mutex>& lock)
 {
-    if (Range* range = joinRange()) {
+    if (Range* range = joinRange(nullptr)) {
         helpWith(*range, lock);
         return true;
     }
@@ -165,6 +207,8 @@ void JobSystem::Pool::runJob(Job& job, std::unique_lock<std::mutex>& lock) noexc
     lock.unlock();
     {
         const rules::FloatMode mode;
+        const Origin origin{&job, doing};
+        const Doing scope(origin);
         job.run(job.data);
     }
     lock.lock();
@@ -226,7 +270,7 @@ JobSystem::~JobSystem()
         pool_->stopping = true;
         while (pool_->serveOne(lock)) {
         }
-        pool_->waitFor(lock, [this] { return pool_->tickets == 0; });
+        pool_->waitFor(lock, nullptr, [this] { return pool_->tickets == 0; });
     }
     pool_->work.notify_all();
     for (std::thread& thread : pool_->threads)
@@ -259,7 +303,7 @@ void JobSystem::wait(Job& job)
         return;
     }
     // Another thread runs it and cannot be waiting for us: a waiter runs what nobody has taken.
-    pool_->waitFor(lock, [&job] { return job.done(); });
+    pool_->waitFor(lock, &job, [&job] { return job.done(); });
 }
 
 void JobSystem::runParallel(std::size_t count, std::size_t grain, RangeFn fn, void* self)
@@ -283,6 +327,7 @@ void JobSystem::runParallel(std::size_t count, std::size_t grain, RangeFn fn, vo
         range.linked = true;
         pool_->firstRange = &range;
         if (pool_->schedule) pool_->tickets += range.maxHelpers;
+        if (pool_->waiters) pool_->progress.notify_all(); // who waits for what this is part of
     }
     pool_->wake(range.maxHelpers);
     std::exception_ptr error;
@@ -295,7 +340,7 @@ void JobSystem::runParallel(std::size_t count, std::size_t grain, RangeFn fn, vo
     {
         std::unique_lock lock(pool_->mutex);
         pool_->unlink(range);
-        pool_->waitFor(lock, [&range] { return range.inside == 0; });
+        pool_->waitFor(lock, &range, [&range] { return range.inside == 0; });
     }
     if (!error) error = range.error;
     if (error) std::rethrow_exception(error);

@@ -139,6 +139,95 @@ TEST_CASE("parallelFor within parallelFor and from several threads ends and lose
     CHECK(sum == 4 * 40 * 100);
 }
 
+namespace {
+
+/// False once ten seconds have passed without it.
+template <typename Condition>
+bool comesTrue(Condition condition)
+{
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (!condition())
+        if (std::chrono::steady_clock::now() > until) return false;
+    return true;
+}
+
+/// Two pieces that each want to see the other one under way.
+bool takesTwoThreads(JobSystem& jobs)
+{
+    std::atomic<int> inside{0};
+    std::atomic<bool> met{true};
+    jobs.parallelFor(2, 1, [&](std::size_t, std::size_t, std::uint32_t) {
+        ++inside;
+        if (!comesTrue([&] { return inside == 2; })) met = false;
+    });
+    return met;
+}
+
+} // namespace
+
+TEST_CASE("who waits for a range or a job helps with the ranges that are part of it")
+{
+    JobSystem jobs(nullptr, nullptr, 2); // one worker: only the waiter is left to help it
+    std::atomic<bool> begun{false};
+    bool met = false;
+    jobs.parallelFor(2, 1, [&](std::size_t, std::size_t, std::uint32_t thread) {
+        if (thread == 0) {
+            CHECK(comesTrue([&] { return begun.load(); }));
+            return;
+        }
+        begun = true;
+        met = takesTwoThreads(jobs);
+    });
+    CHECK(met);
+
+    struct Ranged {
+        JobSystem* jobs;
+        std::atomic<bool> begun{false};
+        bool met = false;
+        JobSystem::Job job;
+    } ranged;
+    ranged.jobs = &jobs;
+    ranged.job.data = &ranged;
+    ranged.job.run = [](void* data) {
+        Ranged& self = *static_cast<Ranged*>(data);
+        self.begun = true;
+        self.met = takesTwoThreads(*self.jobs);
+    };
+    jobs.submit(ranged.job);
+    CHECK(comesTrue([&] { return ranged.begun.load(); }));
+    jobs.wait(ranged.job);
+    CHECK(ranged.met);
+}
+
+TEST_CASE("who waits for a range leaves the ranges of others alone")
+{
+    JobSystem jobs(nullptr, nullptr, 3);
+    std::atomic<int> foreign{0};
+    std::atomic<bool> helped{false}, released{false}, held{false};
+    std::thread other;
+    jobs.parallelFor(2, 1, [&](std::size_t, std::size_t, std::uint32_t thread) {
+        if (thread == 0) {
+            CHECK(comesTrue([&] { return helped.load(); }));
+            // Three pieces, of which the thread and the second worker take one each; the third is left for any helper.
+            other = std::thread([&] {
+                jobs.parallelFor(3, 1, [&](std::size_t, std::size_t, std::uint32_t) {
+                    ++foreign;
+                    if (!comesTrue([&] { return released.load(); })) held = true;
+                });
+            });
+            CHECK(comesTrue([&] { return foreign == 2; }));
+            return;
+        }
+        helped = true;
+        CHECK(comesTrue([&] { return foreign == 2; }));
+        std::this_thread::sleep_for(std::chrono::milliseconds(50)); // the caller is waiting by now
+    });
+    released = true;
+    other.join();
+    CHECK_FALSE(held);
+    CHECK(foreign == 3);
+}
+
 TEST_CASE("jobs of a pool run once each, and jobs may wait for jobs")
 {
     JobSystem jobs(nullptr, nullptr, 2); // a single worker: waiting must not starve it
