@@ -152,6 +152,8 @@ private:
     bool learnsFrom(std::uint64_t frame) const;
     double meanFrameRate() const;
     bool cameraCut() const;
+    /// Of all shadow passes of the newest frame that has been timed; < 0: none has.
+    double measuredMs() const { return untimedGpuMs_ > 0.0f ? double{untimedGpuMs_} + double{lastCpuMs_} : -1.0; }
     void updateBudget(const GnFrameInfo& info);
     void declareLight(const PendingLight& pending, FrameMode mode);
     std::optional<Error> declareMethod(const PendingLight& pending, std::uint32_t method, ImageId visibility,

@@ -414,8 +414,10 @@ void Context::updateBudget(const GnFrameInfo& info)
         const bool disturbed = std::any_of(disturbed_.begin(), disturbed_.end(), [&](std::uint64_t frame) {
             return frame != 0 && frame + kTimedPeriod > info.frame;
         });
-        const double tookMs = untimedGpuMs_ > 0.0f ? untimedGpuMs_ + lastCpuMs_ : lastPredictedMs_;
+        const double tookMs = measuredMs() >= 0.0 ? measuredMs() : lastPredictedMs_;
         const float intervalMs = frameTimeCount_ ? frameTimes_[(frameTimeCount_ - 1) % frameTimes_.size()] : 0.0f;
+        if (!disturbed && probe_.method == UINT32_MAX)
+            autoBudget_.follow(measuredMs(), planReport_.predictedMs, planReport_.cheapestMs);
         if (!disturbed) budgetBegins_ = autoBudget_.note(tookMs, intervalMs);
         measuresBudget_ = autoBudget_.measuring();
         budgetMs_ = autoBudget_.ms();
@@ -429,7 +431,7 @@ void Context::planLights(const GnFrameInfo& info)
     const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
     const bool cut = cameraCut() || budgetBegins_; // the cheapest plan was to be measured, not to be kept
     planReport_ = plan_->decide(base, {.ms = measuresBudget_ ? kNextToNothingMs : budgetMs_,
-                                       .measuredMs = untimedGpuMs_ > 0.0f ? untimedGpuMs_ + lastCpuMs_ : -1.0,
+                                       .measuredMs = measuredMs(),
                                        .cut = cut,
                                        .probe = wantsProbe(base),
                                        .frame = info.frame});

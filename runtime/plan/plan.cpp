@@ -157,6 +157,18 @@ double PlanStep::headroomMs(const PlanInput& input, std::span<const uint32_t> ch
                     kMostHeadroom * input.budgetMs);
 }
 
+double PlanStep::sumOfCheapestMs() const noexcept
+{
+    double sum = 0.0;
+    for (uint32_t light = 0; light < lightCount_; ++light) {
+        double least = std::numeric_limits<double>::infinity();
+        for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1)
+            least = std::min(least, costsMs_[at(light, static_cast<uint32_t>(std::countr_zero(mask)))]);
+        if (std::isfinite(least)) sum += least;
+    }
+    return sum;
+}
+
 void PlanStep::countUsers() noexcept
 {
     users_.fill(0);
@@ -375,6 +387,7 @@ PlanReport PlanStep::planWithinBudget(const PlanInput& input) noexcept
     }
     const auto current = std::span(current_).first(lightCount_);
     const auto best = std::span(best_).first(lightCount_);
+    report.cheapestMs = sumOfCheapestMs();
     const double headroom = headroomMs(input, current, report.standardErrorMs);
     report.usableMs = input.budgetMs - headroom;
     problem_.budgetMs = report.usableMs;

@@ -124,6 +124,7 @@ struct PlanReport {
     double bestValue = 0.0, bestMs = 0.0; ///< The plan without hysteresis.
     double standardErrorMs = 0.0;         ///< Of the predicted sum.
     double usableMs = 0.0;                ///< Budget less headroom.
+    double cheapestMs = 0.0;              ///< Predicted if each light had its cheapest method.
     double overMs = 0.0;                  ///< Predicted above the budget; the floor may force it. 0 when within.
     uint32_t switches = 0, upgrades = 0, flips = 0, floorsUnmet = 0;
 };
@@ -175,6 +176,7 @@ private:
     void chooseBySuitability(const PlanInput& input) noexcept;
     PlanReport planWithinBudget(const PlanInput& input) noexcept;
     void settleForLess(const PlanInput& input, std::span<uint32_t> best) const noexcept;
+    double sumOfCheapestMs() const noexcept;
     double headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept;
     bool repair(const PlanInput& input, double usableMs) noexcept;
     void improve(const PlanInput& input, PlanReport& report) noexcept;

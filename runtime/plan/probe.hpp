@@ -17,8 +17,9 @@ inline constexpr double kSure = 0.15;
 
 /// Of the lights that have a method to probe, that of least importance, and the method most likely to enter the plan:
 /// it is worth what the light's own is, and may be cheaper. None that is known already (kSure), none whose time fits
-/// the plan's spare milliseconds only with luck (above its prediction plus `sigmas` standard errors), and none that
-/// could not win if it took as many below.
+/// the plan's spare milliseconds only with luck (above its prediction plus `sigmas` standard errors; spare is what the
+/// plan leaves by its predictions and by what the newest frame took), and none that could not win if it took as many
+/// below.
 /// @param input  Of the newest step().
 /// @param sigmas >= 0, the rule base's `probing.sigma`.
 Probe chooseProbe(const PlanInput& input, const PlanStep& plan, const PlanReport& report, double sigmas) noexcept;

@@ -21,6 +21,18 @@ void AutoBudget::look(std::uint32_t lights, bool cut)
     lights_ = lights;
 }
 
+void AutoBudget::follow(double tookMs, double plannedMs, double cheapestMs)
+{
+    if (measuring() || !(tookMs > 0.0) || !(cheapestMs > 0.0) || !(plannedMs <= kAsCheap * cheapestMs)) return;
+    tookMs_[frames_++ % kFollowed] = tookMs * std::min(1.0, cheapestMs / plannedMs);
+    if (frames_ < kFollowed) return;
+    std::array<double, kFollowed> window;
+    std::copy_n(tookMs_.begin(), kFollowed, window.begin());
+    const auto middle = window.begin() + kFollowed / 2;
+    std::nth_element(window.begin(), middle, window.end());
+    ms_ = kFactor * *middle;
+}
+
 bool AutoBudget::note(double tookMs, double intervalMs)
 {
     if (!measuring() || !(tookMs > 0.0)) return false;
@@ -33,6 +45,7 @@ bool AutoBudget::note(double tookMs, double intervalMs)
     const auto middle = first + (last - first) / 2;
     std::nth_element(first, middle, last);
     ms_ = kFactor * *middle;
+    frames_ = 0;
     return true;
 }
 

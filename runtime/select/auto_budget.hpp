@@ -7,7 +7,9 @@ namespace gnomon {
 
 /// 1.3 times the cheapest plan that keeps the near floor, measured in the first second, in which that plan runs; anew,
 /// in a part of a second, after a camera cut and once an eighth of the lights have come or gone to stay: that plan is
-/// another one. Lights that flicker, views that take turns and cuts in every frame do not keep it measuring.
+/// another one. Lights that flicker, views that take turns and cuts in every frame do not keep it measuring. In between
+/// it follows: while the plan in force is about as cheap, every frame is a measurement. A camera that walks up to what
+/// is lit would else leave a budget behind that no plan keeps.
 class AutoBudget {
 public:
     /// Room for one step up where every light has the cheapest method.
@@ -21,6 +23,11 @@ public:
     /// Other lights that stay so many frames, half a second at 60 Hz, are there to stay; and between two cuts that
     /// count lies as much.
     static constexpr std::uint32_t kSettled = 30;
+    /// Frames of whose median the budget follows: a quarter second at 60 Hz. Spikes do not move it, and what comes up
+    /// within eight frames finds room in kFactor.
+    static constexpr std::uint32_t kFollowed = 16;
+    /// Plans this much dearer than the cheapest one, as foretold, still measure it: plan::kNoDearer.
+    static constexpr double kAsCheap = 1.1;
 
     /// Measures anew.
     void restart() { *this = {}; }
@@ -31,14 +38,19 @@ public:
     /// @param tookMs     Of all shadow passes, > 0.
     /// @param intervalMs Since the frame before.
     bool note(double tookMs, double intervalMs);
+    /// One frame of any plan, once the budget is known.
+    /// @param tookMs     Of all shadow passes.
+    /// @param plannedMs  What the plan in force is foretold to take,
+    /// @param cheapestMs and the cheapest one.
+    void follow(double tookMs, double plannedMs, double cheapestMs);
     double ms() const { return ms_; } ///< 0 while measuring.
 
 private:
-    std::array<double, kMostFrames> tookMs_{};
-    std::uint32_t frames_ = 0;
-    std::uint32_t lights_ = 0; ///< That it is, or was, measured with.
-    std::uint32_t known_ = 0;  ///< Frames since it was measured, ...
-    std::uint32_t other_ = 0;  ///< ... of these the newest ones with other lights, in a row.
+    std::array<double, kMostFrames> tookMs_{}; ///< Those that measured; then the first kFollowed are a ring.
+    std::uint32_t frames_ = 0;                 ///< In tookMs_.
+    std::uint32_t lights_ = 0;                 ///< That it is, or was, measured with.
+    std::uint32_t known_ = 0;                  ///< Frames since it was measured, ...
+    std::uint32_t other_ = 0;                  ///< ... of these the newest ones with other lights, in a row.
     bool again_ = false;
     double elapsedMs_ = 0.0;
     double ms_ = 0.0;

@@ -17,6 +17,7 @@ struct Scene {
     PlanStep plan;
     PlanInput input;
     PlanReport report;
+    double measuredMs = -1.0;
 
     Scene()
     {
@@ -38,7 +39,8 @@ struct Scene {
                      .lights = requests,
                      .candidates = candidates,
                      .methods = 3,
-                     .budgetMs = budgetMs};
+                     .budgetMs = budgetMs,
+                     .measuredMs = measuredMs};
             report = plan.step(input);
         }
         return chooseProbe(input, plan, report, sigmas);
@@ -67,6 +69,12 @@ TEST_CASE("nothing is probed that is known, cannot win, or might not fit")
     CHECK(scene.probe(10.0, 0.7).light == 0);
     CHECK(scene.probe(7.0).light == kNone); // 4 ms serve, 2.3 + 2 * 0.45 more are needed
     CHECK(scene.probe(7.6).light == 0);
+    scene.measuredMs = 4.6; // what is foretold is not what is left
+    CHECK(scene.probe(7.6).light == kNone);
+    CHECK(scene.probe(8.2).light == 0);
+    scene.measuredMs = 3.0; // nor is luck in one frame
+    CHECK(scene.probe(7.0).light == kNone);
+    scene.measuredMs = -1.0;
     scene.of(0, 1).firstFrameMs = 20.0;
     CHECK(scene.probe().light == kNone);
     scene.of(0, 1).firstFrameMs = 0.0;
