@@ -170,6 +170,7 @@ private:
     void settleProbe();
     ImageId declareOutgoing(const PendingLight& pending, FrameMode mode);
     void declareMix(const PendingLight& pending, ImageId pair);
+    void noteMixes(const FrameTimings& timings);
     void withdrawFades(std::uint64_t frame);
     std::uint32_t fadingIn(std::uint64_t frame) const;
 
@@ -226,6 +227,7 @@ private:
     std::array<double, 3> origin_{};
     bool originSet_ = false;
     PipelineId gridPipeline_, mixPipeline_;
+    MedianOfFive mixMs_; ///< Of a light's mix pass.
     bool gridReady_ = false; ///< The runtime's own pipelines have run once.
     std::vector<View*> acceptedViews_;
     std::vector<ViewFrame> viewFrames_;

@@ -1,6 +1,7 @@
 // A light whose method changes: for some frames both methods run, and what is shown goes from one to the other.
 #include "runtime/api/context.hpp"
 #include "runtime/passes/pass_context.hpp"
+#include "runtime/scene/light_pixels.hpp"
 #include "shaders/runtime_fade_mix_frag.h"
 #include "shaders/shared_fullscreen_vert.h"
 
@@ -11,6 +12,7 @@ namespace {
 constexpr BindingInfo kMixBindings[] = {
     {.binding = 0, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R8_UNORM, .array = true}};
 
+constexpr const char* kMixPass = "view.fade";
 constexpr const char* kCannotServe = "the method before can no longer serve";
 
 } // namespace
@@ -67,7 +69,7 @@ FadeRequest Context::nextFade(const PendingLight& pending, const rules::RuleBase
     decision.outgoing = step.outgoing;
     decision.fade = step.share;
     if (step.outgoing == Fade::kNone) return {};
-    return {.outgoingMs = decision.candidates[step.outgoing].predictedMs, .begun = step.begun};
+    return {.outgoingMs = decision.candidates[step.outgoing].predictedMs + mixMs_.get(), .begun = step.begun};
 }
 
 /// The plan has no say in fades, nor they in the plan: what does not fit beside it is shown at once.
@@ -112,12 +114,15 @@ void Context::declareMix(const PendingLight& pending, ImageId pair)
     const CameraView& camera = viewFrame.view->camera;
     const float incomingShare = pending.decision->fade;
     const PipelineId pipeline = mixPipeline_;
+    const VkRect2D pixels = lightPixels(*pending.light, camera); // in all others both methods say 1
     graph_->beginTask({.view = camera.id, .light = pending.light->id}, &camera, viewFrame.depth, viewFrame.normals);
     PassBuilder(*graph_)
-        .raster("view.fade")
+        .raster(kMixPass)
         .samples(pair)
-        .writes(viewFrame.visibility, {.layer = pending.layer})
+        .writes(viewFrame.visibility, visibilityIn(camera, pending.layer, pixels))
         .record([=](PassContext& gpu) {
+            if (pixels.extent.width == 0) return;
+            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
             gpu.bind(pipeline, {gpu.sampled(0, pair)});
             gpu.push(incomingShare);
             gpu.drawFullscreen();
@@ -127,6 +132,13 @@ void Context::declareMix(const PendingLight& pending, ImageId pair)
     FadingFrame& note = fading_[frame_ % fading_.size()];
     if (note.frame != frame_) note = {.frame = frame_, .lights = 0};
     ++note.lights;
+}
+
+/// What showing two methods takes beside them: a pass that neither of them is charged with.
+void Context::noteMixes(const FrameTimings& timings)
+{
+    for (const PassTiming& pass : timings.passes)
+        if (pass.name == kMixPass) mixMs_.add(pass.gpuMs * timedScale_);
 }
 
 void Context::withdrawFades(std::uint64_t frame)

@@ -44,6 +44,7 @@ void Context::takeTimings()
     timingsTaken_ = timed->frame;
     noteTimedScale(*timed);
     chargeLights(*timed);
+    noteMixes(*timed);
     noteMeasured(*timed);
 }
 

@@ -348,6 +348,8 @@ TEST_CASE_FIXTURE(DeviceTest, "while a light fades each method is charged with i
         host.require(host.draw());
         CHECK(host.stats().fading == 1);
         CHECK(host.decision(0).measuredMs == doctest::Approx(map));
+        // The mix has its price, too.
+        CHECK(host.stats().predictedMs > host.decision(0).predictedMs + predictedOf(host, 0, "ray_traced"));
     }
 }
 
