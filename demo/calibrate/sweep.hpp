@@ -22,7 +22,8 @@ struct SweepRun {
     double seconds = 0.0;
 };
 
-constexpr uint32_t kLeastPoints = cost::kFeatures + 1; ///< To learn from: one more than a fit has coefficients.
+constexpr uint32_t kLeastPoints =
+    cost::kFeatures; ///< To learn from: as many as a fit has coefficients; its prior is one more.
 
 class Sweeper {
 public:

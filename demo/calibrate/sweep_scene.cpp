@@ -81,7 +81,7 @@ void addWorld(Scene& scene, uint32_t world, uint32_t ground)
 {
     const bool hall = world % 2 == 1;
     const uint32_t side = 2 + world / 2;                   // 2x2 to 5x5 objects
-    const double triangles = 400.0 * std::pow(2.2, world); // 400 to 100 000
+    const double triangles = 400.0 * std::pow(2.45, world); // 400 to 212 000
     const double each = triangles / (side * side);
     const auto segments = [each](double share) { // of a surface of share x 1 segments, two triangles each
         return std::max(3u, static_cast<uint32_t>(std::sqrt(each / 2.0 * share) + 0.5));
