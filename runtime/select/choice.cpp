@@ -73,11 +73,35 @@ float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::
     return static_cast<float>(plan::changePriceMs(double{candidate.predictedMs}, double{candidate.firstMs}));
 }
 
+namespace {
+
+/// The method that shows most of those that show more than `wanted` at about its price; `wanted` if there is none.
+std::uint32_t showsMoreForNoMore(std::span<const Candidate> candidates, std::uint32_t wanted,
+                                 std::uint32_t incumbent) noexcept
+{
+    const Candidate& suited = candidates[wanted];
+    if (!plan::isPriceKnown(double{suited.predictedMs}, double{suited.sigmaMs})) return wanted;
+    std::uint32_t most = wanted;
+    for (std::uint32_t m = 0; m < candidates.size(); ++m) {
+        const Candidate& other = candidates[m];
+        const float margin = m == incumbent ? 2.0f * kPriceMargin : kPriceMargin;
+        if (other.exclusion == Exclusion::none && plan::showsAsMuch(meritOf(other), meritOf(suited)) &&
+            other.quality > candidates[most].quality + plan::kSameQuality &&
+            plan::isPriceKnown(double{other.predictedMs}, double{other.sigmaMs}) &&
+            priceOf(candidates, m, incumbent) <= (1.0f + margin) * priceOf(candidates, wanted, incumbent))
+            most = m;
+    }
+    return most;
+}
+
+} // namespace
+
 std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t wanted,
                            std::uint32_t incumbent) noexcept
 {
     const auto count = static_cast<std::uint32_t>(candidates.size());
     if (wanted >= count) return wanted;
+    wanted = showsMoreForNoMore(candidates, wanted, incumbent);
     const Candidate& best = candidates[wanted];
     const auto doesAsWell = [&](std::uint32_t m) {
         const Candidate& other = candidates[m];

@@ -37,10 +37,11 @@ inline constexpr float kPriceMargin = 0.1f;
 /// surplus (maps and lists of what stands still), spread over plan::kExpectedStayFrames.
 float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::uint32_t incumbent) noexcept;
 
-/// What serves where no budget says what time is worth: then time buys quality and nothing else. The cheapest method
-/// that shows as much as `wanted`, that the rules like at least half as well (what they avoid is not taken for its
-/// price), and whose time is known to a half; `wanted` itself unless that saves kPriceMargin. An incumbent that does as
-/// well stays until something is cheaper by kPriceMargin.
+/// What serves where no budget says what time is worth: then time buys quality and nothing else. Of methods whose time
+/// is known to a half and that the rules like at least half as well as `wanted` (what they avoid is not taken for its
+/// price): first one that shows more than `wanted` and is dearer by no more than kPriceMargin, or twice that where it
+/// serves already; then the cheapest that shows as much as what is wanted by now, which stays wanted unless that saves
+/// kPriceMargin. An incumbent that does as well stays until something is cheaper by kPriceMargin.
 std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t wanted,
                            std::uint32_t incumbent) noexcept;
 

@@ -6,6 +6,7 @@
 
 #include "rules/engine/explain.hpp"
 #include "rules/engine/number_text.hpp"
+#include "runtime/plan/worth.hpp"
 
 namespace gnomon {
 
@@ -124,6 +125,16 @@ std::string changeCostText(const Candidate& candidate)
     return text;
 }
 
+/// What GN_REASON_PRICE holds against a better suited method.
+std::string priceText(const DecisionRecord& record, const Candidate& candidate)
+{
+    const Candidate& chosen = record.candidates[record.method];
+    const bool showsLess = chosen.quality > candidate.quality + plan::kSameQuality;
+    return showsLess ? "shows less (quality " + fixed(double{candidate.quality}, 2) + " against " +
+                           fixed(double{chosen.quality}, 2) + ") and takes " + changeCostText(candidate)
+                     : "shows no more and takes " + changeCostText(candidate);
+}
+
 std::string costLine(const DecisionRecord& record)
 {
     if (record.method >= record.methods) return {};
@@ -173,8 +184,7 @@ std::string passedOverLine(const DecisionRecord& record, const ExplainWords& wor
         return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but its quality " +
                fixed(double{wanted.quality}, 2) + " is below the near floor";
     case plan::Why::price:
-        return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but shows no more and takes " +
-               changeCostText(wanted);
+        return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but " + priceText(record, wanted);
     default:
         break;
     }
@@ -284,8 +294,8 @@ void addElimination(const DecisionRecord& record, std::uint32_t method, const Ex
                                                           : holdText(record.hold)) +
                          "; " + gainText(record));
     case plan::Why::price:
-        return lines.add("it suits better (" + fixed(suitabilityOf(candidate), 2) + "), but shows no more and takes " +
-                         changeCostText(candidate));
+        return lines.add("it suits better (" + fixed(suitabilityOf(candidate), 2) + "), but " +
+                         priceText(record, candidate));
     case plan::Why::noOpinion:
         return lines.add("no rule that fires speaks of it, and rules speak of others");
     case plan::Why::trait:

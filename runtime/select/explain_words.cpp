@@ -26,7 +26,7 @@ const char* reasonText(GnReason reason)
     case GN_REASON_HELD:
         return "held by the plan's hysteresis";
     case GN_REASON_PRICE:
-        return "shows as much as the best suited, for less";
+        return "shows as much as the best suited for less, or more for about the same";
     case GN_REASON_MAX_ENUM:
         break;
     }

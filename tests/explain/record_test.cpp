@@ -295,6 +295,37 @@ TEST_CASE(
     CHECK(cheaperEqual(all, UINT32_MAX, 1) == UINT32_MAX);
 }
 
+TEST_CASE(
+    "without a budget what shows more serves where it is dearer by a tenth at most, twice that where it serves already")
+{
+    std::array<Candidate, 3> all{};
+    const auto set = [&](uint32_t m, int32_t suitability, float quality, float ms) {
+        all[m] = {.quantised = suitability, .quality = quality, .predictedMs = ms, .sigmaMs = 0.2f * ms};
+    };
+    set(0, 3400, 0.97f, 10.0f); // best suited
+    set(1, 2000, 0.985f, 10.5f);
+    set(2, 2000, 1.0f, 10.9f);
+    CHECK(cheaperEqual(all, 0, 0) == 2);
+    set(2, 2000, 1.0f, 11.1f);
+    CHECK(cheaperEqual(all, 0, 0) == 1);
+    CHECK(cheaperEqual(all, 0, 2) == 2);
+    set(2, 2000, 1.0f, 12.1f);
+    CHECK(cheaperEqual(all, 0, 2) == 1);
+    set(2, 1600, 1.0f, 9.5f); // the rules avoid it
+    CHECK(cheaperEqual(all, 0, 0) == 1);
+    set(1, 2000, 0.979f, 9.5f); // shows as much, and saves too little
+    CHECK(cheaperEqual(all, 0, 0) == 0);
+    set(1, 2000, 0.985f, 9.5f);
+    all[1].sigmaMs = 6.0f; // nobody knows
+    CHECK(cheaperEqual(all, 0, 0) == 0);
+    all[1].sigmaMs = 1.0f;
+    all[0].sigmaMs = 6.0f;
+    CHECK(cheaperEqual(all, 0, 0) == 0);
+    all[0].sigmaMs = 1.0f;
+    set(2, 2000, 0.99f, 8.0f); // shows as much as what is wanted by now, for less
+    CHECK(cheaperEqual(all, 0, 0) == 2);
+}
+
 TEST_CASE("without a budget a map of what stands still must earn its first frame before it serves for its price")
 {
     std::array<Candidate, 2> all{};

@@ -484,7 +484,7 @@ typedef enum GnReason {
     GN_REASON_NO_OPINION = 5,     ///< No rule spoke for any eligible method; registry order decided.
     GN_REASON_BUDGET = 6,         ///< The plan: the best suitability does not fit the budget, or gains too little for it.
     GN_REASON_HELD = 7,           ///< The plan would change it, but holds: threshold, quota, a recent flip.
-    GN_REASON_PRICE = 8,          ///< Another one suits better, but this one shows as much for less.
+    GN_REASON_PRICE = 8,          ///< Another one suits better, but this one shows as much for less, or more for about as much.
     GN_REASON_MAX_ENUM = 0x7FFFFFFF
 } GnReason;
 
