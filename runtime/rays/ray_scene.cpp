@@ -52,7 +52,14 @@ struct Placed {
     std::uint32_t mask = 0;
     PFN_gnOpacity opacity = nullptr;
     void* userData = nullptr;
-    std::uint64_t seen = 0; ///< The last update() that brought it.
+    std::span<const std::uint32_t> givenNumbers; ///< MeshView::givenNumbers
+    std::uint64_t seen = 0;                      ///< The last update() that brought it.
+
+    /// What the host says of a hit; its triangles are numbered as it gave them.
+    float opacityAt(std::uint32_t triangle, float u, float v) const
+    {
+        return opacity(givenNumbers.empty() ? triangle : givenNumbers[triangle], u, v, userData);
+    }
 };
 
 bool unchanged(const Placed& placed, const Caster& caster)
@@ -128,8 +135,8 @@ void filterHits(const RTCFilterFunctionNArguments* args)
         const Placed& caster = query->placed[RTCHitN_instID(args->hit, args->N, i, 0)];
         bool blocks = (caster.mask & query->lightMask) != 0;
         if (blocks && caster.opacity)
-            blocks = caster.opacity(RTCHitN_primID(args->hit, args->N, i), RTCHitN_u(args->hit, args->N, i),
-                                    RTCHitN_v(args->hit, args->N, i), caster.userData) >= 0.5f;
+            blocks = caster.opacityAt(RTCHitN_primID(args->hit, args->N, i), RTCHitN_u(args->hit, args->N, i),
+                                      RTCHitN_v(args->hit, args->N, i)) >= 0.5f;
         if (!blocks) args->valid[i] = 0;
     }
 }
@@ -292,6 +299,7 @@ void RayScene::Impl::place(std::uint32_t index, const Caster& caster, RTCScene t
     entry.mask = caster.mask;
     entry.opacity = opacityOf(caster);
     entry.userData = caster.userData;
+    entry.givenNumbers = caster.mesh->givenNumbers;
 
     // glm's mat4x3 is four columns of vec3: Embree's 3x4 column-major.
     const glm::mat4x3 worldFromObject(caster.basis[0], caster.basis[1], caster.basis[2], caster.translation);

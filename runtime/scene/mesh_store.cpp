@@ -111,14 +111,15 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::finish(std::shared_ptr<MeshRe
 {
     MeshIdentity& identity = *revision->identity;
     const std::span<const glm::vec3> positions(revision->positions.data(), identity.positionCount);
-    std::vector<std::uint32_t> kept = withoutZeroArea(positions, *identity.given);
-    if (kept.empty()) return Error{GN_ERROR_EMPTY, "MeshEmpty", identity.what() + " has no triangle with an area"};
+    KeptTriangles kept = withoutZeroArea(positions, *identity.given);
+    if (kept.indices.empty()) return Error{GN_ERROR_EMPTY, "MeshEmpty", identity.what() + " has no triangle with an area"};
     const std::size_t before = uploads.size();
-    if (!revision->faces || *revision->faces->indices != kept) {
+    if (!revision->faces || *revision->faces->indices != kept.indices) {
         auto faces = std::make_shared<MeshFaces>();
-        faces->indices = kept.size() == identity.given->size()
+        faces->indices = kept.numbers.empty()
                              ? identity.given
-                             : std::make_shared<const std::vector<std::uint32_t>>(std::move(kept));
+                             : std::make_shared<const std::vector<std::uint32_t>>(std::move(kept.indices));
+        faces->givenNumbers = std::move(kept.numbers);
         Result<OwnedBuffer> buffer = upload(faces->indices->data(), faces->indices->size() * sizeof(std::uint32_t),
                                             VK_BUFFER_USAGE_INDEX_BUFFER_BIT, identity.name, uploads);
         if (!buffer) return buffer.error();
@@ -141,6 +142,7 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::finish(std::shared_ptr<MeshRe
     view.id = identity.id;
     view.positions = positions;
     view.indices = *revision->faces->indices;
+    view.givenNumbers = revision->faces->givenNumbers;
     view.bounds = boundsOf(positions, view.indices);
     view.vertexBuffer = revision->vertices.get().buffer;
     view.indexBuffer = revision->faces->buffer.get().buffer;

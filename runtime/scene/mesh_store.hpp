@@ -65,6 +65,7 @@ struct MeshIdentity {
 /// Triangles with an area. Shared by revisions for as long as the same triangles have one.
 struct MeshFaces {
     std::shared_ptr<const std::vector<std::uint32_t>> indices;
+    std::vector<std::uint32_t> givenNumbers; ///< MeshView::givenNumbers. The same indices mean the same numbers.
     OwnedBuffer buffer;
 
     /// Connectivity found by an earlier revision; the next one takes it over.

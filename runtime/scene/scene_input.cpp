@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <numeric>
 
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
@@ -140,13 +141,21 @@ Result<MeshInput> readMesh(const GnMeshCreateInfo& info, std::uint64_t largestBu
     return MeshInput{info.pName ? info.pName : "", std::move(*positions), std::move(*indices)};
 }
 
-std::vector<std::uint32_t> withoutZeroArea(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices)
+KeptTriangles withoutZeroArea(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices)
 {
-    std::vector<std::uint32_t> kept;
-    kept.reserve(indices.size());
-    for (std::size_t i = 0; i + 2 < indices.size(); i += 3)
-        if (hasArea(positions[indices[i]], positions[indices[i + 1]], positions[indices[i + 2]]))
-            kept.insert(kept.end(), indices.begin() + i, indices.begin() + i + 3);
+    KeptTriangles kept;
+    kept.indices.reserve(indices.size());
+    bool all = true;
+    for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
+        if (hasArea(positions[indices[i]], positions[indices[i + 1]], positions[indices[i + 2]])) {
+            kept.indices.insert(kept.indices.end(), indices.begin() + i, indices.begin() + i + 3);
+            if (!all) kept.numbers.push_back(static_cast<std::uint32_t>(i / 3));
+        } else if (all) { // the first to go: those before it keep their numbers
+            all = false;
+            kept.numbers.resize(i / 3);
+            std::iota(kept.numbers.begin(), kept.numbers.end(), 0u);
+        }
+    }
     return kept;
 }
 

@@ -39,9 +39,13 @@ Result<MeshInput> readMesh(const GnMeshCreateInfo& info, std::uint64_t largestBu
 /// Finite positions, packed and padded.
 Result<std::vector<glm::vec3>> readPositions(Subject what, const float* positions, std::uint32_t count,
                                              std::uint32_t stride);
-/// The triangles that have an area. An area counts as zero if no component of its vector is representable as float.
-std::vector<std::uint32_t> withoutZeroArea(std::span<const glm::vec3> positions,
-                                           std::span<const std::uint32_t> indices);
+/// Triangles that have an area.
+struct KeptTriangles {
+    std::vector<std::uint32_t> indices;
+    std::vector<std::uint32_t> numbers; ///< Of each one in the list it was taken from; empty where all are kept.
+};
+/// An area counts as zero if no component of its vector is representable as float.
+KeptTriangles withoutZeroArea(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices);
 
 /// The transform with an all-zero basis replaced by the identity.
 Result<GnTransform> readTransform(Subject what, const GnTransform& transform);

@@ -32,14 +32,15 @@ struct MeshView {
     const char* name = "";
     std::uint32_t id = 0; ///< Stable identity over revisions, from 1; never another mesh's.
     std::span<const glm::vec3> positions;
-    std::span<const std::uint32_t> indices; ///< Three per triangle, zero-area triangles removed.
-    Aabb bounds;                            ///< Object space.
-    VkBuffer vertexBuffer = VK_NULL_HANDLE; ///< Positions, 12 bytes each. Also a storage buffer.
-    VkBuffer indexBuffer = VK_NULL_HANDLE;  ///< uint32. Also a storage buffer.
-    const Topology* topology = nullptr;     ///< Null until a worker has built it, or without OpenMesh.
-    const MeshRays* rays = nullptr;         ///< Null until a worker has built it, or without Embree.
-    std::uint64_t revision = 0;             ///< Unique over all meshes; changes with the positions.
-    bool closed = false;                    ///< Known from the topology; false until it is there.
+    std::span<const std::uint32_t> indices;      ///< Three per triangle, zero-area triangles removed.
+    std::span<const std::uint32_t> givenNumbers; ///< The host's number of each triangle; empty: none was removed.
+    Aabb bounds;                                 ///< Object space.
+    VkBuffer vertexBuffer = VK_NULL_HANDLE;      ///< Positions, 12 bytes each. Also a storage buffer.
+    VkBuffer indexBuffer = VK_NULL_HANDLE;       ///< uint32. Also a storage buffer.
+    const Topology* topology = nullptr;          ///< Null until a worker has built it, or without OpenMesh.
+    const MeshRays* rays = nullptr;              ///< Null until a worker has built it, or without Embree.
+    std::uint64_t revision = 0;                  ///< Unique over all meshes; changes with the positions.
+    bool closed = false;                         ///< Known from the topology; false until it is there.
 
     std::uint32_t triangleCount() const { return static_cast<std::uint32_t>(indices.size() / 3); }
 };

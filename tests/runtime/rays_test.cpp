@@ -353,6 +353,18 @@ TEST_CASE("an alpha-tested caster blocks where its opacity is at least one half,
     CHECK(last.u == doctest::Approx(0.3).epsilon(1e-4));
     CHECK(blockedAt(5.1f, 0.1f)); // the same mesh without opacity
 
+    // The host gave five triangles; three have no area and have gone.
+    MeshView renumbered = *casters[0].mesh;
+    const std::uint32_t given[] = {1, 4};
+    renumbered.givenNumbers = given;
+    renumbered.revision += 1000;
+    casters[0].mesh = &renumbered;
+    scene.update(casters);
+    CHECK(blockedAt(0.3f, 0.2f));
+    CHECK(last.triangle == 1);
+    CHECK(blockedAt(0.7f, 0.9f));
+    CHECK(last.triangle == 4);
+
     casters.push_back(casterOf(square, 5, glm::mat3(1.0f), {0, 0, -1})); // behind the hole
     scene.update(casters);
     CHECK(blockedAt(0.2f, 0.3f));

@@ -116,6 +116,24 @@ TEST_CASE("triangles without area are left out, counted once, and do not stretch
     CHECK(scene.said().empty());
 }
 
+TEST_CASE("a mesh knows the host's number of every triangle, also where some before it are left out")
+{
+    SceneFixture scene;
+    Shape shape = triangle();
+    shape.positions.insert(shape.positions.end(), {2, 0, 0, 3, 3, 3});
+    shape.indices = {0, 0, 1, 0, 1, 2, 0, 1, 3, 2, 1, 4}; // an edge, a triangle, a line, a triangle
+    const GnMesh mesh = make(scene, shape);
+    place(scene, mesh);
+    const auto numbers = [&scene] {
+        const MeshView& view = onlyMesh(scene.begin());
+        return std::vector(view.givenNumbers.begin(), view.givenNumbers.end());
+    };
+    CHECK(numbers() == std::vector<std::uint32_t>{1, 3});
+    shape.positions[3 * 3 + 2] = 1.0f; // the line becomes a triangle
+    REQUIRE(rewrite(scene, mesh, shape));
+    CHECK(numbers() == std::vector<std::uint32_t>{1, 2, 3});
+}
+
 TEST_CASE("a triangle that gets an area by a rewrite casts from then on")
 {
     SceneFixture scene;

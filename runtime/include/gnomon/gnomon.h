@@ -234,7 +234,9 @@ typedef struct GnCasterProjection {
 `commandBuffer` inside a rendering scope; may bind any state. */
 typedef void(GN_CALL* PFN_gnDrawCasters)(VkCommandBuffer commandBuffer, const GnCasterProjection* pProjection,
                                          void* pUserData);
-/** Opacity in [0, 1] of a hit; below 0.5 the ray goes on. Called from worker threads, concurrently. */
+/** Opacity in [0, 1] of a hit; below 0.5 the ray goes on. `triangle` counts as the mesh was given: its corners are
+indices 3 * triangle and the two after. The hit is at (1 - u - v), u and v of the first, second and third corner. Called
+from worker threads, concurrently. */
 typedef float(GN_CALL* PFN_gnOpacity)(uint32_t triangle, float u, float v, void* pUserData);
 
 /** Describes an instance. */
