@@ -372,8 +372,8 @@ TEST_CASE_FIXTURE(DeviceTest, "budget auto: the cheapest plan is measured, then 
         const GnFrameStats stats = host.stats();
         if (stats.budgetMs > 0.0f) break;
         CHECK(stats.fading == 0); // it would be measured along
-        // Where two are within the plan's threshold of 2 %, the one that serves may stay.
-        CHECK(host.decision(0).predictedMs <= 1.03f * cheapestOf(host, 0));
+        // The one that serves may stay where it is foretold to take a fifth more at most (twice kNoDearer).
+        CHECK(host.decision(0).predictedMs <= 1.201f * cheapestOf(host, 0));
         took.push_back(stats.gpuMs + stats.cpuMs);
     }
     REQUIRE(frames > 32);
