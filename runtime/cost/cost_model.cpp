@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "runtime/cost/exponent.hpp"
@@ -45,7 +46,7 @@ constexpr double kPersistent = 0.25;   // octaves. Four timings in a row beyond 
                                        // one more than a step of the device needs, which therefore comes first
 constexpr uint32_t kDeviceFrames = 10; // the device factor is learned first, in so many frames
 constexpr double kDeviceStep = 0.15;   // octaves = 11 %: a median beyond it in 3 of 5 frames is a step of the device
-constexpr size_t kFrameErrors = 1024;  // timings of a frame that vote on the device factor
+constexpr size_t kFrameVotes = 1024;   // timings of a frame that vote on the device factor
 
 /// What is guessed of a method nobody has measured: 1 ms for the reference workload, updates growing with triangles and
 /// texels, resolves with pixels; shared passes split evenly; a still light skips most of its update.
@@ -58,12 +59,6 @@ Features priorOf(uint32_t track)
 double logOf(double size)
 {
     return log2Exactly(std::isfinite(size) && size > 1.0 ? size : 1.0);
-}
-
-double medianOf(double* first, uint32_t count)
-{
-    std::sort(first, first + count);
-    return count % 2 ? first[count / 2] : 0.5 * (first[count / 2 - 1] + first[count / 2]);
 }
 
 bool isTime(double ms)
@@ -132,7 +127,8 @@ void CostModel::resize(uint32_t methods, uint32_t lights)
     tracks_.resize(size_t{methods} * kTracks);
     for (uint32_t i = known; i < tracks_.size(); ++i)
         reset(tracks_[i], i % kTracks);
-    frameErrors_.resize(kFrameErrors);
+    for (Device& device : devices_)
+        device.votes.resize(kFrameVotes);
     methods_ = methods;
     lights_ = lights;
 }
@@ -185,9 +181,11 @@ void CostModel::calibrate(uint32_t method, Pass pass, Processor processor, const
 
 void CostModel::finishCalibration(bool sameDevice) noexcept
 {
-    device_ = 0.0;
-    deviceFrames_ = sameDevice ? kDeviceFrames : 0;
-    deviceVariance_ = sameDevice ? 0.0 : kForeignVariance;
+    for (Device& device : devices_) {
+        device.octaves = 0.0;
+        device.frames = sameDevice ? kDeviceFrames : 0;
+        device.variance = sameDevice ? 0.0 : kForeignVariance;
+    }
     // Every place of a calibration is another light: what the fit leaves over there is how much lights differ.
     for (Track& known : tracks_)
         if (known.samples >= kFeatures) known.lights = std::max(kStartLights, known.noise);
@@ -201,12 +199,13 @@ CostModel::Octaves CostModel::octaves(uint32_t light, uint32_t method, uint32_t 
     for (uint32_t j = 0; j < kFeatures; ++j)
         for (uint32_t i = 0; i < kFeatures; ++i)
             pf[i] += known.covariance[j * kFeatures + i] * f[j];
-    double mean = device_, spread = 0.0;
+    const Device& device = deviceOf(t);
+    double mean = device.octaves, spread = 0.0;
     for (uint32_t i = 0; i < kFeatures; ++i) {
         mean += known.theta[i] * f[i];
         spread += f[i] * pf[i];
     }
-    double variance = std::max(known.noise, kStartNoise) * spread + deviceVariance_;
+    double variance = std::max(known.noise, kStartNoise) * spread + device.variance;
     mean += known.scene;
     if (light < lights_) {
         const Residual& own = residuals_[(size_t{light} * methods_ + method) * kTracks + t];
@@ -276,16 +275,20 @@ void CostModel::observe(const Observation& observation) noexcept
     const Features f = featuresOf(observation.workload, observation.pass);
     Track& known = track(observation.method, t);
     const double y = log2Exactly(observation.ms);
-    const double surprise = y - octaves(observation.light, observation.method, t, f).mean;
+    const double foretold = octaves(observation.light, observation.method, t, f).mean;
+    const double surprise = y - foretold;
     const bool votes = known.samples >= kFeatures; // a guess says nothing about the device
-    if (votes) noteVote(surprise, observation.method, isSettled(residual(observation.light, observation.method, t), f));
+    Device& device = deviceOf(t);
+    if (votes)
+        noteVote(device, {surprise, exp2Exactly(foretold)}, observation.method,
+                 isSettled(residual(observation.light, observation.method, t), f));
     ++samples_;
     // Device first: until it is known every method looks wrong by the same factor, and nothing else is learned.
-    if (deviceFrames_ < kDeviceFrames && votes) {
+    if (device.frames < kDeviceFrames && votes) {
         known.seen = true;
         return;
     }
-    double error = y - device_, spread = 0.0;
+    double error = y - device.octaves, spread = 0.0;
     for (uint32_t i = 0; i < kFeatures; ++i) {
         error -= known.theta[i] * f[i];
         for (uint32_t j = 0; j < kFeatures; ++j)
@@ -313,54 +316,74 @@ bool CostModel::isSettled(const Residual& own, const Features& f) noexcept
 }
 
 /// Settled lights stand in front.
-void CostModel::noteVote(double surprise, uint32_t method, bool settled) noexcept
+void CostModel::noteVote(Device& device, const Vote& vote, uint32_t method, bool settled) noexcept
 {
-    if (frameErrorCount_ == frameErrors_.size()) return;
-    frameMixed_ = frameErrorCount_ > 0 && (frameMixed_ || method != frameMethod_);
-    frameMethod_ = method;
-    frameErrors_[frameErrorCount_++] = surprise;
-    if (settled) std::swap(frameErrors_[frameSettled_++], frameErrors_[frameErrorCount_ - 1]);
+    if (device.voteCount == device.votes.size()) return;
+    device.mixed = device.voteCount > 0 && (device.mixed || method != device.method);
+    device.method = method;
+    device.votes[device.voteCount++] = vote;
+    if (settled) std::swap(device.votes[device.settled++], device.votes[device.voteCount - 1]);
 }
 
 /// What timings say of the device: those of lights whose time was known, as long as there are any. Where nobody knew
 /// it, the scene or the method is as likely to be the cause, unless several methods say the same, or nothing is known
 /// of the device yet.
-uint32_t CostModel::deviceVotes() const noexcept
+uint32_t CostModel::votesThatCount(const Device& device) noexcept
 {
-    if (deviceFrames_ < kDeviceFrames || (frameSettled_ == 0 && frameMixed_)) return frameErrorCount_;
-    return frameSettled_;
+    if (device.frames < kDeviceFrames || (device.settled == 0 && device.mixed)) return device.voteCount;
+    return device.settled;
+}
+
+/// The middle by weight: the mean of the two beside it where it falls between them.
+double CostModel::middleOf(std::span<Vote> votes) noexcept
+{
+    std::sort(votes.begin(), votes.end(), [](const Vote& a, const Vote& b) {
+        return a.surprise != b.surprise ? a.surprise < b.surprise : a.ms < b.ms; // sums in the same order everywhere
+    });
+    double whole = 0.0, below = 0.0;
+    for (const Vote& vote : votes)
+        whole += vote.ms;
+    for (size_t i = 0; i < votes.size(); ++i) {
+        below += votes[i].ms;
+        if (2.0 * below == whole && i + 1 < votes.size()) return 0.5 * (votes[i].surprise + votes[i + 1].surprise);
+        if (2.0 * below >= whole) return votes[i].surprise;
+    }
+    return 0.0;
 }
 
 /// The median of the last five frames' medians is beyond kDeviceStep only if three of them are.
-void CostModel::noteStep(double frameMedian) noexcept
+void CostModel::noteStep(Device& device, double frameMedian) noexcept
 {
-    if (deviceFrames_ < kDeviceFrames) { // the mean of the medians so far
-        ++deviceFrames_;
-        const double change = frameMedian / deviceFrames_;
-        device_ += deviceFrames_ == 1 ? frameMedian : change;
-        deviceVariance_ = kStartNoise / deviceFrames_;
+    if (device.frames < kDeviceFrames) { // the mean of the medians so far
+        ++device.frames;
+        const double change = frameMedian / device.frames;
+        device.octaves += device.frames == 1 ? frameMedian : change;
+        device.variance = kStartNoise / device.frames;
         return;
     }
-    steps_[stepNext_] = frameMedian;
-    stepNext_ = (stepNext_ + 1) % static_cast<uint32_t>(steps_.size());
-    stepCount_ = std::min(stepCount_ + 1, static_cast<uint32_t>(steps_.size()));
-    std::array<double, 5> sorted = steps_;
-    const double median = medianOf(sorted.data(), static_cast<uint32_t>(sorted.size())); // empty places are 0
-    if (std::fabs(median) <= kDeviceStep) return;
-    device_ += median;
-    steps_.fill(0.0);
-    stepCount_ = stepNext_ = 0;
+    device.steps[device.stepNext] = frameMedian;
+    device.stepNext = (device.stepNext + 1) % static_cast<uint32_t>(device.steps.size());
+    std::array<double, 5> sorted = device.steps; // empty places are 0
+    std::nth_element(sorted.begin(), sorted.begin() + 2, sorted.end());
+    if (std::fabs(sorted[2]) <= kDeviceStep) return;
+    device.octaves += sorted[2];
+    device.steps.fill(0.0);
+    device.stepNext = 0;
     // What the lights learned in those frames was the step, not theirs.
-    for (Residual& own : residuals_)
-        own.recentCount = own.recentNext = 0;
+    for (size_t i = 0; i < residuals_.size(); ++i)
+        if (&deviceOf(static_cast<uint32_t>(i % kTracks)) == &device)
+            residuals_[i].recentCount = residuals_[i].recentNext = 0;
 }
 
 void CostModel::endFrame() noexcept
 {
     for (uint32_t i = 0; i < tracks_.size(); ++i)
         if (std::exchange(tracks_[i].timed, false)) noteScene(i / kTracks, i % kTracks);
-    if (const uint32_t votes = deviceVotes(); votes > 0) noteStep(medianOf(frameErrors_.data(), votes));
-    frameErrorCount_ = frameSettled_ = 0;
+    for (Device& device : devices_) {
+        if (const uint32_t votes = votesThatCount(device); votes > 0)
+            noteStep(device, middleOf(std::span(device.votes).first(votes)));
+        device.voteCount = device.settled = 0;
+    }
 }
 
 void CostModel::forgetLight(uint32_t light) noexcept

@@ -9,12 +9,12 @@
 /// f holds 1, log2 of pixels, triangles and texels, lights sharing the pass, a flag for what stands still, and three
 /// products of these: real times are sums (an overhead, a part per triangle, a part per texel), and the logarithm of a
 /// sum of powers is a bent surface. On such truths the bend takes the median error from 26 to 8 %.
-/// theta comes from calibration and is refined by recursive least squares; `device` is one number common to all
-/// methods, so that a new GPU is known after a few frames, and a step of which is believed where lights show it whose
-/// time was known, or several methods do; the residual is what this light differs by, and of a light
-/// that the method has not served what its other lights differ by: a scene has its own ways. Steps of the
-/// world (a clock that drops, a scene that doubles) show in several frames in a row and are taken over at once; a spike
-/// shows in one and is not.
+/// theta comes from calibration and is refined by recursive least squares; `device` is one number of each processor,
+/// common to all methods, so that a new GPU is known after a few frames, and a step of which is believed where passes
+/// that take most of the time show it, of lights whose time was known or of several methods; the residual is what this
+/// light differs by, and of a light that the method has not served what its other lights differ by: a scene has its own
+/// ways. Steps of the world (a clock that drops, a scene that doubles) show in several frames in a row and are taken
+/// over at once; a spike shows in one and is not.
 ///
 /// Only + - * / and square roots on doubles, in fixed order: the same observations give the same bits everywhere.
 
@@ -92,6 +92,7 @@ public:
     void resize(uint32_t methods, uint32_t lights);
 
     /// On a device whose "GPU" runs on the CPU's cores times add up; otherwise the longer one binds.
+    /// Both are one device then, with one factor. Before the first timing.
     void setSharedCores(bool shared) noexcept { sharedCores_ = shared; }
     bool sharedCores() const noexcept { return sharedCores_; }
 
@@ -113,7 +114,8 @@ public:
     /// Update and resolve; `updateSkipped` when what the update would make is still valid.
     Prediction predict(uint32_t light, uint32_t method, const Workload& workload, bool updateSkipped) const noexcept;
 
-    double deviceOctaves() const noexcept { return device_; }
+    /// The device's factor, by Processor.
+    std::array<double, 2> deviceOctaves() const noexcept { return {deviceOf(0).octaves, deviceOf(1).octaves}; }
     uint64_t samples() const noexcept { return samples_; }
 
 private:
@@ -134,6 +136,23 @@ private:
         std::array<double, kPersistentTimings> recent{};
         Features at{};
         uint8_t recentCount = 0, recentNext = 0;
+    };
+    struct Vote {
+        double surprise = 0.0; ///< Octaves.
+        double ms = 0.0;       ///< As foretold: its weight. What takes no time says nothing about the frame's.
+    };
+    /// What all methods have in common on one processor, and what the current frame's timings say of it.
+    struct Device {
+        double octaves = 0.0;
+        double variance = 0.0;
+        uint32_t frames = UINT32_MAX; ///< That it was learned from; a fresh model is at home.
+        std::vector<Vote> votes;      ///< Fixed size, more are not collected.
+        uint32_t voteCount = 0;
+        uint32_t settled = 0;          ///< Of these, by lights whose time was known: the first ones.
+        uint32_t method = 0;           ///< The newest one's;
+        bool mixed = false;            ///< whether there were others.
+        std::array<double, 5> steps{}; ///< Medians of the newest frames.
+        uint32_t stepNext = 0;
     };
     struct Octaves {
         double mean = 0.0, variance = 0.0;
@@ -156,17 +175,18 @@ private:
     Octaves octaves(uint32_t light, uint32_t method, uint32_t t, const Features& f) const noexcept;
     Prediction combine(const Prediction& gpu, const Prediction& cpu) const noexcept;
     static bool isSettled(const Residual& own, const Features& f) noexcept;
-    void noteVote(double surprise, uint32_t method, bool settled) noexcept;
-    uint32_t deviceVotes() const noexcept;
-    void noteStep(double frameMedian) noexcept;
+    Device& deviceOf(uint32_t t) noexcept { return devices_[sharedCores_ ? 0 : t % 2]; }
+    const Device& deviceOf(uint32_t t) const noexcept { return devices_[sharedCores_ ? 0 : t % 2]; }
+    static void noteVote(Device& device, const Vote& vote, uint32_t method, bool settled) noexcept;
+    static double middleOf(std::span<Vote> votes) noexcept;
+    static uint32_t votesThatCount(const Device& device) noexcept;
+    void noteStep(Device& device, double frameMedian) noexcept;
 
     uint32_t methods_ = 0, lights_ = 0;
     bool sharedCores_ = false;
     std::vector<Track> tracks_;
     std::vector<Residual> residuals_;
-    double device_ = 0.0;
-    double deviceVariance_ = 0.0;
-    uint32_t deviceFrames_ = UINT32_MAX; ///< Frames the factor was learned from; a fresh model is at home.
+    std::array<Device, 2> devices_; ///< By Processor.
     /// Methods of one light ask with the same workload one after another; its logarithms are taken once.
     struct Recalled {
         Workload workload;
@@ -178,13 +198,6 @@ private:
         uint32_t next = 0;
     };
     mutable std::array<Recall, 2> recalled_{}; ///< By pass.
-    std::vector<double> frameErrors_;          ///< Of the current frame; fixed capacity, more are not collected.
-    uint32_t frameErrorCount_ = 0;
-    uint32_t frameSettled_ = 0;     ///< Of these, by lights whose time was known: the first ones.
-    uint32_t frameMethod_ = 0;      ///< The newest one's method;
-    bool frameMixed_ = false;       ///< whether there were others.
-    std::array<double, 5> steps_{}; ///< Medians of the newest frames.
-    uint32_t stepCount_ = 0, stepNext_ = 0;
     uint64_t samples_ = 0;
 };
 

@@ -73,6 +73,11 @@ bool isNear(double a, double b)
     return std::fabs(a - b) <= kSameShare * std::fabs(b);
 }
 
+bool isNear(const std::array<double, 2>& a, const std::array<double, 2>& b)
+{
+    return std::fabs(a[0] - b[0]) < kSameDevice && std::fabs(a[1] - b[1]) < kSameDevice;
+}
+
 /// Whether a prediction for the one still tells of the other.
 bool isNear(const cost::Workload& a, const cost::Workload& b)
 {
@@ -209,8 +214,7 @@ std::span<const FramePlan::Cost> FramePlan::predict(const LightMemory& memory, s
     SlotHistory& history = histories_[memory.costSlot];
     const std::span costs = std::span(costs_).subspan(std::size_t{memory.costSlot} * methods, methods);
     const bool due = (frame + memory.costSlot) % kPredictEvery == 0 || frame - history.predictedAt >= kPredictEvery;
-    if (history.predictedAt != kNever && !due &&
-        std::fabs(history.predictedDevice - model_.deviceOctaves()) < kSameDevice &&
+    if (history.predictedAt != kNever && !due && isNear(history.predictedDevice, model_.deviceOctaves()) &&
         isNear(memory.workload, history.predictedFor))
         return costs;
     for (std::uint32_t m = 0; m < methods; ++m) {

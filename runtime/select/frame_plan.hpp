@@ -98,8 +98,8 @@ private:
         };
         std::array<Entry, 8> recent{}; ///< By frame; at most eight are in flight.
         TimedLight timed;
-        std::uint64_t predictedAt = kNever; ///< Frame.
-        double predictedDevice = 0.0;       ///< Device factor at that time.
+        std::uint64_t predictedAt = kNever;      ///< Frame.
+        std::array<double, 2> predictedDevice{}; ///< Device factors at that time.
         cost::Workload predictedFor;
     };
     const MethodTable& methods_;
