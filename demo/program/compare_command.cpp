@@ -10,6 +10,7 @@
 #include "demo/program/gnuplot.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/program/progress.hpp"
+#include "demo/program/shadow_times.hpp"
 #include "demo/scene/scene_file.hpp"
 
 namespace gnomon::demo {
@@ -99,7 +100,8 @@ public:
 
 private:
     struct FrameTime {
-        double sentinelMs, frameMs, shadowMs, budgetMs, predictedMs;
+        uint64_t number; ///< GnFrameStats::frame
+        double sentinelMs, frameMs, budgetMs, predictedMs;
     };
 
     std::unique_ptr<Session> makeSession()
@@ -112,7 +114,7 @@ private:
     void drawFrame(Session& session, uint32_t frame);
     void countErrors(Contestant& contestant);
     void alternation(Contestant& contestant);
-    void countBudget(const std::vector<FrameTime>& frames);
+    void countBudget(const std::vector<FrameTime>& frames, const ShadowTimes& shadows);
     void printAgainst(const Contestant& adaptive) const;
     std::vector<double> envelope(const Contestant& adaptive) const;
     void plot() const;
@@ -199,14 +201,16 @@ void Comparison::alternation(Contestant& contestant)
     std::vector<FrameTime> times;
     times.reserve(frames_);
     contestant.switches = 0;
+    ShadowTimes shadows;
     for (uint32_t frame = 0; frame < frames_; ++frame) {
         const double sentinelMs = sentinel_->run();
         const Clock::time_point start = Clock::now();
         drawFrame(*contestant.session, frame);
         const double frameMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
         const GnFrameStats stats = contestant.session->shadows.stats();
-        times.push_back({sentinelMs, frameMs, double(stats.gpuMs) + double(stats.cpuMs), double(stats.budgetMs),
-                         double(stats.predictedMs)});
+        times.push_back({stats.frame, sentinelMs, frameMs, double(stats.budgetMs),
+                         double(stats.predictedMs) + double(stats.sharedMs)});
+        shadows.note(contestant.session->shadows);
         contestant.switches += stats.switches;
     }
     double frameMs = 0.0, sentinelMs = 0.0;
@@ -219,10 +223,10 @@ void Comparison::alternation(Contestant& contestant)
     contestant.ratios.push_back(frameMs / sentinelMs);
     const double mean = frameMs / double(times.size());
     if (contestant.frameMs == 0.0 || mean < contestant.frameMs) contestant.frameMs = mean;
-    if (&contestant == contestants_.data()) countBudget(times);
+    if (&contestant == contestants_.data()) countBudget(times, shadows);
 }
 
-void Comparison::countBudget(const std::vector<FrameTime>& frames)
+void Comparison::countBudget(const std::vector<FrameTime>& frames, const ShadowTimes& shadows)
 {
     std::vector<double> sentinels;
     for (const FrameTime& frame : frames)
@@ -230,14 +234,17 @@ void Comparison::countBudget(const std::vector<FrameTime>& frames)
     const double limit = kUndisturbed * median(sentinels);
     const double first = frameTime(scene_, 0) + 1.0; // the first second is for learning
     for (uint32_t i = 0; i < frames.size(); ++i) {
-        if (frameTime(scene_, i) < first || frames[i].sentinelMs > limit || frames[i].budgetMs <= 0.0) continue;
+        const double shadowMs = shadows.ms(frames[i].number);
+        if (frameTime(scene_, i) < first || frames[i].sentinelMs > limit || frames[i].budgetMs <= 0.0 ||
+            std::isnan(shadowMs))
+            continue;
         budget_.leastMs = std::min(budget_.leastMs, frames[i].budgetMs);
         budget_.mostMs = std::max(budget_.mostMs, frames[i].budgetMs);
         if (frames[i].predictedMs > frames[i].budgetMs) {
             ++budget_.tooLittle;
             continue;
         }
-        const double share = frames[i].shadowMs / frames[i].budgetMs;
+        const double share = shadowMs / frames[i].budgetMs;
         ++budget_.undisturbed;
         budget_.within += share <= 1.0;
         budget_.worst = std::max(budget_.worst, share);

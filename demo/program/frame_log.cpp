@@ -55,9 +55,9 @@ FrameLog::FrameLog(const Scene& scene)
 void FrameLog::add(uint32_t frame, double timeSeconds, const SceneState& state, const ShadowHost& shadows)
 {
     const GnFrameStats stats = shadows.stats();
-    const bool over = stats.budgetMs > 0.0f && stats.gpuMs + stats.cpuMs > stats.budgetMs;
     budgetSet_ = budgetSet_ || stats.budgetMs > 0.0f;
-    rows_.push_back({frame, timeSeconds, state.present.size(), stats, over});
+    rows_.push_back({frame, timeSeconds, state.present.size(), stats});
+    shadowTimes_.note(shadows);
 
     newest_.clear();
     newestSwitched_ = false;
@@ -92,10 +92,15 @@ CsvWriter FrameLog::framesTable() const
         table.cell(row.lights)
             .cell(row.stats.switches)
             .cell(double(row.stats.budgetMs), 2)
-            .cell(row.overBudget)
+            .cell(overBudget(row))
             .endRow();
     }
     return table;
+}
+
+bool FrameLog::overBudget(const FrameRow& row) const
+{
+    return row.stats.budgetMs > 0.0f && shadowTimes_.ms(row.stats.frame) > double(row.stats.budgetMs);
 }
 
 void FrameLog::save(const std::filesystem::path& folder) const
@@ -112,7 +117,7 @@ FrameLog::Summary FrameLog::summary() const
     if (frameMs_.empty()) return out;
     for (const FrameRow& row : rows_) {
         out.switches += row.stats.switches;
-        out.overBudget += row.overBudget;
+        out.overBudget += overBudget(row);
         out.shadowGpuMs += double(row.stats.gpuMs) / double(rows_.size());
         out.shadowCpuMs += double(row.stats.cpuMs) / double(rows_.size());
     }

@@ -8,6 +8,7 @@
 
 #include "demo/host/shadow_host.hpp"
 #include "demo/io/csv.hpp"
+#include "demo/program/shadow_times.hpp"
 
 namespace gnomon::demo {
 
@@ -50,12 +51,13 @@ private:
         double timeSeconds;
         size_t lights;
         GnFrameStats stats;
-        bool overBudget;
     };
+    bool overBudget(const FrameRow& row) const;
     CsvWriter framesTable() const;
 
     const Scene& scene_;
     std::vector<FrameRow> rows_;
+    ShadowTimes shadowTimes_;
     std::vector<double> frameMs_; ///< Of the first rows; grows by finish().
     CsvWriter lights_;
     std::vector<LightLine> newest_;

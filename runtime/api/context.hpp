@@ -142,6 +142,7 @@ private:
     Result<void> prepareView(View& view, const GnViewFrame& frame);
     void takeTimings();
     void noteTimedScale(const FrameTimings& timed);
+    void noteShared(const FrameTimings& timings);
     void chargeLights(const FrameTimings& timings);
     void chargeLight(const FrameTimings& timings, const View& view, std::uint32_t light, LightMemory& memory,
                      bool disturbed);
@@ -152,8 +153,8 @@ private:
     bool learnsFrom(std::uint64_t frame) const;
     double meanFrameRate() const;
     bool cameraCut() const;
-    /// Of all shadow passes of the newest frame that has been timed; < 0: none has.
-    double measuredMs() const { return untimedGpuMs_ > 0.0f ? double{untimedGpuMs_} + double{lastCpuMs_} : -1.0; }
+    /// Of all shadow passes, GPU and host, of the newest frame that is known whole; < 0: none is.
+    double measuredMs() const { return untimedGpuMs_ > 0.0f ? double{untimedGpuMs_} + double{untimedCpuMs_} : -1.0; }
     void updateBudget(const GnFrameInfo& info);
     void declareLight(const PendingLight& pending, FrameMode mode);
     std::optional<Error> declareMethod(const PendingLight& pending, std::uint32_t method, ImageId visibility,
@@ -168,11 +169,10 @@ private:
     bool canShareLayer(const LightDecision& decision, std::uint32_t method) const;
     bool wantsProbe(const rules::RuleBase* base) const;
     void settleProbe();
-    ImageId declareOutgoing(const PendingLight& pending, FrameMode mode);
+    ImageId declareBeside(const PendingLight& pending, FrameMode mode);
     void declareMix(const PendingLight& pending, ImageId pair);
     void noteMixes(const FrameTimings& timings);
     void withdrawFades(std::uint64_t frame);
-    std::uint32_t fadingIn(std::uint64_t frame) const;
 
     // Records of decisions (explain.cpp).
     void recordDecisions();
@@ -227,7 +227,7 @@ private:
     std::array<double, 3> origin_{};
     bool originSet_ = false;
     PipelineId gridPipeline_, mixPipeline_;
-    MedianOfFive mixMs_; ///< Of a light's mix pass.
+    MedianOfFive mixMs_;     ///< Of a light's mix pass.
     bool gridReady_ = false; ///< The runtime's own pipelines have run once.
     std::vector<View*> acceptedViews_;
     std::vector<ViewFrame> viewFrames_;
@@ -243,23 +243,30 @@ private:
     std::vector<RetiredGrid> retiredGrids_;
     std::vector<VkSemaphoreSubmitInfo> waits_, signals_;
     bool raysNeeded_ = false;
-    float untimedGpuMs_ = 0.0f;
+    float untimedGpuMs_ = 0.0f, untimedCpuMs_ = 0.0f; ///< Of untimedFrame_.
     std::uint64_t untimedFrame_ = 0;
+    std::array<float, 4> sharedMs_{}; ///< What no light is charged with, in the newest timed frames: one brings a grid.
+    std::uint32_t sharedNext_ = 0;
     MedianOfFive timedRatios_;
-    float timedScale_ = 1.0f; ///< From what a pass takes in a timed frame to its share of an untimed one.
-    float lastCpuMs_ = 0.0f;
+    float timedScale_ = 1.0f;     ///< From what a pass takes in a timed frame to its share of an untimed one.
     double budgetMs_ = 0.0;       ///< In force; 0: none.
     bool measuresBudget_ = false; ///< The cheapest plan runs, for `budget: auto`.
     bool budgetBegins_ = false;   ///< It was measured; this is the first frame under the budget.
     AutoBudget autoBudget_;
     std::uint64_t autoBudgetRules_ = 0; ///< Hash of the rule base it was measured for.
-    /// Lights that faded, by frame; a ring.
-    struct FadingFrame {
+    /// What is to be known of a frame when its timings come, two or more frames later.
+    struct PastFrame {
         std::uint64_t frame = 0;
-        std::uint32_t lights = 0;
+        std::uint32_t fading = 0; ///< Lights shown as a mix.
+        bool disturbed = false;   ///< Its timings are not the methods' doing.
+        bool probed = false;
+        float cpuMs = 0.0f;
+        double plannedMs = 0.0, cheapestMs = 0.0; ///< PlanReport's.
     };
-    std::array<FadingFrame, 16> fading_{};
-    std::array<std::uint64_t, 16> disturbed_{}; ///< Frames whose timings are not the methods' doing; a ring.
+    std::array<PastFrame, 16> past_{}; ///< A ring; twice the frames that may be in flight.
+    PastFrame& present() { return past_[frame_ % past_.size()]; }
+    const PastFrame& past(std::uint64_t frame) const; ///< Empty where the ring has moved on.
+    std::uint64_t followed_ = 0;                      ///< The newest frame that `budget: auto` followed.
     double predictedMs_ = 0.0, lastPredictedMs_ = 0.0;
     std::array<float, 30> frameTimes_{};
     std::uint32_t frameTimeCount_ = 0;

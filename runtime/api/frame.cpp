@@ -104,6 +104,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     }
     lastFrameStart_ = start;
     frame_ = info.frame;
+    present() = {.frame = frame_};
     recorded_ = mode == FrameMode::recorded ? info.frame : 0;
 
     scene_->retire(info.completedFrame);
@@ -116,6 +117,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
         if (Result<void> ok = prepareView(*viewFrames_[i].view, info.pViews[i]); !ok) return ok.error();
     stats_ = {};
     stats_.frame = info.frame;
+    stats_.sharedMs = *std::max_element(sharedMs_.begin(), sharedMs_.end());
     raysNeeded_ = false;
     predictedMs_ = 0.0;
     pending_.clear();
@@ -153,7 +155,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     } else if (Result<void> ok = executor_->start(mode == FrameMode::submit); !ok) {
         return ok.error();
     }
-    if (trial != UINT32_MAX || stats_.pipelinesCreated) disturbed_[info.frame % disturbed_.size()] = info.frame;
+    if (trial != UINT32_MAX || stats_.pipelinesCreated) present().disturbed = true;
     if (trial == kRuntimeOwner)
         gridReady_ = true;
     else if (trial != UINT32_MAX)
@@ -411,13 +413,15 @@ void Context::updateBudget(const GnFrameInfo& info)
             lights += info.pViews[i].lightCount;
         autoBudget_.look(lights, cameraCut());
         // What was timed last, if nothing but methods had a part in it.
-        const bool disturbed = std::any_of(disturbed_.begin(), disturbed_.end(), [&](std::uint64_t frame) {
-            return frame != 0 && frame + kTimedPeriod > info.frame;
+        const bool disturbed = std::any_of(past_.begin(), past_.end(), [&](const PastFrame& past) {
+            return past.disturbed && past.frame + kTimedPeriod > info.frame;
         });
         const double tookMs = measuredMs() >= 0.0 ? measuredMs() : lastPredictedMs_;
         const float intervalMs = frameTimeCount_ ? frameTimes_[(frameTimeCount_ - 1) % frameTimes_.size()] : 0.0f;
-        if (!disturbed && probe_.method == UINT32_MAX)
-            autoBudget_.follow(measuredMs(), planReport_.predictedMs, planReport_.cheapestMs);
+        const PastFrame& measured = past(untimedFrame_);
+        if (untimedFrame_ > followed_ && !disturbed && !measured.probed && measured.fading == 0)
+            autoBudget_.follow(measuredMs(), measured.plannedMs, measured.cheapestMs);
+        followed_ = untimedFrame_;
         if (!disturbed) budgetBegins_ = autoBudget_.note(tookMs, intervalMs);
         measuresBudget_ = autoBudget_.measuring();
         budgetMs_ = autoBudget_.ms();
@@ -430,8 +434,11 @@ void Context::planLights(const GnFrameInfo& info)
 {
     const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
     const bool cut = cameraCut() || budgetBegins_; // the cheapest plan was to be measured, not to be kept
-    planReport_ = plan_->decide(base, {.ms = measuresBudget_ ? kNextToNothingMs : budgetMs_,
-                                       .measuredMs = measuredMs(),
+    const double left = std::max(budgetMs_ - stats_.sharedMs, kNextToNothingMs);
+    planReport_ = plan_->decide(base, {.ms = measuresBudget_   ? kNextToNothingMs
+                                             : budgetMs_ > 0.0 ? left
+                                                               : 0.0,
+                                       .measuredMs = measuredMs() < 0.0 ? -1.0 : measuredMs() - stats_.sharedMs,
                                        .cut = cut,
                                        .probe = wantsProbe(base),
                                        .frame = info.frame});
@@ -444,6 +451,9 @@ void Context::planLights(const GnFrameInfo& info)
     }
     settleFades();
     settleProbe();
+    present().plannedMs = planReport_.predictedMs;
+    present().cheapestMs = planReport_.cheapestMs;
+    present().probed = probe_.method != UINT32_MAX;
     if (countsTime(base)) noteChanges(info.frame);
     for (const ViewFrame& viewFrame : viewFrames_)
         viewFrame.view->lastFrame = info.frame;

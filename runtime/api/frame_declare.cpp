@@ -7,12 +7,13 @@ void Context::declareLight(const PendingLight& pending, FrameMode mode)
 {
     LightDecision& decision = *pending.decision;
     if (decision.method == UINT32_MAX) return declareLit(pending.viewIndex, pending.layer);
-    const ImageId pair = declareOutgoing(pending, mode);
-    const ImageId visibility = pair ? pair : viewFrames_[pending.viewIndex].visibility;
-    const std::uint32_t layer = pair ? kIncomingLayer : pending.layer;
+    const ImageId pair = declareBeside(pending, mode);
+    const bool fades = decision.outgoing != UINT32_MAX;
+    const ImageId visibility = fades ? pair : viewFrames_[pending.viewIndex].visibility;
+    const std::uint32_t layer = fades ? kIncomingLayer : pending.layer;
     const std::optional<Error> error = declareMethod(pending, decision.method, visibility, layer, mode);
     if (!error) {
-        if (pair) declareMix(pending, pair);
+        if (fades) declareMix(pending, pair);
         return;
     }
     messages_.warn(error->id, "light '" + std::string(pending.light->name) + "', method '" +

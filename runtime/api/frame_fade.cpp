@@ -86,9 +86,9 @@ void Context::settleFades()
     }
 }
 
-/// The outgoing method of a fading light, or the one that is probed: a fade that shows nothing of it. @return the image
-/// of two layers that both methods write; null: only one runs.
-ImageId Context::declareOutgoing(const PendingLight& pending, FrameMode mode)
+/// The outgoing method of a fading light, or the one that is probed, which nobody sees. @return the image of two layers
+/// that it writes one of, the other being for what it is mixed with; null: only one method runs.
+ImageId Context::declareBeside(const PendingLight& pending, FrameMode mode)
 {
     LightDecision& decision = *pending.decision;
     const std::uint32_t beside = decision.outgoing != UINT32_MAX ? decision.outgoing : decision.probed;
@@ -128,10 +128,8 @@ void Context::declareMix(const PendingLight& pending, ImageId pair)
             gpu.drawFullscreen();
         });
     (void)graph_->endTask(); // makes nothing, so nothing can fail
-    stats_.fading += pending.decision->outgoing != UINT32_MAX;
-    FadingFrame& note = fading_[frame_ % fading_.size()];
-    if (note.frame != frame_) note = {.frame = frame_, .lights = 0};
-    ++note.lights;
+    ++stats_.fading;
+    ++present().fading;
 }
 
 /// What showing two methods takes beside them: a pass that neither of them is charged with.
@@ -146,12 +144,6 @@ void Context::withdrawFades(std::uint64_t frame)
     for (const ViewFrame& viewFrame : viewFrames_)
         for (auto& [id, memory] : viewFrame.view->lights)
             memory.fade.withdraw(frame);
-}
-
-std::uint32_t Context::fadingIn(std::uint64_t frame) const
-{
-    const FadingFrame& note = fading_[frame % fading_.size()];
-    return note.frame == frame ? note.lights : 0;
 }
 
 } // namespace gnomon

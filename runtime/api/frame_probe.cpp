@@ -32,9 +32,9 @@ void Context::settleProbe()
         if (view.id != probe_.view || pending.light->id != probe_.light) continue;
         const bool steady = !decision.switched && decision.outgoing == UINT32_MAX && !view.camera.cut &&
                             decision.method < methods_->size() && decision.method != probe_.method;
-        const float ms = decision.candidates[probe_.method].predictedMs + mixMs_.get();
+        const float ms = decision.candidates[probe_.method].predictedMs;
         const bool tooMuch = frame_ > probe_.since && budgetMs_ > 0.0 && measuredMs() > budgetMs_; // in a frame with it
-        if (!steady || tooMuch || !canShareLayer(decision, decision.method) || !canShareLayer(decision, probe_.method) ||
+        if (!steady || tooMuch || !canShareLayer(decision, probe_.method) ||
             !(double{stats_.predictedMs} + double{ms} <= planReport_.usableMs))
             break;
         decision.probed = probe_.method;

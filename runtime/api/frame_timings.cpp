@@ -32,19 +32,33 @@ bool Context::learnsFrom(std::uint64_t frame) const
     return settled(changedAt_) || (probe_.method != UINT32_MAX && settled(probe_.since));
 }
 
+const Context::PastFrame& Context::past(std::uint64_t frame) const
+{
+    static const PastFrame gone;
+    const PastFrame& note = past_[frame % past_.size()];
+    return note.frame == frame ? note : gone;
+}
+
 void Context::takeTimings()
 {
-    if (const FrameTimings* whole = executor_->newest()) {
+    if (const FrameTimings* whole = executor_->newest(); whole && whole->frame > untimedFrame_) {
         untimedGpuMs_ = whole->totalGpuMs;
         untimedFrame_ = whole->frame;
+        untimedCpuMs_ = past(untimedFrame_).cpuMs;
     }
     const FrameTimings* timed = executor_->newestTimed();
-    stats_.gpuMs = untimedGpuMs_ > 0.0f ? untimedGpuMs_ : timed ? timed->totalGpuMs : 0.0f;
+    if (untimedGpuMs_ > 0.0f) {
+        stats_.gpuMs = untimedGpuMs_, stats_.gpuFrame = untimedFrame_, stats_.gpuFrameCpuMs = untimedCpuMs_;
+    } else if (timed) {
+        stats_.gpuMs = timed->totalGpuMs, stats_.gpuFrame = timed->frame;
+        stats_.gpuFrameCpuMs = past(timed->frame).cpuMs;
+    }
     if (!timed || timed->frame <= timingsTaken_) return;
     timingsTaken_ = timed->frame;
     noteTimedScale(*timed);
     chargeLights(*timed);
     noteMixes(*timed);
+    noteShared(*timed);
     noteMeasured(*timed);
 }
 
@@ -52,15 +66,27 @@ void Context::takeTimings()
 /// of five such pairs: either frame may have been disturbed.
 void Context::noteTimedScale(const FrameTimings& timed)
 {
-    if (!(untimedGpuMs_ > 0.0f) || fadingIn(timed.frame) != fadingIn(untimedFrame_)) return;
+    const PastFrame &there = past(timed.frame), &here = past(untimedFrame_);
+    if (!(untimedGpuMs_ > 0.0f) || there.fading != here.fading || there.probed != here.probed) return;
     timedRatios_.add(timed.totalGpuMs > untimedGpuMs_ ? untimedGpuMs_ / timed.totalGpuMs : 1.0f);
     timedScale_ = timedRatios_.get();
+}
+
+/// Copies for the CPU, the depth grid, moved instances: no choice of methods changes them, so that lights may spend
+/// what they leave of a budget.
+void Context::noteShared(const FrameTimings& timings)
+{
+    if (past(timings.frame).disturbed) return;
+    float sum = 0.0f;
+    for (const PassTiming& pass : timings.passes)
+        if (pass.owner.light == UINT32_MAX) sum += pass.gpuMs * timedScale_ + pass.cpuMs;
+    sharedMs_[sharedNext_++ % sharedMs_.size()] = sum;
 }
 
 /// What each light's own passes cost, scaled from the timed frame to the untimed total.
 void Context::chargeLights(const FrameTimings& timings)
 {
-    const bool disturbed = std::find(disturbed_.begin(), disturbed_.end(), timings.frame) != disturbed_.end();
+    const bool disturbed = past(timings.frame).disturbed;
     for (ViewFrame& viewFrame : viewFrames_)
         for (auto& [id, memory] : viewFrame.view->lights)
             chargeLight(timings, *viewFrame.view, id, memory, disturbed);
@@ -113,7 +139,7 @@ void Context::finishStats()
     stats_.pipelinesCreated = static_cast<std::uint32_t>(vk_->pipelinesMade - pipelinesBefore_);
     stats_.memory = memory_->used();
     lastPredictedMs_ = predictedMs_;
-    lastCpuMs_ = counters.cpuMs;
+    present().cpuMs = counters.cpuMs;
     forgetOldLights();
 }
 

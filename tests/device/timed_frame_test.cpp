@@ -1,4 +1,5 @@
 // What a timed frame does otherwise than the rest: CPU passes run in turn, so that each is charged with its own time.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <thread>
@@ -100,4 +101,40 @@ TEST_CASE_FIXTURE(DeviceTest, "CPU passes of lights run side by side, but in tur
     host.require(host.draw(timed(GN_FRAME_TIMED_BIT)));
     CHECK(most == 1);
     CHECK(host.stats().cpuMs >= 4.0f * static_cast<float>(kSleep.count()));
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "GPU and CPU time of a frame are told together, and what no light is charged with apart")
+{
+    Host host(smallScene());
+    host.pinAll("ray_traced");
+    host.draw(4, timed(0));
+    std::vector<GnFrameStats> frames;
+    std::vector<float> shared; // of the timed frames
+    uint64_t timedFrame = 0;
+    for (int i = 0; i < 40; ++i) {
+        host.require(host.draw(timed(0)));
+        const GnFrameStats now = host.stats();
+        frames.push_back(now);
+        CHECK(now.gpuFrame < now.frame);
+        if (now.gpuFrame >= frames[0].frame) {
+            const GnFrameStats& then = frames[now.gpuFrame - frames[0].frame];
+            CHECK(then.frame == now.gpuFrame);
+            CHECK(now.gpuFrameCpuMs == then.cpuMs);
+        }
+        uint64_t frame = 0;
+        uint32_t count = 0;
+        host.require(gnGetPassTimings(host.context, &frame, &count, nullptr));
+        if (frame == timedFrame) continue;
+        timedFrame = frame;
+        std::vector<GnPassTiming> passes(count);
+        host.require(gnGetPassTimings(host.context, &frame, &count, passes.data()));
+        float ms = 0.0f; // GPU times are scaled down to an untimed frame's
+        for (const GnPassTiming& pass : passes)
+            if (!pass.light) ms += pass.cpuMs;
+        shared.push_back(ms);
+    }
+    REQUIRE(shared.size() >= 4);
+    CHECK(shared.back() > 0.0f); // copies for the rays
+    CHECK(host.stats().sharedMs >= *std::max_element(shared.end() - 4, shared.end()));
+    CHECK(host.stats().sharedMs < host.stats().gpuMs + 10.0f * host.stats().cpuMs);
 }

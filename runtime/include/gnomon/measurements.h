@@ -63,10 +63,13 @@ typedef struct GnFrameStats {
     float decideUs;             ///< Facts, rules and plan.
     float cpuMs;                ///< Time in which prepare and host passes ran; side by side counts once.
     float callMs;               ///< Wall time inside the frame calls.
-    float gpuMs;                ///< Newest known whole-frame GPU time (two frames late).
+    float gpuMs;                ///< Newest known GPU time of a whole frame (two frames late) ...
+    uint64_t gpuFrame;          ///< ... which was this one; 0: none is known.
+    float gpuFrameCpuMs;        ///< cpuMs of that frame: with gpuMs what its shadows took, and a budget is held against.
     VkDeviceSize memory;        ///< Device bytes held.
     uint32_t fading;            ///< Lights shown as a mix of two methods.
     float predictedMs;          ///< By the cost model, all lights, outgoing methods of fading ones included.
+    float sharedMs;             ///< Of the newest timed frames' passes what belongs to no light: left out of predictedMs.
     float budgetMs;             ///< The budget the plan kept to: the host's, or that of `budget: auto`; 0: none.
     float raysMs;               ///< Inside the ray tracer's queries, wall time of every thread added up.
 } GnFrameStats;
