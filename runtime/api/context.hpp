@@ -250,6 +250,7 @@ private:
     MedianOfFive timedRatios_;
     float timedScale_ = 1.0f;     ///< From what a pass takes in a timed frame to its share of an untimed one.
     double budgetMs_ = 0.0;       ///< In force; 0: none.
+    double budgetPerCheapest_ = 0.0; ///< PlanInput::perCheapest.
     bool measuresBudget_ = false; ///< The cheapest plan runs, for `budget: auto`.
     bool budgetBegins_ = false;   ///< It was measured; this is the first frame under the budget.
     AutoBudget autoBudget_;

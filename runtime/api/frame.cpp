@@ -404,6 +404,7 @@ void Context::updateBudget(const GnFrameInfo& info)
     const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
     const bool automatic = info.budgetMs == 0.0f && countsTime(base) && base->policy.budget.automatic;
     budgetMs_ = info.budgetMs;
+    budgetPerCheapest_ = 0.0;
     measuresBudget_ = budgetBegins_ = false;
     if (automatic) {
         if (autoBudgetRules_ != base->textHash) autoBudget_.restart();
@@ -424,9 +425,11 @@ void Context::updateBudget(const GnFrameInfo& info)
         followed_ = untimedFrame_;
         if (!disturbed) budgetBegins_ = autoBudget_.note(tookMs, intervalMs);
         measuresBudget_ = autoBudget_.measuring();
-        budgetMs_ = autoBudget_.ms();
+        // Where it follows, facts see the newest frame's until this one's is known.
+        const bool known = autoBudget_.perCheapest() > 0.0 && planReport_.budgetMs > kNextToNothingMs;
+        budgetMs_ = known ? planReport_.budgetMs : autoBudget_.ms();
+        budgetPerCheapest_ = autoBudget_.perCheapest();
     }
-    stats_.budgetMs = static_cast<float>(budgetMs_);
 }
 
 /// All lights of all views together: within the budget where there is one, then settled.
@@ -434,14 +437,15 @@ void Context::planLights(const GnFrameInfo& info)
 {
     const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
     const bool cut = cameraCut() || budgetBegins_; // the cheapest plan was to be measured, not to be kept
-    const double left = std::max(budgetMs_ - stats_.sharedMs, kNextToNothingMs);
-    planReport_ = plan_->decide(base, {.ms = measuresBudget_   ? kNextToNothingMs
-                                             : budgetMs_ > 0.0 ? left
-                                                               : 0.0,
-                                       .measuredMs = measuredMs() < 0.0 ? -1.0 : measuredMs() - stats_.sharedMs,
+    planReport_ = plan_->decide(base, {.ms = measuresBudget_ ? kNextToNothingMs : budgetMs_,
+                                       .perCheapest = budgetPerCheapest_,
+                                       .sharedMs = stats_.sharedMs,
+                                       .measuredMs = measuredMs(),
                                        .cut = cut,
                                        .probe = wantsProbe(base),
                                        .frame = info.frame});
+    if (budgetPerCheapest_ > 0.0 && planReport_.budgetMs > 0.0) budgetMs_ = planReport_.budgetMs;
+    stats_.budgetMs = static_cast<float>(budgetMs_);
     fades_.clear();
     for (const PendingLight& pending : pending_) {
         fades_.push_back(nextFade(pending, base));

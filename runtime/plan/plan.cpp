@@ -377,9 +377,8 @@ void PlanStep::settleForLess(const PlanInput& input, std::span<uint32_t> best) c
     }
 }
 
-PlanReport PlanStep::planWithinBudget(const PlanInput& input) noexcept
+void PlanStep::planWithinBudget(const PlanInput& input, PlanReport& report) noexcept
 {
-    PlanReport report;
     for (uint32_t light = 0; light < lightCount_; ++light) {
         const uint32_t incumbent = input.lights[light].memory->incumbent;
         const bool holds = incumbent < methods_ && (allowed_[light] >> incumbent & 1);
@@ -387,7 +386,6 @@ PlanReport PlanStep::planWithinBudget(const PlanInput& input) noexcept
     }
     const auto current = std::span(current_).first(lightCount_);
     const auto best = std::span(best_).first(lightCount_);
-    report.cheapestMs = sumOfCheapestMs();
     const double headroom = headroomMs(input, current, report.standardErrorMs);
     report.usableMs = input.budgetMs - headroom;
     problem_.budgetMs = report.usableMs;
@@ -414,7 +412,7 @@ PlanReport PlanStep::planWithinBudget(const PlanInput& input) noexcept
         countUsers();
         calmFrames_ = kSpareFrames;
         report.cause = Cause::fresh;
-        return report;
+        return;
     }
     for (uint32_t light = 0; light < lightCount_; ++light)
         if (current[light] == kNone && best[light] != kNone) {
@@ -428,7 +426,7 @@ PlanReport PlanStep::planWithinBudget(const PlanInput& input) noexcept
     if (!over) {
         improve(input, report);
         economise(input, report);
-        return report;
+        return;
     }
     report.cause = Cause::repaired;
     // Where no plan fits, noise decides which is the cheapest: only a fair gain, or the budget itself, is worth a
@@ -440,7 +438,7 @@ PlanReport PlanStep::planWithinBudget(const PlanInput& input) noexcept
         std::copy(best.begin(), best.end(), current.begin());
         countUsers();
     }
-    return report;
+    return;
 }
 
 /// Writes the decision into the lights' memories; finds flips.
@@ -470,12 +468,24 @@ void PlanStep::remember(const PlanInput& input, PlanReport& report) noexcept
     }
 }
 
-PlanReport PlanStep::step(const PlanInput& input) noexcept
+/// What concerns the lights alone: budget and measurement less what is shared.
+PlanInput PlanStep::lightsPart(const PlanInput& whole, double budgetMs) noexcept
 {
-    admit(input);
-    PlanReport report;
+    PlanInput lights = whole;
+    lights.budgetMs = std::max(budgetMs - whole.sharedMs, kLeastShare * budgetMs);
+    if (whole.measuredMs >= 0.0) lights.measuredMs = std::max(whole.measuredMs - whole.sharedMs, 0.0);
+    return lights;
+}
+
+PlanReport PlanStep::step(const PlanInput& whole) noexcept
+{
+    admit(whole);
+    const double cheapestMs = sumOfCheapestMs();
+    const double budgetMs = whole.perCheapest > 0.0 ? whole.perCheapest * cheapestMs : whole.budgetMs;
+    const PlanInput input = lightsPart(whole, budgetMs);
+    PlanReport report{.budgetMs = budgetMs, .cheapestMs = cheapestMs};
     if (input.allocation == rules::Options::Allocation::Budget) {
-        report = planWithinBudget(input);
+        planWithinBudget(input, report);
     } else {
         chooseBySuitability(input);
         headroomMs(input, current_, report.standardErrorMs);

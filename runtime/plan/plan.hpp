@@ -66,6 +66,8 @@ struct PlanInput {
     std::span<const double> fixedMs;       ///< Per method, paid once if any light uses it; empty: none.
     uint32_t methods = 0;
     double budgetMs = 0.0;
+    double perCheapest = 0.0; ///< Budget as a multiple of what the cheapest plan is foretold to take; 0: budgetMs.
+    double sharedMs = 0.0;    ///< Of the budget, and of what was measured, this is spent whatever the plan.
     double measuredMs = -1.0; ///< Newest measured sum of the shadow passes; < 0: unknown.
     bool cut = false;         ///< Camera cut: all holds are lifted.
     rules::Options::Allocation allocation = rules::Options::Allocation::Budget;
@@ -123,7 +125,8 @@ struct PlanReport {
     double value = 0.0, predictedMs = 0.0;
     double bestValue = 0.0, bestMs = 0.0; ///< The plan without hysteresis.
     double standardErrorMs = 0.0;         ///< Of the predicted sum.
-    double usableMs = 0.0;                ///< Budget less headroom.
+    double budgetMs = 0.0;                ///< In force, shared part included.
+    double usableMs = 0.0;                ///< Budget less shared part and headroom.
     double cheapestMs = 0.0;              ///< Predicted if each light had its cheapest method.
     double overMs = 0.0;                  ///< Predicted above the budget; the floor may force it. 0 when within.
     uint32_t switches = 0, upgrades = 0, flips = 0, floorsUnmet = 0;
@@ -134,6 +137,8 @@ struct PlanReport {
 inline constexpr uint32_t kSpareFrames = 30;
 /// Headroom never takes more than this share: an unknown device would otherwise have no budget at all.
 inline constexpr double kMostHeadroom = 0.5;
+/// Share of the budget that lights are left with whatever the rest takes: a budget of nothing would be none.
+inline constexpr double kLeastShare = 0.01;
 /// Share of the headroom that may be used up before a plan counts as broken. Entering and leaving at the same limit
 /// would repair and upgrade in turn on noise.
 inline constexpr double kKeepShare = 0.5;
@@ -174,7 +179,8 @@ private:
     void admitLight(const PlanInput& input, uint32_t light) noexcept;
     void applyFloor(const PlanInput& input, uint32_t light) noexcept;
     void chooseBySuitability(const PlanInput& input) noexcept;
-    PlanReport planWithinBudget(const PlanInput& input) noexcept;
+    static PlanInput lightsPart(const PlanInput& whole, double budgetMs) noexcept;
+    void planWithinBudget(const PlanInput& input, PlanReport& report) noexcept;
     void settleForLess(const PlanInput& input, std::span<uint32_t> best) const noexcept;
     double sumOfCheapestMs() const noexcept;
     double headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept;

@@ -17,7 +17,7 @@ double sigmasToWin(const Candidate& candidate, double ownMs) noexcept
 
 Probe chooseProbe(const PlanInput& input, const PlanStep& plan, const PlanReport& report, double sigmas) noexcept
 {
-    const double spareMs = report.usableMs - std::max(report.predictedMs, input.measuredMs);
+    const double spareMs = report.usableMs - std::max(report.predictedMs, input.measuredMs - input.sharedMs);
     Probe best;
     double least = 0.0, nearest = 0.0;
     for (uint32_t light = 0; light < input.lights.size(); ++light) {

@@ -23,14 +23,13 @@ void AutoBudget::look(std::uint32_t lights, bool cut)
 
 void AutoBudget::follow(double tookMs, double plannedMs, double cheapestMs)
 {
-    if (measuring() || !(tookMs > 0.0) || !(cheapestMs > 0.0) || !(plannedMs <= kAsCheap * cheapestMs)) return;
-    tookMs_[frames_++ % kFollowed] = tookMs * std::min(1.0, cheapestMs / plannedMs);
-    if (frames_ < kFollowed) return;
-    std::array<double, kFollowed> window;
-    std::copy_n(tookMs_.begin(), kFollowed, window.begin());
+    if (!(tookMs > 0.0) || !(plannedMs > 0.0) || !(plannedMs <= kAsCheap * cheapestMs)) return;
+    ratios_[followed_++ % kFollowed] = tookMs / plannedMs;
+    if (followed_ < kFollowed) return;
+    std::array<double, kFollowed> window = ratios_;
     const auto middle = window.begin() + kFollowed / 2;
     std::nth_element(window.begin(), middle, window.end());
-    ms_ = kFactor * *middle;
+    ratio_ = *middle;
 }
 
 bool AutoBudget::note(double tookMs, double intervalMs)

@@ -8,8 +8,9 @@ namespace gnomon {
 /// 1.3 times the cheapest plan that keeps the near floor, measured in the first second, in which that plan runs; anew,
 /// in a part of a second, after a camera cut and once an eighth of the lights have come or gone to stay: that plan is
 /// another one. Lights that flicker, views that take turns and cuts in every frame do not keep it measuring. In between
-/// it follows: while the plan in force is about as cheap, every frame is a measurement. A camera that walks up to what
-/// is lit would else leave a budget behind that no plan keeps.
+/// it follows what the cheapest plan is foretold to take in each frame, times what such plans took of late over what
+/// had been foretold of them: while the plan in force is about as cheap, every frame tells. A camera that walks up to
+/// what is lit, and lights that come one by one, would else leave a budget behind that no plan keeps.
 class AutoBudget {
 public:
     /// Room for one step up where every light has the cheapest method.
@@ -38,19 +39,24 @@ public:
     /// @param tookMs     Of all shadow passes, > 0.
     /// @param intervalMs Since the frame before.
     bool note(double tookMs, double intervalMs);
-    /// One frame of any plan, once the budget is known.
+    /// One frame of any plan.
     /// @param tookMs     Of all shadow passes.
-    /// @param plannedMs  What the plan in force is foretold to take,
+    /// @param plannedMs  What the plan in force was foretold to take,
     /// @param cheapestMs and the cheapest one.
     void follow(double tookMs, double plannedMs, double cheapestMs);
-    double ms() const { return ms_; } ///< 0 while measuring.
+    double ms() const { return ms_; } ///< As it was measured; 0 while measuring.
+    /// The budget over what the cheapest plan is foretold to take; 0 while measuring, and while too little is known.
+    double perCheapest() const { return measuring() ? 0.0 : kFactor * ratio_; }
 
 private:
-    std::array<double, kMostFrames> tookMs_{}; ///< Those that measured; then the first kFollowed are a ring.
+    std::array<double, kMostFrames> tookMs_{}; ///< Those that measured.
     std::uint32_t frames_ = 0;                 ///< In tookMs_.
-    std::uint32_t lights_ = 0;                 ///< That it is, or was, measured with.
-    std::uint32_t known_ = 0;                  ///< Frames since it was measured, ...
-    std::uint32_t other_ = 0;                  ///< ... of these the newest ones with other lights, in a row.
+    std::array<double, kFollowed> ratios_{};   ///< Took over foretold; a ring.
+    std::uint32_t followed_ = 0;
+    double ratio_ = 0.0;       ///< Their median, once the ring is full.
+    std::uint32_t lights_ = 0; ///< That it is, or was, measured with.
+    std::uint32_t known_ = 0;  ///< Frames since it was measured, ...
+    std::uint32_t other_ = 0;  ///< ... of these the newest ones with other lights, in a row.
     bool again_ = false;
     double elapsedMs_ = 0.0;
     double ms_ = 0.0;

@@ -284,6 +284,8 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
                                     .candidates = candidates_,
                                     .methods = methods_.size(),
                                     .budgetMs = budget.ms,
+                                    .perCheapest = budget.perCheapest,
+                                    .sharedMs = budget.sharedMs,
                                     .measuredMs = budget.measuredMs,
                                     .cut = budget.cut,
                                     .allocation = rules::Options::Allocation::Budget,

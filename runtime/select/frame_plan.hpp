@@ -44,7 +44,9 @@ public:
 
     struct Budget {
         double ms = 0.0;          ///< 0: none; the best suitability is kept.
-        double measuredMs = -1.0; ///< Newest measured sum; < 0: unknown.
+        double perCheapest = 0.0; ///< As PlanInput's three.
+        double sharedMs = 0.0;
+        double measuredMs = -1.0;
         bool cut = false;
         bool probe = false; ///< probe() is wanted.
         std::uint64_t frame = 0;

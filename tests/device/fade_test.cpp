@@ -353,7 +353,8 @@ TEST_CASE_FIXTURE(DeviceTest, "while a light fades each method is charged with i
     }
 }
 
-TEST_CASE_FIXTURE(DeviceTest, "budget auto: the cheapest plan is measured, then 1.3 times that is the budget")
+TEST_CASE_FIXTURE(DeviceTest,
+                  "budget auto: the cheapest plan is measured, then 1.3 times that is the budget, and follows it")
 {
     FadeHost host;
     const std::string text = "version: 1\n"
@@ -381,13 +382,18 @@ TEST_CASE_FIXTURE(DeviceTest, "budget auto: the cheapest plan is measured, then 
     const float budget = host.stats().budgetMs;
     CHECK(budget >= 1.3f * *std::min_element(took.begin(), took.end()) * 0.5f);
     CHECK(budget <= 1.3f * *std::max_element(took.begin(), took.end()) * 2.0f);
+    // From then on it is 1.3 times what the cheapest is foretold to take, as far as that was true.
     host.draw(10, {});
-    CHECK(host.stats().budgetMs == budget);
+    const auto follows = [&host, budget] {
+        const float now = host.stats().budgetMs;
+        return now > 0.5f * budget && now < 2.0f * budget && now > 0.6f * 1.3f * cheapestOf(host, 0);
+    };
+    CHECK(follows());
     // The host's word counts for more, and rules that ask for none have none.
     host.require(host.draw({.adjust = [](GnFrameInfo& info, std::vector<GnViewFrame>&) { info.budgetMs = 7.0f; }}));
     CHECK(host.stats().budgetMs == 7.0f);
     host.require(host.draw());
-    CHECK(host.stats().budgetMs == budget);
+    CHECK(follows());
     favour(host, "shadow_map", kFadeFrames, "", "budget");
     host.require(host.draw());
     CHECK(host.stats().budgetMs == 0.0f);

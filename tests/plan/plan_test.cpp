@@ -314,6 +314,37 @@ TEST_CASE("headroom grows with the error of the sum, not with the sum of errors"
     CHECK(scene.step().usableMs == doctest::Approx(64.0 * 0.98));
 }
 
+TEST_CASE("what is shared comes off the budget before lights may spend it")
+{
+    Scene scene(2, cheapAndGood()); // 2 ms to 8
+    scene.input.budgetMs = 8.5;
+    CHECK(scene.step().predictedMs == doctest::Approx(8.0));
+    scene.input.sharedMs = 1.0;
+    scene.input.cut = true;
+    const PlanReport report = scene.step();
+    CHECK(report.predictedMs == doctest::Approx(5.0));
+    CHECK(report.budgetMs == doctest::Approx(8.5));
+    CHECK(report.usableMs == doctest::Approx(7.5 * 0.98));
+    scene.input.sharedMs = 100.0; // more than there is: the cheapest serve
+    CHECK(scene.step().predictedMs == doctest::Approx(2.0));
+}
+
+TEST_CASE("a budget may be a multiple of what the cheapest plan is foretold to take in this very frame")
+{
+    Scene scene(4, cheapAndGood());
+    scene.input.budgetMs = 0.0;
+    scene.input.perCheapest = 2.0;
+    PlanReport report = scene.step();
+    CHECK(report.budgetMs == doctest::Approx(8.0));
+    CHECK(report.predictedMs == doctest::Approx(7.0)); // one of four is good
+    for (uint32_t light = 0; light < 4; ++light)
+        scene.of(light, kCheap).ms = 3.0; // the camera has come near
+    scene.input.cut = true;
+    report = scene.step();
+    CHECK(report.budgetMs == doctest::Approx(24.0));
+    CHECK(report.predictedMs == doctest::Approx(16.0));
+}
+
 TEST_CASE("the cheapest plan keeps the floor and charges a fixed part once")
 {
     Scene scene(3, cheapAndGood());

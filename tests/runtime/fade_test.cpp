@@ -238,28 +238,30 @@ TEST_CASE("budget auto is not measured over and over by flickering lights, views
     CHECK(stays(budget, 100, 50, false));
 }
 
-TEST_CASE("budget auto follows what the cheapest plan takes, and nothing else")
+TEST_CASE("budget auto follows what the cheapest plan takes over what was foretold, and nothing else")
 {
     AutoBudget budget;
-    budget.follow(7.0, 7.0, 7.0); // not known yet
-    measure(budget, 4, 2.0);
     const auto follow = [&budget](std::uint32_t frames, double tookMs, double plannedMs, double cheapestMs) {
         for (std::uint32_t i = 0; i < frames; ++i)
             budget.follow(tookMs, plannedMs, cheapestMs);
-        return budget.ms();
+        return budget.perCheapest();
     };
-    CHECK(follow(AutoBudget::kFollowed - 1, 3.0, 3.0, 3.0) == doctest::Approx(2.6));
-    CHECK(follow(1, 3.0, 3.0, 3.0) == doctest::Approx(3.9));
-    CHECK(follow(AutoBudget::kFollowed / 2 - 1, 9.0, 3.0, 3.0) == doctest::Approx(3.9)); // spikes
-    CHECK(follow(100, 9.0, 5.0, 3.0) == doctest::Approx(3.9));                           // a dearer plan's
-    CHECK(follow(100, -1.0, 3.0, 3.0) == doctest::Approx(3.9));                          // unknown
-    CHECK(follow(100, 3.0, 3.0, 0.0) == doctest::Approx(3.9));
-    CHECK(follow(100, 3.3, 3.2, 3.0) == doctest::Approx(1.3 * 3.3 * 3.0 / 3.2)); // less what it is dearer by
-    CHECK(follow(100, 2.0, 2.0, 2.0) == doctest::Approx(2.6));
+    CHECK(follow(AutoBudget::kFollowed - 1, 3.3, 3.0, 3.0) == 0.0); // still measuring
+    measure(budget, 4, 2.0);
+    CHECK(budget.ms() == doctest::Approx(2.6));
+    CHECK(budget.perCheapest() == 0.0);                            // too little is known
+    CHECK(follow(1, 3.3, 3.0, 3.0) == doctest::Approx(1.3 * 1.1)); // frames that measured count
+    CHECK(follow(AutoBudget::kFollowed / 2 - 1, 9.0, 3.0, 3.0) == doctest::Approx(1.3 * 1.1)); // spikes
+    CHECK(follow(100, 9.0, 5.0, 3.0) == doctest::Approx(1.3 * 1.1));                           // a dearer plan's
+    CHECK(follow(100, -1.0, 3.0, 3.0) == doctest::Approx(1.3 * 1.1));                          // unknown
+    CHECK(follow(100, 3.0, 0.0, 0.0) == doctest::Approx(1.3 * 1.1));
+    CHECK(follow(100, 3.0, 3.2, 3.0) == doctest::Approx(1.3 * 3.0 / 3.2)); // about as cheap
     CHECK(measure(budget, 4, 2.0) == 0);
     CHECK_FALSE(stays(budget, AutoBudget::kSettled, 9, false)); // other lights: the frames so far count no more
+    CHECK(budget.perCheapest() == 0.0);
     CHECK(measure(budget, 9, 8.0) == AutoBudget::kFewestAgain);
     CHECK(budget.ms() == doctest::Approx(10.4));
+    CHECK(budget.perCheapest() == 0.0);
 }
 
 TEST_CASE("budget auto takes a second of time where frames are slow, and ignores frames that took nothing")
