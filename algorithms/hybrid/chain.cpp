@@ -1,5 +1,7 @@
 #include "algorithms/hybrid/chain.hpp"
 
+#include <algorithm>
+
 namespace gnomon {
 
 ChainStages stagesOf(ChainMode mode)
@@ -25,16 +27,27 @@ bool blockBlocks(const ChainScene& scene, const MapTexels& texels, TexelBlock bl
     return texels.anyTriangle(block, [&](std::uint32_t number) { return scene.witnesses.blocks(number, ray); });
 }
 
+namespace {
+
+/// Calls `visit(number)` for triangles that share at least `shared` vertices with the given one, until it returns true.
+template <typename Visit>
+bool anyAround(const NumberedTriangles& triangles, std::uint32_t number, int shared, Visit&& visit)
+{
+    const NumberedTriangles::Entry& entry = triangles.of(number);
+    if (!entry.rings || !entry.rings->built || !entry.testifies) return false;
+    return entry.rings->rings.around(*entry.caster->mesh->topology, number - entry.first, shared,
+                                     [&](std::uint32_t face) { return visit(entry.first + face); });
+}
+
+} // namespace
+
 bool ringBlocks(const ChainScene& scene, const MapTexels& texels, int shared, bool own, const ShadowRay& ray)
 {
     const std::uint32_t number = texels.ownTriangle();
     if (number == kNoTriangle) return false;
     if (own && scene.witnesses.blocks(number, ray)) return true;
-    const NumberedTriangles::Entry& entry = scene.witnesses.triangles().of(number);
-    if (!entry.rings || !entry.rings->built || !entry.testifies) return false;
-    return entry.rings->rings.around(
-        *entry.caster->mesh->topology, number - entry.first, shared,
-        [&](std::uint32_t face) { return scene.witnesses.blocks(entry.first + face, ray); });
+    return anyAround(scene.witnesses.triangles(), number, shared,
+                     [&](std::uint32_t other) { return scene.witnesses.blocks(other, ray); });
 }
 
 std::uint32_t chainReason(const ChainScene& scene, const ChainStages& stages, bool lit, bool normals,
@@ -65,6 +78,25 @@ std::uint32_t chainVotes(const ChainScene& scene, bool lit, bool normals, const 
     if (ringBlocks(scene, texels, 2, true, ray)) votes |= gpu::VOTE_AG1;
     if (ringBlocks(scene, texels, 1, true, ray)) votes |= gpu::VOTE_AG2;
     return votes;
+}
+
+std::uint32_t texelCandidates(const MapTexels& texels)
+{
+    std::uint32_t four = 0, nine = 0;
+    texels.anyTriangle(TexelBlock::four, [&](std::uint32_t) { return ++four == 0; });
+    texels.anyTriangle(TexelBlock::nine, [&](std::uint32_t) { return ++nine == 0; });
+    return four + gpu::CANDIDATES_STEP * nine;
+}
+
+std::uint32_t ringCandidates(const ChainScene& scene, const MapTexels& texels)
+{
+    const std::uint32_t number = texels.ownTriangle();
+    if (number == kNoTriangle) return 0;
+    std::uint32_t edges = 1, vertices = 1; // the own one
+    const NumberedTriangles& triangles = scene.witnesses.triangles();
+    anyAround(triangles, number, 2, [&](std::uint32_t) { return ++edges == 0; });
+    anyAround(triangles, number, 1, [&](std::uint32_t) { return ++vertices == 0; });
+    return std::min(edges, gpu::CANDIDATES_STEP - 1) + gpu::CANDIDATES_STEP * std::min(vertices, gpu::CANDIDATES_MOST);
 }
 
 bool isLit(std::uint32_t reason)

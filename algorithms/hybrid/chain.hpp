@@ -52,6 +52,10 @@ std::uint32_t chainReason(const ChainScene& scene, const ChainStages& stages, bo
 std::uint32_t chainVotes(const ChainScene& scene, bool lit, bool normals, const MapTexels& texels,
                          const ShadowRay& ray);
 
+/// How many triangles the stages could ask, hits or not: CANDIDATES_ of shaders/hybrid/ray_list.h.
+std::uint32_t texelCandidates(const MapTexels& texels);
+std::uint32_t ringCandidates(const ChainScene& scene, const MapTexels& texels);
+
 /// What a reason means: lit or dark.
 bool isLit(std::uint32_t reason);
 

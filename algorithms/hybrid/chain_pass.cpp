@@ -46,6 +46,7 @@ private:
     void call(std::uint32_t x, std::uint32_t y);
     void askCalled();
     void ask(std::uint32_t x, std::uint32_t y);
+    std::uint32_t number(const Waiting& pixel);
     void decide(const Waiting& pixel);
     void settle(std::uint32_t x, std::uint32_t y, std::uint32_t reason);
     void flush();
@@ -86,11 +87,12 @@ Piece::Piece(const Picture& picture, std::uint32_t top, std::uint32_t bottom)
 void Piece::settle(std::uint32_t x, std::uint32_t y, std::uint32_t reason)
 {
     const ChainJob& job = picture_.job;
-    if (!job.reasons && isLit(reason) == picture_.lit.at(x, y)) return;
+    const bool numbers = job.tells != ChainTells::visibility;
+    if (!numbers && isLit(reason) == picture_.lit.at(x, y)) return;
     const VkOffset2D& from = job.view->area.offset;
     const std::uint32_t pixel =
         gpu::packPixel(static_cast<std::uint32_t>(from.x) + x, static_cast<std::uint32_t>(from.y) + y);
-    marks_[count_++] = {pixel, job.reasons ? reason : isLit(reason) ? 1u : 0u};
+    marks_[count_++] = {pixel, numbers ? reason : isLit(reason) ? 1u : 0u};
 }
 
 void Piece::flush()
@@ -128,8 +130,10 @@ void Piece::ask(std::uint32_t x, std::uint32_t y)
                                               static_cast<std::uint32_t>(from.y) + y, pixel.ray, receiver);
     if (asked != Asked::ray) {
         const bool lit = asked == Asked::lit;
-        if (picture_.job.votes)
+        if (picture_.job.tells == ChainTells::votes)
             settle(x, y, lit ? gpu::VOTES_OUTSIDE : gpu::VOTES_BACKFACING);
+        else if (tellsAll(picture_.job.tells))
+            settle(x, y, 0);
         else
             settle(x, y, lit ? gpu::REASON_OUTSIDE : gpu::REASON_BACKFACING);
         return;
@@ -142,11 +146,18 @@ void Piece::ask(std::uint32_t x, std::uint32_t y)
     ++waitingCount_;
 }
 
+/// The byte of a job that tells of every pixel.
+std::uint32_t Piece::number(const Waiting& pixel)
+{
+    if (picture_.job.tells == ChainTells::texelCandidates) return texelCandidates(pixel.texels);
+    if (picture_.job.tells == ChainTells::ringCandidates) return ringCandidates(scene_, pixel.texels);
+    return chainVotes(scene_, pixel.lit, picture_.receivers.hasNormals(), pixel.texels, pixel.ray);
+}
+
 void Piece::decide(const Waiting& pixel)
 {
-    if (picture_.job.votes) {
-        settle(pixel.x, pixel.y,
-               chainVotes(scene_, pixel.lit, picture_.receivers.hasNormals(), pixel.texels, pixel.ray));
+    if (tellsAll(picture_.job.tells)) {
+        settle(pixel.x, pixel.y, number(pixel));
         return;
     }
     const std::uint32_t reason =
@@ -210,12 +221,12 @@ void writeMarks(const ChainJob& job, const HostContext& host, std::span<const st
     for (const std::span<const Mark> piece : pieces)
         for (const Mark& mark : piece)
             ++job.ranges[mark.range].count;
-    std::uint32_t next[markRanges(true)] = {}, first = 0;
+    std::uint32_t next[markRanges(ChainTells::votes)] = {}, first = 0;
     for (std::size_t i = 0; i < job.ranges.size(); ++i) {
         MarkRange& range = job.ranges[i];
         range.first = next[i] = first;
-        // A reason's byte is its code, votes are a byte; else the first range is dark and the second lit.
-        range.value = static_cast<float>(i) / (job.reasons ? 255.0f : 1.0f);
+        // A reason's byte is its code, numbers are a byte; else the first range is dark and the second lit.
+        range.value = static_cast<float>(i) / (job.tells == ChainTells::visibility ? 1.0f : 255.0f);
         first += range.count;
     }
     const std::span<std::uint32_t> out = host.write<std::uint32_t>(job.marks);

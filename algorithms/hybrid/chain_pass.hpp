@@ -10,6 +10,15 @@
 
 namespace gnomon {
 
+/// What a pixel's byte is.
+enum class ChainTells : std::uint8_t {
+    visibility,
+    reason, ///< Its REASON_ of shaders/hybrid/ray_list.h.
+    votes,  ///< VOTE_, of every pixel.
+    texelCandidates,
+    ringCandidates,
+};
+
 /// Everything the pass needs; copied into the frame.
 struct ChainJob {
     const CameraView* view;
@@ -23,14 +32,18 @@ struct ChainJob {
     std::span<MarkRange> ranges; ///< Written: parts of `marks`, one per byte that a pixel can have.
     ChainStages stages;
     std::uint32_t contour = 0; ///< Width in pixels; 0: every pixel is asked.
-    bool reasons = false;      ///< The byte is not visibility, but why: a reason or, with `votes`, votes.
-    bool votes = false;
+    ChainTells tells = ChainTells::visibility;
 };
 
-/// A range for every reason, or for every set of votes.
-constexpr std::size_t markRanges(bool votes)
+/// Of every pixel that is asked, traced or not: numbers of a byte.
+constexpr bool tellsAll(ChainTells tells)
 {
-    return votes ? 256 : gpu::REASON_COUNT;
+    return tells > ChainTells::reason;
+}
+/// A range for every byte.
+constexpr std::size_t markRanges(ChainTells tells)
+{
+    return tellsAll(tells) ? 256 : gpu::REASON_COUNT;
 }
 
 void runChain(const ChainJob& job, const HostContext& host);

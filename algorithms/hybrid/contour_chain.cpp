@@ -21,7 +21,9 @@ constexpr SettingSpec kSettings[] = {
      0, 6, 4},
     {"mode", "0 chain, 1 texels only, 2 texels that say lit, 3 strict, 4 no rays, 5 texels everywhere: see the page.",
      0, 5, 2},
-    {"reasons", "1: visibility shows why, not what; 2: what every stage would say by itself, everywhere.", 0, 2, 0},
+    {"reasons",
+     "1: visibility shows why, not what; 2: what every stage would say; 3, 4: how many triangles it could ask.", 0, 4,
+     0},
 };
 
 PipelineId statusPipeline(const AlgorithmServices& services, bool cube, bool normals)
@@ -84,8 +86,8 @@ ChainJob ContourChain::makeJob(PassBuilder& passes, const ShadowTask& task, Chai
 {
     FrameArena& arena = passes.arena();
     const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-    const bool votes = task.settings[kReasons] >= 2.0;
-    const ChainStages stages = stagesOf(votes ? ChainMode::strict : mode);
+    const auto tells = static_cast<ChainTells>(task.settings[kReasons]);
+    const ChainStages stages = stagesOf(tellsAll(tells) ? ChainMode::strict : mode);
     const NumberedTriangles* triangles =
         arena.make(NumberedTriangles(task.casters->all, stages.witnesses ? &rings_ : nullptr, arena));
     gpu::HybridConstants* constants = arena.make<gpu::HybridConstants>();
@@ -106,11 +108,10 @@ ChainJob ContourChain::makeJob(PassBuilder& passes, const ShadowTask& task, Chai
                 BufferInfo{.name = "contour_chain.status", .size = pixels, .place = BufferPlace::readback}),
             .marks = passes.transient(
                 BufferInfo{.name = "contour_chain.marks", .size = 4 * pixels, .place = BufferPlace::upload}),
-            .ranges = arena.array<MarkRange>(markRanges(votes)),
+            .ranges = arena.array<MarkRange>(markRanges(tells)),
             .stages = stages,
-            .contour = mode == ChainMode::wholeTc || votes ? 0 : contourWidth(task.settings[kContour]),
-            .reasons = constants->reasons != 0,
-            .votes = votes};
+            .contour = mode == ChainMode::wholeTc || tellsAll(tells) ? 0 : contourWidth(task.settings[kContour]),
+            .tells = tells};
 }
 
 void ContourChain::declareRings(PassBuilder& passes, const NumberedTriangles& triangles) const

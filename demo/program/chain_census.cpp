@@ -57,14 +57,58 @@ const char* nameOf(Witness witness) noexcept
     return names[size_t(witness)];
 }
 
+namespace {
+
+/// What the map has lit, with its memory.
+struct LitRows {
+    std::vector<uint64_t> memory;
+    BitRows rows;
+
+    explicit LitRows(const Image8& votes)
+        : memory(BitRows::wordsPerRow(votes.width) * votes.height), rows{votes.width, votes.height, memory}
+    {
+        for (uint32_t y = 0; y < votes.height; ++y)
+            packBits({votes.at(0, y), votes.width}, rows.row(y));
+    }
+    LitRows(const LitRows&) = delete;
+    LitRows& operator=(const LitRows&) = delete;
+};
+
+} // namespace
+
+std::array<Candidates, 4> countCandidates(const Image8& votes, const Image8& texels, const Image8& rings)
+{
+    const LitRows lit(votes);
+    std::vector<uint64_t> row(BitRows::wordsPerRow(votes.width));
+    uint64_t pixels = 0;
+    std::array<uint64_t, 4> sums{}, with{};
+    for (uint32_t y = 0; y < votes.height; ++y) {
+        contourRow(lit.rows, y, (kContours[1] - 1) / 2, row);
+        for (uint32_t x = 0; x < votes.width; ++x) {
+            const uint32_t vote = *votes.at(x, y);
+            if ((row[x / 64] >> (x % 64) & 1) == 0 || vote == gpu::VOTES_OUTSIDE || vote == gpu::VOTES_BACKFACING)
+                continue;
+            ++pixels;
+            const uint32_t t = *texels.at(x, y), r = *rings.at(x, y);
+            const std::array<uint32_t, 4> counts = {t % gpu::CANDIDATES_STEP, t / gpu::CANDIDATES_STEP,
+                                                    r % gpu::CANDIDATES_STEP, r / gpu::CANDIDATES_STEP};
+            for (size_t i = 0; i < counts.size(); ++i) {
+                sums[i] += counts[i];
+                with[i] += counts[i] > 0;
+            }
+        }
+    }
+    std::array<Candidates, 4> out;
+    for (size_t i = 0; i < out.size(); ++i)
+        out[i] = {pixels ? double(sums[i]) / double(pixels) : 0.0, with[i] ? double(sums[i]) / double(with[i]) : 0.0};
+    return out;
+}
+
 ChainView countVotes(const Image8& votes, const Image8& truth)
 {
     const uint32_t width = votes.width, height = votes.height;
-    const size_t words = BitRows::wordsPerRow(width);
-    std::vector<uint64_t> memory(words * height), row(words);
-    const BitRows lit{width, height, memory};
-    for (uint32_t y = 0; y < height; ++y)
-        packBits({votes.at(0, y), width}, lit.row(y));
+    const LitRows lit(votes);
+    std::vector<uint64_t> row(BitRows::wordsPerRow(width));
     ChainView view{};
     view.image = uint64_t(width) * height;
     for (uint32_t y = 0; y < height; ++y) {
@@ -72,7 +116,7 @@ ChainView countVotes(const Image8& votes, const Image8& truth)
         for (uint32_t x = 0; x < width; ++x)
             count(*votes.at(x, y), isLit(x), view.whole);
         for (size_t i = 0; i < std::size(kContours); ++i) {
-            contourRow(lit, y, (kContours[i] - 1) / 2, row);
+            contourRow(lit.rows, y, (kContours[i] - 1) / 2, row);
             for (uint32_t x = 0; x < width; ++x)
                 if (row[x / 64] >> (x % 64) & 1) count(*votes.at(x, y), isLit(x), view.contours[i]);
         }
@@ -91,8 +135,12 @@ std::vector<ChainView> measureChain(Device& device, const ChainCensusOptions& op
             // its statement counts the six layers of a point light.
             for (const uint32_t map : kChainMaps) {
                 const uint32_t side = stage.sideAsFitted(map * options.picture / 1024, options.fit);
-                const Image8 votes = stage.draw("contour_chain", {{"resolution", double(side)}, {"reasons", 2.0}});
+                const auto draw = [&](double reasons) {
+                    return stage.draw("contour_chain", {{"resolution", double(side)}, {"reasons", reasons}});
+                };
+                const Image8 votes = draw(2.0);
                 ChainView view = countVotes(votes, stage.truth());
+                if (map == kChainMaps[1]) view.candidates = countCandidates(votes, draw(3.0), draw(4.0));
                 view.scene = scene.printed;
                 view.look = look;
                 view.map = map;

@@ -52,6 +52,12 @@ struct ContourCounts {
     uint64_t wrongAlone(Witness w) const { return wrongLit - corrects[size_t(w)] + rightDark() - confirms[size_t(w)]; }
 };
 
+/// Triangles that a technique could ask about a pixel, means over a contour.
+struct Candidates {
+    double used = 0.0;      ///< Of all its pixels.
+    double available = 0.0; ///< Of those that have any.
+};
+
 inline constexpr uint32_t kContours[] = {2, 4, 6};
 inline constexpr uint32_t kChainMaps[] = {1024, 2048};
 
@@ -62,6 +68,7 @@ struct ChainView {
     uint32_t map = 0; ///< The thesis's.
     uint64_t image = 0;
     std::array<ContourCounts, 3> contours{};
+    std::array<Candidates, 4> candidates{}; ///< NB4, NB9, AG1, AG2; of the finer map and the contour of 4 pixels alone.
     ContourCounts whole; ///< Printed: pixels, wrongLit + wrongDark as wrongLit, and of TC4 the undecided and wrong.
     uint32_t side = 0;   ///< Of our map.
 };
@@ -81,6 +88,8 @@ struct ChainCensusOptions {
 /// All views, in the order of kChainScenes, kLooks, kChainMaps.
 std::vector<ChainView> measureChain(Device& device, const ChainCensusOptions& options);
 
+/// From pictures of votes and of candidates (`reasons` 2, 3 and 4).
+std::array<Candidates, 4> countCandidates(const Image8& votes, const Image8& texels, const Image8& rings);
 /// Counts of one picture of votes.
 ChainView countVotes(const Image8& votes, const Image8& truth);
 

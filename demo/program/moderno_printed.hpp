@@ -37,6 +37,26 @@ inline constexpr PrintedWitness kPrintedWitnesses[kWitnesses] = {{12.06, 0.09, 0
                                                                  {5.30, 7.50, 64.25, 82.61, 92.46},
                                                                  {8.93, 0.17, 1.42, 82.71, 92.59},
                                                                  {7.19, 0.25, 2.14, 86.19, 96.51}};
+/// Triangles per pixel of the contour, used and available, of NB4, NB9, AG1, AG2; map 2048, contour of 4 pixels (tables
+/// 25 to 197). 0: misprinted.
+struct PrintedCandidates {
+    const char* scene;
+    Look look;
+    std::array<Candidates, 4> of;
+};
+inline constexpr PrintedCandidates kPrintedCandidates[] = {
+    {"primitives", Look::side, {{{1.449, 1.899}, {2.425, 2.900}, {2.342, 4.000}, {7.096, 12.117}}}},
+    {"primitives", Look::with, {{{1.584, 2.059}, {2.590, 3.202}, {2.608, 4.000}, {0.0, 12.210}}}},
+    {"primitives", Look::against, {{{1.399, 1.702}, {2.286, 2.563}, {2.258, 4.000}, {0.0, 12.086}}}},
+    {"bench", Look::side, {{{1.359, 1.871}, {2.258, 2.945}, {2.501, 3.858}, {7.960, 12.278}}}},
+    {"bench", Look::with, {{{1.324, 1.721}, {2.113, 2.529}, {2.624, 3.867}, {8.313, 12.252}}}},
+    {"bench", Look::against, {{{1.493, 1.836}, {2.496, 2.816}, {2.484, 3.917}, {7.363, 11.609}}}},
+    {"trees", Look::side, {{{0.714, 1.086}, {0.903, 1.161}, {2.027, 4.000}, {7.320, 14.445}}}},
+    {"trees", Look::with, {{{0.793, 1.071}, {1.025, 1.135}, {2.009, 4.000}, {7.194, 14.322}}}},
+    {"trees", Look::against, {{{0.732, 1.076}, {0.955, 1.139}, {2.013, 4.000}, {7.255, 14.419}}}},
+    {"flowers", Look::side, {{{1.914, 2.433}, {3.416, 4.268}, {2.754, 3.875}, {8.737, 12.293}}}},
+    {"flowers", Look::with, {{{2.133, 2.356}, {3.832, 4.057}, {3.107, 3.864}, {9.687, 12.047}}}},
+    {"flowers", Look::against, {{{1.904, 2.310}, {3.382, 3.985}, {2.844, 3.901}, {8.759, 12.015}}}}};
 struct PrintedHints {
     double settled, ofLit, ofDark, wrongOfLit, wrongOfDark;
 };

@@ -211,6 +211,33 @@ PairTable wholeImage(Views printed, Views ours)
     return table;
 }
 
+/// Tables 25 to 197.
+PairTable candidates(Views ours)
+{
+    PairTable table{
+        .id = "candidates",
+        .title = "**Triangles a pixel of the contour**, map 2048, contour of 4 pixels (tables 25 to 197): of all "
+                 "its pixels, and of those that have any.",
+        .heads = {"scene", "view"},
+        .columns = {"NB4", "NB4, of any", "NB9", "NB9, of any", "AG1", "AG1, of any", "AG2", "AG2, of any"},
+        .rows = {}};
+    for (const PrintedCandidates& printed : kPrintedCandidates) {
+        const auto mine = std::ranges::find_if(ours, [&](const ChainView& view) {
+            return std::string_view(view.scene) == printed.scene && view.look == printed.look &&
+                   view.map == kChainMaps[1];
+        });
+        if (mine == ours.end()) continue;
+        PairTable::Row row{.names = {printed.scene, nameOf(printed.look)}, .cells = {}};
+        for (size_t i = 0; i < printed.of.size(); ++i) {
+            const double used = printed.of[i].used;
+            row.cells.push_back({used > 0.0 ? std::optional(used) : std::nullopt, mine->candidates[i].used, 2});
+            row.cells.push_back({printed.of[i].available, mine->candidates[i].available, 2});
+        }
+        table.rows.push_back(row);
+    }
+    return table;
+}
+
 } // namespace
 
 std::vector<double> shares(std::span<const ChainView> views, const ChainFilter& filter, ChainShare share)
@@ -282,8 +309,8 @@ double ringProves(std::span<const ChainView> views, const char* scene)
 std::vector<PairTable> modernoTables(std::span<const ChainView> ours)
 {
     const std::vector<ChainView> printed = printedViews();
-    return {growth(printed, ours), scenes(printed, ours), stages(printed, ours),
-            hints(ours),           witnesses(ours),       wholeImage(printed, ours)};
+    return {growth(printed, ours), scenes(printed, ours),     stages(printed, ours), hints(ours),
+            witnesses(ours),       wholeImage(printed, ours), candidates(ours)};
 }
 
 } // namespace gnomon::demo

@@ -47,6 +47,11 @@ GN_SHARED_CONST uint VOTE_AG2 = 128u;
 GN_SHARED_CONST uint VOTES_OUTSIDE = 7u;
 GN_SHARED_CONST uint VOTES_BACKFACING = 254u;
 
+// With `reasons` 3 and 4 the byte is how many triangles a stage could ask (his tables 25 to 197): 3: of four texels plus
+// five times of nine; 4: own and edge ring plus five times own and vertex ring. What asks nobody has none.
+GN_SHARED_CONST uint CANDIDATES_STEP = 5u;
+GN_SHARED_CONST uint CANDIDATES_MOST = 50u; // of nine texels and vertex rings
+
 // A pixel in the list: 16 bits of x, 16 of y, in image coordinates.
 GN_SHARED_FN uint packPixel(uint x, uint y) { return x | (y << 16u); }
 GN_SHARED_FN uint pixelX(uint packedPixel) { return packedPixel & 0xffffu; }

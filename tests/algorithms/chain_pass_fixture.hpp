@@ -1,5 +1,8 @@
 #pragma once
 // The host pass of contour_chain on hand-made buffers, and every pixel's answer asked by itself.
+#include <set>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "algorithms/host_frame.hpp"
@@ -64,7 +67,8 @@ struct Asking {
     const Lamp& lamp;
     ChainStages stages = stagesOf(ChainMode::chain);
     std::uint32_t contour = 0;
-    bool reasons = false, votes = false, normals = true;
+    ChainTells tells = ChainTells::visibility;
+    bool normals = true;
     VkRect2D area{{0, 0}, {kWidth, kHeight}};
     std::uint32_t flipped = 0; ///< Every so many pixels the map's word is turned round; 0: none.
     std::uint32_t threads = 2;
@@ -94,8 +98,42 @@ inline NumberedTriangles numbered(RingsCache& rings, FrameArena& arena)
 struct Expected {
     bool lit = true; ///< By the map.
     std::uint32_t reason = gpu::REASON_OUTSIDE, votes = gpu::VOTES_OUTSIDE;
+    std::uint32_t texelTriangles = 0, ringTriangles = 0;
     bool traced = false;
+
+    std::uint32_t told(ChainTells tells) const
+    {
+        if (tells == ChainTells::texelCandidates) return texelTriangles;
+        if (tells == ChainTells::ringCandidates) return ringTriangles;
+        return tells == ChainTells::votes ? votes : reason;
+    }
 };
+
+/// Candidates, counted by a list of those that are asked.
+inline std::pair<std::uint32_t, std::uint32_t> candidates(const NumberedTriangles& triangles, const MapTexels& texels)
+{
+    std::set<std::uint32_t> four, nine, edges, vertices;
+    texels.anyTriangle(TexelBlock::four, [&](std::uint32_t number) { return four.insert(number), false; });
+    texels.anyTriangle(TexelBlock::nine, [&](std::uint32_t number) { return nine.insert(number), false; });
+    const std::uint32_t own = texels.ownTriangle();
+    if (own != kNoTriangle) {
+        edges.insert(own), vertices.insert(own);
+        const NumberedTriangles::Entry& entry = triangles.of(own);
+        const MeshView& mesh = *entry.caster->mesh;
+        const auto corner = [&mesh](std::uint32_t triangle, int i) {
+            return mesh.positions[mesh.indices[3 * triangle + static_cast<std::uint32_t>(i)]];
+        };
+        for (std::uint32_t other = 0; other < mesh.triangleCount(); ++other) {
+            int shared = 0;
+            for (int i = 0; i < 9; ++i)
+                shared += corner(own - entry.first, i / 3) == corner(other, i % 3);
+            if (shared >= 2) edges.insert(entry.first + other);
+            if (shared >= 1) vertices.insert(entry.first + other);
+        }
+    }
+    const auto count = [](const std::set<std::uint32_t>& set) { return static_cast<std::uint32_t>(set.size()); };
+    return {count(four) + 5 * count(nine), count(edges) + 5 * count(vertices)};
+}
 
 inline std::vector<Expected> expect(const Asking& asking)
 {
@@ -122,6 +160,7 @@ inline std::vector<Expected> expect(const Asking& asking)
         pixel.lit = texels.agree(true, TexelBlock::own) != flip;
         pixel.reason = chainReason(scene, asking.stages, pixel.lit, asking.normals, texels, ray);
         pixel.votes = chainVotes(scene, pixel.lit, asking.normals, texels, ray);
+        std::tie(pixel.texelTriangles, pixel.ringTriangles) = candidates(triangles, texels);
         pixel.traced = pixel.reason == gpu::REASON_RT_LIT;
         std::uint8_t occluded = 0;
         world().rays.occluded({&ray, 1}, 1u, RayCoherence::sparse, {&occluded, 1});
@@ -162,7 +201,7 @@ inline Outcome run(const Asking& asking, const std::vector<Expected>& expected)
         map.numbers[i] = frame.holding<std::uint32_t>(kNames[6 + i], drawn.numbers[i]);
     }
     Outcome outcome;
-    outcome.ranges.resize(markRanges(asking.votes), {7, 7, 7.0f});
+    outcome.ranges.resize(markRanges(asking.tells), {7, 7, 7.0f});
     const ChainJob job{.view = &view,
                        .light = &asking.lamp.view,
                        .constants = &asking.lamp.constants,
@@ -175,8 +214,7 @@ inline Outcome run(const Asking& asking, const std::vector<Expected>& expected)
                        .ranges = outcome.ranges,
                        .stages = asking.stages,
                        .contour = asking.contour,
-                       .reasons = asking.reasons || asking.votes,
-                       .votes = asking.votes};
+                       .tells = asking.tells};
     outcome.rays = frame.run([&](const HostContext& host) { runChain(job, host); });
     const auto all = frame.content<std::uint32_t>(job.marks);
     const MarkRange& last = outcome.ranges.back();

@@ -21,13 +21,11 @@ std::size_t check(const Asking& asking)
     for (std::uint32_t i = 0; i < kPixels; ++i) {
         if (!inside[i]) continue;
         const Expected& pixel = expected[i];
-        const bool lit = isLit(pixel.reason), said = asking.reasons || asking.votes || lit != pixel.lit;
-        rays += pixel.traced && !asking.votes;
+        const bool lit = isLit(pixel.reason), said = asking.tells != ChainTells::visibility || lit != pixel.lit;
+        rays += pixel.traced && !tellsAll(asking.tells);
         if (said)
-            wanted[asking.votes     ? pixel.votes
-                   : asking.reasons ? pixel.reason
-                                    : lit]
-                .push_back(gpu::packPixel(i % kWidth, i / kWidth));
+            wanted[asking.tells == ChainTells::visibility ? lit : pixel.told(asking.tells)].push_back(
+                gpu::packPixel(i % kWidth, i / kWidth));
     }
     CHECK(outcome.rays == rays);
     std::uint32_t first = 0;
@@ -35,7 +33,7 @@ std::size_t check(const Asking& asking)
         CAPTURE(i);
         const MarkRange& range = outcome.ranges[i];
         CHECK(range.first == first);
-        CHECK(range.value == static_cast<float>(i) / (asking.reasons || asking.votes ? 255.0f : 1.0f));
+        CHECK(range.value == static_cast<float>(i) / (asking.tells != ChainTells::visibility ? 255.0f : 1.0f));
         first += range.count;
         std::vector<std::uint32_t> got(outcome.marks.begin() + range.first,
                                        outcome.marks.begin() + range.first + range.count);
@@ -68,7 +66,7 @@ TEST_CASE("a contour of some pixels is all that is asked")
         for (const std::uint32_t contour : {2u, 4u, 6u, 0u}) { // 0: everywhere
             CAPTURE(contour);
             check({.lamp = lamp(cube), .contour = contour});
-            const std::size_t asked = check({.lamp = lamp(cube), .contour = contour, .reasons = true});
+            const std::size_t asked = check({.lamp = lamp(cube), .contour = contour, .tells = ChainTells::reason});
             CHECK(asked > before);
             before = asked;
         }
@@ -76,25 +74,32 @@ TEST_CASE("a contour of some pixels is all that is asked")
     }
 }
 
+TEST_CASE("candidates are counted whether they block or not, and no ray is traced")
+{
+    for (const ChainTells tells : {ChainTells::texelCandidates, ChainTells::ringCandidates})
+        for (const bool cube : {false, true})
+            CHECK(check({.lamp = lamp(cube), .tells = tells}) == kPixels);
+}
+
 TEST_CASE("with votes every pixel's byte is its votes, and no ray is traced")
 {
     for (const bool cube : {false, true})
         for (const bool normals : {false, true})
-            CHECK(check({.lamp = lamp(cube), .votes = true, .normals = normals}) == kPixels);
+            CHECK(check({.lamp = lamp(cube), .tells = ChainTells::votes, .normals = normals}) == kPixels);
 }
 
 TEST_CASE("marks of an area are in coordinates of the image, and a contour ends at its sides")
 {
     const VkRect2D area{{37, 50}, {71, 53}}; // no side a multiple of a band or of a word
     CHECK(check({.lamp = lamp(false), .area = area}) > 20);
-    CHECK(check({.lamp = lamp(true), .contour = 4, .reasons = true, .area = area}) > 100);
-    CHECK(check({.lamp = lamp(false), .votes = true, .area = area}) == 71 * 53);
+    CHECK(check({.lamp = lamp(true), .contour = 4, .tells = ChainTells::reason, .area = area}) > 100);
+    CHECK(check({.lamp = lamp(false), .tells = ChainTells::votes, .area = area}) == 71 * 53);
     CHECK(check({.lamp = lamp(false), .area = {{5, 100}, {1, 1}}, .flipped = 1}) == 1);
 }
 
 TEST_CASE("the list is the same for any number of threads")
 {
-    Asking asking{.lamp = lamp(false), .reasons = true, .threads = 1};
+    Asking asking{.lamp = lamp(false), .tells = ChainTells::reason, .threads = 1};
     const std::vector<Expected> expected = expect(asking);
     const std::vector<std::uint32_t> alone = run(asking, expected).marks;
     asking.threads = 4;
