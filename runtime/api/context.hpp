@@ -247,7 +247,7 @@ private:
     std::uint64_t untimedFrame_ = 0;
     std::array<float, 4> sharedMs_{}; ///< What no light is charged with, in the newest timed frames: one brings a grid.
     std::uint32_t sharedNext_ = 0;
-    MedianOfFive timedRatios_;
+    WeightedMedianOfFive timedRatios_;
     float timedScale_ = 1.0f;     ///< From what a pass takes in a timed frame to its share of an untimed one.
     double budgetMs_ = 0.0;       ///< In force; 0: none.
     double budgetPerCheapest_ = 0.0; ///< PlanInput::perCheapest.
@@ -258,6 +258,7 @@ private:
     /// What is to be known of a frame when its timings come, two or more frames later.
     struct PastFrame {
         std::uint64_t frame = 0;
+        std::uint64_t methods = 0; ///< A stamp: equal where lights, and methods at work, are.
         std::uint32_t fading = 0; ///< Lights shown as a mix.
         bool disturbed = false;   ///< Its timings are not the methods' doing.
         bool probed = false;

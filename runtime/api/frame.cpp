@@ -458,6 +458,12 @@ void Context::planLights(const GnFrameInfo& info)
     present().plannedMs = planReport_.predictedMs;
     present().cheapestMs = planReport_.cheapestMs;
     present().probed = probe_.method != UINT32_MAX;
+    std::uint64_t& methods = present().methods; // FNV-1a
+    methods = 0xcbf29ce484222325u;
+    for (const PendingLight& pending : pending_)
+        for (const std::uint32_t part :
+             {pending.viewIndex, pending.light->id, pending.decision->method, pending.decision->probed})
+            methods = (methods ^ part) * 0x100000001b3u;
     if (countsTime(base)) noteChanges(info.frame);
     for (const ViewFrame& viewFrame : viewFrames_)
         viewFrame.view->lastFrame = info.frame;

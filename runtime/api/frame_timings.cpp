@@ -62,13 +62,15 @@ void Context::takeTimings()
     noteMeasured(*timed);
 }
 
-/// The barriers of a timed frame slow it down; an untimed one with as many methods at work says by how much. The middle
-/// of five such pairs: either frame may have been disturbed.
+/// The barriers of a timed frame slow it down; an untimed one with the same methods at work says by how much. The middle
+/// of five such pairs, since either frame may have been disturbed; by weight, since barriers are a third of a
+/// millisecond of copies and next to nothing of twenty of drawing.
 void Context::noteTimedScale(const FrameTimings& timed)
 {
     const PastFrame &there = past(timed.frame), &here = past(untimedFrame_);
-    if (!(untimedGpuMs_ > 0.0f) || there.fading != here.fading || there.probed != here.probed) return;
-    timedRatios_.add(timed.totalGpuMs > untimedGpuMs_ ? untimedGpuMs_ / timed.totalGpuMs : 1.0f);
+    if (!(untimedGpuMs_ > 0.0f) || there.methods != here.methods || there.fading != here.fading) return;
+    const float ratio = timed.totalGpuMs > untimedGpuMs_ ? untimedGpuMs_ / timed.totalGpuMs : 1.0f;
+    timedRatios_.add(ratio, timed.totalGpuMs);
     timedScale_ = timedRatios_.get();
 }
 

@@ -96,4 +96,15 @@ struct MedianOfFive {
     void reset() { count = 0; }
 };
 
+/// Of the last five values the one with half of the weight on either side.
+struct WeightedMedianOfFive {
+    struct Value {
+        float value = 0.0f, weight = 0.0f;
+    };
+    std::array<Value, 5> values{};
+    std::uint32_t count = 0;
+    void add(float value, float weight) { values[count++ % 5] = {value, weight}; }
+    float get() const; ///< 0 where there is none.
+};
+
 } // namespace gnomon

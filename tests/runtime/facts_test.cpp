@@ -110,3 +110,23 @@ TEST_CASE("of very many casters a part is asked, and stands for all")
         casters.push_back(&box.caster);
     CHECK(levels(rough, sun(glm::vec3(0.0f, 0.0f, -1.0f)), casters) == doctest::Approx(15000.0).epsilon(0.02));
 }
+
+TEST_CASE("of five values the one with half of the weight on either side counts")
+{
+    WeightedMedianOfFive middle;
+    CHECK(middle.get() == 0.0f);
+    middle.add(0.7f, 1.0f);
+    CHECK(middle.get() == 0.7f);
+    middle.add(0.5f, 1.0f);
+    middle.add(0.6f, 1.0f);
+    CHECK(middle.get() == 0.6f);
+    middle.add(0.95f, 20.0f); // more than all the others
+    CHECK(middle.get() == 0.95f);
+    middle.add(0.9f, 19.0f);
+    CHECK(middle.get() == 0.9f);
+    middle.add(0.2f, 22.0f); // a spike between its like: the middle of the heavy ones
+    CHECK(middle.get() == 0.9f);
+    for (int i = 0; i < 5; ++i)
+        middle.add(0.4f, 0.0f);
+    CHECK(middle.get() == 0.0f);
+}
