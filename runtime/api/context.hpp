@@ -248,19 +248,19 @@ private:
     std::array<float, 4> sharedMs_{}; ///< What no light is charged with, in the newest timed frames: one brings a grid.
     std::uint32_t sharedNext_ = 0;
     WeightedMedianOfFive timedRatios_;
-    float timedScale_ = 1.0f;     ///< From what a pass takes in a timed frame to its share of an untimed one.
-    double budgetMs_ = 0.0;       ///< In force; 0: none.
+    float timedScale_ = 1.0f;        ///< From what a pass takes in a timed frame to its share of an untimed one.
+    double budgetMs_ = 0.0;          ///< In force; 0: none.
     double budgetPerCheapest_ = 0.0; ///< PlanInput::perCheapest.
-    bool measuresBudget_ = false; ///< The cheapest plan runs, for `budget: auto`.
-    bool budgetBegins_ = false;   ///< It was measured; this is the first frame under the budget.
+    bool measuresBudget_ = false;    ///< The cheapest plan runs, for `budget: auto`.
+    bool budgetBegins_ = false;      ///< It was measured; this is the first frame under the budget.
     AutoBudget autoBudget_;
     std::uint64_t autoBudgetRules_ = 0; ///< Hash of the rule base it was measured for.
     /// What is to be known of a frame when its timings come, two or more frames later.
     struct PastFrame {
         std::uint64_t frame = 0;
         std::uint64_t methods = 0; ///< A stamp: equal where lights, and methods at work, are.
-        std::uint32_t fading = 0; ///< Lights shown as a mix.
-        bool disturbed = false;   ///< Its timings are not the methods' doing.
+        std::uint32_t fading = 0;  ///< Lights shown as a mix.
+        bool disturbed = false;    ///< Its timings are not the methods' doing.
         bool probed = false;
         float cpuMs = 0.0f;
         double plannedMs = 0.0, cheapestMs = 0.0; ///< PlanReport's.
@@ -268,7 +268,8 @@ private:
     std::array<PastFrame, 16> past_{}; ///< A ring; twice the frames that may be in flight.
     PastFrame& present() { return past_[frame_ % past_.size()]; }
     const PastFrame& past(std::uint64_t frame) const; ///< Empty where the ring has moved on.
-    std::uint64_t followed_ = 0;                      ///< The newest frame that `budget: auto` followed.
+    std::uint64_t followed_ = 0;                      ///< The newest frame that `budget: auto` followed, ...
+    std::uint64_t foretold_ = 0; ///< ... none before this one, since when the device is thought to be as fast as it is.
     double predictedMs_ = 0.0, lastPredictedMs_ = 0.0;
     std::array<float, 30> frameTimes_{};
     std::uint32_t frameTimeCount_ = 0;

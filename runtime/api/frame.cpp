@@ -420,7 +420,12 @@ void Context::updateBudget(const GnFrameInfo& info)
         const double tookMs = measuredMs() >= 0.0 ? measuredMs() : lastPredictedMs_;
         const float intervalMs = frameTimeCount_ ? frameTimes_[(frameTimeCount_ - 1) % frameTimes_.size()] : 0.0f;
         const PastFrame& measured = past(untimedFrame_);
-        if (untimedFrame_ > followed_ && !disturbed && !measured.probed && measured.fading == 0)
+        if (plan_->deviceChanged()) {
+            autoBudget_.forgetPredictions();
+            foretold_ = info.frame;
+        }
+        if (untimedFrame_ > followed_ && untimedFrame_ >= foretold_ && !disturbed && !measured.probed &&
+            measured.fading == 0)
             autoBudget_.follow(measuredMs(), measured.plannedMs, measured.cheapestMs);
         followed_ = untimedFrame_;
         if (!disturbed) budgetBegins_ = autoBudget_.note(tookMs, intervalMs);

@@ -44,6 +44,8 @@ public:
     /// @param plannedMs  What the plan in force was foretold to take,
     /// @param cheapestMs and the cheapest one.
     void follow(double tookMs, double plannedMs, double cheapestMs);
+    /// Predictions are others from now on, by a factor: what was found of the old ones counts no more.
+    void forgetPredictions() { followed_ = 0, ratio_ = 0.0; }
     double ms() const { return ms_; } ///< As it was measured; 0 while measuring.
     /// The budget over what the cheapest plan is foretold to take; 0 while measuring, and while too little is known.
     double perCheapest() const { return measuring() ? 0.0 : kFactor * ratio_; }
