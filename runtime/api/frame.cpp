@@ -442,7 +442,8 @@ void Context::planLights(const GnFrameInfo& info)
 {
     const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
     const bool cut = cameraCut() || budgetBegins_; // the cheapest plan was to be measured, not to be kept
-    planReport_ = plan_->decide(base, {.ms = measuresBudget_ ? kNextToNothingMs : budgetMs_,
+    const double knownMs = budgetPerCheapest_ > 0.0 ? autoBudget_.ms() : budgetMs_;
+    planReport_ = plan_->decide(base, {.ms = measuresBudget_ ? kNextToNothingMs : knownMs,
                                        .perCheapest = budgetPerCheapest_,
                                        .sharedMs = stats_.sharedMs,
                                        .measuredMs = measuredMs(),

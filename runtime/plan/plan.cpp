@@ -481,7 +481,8 @@ PlanReport PlanStep::step(const PlanInput& whole) noexcept
 {
     admit(whole);
     const double cheapestMs = sumOfCheapestMs();
-    const double budgetMs = whole.perCheapest > 0.0 ? whole.perCheapest * cheapestMs : whole.budgetMs;
+    double budgetMs = whole.perCheapest > 0.0 ? whole.perCheapest * cheapestMs : whole.budgetMs;
+    if (whole.budgetMs > 0.0) budgetMs = std::clamp(budgetMs, whole.budgetMs / kLeash, whole.budgetMs * kLeash);
     const PlanInput input = lightsPart(whole, budgetMs);
     PlanReport report{.budgetMs = budgetMs, .cheapestMs = cheapestMs};
     if (input.allocation == rules::Options::Allocation::Budget) {

@@ -66,7 +66,9 @@ struct PlanInput {
     std::span<const double> fixedMs;       ///< Per method, paid once if any light uses it; empty: none.
     uint32_t methods = 0;
     double budgetMs = 0.0;
-    double perCheapest = 0.0; ///< Budget as a multiple of what the cheapest plan is foretold to take; 0: budgetMs.
+    /// The budget as a multiple of what the cheapest plan is foretold to take, by kLeash from budgetMs at most where
+    /// that is known; 0: budgetMs itself.
+    double perCheapest = 0.0;
     double sharedMs = 0.0;    ///< Of the budget, and of what was measured, this is spent whatever the plan.
     double measuredMs = -1.0; ///< Newest measured sum of the shadow passes; < 0: unknown.
     bool cut = false;         ///< Camera cut: all holds are lifted.
@@ -137,6 +139,10 @@ struct PlanReport {
 inline constexpr uint32_t kSpareFrames = 30;
 /// Headroom never takes more than this share: an unknown device would otherwise have no budget at all.
 inline constexpr double kMostHeadroom = 0.5;
+/// How far from its measurement a budget may be by predictions alone. Lights that come and steps of the camera within
+/// the quarter second that a measurement lags are less; a model that finds that a scene takes ten times as long is
+/// more.
+inline constexpr double kLeash = 1.5;
 /// Share of the budget that lights are left with whatever the rest takes: a budget of nothing would be none.
 inline constexpr double kLeastShare = 0.01;
 /// Share of the headroom that may be used up before a plan counts as broken. Entering and leaving at the same limit

@@ -24,12 +24,16 @@ void AutoBudget::look(std::uint32_t lights, bool cut)
 void AutoBudget::follow(double tookMs, double plannedMs, double cheapestMs)
 {
     if (!(tookMs > 0.0) || !(plannedMs > 0.0) || !(plannedMs <= kAsCheap * cheapestMs)) return;
-    ratios_[followed_++ % kFollowed] = tookMs / plannedMs;
-    if (followed_ < kFollowed) return;
-    std::array<double, kFollowed> window = ratios_;
-    const auto middle = window.begin() + kFollowed / 2;
-    std::nth_element(window.begin(), middle, window.end());
-    ratio_ = *middle;
+    cheapTookMs_[followed_ % kFollowed] = tookMs * std::min(1.0, cheapestMs / plannedMs);
+    ratios_[followed_ % kFollowed] = tookMs / plannedMs;
+    if (++followed_ < kFollowed) return;
+    const auto median = [](std::array<double, kFollowed> window) {
+        const auto middle = window.begin() + kFollowed / 2;
+        std::nth_element(window.begin(), middle, window.end());
+        return *middle;
+    };
+    ratio_ = median(ratios_);
+    if (!measuring()) ms_ = kFactor * median(cheapTookMs_);
 }
 
 bool AutoBudget::note(double tookMs, double intervalMs)

@@ -46,14 +46,17 @@ public:
     void follow(double tookMs, double plannedMs, double cheapestMs);
     /// Predictions are others from now on, by a factor: what was found of the old ones counts no more.
     void forgetPredictions() { followed_ = 0, ratio_ = 0.0; }
-    double ms() const { return ms_; } ///< As it was measured; 0 while measuring.
-    /// The budget over what the cheapest plan is foretold to take; 0 while measuring, and while too little is known.
+    /// As it was measured, first and then by the median of the newest plans as cheap; 0 while measuring.
+    double ms() const { return ms_; }
+    /// The budget over what the cheapest plan is foretold to take, near ms() (plan::kLeash); 0 while measuring, and
+    /// while too little is known.
     double perCheapest() const { return measuring() ? 0.0 : kFactor * ratio_; }
 
 private:
-    std::array<double, kMostFrames> tookMs_{}; ///< Those that measured.
-    std::uint32_t frames_ = 0;                 ///< In tookMs_.
-    std::array<double, kFollowed> ratios_{};   ///< Took over foretold; a ring.
+    std::array<double, kMostFrames> tookMs_{};    ///< Those that measured.
+    std::uint32_t frames_ = 0;                    ///< In tookMs_.
+    std::array<double, kFollowed> cheapTookMs_{}; ///< As the cheapest plan would have; a ring.
+    std::array<double, kFollowed> ratios_{};      ///< Took over foretold; a ring.
     std::uint32_t followed_ = 0;
     double ratio_ = 0.0;       ///< Their median, once the ring is full.
     std::uint32_t lights_ = 0; ///< That it is, or was, measured with.

@@ -343,6 +343,12 @@ TEST_CASE("a budget may be a multiple of what the cheapest plan is foretold to t
     report = scene.step();
     CHECK(report.budgetMs == doctest::Approx(24.0));
     CHECK(report.predictedMs == doctest::Approx(16.0));
+    scene.input.budgetMs = 10.0; // measured: predictions lead no farther than half as much again
+    CHECK(scene.step().budgetMs == doctest::Approx(15.0));
+    scene.input.perCheapest = 0.1;
+    CHECK(scene.step().budgetMs == doctest::Approx(10.0 / 1.5));
+    scene.input.perCheapest = 1.0;
+    CHECK(scene.step().budgetMs == doctest::Approx(12.0));
 }
 
 TEST_CASE("the cheapest plan keeps the floor and charges a fixed part once")
