@@ -94,7 +94,7 @@ ChainJob ContourChain::makeJob(PassBuilder& passes, const ShadowTask& task, Chai
     const IdMap map = declareIdMap(passes, map_, task, resolution, *triangles);
     constants->base = mapConstants(task, resolution, 1);
     addLightProjection(constants->base, map.fits, task);
-    constants->reasons = task.settings[kReasons] != 0.0;
+    constants->reasons = tells != ChainTells::visibility;
     const VkExtent2D extent = task.view->area.extent;
     const VkDeviceSize pixels = VkDeviceSize{extent.width} * extent.height;
     return {.view = task.view,

@@ -22,8 +22,8 @@ struct SweepRun {
     double seconds = 0.0;
 };
 
-constexpr uint32_t kLeastPoints =
-    cost::kFeatures; ///< To learn from: as many as a fit has coefficients; its prior is one more.
+/// To learn from: as many as a fit has coefficients.
+constexpr uint32_t kLeastPoints = cost::kFeatures;
 
 class Sweeper {
 public:

@@ -85,9 +85,7 @@ std::array<Candidates, 4> countCandidates(const Image8& votes, const Image8& tex
     for (uint32_t y = 0; y < votes.height; ++y) {
         contourRow(lit.rows, y, (kContours[1] - 1) / 2, row);
         for (uint32_t x = 0; x < votes.width; ++x) {
-            const uint32_t vote = *votes.at(x, y);
-            if ((row[x / 64] >> (x % 64) & 1) == 0 || vote == gpu::VOTES_OUTSIDE || vote == gpu::VOTES_BACKFACING)
-                continue;
+            if ((row[x / 64] >> (x % 64) & 1) == 0) continue;
             ++pixels;
             const uint32_t t = *texels.at(x, y), r = *rings.at(x, y);
             const std::array<uint32_t, 4> counts = {t % gpu::CANDIDATES_STEP, t / gpu::CANDIDATES_STEP,

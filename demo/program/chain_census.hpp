@@ -54,7 +54,7 @@ struct ContourCounts {
 
 /// Triangles that a technique could ask about a pixel, means over a contour.
 struct Candidates {
-    double used = 0.0;      ///< Of all its pixels.
+    double used = 0.0;      ///< Of all its pixels; those turned away from the light ask none.
     double available = 0.0; ///< Of those that have any.
 };
 

@@ -258,18 +258,16 @@ private:
     /// What is to be known of a frame when its timings come, two or more frames later.
     struct PastFrame {
         std::uint64_t frame = 0;
-        std::uint64_t methods = 0; ///< A stamp: equal where lights, and methods at work, are.
-        std::uint32_t fading = 0;  ///< Lights shown as a mix.
+        std::uint64_t methods = 0; ///< A stamp: equal where lights, and all methods at work, are.
+        bool beside = false;       ///< Methods ran beside those of the plan: fades, a probe.
         bool disturbed = false;    ///< Its timings are not the methods' doing.
-        bool probed = false;
         float cpuMs = 0.0f;
         double plannedMs = 0.0, cheapestMs = 0.0; ///< PlanReport's.
     };
     std::array<PastFrame, 16> past_{}; ///< A ring; twice the frames that may be in flight.
     PastFrame& present() { return past_[frame_ % past_.size()]; }
     const PastFrame& past(std::uint64_t frame) const; ///< Empty where the ring has moved on.
-    std::uint64_t followed_ = 0;                      ///< The newest frame that `budget: auto` followed, ...
-    std::uint64_t foretold_ = 0; ///< ... none before this one, since when the device is thought to be as fast as it is.
+    std::uint64_t followed_ = 0;                      ///< The newest frame that `budget: auto` followed.
     double predictedMs_ = 0.0, lastPredictedMs_ = 0.0;
     std::array<float, 30> frameTimes_{};
     std::uint32_t frameTimeCount_ = 0;

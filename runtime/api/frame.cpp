@@ -420,19 +420,12 @@ void Context::updateBudget(const GnFrameInfo& info)
         const double tookMs = measuredMs() >= 0.0 ? measuredMs() : lastPredictedMs_;
         const float intervalMs = frameTimeCount_ ? frameTimes_[(frameTimeCount_ - 1) % frameTimes_.size()] : 0.0f;
         const PastFrame& measured = past(untimedFrame_);
-        if (plan_->deviceChanged()) {
-            autoBudget_.forgetPredictions();
-            foretold_ = info.frame;
-        }
-        if (untimedFrame_ > followed_ && untimedFrame_ >= foretold_ && !disturbed && !measured.probed &&
-            measured.fading == 0)
+        if (untimedFrame_ > followed_ && !disturbed && !measured.beside)
             autoBudget_.follow(measuredMs(), measured.plannedMs, measured.cheapestMs);
         followed_ = untimedFrame_;
         if (!disturbed) budgetBegins_ = autoBudget_.note(tookMs, intervalMs);
         measuresBudget_ = autoBudget_.measuring();
-        // Where it follows, facts see the newest frame's until this one's is known.
-        const bool known = autoBudget_.perCheapest() > 0.0 && planReport_.budgetMs > kNextToNothingMs;
-        budgetMs_ = known ? planReport_.budgetMs : autoBudget_.ms();
+        budgetMs_ = autoBudget_.ms();
         budgetPerCheapest_ = autoBudget_.perCheapest();
     }
 }
@@ -442,8 +435,7 @@ void Context::planLights(const GnFrameInfo& info)
 {
     const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
     const bool cut = cameraCut() || budgetBegins_; // the cheapest plan was to be measured, not to be kept
-    const double knownMs = budgetPerCheapest_ > 0.0 ? autoBudget_.ms() : budgetMs_;
-    planReport_ = plan_->decide(base, {.ms = measuresBudget_ ? kNextToNothingMs : knownMs,
+    planReport_ = plan_->decide(base, {.ms = measuresBudget_ ? kNextToNothingMs : budgetMs_,
                                        .perCheapest = budgetPerCheapest_,
                                        .sharedMs = stats_.sharedMs,
                                        .measuredMs = measuredMs(),
@@ -463,13 +455,15 @@ void Context::planLights(const GnFrameInfo& info)
     settleProbe();
     present().plannedMs = planReport_.predictedMs;
     present().cheapestMs = planReport_.cheapestMs;
-    present().probed = probe_.method != UINT32_MAX;
     std::uint64_t& methods = present().methods; // FNV-1a
     methods = 0xcbf29ce484222325u;
-    for (const PendingLight& pending : pending_)
+    for (const PendingLight& pending : pending_) {
+        const LightDecision& decision = *pending.decision;
         for (const std::uint32_t part :
-             {pending.viewIndex, pending.light->id, pending.decision->method, pending.decision->probed})
+             {pending.viewIndex, pending.light->id, decision.method, decision.outgoing, decision.probed})
             methods = (methods ^ part) * 0x100000001b3u;
+        present().beside |= decision.outgoing != UINT32_MAX || decision.probed != UINT32_MAX;
+    }
     if (countsTime(base)) noteChanges(info.frame);
     for (const ViewFrame& viewFrame : viewFrames_)
         viewFrame.view->lastFrame = info.frame;

@@ -129,7 +129,6 @@ void Context::declareMix(const PendingLight& pending, ImageId pair)
         });
     (void)graph_->endTask(); // makes nothing, so nothing can fail
     ++stats_.fading;
-    ++present().fading;
 }
 
 /// What showing two methods takes beside them: a pass that neither of them is charged with.

@@ -62,26 +62,27 @@ void Context::takeTimings()
     noteMeasured(*timed);
 }
 
-/// The barriers of a timed frame slow it down; an untimed one with the same methods at work says by how much. The middle
-/// of five such pairs, since either frame may have been disturbed; by weight, since barriers are a third of a
+/// The barriers of a timed frame slow it down; an untimed one with the same methods at work says by how much. The
+/// middle of five such pairs, since either frame may have been disturbed; by weight, since barriers are a third of a
 /// millisecond of copies and next to nothing of twenty of drawing.
 void Context::noteTimedScale(const FrameTimings& timed)
 {
     const PastFrame &there = past(timed.frame), &here = past(untimedFrame_);
-    if (!(untimedGpuMs_ > 0.0f) || there.methods != here.methods || there.fading != here.fading) return;
+    if (!(untimedGpuMs_ > 0.0f) || there.methods != here.methods) return;
     const float ratio = timed.totalGpuMs > untimedGpuMs_ ? untimedGpuMs_ / timed.totalGpuMs : 1.0f;
     timedRatios_.add(ratio, timed.totalGpuMs);
     timedScale_ = timedRatios_.get();
 }
 
-/// Copies for the CPU, the depth grid, moved instances: no choice of methods changes them, so that lights may spend
-/// what they leave of a budget.
+/// Copies for the CPU, the depth grid, moved instances: next to no choice of methods changes them, so that lights may
+/// spend what they leave of a budget. What a method makes once for a mesh is its first frame's.
 void Context::noteShared(const FrameTimings& timings)
 {
     if (past(timings.frame).disturbed) return;
     float sum = 0.0f;
     for (const PassTiming& pass : timings.passes)
-        if (pass.owner.light == UINT32_MAX) sum += pass.gpuMs * timedScale_ + pass.cpuMs;
+        if (pass.owner.light == UINT32_MAX && (pass.owner.view != UINT32_MAX || pass.owner.declarer == UINT32_MAX))
+            sum += pass.gpuMs * timedScale_ + pass.cpuMs;
     sharedMs_[sharedNext_++ % sharedMs_.size()] = sum;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <utility>
 
 #include "runtime/cost/exponent.hpp"
@@ -315,8 +314,9 @@ bool CostModel::isSettled(const Residual& own, const Features& f) noexcept
     return effectiveSamples(own, f) >= kPersistentTimings;
 }
 
-/// Settled lights stand in front.
-void CostModel::noteVote(Device& device, const Vote& vote, uint32_t method, bool settled) noexcept
+/// In octaves of surprise, by the time foretold: what takes none says nothing about the frame's. Settled lights stand
+/// in front.
+void CostModel::noteVote(Device& device, const Weighted& vote, uint32_t method, bool settled) noexcept
 {
     if (device.voteCount == device.votes.size()) return;
     device.mixed = device.voteCount > 0 && (device.mixed || method != device.method);
@@ -332,23 +332,6 @@ uint32_t CostModel::votesThatCount(const Device& device) noexcept
 {
     if (device.frames < kDeviceFrames || (device.settled == 0 && device.mixed)) return device.voteCount;
     return device.settled;
-}
-
-/// The middle by weight: the mean of the two beside it where it falls between them.
-double CostModel::middleOf(std::span<Vote> votes) noexcept
-{
-    std::sort(votes.begin(), votes.end(), [](const Vote& a, const Vote& b) {
-        return a.surprise != b.surprise ? a.surprise < b.surprise : a.ms < b.ms; // sums in the same order everywhere
-    });
-    double whole = 0.0, below = 0.0;
-    for (const Vote& vote : votes)
-        whole += vote.ms;
-    for (size_t i = 0; i < votes.size(); ++i) {
-        below += votes[i].ms;
-        if (2.0 * below == whole && i + 1 < votes.size()) return 0.5 * (votes[i].surprise + votes[i + 1].surprise);
-        if (2.0 * below >= whole) return votes[i].surprise;
-    }
-    return 0.0;
 }
 
 /// The median of the last five frames' medians is beyond kDeviceStep only if three of them are.
@@ -381,7 +364,7 @@ void CostModel::endFrame() noexcept
         if (std::exchange(tracks_[i].timed, false)) noteScene(i / kTracks, i % kTracks);
     for (Device& device : devices_) {
         if (const uint32_t votes = votesThatCount(device); votes > 0)
-            noteStep(device, middleOf(std::span(device.votes).first(votes)));
+            noteStep(device, weightedMedian(std::span(device.votes).first(votes)));
         device.voteCount = device.settled = 0;
     }
 }

@@ -25,6 +25,8 @@
 #include <string_view>
 #include <vector>
 
+#include "runtime/cost/weighted_median.hpp"
+
 namespace gnomon::cost {
 
 enum class Pass : uint8_t { update, resolve }; ///< What a cache can skip; what every pixel pays.
@@ -137,16 +139,12 @@ private:
         Features at{};
         uint8_t recentCount = 0, recentNext = 0;
     };
-    struct Vote {
-        double surprise = 0.0; ///< Octaves.
-        double ms = 0.0;       ///< As foretold: its weight. What takes no time says nothing about the frame's.
-    };
     /// What all methods have in common on one processor, and what the current frame's timings say of it.
     struct Device {
         double octaves = 0.0;
         double variance = 0.0;
         uint32_t frames = UINT32_MAX; ///< That it was learned from; a fresh model is at home.
-        std::vector<Vote> votes;      ///< Fixed size, more are not collected.
+        std::vector<Weighted> votes;  ///< Fixed size, more are not collected.
         uint32_t voteCount = 0;
         uint32_t settled = 0;          ///< Of these, by lights whose time was known: the first ones.
         uint32_t method = 0;           ///< The newest one's;
@@ -177,8 +175,7 @@ private:
     static bool isSettled(const Residual& own, const Features& f) noexcept;
     Device& deviceOf(uint32_t t) noexcept { return devices_[sharedCores_ ? 0 : t % 2]; }
     const Device& deviceOf(uint32_t t) const noexcept { return devices_[sharedCores_ ? 0 : t % 2]; }
-    static void noteVote(Device& device, const Vote& vote, uint32_t method, bool settled) noexcept;
-    static double middleOf(std::span<Vote> votes) noexcept;
+    static void noteVote(Device& device, const Weighted& vote, uint32_t method, bool settled) noexcept;
     static uint32_t votesThatCount(const Device& device) noexcept;
     void noteStep(Device& device, double frameMedian) noexcept;
 

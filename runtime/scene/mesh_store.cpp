@@ -112,7 +112,8 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::finish(std::shared_ptr<MeshRe
     MeshIdentity& identity = *revision->identity;
     const std::span<const glm::vec3> positions(revision->positions.data(), identity.positionCount);
     KeptTriangles kept = withoutZeroArea(positions, *identity.given);
-    if (kept.indices.empty()) return Error{GN_ERROR_EMPTY, "MeshEmpty", identity.what() + " has no triangle with an area"};
+    if (kept.indices.empty())
+        return Error{GN_ERROR_EMPTY, "MeshEmpty", identity.what() + " has no triangle with an area"};
     const std::size_t before = uploads.size();
     if (!revision->faces || *revision->faces->indices != kept.indices) {
         auto faces = std::make_shared<MeshFaces>();

@@ -44,8 +44,6 @@ public:
     /// @param plannedMs  What the plan in force was foretold to take,
     /// @param cheapestMs and the cheapest one.
     void follow(double tookMs, double plannedMs, double cheapestMs);
-    /// Predictions are others from now on, by a factor: what was found of the old ones counts no more.
-    void forgetPredictions() { followed_ = 0, ratio_ = 0.0; }
     /// As it was measured, first and then by the median of the newest plans as cheap; 0 while measuring.
     double ms() const { return ms_; }
     /// The budget over what the cheapest plan is foretold to take, near ms() (plan::kLeash); 0 while measuring, and

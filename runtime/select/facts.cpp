@@ -230,14 +230,8 @@ float MedianOfFive::get() const
 
 float WeightedMedianOfFive::get() const
 {
-    std::array<Value, 5> sorted = values; // those that are missing have no weight
-    std::sort(sorted.begin(), sorted.end(), [](const Value& a, const Value& b) { return a.value < b.value; });
-    float whole = 0.0f, below = 0.0f;
-    for (const Value& value : sorted)
-        whole += value.weight;
-    for (const Value& value : sorted)
-        if (below += value.weight; value.weight > 0.0f && 2.0f * below >= whole) return value.value;
-    return 0.0f;
+    std::array<cost::Weighted, 5> sorted = values;
+    return static_cast<float>(cost::weightedMedian(std::span(sorted).first(std::min(count, 5u))));
 }
 
 } // namespace gnomon

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "runtime/cost/weighted_median.hpp"
 #include "runtime/scene/scene_view.hpp"
 #include "shaders/shared/tile_plane.h"
 
@@ -96,15 +97,12 @@ struct MedianOfFive {
     void reset() { count = 0; }
 };
 
-/// Of the last five values the one with half of the weight on either side.
+/// Weighted median of the last five values.
 struct WeightedMedianOfFive {
-    struct Value {
-        float value = 0.0f, weight = 0.0f;
-    };
-    std::array<Value, 5> values{};
+    std::array<cost::Weighted, 5> values{};
     std::uint32_t count = 0;
-    void add(float value, float weight) { values[count++ % 5] = {value, weight}; }
-    float get() const; ///< 0 where there is none.
+    void add(float value, float weight) { values[count++ % 5] = {double{value}, double{weight}}; }
+    float get() const; ///< 0 where nothing has a weight.
 };
 
 } // namespace gnomon

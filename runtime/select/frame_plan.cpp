@@ -269,13 +269,6 @@ void FramePlan::fill(const rules::RuleBase* base, std::uint64_t frame)
     }
 }
 
-bool FramePlan::deviceChanged()
-{
-    if (isNear(toldDevice_, model_.deviceOctaves())) return false;
-    toldDevice_ = model_.deviceOctaves();
-    return true;
-}
-
 plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& budget)
 {
     probe_ = {};

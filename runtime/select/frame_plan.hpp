@@ -42,9 +42,6 @@ public:
     /// One light of one view; both references live until decide() is done.
     void add(LightDecision& decision, LightMemory& memory, const SelectionInput& input);
 
-    /// Whether the device's factor has moved by more than a prediction stands for, since this was last said.
-    bool deviceChanged();
-
     struct Budget {
         double ms = 0.0;          ///< 0: none; the best suitability is kept.
         double perCheapest = 0.0; ///< As PlanInput's three.
@@ -109,7 +106,6 @@ private:
     };
     const MethodTable& methods_;
     cost::CostModel model_;
-    std::array<double, 2> toldDevice_{}; ///< Its factors when deviceChanged() was last true.
     plan::PlanStep plan_;
     plan::Probe probe_;
     std::vector<Request> requests_;

@@ -238,4 +238,24 @@ TEST_CASE("E6 to E8: what is wrong at the end, and the best map")
     CHECK(of(chain::traced, {.map = 2048, .contour = 2}) < 1.35 * of(chain::traced, {.map = 2048, .contour = 0}));
 }
 
+TEST_CASE("E9: triangles that a pixel of the contour could ask, before any early end")
+{
+    for (const ChainView& view : views()) {
+        if (view.map != kChainMaps[1]) continue;
+        INFO(nameOf(view));
+        const auto& [nb4, nb9, ag1, ag2] = view.candidates;
+        CHECK(nb9.used <= 5.1);
+        CHECK(ag2.used <= 15.0);
+        CHECK(nb9.used + ag2.used <= 20.0);
+        for (const Candidates& technique : view.candidates) {
+            CHECK(technique.used >= 1.0);
+            CHECK(technique.used <= technique.available); // pixels that find none
+        }
+        CHECK(nb4.available <= 4.0);
+        CHECK(nb9.used > nb4.used);
+        CHECK(ag2.used > ag1.used);
+        CHECK(ag1.available == doctest::Approx(4.0).epsilon(0.001)); // closed meshes: itself and three neighbours
+    }
+}
+
 } // namespace gnomon::demo
