@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "demo/host/pin_thread.hpp"
+
 namespace gnomon::demo {
 namespace {
 
@@ -69,6 +71,7 @@ ShadowHost::ShadowHost(const Device& device, const Scene& scene, const SceneGeom
     info.pName = scene.name.c_str();
     info.framesInFlight = options.framesInFlight;
     info.pfnMessage = &onMessage;
+    if (options.pinnedThreads) info.pfnThreadStarted = [](uint32_t index, void*) { pinThread(index + 1); };
     info.pUserData = this;
     if (gnCreateContext(&info, &context_) < 0) {
         const std::vector<std::string> messages = takeMessages();

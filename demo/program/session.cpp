@@ -37,7 +37,8 @@ ShadowHostOptions shadowOptions(const Scene& scene, const SessionOptions& option
     return {.framesInFlight = options.framesInFlight,
             .viewCount = options.viewCount,
             .maxLights = layersFor(scene, options),
-            .flags = options.contextFlags};
+            .flags = options.contextFlags,
+            .pinnedThreads = options.pinnedThreads};
 }
 
 RendererOptions rendererOptions(const Scene& scene, const SessionOptions& options)

@@ -20,6 +20,7 @@ struct SessionOptions {
     uint32_t framesInFlight = 2;
     uint32_t viewCount = 1;
     GnContextCreateFlags contextFlags = 0;
+    bool pinnedThreads = false; ///< As ShadowHostOptions'.
     bool validation = false;
     std::string knowledge; ///< loadKnowledge().
     std::vector<const char*> instanceExtensions;

@@ -116,7 +116,8 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     memory_ = std::make_unique<DeviceMemory>(*vk_, info.memoryLimit ? info.memoryLimit : defaultLimit(*vk_),
                                              sharingFamilies(info));
     const std::uint32_t threads = info.jobThreadCount ? info.jobThreadCount : std::thread::hardware_concurrency();
-    jobs_ = std::make_unique<JobSystem>(info.pfnScheduleJob, info.pUserData, std::max(threads, 1u));
+    jobs_ =
+        std::make_unique<JobSystem>(info.pfnScheduleJob, info.pUserData, std::max(threads, 1u), info.pfnThreadStarted);
 #if GNOMON_WITH_EMBREE
     rays_ = std::make_unique<RayScene>();
 #endif

@@ -246,7 +246,7 @@ void JobSystem::Pool::loop()
     }
 }
 
-JobSystem::JobSystem(PFN_gnScheduleJob schedule, void* userData, std::uint32_t threadCount)
+JobSystem::JobSystem(PFN_gnScheduleJob schedule, void* userData, std::uint32_t threadCount, PFN_gnThreadStarted started)
     : pool_(std::make_unique<Pool>())
 {
     pool_->schedule = schedule;
@@ -257,7 +257,10 @@ JobSystem::JobSystem(PFN_gnScheduleJob schedule, void* userData, std::uint32_t t
     pool_->threads.reserve(workers);
     try {
         for (std::uint32_t i = 0; i < workers; ++i)
-            pool_->threads.emplace_back([pool = pool_.get()] { pool->loop(); });
+            pool_->threads.emplace_back([pool = pool_.get(), started, i] {
+                if (started) started(i, pool->userData);
+                pool->loop();
+            });
     } catch (const std::system_error&) {
         if (pool_->threads.empty()) throw; // else fewer will do
     }

@@ -23,9 +23,11 @@ public:
         bool done() const noexcept { return finished.load(std::memory_order_acquire); }
     };
 
-    /// `threadCount` counts the caller of parallelFor, so that a pool of our own does not crowd the cores; 0: one a core.
-    /// A pool has at least one thread, else background work would never be done.
-    JobSystem(PFN_gnScheduleJob schedule, void* userData, std::uint32_t threadCount);
+    /// `threadCount` counts the caller of parallelFor, so that a pool of our own does not crowd the cores; 0: one a
+    /// core. A pool has at least one thread, else background work would never be done; each calls `started` first, if
+    /// given.
+    JobSystem(PFN_gnScheduleJob schedule, void* userData, std::uint32_t threadCount,
+              PFN_gnThreadStarted started = nullptr);
     ~JobSystem(); ///< Runs what is still queued, then waits for the workers.
     JobSystem(const JobSystem&) = delete;
     JobSystem& operator=(const JobSystem&) = delete;
@@ -44,11 +46,12 @@ public:
     void parallelFor(std::size_t count, std::size_t grain, Body&& body)
     {
         using Plain = std::remove_reference_t<Body>;
-        runParallel(count, grain,
-                    [](void* self, std::size_t begin, std::size_t end, std::uint32_t thread) {
-                        (*static_cast<Plain*>(self))(begin, end, thread);
-                    },
-                    &body);
+        runParallel(
+            count, grain,
+            [](void* self, std::size_t begin, std::size_t end, std::uint32_t thread) {
+                (*static_cast<Plain*>(self))(begin, end, thread);
+            },
+            &body);
     }
 
 private:

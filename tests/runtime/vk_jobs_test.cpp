@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <condition_variable>
@@ -8,6 +9,7 @@
 #include <numeric>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "runtime/allocation_count.hpp"
@@ -320,6 +322,37 @@ TEST_CASE("destruction runs what is still queued")
     for (Counted& each : counted) {
         CHECK(each.job.done());
         CHECK(each.runs == 1);
+    }
+}
+
+TEST_CASE("each thread of the pool says once that it starts, on itself and before it works")
+{
+    struct Started {
+        std::mutex mutex;
+        std::vector<std::pair<std::uint32_t, std::thread::id>> threads;
+    } started;
+    const auto note = [](std::uint32_t index, void* data) {
+        Started& self = *static_cast<Started*>(data);
+        const std::lock_guard lock(self.mutex);
+        self.threads.emplace_back(index, std::this_thread::get_id());
+    };
+    {
+        JobSystem jobs(nullptr, &started, 4, note);
+        std::atomic<int> strangers{0};
+        jobs.parallelFor(1000, 1, [&](std::size_t, std::size_t, std::uint32_t thread) {
+            if (thread == 0) return;
+            const std::lock_guard lock(started.mutex);
+            const auto self = std::this_thread::get_id();
+            strangers +=
+                std::ranges::none_of(started.threads, [self](const auto& each) { return each.second == self; });
+        });
+        CHECK(strangers == 0);
+    }
+    std::ranges::sort(started.threads);
+    REQUIRE(started.threads.size() == 3);
+    for (std::uint32_t i = 0; i < 3; ++i) {
+        CHECK(started.threads[i].first == i);
+        CHECK(started.threads[i].second != std::this_thread::get_id());
     }
 }
 

@@ -123,6 +123,10 @@ typedef void(GN_CALL* PFN_gnQueueLock)(VkQueue queue, void* pUserData);
 typedef void(GN_CALL* PFN_gnJob)(void* pJob);
 /** Runs `pfnJob(pJob)` once, on any thread but the calling one, soon. gnomon waits for its jobs. */
 typedef void(GN_CALL* PFN_gnScheduleJob)(PFN_gnJob pfnJob, void* pJob, void* pUserData);
+/** Called on each thread of gnomon's own pool, the index-th, before it works: its name, its priority and the processors
+it may use are the host's to set. On two cores a worker and its caller that are kept apart never wait for one another on
+one of them while the other idles. Must not call gnomon. */
+typedef void(GN_CALL* PFN_gnThreadStarted)(uint32_t index, void* pUserData);
 
 typedef enum GnContextCreateFlagBits {
     GN_CONTEXT_TIME_EVERY_FRAME_BIT = 0x1, ///< Every frame is a timed one (see gnGetPassTimings()); for measuring.
@@ -155,6 +159,7 @@ typedef struct GnContextCreateInfo {
     const VkAllocationCallbacks* pAllocationCallbacks; ///< Optional. Handed to every Vulkan create call.
     PFN_gnScheduleJob pfnScheduleJob;                  ///< Optional. Absent: gnomon runs one pool of its own.
     uint32_t jobThreadCount;                           ///< Threads behind pfnScheduleJob, or of the pool; 0: cores.
+    PFN_gnThreadStarted pfnThreadStarted;              ///< Optional. Not called where pfnScheduleJob is given.
     PFN_gnMessage pfnMessage;                          ///< Optional. Absent means silent.
     void* pUserData;                                   ///< Given to all callbacks above.
 } GnContextCreateInfo;
