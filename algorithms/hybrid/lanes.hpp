@@ -29,15 +29,17 @@ struct Texels {
 /// Asked (receivers.hpp) as a word.
 inline constexpr uint32_t kLit = 0, kDark = 1, kRay = 2;
 
-/// The receivers of a block. Lanes that need no ray repeat one that does, so that bounds need no masks.
+/// The receivers of a block. Where they are summed, lanes that need no ray repeat one that does, so that bounds need no
+/// masks.
 struct alignas(64) Block {
     float origin[3][kLanes]; ///< Of the rays.
     float tfar[kLanes];      ///< ShadowRay::tfar
     uint32_t asked[kLanes];
-    float normalSum[3];  ///< Of the lanes that ask.
-    float largestOffset; ///< Of the lanes that ask.
-    uint32_t rays;       ///< Lanes that ask.
-    uint32_t finite;     ///< All origins that ask are numbers.
+    uint32_t rays; ///< Lanes that ask.
+    // Where they are summed, of the lanes that ask; where none does, undefined.
+    float normalSum[3];
+    float largestOffset;
+    uint32_t finite; ///< All origins are numbers.
 };
 
 /// The volume in which a triangle shadows: inside four planes, n.p + f >= 0 with p relative to the list's centre.
@@ -55,6 +57,7 @@ inline constexpr uint32_t kMissed = 0, kUnsure = 1, kInside = 2;
 struct Kernels {
     void (*fromHalf)(const uint16_t* texels, float (*normal)[kLanes]); ///< 16 texels of four halves.
     void (*receivers)(const Constants& constants, const Texels& texels, Block& block);
+    void (*summedReceivers)(const Constants& constants, const Texels& texels, Block& block);
     /// Widens [lower, upper] along three axes by what the blocks' rays start from, relative to `centre`.
     void (*bound)(const Block* blocks, uint32_t count, const float* centre, const float (*axes)[3], float* lower,
                   float* upper);

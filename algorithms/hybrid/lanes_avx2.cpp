@@ -5,6 +5,10 @@
 namespace gnomon::lanes {
 #include "algorithms/hybrid/lanes_kernel.inc"
 
-constinit const Kernels kAvx2{.fromHalf = fromHalf, .receivers = receivers, .bound = bound, .classify = classify};
+constinit const Kernels kAvx2{.fromHalf = fromHalf,
+                              .receivers = receivers,
+                              .summedReceivers = summedReceivers,
+                              .bound = bound,
+                              .classify = classify};
 
 } // namespace gnomon::lanes

@@ -3,6 +3,10 @@
 namespace gnomon::lanes {
 #include "algorithms/hybrid/lanes_kernel.inc"
 
-constinit const Kernels kBaseline{.fromHalf = fromHalf, .receivers = receivers, .bound = bound, .classify = classify};
+constinit const Kernels kBaseline{.fromHalf = fromHalf,
+                                  .receivers = receivers,
+                                  .summedReceivers = summedReceivers,
+                                  .bound = bound,
+                                  .classify = classify};
 
 } // namespace gnomon::lanes

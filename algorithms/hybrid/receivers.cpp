@@ -37,7 +37,7 @@ glm::vec3 Receivers::normalAt(std::size_t pixel) const
         std::memcpy(texel, normals_.data() + pixel * sizeof texel, sizeof texel);
         normal = {texel[0], texel[1], texel[2]};
     }
-    return normal / gpu::max(gpu::length(normal), 1e-20f); // halves are unit length to 1e-3 only
+    return normal * (1.0f / gpu::max(gpu::length(normal), 1e-20f)); // halves are unit length to 1e-3 only
 }
 
 void Receivers::prefetch(std::uint32_t x, std::uint32_t y) const

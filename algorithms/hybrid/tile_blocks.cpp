@@ -57,12 +57,18 @@ void packRays(const Block& block, const LightView& light, RayPacket& packet)
     std::memcpy(packet.tfar, block.tfar, sizeof packet.tfar);
     const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
     const glm::vec3 from = directional ? -light.direction() : light.position();
-    for (int axis = 0; axis < 3; ++axis)
-        for (std::uint32_t i = 0; i < kLanes; ++i)
-            packet.direction[axis][i] = directional ? from[axis] : from[axis] - block.origin[axis][i];
-    packet.asked = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float towards = from[axis];
+        if (directional)
+            std::fill_n(packet.direction[axis], kLanes, towards);
+        else
+            for (std::uint32_t i = 0; i < kLanes; ++i)
+                packet.direction[axis][i] = towards - block.origin[axis][i];
+    }
+    std::uint32_t asked = 0;
     for (std::uint32_t i = 0; i < kLanes; ++i)
-        packet.asked |= static_cast<std::uint32_t>(block.asked[i] == kRay) << i;
+        asked |= block.asked[i] == kRay ? RayPacket::kBits[i] : 0u;
+    packet.asked = asked;
 }
 
 BlockReader::BlockReader(const Kernels& kernels, const CameraView& view, const LightView& light,
@@ -159,9 +165,8 @@ void BlockReader::prefetch(std::uint32_t x, std::uint32_t y) const
     }
 }
 
-void BlockReader::read(std::uint32_t x, std::uint32_t y, Block& block) const
+void BlockReader::texels(std::uint32_t x, std::uint32_t y, Texels& texels) const
 {
-    Texels texels;
     const std::uint32_t left = static_cast<std::uint32_t>(area_.offset.x) + x;
     const std::uint32_t top = static_cast<std::uint32_t>(area_.offset.y) + y;
     for (std::uint32_t i = 0; i < kLanes; ++i) {
@@ -172,7 +177,20 @@ void BlockReader::read(std::uint32_t x, std::uint32_t y, Block& block) const
         whole(std::size_t(top) * width_ + left, texels);
     else
         part(x, y, texels);
-    kernels_.receivers(constants_, texels, block);
+}
+
+void BlockReader::read(std::uint32_t x, std::uint32_t y, Block& block) const
+{
+    Texels read;
+    texels(x, y, read);
+    kernels_.receivers(constants_, read, block);
+}
+
+void BlockReader::readSummed(std::uint32_t x, std::uint32_t y, Block& block) const
+{
+    Texels read;
+    texels(x, y, read);
+    kernels_.summedReceivers(constants_, read, block);
 }
 
 } // namespace gnomon

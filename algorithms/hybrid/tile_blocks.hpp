@@ -32,10 +32,12 @@ public:
 
     /// The block whose first pixel is at (x, y) of the view's area. Lanes beyond the area ask nothing.
     void read(std::uint32_t x, std::uint32_t y, lanes::Block& block) const;
+    void readSummed(std::uint32_t x, std::uint32_t y, lanes::Block& block) const;
     /// Calls for what read() will read there, which may be beyond the area.
     void prefetch(std::uint32_t x, std::uint32_t y) const;
 
 private:
+    void texels(std::uint32_t x, std::uint32_t y, lanes::Texels& texels) const;
     void whole(std::size_t pixel, lanes::Texels& texels) const;
     void part(std::uint32_t x, std::uint32_t y, lanes::Texels& texels) const;
     void normal(const std::byte* texel, lanes::Texels& texels, std::uint32_t lane) const;

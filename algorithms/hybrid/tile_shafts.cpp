@@ -126,7 +126,7 @@ void TileRows::read(std::uint32_t left, std::uint32_t top)
         Block& block = blocks_[i];
         block.rays = 0;
         if (x >= extent.width || y >= extent.height) continue;
-        reader_.read(x, y, block);
+        reader_.readSummed(x, y, block);
         std::uint8_t bytes[kLanes];
         std::memset(bytes, before[lanes::kRay], kLanes);
         if (block.rays != kLanes)

@@ -39,10 +39,17 @@ constexpr std::uint32_t kBlocks = 16;
 void show(const Shades& shades, const lanes::Block& block, std::uint32_t blocked, std::uint8_t* first,
           std::uint32_t stride)
 {
-    const std::uint8_t before[] = {shades.lit, shades.dark, shades.unoccluded}; // by lanes::Block::asked
+    const std::uint32_t lit = shades.lit, dark = shades.dark;
+    const std::uint32_t unoccluded = shades.unoccluded, occluded = shades.occluded;
+    std::uint32_t words[kLanes]; // vectors of words first
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+        const std::uint32_t said = (blocked & RayPacket::kBits[lane]) != 0 ? occluded : unoccluded;
+        const std::uint32_t asked = block.asked[lane];
+        words[lane] = asked == lanes::kRay ? said : asked == lanes::kDark ? dark : lit;
+    }
     std::uint8_t bytes[kLanes];
     for (std::uint32_t lane = 0; lane < kLanes; ++lane)
-        bytes[lane] = (blocked >> lane & 1) != 0 ? shades.occluded : before[block.asked[lane]];
+        bytes[lane] = static_cast<std::uint8_t>(words[lane]);
     for (std::uint32_t y = 0; y < kBlockSide; ++y)
         std::memcpy(first + std::size_t(y) * stride, bytes + y * kBlockSide, kBlockSide);
 }
@@ -59,10 +66,16 @@ void traceBlocks(const TraceJob& job, const HostContext& host, const BlockReader
         std::size_t rays = 0;
         for (std::uint32_t i = 0; i < count; ++i) {
             reader.read(left + i * kBlockSide, top, blocks[i]);
-            packRays(blocks[i], *job.light, packets[i]);
+            packets[i].asked = 0;
+            if (blocks[i].rays > 0) packRays(blocks[i], *job.light, packets[i]);
             rays += blocks[i].rays;
         }
-        host.rays->occluded(std::span(packets, count), job.light->mask, std::span(blocked, count));
+        for (std::uint32_t i = count; i < 2 * count; ++i) // arrives while these are traced
+            reader.prefetch(left + i * kBlockSide, top);
+        if (rays > 0)
+            host.rays->occluded(std::span(packets, count), job.light->mask, std::span(blocked, count));
+        else
+            std::fill_n(blocked, count, std::uint16_t{0});
         host.countRays(rays);
         for (std::uint32_t i = 0; i < count; ++i)
             show(job.shades, blocks[i], blocked[i], &rows[left + i * kBlockSide], stride);

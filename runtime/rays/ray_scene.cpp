@@ -186,11 +186,15 @@ void tracePackets(RTCScene scene, Query& query, std::span<const RayPacket> packe
         }
         std::memcpy(rays.tfar, packet.tfar, sizeof packet.tfar);
         for (std::uint32_t i = 0; i < RayPacket::kWidth; ++i)
-            valid[i] = -static_cast<int>(packet.asked >> i & 1);
+            valid[i] = (packet.asked & RayPacket::kBits[i]) != 0 ? -1 : 0;
         rtcOccluded16(valid, scene, &query.context, &rays);
+        // A hit leaves tfar = -infinity. Signs as integers: comparing floats is kept lane by lane, since it may trap.
+        std::int32_t before[RayPacket::kWidth], after[RayPacket::kWidth];
+        std::memcpy(before, packet.tfar, sizeof before);
+        std::memcpy(after, rays.tfar, sizeof after);
         std::uint32_t bits = 0;
-        for (std::uint32_t i = 0; i < RayPacket::kWidth; ++i) // a hit leaves tfar = -infinity
-            bits |= static_cast<std::uint32_t>((rays.tfar[i] < 0.0f) & (packet.tfar[i] >= 0.0f)) << i;
+        for (std::uint32_t i = 0; i < RayPacket::kWidth; ++i)
+            bits |= (after[i] & ~before[i]) < 0 ? RayPacket::kBits[i] : 0u;
         blocked[p] = static_cast<std::uint16_t>(bits & packet.asked);
     }
 }

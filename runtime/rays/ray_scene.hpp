@@ -32,6 +32,11 @@ struct alignas(64) RayPacket {
     static constexpr std::uint32_t kWidth = 16;
     float origin[3][kWidth], direction[3][kWidth], tfar[kWidth];
     std::uint32_t asked; ///< Bit i: ray i is there.
+
+    /// 1 << i: what baseline vectors cannot shift by, they can look up.
+    static constexpr std::uint32_t kBits[kWidth] = {1u,       1u << 1,  1u << 2,  1u << 3,  1u << 4,  1u << 5,
+                                                    1u << 6,  1u << 7,  1u << 8,  1u << 9,  1u << 10, 1u << 11,
+                                                    1u << 12, 1u << 13, 1u << 14, 1u << 15};
 };
 
 /// What revisions of a mesh hand on for as long as its triangles stay the same: a tree that nobody traces any more is

@@ -100,7 +100,8 @@ GN_SHARED_FN float receiverOffset(ViewConstants view, LightConstants light, floa
                                   vec3 normalWs)
 {
     float w = linearDepth(view, depth);
-    float u = depthUlpWs(view, depth, ray) * abs(dot(normalWs, ray)) / length(ray);
+    float ulp = uintBitsToFloat(floatBitsToUint(depth) + 1u) - depth;
+    float u = w * w * abs(view.depthMul / view.depthScale) * ulp * abs(dot(normalWs, ray)); // depthUlpWs() |n.v|
     float f = w * view.pixelSize;
     float c = largestCoordinate(view, light, receiverWs);
     return view.offsetFactor * (u + f / 256.0f + c * (1.0f / 2097152.0f));

@@ -22,7 +22,7 @@ using namespace gnomon::demo;
 
 namespace {
 
-constexpr uint32_t kTile = 4, kRepeats = 15;
+constexpr uint32_t kTile = 4, kRepeats = 60;
 
 void flushDenormals()
 {

@@ -83,7 +83,7 @@ int wrongLanes(const CameraView& view, const LightView& light, const std::vector
     for (std::uint32_t y = 0; y < kHeight; y += 4)
         for (std::uint32_t x = 0; x < kWidth; x += 4) {
             lanes::Block block;
-            reader.read(x, y, block);
+            reader.readSummed(x, y, block);
             for (std::uint32_t i = 0; i < lanes::kLanes; ++i) {
                 const std::uint32_t px = x + i % 4, py = y + i / 4;
                 if (px >= kWidth || py >= kHeight) {
