@@ -44,7 +44,6 @@ OctreeVolume::OctreeVolume(const AlgorithmServices& services)
     : vk_(*services.vk), pipelines_(makeVolumeCountPipelines(services, kNames)),
       view_(makeViewStencilPipelines(services)), cull_(makeVolumeCullPipelines(services))
 {
-    view_.strips = makeViewStripsPipeline(services);
 }
 
 /// The light's kept volumes as they concern one view; in the frame's arena.
@@ -130,8 +129,7 @@ void planStatics(PassBuilder& passes, const ShadowTask& task, const VolumeCullPi
 void OctreeVolume::declare(PassBuilder& passes, const ShadowTask& task)
 {
     const bool bounded = task.settings[kBounded] != 0.0, zFailForAll = task.settings[kZFail] != 0.0;
-    // With strips in any case: they cost nothing that can be measured, and so the view's lights share one pass.
-    const ViewStencil stencil = declareViewStencil(passes, view_, task, true);
+    const ViewStencil stencil = declareViewStencil(passes, view_, task);
     // What moves with the light is new in every frame: there is nothing to keep, and nothing is looked for.
     if (!task.light->isStatic) {
         const VolumePlan* plan = planVolumes(passes, task, stencil, bounded, zFailForAll);
@@ -154,7 +152,7 @@ void OctreeVolume::declare(PassBuilder& passes, const ShadowTask& task)
 
 VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent, GnLightType)
 {
-    return viewStencilMemory(extent) + stripMemory(extent) + cullMemory(extent);
+    return viewStencilMemory(extent) + cullMemory(extent);
 }
 
 const char* missing(const DeviceTable&)

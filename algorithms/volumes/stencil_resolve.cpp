@@ -4,7 +4,7 @@
 
 #include "runtime/scene/light_pixels.hpp"
 #include "shaders/volumes_resolve_frag.h"
-#include "shaders/volumes_resolve_vert.h"
+#include "shaders/volumes_resolve_tiles_vert.h"
 
 namespace gnomon {
 
@@ -13,13 +13,16 @@ namespace {
 constexpr BindingInfo kResolveBindings[] = {
     {.binding = 0, .kind = BindingKind::constants},
     {.binding = 1, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
-    {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT}};
+    {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
+    {.binding = 3, .kind = BindingKind::storageBuffer}};
 
 PipelineId makeResolvePipeline(const AlgorithmServices& services, const char* name, bool counted)
 {
     GraphicsPipelineInfo info{
         .name = name,
-        .vertex = {.code = k_volumes_resolve_vert},
+        .vertex = {.code = k_volumes_resolve_tiles_vert,
+                   .specializationCount = 1,
+                   .specialization = {counted ? 1u : 0u}},
         .fragment = {.code = k_volumes_resolve_frag, .specializationCount = 1, .specialization = {counted ? 1u : 0u}},
         .bindings = kResolveBindings};
     info.blendScale = !counted;
@@ -54,6 +57,7 @@ gpu::VolumeResolve volumeResolve(const CameraView& view, const LightView& light,
     block.rangeSquared = range * range;
     block.shadow = darkness.shadow;
     block.turnedAway = darkness.turnedAway;
+    block.tileColumns = tileExtent(area).width;
     return block;
 }
 
@@ -71,6 +75,7 @@ PassRef declareStencilPass(PassBuilder& passes, const ShadowTask& task, const ch
     resolve.light = task.light;
     resolve.depth = task.depth;
     resolve.normals = task.normals;
+    resolve.tiles = stencil.tiles;
     resolve.pixels = lightPixels(*task.light, *task.view);
 
     const VkRect2D& area = task.view->area;
@@ -79,7 +84,8 @@ PassRef declareStencilPass(PassBuilder& passes, const ShadowTask& task, const ch
         .writes(task.visibility, {.layer = task.layer, .clear = true, .value = {.color = {{1.0f, 0.0f, 0.0f, 0.0f}}}})
         .depthTest(stencil.image)
         .stencilWrite(stencil.image, {.clear = true})
-        .samples(task.depth);
+        .samples(task.depth)
+        .reads(stencil.tiles);
     if (task.normals) pass.samples(task.normals);
     return pass;
 }
@@ -90,9 +96,11 @@ void recordResolve(PassContext& gpu, const StencilResolve& resolve, const Resolv
     const Bound depth = gpu.sampled(1, resolve.depth, SamplerKind::nearest, 0);
     // Without normals the shader does not read them; something must be bound.
     const Bound normals = gpu.sampled(2, resolve.normals ? resolve.normals : resolve.depth, SamplerKind::nearest, 0);
+    const Bound tiles = gpu.storage(3, resolve.tiles);
+    const VkExtent2D count = tileExtent(resolve.view->area);
     for (const PipelineId pipeline : {pipelines.counted, pipelines.withoutCasters}) {
-        gpu.bind(pipeline, {constants, depth, normals});
-        gpu.drawFullscreen();
+        gpu.bind(pipeline, {constants, depth, normals, tiles});
+        gpu.vk->vkCmdDraw(gpu.cmd, 6 * count.width * count.height, 1, 0, 0); // resolve_tiles.vert
     }
 }
 

@@ -26,6 +26,7 @@ struct StencilResolve {
     const CameraView* view = nullptr;
     const LightView* light = nullptr;
     ImageId depth, normals;
+    BufferId tiles;    ///< Of ViewStencil.
     VkRect2D pixels{}; ///< Where the light can reach; of no extent: nowhere.
     Darkness darkness;
 };

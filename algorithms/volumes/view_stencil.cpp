@@ -1,26 +1,42 @@
 #include "algorithms/volumes/view_stencil.hpp"
 
 #include "runtime/scene/light_pixels.hpp"
-#include "shaders/volumes/cull.h"
+#include "shaders/volumes/receiver_tile.h"
 
-#include "shaders/volumes_receiver_bounds_comp.h"
 #include "shaders/volumes_receiver_strips_comp.h"
+#include "shaders/volumes_receiver_tiles_comp.h"
 
 namespace gnomon {
 
 namespace {
 
-/// Block of receiver_bounds.comp, std140.
-struct BoundsConstants {
+/// Block of receiver_strips.comp, std140.
+struct StripConstants {
     gpu::ViewConstants view;
     glm::uvec4 area;
-    std::uint32_t stride;
-    std::uint32_t padding[3];
+    glm::uvec4 sizes;
 };
+
+std::uint32_t roundedUp(std::uint32_t value, std::uint32_t unit)
+{
+    return (value + unit - 1) / unit * unit;
+}
+
+/// Pixels in a row of the buffer: strips are read and written whole.
+std::uint32_t bufferWidth(VkExtent2D extent)
+{
+    return roundedUp(extent.width, gpu::STRIP_COLUMNS);
+}
+
+VkDeviceSize depthsSize(VkExtent2D extent)
+{
+    return VkDeviceSize{4} * bufferWidth(extent) * extent.height;
+}
 
 VkBufferImageCopy2 wholeDepth(VkExtent2D extent)
 {
     return {.sType = VK_STRUCTURE_TYPE_BUFFER_IMAGE_COPY_2,
+            .bufferRowLength = bufferWidth(extent),
             .imageSubresource = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 0, 1},
             .imageExtent = {extent.width, extent.height, 1}};
 }
@@ -56,31 +72,69 @@ void recordDepthIn(const PassContext& gpu, BufferId buffer, ImageId image, VkExt
     gpu.vk->vkCmdCopyBufferToImage2(gpu.cmd, &copy);
 }
 
-constexpr BindingInfo kBindings[] = {{.binding = 0, .kind = BindingKind::constants},
-                                     {.binding = 1, .kind = BindingKind::storageBuffer},
-                                     {.binding = 2, .kind = BindingKind::storageBuffer},
-                                     {.binding = 3, .kind = BindingKind::storageBuffer}}; // strips
+constexpr BindingInfo kStripBindings[] = {
+    {.binding = 0, .kind = BindingKind::constants},
+    {.binding = 1, .kind = BindingKind::storageBuffer},
+    {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
+    {.binding = 3, .kind = BindingKind::storageBuffer}};
+constexpr BindingInfo kTileBindings[] = {{.binding = 0, .kind = BindingKind::constants},
+                                         {.binding = 1, .kind = BindingKind::storageBuffer},
+                                         {.binding = 2, .kind = BindingKind::storageBuffer},
+                                         {.binding = 3, .kind = BindingKind::storageBuffer}};
 
-/// @param strips null id: bounds of the whole only.
-void declareBounds(PassBuilder& passes, PipelineId pipeline, const ShadowTask& task, BufferId depths, BufferId bounds,
-                   BufferId strips)
+/// Column where the first strip of a row begins.
+std::uint32_t firstColumn(const VkRect2D& area)
+{
+    return static_cast<std::uint32_t>(area.offset.x) / gpu::STRIP_COLUMNS * gpu::STRIP_COLUMNS;
+}
+
+/// Strips in a row of an area, and rows of them.
+VkExtent2D stripExtent(const VkRect2D& area)
+{
+    const std::uint32_t columns = static_cast<std::uint32_t>(area.offset.x) + area.extent.width - firstColumn(area);
+    return {roundedUp(columns, gpu::STRIP_COLUMNS) / gpu::STRIP_COLUMNS,
+            roundedUp(area.extent.height, gpu::TILE_ROWS) / gpu::TILE_ROWS};
+}
+
+VkDeviceSize sizeOf(VkExtent2D tiles)
+{
+    return VkDeviceSize{sizeof(gpu::ReceiverTile)} * tiles.width * tiles.height;
+}
+
+std::uint32_t groups(std::uint32_t invocations)
+{
+    return (invocations + gpu::STRIP_GROUP - 1) / gpu::STRIP_GROUP;
+}
+
+void declareStrips(PassBuilder& passes, PipelineId pipeline, const ShadowTask& task, BufferId depths, BufferId strips)
 {
     const CameraView* view = task.view;
-    // Two passes, and each once a view: where some lights ask for strips and others do not, both run.
-    PassRef pass = passes.compute(strips ? "volumes.receiver_strips" : "volumes.receiver_bounds", Scope::view);
-    pass.reads(depths).updates(bounds);
-    if (strips) pass.writes(strips);
-    pass.record([=](PassContext& gpu) {
-        const BoundsConstants block{
+    // Without normals the shader does not use them; something must be bound.
+    const ImageId normals = task.normals ? task.normals : task.depth;
+    PassRef pass = passes.compute("volumes.receiver_strips", Scope::view);
+    pass.samples(normals).updates(depths).writes(strips).record([=](PassContext& gpu) {
+        const VkRect2D& area = view->area;
+        const VkExtent2D count = stripExtent(area);
+        const StripConstants block{
             .view = view->constants,
-            .area = {view->area.offset.x, view->area.offset.y, view->area.extent.width, view->area.extent.height},
-            .stride = view->extent.width,
-            .padding = {}};
-        const Bound bound[] = {gpu.constants(0, block), gpu.storage(1, depths), gpu.storage(2, bounds),
-                               gpu.storage(3, strips ? strips : bounds)};
-        gpu.bind(pipeline, std::span(bound).first(strips ? 4 : 3));
-        gpu.vk->vkCmdDispatch(gpu.cmd, (block.area.z + gpu::BOUNDS_COLUMNS - 1) / gpu::BOUNDS_COLUMNS,
-                              (block.area.w + gpu::BOUNDS_ROWS - 1) / gpu::BOUNDS_ROWS, 1);
+            .area = {area.offset.x, area.offset.y, area.extent.width, area.extent.height},
+            .sizes = {firstColumn(area), count.width, bufferWidth(view->extent) / gpu::STRIP_COLUMNS, 0}};
+        gpu.bind(pipeline, {gpu.constants(0, block), gpu.storage(1, depths),
+                            gpu.sampled(2, normals, SamplerKind::nearest, 0), gpu.storage(3, strips)});
+        gpu.vk->vkCmdDispatch(gpu.cmd, groups(count.width), count.height, 1);
+    });
+}
+
+void declareTiles(PassBuilder& passes, PipelineId pipeline, const CameraView* view, BufferId strips, BufferId tiles,
+                  BufferId bounds)
+{
+    PassRef pass = passes.compute("volumes.receiver_tiles", Scope::view);
+    pass.reads(strips).writes(tiles).updates(bounds).record([=](PassContext& gpu) {
+        const VkExtent2D extent = tileExtent(view->area);
+        const glm::uvec4 size(stripExtent(view->area).width, extent.width, extent.width * extent.height, 0);
+        gpu.bind(pipeline,
+                 {gpu.constants(0, size), gpu.storage(1, strips), gpu.storage(2, tiles), gpu.storage(3, bounds)});
+        gpu.vk->vkCmdDispatch(gpu.cmd, groups(size.z), 1, 1);
     });
 }
 
@@ -88,33 +142,32 @@ void declareBounds(PassBuilder& passes, PipelineId pipeline, const ShadowTask& t
 
 ViewStencilPipelines makeViewStencilPipelines(const AlgorithmServices& services)
 {
-    return {.bounds = services.pipelines->compute({.name = "volumes.receiver_bounds",
-                                                   .compute = {.code = k_volumes_receiver_bounds_comp},
-                                                   .bindings = std::span(kBindings).first(3)}),
-            .strips = {}};
+    return {.strips = services.pipelines->compute({.name = "volumes.receiver_strips",
+                                                   .compute = {.code = k_volumes_receiver_strips_comp},
+                                                   .bindings = kStripBindings}),
+            .tiles = services.pipelines->compute({.name = "volumes.receiver_tiles",
+                                                  .compute = {.code = k_volumes_receiver_tiles_comp},
+                                                  .bindings = kTileBindings})};
 }
 
-PipelineId makeViewStripsPipeline(const AlgorithmServices& services)
+VkExtent2D tileExtent(const VkRect2D& area)
 {
-    return services.pipelines->compute({.name = "volumes.receiver_strips",
-                                        .compute = {.code = k_volumes_receiver_strips_comp},
-                                        .bindings = kBindings});
+    const VkExtent2D strips = stripExtent(area);
+    return {roundedUp(strips.width, gpu::STRIPS_A_TILE) / gpu::STRIPS_A_TILE, strips.height};
 }
 
-VkExtent2D stripExtent(VkExtent2D area)
-{
-    return {area.width, (area.height + gpu::BOUNDS_ROWS - 1) / gpu::BOUNDS_ROWS};
-}
-
-ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& pipelines, const ShadowTask& task,
-                               bool strips)
+ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& pipelines, const ShadowTask& task)
 {
     const VkExtent2D extent = task.view->extent;
+    const VkRect2D& area = task.view->area;
+    const auto buffer = [&](const char* name, VkDeviceSize size) {
+        return passes.transient(BufferInfo{.name = name, .scope = Scope::view, .size = size});
+    };
     // Depth and depth-stencil images cannot be copied to each other directly; through a buffer the bits survive.
-    const BufferId depths = passes.transient(BufferInfo{
-        .name = "volumes.depths", .scope = Scope::view, .size = VkDeviceSize{4} * extent.width * extent.height});
-    const BufferId bounds = passes.transient(
-        BufferInfo{.name = "volumes.bounds", .scope = Scope::view, .size = sizeof(gpu::ReceiverBounds)});
+    const BufferId depths = buffer("volumes.depths", depthsSize(extent));
+    const BufferId bounds = buffer("volumes.bounds", sizeof(gpu::ReceiverBounds));
+    const BufferId strips = buffer("volumes.strips", sizeOf(stripExtent(area)));
+    const BufferId tiles = buffer("volumes.receiver_tiles", sizeOf(tileExtent(area)));
     const ImageId image = passes.transient(
         ImageInfo{.name = "volumes.depth_stencil", .scope = Scope::view, .format = kStencilFormat, .extent = extent});
 
@@ -124,20 +177,12 @@ ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& 
         .writes(depths)
         .writes(bounds)
         .record([=](PassContext& gpu) { recordDepthOut(gpu, depth, depths, bounds, extent); });
+    declareStrips(passes, pipelines.strips, task, depths, strips);
+    declareTiles(passes, pipelines.tiles, task.view, strips, tiles, bounds);
     passes.transfer("volumes.depth_in", Scope::view).reads(depths).writes(image).record([=](PassContext& gpu) {
         recordDepthIn(gpu, depths, image, extent);
     });
-
-    BufferId stripBoxes;
-    if (strips && pipelines.strips) {
-        const VkExtent2D count = stripExtent(task.view->area.extent);
-        stripBoxes =
-            passes.transient(BufferInfo{.name = "volumes.strips",
-                                        .scope = Scope::view,
-                                        .size = VkDeviceSize{sizeof(gpu::ReceiverBox)} * count.width * count.height});
-    }
-    declareBounds(passes, stripBoxes ? pipelines.strips : pipelines.bounds, task, depths, bounds, stripBoxes);
-    return {.image = image, .receiverBounds = bounds, .strips = stripBoxes};
+    return {.image = image, .receiverBounds = bounds, .tiles = tiles};
 }
 
 glm::mat4 clipFromEye(const CameraView& view)
@@ -166,15 +211,11 @@ gpu::VolumeConstants volumeConstants(const CameraView& view, const LightView& li
 
 VkDeviceSize viewStencilMemory(VkExtent2D extent)
 {
-    // Depth and stencil take 8 bytes a pixel on many devices, the buffer 4.
-    const VkDeviceSize pixels = VkDeviceSize{extent.width} * extent.height;
-    return 8 * pixels + pooledSize(4 * pixels) + pooledSize(sizeof(gpu::ReceiverBounds));
-}
-
-VkDeviceSize stripMemory(VkExtent2D extent)
-{
-    const VkExtent2D count = stripExtent(extent);
-    return pooledSize(VkDeviceSize{sizeof(gpu::ReceiverBox)} * count.width * count.height);
+    // Depth and stencil take 8 bytes a pixel on many devices.
+    const VkRect2D whole{{0, 0}, extent};
+    return VkDeviceSize{8} * extent.width * extent.height + pooledSize(depthsSize(extent)) +
+           pooledSize(sizeof(gpu::ReceiverBounds)) + pooledSize(sizeOf(stripExtent(whole))) +
+           pooledSize(sizeOf(tileExtent(whole)));
 }
 
 } // namespace gnomon

@@ -9,24 +9,21 @@ namespace gnomon {
 inline constexpr VkFormat kStencilFormat = VK_FORMAT_D32_SFLOAT_S8_UINT;
 
 struct ViewStencilPipelines {
-    PipelineId bounds;
-    PipelineId strips; ///< The same, with the bounds of every strip; only of makeViewStripsPipeline().
+    PipelineId strips, tiles;
 };
 ViewStencilPipelines makeViewStencilPipelines(const AlgorithmServices& services);
-PipelineId makeViewStripsPipeline(const AlgorithmServices& services);
 
 struct ViewStencil {
-    ImageId image;           ///< kStencilFormat, the host's depth bit by bit; stencil undefined.
+    ImageId image;           ///< kStencilFormat: the host's depth, lifted (receiver_tile.h); stencil undefined.
     BufferId receiverBounds; ///< gpu::ReceiverBounds, relative to the eye; sky left out.
-    BufferId strips;         ///< gpu::ReceiverBox of every BOUNDS_ROWS pixels of a column, row by row; if asked for.
+    BufferId tiles;          ///< gpu::ReceiverTile, row by row.
 };
 
-/// Declares the copy and the bounds for task.view; the strips if `pipelines` can make them and they are asked for.
-ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& pipelines, const ShadowTask& task,
-                               bool strips = false);
+/// Declares all of it for task.view.
+ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& pipelines, const ShadowTask& task);
 
-/// Strips in a row and in a column of an area of pixels.
-VkExtent2D stripExtent(VkExtent2D area);
+/// Tiles in a row and in a column of an area of pixels.
+VkExtent2D tileExtent(const VkRect2D& area);
 
 /// clip = clipFromEye(view) * vec4(positionEs, 1): relative to the eye, in world axes.
 glm::mat4 clipFromEye(const CameraView& view);
@@ -35,8 +32,7 @@ glm::mat4 clipFromEye(const CameraView& view);
 /// @param bounded volumes end behind the farthest visible receiver, else at infinity.
 gpu::VolumeConstants volumeConstants(const CameraView& view, const LightView& light, bool bounded);
 
-/// Device bytes of copy and bounds in a view of this extent, and of the strips.
+/// Device bytes of all that in a view of this extent.
 VkDeviceSize viewStencilMemory(VkExtent2D extent);
-VkDeviceSize stripMemory(VkExtent2D extent);
 
 } // namespace gnomon

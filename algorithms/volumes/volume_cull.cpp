@@ -6,7 +6,6 @@
 #include "shaders/volumes/cull.h"
 #include "shaders/volumes_cull_volumes_comp.h"
 #include "shaders/volumes_reached_tiles_comp.h"
-#include "shaders/volumes_receiver_tiles_comp.h"
 
 namespace gnomon {
 
@@ -37,31 +36,15 @@ std::uint32_t groups(std::size_t invocations)
     return static_cast<std::uint32_t>((invocations + gpu::CULL_GROUP - 1) / gpu::CULL_GROUP);
 }
 
-/// strips in a row, tiles in a row, tiles.
-glm::uvec4 tileCounts(VkExtent2D area)
+std::uint32_t tileCount(const VkRect2D& area)
 {
-    const VkExtent2D strips = stripExtent(area);
-    const std::uint32_t columns = (strips.width + gpu::TILE_COLUMNS - 1) / gpu::TILE_COLUMNS;
-    return {strips.width, columns, columns * strips.height, 0};
+    const VkExtent2D tiles = tileExtent(area);
+    return tiles.width * tiles.height;
 }
 
 VkDeviceSize reachedSize(std::uint32_t tiles)
 {
     return kReachedHead + VkDeviceSize{sizeof(gpu::ReachedBox)} * tiles;
-}
-
-BufferId declareTiles(PassBuilder& passes, PipelineId pipeline, const ShadowTask& task, const ViewStencil& stencil)
-{
-    const glm::uvec4 counts = tileCounts(task.view->area.extent);
-    const BufferId tiles = passes.transient(BufferInfo{.name = "volumes.receiver_tiles",
-                                                       .scope = Scope::view,
-                                                       .size = VkDeviceSize{sizeof(gpu::ReceiverBox)} * counts.z});
-    const BufferId strips = stencil.strips;
-    passes.compute("volumes.receiver_tiles", Scope::view).reads(strips).writes(tiles).record([=](PassContext& gpu) {
-        gpu.bind(pipeline, {gpu.constants(0, counts), gpu.storage(1, strips), gpu.storage(2, tiles)});
-        gpu.vk->vkCmdDispatch(gpu.cmd, groups(counts.z), 1, 1);
-    });
-    return tiles;
 }
 
 // --- what is kept ---
@@ -169,7 +152,7 @@ gpu::ReachConstants reachConstants(const ShadowTask& task, const StaticVolumes& 
     block.sine = cone ? std::sin(light.coneAngle) : 0.0f;
     // Squared in the shader; whatever is beyond the root of the largest float has no end.
     block.range = std::min(light.constants.range, 1e18f);
-    block.tileCount = tileCounts(task.view->area.extent).z;
+    block.tileCount = tileCount(task.view->area);
     block.umbraMask = usableUmbrae(volumes, *task.view);
     return block;
 }
@@ -203,17 +186,15 @@ BufferId commandsOf(PassBuilder& passes, const char* name, const VolumeList& lis
 
 VolumeCullPipelines makeVolumeCullPipelines(const AlgorithmServices& services)
 {
-    return {.tiles = makeCompute(services, "volumes.receiver_tiles", k_volumes_receiver_tiles_comp, 3),
-            .reached = makeCompute(services, "octree_volume.reached", k_volumes_reached_tiles_comp, 4),
+    return {.reached = makeCompute(services, "octree_volume.reached", k_volumes_reached_tiles_comp, 4),
             .cull = makeCompute(services, "octree_volume.cull", k_volumes_cull_volumes_comp, 7)};
 }
 
 CulledCommands declareCull(PassBuilder& passes, const VolumeCullPipelines& pipelines, const ShadowTask& task,
                            const ViewStencil& stencil, const VolumeCull& cull)
 {
-    const BufferId tiles = declareTiles(passes, pipelines.tiles, task, stencil);
     const BufferId kept = declareKept(passes, cull);
-    const BufferId reached = declareReached(passes, pipelines.reached, task, *cull.volumes, tiles, kept);
+    const BufferId reached = declareReached(passes, pipelines.reached, task, *cull.volumes, stencil.tiles, kept);
     const CulledCommands commands{.sides = commandsOf(passes, "octree_volume.sides", cull.sides),
                                   .caps = commandsOf(passes, "octree_volume.caps", cull.caps)};
 
@@ -239,8 +220,7 @@ CulledCommands declareCull(PassBuilder& passes, const VolumeCullPipelines& pipel
 
 VkDeviceSize cullMemory(VkExtent2D extent)
 {
-    const std::uint32_t tiles = tileCounts(extent).z;
-    return pooledSize(VkDeviceSize{sizeof(gpu::ReceiverBox)} * tiles) + pooledSize(reachedSize(tiles));
+    return pooledSize(reachedSize(tileCount({{0, 0}, extent})));
 }
 
 } // namespace gnomon

@@ -12,7 +12,7 @@
 namespace gnomon {
 
 struct VolumeCullPipelines {
-    PipelineId tiles, reached, cull;
+    PipelineId reached, cull;
 };
 VolumeCullPipelines makeVolumeCullPipelines(const AlgorithmServices& services);
 
@@ -29,11 +29,11 @@ struct CulledCommands {
     BufferId sides, caps;
 };
 
-/// Declares the choice. `stencil` must have been declared with strips.
+/// Declares the choice.
 CulledCommands declareCull(PassBuilder& passes, const VolumeCullPipelines& pipelines, const ShadowTask& task,
                            const ViewStencil& stencil, const VolumeCull& cull);
 
-/// Device bytes of tiles, and of those that one light reaches, in a view of this extent.
+/// Device bytes of the tiles that one light reaches, in a view of this extent.
 VkDeviceSize cullMemory(VkExtent2D extent);
 
 } // namespace gnomon

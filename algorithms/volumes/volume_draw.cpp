@@ -26,15 +26,6 @@ float pushBy(const CameraView& view, float share)
     return -view.projection[3][2] * share / (1.0f + share);
 }
 
-/// What the offset of receivers (definition in shaders/shared/receiver.h) takes off their distance, as a share of it:
-/// 2/3 of the offset, the mean cosine between a pixel's ray and a surface without a favoured direction. Rays start
-/// there, and not on the surface, where a sheet that rises from a concave edge of the receiver's own mesh is closer
-/// than depths are exact.
-float sidePush(const CameraView& view)
-{
-    return 2.0f / 3.0f * view.constants.offsetFactor * view.constants.pixelSize / 256.0f;
-}
-
 constexpr BindingInfo kVolumeBindings[] = {{.binding = 0, .kind = BindingKind::constants},
                                            {.binding = 1, .kind = BindingKind::storageBuffer},
                                            {.binding = 2, .kind = BindingKind::storageBuffer},
@@ -254,9 +245,9 @@ void drawVolumes(PassContext& gpu, const VolumePlan& plan, const VolumePipelines
 {
     const Bound constants = gpu.constants(0, volumeConstants(*plan.view, *plan.light, plan.bounded));
     const std::size_t reversed = plan.view->reversed() ? 1 : 0;
-    const float sides = pushBy(*plan.view, sidePush(*plan.view)), caps = pushBy(*plan.view, kCapPush);
-    drawList(gpu, plan, pipelines.shape, pipelines.zPass[reversed], constants, plan.zPass, sides);
-    drawList(gpu, plan, pipelines.shape, pipelines.zFail[reversed], constants, plan.zFail, sides);
+    const float caps = pushBy(*plan.view, kCapPush);
+    drawList(gpu, plan, pipelines.shape, pipelines.zPass[reversed], constants, plan.zPass, 0.0f);
+    drawList(gpu, plan, pipelines.shape, pipelines.zFail[reversed], constants, plan.zFail, 0.0f);
     drawList(gpu, plan, pipelines.shape, pipelines.caps[reversed], constants, plan.caps, caps);
 }
 

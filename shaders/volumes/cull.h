@@ -2,7 +2,7 @@
 // the shadows of casters and the umbrae of convex ones.
 #ifndef GNOMON_VOLUMES_CULL_H
 #define GNOMON_VOLUMES_CULL_H
-#include "volume.h"
+#include "receiver_tile.h"
 
 GN_SHARED_BEGIN
 
@@ -14,19 +14,10 @@ GN_SHARED_CONST uint UMBRA_PLANES = 16u;
 GN_SHARED_CONST uint UMBRAE = 16u;
 GN_SHARED_CONST uint NO_UMBRA = 0xffffffffu;
 
-// Columns of a tile; it has BOUNDS_ROWS rows, as the strips it is made of.
-GN_SHARED_CONST uint TILE_COLUMNS = 32u;
 GN_SHARED_CONST uint CULL_GROUP = 64u; // invocations of every compute shader here
 
 // Candidates of one dispatch.
 GN_SHARED_CONST uint CANDIDATES = 1024u;
-
-// Bounds of visible receivers, relative to the eye; lower.x > upper.x: none.
-struct ReceiverBox {
-    vec4 lower;
-    vec4 upper;
-};
-GN_SHARED_SIZE(ReceiverBox, 32)
 
 // What a light matters to, in the frame's coordinates.
 struct ReachedBox {
@@ -88,14 +79,6 @@ GN_SHARED_FN bool boxBeyond(vec4 plane, vec3 center, vec3 halfExtent, float marg
 GN_SHARED_FN bool boxWithin(vec4 plane, vec3 center, vec3 halfExtent, float margin)
 {
     return dot(vec3(plane), center) + plane.w + dot(abs(vec3(plane)), halfExtent) < -margin;
-}
-
-// How much a box of receivers is widened, metres: by far more than depth values, view rays and the rasteriser's 1/256
-// pixel can be off (2^-10 of the distance from the eye is two thirds of a whole pixel of 1/700 radian).
-GN_SHARED_FN float receiverMargin(vec3 lower, vec3 upper)
-{
-    vec3 farthest = max(abs(lower), abs(upper));
-    return 1e-3f + (1.0f / 1024.0f) * max(farthest.x, max(farthest.y, farthest.z));
 }
 
 GN_SHARED_END

@@ -1,24 +1,40 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The boxes of TILE_COLUMNS strips beside each other become the box of a tile: once per view, whatever the lights.
-#include "cull.h"
+// STRIPS_A_TILE strips beside each other become a tile, and all tiles the bounds of what the camera sees:
+// once per view, whatever the lights.
+#include "receiver_tile.h"
 
-layout(local_size_x = 64) in; // CULL_GROUP
+layout(local_size_x = 64) in; // STRIP_GROUP
 
 layout(set = 0, binding = 0, std140) uniform Constants { uvec4 size; }; // strips and tiles a row, tiles
-layout(set = 0, binding = 1, std430) readonly buffer Strips { ReceiverBox strips[]; };
-layout(set = 0, binding = 2, std430) writeonly buffer Tiles { ReceiverBox tiles[]; };
+layout(set = 0, binding = 1, std430) readonly buffer Strips { ReceiverTile strips[]; };
+layout(set = 0, binding = 2, std430) writeonly buffer Tiles { ReceiverTile tiles[]; };
+layout(set = 0, binding = 3, std430) coherent buffer Bounds { ReceiverBounds bounds; };
+
+// Reading first keeps most invocations off the atomics; an outdated value only makes one more of them try.
+void widen(vec3 lower, vec3 upper)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        uint low = orderedKey(lower[axis]), high = orderedKey(upper[axis]);
+        if (low < bounds.lower[axis]) atomicMin(bounds.lower[axis], low);
+        if (high > bounds.upper[axis]) atomicMax(bounds.upper[axis], high);
+    }
+}
 
 void main()
 {
     uint tile = gl_GlobalInvocationID.x;
     if (tile >= size.z) return;
-    uint row = tile / size.y, first = (tile % size.y) * TILE_COLUMNS;
-    uint last = min(first + TILE_COLUMNS, size.x);
-    vec3 lower = vec3(1e38), upper = vec3(-1e38);
-    for (uint strip = row * size.x + first; strip < row * size.x + last; ++strip) {
-        lower = min(lower, strips[strip].lower.xyz);
-        upper = max(upper, strips[strip].upper.xyz);
+    uint row = tile / size.y, first = (tile % size.y) * STRIPS_A_TILE;
+    uint last = min(first + STRIPS_A_TILE, size.x);
+    ReceiverTile all = strips[row * size.x + first];
+    for (uint strip = row * size.x + first + 1; strip < row * size.x + last; ++strip) {
+        all.lower = min(all.lower, vec4(strips[strip].lower.xyz, 1.0));
+        all.lower.w = max(all.lower.w, strips[strip].lower.w);
+        all.upper = max(all.upper, strips[strip].upper);
+        all.normalLower = min(all.normalLower, strips[strip].normalLower);
+        all.normalUpper = max(all.normalUpper, strips[strip].normalUpper);
     }
-    tiles[tile] = ReceiverBox(vec4(lower, 0.0), vec4(upper, 0.0));
+    tiles[tile] = all;
+    if (all.lower.x <= all.upper.x) widen(all.lower.xyz, all.upper.xyz);
 }

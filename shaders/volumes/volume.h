@@ -34,7 +34,7 @@ struct VolumeResolve {
     float rangeSquared; // square metres; infinite where there is no range
     float shadow;       // visibility where the stencil is not 0
     float turnedAway;   // and on surfaces that face away from the light
-    float padding;
+    uint tileColumns;   // tiles in a row
 };
 GN_SHARED_SIZE(VolumeResolve, 224)
 
@@ -47,9 +47,6 @@ GN_SHARED_SIZE(ReceiverBounds, 24)
 
 GN_SHARED_CONST uint EMPTY_LOWER = 0xffffffffu; // what the bounds start from
 GN_SHARED_CONST uint EMPTY_UPPER = 0u;
-// Pixels of a column that one invocation of receiver_bounds.comp looks at; a workgroup is 64 columns wide.
-GN_SHARED_CONST uint BOUNDS_ROWS = 32u;
-GN_SHARED_CONST uint BOUNDS_COLUMNS = 64u;
 
 // Sorts as the floats do.
 GN_SHARED_FN uint orderedKey(float value)

@@ -90,7 +90,7 @@ uint64_t clearlyWrong(const SceneResults& results, const Pictures& pictures, siz
 } // namespace
 
 // Standard depth leaves an ulp a hundred times as long, and what is clear by the definition is not to its rasteriser.
-TEST_CASE("volumes are clearly wrong on at most two pixels a light on average, and on four of any")
+TEST_CASE("volumes are clearly wrong on at most two pixels of a frame, all its lights together")
 {
     for (const std::string& name : sceneNames()) {
         const SceneResults& results = resultsOf(name);
@@ -100,10 +100,9 @@ TEST_CASE("volumes are clearly wrong on at most two pixels a light on average, a
         for (size_t layer = 0; layer < results.truth.size(); ++layer) {
             const uint64_t ofLight = clearlyWrong(results, results.of("stencil_volume"), layer);
             MESSAGE(name << ": " << results.light(layer).name << ", clearly wrong " << ofLight);
-            CHECK(ofLight <= 4);
             clear += ofLight;
         }
-        CHECK(clear <= 2 * results.truth.size());
+        CHECK(clear <= 2);
     }
 }
 
