@@ -39,7 +39,8 @@ struct alignas(64) Block {
     // Where they are summed, of the lanes that ask; where none does, undefined.
     float normalSum[3];
     float largestOffset;
-    uint32_t finite; ///< All origins are numbers.
+    uint32_t finite;                      ///< All origins are numbers.
+    float normalLower[3], normalUpper[3]; ///< As stored; of surfaces(), where all lanes ask.
 };
 
 /// The volume in which a triangle shadows: inside four planes, n.p + f >= 0 with p relative to the list's centre.
@@ -58,6 +59,8 @@ struct Kernels {
     void (*fromHalf)(const uint16_t* texels, float (*normal)[kLanes]); ///< 16 texels of four halves.
     void (*receivers)(const Constants& constants, const Texels& texels, Block& block);
     void (*summedReceivers)(const Constants& constants, const Texels& texels, Block& block);
+    /// What summedReceivers() gives for a directional light that every surface faces.
+    void (*surfaces)(const Constants& constants, const Texels& texels, Block& block);
     /// Widens [lower, upper] along three axes by what the blocks' rays start from, relative to `centre`.
     void (*bound)(const Block* blocks, uint32_t count, const float* centre, const float (*axes)[3], float* lower,
                   float* upper);

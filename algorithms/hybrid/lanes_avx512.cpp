@@ -8,6 +8,7 @@ namespace gnomon::lanes {
 constinit const Kernels kAvx512{.fromHalf = fromHalf,
                                 .receivers = receivers,
                                 .summedReceivers = summedReceivers,
+                                .surfaces = surfaces,
                                 .bound = bound,
                                 .classify = classify};
 

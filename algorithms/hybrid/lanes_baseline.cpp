@@ -6,6 +6,7 @@ namespace gnomon::lanes {
 constinit const Kernels kBaseline{.fromHalf = fromHalf,
                                   .receivers = receivers,
                                   .summedReceivers = summedReceivers,
+                                  .surfaces = surfaces,
                                   .bound = bound,
                                   .classify = classify};
 

@@ -48,9 +48,22 @@ ShaftLight::ShaftLight(const LightView& light)
 {
 }
 
+glm::dvec3 Hull::extent() const
+{
+    return glm::abs(axis[0]) * half[0] + glm::abs(axis[1]) * half[1] + glm::abs(axis[2]) * half[2];
+}
+
 glm::dvec3 Hull::largest() const
 {
-    return glm::abs(centre) + glm::abs(axis[0]) * half[0] + glm::abs(axis[1]) * half[1] + glm::abs(axis[2]) * half[2];
+    return glm::abs(centre) + extent();
+}
+
+void Hull::turn(glm::dvec3 normals, glm::dvec3 row)
+{
+    const double size = glm::length(normals);
+    axis[2] = size > 1e-6 && size < 1e30 ? normals / size : glm::dvec3(0, 1, 0);
+    axis[0] = perpendicular(axis[2], row);
+    axis[1] = glm::cross(axis[2], axis[0]);
 }
 
 bool hullOf(const lanes::Kernels& kernels, const lanes::Block* blocks, std::uint32_t count, glm::vec3 row, Hull& hull)
@@ -67,10 +80,7 @@ bool hullOf(const lanes::Kernels& kernels, const lanes::Block* blocks, std::uint
         normal += glm::dvec3(blocks[i].normalSum[0], blocks[i].normalSum[1], blocks[i].normalSum[2]);
     }
     if (!first || !finite) return false;
-    const double size = glm::length(normal);
-    hull.axis[2] = size > 1e-6 && size < 1e30 ? normal / size : glm::dvec3(0, 1, 0);
-    hull.axis[0] = perpendicular(hull.axis[2], glm::dvec3(row));
-    hull.axis[1] = glm::cross(hull.axis[2], hull.axis[0]);
+    hull.turn(normal, row);
 
     constexpr float infinity = std::numeric_limits<float>::infinity();
     const float start[3] = {first->origin[0][0], first->origin[1][0], first->origin[2][0]};
@@ -139,6 +149,8 @@ void addSides(const ShaftLight& light, const Hull& hull, glm::dvec3 towards, Sha
 Shaft shaftOf(const ShaftLight& light, const Hull& hull)
 {
     Shaft shaft;
+    shaft.largest = hull.largest();
+    if (!light.directional) shaft.largest = glm::max(shaft.largest, glm::abs(light.position));
     glm::dvec3 towards = light.toLight;
     const glm::dvec3 toLight = light.position - hull.centre;
     if (!light.directional) towards = toLight / std::max(glm::length(toLight), 1e-20);
@@ -161,8 +173,8 @@ Shaft shaftOf(const ShaftLight& light, const Hull& hull)
 }
 
 ShaftCaster::ShaftCaster(const Caster& caster)
-    : mesh(caster.mesh), tree(caster.mesh->rays->tree().get()), basis(caster.basis), translation(caster.translation),
-      reach(largestOf(caster.bounds)),
+    : CasterReach{.translation = caster.translation, .reach = largestOf(caster.bounds)}, mesh(caster.mesh),
+      tree(caster.mesh->rays->tree().get()), basis(caster.basis),
       meshReach(glm::max(glm::abs(caster.mesh->bounds.lower), glm::abs(caster.mesh->bounds.upper))),
       opaque(opacityOf(caster) == nullptr)
 {
@@ -175,7 +187,7 @@ ShaftCaster::ShaftCaster(const Caster& caster)
         }
 }
 
-glm::dvec3 ShaftCaster::rounding(glm::dvec3 largestCoordinates) const
+glm::dvec3 CasterReach::rounding(glm::dvec3 largestCoordinates) const
 {
     return kRayRoundings * (spread * (largestCoordinates + glm::abs(translation)));
 }
@@ -222,6 +234,30 @@ bool MeshShaft::touches(glm::vec3 a, glm::vec3 b, glm::vec3 c) const
         const float* n = normal[i];
         const Int4 outside = x * n[0] + y * n[1] + z * n[2] + distance[i] < 0.0f;
         if (bitsOf(outside) == 15u) return false;
+    }
+    return true;
+}
+
+std::uint32_t MeshShaft::spannedBy(const TriangleTree::Node& node) const
+{
+    Int4 within = {};
+    for (int i = 0; i < Shaft::kSides; ++i) {
+        const float* n = normal[i];
+        const Float4 x = load(n[0] >= 0.0f ? node.lower[0] : node.upper[0]);
+        const Float4 y = load(n[1] >= 0.0f ? node.lower[1] : node.upper[1]);
+        const Float4 z = load(n[2] >= 0.0f ? node.lower[2] : node.upper[2]);
+        within |= x * n[0] + y * n[1] + z * n[2] + distance[i] > 0.0f;
+    }
+    return ~bitsOf(within) & ((1u << node.count) - 1u);
+}
+
+bool MeshShaft::spannedBy(glm::vec3 a, glm::vec3 b, glm::vec3 c) const
+{
+    const Float4 x = {a.x, b.x, c.x, c.x}, y = {a.y, b.y, c.y, c.y}, z = {a.z, b.z, c.z, c.z};
+    for (int i = 0; i < Shaft::kSides; ++i) {
+        const float* n = normal[i];
+        const Int4 within = x * n[0] + y * n[1] + z * n[2] + distance[i] > 0.0f;
+        if (bitsOf(within) == 15u) return false;
     }
     return true;
 }

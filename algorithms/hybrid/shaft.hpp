@@ -34,7 +34,10 @@ struct Hull {
         return glm::abs(glm::dot(direction, axis[0])) * half[0] + glm::abs(glm::dot(direction, axis[1])) * half[1] +
                glm::abs(glm::dot(direction, axis[2])) * half[2];
     }
+    glm::dvec3 extent() const;  ///< From the centre to the faces of the world box around it.
     glm::dvec3 largest() const; ///< Coordinates, by amount.
+    /// Sets the axes. @param normals the receivers' sum @param row direction of pixel rows
+    void turn(glm::dvec3 normals, glm::dvec3 row);
 };
 
 /// The hull of the blocks' rays; false where none asks or one is not a number. @param row direction of pixel rows
@@ -42,27 +45,34 @@ bool hullOf(const lanes::Kernels& kernels, const lanes::Block* blocks, std::uint
 
 /// Everything between a hull and the light lies inside of all planes.
 struct Shaft {
-    static constexpr int kPlanes = 6; ///< Four through the light, the receivers' own, one across the light's direction.
+    static constexpr int kSides = 4;  ///< Through the light.
+    static constexpr int kPlanes = 6; ///< The receivers' own after them, and one across the light's direction.
     glm::dvec3 normal[kPlanes];
     double distance[kPlanes];
+    glm::dvec3 largest; ///< Coordinates of hull and light, by amount.
 };
 Shaft shaftOf(const ShaftLight& light, const Hull& hull);
 
+/// How far from the origin a caster lies: what roundings are measured by.
+struct CasterReach {
+    glm::dvec3 translation{0.0};
+    glm::dmat3 spread{0.0}; ///< |basis| |inverse basis|: how an error in one coordinate spreads to others.
+    glm::dvec3 reach{0.0};  ///< Largest coordinates of its bounds, by amount.
+
+    /// What the ray tracer may be wrong by in each coordinate where rays start at such coordinates.
+    glm::dvec3 rounding(glm::dvec3 largestCoordinates) const;
+};
+
 /// A caster as shafts meet it.
-struct ShaftCaster {
+struct ShaftCaster : CasterReach {
     const MeshView* mesh = nullptr;
     const TriangleTree* tree = nullptr; ///< Null: only its bounds are known, and all they touch is traced.
     glm::dmat3 basis{1.0};
-    glm::dvec3 translation{0.0};
-    glm::dmat3 spread{1.0}; ///< |basis| |inverse basis|: how an error in one coordinate spreads to others.
-    glm::dvec3 reach{0.0};  ///< Largest coordinates of its bounds and of its translation, by amount, added.
     glm::vec3 meshReach{0.0f};
     bool opaque = true;
 
     explicit ShaftCaster(const Caster& caster);
 
-    /// What the ray tracer may be wrong by in each coordinate where rays start at such coordinates.
-    glm::dvec3 rounding(glm::dvec3 largestCoordinates) const;
     /// How much a mesh's space enlarges relative errors: 1 where axes stay axes.
     double skew() const;
 };
@@ -78,6 +88,10 @@ struct MeshShaft {
     /// Bit i: box i of the node may touch the shaft.
     std::uint32_t touches(const TriangleTree::Node& node) const;
     bool touches(glm::vec3 a, glm::vec3 b, glm::vec3 c) const;
+    /// Bit i: box i of the node reaches across all four sides, as it must to hold what hides the light from all of the
+    /// hull.
+    std::uint32_t spannedBy(const TriangleTree::Node& node) const;
+    bool spannedBy(glm::vec3 a, glm::vec3 b, glm::vec3 c) const;
 };
 
 /// What a triangle does to a tile.

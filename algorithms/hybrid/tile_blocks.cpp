@@ -50,6 +50,16 @@ const Kernels& widestKernels()
     return *kernelsHere().back();
 }
 
+float lightLargest(const CameraView& view, const LightView& light)
+{
+    float largest = 0.0f;
+    for (int i = 0; i < 3; ++i) {
+        const float at = light.constants.positionWs[i];
+        largest = std::max({largest, std::abs(at - view.constants.eyeWs[i]), std::abs(at)});
+    }
+    return largest;
+}
+
 void packRays(const Block& block, const LightView& light, RayPacket& packet)
 {
     static_assert(RayPacket::kWidth == kLanes);
@@ -71,23 +81,17 @@ void packRays(const Block& block, const LightView& light, RayPacket& packet)
     packet.asked = asked;
 }
 
-BlockReader::BlockReader(const Kernels& kernels, const CameraView& view, const LightView& light,
-                         std::span<const float> depth, std::span<const std::byte> normals)
+BlockReader::BlockReader(const Kernels& kernels, const CameraView& view, std::span<const float> depth,
+                         std::span<const std::byte> normals)
     : kernels_(kernels), area_(view.area), width_(view.extent.width), depth_(depth), normals_(normals),
       halfNormals_(view.normalFormat == VK_FORMAT_R16G16B16A16_SFLOAT)
 {
     const gpu::ViewConstants& v = view.constants;
-    const gpu::LightConstants& l = light.constants;
-    const bool directional = l.type == gpu::LIGHT_DIRECTIONAL;
-    float largest = 0.0f;
     for (int i = 0; i < 3; ++i) {
         constants_.eye[i] = v.eyeWs[i];
         constants_.rayCorner[i] = v.rayCornerWs[i];
         constants_.rayDx[i] = v.rayDxWs[i];
         constants_.rayDy[i] = v.rayDyWs[i];
-        constants_.lightPosition[i] = l.positionWs[i];
-        constants_.lightDirection[i] = l.directionWs[i];
-        largest = std::max({largest, std::abs(l.positionWs[i] - v.eyeWs[i]), std::abs(l.positionWs[i])});
     }
     constants_.depthScale = v.depthScale;
     constants_.depthMul = v.depthMul;
@@ -95,11 +99,23 @@ BlockReader::BlockReader(const Kernels& kernels, const CameraView& view, const L
     constants_.skyDepth = v.skyDepth;
     constants_.offsetFactor = v.offsetFactor;
     constants_.pixelSize = v.pixelSize;
+    constants_.directional = 1;
+    constants_.hasNormals = !normals.empty();
+}
+
+BlockReader::BlockReader(const Kernels& kernels, const CameraView& view, const LightView& light,
+                         std::span<const float> depth, std::span<const std::byte> normals)
+    : BlockReader(kernels, view, depth, normals)
+{
+    const gpu::LightConstants& l = light.constants;
+    for (int i = 0; i < 3; ++i) {
+        constants_.lightPosition[i] = l.positionWs[i];
+        constants_.lightDirection[i] = l.directionWs[i];
+    }
     constants_.cone = l.directionWs.w * std::abs(l.directionWs.w);
     constants_.rangeSquared = l.range * l.range;
-    constants_.lightLargest = directional ? 0.0f : largest;
-    constants_.directional = directional;
-    constants_.hasNormals = !normals.empty();
+    constants_.directional = l.type == gpu::LIGHT_DIRECTIONAL;
+    if (l.type != gpu::LIGHT_DIRECTIONAL) constants_.lightLargest = lightLargest(view, light);
 }
 
 void BlockReader::normal(const std::byte* texel, Texels& texels, std::uint32_t lane) const
@@ -184,6 +200,13 @@ void BlockReader::read(std::uint32_t x, std::uint32_t y, Block& block) const
     Texels read;
     texels(x, y, read);
     kernels_.receivers(constants_, read, block);
+}
+
+void BlockReader::readSurfaces(std::uint32_t x, std::uint32_t y, Block& block) const
+{
+    Texels read;
+    texels(x, y, read);
+    kernels_.surfaces(constants_, read, block);
 }
 
 void BlockReader::readSummed(std::uint32_t x, std::uint32_t y, Block& block) const

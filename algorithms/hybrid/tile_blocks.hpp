@@ -20,6 +20,9 @@ inline ShadowRay rayOf(const lanes::Block& block, std::uint32_t lane, const Ligh
     return {origin, block.tfar[lane], directional ? -light.direction() : light.position() - origin};
 }
 
+/// What receiverOffset() (shaders/shared/receiver.h) knows of a light with a position.
+float lightLargest(const CameraView& view, const LightView& light);
+
 /// All of them.
 void packRays(const lanes::Block& block, const LightView& light, RayPacket& packet);
 
@@ -30,9 +33,14 @@ public:
     BlockReader(const lanes::Kernels& kernels, const CameraView& view, const LightView& light,
                 std::span<const float> depth, std::span<const std::byte> normals);
 
+    /// For readSurfaces() alone.
+    BlockReader(const lanes::Kernels& kernels, const CameraView& view, std::span<const float> depth,
+                std::span<const std::byte> normals);
+
     /// The block whose first pixel is at (x, y) of the view's area. Lanes beyond the area ask nothing.
     void read(std::uint32_t x, std::uint32_t y, lanes::Block& block) const;
     void readSummed(std::uint32_t x, std::uint32_t y, lanes::Block& block) const;
+    void readSurfaces(std::uint32_t x, std::uint32_t y, lanes::Block& block) const; ///< Normals must be there.
     /// Calls for what read() will read there, which may be beyond the area.
     void prefetch(std::uint32_t x, std::uint32_t y) const;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 
 namespace gnomon {
 
@@ -25,6 +26,18 @@ constexpr std::size_t kItemMemory = 4096;
 constexpr std::size_t kFew = 3;
 constexpr std::uint32_t kLoose = UINT32_MAX; // an item's node: the caster has no tree
 
+/// What the ray tracer may be wrong by where the shaft meets the caster: errors of distances are smaller for what is
+/// closer, but for planes that meet boxes anywhere this is all there is.
+glm::dvec3 roundingOf(const Shaft& shaft, const CasterReach& caster)
+{
+    return 2.0 * caster.rounding(caster.reach + shaft.largest);
+}
+
+MeshShaft meshShaft(const Shaft& shaft, const ShaftCaster& caster)
+{
+    return MeshShaft(shaft, &caster, roundingOf(shaft, caster), caster.meshReach);
+}
+
 /// Bits of children that are nodes.
 std::uint32_t innerBits(const TriangleTree::Node& node)
 {
@@ -33,6 +46,20 @@ std::uint32_t innerBits(const TriangleTree::Node& node)
         bits |= TriangleTree::isLeaf(node.child[i]) ? 0u : 1u << i;
     return bits;
 }
+
+/// Which triangles visitTriangles() passes on.
+struct Touching {
+    static std::uint32_t boxes(const MeshShaft& /*shaft*/, const TriangleTree::Node& /*node*/) { return ~0u; }
+    static bool triangle(const MeshShaft& /*shaft*/, glm::vec3 /*a*/, glm::vec3 /*b*/, glm::vec3 /*c*/) { return true; }
+};
+
+struct Spanning {
+    static std::uint32_t boxes(const MeshShaft& shaft, const TriangleTree::Node& node) { return shaft.spannedBy(node); }
+    static bool triangle(const MeshShaft& shaft, glm::vec3 a, glm::vec3 b, glm::vec3 c)
+    {
+        return shaft.spannedBy(a, b, c);
+    }
+};
 
 } // namespace
 
@@ -45,7 +72,11 @@ ShaftScene::ShaftScene(const Kernels& width, const LightView& view, std::span<co
     std::uint32_t count = 0;
     for (const Caster* caster : all) {
         if (!castsRays(*caster)) continue; // left out as rays leave it out
-        new (&list[count]) ShaftCaster(*caster);
+        const ShaftCaster& here = *new (&list[count]) ShaftCaster(*caster);
+        for (int i = 0; i < 3; ++i)
+            largest.spread[i] = glm::max(largest.spread[i], here.spread[i]);
+        largest.reach = glm::max(largest.reach, here.reach);
+        largest.translation = glm::max(largest.translation, glm::abs(here.translation));
         TriangleTree::Node& node = nodes[count / 4];
         if (count % 4 == 0) node = {};
         for (int axis = 0; axis < 3; ++axis) {
@@ -76,30 +107,12 @@ bool TileSearch::push(const Item& item)
     return true;
 }
 
-glm::dvec3 TileSearch::roundingOf(const Hull& hull, const ShaftCaster& caster) const
-{
-    // Errors of distances are smaller for what is closer; for planes that meet boxes anywhere, all there is.
-    const ShaftLight& light = scene_.light;
-    const glm::dvec3 largest = hull.largest();
-    return 2.0 *
-           caster.rounding(caster.reach + (light.directional ? largest : glm::max(largest, glm::abs(light.position))));
-}
-
-MeshShaft TileSearch::meshShaft(const Shaft& shaft, const Hull& hull, const ShaftCaster& caster) const
-{
-    return MeshShaft(shaft, &caster, roundingOf(hull, caster), caster.meshReach);
-}
-
 /// The casters whose bounds the shaft touches.
-std::span<const TileSearch::Item> TileSearch::roots(const Hull& hull, const Shaft& shaft)
+std::span<const TileSearch::Item> TileSearch::roots(const Shaft& shaft)
 {
     const std::size_t first = itemCount_;
-    glm::dvec3 rounding(0.0), reach(0.0);
-    for (const ShaftCaster& caster : scene_.casters) {
-        rounding = glm::max(rounding, roundingOf(hull, caster));
-        reach = glm::max(reach, caster.reach);
-    }
-    const MeshShaft world(shaft, nullptr, rounding, glm::vec3(reach) * (1.0f + 1e-6f));
+    const MeshShaft world(shaft, nullptr, roundingOf(shaft, scene_.largest),
+                          glm::vec3(scene_.largest.reach) * (1.0f + 1e-6f));
     for (const TriangleTree::Node& four : scene_.boxes) {
         for (std::uint32_t bits = world.touches(four); bits != 0; bits &= bits - 1) {
             const std::uint32_t caster = four.child[std::countr_zero(bits)];
@@ -134,14 +147,13 @@ void TileSearch::walk(const ShaftCaster& caster, const MeshShaft& shaft, Item it
 }
 
 /// What of the items touches the shaft. @param leaves set where nothing is left but leaves
-std::span<const TileSearch::Item> TileSearch::narrowed(std::span<const Item> items, const Hull& hull,
-                                                       const Shaft& shaft, bool& leaves)
+std::span<const TileSearch::Item> TileSearch::narrowed(std::span<const Item> items, const Shaft& shaft, bool& leaves)
 {
     const std::size_t first = itemCount_;
     for (std::size_t i = 0; i < items.size();) {
         const std::uint32_t index = items[i].caster;
         const ShaftCaster& caster = scene_.casters[index];
-        const MeshShaft here = meshShaft(shaft, hull, caster);
+        const MeshShaft here = meshShaft(shaft, caster);
         for (; i < items.size() && items[i].caster == index; ++i) {
             if (items[i].node == kLoose)
                 push(items[i]);
@@ -168,25 +180,28 @@ std::size_t TileSearch::trianglesIn(std::span<const Item> leaves) const
     return count;
 }
 
-/// Calls visit(maker, a, b, c) for the triangles in the items' leaves that touch the shaft, until it returns false.
-/// Children that are nodes are passed over.
-template <typename Visit>
+/// Calls visit(maker, a, b, c) for the triangles in the items' leaves that are `Wanted` and touch the shaft, until it
+/// returns false. Children that are nodes are passed over.
+template <typename Wanted, typename Visit>
 void TileSearch::visitTriangles(std::span<const Item> items, const Hull& hull, const Shaft& shaft, Visit visit) const
 {
     for (std::size_t i = 0; i < items.size();) {
         const std::uint32_t index = items[i].caster;
         const ShaftCaster& caster = scene_.casters[index];
-        const MeshShaft here = meshShaft(shaft, hull, caster);
-        const ShadowMaker maker(scene_.light, hull, caster);
+        const MeshShaft here = meshShaft(shaft, caster);
+        std::optional<ShadowMaker> made;
         for (; i < items.size() && items[i].caster == index; ++i) {
             if (items[i].node == kLoose) continue;
             const TriangleTree::Node& node = caster.tree->nodes()[items[i].node];
-            for (std::uint32_t bits = items[i].mask & ~innerBits(node); bits != 0; bits &= bits - 1) {
+            const std::uint32_t leaves = items[i].mask & ~innerBits(node) & Wanted::boxes(here, node);
+            if (leaves == 0) continue;
+            const ShadowMaker& maker = made ? *made : made.emplace(scene_.light, hull, caster);
+            for (std::uint32_t bits = leaves; bits != 0; bits &= bits - 1) {
                 for (const std::uint32_t triangle : caster.tree->leaf(node.child[std::countr_zero(bits)])) {
                     const std::uint32_t* corner = caster.mesh->indices.data() + 3 * std::size_t(triangle);
                     const glm::vec3* at = caster.mesh->positions.data();
                     const glm::vec3 a = at[corner[0]], b = at[corner[1]], c = at[corner[2]];
-                    if (here.touches(a, b, c) && !visit(maker, a, b, c)) return;
+                    if (Wanted::triangle(here, a, b, c) && here.touches(a, b, c) && !visit(maker, a, b, c)) return;
                 }
             }
         }
@@ -201,7 +216,7 @@ TileSearch::Found TileSearch::volumesOf(std::span<const Item> items, const Hull&
     std::size_t made = 0;
     Found found = Found::volumes;
     ShadowPlanes spare;
-    visitTriangles(items, hull, shaft, [&](const ShadowMaker& maker, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
+    visitTriangles<Touching>(items, hull, shaft, [&](const ShadowMaker& maker, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
         const Shadowing shadowing = maker.make(a, b, c, made < kVolumes ? planes_[made] : spare);
         if (shadowing == Shadowing::all) found = Found::covered;
         if (shadowing == Shadowing::some && ++made > kVolumes) found = Found::tooMany;
@@ -220,15 +235,23 @@ bool TileSearch::coveredByOne(std::span<const Item> items, const Hull& hull, con
     std::size_t left = kTriangles;
     bool covered = false;
     ShadowPlanes scratch;
-    visitTriangles(items, hull, shaft, [&](const ShadowMaker& maker, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
+    visitTriangles<Spanning>(items, hull, shaft, [&](const ShadowMaker& maker, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
         covered = maker.make(a, b, c, scratch) == Shadowing::all;
         return !covered && --left > 0;
     });
     return covered;
 }
 
+bool TileSearch::hullAround(Tile tile, Hull& hull) const
+{
+    if (answers_->knownHull(tile.first, tile.count, hull)) return true;
+    answers_->wanted(tile.first, tile.count);
+    return hullOf(*scene_.kernels, &blocks_[tile.first], tile.count, scene_.row, hull);
+}
+
 void TileSearch::traceAll(Tile tile)
 {
+    answers_->wanted(tile.first, tile.count);
     std::uint32_t state[kLanes];
     std::fill_n(state, kLanes, kUnsure);
     for (std::uint32_t i = tile.first; i < tile.first + tile.count; ++i)
@@ -237,7 +260,9 @@ void TileSearch::traceAll(Tile tile)
 
 void TileSearch::searchBlock(std::uint32_t block, const Volumes& volumes)
 {
-    if (blocks_[block].rays == 0 || volumes.list.empty()) return;
+    if (volumes.list.empty()) return;
+    answers_->wanted(block, 1);
+    if (blocks_[block].rays == 0) return;
     const glm::vec3 rounded(volumes.centre);
     const float centre[3] = {rounded.x, rounded.y, rounded.z};
     std::uint32_t state[kLanes];
@@ -254,7 +279,7 @@ void TileSearch::searchVolumes(Tile tile, const Volumes& above)
         return;
     }
     Hull hull;
-    if (!hullOf(*scene_.kernels, &blocks_[tile.first], tile.count, scene_.row, hull)) return; // nobody asks
+    if (!hullAround(tile, hull)) return; // nobody asks
     const FlatHull flat(hull, above.centre);
     const std::size_t first = listCount_;
     for (const ShadowPlanes* volume : above.list) {
@@ -279,15 +304,15 @@ void TileSearch::search(Tile tile, std::span<const Item> items)
 {
     const bool root = tile.count == blocks_.size();
     Hull hull;
-    if (!hullOf(*scene_.kernels, &blocks_[tile.first], tile.count, scene_.row, hull)) {
+    if (!hullAround(tile, hull)) {
         traceAll(tile); // some start nowhere; or nobody asks
         return;
     }
     const std::size_t saved = itemCount_;
     const Shaft shaft = shaftOf(scene_.light, hull);
-    if (root) items = roots(hull, shaft);
+    if (root) items = roots(shaft);
     bool leaves = false;
-    const std::span<const Item> left = narrowed(items, hull, shaft, leaves);
+    const std::span<const Item> left = narrowed(items, shaft, leaves);
     if (overflow_) {
         overflow_ = false;
         traceAll(tile);

@@ -16,15 +16,19 @@ struct ShaftScene {
     std::span<const ShaftCaster> casters;
     std::span<const TriangleTree::Node> boxes; ///< World bounds of the casters, four to a node; child: the caster.
     glm::vec3 row{1.0f, 0.0f, 0.0f};           ///< Direction of pixel rows.
+    CasterReach largest;                       ///< Of all casters, part by part.
 
     ShaftScene(const lanes::Kernels& kernels, const LightView& light, std::span<const Caster* const> all,
                glm::vec3 rowDirection, FrameArena& arena);
 };
 
-/// What became of some of a tile's blocks.
+/// What becomes of some of a tile's blocks, and what they hold where that is read only when somebody asks.
 class TileAnswers {
 public:
-    virtual void dark(std::uint32_t firstBlock, std::uint32_t count) = 0; ///< Every pixel that asks.
+    /// The hull of a square of blocks where it is known without looking at them.
+    virtual bool knownHull(std::uint32_t /*firstBlock*/, std::uint32_t /*count*/, Hull& /*hull*/) { return false; }
+    virtual void wanted(std::uint32_t /*firstBlock*/, std::uint32_t /*count*/) {} ///< Before blocks are looked at.
+    virtual void dark(std::uint32_t firstBlock, std::uint32_t count) = 0;         ///< Every pixel that asks.
     /// What is known of one block's lanes, as lanes::kMissed and so on; unsure ones want a ray.
     virtual void lanes(std::uint32_t block, const std::uint32_t (&state)[lanes::kLanes]) = 0;
 
@@ -54,22 +58,21 @@ private:
         std::uint32_t first, count; ///< Blocks.
     };
 
+    bool hullAround(Tile tile, Hull& hull) const;
     void search(Tile tile, std::span<const Item> items);
     void searchVolumes(Tile tile, const Volumes& above);
     void searchBlock(std::uint32_t block, const Volumes& volumes);
     void traceAll(Tile tile);
 
-    std::span<const Item> roots(const Hull& hull, const Shaft& shaft);
-    std::span<const Item> narrowed(std::span<const Item> items, const Hull& hull, const Shaft& shaft, bool& leaves);
+    std::span<const Item> roots(const Shaft& shaft);
+    std::span<const Item> narrowed(std::span<const Item> items, const Shaft& shaft, bool& leaves);
     void walk(const ShaftCaster& caster, const MeshShaft& shaft, Item item, std::size_t limit);
     std::size_t trianglesIn(std::span<const Item> leaves) const;
     enum class Found : std::uint8_t { volumes, covered, tooMany };
     Found volumesOf(std::span<const Item> items, const Hull& hull, const Shaft& shaft, Volumes& volumes);
-    template <typename Visit>
+    template <typename Wanted, typename Visit>
     void visitTriangles(std::span<const Item> items, const Hull& hull, const Shaft& shaft, Visit visit) const;
     bool coveredByOne(std::span<const Item> items, const Hull& hull, const Shaft& shaft) const;
-    MeshShaft meshShaft(const Shaft& shaft, const Hull& hull, const ShaftCaster& caster) const;
-    glm::dvec3 roundingOf(const Hull& hull, const ShaftCaster& caster) const;
     bool push(const Item& item);
 
     const ShaftScene& scene_;

@@ -8,6 +8,7 @@
 
 #include "algorithms/hybrid/host_visibility.hpp"
 #include "algorithms/hybrid/ray_list.hpp"
+#include "algorithms/hybrid/receiver_hulls.hpp"
 #include "algorithms/hybrid/tile_search.hpp"
 
 namespace gnomon {
@@ -32,6 +33,7 @@ struct ShaftJob {
     const LightView* light;
     const LightCasters* casters;
     HostVisibility buffers;
+    BufferId hulls;     ///< Null where none are made.
     std::uint32_t tile; ///< Pixels a side, a power of two.
     bool reasons;
 };
@@ -69,7 +71,10 @@ constexpr std::uint32_t kPackets = 16; // asked at once
 class TileRows final : public TileAnswers {
 public:
     TileRows(const ShaftJob& job, const HostContext& host, const BlockReader& reader, const ShaftScene& scene)
-        : job_(job), host_(host), reader_(reader), bytes_(job.reasons), search_(scene, *host.arena),
+        : job_(job), host_(host), reader_(reader), bytes_(job.reasons), squares_(*job.view, *job.light),
+          pyramid_(job.view->area.extent),
+          hulls_(job.hulls ? host.read<ReceiverHull>(job.hulls) : std::span<const ReceiverHull>()),
+          search_(scene, *host.arena),
           blocks_(host.arena->array<Block>(std::size_t(job.tile / kBlockSide) * (job.tile / kBlockSide))),
           stride_((job.view->area.extent.width + job.tile - 1) / job.tile * job.tile),
           rows_(host.arena->array<std::uint8_t>(std::size_t(job.tile) * stride_)),
@@ -86,8 +91,12 @@ public:
 private:
     void dark(std::uint32_t firstBlock, std::uint32_t count) override;
     void lanes(std::uint32_t block, const std::uint32_t (&state)[kLanes]) override;
+    bool knownHull(std::uint32_t firstBlock, std::uint32_t count, Hull& hull) override;
+    void wanted(std::uint32_t firstBlock, std::uint32_t count) override;
+    void tile(std::uint32_t left, std::uint32_t top);
+    void fillTile(std::uint8_t byte);
     void fillOutside() { std::fill(rows_.begin(), rows_.end(), bytes_.of[gpu::REASON_OUTSIDE]); }
-    void read(std::uint32_t left, std::uint32_t top);
+    void read();
     void ask(const Block& from, std::uint32_t lane, std::size_t at);
     void askTogether(const Block& from, std::uint32_t lanes, std::size_t first);
     std::size_t rowAt(std::uint32_t block) const { return corner_[block] + left_; } ///< Of the block's first pixel.
@@ -98,13 +107,18 @@ private:
     const HostContext& host_;
     const BlockReader& reader_;
     const Bytes bytes_;
+    const SquareAnswers squares_;
+    const HullPyramid pyramid_;
+    const std::span<const ReceiverHull> hulls_;
     TileSearch search_;
     std::span<Block> blocks_;
     std::size_t stride_; ///< Of rows_: whole tiles.
     std::span<std::uint8_t> rows_;
     AskedPixels asked_;
-    std::uint32_t corner_[kBlocks]; ///< Of the blocks of a tile, in rows_.
-    std::uint32_t left_ = 0;        ///< Of the tile at work, in the area.
+    std::uint32_t corner_[kBlocks];      ///< Of the blocks of a tile, in rows_.
+    std::uint32_t left_ = 0, top_ = 0;   ///< Of the tile at work, in the area.
+    bool allAsk_ = false;                ///< All pixels of that tile; its blocks are read when they are wanted.
+    std::uint64_t read_[kBlocks / 64]{}; ///< Bits of the blocks that were.
     RayBatch<256> batch_;
     RayPacket packets_[kPackets];
     std::size_t firsts_[kPackets]; ///< Pixels of the packets' first rays, in rows_.
@@ -112,10 +126,10 @@ private:
 };
 
 /// Reads a tile and writes what needs no search; the others are lit until more is known.
-void TileRows::read(std::uint32_t left, std::uint32_t top)
+void TileRows::read()
 {
     const VkExtent2D extent = job_.view->area.extent;
-    left_ = left;
+    const std::uint32_t left = left_, top = top_;
     const std::uint8_t before[3] = {bytes_.of[gpu::REASON_OUTSIDE], bytes_.of[gpu::REASON_BACKFACING],
                                     bytes_.of[gpu::REASON_TILE_LIT]};
     for (std::uint32_t i = 0; i < blocks_.size(); ++i) {
@@ -137,9 +151,68 @@ void TileRows::read(std::uint32_t left, std::uint32_t top)
     }
 }
 
+bool TileRows::knownHull(std::uint32_t firstBlock, std::uint32_t count, Hull& hull)
+{
+    const std::uint32_t side = kBlockSide << std::countr_zero(count) / 2;
+    if (!allAsk_ || side < HullPyramid::kSmallest) return false;
+    const std::uint32_t x = left_ + everyOtherBit(firstBlock) * kBlockSide;
+    const std::uint32_t y = top_ + everyOtherBit(firstBlock >> 1) * kBlockSide;
+    const ReceiverHull& square = hulls_[pyramid_.index(side, x, y)];
+    if (square.holds != ReceiverHull::Holds::whole) return false; // beyond the area: nobody asks
+    hull = squares_.hull(square);
+    return true;
+}
+
+void TileRows::wanted(std::uint32_t firstBlock, std::uint32_t count)
+{
+    if (!allAsk_) return;
+    const VkExtent2D extent = job_.view->area.extent;
+    for (std::uint32_t i = firstBlock; i < firstBlock + count; ++i) {
+        if ((read_[i / 64] >> i % 64 & 1) != 0) continue;
+        read_[i / 64] |= std::uint64_t{1} << i % 64;
+        const std::uint32_t x = left_ + everyOtherBit(i) * kBlockSide, y = top_ + everyOtherBit(i >> 1) * kBlockSide;
+        const std::uint32_t next = i + 4; // as in read()
+        reader_.prefetch(left_ + everyOtherBit(next) * kBlockSide, top_ + everyOtherBit(next >> 1) * kBlockSide);
+        blocks_[i].rays = 0;
+        if (x < extent.width && y < extent.height) reader_.read(x, y, blocks_[i]);
+    }
+}
+
+void TileRows::fillTile(std::uint8_t byte)
+{
+    for (std::uint32_t y = 0; y < job_.tile; ++y)
+        std::memset(&rows_[y * stride_ + left_], byte, job_.tile);
+}
+
+void TileRows::tile(std::uint32_t left, std::uint32_t top)
+{
+    using Answer = SquareAnswers::Answer;
+    left_ = left;
+    top_ = top;
+    const bool known = !hulls_.empty() && job_.tile >= HullPyramid::kSmallest;
+    const Answer answer = known ? squares_.of(hulls_[pyramid_.index(job_.tile, left, top)]) : Answer::mixed;
+    allAsk_ = answer == Answer::rays;
+    if (answer == Answer::mixed) {
+        read();
+    } else {
+        fillTile(bytes_.of[answer == Answer::lit    ? gpu::REASON_OUTSIDE
+                           : answer == Answer::dark ? gpu::REASON_BACKFACING
+                                                    : gpu::REASON_TILE_LIT]);
+        if (!allAsk_) return;
+        std::fill(std::begin(read_), std::end(read_), 0);
+    }
+    search_.run(blocks_, *this);
+}
+
 void TileRows::dark(std::uint32_t firstBlock, std::uint32_t count)
 {
     const std::uint8_t byte = bytes_.of[gpu::REASON_TILE_SHADOW];
+    if (allAsk_) {
+        for (std::uint32_t i = firstBlock; i < firstBlock + count; ++i)
+            for (std::uint32_t row = 0; row < kBlockSide; ++row)
+                std::memset(&rows_[rowAt(i) + row * stride_], byte, kBlockSide);
+        return;
+    }
     for (std::uint32_t i = firstBlock; i < firstBlock + count; ++i) {
         const Block& block = blocks_[i];
         for (std::uint32_t row = 0; row < kBlockSide && block.rays != 0; ++row) {
@@ -216,10 +289,8 @@ void TileRows::answer(std::uint32_t tileRow, std::span<std::uint8_t> visibility)
     const VkExtent2D extent = job_.view->area.extent;
     const std::uint32_t top = tileRow * job_.tile;
     if (asked_.holdsRow(top)) {
-        for (std::uint32_t left = asked_.left; left < asked_.right; left += job_.tile) {
-            read(left, top);
-            search_.run(blocks_, *this);
-        }
+        for (std::uint32_t left = asked_.left; left < asked_.right; left += job_.tile)
+            tile(left, top);
         flush();
         flushPackets();
     } else {
@@ -250,18 +321,44 @@ void answer(const ShaftJob& job, const HostContext& host)
     });
 }
 
+/// The buffer of hulls and the pass that fills it, in host memory; null without normals.
+BufferId declareReceiverHulls(PassBuilder& passes, const ShadowTask& task, BufferId depth, BufferId normals)
+{
+    if (!normals) return {};
+    const CameraView* view = task.view;
+    const HullPyramid pyramid(view->area.extent);
+    const BufferId hulls = passes.transient(BufferInfo{.name = "view.receiver_hulls",
+                                                       .scope = Scope::view,
+                                                       .size = pyramid.count() * sizeof(ReceiverHull),
+                                                       .place = BufferPlace::readback});
+    PassRef host = passes.host("view.receiver_hulls", Scope::view);
+    host.reads(depth).reads(normals).writes(hulls).run([=](HostContext& context) {
+        const BlockReader reader(widestKernels(), *view, context.read<float>(depth), context.read<std::byte>(normals));
+        const HullMaker maker(widestKernels(), reader, *view, context.write<ReceiverHull>(hulls));
+        const std::uint32_t rows = (view->area.extent.height + HullPyramid::kLargest - 1) / HullPyramid::kLargest;
+        context.jobs->parallelFor(rows, 1, [&](std::size_t begin, std::size_t end, std::uint32_t) {
+            for (std::size_t row = begin; row < end; ++row)
+                maker.row(static_cast<std::uint32_t>(row) * HullPyramid::kLargest);
+        });
+    });
+    return hulls;
+}
+
 class TileShafts final : public ShadowAlgorithm {
 public:
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
-        const ShaftJob job{.view = task.view,
-                           .light = task.light,
-                           .casters = task.casters,
-                           .buffers = declareHostVisibility(passes, task, "tile_shafts.visibility"),
-                           .tile = std::bit_floor(static_cast<std::uint32_t>(task.settings[kTile])),
-                           .reasons = task.settings[kReasons] != 0.0};
+        ShaftJob job{.view = task.view,
+                     .light = task.light,
+                     .casters = task.casters,
+                     .buffers = declareHostVisibility(passes, task, "tile_shafts.visibility"),
+                     .hulls = {},
+                     .tile = std::bit_floor(static_cast<std::uint32_t>(task.settings[kTile])),
+                     .reasons = task.settings[kReasons] != 0.0};
+        job.hulls = declareReceiverHulls(passes, task, job.buffers.depth, job.buffers.normals);
         PassRef host = passes.host("tile_shafts.search");
         useHostVisibility(host, job.buffers);
+        if (job.hulls) host.reads(job.hulls);
         host.run([job](HostContext& context) { answer(job, context); });
         declareVisibilityCopy(passes, task, job.buffers, "tile_shafts.copy");
     }

@@ -1,0 +1,82 @@
+#pragma once
+// Hulls of what a view shows, in squares of 8 to 64 pixels: made once a view, whatever the lights, and asked by each
+// what it is to all of a square.
+#include <cstdint>
+#include <span>
+
+#include "algorithms/hybrid/shaft.hpp"
+#include "algorithms/hybrid/tile_blocks.hpp"
+
+namespace gnomon {
+
+/// The receivers of a square of pixels.
+struct ReceiverHull {
+    enum class Holds : std::uint32_t {
+        beyond, ///< No pixel of the view's area.
+        sky,    ///< No receiver.
+        whole,  ///< A receiver in every pixel of the area.
+        partial ///< Anything else, places that are no numbers included.
+    };
+    Hull hull;                          ///< Of whole squares: where the rays to a directional light start.
+    glm::vec3 normalSum{0.0f};          ///< As stored; of whole squares, as what follows.
+    glm::vec3 normalLower, normalUpper; ///< Bounds, as stored.
+    Holds holds = Holds::beyond;
+};
+
+/// Squares side by side, level by level: each level's are twice as wide as the one's before.
+class HullPyramid {
+public:
+    static constexpr std::uint32_t kSmallest = 8, kLargest = 64; ///< Sides, pixels.
+    static constexpr std::uint32_t kLevels = 4;
+
+    explicit HullPyramid(VkExtent2D extent); ///< Of the view's area.
+    std::size_t count() const { return first_[kLevels]; }
+    /// Index of the square of `side` pixels, a power of two, that holds pixel (x, y) of the area.
+    std::size_t index(std::uint32_t side, std::uint32_t x, std::uint32_t y) const;
+
+private:
+    std::uint32_t columns_; ///< Of the largest squares.
+    std::size_t first_[kLevels + 1];
+};
+
+/// Fills the squares in rows of the largest ones.
+class HullMaker {
+public:
+    HullMaker(const lanes::Kernels& kernels, const BlockReader& reader, const CameraView& view,
+              std::span<ReceiverHull> hulls);
+    void row(std::uint32_t top) const; ///< @param top first pixel row in the area
+
+private:
+    void cell(std::uint32_t x, std::uint32_t y, ReceiverHull& hull) const;
+    void join(std::uint32_t side, std::uint32_t x, std::uint32_t y) const;
+
+    const lanes::Kernels& kernels_;
+    const BlockReader& reader_;
+    VkExtent2D extent_;
+    glm::vec3 rowDirection_;
+    HullPyramid pyramid_;
+    std::span<ReceiverHull> hulls_;
+};
+
+/// One light and the squares of a view.
+class SquareAnswers {
+public:
+    enum class Answer : std::uint8_t {
+        lit,   ///< Nothing there that the light reaches.
+        dark,  ///< All of it is reached and faces away.
+        rays,  ///< All of it is reached and faces the light.
+        mixed, ///< Anything else.
+    };
+    SquareAnswers(const CameraView& view, const LightView& light);
+    Answer of(const ReceiverHull& square) const;
+    Hull hull(const ReceiverHull& square) const; ///< Where the rays to this light start; of whole squares.
+
+private:
+    const LightView& light_;
+    glm::dvec3 position_, axis_; ///< The light's; directional: axis_ is the direction towards it.
+    double range_, cosine_, sine_;
+    double offset_; ///< What a light with a position adds to a directional one's offsets, at most.
+    bool cone_;
+};
+
+} // namespace gnomon
