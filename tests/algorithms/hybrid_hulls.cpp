@@ -90,15 +90,7 @@ Picture pictureOf(std::mt19937& random)
 
 LightView lightOf(GnLightType type, glm::vec3 position, glm::vec3 direction)
 {
-    LightView light;
-    light.type = type;
-    const bool directional = type == GN_LIGHT_TYPE_DIRECTIONAL;
-    light.constants.positionWs = glm::vec4(position, directional ? 0.0f : 1.0f);
-    light.constants.directionWs =
-        glm::vec4(glm::normalize(direction), type == GN_LIGHT_TYPE_SPOT ? std::cos(0.6f) : -2.0f);
-    light.constants.range = directional ? kUnlimitedRange : 9.0f;
-    light.constants.type = static_cast<gpu::uint>(type);
-    return light;
+    return test::lightOf(type, position, direction, 9.0f, 0.6f);
 }
 
 using Answer = SquareAnswers::Answer;

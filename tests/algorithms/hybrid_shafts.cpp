@@ -46,15 +46,7 @@ CameraView randomView(std::mt19937& random, VkFormat normals)
 
 LightView lightOf(GnLightType type, glm::vec3 position, glm::vec3 direction)
 {
-    LightView light;
-    light.type = type;
-    const bool directional = type == GN_LIGHT_TYPE_DIRECTIONAL;
-    light.constants.positionWs = glm::vec4(position, directional ? 0.0f : 1.0f);
-    light.constants.directionWs =
-        glm::vec4(glm::normalize(direction), type == GN_LIGHT_TYPE_SPOT ? std::cos(0.7f) : -2.0f);
-    light.constants.range = directional ? kUnlimitedRange : 60.0f;
-    light.constants.type = static_cast<gpu::uint>(type);
-    return light;
+    return test::lightOf(type, position, direction, 60.0f, 0.7f);
 }
 
 std::vector<std::byte> randomNormals(std::mt19937& random, VkFormat format, std::size_t pixels)
