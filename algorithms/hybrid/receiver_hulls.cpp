@@ -99,14 +99,10 @@ void HullMaker::cell(std::uint32_t x, std::uint32_t y, ReceiverHull& square) con
             square.normalUpper[axis] = std::max(square.normalUpper[axis], block.normalUpper[axis]);
         }
     }
-    const std::uint32_t pixels =
-        std::min(HullPyramid::kSmallest, extent_.width - x) * std::min(HullPyramid::kSmallest, extent_.height - y);
-    square.holds = receivers == 0 ? Holds::sky : receivers == pixels && finite ? Holds::whole : Holds::partial;
-    // Blocks that the area cuts have lanes without a receiver: their normals would count.
-    if (square.holds == Holds::whole && pixels != HullPyramid::kSmallest * HullPyramid::kSmallest)
-        square.holds = Holds::partial;
-    if (square.holds == Holds::whole && !hullOf(kernels_, blocks, kCellBlocks, rowDirection_, square.hull))
-        square.holds = Holds::partial;
+    // Squares that the area cuts are none either: normals of lanes beyond it would count.
+    const bool whole = receivers == HullPyramid::kSmallest * HullPyramid::kSmallest && finite &&
+                       hullOf(kernels_, blocks, kCellBlocks, rowDirection_, square.hull);
+    square.holds = receivers == 0 ? Holds::sky : whole ? Holds::whole : Holds::partial;
 }
 
 /// A larger square, from its quarters.

@@ -14,8 +14,8 @@ struct ReceiverHull {
     enum class Holds : std::uint32_t {
         beyond, ///< No pixel of the view's area.
         sky,    ///< No receiver.
-        whole,  ///< A receiver in every pixel of the area.
-        partial ///< Anything else, places that are no numbers included.
+        whole,  ///< A receiver in every pixel.
+        partial ///< Anything else: places that are no numbers, squares that the area cuts.
     };
     Hull hull;                          ///< Of whole squares: where the rays to a directional light start.
     glm::vec3 normalSum{0.0f};          ///< As stored; of whole squares, as what follows.

@@ -25,7 +25,8 @@ constexpr double kClearShare = 1.0 / 32.0; // of a pixel's shading: what clearin
 constexpr double kSideShare = 1.0 / 4.0;
 // What is done once a view, whatever the lights (depths lifted for volumes, hulls for shafts), takes about this share
 // of resolving all of it; lights share it. A fit to the same rows: 0.25 to 0.5 is best for stencil_volume,
-// octree_volume, tile_shafts and ray_traced, by 1 to 3 % of the residuals, and a sweep has three lights at most.
+// octree_volume, tile_shafts and one of two sweeps of ray_traced, by 1 to 3 % of the residuals, and a sweep has three
+// lights at most.
 constexpr double kViewShare = 0.3;
 // A level of a caster's tree on a ray's way takes this share of what reading a receiver takes: 0.72 of 2.6 ns, a fit to
 // the rows of `gnomon calibrate --methods ray_traced` on two cores with AVX2.

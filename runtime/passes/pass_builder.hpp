@@ -53,7 +53,7 @@ struct ImageInfo {
 enum class BufferPlace : std::uint8_t {
     device,   ///< GPU only.
     upload,   ///< Written by prepare or host passes, read by the GPU.
-    readback, ///< Written by the GPU or host passes, read by host passes.
+    readback, ///< Cached by the host: written by the GPU or host passes, read by host passes.
 };
 
 struct BufferInfo {
