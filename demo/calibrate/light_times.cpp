@@ -31,6 +31,8 @@ cost::Workload workloadOf(const GnLightTiming& timing)
             .drawnPixels = timing.drawnPixels,
             .viewPixels = timing.viewPixels,
             .shadowPixels = timing.shadowPixels,
+            .mapFilled = timing.mapFilled,
+            .mapTouched = timing.mapTouched,
             .treeLevels = timing.treeLevels};
 }
 

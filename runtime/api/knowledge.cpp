@@ -55,7 +55,9 @@ Result<GnLightTiming> Context::lightTiming(GnView viewHandle, GnLight light)
                          .drawnPixels = workload.drawnPixels,
                          .viewPixels = workload.viewPixels,
                          .shadowPixels = workload.shadowPixels,
-                         .treeLevels = workload.treeLevels};
+                         .treeLevels = workload.treeLevels,
+                         .mapFilled = workload.mapFilled,
+                         .mapTouched = workload.mapTouched};
 }
 
 } // namespace gnomon

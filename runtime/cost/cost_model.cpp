@@ -19,19 +19,19 @@ constexpr double kCastersReference = 4.0;
 constexpr double kFewTriangles = 500.0;    // drawn in the time that an empty pass takes
 constexpr double kClearShare = 1.0 / 32.0; // of a pixel's shading: what clearing one costs
 // A pixel that a side of a volume covers (scene/shadow_pixels.cpp) takes this share of the time of one that is
-// resolved. A fit to the rows of `gnomon calibrate --methods stencil_volume,octree_volume`: rows that are left out are
-// foretold with 0.270 to 0.296 and 0.256 octaves rms, with 1/16, right while every pixel was resolved by itself, with
-// 0.309 to 0.315 and 0.285.
+// resolved. This constant and the next two are fits to the rows of three runs of `gnomon calibrate`, two of 12 seconds
+// a method and one of 30. Rows of stencil_volume and octree_volume that are left out are foretold with 0.344 and 0.382
+// octaves rms; with half of it 0.358 and 0.389, with twice 0.338 and 0.383.
 constexpr double kSideShare = 1.0 / 4.0;
-// What is done once a view, whatever the lights (depths lifted for volumes, hulls for shafts), takes about this share
-// of resolving all of it; lights share it. A fit to the same rows: 0.25 to 0.5 is best for stencil_volume,
-// octree_volume, tile_shafts and one of two sweeps of ray_traced, by 1 to 3 % of the residuals, and a sweep has three
-// lights at most.
-constexpr double kViewShare = 0.3;
-// A level of a caster's tree on a ray's way takes this share of what reading a receiver takes: 0.72 of 2.6 ns, a fit to
-// the rows of `gnomon calibrate --methods ray_traced` on two cores with AVX2.
+// A level of a caster's tree on a ray's way takes this share of what reading a receiver takes. ray_traced and
+// tile_shafts: 0.243 and 0.384; with half of it 0.247 and 0.386, with twice 0.245 and 0.385.
 constexpr double kLevelShare = 0.28;
-constexpr double kBend = 1.0 / 8.0; // products reach the size of the logarithms at 8 octaves from the reference
+// So many texels that casters fill (scene/map_cover.hpp) take as long as drawing one triangle more, be it to fill them
+// or because a method cuts what is large on its map. Updates of seven methods with maps: 0.372; with 16 and with 256
+// texels 0.378 and 0.375, with the filled texels' logarithm for a feature 0.391, without any 0.394.
+constexpr double kTexelsATriangle = 64.0;
+constexpr double kOneFace = 1.0 / 6.0; // of a cube, the least that an update draws
+constexpr double kBend = 1.0 / 8.0;    // products reach the size of the logarithms at 8 octaves from the reference
 
 constexpr double kForgetting = 0.999;   // remembers about 1000 timings, some seconds of frames
 constexpr double kClip = 0.25;          // octaves. A spike of x4 moves the fit no more than one of x1.19
@@ -55,7 +55,7 @@ constexpr double kDeviceStep = 0.15;   // octaves = 11 %: a median beyond it in 
 constexpr size_t kFrameVotes = 1024;   // timings of a frame that vote on the device factor
 
 /// What is guessed of a method nobody has measured: 1 ms for the reference workload, updates growing with triangles and
-/// texels, resolves with pixels; shared passes split evenly; a still light skips most of its update.
+/// texels, resolves with pixels.
 Features priorOf(uint32_t track)
 {
     if (track / 2 == static_cast<uint32_t>(Pass::update)) return {0.0, 0.5, 0.5};
@@ -77,17 +77,20 @@ bool isTime(double ms)
 Features featuresOf(const Workload& workload, Pass pass) noexcept
 {
     // Small sizes vanish in what is there anyway (a clear, a submit): they are added before the logarithm.
-    const double texels = workload.mapTexels > 0.0 ? logOf(workload.mapTexels) - kTexelsReference : 0.0;
+    const double touched = pass == Pass::update ? std::max(workload.mapTouched, kOneFace) : 1.0;
+    const double texels = workload.mapTexels > 0.0 ? logOf(touched * workload.mapTexels) - kTexelsReference : 0.0;
+    const double casters = logOf(workload.casters) - kCastersReference;
     if (pass == Pass::update) {
         const double drawn = workload.drawnTriangles > 0.0 ? workload.drawnTriangles : workload.casterTriangles;
         const double triangles = logOf(drawn + kFewTriangles) - kTrianglesReference;
         return {1.0,
                 triangles,
                 texels,
-                logOf(workload.casters) - kCastersReference,
+                casters,
                 drawn < workload.casterTriangles ? 1.0 : 0.0,
                 workload.directional ? 1.0 : 0.0,
-                workload.still ? 1.0 : 0.0,
+                logOf(drawn + kFewTriangles + workload.mapFilled * workload.mapTexels / kTexelsATriangle) -
+                    kTrianglesReference,
                 triangles * triangles * kBend,
                 triangles * texels * kBend,
                 texels * texels * kBend};
@@ -100,10 +103,10 @@ Features featuresOf(const Workload& workload, Pass pass) noexcept
     return {1.0,
             pixels,
             triangles,
-            texels,
+            workload.mapTexels > 0.0 ? texels : casters,
             rectangle,
             logOf(around + kSideShare * workload.shadowPixels + kLevelShare * workload.treeLevels * workload.pixels +
-                  (kClearShare + kViewShare / std::max(workload.sharing, 1.0)) * view) -
+                  kClearShare * view) -
                 kPixelsReference,
             workload.directional ? 1.0 : 0.0,
             workload.point ? 1.0 : 0.0,

@@ -6,7 +6,7 @@
 ///
 ///     log2 ms = theta . f + device + residual(light, method)
 ///
-/// f holds 1, log2 of pixels, triangles and texels, lights sharing the pass, a flag for what stands still, and three
+/// f holds 1, log2 of pixels, triangles, instances and texels, flags for the kind of light, and two or three
 /// products of these: real times are sums (an overhead, a part per triangle, a part per texel), and the logarithm of a
 /// sum of powers is a bent surface. On such truths the bend takes the median error from 26 to 8 %.
 /// theta comes from calibration and is refined by recursive least squares; `device` is one number of each processor,
@@ -51,7 +51,9 @@ struct Workload {
     double drawnPixels = 0.0;                ///< Of the screen rectangle around the light; 0: `pixels`.
     double viewPixels = 0.0;                 ///< Of the view; 0: `pixels`.
     double shadowPixels = 0.0;               ///< Covered by the sides of shadow volumes; 0 for methods that draw none.
-    double treeLevels = 0.0;                 ///< On the way of a reached pixel's ray; 0 for methods that trace few.
+    double mapFilled = 1.0;  ///< Of the map's texels, by the casters that an update draws; each counts. May exceed 1.
+    double mapTouched = 1.0; ///< Share of the maps (one, or six faces) that these casters touch.
+    double treeLevels = 0.0; ///< On the way of a reached pixel's ray; 0 for methods that trace few.
 
     bool operator==(const Workload&) const = default;
 };

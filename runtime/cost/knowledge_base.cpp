@@ -10,6 +10,7 @@ namespace gnomon::cost {
 
 namespace {
 
+constexpr int kDigits = 7; // the texels of a cube of 1024 x 1024 faces, and of times more than there is
 constexpr std::string_view kHeading = "# gnomon knowledge ";
 
 enum Column : uint32_t {
@@ -30,6 +31,8 @@ enum Column : uint32_t {
     viewPixels,
     shadowPixels,
     treeLevels,
+    mapFilled,
+    mapTouched,
     samples,
     gpuMin,
     gpuP50,
@@ -43,12 +46,12 @@ enum Column : uint32_t {
     kColumns,
 };
 constexpr std::array<std::string_view, kColumns> kNames = {
-    "device",           "driver",      "algorithm",  "pass",           "pixels",
-    "caster_triangles", "map_texels",  "sharing",    "still",          "drawn_triangles",
-    "casters",          "directional", "point",      "drawn_pixels",   "view_pixels",
-    "shadow_pixels",    "tree_levels", "samples",    "gpu_ms_min",     "gpu_ms_p50",
-    "gpu_ms_p95",       "cpu_ms_min",  "cpu_ms_p50", "first_frame_ms", "wrong_percent",
-    "clock_mhz",        "date"};
+    "device",           "driver",        "algorithm",  "pass",         "pixels",
+    "caster_triangles", "map_texels",    "sharing",    "still",        "drawn_triangles",
+    "casters",          "directional",   "point",      "drawn_pixels", "view_pixels",
+    "shadow_pixels",    "tree_levels",   "map_filled", "map_touched",  "samples",
+    "gpu_ms_min",       "gpu_ms_p50",    "gpu_ms_p95", "cpu_ms_min",   "cpu_ms_p50",
+    "first_frame_ms",   "wrong_percent", "clock_mhz",  "date"};
 
 /// The whole cell as a number that a measurement can have: finite and not negative. An empty cell is 0.
 std::optional<double> measureOf(std::string_view cell)
@@ -166,6 +169,8 @@ private:
                                            .drawnPixels = numbers[drawnPixels],
                                            .viewPixels = numbers[viewPixels],
                                            .shadowPixels = numbers[shadowPixels],
+                                           .mapFilled = numbers[mapFilled],
+                                           .mapTouched = numbers[mapTouched],
                                            .treeLevels = numbers[treeLevels]},
                               .samples = static_cast<uint32_t>(std::min(numbers[samples], 1e9)),
                               .gpuMsMin = numbers[gpuMin],
@@ -200,7 +205,7 @@ void appendText(std::string& out, std::string_view cell)
 void appendNumber(std::string& out, double value)
 {
     char buffer[32];
-    const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value);
+    const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, kDigits);
     out.append(buffer, error == std::errc{} ? end : buffer);
 }
 
@@ -237,6 +242,8 @@ std::string writeKnowledge(std::span<const KnowledgeRow> rows)
                                     workload.viewPixels,
                                     workload.shadowPixels,
                                     workload.treeLevels,
+                                    workload.mapFilled,
+                                    workload.mapTouched,
                                     1.0 * row.samples,
                                     row.gpuMsMin,
                                     row.gpuMsP50,

@@ -2,7 +2,7 @@
 
 /// The knowledge base: what calibration measured, as a CSV that people can read and programs can merge.
 ///
-///     # gnomon knowledge 3
+///     # gnomon knowledge 4
 ///     device,driver,algorithm,pass,pixels,caster_triangles,map_texels,sharing,still,samples,gpu_ms_p50,gpu_ms_p95,...
 ///
 /// The first line names the version. Columns are found by name, in any order; unknown ones are passed over. A row that
@@ -20,7 +20,7 @@
 
 namespace gnomon::cost {
 
-inline constexpr uint32_t kKnowledgeVersion = 3;
+inline constexpr uint32_t kKnowledgeVersion = 4;
 inline constexpr size_t kMaxKnowledgeBytes = size_t{4} << 20; ///< The file is untrusted; 12 methods take 60 kB.
 inline constexpr size_t kMaxKnowledgeRows = 65536;
 

@@ -7,6 +7,7 @@
 
 #include "runtime/plan/worth.hpp"
 #include "runtime/scene/light_pixels.hpp"
+#include "runtime/scene/map_cover.hpp"
 #include "runtime/scene/shadow_pixels.hpp"
 #include "runtime/select/choice.hpp"
 
@@ -41,11 +42,18 @@ double mapSide(const Method& method)
 }
 
 /// A light that rests keeps its static casters apart; then only the moving ones are drawn.
+std::span<const Caster* const> drawnCasters(const SelectionInput& input)
+{
+    const bool apart = input.light->isStatic && !input.casters->movings.empty();
+    return apart ? input.casters->movings : input.casters->all;
+}
+
 double drawnTriangles(const SelectionInput& input)
 {
-    if (!input.light->isStatic || input.casters->movings.empty()) return input.casters->triangles;
+    const std::span<const Caster* const> drawn = drawnCasters(input);
+    if (drawn.size() == input.casters->all.size()) return input.casters->triangles;
     double triangles = 0.0;
-    for (const Caster* caster : input.casters->movings)
+    for (const Caster* caster : drawn)
         if (caster->mesh) triangles += caster->mesh->triangleCount();
     return triangles;
 }
@@ -59,13 +67,22 @@ cost::Workload workloadOf(const Method& method, const cost::Workload& light)
     return workload;
 }
 
-/// Looked at anew every few frames: it moves slowly, and asks every caster.
-double shadowPixelsOf(const LightMemory& memory, const SelectionInput& input)
+/// What asks every caster, and moves slowly: looked at anew every few frames.
+void addEstimates(cost::Workload& workload, const LightMemory& memory, const SelectionInput& input)
 {
     constexpr std::uint64_t kEvery = 8; // frames
-    const bool known = memory.workload.viewPixels > 0.0 && !input.view->cut;
-    if (known && (input.frame + input.light->id) % kEvery != 0) return memory.workload.shadowPixels;
-    return shadowPixels(*input.light, *input.casters, *input.view);
+    const cost::Workload& before = memory.workload;
+    const bool known = before.viewPixels > 0.0 && !input.view->cut;
+    if (known && (input.frame + input.light->id) % kEvery != 0) {
+        workload.shadowPixels = before.shadowPixels;
+        workload.mapFilled = before.mapFilled;
+        workload.mapTouched = before.mapTouched;
+        return;
+    }
+    workload.shadowPixels = shadowPixels(*input.light, *input.casters, *input.view);
+    const MapCover cover = mapCover(*input.light, *input.casters, drawnCasters(input));
+    workload.mapFilled = cover.filled;
+    workload.mapTouched = cover.touched;
 }
 
 bool isNear(double a, double b)
@@ -84,7 +101,9 @@ bool isNear(const cost::Workload& a, const cost::Workload& b)
     return a.still == b.still && a.directional == b.directional && a.point == b.point && isNear(a.pixels, b.pixels) &&
            isNear(a.casterTriangles, b.casterTriangles) && isNear(a.drawnTriangles, b.drawnTriangles) &&
            isNear(a.casters, b.casters) && isNear(a.drawnPixels, b.drawnPixels) && isNear(a.viewPixels, b.viewPixels) &&
-           isNear(a.shadowPixels, b.shadowPixels) && isNear(a.treeLevels, b.treeLevels);
+           isNear(a.shadowPixels, b.shadowPixels) && isNear(a.mapFilled, b.mapFilled) &&
+           isNear(a.mapTouched, b.mapTouched) &&
+           isNear(a.treeLevels, b.treeLevels);
 }
 
 plan::Eligibility eligibilityOf(Exclusion exclusion)
@@ -192,18 +211,19 @@ void FramePlan::add(LightDecision& decision, LightMemory& memory, const Selectio
     const double all = 1.0 * drawn.width * drawn.height;
     const VkExtent2D around = lightPixels(*input.light, *input.view).extent;
     const double rectangle = 1.0 * around.width * around.height;
-    memory.workload = {.pixels =
-                           memory.measured ? memory.share.get() * all : kReachedShare[input.light->type] * rectangle,
-                       .casterTriangles = static_cast<double>(input.casters->triangles),
-                       .still = input.still,
-                       .drawnTriangles = drawnTriangles(input),
-                       .casters = static_cast<double>(input.casters->all.size()),
-                       .directional = input.light->type == GN_LIGHT_TYPE_DIRECTIONAL,
-                       .point = input.light->type == GN_LIGHT_TYPE_POINT,
-                       .drawnPixels = rectangle,
-                       .viewPixels = all,
-                       .shadowPixels = shadowPixelsOf(memory, input),
-                       .treeLevels = memory.measured ? memory.treeLevels.get() : kTreeLevels};
+    cost::Workload workload{.pixels = memory.measured ? memory.share.get() * all
+                                                      : kReachedShare[input.light->type] * rectangle,
+                            .casterTriangles = static_cast<double>(input.casters->triangles),
+                            .still = input.still,
+                            .drawnTriangles = drawnTriangles(input),
+                            .casters = static_cast<double>(input.casters->all.size()),
+                            .directional = input.light->type == GN_LIGHT_TYPE_DIRECTIONAL,
+                            .point = input.light->type == GN_LIGHT_TYPE_POINT,
+                            .drawnPixels = rectangle,
+                            .viewPixels = all,
+                            .treeLevels = memory.measured ? memory.treeLevels.get() : kTreeLevels};
+    addEstimates(workload, memory, input);
+    memory.workload = workload;
     requests_.push_back({&decision, &memory, input.pinned, input.importance});
 }
 

@@ -20,8 +20,9 @@ inline Workload anyWorkload(Random& random)
     return {.pixels = exp2Exactly(random.between(12, 20)),
             .casterTriangles = exp2Exactly(random.between(8, 20)),
             .mapTexels = exp2Exactly(2.0 * random.below(4) + 16),
-            .sharing = 1.0,
-            .still = random.unit() < 0.3};
+            .still = random.unit() < 0.3,
+            .mapFilled = exp2Exactly(random.between(-7, 0.5)),
+            .mapTouched = (1.0 + random.below(6)) / 6.0};
 }
 
 /// A truth that is *not* what the model fits: an overhead plus sums of powers, and a factor per (light, method).
@@ -38,10 +39,9 @@ struct Truth {
     double ms(uint32_t light, uint32_t m, Pass pass, const Workload& w) const
     {
         const double k = 0.5 + 0.3 * m;
-        const double time =
-            pass == Pass::resolve
-                ? 0.02 + 2.0 * k * w.pixels / 1e6
-                : (0.05 + 0.8 * k * w.casterTriangles / 1e5 + 0.4 * w.mapTexels / 1e6) / (w.still ? 4 : 1);
+        const double time = pass == Pass::resolve ? 0.02 + 2.0 * k * w.pixels / 1e6
+                                                  : 0.05 + 0.8 * k * w.casterTriangles / 1e5 +
+                                                        (0.3 * w.mapTouched + 0.3 * w.mapFilled) * w.mapTexels / 1e6;
         return time * factor * (m == 2 ? method : 1.0) * own[light * kMethods + m];
     }
     /// 8 % noise; one timing in 200 is a spike of x2 to x6.

@@ -41,6 +41,8 @@ typedef struct GnLightTiming {
     double viewPixels;      ///< Of the view's render area.
     double shadowPixels;    ///< Estimated, covered by the sides of shadow volumes; 0 for methods that draw none.
     double treeLevels;      ///< Estimated, of casters' trees on a ray's way to the light; 0 for methods that trace few.
+    double mapFilled;       ///< Estimated share of the map that the casters an update draws fill; each counts.
+    double mapTouched;      ///< Share of the light's maps, one or six faces, that these casters touch.
 } GnLightTiming;
 
 /** \brief The newest timing of a light in a view: of a *timed* frame (see gnGetPassTimings()), two
