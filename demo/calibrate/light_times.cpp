@@ -7,8 +7,9 @@
 namespace gnomon::demo {
 namespace {
 
-constexpr uint32_t kDiscarded = 3; // frames after a switch, as the cost model does
-constexpr uint32_t kLate = 2;      // frames until timings are known
+constexpr uint32_t kDiscarded = cost::kSettleFrames; // after a switch, as the cost model does
+constexpr uint32_t kLeastDiscarded = 2;              // of frames that take long: the first one, and what it left behind
+constexpr uint32_t kLate = kCalibrationFramesInFlight; // frames until timings are known
 
 double percentile(std::vector<double> values, double share)
 {
@@ -103,18 +104,26 @@ std::string today()
     return text;
 }
 
-uint32_t framesFor(uint32_t samples)
-{
-    return kDiscarded + 2 * samples - 1 + kLate;
-}
+/// A moment's frames: some that are not timed, then timed and untimed ones in turn, then those that timings are late
+/// by.
+struct FramePlan {
+    uint32_t discarded = kDiscarded, samples = 1;
+    uint32_t frames() const { return discarded + 2 * samples - 1 + kLate; }
+    bool isTimed(uint32_t frame) const
+    {
+        return frame >= discarded && frame + kLate < frames() && (frame - discarded) % 2 == 0;
+    }
+};
 
 /// As many samples as the moment asks for and has the time for. What takes long is disturbed by less.
-uint32_t framesFor(const Moment& moment, double frameMs)
+FramePlan planFrames(const Moment& moment, double frameMs)
 {
-    uint32_t samples = moment.samples;
-    while (samples > 1 && framesFor(samples) * frameMs > 1000.0 * moment.seconds)
-        --samples;
-    return framesFor(samples);
+    FramePlan plan{.samples = moment.samples};
+    const auto takesTooLong = [&] { return plan.frames() * frameMs > 1000.0 * moment.seconds; };
+    while (plan.samples > 1 && takesTooLong())
+        --plan.samples;
+    if (takesTooLong()) plan.discarded = kLeastDiscarded;
+    return plan;
 }
 
 } // namespace
@@ -135,20 +144,20 @@ void useMethod(ShadowHost& shadows, const std::string& method)
 
 MomentTimes measureMoment(Session& session, const std::string& method, const Moment& moment)
 {
-    uint32_t frames = framesFor(moment.samples);
+    FramePlan plan{.samples = moment.samples};
     std::vector<double> frameMs;
     frameMs.push_back(drawFrame(session, moment.time, false, true));
     Collector collector(session, method);
-    for (uint32_t i = 1; i < frames; ++i) {
-        const bool timed = i + kLate < frames && i >= kDiscarded && (i - kDiscarded) % 2 == 0;
+    for (uint32_t i = 1; i < plan.frames(); ++i) {
+        const bool timed = plan.isTimed(i);
         const double ms = drawFrame(session, moment.time + i * moment.step, timed, false);
         if (!timed) frameMs.push_back(ms);
-        if (i + 1 == kDiscarded) frames = framesFor(moment, ms);
-        collector.note(i >= kDiscarded);
+        if (i + 1 == kLeastDiscarded) plan = planFrames(moment, ms);
+        collector.note(i >= plan.discarded);
     }
     MomentTimes times;
     times.lights = collector.take();
-    times.lastTime = moment.time + (frames - 1) * moment.step;
+    times.lastTime = moment.time + (plan.frames() - 1) * moment.step;
     times.firstFrameMs =
         std::max(0.0, frameMs.front() - percentile(std::vector<double>(frameMs.begin() + 1, frameMs.end()), 0.5));
     return times;

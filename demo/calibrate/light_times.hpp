@@ -10,6 +10,10 @@
 
 namespace gnomon::demo {
 
+/// Of sessions that measure: a frame is waited for before the next one anyway, and its timings are known one frame
+/// sooner.
+inline constexpr uint32_t kCalibrationFramesInFlight = 1;
+
 /// Timings of one light in consecutive timed frames, beside the workload they were for.
 struct LightTimes {
     uint32_t light = 0; ///< Index in the scene.

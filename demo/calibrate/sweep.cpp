@@ -12,7 +12,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr uint32_t kPointsPerKind = 40;
 constexpr double kFrameStep = 1.0 / 60.0;
-constexpr uint32_t kSceneSamples = 6;
+constexpr uint32_t kSceneSamples = 3; // of each alternation
 
 GnTraits traitOf(LightKind kind)
 {
@@ -26,6 +26,16 @@ double secondsSince(Clock::time_point start)
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+SessionOptions measuring(VkExtent2D size, uint32_t maxLights = 0)
+{
+    return {.scene = {},
+            .size = size,
+            .maxLights = maxLights,
+            .framesInFlight = kCalibrationFramesInFlight,
+            .pinnedThreads = true,
+            .knowledge = "none"};
+}
+
 void warmUp(const Session& session)
 {
     if (gnWarmUp(session.shadows.context()) < 0)
@@ -37,7 +47,7 @@ void warmUp(const Session& session)
 Outcome<std::vector<SweepMethod>> sweepMethods(Device& device, const std::vector<std::string>& wanted)
 {
     const Scene empty = makeSweep(1).scene;
-    Session session(device, empty, {.scene = {}, .size = {16, 16}, .maxLights = kSweepLights, .knowledge = "none"});
+    Session session(device, empty, measuring({16, 16}, kSweepLights));
     std::vector<SweepMethod> methods;
     for (const GnMethodInfo& info : session.shadows.methods()) {
         const bool asked = std::find(wanted.begin(), wanted.end(), info.pName) != wanted.end();
@@ -56,38 +66,39 @@ Outcome<std::vector<SweepMethod>> sweepMethods(Device& device, const std::vector
 
 Sweeper::Sweeper(Device& device)
     : device_(device), sweep_(makeSweep(kPointsPerKind)),
-      session_(device, sweep_.scene, {.scene = {}, .size = {640, 360}, .maxLights = kSweepLights, .knowledge = "none"})
+      session_(device, sweep_.scene, measuring({640, 360}, kSweepLights))
 {
     warmUp(session_);
 }
 
-SweepRun Sweeper::run(const SweepMethod& method, double seconds, uint32_t leastPoints)
+void Sweeper::proceed(SweepRun& run, const SweepMethod& method, double seconds, uint32_t leastPoints)
 {
-    SweepRun out;
     const Clock::time_point start = Clock::now();
+    const double before = run.seconds;
     useMethod(session_.shadows, method.name);
-    for (const SweepPoint& point : sweep_.points) {
+    for (; run.next < sweep_.points.size(); ++run.next) {
+        const SweepPoint& point = sweep_.points[run.next];
         if (!(method.traits & traitOf(point.kind))) continue;
+        run.seconds = before + secondsSince(start);
         // The next point takes about as long as those before it.
-        const double expected = out.points > 0 ? secondsSince(start) * (out.points + 1) / out.points : 0.0;
-        if (expected > seconds && out.points >= leastPoints) break;
+        const double expected = run.points > 0 ? run.seconds * (run.points + 1) / run.points : 0.0;
+        if (expected > seconds && run.points >= leastPoints) break;
         session_.renderer.resize({point.width, point.height});
         if (method.hasMap) expect(session_.shadows.set(method.name, kResolutionSetting, point.mapSide));
         // What is left, over the points that there must be: one that took longer is made good by the others.
-        const double left = std::max(seconds - secondsSince(start), 0.0);
-        const uint32_t owed = leastPoints - std::min(out.points, leastPoints - 1);
+        const double left = std::max(seconds - run.seconds, 0.0);
+        const uint32_t owed = leastPoints - std::min(run.points, leastPoints - 1);
         const Moment moment{.time = point.time,
                             .step = point.motion == SweepMotion::nothing ? 0.0 : kFrameStep,
                             .seconds = std::min(left / owed, seconds / leastPoints)};
         const MomentTimes times = measureMoment(session_, method.name, moment);
         std::vector<cost::KnowledgeRow> rows = rowsOf(times, method.algorithm, device_);
         // Errors vary slowly over the sweep; every second point tells enough of them.
-        if (method.name != kTruthMethod && out.points % 2 == 0) measureErrors(rows, times);
-        out.rows.insert(out.rows.end(), rows.begin(), rows.end());
-        ++out.points;
+        if (method.name != kTruthMethod && run.points % 2 == 0) measureErrors(rows, times);
+        run.rows.insert(run.rows.end(), rows.begin(), rows.end());
+        ++run.points;
     }
-    out.seconds = secondsSince(start);
-    return out;
+    run.seconds = before + secondsSince(start);
 }
 
 /// The wrong share of the point's first light goes into its rows. False where this build has no ray tracing.
@@ -124,7 +135,7 @@ std::vector<cost::KnowledgeRow> measureScene(Device& device, const Scene& scene,
     std::vector<cost::KnowledgeRow> rows;
     const Scene served = onlyServed(scene, method.traits);
     if (served.lights.empty()) return rows;
-    Session session(device, served, {.scene = {}, .size = size, .knowledge = "none"});
+    Session session(device, served, measuring(size));
     warmUp(session);
     useMethod(session.shadows, method.name);
     const double step = 1.0 / scene.framesPerSecond;

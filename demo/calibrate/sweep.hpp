@@ -16,10 +16,12 @@ struct SweepMethod {
 /// Methods of this build that the device can run; fails naming one that is wanted and unknown.
 Outcome<std::vector<SweepMethod>> sweepMethods(Device& device, const std::vector<std::string>& wanted);
 
+/// What a method's sweep has measured so far.
 struct SweepRun {
     std::vector<cost::KnowledgeRow> rows;
     uint32_t points = 0;
-    double seconds = 0.0;
+    size_t next = 0;      ///< Point of the sweep.
+    double seconds = 0.0; ///< Spent.
 };
 
 /// To learn from: as many as a fit has coefficients.
@@ -28,8 +30,8 @@ constexpr uint32_t kLeastPoints = cost::kFeatures;
 class Sweeper {
 public:
     explicit Sweeper(Device& device);
-    /// As many points as fit into the time, but at least the first few of every kind of light it serves.
-    SweepRun run(const SweepMethod& method, double seconds, uint32_t leastPoints = kLeastPoints);
+    /// The method's next points, as many as fit until `seconds` are spent in all, but until there are so many.
+    void proceed(SweepRun& run, const SweepMethod& method, double seconds, uint32_t leastPoints);
 
 private:
     bool measureErrors(std::vector<cost::KnowledgeRow>& rows, const MomentTimes& times);
@@ -39,7 +41,8 @@ private:
     Session session_;
 };
 
-/// The lights of a scene at a few moments, each moving on for some frames. Only lights that the method serves.
+/// The lights of a scene at a few moments, each moving on for some frames. Only lights that the method serves. In the
+/// order of moments and lights, the same at every call.
 std::vector<cost::KnowledgeRow> measureScene(Device& device, const Scene& scene, const SweepMethod& method,
                                              VkExtent2D size, uint32_t moments);
 

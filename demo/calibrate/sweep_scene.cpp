@@ -10,6 +10,9 @@ namespace gnomon::demo {
 namespace {
 
 constexpr uint32_t kWorlds = 8;
+// Objects along the side of a world. Not growing with the triangles: what an instance costs and what a triangle does
+// would be the same to a fit.
+constexpr uint32_t kObjects[kWorlds] = {2, 4, 5, 3, 4, 5, 3, 2};
 constexpr double kWorldSpacing = 400.0; // metres; out of each other's picture
 constexpr double kGroundSide = 40.0;
 constexpr double kPi = 3.14159265358979323846;
@@ -76,11 +79,11 @@ void addWalls(Scene& scene, uint32_t world)
 }
 
 /// A ground with tori, balls and columns on it; a third of them turn. In every other world it is a hall: walls, tall
-/// columns, knots and hilly balls. Triangles double from world to world, their number of instances grows more slowly.
+/// columns, knots and hilly balls. Triangles grow from world to world.
 void addWorld(Scene& scene, uint32_t world, uint32_t ground)
 {
     const bool hall = world % 2 == 1;
-    const uint32_t side = 2 + world / 2;                   // 2x2 to 5x5 objects
+    const uint32_t side = kObjects[world];
     const double triangles = 400.0 * std::pow(2.45, world); // 400 to 212 000
     const double each = triangles / (side * side);
     const auto segments = [each](double share) { // of a surface of share x 1 segments, two triangles each

@@ -2,14 +2,15 @@
 #include <cstdio>
 #include <limits>
 
+#include "demo/host/pin_thread.hpp"
 #include "demo/io/csv.hpp"
 #include "demo/io/number.hpp"
 #include "demo/program/ambiguity.hpp"
 #include "demo/program/bench_bare.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/measure.hpp"
-#include "demo/program/setting_choices.hpp"
 #include "demo/program/progress.hpp"
+#include "demo/program/setting_choices.hpp"
 #include "demo/scene/scene_file.hpp"
 
 namespace gnomon::demo {
@@ -68,7 +69,7 @@ public:
 
     Row base() const
     {
-        Session session(device_, scene_, {.scene = {}, .size = size_});
+        Session session(device_, scene_, {.scene = {}, .size = size_, .pinnedThreads = true});
         Row row = rowFor(session, kNoneMethod, 0);
         row.times = timePairs(session, options_.repeat, false, &nothing_);
         row.times.withMs = row.times.withoutMs;
@@ -81,7 +82,7 @@ public:
         if (scene_.lights.empty() || scene_.lights[0].kind != LightKind::Spot) return std::nullopt;
         Scene one = scene_;
         one.lights.resize(1);
-        Session session(device_, one, {.scene = {}, .size = size_});
+        Session session(device_, one, {.scene = {}, .size = size_, .pinnedThreads = true});
         BareShadowMap shadows(device_, one, session.geometry, session.renderer, map);
         Row row = rowFor(session, kBareMethod, map);
         row.times = timePairs(session, options_.repeat, false, &shadows);
@@ -93,7 +94,7 @@ public:
     {
         const Scene served = onlyServed(scene_, info.traits);
         if (served.lights.empty()) return std::nullopt;
-        Session session(device_, served, {.scene = {}, .size = size_});
+        Session session(device_, served, {.scene = {}, .size = size_, .pinnedThreads = true});
         if (map) expect(session.shadows.set(info.pName, sizeSetting(info)->pName, *map));
         for (const SettingChoice& choice : choices_)
             if (hasSetting(info, choice.name))
@@ -225,6 +226,7 @@ void print(const Row& row)
 int benchCommand(const BenchOptions& options)
 {
     const std::unique_ptr<Device> device = Device::create({.validation = options.validation});
+    pinThread(0);
     const std::vector<std::string> wanted = parseNames(options.methods);
     const std::vector<SettingChoice> choices = parseChoices(options.settings);
     const std::vector<uint32_t> maps = valueOf(parseCounts(options.maps, 16, 16384));

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "demo/calibrate/sweep.hpp"
+#include "demo/host/pin_thread.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/scene/scene_file.hpp"
@@ -14,11 +15,17 @@ namespace gnomon::demo {
 namespace {
 
 constexpr uint32_t kCheckMoments = 3; // of a scene's length
-// A check begins with so many points of the sweep a method, to learn how fast the device is today. Ten timings show a
-// device factor (runtime/cost/README.md); fewer say nothing.
+// The machine's speed drifts by a third within minutes. Methods take turns, so that none is measured in a fast minute
+// only, and what is measured twice is compared by its fastest time.
+constexpr uint32_t kTurns = 4;        // of a method's sweep
+constexpr uint32_t kAlternations = 3; // of a check
+// An alternation begins with so many points of the sweep a method, to learn how fast the device is today. Ten timings
+// show a device factor (runtime/cost/README.md); fewer say nothing.
 constexpr uint32_t kSpeedPoints = 5;
 constexpr double kSpeedSeconds = 2.0; // a method
 constexpr size_t kFewestTimings = 10;
+
+using Rows = std::vector<cost::KnowledgeRow>;
 
 /// What one light took by one method, update and resolve together, and what was foretold.
 struct Foretold {
@@ -43,13 +50,16 @@ void printErrors(const char* title, const std::vector<double>& percents)
 int calibrate(const CalibrateOptions& options, Device& device, const std::vector<SweepMethod>& methods)
 {
     Sweeper sweeper(device);
-    std::vector<cost::KnowledgeRow> rows;
-    for (const SweepMethod& method : methods) {
-        const SweepRun run = sweeper.run(method, options.secondsPerMethod);
-        std::printf("%-20s %3u points, %4zu rows, %5.1f s\n", method.name.c_str(), run.points, run.rows.size(),
-                    run.seconds);
-        std::fflush(stdout);
-        rows.insert(rows.end(), run.rows.begin(), run.rows.end());
+    std::vector<SweepRun> runs(methods.size());
+    for (uint32_t turn = 1; turn <= kTurns; ++turn)
+        for (size_t m = 0; m < methods.size(); ++m)
+            sweeper.proceed(runs[m], methods[m], options.secondsPerMethod * turn / kTurns,
+                            (kLeastPoints * turn + kTurns - 1) / kTurns);
+    Rows rows;
+    for (size_t m = 0; m < methods.size(); ++m) {
+        std::printf("%-26s %3u points, %4zu rows, %5.1f s\n", methods[m].name.c_str(), runs[m].points,
+                    runs[m].rows.size(), runs[m].seconds);
+        rows.insert(rows.end(), runs[m].rows.begin(), runs[m].rows.end());
     }
     const std::string out = options.out.empty() ? "knowledge.csv" : options.out;
     expect(writeText(out, cost::writeKnowledge(rows)));
@@ -57,14 +67,51 @@ int calibrate(const CalibrateOptions& options, Device& device, const std::vector
     return 0;
 }
 
-/// The device factor of this hour: by how much longer the sweep's own points take than the knowledge base says, in the
-/// median. The scenes that are to be foretold have no part in it.
-double presentFactor(Device& device, const std::vector<SweepMethod>& methods, const cost::CostModel& model)
+/// Each row's fastest time of both; rows end where they are not of the same work.
+void keepFastest(Rows& rows, const Rows& more)
+{
+    if (rows.empty()) rows = more;
+    const auto differ = std::ranges::mismatch(rows, more, [](const auto& a, const auto& b) {
+        return a.pass == b.pass && a.workload.casterTriangles == b.workload.casterTriangles;
+    });
+    rows.erase(differ.in1, rows.end());
+    for (size_t i = 0; i < rows.size(); ++i) {
+        rows[i].gpuMsMin = std::min(rows[i].gpuMsMin, more[i].gpuMsMin);
+        rows[i].cpuMsMin = std::min(rows[i].cpuMsMin, more[i].cpuMsMin);
+    }
+}
+
+/// What a check measures: rows of every method, of the sweep's first points and of every scene.
+struct CheckRows {
+    std::vector<Rows> sweep;               ///< By method.
+    std::vector<std::vector<Rows>> scenes; ///< By scene and method.
+};
+
+/// One alternation more.
+void alternate(CheckRows& rows, const CalibrateOptions& options, Device& device, const std::vector<Scene>& scenes,
+               const std::vector<SweepMethod>& methods)
 {
     Sweeper sweeper(device);
+    for (size_t m = 0; m < methods.size(); ++m) {
+        SweepRun run;
+        sweeper.proceed(run, methods[m], kSpeedSeconds, kSpeedPoints);
+        keepFastest(rows.sweep[m], run.rows);
+    }
+    for (size_t s = 0; s < scenes.size(); ++s) {
+        const VkExtent2D size =
+            options.size.empty() ? VkExtent2D{scenes[s].width, scenes[s].height} : valueOf(parseSize(options.size));
+        for (size_t m = 0; m < methods.size(); ++m)
+            keepFastest(rows.scenes[s][m], measureScene(device, scenes[s], methods[m], size, kCheckMoments));
+    }
+}
+
+/// The device factor of this hour: by how much longer the sweep's own points take than the knowledge base says, in the
+/// median. The scenes that are to be foretold have no part in it.
+double presentFactor(const CheckRows& rows, const cost::CostModel& model)
+{
     std::vector<double> ratios;
-    for (uint32_t m = 0; m < methods.size(); ++m)
-        for (const cost::KnowledgeRow& row : sweeper.run(methods[m], kSpeedSeconds, kSpeedPoints).rows) {
+    for (uint32_t m = 0; m < rows.sweep.size(); ++m)
+        for (const cost::KnowledgeRow& row : rows.sweep[m]) {
             const double predicted = model.predict(UINT32_MAX, m, row.pass, row.workload).ms;
             const double measured = row.gpuMsMin + row.cpuMsMin;
             if (predicted > 0.0 && measured > 0.0) ratios.push_back(measured / predicted);
@@ -72,7 +119,7 @@ double presentFactor(Device& device, const std::vector<SweepMethod>& methods, co
     return ratios.size() < kFewestTimings ? 1.0 : percentile(std::move(ratios), 0.5);
 }
 
-int check(const CalibrateOptions& options, Device& device, const std::vector<SweepMethod>& methods)
+cost::CostModel modelOf(const CalibrateOptions& options, const Device& device, const std::vector<SweepMethod>& methods)
 {
     const std::filesystem::path file =
         valueOf(findKnowledge(options.knowledge.empty() ? "lavapipe" : options.knowledge));
@@ -85,46 +132,69 @@ int check(const CalibrateOptions& options, Device& device, const std::vector<Swe
     model.setSharedCores(device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU);
     model.resize(static_cast<uint32_t>(methods.size()), 1);
     cost::learn(model, *knowledge.base, algorithms, device.properties.deviceName);
+    return model;
+}
 
-    const double factor = presentFactor(device, methods, model);
+void printRow(const Foretold& one, const cost::KnowledgeRow& row)
+{
+    const cost::Workload& work = row.workload;
+    std::printf("  %-10s %-16s %-7s %8.0f px %7.0f tri %7.0f drawn %4.0f casters %8.0f texels%s%s: "
+                "%7.3f ms (gpu %.3f cpu %.3f), foretold %7.3f\n",
+                one.scene.c_str(), one.algorithm.c_str(), row.pass == cost::Pass::update ? "update" : "resolve",
+                work.pixels, work.casterTriangles, work.drawnTriangles, work.casters, work.mapTexels,
+                work.still ? " still" : "", work.directional ? " directional" : "", one.measuredMs, row.gpuMsMin,
+                row.cpuMsMin, one.predictedMs);
+}
+
+/// A scene's lights by one method, update and resolve together.
+std::vector<Foretold> foretell(const cost::CostModel& model, double factor, uint32_t method, const Foretold& names,
+                               const Rows& rows, bool verbose)
+{
+    std::vector<Foretold> lights;
+    Foretold light = names;
+    for (const cost::KnowledgeRow& row : rows) {
+        Foretold pass = names;
+        pass.measuredMs = row.gpuMsMin + row.cpuMsMin; // as undisturbed as what it is compared with
+        pass.predictedMs = factor * model.predict(UINT32_MAX, method, row.pass, row.workload).ms;
+        if (verbose) printRow(pass, row);
+        light.measuredMs += pass.measuredMs;
+        light.predictedMs += pass.predictedMs;
+        if (row.pass == cost::Pass::update) continue; // its resolve is the next row
+        lights.push_back(light);
+        light = names;
+    }
+    return lights;
+}
+
+int check(const CalibrateOptions& options, Device& device, const std::vector<SweepMethod>& methods)
+{
+    const cost::CostModel model = modelOf(options, device, methods);
+    std::vector<Scene> scenes;
+    for (const std::string& name : options.check)
+        scenes.push_back(valueOf(loadScene(name)));
+    CheckRows measured{std::vector<Rows>(methods.size()),
+                       std::vector<std::vector<Rows>>(scenes.size(), std::vector<Rows>(methods.size()))};
+    for (uint32_t i = 0; i < kAlternations; ++i)
+        alternate(measured, options, device, scenes, methods);
+
+    const double factor = presentFactor(measured, model);
     std::printf("device factor %.2f, from the sweep\n", factor);
-    std::vector<cost::KnowledgeRow> all;
+    Rows all;
     std::vector<double> percents, cold;
     std::map<std::string, std::vector<double>> byMethod, byScene;
-    for (const std::string& name : options.check) {
-        const Scene scene = valueOf(loadScene(name));
-        const VkExtent2D size =
-            options.size.empty() ? VkExtent2D{scene.width, scene.height} : valueOf(parseSize(options.size));
+    for (size_t s = 0; s < scenes.size(); ++s)
         for (uint32_t m = 0; m < methods.size(); ++m) {
-            const std::vector<cost::KnowledgeRow> rows = measureScene(device, scene, methods[m], size, kCheckMoments);
-            double updateMs = 0.0, foretoldMs = 0.0;
-            for (const cost::KnowledgeRow& row : rows) {
-                all.push_back(row);
-                const double measured = row.gpuMsMin + row.cpuMsMin; // as undisturbed as what it is compared with
-                const double predicted = factor * model.predict(UINT32_MAX, m, row.pass, row.workload).ms;
-                if (options.verbose)
-                    std::printf("  %-10s %-16s %-7s %8.0f px %7.0f tri %7.0f drawn %4.0f casters %8.0f texels%s%s: "
-                                "%7.3f ms (gpu %.3f cpu %.3f), foretold %7.3f\n",
-                                name.c_str(), methods[m].name.c_str(),
-                                row.pass == cost::Pass::update ? "update" : "resolve", row.workload.pixels,
-                                row.workload.casterTriangles, row.workload.drawnTriangles, row.workload.casters,
-                                row.workload.mapTexels, row.workload.still ? " still" : "",
-                                row.workload.directional ? " directional" : "", measured, row.gpuMsMin, row.cpuMsMin,
-                                predicted);
-                if (row.pass == cost::Pass::update) { // its resolve is the next row
-                    updateMs = measured;
-                    foretoldMs = predicted;
-                    continue;
-                }
-                const Foretold one{name, methods[m].name, updateMs + measured, foretoldMs + predicted};
-                updateMs = foretoldMs = 0.0;
-                percents.push_back(one.percent());
-                cold.push_back(Foretold{name, methods[m].name, one.measuredMs, one.predictedMs / factor}.percent());
-                byMethod[one.algorithm].push_back(one.percent());
-                byScene[name].push_back(one.percent());
+            const Rows& rows = measured.scenes[s][m];
+            all.insert(all.end(), rows.begin(), rows.end());
+            const Foretold names{scenes[s].name, methods[m].name};
+            for (Foretold light : foretell(model, factor, m, names, rows, options.verbose)) {
+                percents.push_back(light.percent());
+                byMethod[light.algorithm].push_back(percents.back());
+                byScene[light.scene].push_back(percents.back());
+                light.predictedMs /= factor;
+                cold.push_back(light.percent());
             }
         }
-    }
     for (const auto& entry : byScene)
         printErrors(("scene " + entry.first).c_str(), entry.second);
     for (const auto& entry : byMethod)
@@ -140,6 +210,7 @@ int check(const CalibrateOptions& options, Device& device, const std::vector<Swe
 int calibrateCommand(const CalibrateOptions& options)
 {
     const std::unique_ptr<Device> device = Device::create({});
+    pinThread(0);
     const std::vector<SweepMethod> methods = valueOf(sweepMethods(*device, parseNames(options.methods)));
     const int result = options.check.empty() ? calibrate(options, *device, methods) : check(options, *device, methods);
     requireSilence(*device);

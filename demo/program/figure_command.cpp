@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 
+#include "demo/host/pin_thread.hpp"
 #include "demo/io/csv.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/gnuplot.hpp"
@@ -67,7 +68,7 @@ Scene roomWith(const Scene& room, const Model& model, uint32_t lights, bool stil
 
 double increment(Device& device, const Scene& scene, const std::string& method, VkExtent2D size, uint32_t repeat)
 {
-    Session session(device, scene, {.scene = {}, .size = size});
+    Session session(device, scene, {.scene = {}, .size = size, .pinnedThreads = true});
     expect(session.shadows.pinAll(method));
     settle(session, frameTime(scene, 0), false);
     const PairTimes times = timePairs(session, repeat, false, nullptr);
@@ -145,6 +146,7 @@ int figureCommand(const BenchOptions& options)
         throw HostError("no figure '" + options.figure + "'; there are " + known);
     }
     const std::unique_ptr<Device> device = Device::create({});
+    pinThread(0);
     const Scene room = valueOf(loadScene("views/cube_room"));
     std::vector<Curve> curves;
     size_t methods = 0;

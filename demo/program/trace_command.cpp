@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "demo/host/pin_thread.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/program/rule_support.hpp"
@@ -26,7 +27,9 @@ public:
         : options_(options), scene_(scene),
           secondsPerFrame_(static_cast<double>(scene.frames) / scene.framesPerSecond / options.frames),
           session_(device, scene,
-                   {.size = size, .contextFlags = GN_CONTEXT_TIME_EVERY_FRAME_BIT | GN_CONTEXT_NO_BACKGROUND_BIT})
+                   {.size = size,
+                    .contextFlags = GN_CONTEXT_TIME_EVERY_FRAME_BIT | GN_CONTEXT_NO_BACKGROUND_BIT,
+                    .pinnedThreads = true})
     {
         GnContext context = session_.shadows.context();
         if (gnWarmUp(context) < 0) throw HostError(std::string("gnWarmUp: ") + gnGetLastError(context));
@@ -327,6 +330,7 @@ int traceCommand(const TraceOptions& options)
     if (options.lights > 0) limitLights(scene, options.lights);
     const VkExtent2D size = valueOf(parseSize(options.size));
     const std::unique_ptr<Device> device = Device::create({});
+    pinThread(0);
     Trace trace = Tracer(options, scene, *device, size).run();
     applyRules(trace, parseRules(options.rules));
     expect(setBudgets(trace, options.budget));
