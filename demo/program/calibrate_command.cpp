@@ -9,6 +9,7 @@
 #include "demo/host/pin_thread.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/measure.hpp"
+#include "demo/program/progress.hpp"
 #include "demo/scene/scene_file.hpp"
 
 namespace gnomon::demo {
@@ -50,11 +51,14 @@ void printErrors(const char* title, const std::vector<double>& percents)
 int calibrate(const CalibrateOptions& options, Device& device, const std::vector<SweepMethod>& methods)
 {
     Sweeper sweeper(device);
+    Progress progress(kTurns * static_cast<uint32_t>(methods.size()));
     std::vector<SweepRun> runs(methods.size());
-    for (uint32_t turn = 1; turn <= kTurns; ++turn)
-        for (size_t m = 0; m < methods.size(); ++m)
-            sweeper.proceed(runs[m], methods[m], options.secondsPerMethod * turn / kTurns,
-                            (kLeastPoints * turn + kTurns - 1) / kTurns);
+    for (uint32_t turn = 0, done = 0; turn < kTurns; ++turn)
+        for (size_t m = 0; m < methods.size(); ++m) {
+            sweeper.proceed(runs[m], methods[m], options.secondsPerMethod * (turn + 1) / kTurns,
+                            (kLeastPoints * (turn + 1) + kTurns - 1) / kTurns);
+            progress.show(++done, methods[m].name);
+        }
     Rows rows;
     for (size_t m = 0; m < methods.size(); ++m) {
         std::printf("%-26s %3u points, %4zu rows, %5.1f s\n", methods[m].name.c_str(), runs[m].points,
@@ -67,10 +71,12 @@ int calibrate(const CalibrateOptions& options, Device& device, const std::vector
     return 0;
 }
 
-/// Each row's fastest time of both; rows end where they are not of the same work.
-void keepFastest(Rows& rows, const Rows& more)
+/// Each row's fastest time of both. Rows end where they are not of the same work.
+/// @return whether all of both are
+bool keepFastest(Rows& rows, const Rows& more)
 {
     if (rows.empty()) rows = more;
+    const size_t longest = std::max(rows.size(), more.size());
     const auto differ = std::ranges::mismatch(rows, more, [](const auto& a, const auto& b) {
         return a.pass == b.pass && a.workload.casterTriangles == b.workload.casterTriangles;
     });
@@ -79,6 +85,7 @@ void keepFastest(Rows& rows, const Rows& more)
         rows[i].gpuMsMin = std::min(rows[i].gpuMsMin, more[i].gpuMsMin);
         rows[i].cpuMsMin = std::min(rows[i].cpuMsMin, more[i].cpuMsMin);
     }
+    return rows.size() == longest;
 }
 
 /// What a check measures: rows of every method, of the sweep's first points and of every scene.
@@ -89,19 +96,24 @@ struct CheckRows {
 
 /// One alternation more.
 void alternate(CheckRows& rows, const CalibrateOptions& options, Device& device, const std::vector<Scene>& scenes,
-               const std::vector<SweepMethod>& methods)
+               const std::vector<SweepMethod>& methods, Progress& progress, uint32_t& done)
 {
     Sweeper sweeper(device);
     for (size_t m = 0; m < methods.size(); ++m) {
         SweepRun run;
         sweeper.proceed(run, methods[m], kSpeedSeconds, kSpeedPoints);
-        keepFastest(rows.sweep[m], run.rows);
+        keepFastest(rows.sweep[m], run.rows); // as many points as there was time for in all alternations
     }
     for (size_t s = 0; s < scenes.size(); ++s) {
         const VkExtent2D size =
             options.size.empty() ? VkExtent2D{scenes[s].width, scenes[s].height} : valueOf(parseSize(options.size));
-        for (size_t m = 0; m < methods.size(); ++m)
-            keepFastest(rows.scenes[s][m], measureScene(device, scenes[s], methods[m], size, kCheckMoments));
+        for (size_t m = 0; m < methods.size(); ++m) {
+            if (!keepFastest(rows.scenes[s][m], measureScene(device, scenes[s], methods[m], size, kCheckMoments)))
+                std::printf(
+                    "%s by %s: not the same lights and passes in all alternations; those that are not are left out\n",
+                    scenes[s].name.c_str(), methods[m].name.c_str());
+            progress.show(++done, scenes[s].name + ", " + methods[m].name);
+        }
     }
 }
 
@@ -174,8 +186,9 @@ int check(const CalibrateOptions& options, Device& device, const std::vector<Swe
         scenes.push_back(valueOf(loadScene(name)));
     CheckRows measured{std::vector<Rows>(methods.size()),
                        std::vector<std::vector<Rows>>(scenes.size(), std::vector<Rows>(methods.size()))};
-    for (uint32_t i = 0; i < kAlternations; ++i)
-        alternate(measured, options, device, scenes, methods);
+    Progress progress(kAlternations * static_cast<uint32_t>(scenes.size() * methods.size()));
+    for (uint32_t i = 0, done = 0; i < kAlternations; ++i)
+        alternate(measured, options, device, scenes, methods, progress, done);
 
     const double factor = presentFactor(measured, model);
     std::printf("device factor %.2f, from the sweep\n", factor);

@@ -194,6 +194,33 @@ TEST_CASE("compare runs the rules and every method that serves all lights, and h
     CHECK(wrong.output.find("cube_map") != std::string::npos);
 }
 
+TEST_CASE("calibrate writes a base of both passes of every method, and checks a scene against it")
+{
+    const Folder folder("calibrate");
+    const fs::path csv = folder.path / "base.csv";
+    const Ran ran =
+        gnomonProgram("calibrate --methods shadow_map,ray_traced --seconds-per-method 1 --out '" + csv.string() + "'");
+    CAPTURE(ran.output);
+    REQUIRE(ran.exitCode == 0);
+    const std::vector<std::string> table = lines(csv);
+    REQUIRE(table.size() > 2);
+    CHECK(table[0].starts_with("# gnomon knowledge "));
+    std::set<std::string> seen;
+    for (size_t i = 2; i < table.size(); ++i) {
+        std::vector<std::string> cells;
+        REQUIRE(splitCsvLine(table[i], cells));
+        seen.insert(cells.at(2) + " " + cells.at(3));
+    }
+    CHECK(seen == std::set<std::string>{"ray_traced resolve", "shadow_map resolve", "shadow_map update"});
+    const Ran checked = gnomonProgram("calibrate --check torus_grid --methods shadow_map,ray_traced --size 160x120 "
+                                      "--knowledge '" +
+                                      csv.string() + "'");
+    CHECK(checked.exitCode == 0);
+    for (const char* line : {"device factor ", "\nshadow_map  ", "\nray_traced  ", "\nall lights and methods "})
+        CHECK_MESSAGE(checked.output.find(line) != std::string::npos, checked.output);
+    CHECK(checked.output.find("left out") == std::string::npos); // all alternations saw the same lights and passes
+}
+
 TEST_CASE("reasons account for every pixel, and what a ray decided is never wrong")
 {
     const Folder folder("reasons");
