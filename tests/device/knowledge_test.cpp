@@ -19,9 +19,12 @@ std::string knowledge(const std::string& device, const std::vector<std::pair<std
         row.device = device;
         row.algorithm = algorithm;
         row.pass = i % 2 ? cost::Pass::resolve : cost::Pass::update;
+        const bool mapped = algorithm == "shadow_map" || algorithm == "pcf_hybrid" || algorithm == "contour_chain" ||
+                            algorithm == "chan_durand";
         row.workload = {.pixels = 1000.0 * (1 + i % 40),
                         .casterTriangles = 100.0 * (1 + i % 7),
-                        .mapTexels = 1048576.0,
+                        .mapTexels = mapped ? 1048576.0 : 0.0,
+                        .casters = 1.0 + i % 9,
                         .shadowPixels = 2000.0 * (1 + i % 11),
                         .treeLevels = 1.0 * (i % 13)};
         row.samples = 5;
