@@ -58,7 +58,7 @@ float shareInCone(const Aabb& box, glm::vec3 direction, float coneAngle)
     const glm::vec3 centre = 0.5f * (box.lower + box.upper);
     const float radius = 0.5f * glm::distance(box.lower, box.upper), away = glm::length(centre);
     if (away <= radius) return 1.0f;
-    const float size = std::asin(radius / away);
+    const float size = std::max(std::asin(radius / away), 1e-6f); // a caster may be a point
     const float off = std::acos(std::clamp(glm::dot(centre, direction) / away, -1.0f, 1.0f));
     return std::clamp((coneAngle + size - off) / (2.0f * size), 0.0f, 1.0f);
 }

@@ -131,6 +131,8 @@ TEST_CASE("a spot light's map is filled by what its cone lights")
     CHECK(filled({-half / 2, -half / 2, 10.0f}, {half / 2, half / 2, 10.01f}) == doctest::Approx(0.25).epsilon(0.1));
     CHECK(filled({-50.0f, -50.0f, 10.0f}, {50.0f, 50.0f, 10.5f}) == 1.0);
     CHECK(filled({-1.0f, -1.0f, -12.0f}, {1.0f, 1.0f, -10.0f}) == 0.0);
+    const glm::vec3 rim(10.0f * std::sin(0.4f), 0.0f, 10.0f * std::cos(0.4f));
+    CHECK(filled(rim, rim) == 0.0); // a point
     const double whole = filled({-0.5f, -0.5f, 10.0f}, {0.5f, 0.5f, 11.0f});
     const double split = filled({half - 0.5f, -0.5f, 10.0f}, {half + 0.5f, 0.5f, 11.0f}); // across the cone's side
     CHECK(split > 0.3 * whole);
