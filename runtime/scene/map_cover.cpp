@@ -11,7 +11,9 @@ namespace gnomon {
 
 namespace {
 
-constexpr float kFar = 2.0f; // diagonals from which a box is taken for a flat one in its middle: within 6 %
+// Diagonals from which a box is taken for a flat one in its middle. Of 20 000 boxes that far away, sides of 1 to 20,
+// half are off by less than 2 %, 95 % by less than 10; a rod that points at the light by two fifths.
+constexpr float kFar = 2.0f;
 
 /// Of the light, which `box` is relative to.
 bool isInside(const Aabb& box)
@@ -91,7 +93,8 @@ std::uint32_t facesTouched(const Aabb& box)
 
 MapCover mapCover(const LightView& light, const LightCasters& casters, std::span<const Caster* const> drawn)
 {
-    const bool spot = light.type == GN_LIGHT_TYPE_SPOT, directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
+    const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
+    const bool spot = light.type == GN_LIGHT_TYPE_SPOT, point = light.type == GN_LIGHT_TYPE_POINT;
     const double all = std::max(double{extentOf(light, casters)}, 1e-12);
     MapCover cover;
     std::uint32_t faces = 0;
@@ -100,9 +103,9 @@ MapCover mapCover(const LightView& light, const LightCasters& casters, std::span
         const float lit = spot ? shareInCone(box, light.direction(), light.coneAngle) : 1.0f;
         const float extent = directional ? shadowArea(caster->bounds, light.direction()) : lit * solidAngle(box);
         cover.filled += std::min(double{extent} / all, 1.0);
-        faces |= facesTouched(box);
+        if (point) faces |= facesTouched(box);
     }
-    cover.touched = light.type == GN_LIGHT_TYPE_POINT ? std::popcount(faces) / 6.0 : drawn.empty() ? 0.0 : 1.0;
+    cover.touched = point ? std::popcount(faces) / 6.0 : drawn.empty() ? 0.0 : 1.0;
     return cover;
 }
 

@@ -11,8 +11,10 @@
 #include <glm/geometric.hpp>
 
 #include "runtime/scene/map_cover.hpp"
+#include "tests/runtime/light_fixture.hpp"
 
 using namespace gnomon;
+using test::lightOf;
 
 namespace {
 
@@ -44,17 +46,6 @@ bool meets(const Aabb& box, glm::vec3 from, glm::vec3 ray)
     return last > 0.0f && std::max({in.x, in.y, in.z}) <= last;
 }
 
-LightView lightOf(GnLightType type, glm::vec3 position, glm::vec3 direction, float cone)
-{
-    LightView light;
-    light.type = type;
-    light.constants.positionWs = glm::vec4(position, 1.0f);
-    light.constants.directionWs = glm::vec4(direction, -2.0f);
-    light.constants.range = 100.0f;
-    light.coneAngle = cone;
-    return light;
-}
-
 MapCover coverOf(const LightView& light, std::span<const Aabb> boxes)
 {
     std::vector<Caster> casters(boxes.size());
@@ -83,7 +74,8 @@ TEST_CASE("a point light's maps are filled and touched by what rays in all direc
     Random random;
     double worst = 0.0;
     for (int i = 0; i < 60; ++i) {
-        const LightView light = lightOf(GN_LIGHT_TYPE_POINT, random.inBox(3.0f), glm::vec3(0.0f, -1.0f, 0.0f), 0.0f);
+        const LightView light =
+            lightOf(GN_LIGHT_TYPE_POINT, random.inBox(3.0f), glm::vec3(0.0f, -1.0f, 0.0f), 100.0f, 0.0f);
         const std::array<Aabb, 1> box{random.box(8.0f, 3.0f)};
         int met = 0;
         std::array<bool, 6> faces{};
@@ -107,7 +99,7 @@ TEST_CASE("a point light's maps are filled and touched by what rays in all direc
 
 TEST_CASE("casters that overlap fill a map each, and one around the light fills all of it")
 {
-    const LightView light = lightOf(GN_LIGHT_TYPE_POINT, glm::vec3(0.0f), glm::vec3(0.0f, -1.0f, 0.0f), 0.0f);
+    const LightView light = lightOf(GN_LIGHT_TYPE_POINT, glm::vec3(0.0f), glm::vec3(0.0f, -1.0f, 0.0f), 100.0f, 0.0f);
     const Aabb room{glm::vec3(-4.0f), glm::vec3(4.0f)},
         block{glm::vec3(1.0f, -1.0f, -1.0f), glm::vec3(3.0f, 1.0f, 1.0f)};
     CHECK(coverOf(light, std::array{room}).filled == doctest::Approx(1.0));
@@ -121,7 +113,7 @@ TEST_CASE("casters that overlap fill a map each, and one around the light fills 
 
 TEST_CASE("a spot light's map is filled by what its cone lights")
 {
-    const LightView light = lightOf(GN_LIGHT_TYPE_SPOT, glm::vec3(0.0f), glm::vec3(0.0f, 0.0f, 1.0f), 0.4f);
+    const LightView light = lightOf(GN_LIGHT_TYPE_SPOT, glm::vec3(0.0f), glm::vec3(0.0f, 0.0f, 1.0f), 100.0f, 0.4f);
     const auto filled = [&](glm::vec3 lower, glm::vec3 upper) {
         const MapCover cover = coverOf(light, std::array{Aabb{lower, upper}});
         CHECK(cover.touched == 1.0);
@@ -131,12 +123,18 @@ TEST_CASE("a spot light's map is filled by what its cone lights")
     CHECK(filled({-half / 2, -half / 2, 10.0f}, {half / 2, half / 2, 10.01f}) == doctest::Approx(0.25).epsilon(0.1));
     CHECK(filled({-50.0f, -50.0f, 10.0f}, {50.0f, 50.0f, 10.5f}) == 1.0);
     CHECK(filled({-1.0f, -1.0f, -12.0f}, {1.0f, 1.0f, -10.0f}) == 0.0);
-    const glm::vec3 rim(10.0f * std::sin(0.4f), 0.0f, 10.0f * std::cos(0.4f));
-    CHECK(filled(rim, rim) == 0.0); // a point
     const double whole = filled({-0.5f, -0.5f, 10.0f}, {0.5f, 0.5f, 11.0f});
     const double split = filled({half - 0.5f, -0.5f, 10.0f}, {half + 0.5f, 0.5f, 11.0f}); // across the cone's side
     CHECK(split > 0.3 * whole);
     CHECK(split < 0.7 * whole);
+}
+
+TEST_CASE("a caster that is a point on the very side of a cone fills nothing, and stays a number")
+{
+    const float half = std::acos(0.0f);
+    const LightView light = lightOf(GN_LIGHT_TYPE_SPOT, glm::vec3(0.0f), glm::vec3(0.0f, 0.0f, 1.0f), 100.0f, half);
+    const glm::vec3 point(10.0f, 0.0f, 0.0f);
+    CHECK(coverOf(light, std::array{Aabb{point, point}}).filled == 0.0);
 }
 
 TEST_CASE("a directional light's map is filled by shadows on a plane across it")
@@ -144,7 +142,7 @@ TEST_CASE("a directional light's map is filled by shadows on a plane across it")
     Random random;
     for (int i = 0; i < 20; ++i) {
         const glm::vec3 direction = random.direction();
-        const LightView light = lightOf(GN_LIGHT_TYPE_DIRECTIONAL, glm::vec3(0.0f), direction, 0.0f);
+        const LightView light = lightOf(GN_LIGHT_TYPE_DIRECTIONAL, glm::vec3(0.0f), direction, 100.0f, 0.0f);
         const Aabb ground{glm::vec3(-10.0f, -0.2f, -10.0f), glm::vec3(10.0f, 6.0f, 10.0f)};
         Aabb block = random.box(1.2f, 1.5f); // inside the other box once it is raised
         block.lower.y += 3.0f, block.upper.y += 3.0f;

@@ -1,12 +1,12 @@
 #pragma once
 // Meshes and casters for tests that trace, without a device or a registry.
-#include <cmath>
 #include <memory>
 #include <random>
 #include <vector>
 
 #include "runtime/rays/ray_scene.hpp"
 #include "runtime/scene/scene_view.hpp"
+#include "tests/runtime/light_fixture.hpp"
 
 namespace gnomon::test {
 
@@ -55,20 +55,6 @@ inline Caster casterOf(const TracedMesh& mesh, std::uint32_t id, const glm::mat3
     caster.basis = basis;
     caster.translation = translation;
     return caster;
-}
-
-/// @param range metres @param cone half angle of spot lights, radians
-inline LightView lightOf(GnLightType type, glm::vec3 position, glm::vec3 direction, float range, float cone)
-{
-    LightView light;
-    light.type = type;
-    const bool directional = type == GN_LIGHT_TYPE_DIRECTIONAL;
-    light.constants.positionWs = glm::vec4(position, directional ? 0.0f : 1.0f);
-    light.constants.directionWs =
-        glm::vec4(glm::normalize(direction), type == GN_LIGHT_TYPE_SPOT ? std::cos(cone) : -2.0f);
-    light.constants.range = directional ? kUnlimitedRange : range;
-    light.constants.type = static_cast<gpu::uint>(type);
-    return light;
 }
 
 inline glm::vec3 randomPoint(std::mt19937& random, float halfSize)
