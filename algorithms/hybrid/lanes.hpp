@@ -3,6 +3,8 @@
 // (lanes_kernel.inc). Nothing inline and nothing of glm's here, for the reason that runtime/scene/face_block.hpp gives.
 #include <stdint.h>
 
+#include "runtime/rays/ray_packet.hpp"
+
 namespace gnomon::lanes {
 
 inline constexpr uint32_t kBlockSide = 4; ///< Pixels.
@@ -21,7 +23,7 @@ struct Constants {
 
 /// A block as it was read back.
 struct Texels {
-    float x[kLanes], y[kLanes]; ///< Pixel centres, image coordinates.
+    float left, top; ///< Centre of the first pixel, image coordinates.
     float depth[kLanes];
     float normal[3][kLanes]; ///< As stored: not unit length.
 };
@@ -61,6 +63,8 @@ struct Kernels {
     void (*summedReceivers)(const Constants& constants, const Texels& texels, Block& block);
     /// What summedReceivers() gives for a directional light that every surface faces.
     void (*surfaces)(const Constants& constants, const Texels& texels, Block& block);
+    /// The rays of the lanes that ask, but for those that end before they start: nothing blocks them.
+    void (*pack)(const Constants& constants, const Block& block, RayPacket& packet);
     /// Widens [lower, upper] along three axes by what the blocks' rays start from, relative to `centre`.
     void (*bound)(const Block* blocks, uint32_t count, const float* centre, const float (*axes)[3], float* lower,
                   float* upper);

@@ -9,6 +9,7 @@ constinit const Kernels kAvx512{.fromHalf = fromHalf,
                                 .receivers = receivers,
                                 .summedReceivers = summedReceivers,
                                 .surfaces = surfaces,
+                                .pack = pack,
                                 .bound = bound,
                                 .classify = classify};
 

@@ -7,6 +7,7 @@ constinit const Kernels kBaseline{.fromHalf = fromHalf,
                                   .receivers = receivers,
                                   .summedReceivers = summedReceivers,
                                   .surfaces = surfaces,
+                                  .pack = pack,
                                   .bound = bound,
                                   .classify = classify};
 

@@ -60,27 +60,6 @@ float lightLargest(const CameraView& view, const LightView& light)
     return largest;
 }
 
-void packRays(const Block& block, const LightView& light, RayPacket& packet)
-{
-    static_assert(RayPacket::kWidth == kLanes);
-    std::memcpy(packet.origin, block.origin, sizeof packet.origin);
-    std::memcpy(packet.tfar, block.tfar, sizeof packet.tfar);
-    const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
-    const glm::vec3 from = directional ? -light.direction() : light.position();
-    for (int axis = 0; axis < 3; ++axis) {
-        const float towards = from[axis];
-        if (directional)
-            std::fill_n(packet.direction[axis], kLanes, towards);
-        else
-            for (std::uint32_t i = 0; i < kLanes; ++i)
-                packet.direction[axis][i] = towards - block.origin[axis][i];
-    }
-    std::uint32_t asked = 0;
-    for (std::uint32_t i = 0; i < kLanes; ++i)
-        asked |= block.asked[i] == kRay ? RayPacket::kBits[i] : 0u;
-    packet.asked = asked;
-}
-
 BlockReader::BlockReader(const Kernels& kernels, const CameraView& view, std::span<const float> depth,
                          std::span<const std::byte> normals)
     : kernels_(kernels), area_(view.area), width_(view.extent.width), depth_(depth), normals_(normals),
@@ -185,10 +164,8 @@ void BlockReader::texels(std::uint32_t x, std::uint32_t y, Texels& texels) const
 {
     const std::uint32_t left = static_cast<std::uint32_t>(area_.offset.x) + x;
     const std::uint32_t top = static_cast<std::uint32_t>(area_.offset.y) + y;
-    for (std::uint32_t i = 0; i < kLanes; ++i) {
-        texels.x[i] = static_cast<float>(left + i % kBlockSide) + 0.5f;
-        texels.y[i] = static_cast<float>(top + i / kBlockSide) + 0.5f;
-    }
+    texels.left = static_cast<float>(left) + 0.5f;
+    texels.top = static_cast<float>(top) + 0.5f;
     if (x + kBlockSide <= area_.extent.width && y + kBlockSide <= area_.extent.height)
         whole(std::size_t(top) * width_ + left, texels);
     else

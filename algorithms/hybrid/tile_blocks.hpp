@@ -23,9 +23,6 @@ inline ShadowRay rayOf(const lanes::Block& block, std::uint32_t lane, const Ligh
 /// What receiverOffset() (shaders/shared/receiver.h) knows of a light with a position.
 float lightLargest(const CameraView& view, const LightView& light);
 
-/// All of them.
-void packRays(const lanes::Block& block, const LightView& light, RayPacket& packet);
-
 /// Reads blocks of a view for one light.
 class BlockReader {
 public:
@@ -41,6 +38,8 @@ public:
     void read(std::uint32_t x, std::uint32_t y, lanes::Block& block) const;
     void readSummed(std::uint32_t x, std::uint32_t y, lanes::Block& block) const;
     void readSurfaces(std::uint32_t x, std::uint32_t y, lanes::Block& block) const; ///< Normals must be there.
+    /// The rays of a block that was read: rayOf() of the lanes that ask.
+    void pack(const lanes::Block& block, RayPacket& packet) const { kernels_.pack(constants_, block, packet); }
     /// Calls for what read() will read there, which may be beyond the area.
     void prefetch(std::uint32_t x, std::uint32_t y) const;
 

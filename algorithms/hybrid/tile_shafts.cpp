@@ -121,7 +121,8 @@ private:
     std::uint64_t read_[kBlocks / 64]{}; ///< Bits of the blocks that were.
     RayBatch<256> batch_;
     RayPacket packets_[kPackets];
-    std::size_t firsts_[kPackets]; ///< Pixels of the packets' first rays, in rows_.
+    std::uint32_t lanes_[kPackets]; ///< Bit i: lane i of the packet wants an answer.
+    std::size_t firsts_[kPackets];  ///< Pixels of the packets' first rays, in rows_.
     std::uint32_t packetCount_ = 0;
 };
 
@@ -232,14 +233,15 @@ void TileRows::flush()
 
 void TileRows::flushPackets()
 {
-    std::uint16_t blocked[kPackets];
-    host_.rays->occluded(std::span(packets_, packetCount_), job_.light->mask, std::span(blocked, packetCount_));
+    host_.rays->occluded(std::span(packets_, packetCount_), job_.light->mask);
     for (std::uint32_t i = 0; i < packetCount_; ++i) {
-        host_.countRays(static_cast<std::size_t>(std::popcount(packets_[i].asked)));
+        const RayPacket& packet = packets_[i];
+        host_.countRays(static_cast<std::size_t>(std::popcount(lanes_[i])));
         for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-            if ((packets_[i].asked >> lane & 1) == 0) continue;
+            if ((lanes_[i] >> lane & 1) == 0) continue;
+            const bool blocked = packet.there[lane] != 0 && packet.tfar[lane] < 0.0f;
             rows_[firsts_[i] + lane / kBlockSide * stride_ + lane % kBlockSide] =
-                bytes_.of[(blocked[i] >> lane & 1) != 0 ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT];
+                bytes_.of[blocked ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT];
         }
     }
     packetCount_ = 0;
@@ -248,8 +250,11 @@ void TileRows::flushPackets()
 /// A block's rays side by side as they are.
 void TileRows::askTogether(const Block& from, std::uint32_t lanes, std::size_t first)
 {
-    packRays(from, *job_.light, packets_[packetCount_]);
-    packets_[packetCount_].asked = lanes;
+    RayPacket& packet = packets_[packetCount_];
+    reader_.pack(from, packet);
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane)
+        packet.there[lane] &= (lanes >> lane & 1) != 0 ? -1 : 0;
+    lanes_[packetCount_] = lanes;
     firsts_[packetCount_++] = first;
     if (packetCount_ == kPackets) flushPackets();
 }

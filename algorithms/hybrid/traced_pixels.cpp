@@ -35,15 +35,18 @@ struct TraceJob {
 // Blocks in a row whose rays are asked at once.
 constexpr std::uint32_t kBlocks = 16;
 
-/// Writes what is known of a block's pixels. @param first of them in rows
-void show(const Shades& shades, const lanes::Block& block, std::uint32_t blocked, std::uint8_t* first,
+/// Writes what is known of a block's pixels. @param packet its rays, answered @param first of its pixels in rows
+void show(const Shades& shades, const lanes::Block& block, const RayPacket& packet, std::uint8_t* first,
           std::uint32_t stride)
 {
     const std::uint32_t lit = shades.lit, dark = shades.dark;
     const std::uint32_t unoccluded = shades.unoccluded, occluded = shades.occluded;
+    std::int32_t ends[kLanes]; // signs as integers: comparing floats is kept lane by lane, since it may trap
+    static_assert(sizeof ends == sizeof packet.tfar);
+    std::memcpy(ends, packet.tfar, sizeof ends);
     std::uint32_t words[kLanes]; // vectors of words first
     for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-        const std::uint32_t said = (blocked & RayPacket::kBits[lane]) != 0 ? occluded : unoccluded;
+        const std::uint32_t said = (ends[lane] & packet.there[lane]) < 0 ? occluded : unoccluded;
         const std::uint32_t asked = block.asked[lane];
         words[lane] = asked == lanes::kRay ? said : asked == lanes::kDark ? dark : lit;
     }
@@ -59,26 +62,24 @@ void traceBlocks(const TraceJob& job, const HostContext& host, const BlockReader
                  std::uint32_t top, std::span<std::uint8_t> rows, std::uint32_t stride)
 {
     lanes::Block blocks[kBlocks];
-    RayPacket packets[kBlocks];
-    std::uint16_t blocked[kBlocks];
+    RayPacket packets[kBlocks] = {};
+    std::uint32_t packetOf[kBlocks] = {}; // any, of a block without rays
     for (std::uint32_t left = asked.left; left < asked.right; left += kBlocks * kBlockSide) {
         const std::uint32_t count = std::min(kBlocks, (asked.right - left + kBlockSide - 1) / kBlockSide);
-        std::size_t rays = 0;
+        std::size_t rays = 0, packetCount = 0;
         for (std::uint32_t i = 0; i < count; ++i) {
             reader.read(left + i * kBlockSide, top, blocks[i]);
-            packets[i].asked = 0;
-            if (blocks[i].rays > 0) packRays(blocks[i], *job.light, packets[i]);
+            if (blocks[i].rays == 0) continue;
+            packetOf[i] = static_cast<std::uint32_t>(packetCount);
+            reader.pack(blocks[i], packets[packetCount++]);
             rays += blocks[i].rays;
         }
         for (std::uint32_t i = count; i < 2 * count; ++i) // arrives while these are traced
             reader.prefetch(left + i * kBlockSide, top);
-        if (rays > 0)
-            host.rays->occluded(std::span(packets, count), job.light->mask, std::span(blocked, count));
-        else
-            std::fill_n(blocked, count, std::uint16_t{0});
+        if (rays > 0) host.rays->occluded(std::span(packets, packetCount), job.light->mask);
         host.countRays(rays);
         for (std::uint32_t i = 0; i < count; ++i)
-            show(job.shades, blocks[i], blocked[i], &rows[left + i * kBlockSide], stride);
+            show(job.shades, blocks[i], packets[packetOf[i]], &rows[left + i * kBlockSide], stride);
     }
 }
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <unordered_map>
@@ -169,33 +170,20 @@ void traceTiles(RTCScene scene, Query& query, std::span<const ShadowRay> rays, s
 }
 
 /// Packets as they are.
-void tracePackets(RTCScene scene, Query& query, std::span<const RayPacket> packets, std::span<std::uint16_t> blocked)
+void tracePackets(RTCScene scene, Query& query, std::span<RayPacket> packets)
 {
-    RTCRay16 rays{};
-    static_assert(sizeof rays.org_x == sizeof packets[0].tfar);
-    alignas(64) int valid[RayPacket::kWidth];
-    std::fill(std::begin(rays.mask), std::end(rays.mask), query.lightMask);
-    for (std::size_t p = 0; p < packets.size(); ++p) {
-        const RayPacket& packet = packets[p];
-        if (packet.asked == 0) continue;
-        float* const origin[] = {rays.org_x, rays.org_y, rays.org_z};
-        float* const direction[] = {rays.dir_x, rays.dir_y, rays.dir_z};
-        for (int axis = 0; axis < 3; ++axis) {
-            std::memcpy(origin[axis], packet.origin[axis], sizeof packet.tfar);
-            std::memcpy(direction[axis], packet.direction[axis], sizeof packet.tfar);
-        }
-        std::memcpy(rays.tfar, packet.tfar, sizeof packet.tfar);
-        for (std::uint32_t i = 0; i < RayPacket::kWidth; ++i)
-            valid[i] = (packet.asked & RayPacket::kBits[i]) != 0 ? -1 : 0;
-        rtcOccluded16(valid, scene, &query.context, &rays);
-        // A hit leaves tfar = -infinity. Signs as integers: comparing floats is kept lane by lane, since it may trap.
-        std::int32_t before[RayPacket::kWidth], after[RayPacket::kWidth];
-        std::memcpy(before, packet.tfar, sizeof before);
-        std::memcpy(after, rays.tfar, sizeof after);
-        std::uint32_t bits = 0;
-        for (std::uint32_t i = 0; i < RayPacket::kWidth; ++i)
-            bits |= (after[i] & ~before[i]) < 0 ? RayPacket::kBits[i] : 0u;
-        blocked[p] = static_cast<std::uint16_t>(bits & packet.asked);
+    static_assert(offsetof(RayPacket, start) == offsetof(RTCRay16, tnear));
+    static_assert(offsetof(RayPacket, direction) == offsetof(RTCRay16, dir_x));
+    static_assert(offsetof(RayPacket, tfar) == offsetof(RTCRay16, tfar));
+    static_assert(offsetof(RayPacket, flags) == offsetof(RTCRay16, flags));
+    static_assert(offsetof(RayPacket, there) == sizeof(RTCRay16));
+    for (RayPacket& packet : packets) {
+        std::fill(std::begin(packet.start), std::end(packet.start), 0.0f);
+        std::fill(std::begin(packet.time), std::end(packet.time), 0.0f);
+        std::fill(std::begin(packet.mask), std::end(packet.mask), query.lightMask);
+        std::fill(std::begin(packet.id), std::end(packet.id), 0u);
+        std::fill(std::begin(packet.flags), std::end(packet.flags), 0u);
+        rtcOccluded16(packet.there, scene, &query.context, reinterpret_cast<RTCRay16*>(&packet));
     }
 }
 
@@ -390,15 +378,13 @@ void RayScene::occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask
         traceSparse(impl_->top, query, rays, occluded);
 }
 
-void RayScene::occluded(std::span<const RayPacket> packets, std::uint32_t lightMask,
-                        std::span<std::uint16_t> blocked) const
+void RayScene::occluded(std::span<RayPacket> packets, std::uint32_t lightMask) const
 {
-    std::fill(blocked.begin(), blocked.end(), std::uint16_t{0});
     if (!impl_->device) return;
     const QueryTimer timer(impl_->queryNanoseconds);
     const FloatMode mode;
     Query query = impl_->query(lightMask);
-    tracePackets(impl_->top, query, packets, blocked);
+    tracePackets(impl_->top, query, packets);
 }
 
 std::uint64_t RayScene::queryNanoseconds() const noexcept

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "runtime/core/jobs.hpp"
+#include "runtime/rays/ray_packet.hpp"
 #include "runtime/scene/scene_view.hpp"
 
 namespace gnomon {
@@ -25,18 +26,6 @@ struct ShadowRay {
     glm::vec3 origin;    ///< World, relative to the frame's origin; the offset of definitions is applied.
     float tfar;          ///< Multiples of `direction`; the light minus the offset, or infinity.
     glm::vec3 direction; ///< Need not be unit length.
-};
-
-/// Sixteen shadow rays side by side, as ShadowRay has one.
-struct alignas(64) RayPacket {
-    static constexpr std::uint32_t kWidth = 16;
-    float origin[3][kWidth], direction[3][kWidth], tfar[kWidth];
-    std::uint32_t asked; ///< Bit i: ray i is there.
-
-    /// 1 << i: what baseline vectors cannot shift by, they can look up.
-    static constexpr std::uint32_t kBits[kWidth] = {1u,       1u << 1,  1u << 2,  1u << 3,  1u << 4,  1u << 5,
-                                                    1u << 6,  1u << 7,  1u << 8,  1u << 9,  1u << 10, 1u << 11,
-                                                    1u << 12, 1u << 13, 1u << 14, 1u << 15};
 };
 
 /// What revisions of a mesh hand on for as long as its triangles stay the same: a tree that nobody traces any more is
@@ -101,9 +90,8 @@ public:
     void occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask, RayCoherence coherence,
                   std::span<std::uint8_t> occluded) const;
 
-    /// The same for rays that lie in packets, those of a packet close together.
-    /// @param blocked bit i of blocked[p]: ray i of packet p is there and blocked
-    void occluded(std::span<const RayPacket> packets, std::uint32_t lightMask, std::span<std::uint16_t> blocked) const;
+    /// The same for rays that lie in packets, those of a packet close together. What blocked a ray is in its tfar.
+    void occluded(std::span<RayPacket> packets, std::uint32_t lightMask) const;
 
     std::size_t memoryBytes() const noexcept;
     /// Time inside occluded() so far, that of every thread added up.

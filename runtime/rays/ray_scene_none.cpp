@@ -45,10 +45,7 @@ void RayScene::occluded(std::span<const ShadowRay>, std::uint32_t, RayCoherence,
 {
     std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
 }
-void RayScene::occluded(std::span<const RayPacket>, std::uint32_t, std::span<std::uint16_t> blocked) const
-{
-    std::fill(blocked.begin(), blocked.end(), std::uint16_t{0});
-}
+void RayScene::occluded(std::span<RayPacket>, std::uint32_t) const {}
 std::uint64_t RayScene::queryNanoseconds() const noexcept
 {
     return 0;

@@ -55,7 +55,7 @@ std::vector<std::uint8_t> tracePackets(const RayScene& scene, const std::vector<
     std::vector<RayPacket> packets((rays.size() + width - 1) / width);
     for (RayPacket& packet : packets) { // rays that are not there may be anything
         std::memset(static_cast<void*>(&packet), 0xff, sizeof packet);
-        packet.asked = 0;
+        std::fill(std::begin(packet.there), std::end(packet.there), 0);
     }
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (i % 7 == 3) continue;
@@ -65,16 +65,18 @@ std::vector<std::uint8_t> tracePackets(const RayScene& scene, const std::vector<
             packet.direction[axis][i % width] = rays[i].direction[axis];
         }
         packet.tfar[i % width] = rays[i].tfar;
-        packet.asked |= 1u << i % width;
+        packet.there[i % width] = rays[i].tfar < 0.0f ? 0 : -1;
     }
-    std::vector<std::uint16_t> blocked(packets.size(), 0xcccc);
-    scene.occluded(packets, mask, blocked);
+    const std::vector<RayPacket> asked = packets;
+    scene.occluded(packets, mask);
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        const bool bit = (blocked[i / width] >> i % width & 1) != 0;
+        const float before = asked[i / width].tfar[i % width], after = packets[i / width].tfar[i % width];
+        const bool blocked = after == -std::numeric_limits<float>::infinity();
+        if (!blocked) CHECK(std::memcmp(&before, &after, sizeof after) == 0);
         if (i % 7 != 3)
-            occluded[i] = bit;
+            occluded[i] = blocked;
         else
-            CHECK_FALSE(bit);
+            CHECK_FALSE(blocked);
     }
     return occluded;
 }
