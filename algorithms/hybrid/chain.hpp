@@ -5,7 +5,7 @@
 
 #include "algorithms/hybrid/map_texels.hpp"
 #include "algorithms/hybrid/witness.hpp"
-#include "shaders/hybrid/ray_list.h"
+#include "shaders/hybrid/reasons.h"
 
 namespace gnomon {
 
@@ -42,17 +42,17 @@ bool blockBlocks(const ChainScene& scene, const MapTexels& texels, TexelBlock bl
 /// \param own false: that one has been asked already.
 bool ringBlocks(const ChainScene& scene, const MapTexels& texels, int shared, bool own, const ShadowRay& ray);
 
-/// Why the pixel is as it is, a REASON_ of shaders/hybrid/ray_list.h; REASON_RT_LIT: only its ray can say.
+/// Why the pixel is as it is, a REASON_ of shaders/hybrid/reasons.h; REASON_RT_LIT: only its ray can say.
 /// \param lit what the map says. \param normals whether the receiver's normal is the surface's: without it texels
 /// cannot be compared, and none is believed.
 std::uint32_t chainReason(const ChainScene& scene, const ChainStages& stages, bool lit, bool normals,
                           const MapTexels& texels, const ShadowRay& ray);
 
-/// What every stage would say by itself, asked or not: the VOTE_ bits of shaders/hybrid/ray_list.h.
+/// What every stage would say by itself, asked or not: the VOTE_ bits of shaders/hybrid/reasons.h.
 std::uint32_t chainVotes(const ChainScene& scene, bool lit, bool normals, const MapTexels& texels,
                          const ShadowRay& ray);
 
-/// How many triangles the stages could ask, hits or not: CANDIDATES_ of shaders/hybrid/ray_list.h.
+/// How many triangles the stages could ask, hits or not: CANDIDATES_ of shaders/hybrid/reasons.h.
 std::uint32_t texelCandidates(const MapTexels& texels);
 std::uint32_t ringCandidates(const ChainScene& scene, const MapTexels& texels);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "algorithms/hybrid/bit_rows.hpp"
 #include "algorithms/hybrid/receivers.hpp"
@@ -12,11 +13,6 @@ namespace {
 
 constexpr std::uint32_t kBand = 4;  // rows, and columns of a step: neighbouring rays share their way through the trees
 constexpr std::uint32_t kPiece = 8; // bands a thread takes at once: enough rays to fill batches
-
-/// A pixel of which the picture is to be told.
-struct Mark {
-    std::uint32_t pixel, range;
-};
 
 /// A pixel that asks the map. What it will read lies all over the map (at 2048 texels 32 MB, each row of a texel's
 /// neighbours on pages of its own), and is called for well before: a pixel takes a fifth less time.
@@ -40,7 +36,7 @@ struct Picture {
 class Piece {
 public:
     Piece(const Picture& picture, std::uint32_t top, std::uint32_t bottom);
-    std::span<const Mark> run();
+    void run();
 
 private:
     void call(std::uint32_t x, std::uint32_t y);
@@ -54,9 +50,8 @@ private:
 
     const Picture& picture_;
     std::uint32_t top_, bottom_;
-    BitRows asked_; ///< Row 0 is `top_`.
-    std::span<Mark> marks_;
-    std::size_t count_ = 0;
+    BitRows asked_;                ///< Row 0 is `top_`.
+    std::span<std::uint8_t> rows_; ///< From row `top_` on.
     Witnesses witnesses_;
     ChainScene scene_;
     // Pixels called for, and of these the ones that ask the map.
@@ -81,18 +76,19 @@ Piece::Piece(const Picture& picture, std::uint32_t top, std::uint32_t bottom)
         else // two pixels are a border itself, every two more a dilation
             contourRow(picture.lit, y, (picture.job.contour - 1) / 2, asked_.row(y - top));
     }
-    marks_ = arena.array<Mark>(countBits(asked_.words));
+    const std::size_t bytes = std::size_t(rows) * width;
+    rows_ = arena.array<std::uint8_t>(bytes);
+    std::memcpy(rows_.data(), picture.host.read<std::uint8_t>(picture.job.status).data() + std::size_t(top) * width,
+                bytes);
 }
 
 void Piece::settle(std::uint32_t x, std::uint32_t y, std::uint32_t reason)
 {
-    const ChainJob& job = picture_.job;
-    const bool numbers = job.tells != ChainTells::visibility;
+    const bool numbers = picture_.job.tells != ChainTells::visibility;
     if (!numbers && isLit(reason) == picture_.lit.at(x, y)) return;
-    const VkOffset2D& from = job.view->area.offset;
-    const std::uint32_t pixel =
-        gpu::packPixel(static_cast<std::uint32_t>(from.x) + x, static_cast<std::uint32_t>(from.y) + y);
-    marks_[count_++] = {pixel, numbers ? reason : isLit(reason) ? 1u : 0u};
+    rows_[std::size_t(y - top_) * picture_.lit.width + x] = static_cast<std::uint8_t>(numbers         ? reason
+                                                                                      : isLit(reason) ? 255u
+                                                                                                      : 0u);
 }
 
 void Piece::flush()
@@ -192,13 +188,15 @@ void Piece::runBand(std::uint32_t top, std::uint32_t bottom)
     }
 }
 
-std::span<const Mark> Piece::run()
+void Piece::run()
 {
     for (std::uint32_t y = top_; y < bottom_; y += kBand)
         runBand(y, std::min(y + kBand, bottom_));
     askCalled();
     flush();
-    return marks_.first(count_);
+    // Upload memory may be write-combined: all at once.
+    std::memcpy(picture_.host.write<std::uint8_t>(picture_.job.rows).data() + std::size_t(top_) * picture_.lit.width,
+                rows_.data(), rows_.size());
 }
 
 BitRows litRows(const ChainJob& job, const HostContext& host)
@@ -214,27 +212,6 @@ BitRows litRows(const ChainJob& job, const HostContext& host)
     return lit;
 }
 
-/// Puts the marks of all pieces into the list, range by range.
-void writeMarks(const ChainJob& job, const HostContext& host, std::span<const std::span<const Mark>> pieces)
-{
-    std::ranges::fill(job.ranges, MarkRange{});
-    for (const std::span<const Mark> piece : pieces)
-        for (const Mark& mark : piece)
-            ++job.ranges[mark.range].count;
-    std::uint32_t next[markRanges(ChainTells::votes)] = {}, first = 0;
-    for (std::size_t i = 0; i < job.ranges.size(); ++i) {
-        MarkRange& range = job.ranges[i];
-        range.first = next[i] = first;
-        // A reason's byte is its code, numbers are a byte; else the first range is dark and the second lit.
-        range.value = static_cast<float>(i) / (job.tells == ChainTells::visibility ? 1.0f : 255.0f);
-        first += range.count;
-    }
-    const std::span<std::uint32_t> out = host.write<std::uint32_t>(job.marks);
-    for (const std::span<const Mark> piece : pieces)
-        for (const Mark& mark : piece)
-            out[next[mark.range]++] = mark.pixel;
-}
-
 } // namespace
 
 void runChain(const ChainJob& job, const HostContext& host)
@@ -244,13 +221,10 @@ void runChain(const ChainJob& job, const HostContext& host)
                               job.normals ? host.read<std::byte>(job.normals) : std::span<const std::byte>());
     const Picture picture{job, host, receivers, map, litRows(job, host)};
     const std::uint32_t height = picture.lit.height, bands = (height + kBand - 1) / kBand;
-    const std::span<std::span<const Mark>> pieces = host.arena->array<std::span<const Mark>>(bands);
-    std::ranges::fill(pieces, std::span<const Mark>());
     host.jobs->parallelFor(bands, kPiece, [&](std::size_t begin, std::size_t end, std::uint32_t) {
         const auto top = static_cast<std::uint32_t>(begin) * kBand;
-        pieces[begin] = Piece(picture, top, std::min(static_cast<std::uint32_t>(end) * kBand, height)).run();
+        Piece(picture, top, std::min(static_cast<std::uint32_t>(end) * kBand, height)).run();
     });
-    writeMarks(job, host, pieces);
 }
 
 } // namespace gnomon

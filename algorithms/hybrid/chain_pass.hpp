@@ -1,19 +1,17 @@
 #pragma once
-// The host pass of contour_chain: from what the map says of every pixel to the pixels of which it is to be told
-// otherwise.
+// The host pass of contour_chain: from what the map says of every pixel to what the pixel shows.
 #include <cstdint>
 #include <span>
 
 #include "algorithms/hybrid/chain.hpp"
 #include "algorithms/hybrid/id_map.hpp"
-#include "algorithms/hybrid/point_marks.hpp"
 
 namespace gnomon {
 
 /// What a pixel's byte is.
 enum class ChainTells : std::uint8_t {
     visibility,
-    reason, ///< Its REASON_ of shaders/hybrid/ray_list.h.
+    reason, ///< Its REASON_ of shaders/hybrid/reasons.h.
     votes,  ///< VOTE_, of every pixel.
     texelCandidates,
     ringCandidates,
@@ -26,10 +24,9 @@ struct ChainJob {
     const gpu::HybridConstants* constants;
     const NumberedTriangles* triangles;
     IdMap map;
-    BufferId depth, normals;     ///< Of the view, read back; normals may be null.
-    BufferId status;             ///< A byte a pixel of the area; bit 0: the map says lit.
-    BufferId marks;              ///< Written: packed pixels.
-    std::span<MarkRange> ranges; ///< Written: parts of `marks`, one per byte that a pixel can have.
+    BufferId depth, normals; ///< Of the view, read back; normals may be null.
+    BufferId status;         ///< A byte a pixel of the area; bit 0: the map says lit.
+    BufferId rows;           ///< Written: the same bytes, but for the pixels that the map is not believed.
     ChainStages stages;
     std::uint32_t contour = 0; ///< Width in pixels; 0: every pixel is asked.
     ChainTells tells = ChainTells::visibility;
@@ -39,11 +36,6 @@ struct ChainJob {
 constexpr bool tellsAll(ChainTells tells)
 {
     return tells > ChainTells::reason;
-}
-/// A range for every byte.
-constexpr std::size_t markRanges(ChainTells tells)
-{
-    return tellsAll(tells) ? 256 : gpu::REASON_COUNT;
 }
 
 void runChain(const ChainJob& job, const HostContext& host);

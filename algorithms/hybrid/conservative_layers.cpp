@@ -46,12 +46,11 @@ constexpr LayerKind kKinds[2][2] = {
 PipelineId classifyPipeline(const AlgorithmServices& services, const char* name, bool cube, bool normals)
 {
     const auto look = lookBindings(cube);
-    BindingInfo bindings[6];
+    BindingInfo bindings[5];
     std::ranges::copy(look, bindings);
-    bindings[4] = RayLists::binding();
-    bindings[5] = look[3];
-    bindings[5].binding = 6;
-    bindings[3].sampler = bindings[5].sampler = SamplerKind::nearest;
+    bindings[4] = look[3];
+    bindings[4].binding = 6;
+    bindings[3].sampler = bindings[4].sampler = SamplerKind::nearest;
     GraphicsPipelineInfo pipeline;
     pipeline.name = name;
     pipeline.vertex.code = k_shared_fullscreen_vert;
@@ -147,14 +146,13 @@ ConservativeClassify::ConservativeClassify(const AlgorithmServices& services, co
 }
 
 void ConservativeClassify::declare(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                                   const ConservativeImages& images, const RayList& list, bool thesis) const
+                                   const ConservativeImages& images, bool thesis, bool reasons) const
 {
     gpu::ConservativeConstants* constants = passes.arena().make<gpu::ConservativeConstants>();
     gpu::MapConstants& base = constants->hybrid.base;
     base = mapConstants(task, view.resolution, 1);
     addLightProjection(base, view.fits, task);
-    constants->hybrid.capacity = list.capacity;
-    constants->hybrid.reasons = list.reasons;
+    constants->hybrid.reasons = reasons;
     constants->light = task.light->constants;
     constants->thesis = thesis;
     addRounding(*constants, view.projections.front());
@@ -162,18 +160,18 @@ void ConservativeClassify::declare(PassBuilder& passes, const ShadowTask& task, 
     const LookImages look(task, images.nearest);
     const PipelineId pipeline = pipelines_[view.fits.size() == 6][look.hasNormals];
     LookPass pass(passes, task, name_, look);
-    pass.uses.updates(list.pixels).samples(images.covered);
-    pass.record([=, covered = images.covered, found = list.pixels](PassContext& gpu) {
+    pass.uses.samples(images.covered);
+    pass.record([=, covered = images.covered](PassContext& gpu) {
         gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                            gpu.sampled(4, look.map), gpu.storage(5, found), gpu.sampled(6, covered)});
+                            gpu.sampled(4, look.map), gpu.sampled(6, covered)});
     });
 }
 
 // --- the methods ---
 
 ConservativeMethod::ConservativeMethod(const AlgorithmServices& services, const char* classify,
-                                       const RayListNames& names)
-    : vk_(*services.vk), maps_(services), classify_(services, classify), lists_(services, names)
+                                       const UndecidedNames& names)
+    : vk_(*services.vk), maps_(services), classify_(services, classify), names_(names)
 {
 }
 
@@ -185,9 +183,9 @@ void ConservativeMethod::declare(PassBuilder& passes, const ShadowTask& task)
                          static_cast<ThesisOffset>(static_cast<std::uint32_t>(task.settings[kLambda])), passes.arena());
     const ConservativeImages images{.nearest = maps_.declareNearest(passes, task, view, thesis),
                                     .covered = declareCovered(passes, task, view, maps_, thesis)};
-    const RayList list = lists_.open(passes, task, task.settings[kReasons] != 0.0);
-    classify_.declare(passes, task, view, images, list, thesis);
-    lists_.close(passes, task, list);
+    const bool reasons = task.settings[kReasons] != 0.0;
+    classify_.declare(passes, task, view, images, thesis, reasons);
+    declareUndecided(passes, task, names_, reasons ? traceReasons : traceHard);
 }
 
 const char* ConservativeMethod::refuses(const ShadowTask& task) const
@@ -201,16 +199,11 @@ const char* ConservativeMethod::refuses(const ShadowTask& task) const
     return nullptr;
 }
 
-const char* ConservativeMethod::missing(const DeviceTable& vk)
-{
-    return vk.enabled.fragmentStoresAndAtomics ? nullptr : "needs fragmentStoresAndAtomics";
-}
-
 VkDeviceSize ConservativeMethod::memory(std::span<const double> settings, VkExtent2D extent, GnLightType type)
 {
     // Two layers, each as many images as the light needs.
     return 2 * depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type)) +
-           RayLists::memory(extent);
+           undecidedMemory(extent);
 }
 
 } // namespace gnomon

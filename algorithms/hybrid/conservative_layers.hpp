@@ -6,7 +6,7 @@
 
 #include "algorithms/common/kept_map.hpp"
 #include "algorithms/hybrid/conservative_casters.hpp"
-#include "algorithms/hybrid/ray_list.hpp"
+#include "algorithms/hybrid/undecided.hpp"
 
 namespace gnomon {
 
@@ -48,12 +48,12 @@ private:
     PipelineId layers_[2][2]; ///< [thesis][covered]
 };
 
-/// Asks the map: writes the task's visibility, and what it cannot answer onto the list.
+/// Asks the map: writes the task's visibility, UNDECIDED where the map cannot answer.
 class ConservativeClassify {
 public:
     ConservativeClassify(const AlgorithmServices& services, const char* name);
     void declare(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                 const ConservativeImages& images, const RayList& list, bool thesis) const;
+                 const ConservativeImages& images, bool thesis, bool reasons) const;
 
 private:
     const char* name_;
@@ -73,12 +73,11 @@ public:
     static constexpr std::uint32_t kTraits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT |
                                              GN_TRAIT_HARD_BIT | GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT |
                                              GN_TRAIT_RAYS_BIT;
-    static const char* missing(const DeviceTable& vk);
     static bool approximates(std::span<const double> settings) { return settings[kMode] != 0.0; }
-    /// Of both layers and the list.
+    /// Of both layers and the picture.
     static VkDeviceSize memory(std::span<const double> settings, VkExtent2D extent, GnLightType type);
 
-    ConservativeMethod(const AlgorithmServices& services, const char* classify, const RayListNames& names);
+    ConservativeMethod(const AlgorithmServices& services, const char* classify, const UndecidedNames& names);
     void declare(PassBuilder& passes, const ShadowTask& task) override;
     const char* refuses(const ShadowTask& task) const override;
 
@@ -90,7 +89,7 @@ private:
     const DeviceTable& vk_;
     ConservativeMaps maps_;
     ConservativeClassify classify_;
-    RayLists lists_;
+    UndecidedNames names_;
 };
 
 } // namespace gnomon

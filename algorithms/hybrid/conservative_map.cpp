@@ -6,10 +6,11 @@ namespace gnomon {
 
 namespace {
 
-constexpr RayListNames kNames = {.list = "conservative_map.uncertain",
-                                 .clear = "conservative_map.clear",
-                                 .trace = "conservative_map.trace",
-                                 .umbra = "conservative_map.umbra"};
+constexpr UndecidedNames kNames = {.status = "conservative_map.status",
+                                   .readback = "conservative_map.readback",
+                                   .visibility = "conservative_map.visibility",
+                                   .trace = "conservative_map.trace",
+                                   .copy = "conservative_map.copy"};
 
 class ConservativeMap final : public ConservativeMethod {
 public:
@@ -36,7 +37,7 @@ constinit const AlgorithmEntry kConservativeMap{
     .maxRounds = 0,
     .settings = ConservativeMethod::kSettings,
     .memoryPerLight = ConservativeMethod::memory,
-    .missing = ConservativeMethod::missing,
+    .missing = nullptr,
     .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<ConservativeMap>(services);
     },

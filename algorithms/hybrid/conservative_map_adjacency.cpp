@@ -6,10 +6,11 @@ namespace gnomon {
 
 namespace {
 
-constexpr RayListNames kNames = {.list = "conservative_map_adjacency.uncertain",
-                                 .clear = "conservative_map_adjacency.clear",
-                                 .trace = "conservative_map_adjacency.trace",
-                                 .umbra = "conservative_map_adjacency.umbra"};
+constexpr UndecidedNames kNames = {.status = "conservative_map_adjacency.status",
+                                   .readback = "conservative_map_adjacency.readback",
+                                   .visibility = "conservative_map_adjacency.visibility",
+                                   .trace = "conservative_map_adjacency.trace",
+                                   .copy = "conservative_map_adjacency.copy"};
 
 class ConservativeMapAdjacency final : public ConservativeMethod {
 public:
@@ -43,7 +44,7 @@ constinit const AlgorithmEntry kConservativeMapAdjacency{
             return ConservativeMethod::memory(settings, extent, type) +
                    ConservativeSheets::memory(static_cast<std::uint32_t>(settings[ConservativeMethod::kResolution]));
         },
-    .missing = ConservativeMethod::missing,
+    .missing = nullptr,
     .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<ConservativeMapAdjacency>(services);
     },

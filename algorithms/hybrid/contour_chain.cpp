@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "algorithms/hybrid/chain_pass.hpp"
-#include "algorithms/hybrid/ray_list.hpp"
+#include "algorithms/hybrid/undecided.hpp"
 #include "algorithms/maps/map_resolve.hpp"
 #include "shaders/hybrid_contour_chain_cube_frag.h"
 #include "shaders/hybrid_contour_chain_frag.h"
@@ -49,8 +49,7 @@ std::uint32_t contourWidth(double setting)
 
 class ContourChain final : public ShadowAlgorithm {
 public:
-    explicit ContourChain(const AlgorithmServices& services)
-        : map_(makeIdMapPipelines(services)), marks_(services, "contour_chain.marks")
+    explicit ContourChain(const AlgorithmServices& services) : map_(makeIdMapPipelines(services))
     {
         for (const bool cube : {false, true})
             for (const bool normals : {false, true})
@@ -64,11 +63,11 @@ public:
         if (job.stages.witnesses) declareRings(passes, *job.triangles);
         declareStatus(passes, task, job);
         PassRef host = passes.host("contour_chain.chain");
-        host.reads(job.status).reads(job.depth).writes(job.marks);
+        host.reads(job.status).reads(job.depth).writes(job.rows);
         if (job.normals) host.reads(job.normals);
         job.map.uses(host);
         host.run([job](HostContext& context) { runChain(job, context); });
-        marks_.declare(passes, task, job.marks, job.ranges);
+        declareVisibilityCopy(passes, task, job.rows, task.view->area, "contour_chain.copy");
     }
 
 private:
@@ -78,7 +77,6 @@ private:
 
     IdMapPipelines map_;
     PipelineId status_[2][2]; ///< [cube][has normals]
-    PointMarks marks_;
     RingsCache rings_;
 };
 
@@ -106,9 +104,8 @@ ChainJob ContourChain::makeJob(PassBuilder& passes, const ShadowTask& task, Chai
             .normals = passes.normalsOnHost(),
             .status = passes.transient(
                 BufferInfo{.name = "contour_chain.status", .size = pixels, .place = BufferPlace::readback}),
-            .marks = passes.transient(
-                BufferInfo{.name = "contour_chain.marks", .size = 4 * pixels, .place = BufferPlace::upload}),
-            .ranges = arena.array<MarkRange>(markRanges(tells)),
+            .rows = passes.transient(
+                BufferInfo{.name = "contour_chain.visibility", .size = pixels, .place = BufferPlace::upload}),
             .stages = stages,
             .contour = mode == ChainMode::wholeTc || tellsAll(tells) ? 0 : contourWidth(task.settings[kContour]),
             .tells = tells};
@@ -131,27 +128,11 @@ void ContourChain::declareStatus(PassBuilder& passes, const ShadowTask& task, co
 {
     const LookImages look(task, job.map.depth);
     const PipelineId pipeline = status_[job.map.fits.size() > 1][look.hasNormals];
-    const VkRect2D& area = task.view->area;
     LookPass(passes, task, "contour_chain.status", look).record([=, constants = job.constants](PassContext& gpu) {
         gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
                             gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
     });
-    passes.transfer("contour_chain.copy_status")
-        .copies(task.visibility, {.layer = task.layer})
-        .writes(job.status)
-        .record([=, image = task.visibility, layer = task.layer, status = job.status](PassContext& gpu) {
-            const VkBufferImageCopy2 region{.sType = VK_STRUCTURE_TYPE_BUFFER_IMAGE_COPY_2,
-                                            .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, layer, 1},
-                                            .imageOffset = {area.offset.x, area.offset.y, 0},
-                                            .imageExtent = {area.extent.width, area.extent.height, 1}};
-            const VkCopyImageToBufferInfo2 info{.sType = VK_STRUCTURE_TYPE_COPY_IMAGE_TO_BUFFER_INFO_2,
-                                                .srcImage = gpu.image(image),
-                                                .srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                                                .dstBuffer = gpu.buffer(status),
-                                                .regionCount = 1,
-                                                .pRegions = &region};
-            gpu.vk->vkCmdCopyImageToBuffer2(gpu.cmd, &info);
-        });
+    declareVisibilityReadback(passes, task, job.status, task.view->area, "contour_chain.readback");
 }
 
 } // namespace
@@ -166,10 +147,8 @@ constinit const AlgorithmEntry kContourChain{
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
-            // A byte and a mark a pixel.
             return idMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type)) +
-                   pooledSize(VkDeviceSize{extent.width} * extent.height) +
-                   pooledSize(VkDeviceSize{4} * extent.width * extent.height);
+                   undecidedMemory(extent);
         },
     .missing = [](const DeviceTable& vk) -> const char* {
         return vk.enabled.geometryShader ? nullptr : "needs geometryShader"; // gl_PrimitiveID in fragment shaders

@@ -4,12 +4,16 @@ namespace gnomon {
 
 namespace {
 
-void copyToLayer(PassContext& gpu, BufferId from, ImageId to, std::uint32_t layer, const VkRect2D& area)
+VkBufferImageCopy2 regionOf(std::uint32_t layer, const VkRect2D& pixels)
 {
-    const VkBufferImageCopy2 region{.sType = VK_STRUCTURE_TYPE_BUFFER_IMAGE_COPY_2,
-                                    .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, layer, 1},
-                                    .imageOffset = {area.offset.x, area.offset.y, 0},
-                                    .imageExtent = {area.extent.width, area.extent.height, 1}};
+    return {.sType = VK_STRUCTURE_TYPE_BUFFER_IMAGE_COPY_2,
+            .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, layer, 1},
+            .imageOffset = {pixels.offset.x, pixels.offset.y, 0},
+            .imageExtent = {pixels.extent.width, pixels.extent.height, 1}};
+}
+
+void copyToLayer(PassContext& gpu, BufferId from, ImageId to, const VkBufferImageCopy2& region)
+{
     const VkCopyBufferToImageInfo2 copy{.sType = VK_STRUCTURE_TYPE_COPY_BUFFER_TO_IMAGE_INFO_2,
                                         .srcBuffer = gpu.buffer(from),
                                         .dstImage = gpu.image(to),
@@ -17,6 +21,17 @@ void copyToLayer(PassContext& gpu, BufferId from, ImageId to, std::uint32_t laye
                                         .regionCount = 1,
                                         .pRegions = &region};
     gpu.vk->vkCmdCopyBufferToImage2(gpu.cmd, &copy);
+}
+
+void copyFromLayer(PassContext& gpu, ImageId from, BufferId to, const VkBufferImageCopy2& region)
+{
+    const VkCopyImageToBufferInfo2 copy{.sType = VK_STRUCTURE_TYPE_COPY_IMAGE_TO_BUFFER_INFO_2,
+                                        .srcImage = gpu.image(from),
+                                        .srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                        .dstBuffer = gpu.buffer(to),
+                                        .regionCount = 1,
+                                        .pRegions = &region};
+    gpu.vk->vkCmdCopyImageToBuffer2(gpu.cmd, &copy);
 }
 
 } // namespace
@@ -57,13 +72,29 @@ BlockReader blocksOf(const CameraView& view, const LightView& light, const HostV
 
 void declareVisibilityCopy(PassBuilder& passes, const ShadowTask& task, const HostVisibility& buffers, const char* name)
 {
+    declareVisibilityCopy(passes, task, buffers.rows, task.view->area, name);
+}
+
+void declareVisibilityCopy(PassBuilder& passes, const ShadowTask& task, BufferId bytes, const VkRect2D& pixels,
+                           const char* name)
+{
     const ImageId target = task.visibility;
-    const std::uint32_t layer = task.layer;
     passes.transfer(name)
-        .reads(buffers.rows)
-        .writes(target, {.layer = layer})
-        .record([rows = buffers.rows, target, layer, area = task.view->area](PassContext& gpu) {
-            copyToLayer(gpu, rows, target, layer, area);
+        .reads(bytes)
+        .writes(target, {.layer = task.layer})
+        .record(
+            [=, region = regionOf(task.layer, pixels)](PassContext& gpu) { copyToLayer(gpu, bytes, target, region); });
+}
+
+void declareVisibilityReadback(PassBuilder& passes, const ShadowTask& task, BufferId bytes, const VkRect2D& pixels,
+                               const char* name)
+{
+    const ImageId source = task.visibility;
+    passes.transfer(name)
+        .copies(source, {.layer = task.layer})
+        .writes(bytes)
+        .record([=, region = regionOf(task.layer, pixels)](PassContext& gpu) {
+            copyFromLayer(gpu, source, bytes, region);
         });
 }
 

@@ -33,4 +33,11 @@ BlockReader blocksOf(const CameraView& view, const LightView& light, const HostV
 void declareVisibilityCopy(PassBuilder& passes, const ShadowTask& task, const HostVisibility& buffers,
                            const char* name);
 
+/// Some of its pixels, of any extent; in the buffer they lie row by row without gaps.
+void declareVisibilityCopy(PassBuilder& passes, const ShadowTask& task, BufferId bytes, const VkRect2D& pixels,
+                           const char* name);
+/// And from there to a buffer that the host reads.
+void declareVisibilityReadback(PassBuilder& passes, const ShadowTask& task, BufferId bytes, const VkRect2D& pixels,
+                               const char* name);
+
 } // namespace gnomon

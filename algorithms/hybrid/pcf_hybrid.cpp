@@ -1,8 +1,8 @@
 #include "algorithms/hybrid/pcf_hybrid.hpp"
 
-#include <algorithm>
+#include <array>
 
-#include "algorithms/hybrid/ray_list.hpp"
+#include "algorithms/hybrid/undecided.hpp"
 #include "algorithms/maps/map_resolve.hpp"
 #include "algorithms/omni/light_map.hpp"
 #include "shaders/hybrid_pcf_hybrid_cube_frag.h"
@@ -22,9 +22,7 @@ constexpr SettingSpec kSettings[] = {
 
 PipelineId classifyPipeline(const AlgorithmServices& services, bool cube, bool normals)
 {
-    BindingInfo bindings[5];
-    std::ranges::copy(lookBindings(cube), bindings);
-    bindings[4] = RayLists::binding();
+    const std::array bindings = lookBindings(cube);
     GraphicsPipelineInfo pipeline;
     pipeline.name = "pcf_hybrid.classify";
     pipeline.vertex.code = k_maps_map_resolve_vert;
@@ -37,14 +35,15 @@ PipelineId classifyPipeline(const AlgorithmServices& services, bool cube, bool n
     return services.pipelines->graphics(pipeline);
 }
 
-constexpr RayListNames kNames = {.list = "pcf_hybrid.uncertain",
-                                 .clear = "pcf_hybrid.clear",
-                                 .trace = "pcf_hybrid.trace",
-                                 .umbra = "pcf_hybrid.umbra"};
+constexpr UndecidedNames kNames = {.status = "pcf_hybrid.status",
+                                   .readback = "pcf_hybrid.readback",
+                                   .visibility = "pcf_hybrid.visibility",
+                                   .trace = "pcf_hybrid.trace",
+                                   .copy = "pcf_hybrid.copy"};
 
 class PcfHybrid final : public ShadowAlgorithm {
 public:
-    explicit PcfHybrid(const AlgorithmServices& services) : lists_(services, kNames)
+    explicit PcfHybrid(const AlgorithmServices& services)
     {
         casters_ = makeDepthMapPipelines(services);
         for (const bool cube : {false, true}) {
@@ -59,30 +58,25 @@ public:
         const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         constants->base = mapConstants(task, resolution, 1);
         const ImageId map = declareLightMap(passes, casters_, task, resolution, constants->base).image;
-        const RayList list = lists_.open(passes, task, task.settings[kReasons] != 0.0);
-        constants->capacity = list.capacity;
-        constants->reasons = list.reasons;
-        declareClassify(passes, task, map, constants, list.pixels);
-        lists_.close(passes, task, list);
+        constants->reasons = task.settings[kReasons] != 0.0;
+        declareClassify(passes, task, map, constants);
+        declareUndecided(passes, task, kNames, constants->reasons != 0 ? traceReasons : traceHard);
     }
 
 private:
     void declareClassify(PassBuilder& passes, const ShadowTask& task, ImageId map,
-                         const gpu::HybridConstants* constants, BufferId list) const
+                         const gpu::HybridConstants* constants) const
     {
         const LookImages look(task, map);
         const PipelineId pipeline = classify_[task.light->type == GN_LIGHT_TYPE_POINT][look.hasNormals];
-        LookPass pass(passes, task, "pcf_hybrid.classify", look);
-        pass.uses.updates(list);
-        pass.record([=](PassContext& gpu) {
+        LookPass(passes, task, "pcf_hybrid.classify", look).record([=](PassContext& gpu) {
             gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.storage(5, list)});
+                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
         });
     }
 
     DepthMapPipelines casters_;
     PipelineId classify_[2][2]; ///< [cube][has normals]
-    RayLists lists_;
 };
 
 } // namespace
@@ -98,11 +92,9 @@ constinit const AlgorithmEntry kPcfHybrid{
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
             return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type)) +
-                   RayLists::memory(extent);
+                   undecidedMemory(extent);
         },
-    .missing = [](const DeviceTable& vk) -> const char* {
-        return vk.enabled.fragmentStoresAndAtomics ? nullptr : "needs fragmentStoresAndAtomics";
-    },
+    .missing = nullptr,
     .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<PcfHybrid>(services);
     },

@@ -7,9 +7,9 @@
 #include <type_traits>
 
 #include "algorithms/hybrid/host_visibility.hpp"
-#include "algorithms/hybrid/ray_list.hpp"
 #include "algorithms/hybrid/receiver_hulls.hpp"
 #include "algorithms/hybrid/tile_search.hpp"
+#include "algorithms/hybrid/undecided.hpp"
 
 namespace gnomon {
 

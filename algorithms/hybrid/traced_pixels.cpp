@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "algorithms/hybrid/host_visibility.hpp"
-#include "shaders/hybrid/ray_list.h"
+#include "shaders/hybrid/reasons.h"
 
 namespace gnomon {
 

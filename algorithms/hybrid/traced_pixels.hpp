@@ -11,7 +11,7 @@ struct TracedNames {
 };
 
 /// Declares the passes that write the task's layer. @param reasons codes instead of visibility
-/// (shaders/hybrid/ray_list.h).
+/// (shaders/hybrid/reasons.h).
 void declareTracedPixels(PassBuilder& passes, const ShadowTask& task, const TracedNames& names, bool reasons = false);
 
 } // namespace gnomon

@@ -1,7 +1,7 @@
 #include "demo/program/chain_census.hpp"
 
 #include "algorithms/hybrid/bit_rows.hpp"
-#include "shaders/hybrid/ray_list.h"
+#include "shaders/hybrid/reasons.h"
 
 namespace gnomon::demo {
 namespace {

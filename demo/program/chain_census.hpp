@@ -1,6 +1,6 @@
 #pragma once
 // The counts of which the tables of Moderno's thesis are made: per view, size of map and contour, what each stage of
-// contour_chain settles, rightly and wrongly. Measured from pictures of votes (shaders/hybrid/ray_list.h), or printed.
+// contour_chain settles, rightly and wrongly. Measured from pictures of votes (shaders/hybrid/reasons.h), or printed.
 
 #include <array>
 #include <functional>

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "shaders/hybrid/ray_list.h"
+#include "shaders/hybrid/reasons.h"
 
 namespace gnomon::demo {
 namespace {

@@ -10,7 +10,7 @@
 #include "demo/program/measure.hpp"
 #include "demo/program/setting_choices.hpp"
 #include "demo/scene/scene_file.hpp"
-#include "shaders/hybrid/ray_list.h"
+#include "shaders/hybrid/reasons.h"
 
 namespace gnomon::demo {
 namespace {

@@ -2,7 +2,7 @@
 #ifndef GNOMON_HYBRID_CONSERVATIVE_LOOK_H
 #define GNOMON_HYBRID_CONSERVATIVE_LOOK_H
 #include "conservative.h"
-#include "ray_list.h"
+#include "reasons.h"
 
 GN_SHARED_BEGIN
 

@@ -2,11 +2,10 @@
 // What the map alone says of a pixel: one texel, as shadow_map and cube_map look it up. The chain goes on from there. Bit 0
 // of the byte is 1 where the pixel is lit, as visibility (255 or 0) and as a reason (REASON_OUTSIDE, REASON_MAP_LIT) alike.
 #extension GL_GOOGLE_include_directive : require
-#include "ray_list.h"
+#include "reasons.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants {
     MapConstants constants;
-    uint capacity;
     uint reasons;
 };
 layout(set = 0, binding = 2) uniform sampler2D depthImage;

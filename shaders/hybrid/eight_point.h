@@ -1,7 +1,7 @@
 // What eight_point_hybrid's classifying pass is told: a map from each point of the light.
 #ifndef GNOMON_HYBRID_EIGHT_POINT_H
 #define GNOMON_HYBRID_EIGHT_POINT_H
-#include "ray_list.h"
+#include "reasons.h"
 
 GN_SHARED_BEGIN
 

@@ -1,6 +1,6 @@
 #version 460
 // Which pixels eight points of a light agree about. In the depth map from each the four texels around the receiver vote;
-// where all eight say the same it is the answer, all other pixels go onto the list and are traced to the eight points.
+// where all eight say the same it is the answer, all other pixels are traced to the eight points.
 // Source: Beister, Ernst and Stamminger 2005.
 #extension GL_GOOGLE_include_directive : require
 #include "eight_point.h"
@@ -8,8 +8,8 @@
 
 layout(set = 0, binding = 0, std140) uniform Constants {
     MapConstants constants;
-    uint capacity;
     uint reasons;
+    uint padding0;
     uint padding1;
     uint padding2;
     MapLook points[8];
@@ -22,7 +22,7 @@ layout(location = 1) noperspective in vec4 rayClip;
 layout(location = 0) out float visibility;
 
 #include "../maps/verdict.glsl"
-#include "ray_list.glsl"
+#include "decided.glsl"
 
 // What the map from one point says: 1 lit, 0 in shadow, 0.5 it cannot say. A point that has set behind the receiver's
 // plane is left to its ray; what lies beside a spot light's map is not in it.

@@ -1,14 +1,13 @@
 #version 460
 // Which pixels a depth map can answer. The four texels whose centres surround the receiver decide where they agree; all
-// other pixels go onto the list, and show as lit until their ray says otherwise.
+// other pixels are left to their rays.
 // Source: Beister, Ernst and Stamminger 2005; Morais 2015, 3.4.1. Differs: the four comparisons are counted, not read from a
 // filtered value, whose weights may hide one of them; and a comparison closer than depths are exact does not count.
 #extension GL_GOOGLE_include_directive : require
-#include "ray_list.h"
+#include "reasons.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants {
     MapConstants constants;
-    uint capacity;
     uint reasons;
 };
 layout(set = 0, binding = 2) uniform sampler2D depthImage;
@@ -23,7 +22,7 @@ layout(location = 1) noperspective in vec4 rayClip;
 layout(location = 0) out float visibility;
 
 #include "../maps/agreement.glsl"
-#include "ray_list.glsl"
+#include "decided.glsl"
 
 void main()
 {

@@ -1,10 +1,12 @@
 /// What it takes to hand pixels from a shadow map to the ray tracer and back: a hybrid's frame, less the same frame
-/// with the plain look-up of the same map, less the time inside Embree. One light at rest, maps kept, 1280x720; the
-/// methods alternate. Then the same rays by the map's side: is their time linear in their number (Morais 2015, AC-22 of
-/// algorithms/hybrid/README.md)? No test, since machines differ: ninja bench_handover && ./bench_handover [SCENE...]
+/// with the plain look-up of the same map, less the time inside Embree. One light, everything at rest, maps kept: what
+/// drawing them takes is no hand-over. 1280x720; the methods alternate. Then the same rays by the map's side: is their
+/// time linear in their number (Morais 2015, AC-22 of algorithms/hybrid/README.md)? No test, since machines differ:
+/// ninja bench_handover && ./bench_handover [SCENE...]
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -17,7 +19,8 @@ using namespace gnomon::demo;
 
 namespace {
 
-constexpr uint32_t kRounds = 12, kMapSide = 2048;
+constexpr uint32_t kRounds = 12, kPairs = 4, kMapSide = 2048;
+constexpr uint32_t kPassRounds = 3;  // passes are timed in every so many rounds
 constexpr uint32_t kTimedFrames = 4; // at a time: what a frame took is known two frames later
 constexpr VkExtent2D kSize{1280, 720};
 constexpr const char* kPlainMethod = "shadow_map";
@@ -26,6 +29,15 @@ constexpr const char* kHybrids[] = {"pcf_hybrid", "contour_chain", "conservative
 // Allowed: 25 ns a ray and 2.5 ms a frame, where the thesis's hand-over took 20 ns a
 // ray that no stage accounted for (Morais 2015, 5.3).
 constexpr double kNsPerRay = 25.0, kConstantMs = 2.5;
+
+/// The scene with one light, and nothing in it moves.
+Scene still(const std::string& name)
+{
+    Scene scene = valueOf(loadScene(name));
+    limitLights(scene, 1);
+    scene.framesPerSecond = std::numeric_limits<double>::infinity();
+    return scene;
+}
 
 /// One method on its own context; minima over the rounds.
 struct Lane {
@@ -37,12 +49,13 @@ struct Lane {
         settle(*session, 0.0, false);
     }
 
-    void round()
+    void round(bool timed)
     {
-        const PairTimes pair = timePairs(*session, 1, false, nullptr);
-        withMs = std::min(withMs, pair.withMs.front());
-        withoutMs = std::min(withoutMs, pair.withoutMs.front());
-        raysMs = std::min(raysMs, pair.raysMs.front());
+        const PairTimes pairs = timePairs(*session, kPairs, false, nullptr);
+        withMs = std::min(withMs, minimum(pairs.withMs));
+        withoutMs = std::min(withoutMs, minimum(pairs.withoutMs));
+        raysMs = std::min(raysMs, minimum(pairs.raysMs));
+        if (!timed) return;
         double passes = 0.0;
         for (const PassTime& pass : timePasses(*session, kTimedFrames))
             passes += pass.gpuMs + pass.cpuMs;
@@ -60,15 +73,14 @@ struct Lane {
 
 void bench(Device& device, const std::string& name)
 {
-    Scene scene = valueOf(loadScene(name));
-    limitLights(scene, 1);
+    const Scene scene = still(name);
     std::vector<Lane> lanes;
     lanes.emplace_back(device, scene, kPlainMethod);
     for (const char* hybrid : kHybrids)
         lanes.emplace_back(device, scene, hybrid);
     for (uint32_t i = 0; i < kRounds; ++i)
         for (Lane& lane : lanes)
-            lane.round();
+            lane.round(i % kPassRounds == 0);
     const double threads = std::max(1u, std::thread::hardware_concurrency());
     for (const Lane& lane : lanes) {
         if (&lane == lanes.data()) continue; // the plain one
@@ -105,13 +117,12 @@ double squaredCorrelation(const std::vector<double>& x, const std::vector<double
     return covariance * covariance / ((n * sxx - sx * sx) * (n * syy - sy * sy));
 }
 
-/// Every map side of every hybrid with its own number of rays.
+/// Every map side of a hybrid with its own number of rays.
 void linearity(Device& device, const std::string& name)
 {
-    Scene scene = valueOf(loadScene(name));
-    limitLights(scene, 1);
-    std::vector<double> rays, ms;
+    const Scene scene = still(name);
     for (const char* hybrid : {"pcf_hybrid", "conservative_map"}) { // their passes named trace do nothing else
+        std::vector<double> rays, ms;
         Lane lane(device, scene, hybrid);
         for (const double side : {512.0, 1024.0, 2048.0, 4096.0}) {
             expect(lane.session->shadows.set(hybrid, kResolutionSetting, side));
@@ -119,11 +130,11 @@ void linearity(Device& device, const std::string& name)
             ms.push_back(traceMs(*lane.session));
             rays.push_back(static_cast<double>(lane.session->shadows.stats().rays));
         }
+        const auto [fewest, most] = std::minmax_element(rays.begin(), rays.end());
+        std::printf("%-18s %-18s trace time against %.0f to %.0f rays: R^2 %.3f\n", name.c_str(), hybrid, *fewest,
+                    *most, squaredCorrelation(rays, ms));
+        std::fflush(stdout);
     }
-    const auto [fewest, most] = std::minmax_element(rays.begin(), rays.end());
-    std::printf("%-18s trace time against %.0f to %.0f rays: R^2 %.3f\n", name.c_str(), *fewest, *most,
-                squaredCorrelation(rays, ms));
-    std::fflush(stdout);
 }
 
 } // namespace

@@ -170,8 +170,7 @@ inline std::vector<Expected> expect(const Asking& asking)
 }
 
 struct Outcome {
-    std::vector<MarkRange> ranges;
-    std::vector<std::uint32_t> marks;
+    std::vector<std::uint8_t> status, rows; ///< Of the area.
     std::uint64_t rays = 0;
 };
 
@@ -201,7 +200,6 @@ inline Outcome run(const Asking& asking, const std::vector<Expected>& expected)
         map.numbers[i] = frame.holding<std::uint32_t>(kNames[6 + i], drawn.numbers[i]);
     }
     Outcome outcome;
-    outcome.ranges.resize(markRanges(asking.tells), {7, 7, 7.0f});
     const ChainJob job{.view = &view,
                        .light = &asking.lamp.view,
                        .constants = &asking.lamp.constants,
@@ -210,16 +208,14 @@ inline Outcome run(const Asking& asking, const std::vector<Expected>& expected)
                        .depth = frame.holding<float>("depth", world().seen.depth),
                        .normals = asking.normals ? frame.holding("normals", asking.normalBytes()) : BufferId{},
                        .status = frame.holding<std::uint8_t>("status", status),
-                       .marks = frame.buffer("marks", 4 * status.size()),
-                       .ranges = outcome.ranges,
+                       .rows = frame.buffer("rows", status.size()),
                        .stages = asking.stages,
                        .contour = asking.contour,
                        .tells = asking.tells};
     outcome.rays = frame.run([&](const HostContext& host) { runChain(job, host); });
-    const auto all = frame.content<std::uint32_t>(job.marks);
-    const MarkRange& last = outcome.ranges.back();
-    REQUIRE(last.first + last.count <= all.size());
-    outcome.marks.assign(all.begin(), all.begin() + last.first + last.count);
+    const auto rows = frame.content<std::uint8_t>(job.rows);
+    outcome.rows.assign(rows.begin(), rows.begin() + std::ptrdiff_t(status.size()));
+    outcome.status = status;
     return outcome;
 }
 

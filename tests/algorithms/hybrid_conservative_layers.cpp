@@ -153,7 +153,7 @@ TEST_CASE("memory counts two layers, six faces each around a point light")
 {
     const VkExtent2D none{0, 0};
     const std::vector<double> small{256.0, 0.0, 0.0, 1.0}, large{512.0, 0.0, 0.0, 1.0};
-    const VkDeviceSize list = RayLists::memory(none);
+    const VkDeviceSize list = undecidedMemory(none);
     const VkDeviceSize spot = ConservativeMethod::memory(small, none, GN_LIGHT_TYPE_SPOT) - list;
     CHECK(spot == 2 * depthMapMemory(256, 1));
     CHECK(ConservativeMethod::memory(small, none, GN_LIGHT_TYPE_POINT) - list == 6 * spot);

@@ -5,7 +5,7 @@
 
 #include "algorithms/hybrid/bit_rows.hpp"
 #include "exactness/stage.hpp"
-#include "shaders/hybrid/ray_list.h"
+#include "shaders/hybrid/reasons.h"
 
 namespace gnomon::exact {
 namespace {

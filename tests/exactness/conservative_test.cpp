@@ -9,7 +9,7 @@
 #include "demo/scene/primitives.hpp"
 #include "exactness/stage.hpp"
 #include "exactness/testbed.hpp"
-#include "shaders/hybrid/ray_list.h"
+#include "shaders/hybrid/reasons.h"
 
 namespace gnomon::exact {
 namespace {

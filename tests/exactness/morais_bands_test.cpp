@@ -6,7 +6,7 @@
 #include "demo/program/morais_tables.hpp"
 #include "device/fixture.hpp"
 #include "exactness/stage.hpp"
-#include "shaders/hybrid/ray_list.h"
+#include "shaders/hybrid/reasons.h"
 
 namespace gnomon::demo {
 namespace {

@@ -6,7 +6,7 @@
 #include "demo/program/ambiguity.hpp"
 #include "exactness/stage.hpp"
 #include "exactness/testbed.hpp"
-#include "shaders/hybrid/ray_list.h"
+#include "shaders/hybrid/reasons.h"
 
 namespace gnomon::exact {
 namespace {

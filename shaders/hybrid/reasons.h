@@ -1,18 +1,18 @@
-// What the methods that ask a map first and trace the rest share between their passes.
-#ifndef GNOMON_HYBRID_RAY_LIST_H
-#define GNOMON_HYBRID_RAY_LIST_H
+// What the methods that ask a map first and trace the rest share between their passes: why a pixel is lit or dark.
+#ifndef GNOMON_HYBRID_REASONS_H
+#define GNOMON_HYBRID_REASONS_H
 #include "../maps/map_look.h"
 
 GN_SHARED_BEGIN
 
 struct HybridConstants {
     MapConstants base;
-    uint capacity; // pixels the list holds
-    uint reasons;  // 1: visibility shows why, not what
+    uint reasons; // 1: visibility shows why, not what
+    uint padding0;
     uint padding1;
     uint padding2;
 };
-GN_SHARED_OFFSET(HybridConstants, capacity, 384)
+GN_SHARED_OFFSET(HybridConstants, reasons, 384)
 GN_SHARED_SIZE(HybridConstants, 400)
 
 // Why a pixel is lit or dark: Moderno's record of a pixel, its section 1.3. With the setting `reasons` the byte in
@@ -33,6 +33,9 @@ GN_SHARED_CONST uint REASON_TILE_LIT = 13u;     // proved for a whole tile of pi
 GN_SHARED_CONST uint REASON_TILE_SHADOW = 14u;
 GN_SHARED_CONST uint REASON_COUNT = 15u;
 
+// The byte in visibility of a pixel that waits for its rays: no reason, not lit, not dark and no eighth in between.
+GN_SHARED_CONST uint UNDECIDED = 200u;
+
 // With `reasons` 2 contour_chain's byte is what each of its stages would say by itself (Moderno's tables 5 to 15 are
 // counts of such bytes). Bit 0 is what the map says; then who agrees with it, and whose triangles block the ray.
 GN_SHARED_CONST uint VOTE_LIT = 1u;
@@ -52,7 +55,7 @@ GN_SHARED_CONST uint VOTES_BACKFACING = 254u;
 GN_SHARED_CONST uint CANDIDATES_STEP = 5u;
 GN_SHARED_CONST uint CANDIDATES_MOST = 50u; // of nine texels and vertex rings
 
-// A pixel in the list: 16 bits of x, 16 of y, in image coordinates.
+// A pixel in a list: 16 bits of x, 16 of y, in image coordinates.
 GN_SHARED_FN uint packPixel(uint x, uint y) { return x | (y << 16u); }
 GN_SHARED_FN uint pixelX(uint packedPixel) { return packedPixel & 0xffffu; }
 GN_SHARED_FN uint pixelY(uint packedPixel) { return packedPixel >> 16u; }
