@@ -86,9 +86,8 @@ void Piece::settle(std::uint32_t x, std::uint32_t y, std::uint32_t reason)
 {
     const bool numbers = picture_.job.tells != ChainTells::visibility;
     if (!numbers && isLit(reason) == picture_.lit.at(x, y)) return;
-    rows_[std::size_t(y - top_) * picture_.lit.width + x] = static_cast<std::uint8_t>(numbers         ? reason
-                                                                                      : isLit(reason) ? 255u
-                                                                                                      : 0u);
+    const std::uint32_t shown = isLit(reason) ? 255 : 0;
+    rows_[std::size_t(y - top_) * picture_.lit.width + x] = static_cast<std::uint8_t>(numbers ? reason : shown);
 }
 
 void Piece::flush()

@@ -104,7 +104,6 @@ void HardRays::flushPackets()
 {
     source_.host.rays->occluded(std::span(packets_, packetCount_), source_.light.mask);
     for (std::uint32_t p = 0; p < packetCount_; ++p) {
-        source_.host.countRays(counts_[p]);
         for (std::uint32_t i = 0; i < counts_[p]; ++i) {
             const std::uint32_t lane = lanes_[p][i];
             if (packets_[p].there[lane] != 0 && packets_[p].tfar[lane] < 0.0f) bytes_[firsts_[p] + i] = dark_;
@@ -124,6 +123,7 @@ void HardRays::askTile(std::span<const std::uint32_t> pixels, std::uint32_t firs
     RayPacket& packet = packets_[packetCount_];
     source_.blocks.pack(block, packet);
     std::int32_t wanted[RayPacket::kWidth] = {};
+    std::size_t rays = 0;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         const std::uint32_t x = gpu::pixelX(pixels[i]) - static_cast<std::uint32_t>(from.x) - left;
         const std::uint32_t y = gpu::pixelY(pixels[i]) - static_cast<std::uint32_t>(from.y) - top;
@@ -131,9 +131,11 @@ void HardRays::askTile(std::span<const std::uint32_t> pixels, std::uint32_t firs
         lanes_[packetCount_][i] = static_cast<std::uint8_t>(lane);
         wanted[lane] = -1;
         bytes_[first + i] = block.asked[lane] == lanes::kDark ? dark_ : lit_;
+        rays += block.asked[lane] == lanes::kRay;
     }
     for (std::uint32_t lane = 0; lane < RayPacket::kWidth; ++lane)
         packet.there[lane] &= wanted[lane];
+    source_.host.countRays(rays);
     firsts_[packetCount_] = first;
     counts_[packetCount_++] = static_cast<std::uint32_t>(pixels.size());
     if (packetCount_ == kPackets) flushPackets();

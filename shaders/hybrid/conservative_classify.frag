@@ -96,7 +96,7 @@ void main()
     HybridConstants hybrid = HybridConstants(constants, reasons, padding0, padding1, padding2);
     MapPoint at = mapPointOf(
         ConservativeConstants(hybrid, light, texelsPerMetre, depthPerMetre, depthSquare, thesis), clip, start.errorWs);
-    // The texel's centre, by nearest sampling: on a software device twice as fast as texelFetch().
+    // The texel's centre, by nearest sampling: on a software device a few percent off the pass.
     vec2 centre = (clamp(floor(at.texel), 0.0, constants.map.side - 1.0) + 0.5) * (1.0 / constants.map.side);
 #ifdef MAP_LAYERS
     float nearest = textureLod(nearMap, vec3(centre, layer), 0.0).x;

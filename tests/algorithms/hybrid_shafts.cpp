@@ -76,6 +76,8 @@ int wrongLanes(const CameraView& view, const LightView& light, const std::vector
         for (std::uint32_t x = 0; x < kWidth; x += 4) {
             lanes::Block block;
             reader.readSummed(x, y, block);
+            RayPacket packet;
+            reader.pack(block, packet);
             for (std::uint32_t i = 0; i < lanes::kLanes; ++i) {
                 const std::uint32_t px = x + i % 4, py = y + i / 4;
                 if (px >= kWidth || py >= kHeight) {
@@ -86,10 +88,14 @@ int wrongLanes(const CameraView& view, const LightView& light, const std::vector
                 const Asked expected = receivers.at(px + 3, py + 2, ray);
                 ++asked[static_cast<int>(expected)];
                 wrong += block.asked[i] != static_cast<std::uint32_t>(expected);
+                wrong += (packet.there[i] != 0) != (expected == Asked::ray && !(ray.tfar < 0.0f));
                 if (expected != Asked::ray || block.asked[i] != lanes::kRay) continue;
                 for (std::uint32_t axis = 0; axis < 3; ++axis)
-                    wrong += std::memcmp(&block.origin[axis][i], &ray.origin[int(axis)], sizeof(float)) != 0;
-                wrong += std::memcmp(&block.tfar[i], &ray.tfar, sizeof(float)) != 0;
+                    wrong += std::memcmp(&block.origin[axis][i], &ray.origin[int(axis)], sizeof(float)) != 0 ||
+                             std::memcmp(&packet.origin[axis][i], &ray.origin[int(axis)], sizeof(float)) != 0 ||
+                             std::memcmp(&packet.direction[axis][i], &ray.direction[int(axis)], sizeof(float)) != 0;
+                wrong += std::memcmp(&block.tfar[i], &ray.tfar, sizeof(float)) != 0 ||
+                         std::memcmp(&packet.tfar[i], &ray.tfar, sizeof(float)) != 0;
             }
         }
     return wrong;

@@ -33,6 +33,37 @@ uint32_t drawnLayers(const Host& host, const std::string& stem)
 
 } // namespace
 
+TEST_CASE_FIXTURE(DeviceTest, "a part of the images is answered as images of its size are")
+{
+    constexpr VkRect2D area{{37, 22}, {243, 131}}; // no side a multiple of a tile or a word
+    for (const demo::LightKind kind : kKinds) {
+        Scene scene = litBy(kind);
+        if (kind == demo::LightKind::Point) scene.lights[0].range = 7.0f; // reaches a part of the area
+        Host part(scene, {.extent = {320, 180}, .area = area}), whole(scene, {.extent = area.extent});
+        for (const std::string method : {"ray_traced", "tile_shafts", "pcf_hybrid", "contour_chain", "conservative_map",
+                                         "conservative_map_adjacency"}) {
+            CAPTURE(method);
+            CAPTURE(static_cast<int>(kind));
+            for (Host* host : {&part, &whole}) {
+                host->pinAll(method.c_str());
+                host->require(host->draw());
+                REQUIRE(std::string(host->decision(0).pMethod) == method);
+            }
+            const Image8 left = part.pictures()[0], right = whole.pictures()[0];
+            size_t differing = 0, shaded = 0;
+            for (uint32_t y = 0; y < area.extent.height; ++y)
+                for (uint32_t x = 0; x < area.extent.width; ++x) {
+                    differing += *left.at(x + 37, y + 22) != *right.at(x, y);
+                    shaded += *right.at(x, y) == 0;
+                }
+            CHECK(shaded > 500);
+            CHECK(differing <= 3); // view rays of the two round apart: borders of shadows
+            CHECK(part.stats().rays > whole.stats().rays * 9 / 10);
+            CHECK(part.stats().rays < whole.stats().rays * 11 / 10 + 10);
+        }
+    }
+}
+
 TEST_CASE_FIXTURE(DeviceTest,
                   "conservative layers are drawn once, again when a caster moves, and equal a fresh context's")
 {

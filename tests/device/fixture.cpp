@@ -127,7 +127,7 @@ Host::Host(Scene wanted, const HostOptions& options)
                                                 .depthCompare = scene.depth.convention == DepthConvention::Standard
                                                                     ? VK_COMPARE_OP_LESS
                                                                     : VK_COMPARE_OP_GREATER})),
-      timeline_(makeTimeline(device())), readback_(device()), extent_(options.extent),
+      timeline_(makeTimeline(device())), readback_(device()), extent_(options.extent), area_(options.area),
       hidden_(scene.instances.size(), false), warmUp_(options.warmUp)
 {
     surfaces_.resize(options.viewCount);
@@ -273,6 +273,16 @@ void Host::drawSurface(VkCommandBuffer cmd, const Surface& surface, const Camera
                                     .pDepthAttachment = &depth};
     vkCmdBeginRendering(cmd, &rendering);
     cmdSetArea(cmd, extent_);
+    if (area_.extent.width != 0) {
+        const VkViewport viewport{static_cast<float>(area_.offset.x),
+                                  static_cast<float>(area_.offset.y),
+                                  static_cast<float>(area_.extent.width),
+                                  static_cast<float>(area_.extent.height),
+                                  0.0f,
+                                  1.0f};
+        vkCmdSetViewport(cmd, 0, 1, &viewport);
+        vkCmdSetScissor(cmd, 0, 1, &area_);
+    }
     vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.get());
     const VkBuffer positions = geometry_.positions.get();
     const VkDeviceSize offset = 0;
@@ -315,6 +325,7 @@ GnViewFrame Host::viewFrame(uint32_t view, const CameraMatrices& camera, const s
     out.depthView = surface.depth.view.get();
     out.depthFormat = kDepthFormat;
     out.imageExtent = extent_;
+    out.renderArea = area_;
     out.normalImage = surface.normals.get();
     out.normalView = surface.normals.view.get();
     out.normalFormat = kNormalFormat;
@@ -406,7 +417,8 @@ GnResult Host::draw(const FrameOptions& options)
     vkCheck(vkBeginCommandBuffer(slot.before, &begin), "vkBeginCommandBuffer");
     std::vector<GnViewFrame> frames;
     for (uint32_t view = 0; view < views.size(); ++view) {
-        const CameraMatrices camera = cameraMatrices(scene, cameras[view], extent_);
+        const CameraMatrices camera =
+            cameraMatrices(scene, cameras[view], area_.extent.width != 0 ? area_.extent : extent_);
         drawSurface(slot.before, surfaces_[view], camera, state);
         frames.push_back(viewFrame(view, camera, lit));
     }

@@ -51,6 +51,7 @@ private:
 
 struct HostOptions {
     VkExtent2D extent{320, 180};
+    VkRect2D area{}; ///< The cameras' part of their images; of no extent: all of them.
     uint32_t framesInFlight = 2;
     uint32_t viewCount = 1;
     uint32_t maxLights = 16;
@@ -148,6 +149,7 @@ private:
     demo::UniqueSemaphore timeline_; ///< Counts the host's frames, failed and dropped ones included.
     demo::Readback readback_;
     VkExtent2D extent_;
+    VkRect2D area_;
     std::vector<Surface> surfaces_;
     std::vector<Slot> slots_;
     std::deque<Retired> retired_;
