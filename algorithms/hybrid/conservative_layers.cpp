@@ -185,7 +185,13 @@ void ConservativeMethod::declare(PassBuilder& passes, const ShadowTask& task)
                                     .covered = declareCovered(passes, task, view, maps_, thesis)};
     const bool reasons = task.settings[kReasons] != 0.0;
     classify_.declare(passes, task, view, images, thesis, reasons);
-    declareUndecided(passes, task, names_, reasons ? traceReasons : traceHard);
+    // That only faces turned away from the light need be drawn holds for receivers outside of what is closed.
+    Doubt insides;
+    if (!thesis) {
+        insides.byte = reasons ? static_cast<std::uint8_t>(gpu::REASON_MAP_LIT) : std::uint8_t{255};
+        insides.where = nearCut(*task.view, task.casters->all);
+    }
+    declareUndecided(passes, task, names_, reasons ? traceReasons : traceHard, insides);
 }
 
 const char* ConservativeMethod::refuses(const ShadowTask& task) const

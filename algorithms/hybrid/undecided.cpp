@@ -15,10 +15,40 @@ struct UndecidedJob {
     const CameraView* view;
     const LightView* light;
     AnswerPixels answer;
+    Doubt doubt;
     VkRect2D pixels; ///< What the light reaches, from a tile of the area on, image coordinates.
     BufferId status; ///< Bytes of those pixels as the deciding pass wrote them.
     HostVisibility buffers;
 };
+
+/// Some rows of what the light reaches.
+struct Rows {
+    std::span<std::uint8_t> bytes;
+    std::uint32_t left, top; ///< First pixel, image coordinates.
+    std::uint32_t width;
+};
+
+/// Marks what is not believed.
+void doubtRows(const UndecidedJob& job, const HostContext& host, const Rows& rows)
+{
+    const gpu::ViewConstants& view = job.view->constants;
+    const auto [from, extent] = job.doubt.where.pixels;
+    const auto x = static_cast<std::uint32_t>(from.x), y = static_cast<std::uint32_t>(from.y);
+    const auto below = rows.top + static_cast<std::uint32_t>(rows.bytes.size() / rows.width);
+    const std::uint32_t left = std::max(x, rows.left), right = std::min(x + extent.width, rows.left + rows.width);
+    for (std::uint32_t row = std::max(y, rows.top); row < std::min(y + extent.height, below); ++row) {
+        const std::span<const float> depths =
+            host.read<float>(job.buffers.depth).subspan(std::size_t(row) * job.view->extent.width);
+        for (std::uint32_t column = left; column < right; ++column) {
+            std::uint8_t& byte = rows.bytes[std::size_t(row - rows.top) * rows.width + column - rows.left];
+            if (byte != job.doubt.byte || depths[column] == view.skyDepth) continue;
+            const glm::vec3 receiver = glm::vec3(view.eyeWs) + gpu::linearDepth(view, depths[column]) *
+                                                                   gpu::viewRayWs(view, glm::vec2(column, row) + 0.5f);
+            const Aabb& box = job.doubt.where.receivers;
+            if (glm::clamp(receiver, box.lower, box.upper) == receiver) byte = gpu::UNDECIDED;
+        }
+    }
+}
 
 /// Answers what is undecided in some rows and hands all of them back.
 void answerRows(const UndecidedJob& job, const UndecidedSource& source, std::uint32_t top, std::uint32_t bottom)
@@ -32,6 +62,7 @@ void answerRows(const UndecidedJob& job, const UndecidedSource& source, std::uin
 
     const auto left = static_cast<std::uint32_t>(job.pixels.offset.x);
     const auto above = static_cast<std::uint32_t>(job.pixels.offset.y) + top;
+    doubtRows(job, host, {bytes, left, above, width});
     const auto undecided =
         static_cast<std::size_t>(std::count(bytes.begin(), bytes.end(), std::uint8_t{gpu::UNDECIDED}));
     const std::span<std::uint32_t> pixels = host.arena->array<std::uint32_t>(undecided);
@@ -230,13 +261,15 @@ VkRect2D pixelsOf(const ShadowTask& task)
 
 } // namespace
 
-void declareUndecided(PassBuilder& passes, const ShadowTask& task, const UndecidedNames& names, AnswerPixels answer)
+void declareUndecided(PassBuilder& passes, const ShadowTask& task, const UndecidedNames& names, AnswerPixels answer,
+                      const Doubt& doubt)
 {
     const VkExtent2D extent = task.view->area.extent;
     const UndecidedJob job{
         .view = task.view,
         .light = task.light,
         .answer = answer,
+        .doubt = doubt,
         .pixels = pixelsOf(task),
         .status = passes.transient(BufferInfo{
             .name = names.status, .size = VkDeviceSize(extent.width) * extent.height, .place = BufferPlace::readback}),

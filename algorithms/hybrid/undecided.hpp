@@ -10,6 +10,7 @@
 #include <span>
 
 #include "algorithms/hybrid/host_visibility.hpp"
+#include "algorithms/hybrid/near_cut.hpp"
 #include "shaders/hybrid/reasons.h"
 
 namespace gnomon {
@@ -43,8 +44,15 @@ void traceHard(const UndecidedSource& source, std::span<const std::uint32_t> pix
 /// The same, REASON_RT_LIT and REASON_RT_SHADOW in place of 255 and 0.
 void traceReasons(const UndecidedSource& source, std::span<const std::uint32_t> pixels, std::span<std::uint8_t> bytes);
 
+/// A byte of the deciding pass that is taken for UNDECIDED where receivers may lie inside of casters.
+struct Doubt {
+    std::uint8_t byte = gpu::UNDECIDED;
+    NearCut where;
+};
+
 /// Declares what comes after the pass that wrote the task's visibility with UNDECIDED bytes in it.
-void declareUndecided(PassBuilder& passes, const ShadowTask& task, const UndecidedNames& names, AnswerPixels answer);
+void declareUndecided(PassBuilder& passes, const ShadowTask& task, const UndecidedNames& names, AnswerPixels answer,
+                      const Doubt& doubt = {});
 
 /// Device bytes for a view: the picture both ways.
 inline VkDeviceSize undecidedMemory(VkExtent2D extent)

@@ -182,6 +182,26 @@ TEST_CASE("it is so for 20 cameras and lights at random, whatever the depth and 
     }
 }
 
+TEST_CASE("it is so of receivers inside closed casters, which the near plane cuts open")
+{
+    const test::DeviceTest silence;
+    for (const auto convention : {demo::DepthConvention::ReversedInfinite, demo::DepthConvention::Standard}) {
+        Scene scene = wandering(10, 9, convention);
+        scene.depth.nearPlane = 3.0; // through what stands around the middle
+        Stage stage(scene, {160, 90});
+        for (const char* method : {kPlain, kSheets}) {
+            Certain sum;
+            for (int step = 0; step < 10; ++step) {
+                stage.goTo(step);
+                sum += measure(stage, method, 512.0);
+            }
+            MESSAGE(std::string(method) << ": " << inWords(sum));
+            CHECK(sum.wrong() == 0);
+            CHECK(sum.lit > 1000); // where nothing is cut they are still the map's
+        }
+    }
+}
+
 TEST_CASE("sheets leave the lit pixels as they are and only add dark ones")
 {
     const test::DeviceTest silence;
