@@ -19,7 +19,7 @@ GnResult report(GnContext context, const Error& error) noexcept
 {
     try {
         if (error.result == GN_ERROR_DEVICE_LOST) context->impl->noteLost();
-        context->impl->setLastError(error.text);
+        context->impl->lastErrors().set(error.text);
         context->impl->messages().error(error);
     } catch (...) { // no memory for the words; the code still says it
     }
@@ -71,7 +71,10 @@ GnResult status(GnContext context, const Result<GnResult>& result)
 /// As much of a text as fits, ended by a zero; *pSize becomes the whole size.
 GnResult giveText(GnContext context, const Result<std::string>& text, size_t* pSize, char* pText)
 {
-    if (!text) return report(context, text.error());
+    if (!text) {
+        *pSize = 0;
+        return report(context, text.error());
+    }
     const size_t wanted = text->size() + 1, room = *pSize;
     *pSize = wanted;
     if (!pText) return GN_SUCCESS;
@@ -130,7 +133,7 @@ void GN_CALL gnDestroyContext(GnContext context)
 
 const char* GN_CALL gnGetLastError(GnContext context)
 {
-    return context && context->impl ? context->impl->lastError() : "the context is null";
+    return context && context->impl ? context->impl->lastErrors().get() : "the context is null";
 }
 
 GnResult GN_CALL gnWarmUp(GnContext context)
@@ -427,7 +430,10 @@ GnResult GN_CALL gnGetDecisionLog(GnContext context, GnView view, uint64_t first
     return atBoundary(context, [&](Context& c) {
         if (!pSize) return nullArgument(context, "pSize");
         const Result<std::string> log = c.decisionLog(view, firstFrame, frameOrigin);
-        if (!log) return report(context, log.error());
+        if (!log) {
+            *pSize = 0;
+            return report(context, log.error());
+        }
         const size_t room = *pSize;
         *pSize = log->size();
         if (!pData) return GN_SUCCESS;

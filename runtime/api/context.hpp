@@ -1,12 +1,14 @@
 #pragma once
 // The context: owner of everything, and the one place where the trip of a frame is written down.
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
+#include "runtime/api/last_error.hpp"
 #include "runtime/api/plugin.hpp"
 #include "runtime/core/slot_map.hpp"
 #include "runtime/passes/pass_executor.hpp"
@@ -88,8 +90,8 @@ public:
 
     SceneRegistry& scene() { return *scene_; }
     const Messages& messages() const { return messages_; }
-    void setLastError(std::string text) { lastError_ = std::move(text); }
-    const char* lastError() const { return lastError_.c_str(); }
+    // From any thread.
+    LastErrors& lastErrors() { return lastErrors_; }
     void noteLost() { lost_ = true; }
     bool lost() const { return lost_; }
 
@@ -274,8 +276,8 @@ private:
     std::chrono::steady_clock::time_point lastFrameStart_{};
     std::uint64_t objectsBefore_ = 0, pipelinesBefore_ = 0, queriesBefore_ = 0; ///< When the frame began.
     GnFrameStats stats_{};
-    bool lost_ = false;
-    std::string lastError_;
+    std::atomic<bool> lost_ = false;
+    LastErrors lastErrors_;
 };
 
 /// Checks one view's part of a frame (frame_input.cpp). Nothing is kept.

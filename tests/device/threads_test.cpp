@@ -88,3 +88,33 @@ TEST_CASE_FIXTURE(DeviceTest, "two threads stream casters while a third renders"
     }
     CHECK(differences(host.pictures(), fresh.pictures()) == 0);
 }
+
+TEST_CASE_FIXTURE(DeviceTest, "every thread hears of its own failures, while others fail")
+{
+    Host host(smallScene(), {.extent = {64, 36}});
+    std::atomic<int> mixed{0};
+    const auto fail = [&](uint32_t thread) {
+        for (uint32_t round = 0; round < 500; ++round) {
+            // Longer than what strings keep within themselves, and of another length each time.
+            const std::string name = "mesh of thread " + std::to_string(thread) + std::string(round % 40, '.');
+            const float position[3] = {0, 0, 0};
+            const uint32_t indices[3] = {0, 0, 1 + round};
+            const GnMeshCreateInfo info{.pName = name.c_str(),
+                                        .pPositions = position,
+                                        .positionCount = 1,
+                                        .positionStride = 0,
+                                        .pIndices = indices,
+                                        .indexCount = 3};
+            GnMesh mesh = VK_NULL_HANDLE;
+            if (gnCreateMesh(host.context, &info, &mesh) != GN_ERROR_OUT_OF_RANGE) ++mixed;
+            if (std::string(gnGetLastError(host.context)).find(name) == std::string::npos) ++mixed;
+        }
+    };
+    std::vector<std::thread> threads;
+    for (uint32_t i = 0; i < 4; ++i)
+        threads.emplace_back(fail, i);
+    for (std::thread& thread : threads)
+        thread.join();
+    CHECK(mixed == 0);
+    CHECK(host.lastError().empty()); // of this thread
+}

@@ -64,8 +64,8 @@ typedef enum GnResult {
     GN_ERROR_OUT_OF_HOST_MEMORY = -2,
     GN_ERROR_OUT_OF_DEVICE_MEMORY = -3,
     GN_ERROR_DEVICE_LOST = -4,      ///< Every call but destruction returns it from then on.
-    GN_ERROR_INVALID_HANDLE = -5,   ///< Null, foreign or already destroyed.
-    GN_ERROR_NULL_ARGUMENT = -6,    ///< A required pointer or handle is null.
+    GN_ERROR_INVALID_HANDLE = -5,   ///< A handle of an object is null, foreign or already destroyed.
+    GN_ERROR_NULL_ARGUMENT = -6,    ///< A required pointer, or the context, is null.
     GN_ERROR_NOT_A_NUMBER = -7,     ///< NaN in the input.
     GN_ERROR_INFINITE = -8,         ///< Infinity where a finite value is needed.
     GN_ERROR_OUT_OF_RANGE = -9,     ///< A finite value outside its range, or an index past its array.
@@ -73,7 +73,7 @@ typedef enum GnResult {
     GN_ERROR_TOO_MANY = -11,        ///< More lights, views or triangles than agreed or than the device takes.
     GN_ERROR_FEATURE_MISSING = -12, ///< The device lacks, or was created without, something required.
     GN_ERROR_RULES = -13,           ///< The rule base has errors; the last good one stays in force.
-    GN_ERROR_UNKNOWN_METHOD = -14,  ///< No method, algorithm or setting of that name.
+    GN_ERROR_UNKNOWN_METHOD = -14,  ///< No method, algorithm or setting of that name, or none for this kind of light.
     GN_ERROR_FRAME_ORDER = -15,     ///< Frames not growing by one, memory of a frame in flight, calls out of order.
     GN_ERROR_UNSUPPORTED = -16,     ///< Built without the part that is needed (Embree, OpenMesh, YAML).
     GN_ERROR_KNOWLEDGE = -17,       ///< The knowledge base cannot be used; what was known before stays.
@@ -173,7 +173,8 @@ GN_API void GN_CALL gnDestroyContext(GnContext context);
 /** \brief Name of a result, such as "GN_ERROR_EMPTY". Never null. */
 GN_API const char* GN_CALL gnResultName(GnResult result);
 
-/** \brief The sentence of the last failed call on this context, valid until the next call on it. Never null. */
+/** \brief The sentence of the calling thread's last failed call on this context, valid until the thread's next call on it.
+Never null; empty where none failed. From any thread. */
 GN_API const char* GN_CALL gnGetLastError(GnContext context);
 
 /** \brief Compiles and runs once every method that the enabled device can run, and waits for meshes in preparation.
