@@ -214,6 +214,9 @@ void PassGraph::fail(const Error& error)
 
 ImageId PassGraph::addImage(PooledImage& image, const char* name)
 {
+    // Two views may share their depth: accesses are ordered among those of one id.
+    for (std::uint32_t i = 0; i < images_.size(); ++i)
+        if (images_[i].pooled == &image) return {i};
     images_.push_back({.key = 0, .pooled = &image, .name = name, .newest = UINT32_MAX});
     return {static_cast<std::uint32_t>(images_.size() - 1)};
 }

@@ -99,7 +99,7 @@ public:
     /// Declarations go on in the task of an earlier pass.
     void resumeTask(std::uint32_t task);
 
-    /// Resources that somebody else owns.
+    /// Resources that somebody else owns. An image that is there already keeps its id.
     ImageId addImage(PooledImage& image, const char* name);
     BufferId addBuffer(PooledBuffer& buffer);
 

@@ -115,7 +115,7 @@ TEST_CASE_FIXTURE(DeviceTest, "what a light needs is done once for two views, wh
     CHECK(ofTwo.perTask == ofOne.perTask);
     CHECK(ofTwo.perTask.size() >= 16); // every light is resolved
     CHECK(ofTwo.perView.size() == 2 * ofOne.perView.size());
-    CHECK(ofTwo.perView.size() >= 4); // depth read back for rays, depth and stencil for volumes
+    CHECK(ofTwo.perView.size() >= 4);       // depth read back for rays, depth and stencil for volumes
     for (const auto& entry : ofTwo.perView) // no structured binding: clang 14 captures none in CHECK_MESSAGE's lambda
         CHECK_MESSAGE(entry.second == 1, entry.first.first);
     CHECK(differences(one.pictures(0), two.pictures(0)) == 0);
@@ -134,4 +134,44 @@ TEST_CASE_FIXTURE(DeviceTest, "a frame without lights or views is nothing to do,
     }}) == GN_SUCCESS);
     host.require(host.draw());
     CHECK(dark(host.pictures()[0]) > 100);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "views may share their images: one samples them, another copies them")
+{
+    Scene scene = smallScene();
+    scene.lights.push_back(pointLight("bulb", {1.0, 5.0, 2.0}, true));
+    for (demo::Light& light : scene.lights)
+        light.isStatic = true;
+    Host host(scene, {.extent = {160, 90}, .viewCount = 2});
+    host.pin(0, "shadow_map"); // once its map is kept it samples depth first thing,
+    host.pin(1, "ray_traced"); // as this one copies it
+    const auto share = [&](GnFrameInfo&, std::vector<GnViewFrame>& views) {
+        views[1].depthImage = views[0].depthImage;
+        views[1].depthView = views[0].depthView;
+        views[1].normalImage = views[0].normalImage;
+        views[1].normalView = views[0].normalView;
+        views[0].lightCount = 1;
+        views[1].lightCount = 1;
+        views[1].pLights = &host.lights[1];
+    };
+    const std::vector<demo::CameraState> cameras(2, demo::cameraAt(scene, 0.0));
+    const auto picture = [&](uint32_t view) { return host.pictures(view)[0]; };
+    const FrameOptions shared{.cameras = &cameras, .adjust = share};
+    host.draw(3, shared);
+    const demo::Image8 mapped = picture(0), traced = picture(1);
+
+    // Alone, each shows the same.
+    host.draw(2, {.cameras = &cameras});
+    CHECK(host.pictures(0)[0].texels == mapped.texels);
+    CHECK(host.pictures(0)[1].texels == traced.texels);
+
+    // But not through different image views: a layout belongs to an image.
+    const auto apart = [&](GnFrameInfo& info, std::vector<GnViewFrame>& views) {
+        const VkImageView other = views[1].depthView;
+        share(info, views);
+        views[1].depthView = other;
+    };
+    CHECK(host.draw({.cameras = &cameras, .adjust = apart}) == GN_ERROR_OUT_OF_RANGE);
+    CHECK(host.lastError().find("depthImage") != std::string::npos);
+    CHECK(host.draw(shared) >= 0);
 }
