@@ -458,8 +458,7 @@ GnResult GN_CALL gnGetPassTimings(GnContext context, uint64_t* pFrame, uint32_t*
 GnResult GN_CALL gnGetFramePasses(GnContext context, uint32_t* pCount, GnPassTiming* pPasses)
 {
     return atBoundary(context, [&](Context& c) {
-        return list(context, pCount, pPasses,
-                    [&](std::span<GnPassTiming> out) { return Result<uint32_t>(c.framePasses(out)); });
+        return list(context, pCount, pPasses, [&](std::span<GnPassTiming> out) { return c.framePasses(out); });
     });
 }
 

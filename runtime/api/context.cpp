@@ -413,6 +413,18 @@ Result<std::uint32_t> Context::candidates(GnView view, GnLight light, std::span<
     return methods_->size();
 }
 
+/// Maps of the frame's methods, each once.
+void Context::collectLightMaps()
+{
+    lightMaps_.clear();
+    for (const DeclaredTask& declared : tasks_) {
+        ShadowAlgorithm::Map map{};
+        if (!(*methods_)[declared.method].algorithm->lightMap(declared.task, map) || !map.image) continue;
+        PooledImage* image = &graph_->image(map.image);
+        if (std::find(lightMaps_.begin(), lightMaps_.end(), image) == lightMaps_.end()) lightMaps_.push_back(image);
+    }
+}
+
 Result<GnLightMap> Context::lightMap(GnLight light)
 {
     const std::optional<SceneRegistry::LightInfo> info = scene_->lightInfo(light);
@@ -457,8 +469,11 @@ std::uint32_t Context::passTimings(std::uint64_t& frame, std::span<GnPassTiming>
     return static_cast<std::uint32_t>(timings->passes.size());
 }
 
-std::uint32_t Context::framePasses(std::span<GnPassTiming> out)
+Result<std::uint32_t> Context::framePasses(std::span<GnPassTiming> out)
 {
+    // A worker runs the host passes in this order, and they may declare others.
+    if (executor_->underway())
+        return Error{GN_ERROR_FRAME_ORDER, "FrameUnderway", "gnGetFramePasses before gnFinishShadows"};
     std::uint32_t count = 0;
     for (const std::uint32_t index : graph_->order()) {
         const Pass& pass = graph_->passes()[index];

@@ -85,7 +85,7 @@ public:
     Result<std::uint32_t> facts(GnView view, GnLight light, std::span<GnFact> out);
     Result<std::uint32_t> candidates(GnView view, GnLight light, std::span<GnCandidate> out);
     std::uint32_t passTimings(std::uint64_t& frame, std::span<GnPassTiming> out);
-    std::uint32_t framePasses(std::span<GnPassTiming> out);
+    Result<std::uint32_t> framePasses(std::span<GnPassTiming> out);
     GnFrameStats stats() const { return stats_; }
 
     SceneRegistry& scene() { return *scene_; }
@@ -140,7 +140,9 @@ private:
     Result<GnResult> runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
                               std::chrono::steady_clock::time_point start);
     Result<void> takeInput(const GnFrameInfo& info);
+    void collectLightMaps();
     Result<void> acceptViews(const GnFrameInfo& info);
+    Result<void> checkSharedImages(const GnFrameInfo& info, std::uint32_t index, const std::string& name) const;
     Result<void> prepareView(View& view, const GnViewFrame& frame);
     void takeTimings();
     void noteTimedScale(const FrameTimings& timed);
@@ -241,7 +243,7 @@ private:
         std::uint64_t since = 0; ///< Frame; 0: there was none yet.
     } probe_;
     std::vector<DeclaredTask> tasks_;
-    std::vector<PooledImage*> visibilities_, imports_;
+    std::vector<PooledImage*> visibilities_, imports_, lightMaps_;
     std::vector<RetiredGrid> retiredGrids_;
     std::vector<VkSemaphoreSubmitInfo> waits_, signals_;
     bool raysNeeded_ = false;

@@ -131,6 +131,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     for (const PendingLight& pending : pending_)
         declareLight(pending, mode);
     recordDecisions();
+    collectLightMaps();
 
     const bool timed = timeEveryFrame_ || (info.flags & GN_FRAME_TIMED_BIT) || info.frame % kTimedPeriod == 0 ||
                        learnsFrom(info.frame);
@@ -147,7 +148,8 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
                               .visibilities = visibilities_.data(),
                               .visibilityCount = static_cast<std::uint32_t>(visibilities_.size()),
                               .imports = imports_.data(),
-                              .importCount = static_cast<std::uint32_t>(imports_.size())};
+                              .importCount = static_cast<std::uint32_t>(imports_.size()),
+                              .lightMaps = lightMaps_};
     if (Result<void> ok = executor_->begin(frame); !ok) return ok.error();
     takeTimings();
     if (mode == FrameMode::recorded) {
@@ -251,7 +253,28 @@ Result<void> Context::acceptViews(const GnFrameInfo& info)
                              "view '" + view->name + "': pLights[" + std::to_string(k) +
                                  "] is not a live light of this context"};
         }
+        if (Result<void> ok = checkSharedImages(info, i, view->name); !ok) return ok;
         acceptedViews_.push_back(view);
+    }
+    return {};
+}
+
+/// Views may share their images (two parts of one). Layouts belong to an image, which is one thing for all of them.
+Result<void> Context::checkSharedImages(const GnFrameInfo& info, std::uint32_t index, const std::string& name) const
+{
+    const GnViewFrame& frame = info.pViews[index];
+    for (std::uint32_t i = 0; i < index; ++i) {
+        const GnViewFrame& other = info.pViews[i];
+        const bool depth = other.depthImage == frame.depthImage;
+        const bool normals = frame.normalImage && other.normalImage == frame.normalImage;
+        const bool sameSize =
+            other.imageExtent.width == frame.imageExtent.width && other.imageExtent.height == frame.imageExtent.height;
+        const bool same = sameSize && (!depth || other.depthView == frame.depthView) &&
+                          (!normals || other.normalView == frame.normalView);
+        if ((depth || normals) && !same)
+            return Error{GN_ERROR_OUT_OF_RANGE, "ImageShared",
+                         "view '" + name + "' shares " + (depth ? "depthImage" : "normalImage") + " with pViews[" +
+                             std::to_string(i) + "], but not its image view and imageExtent"};
     }
     return {};
 }

@@ -107,6 +107,7 @@ Result<void> PassExecutor::begin(const ExecutorFrame& frame)
     signals_.assign(frame.signals.begin(), frame.signals.end());
     visibilities_.assign(frame.visibilities, frame.visibilities + frame.visibilityCount);
     imports_.assign(frame.imports, frame.imports + frame.importCount);
+    lightMaps_.assign(frame.lightMaps.begin(), frame.lightMaps.end());
     counters_.submits = counters_.hostWaits = counters_.passesRun = 0;
     counters_.indexListsBuilt = 0;
     counters_.rays = 0;

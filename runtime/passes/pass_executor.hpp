@@ -58,6 +58,7 @@ struct ExecutorFrame {
     std::uint32_t visibilityCount = 0;
     PooledImage* const* imports = nullptr; ///< The host's images, left as they came.
     std::uint32_t importCount = 0;
+    std::span<PooledImage* const> lightMaps; ///< Which the host may sample afterwards, like visibility.
 };
 
 class PassExecutor {
@@ -113,7 +114,9 @@ private:
     Result<void> recordWaves(VkCommandBuffer cmd, std::uint32_t level);
     void recordPass(VkCommandBuffer cmd, Pass& pass, std::uint32_t index);
     void beginRendering(VkCommandBuffer cmd, const Pass& pass, VkRect2D& area);
-    void handBack(VkCommandBuffer cmd);
+    void handBack();
+    void handBackImports();
+    void showReadbacks(std::uint32_t level);
     void runCpuPasses(std::uint32_t level, PassKind kind);
     void runWave(std::span<const std::uint32_t> wave);
     void runPass(std::uint32_t index);
@@ -145,7 +148,7 @@ private:
     Slot* slot_ = nullptr;
     ExecutorFrame frame_;
     std::vector<VkSemaphoreSubmitInfo> waits_, signals_;
-    std::vector<PooledImage*> visibilities_, imports_;
+    std::vector<PooledImage*> visibilities_, imports_, lightMaps_;
     BarrierBatch barriers_;
     std::span<const std::uint32_t> order_;
     std::uint32_t level_ = 0;

@@ -34,10 +34,13 @@ Result<void> PassExecutor::recordLevel(VkCommandBuffer cmd, std::uint32_t level,
     const std::uint32_t start = slot_->queriesUsed;
     stamp(cmd);
     if (Result<void> recorded = recordWaves(cmd, level); !recorded) return recorded;
-    if (last)
-        handBack(cmd);
-    else
+    handBackImports(); // the host has them whenever a call returns
+    if (last) {
+        handBack();
+        showReadbacks(level);
+    } else {
         barriers_.toHost();
+    }
     barriers_.record(cmd);
     stamp(cmd);
     if (slot_->queriesUsed == start + 2 || slot_->queriesUsed > start + 2)
@@ -171,18 +174,38 @@ void PassExecutor::beginRendering(VkCommandBuffer cmd, const Pass& pass, VkRect2
     vk_.vkCmdSetScissor(cmd, 0, 1, &area);
 }
 
-/// Visibility becomes readable for the host's shaders; the host's images are left as they came.
-void PassExecutor::handBack(VkCommandBuffer)
+/// What the host's shaders read becomes readable: visibility, and the maps that it may ask for.
+void PassExecutor::handBack()
 {
     const AccessTraits forHost{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
                                VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                                VK_ACCESS_2_SHADER_SAMPLED_READ_BIT, false};
-    for (PooledImage* image : visibilities_)
-        barriers_.image(*image, 0, static_cast<std::uint32_t>(image->layers.size()), forHost);
+    for (const std::vector<PooledImage*>* images : {&visibilities_, &lightMaps_})
+        for (PooledImage* image : *images)
+            barriers_.image(*image, 0, static_cast<std::uint32_t>(image->layers.size()), forHost);
+}
+
+/// The host's images are left as they came.
+void PassExecutor::handBackImports()
+{
     const AccessTraits asBefore{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                 VK_ACCESS_2_MEMORY_READ_BIT, false};
     for (PooledImage* image : imports_)
         if (image->layers[0].layout != asBefore.layout) barriers_.image(*image, 0, 1, asBefore);
+}
+
+/// What the level wrote in memory that the CPU will read without another level in between: the depth grid.
+void PassExecutor::showReadbacks(std::uint32_t level)
+{
+    const AccessTraits read = accessTraits(AccessKind::hostRead, PassKind::host);
+    for (const Pass& pass : graph_.passes()) {
+        if (pass.level != level || !pass.fn || pass.kind == PassKind::prepare || pass.kind == PassKind::host) continue;
+        for (const Access& access : graph_.accesses(pass)) {
+            if (access.isImage || !accessTraits(access.kind, pass.kind).write) continue;
+            PooledBuffer& buffer = graph_.bufferAt(access.resource);
+            if (buffer.place == BufferPlace::readback) barriers_.buffer(buffer, read);
+        }
+    }
 }
 
 /// Timings of a completed frame; the results are there, nothing is waited for.

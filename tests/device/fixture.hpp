@@ -96,6 +96,8 @@ public:
 
     /// Of the newest frame, one layer per light; waits for it.
     std::vector<Image8> pictures(uint32_t view = 0);
+    /// The view's depth image, found in the layout that the contract promises.
+    std::vector<std::byte> depthTexels(uint32_t view = 0);
     GnFrameStats stats() const;
     std::vector<GnPassTiming> passes() const;
     uint32_t passCount(const std::string& name) const;

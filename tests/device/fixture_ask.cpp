@@ -36,6 +36,11 @@ void Host::pinAll(const char* method)
         pin(i, method);
 }
 
+std::vector<std::byte> Host::depthTexels(uint32_t view)
+{
+    return readback_.image(surfaces_[view].depth, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, sizeof(float));
+}
+
 GnFrameStats Host::stats() const
 {
     GnFrameStats stats{};

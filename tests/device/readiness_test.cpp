@@ -178,6 +178,23 @@ TEST_CASE_FIXTURE(DeviceTest, "a frame in two halves shows what a whole one show
     }
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "between the halves the depth is the host's to read, and the passes are not yet known")
+{
+    Host host(smallScene());
+    host.pinAll("ray_traced");
+    host.draw(2, {});
+    const std::vector<std::byte> before = host.depthTexels();
+    host.require(host.draw({.call = Call::begin})); // the depth was copied to the CPU
+    CHECK(host.depthTexels() == before);            // validation knows the layout
+    uint32_t count = 7;
+    CHECK(gnGetFramePasses(host.context, &count, nullptr) == GN_ERROR_FRAME_ORDER);
+    CHECK(count == 0);
+    host.require(host.finish(UINT64_MAX));
+    CHECK(host.depthTexels() == before);
+    CHECK(host.passCount("ray_traced.trace") == 1);
+    CHECK(differences(host.pictures(), submitted(smallScene(), "ray_traced")) == 0);
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "while the host's workers are busy gnFinishShadows times out, then finishes")
 {
     HostJobs jobs;

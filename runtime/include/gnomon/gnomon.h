@@ -325,7 +325,9 @@ typedef enum GnDepthConvention {
 
 /** One view's part of a frame; read during the call only. The depth and normal images are in SHADER_READ_ONLY_OPTIMAL
 on entry and again on return; what was drawn into them must be available (a barrier to ALL_COMMANDS, or a semaphore).
-After the call gnomon's reads are pending on the queue: order your next writes after ALL_COMMANDS. */
+After the call gnomon's reads are pending on the queue: order your next writes after ALL_COMMANDS, and after
+gnBeginShadows() keep the contents until gnFinishShadows() has returned. Mip level 0 and array layer 0 are read. Views may
+share an image (parts of it, by renderArea) through the same image view. */
 typedef struct GnViewFrame {
     GnView view;              ///< Required.
     double eye[3];            ///< World position of the camera.
@@ -407,7 +409,8 @@ typedef struct GnVisibility {
 
 GN_API GnResult GN_CALL gnGetVisibility(GnContext context, GnView view, GnVisibility* pVisibility);
 
-/** A method's map, for hosts with uses of their own (volumetric light, particles). Valid until the next frame call. */
+/** A method's map, for hosts with uses of their own (volumetric light, particles). Valid until the next frame call. As
+visibility is: in SHADER_READ_ONLY_OPTIMAL, its writes available to fragment and compute shader reads later on the queue. */
 typedef struct GnLightMap {
     VkImage image;
     VkImageView imageView;

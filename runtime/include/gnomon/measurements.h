@@ -17,7 +17,8 @@ typedef struct GnPassTiming {
 /** \brief Timings of the newest completed *timed* frame, two frames late. Timed are one frame in eight, four after a
 method changed while time is counted, and every one with the flag. */
 GN_API GnResult GN_CALL gnGetPassTimings(GnContext context, uint64_t* pFrame, uint32_t* pCount, GnPassTiming* pTimings);
-/** \brief Names, views, lights and levels of the passes of the *last* frame; times are 0. */
+/** \brief Names, views, lights and levels of the passes of the *last* frame; times are 0. #GN_ERROR_FRAME_ORDER between
+gnBeginShadows() and gnFinishShadows(): passes may still be added. */
 GN_API GnResult GN_CALL gnGetFramePasses(GnContext context, uint32_t* pCount, GnPassTiming* pPasses);
 
 /** What one light's own passes took in a timed frame, beside what the cost model thinks they depend on. */
