@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "algorithms/hybrid/spread.hpp"
 #include "algorithms/maps/depth_map.hpp"
 #include "shaders/hybrid_conservative_frag.h"
 #include "shaders/hybrid_conservative_vert.h"
@@ -15,7 +16,7 @@ namespace gnomon {
 namespace {
 
 // Object to world to map, and the ray tracer's way back to object space: eight roundings of the largest coordinate that
-// takes part, each 2^-24 of it, and twice that.
+// takes part, each 2^-24 of it, and twice that. A rotation's spread (at most 3) is within the sum of coordinates below.
 constexpr double kCoordinateError = 0x1p-20;
 
 double largest(const glm::dvec3& v)
@@ -29,7 +30,8 @@ double cornerErrorWs(const ConservativeProjection& projection, const Caster& cas
 {
     const double bounds = std::max(largest(glm::dvec3(caster.bounds.lower)), largest(glm::dvec3(caster.bounds.upper)));
     const double moved = largest(glm::dvec3(caster.translation));
-    return kCoordinateError * (bounds + moved + static_cast<double>(projection.lightCoordinate));
+    const double skew = std::max(skewOf(spreadOf(glm::dmat3(caster.basis))) / 3.0, 1.0);
+    return kCoordinateError * skew * (bounds + moved + static_cast<double>(projection.lightCoordinate));
 }
 
 glm::dvec3 axis(const ConservativeProjection& projection, int row)

@@ -178,24 +178,12 @@ ShaftCaster::ShaftCaster(const Caster& caster)
       meshReach(glm::max(glm::abs(caster.mesh->bounds.lower), glm::abs(caster.mesh->bounds.upper))),
       opaque(opacityOf(caster) == nullptr)
 {
-    const glm::dmat3 inverse = glm::inverse(basis);
-    for (int column = 0; column < 3; ++column)
-        for (int row = 0; row < 3; ++row) {
-            spread[column][row] = 0.0;
-            for (int k = 0; k < 3; ++k)
-                spread[column][row] += std::abs(basis[k][row]) * std::abs(inverse[column][k]);
-        }
+    spread = spreadOf(basis);
 }
 
 glm::dvec3 CasterReach::rounding(glm::dvec3 largestCoordinates) const
 {
     return kRayRoundings * (spread * (largestCoordinates + glm::abs(translation)));
-}
-
-double ShaftCaster::skew() const
-{
-    const glm::dvec3 rows = spread * glm::dvec3(1.0);
-    return std::max({1.0, rows.x, rows.y, rows.z});
 }
 
 MeshShaft::MeshShaft(const Shaft& shaft, const ShaftCaster* caster, glm::dvec3 rounding, glm::vec3 reach)

@@ -8,6 +8,7 @@
 #include <glm/mat3x3.hpp>
 
 #include "algorithms/hybrid/lanes.hpp"
+#include "algorithms/hybrid/spread.hpp"
 #include "runtime/rays/ray_scene.hpp"
 #include "runtime/rays/triangle_tree.hpp"
 
@@ -56,7 +57,7 @@ Shaft shaftOf(const ShaftLight& light, const Hull& hull);
 /// How far from the origin a caster lies: what roundings are measured by.
 struct CasterReach {
     glm::dvec3 translation{0.0};
-    glm::dmat3 spread{0.0}; ///< |basis| |inverse basis|: how an error in one coordinate spreads to others.
+    glm::dmat3 spread{0.0}; ///< Of spreadOf().
     glm::dvec3 reach{0.0};  ///< Largest coordinates of its bounds, by amount.
 
     /// What the ray tracer may be wrong by in each coordinate where rays start at such coordinates.
@@ -74,7 +75,7 @@ struct ShaftCaster : CasterReach {
     explicit ShaftCaster(const Caster& caster);
 
     /// How much a mesh's space enlarges relative errors: 1 where axes stay axes.
-    double skew() const;
+    double skew() const { return skewOf(spread); }
 };
 
 /// A shaft's planes in a mesh's space, each moved outward by all that is rounded on either side.

@@ -39,6 +39,7 @@ layout(constant_id = 0) const bool HAS_NORMALS = true;
 // The start of a pixel's ray, relative to the eye, as algorithms/hybrid/receivers.cpp has it.
 struct RayStart {
     vec3 fromEye;
+    float offset; // from the receiver
     float errorWs;
     bool reached; // by the light
     bool facing;
@@ -63,7 +64,8 @@ RayStart rayStart(ViewConstants view, float depth, ivec2 pixel)
         start.facing = true;
     }
     start.reached = lightReaches(light, receiver);
-    start.fromEye = fromEye + receiverOffset(view, light, depth, ray, receiver, normal) * away;
+    start.offset = receiverOffset(view, light, depth, ray, receiver, normal);
+    start.fromEye = fromEye + start.offset * away;
     // What the ray tracer's receiver may differ by: a unit in the last place of the depth, and of coordinates.
     start.errorWs = depthUlpWs(view, depth, ray) + largestCoordinate(view, light, receiver) * ULPS_21;
     return start;
@@ -105,7 +107,8 @@ void main()
     float nearest = textureLod(nearMap, centre, 0.0).x;
     float covered = textureLod(farMap, centre, 0.0).x;
 #endif
-    float lit = conservativeVerdict(nearest, covered, at.depth, thesis != 0u ? 0.0 : at.depthError);
+    bool blocking = thesis != 0u || withinRays(constants.map, nearest, start.offset);
+    float lit = conservativeVerdict(nearest, covered, at.depth, thesis != 0u ? 0.0 : at.depthError, blocking);
     bool known = mapKnows(at, clip.w, constants.map.side);
 
     if (!exists || !start.reached)

@@ -55,12 +55,21 @@ GN_SHARED_FN bool mapKnows(MapPoint at, float w, float side)
            at.texel.x < side && at.texel.y < side;
 }
 
+// Whether all that is in a texel can block a ray: rays end an offset before a light with a position. Nothing in the
+// texel is nearer to it than `nearest`, but 0 is any place before the near end. depthScale / (nearest - depthConstant) is
+// the distance along the map's axis; twice the offset leaves room for rounding. Directional: 0 and -1, always true.
+GN_SHARED_FN bool withinRays(MapLook look, float nearest, float offset)
+{
+    bool placed = nearest > 0.0f || look.positional == 0.0f;
+    return placed && (nearest - look.depthConstant) * (2.0f * offset) > look.depthScale;
+}
+
 // 1 lit, 0 in shadow, 0.5 unknown. nearest: nothing in the texel is nearer to the light; covered: something that covers
-// the texel is not farther. Both 1 where there is nothing, wherever the point lies.
-GN_SHARED_FN float conservativeVerdict(float nearest, float covered, float depth, float error)
+// the texel is not farther. Both 1 where there is nothing, wherever the point lies. blocking: of withinRays().
+GN_SHARED_FN float conservativeVerdict(float nearest, float covered, float depth, float error, bool blocking)
 {
     if (min(depth + error, 1.0f) <= nearest) return 1.0f;
-    return min(depth - error, 1.0f) > covered ? 0.0f : 0.5f;
+    return blocking && min(depth - error, 1.0f) > covered ? 0.0f : 0.5f;
 }
 
 GN_SHARED_END

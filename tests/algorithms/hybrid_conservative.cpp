@@ -292,12 +292,38 @@ TEST_CASE("outside the map, before its near end and in a texel known too roughly
 
 TEST_CASE("a verdict is certain only where depth and its error lie on one side of a layer")
 {
-    CHECK(gpu::conservativeVerdict(0.5f, 0.6f, 0.4f, 0.01f) == 1.0f);
-    CHECK(gpu::conservativeVerdict(0.5f, 0.6f, 0.495f, 0.01f) == 0.5f);
-    CHECK(gpu::conservativeVerdict(0.5f, 0.6f, 0.605f, 0.01f) == 0.5f);
-    CHECK(gpu::conservativeVerdict(0.5f, 0.6f, 0.7f, 0.01f) == 0.0f);
-    CHECK(gpu::conservativeVerdict(1.0f, 1.0f, 2.0f, 0.01f) == 1.0f);  // nothing there, past the far end
-    CHECK(gpu::conservativeVerdict(0.99f, 1.0f, 2.0f, 0.01f) == 0.5f); // something, which does not cover
+    CHECK(gpu::conservativeVerdict(0.5f, 0.6f, 0.4f, 0.01f, true) == 1.0f);
+    CHECK(gpu::conservativeVerdict(0.5f, 0.6f, 0.495f, 0.01f, true) == 0.5f);
+    CHECK(gpu::conservativeVerdict(0.5f, 0.6f, 0.605f, 0.01f, true) == 0.5f);
+    CHECK(gpu::conservativeVerdict(0.5f, 0.6f, 0.7f, 0.01f, true) == 0.0f);
+    CHECK(gpu::conservativeVerdict(1.0f, 1.0f, 2.0f, 0.01f, true) == 1.0f);  // nothing there, past the far end
+    CHECK(gpu::conservativeVerdict(0.99f, 1.0f, 2.0f, 0.01f, true) == 0.5f); // something, which does not cover
+    CHECK(gpu::conservativeVerdict(0.5f, 0.6f, 0.4f, 0.01f, false) == 1.0f); // where no ray reaches
+    CHECK(gpu::conservativeVerdict(0.5f, 0.6f, 0.7f, 0.01f, false) == 0.5f);
+}
+
+TEST_CASE("what lies where rays end, an offset before the light, blocks none")
+{
+    for (const double near : {0.0005, 0.05}) {
+        for (const double far : {1.0, 30.0, 2000.0}) {
+            gpu::MapLook look{};
+            look.positional = 1.0f;
+            look.depthConstant = static_cast<float>(far / (far - near));
+            look.depthScale = static_cast<float>(-far * near / (far - near));
+            for (double w = near / 8.0; w < far; w *= 1.07) {
+                const float depth = std::max(look.depthConstant + look.depthScale / static_cast<float>(w), 0.0f);
+                for (double offset = 1e-5; offset < 1.0; offset *= 1.5) {
+                    const bool blocking = gpu::withinRays(look, depth, static_cast<float>(offset));
+                    CHECK((!blocking || w > offset));
+                    CHECK((blocking || w < near || w < 2.01 * offset));
+                }
+            }
+        }
+    }
+    gpu::MapLook sun{};
+    sun.depthScale = -1.0f;
+    for (const float depth : {0.0f, 0.5f, 1.0f})
+        CHECK(gpu::withinRays(sun, depth, 0.1f));
 }
 
 namespace {

@@ -247,3 +247,20 @@ TEST_CASE("only closed casters without holes are told by their back faces, mirro
         CHECK(backFacesOnly(caster));
     }
 }
+
+TEST_CASE("what is squashed aslant may be off by more, as the ray tracer's way into it rounds by more")
+{
+    forLamps([](const Lamp& lamp, bool spot) {
+        if (!spot) return;
+        Caster turned = turnedCaster({5.0f, 1.0f, 2.0f}), squashed = turned;
+        // Along a direction half-way between two axes, to a thousandth: 500 times the spread of an axis.
+        const glm::mat3 aslant(glm::rotate(glm::mat4(1.0f), 0.785398f, glm::vec3(0, 0, 1)));
+        squashed.basis = aslant * glm::mat3(1, 0, 0, 0, 1e-3f, 0, 0, 0, 1) * glm::transpose(aslant);
+        const double ratio = errorWs(lamp, squashed) / errorWs(lamp, turned);
+        CHECK(ratio > 150.0); // a third of it: a rotation's share is in the sum anyway
+        CHECK(ratio < 600.0);
+        Caster straight = turned;
+        straight.basis = glm::mat3(1, 0, 0, 0, 1e-3f, 0, 0, 0, 1);
+        CHECK(same(errorWs(lamp, straight), errorWs(lamp, turned)));
+    });
+}

@@ -1,6 +1,7 @@
 // conservative_map and conservative_map_adjacency: what their layers call certain is what a ray says, on every shipped
 // scene and from cameras and lights at random, and how one is related to the other.
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include <glm/geometric.hpp>
@@ -179,6 +180,31 @@ TEST_CASE("it is so for 20 cameras and lights at random, whatever the depth and 
         CHECK(plain.lit > 1000);
         CHECK(sheets.dark > 1000);
         CHECK(plain.ambiguous + sheets.ambiguous <= 8); // of some 570 000 pixels, each asked twice
+    }
+}
+
+TEST_CASE("it is so of a panel so close to its lamp that rays end before it")
+{
+    const test::DeviceTest silence;
+    Scene scene = testbed(demo::DepthConvention::ReversedInfinite);
+    scene.camera = {{.eye = {9, 16, 26}, .target = {0, 0.5, 0}, .verticalFov = 0.9f}};
+    // Seen from thirty metres in 136 rows, offsets are 0.8 mm.
+    for (demo::Light& light : scene.lights) {
+        if (light.kind == LightKind::Directional) continue;
+        demo::Mesh panel = demo::makeCard({.width = 1.0f, .height = 1.0f});
+        panel.name = "panel";
+        scene.meshes.push_back(panel);
+        demo::Instance& instance = scene.instances.emplace_back();
+        instance.name = "panel";
+        instance.mesh = static_cast<uint32_t>(scene.meshes.size() - 1);
+        instance.pose.position = light.position + 0.0003 * light.direction;
+        const glm::dvec3 front(0, 0, 1), axis = glm::normalize(glm::cross(front, light.direction));
+        instance.pose.rotation = glm::angleAxis(std::acos(glm::dot(front, light.direction)), axis);
+    }
+    Stage stage(scene, kSize);
+    for (const char* method : {kPlain, kSheets}) {
+        const Certain certain = checkGuaranteed(stage, "panels", method, 512.0);
+        CHECK(certain.traced > 1000);
     }
 }
 
