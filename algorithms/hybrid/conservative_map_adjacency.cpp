@@ -1,6 +1,10 @@
 #include "algorithms/hybrid/conservative_map_adjacency.hpp"
 
+#include <bit>
+
 #include "algorithms/hybrid/conservative_sheets.hpp"
+#include "algorithms/hybrid/sheet_edges.hpp"
+#include "runtime/scene/topology.hpp"
 
 namespace gnomon {
 
@@ -15,8 +19,20 @@ constexpr UndecidedNames kNames = {.status = "conservative_map_adjacency.status"
 class ConservativeMapAdjacency final : public ConservativeMethod {
 public:
     explicit ConservativeMapAdjacency(const AlgorithmServices& services)
-        : ConservativeMethod(services, "conservative_map_adjacency.classify", kNames), sheets_(services)
+        : ConservativeMethod(services, "conservative_map_adjacency.classify", kNames),
+          most_(services.vk->properties.limits.maxStorageBufferRange), sheets_(services)
     {
+    }
+    const char* refuses(const ShadowTask& task) const override
+    {
+        for (const Caster* caster : task.casters->all) {
+            if (!caster->mesh || !caster->mesh->topology) continue;
+            // Buffers grow to a power of two, and are bound whole.
+            const std::uint64_t words = sheetListWords(caster->mesh->topology->edges.size());
+            if (std::bit_ceil(words * sizeof(std::uint32_t)) > most_)
+                return "a caster has more edges than a storage buffer";
+        }
+        return ConservativeMethod::refuses(task);
     }
 
 private:
@@ -27,6 +43,7 @@ private:
                       : sheets_.declareCovered(passes, task, view, maps);
     }
 
+    std::uint64_t most_; ///< Bytes of a storage buffer.
     ConservativeSheets sheets_;
 };
 

@@ -70,6 +70,14 @@ public:
         declareVisibilityCopy(passes, task, job.rows, task.view->area, "contour_chain.copy");
     }
 
+    const char* refuses(const ShadowTask& task) const override
+    {
+        std::uint64_t triangles = 0;
+        for (const Caster* caster : task.casters->all)
+            if (caster->mesh) triangles += caster->mesh->triangleCount();
+        return triangles < kNoTriangle ? nullptr : "more triangles in range than texels can number";
+    }
+
 private:
     ChainJob makeJob(PassBuilder& passes, const ShadowTask& task, ChainMode mode);
     void declareRings(PassBuilder& passes, const NumberedTriangles& triangles) const;
@@ -86,6 +94,7 @@ ChainJob ContourChain::makeJob(PassBuilder& passes, const ShadowTask& task, Chai
     const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
     const auto tells = static_cast<ChainTells>(task.settings[kReasons]);
     const ChainStages stages = stagesOf(tellsAll(tells) ? ChainMode::strict : mode);
+    rings_.begin(passes.frame());
     const NumberedTriangles* triangles =
         arena.make(NumberedTriangles(task.casters->all, stages.witnesses ? &rings_ : nullptr, arena));
     gpu::HybridConstants* constants = arena.make<gpu::HybridConstants>();

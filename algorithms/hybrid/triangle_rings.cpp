@@ -5,8 +5,8 @@
 namespace gnomon {
 
 namespace {
-// Meshes not asked for in this many questions are forgotten: some hundred frames of many meshes and lights.
-constexpr std::uint64_t kForgetAfter = 1u << 16;
+// Meshes not asked for in this many frames are forgotten when another one comes. The frame's own are in use.
+constexpr std::uint64_t kForgetAfter = 300;
 } // namespace
 
 void TriangleRings::build(const Topology& topology)
@@ -28,15 +28,14 @@ void TriangleRings::build(const Topology& topology)
 RingsCache::Entry* RingsCache::find(const MeshView& mesh)
 {
     if (!mesh.topology) return nullptr;
-    ++asked_;
     auto found = entries_.find(mesh.id);
     if (found == entries_.end()) {
-        std::erase_if(entries_, [&](const auto& entry) { return entry.second->used + kForgetAfter < asked_; });
+        std::erase_if(entries_, [&](const auto& entry) { return entry.second->used + kForgetAfter < frame_; });
         found = entries_.emplace(mesh.id, std::make_unique<Entry>()).first;
         found->second->revision = mesh.revision;
     }
     Entry& entry = *found->second;
-    entry.used = asked_;
+    entry.used = frame_;
     if (entry.revision != mesh.revision && !entry.deforms) {
         entry.deforms = true;
         entry.rings = {};

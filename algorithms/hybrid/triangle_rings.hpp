@@ -61,16 +61,20 @@ bool TriangleRings::around(const Topology& topology, std::uint32_t face, int sha
 class RingsCache {
 public:
     struct Entry {
-        std::uint64_t revision = 0, used = 0;
+        std::uint64_t revision = 0, used = 0; ///< `used` in this frame.
         bool deforms = false, built = false;
         TriangleRings rings;
     };
+    /// Entries that find() gave in an earlier frame may go from now on.
+    void begin(std::uint64_t frame) { frame_ = frame; }
     /// The mesh's entry, null where there are to be no rings. To be built (by whoever holds it) while `built` is false.
+    /// It stays until the next begin() at least.
     Entry* find(const MeshView& mesh);
+    std::size_t size() const { return entries_.size(); }
 
 private:
     std::unordered_map<std::uint32_t, std::unique_ptr<Entry>> entries_; ///< By MeshView::id.
-    std::uint64_t asked_ = 0;
+    std::uint64_t frame_ = 0;
 };
 
 } // namespace gnomon

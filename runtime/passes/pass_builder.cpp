@@ -251,6 +251,11 @@ void PassBuilder::fail(const Error& error)
     graph_.fail(error);
 }
 
+std::uint64_t PassBuilder::frame() const
+{
+    return graph_.pool_.frame();
+}
+
 FrameArena& PassBuilder::arena()
 {
     return graph_.arena_;

@@ -106,6 +106,7 @@ struct RayScene::Impl {
     std::shared_ptr<std::atomic<std::ptrdiff_t>> treeBytes = std::make_shared<std::atomic<std::ptrdiff_t>>(0);
     RTCDevice device = nullptr;
     RTCScene top = nullptr;
+    bool whole = false;    ///< The top level is committed.
     bool hasMasks = false; ///< Embree was built with ray masks; otherwise the filter tests them.
     std::vector<Placed> placed;
     std::unordered_map<std::uint32_t, std::uint32_t> placeOf; ///< Caster::id -> index into `placed`.
@@ -244,6 +245,7 @@ RayScene::Impl::Impl()
     rtcSetSceneFlags(top, kSceneFlags | RTC_SCENE_FLAG_DYNAMIC);
     rtcSetSceneBuildQuality(top, RTC_BUILD_QUALITY_LOW);
     commitHere(top);
+    whole = true;
 }
 
 RayScene::Impl::~Impl()
@@ -272,7 +274,12 @@ std::uint32_t RayScene::Impl::find(std::size_t position, std::uint32_t id) const
 std::uint32_t RayScene::Impl::add(std::uint32_t id)
 {
     const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    if (!geometry) return UINT32_MAX;
     const std::uint32_t index = rtcAttachGeometry(top, geometry);
+    if (index == RTC_INVALID_GEOMETRY_ID) {
+        rtcReleaseGeometry(geometry);
+        return UINT32_MAX;
+    }
     if (index >= placed.size()) placed.resize(index + 1);
     placed[index] = {};
     placed[index].geometry = geometry;
@@ -333,19 +340,24 @@ std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3> positions, 
     return std::unique_ptr<MeshRays>(new MeshRays(std::move(mesh)));
 }
 
-void RayScene::update(std::span<const Caster> casters)
+bool RayScene::update(std::span<const Caster> casters)
 {
     Impl& scene = *impl_;
-    if (!scene.device) return;
+    if (!scene.device) return true;
     const FloatMode mode;
     ++scene.updates;
-    bool changed = false;
+    static_cast<void>(rtcGetDeviceError(scene.device)); // of this thread; clears what an earlier call left
+    bool changed = !scene.whole, complete = true;
     std::size_t position = 0;
     for (const Caster& caster : casters) {
         if (!castsRays(caster)) continue;
         std::uint32_t index = scene.find(position, caster.id);
         if (index == UINT32_MAX || !unchanged(scene.placed[index], caster)) {
             if (index == UINT32_MAX) index = scene.add(caster.id);
+            if (index == UINT32_MAX) { // no memory for it: tried again with the next frame
+                complete = false;
+                continue;
+            }
             scene.place(index, caster, caster.mesh->rays->impl_->embree.scene());
             changed = true;
         }
@@ -355,17 +367,19 @@ void RayScene::update(std::span<const Caster> casters)
     }
     scene.lastOrder.resize(position);
     if (scene.placeOf.size() > position) changed = scene.removeUnseen() || changed;
-    if (!changed) return;
+    if (!changed) return complete;
     scene.opacityMask = 0;
     for (const Placed& entry : scene.placed)
         scene.opacityMask |= entry.opacity ? entry.mask : 0u;
     commitHere(scene.top);
+    scene.whole = rtcGetDeviceError(scene.device) == RTC_ERROR_NONE;
+    return scene.whole && complete;
 }
 
 void RayScene::occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask, RayCoherence coherence,
                         std::span<std::uint8_t> occluded) const
 {
-    if (!impl_->device) {
+    if (!impl_->whole) {
         std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
         return;
     }
@@ -380,7 +394,7 @@ void RayScene::occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask
 
 void RayScene::occluded(std::span<RayPacket> packets, std::uint32_t lightMask) const
 {
-    if (!impl_->device) return;
+    if (!impl_->whole) return;
     const QueryTimer timer(impl_->queryNanoseconds);
     const FloatMode mode;
     Query query = impl_->query(lightMask);

@@ -82,7 +82,8 @@ public:
 
     /// Brings the top level to this frame's casters (those with mesh->rays; others are left out). Only what changed
     /// since the last call is touched; nothing changed costs nothing. One thread, before any trace of the frame.
-    void update(std::span<const Caster> casters);
+    /// @return false where memory was short: some casters, or all, block nothing until a later call has had room
+    bool update(std::span<const Caster> casters);
 
     /// Sets occluded[i] to 1 if anything with a matching caster mask blocks ray i, else 0. Several threads may call it
     /// at once. Ray counts need not be multiples of the packet width.

@@ -40,7 +40,10 @@ std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3>, std::span<
 {
     return nullptr;
 }
-void RayScene::update(std::span<const Caster>) {}
+bool RayScene::update(std::span<const Caster>)
+{
+    return true;
+}
 void RayScene::occluded(std::span<const ShadowRay>, std::uint32_t, RayCoherence, std::span<std::uint8_t> occluded) const
 {
     std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});

@@ -188,3 +188,31 @@ TEST_CASE("a mesh whose positions were rewritten has no rings from then on")
     --view.revision;
     CHECK(cache.find(view) == nullptr);
 }
+
+TEST_CASE("rings stay while their frame lasts, however much is asked, and go when no frame asks")
+{
+    RayScene rays;
+    const TracedMesh mesh = makeScene(rays);
+    const Topology topology = buildTopology(mesh.view.positions, mesh.view.indices);
+    const auto meshOf = [&](std::uint32_t id) {
+        MeshView view = mesh.view;
+        view.id = id;
+        view.topology = &topology;
+        return view;
+    };
+    RingsCache cache;
+    cache.begin(10);
+    RingsCache::Entry* first = cache.find(meshOf(1));
+    const MeshView second = meshOf(2);
+    for (int i = 0; i < 70'000; ++i)
+        cache.find(second);
+    cache.find(meshOf(3));
+    CHECK(cache.size() == 3);
+    CHECK(cache.find(meshOf(1)) == first);
+    for (std::uint64_t frame = 11; frame < 400; ++frame) {
+        cache.begin(frame);
+        cache.find(second);
+    }
+    cache.find(meshOf(4));
+    CHECK(cache.size() == 2);
+}
