@@ -82,7 +82,7 @@ struct Light {
     float radius = 0.0f;                  ///< Metres (directional: radians); 0 is a point source.
     glm::vec3 colour{1.0f};               ///< Linear RGB.
     float intensity = 1.0f;               ///< Multiplies colour; the falloff is the host's.
-    float importance = 1.0f;              ///< >= 0; weight in the selector's plan.
+    float importance = 1.0f;              ///< > 0; weight in the selector's plan.
     uint32_t casterMask = 0xffffffffu;
     bool isStatic = false; ///< A promise: neither keys nor orbit.
     double appear = -std::numeric_limits<double>::infinity();

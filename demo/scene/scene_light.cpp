@@ -136,7 +136,7 @@ Light readLight(ReadContext context, const YamlNode& node, size_t number, double
     }
     light.colour = glm::vec3(map.vector("colour", glm::dvec3(1.0), kNotNegative));
     light.intensity = map.numberF("intensity", light.intensity, kNotNegative);
-    light.importance = map.numberF("importance", light.importance, kNotNegative);
+    light.importance = map.numberF("importance", light.importance, kPositive);
     light.casterMask = map.integer("mask", light.casterMask, 0, 0xffffffffu);
     readLifetime(map, light);
     readOrbit(map, light, framesPerSecond);

@@ -82,6 +82,8 @@ constexpr Malformed kMalformed[] = {
     {"lights:\n  - {kind: lamp}\n", "2:12: light 'light0': kind must be one of directional, spot, point, got 'lamp'"},
     {"lights:\n  - {name: sun, kind: point, at: [0, 3, 0], range: -1}\n",
      "2:52: light 'sun': range must be > 0, got -1"},
+    {"lights:\n  - {name: sun, kind: point, at: [0, 3, 0], range: 9, importance: 0}\n",
+     "2:67: light 'sun': importance must be > 0, got 0"}, // the runtime reads 0 as 1
     {"lights:\n  - {name: sun, kind: point, at: [0, 3, 0], range: 1e-300}\n",
      "2:52: light 'sun': range must be > 0 in single precision, got 1e-300"},
     {"lights:\n  - {name: s, kind: spot, at: [0, 3, 0], cone: {outer: 30}, range: 9}\n",
