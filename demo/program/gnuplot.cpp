@@ -14,12 +14,21 @@ std::string hexOf(const Rgb8& colour)
     return text;
 }
 
+std::string gnuplotText(std::string_view text)
+{
+    std::string quoted = "'";
+    for (const char c : text)
+        quoted.append(c == '\'' ? 2 : 1, c);
+    return quoted + "'";
+}
+
 void plotCurves(const std::string& settings, const std::vector<PlotCurve>& curves, const std::string& out)
 {
-    std::string script = "set terminal pngcairo size 640,420 font 'sans,10'\nset output '" + out + "'\n" + settings;
+    std::string script =
+        "set terminal pngcairo size 640,420 font 'sans,10'\nset output " + gnuplotText(out) + "\n" + settings;
     for (const PlotCurve& curve : curves) {
         script += &curve == curves.data() ? "plot " : ", ";
-        script += "'-' using 1:2 with " + curve.style + " title '" + curve.title + "' noenhanced";
+        script += "'-' using 1:2 with " + curve.style + " title " + gnuplotText(curve.title) + " noenhanced";
     }
     script += '\n';
     for (const PlotCurve& curve : curves) {

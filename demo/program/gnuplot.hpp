@@ -2,6 +2,7 @@
 // Plots by the program `gnuplot`, where it is installed.
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "demo/program/pictures.hpp"
@@ -12,6 +13,9 @@ struct PlotCurve {
     std::string title, style; ///< As gnuplot takes it: "lines lw 2 lc rgb '#...'".
     std::vector<std::pair<double, double>> points;
 };
+
+/// In quotes, whatever the text holds but line breaks.
+std::string gnuplotText(std::string_view text);
 
 /// "#rrggbb"
 std::string hexOf(const Rgb8& colour);
