@@ -28,9 +28,13 @@ void RuleWatch::poll(ShadowHost& shadows, const std::function<void()>& beforeLoa
     next_ = Clock::now() + std::chrono::milliseconds(500);
     const auto time = modified();
     if (!time || time == seen_) return;
-    seen_ = time;
     const Outcome<std::string> text = readText(file_);
-    if (!text) return;
+    if (!text) {
+        if (time != failed_) std::fprintf(stderr, "rules: %s\n", text.error().c_str());
+        failed_ = time;
+        return;
+    }
+    seen_ = time;
     if (beforeLoad) beforeLoad();
     const Status loaded = shadows.loadRules(*text, file_.string());
     if (loaded)

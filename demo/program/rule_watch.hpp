@@ -14,10 +14,12 @@ namespace gnomon::demo {
 
 class RuleWatch {
 public:
-    /// \param rules path of a rule base; a shipped base's name or an empty text is not watched.
+    /// Before the rules are read for the first time: what changes from here on is loaded. \param rules path of a rule
+    /// base; a shipped base's name or an empty text is not watched.
     explicit RuleWatch(const std::string& rules);
 
-    /// Between frames; looks at the file twice a second at most. Prints what happened.
+    /// Between frames; looks at the file twice a second at most. Prints what happened. A file that cannot be read is said
+    /// once and tried again.
     void poll(ShadowHost& shadows, const std::function<void()>& beforeLoad = {});
 
 private:
@@ -25,7 +27,8 @@ private:
     std::optional<std::filesystem::file_time_type> modified() const;
 
     std::filesystem::path file_;
-    std::optional<std::filesystem::file_time_type> seen_;
+    std::optional<std::filesystem::file_time_type> seen_;   ///< Of the text that was read last.
+    std::optional<std::filesystem::file_time_type> failed_; ///< Of the one that could not be.
     Clock::time_point next_{};
 };
 

@@ -1,8 +1,13 @@
 // gnomon through the demo's host, on small scenes: both ways to call it, and casters that only the host can draw.
 #include "host_fixture.hpp"
 
+#include <chrono>
+#include <fstream>
+#include <thread>
+
 #include "demo/program/error_count.hpp"
 #include "demo/program/measure.hpp"
+#include "demo/program/rule_watch.hpp"
 #include "shaders/demo/alpha.h"
 
 namespace gnomon::demo {
@@ -105,8 +110,45 @@ TEST_CASE("no method that reads triangles serves a light with a host-drawn caste
             0);
     REQUIRE(decision.pMethod != nullptr);
     for (const GnMethodInfo& info : session.shadows.methods())
-        if (std::string_view(info.pName) == decision.pMethod)
-            CHECK((info.traits & GN_TRAIT_CPU_GEOMETRY_BIT) == 0);
+        if (std::string_view(info.pName) == decision.pMethod) CHECK((info.traits & GN_TRAIT_CPU_GEOMETRY_BIT) == 0);
+    checkSilence();
+}
+
+TEST_CASE(
+    "an edit of watched rules is loaded, also one made while the scene was set up or that was unreadable at first")
+{
+    namespace fs = std::filesystem;
+    using namespace std::chrono_literals;
+    const fs::path file = fs::temp_directory_path() / "gnomon_watched.yaml";
+    const std::string rules = valueOf(findRules("thesis")).text;
+    fs::remove_all(file);
+    std::ofstream(file) << rules;
+    const Scene scene = boxOnFloor();
+    RuleWatch watch(file.string());
+    fs::last_write_time(file, fs::last_write_time(file) + 1s); // an edit while everything else is made
+    Session session(testDevice(), scene, {});
+    int loads = 0;
+    const auto poll = [&] {
+        watch.poll(session.shadows, [&] { ++loads; });
+        std::this_thread::sleep_for(510ms); // it looks twice a second
+    };
+    poll();
+    CHECK(loads == 1);
+    poll();
+    CHECK(loads == 1);
+
+    const auto edited = fs::last_write_time(file) + 1s;
+    fs::remove(file);
+    fs::create_directory(file); // there, and not to be read
+    fs::last_write_time(file, edited);
+    poll();
+    CHECK(loads == 1);
+    fs::remove(file);
+    std::ofstream(file) << rules;
+    fs::last_write_time(file, edited);
+    poll();
+    CHECK(loads == 2);
+    fs::remove(file);
     checkSilence();
 }
 
