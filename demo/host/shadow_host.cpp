@@ -177,10 +177,15 @@ std::vector<GnLight> ShadowHost::present(const SceneState& state) const
 Status ShadowHost::loadRules(const std::string& text, const std::string& fileName)
 {
     if (gnLoadRules(context_, text.data(), text.size(), fileName.c_str()) >= 0) return Done{};
-    // Every diagnostic came as a message of its own; the last error alone would hide the others.
+    // Every diagnostic came as a message of its own; the last error alone would hide the others. It repeats one of
+    // them.
+    std::vector<std::string> said;
     std::string all;
-    for (const std::string& message : takeMessages())
+    for (std::string& message : takeMessages()) {
+        if (std::find(said.begin(), said.end(), message) != said.end()) continue;
         all += (all.empty() ? "" : "\n") + message;
+        said.push_back(std::move(message));
+    }
     return Status::failure(all.empty() ? gnGetLastError(context_) : all);
 }
 

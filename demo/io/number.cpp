@@ -45,4 +45,12 @@ std::optional<double> parseNumber(std::string_view text) noexcept
     return value;
 }
 
+std::string_view trimmed(std::string_view text) noexcept
+{
+    constexpr std::string_view blanks = " \t";
+    const size_t first = text.find_first_not_of(blanks);
+    if (first == std::string_view::npos) return {};
+    return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
+}
+
 } // namespace gnomon::demo

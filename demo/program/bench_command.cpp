@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <limits>
 
@@ -7,6 +8,7 @@
 #include "demo/io/number.hpp"
 #include "demo/program/ambiguity.hpp"
 #include "demo/program/bench_bare.hpp"
+#include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/program/progress.hpp"
@@ -221,14 +223,28 @@ void print(const Row& row)
     std::fflush(stdout);
 }
 
+/// Whether the method can be measured. \param asked for by name: then a note says why not.
+bool isMeasurable(const GnMethodInfo& method, bool recorded, bool asked)
+{
+    const char* reason = method.pUnavailable                 ? method.pUnavailable
+                         : recorded && method.roundTrips > 0 ? "it cannot be recorded"
+                                                             : nullptr;
+    if (reason && asked) std::fprintf(stderr, "note: %s is left out: %s\n", method.pName, reason);
+    return !reason;
+}
+
 } // namespace
 
 int benchCommand(const BenchOptions& options)
 {
-    const std::unique_ptr<Device> device = Device::create({.validation = options.validation});
-    pinThread(0);
     const std::vector<std::string> wanted = parseNames(options.methods);
     const std::vector<SettingChoice> choices = parseChoices(options.settings);
+    requireMethods(wanted, std::array{kNoneMethod, kBareMethod});
+    requireSettings(choices, wanted);
+    requireScenes(options.scenes);
+    requireWritable(options.csv);
+    const std::unique_ptr<Device> device = Device::create({.validation = options.validation});
+    pinThread(0);
     const std::vector<uint32_t> maps = valueOf(parseCounts(options.maps, 16, 16384));
     std::vector<uint32_t> lightCounts = valueOf(parseCounts(options.lights, 1, 32));
     if (lightCounts.empty()) lightCounts.push_back(0); // the scene's
@@ -237,7 +253,6 @@ int benchCommand(const BenchOptions& options)
     };
 
     CsvWriter csv(kColumns);
-    std::vector<std::string> known = {kNoneMethod, kBareMethod};
     const auto keep = [&](const Row& row) {
         print(row);
         write(csv, row, *device);
@@ -253,8 +268,7 @@ int benchCommand(const BenchOptions& options)
                     if (const std::optional<Row> row = bench.bare(map)) keep(*row);
             Session session(*device, scene, {.scene = {}, .size = {16, 16}}); // to list methods; draws nothing
             for (const GnMethodInfo& info : session.shadows.methods()) {
-                known.push_back(info.pName);
-                if (!isWanted(info.pName) || info.pUnavailable || (options.recorded && info.roundTrips > 0)) continue;
+                if (!isWanted(info.pName) || !isMeasurable(info, options.recorded, !wanted.empty())) continue;
                 std::vector<std::optional<uint32_t>> sizes = {std::nullopt};
                 if (const GnSettingInfo* setting = sizeSetting(info))
                     sizes = maps.empty() ? decltype(sizes){static_cast<uint32_t>(setting->value)}
@@ -264,9 +278,6 @@ int benchCommand(const BenchOptions& options)
             }
         }
     }
-    for (const std::string& name : wanted)
-        if (std::find(known.begin(), known.end(), name) == known.end())
-            throw HostError("no method named '" + name + "' in this build");
     if (options.csv.empty())
         std::printf("%s", csv.text().c_str());
     else

@@ -7,6 +7,7 @@
 
 #include "demo/calibrate/sweep.hpp"
 #include "demo/host/pin_thread.hpp"
+#include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/program/progress.hpp"
@@ -48,6 +49,12 @@ void printErrors(const char* title, const std::vector<double>& percents)
                 percentile(percents, 0.95));
 }
 
+/// The file to write; empty: none.
+std::string outputOf(const CalibrateOptions& options)
+{
+    return options.out.empty() && options.check.empty() ? "knowledge.csv" : options.out;
+}
+
 int calibrate(const CalibrateOptions& options, Device& device, const std::vector<SweepMethod>& methods)
 {
     Sweeper sweeper(device);
@@ -65,7 +72,7 @@ int calibrate(const CalibrateOptions& options, Device& device, const std::vector
                     runs[m].rows.size(), runs[m].seconds);
         rows.insert(rows.end(), runs[m].rows.begin(), runs[m].rows.end());
     }
-    const std::string out = options.out.empty() ? "knowledge.csv" : options.out;
+    const std::string out = outputOf(options);
     expect(writeText(out, cost::writeKnowledge(rows)));
     std::printf("%zu rows to %s\n", rows.size(), out.c_str());
     return 0;
@@ -222,6 +229,8 @@ int check(const CalibrateOptions& options, Device& device, const std::vector<Swe
 
 int calibrateCommand(const CalibrateOptions& options)
 {
+    requireMethods(parseNames(options.methods));
+    requireWritable(outputOf(options));
     const std::unique_ptr<Device> device = Device::create({});
     pinThread(0);
     const std::vector<SweepMethod> methods = valueOf(sweepMethods(*device, parseNames(options.methods)));

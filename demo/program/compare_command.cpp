@@ -7,6 +7,7 @@
 
 #include "demo/host/pin_thread.hpp"
 #include "demo/io/number.hpp"
+#include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/gnuplot.hpp"
 #include "demo/program/measure.hpp"
@@ -161,7 +162,11 @@ void Comparison::addMethod(const std::string& method)
     Contestant contestant{.name = method, .session = makeSession()};
     std::vector<std::string> refused;
     const Status pinned = contestant.session->shadows.pinAll(method, &refused);
-    if (!options_.methods.empty()) expect(pinned);
+    if (!options_.methods.empty()) {
+        expect(pinned);
+        for (const std::string& reason : refused)
+            std::fprintf(stderr, "note: %s is left out: %s\n", method.c_str(), reason.c_str());
+    }
     if (pinned && refused.empty()) contestants_.push_back(std::move(contestant));
 }
 
@@ -315,9 +320,8 @@ void Comparison::print() const
 /// Milliseconds of every frame: the methods, what could be had of them, and the adaptive runs.
 void Comparison::plot() const
 {
-    const std::string settings =
-        "set title '" + scene_.name +
-        "'\nset xlabel 'frame'\nset ylabel 'ms'\nset yrange [0:]\nset grid\nset key left top\n";
+    const std::string settings = "set title " + gnuplotText(scene_.name) +
+                                 "\nset xlabel 'frame'\nset ylabel 'ms'\nset yrange [0:]\nset grid\nset key left top\n";
     const auto curve = [](const std::string& title, const std::string& style, const std::vector<double>& ms) {
         PlotCurve made{.title = title, .style = style};
         for (size_t frame = 0; frame < ms.size(); ++frame)
@@ -342,6 +346,8 @@ void Comparison::plot() const
 
 int compareCommand(const CompareOptions& options)
 {
+    requireMethods(parseNames(options.methods));
+    requireWritable(options.plot);
     Comparison comparison(options);
     comparison.run();
     comparison.print();

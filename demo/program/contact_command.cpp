@@ -6,6 +6,7 @@
 #include "demo/io/number.hpp"
 #include "demo/io/png.hpp"
 #include "demo/io/text.hpp"
+#include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/program/progress.hpp"
@@ -98,6 +99,9 @@ GnTraits traitsOf(const ShadowHost& shadows, const std::string& method)
 
 int contactCommand(const ContactOptions& options)
 {
+    requireMethods(parseNames(options.methods));
+    requireScenes(options.scenes);
+    requireWritable(options.out);
     const std::unique_ptr<Device> device = Device::create({});
     std::vector<std::string> scenes = options.scenes;
     if (scenes.empty())

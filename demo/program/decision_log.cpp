@@ -186,4 +186,12 @@ Outcome<WhyQuestion> parseWhy(const std::string& text)
     return question;
 }
 
+std::vector<WhyQuestion> parseQuestions(const std::vector<std::string>& texts)
+{
+    std::vector<WhyQuestion> questions;
+    for (const std::string& text : texts)
+        questions.push_back(valueOf(parseWhy(text)));
+    return questions;
+}
+
 } // namespace gnomon::demo

@@ -43,5 +43,7 @@ Outcome<std::string> answerFromLog(std::string_view bytes, const WhyQuestion& qu
 
 /// "FRAME:LIGHT[:METHOD]".
 Outcome<WhyQuestion> parseWhy(const std::string& text);
+/// Each of them; throws HostError naming the first that is none.
+std::vector<WhyQuestion> parseQuestions(const std::vector<std::string>& texts);
 
 } // namespace gnomon::demo

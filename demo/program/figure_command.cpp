@@ -5,6 +5,7 @@
 
 #include "demo/host/pin_thread.hpp"
 #include "demo/io/csv.hpp"
+#include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/gnuplot.hpp"
 #include "demo/program/measure.hpp"
@@ -145,6 +146,8 @@ int figureCommand(const BenchOptions& options)
             known += std::string(known.empty() ? "" : ", ") + figure.name;
         throw HostError("no figure '" + options.figure + "'; there are " + known);
     }
+    requireWritable(options.csv);
+    requireWritable(options.out);
     const std::unique_ptr<Device> device = Device::create({});
     pinThread(0);
     const Scene room = valueOf(loadScene("views/cube_room"));

@@ -10,13 +10,14 @@ namespace {
 
 using namespace gnomon::demo;
 
+constexpr const char* kRulesHelp = "rule base: a path, or `default`, `quality`, `battery` or `thesis`";
 constexpr const char* kSceneHelp = "path of a scene file, or the name of a shipped one (see `gnomon scenes`)";
 
 void addRun(CLI::App& app, RunOptions& options, int& exitCode)
 {
     CLI::App* run = app.add_subcommand("run", "draw a scene and log what was decided and what it cost");
     run->add_option("SCENE", options.scene, kSceneHelp)->required();
-    auto* rules = run->add_option("--rules", options.rules, "rule base: a path, or `default` or `thesis`");
+    auto* rules = run->add_option("--rules", options.rules, kRulesHelp);
     run->add_option("--method", options.method, "this method for every light it serves, instead of rules")
         ->excludes(rules);
     run->add_option("--knowledge", options.knowledge, "what the cost model starts from: a path, `lavapipe`, or `none`");
@@ -27,14 +28,16 @@ void addRun(CLI::App& app, RunOptions& options, int& exitCode)
     run->add_option("--budget-ms", options.budgetMs, "for all shadows of a frame, GPU and CPU; default: none")
         ->check(CLI::NonNegativeNumber);
     run->add_option("--out", options.out, "folder for tables and pictures")->capture_default_str();
-    run->add_option("--dump", options.dump, "folder for the last frame's data, for independent checks");
+    auto* dump = run->add_option("--dump", options.dump, "folder for the last frame's data, for independent checks");
     run->add_option("--why", options.why, "FRAME:LIGHT[:METHOD]: print why (not) at the end; may be repeated");
-    run->add_flag("--window", options.window, "in a window, with a fly camera");
+    auto* window = run->add_flag("--window", options.window, "in a window, with a fly camera")->excludes(dump);
     run->add_flag("--recorded", options.recorded, "use gnCmdRenderShadows instead of gnSubmitShadows");
     run->add_option("--in-flight", options.framesInFlight, "frames in flight")->check(CLI::Range(1, 8));
     run->add_flag("--validate", options.validation, "run under the validation layer; a message is a failure");
-    run->add_option("--screenshot", options.screenshot, "with --window: save the window's last picture here");
-    run->add_option("--resize-test", options.resizeTest, "with --window: resize that many times, then end");
+    run->add_option("--screenshot", options.screenshot, "with --window: save the window's last picture here")
+        ->needs(window);
+    run->add_option("--resize-test", options.resizeTest, "with --window: resize that many times, then end")
+        ->needs(window);
     run->callback([&] { exitCode = options.window ? windowCommand(options) : runCommand(options); });
 }
 
@@ -194,6 +197,7 @@ void addReplay(CLI::App& app, ReplayCommandOptions& options, int& exitCode)
 int main(int argc, char** argv)
 {
     CLI::App app("Adaptive shadows for Vulkan renderers: the demo of gnomon", "gnomon");
+    app.set_version_flag("--version", "gnomon " GNOMON_VERSION);
     app.require_subcommand(1);
     int exitCode = 0;
     RunOptions run;
@@ -222,11 +226,11 @@ int main(int argc, char** argv)
     });
     app.add_subcommand("scenes", "list the shipped scenes")->callback([&] { exitCode = scenesCommand(); });
     CLI::App* lint = app.add_subcommand("lint", "check a rule base");
-    lint->add_option("RULES", rules, "a path, or `default` or `thesis`")->required();
+    lint->add_option("RULES", rules, kRulesHelp)->required();
     lint->add_option("--trace", lintTrace, "a recorded trace: also report decisions that its noise overturns (L08)");
     lint->callback([&] { exitCode = lintCommand(rules, lintTrace); });
     CLI::App* explain = app.add_subcommand("explain", "say what a rule base thinks of given facts, and why");
-    explain->add_option("RULES", rules, "a path, or `default` or `thesis`")->required();
+    explain->add_option("RULES", rules, kRulesHelp)->required();
     explain->add_option("--facts", facts, "name=value,...; what is not given is unknown")->required();
     explain->callback([&] { exitCode = explainCommand(rules, facts); });
 

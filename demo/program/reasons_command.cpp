@@ -6,6 +6,7 @@
 
 #include "demo/io/csv.hpp"
 #include "demo/io/png.hpp"
+#include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/program/setting_choices.hpp"
@@ -99,6 +100,10 @@ void print(const Tallies& tallies, const std::string& scene, const std::string& 
 
 int reasonsCommand(const ReasonsOptions& options)
 {
+    const std::vector<SettingChoice> choices = parseChoices(options.settings);
+    requireMethods({options.method});
+    requireSettings(choices, {options.method});
+    requireWritable(options.out);
     const std::unique_ptr<Device> device = Device::create({});
     const Scene whole = valueOf(loadScene(options.scene));
     const VkExtent2D size =
@@ -111,7 +116,6 @@ int reasonsCommand(const ReasonsOptions& options)
 
     const std::optional<Truth> truth = measureTruth(*device, scene, size, time);
     if (!truth) throw HostError("reasons are held against the method ray_traced, which this build lacks");
-    const std::vector<SettingChoice> choices = parseChoices(options.settings);
     Session session(*device, scene, {.scene = {}, .size = size});
     expect(session.shadows.pinAll(options.method));
     setAll(session, options.method, choices, false);

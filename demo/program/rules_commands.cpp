@@ -1,5 +1,6 @@
 // `gnomon lint` and `gnomon explain`: the rule engine alone, no device needed.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 
@@ -88,6 +89,7 @@ std::vector<rules::Diagnostic> lintAlong(const std::string& file, const rules::R
 std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vocabulary)
 {
     std::vector<double> values(vocabulary.facts.size(), std::numeric_limits<double>::quiet_NaN());
+    if (parseNames(text).empty()) throw HostError("--facts: '" + text + "' names no fact; name=number,... is wanted");
     for (const std::string& item : parseNames(text)) {
         const size_t equals = item.find('=');
         const std::string name = item.substr(0, equals);
@@ -102,7 +104,9 @@ std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vo
         const std::optional<double> value =
             equals == std::string::npos ? std::nullopt : parseNumber(std::string_view(item).substr(equals + 1));
         if (!value) throw HostError("--facts: '" + item + "' is not name=number");
-        values[static_cast<size_t>(found - vocabulary.facts.begin())] = *value;
+        const auto fact = static_cast<size_t>(found - vocabulary.facts.begin());
+        if (!std::isnan(values[fact])) throw HostError("--facts: '" + name + "' is given twice");
+        values[fact] = *value;
     }
     return values;
 }

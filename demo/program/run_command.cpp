@@ -4,6 +4,7 @@
 
 #include "demo/io/number.hpp"
 #include "demo/io/png.hpp"
+#include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/decision_log.hpp"
 #include "demo/program/dump.hpp"
@@ -109,6 +110,13 @@ void printMessages(ShadowHost& shadows)
 
 int runCommand(const RunOptions& options)
 {
+    requireScenes({options.scene});
+    if (!options.method.empty()) requireMethods({options.method});
+    if (options.recorded) requireRecordable(options.method);
+    const std::vector<WhyQuestion> questions = parseQuestions(options.why);
+    const std::filesystem::path out = options.out;
+    requireWritableFolder(out);
+    if (!options.dump.empty()) requireWritableFolder(options.dump);
     SessionOptions sessionOptions{
         .scene = options.scene, .framesInFlight = options.framesInFlight, .validation = options.validation};
     if (!options.size.empty()) sessionOptions.size = valueOf(parseSize(options.size));
@@ -119,9 +127,8 @@ int runCommand(const RunOptions& options)
     for (const std::string& note : scene.notes)
         std::fprintf(stderr, "note: %s\n", note.c_str());
 
-    const std::filesystem::path out = options.out;
-    std::filesystem::create_directories(out);
     removeOldPictures(out);
+    RuleWatch rules(options.rules); // before they are read: a change from now on is one
     chooseMethods(session.shadows, options, out);
     if (gnWarmUp(session.shadows.context()) < 0)
         throw HostError(std::string("gnWarmUp: ") + gnGetLastError(session.shadows.context()));
@@ -137,7 +144,6 @@ int runCommand(const RunOptions& options)
     Progress progress(frames);
     double lastTime = frameTime(scene, 0);
     FrameClock clock;
-    RuleWatch rules(options.rules);
     DecisionCollector decisions;
     for (uint32_t frame = 0; frame < frames; ++frame) {
         rules.poll(session.shadows, [&] { decisions.collect(session.shadows); });
@@ -170,8 +176,8 @@ int runCommand(const RunOptions& options)
     if (!options.dump.empty()) dumpFrame(options.dump, scene, session.renderer, log.newest());
     requireSilence(session.device);
 
-    for (const std::string& text : options.why)
-        std::printf("%s", valueOf(answerFromLog(decisions.bytes(), valueOf(parseWhy(text)))).c_str());
+    for (const WhyQuestion& question : questions)
+        std::printf("%s", valueOf(answerFromLog(decisions.bytes(), question)).c_str());
     std::printf("%s", log.summaryText().c_str());
     std::printf("files               %s: frames.csv, lights.csv, decisions.gnlog, frame_*.png, frame_*_methods.png%s\n",
                 std::filesystem::absolute(out).lexically_normal().c_str(),

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "demo/io/number.hpp"
 #include "demo/scene/scene_file.hpp"
 #ifdef GNOMON_WITH_YAML
 #include "rules/yaml/shipped.hpp"
@@ -90,8 +91,8 @@ std::vector<std::string> parseNames(const std::string& text)
 {
     std::vector<std::string> names;
     std::stringstream stream(text);
-    for (std::string name; std::getline(stream, name, ',');)
-        if (!name.empty()) names.push_back(name);
+    for (std::string item; std::getline(stream, item, ',');)
+        if (const std::string_view name = trimmed(item); !name.empty()) names.emplace_back(name);
     return names;
 }
 
@@ -158,8 +159,10 @@ Outcome<std::string> readText(const std::filesystem::path& file)
 {
     std::ifstream stream(file, std::ios::binary);
     std::ostringstream text;
-    text << stream.rdbuf();
-    if (!stream) return Outcome<std::string>::failure(file.string() + ": cannot be read");
+    std::error_code ignored; // a folder opens like a file and reads as empty
+    if (!std::filesystem::is_directory(file, ignored)) text << stream.rdbuf();
+    if (!stream || std::filesystem::is_directory(file, ignored))
+        return Outcome<std::string>::failure(file.string() + ": cannot be read");
     return text.str();
 }
 

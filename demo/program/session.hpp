@@ -48,7 +48,7 @@ Outcome<VkExtent2D> parseSize(const std::string& text);
 /// "1,2,4" as numbers in [low, high].
 Outcome<std::vector<uint32_t>> parseCounts(const std::string& text, uint32_t low, uint32_t high);
 
-/// Comma-separated words.
+/// Comma-separated words, without the blanks round them.
 std::vector<std::string> parseNames(const std::string& text);
 
 struct RuleText {

@@ -1,5 +1,7 @@
 #include "demo/program/setting_choices.hpp"
 
+#include <algorithm>
+
 namespace gnomon::demo {
 
 std::vector<SettingChoice> parseChoices(const std::string& text)
@@ -10,7 +12,10 @@ std::vector<SettingChoice> parseChoices(const std::string& text)
         const std::optional<double> value =
             equals == std::string::npos ? std::nullopt : parseNumber(std::string_view(part).substr(equals + 1));
         if (!value) throw HostError("--set wants SETTING=NUMBER, not '" + part + "'");
-        choices.push_back({part.substr(0, equals), *value});
+        const std::string name = part.substr(0, equals);
+        if (std::any_of(choices.begin(), choices.end(), [&](const SettingChoice& c) { return c.name == name; }))
+            throw HostError("--set names '" + name + "' twice");
+        choices.push_back({name, *value});
     }
     return choices;
 }

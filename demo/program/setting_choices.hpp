@@ -14,7 +14,7 @@ struct SettingChoice {
     double value = 0.0;
 };
 
-/// "filter=3,resolution=512"; throws HostError naming the part that is none.
+/// "filter=3,resolution=512"; throws HostError naming the part that is none, or a setting given twice.
 std::vector<SettingChoice> parseChoices(const std::string& text);
 
 } // namespace gnomon::demo

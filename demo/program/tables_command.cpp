@@ -1,6 +1,7 @@
 // The main tables of the theses on hybrid shadows, ours beside the printed numbers.
 #include <cstdio>
 
+#include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/moderno_tables.hpp"
 #include "demo/program/morais_tables.hpp"
@@ -35,6 +36,7 @@ std::vector<PairTable> morais(Device& device, const TablesOptions& options)
 
 int tablesCommand(const TablesOptions& options)
 {
+    requireWritable(options.csv);
     const std::unique_ptr<Device> device = Device::create({});
     const std::vector<PairTable> tables =
         options.thesis == "morais" ? morais(*device, options) : moderno(*device, options);

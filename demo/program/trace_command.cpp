@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "demo/host/pin_thread.hpp"
+#include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/program/rule_support.hpp"
@@ -329,11 +330,15 @@ int traceCommand(const TraceOptions& options)
     Scene scene = valueOf(loadScene(options.scene));
     if (options.lights > 0) limitLights(scene, options.lights);
     const VkExtent2D size = valueOf(parseSize(options.size));
+    requireMethods(parseNames(options.methods));
+    const rules::RuleBase rules = parseRules(options.rules);
+    const std::vector<BudgetPart> budgets = valueOf(parseBudgets(options.budget));
+    requireWritable(options.out);
     const std::unique_ptr<Device> device = Device::create({});
     pinThread(0);
     Trace trace = Tracer(options, scene, *device, size).run();
-    applyRules(trace, parseRules(options.rules));
-    expect(setBudgets(trace, options.budget));
+    applyRules(trace, rules);
+    setBudgets(trace, budgets);
     const std::string bytes = writeTrace(trace);
     expect(writeText(options.out, bytes));
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;

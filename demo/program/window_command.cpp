@@ -9,6 +9,7 @@
 #include "demo/host/window.hpp"
 #include "demo/io/number.hpp"
 #include "demo/io/png.hpp"
+#include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/decision_log.hpp"
 #include "demo/program/frame_log.hpp"
@@ -152,14 +153,19 @@ VkExtent2D testSize(uint32_t step)
 
 int windowCommand(const RunOptions& options)
 {
+    if (options.recorded) requireRecordable(options.method);
+    const std::vector<WhyQuestion> questions = parseQuestions(options.why);
+    requireWritable(options.screenshot);
     const WindowSystem system;
     SessionOptions sessionOptions{.scene = options.scene,
                                   .framesInFlight = options.framesInFlight,
                                   .validation = options.validation,
+                                  .knowledge = options.knowledge,
                                   .instanceExtensions = system.instanceExtensions()};
     if (!options.size.empty()) sessionOptions.size = valueOf(parseSize(options.size));
     if (options.lights > 0) sessionOptions.lights = options.lights;
     Session session(sessionOptions);
+    RuleWatch watch(options.rules); // before they are read: a change from now on is one
     const RuleText rules = valueOf(findRules(options.rules));
     expect(session.shadows.loadRules(rules.text, rules.name));
     if (!options.method.empty()) expect(session.shadows.pinAll(options.method));
@@ -176,7 +182,6 @@ int windowCommand(const RunOptions& options)
     bool paused = false;
     uint32_t frame = 0, resizes = 0;
     Clock::time_point last = Clock::now();
-    RuleWatch watch(options.rules);
     DecisionCollector decisions;
     while (!window.closed()) {
         window.pollEvents();
@@ -227,8 +232,8 @@ int windowCommand(const RunOptions& options)
     window.finish();
     requireSilence(session.device);
     decisions.collect(session.shadows);
-    for (const std::string& text : options.why)
-        std::printf("%s", valueOf(answerFromLog(decisions.bytes(), valueOf(parseWhy(text)))).c_str());
+    for (const WhyQuestion& question : questions)
+        std::printf("%s", valueOf(answerFromLog(decisions.bytes(), question)).c_str());
     std::printf("%s", log.summaryText().c_str());
     return 0;
 }

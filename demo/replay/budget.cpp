@@ -37,25 +37,39 @@ double cheapestMs(const Trace& trace, uint32_t frame)
     return sum;
 }
 
-Status setBudgets(Trace& trace, std::string_view text)
+Outcome<std::vector<BudgetPart>> parseBudgets(std::string_view text)
 {
-    std::vector<double> parts;
+    std::vector<BudgetPart> parts;
     while (true) {
         const size_t comma = text.find(',');
-        std::string_view word = text.substr(0, comma);
+        std::string_view word = trimmed(text.substr(0, comma));
         const std::string_view asked = word;
         if (word == "auto") word = kAutoBudget;
         const bool relative = word.ends_with('x');
         if (relative) word.remove_suffix(1);
         const std::optional<double> value = parseNumber(word);
         if (!value || !(*value > 0.0))
-            return Status::failure(std::string(asked) + ": no budget like 4.5, 1.3x or auto");
-        parts.push_back(relative ? *value * medianCheapestMs(trace) : *value);
-        if (comma == std::string_view::npos) break;
+            return Outcome<std::vector<BudgetPart>>::failure(std::string(asked) + ": no budget like 4.5, 1.3x or auto");
+        parts.push_back({*value, relative});
+        if (comma == std::string_view::npos) return parts;
         text.remove_prefix(comma + 1);
     }
-    for (uint32_t frame = 0; frame < trace.frames; ++frame)
-        trace.budgetsMs[frame] = static_cast<float>(parts[size_t{frame} * parts.size() / trace.frames]);
+}
+
+void setBudgets(Trace& trace, const std::vector<BudgetPart>& parts)
+{
+    const double cheapest = medianCheapestMs(trace);
+    for (uint32_t frame = 0; frame < trace.frames; ++frame) {
+        const BudgetPart& part = parts[size_t{frame} * parts.size() / trace.frames];
+        trace.budgetsMs[frame] = static_cast<float>(part.relative ? part.value * cheapest : part.value);
+    }
+}
+
+Status setBudgets(Trace& trace, std::string_view text)
+{
+    const Outcome<std::vector<BudgetPart>> parts = parseBudgets(text);
+    if (!parts) return Status::failure(parts.error());
+    setBudgets(trace, *parts);
     return Done{};
 }
 

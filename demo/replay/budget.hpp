@@ -15,10 +15,20 @@ inline constexpr std::string_view kAutoBudget = "1.3x";
 /// The cheapest plan of a frame that keeps vetoes and floors, by the true times, milliseconds.
 double cheapestMs(const Trace& trace, uint32_t frame);
 
-/** \brief Writes a budget into every frame.
-\param text a,b,...: equally long parts of the trace, each in milliseconds (`4.5`), or over the median frame's cheapest
-    plan (`1.3x`), or `auto`, which is `1.3x`.
-*/
+/// One of equally long parts of a trace.
+struct BudgetPart {
+    double value = 0.0; ///< Milliseconds, or times the median frame's cheapest plan.
+    bool relative = false;
+};
+
+/// \param text a,b,...: parts, each in milliseconds (`4.5`), or over the median frame's cheapest plan (`1.3x`), or
+/// `auto`, which is `1.3x`. Blanks round a part do not count. Fails naming the part that is none of these.
+Outcome<std::vector<BudgetPart>> parseBudgets(std::string_view text);
+
+/// Writes a budget into every frame. \param parts at least one.
+void setBudgets(Trace& trace, const std::vector<BudgetPart>& parts);
+
+/// Both. Fails as parseBudgets() does.
 Status setBudgets(Trace& trace, std::string_view text);
 
 } // namespace gnomon::demo

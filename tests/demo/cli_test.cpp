@@ -16,6 +16,8 @@
 #include "demo/io/csv.hpp"
 #include "demo/io/pfm.hpp"
 #include "demo/io/png.hpp"
+#include "demo/program/gnuplot.hpp"
+#include "gnomon/gnomon.h"
 
 namespace gnomon::demo {
 namespace {
@@ -292,6 +294,84 @@ TEST_CASE("bad input ends with one and a sentence that names it")
         CHECK(ran.exitCode == 1);
         CHECK_MESSAGE(ran.output.find(word) != std::string::npos, ran.output);
     }
+}
+
+TEST_CASE("what can be known before measuring is said before a device is looked for, and leaves nothing behind")
+{
+    const Folder folder("checks");
+    std::ofstream(folder.path / "kept.csv") << "kept";
+    const std::pair<const char*, const char*> cases[] = {
+        {"bench room --set reslution=64", "'reslution'"},
+        {"bench room --methods shadow_map --set rows=64", "'rows'"},
+        {"bench room --set resolution=64,resolution=32", "twice"},
+        {"bench room --methods shadow_map,nosuch", "'nosuch'"},
+        {"bench room no_such_scene", "no_such_scene"},
+        {"bench room --csv none/x.csv", "none/x.csv"},
+        {"bench --figure 4.6 --out none/x.png", "none/x.png"},
+        {"contact room --methods shadow_map,nosuch", "'nosuch'"},
+        {"contact room --out none/x.png", "none/x.png"},
+        {"compare room --methods shadow_map,nosuch", "'nosuch'"},
+        {"compare room --plot none/x.png", "none/x.png"},
+        {"calibrate --out none/x.csv", "none/x.csv"},
+        {"calibrate --methods shadow_map,nosuch", "'nosuch'"},
+        {"trace room --methods shadow_map,nosuch", "'nosuch'"},
+        {"trace room --out none/x", "none/x"},
+        {"trace room --rules nosuch", "'nosuch'"},
+        {"trace room --budget-ms 2x,3y", "3y"},
+        {"tables morais --csv none/x.csv", "none/x.csv"},
+        {"reasons room --method pcf_hybrid --out none/x.png", "none/x.png"},
+        {"reasons room --method pcf_hybrid --set nosuch=1", "'nosuch'"},
+        {"run room --why foo", "'foo'"},
+        {"run room --dump kept.csv/dump", "kept.csv/dump"},
+        {"run room --out kept.csv", "kept.csv"},
+        {"run room --method nosuch", "'nosuch'"},
+        {"run room --recorded --method ray_traced", "cannot be recorded"},
+        {"explain thesis --facts viewerDistance=5,viewerDistance=50", "twice"},
+        {"explain thesis --facts ''", "names no fact"},
+    };
+    const std::string before = "cd '" + folder.path.string() + "' && GNOMON_DEVICE=none";
+    for (const auto& bad : cases) {
+        CAPTURE(bad.first);
+        const Ran ran = gnomonProgram(bad.first, before);
+        CHECK(ran.exitCode == 1);
+        CHECK_MESSAGE(ran.output.find(bad.second) != std::string::npos, ran.output);
+        CHECK(ran.output.find("Vulkan device") == std::string::npos);
+    }
+    fs::remove_all(folder.path / "out"); // of `run`, which makes its folder to see that it can
+    CHECK(lines(folder.path / "kept.csv") == std::vector<std::string>{"kept"});
+    CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 1);
+    const Ran spaced = gnomonProgram("bench room --methods 'shadow_map , cube_map' --csv kept.csv", before);
+    CHECK(spaced.output.find("Vulkan device") != std::string::npos); // nothing else is wrong with it
+    CHECK(lines(folder.path / "kept.csv") == std::vector<std::string>{"kept"});
+    for (const char* flags : {"--screenshot x.png", "--resize-test 3", "--window --dump d"})
+        CHECK(gnomonProgram(std::string("run room ") + flags, before).exitCode > 1);
+}
+
+TEST_CASE("the program says its version, and an error in rules once")
+{
+    const Ran version = gnomonProgram("--version");
+    CHECK(version.exitCode == 0);
+    CHECK(version.output == "gnomon " + std::to_string(GN_VERSION_MAJOR) + "." + std::to_string(GN_VERSION_MINOR) +
+                                "." + std::to_string(GN_VERSION_PATCH) + "\n");
+    const Folder folder("rules_error");
+    std::ofstream(folder.path / "bad.yaml") << "version: 1\nrules: [}\n";
+    const Ran bad = gnomonProgram("run room --rules bad.yaml --frames 1", "cd '" + folder.path.string() + "' &&");
+    CHECK(bad.exitCode == 1);
+    const size_t first = bad.output.find("bad.yaml:2");
+    CHECK(first != std::string::npos);
+    CHECK_MESSAGE(bad.output.find("bad.yaml:2", first + 1) == std::string::npos, bad.output);
+}
+
+TEST_CASE("a plot goes to a file whose name and titles hold quotes")
+{
+    if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) return;
+    const Folder folder("plot");
+    const fs::path file = folder.path / "it's.png";
+    plotCurves("set title " + gnuplotText("Fermat's") + "\n", {{"one's", "lines", {{0.0, 1.0}, {1.0, 2.0}}}},
+               file.string());
+    const Outcome<Image8> picture = readPng(file, 3);
+    REQUIRE_MESSAGE(picture, picture.error());
+    CHECK(picture->width == 640);
 }
 
 } // namespace gnomon::demo

@@ -157,6 +157,14 @@ TEST_CASE("numbers are read whole or not at all, and never as NaN or infinity")
         CHECK_MESSAGE(!parseNumber(text), text);
 }
 
+TEST_CASE("trimmed text keeps the blanks inside")
+{
+    CHECK(trimmed(" \ta b\t") == "a b");
+    CHECK(trimmed("ab") == "ab");
+    CHECK(trimmed(" \t ").empty());
+    CHECK(trimmed("").empty());
+}
+
 TEST_CASE("every printable character has its own picture, and drawing stays inside the measured box")
 {
     std::set<Glyph> pictures;

@@ -1,0 +1,94 @@
+#include "demo/program/checks.hpp"
+
+#include <algorithm>
+#include <fstream>
+
+#include "algorithms/registry.hpp"
+#include "demo/host/vulkan.hpp" // HostError
+#include "demo/scene/scene_file.hpp"
+
+namespace gnomon::demo {
+namespace {
+
+bool contains(const std::vector<std::string>& names, std::string_view name)
+{
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+const AlgorithmEntry* entryOf(std::string_view method)
+{
+    for (const AlgorithmEntry* entry : builtinAlgorithms())
+        if (method == entry->name) return entry;
+    return nullptr;
+}
+
+bool hasSetting(const AlgorithmEntry& entry, const std::string& name)
+{
+    return std::any_of(entry.settings.begin(), entry.settings.end(),
+                       [&](const SettingSpec& setting) { return setting.name == name; });
+}
+
+} // namespace
+
+void requireScenes(const std::vector<std::string>& scenes)
+{
+    for (const std::string& scene : scenes)
+        (void)valueOf(findScene(scene));
+}
+
+void requireMethods(const std::vector<std::string>& names, std::span<const char* const> besides)
+{
+    for (const std::string& name : names) {
+        if (entryOf(name) || std::find(besides.begin(), besides.end(), name) != besides.end()) continue;
+        std::string known;
+        for (const AlgorithmEntry* entry : builtinAlgorithms())
+            known += std::string(known.empty() ? "" : ", ") + entry->name;
+        for (const char* word : besides)
+            known += std::string(", ") + word;
+        throw HostError("no method named '" + name + "' in this build; there are " + known);
+    }
+}
+
+void requireSettings(const std::vector<SettingChoice>& choices, const std::vector<std::string>& methods)
+{
+    for (const SettingChoice& choice : choices) {
+        std::string owners;
+        bool used = false;
+        for (const AlgorithmEntry* entry : builtinAlgorithms()) {
+            if (!hasSetting(*entry, choice.name)) continue;
+            owners += std::string(owners.empty() ? "" : ", ") + entry->name;
+            used = used || methods.empty() || contains(methods, entry->name);
+        }
+        if (used) continue;
+        if (owners.empty()) throw HostError("--set: no method has a setting '" + choice.name + "'");
+        throw HostError("--set: no method that is measured has a setting '" + choice.name + "'; it belongs to " +
+                        owners);
+    }
+}
+
+void requireRecordable(const std::string& method)
+{
+    const AlgorithmEntry* entry = entryOf(method);
+    if (entry && entry->roundTrips > 0)
+        throw HostError("'" + method + "' needs the CPU between its passes and cannot be recorded: " +
+                        "--recorded takes methods with 0 round trips (see `gnomon methods`)");
+}
+
+void requireWritable(const std::filesystem::path& file)
+{
+    if (file.empty()) return;
+    std::error_code ignored; // what cannot be examined or removed again was not made here
+    const bool existed = std::filesystem::exists(file, ignored);
+    if (!std::ofstream(file, std::ios::app)) throw HostError(file.string() + ": cannot be written");
+    if (!existed) std::filesystem::remove(file, ignored);
+}
+
+void requireWritableFolder(const std::filesystem::path& folder)
+{
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) throw HostError(folder.string() + ": no such folder can be made");
+    requireWritable(folder / ".gnomon_writable");
+}
+
+} // namespace gnomon::demo

@@ -1,0 +1,32 @@
+#pragma once
+// What a command finds out before it measures anything: a misspelt name, or a file that cannot be written, shall not
+// cost minutes first. No device needed. Each check throws a HostError that names the input at fault.
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "demo/program/setting_choices.hpp"
+
+namespace gnomon::demo {
+
+/// Each scene is a file or the name of a shipped one; what it holds is not looked at.
+void requireScenes(const std::vector<std::string>& scenes);
+
+/// Each of `names` is a method of this build, or one of `besides`: words that a command takes in its list as well.
+void requireMethods(const std::vector<std::string>& names, std::span<const char* const> besides = {});
+
+/// Each setting is one of at least one of the methods. \param methods empty: all of this build.
+void requireSettings(const std::vector<SettingChoice>& choices, const std::vector<std::string>& methods);
+
+/// The method can be recorded: it needs no CPU between its passes. Unknown names pass; pinning them says why not.
+void requireRecordable(const std::string& method);
+
+/// The file can be written, whether it exists or not; afterwards it is as it was. An empty path passes.
+void requireWritable(const std::filesystem::path& file);
+
+/// Makes the folder where it is missing, and sees that files can be written there.
+void requireWritableFolder(const std::filesystem::path& folder);
+
+} // namespace gnomon::demo
