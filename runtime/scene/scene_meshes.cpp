@@ -44,6 +44,13 @@ void SceneRegistry::Impl::release(RevisionPtr revision, std::vector<RevisionPtr>
     meshesChanged = true;
 }
 
+void SceneRegistry::Impl::letGo(std::vector<RevisionPtr>& released)
+{
+    released.clear();
+    const std::lock_guard lock(mutex);
+    std::erase_if(uploads, [](const MeshUpload& upload) { return upload.owner.expired(); });
+}
+
 Result<GnMesh> SceneRegistry::createMesh(const GnMeshCreateInfo& info)
 {
     Result<MeshInput> input = readMesh(info, impl_->builder.largestBuffer());
@@ -88,17 +95,19 @@ Result<void> SceneRegistry::updateMeshPositions(GnMesh mesh, const float* positi
     old.reset();
 
     std::vector<RevisionPtr> released;
-    released.reserve(1);
     {
         const std::lock_guard lock(impl_->mutex);
         RevisionPtr* current = impl_->findMesh(mesh);
         if (!current) return invalidHandle("mesh"); // destroyed meanwhile
+        impl_->adoptBuilt(released);                // no frame may be there to do it
+        makeRoom(released);
         makeRoom(impl_->graves);
         makeRoom(impl_->building);
         impl_->keepSafe(*revision, uploads);
         impl_->release(std::exchange(*current, *revision), released);
     }
     impl_->submit(**revision);
+    impl_->letGo(released);
     return {};
 }
 
@@ -113,9 +122,7 @@ void SceneRegistry::destroyMesh(GnMesh mesh)
         impl_->release(impl_->meshes.take(bitsOf(mesh)), released);
         impl_->adoptBuilt(released);
     }
-    released.clear(); // what no frame has seen is gone now, and so are its uploads
-    const std::lock_guard lock(impl_->mutex);
-    std::erase_if(impl_->uploads, [](const MeshUpload& upload) { return upload.owner.expired(); });
+    impl_->letGo(released);
 }
 
 // --- uploads and what waits for the GPU ---

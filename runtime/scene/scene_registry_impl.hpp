@@ -55,6 +55,8 @@ struct SceneRegistry::Impl {
     void keepSafe(const RevisionPtr& revision, std::vector<MeshUpload>& made);
     void bury(std::shared_ptr<const void> object) { graves.push_back({lastFrame, std::move(object)}); }
     void release(RevisionPtr revision, std::vector<RevisionPtr>& released);
+    /// Not with the mutex held. What no frame has seen goes with its last owner, and so do its uploads.
+    void letGo(std::vector<RevisionPtr>& released);
     void mark(InstanceRecord& record);
     void forgetDestroyed();
     void markChangedMeshes();

@@ -394,6 +394,28 @@ TEST_CASE("meshes rewritten and destroyed in each of 100 frames keep what three 
     }
 }
 
+TEST_CASE("positions rewritten while no frame comes leave nothing but the newest")
+{
+    for (const bool discrete : {false, true})
+        for (const bool background : {false, true}) {
+            CAPTURE(discrete);
+            CAPTURE(background);
+            SceneFixture scene({.discrete = discrete, .background = background, .manualJobs = background});
+            const GnMesh mesh = make(scene, cube());
+            place(scene, mesh);
+            scene.begin();
+            scene.registry->recordUploads(VK_NULL_HANDLE, 1);
+            scene.queue.run();
+            for (int i = 0; i < 50; ++i) {
+                REQUIRE(rewrite(scene, mesh, cube().scaled(1.0f + 0.01f * static_cast<float>(i))));
+                scene.queue.run();
+            }
+            // Indices, what frame 1 sees and the newest; each with its staging, where there is any, and the newest but
+            // one, which the next rewrite finds done.
+            CHECK(scene.stub.live("buffer") <= (discrete ? 8u : 4u));
+        }
+}
+
 TEST_CASE("the registry goes with jobs still in the queue")
 {
     SceneFixture scene({.background = true, .manualJobs = true});
