@@ -1,7 +1,5 @@
 #include "algorithms/maps/map_resolve.hpp"
 
-#include <algorithm>
-
 #include "algorithms/maps/depth_map.hpp"
 #include "runtime/scene/light_pixels.hpp"
 #include "shaders/maps_map_resolve_vert.h"
@@ -76,25 +74,6 @@ void MapResolve::declare(PassBuilder& passes, const ShadowTask& task, ImageId ma
 std::uint32_t filterSide(double setting)
 {
     return static_cast<std::uint32_t>(setting) | 1u;
-}
-
-void DeclaredMaps::set(std::uint32_t light, const ShadowAlgorithm::Map& map)
-{
-    const auto entry =
-        std::find_if(entries_.begin(), entries_.end(), [light](const Entry& e) { return e.light == light; });
-    if (entry != entries_.end())
-        entry->map = map;
-    else
-        entries_.push_back({light, map});
-}
-
-bool DeclaredMaps::get(std::uint32_t light, ShadowAlgorithm::Map& map) const
-{
-    const auto entry =
-        std::find_if(entries_.begin(), entries_.end(), [light](const Entry& e) { return e.light == light; });
-    if (entry == entries_.end()) return false;
-    map = entry->map;
-    return true;
 }
 
 } // namespace gnomon

@@ -2,8 +2,8 @@
 // The full-screen pass that turns a map into visibility, for every map that is compared on the receiver's plane.
 #include <array>
 #include <span>
-#include <vector>
 
+#include "algorithms/maps/declared_maps.hpp"
 #include "algorithms/maps/map_look.hpp"
 
 namespace gnomon {
@@ -65,19 +65,5 @@ private:
 
 /// Odd side of the filter's box from the setting `filter`: an even one counts as the next odd one.
 std::uint32_t filterSide(double setting);
-
-/// The maps declared in the current frame, for ShadowAlgorithm::lightMap.
-class DeclaredMaps {
-public:
-    void set(std::uint32_t light, const ShadowAlgorithm::Map& map);
-    bool get(std::uint32_t light, ShadowAlgorithm::Map& map) const;
-
-private:
-    struct Entry {
-        std::uint32_t light;
-        ShadowAlgorithm::Map map;
-    };
-    std::vector<Entry> entries_; // as many as lights ever served by the method
-};
 
 } // namespace gnomon
