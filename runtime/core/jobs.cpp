@@ -4,7 +4,6 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
-#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -261,7 +260,7 @@ JobSystem::JobSystem(PFN_gnScheduleJob schedule, void* userData, std::uint32_t t
                 if (started) started(i, pool->userData);
                 pool->loop();
             });
-    } catch (const std::system_error&) {
+    } catch (...) {                        // no thread, or no memory for one
         if (pool_->threads.empty()) throw; // else fewer will do
     }
 }
