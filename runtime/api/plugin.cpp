@@ -51,8 +51,8 @@ auto guarded(GnPassBuilder builder, Body&& body) noexcept -> decltype(body())
 {
     try {
         return body();
-    } catch (...) {
-        builderOf(builder).fail({GN_ERROR_OUT_OF_HOST_MEMORY, "OutOfHostMemory", "host allocation failed"});
+    } catch (...) { // words so short that they need no memory
+        builderOf(builder).fail({GN_ERROR_OUT_OF_HOST_MEMORY, "OutOfHostMemory", "no host memory"});
         return {};
     }
 }
@@ -93,12 +93,12 @@ GnBufferRef GN_CALL makeBuffer(GnPassBuilder builder, const GnBufferInfo* info)
 
 VkBool32 GN_CALL imageStale(GnPassBuilder builder, GnImageRef image, uint64_t stamp)
 {
-    return builderOf(builder).stale(imageOf(image), stamp) ? VK_TRUE : VK_FALSE;
+    return guarded(builder, [&]() -> VkBool32 { return builderOf(builder).stale(imageOf(image), stamp); });
 }
 
 VkBool32 GN_CALL bufferStale(GnPassBuilder builder, GnBufferRef buffer, uint64_t stamp)
 {
-    return builderOf(builder).stale(bufferOf(buffer), stamp) ? VK_TRUE : VK_FALSE;
+    return guarded(builder, [&]() -> VkBool32 { return builderOf(builder).stale(bufferOf(buffer), stamp); });
 }
 
 void addAccess(PassRef& pass, const GnAccess& access)
@@ -175,12 +175,28 @@ PassRef openPass(PassBuilder& passes, const GnPassInfo& info)
 
 constexpr std::uint32_t kMaxUserData = 256;
 
+/// Images are made without storage usage, which takes compression from them on some devices, and lie where the CPU does
+/// not reach them: passes render to them or copy to them.
+bool writesImageOtherwise(const GnPassInfo& info)
+{
+    const bool mayWrite = info.kind == GN_PASS_RASTER || info.kind == GN_PASS_TRANSFER;
+    return std::any_of(info.pAccesses, info.pAccesses + info.accessCount, [&](const GnAccess& access) {
+        return access.image && (access.kind == GN_ACCESS_UPDATE || (access.kind == GN_ACCESS_WRITE && !mayWrite));
+    });
+}
+
 GnResult declare(GnPassBuilder builder, const GnPassInfo* info)
 {
     const bool cpu = info->kind == GN_PASS_PREPARE || info->kind == GN_PASS_HOST;
     if (!info->pName || (cpu ? !info->pfnRun : !info->pfnRecord)) return GN_ERROR_NULL_ARGUMENT;
     if (info->userDataSize > kMaxUserData) return GN_ERROR_TOO_MANY;
     PassBuilder& passes = builderOf(builder);
+    if (writesImageOtherwise(*info)) {
+        passes.fail({GN_ERROR_UNSUPPORTED, "StorageImage",
+                     "pass '" + std::string(info->pName) +
+                         "' writes an image that is neither its attachment nor what it copies to"});
+        return GN_ERROR_UNSUPPORTED;
+    }
     PassRef pass = openPass(passes, *info);
     for (uint32_t i = 0; i < info->accessCount; ++i)
         addAccess(pass, info->pAccesses[i]);

@@ -43,8 +43,9 @@ typedef enum GnScope {
 typedef enum GnAccessKind {
     GN_ACCESS_SAMPLED = 0,       ///< Image, SHADER_READ_ONLY_OPTIMAL.
     GN_ACCESS_READ = 1,          ///< Buffer: storage, host or transfer source, as the pass kind says.
-    GN_ACCESS_WRITE = 2,         ///< Colour attachment, storage, transfer target or host write.
-    GN_ACCESS_UPDATE = 3,        ///< Read and written.
+    GN_ACCESS_WRITE = 2,         ///< Image: colour attachment or transfer target; there are no storage images.
+                                 ///< Buffer: storage, host write or transfer target, as the pass kind says.
+    GN_ACCESS_UPDATE = 3,        ///< Buffer, read and written.
     GN_ACCESS_COPY_SOURCE = 4,   ///< Image, TRANSFER_SRC_OPTIMAL.
     GN_ACCESS_DEPTH_TEST = 5,
     GN_ACCESS_DEPTH_WRITE = 6,
@@ -183,6 +184,8 @@ typedef struct GnPluginInterface {
     GnBufferRef(GN_CALL* pfnBuffer)(GnPassBuilder builder, const GnBufferInfo* pInfo);
     VkBool32(GN_CALL* pfnImageStale)(GnPassBuilder builder, GnImageRef image, uint64_t stamp);
     VkBool32(GN_CALL* pfnBufferStale)(GnPassBuilder builder, GnBufferRef buffer, uint64_t stamp);
+    /** An image written by a compute or CPU pass, or updated by any, is #GN_ERROR_UNSUPPORTED; the task's other passes
+    are then taken back, and its light is lit in this frame. */
     GnResult(GN_CALL* pfnPass)(GnPassBuilder builder, const GnPassInfo* pInfo);
     VkImage(GN_CALL* pfnVkImage)(GnPassContext context, GnImageRef image);
     VkImageView(GN_CALL* pfnVkImageView)(GnPassContext context, GnImageRef image, uint32_t layer);
