@@ -142,12 +142,11 @@ Result<void> Context::init(const GnContextCreateInfo& info)
 
 Context::~Context()
 {
-    // The one place that waits for the GPU: our own submits by their timeline, recorded frames by the device.
+    // The one place that waits for the GPU.
     if (executor_) {
         finishUnderway();
-        if (!lost_) executor_->waitAll();
+        if (!lost_) executor_->waitQueue();
     }
-    if (vk_ && frame_ != 0 && !lost_) (void)vk_->vkDeviceWaitIdle(vk_->device);
     if (methods_) methods_->finishBackground();
     if (scene_) scene_->finishBackground();
     views_.forEach([&](std::unique_ptr<View>& view) {

@@ -231,12 +231,18 @@ void PassExecutor::declareLater()
     later_.clear();
 }
 
-Result<void> PassExecutor::submit2(const VkSubmitInfo2& submit)
+/// Signals the next value of the timeline as well, which counts only once it is sure to come.
+Result<void> PassExecutor::submit2(VkSubmitInfo2 submit, std::span<const VkSemaphoreSubmitInfo> hostSignals)
 {
+    submitSignals_.assign(hostSignals.begin(), hostSignals.end());
+    submitSignals_.push_back(timelinePoint(timeline_.get(), timelineValue_ + 1));
+    submit.signalSemaphoreInfoCount = static_cast<std::uint32_t>(submitSignals_.size());
+    submit.pSignalSemaphoreInfos = submitSignals_.data();
     if (lock_) lock_(vk_.queue, userData_);
     const VkResult result = vk_.vkQueueSubmit2(vk_.queue, 1, &submit, VK_NULL_HANDLE);
     if (unlock_) unlock_(vk_.queue, userData_);
     if (result != VK_SUCCESS) return vulkanError(result, "vkQueueSubmit2");
+    ++timelineValue_;
     return {};
 }
 
@@ -252,19 +258,17 @@ Result<void> PassExecutor::submitLevel(std::uint32_t level, bool last)
     if (Result<void> recorded = recordLevel(*cmd, level, last); !recorded) return recorded;
     if (VkResult r = vk_.vkEndCommandBuffer(*cmd); r != VK_SUCCESS) return vulkanError(r, "vkEndCommandBuffer");
 
-    // The host's signals belong to the last submit; ours marks every level.
-    const VkSemaphoreSubmitInfo levelDone = timelinePoint(timeline_.get(), ++timelineValue_);
-    if (last) signals_.push_back(levelDone);
     const VkCommandBufferSubmitInfo cmdInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
                                             .commandBuffer = *cmd};
     const VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
                                .waitSemaphoreInfoCount = level == 0 ? static_cast<std::uint32_t>(waits_.size()) : 0,
                                .pWaitSemaphoreInfos = waits_.data(),
                                .commandBufferInfoCount = 1,
-                               .pCommandBufferInfos = &cmdInfo,
-                               .signalSemaphoreInfoCount = last ? static_cast<std::uint32_t>(signals_.size()) : 1,
-                               .pSignalSemaphoreInfos = last ? signals_.data() : &levelDone};
-    if (Result<void> submitted = submit2(submit); !submitted) return submitted;
+                               .pCommandBufferInfos = &cmdInfo};
+    // The host's signals belong to the last submit; ours marks every level.
+    const std::span<const VkSemaphoreSubmitInfo> hostSignals =
+        last ? std::span(signals_) : std::span(signals_).first(0);
+    if (Result<void> submitted = submit2(submit, hostSignals); !submitted) return submitted;
     ++counters_.submits;
     slot_->timingsPending = true;
 
@@ -391,19 +395,31 @@ Result<void> PassExecutor::endOnce(VkCommandBuffer cmd)
     if (VkResult r = vk_.vkEndCommandBuffer(cmd); r != VK_SUCCESS) return vulkanError(r, "vkEndCommandBuffer");
     const VkCommandBufferSubmitInfo cmdInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
                                             .commandBuffer = cmd};
-    const VkSemaphoreSubmitInfo signal = timelinePoint(timeline_.get(), ++timelineValue_);
-    const VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
-                               .commandBufferInfoCount = 1,
-                               .pCommandBufferInfos = &cmdInfo,
-                               .signalSemaphoreInfoCount = 1,
-                               .pSignalSemaphoreInfos = &signal};
-    if (Result<void> submitted = submit2(submit); !submitted) return submitted;
-    waitAll();
+    const VkSubmitInfo2 submit{
+        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &cmdInfo};
+    if (Result<void> submitted = submit2(submit, {}); !submitted) return submitted;
+    waitTimeline();
     oncePool_ = {};
     return {};
 }
 
-void PassExecutor::waitAll()
+void PassExecutor::waitQueue() noexcept
+{
+    if (!slot_ && timelineValue_ == 0) return; // nothing of ours was ever on the queue
+    bool submitted = false;
+    try {
+        // A signal comes after all that was submitted to the queue before it. To wait for an idle device, every queue
+        // of the host's would have to be locked.
+        submitted = bool(submit2({.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2}, {}));
+    } catch (...) { // no memory
+    }
+    if (submitted) return waitTimeline();
+    if (lock_) lock_(vk_.queue, userData_);
+    (void)vk_.vkQueueWaitIdle(vk_.queue); // a lost device is as good as an idle one
+    if (unlock_) unlock_(vk_.queue, userData_);
+}
+
+void PassExecutor::waitTimeline()
 {
     if (!timeline_ || timelineValue_ == 0) return;
     const VkSemaphore semaphore = timeline_.get();

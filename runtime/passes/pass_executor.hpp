@@ -92,8 +92,9 @@ public:
         if (Result<void> recorded = body(*cmd); !recorded) return recorded;
         return endOnce(*cmd);
     }
-    /// Blocks until all that was submitted is done: destruction only.
-    void waitAll();
+    /// Blocks until all that was submitted to the queue is done, recorded frames of the host's submits included:
+    /// destruction only.
+    void waitQueue() noexcept;
 
     const FrameTimings* newest() const { return published_.frame ? &published_ : nullptr; }
     const FrameTimings* newestTimed() const { return publishedTimed_.frame ? &publishedTimed_ : nullptr; }
@@ -121,7 +122,8 @@ private:
     void runWave(std::span<const std::uint32_t> wave);
     void runPass(std::uint32_t index);
     Result<void> submitLevel(std::uint32_t level, bool last);
-    Result<void> submit2(const VkSubmitInfo2& submit);
+    Result<void> submit2(VkSubmitInfo2 submit, std::span<const VkSemaphoreSubmitInfo> hostSignals);
+    void waitTimeline();
     Result<void> hostLevel(std::uint64_t timeoutNs);
     void declareLater();
     void stamp(VkCommandBuffer cmd);
@@ -142,12 +144,12 @@ private:
     void* userData_;
 
     UniqueSemaphore timeline_;
-    std::uint64_t timelineValue_ = 0;
-    UniqueCommandPool oncePool_; ///< Of the one-off submit under way.
+    std::uint64_t timelineValue_ = 0; ///< That the newest submit signals.
+    UniqueCommandPool oncePool_;      ///< Of the one-off submit under way.
     std::vector<std::unique_ptr<Slot>> slots_;
     Slot* slot_ = nullptr;
     ExecutorFrame frame_;
-    std::vector<VkSemaphoreSubmitInfo> waits_, signals_;
+    std::vector<VkSemaphoreSubmitInfo> waits_, signals_, submitSignals_;
     std::vector<PooledImage*> visibilities_, imports_, lightMaps_;
     BarrierBatch barriers_;
     std::span<const std::uint32_t> order_;

@@ -194,7 +194,7 @@ void execute(const DeviceTable& vk, Body&& body)
     submit.commandBufferInfoCount = 1;
     submit.pCommandBufferInfos = &buffer;
     REQUIRE(vk.vkQueueSubmit2(vk.queue, 1, &submit, VK_NULL_HANDLE) == VK_SUCCESS);
-    REQUIRE(vk.vkDeviceWaitIdle(vk.device) == VK_SUCCESS);
+    REQUIRE(vk.vkQueueWaitIdle(vk.queue) == VK_SUCCESS);
     vk.vkDestroyCommandPool(vk.device, pool, nullptr);
 }
 

@@ -167,7 +167,10 @@ typedef struct GnContextCreateInfo {
 /** \brief Creates a context. No method is ready at first; see gnWarmUp(). */
 GN_API GnResult GN_CALL gnCreateContext(const GnContextCreateInfo* pCreateInfo, GnContext* pContext);
 
-/** \brief Destroys the context and all that was made from it. The one call that waits for the GPU. Null is allowed. */
+/** \brief Destroys the context and all that was made from it. Null is allowed.
+
+The one call that waits for the GPU, and for all that is on the context's queue by then. Recorded frames must have been
+submitted there or never be; what the host reads of visibility on other queues must be finished. */
 GN_API void GN_CALL gnDestroyContext(GnContext context);
 
 /** \brief Name of a result, such as "GN_ERROR_EMPTY". Never null. */
