@@ -144,7 +144,10 @@ Context::~Context()
 {
     // The one place that waits for the GPU.
     if (executor_) {
-        finishUnderway();
+        try {
+            finishUnderway();
+        } catch (...) { // its host passes are over, and nobody wants the rest any more
+        }
         if (!lost_) executor_->waitQueue();
     }
     if (methods_) methods_->finishBackground();

@@ -45,15 +45,17 @@ Result<GnResult> Context::beginFrame(const GnFrameInfo& info, FrameMode mode)
     return startFrame(info, mode, VK_NULL_HANDLE);
 }
 
-/// Checks the input, then runs the frame; a frame that fails leaves everything as before it.
+/// Checks the input, then runs the frame; a frame that fails leaves everything as before it, but for what it gives
+/// back where memory was short.
 Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd)
 {
     const auto start = std::chrono::steady_clock::now();
     if (Result<void> ok = takeInput(info); !ok) return ok.error();
     const std::uint64_t before = frame_;
     const auto undo = [&] {
-        pool_->withdraw();
-        executor_->drop();
+        pool_->withdraw(info.frame);
+        executor_->drop(info.frame);
+        tasks_.clear(); // their maps were not drawn
         scene_->dropUploads(info.frame);
         for (ViewFrame& viewFrame : viewFrames_)
             viewFrame.view->grid->drop(info.frame);
@@ -63,7 +65,10 @@ Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, Vk
     };
     try {
         Result<GnResult> run = runFrame(info, mode, cmd, start);
-        if (!run) undo();
+        if (run) return run;
+        undo();
+        // Tried again, it starts with what frames in flight use, and nothing else.
+        if (run.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY) pool_->evictAll();
         return run;
     } catch (...) { // no memory; the C API says so
         undo();
@@ -171,10 +176,27 @@ Result<GnResult> Context::finishFrame(std::uint64_t timeoutNs)
 {
     if (!executor_->underway()) return frameOrder("gnFinishShadows without gnBeginShadows");
     const auto start = std::chrono::steady_clock::now();
-    Result<GnResult> finished = executor_->finish(timeoutNs);
+    const auto undo = [&] {
+        tasks_.clear();
+        for (ViewFrame& viewFrame : viewFrames_)
+            viewFrame.view->grid->drop(frame_);
+        withdrawFades(frame_);
+        --frame_;
+    };
+    Result<GnResult> finished = GN_SUCCESS;
+    try {
+        finished = executor_->finish(timeoutNs);
+    } catch (...) {
+        undo();
+        throw;
+    }
     stats_.callMs += static_cast<float>(msSince(start));
     finishStats();
-    if (!finished) return finished.error();
+    if (!finished) {
+        undo();
+        if (finished.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY) pool_->evictAll();
+        return finished;
+    }
     if (*finished == GN_SUCCESS && !methods_->anyReady()) return GN_NOT_READY;
     return finished;
 }
@@ -184,8 +206,8 @@ Result<void> Context::dropFrame(std::uint64_t frame)
     if (frame == 0 || frame != recorded_)
         return frameOrder("frame " + std::to_string(frame) + " is not the one recorded last (" +
                           std::to_string(recorded_) + ")");
-    pool_->withdraw();
-    executor_->drop();
+    pool_->withdraw(frame);
+    executor_->drop(frame);
     scene_->dropUploads(frame);
     for (ViewFrame& viewFrame : viewFrames_)
         viewFrame.view->grid->drop(frame);
@@ -315,7 +337,10 @@ Result<void> Context::prepareView(View& view, const GnViewFrame& frame)
                                                 VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
                                        .name = "view.visibility",
                                        .concurrent = true});
-        if (!made) return made.error();
+        if (!made) { // another attempt may need the place of the old one, which frames before this may still read
+            if (view.visibility) pool_->retire(std::move(view.visibility), frame_ - 1);
+            return made.error();
+        }
         if (view.visibility) pool_->retire(std::move(view.visibility));
         view.visibility = std::move(*made);
         ++view.revision;
@@ -372,8 +397,8 @@ Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& fra
     view.grid->collect(info.completedFrame);
     if (gridReady_ && selector_->hasRules() && pinnedLights < frame.lightCount && view.grid->wanted(info.frame)) {
         graph_->beginTask({.view = view.id}, &view.camera, viewFrame.depth, viewFrame.normals);
-        if (auto ok = view.grid->declare(*graph_, view.camera, viewFrame.depth, gridPipeline_, info.frame); !ok)
-            return ok;
+        // Without memory for a grid the frame goes without; the next one that wants it tries again.
+        (void)view.grid->declare(*graph_, view.camera, viewFrame.depth, gridPipeline_, info.frame);
         graph_->endTask();
     }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "runtime/passes/frame_slot.hpp"
 
@@ -150,9 +151,9 @@ Result<void> PassExecutor::record(VkCommandBuffer cmd)
     return recorded;
 }
 
-void PassExecutor::drop()
+void PassExecutor::drop(std::uint64_t frame)
 {
-    if (!slot_) return;
+    if (!slot_ || slot_->frame != frame) return;
     slot_->timingsPending = false;
     slot_->frame = 0; // nothing of it is in flight
 }
@@ -161,21 +162,39 @@ Result<void> PassExecutor::start(bool inlineHost)
 {
     order_ = graph_.order();
     inlineHost_ = inlineHost || jobs_.threadCount() < 2;
-    underway_ = true;
     Result<void> submitted = submitLevel(0, !levelHas(0, PassKind::host));
-    if (!submitted) underway_ = false;
+    underway_ = bool(submitted);
     return submitted;
 }
 
-/// Host passes of the level under way; then, while there are more, the next level.
 Result<GnResult> PassExecutor::finish(std::uint64_t timeoutNs)
+{
+    try {
+        Result<GnResult> finished = finishLevels(timeoutNs);
+        underway_ = finished && *finished == GN_TIMEOUT;
+        if (!finished) giveUp();
+        return finished;
+    } catch (...) {
+        giveUp();
+        throw;
+    }
+}
+
+/// Ends the frame under way where it is.
+void PassExecutor::giveUp() noexcept
+{
+    underway_ = false;
+    if (hostWait_ != VK_SUCCESS) waitQueue(); // else what was submitted was waited for, before its host passes
+    pool_.abandon(frame_.frame);
+    drop(frame_.frame);
+}
+
+/// Host passes of the level under way; then, while there are more, the next level.
+Result<GnResult> PassExecutor::finishLevels(std::uint64_t timeoutNs)
 {
     while (levelHas(level_, PassKind::host)) {
         if (inlineHost_) {
-            if (Result<void> waited = hostLevel(timeoutNs); !waited) {
-                underway_ = false;
-                return waited.error();
-            }
+            if (Result<void> waited = hostLevel(timeoutNs); !waited) return waited.error();
             if (hostWait_ == VK_TIMEOUT) return GN_TIMEOUT;
         } else if (timeoutNs == UINT64_MAX) {
             jobs_.wait(hostJob_);
@@ -186,19 +205,14 @@ Result<GnResult> PassExecutor::finish(std::uint64_t timeoutNs)
                 std::this_thread::sleep_for(std::chrono::microseconds(50));
             }
         }
-        if (hostWait_ != VK_SUCCESS) {
-            underway_ = false;
-            return vulkanError(hostWait_, "vkWaitSemaphores");
-        }
+        if (hostThrown_) std::rethrow_exception(std::exchange(hostThrown_, nullptr));
+        if (hostWait_ != VK_SUCCESS) return vulkanError(hostWait_, "vkWaitSemaphores");
         declareLater();
         order_ = graph_.order();
         ++level_;
-        if (Result<void> submitted = submitLevel(level_, !levelHas(level_, PassKind::host)); !submitted) {
-            underway_ = false;
+        if (Result<void> submitted = submitLevel(level_, !levelHas(level_, PassKind::host)); !submitted)
             return submitted.error();
-        }
     }
-    underway_ = false;
     return GN_SUCCESS;
 }
 
@@ -216,6 +230,16 @@ Result<void> PassExecutor::hostLevel(std::uint64_t timeoutNs)
     if (hostWait_ != VK_SUCCESS) return vulkanError(hostWait_, "vkWaitSemaphores");
     runCpuPasses(level_, PassKind::host);
     return {};
+}
+
+/// hostLevel() on a worker, where nobody catches anything.
+void PassExecutor::hostJob() noexcept
+{
+    try {
+        (void)hostLevel(UINT64_MAX); // hostWait_ says how it went
+    } catch (...) {
+        hostThrown_ = std::current_exception();
+    }
 }
 
 void PassExecutor::declareLater()
@@ -274,7 +298,7 @@ Result<void> PassExecutor::submitLevel(std::uint32_t level, bool last)
 
     if (!last && !inlineHost_) {
         hostJob_.data = this;
-        hostJob_.run = [](void* self) { (void)static_cast<PassExecutor*>(self)->hostLevel(UINT64_MAX); };
+        hostJob_.run = [](void* self) { static_cast<PassExecutor*>(self)->hostJob(); };
         jobs_.submit(hostJob_);
     }
     return {};

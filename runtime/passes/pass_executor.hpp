@@ -1,6 +1,7 @@
 #pragma once
 // Turns a PassGraph into command buffers, submits and host work.
 #include <condition_variable>
+#include <exception>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -77,11 +78,12 @@ public:
     Result<void> record(VkCommandBuffer cmd);
     /// Submits level 0 and, unless `inlineHost`, starts its host passes on a worker.
     Result<void> start(bool inlineHost);
-    /// Runs to the end, or until the time is up (#GN_TIMEOUT).
+    /// Runs to the end, or until the time is up (#GN_TIMEOUT). What fails or throws ends the frame: its later levels
+    /// never run, the GPU has done with the others, and nothing that they touched is kept.
     Result<GnResult> finish(std::uint64_t timeoutNs);
     bool underway() const { return underway_; }
-    /// The recorded frame will not run: its timings never come.
-    void drop();
+    /// The frame will not run: its timings never come. Does nothing if it has claimed no slot.
+    void drop(std::uint64_t frame);
 
     /// Submits `body`'s commands on their own and waits for them: warm-up only.
     template <typename Body>
@@ -124,7 +126,10 @@ private:
     Result<void> submitLevel(std::uint32_t level, bool last);
     Result<void> submit2(VkSubmitInfo2 submit, std::span<const VkSemaphoreSubmitInfo> hostSignals);
     void waitTimeline();
+    Result<GnResult> finishLevels(std::uint64_t timeoutNs);
+    void giveUp() noexcept;
     Result<void> hostLevel(std::uint64_t timeoutNs);
+    void hostJob() noexcept;
     void declareLater();
     void stamp(VkCommandBuffer cmd);
     void collect(Slot& slot);
@@ -159,6 +164,7 @@ private:
     std::optional<Error> recordError_;
     JobSystem::Job hostJob_;
     VkResult hostWait_ = VK_SUCCESS;
+    std::exception_ptr hostThrown_; ///< By a host pass on a worker.
     std::mutex laterMutex_;
     std::vector<Later> later_;
     ExecutorCounters counters_;

@@ -8,8 +8,8 @@ namespace {
 
 // A resource that no frame of the last second (at 60 Hz) used is given back.
 constexpr std::uint64_t kIdleFrames = 60;
-// Where more than half of what gnomon may have is taken, it goes as soon as no frame in flight can be using it: else what
-// one method has left behind keeps the next from serving.
+// Where more than half of what gnomon may have is taken, it goes as soon as no frame in flight can be using it: else
+// what one method has left behind keeps the next from serving.
 constexpr std::uint64_t kIdleFramesPressed = 4;
 
 VkImageUsageFlags imageUsage(VkFormat format)
@@ -62,14 +62,22 @@ ResourcePool::~ResourcePool()
 
 void ResourcePool::release(GpuImage& image, std::uint64_t frame)
 {
+    if (frame <= completed_) return memory_.destroy(image);
     Retired entry{.frame = frame, .image = std::move(image), .buffer = {}};
     retired_.push_back(std::move(entry));
 }
 
 void ResourcePool::release(GpuBuffer& buffer, std::uint64_t frame)
 {
+    if (frame <= completed_) return memory_.destroy(buffer);
     Retired entry{.frame = frame, .image = {}, .buffer = std::move(buffer)};
     retired_.push_back(std::move(entry));
+}
+
+void ResourcePool::release(const BufferRing& ring)
+{
+    for (auto& version : ring.versions)
+        release(version->gpu, ring.lastUsed);
 }
 
 void ResourcePool::begin(std::uint64_t frame, std::uint64_t completedFrame)
@@ -101,25 +109,24 @@ void ResourcePool::begin(std::uint64_t frame, std::uint64_t completedFrame)
     for (auto* map : {&buffers_, &transientBuffers_})
         std::erase_if(*map, [&](auto& entry) {
             if (!idle(entry.second.lastUsed)) return false;
-            for (auto& version : entry.second.versions)
-                release(version->gpu, entry.second.lastUsed);
+            release(entry.second);
             return true;
         });
 }
 
-Result<std::unique_ptr<PooledImage>> ResourcePool::makeImage(const ImageInfo& info)
+Result<GpuImage> ResourcePool::createImage(const ImageCreate& info)
 {
-    ImageCreate create{.format = info.format,
-                       .extent = info.extent,
-                       .layers = info.layers,
-                       .usage = imageUsage(info.format),
-                       .name = info.name,
-                       .concurrent = false};
-    Result<GpuImage> gpu = memory_.createImage(create);
-    if (!gpu) {
-        evict(VkDeviceSize{info.extent.width} * info.extent.height * info.layers * 8);
-        return gpu.error();
-    }
+    Result<GpuImage> gpu = memory_.createImage(info);
+    if (gpu || gpu.error().result != GN_ERROR_OUT_OF_DEVICE_MEMORY) return gpu;
+    // Few formats have more than eight bytes a texel; what this leaves missing, the next attempt evicts.
+    const bool room = evict(VkDeviceSize{info.extent.width} * info.extent.height * info.layers * 8);
+    return room ? memory_.createImage(info) : gpu;
+}
+
+Result<std::unique_ptr<PooledImage>> ResourcePool::makeImage(const ImageCreate& info)
+{
+    Result<GpuImage> gpu = createImage(info);
+    if (!gpu) return gpu.error();
     auto image = std::make_unique<PooledImage>();
     image->gpu = std::move(*gpu);
     image->serial = ++imagesMade_;
@@ -128,14 +135,27 @@ Result<std::unique_ptr<PooledImage>> ResourcePool::makeImage(const ImageInfo& in
     return image;
 }
 
+Result<std::unique_ptr<PooledImage>> ResourcePool::makeImage(const ImageInfo& info)
+{
+    return makeImage(ImageCreate{.format = info.format,
+                                 .extent = info.extent,
+                                 .layers = info.layers,
+                                 .usage = imageUsage(info.format),
+                                 .name = info.name,
+                                 .concurrent = false});
+}
+
+Result<std::unique_ptr<PooledImage>> ResourcePool::ownedImage(const ImageCreate& info)
+{
+    return makeImage(info);
+}
+
 Result<std::unique_ptr<PooledBuffer>> ResourcePool::makeBuffer(const BufferInfo& info)
 {
     const VkDeviceSize size = pooledSize(info.size);
     Result<GpuBuffer> gpu = memory_.createBuffer(size, kBufferUsage, memoryUse(info.place), info.name);
-    if (!gpu) {
-        evict(size);
-        return gpu.error();
-    }
+    if (!gpu && evict(size)) gpu = memory_.createBuffer(size, kBufferUsage, memoryUse(info.place), info.name);
+    if (!gpu) return gpu.error();
     auto buffer = std::make_unique<PooledBuffer>();
     buffer->gpu = *gpu;
     buffer->place = info.place;
@@ -143,10 +163,16 @@ Result<std::unique_ptr<PooledBuffer>> ResourcePool::makeBuffer(const BufferInfo&
     return buffer;
 }
 
-void ResourcePool::evict(VkDeviceSize wanted)
+bool ResourcePool::evict(VkDeviceSize wanted)
 {
-    // Freed once the GPU is done, so it helps the frames after this one; this frame's task goes without.
+    // What a frame in flight uses is freed when that is done, so it helps the frames after this one.
     VkDeviceSize freed = 0;
+    bool now = false;
+    const auto give = [&](PooledImage& image) {
+        freed += image.gpu.memory.size;
+        now |= image.kept.lastUsed <= completed_;
+        release(image.gpu, image.kept.lastUsed);
+    };
     while (freed < wanted) {
         auto oldest = images_.end();
         for (auto it = images_.begin(); it != images_.end(); ++it) {
@@ -154,23 +180,38 @@ void ResourcePool::evict(VkDeviceSize wanted)
             if (used < frame_ && (oldest == images_.end() || used < oldest->second->kept.lastUsed)) oldest = it;
         }
         if (oldest == images_.end()) break;
-        freed += oldest->second->gpu.memory.size;
-        release(oldest->second->gpu, oldest->second->kept.lastUsed);
+        give(*oldest->second);
         images_.erase(oldest);
     }
     std::erase_if(transients_, [&](auto& image) {
         if (image->kept.lastUsed >= frame_) return false;
-        release(image->gpu, image->kept.lastUsed);
+        give(*image);
         return true;
     });
+    return now;
+}
+
+void ResourcePool::evictAll()
+{
+    for (auto& [key, image] : images_)
+        release(image->gpu, image->kept.lastUsed);
+    for (auto& image : transients_)
+        release(image->gpu, image->kept.lastUsed);
+    for (auto* map : {&buffers_, &transientBuffers_})
+        for (auto& [key, ring] : *map)
+            release(ring);
+    images_.clear();
+    transients_.clear();
+    buffers_.clear();
+    transientBuffers_.clear();
 }
 
 Result<PooledImage*> ResourcePool::transientImage(std::uint64_t, const ImageInfo& info)
 {
     for (auto& image : transients_) {
         if (image->kept.lastUsed == frame_ || !fits(image->gpu, info)) continue;
-        image->kept.lastUsed = frame_;
         touch(*image);
+        image->kept.lastUsed = frame_;
         for (SyncState& layer : image->layers)
             layer.layout = VK_IMAGE_LAYOUT_UNDEFINED; // content is not wanted
         return image.get();
@@ -179,8 +220,8 @@ Result<PooledImage*> ResourcePool::transientImage(std::uint64_t, const ImageInfo
     if (!made) return made.error();
     transients_.push_back(std::move(*made));
     PooledImage& image = *transients_.back();
-    image.kept.lastUsed = frame_;
     touch(image);
+    image.kept.lastUsed = frame_;
     return &image;
 }
 
@@ -198,8 +239,8 @@ Result<PooledImage*> ResourcePool::persistentImage(std::uint64_t key, const Imag
         found = images_.emplace(key, std::move(*made)).first;
     }
     PooledImage& image = *found->second;
-    image.kept.lastUsed = frame_;
     touch(image);
+    image.kept.lastUsed = frame_;
     return &image;
 }
 
@@ -220,10 +261,8 @@ Result<BufferRing*> ResourcePool::persistentBuffer(std::uint64_t key, const Buff
     if (!ring.current || ring.current->gpu.size < info.size) {
         if (auto renewed = renew(ring, info); !renewed) return renewed.error();
     }
-    KeptState& kept = ring.current->kept;
-    if (kept.lastUsed != frame_) kept.usedBefore = kept.lastUsed;
-    kept.lastUsed = frame_;
     touch(*ring.current);
+    ring.current->kept.lastUsed = frame_;
     return &ring;
 }
 
@@ -231,8 +270,8 @@ Result<void> ResourcePool::replace(BufferRing& ring, const BufferInfo& info)
 {
     if (ring.renewed == frame_) return {};
     PooledBuffer* old = ring.current;
-    Result<void> renewed = renew(ring, info);  // not to the old one, which this frame has touched
-    old->kept.lastUsed = old->kept.usedBefore; // and does not use after all
+    Result<void> renewed = renew(ring, info);             // not to the old one, which this frame has touched
+    old->kept.lastUsed = usedBefore(old->kept.savedUsed); // and does not use after all
     return renewed;
 }
 
@@ -265,8 +304,8 @@ Result<void> ResourcePool::renew(BufferRing& ring, const BufferInfo& info)
     ring.current = chosen;
     ring.renewed = frame_;
     chosen->kept.stamp = 0;
-    chosen->kept.lastUsed = frame_;
     touch(*chosen);
+    chosen->kept.lastUsed = frame_;
     return {};
 }
 
@@ -300,22 +339,10 @@ PooledImage* ResourcePool::import(VkImage image, VkImageView view, VkFormat form
     return chosen;
 }
 
-Result<std::unique_ptr<PooledImage>> ResourcePool::ownedImage(const ImageCreate& info)
-{
-    Result<GpuImage> gpu = memory_.createImage(info);
-    if (!gpu) return gpu.error();
-    auto image = std::make_unique<PooledImage>();
-    image->gpu = std::move(*gpu);
-    image->serial = ++imagesMade_;
-    image->layers.resize(info.layers, kFreshSync);
-    image->savedLayers.resize(info.layers, kFreshSync);
-    return image;
-}
-
-void ResourcePool::retire(std::unique_ptr<PooledImage> image)
+void ResourcePool::retire(std::unique_ptr<PooledImage> image, std::uint64_t lastFrame)
 {
     std::erase(touchedImages_, image.get());
-    release(image->gpu, frame_);
+    release(image->gpu, lastFrame);
 }
 
 void ResourcePool::touch(PooledImage& image)
@@ -323,6 +350,7 @@ void ResourcePool::touch(PooledImage& image)
     if (image.kept.savedFrame == frame_) return;
     image.kept.savedFrame = frame_;
     image.kept.savedStamp = image.kept.stamp;
+    image.kept.savedUsed = image.kept.lastUsed;
     std::copy(image.layers.begin(), image.layers.end(), image.savedLayers.begin());
     touchedImages_.push_back(&image);
 }
@@ -332,6 +360,7 @@ void ResourcePool::touch(PooledBuffer& buffer)
     if (buffer.kept.savedFrame == frame_) return;
     buffer.kept.savedFrame = frame_;
     buffer.kept.savedStamp = buffer.kept.stamp;
+    buffer.kept.savedUsed = buffer.kept.lastUsed;
     buffer.savedSync = buffer.sync;
     touchedBuffers_.push_back(&buffer);
 }
@@ -341,28 +370,54 @@ void ResourcePool::touch(BufferRing& ring)
     if (ring.savedFrame == frame_) return;
     ring.savedFrame = frame_;
     ring.savedCurrent = ring.current;
+    ring.savedUsed = ring.lastUsed;
     touchedRings_.push_back(&ring);
 }
 
-void ResourcePool::withdraw()
+void ResourcePool::withdraw(std::uint64_t frame)
 {
+    if (frame != frame_) return;
+    // The frame may be submitted again under its number, with all that it had to itself.
+    const auto restore = [this](KeptState& kept) {
+        kept.stamp = kept.savedStamp;
+        kept.lastUsed = usedBefore(kept.savedUsed);
+        kept.savedFrame = kept.askedFrame = 0;
+    };
     for (PooledImage* image : touchedImages_) {
         std::copy(image->savedLayers.begin(), image->savedLayers.end(), image->layers.begin());
-        image->kept.stamp = image->kept.savedStamp;
-        image->kept.savedFrame = image->kept.askedFrame = 0; // the frame may be submitted again
+        restore(image->kept);
     }
     for (PooledBuffer* buffer : touchedBuffers_) {
         buffer->sync = buffer->savedSync;
-        buffer->kept.stamp = buffer->kept.savedStamp;
-        buffer->kept.savedFrame = buffer->kept.askedFrame = 0;
+        restore(buffer->kept);
     }
     for (BufferRing* ring : touchedRings_) {
         ring->current = ring->savedCurrent;
+        ring->lastUsed = usedBefore(ring->savedUsed);
         ring->savedFrame = ring->renewed = 0;
     }
+    for (auto& image : imports_)
+        image->kept.lastUsed = 0;
     touchedImages_.clear();
     touchedBuffers_.clear();
     touchedRings_.clear();
+}
+
+void ResourcePool::abandon(std::uint64_t frame)
+{
+    if (frame != frame_) return;
+    // Recorded barriers ran or did not: the next use comes after everything on the queue and takes nothing over.
+    constexpr SyncState unknown{.writeStages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                .writeAccess = VK_ACCESS_2_MEMORY_WRITE_BIT};
+    for (PooledImage* image : touchedImages_) {
+        std::fill(image->savedLayers.begin(), image->savedLayers.end(), unknown);
+        image->kept.savedStamp = 0;
+    }
+    for (PooledBuffer* buffer : touchedBuffers_) {
+        buffer->savedSync = unknown;
+        buffer->kept.savedStamp = 0;
+    }
+    withdraw(frame);
 }
 
 } // namespace gnomon

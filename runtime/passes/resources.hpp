@@ -38,7 +38,7 @@ struct KeptState {
     std::uint64_t askedFrame = 0; ///< stale() was answered in this frame ...
     bool answer = false;          ///< ... with this.
     std::uint64_t lastUsed = 0;   ///< Frame.
-    std::uint64_t usedBefore = 0; ///< Persistent buffers: the frame before that.
+    std::uint64_t savedUsed = 0;  ///< Before the frame `savedFrame`; 0: it was made in that frame.
 };
 
 struct PooledImage {
@@ -63,7 +63,8 @@ struct BufferRing {
     PooledBuffer* savedCurrent = nullptr;
     std::uint64_t savedFrame = 0;
     std::uint64_t lastUsed = 0;
-    std::uint64_t renewed = 0; ///< Frame that chose `current`.
+    std::uint64_t savedUsed = 0; ///< As KeptState's.
+    std::uint64_t renewed = 0;   ///< Frame that chose `current`.
 };
 
 /// Owns all pooled images and buffers of a context. One thread (the frame's).
@@ -93,14 +94,22 @@ public:
     PooledImage* import(VkImage image, VkImageView view, VkFormat format, VkExtent2D extent);
     /// An image of ours that lives until it is retired: the visibility of a view.
     Result<std::unique_ptr<PooledImage>> ownedImage(const ImageCreate& info);
-    void retire(std::unique_ptr<PooledImage> image);
+    /// Destroyed when `lastFrame` is completed, the newest frame that anybody may read it in.
+    void retire(std::unique_ptr<PooledImage> image, std::uint64_t lastFrame);
+    void retire(std::unique_ptr<PooledImage> image) { retire(std::move(image), frame_); }
 
-    /// First touch of a resource in a frame remembers its state for withdraw().
+    /// First touch of a resource in a frame remembers its state for withdraw(); before anything of it changes.
     void touch(PooledImage& image);
     void touch(PooledBuffer& buffer);
     void touch(BufferRing& ring);
-    /// The frame begun last will not be submitted: every touched resource is as before it.
-    void withdraw();
+    /// The frame begun last will not be submitted: every touched resource is as before it. Does nothing if another
+    /// frame was begun last.
+    void withdraw(std::uint64_t frame);
+    /// The same for a frame of which a part has run, which the GPU has done with: what touched resources hold is lost.
+    void abandon(std::uint64_t frame);
+    /// Gives back all that is kept for later frames, to be free once the GPU is done with it: a frame failed for memory
+    /// and was withdrawn.
+    void evictAll();
 
     /// Forgets what is kept for a destroyed light or view (by the scope part of keys is not possible: by stamp age).
     std::uint64_t frame() const noexcept { return frame_; }
@@ -111,12 +120,18 @@ private:
         GpuImage image;
         GpuBuffer buffer;
     };
+    /// Destroys it once `frame` is completed; at once if it is.
     void release(GpuImage& image, std::uint64_t frame);
     void release(GpuBuffer& buffer, std::uint64_t frame);
+    void release(const BufferRing& ring);
     /// Gives back what this frame does not use, least recently used first, to be free once the GPU is done with it.
-    void evict(VkDeviceSize wanted);
+    /// @return whether some of it is free already.
+    bool evict(VkDeviceSize wanted);
+    Result<GpuImage> createImage(const ImageCreate& info);
+    Result<std::unique_ptr<PooledImage>> makeImage(const ImageCreate& info);
     Result<std::unique_ptr<PooledImage>> makeImage(const ImageInfo& info);
     Result<std::unique_ptr<PooledBuffer>> makeBuffer(const BufferInfo& info);
+    std::uint64_t usedBefore(std::uint64_t savedUsed) const noexcept { return savedUsed ? savedUsed : completed_; }
 
     DeviceMemory& memory_;
     std::uint64_t frame_ = 0, completed_ = 0;

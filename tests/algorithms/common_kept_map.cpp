@@ -208,7 +208,7 @@ TEST_CASE("a frame that is taken back and submitted again with other casters lea
     CHECK(frames.run(wanted).size() == 1);
     wanted[0] = {{2}, {}, 101, 0};
     CHECK(frames.run(wanted).size() == 1);
-    frames.pool.withdraw();
+    frames.pool.withdraw(frames.frame);
     --frames.frame;
     wanted[0] = {{3}, {}, 102, 0};
     CHECK(frames.run(wanted).size() == 1);

@@ -385,8 +385,14 @@ typedef struct GnFrameInfo {
 \param pFrame Views, lights and receiver depth; read during the call only.
 \return #GN_NOT_READY only while no method at all is ready; visibility is 1 everywhere meanwhile.
 
-Methods that need the CPU between passes (roundTrips > 0) are not eligible here. A recorded buffer is submitted once,
-in the order of recording; gnDropFrame() withdraws it before the next frame is recorded. */
+Methods that need the CPU between passes (roundTrips > 0) are not eligible here. A recorded buffer is submitted once, to
+the context's queue, in the order of recording; gnDropFrame() withdraws it before the next frame is recorded.
+
+After a failure the command buffer may hold part of the frame's commands, which name what is gone: it must be reset
+and must not be submitted. As with the other calls that begin a frame, nothing of it counts then, and the next call has
+the same frame number. After #GN_ERROR_OUT_OF_DEVICE_MEMORY another attempt finds more room, the more so when frames in
+flight are completed: maps and volumes kept for later frames have been given up, and so has the visibility of a view
+whose size was to change. */
 GN_API GnResult GN_CALL gnCmdRenderShadows(GnContext context, VkCommandBuffer commandBuffer, const GnFrameInfo* pFrame);
 
 /** \brief The frame last recorded by gnCmdRenderShadows() will not be submitted. */
@@ -395,9 +401,13 @@ GN_API GnResult GN_CALL gnDropFrame(GnContext context, uint64_t frame);
 /** \brief Submits what needs no host result and starts host passes on workers. Pair with gnFinishShadows(). */
 GN_API GnResult GN_CALL gnBeginShadows(GnContext context, const GnFrameInfo* pFrame);
 /** \brief Waits for host passes and submits the rest.
-\param timeoutNs Nanoseconds; UINT64_MAX waits. \return #GN_TIMEOUT if the frame is not finished; call again. */
+\param timeoutNs Nanoseconds; UINT64_MAX waits. \return #GN_TIMEOUT if the frame is not finished; call again.
+
+After a failure, too, nothing of the frame counts and the next call that begins one has the same number. But some of its
+passes may have run: what it waits for may have been waited for, its signals do not come, and its visibility and the
+layouts of its depth and normal images are undefined. */
 GN_API GnResult GN_CALL gnFinishShadows(GnContext context, uint64_t timeoutNs);
-/** \brief gnBeginShadows() and gnFinishShadows() in one. */
+/** \brief gnBeginShadows() and gnFinishShadows() in one, failures included. */
 GN_API GnResult GN_CALL gnSubmitShadows(GnContext context, const GnFrameInfo* pFrame);
 
 /** Where a view's visibility is found after a frame. In SHADER_READ_ONLY_OPTIMAL, its writes available to fragment and
