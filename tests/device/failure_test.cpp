@@ -32,8 +32,18 @@ VKAPI_ATTR VkResult VKAPI_CALL watchedSubmit(VkQueue handle, uint32_t count, con
     return vkQueueSubmit2(handle, count, submits, fence);
 }
 
+bool noGrids = false; ///< No buffer is made that is nothing but a storage buffer: depth grids alone are.
+
+VKAPI_ATTR VkResult VKAPI_CALL watchedCreateBuffer(VkDevice handle, const VkBufferCreateInfo* info,
+                                                   const VkAllocationCallbacks* allocator, VkBuffer* buffer)
+{
+    if (noGrids && info->usage == VK_BUFFER_USAGE_STORAGE_BUFFER_BIT) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    return vkCreateBuffer(handle, info, allocator, buffer);
+}
+
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL hookedGetDeviceProcAddr(VkDevice handle, const char* name)
 {
+    if (std::strcmp(name, "vkCreateBuffer") == 0) return reinterpret_cast<PFN_vkVoidFunction>(&watchedCreateBuffer);
     if (std::strcmp(name, "vkQueueSubmit2") == 0) return reinterpret_cast<PFN_vkVoidFunction>(&watchedSubmit);
     return vkGetDeviceProcAddr(handle, name);
 }
@@ -48,6 +58,7 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL hookedGetInstanceProcAddr(VkInstance in
 HostOptions watched()
 {
     queue = {};
+    noGrids = false;
     return {.context = [](GnContextCreateInfo& info) {
         info.pfnGetInstanceProcAddr = &hookedGetInstanceProcAddr;
         info.pfnLockQueue = [](VkQueue, void*) { queue.locked = true; };
@@ -209,6 +220,21 @@ TEST_CASE_FIXTURE(DeviceTest, "a frame that fails before it has a place in fligh
     CHECK(host.lastError().find("completedFrame") != std::string::npos);
     host.require(host.draw());
     CHECK(differences(host.pictures(), good) == 0);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "frames go without a depth grid that finds no memory, and measure once it does")
+{
+    Host host(smallScene(), watched());
+    const std::string rules = shippedRules("default");
+    host.require(gnLoadRules(host.context, rules.data(), rules.size(), "default"));
+    noGrids = true;
+    host.draw(4, {});
+    CHECK(host.passCount("view.depth_grid") == 0);
+    CHECK_FALSE(host.decision(0).viewerDistanceMeasured);
+    CHECK(dark(host.pictures()[0]) > 100);
+    noGrids = false;
+    host.draw(4, {});
+    CHECK(host.decision(0).viewerDistanceMeasured);
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a context whose last submit was refused is destroyed all the same")
