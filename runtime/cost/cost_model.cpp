@@ -386,9 +386,8 @@ void CostModel::forgetLight(uint32_t light) noexcept
     std::fill_n(residuals_.begin() + static_cast<std::ptrdiff_t>(first), size_t{methods_} * kTracks, Residual{});
 }
 
-Prediction CostModel::combine(const Prediction& gpu, const Prediction& cpu) const noexcept
+Prediction CostModel::sumOf(const Prediction& gpu, const Prediction& cpu) noexcept
 {
-    if (!sharedCores_) return gpu.ms >= cpu.ms ? gpu : cpu;
     Prediction sum{.ms = gpu.ms + cpu.ms,
                    .sigmaMs = std::sqrt(gpu.sigmaMs * gpu.sigmaMs + cpu.sigmaMs * cpu.sigmaMs),
                    .calibrated = gpu.calibrated || cpu.calibrated};
@@ -422,7 +421,7 @@ Prediction CostModel::predict(uint32_t light, uint32_t method, Pass pass, const 
         part.sigmaMs = part.ms * 0.6931471805599453 * part.sigmaOctaves; // d 2^x = ln 2 2^x dx
         part.calibrated = known.calibrated;
     }
-    if (any) return combine(parts[0], parts[1]);
+    if (any) return sumOf(parts[0], parts[1]);
     // Nobody knows anything: the prior of the GPU, with its doubt. A method known by its other pass has no such pass.
     const Pass other = pass == Pass::update ? Pass::resolve : Pass::update;
     for (const Processor processor : {Processor::gpu, Processor::cpu})

@@ -95,8 +95,7 @@ public:
     /// Sets the numbers of methods and light slots; keeps what is known of those that stay. Allocates.
     void resize(uint32_t methods, uint32_t lights);
 
-    /// On a device whose "GPU" runs on the CPU's cores times add up; otherwise the longer one binds.
-    /// Both are one device then, with one factor. Before the first timing.
+    /// On a device whose "GPU" runs on the CPU's cores both are one device, with one factor. Before the first timing.
     void setSharedCores(bool shared) noexcept { sharedCores_ = shared; }
     bool sharedCores() const noexcept { return sharedCores_; }
 
@@ -113,6 +112,7 @@ public:
     /// A light's slot was given to another light.
     void forgetLight(uint32_t light) noexcept;
 
+    /// GPU and CPU milliseconds together, as budgets and measured times are given.
     /// Not for two threads at a time. Cheapest light by light, pass by pass: a workload's logarithms are taken once.
     Prediction predict(uint32_t light, uint32_t method, Pass pass, const Workload& workload) const noexcept;
     /// Update and resolve; `updateSkipped` when what the update would make is still valid.
@@ -173,7 +173,7 @@ private:
     void noteScene(uint32_t method, uint32_t t) noexcept;
     const Features& recall(const Workload& workload, Pass pass) const noexcept;
     Octaves octaves(uint32_t light, uint32_t method, uint32_t t, const Features& f) const noexcept;
-    Prediction combine(const Prediction& gpu, const Prediction& cpu) const noexcept;
+    static Prediction sumOf(const Prediction& gpu, const Prediction& cpu) noexcept;
     static bool isSettled(const Residual& own, const Features& f) noexcept;
     Device& deviceOf(uint32_t t) noexcept { return devices_[sharedCores_ ? 0 : t % 2]; }
     const Device& deviceOf(uint32_t t) const noexcept { return devices_[sharedCores_ ? 0 : t % 2]; }
