@@ -33,11 +33,10 @@ constexpr double kTexelsATriangle = 64.0;
 constexpr double kOneFace = 1.0 / 6.0; // of a cube, the least that an update draws
 constexpr double kBend = 1.0 / 8.0;    // products reach the size of the logarithms at 8 octaves from the reference
 
-constexpr double kForgetting = 0.999;   // remembers about 1000 timings, some seconds of frames
+constexpr double kForgetting = 0.999;   // remembers about 1000 timings of a workload, some seconds of frames
 constexpr double kClip = 0.25;          // octaves. A spike of x4 moves the fit no more than one of x1.19
 constexpr double kSlopeVariance = 0.25; // prior: slopes are within 0.5 of the guess
 constexpr double kConstantVariance = 4; // prior: within 2 octaves, a factor of 4
-constexpr double kCovarianceCap = kConstantVariance + (kFeatures - 1) * kSlopeVariance; // never less sure than at first
 constexpr double kStartNoise = 0.0123; // log2(1.08)^2: 8 %, the timing noise usual for GPUs
 constexpr double kStartLights = 0.04;  // (0.2 octaves)^2: a light differs from the fit by 15 %, until lights have shown
 constexpr double kLeastNoise = 1e-4;   // 0.7 %: timers are no better
@@ -143,6 +142,9 @@ void CostModel::resize(uint32_t methods, uint32_t lights)
 }
 
 /// One step of recursive least squares with the given error; returns the variance of its prediction in units of noise.
+/// What is forgotten is forgotten along `f` alone (restricted forgetting: R. Kulhavy, "Restricted exponential forgetting
+/// in real-time identification", Automatica 23, 1987): a thousand timings of one workload say nothing of others, and
+/// make what was known of them no less certain. With `forgetting` 1 it is ordinary least squares.
 double CostModel::fit(Track& track, const Features& f, double error, double forgetting) noexcept
 {
     Features pf{};
@@ -152,21 +154,17 @@ double CostModel::fit(Track& track, const Features& f, double error, double forg
             pf[i] += track.covariance[i * kFeatures + j] * f[j];
         fpf += f[i] * pf[i];
     }
-    const double gain = 1.0 / (forgetting + fpf);
-    double trace = 0.0;
+    if (!(fpf > 0.0)) return 0.0; // nothing left to learn in that direction
+    const double gain = 1.0 / (1.0 + fpf);
+    // The information gained along f, less what is forgotten of it. fpf settles where the two are equal, at
+    // (1 - forgetting) / forgetting. The covariance stays positive: gained * fpf > -1.
+    const double gained = forgetting - (1.0 - forgetting) / fpf;
+    const double shrink = gained * gain / forgetting;
     for (uint32_t i = 0; i < kFeatures; ++i) {
         track.theta[i] += pf[i] * gain * error;
-        for (uint32_t j = 0; j < kFeatures; ++j) {
-            double& p = track.covariance[i * kFeatures + j];
-            p = (p - pf[i] * pf[j] * gain) / forgetting;
-        }
-        trace += track.covariance[i * kFeatures + i];
+        for (uint32_t j = 0; j < kFeatures; ++j)
+            track.covariance[i * kFeatures + j] -= pf[i] * pf[j] * shrink;
     }
-    // What is never observed must not grow without bound while the rest is forgotten.
-    constexpr double kCap = kCovarianceCap / kStartNoise;
-    if (trace > kCap)
-        for (double& p : track.covariance)
-            p *= kCap / trace;
     return fpf;
 }
 
