@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "rules/engine/number_text.hpp"
@@ -76,6 +77,23 @@ std::string because(const Engine& engine, uint32_t rule, std::size_t indent)
     return found && !found->because.empty() ? std::string(indent, ' ') + "because " + found->because + "\n" : "";
 }
 
+/// Per op of an antecedent whether an odd number of `not` stands over it: `not (a or b)` says not a and not b.
+std::vector<bool> negatedOps(std::span<const CompiledOp> ops)
+{
+    std::vector<bool> negated(ops.size(), false);
+    std::vector<std::size_t> first; // op of every operand that waits for its connective
+    for (std::size_t i = 0; i < ops.size(); ++i) {
+        if (ops[i].kind == Clause::Kind::Is)
+            first.push_back(i);
+        else if (ops[i].kind != Clause::Kind::Not)
+            first.pop_back(); // two operands become one
+        else
+            for (std::size_t k = first.back(); k < i; ++k)
+                negated[k] = !negated[k];
+    }
+    return negated;
+}
+
 } // namespace
 
 std::vector<uint32_t> rulesBehind(const Engine& engine, const Inference& inference, uint32_t output)
@@ -146,11 +164,12 @@ std::string explainRule(const Engine& engine, const Inference& inference, uint32
     std::string text = "rule " + std::string(engine.ruleId(index)) + ":";
     const auto& ops = compiled.opsOf(rule);
     const auto clauses = std::count_if(ops.begin(), ops.end(), [](auto& op) { return op.kind == Clause::Kind::Is; });
+    const std::vector<bool> negations = negatedOps(ops);
     std::string_view separator = " ";
     for (std::size_t i = 0; i < ops.size(); ++i) {
         const CompiledOp& op = ops[i];
         if (op.kind != Clause::Kind::Is) continue;
-        const bool negated = i + 1 < ops.size() && ops[i + 1].kind == Clause::Kind::Not;
+        const bool negated = negations[i];
         const bool limiting = op.variable == state.limitingVariable && op.term == state.limitingTerm;
         const double membership = inference.memberships[op.membership].low;
         const bool unknown = inference.memberships[op.membership].high != membership;

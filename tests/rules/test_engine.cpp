@@ -328,3 +328,17 @@ TEST_CASE("an explanation shows suitability, rules by strength, the limiting cla
     CHECK(reasonFor(engine, inference, 0) == "rule R1: lightRadius high 0.75, frameBudget high 0.62*");
     CHECK(reasonFor(engine, inference, 2) == "no rule that fires speaks of it");
 }
+
+TEST_CASE("a negated group is explained by what it says: not a and not b, each with its own truth")
+{
+    const auto explained = [](const char* sentence, std::initializer_list<double> facts) {
+        const Engine engine = engineOf(baseOf({ramp("x"), ramp("y")}, {sentence}), {{"left", {}}});
+        return explainRule(engine, inferenceOf(engine, facts), 0);
+    };
+    CHECK(explained("if not (x is high or y is high) then left is favoured", {0.25, 0.4}) ==
+          "rule R1: x not high 0.75, y not high 0.60*");
+    CHECK(explained("if not (x is high and not y is high) then left is favoured", {0.75, 0.9}) ==
+          "rule R1: x not high 0.25, y high 0.90*");
+    CHECK(explained("if y is high and not (not (x is high)) then left is favoured", {0.75, 0.9}) ==
+          "rule R1: y high 0.90, x high 0.75*");
+}
