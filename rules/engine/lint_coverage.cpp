@@ -9,9 +9,10 @@
 #include "rules/engine/number_text.hpp"
 
 /// Which rules fire where, exactly. Whether a rule fires depends, for every term, only on whether its membership is 0,
-/// 1 or between. So an axis falls into few cells on which that does not change, and a region of facts is a box of
-/// cells. The search below assigns one variable after the other and leaves the rest unknown; evaluating with bounds
-/// (Truth) then decides most boxes long before all variables have a value.
+/// 1 or between; with a `minimumStrength` also on whether it is above that, by the weights of the rules. So an axis
+/// falls into few cells on which that does not change, and a region of facts is a box of cells. The search below
+/// assigns one variable after the other and leaves the rest unknown; evaluating with bounds (Truth) then decides most
+/// boxes long before all variables have a value.
 
 namespace gnomon::rules {
 namespace {
@@ -57,15 +58,38 @@ struct Question {
     bool hasOtherwise = false;
 };
 
+/// Truths at which a rule of some weight, negated or not, becomes strong enough to be heard, and those that leave
+/// `otherwise` too weak to be; none without a minimumStrength.
+std::vector<double> levelsOf(const CompiledRules& compiled, double threshold)
+{
+    std::vector<double> levels;
+    if (!(threshold > kNegligibleStrength)) return levels;
+    const auto add = [&](double level) {
+        if (!(level > 0.0 && level < 1.0)) return;
+        levels.push_back(level);
+        levels.push_back(1.0 - level);
+    };
+    const double spared = compiled.hasOtherwise ? 1.0 - threshold / compiled.rules.back().weight : 0.0;
+    for (const CompiledRule& rule : compiled.rules) {
+        add(threshold / rule.weight);
+        add(spared / rule.weight);
+    }
+    std::sort(levels.begin(), levels.end());
+    levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+    return levels;
+}
+
 class Search {
 public:
     explicit Search(const Engine& engine)
-        : compiled_(engine.compiled()), options_(engine.base().options), stack_(compiled_.stackDepth),
+        : compiled_(engine.compiled()), options_(engine.base().options),
+          threshold_(std::max(options_.minimumStrength, kNegligibleStrength)), stack_(compiled_.stackDepth),
           memberships_(compiled_.membershipCount, Truth{0.0, 1.0}), strengths_(compiled_.rules.size()),
           box_(compiled_.variables.size()), behind_(variablesBehindConcepts(compiled_))
     {
+        const std::vector<double> levels = levelsOf(compiled_, threshold_);
         for (const Variable& variable : engine.base().variables)
-            cells_.push_back(cellsOf(variable));
+            cells_.push_back(cellsOf(variable, levels));
     }
 
     /// Boxes where the question is answered with no. Gives up, and says so, beyond kMostEvaluations.
@@ -103,15 +127,17 @@ private:
         descend();
     }
 
-    Truth truthOf(uint32_t rule)
+    /// Strength included: below minimumStrength a rule is silent.
+    Truth strengthIn(uint32_t rule)
     {
         ++evaluations_;
-        return evaluateAntecedent(compiled_.opsOf(compiled_.rules[rule]), memberships_, options_.conjunction, stack_)
-            .truth;
+        const Limited fired =
+            evaluateAntecedent(compiled_.opsOf(compiled_.rules[rule]), memberships_, options_.conjunction, stack_);
+        return strengthOf(fired.truth, compiled_.rules[rule].weight, threshold_);
     }
 
     /// Concepts follow from the variables. Exact like the rest, except under `sum`, where two partly true assertions
-    /// may or may not add up to a fully true one.
+    /// may or may not add up to a fully true one or to the threshold.
     void settleConcepts()
     {
         if (compiled_.concepts.empty()) return;
@@ -120,7 +146,7 @@ private:
         for (const uint32_t step : compiled_.steps) {
             if (left == 0) break; // what follows asserts nothing
             if (step < rules) {
-                strengths_[step] = strengthOf(truthOf(step), compiled_.rules[step].weight, 0.0);
+                strengths_[step] = strengthIn(step);
                 continue;
             }
             settleConcept(compiled_, compiled_.concepts[step - rules], options_.aggregation, strengths_, memberships_);
@@ -133,21 +159,24 @@ private:
     {
         bool undecided = false;
         for (const uint32_t rule : question_->rules) {
-            const Truth truth = truthOf(rule);
-            if (truth.low > 0.0) return Answer::Yes;
-            if (truth.high > 0.0) {
+            const Truth strength = strengthIn(rule);
+            if (strength.low > 0.0) return Answer::Yes;
+            if (strength.high > 0.0) {
                 undecided = true;
                 weigh(rule, worth);
             }
         }
         if (!question_->hasOtherwise) return undecided ? Answer::Undecided : Answer::No;
         bool maybeSaturated = false;
+        const double weight = compiled_.rules.back().weight;
+        const auto silences = [&](double strength) {
+            return strengthOf({1.0 - strength, 1.0}, weight, threshold_).low == 0.0;
+        };
         for (const uint32_t rule : question_->saturated) {
-            const Truth truth = truthOf(rule);
-            const double weight = compiled_.rules[rule].weight;
-            if (truth.low * weight >= 1.0) // `otherwise` is certainly silent
+            const Truth strength = strengthIn(rule);
+            if (silences(strength.low)) // `otherwise` is certainly silent
                 return undecided ? Answer::Undecided : Answer::No;
-            if (truth.high * weight >= 1.0) {
+            if (silences(strength.high)) {
                 maybeSaturated = true;
                 weigh(rule, worth);
             }
@@ -227,6 +256,7 @@ private:
 
     const CompiledRules& compiled_;
     const Options& options_;
+    const double threshold_; ///< Weaker rules are silent.
     std::vector<std::vector<Cell>> cells_;
     std::vector<Limited> stack_;
     std::vector<Truth> memberships_;
@@ -293,7 +323,8 @@ Question questionFor(const Engine& engine, uint32_t output)
 {
     const CompiledRules& compiled = engine.compiled();
     Question question;
-    question.hasOtherwise = compiled.hasOtherwise && speaksOf(compiled, compiled.rules.back(), output);
+    question.hasOtherwise = compiled.hasOtherwise && speaksOf(compiled, compiled.rules.back(), output) &&
+                            compiled.rules.back().weight >= engine.base().options.minimumStrength;
     for (uint32_t i = 0; i < engine.base().rules.size(); ++i) {
         if (speaksOf(compiled, compiled.rules[i], output))
             question.rules.push_back(i);
@@ -342,6 +373,10 @@ void checkDeadRules(const Engine& engine, DiagnosticSink& sink)
     Search search(engine);
     for (uint32_t i = 0; i < engine.base().rules.size(); ++i) {
         const Rule& rule = engine.base().rules[i];
+        if (rule.weight < engine.base().options.minimumStrength) {
+            sink.warning("L03", rule.at, "rule '" + rule.id + "' can never fire: its weight is below minimumStrength");
+            continue;
+        }
         Question question;
         question.rules = {i};
         if (!search.holdsSomewhere(question) && !search.gaveUp())
@@ -349,8 +384,6 @@ void checkDeadRules(const Engine& engine, DiagnosticSink& sink)
                          "rule '" + rule.id +
                              "' can never fire: its conditions exclude each other or ask for a "
                              "concept that no rule asserts");
-        else if (rule.weight < engine.base().options.minimumStrength)
-            sink.warning("L03", rule.at, "rule '" + rule.id + "' can never fire: its weight is below minimumStrength");
     }
 }
 

@@ -34,7 +34,7 @@ void checkWeakPoints(const Engine& engine, const SamplePoints& points, Diagnosti
         double strongest = 0.0;
         for (const OutputState& output : inference.outputs)
             strongest = std::max(strongest, output.strongestStrength);
-        if (strongest == 0.0 || strongest >= kWeak) continue;
+        if (strongest == 0.0 || strongest >= kWeak) continue; // 0: checkCoverage() names the region
         if (weak++ == 0) first = i;
     }
     if (weak != 0)

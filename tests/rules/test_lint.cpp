@@ -183,6 +183,32 @@ TEST_CASE("L02: situations that only a whisper speaks of are found by sampling, 
     CHECK(findings(lintOf(base("left is acceptable and right is acceptable")), "L02").empty());
 }
 
+TEST_CASE("L02: what minimumStrength silences is a hole, with its ends where the rules fall silent")
+{
+    RuleBase base = baseOf({ramp("x")}, {"if x is high then left is favoured and others are avoided with 0.5",
+                                         "if x is low then right is favoured and others are avoided with 0.5"});
+    CHECK(findings(lintOf(base), "L02").empty());
+    base.options.minimumStrength = 0.375; // heard from a truth of 0.75 on
+    const auto found = findings(lintOf(base), "L02");
+    REQUIRE(found.size() == 1);
+    INFO(found[0]);
+    CHECK(contains(found[0], "0.25 < x < 0.75"));
+    // `otherwise` speaks up there, unless it is too weak.
+    RuleBase spoken = baseOf({ramp("x")},
+                             {"if x is high then left is favoured and right is avoided with 0.5",
+                              "if x is low then right is favoured and left is avoided with 0.5"},
+                             "left is acceptable and right is acceptable");
+    spoken.options.minimumStrength = 0.375;
+    CHECK(findings(lintOf(spoken), "L02").empty());
+    spoken.otherwise->weight = 0.25;
+    CHECK(findings(lintOf(spoken), "L02").size() == 1);
+    // Two partly true conditions may never be heard together.
+    base = with(soundBase(), "if x is high and x is low then left is acceptable");
+    CHECK(findings(lintOf(base), "L03").empty());
+    base.options.minimumStrength = 0.6;
+    CHECK(findings(lintOf(base), "L03").size() == 1);
+}
+
 TEST_CASE("L04: two rules that favour and avoid one output at once are found, a declared exception is not")
 {
     RuleBase base = with(soundBase(), "if x is high and y is high then left is avoided");
