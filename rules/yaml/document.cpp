@@ -265,6 +265,17 @@ std::string_view kindText(const Node& node) noexcept
     return "";
 }
 
+std::string foundText(const Node& node)
+{
+    constexpr std::size_t kMost = 40; // bytes; a line of a message shows them
+    if (node.kind != Node::Kind::Scalar) return ", found " + std::string(kindText(node));
+    if (node.text.size() <= kMost) return ", found " + rules::quoted(node.text);
+    std::size_t end = kMost;
+    while (end > 0 && (static_cast<unsigned char>(node.text[end]) & 0xc0u) == 0x80u) // within a character
+        --end;
+    return ", found " + rules::quoted(node.text.substr(0, end) + "...");
+}
+
 MapReader::MapReader(const Node& node, std::string_view what, DiagnosticSink& sink)
     : node_(node), what_(what), sink_(sink)
 {
@@ -305,7 +316,7 @@ void MapReader::number(std::string_view key, double low, double high, double& ou
     else
         sink_.error("R05", found->at,
                     rules::quoted(key) + " must be a number from " + rules::shortestText(low) + " to " +
-                        rules::shortestText(high));
+                        rules::shortestText(high) + foundText(*found));
 }
 
 void MapReader::count(std::string_view key, uint32_t high, uint32_t& out)
@@ -317,7 +328,8 @@ void MapReader::count(std::string_view key, uint32_t high, uint32_t& out)
     if (value == static_cast<double>(static_cast<uint32_t>(value)))
         out = static_cast<uint32_t>(value);
     else
-        sink_.error("R05", node_.find(key)->at, rules::quoted(key) + " must be a whole number");
+        sink_.error("R05", node_.find(key)->at,
+                    rules::quoted(key) + " must be a whole number" + foundText(*node_.find(key)));
 }
 
 void MapReader::finish()

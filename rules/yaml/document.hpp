@@ -66,6 +66,9 @@ std::optional<double> numberOf(const Node& node) noexcept;
 
 /// "a number", "a list", ...: what a node is, for messages.
 std::string_view kindText(const Node& node) noexcept;
+/// ", found 'foo'": what was written where something else belongs, shortened where it is long; of what is no scalar its
+/// kind.
+std::string foundText(const Node& node);
 
 /// Reads a map key by key and reports what it did not expect. Error ids: R04 for shape, R05 for values.
 class MapReader {

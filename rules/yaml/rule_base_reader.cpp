@@ -37,7 +37,7 @@ public:
         base.suitability = defaultSuitability();
         MapReader map(document_.root, "a rule base", sink_);
         if (const Node* version = map.required("version"); version && yaml::numberOf(*version) != 1.0)
-            sink_.error("R05", version->at, "this reader knows version 1 only");
+            sink_.error("R05", version->at, "this reader knows version 1 only" + yaml::foundText(*version));
         map.text("name", base.name);
         if (const Node* node = map.optional("options")) readOptions(*node, base.options);
         if (const Node* node = map.required("variables")) readVariables(*node, base.variables);
@@ -69,7 +69,7 @@ private:
         std::string message = quoted(key) + " must be one of";
         for (const std::string_view choice : words)
             message.append(" ").append(choice);
-        sink_.error("R05", node->at, message);
+        sink_.error("R05", node->at, message + yaml::foundText(*node));
         return unchanged;
     }
 
@@ -100,7 +100,7 @@ private:
                 return;
             }
         }
-        sink_.error("R05", node.at, "'defuzzifier' must be centroid or sampled(2 to 100000)");
+        sink_.error("R05", node.at, "'defuzzifier' must be centroid or sampled(2 to 100000)" + yaml::foundText(node));
     }
 
     void readVariables(const Node& node, std::vector<Variable>& variables)

@@ -121,8 +121,8 @@ TEST_CASE("a map reader reports unknown keys, missing ones and wrong kinds at th
     for (const Diagnostic& d : sink.all())
         all += toText(d) + "\n";
     CHECK(all == "doc.yaml:1:7: error R04: 'name' must be a text, found a list\n"
-                 "doc.yaml:2:8: error R05: 'count' must be a whole number\n"
-                 "doc.yaml:3:8: error R05: 'share' must be a number from 0 to 1\n"
+                 "doc.yaml:2:8: error R05: 'count' must be a whole number, found '2.5'\n"
+                 "doc.yaml:3:8: error R05: 'share' must be a number from 0 to 1, found '7'\n"
                  "doc.yaml:1:1: error R04: a thing needs a key 'missing'\n"
                  "doc.yaml:4:1: error R04: a thing has no key 'odd'\n");
 }
