@@ -109,7 +109,8 @@ public:
     void observe(const Observation& observation) noexcept;
     void endFrame() noexcept;
 
-    /// A light's slot was given to another light.
+    /// A light is gone, and its slot free. What is known of the scene stays until a timing says more, for which the
+    /// light no longer counts.
     void forgetLight(uint32_t light) noexcept;
 
     /// GPU and CPU milliseconds together, as budgets and measured times are given.

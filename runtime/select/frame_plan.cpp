@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include "runtime/plan/worth.hpp"
 #include "runtime/scene/light_pixels.hpp"
@@ -102,8 +103,7 @@ bool isNear(const cost::Workload& a, const cost::Workload& b)
            isNear(a.casterTriangles, b.casterTriangles) && isNear(a.drawnTriangles, b.drawnTriangles) &&
            isNear(a.casters, b.casters) && isNear(a.drawnPixels, b.drawnPixels) && isNear(a.viewPixels, b.viewPixels) &&
            isNear(a.shadowPixels, b.shadowPixels) && isNear(a.mapFilled, b.mapFilled) &&
-           isNear(a.mapTouched, b.mapTouched) &&
-           isNear(a.treeLevels, b.treeLevels);
+           isNear(a.mapTouched, b.mapTouched) && isNear(a.treeLevels, b.treeLevels);
 }
 
 plan::Eligibility eligibilityOf(Exclusion exclusion)
@@ -137,7 +137,6 @@ std::uint32_t FramePlan::slotOf(LightMemory& memory)
     } else {
         memory.costSlot = freeSlots_.back();
         freeSlots_.pop_back();
-        model_.forgetLight(memory.costSlot);
         histories_[memory.costSlot] = {};
     }
     return memory.costSlot;
@@ -200,8 +199,9 @@ const TimedLight* FramePlan::timed(const LightMemory& memory) const
 
 void FramePlan::forget(LightMemory& memory)
 {
-    if (memory.costSlot != UINT32_MAX) freeSlots_.push_back(memory.costSlot);
-    memory.costSlot = UINT32_MAX;
+    if (memory.costSlot == UINT32_MAX) return;
+    model_.forgetLight(memory.costSlot);
+    freeSlots_.push_back(std::exchange(memory.costSlot, UINT32_MAX));
 }
 
 void FramePlan::add(LightDecision& decision, LightMemory& memory, const SelectionInput& input)

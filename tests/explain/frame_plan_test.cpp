@@ -1,0 +1,87 @@
+// All lights of a frame, planned without a device: methods that only have names, times that a test makes up.
+#include <doctest/doctest.h>
+
+#include "explain/desk.hpp"
+#include "runtime/core/jobs.hpp"
+#include "runtime/select/frame_plan.hpp"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+/// Lights of one view, by the built-in methods; none of them is ever run.
+class PlanTable {
+public:
+    PlanTable()
+    {
+        for (const AlgorithmEntry* entry : builtinRegistry().entries) {
+            entries_.push_back(*entry);
+            entries_.back().missing = [](const DeviceTable&) { return "there is no device"; };
+        }
+        for (const AlgorithmEntry& entry : entries_)
+            REQUIRE(methods_.addEntry(entry));
+        view_.area.extent = {640, 360};
+    }
+
+    struct Lamp {
+        LightView light;
+        LightMemory memory;
+        LightDecision decision;
+    };
+
+    /// Predicts for these lights as in a frame; every method may serve, and the rules like all alike.
+    void predict(FramePlan& plan, std::vector<Lamp>& lamps, std::uint64_t frame)
+    {
+        plan.begin();
+        for (Lamp& lamp : lamps) {
+            lamp.light.id = static_cast<std::uint32_t>(&lamp - lamps.data()) + 1;
+            lamp.decision = {};
+            lamp.decision.method = 0;
+            plan.add(lamp.decision, lamp.memory,
+                     {.view = &view_, .light = &lamp.light, .casters = &casters_, .frame = frame});
+        }
+        report = plan.decide(nullptr, {.frame = frame});
+    }
+    plan::PlanReport report; ///< Of the newest predict().
+
+    const MethodTable& methods() const { return methods_; }
+
+private:
+    std::vector<AlgorithmEntry> entries_;
+    DeviceTable vk_;
+    DeviceMemory memory_{vk_, 0, {}};
+    SamplerSet samplers_{vk_};
+    PipelineStore pipelines_{vk_, memory_, samplers_};
+    JobSystem jobs_{nullptr, nullptr, 1};
+    MethodTable methods_{vk_, pipelines_, jobs_, false};
+    CameraView view_;
+    LightCasters casters_;
+};
+
+} // namespace
+
+TEST_CASE("a light that is gone no longer counts for what is foretold of the others")
+{
+    PlanTable table;
+    const auto foretold = [&](bool forget) {
+        FramePlan plan(table.methods(), true);
+        std::vector<PlanTable::Lamp> lamps(3);
+        const auto run = [&](std::uint64_t first, std::uint32_t lamp, float ms) {
+            for (std::uint64_t frame = first; frame < first + 40; ++frame) {
+                table.predict(plan, lamps, frame);
+                lamps[lamp].memory.incumbent = 0;
+                plan.observe(lamps[lamp].memory, 0, {.frame = frame, .resolveGpuMs = ms}, false);
+                plan.endFrame();
+            }
+        };
+        run(1, 0, 8.0f);
+        if (forget) plan.forget(lamps[0].memory);
+        lamps[0].memory = {}; // another light has its place in the view
+        run(100, 1, 1.0f);
+        return lamps[2].decision.candidates[0].predictedMs;
+    };
+    const float with = foretold(false), without = foretold(true);
+    MESSAGE("ms foretold for a third light: ", with, " with the one that is gone, ", without, " without");
+    CHECK(without < 0.9f * with);
+}
