@@ -160,7 +160,30 @@ std::uint32_t Rechoice::choose(std::span<const double> facts) noexcept
 GnReason reasonOf(const plan::LightPlan& plan, plan::Why bestSuited) noexcept
 {
     if (plan.hold != plan::Hold::none) return GN_REASON_HELD;
-    return bestSuited == plan::Why::price ? GN_REASON_PRICE : GN_REASON_BUDGET;
+    switch (bestSuited) {
+    case plan::Why::price:
+        return GN_REASON_PRICE;
+    case plan::Why::floor:
+        return GN_REASON_FLOOR;
+    case plan::Why::hysteresis:
+        return GN_REASON_HELD;
+    case plan::Why::outscored:
+        return GN_REASON_WORTH;
+    default: // Why::budget, or a time that is no number, which fits nothing
+        return GN_REASON_BUDGET;
+    }
+}
+
+void takePlan(const plan::LightPlan& plan, LightDecision& decision) noexcept
+{
+    decision.floorUnmet = plan.floorUnmet;
+    decision.hold = plan.hold;
+    if (plan.chosen == plan::kNone || plan.chosen == decision.method) return;
+    if (isByRules(decision.reason)) {
+        decision.wanted = decision.method;
+        decision.reason = reasonOf(plan, decision.candidates[decision.wanted].why);
+    }
+    decision.method = plan.chosen;
 }
 
 double worthOf(const DecisionRecord& record, std::span<const Candidate> candidates, std::uint32_t method) noexcept

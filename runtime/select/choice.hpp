@@ -64,6 +64,10 @@ public:
 
     std::uint32_t choose(std::span<const double> facts) noexcept;
     const rules::Inference& inference() const { return inference_; } ///< Of the last choose().
+/// The plan's word on a decision by suitability whose candidates hold what the plan says of each (Candidate::why).
+/// Where the rules had no say, because what is wanted is not ready or nobody has an opinion, that stays the reason.
+void takePlan(const plan::LightPlan& plan, LightDecision& decision) noexcept;
+
 
 private:
     std::uint32_t chooseInPlan() const noexcept;

@@ -169,6 +169,12 @@ std::string gainText(const DecisionRecord& record)
            percent(double{record.threshold});
 }
 
+const char* heldText(const DecisionRecord& record)
+{
+    return record.hold == plan::Hold::none ? "worth more and affordable, but not by the best plan"
+                                           : holdText(record.hold);
+}
+
 /// What the plan put aside that the rules like better, and why.
 std::string passedOverLine(const DecisionRecord& record, const ExplainWords& words)
 {
@@ -179,12 +185,19 @@ std::string passedOverLine(const DecisionRecord& record, const ExplainWords& wor
     case plan::Why::budget:
         return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but needs " + changeCostText(wanted);
     case plan::Why::hysteresis:
-        return name + " would be better, but is held: " + holdText(record.hold) + "; " + gainText(record);
+        return name + " would be better, but is held: " + heldText(record) + "; " + gainText(record);
     case plan::Why::floor:
         return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but its quality " +
                fixed(double{wanted.quality}, 2) + " is below the near floor";
     case plan::Why::price:
         return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but " + priceText(record, wanted);
+    case plan::Why::outscored:
+        if (record.budgeted)
+            return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but with its quality " +
+                   fixed(double{wanted.quality}, 2) + " is worth " +
+                   fixed(worthOf(record, record.candidates, record.wanted), 3) + " against " +
+                   fixed(worthOf(record, record.candidates, record.method), 3);
+        break;
     default:
         break;
     }
@@ -289,10 +302,7 @@ void addElimination(const DecisionRecord& record, std::uint32_t method, const Ex
     case plan::Why::budget:
         return addBudget(record, candidate, lines);
     case plan::Why::hysteresis:
-        return lines.add(std::string("held: ") +
-                         (record.hold == plan::Hold::none ? "worth more and affordable, but not by the best plan"
-                                                          : holdText(record.hold)) +
-                         "; " + gainText(record));
+        return lines.add(std::string("held: ") + heldText(record) + "; " + gainText(record));
     case plan::Why::price:
         return lines.add("it suits better (" + fixed(suitabilityOf(candidate), 2) + "), but " +
                          priceText(record, candidate));

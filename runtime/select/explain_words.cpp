@@ -27,6 +27,10 @@ const char* reasonText(GnReason reason)
         return "held by the plan's hysteresis";
     case GN_REASON_PRICE:
         return "shows as much as the best suited for less, or more for about the same";
+    case GN_REASON_FLOOR:
+        return "what suits better is below the near floor";
+    case GN_REASON_WORTH:
+        return "the plan: what suits better is worth no more with its quality";
     case GN_REASON_MAX_ENUM:
         break;
     }

@@ -316,7 +316,7 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
             LightDecision& decision = *requests_[i].decision;
             for (std::uint32_t m = 0; m < methods_.size(); ++m)
                 decision.candidates[m].why = plan_.why(static_cast<std::uint32_t>(i))[m];
-            take(plan_.lights()[i], decision);
+            takePlan(plan_.lights()[i], decision);
         }
     } else {
         for (const Request& request : requests_) {
@@ -370,17 +370,6 @@ void FramePlan::explainWithoutPlan(LightDecision& decision, bool hasRules) const
                             ? plan::Why::price
                             : plan::Why::outscored;
     }
-}
-
-/// The plan's word, where it differs from the best suitability.
-void FramePlan::take(const plan::LightPlan& plan, LightDecision& decision) const
-{
-    decision.floorUnmet = plan.floorUnmet;
-    decision.hold = plan.hold;
-    if (plan.chosen == plan::kNone || plan.chosen == decision.method) return;
-    decision.wanted = decision.method;
-    decision.method = plan.chosen;
-    decision.reason = reasonOf(plan, decision.candidates[decision.wanted].why);
 }
 
 void FramePlan::observe(LightMemory& memory, std::uint32_t method, const LightTiming& timing, bool disturbed)

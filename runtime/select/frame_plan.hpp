@@ -78,7 +78,6 @@ private:
         float importance;
     };
     void fill(const rules::RuleBase* base, std::uint64_t frame);
-    void take(const plan::LightPlan& plan, LightDecision& decision) const;
     void economise(const Request& request, const Budget& budget) const;
     void explainWithoutPlan(LightDecision& decision, bool hasRules) const;
     std::uint32_t slotOf(LightMemory& memory);

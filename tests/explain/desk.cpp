@@ -108,15 +108,9 @@ void Desk::plan(const Situation& situation, LightDecision& decision, FrameRecord
                                .budgetMs = situation.budgetMs,
                                .cut = situation.cut,
                                .policy = &policy});
-    const plan::LightPlan& light = plan_.lights()[0];
     for (std::uint32_t m = 0; m < methods; ++m)
         decision.candidates[m].why = plan_.why(0)[m];
-    decision.hold = light.hold;
-    decision.floorUnmet = light.floorUnmet;
-    if (light.chosen == plan::kNone || light.chosen == decision.method) return;
-    decision.wanted = decision.method;
-    decision.method = light.chosen;
-    decision.reason = reasonOf(light, decision.candidates[decision.wanted].why);
+    takePlan(plan_.lights()[0], decision);
 }
 
 DecisionRecord Desk::decide(const Situation& situation)

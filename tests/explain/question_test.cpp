@@ -160,6 +160,38 @@ TEST_CASE("what suits better but shows no more is left for its price, with time 
     checkContains(whyNot(desk, record, "shadow_map"), {"worth", "takes 1.00 ms +- 0.10 ms against 3.00 ms"});
 }
 
+TEST_CASE("what suits better but is below the near floor is left for the floor, not for the budget")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    situation.budgetMs = 100.0;
+    situation.method("stencil_volume").quality = 0.7f;
+    const DecisionRecord record = desk.decide(situation);
+    CHECK(nameOf(record.method) == "pcf_hybrid");
+    CHECK(record.reason == GN_REASON_FLOOR);
+    checkContains(explainWhy(record, desk.words()),
+                  {"pcf_hybrid, what suits better is below the near floor",
+                   "stencil_volume suits better (0.84), but its quality 0.70 is below the near floor"});
+}
+
+TEST_CASE("what suits better but is worth no more with its quality says so")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    situation.budgetMs = 100.0;
+    situation.fact(Fact::viewerDistance) = 50.0; // the floor does not hold
+    situation.method("shadow_map").quality = 0.5f;
+    situation.method("pcf_hybrid").quality = 1.0f;
+    situation.method("shadow_map").predictedMs = 0.5f;
+    situation.method("stencil_volume").exclusion = Exclusion::lightKind;
+    const DecisionRecord record = desk.decide(situation);
+    CHECK(nameOf(record.method) == "pcf_hybrid");
+    CHECK(record.reason == GN_REASON_WORTH);
+    checkContains(explainWhy(record, desk.words()),
+                  {"pcf_hybrid, the plan: what suits better is worth no more with its quality",
+                   "shadow_map suits better", "but with its quality 0.50 is worth 0."});
+}
+
 TEST_CASE("a held method names the hold, the gain and what a change needs")
 {
     Desk desk = makeDesk();
@@ -220,6 +252,29 @@ TEST_CASE("a method that is not ready names the fallback that stands in for it")
                    "stencil_volume is wanted: not ready: its pipelines have not run yet"});
     checkContains(whyNot(desk, record, "stencil_volume"), {"not ready"});
     checkContains(whyNot(desk, record, "pcf_hybrid"), {"outscored: suitability 0.50 against 0.16", "wanted"});
+}
+
+TEST_CASE("under a budget a method that is not ready, and rules without an opinion, stay the reason")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    situation.budgetMs = 100.0;
+    situation.method("stencil_volume").exclusion = Exclusion::notReady;
+    const DecisionRecord waits = desk.decide(situation);
+    CHECK(nameOf(waits.method) == "pcf_hybrid"); // the plan's, better than the fallback
+    CHECK(waits.reason == GN_REASON_FALLBACK);
+    checkContains(explainWhy(waits, desk.words()),
+                  {"pcf_hybrid, fallback while the wanted method is not ready (stencil_volume)",
+                   "stencil_volume is wanted: not ready"});
+
+    Desk silent = makeDesk();
+    situation = {};
+    situation.budgetMs = 100.0;
+    situation.fact(Fact::viewerDistance) = std::nan(""); // no rule fires
+    situation.method("ray_traced").predictedMs = 0.1f;
+    const DecisionRecord record = silent.decide(situation);
+    CHECK(nameOf(record.method) == "ray_traced");
+    CHECK(record.reason == GN_REASON_NO_OPINION);
 }
 
 TEST_CASE("nothing able to serve is an answer, too")
