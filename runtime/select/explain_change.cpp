@@ -164,8 +164,10 @@ void addPlan(const DecisionRecord& now, const DecisionRecord& before, Explanatio
     if (now.method < now.methods && before.method < before.methods)
         lines.add("predicted " +
                   two(before.candidates[before.method].predictedMs, now.candidates[now.method].predictedMs));
-    if (now.knowledge != before.knowledge)
+    if (now.knowledge > before.knowledge)
         lines.add("the cost model learned from " + std::to_string(now.knowledge - before.knowledge) + " timings");
+    else if (now.knowledge < before.knowledge)
+        lines.add("a knowledge base was loaded in between");
 }
 
 } // namespace

@@ -323,6 +323,19 @@ TEST_CASE("what changed: the facts, the rules and the suitabilities that moved, 
     CHECK(!earlierRecord(before, 1, false, find).has_value());
 }
 
+TEST_CASE("what changed over a knowledge base that was loaded says so, and counts no timings backwards")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    DecisionRecord before = desk.decide(situation), now = desk.decide(situation);
+    before.knowledge = 500, now.knowledge = 512;
+    checkContains(explainWhatChanged(now, &before, desk.words()), {"the cost model learned from 12 timings"});
+    before.knowledge = 9000;
+    const std::string text = explainWhatChanged(now, &before, desk.words());
+    checkContains(text, {"a knowledge base was loaded in between"});
+    CHECK_FALSE(contains(text, "learned from"));
+}
+
 TEST_CASE("without the rule base of the frame the numbers still answer")
 {
     Desk desk = makeDesk();
