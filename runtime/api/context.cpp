@@ -278,6 +278,7 @@ Result<void> Context::setLightMethod(GnLight light, const char* name)
     const std::optional<SceneRegistry::LightInfo> info = scene_->lightInfo(light);
     if (!info) return invalidHandle("light");
     LightState& state = lights_[info->id];
+    state.handle = light;
     if (!name) {
         state.pinned = UINT32_MAX;
         return {};

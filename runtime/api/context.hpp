@@ -42,6 +42,7 @@ struct View {
 struct LightState {
     MotionHistory motion;
     std::uint32_t pinned = UINT32_MAX;
+    GnLight handle = VK_NULL_HANDLE; ///< Of a light that was pinned.
     std::uint64_t lastFrame = 0;
 };
 

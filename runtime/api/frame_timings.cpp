@@ -150,7 +150,8 @@ void Context::forgetOldLights()
 {
     if (frame_ % kForgetFrames != 0) return;
     std::erase_if(lights_, [&](const auto& entry) {
-        return entry.second.lastFrame + kForgetFrames < frame_ && entry.second.pinned == UINT32_MAX;
+        if (entry.second.lastFrame + kForgetFrames >= frame_) return false;
+        return entry.second.pinned == UINT32_MAX || !scene_->validLight(entry.second.handle); // a pin outlasts a pause
     });
     views_.forEach([&](std::unique_ptr<View>& view) {
         for (auto it = view->lights.begin(); it != view->lights.end();) {
