@@ -250,8 +250,7 @@ private:
     bool raysNeeded_ = false;
     float untimedGpuMs_ = 0.0f, untimedCpuMs_ = 0.0f; ///< Of untimedFrame_.
     std::uint64_t untimedFrame_ = 0;
-    std::array<float, 4> sharedMs_{}; ///< What no light is charged with, in the newest timed frames: one brings a grid.
-    std::uint32_t sharedNext_ = 0;
+    SecondOfEight sharedMs_; ///< What no light is charged with, in timed frames: one in four or more brings a grid.
     WeightedMedianOfFive timedRatios_;
     float timedScale_ = 1.0f;        ///< From what a pass takes in a timed frame to its share of an untimed one.
     double budgetMs_ = 0.0;          ///< In force; 0: none.

@@ -122,7 +122,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
         if (Result<void> ok = prepareView(*viewFrames_[i].view, info.pViews[i]); !ok) return ok.error();
     stats_ = {};
     stats_.frame = info.frame;
-    stats_.sharedMs = *std::max_element(sharedMs_.begin(), sharedMs_.end());
+    stats_.sharedMs = sharedMs_.get();
     raysNeeded_ = false;
     predictedMs_ = 0.0;
     pending_.clear();

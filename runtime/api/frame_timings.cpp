@@ -83,7 +83,7 @@ void Context::noteShared(const FrameTimings& timings)
     for (const PassTiming& pass : timings.passes)
         if (pass.owner.light == UINT32_MAX && (pass.owner.view != UINT32_MAX || pass.owner.declarer == UINT32_MAX))
             sum += pass.gpuMs * timedScale_ + pass.cpuMs;
-    sharedMs_[sharedNext_++ % sharedMs_.size()] = sum;
+    sharedMs_.add(sum);
 }
 
 /// What each light's own passes cost, scaled from the timed frame to the untimed total.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 
 #include "runtime/cost/exponent.hpp"
 
@@ -226,6 +227,14 @@ float MedianOfFive::get() const
     std::array<float, 5> sorted = values;
     std::sort(sorted.begin(), sorted.begin() + n);
     return sorted[n / 2];
+}
+
+float SecondOfEight::get() const
+{
+    std::array<float, 8> sorted = values;
+    const auto end = sorted.begin() + std::min<std::ptrdiff_t>(count, std::ssize(sorted));
+    std::partial_sort(sorted.begin(), std::min(sorted.begin() + 2, end), end, std::greater<>());
+    return count > 1 ? sorted[1] : sorted[0];
 }
 
 float WeightedMedianOfFive::get() const

@@ -97,6 +97,14 @@ struct MedianOfFive {
     void reset() { count = 0; }
 };
 
+/// The second largest of the last eight values: what recurs among them, but not what stands out once.
+struct SecondOfEight {
+    std::array<float, 8> values{};
+    std::uint32_t count = 0;
+    void add(float value) { values[count++ % values.size()] = value; }
+    float get() const; ///< The only one while there is no second; 0 without any.
+};
+
 /// Weighted median of the last five values.
 struct WeightedMedianOfFive {
     std::array<cost::Weighted, 5> values{};

@@ -111,6 +111,22 @@ TEST_CASE("of very many casters a part is asked, and stands for all")
     CHECK(levels(rough, sun(glm::vec3(0.0f, 0.0f, -1.0f)), casters) == doctest::Approx(15000.0).epsilon(0.02));
 }
 
+TEST_CASE("of eight values the second largest counts: what recurs, not what stands out once")
+{
+    SecondOfEight shared;
+    CHECK(shared.get() == 0.0f);
+    shared.add(0.5f);
+    CHECK(shared.get() == 0.5f);
+    for (int i = 0; i < 20; ++i)
+        shared.add(i % 4 ? 0.5f : 2.0f); // one in four brings a grid
+    CHECK(shared.get() == 2.0f);
+    shared.add(40.0f);
+    CHECK(shared.get() == 2.0f);
+    for (int i = 0; i < 8; ++i)
+        shared.add(3.0f); // what stays is believed
+    CHECK(shared.get() == 3.0f);
+}
+
 TEST_CASE("of five values the one with half of the weight on either side counts")
 {
     WeightedMedianOfFive middle;
