@@ -13,7 +13,7 @@
 namespace gnomon {
 
 enum class Fact : std::uint8_t {
-    dynamicLights,     ///< Count: lights of the view that are not static.
+    dynamicLights,     ///< Count: lights of the view that are not static (GN_LIGHT_STATIC_BIT), or moved all the same.
     lightMotion,       ///< Share of the last 60 frames in which the light or a caster in its range moved.
     viewerDistance,    ///< Metres from the eye to the nearest visible receiver of the light.
     screenShare,       ///< Share of the view's tiles that the light reaches, median of 5 measurements.
