@@ -12,6 +12,7 @@
 ///     L08  a decision that the noise of a fact overturns, along a recorded trace   warning, from lintTrace()
 ///     L09  a promise under `monotony` that does not hold                           warning, with the facts
 ///     L10  facts where the floor holds and no output may serve                     warning, with the facts
+///     L11  a part of the policy that has no effect without a plan                  warning, from the reader
 ///
 /// Every check is a function `void(const Engine&, DiagnosticSink&)` in lint.cpp's list.
 

@@ -134,10 +134,9 @@ struct Options {
 /// What the host should do with suitabilities. The engine carries it and acts on none of it.
 struct Policy {
     struct Budget {
-        bool automatic = false;      ///< `budget: auto`: the host derives the cap from the cheapest acceptable plan.
-        double targetFrameMs = 16.6; ///< Whole frame.
-        double shadowCapMs = 0.0;    ///< Upper bound on the budgeted part; 0 is no bound of its own.
-        double headroom = 0.02;      ///< [0, 1). Share of the budget left unspent.
+        bool automatic = false;   ///< `budget: auto`: the host derives the budget from the cheapest acceptable plan.
+        double shadowCapMs = 0.0; ///< The budget where the host gives none or more than that; 0: no cap.
+        double headroom = 0.02;   ///< [0, 1). Share of the budget left unspent.
     };
     struct Floor {
         Antecedent when;             ///< Empty: no floor.
@@ -149,7 +148,7 @@ struct Policy {
         uint32_t upgradesPerFrame = 2;
         uint32_t flipWindowFrames = 30; ///< A-B-A within this window is a flip,
         uint32_t flipBanFrames = 120;   ///< which bans the pair for so long.
-        uint32_t crossFadeFrames = 8;   ///< A changed choice is shown as a mix with the one before for so long; 0: never.
+        uint32_t crossFadeFrames = 8; ///< A changed choice is shown as a mix with the one before for so long; 0: never.
     };
     struct Probing {
         uint32_t everyFrames = 60; ///< 0 never probes.

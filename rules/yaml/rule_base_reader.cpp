@@ -46,7 +46,10 @@ public:
             readVariable("suitability", node->at, *node, base.suitability);
         if (const Node* node = map.required("rules")) readRules(*node, base.rules);
         if (const Node* node = map.optional("otherwise")) readOtherwise(*node, base);
-        if (const Node* node = map.optional("policy")) readPolicy(*node, base.policy);
+        if (const Node* node = map.optional("policy")) {
+            readPolicy(*node, base.policy);
+            if (base.options.allocation == Options::Allocation::None) reportIdle(*node);
+        }
         if (const Node* node = map.optional("kinds"))
             readWords(*node, "'kinds'", [&](const Node& word) { base.kinds.push_back({word.text, word.at}); });
         if (const Node* node = map.optional("monotony")) readMonotony(*node, base.monotony);
@@ -278,6 +281,23 @@ private:
         map.finish();
     }
 
+    /// What only a plan reads, in a base for which none is made: all of `policy` but the length of cross-fades.
+    void reportIdle(const Node& policy)
+    {
+        const auto report = [this](const yaml::Entry& entry) {
+            sink_.warning("L11", entry.keyAt,
+                          quoted(entry.key) + " has no effect without 'allocation: budget': no plan is made");
+        };
+        for (const yaml::Entry& part : policy.entries) {
+            if (part.key != "hysteresis") {
+                report(part);
+                continue;
+            }
+            for (const yaml::Entry& entry : part.value.entries)
+                if (entry.key != "crossFadeFrames") report(entry);
+        }
+    }
+
     void readBudget(const Node& node, Policy::Budget& budget)
     {
         if (node.kind == Node::Kind::Scalar && node.text == "auto") {
@@ -285,7 +305,6 @@ private:
             return;
         }
         MapReader part(node, "budget", sink_);
-        part.number("targetFrameMs", 0.01, kMillisecondLimit, budget.targetFrameMs);
         part.number("shadowCapMs", 0.0, kMillisecondLimit, budget.shadowCapMs);
         part.number("headroom", 0.0, 0.99, budget.headroom);
         part.finish();

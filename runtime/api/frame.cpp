@@ -446,12 +446,13 @@ Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& fra
     return {};
 }
 
-/// The budget in force: the host's; without one, that of `budget: auto`, once it is known.
+/// The budget in force: the host's, below the cap of the rules; without one, that cap, or what `budget: auto` has
+/// found.
 void Context::updateBudget(const GnFrameInfo& info)
 {
     const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
     const bool automatic = info.budgetMs == 0.0f && countsTime(base) && base->policy.budget.automatic;
-    budgetMs_ = info.budgetMs;
+    budgetMs_ = budgetInForce(base, double{info.budgetMs});
     budgetPerCheapest_ = 0.0;
     measuresBudget_ = budgetBegins_ = false;
     if (automatic) {

@@ -157,6 +157,13 @@ std::uint32_t Rechoice::choose(std::span<const double> facts) noexcept
                : choice.method;
 }
 
+double budgetInForce(const rules::RuleBase* base, double hostMs) noexcept
+{
+    const double cap = countsTime(base) ? base->policy.budget.shadowCapMs : 0.0;
+    if (!(cap > 0.0)) return hostMs;
+    return hostMs > 0.0 ? std::min(hostMs, cap) : cap;
+}
+
 GnReason reasonOf(const plan::LightPlan& plan, plan::Why bestSuited) noexcept
 {
     if (plan.hold != plan::Hold::none) return GN_REASON_HELD;

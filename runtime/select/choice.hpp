@@ -18,6 +18,13 @@ constexpr bool isByRules(GnReason reason)
     return reason == GN_REASON_RULES || reason == GN_REASON_INCUMBENT;
 }
 
+/// Whether predicted times have a say (`allocation: budget`); `allocation: none` takes the best suitability. Null: no
+/// rules.
+inline bool countsTime(const rules::RuleBase* base)
+{
+    return base && base->options.allocation == rules::Options::Allocation::Budget;
+}
+
 struct ChoiceInput {
     std::uint32_t incumbent = UINT32_MAX;
     std::uint32_t pinned = UINT32_MAX;
@@ -45,8 +52,16 @@ float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::
 std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t wanted,
                            std::uint32_t incumbent) noexcept;
 
+/// The budget of a frame for which the host gives `hostMs` (0: none): that, but no more than the cap of rules that
+/// plan. 0: none.
+double budgetInForce(const rules::RuleBase* base, double hostMs) noexcept;
+
 /// Why the plan's choice is not the best suited method, of which it says `bestSuited`.
 GnReason reasonOf(const plan::LightPlan& plan, plan::Why bestSuited) noexcept;
+
+/// The plan's word on a decision by suitability whose candidates hold what the plan says of each (Candidate::why).
+/// Where the rules had no say, because what is wanted is not ready or nobody has an opinion, that stays the reason.
+void takePlan(const plan::LightPlan& plan, LightDecision& decision) noexcept;
 
 /// What the plan counts for a method: importance * suitability * quality, the suitability shared by what shows as much
 /// (plan/worth.hpp).
@@ -64,10 +79,6 @@ public:
 
     std::uint32_t choose(std::span<const double> facts) noexcept;
     const rules::Inference& inference() const { return inference_; } ///< Of the last choose().
-/// The plan's word on a decision by suitability whose candidates hold what the plan says of each (Candidate::why).
-/// Where the rules had no say, because what is wanted is not ready or nobody has an opinion, that stays the reason.
-void takePlan(const plan::LightPlan& plan, LightDecision& decision) noexcept;
-
 
 private:
     std::uint32_t chooseInPlan() const noexcept;

@@ -10,7 +10,6 @@
 #include "runtime/scene/light_pixels.hpp"
 #include "runtime/scene/map_cover.hpp"
 #include "runtime/scene/shadow_pixels.hpp"
-#include "runtime/select/choice.hpp"
 
 namespace gnomon {
 

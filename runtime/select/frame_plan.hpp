@@ -8,16 +8,10 @@
 
 #include "runtime/cost/method_measures.hpp"
 #include "runtime/plan/probe.hpp"
+#include "runtime/select/choice.hpp"
 #include "runtime/select/selector.hpp"
 
 namespace gnomon {
-
-/// Whether predicted times have a say (`allocation: budget`); `allocation: none` takes the best suitability. Null: no
-/// rules.
-inline bool countsTime(const rules::RuleBase* base)
-{
-    return base && base->options.allocation == rules::Options::Allocation::Budget;
-}
 
 /// What a light's passes took in one timed frame.
 struct LightTiming {

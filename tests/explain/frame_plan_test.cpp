@@ -3,6 +3,7 @@
 
 #include "explain/desk.hpp"
 #include "runtime/core/jobs.hpp"
+#include "runtime/select/choice.hpp"
 #include "runtime/select/frame_plan.hpp"
 
 using namespace gnomon;
@@ -84,4 +85,19 @@ TEST_CASE("a light that is gone no longer counts for what is foretold of the oth
     const float with = foretold(false), without = foretold(true);
     MESSAGE("ms foretold for a third light: ", with, " with the one that is gone, ", without, " without");
     CHECK(without < 0.9f * with);
+}
+
+TEST_CASE("a cap of the rules is the budget where the host gives none, and never raises the host's")
+{
+    rules::RuleBase base;
+    base.policy.budget.shadowCapMs = 4.0;
+    CHECK(budgetInForce(&base, 0.0) == 0.0); // nothing plans
+    base.options.allocation = rules::Options::Allocation::Budget;
+    CHECK(budgetInForce(&base, 0.0) == 4.0);
+    CHECK(budgetInForce(&base, 3.0) == 3.0);
+    CHECK(budgetInForce(&base, 5.0) == 4.0);
+    base.policy.budget.shadowCapMs = 0.0;
+    CHECK(budgetInForce(&base, 5.0) == 5.0);
+    CHECK(budgetInForce(&base, 0.0) == 0.0);
+    CHECK(budgetInForce(nullptr, 5.0) == 5.0);
 }

@@ -66,7 +66,7 @@ rules:
   - {rule: "if x is high then never p"}
 otherwise: p is good with 0.1
 policy:
-  budget: {targetFrameMs: 8.3, shadowCapMs: 4, headroom: 0.05}
+  budget: {shadowCapMs: 4, headroom: 0.05}
   floor: {when: x is low and x is not high, minimumQuality: 0.7, atStrength: 0.4}
   hysteresis: {planGain: 0.03, upgradesPerFrame: 1, flipWindowFrames: 20, flipBanFrames: 90, crossFadeFrames: 5}
   probing: {everyFrames: 30, sigma: 1.5}
@@ -90,7 +90,6 @@ tuned: {by: hand, from: nowhere, hash: "0"}
     CHECK(base.rules.at(1).consequents.at(0).isVeto());
     REQUIRE(base.otherwise.has_value());
     CHECK(base.otherwise->weight == 0.1);
-    CHECK(base.policy.budget.targetFrameMs == 8.3);
     CHECK(base.policy.budget.shadowCapMs == 4);
     CHECK_FALSE(base.policy.budget.automatic);
     CHECK(base.policy.floor.when.size() == 4);
@@ -110,6 +109,27 @@ TEST_CASE("suitability and policy have defaults, and budget may be auto")
     CHECK(base.policy.hysteresis.crossFadeFrames == 8);
     CHECK(base.policy.floor.when.empty());
     CHECK(base.options.allocation == Options::Allocation::None);
+}
+
+TEST_CASE("L11: what only a plan reads is reported in a base for which none is made, and nothing else is")
+{
+    const auto reported = [](const std::string& allocation) {
+        std::string text;
+        const std::string base =
+            std::string(kHead) +
+            "rules: [{rule: if x is low then p is favoured}]\noptions: {allocation: " + allocation +
+            "}\npolicy:\n  budget: {headroom: 0.1}\n  floor: {when: x is low}\n"
+            "  hysteresis: {planGain: 0.1, crossFadeFrames: 4}\n  probing: {everyFrames: 0}\n";
+        const ParseResult result = parseRuleBase(base, "");
+        CHECK(result.base.has_value());
+        for (const Diagnostic& d : result.diagnostics) {
+            CHECK(d.severity == Severity::Warning);
+            text += std::to_string(d.line) + " " + d.id + " " + d.message.substr(0, d.message.find(" has")) + "\n";
+        }
+        return text;
+    };
+    CHECK(reported("budget").empty());
+    CHECK(reported("none") == "7 L11 'budget'\n8 L11 'floor'\n9 L11 'planGain'\n10 L11 'probing'\n");
 }
 
 TEST_CASE("errors name line and column, inside sentences too, and all are reported at once")
@@ -145,6 +165,8 @@ TEST_CASE("a faulty rule base is refused with the place of each fault")
           "5:24: error R05: 'defuzzifier' must be centroid or sampled(2 to 100000), found 'sampled(1)'\n");
     CHECK(errorsOf(head + rules + "policy: {budget: {headroom: 1.5}}\n") ==
           "5:29: error R05: 'headroom' must be a number from 0 to 0.99, found '1.5'\n");
+    CHECK(errorsOf(head + rules + "policy: {budget: {targetFrameMs: 16}}\n") ==
+          "5:19: error R04: budget has no key 'targetFrameMs'\n");
     for (const std::string frames : {"-1", "601", "some", "[8]"})
         CHECK(errorsOf(head + rules + "options: {allocation: budget}\npolicy: {hysteresis: {crossFadeFrames: " +
                        frames + "}}\n") == "6:40: error R05: 'crossFadeFrames' must be a number from 0 to 600, found " +
