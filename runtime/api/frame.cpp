@@ -430,7 +430,7 @@ Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& fra
                                    .pinned = state.pinned,
                                    .dynamicLights = dynamicLights,
                                    .lightMotion = state.motion.share(),
-                                   .frameBudget = budgetMs_ > 0.0 ? lastPredictedMs_ / budgetMs_ : 0.0,
+                                   .frameBudget = budgetMs_ > 0.0 ? planReport_.cheapestMs / budgetMs_ : 0.0,
                                    .frameRate = rate,
                                    .importance = light.importance,
                                    .recorded = mode == FrameMode::recorded,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -155,6 +156,21 @@ std::uint32_t Rechoice::choose(std::span<const double> facts) noexcept
     return record_.priced && isByRules(choice.reason)
                ? cheaperEqual(all, choice.method, record_.guessed ? UINT32_MAX : record_.incumbent)
                : choice.method;
+}
+
+float cheapestMs(std::span<const Candidate> candidates, std::uint32_t pinned) noexcept
+{
+    if (pinned < candidates.size() &&
+        (candidates[pinned].exclusion == Exclusion::none || candidates[pinned].exclusion == Exclusion::vetoed))
+        return candidates[pinned].predictedMs;
+    const bool spoken = std::any_of(candidates.begin(), candidates.end(), [](const Candidate& candidate) {
+        return candidate.exclusion == Exclusion::none && candidate.quantised >= 0;
+    });
+    float least = std::numeric_limits<float>::infinity();
+    for (const Candidate& candidate : candidates)
+        if (candidate.exclusion == Exclusion::none && (candidate.quantised >= 0 || !spoken))
+            least = std::min(least, candidate.predictedMs);
+    return std::isfinite(least) ? least : 0.0f;
 }
 
 double budgetInForce(const rules::RuleBase* base, double hostMs) noexcept

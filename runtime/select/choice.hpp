@@ -52,6 +52,11 @@ float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::
 std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t wanted,
                            std::uint32_t incumbent) noexcept;
 
+/// What the cheapest of the methods that may serve is predicted to take, ms; what is pinned, where that may. It depends
+/// on no choice, so that rules which ask for it (Fact::frameBudget) do not answer to themselves. 0 where nothing may
+/// serve.
+float cheapestMs(std::span<const Candidate> candidates, std::uint32_t pinned) noexcept;
+
 /// The budget of a frame for which the host gives `hostMs` (0: none): that, but no more than the cap of rules that
 /// plan. 0: none.
 double budgetInForce(const rules::RuleBase* base, double hostMs) noexcept;

@@ -20,7 +20,7 @@ enum class Fact : std::uint8_t {
     casterTriangles,   ///< log10 of the triangles in range.
     lightRadius,       ///< Metres.
     receiverPlanarity, ///< Share of the light's visible receivers on one plane; unknown (NaN) until measured.
-    frameBudget,       ///< Predicted shadow ms / budget; 0 without a budget.
+    frameBudget,       ///< Predicted ms of the cheapest methods that may serve / budget; 0 without a budget.
     frameRate,         ///< Hz, mean over the last 30 frames.
     count
 };

@@ -319,6 +319,8 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
         }
     } else {
         for (const Request& request : requests_) {
+            const std::span all = std::span<const Candidate>(request.decision->candidates).first(methods_.size());
+            report.cheapestMs += double{cheapestMs(all, request.pinned)};
             if (countsTime(base)) economise(request, budget);
             explainWithoutPlan(*request.decision, base != nullptr);
         }

@@ -45,7 +45,8 @@ public:
         bool probe = false; ///< probe() is wanted.
         std::uint64_t frame = 0;
     };
-    /// Predicts, and with a budget and a rule base that says so, chooses anew. @return the report of the plan step.
+    /// Predicts, and with a budget and a rule base that says so, chooses anew. @return the report of the plan step;
+    /// where there was none, PlanReport::cheapestMs alone, and without a floor.
     plan::PlanReport decide(const rules::RuleBase* base, const Budget& budget);
     /// What the newest decide() would have measured; lights by the order of add().
     const plan::Probe& probe() const { return probe_; }

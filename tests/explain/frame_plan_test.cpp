@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "explain/desk.hpp"
+#include "rules/yaml/shipped.hpp"
 #include "runtime/core/jobs.hpp"
 #include "runtime/select/choice.hpp"
 #include "runtime/select/frame_plan.hpp"
@@ -85,6 +86,66 @@ TEST_CASE("a light that is gone no longer counts for what is foretold of the oth
     const float with = foretold(false), without = foretold(true);
     MESSAGE("ms foretold for a third light: ", with, " with the one that is gone, ", without, " without");
     CHECK(without < 0.9f * with);
+}
+
+TEST_CASE("without a plan, too, it is known what the cheapest methods would take, whichever serve")
+{
+    PlanTable table;
+    FramePlan plan(table.methods(), true);
+    std::vector<PlanTable::Lamp> lamps(2);
+    table.predict(plan, lamps, 1);
+    double sum = 0.0;
+    for (const PlanTable::Lamp& lamp : lamps)
+        sum += double{cheapestMs(std::span(lamp.decision.candidates).first(table.methods().size()), UINT32_MAX)};
+    CHECK(sum > 0.0);
+    CHECK(table.report.cheapestMs == sum);
+}
+
+TEST_CASE("what the cheapest takes heeds pins, vetoes and silence, and not what serves")
+{
+    std::vector<Candidate> candidates(3);
+    for (std::uint32_t m = 0; m < 3; ++m)
+        candidates[m].predictedMs = 1.0f + static_cast<float>(m);
+    CHECK(cheapestMs(candidates, UINT32_MAX) == 1.0f); // nobody has an opinion: all may serve
+    candidates[1].quantised = candidates[2].quantised = 100;
+    CHECK(cheapestMs(candidates, UINT32_MAX) == 2.0f);
+    candidates[1].exclusion = Exclusion::vetoed;
+    CHECK(cheapestMs(candidates, UINT32_MAX) == 3.0f);
+    CHECK(cheapestMs(candidates, 1) == 2.0f);
+    for (Candidate& candidate : candidates)
+        candidate.exclusion = Exclusion::notReady;
+    CHECK(cheapestMs(candidates, 1) == 0.0f);
+}
+
+TEST_CASE("rules that ask for the budget do not take turns with their own effect")
+{
+    std::string none(rules::shippedRuleBase("battery"));
+    const std::size_t at = none.find("allocation: budget");
+    REQUIRE(at != std::string::npos);
+    none.replace(at, 18, "allocation: none");
+    for (const std::string& text : {none, std::string(rules::shippedRuleBase("battery"))})
+        for (const double budgetMs : {2.0, 5.0, 8.0, 10.0, 16.0, 30.0}) {
+            std::optional<rules::Engine> engine = bindRules(text);
+            REQUIRE(engine.has_value());
+            Desk desk(std::move(*engine));
+            Situation situation;
+            situation.budgetMs = text == none ? 0.0 : budgetMs;
+            situation.fact(Fact::screenShare) = 0.5;
+            situation.fact(Fact::casterTriangles) = 3.2; // volumes are favoured while there is time
+            for (Candidate& candidate : situation.candidates)
+                candidate.predictedMs = 20.0f;
+            situation.method("shadow_map").predictedMs = 6.0f;
+            situation.method("shadow_map").quality = 0.8f;
+            std::uint32_t switches = 0;
+            for (int frame = 0; frame < 400; ++frame) {
+                const DecisionRecord record = desk.decide(situation);
+                switches += record.switched;
+                situation.incumbent = record.method;
+                situation.fact(Fact::frameBudget) = double{cheapestMs(record.all(), UINT32_MAX)} / budgetMs;
+            }
+            CAPTURE(budgetMs);
+            CHECK(switches <= 1); // from the first frame, which knows no budget yet
+        }
 }
 
 TEST_CASE("a cap of the rules is the budget where the host gives none, and never raises the host's")
