@@ -1,6 +1,10 @@
 // All lights of a frame, planned without a device: methods that only have names, times that a test makes up.
 #include <doctest/doctest.h>
 
+#include <fstream>
+#include <iterator>
+#include <random>
+
 #include "explain/desk.hpp"
 #include "rules/yaml/shipped.hpp"
 #include "runtime/core/jobs.hpp"
@@ -161,4 +165,49 @@ TEST_CASE("a cap of the rules is the budget where the host gives none, and never
     CHECK(budgetInForce(&base, 5.0) == 5.0);
     CHECK(budgetInForce(&base, 0.0) == 0.0);
     CHECK(budgetInForce(nullptr, 5.0) == 5.0);
+}
+
+TEST_CASE("by the knowledge that ships, no rule favours near what the floor keeps from serving")
+{
+    std::ifstream file(GNOMON_KNOWLEDGE, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const cost::KnowledgeResult knowledge = cost::parseKnowledge(text);
+    REQUIRE(knowledge.base);
+    const AlgorithmRegistry registry = builtinRegistry();
+    for (const rules::ShippedRuleBase& shipped : rules::shippedRuleBases()) {
+        const std::optional<rules::Engine> engine = bindRules(shipped.text);
+        REQUIRE(engine.has_value());
+        const rules::Policy::Floor& floor = engine->base().policy.floor;
+        if (floor.when.empty()) continue;
+        rules::Inference inference = engine->makeInference();
+        const rules::CompiledRules& compiled = engine->compiled();
+        std::vector<double> lacking(registry.entries.size(), 1.0); // quality where favoured but below the floor
+        std::mt19937 random(7);
+        for (int round = 0; round < 20'000; ++round) {
+            FactValues facts{};
+            for (std::size_t i = 0; i < compiled.variables.size(); ++i) {
+                const rules::CompiledVariable& variable = compiled.variables[i];
+                facts[variable.fact] =
+                    variable.low + (variable.high - variable.low) * static_cast<double>(random()) / 0x1p32;
+            }
+            engine->evaluate(facts, inference);
+            if (inference.floorTruth < floor.atStrength) continue;
+            for (std::uint32_t rule = 0; rule < engine->base().rules.size(); ++rule) {
+                if (inference.rules[rule].strength <= 0.5) continue;
+                for (const std::uint32_t slot : compiled.effectsOf(compiled.rules[rule])) {
+                    if (slot % compiled.suitabilityTerms + 1 != compiled.suitabilityTerms) continue;
+                    const std::uint32_t output = slot / compiled.suitabilityTerms;
+                    Method method;
+                    method.entry = registry.entries[output];
+                    for (const SettingSpec& setting : method.entry->settings)
+                        method.settings.push_back(setting.standard);
+                    const double quality = lacking[output] == 1.0 ? double{qualityOf(method, *knowledge.base)} : 1.0;
+                    if (quality < floor.minimumQuality) lacking[output] = quality;
+                }
+            }
+        }
+        for (std::size_t output = 0; output < lacking.size(); ++output)
+            CHECK_MESSAGE(lacking[output] == 1.0, std::string(shipped.name), ": ",
+                          std::string(registry.entries[output]->name), " ", lacking[output]);
+    }
 }
