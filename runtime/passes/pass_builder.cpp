@@ -196,11 +196,19 @@ BufferId PassBuilder::persistent(const BufferInfo& info)
     return graph_.findOrMake(info, true);
 }
 
+bool PassGraph::answeredAgain(KeptState& kept, std::uint64_t stamp)
+{
+    if (!kept.answer || kept.stamp != 0) return kept.answer;
+    taskStale_.push_back(&kept); // it may throw; nothing is promised yet
+    kept.stamp = stamp;
+    return true;
+}
+
 bool PassBuilder::stale(ImageId image, std::uint64_t stamp)
 {
     if (!image) return true;
     KeptState& kept = graph_.images_[image.index].pooled->kept;
-    if (kept.askedFrame == graph_.pool_.frame()) return kept.answer;
+    if (kept.askedFrame == graph_.pool_.frame()) return graph_.answeredAgain(kept, stamp);
     const bool answer = kept.stamp != stamp;
     if (answer) graph_.taskStale_.push_back(&kept); // it may throw; nothing is promised yet
     kept.askedFrame = graph_.pool_.frame();
@@ -214,7 +222,7 @@ bool PassBuilder::stale(BufferId buffer, std::uint64_t stamp)
     if (!buffer) return true;
     FrameBuffer& entry = graph_.buffers_[buffer.index];
     KeptState& kept = entry.pooled->kept;
-    if (kept.askedFrame == graph_.pool_.frame()) return kept.answer;
+    if (kept.askedFrame == graph_.pool_.frame()) return graph_.answeredAgain(kept, stamp);
     if (kept.stamp == stamp) {
         kept.askedFrame = graph_.pool_.frame();
         kept.answer = false;

@@ -189,8 +189,9 @@ std::optional<Error> PassGraph::endTask()
         kept_ += taskKept_;
         return std::nullopt;
     }
-    // The task cannot run. Its passes become empty ones rather than vanish (others may follow them), and what they
-    // would have made is not kept. View-scope passes that are whole stay: other lights share them.
+    // The task cannot run. Its passes become empty ones, since they are known by their place, and what they would have
+    // made is not kept. View-scope passes that are whole stay: other lights share them. Of the others, a later task of
+    // the frame declares those anew that it shares.
     for (std::size_t i = taskFirstPass_; i < passes_.size(); ++i) {
         Pass& pass = passes_[i];
         if (pass.owner.light == UINT32_MAX && pass.fn) continue;
@@ -233,7 +234,8 @@ BufferId PassGraph::addBuffer(PooledBuffer& buffer)
 PassRef PassGraph::open(PassKind kind, const char* name, Scope scope, std::uint32_t variant)
 {
     pendingKey_ = key(scope, name, variant, 0x70617373); // "pass"
-    pendingDropped_ = find(pendingKey_) != UINT32_MAX;
+    const std::uint32_t known = find(pendingKey_);
+    pendingDropped_ = known != UINT32_MAX && passes_[known].fn; // one that was taken back is declared anew
     pendingBroken_ = false;
     pending_ = Pass{.name = name, .kind = kind, .owner = owner_};
     pending_.owner.declarer = owner_.method;
@@ -296,6 +298,7 @@ void PassGraph::place(Pass& pass, std::uint32_t index)
         for (std::uint32_t older = newest; older != UINT32_MAX; older = accesses_[older].next) {
             if (accesses_[older].pass == index) continue;
             const Pass& olderPass = passes_[accesses_[older].pass];
+            if (!olderPass.fn) continue; // taken back: does nothing
             if (conflict(accesses_[older], access, olderPass.kind, pass.kind)) after(olderPass);
         }
         access.next = newest;

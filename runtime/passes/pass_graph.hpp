@@ -139,6 +139,8 @@ private:
     void close(void (*fn)(void*, PassContext*, HostContext*), const void* body, std::size_t size,
                std::size_t alignment);
     void place(Pass& pass, std::uint32_t index);
+    /// The frame's answer about a stamp, given once more; who is the next to promise what a task has taken back.
+    bool answeredAgain(KeptState& kept, std::uint64_t stamp);
     BufferId hostCopy(ImageId image, const char* name, VkDeviceSize texelSize);
 
     ResourcePool& pool_;

@@ -201,6 +201,20 @@ TEST_CASE("what a task that failed has promised is drawn when it is declared aga
     CHECK(frames.layers[0] == Revisions{1, 7});
 }
 
+TEST_CASE("what a task that failed was to draw is drawn for a later task of the frame, and kept")
+{
+    for (const std::uint32_t failing : {0u, 1u}) {
+        Frames frames;
+        const std::vector<Wanted> wanted{{{1}, {7}, 100, 50}, {{2}, {}, 200, 0}};
+        frames.failing = failing;
+        CHECK(frames.run(wanted, 2) == Names{"statics 0", "casters 1", "copy 0", "casters 0"});
+        CHECK(frames.layers == std::vector<Revisions>{{1, 7}, {2}});
+        frames.failing = UINT32_MAX;
+        CHECK(frames.run(wanted, 2).empty());
+        CHECK(frames.layers == std::vector<Revisions>{{1, 7}, {2}});
+    }
+}
+
 TEST_CASE("a frame that is taken back and submitted again with other casters leaves their stamp")
 {
     Frames frames;
