@@ -176,9 +176,6 @@ public:
     /// The task cannot run; its passes are taken back and the light is lit in this frame.
     void fail(const Error& error);
 
-    /// Number of the frame under declaration.
-    std::uint64_t frame() const;
-
     /// Memory of this frame for closures to share (counts set by a prepare pass, read while recording).
     FrameArena& arena();
 

@@ -29,6 +29,7 @@ void SceneRegistry::Impl::forgetDestroyed()
 {
     if (destroyed == 0) return;
     std::erase_if(dirty, [](const InstanceRecord* record) { return record->destroyed; });
+    std::erase_if(hostDrawn, [](const InstanceRecord* record) { return record->destroyed; });
     std::erase_if(order, [](const InstancePtr& record) { return record->destroyed; });
     destroyed = 0;
 }
@@ -41,6 +42,13 @@ void SceneRegistry::Impl::markChangedMeshes()
         const MeshView* view = revision ? (*revision)->shown : nullptr;
         if (view != record->seenView || (view && view->revision != record->seenPositions)) mark(*record);
     }
+}
+
+/// What the host draws may be another shape in every frame, without a word to us; static ones are promised to rest.
+void SceneRegistry::Impl::markHostDrawn()
+{
+    for (InstanceRecord* record : hostDrawn)
+        if (!record->isStatic) mark(*record);
 }
 
 /// @return whether the instance entered or left the casters.
@@ -101,6 +109,7 @@ const SceneRegistry::Snapshot& SceneRegistry::begin(std::uint64_t frame, const s
         self.adoptBuilt(self.releasedRevisions);
         self.forgetDestroyed();
         if (std::exchange(self.meshesChanged, false)) self.markChangedMeshes();
+        self.markHostDrawn();
         if (shifted)
             for (const InstancePtr& record : self.order)
                 self.mark(*record);

@@ -58,12 +58,14 @@ Result<GnInstance> SceneRegistry::createInstance(const GnInstanceCreateInfo& inf
         return error;
     }
     makeRoom(impl_->order);
+    if (caster.hostDrawn) makeRoom(impl_->hostDrawn);
     impl_->dirty.reserve(impl_->order.capacity()); // begin() may have to look at all of them
     const std::uint64_t handle = impl_->instances.insert(record);
     if (!handle) return tooMany("instance");
     record->handle = handle;
     caster.id = SlotMap<InstancePtr>::indexOf(handle) + 1;
     impl_->mark(*record);
+    if (caster.hostDrawn) impl_->hostDrawn.push_back(record.get());
     impl_->order.push_back(std::move(record));
     return handleFromBits<GnInstance>(handle);
 }

@@ -60,6 +60,7 @@ struct SceneRegistry::Impl {
     void mark(InstanceRecord& record);
     void forgetDestroyed();
     void markChangedMeshes();
+    void markHostDrawn();
     bool refreshMarked();
     bool refresh(InstanceRecord& record);
     void refreshLights(bool shifted);
@@ -77,12 +78,13 @@ struct SceneRegistry::Impl {
     mutable std::mutex mutex; ///< Guards what follows.
     SlotMap<RevisionPtr> meshes;
     SlotMap<InstancePtr> instances;
-    std::vector<InstancePtr> order;     ///< By creation; destroyed ones until the next frame.
-    std::vector<InstanceRecord*> dirty; ///< To be looked at by the next frame.
-    std::size_t destroyed = 0;          ///< In `order`.
-    bool castersLeft = false;           ///< One of those was in the frame's arrays.
-    bool meshesChanged = false;         ///< Since the last frame.
-    std::vector<RevisionPtr> building;  ///< Jobs submitted, or about to be.
+    std::vector<InstancePtr> order;         ///< By creation; destroyed ones until the next frame.
+    std::vector<InstanceRecord*> hostDrawn; ///< Those of `order` that the host draws.
+    std::vector<InstanceRecord*> dirty;     ///< To be looked at by the next frame.
+    std::size_t destroyed = 0;              ///< In `order`.
+    bool castersLeft = false;               ///< One of those was in the frame's arrays.
+    bool meshesChanged = false;             ///< Since the last frame.
+    std::vector<RevisionPtr> building;      ///< Jobs submitted, or about to be.
     std::vector<MeshUpload> uploads;
     std::vector<RecordedUpload> recorded;
     std::vector<Grave> graves;

@@ -54,7 +54,8 @@ struct Caster {
     glm::mat3 basis{1.0f};          ///< world = basis * object + translation
     glm::vec3 translation{0.0f};    ///< Relative to the frame's origin, metres.
     Aabb bounds;                    ///< World, relative to the origin.
-    std::uint64_t revision = 0;     ///< Unique over all instances; changes when transform, mesh or positions do.
+    std::uint64_t revision = 0;     ///< Unique over all instances; changes when transform, mesh or positions do, that
+                                    ///< of a host-drawn one that is not static in every frame.
     std::uint32_t mask = 0xffffffffu;
     bool isStatic = false;
     bool mirrored = false; ///< The basis has a negative determinant: winding is reversed.

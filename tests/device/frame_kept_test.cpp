@@ -74,6 +74,21 @@ TEST_CASE_FIXTURE(DeviceTest,
     }
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "casters that the host draws are drawn in every frame, static ones once")
+{
+    for (const GnInstanceFlags flags : {0u, uint32_t(GN_INSTANCE_STATIC_BIT)}) {
+        Host host(sceneWithFarCaster(demo::LightKind::Spot));
+        addHostDrawn(host, flags, 0.0, 0xffffffffu);
+        host.pinAll("shadow_map");
+        host.require(host.draw());
+        CHECK(updates(host) > 0);
+        for (int frame = 0; frame < 3; ++frame) {
+            host.require(host.draw());
+            CHECK((updates(host) > 0) == (flags == 0));
+        }
+    }
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "silhouettes are found once, again exactly when a caster in range moved")
 {
     Host host(sceneWithFarCaster(demo::LightKind::Spot));

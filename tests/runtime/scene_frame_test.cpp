@@ -291,6 +291,35 @@ TEST_CASE("a light's casters match its mask and reach, statics first")
     CHECK(casters.hostDrawn == 1);
 }
 
+TEST_CASE("what the host draws is another caster in every frame, unless it is promised to rest")
+{
+    World world;
+    const GnLight light = world.bulb(0.0, 10.0f);
+    GnInstanceCreateInfo grass = instanceOf(VK_NULL_HANDLE, {}, GN_INSTANCE_HOST_DRAWN_BIT);
+    grass.pfnDrawCasters = [](VkCommandBuffer, const GnCasterProjection*, void*) {};
+    const GnInstance moving = *world.scene.registry->createInstance(grass);
+    grass.flags |= GN_INSTANCE_STATIC_BIT;
+    REQUIRE(world.scene.registry->createInstance(grass));
+    world.place(at(1));
+    const auto revisions = [&] {
+        world.scene.begin();
+        std::vector<std::uint64_t> result;
+        const LightCasters casters = world.castersOf(light);
+        for (const Caster* caster : casters.all)
+            result.push_back(caster->revision);
+        return result; // the static one first
+    };
+    const std::vector<std::uint64_t> first = revisions(), second = revisions();
+    REQUIRE(first.size() == 3);
+    REQUIRE(second.size() == 3);
+    CHECK(second[0] == first[0]);
+    CHECK(second[1] != first[1]);
+    CHECK(second[2] == first[2]);
+    world.scene.registry->destroyInstance(moving);
+    const std::vector<std::uint64_t> third = revisions();
+    CHECK(third == std::vector{first[0], first[2]});
+}
+
 TEST_CASE("stamps change exactly when the set or a member does")
 {
     World world;

@@ -221,7 +221,8 @@ typedef struct GnTransform {
 } GnTransform;
 
 typedef enum GnInstanceFlagBits {
-    GN_INSTANCE_STATIC_BIT = 0x1,           ///< Will not move. If it does: reported once, moving from then on.
+    GN_INSTANCE_STATIC_BIT = 0x1,           ///< Will not move. If it does: reported once, moving from then on. Host-drawn:
+                                            ///< nor change its shape; without the bit it is drawn anew in every frame.
     GN_INSTANCE_ALPHA_TESTED_BIT = 0x2,     ///< Needs pfnOpacity in rays; raster methods need it host-drawn.
     GN_INSTANCE_HOST_DRAWN_BIT = 0x4,       ///< Drawn by pfnDrawCasters; methods that read triangles cannot see it.
     GN_INSTANCE_MAY_BE_MISSED_BIT = 0x8,    ///< Methods that cannot see this host-drawn instance stay eligible.
