@@ -43,8 +43,6 @@ DepthCasters::DepthCasters(const DepthMapPipelines& pipelines, const LightFit& f
 
 void DepthCasters::operator()(PassContext& gpu, std::span<const Caster* const> casters, bool) const
 {
-    // The host's pipelines may take the bias from dynamic state; it is the one promised in GnCasterProjection.
-    if (host_) gpu.vk->vkCmdSetDepthBias(gpu.cmd, host_->constantBias, 0.0f, host_->slopeBias);
     if (casters.empty()) return;
     gpu.drawCasters({.pipeline = pipeline_,
                      .casters = casters,

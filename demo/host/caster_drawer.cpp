@@ -26,7 +26,6 @@ void GN_CALL CasterDrawer::draw(VkCommandBuffer cmd, const GnCasterProjection* p
     const glm::mat4 clipFromObject = clipFromWorld * glm::mat4(worldFromObject);
 
     vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, self.pipeline(projection->depthFormat, caster.alphaTested));
-    vkCmdSetDepthBias(cmd, projection->constantBias, 0.0f, projection->slopeBias);
     vkCmdPushConstants(cmd, self.layout_.get(), VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof clipFromObject, &clipFromObject);
     const VkBuffer positions = self.geometry_.positions.get();
     const VkDeviceSize offset = 0;

@@ -144,10 +144,26 @@ void PassContext::drawCasters(const CasterDraw& draw)
         vk->vkCmdDrawIndexed(cmd, static_cast<std::uint32_t>(mesh->indices.size()), 1, 0, 0, caster->index);
     }
     if (!hostDrawn || !draw.hostProjection) return;
-    // Last, because the host may leave any state behind.
-    for (const Caster* caster : draw.casters)
-        if (caster->hostDrawn && touches(caster->bounds, draw.volume))
-            caster->drawCasters(cmd, draw.hostProjection, caster->userData);
+    // Last, because the host may leave any state behind: bind() and the first of our casters set all of theirs but
+    // viewport and scissor, which are there again for the pass's next draw.
+    for (const Caster* caster : draw.casters) {
+        if (!caster->hostDrawn || !touches(caster->bounds, draw.volume)) continue;
+        vk->vkCmdSetDepthBias(cmd, draw.hostProjection->constantBias, 0.0f, draw.hostProjection->slopeBias);
+        caster->drawCasters(cmd, draw.hostProjection, caster->userData);
+        setArea();
+    }
+}
+
+void PassContext::setArea() const
+{
+    const VkViewport viewport{static_cast<float>(area.offset.x),
+                              static_cast<float>(area.offset.y),
+                              static_cast<float>(area.extent.width),
+                              static_cast<float>(area.extent.height),
+                              0.0f,
+                              1.0f};
+    vk->vkCmdSetViewport(cmd, 0, 1, &viewport);
+    vk->vkCmdSetScissor(cmd, 0, 1, &area);
 }
 
 VkImage PassContext::image(ImageId id) const

@@ -82,6 +82,7 @@ public:
 
 private:
     friend class PassExecutor;
+    void setArea() const; ///< Viewport and scissor.
     Bound constantsBytes(std::uint32_t binding, const void* data, std::size_t size);
     void pushBytes(const void* data, std::size_t size);
     class PassExecutor* executor_ = nullptr;

@@ -116,7 +116,7 @@ private:
     Result<void> recordLevel(VkCommandBuffer cmd, std::uint32_t level, bool last);
     Result<void> recordWaves(VkCommandBuffer cmd, std::uint32_t level);
     void recordPass(VkCommandBuffer cmd, Pass& pass, std::uint32_t index);
-    void beginRendering(VkCommandBuffer cmd, const Pass& pass, VkRect2D& area);
+    VkRect2D beginRendering(VkCommandBuffer cmd, const Pass& pass); ///< @return the area of its viewport and scissor
     void handBack();
     void handBackImports();
     void showReadbacks(std::uint32_t level);

@@ -97,7 +97,10 @@ void PassExecutor::recordPass(VkCommandBuffer cmd, Pass& pass, std::uint32_t)
     context.cmd = cmd;
     context.vk = &vk_;
     context.executor_ = this;
-    if (pass.kind == PassKind::raster) beginRendering(cmd, pass, context.area);
+    if (pass.kind == PassKind::raster) {
+        context.area = beginRendering(cmd, pass);
+        context.setArea();
+    }
     pass.fn(pass.body, &context, nullptr);
     if (pass.kind == PassKind::raster) vk_.vkCmdEndRendering(cmd);
     if (vk_.vkCmdEndDebugUtilsLabelEXT) vk_.vkCmdEndDebugUtilsLabelEXT(cmd);
@@ -109,7 +112,7 @@ void PassExecutor::recordPass(VkCommandBuffer cmd, Pass& pass, std::uint32_t)
     slot_->entries.push_back(entry);
 }
 
-void PassExecutor::beginRendering(VkCommandBuffer cmd, const Pass& pass, VkRect2D& area)
+VkRect2D PassExecutor::beginRendering(VkCommandBuffer cmd, const Pass& pass)
 {
     VkRenderingAttachmentInfo colors[kMaxColorAttachments];
     VkRenderingAttachmentInfo depth{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
@@ -153,7 +156,7 @@ void PassExecutor::beginRendering(VkCommandBuffer cmd, const Pass& pass, VkRect2
             }
         }
     }
-    area = resolveArea(rect, extent);
+    const VkRect2D area = resolveArea(rect, extent);
     const bool hasDepth = (depthAspects & VK_IMAGE_ASPECT_DEPTH_BIT) != 0;
     const bool hasStencil = (depthAspects & VK_IMAGE_ASPECT_STENCIL_BIT) != 0;
     const VkRenderingInfo info{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
@@ -164,14 +167,7 @@ void PassExecutor::beginRendering(VkCommandBuffer cmd, const Pass& pass, VkRect2
                                .pDepthAttachment = hasDepth ? &depth : nullptr,
                                .pStencilAttachment = hasStencil ? &stencil : nullptr};
     vk_.vkCmdBeginRendering(cmd, &info);
-    const VkViewport viewport{static_cast<float>(area.offset.x),
-                              static_cast<float>(area.offset.y),
-                              static_cast<float>(area.extent.width),
-                              static_cast<float>(area.extent.height),
-                              0.0f,
-                              1.0f};
-    vk_.vkCmdSetViewport(cmd, 0, 1, &viewport);
-    vk_.vkCmdSetScissor(cmd, 0, 1, &area);
+    return area;
 }
 
 /// What the host's shaders read becomes readable: visibility, and the maps that it may ask for.

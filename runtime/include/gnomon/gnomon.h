@@ -234,14 +234,16 @@ typedef VkFlags GnInstanceFlags;
 typedef struct GnCasterProjection {
     float clipFromWorld[16];   ///< Column-major; world here means relative to `origin`.
     double origin[3];          ///< World position of the zero of `clipFromWorld`, metres.
-    VkRect2D area;             ///< Viewport and scissor already set.
+    VkRect2D area;             ///< Viewport (depth 0 to 1) and scissor, set before each call.
     VkFormat depthFormat;      ///< The only attachment of the pass.
-    float constantBias;        ///< vkCmdSetDepthBias values in force if the pipeline enables depth bias.
-    float slopeBias;
+    float constantBias;        ///< vkCmdSetDepthBias values, set before each call, for pipelines that enable depth bias
+    float slopeBias;           ///< and take it from dynamic state; others should have the same.
 } GnCasterProjection;
 
-/** Draws the host's casters of this instance, depth only, compare GREATER or LESS as `depthLess` says. Records into
-`commandBuffer` inside a rendering scope; may bind any state. */
+/** Draws the host's casters of this instance, depth only: depth is 0 near the light and 1 far from it, compare LESS, and
+what is nearer than the near end (at most 1/10000 of the distance of the farthest caster) may be clipped. Records into
+`commandBuffer` inside a rendering scope; may bind any state. Called where the map is drawn: in every frame, once per pass
+that the instance's bounds touch, unless the instance is #GN_INSTANCE_STATIC_BIT. */
 typedef void(GN_CALL* PFN_gnDrawCasters)(VkCommandBuffer commandBuffer, const GnCasterProjection* pProjection,
                                          void* pUserData);
 /** Opacity in [0, 1] of a hit; below 0.5 the ray goes on. `triangle` counts as the mesh was given: its corners are
