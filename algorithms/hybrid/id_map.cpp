@@ -62,7 +62,7 @@ void Declaring::draw(const IdMap& map, std::uint32_t layer, std::span<const Cast
                      ImageId numbers, BufferId firsts) const
 {
     const MapProjection projection = mapProjection(map.fits[layer], *task.light);
-    const DepthCasters::Push push{projection.clipFromZero, glm::vec4(projection.zeroWs, 0.0f)};
+    const DepthCasters::Push push = casterPush(projection);
     VkClearValue none{};
     none.color.uint32[0] = kNoTriangle;
     passes.raster("contour_chain.casters", Scope::light, variant(layer))

@@ -44,7 +44,7 @@ MapTexels::MapTexels(const HostMap& map, const gpu::MapConstants& constants, boo
     const float facing = glm::dot(receiver.normal, fromLight * look.positional + glm::vec3(look.axisWs));
     const Found found = cube ? findInCube(look, fromLight, receiver.normal) : findInPlane(look, receiver);
     const float inverseW = 1.0f / found.clip.w;
-    plane_ = gpu::planarDepth(look, found.clip.z * inverseW, inverseW, facing, offset, found.normalPerTexel);
+    plane_ = gpu::planarDepth(look, gpu::mapDepth(look, found.clip), inverseW, facing, offset, found.normalPerTexel);
     slack_ = gpu::DEPTH_ROUNDING + gpu::SNAP_TEXELS * (std::abs(plane_.perTexel.x) + std::abs(plane_.perTexel.y));
     plane_.at -= slack_;
     layer_ = found.layer;
@@ -60,7 +60,9 @@ bool MapTexels::lit(glm::ivec2 texel, float room) const
     if (!holds(texel)) return true;
     const glm::vec2 centre = glm::vec2(texel) + 0.5f;
     const float receiver = plane_.at + glm::dot(plane_.perTexel, centre - at_);
-    return std::min(receiver + room, 1.0f) <= map_->depth[layer_][place(texel)];
+    // A texel of depth 0 holds a caster before the near end: it is clearly lit for nobody (verdict.glsl).
+    const float least = room > 0.0f ? gpu::DEPTH_ROUNDING : 0.0f;
+    return std::clamp(receiver + room, least, 1.0f) <= map_->depth[layer_][place(texel)];
 }
 
 bool MapTexels::agree(bool expected, TexelBlock block) const

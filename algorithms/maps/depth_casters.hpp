@@ -2,6 +2,7 @@
 // Drawing casters through a light's matrix, for every map with straight edges.
 #include "algorithms/common/kept_map.hpp"
 #include "algorithms/maps/depth_map.hpp"
+#include "algorithms/maps/map_look.hpp"
 #include "runtime/scene/bias.hpp"
 
 namespace gnomon {
@@ -9,7 +10,7 @@ namespace gnomon {
 /// Records casters into a layer of a depth map; what KeptMap::update takes. Copied bytewise.
 class DepthCasters {
 public:
-    struct Push {
+    struct Push { ///< shaders/maps/caster_clip.glsl
         glm::mat4 clipFromZero;
         glm::vec4 zeroWs;
     };
@@ -24,5 +25,10 @@ private:
     Push push_{};
     const GnCasterProjection* host_ = nullptr; ///< In the frame's memory; null without host-drawn casters.
 };
+
+inline DepthCasters::Push casterPush(const MapProjection& projection)
+{
+    return {projection.clipFromZero, glm::vec4(projection.zeroWs, projection.depthConstant)};
+}
 
 } // namespace gnomon

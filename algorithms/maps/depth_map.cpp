@@ -28,8 +28,7 @@ DepthCasters::DepthCasters(const DepthMapPipelines& pipelines, const LightFit& f
                            std::uint32_t resolution, FrameArena& arena)
     : pipeline_(pipelines.casters)
 {
-    const MapProjection projection = mapProjection(fit, *task.light);
-    push_ = {projection.clipFromZero, glm::vec4(projection.zeroWs, 0.0f)};
+    push_ = casterPush(mapProjection(fit, *task.light));
     if (!anyHostDrawn(task.casters->all)) return;
     GnCasterProjection host{};
     std::memcpy(host.clipFromWorld, &fit.clipFromWorld, sizeof(host.clipFromWorld));
@@ -51,12 +50,18 @@ void DepthCasters::operator()(PassContext& gpu, std::span<const Caster* const> c
                      .hostProjection = host_});
 }
 
-LightFit* fitDepthMap(bool clamps, const ShadowTask& task, FrameArena& arena)
+bool clampsToNear(bool clamps, const ShadowTask& task)
+{
+    return clamps && !anyHostDrawn(task.casters->all);
+}
+
+LightFit* fitDepthMap(bool clamps, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
 {
     const Aabb bounds = sceneBounds(*task.casters);
     const bool spot = task.light->type == GN_LIGHT_TYPE_SPOT;
-    LightFit* fit = arena.make(spot ? fitSpot(*task.light, bounds) : fitDirectional(*task.light, bounds));
-    if (spot && clamps) raiseNearEnd(*fit, *task.light, bounds);
+    LightFit* fit = arena.make(spot ? fitSpot(*task.light, bounds, resolution, kSpotBorderTexels)
+                                    : fitDirectional(*task.light, bounds));
+    if (spot && clampsToNear(clamps, task)) raiseNearEnd(*fit, resolution);
     return fit;
 }
 
@@ -65,7 +70,7 @@ DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines
 {
     static constexpr LayerNames kNames{"depth_map.casters", "depth_map.statics", "depth_map.copy_statics"};
     FrameArena& arena = passes.arena();
-    const LightFit* fit = fitDepthMap(pipelines.clamps, task, arena);
+    const LightFit* fit = fitDepthMap(pipelines.clamps, task, resolution, arena);
     KeptMap map(passes, {.name = "depth_map.depth",
                          .staticsName = "depth_map.statics",
                          .stampName = "depth_map.stamp",

@@ -14,16 +14,18 @@ inline constexpr VkFormat kMapFormat = VK_FORMAT_D32_SFLOAT;
 /// algorithm may hold a copy.
 struct DepthMapPipelines {
     PipelineId casters;
-    bool clamps = false; ///< Casters nearer than the near end are clamped to it (depthClamp enabled), not clipped.
+    bool clamps = false; ///< Casters nearer than the near end are clamped to it (depthClamp enabled), not clipped;
+                         ///< those the host draws are not.
 };
 DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services);
 
 /// A map as declared in this frame.
 ///
 /// Depth is DepthKind::clip of `fit`, 0 near to 1 far; texels without a caster hold 1. Closed casters appear with the
-/// faces turned away from the light, open ones with both and a slope-scaled bias (runtime/scene/bias.hpp). A receiver
-/// outside the sides is lit by every caster; one beyond the far end compares as depth 1. Where the device clamps depth,
-/// the near end is not before the nearest caster but at 1/128 of the farthest; what is nearer appears as depth 0.
+/// faces turned away from the light, open ones with both and a slope-scaled bias (runtime/scene/bias.hpp). A
+/// directional map covers all casters: a receiver beside it is lit. A spot light's covers all its receivers and a
+/// border for filters. One beyond the far end compares as depth 1. Where the device clamps depth, the near end may lie
+/// past the nearest caster (raiseNearEnd()); what is nearer appears as depth 0.
 struct DepthMap {
     ImageId image;                 ///< kMapFormat, one layer, resolution x resolution.
     const LightFit* fit = nullptr; ///< Lives as long as the frame.
@@ -31,9 +33,16 @@ struct DepthMap {
     std::uint64_t stamp = 0; ///< Of the content, for what is made of it; never 0.
 };
 
-/// The projection of a directional or spot light's map; memory from the arena.
-/// @param clamps whatever is nearer than the near end is drawn on it, so that the end may lie farther away
-LightFit* fitDepthMap(bool clamps, const ShadowTask& task, FrameArena& arena);
+/// Texels between the cone's square and a spot map's edge: as many as filters reach, half of 7 and the fraction.
+inline constexpr float kSpotBorderTexels = 4.0f;
+
+/// Whether the near end of a task's maps may be raised: not where the host draws casters, whose pipelines may clip.
+/// @param clamps as in fitDepthMap()
+bool clampsToNear(bool clamps, const ShadowTask& task);
+
+/// The projection of a directional or spot light's map of `resolution` texels; memory from the arena.
+/// @param clamps whatever of gnomon's own is nearer than the near end is drawn on it, so that the end may lie farther
+LightFit* fitDepthMap(bool clamps, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena);
 
 /// Declares what is missing of the map: nothing if light, casters and resolution are those of the content kept.
 /// The light is directional or spot.

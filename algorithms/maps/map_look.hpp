@@ -18,13 +18,15 @@ struct MapProjection {
 };
 MapProjection mapProjection(const LightFit& fit, const LightView& light);
 
-/// Moves the near end of a perspective fit away from the light, to 1/128 of the distance at which the farthest caster
-/// can be, for maps whose casters are clamped to the near end instead of clipped: they still cast on whatever lies
-/// beyond.
+/// Moves the near end of a perspective fit as far from the light as depths in a map of `resolution` texels need it, for
+/// maps whose casters are clamped to the near end instead of clipped: they still cast on whatever lies beyond. What
+/// lies before it cannot be told apart: receivers there are lit, or undecided (shaders/maps/verdict.glsl).
 ///
-/// Depth at distance t resolves 2^-24 t^2 / near. A fit takes the near end from the casters' bounds, and where the
-/// light hangs inside them that is nothing: 30 m away depths would be 2 cm apart, now 10 micrometres.
-void raiseNearEnd(LightFit& fit, const LightView& light, const Aabb& scene);
+/// The slack DEPTH_ROUNDING is 2^-22 t^2 / near at distance t. A fit takes the near end from the casters' bounds, and
+/// where the light hangs inside them that is next to nothing. At the farthest caster, t = end, a texel is s end wide:
+/// the slack is an eighth of it with near = 2^-19 / s end, nearer to the light less. That is 1/1000 of the end for 1024
+/// texels and a cone of 45 degrees (3 cm at 30 m), and never more than 1/128.
+void raiseNearEnd(LightFit& fit, std::uint32_t resolution);
 
 /// Constants of a resolve pass over a task's view; the projection part is zero.
 gpu::MapConstants mapConstants(const ShadowTask& task, std::uint32_t resolution, std::uint32_t filterSide);

@@ -25,7 +25,7 @@ std::span<LightFit> fitCubeFaces(bool clamps, const ShadowTask& task, std::uint3
     const std::span<LightFit> faces = arena.array<LightFit>(6);
     for (std::uint32_t face = 0; face < 6; ++face) {
         faces[face] = fitCubeFace(*task.light, bounds, face, resolution, kCubeBorderTexels);
-        if (clamps) raiseNearEnd(faces[face], *task.light, bounds);
+        if (clampsToNear(clamps, task)) raiseNearEnd(faces[face], resolution);
     }
     return faces;
 }

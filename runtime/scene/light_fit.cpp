@@ -49,9 +49,10 @@ double nearestDistance(const Aabb& box, glm::dvec3 point)
     return glm::length(beside);
 }
 
-double farthestDistance(const Aabb& box, glm::dvec3 point)
+/// Per axis, the distance of the box's farther side.
+glm::dvec3 farthestOffset(const Aabb& box, glm::dvec3 point)
 {
-    return glm::length(glm::max(glm::abs(glm::dvec3(box.lower) - point), glm::abs(glm::dvec3(box.upper) - point)));
+    return glm::max(glm::abs(glm::dvec3(box.lower) - point), glm::abs(glm::dvec3(box.upper) - point));
 }
 
 /// World -> light: rotation, then `zero` becomes the origin.
@@ -90,16 +91,16 @@ std::array<Plane, 6> volumeOf(const glm::dmat4& clipFromWorld, glm::dvec4 farSid
 }
 
 struct Depths {
-    double near, far;
+    double near, far, end;
 };
 
-/// `nearest` and `farthest`: what of the scene there is, metres from the light.
+/// `nearest` and `farthest`: what of the scene there is, metres along the map's axis.
 Depths depthsOf(const LightView& light, double nearest, double farthest)
 {
     const double past = farthest > 0.0 ? farthest * (1.0 + kRoom) : 1.0; // no casters: any depth does
     const double far = light.unlimited() ? past : static_cast<double>(light.constants.range);
     const double end = std::min(past, far);
-    return {std::clamp(nearest, kNearPerFar * end, 0.9 * far), far}; // 0.9: all casters may be past the range
+    return {std::clamp(nearest, kNearPerFar * end, 0.9 * far), far, end}; // 0.9: all casters may be past the range
 }
 
 LightFit perspectiveFit(const Axes& axes, glm::dvec3 eye, double slope, Depths depths)
@@ -110,21 +111,41 @@ LightFit perspectiveFit(const Axes& axes, glm::dvec3 eye, double slope, Depths d
     fit.volume = volumeOf(clipFromWorld, {-axes.forward, depths.far + glm::dot(axes.forward, eye)});
     fit.nearWs = static_cast<float>(depths.near);
     fit.farWs = static_cast<float>(depths.far);
+    fit.endWs = static_cast<float>(depths.end);
     fit.texelAtOne = static_cast<float>(2.0 * slope);
     return fit;
 }
 
+/// By how much a map is wider than what lies inside a border; half the resolution at most is border.
+double widening(std::uint32_t resolution, float borderTexels)
+{
+    return 1.0 / (1.0 - std::min(2.0 * static_cast<double>(borderTexels) / resolution, 0.5));
+}
+
+/// Tangent of a cone that holds every receiver the shaders find in the light's. They compare cosines in float
+/// (reaches(), shaders/shared/receiver.h): those of light and receiver are off by 2^-21 at most, which a tenth of a
+/// degree is not far above. tan^2 = 1 / cos^2 - 1, so that it is off by 2^-20 / cos^3.
+double coneSlope(double halfAngle)
+{
+    const double square = std::tan(halfAngle) * std::tan(halfAngle);
+    return std::sqrt(square + 0x1p-20 * std::pow(1.0 + square, 1.5));
+}
+
 } // namespace
 
-LightFit fitSpot(const LightView& light, const Aabb& scene)
+LightFit fitSpot(const LightView& light, const Aabb& scene, std::uint32_t resolution, float borderTexels)
 {
     const glm::dvec3 eye(light.position());
     const Axes axes = axesAlong(glm::normalize(glm::dvec3(light.direction())));
-    double nearest = glm::dot(corner(scene, 0) - eye, axes.forward);
-    for (int i = 1; i < 8; ++i)
-        nearest = std::min(nearest, glm::dot(corner(scene, i) - eye, axes.forward));
-    const Depths depths = depthsOf(light, nearest * (1.0 - kRoom), farthestDistance(scene, eye));
-    return perspectiveFit(axes, eye, std::tan(static_cast<double>(light.coneAngle)), depths);
+    double nearest = glm::dot(corner(scene, 0) - eye, axes.forward), farthest = nearest;
+    for (int i = 1; i < 8; ++i) {
+        const double along = glm::dot(corner(scene, i) - eye, axes.forward);
+        nearest = std::min(nearest, along);
+        farthest = std::max(farthest, along);
+    }
+    const Depths depths = depthsOf(light, nearest * (1.0 - kRoom), farthest);
+    const double slope = coneSlope(static_cast<double>(light.coneAngle)) * widening(resolution, borderTexels);
+    return perspectiveFit(axes, eye, slope, depths);
 }
 
 LightFit fitDirectional(const LightView& light, const Aabb& scene)
@@ -165,10 +186,17 @@ LightFit fitCubeFace(const LightView& light, const Aabb& scene, std::uint32_t fa
     forward[face / 2] = face % 2 ? -1.0 : 1.0;
     // A point at distance d is at least d / sqrt(3) deep in the face it belongs to.
     const double nearest = nearestDistance(scene, eye) * (1.0 - kRoom) / std::sqrt(3.0);
-    const Depths depths = depthsOf(light, nearest, farthestDistance(scene, eye));
-    // The inner resolution - 2 border texels span 90 degrees; half the resolution at most is border.
-    const double border = std::min(2.0 * static_cast<double>(borderTexels) / resolution, 0.5);
-    return perspectiveFit(axesAlong(forward), eye, 1.0 / (1.0 - border), depths);
+    const glm::dvec3 farthest = farthestOffset(scene, eye);
+    const Depths depths = depthsOf(light, nearest, std::max({farthest.x, farthest.y, farthest.z}));
+    // The inner resolution - 2 border texels span 90 degrees.
+    return perspectiveFit(axesAlong(forward), eye, widening(resolution, borderTexels), depths);
+}
+
+float casterReach(const LightView& light, const Aabb& scene)
+{
+    const double farthest = glm::length(farthestOffset(scene, glm::dvec3(light.position())));
+    const double past = farthest > 0.0 ? farthest * (1.0 + kRoom) : 1.0; // no casters: any distance does
+    return static_cast<float>(std::min(past, static_cast<double>(light.constants.range)));
 }
 
 namespace {

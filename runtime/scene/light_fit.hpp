@@ -21,15 +21,17 @@ enum class DepthKind : std::uint8_t {
 struct LightFit {
     glm::mat4 clipFromWorld{1.0f}; ///< World relative to the origin; Vulkan clip space, 0 near, 1 far, y down.
     std::array<Plane, 6> volume;   ///< World, inward, unit normals: left, right, top, bottom, near, far.
-    float nearWs = 0.0f;           ///< Metres from the light (directional: along it, from the origin).
+    float nearWs = 0.0f;           ///< Metres from the light along the map's axis (directional: from the origin).
     float farWs = 0.0f;
+    float endWs = 0.0f;      ///< No caster lies past it; at most `farWs`. Before it where the range is longer.
     float texelAtOne = 0.0f; ///< Width of a texel at distance 1 m (directional: anywhere), for resolution 1.
     DepthKind depth = DepthKind::clip;
 };
 
-/// Spot: the cone's square, near and far from the casters and receivers in range. The far end is the light's range, or
-/// reaches past `scene` where the range is unlimited.
-LightFit fitSpot(const LightView& light, const Aabb& scene);
+/// Spot: the square around the cone, a little wider, so that no receiver that the light reaches lies beside it, and
+/// widened by `borderTexels` at `resolution`, so that filters at the cone's rim stay inside. Near and far from the
+/// casters in range; the far end is the light's range, or reaches past `scene` where the range is unlimited.
+LightFit fitSpot(const LightView& light, const Aabb& scene, std::uint32_t resolution = 1, float borderTexels = 0.0f);
 /// Directional: the scene's bounds seen along the light, texel-independent. `scene` bounds all casters, so that none is
 /// in front of the near end.
 LightFit fitDirectional(const LightView& light, const Aabb& scene);
@@ -37,6 +39,10 @@ LightFit fitDirectional(const LightView& light, const Aabb& scene);
 /// face border stays inside the face. Near and far are those of all six faces.
 LightFit fitCubeFace(const LightView& light, const Aabb& scene, std::uint32_t face, std::uint32_t resolution,
                      float borderTexels);
+
+/// Distance from a light with a position past which it has no caster, metres: its range, or a little more than the
+/// farthest point of `scene` where that is nearer.
+float casterReach(const LightView& light, const Aabb& scene);
 
 /// Bounds of the light's casters: everything a map of this light has to cover, seen from no camera. Where a moving
 /// caster sticks out of the static ones the box is rounded up to coarse steps, so that the fit, and with it the map of

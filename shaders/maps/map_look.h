@@ -41,6 +41,13 @@ GN_SHARED_CONST float SNAP_TEXELS = 1.0f / 64.0f;
 // Rounding of a depth near 1, drawn and looked up: four units in the last place of a 32-bit float.
 GN_SHARED_CONST float DEPTH_ROUNDING = 1.0f / 4194304.0f;
 
+// Depth of a point of the map's clip space. Where the map has a perspective it is made of w alone: a clip z of its own
+// would round apart from w, which counts t / near times at distance t.
+GN_SHARED_FN float mapDepth(MapLook look, vec4 clip)
+{
+    return look.positional != 0.0f ? look.depthConstant + look.depthScale / clip.w : clip.z;
+}
+
 // The depth of a receiver's plane over a map with straight edges, linear in texels: `at` the receiver's own place.
 struct PlanarDepth {
     float at;

@@ -17,7 +17,7 @@ Tap planarTap(MapLook look, PlaneReceiver r, vec4 clip, vec2 normalPerTexel, flo
 {
     Tap tap;
     float inverseW = 1.0 / clip.w;
-    PlanarDepth plane = planarDepth(look, clip.z * inverseW, inverseW, r.facing, r.offset, normalPerTexel);
+    PlanarDepth plane = planarDepth(look, mapDepth(look, clip), inverseW, r.facing, r.offset, normalPerTexel);
     tap.at = clip.xy * inverseW;
     tap.depthPerTexel = plane.perTexel;
     tap.depth = plane.at - DEPTH_ROUNDING - SNAP_TEXELS * (abs(plane.perTexel.x) + abs(plane.perTexel.y));

@@ -5,7 +5,8 @@
 #include "planar_tap.glsl"
 
 // What the (2 + 2 * widen)^2 texels around the receiver say: 1 all lit, 0 all in shadow, 0.5 they disagree. A texel
-// within the slack of rounding and snapping on either side says neither.
+// within the slack of rounding and snapping on either side says neither. One of depth 0 holds a caster at or before the
+// near end, which may lie on either side of a receiver there: it never says lit.
 float verdict(Tap tap, int widen)
 {
     float slack = DEPTH_ROUNDING + SNAP_TEXELS * (abs(tap.depthPerTexel.x) + abs(tap.depthPerTexel.y));
@@ -17,7 +18,7 @@ float verdict(Tap tap, int widen)
             vec4 nearest = vec4(tapDepth(tap, corner + vec2(-0.5, 0.5)), tapDepth(tap, corner + vec2(0.5, 0.5)),
                                 tapDepth(tap, corner + vec2(0.5, -0.5)), tapDepth(tap, corner + vec2(-0.5, -0.5)));
             vec4 texels = mapGather(tap, corner);
-            lit = lit && all(lessThanEqual(min(nearest + 2.0 * slack, vec4(1.0)), texels));
+            lit = lit && all(lessThanEqual(clamp(nearest + 2.0 * slack, vec4(DEPTH_ROUNDING), vec4(1.0)), texels));
             dark = dark && all(greaterThan(min(nearest, vec4(1.0)), texels));
         }
     }

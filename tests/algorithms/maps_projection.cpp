@@ -2,6 +2,7 @@
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
+#include "algorithms/maps/depth_map.hpp"
 #include "algorithms/maps/map_look.hpp"
 #include "algorithms/omni/cube_faces.hpp"
 #include "maps_fixture.hpp"
@@ -122,6 +123,54 @@ TEST_CASE("depths about the light keep their precision half a kilometre from the
         const glm::vec4 clip = projection.clipFromZero * glm::vec4(0.0f, -t, 0.0f, 1.0f);
         const float found = projection.depthScale / (clip.z / clip.w - projection.depthConstant);
         CHECK(found == Approx(t).epsilon(1e-3)); // a float depth near 1 resolves 2^-24 t^2 / near, 1 mm here
+    }
+}
+
+TEST_CASE("the near end is raised as far as depths need, and not at all before casters that the host draws")
+{
+    const LightView lamp = light(GN_LIGHT_TYPE_SPOT, {0.0f, 4.0f, 0.0f}, {0.0f, -1.0f, 0.0f}, kUnlimitedRange, 0.78f);
+    Caster plain, grass;
+    plain.bounds = {{-500.0f, -8.0f, -500.0f}, {500.0f, 4.0f, 500.0f}};
+    grass.bounds = {{-1.0f, 0.0f, -1.0f}, {1.0f, 1.0f, 1.0f}};
+    grass.hostDrawn = true;
+    FrameArena arena;
+    const auto nearOf = [&](std::vector<const Caster*> pointers, std::uint32_t resolution, bool clamps = true) {
+        LightCasters casters;
+        casters.statics = casters.all = pointers;
+        ShadowTask task;
+        task.light = &lamp;
+        task.casters = &casters;
+        const LightFit& fit = *fitDepthMap(clamps, task, resolution, arena);
+        CHECK(ndc(fit.clipFromWorld, {0.0, 4.0 - static_cast<double>(fit.nearWs), 0.0}).z == Approx(0.0).epsilon(1e-4));
+        return fit.nearWs;
+    };
+    // An eighth of a texel at 12 m is what four units in the last place span there.
+    for (const std::uint32_t resolution : {512u, 1024u, 2048u}) {
+        const float texel = 12.0f * 2.0f * std::tan(0.78f) / static_cast<float>(resolution);
+        CHECK(nearOf({&plain}, resolution) == Approx(12.0f * 12.0f * 0x1p-22f / (texel / 8.0f)).epsilon(0.03));
+    }
+    CHECK(nearOf({&plain}, 65536) == Approx(12.0f / 128.0f).epsilon(0.01));
+    CHECK(nearOf({&plain}, 1024, false) == Approx(1.2e-3f).epsilon(0.01));
+    CHECK(nearOf({&plain, &grass}, 1024) == Approx(1.2e-3f).epsilon(0.01));
+}
+
+TEST_CASE("the depth of a receiver does not depend on how far from the light the eye is")
+{
+    const LightView lamp = light(GN_LIGHT_TYPE_SPOT, {3.0f, 4.0f, 5.0f}, {0.0f, -1.0f, 0.0f}, 30.0f);
+    const Aabb around{{-8.0f, -20.0f, -8.0f}, {8.0f, 3.99f, 8.0f}};
+    Random random;
+    for (int i = 0; i < 200; ++i) {
+        const CameraView view = camera(lamp.position() + 190.0f * random.unit(), random.unit(), 0.4f, 640, 480);
+        const Look look(view, lamp, fitSpot(lamp, around), 1024);
+        const glm::vec3 ray = glm::normalize(lamp.position() + random.in(1.0f, 4.0f) * lamp.direction() - view.eye);
+        const float w = random.in(180.0f, 200.0f);
+        const gpu::MapLook& map = look.constants.map;
+        const glm::vec4 clip = map.clipOfEye + w * (map.clipFromRay * glm::vec4(ray, 0.0f));
+        if (!(clip.w > 0.5f)) continue;
+        // What clip w stands for, to three units in the last place.
+        const double near = look.fit.nearWs, far = look.fit.farWs;
+        const double truth = far / (far - near) * (1.0 - near / static_cast<double>(clip.w));
+        CHECK(std::fabs(static_cast<double>(gpu::mapDepth(map, clip)) - truth) <= 3.0 * 0x1p-24);
     }
 }
 

@@ -137,6 +137,20 @@ Scene softScene(Caster caster, LightKind kind, double height, float radius)
     return scene;
 }
 
+Scene lampOverPlain(LightKind kind)
+{
+    Scene scene;
+    scene.name = "lamp over a plain";
+    place(scene, "plain", makePlane({.width = 1000.0f, .depth = 1000.0f, .columns = 100, .rows = 100}), {});
+    place(scene, "card", makeCard({.width = 0.5f, .height = 0.4f}), {0.3, 3.3, 0.0}).pose.rotation =
+        turned(kRight, -70.0);
+    place(scene, "crate", makeBox({.size = glm::vec3(1.0f)}), {-1.2, 0.5, 0.6}).pose.rotation = turned(kUp, 30.0);
+    scene.lights = {lamp("lamp", kind, {0.0, 4.0, 0.0}, {0.3, 0.0, 0.5})};
+    scene.lights[0].range = 1e5f;
+    scene.camera = {{.eye = {2.0, 7.0, 6.0}, .target = {0.0, 0.5, 0.0}}};
+    return scene;
+}
+
 Scene onlyClosed(Scene scene)
 {
     // Every edge is used once in each direction, corners at equal positions being one corner.

@@ -18,6 +18,10 @@ enum class Caster : uint8_t { box, sphere, cylinder, torus };
 /// \param height Of the caster's centre over the floor; \param radius of the lamp. Metres.
 demo::Scene softScene(Caster caster, demo::LightKind kind, double height, float radius);
 
+/// A plain of a square kilometre, seen from above, four metres under a lamp that reaches past it all. Just under the lamp hangs
+/// a card, and a crate stands on the plain.
+demo::Scene lampOverPlain(demo::LightKind kind);
+
 /// The instances whose mesh is closed, alone.
 demo::Scene onlyClosed(demo::Scene scene);
 

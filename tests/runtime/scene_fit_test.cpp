@@ -105,7 +105,8 @@ TEST_CASE("a spot fit holds every point of the cone between near and range, and 
         CHECK(fit.farWs == doctest::Approx(range));
         CHECK(fit.nearWs > 0.0f);
         CHECK(fit.nearWs < fit.farWs);
-        CHECK(fit.texelAtOne == doctest::Approx(2.0f * std::tan(cone)));
+        CHECK(fit.texelAtOne > 2.0f * std::tan(cone));
+        CHECK(fit.texelAtOne < 2.003f * std::tan(cone)); // wider by what float cosines may be off
         CHECK_FALSE(mirrors(fit));
         for (int k = 0; k < 200; ++k) {
             const glm::vec3 offset = random.direction() * range * std::sqrt(random.in(0.0f, 1.0f));
@@ -149,10 +150,55 @@ TEST_CASE("no caster is nearer than near, unless it comes closer to the light th
             const glm::vec3 size = glm::abs(offset);
             const float major = std::max({size.x, size.y, size.z});
             REQUIRE((major >= faceFit.nearWs || faceFit.nearWs <= smallest));
-            REQUIRE(glm::length(offset) <= spotFit.farWs);
-            REQUIRE(glm::length(offset) <= faceFit.farWs);
+            REQUIRE(along <= spotFit.farWs);
+            REQUIRE(major <= faceFit.farWs);
+            REQUIRE(glm::length(offset) <= casterReach(point, scene));
         }
     }
+}
+
+TEST_CASE("every receiver that shaders find in a cone lies in its map, however narrow, and clear of the border")
+{
+    Random random;
+    constexpr std::uint32_t kSide = 512;
+    constexpr float kBorder = 4.0f;
+    int rim = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const float cone = std::exp(random.in(std::log(5e-4f), std::log(kPi / 2 - 0.02f)));
+        LightView light = lightOf(GN_LIGHT_TYPE_SPOT, {}, random.direction(), kUnlimitedRange, cone);
+        light.constants.directionWs.w = std::cos(cone);
+        const LightFit fit = fitSpot(light, {{-9, -9, -9}, {9, 9, 9}}, kSide, kBorder);
+        const float cosine = light.constants.directionWs.w;
+        const glm::vec4 shaderCone(light.direction(), cosine * std::fabs(cosine));
+        for (int k = 0; k < 50; ++k) {
+            // Just about the rim.
+            const glm::vec3 across = glm::normalize(glm::cross(light.direction(), random.direction()));
+            const float slope =
+                std::tan(cone) * (1.0f + 1e-3f * random.in(-1.0f, 1.0f) + random.in(0.0f, 1e-3f) / cone);
+            const glm::vec3 fromLight = random.in(0.1f, 30.0f) * (light.direction() + slope * across);
+            if (!gpu::reaches(fromLight, shaderCone, INFINITY)) continue;
+            const glm::dvec4 clip = glm::dmat4(fit.clipFromWorld) * glm::dvec4(fromLight, 1.0);
+            const double outermost = std::max(std::abs(clip.x), std::abs(clip.y)) / clip.w;
+            REQUIRE(outermost <= 1.0 - 2.0 * kBorder / kSide + 1e-4);
+            rim += outermost > 0.95 - 2.0 * kBorder / kSide;
+        }
+    }
+    CHECK(rim > 1000);
+}
+
+TEST_CASE("a lamp over a wide plain has its far end where the plain is, seen along its axis")
+{
+    const Aabb plain{{-500, 0, -500}, {500, 3.8f, 500}};
+    const LightFit down = fitSpot(lightOf(GN_LIGHT_TYPE_SPOT, {0, 4, 0}, {0, -1, 0}, kUnlimitedRange, 0.7f), plain);
+    CHECK(down.farWs == doctest::Approx(4.0f).epsilon(0.01));
+    CHECK(down.endWs == down.farWs);
+    const LightFit ranged = fitSpot(lightOf(GN_LIGHT_TYPE_SPOT, {0, 4, 0}, {0, -1, 0}, 30.0f, 0.7f), plain);
+    CHECK(ranged.farWs == 30.0f);
+    CHECK(ranged.endWs == down.endWs);
+    const LightView bulb = lightOf(GN_LIGHT_TYPE_POINT, {0, 4, 0}, {}, 1e6f);
+    CHECK(fitCubeFace(bulb, plain, 0, 512, 4.0f).endWs == doctest::Approx(500.0f).epsilon(0.01));
+    CHECK(casterReach(bulb, plain) == doctest::Approx(707.0f).epsilon(0.01));
+    CHECK(casterReach(lightOf(GN_LIGHT_TYPE_POINT, {0, 4, 0}, {}, 20.0f), plain) == 20.0f);
 }
 
 TEST_CASE("a range far larger than the scene does not push near into the casters")
