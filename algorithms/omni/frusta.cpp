@@ -71,13 +71,14 @@ Frustum frustumOf(const CameraView& view, const LightView& light)
     frustum.corners = view.nearCorners;
     frustum.bounded = !light.unlimited();
     const float reach = glm::length(light.position() - view.eye) + light.constants.range;
+    const glm::vec2 low(view.area.offset.x, view.area.offset.y);
+    const glm::vec2 high = low + glm::vec2(view.area.extent.width, view.area.extent.height);
+    const glm::vec2 ring[4] = {low, {high.x, low.y}, high, {low.x, high.y}};
     for (std::size_t i = 0; i < 4; ++i) {
-        // A near corner lies on its edge's ray from the eye. Scaled to the axis, so that the end is a depth, not a
-        // distance: nothing within `reach` is cut off.
-        const glm::vec3 edge = view.nearCorners[i] - view.eye;
-        const glm::vec3 unit = glm::normalize(edge);
-        const glm::vec3 forward(-view.viewFromWorld[0][2], -view.viewFromWorld[1][2], -view.viewFromWorld[2][2]);
-        frustum.runs[i] = frustum.bounded ? unit * (reach / std::fmax(glm::dot(unit, forward), 0.01f)) : unit;
+        // The rays themselves: the corners of a near rectangle of centimetres are rounded where the eye is far from the
+        // origin. A ray's depth is 1, so that the end is a depth, not a distance: nothing within `reach` is cut off.
+        const glm::vec3 ray = gpu::viewRayWs(view.constants, ring[i]);
+        frustum.runs[i] = frustum.bounded ? ray * reach : ray;
     }
     return frustum;
 }
@@ -100,8 +101,8 @@ bool meetsPyramid(const Frustum& frustum, glm::vec3 apex, const std::array<glm::
     std::array<glm::vec3, 4> runs;
     for (std::size_t i = 0; i < 4; ++i)
         runs[i] = glm::normalize(frustum.runs[i]);
-    const glm::vec3 right = glm::normalize(frustum.corners[1] - frustum.corners[0]);
-    const glm::vec3 down = glm::normalize(frustum.corners[3] - frustum.corners[0]);
+    const glm::vec3 right = glm::normalize(frustum.runs[1] - frustum.runs[0]);
+    const glm::vec3 down = glm::normalize(frustum.runs[3] - frustum.runs[0]);
     if (apart(glm::cross(right, down))) return false;
     for (std::size_t i = 0; i < 4; ++i) {
         if (apart(glm::cross(edges[i], edges[(i + 1) % 4])) || apart(glm::cross(runs[i], runs[(i + 1) % 4])))

@@ -9,7 +9,8 @@ namespace gnomon {
 /// What a camera sees: from the near rectangle along four edges, for a length or without end.
 struct Frustum {
     std::array<glm::vec3, 4> corners; ///< Near rectangle, in ring order.
-    std::array<glm::vec3, 4> runs;    ///< From each corner: to the far one where bounded, else unit directions.
+    std::array<glm::vec3, 4> runs;    ///< From each corner: to the far one where bounded, else directions; all of the
+                                      ///< same depth.
     bool bounded = false;
 };
 

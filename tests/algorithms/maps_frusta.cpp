@@ -40,6 +40,28 @@ TEST_CASE("a face in which a visible point within range lies is never left out, 
     }
 }
 
+TEST_CASE("a near rectangle that is lost in rounding takes no face from a far eye")
+{
+    Random random;
+    for (int i = 0; i < 4000; ++i) {
+        CameraView view = camera(random.vec(-190.0f, 190.0f), random.unit(), random.in(0.1f, 0.6f), 640, 360);
+        const glm::vec2 ring[4] = {{0, 0}, {640, 0}, {640, 360}, {0, 360}};
+        const float near = i % 4 == 0 ? 1e-6f : i % 4 == 1 ? 1e-4f : 0.01f; // nothing, and coarse steps
+        for (std::size_t k = 0; k < 4; ++k)
+            view.nearCorners[k] = view.eye + near * gpu::viewRayWs(view.constants, ring[k]);
+        // Straight ahead of a corner of the picture: a few faces just enter it.
+        const glm::vec2 inward(320.0f, 180.0f);
+        const glm::vec2 pixel = ring[i % 4] + 1e-3f * (inward - ring[i % 4]);
+        const glm::vec3 seenPoint = view.eye + random.in(20.0f, 150.0f) * gpu::viewRayWs(view.constants, pixel);
+        const glm::vec3 towards = random.unit();
+        const float range = i % 3 == 0 ? kUnlimitedRange : 40.0f;
+        const LightView lamp =
+            light(GN_LIGHT_TYPE_POINT, seenPoint - random.in(1.0f, 30.0f) * towards, {0, -1, 0}, range);
+        const std::uint32_t face = gpu::cubeFaceOf(seenPoint - lamp.position());
+        CHECK(meetsPyramid(frustumOf(view, lamp), lamp.position(), cubeFaceEdges(face)));
+    }
+}
+
 TEST_CASE("a light outside the view leaves out at least one face, one straight behind the camera five")
 {
     Random random;
