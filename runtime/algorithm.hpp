@@ -48,6 +48,7 @@ public:
     struct Map {
         ImageId image;
         glm::mat4 clipFromWorld[6];
+        std::uint32_t validLayers = 1; ///< Bit i: layer i holds the casters of the frame.
     };
     virtual bool lightMap(const ShadowTask&, Map&) const { return false; }
 };

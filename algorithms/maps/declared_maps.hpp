@@ -11,14 +11,19 @@ namespace gnomon {
 /// past are forgotten.
 class DeclaredMaps {
 public:
-    /// A frame sets one a view and light, far fewer than this; what was not among this many newest is forgotten.
-    static constexpr std::uint64_t kRemembered = 16384;
+    static constexpr std::uint64_t kRemembered = 256; ///< Frames.
 
-    void set(std::uint32_t light, const ShadowAlgorithm::Map& map)
+    /// `map.validLayers` adds to those of the frame's other views.
+    void set(std::uint32_t light, const ShadowAlgorithm::Map& map, std::uint64_t frame)
     {
-        entries_[light] = {map, ++sets_};
-        if (sets_ % kRemembered == 0)
-            std::erase_if(entries_, [this](const auto& entry) { return entry.second.setAt + kRemembered <= sets_; });
+        if (frame >= newest_ + kRemembered) {
+            std::erase_if(entries_, [&](const auto& entry) { return entry.second.frame + kRemembered < frame; });
+            newest_ = frame;
+        }
+        Entry& entry = entries_[light];
+        const std::uint32_t before = entry.frame == frame ? entry.map.validLayers : 0;
+        entry = {map, frame};
+        entry.map.validLayers |= before;
     }
     /// False: none was set for the light.
     bool get(std::uint32_t light, ShadowAlgorithm::Map& map) const
@@ -33,10 +38,10 @@ public:
 private:
     struct Entry {
         ShadowAlgorithm::Map map;
-        std::uint64_t setAt = 0; ///< Counted in calls of set().
+        std::uint64_t frame = 0; ///< From 1.
     };
     std::unordered_map<std::uint32_t, Entry> entries_; // by light id
-    std::uint64_t sets_ = 0;
+    std::uint64_t newest_ = 0;                         // frame in which old ones were last looked for
 };
 
 } // namespace gnomon

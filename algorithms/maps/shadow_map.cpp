@@ -30,7 +30,7 @@ public:
         gpu::MapConstants constants = mapConstants(task, resolution, filterSide(task.settings[kFilter]));
         addProjection(constants, *map.fit, task);
         resolve_.declare(passes, task, map.image, constants);
-        maps_.set(task.light->id, {.image = map.image, .clipFromWorld = {map.fit->clipFromWorld}});
+        maps_.set(task.light->id, {.image = map.image, .clipFromWorld = {map.fit->clipFromWorld}}, passes.frame());
     }
 
     bool lightMap(const ShadowTask& task, Map& map) const override { return maps_.get(task.light->id, map); }

@@ -131,6 +131,19 @@ std::span<const Caster* const> castersInHalf(std::span<const Caster* const> cast
     return kept.first(count);
 }
 
+/// Bit h: a receiver in the task's view can lie in half h, or both are asked for.
+std::uint32_t neededHalves(const ShadowTask& task)
+{
+    if (task.settings[kPlaneCulling] == 0.0) return 3;
+    const Frustum visible = frustumOf(*task.view, *task.light);
+    std::uint32_t needed = 0;
+    for (std::uint32_t hemi = 0; hemi < 2; ++hemi) {
+        const glm::vec3 inward(0.0f, hemi == 0 ? -1.0f : 1.0f, 0.0f);
+        if (touches(visible, Plane{inward, -glm::dot(inward, task.light->position())})) needed |= 1u << hemi;
+    }
+    return needed;
+}
+
 class DualParaboloid final : public ShadowAlgorithm {
 public:
     explicit DualParaboloid(const AlgorithmServices& services)
@@ -143,25 +156,26 @@ public:
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
         const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-        const float farWs = fitCubeFace(*task.light, sceneBounds(*task.casters), 0, resolution, kBorderTexels).farWs;
+        const float farWs = casterReach(*task.light, sceneBounds(*task.casters));
         const float discRadius = 1.0f - 2.0f * kBorderTexels / static_cast<float>(resolution);
-        const ImageId map = declareHalves(passes, task, resolution, farWs, discRadius);
+        const std::uint32_t needed = neededHalves(task);
+        const ImageId map = declareHalves(passes, task, needed, resolution, farWs, discRadius);
 
         gpu::MapConstants constants = mapConstants(task, resolution, filterSide(task.settings[kFilter]));
         constants.map.slope = 0.5f * discRadius * static_cast<float>(resolution);
         constants.map.farWs = farWs;
         resolve_.declare(passes, task, map, constants);
-        Map kept{.image = map, .clipFromWorld = {}};
+        Map kept{.image = map, .clipFromWorld = {}, .validLayers = needed};
         for (glm::mat4& matrix : kept.clipFromWorld)
             matrix = glm::mat4(0.0f);
-        maps_.set(task.light->id, kept);
+        maps_.set(task.light->id, kept, passes.frame());
     }
 
     bool lightMap(const ShadowTask& task, Map& map) const override { return maps_.get(task.light->id, map); }
 
 private:
-    ImageId declareHalves(PassBuilder& passes, const ShadowTask& task, std::uint32_t resolution, float farWs,
-                          float discRadius)
+    ImageId declareHalves(PassBuilder& passes, const ShadowTask& task, std::uint32_t needed, std::uint32_t resolution,
+                          float farWs, float discRadius)
     {
         FrameArena& arena = passes.arena();
         const LightView& light = *task.light;
@@ -176,12 +190,9 @@ private:
                       .cut = {cutter_.declare(passes, light, task.casters->movings, 1, resolution),
                               cutter_.declare(passes, light, task.casters->statics, 0, resolution)},
                       .fine = {}};
-        const Frustum visible = frustumOf(*task.view, light);
-        const bool culls = task.settings[kPlaneCulling] != 0.0;
         const float past = 1.0f - discRadius; // sine of the angle past the rim that the border shows, and more
         for (std::uint32_t hemi = 0; hemi < 2; ++hemi) {
-            const glm::vec3 inward(0.0f, hemi == 0 ? -1.0f : 1.0f, 0.0f);
-            if (culls && !touches(visible, Plane{inward, -glm::dot(inward, light.position())})) continue;
+            if ((needed >> hemi & 1) == 0) continue;
             const auto statics = castersInHalf(task.casters->statics, light.position(), hemi, past, arena);
             const auto movings = castersInHalf(task.casters->movings, light.position(), hemi, past, arena);
             draw.push.hemi = hemi;

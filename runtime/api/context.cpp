@@ -441,8 +441,10 @@ Result<GnLightMap> Context::lightMap(GnLight light)
                        .imageView = gpu.view,
                        .format = gpu.format,
                        .extent = gpu.extent,
-                       .layerCount = gpu.layers};
-        std::copy(origin_.begin(), origin_.end(), out.origin);
+                       .layerCount = gpu.layers,
+                       .clipFromWorld = {},
+                       .origin = {origin_[0], origin_[1], origin_[2]},
+                       .validLayers = map.validLayers};
         for (std::uint32_t i = 0; i < 6; ++i)
             for (int k = 0; k < 16; ++k)
                 out.clipFromWorld[i][k] = map.clipFromWorld[i][k / 4][k % 4];

@@ -249,6 +249,11 @@ std::uint64_t PassBuilder::serial(ImageId image) const
     return image ? graph_.images_[image.index].pooled->serial : 0;
 }
 
+std::uint64_t PassBuilder::frame() const
+{
+    return graph_.pool_.frame();
+}
+
 void PassBuilder::kept(std::uint32_t count)
 {
     graph_.taskKept_ += count;
@@ -257,11 +262,6 @@ void PassBuilder::kept(std::uint32_t count)
 void PassBuilder::fail(const Error& error)
 {
     graph_.fail(error);
-}
-
-std::uint64_t PassBuilder::frame() const
-{
-    return graph_.pool_.frame();
 }
 
 FrameArena& PassBuilder::arena()

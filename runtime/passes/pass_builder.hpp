@@ -166,6 +166,9 @@ public:
     PassRef prepare(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);
     PassRef host(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);
 
+    /// The frame under declaration: grows from frame to frame.
+    std::uint64_t frame() const;
+
     /// Counts `count` update passes that were not declared because their result was kept.
     void kept(std::uint32_t count = 1);
 

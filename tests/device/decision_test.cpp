@@ -1,4 +1,5 @@
 // What was decided, why, and what the decision rests on.
+#include <algorithm>
 #include <cmath>
 
 #include "device/fixture.hpp"
@@ -221,6 +222,85 @@ TEST_CASE_FIXTURE(DeviceTest, "an alpha-tested card that the host draws casts it
     CHECK(std::abs(double(holes) / double(shadow) - share) < 0.03);
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "whatever state a host's callback leaves, the casters drawn after it are all there")
+{
+    // Statics are drawn first: what leaves the state behind, then the card and the ball.
+    Scene scene = smallScene();
+    scene.instances[1].isStatic = false;
+    scene.meshes.push_back(demo::makeCard({.width = 2.0f, .height = 2.0f}));
+    demo::Instance card;
+    card.name = "card";
+    card.mesh = 3;
+    card.pose.position = {-2.0, 1.0, 0.0};
+    card.pose.rotation = glm::angleAxis(glm::radians(-90.0), glm::dvec3(1.0, 0.0, 0.0));
+    card.hostDrawn = true;
+    scene.instances.push_back(card);
+    const auto picture = [&](PFN_gnDrawCasters leave) {
+        Host host(scene);
+        GnInstanceCreateInfo info{};
+        info.flags = GN_INSTANCE_HOST_DRAWN_BIT | GN_INSTANCE_STATIC_BIT;
+        std::fill_n(info.boundsMin, 3, -0.5f);
+        std::fill_n(info.boundsMax, 3, 0.5f);
+        info.pfnDrawCasters = leave;
+        GnInstance instance = VK_NULL_HANDLE;
+        host.require(gnCreateInstance(host.context, &info, &instance));
+        host.pinAll("shadow_map");
+        host.require(host.draw());
+        CHECK(host.decision(0).reason == GN_REASON_PINNED);
+        return host.pictures()[0];
+    };
+    const Image8 clean = picture([](VkCommandBuffer, const GnCasterProjection*, void*) {});
+    const Image8 messy = picture([](VkCommandBuffer cmd, const GnCasterProjection* projection, void*) {
+        CHECK(projection->area.extent.width > 1);
+        const VkViewport viewport{0.0f, 0.0f, 1.0f, 1.0f, 0.0f, 1.0f};
+        const VkRect2D scissor{{0, 0}, {1, 1}};
+        vkCmdSetViewport(cmd, 0, 1, &viewport);
+        vkCmdSetScissor(cmd, 0, 1, &scissor);
+        vkCmdSetDepthBias(cmd, 1e9f, 0.0f, 0.0f);
+    });
+    CHECK(dark(clean) > 500);
+    CHECK(differences(clean, messy) == 0);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "two paraboloids do not depend on how far a light reaches past all casters")
+{
+    Scene scene = smallScene();
+    scene.lights = {pointLight("bulb", {1.0, 5.0, 2.0}, true)};
+    const auto picture = [&](float range) {
+        Scene copy = scene;
+        copy.lights[0].range = range;
+        Host host(copy);
+        host.pinAll("dual_paraboloid");
+        host.require(host.draw());
+        return host.pictures()[0];
+    };
+    const Image8 hundreds = picture(500.0f);
+    CHECK(dark(hundreds) > 100);
+    CHECK(differences(hundreds, picture(1e6f)) == 0);
+    CHECK(differences(hundreds, picture(0.0f)) == 0);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a light's map says which of its layers hold the frame's casters")
+{
+    Scene scene = smallScene();
+    scene.lights = {pointLight("bulb", {0.0, 5.0, 0.0}, true)};
+    scene.camera = {demo::CameraKey{.eye = {0.0, 4.0, 6.0}, .target = {0.0, -1.0, 0.0}}}; // nothing above the bulb
+    Host host(scene);
+    const auto valid = [&](const char* method) {
+        host.pinAll(method);
+        host.require(host.draw());
+        GnLightMap map{};
+        host.require(gnGetLightMap(host.context, host.lights[0], &map));
+        CHECK(map.validLayers < 1u << map.layerCount);
+        return map.validLayers;
+    };
+    const uint32_t faces = valid("cube_map");
+    CHECK((faces >> 3 & 1) == 1); // down
+    CHECK((faces >> 2 & 1) == 0); // up
+    CHECK(valid("dual_paraboloid") == 1);
+    CHECK(valid("cube_map") == faces); // kept
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "a light's map is what its method kept: size, matrices and origin fit the scene")
 {
     Scene scene = smallScene();
@@ -236,6 +316,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a light's map is what its method kept: size, matr
     CHECK(map.extent.width == 512);
     CHECK(map.extent.height == 512);
     CHECK(map.layerCount == 1);
+    CHECK(map.validLayers == 1);
     const auto project = [&](const glm::dvec3& world) {
         glm::dvec4 clip(0.0);
         const glm::dvec4 relative(world - glm::dvec3(map.origin[0], map.origin[1], map.origin[2]), 1.0);
