@@ -42,7 +42,9 @@ bool besideCone(const Box& box, glm::dvec3 apex, glm::dvec3 axis, double halfAng
     if (leastAlong(local, -axis) > reach) return true;
     const glm::dvec3 across = local.center - glm::dot(local.center, axis) * axis;
     const double distance = glm::length(across);
-    if (distance == 0.0) return false; // the centre is on the axis
+    // The centre is on the axis: what is left of `across` is rounding, 1e-16 of the distance, and points anywhere. From
+    // here on it is across to 1e-7, which the slack of reaches() covers.
+    if (distance <= 1e-9 * glm::length(local.center)) return false;
     const glm::dvec3 normal = std::cos(halfAngle) * (across / distance) - std::sin(halfAngle) * axis;
     return leastAlong(local, normal) > reach;
 }
@@ -76,7 +78,9 @@ bool reaches(const LightView& light, const Aabb& box)
     if (!touchesBall(b, apex, range)) return false;
     if (light.type == GN_LIGHT_TYPE_POINT) return true;
     const double slack = 1e-6 * (glm::length(b.center - apex) + glm::length(b.half));
-    return !besideCone(b, apex, glm::dvec3(light.direction()), static_cast<double>(light.coneAngle), radius + slack);
+    // Of unit length to 2^-24 only: for a box on the axis what lies across it would else point along it.
+    const glm::dvec3 axis = glm::normalize(glm::dvec3(light.direction()));
+    return !besideCone(b, apex, axis, static_cast<double>(light.coneAngle), radius + slack);
 }
 
 Aabb transformed(const Aabb& box, const glm::mat3& basis, glm::vec3 translation)

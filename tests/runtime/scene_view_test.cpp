@@ -134,6 +134,18 @@ TEST_CASE("a spot light does not reach boxes behind it, beside its cone or past 
     CHECK(reaches(wide, boxAt(7, 0, -5)));
 }
 
+TEST_CASE("a spot light reaches a box that it points at, however small")
+{
+    Random random;
+    for (int i = 0; i < 4000; ++i) {
+        const glm::vec3 position = random.point(5.0f), center = random.point(5.0f);
+        const glm::vec3 half = glm::abs(random.point(0.5f));
+        const LightView light =
+            lightOf(GN_LIGHT_TYPE_SPOT, position, glm::normalize(center - position), 50.0f, random.in(0.02f, 1.5f));
+        CHECK(reaches(light, {center - half, center + half}));
+    }
+}
+
 TEST_CASE("a point light reaches its range, a directional light everything")
 {
     const LightView point = lightOf(GN_LIGHT_TYPE_POINT, {1, 0, 0}, {}, 2.0f, 0.0f);
