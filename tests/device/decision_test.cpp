@@ -224,7 +224,7 @@ TEST_CASE_FIXTURE(DeviceTest, "an alpha-tested card that the host draws casts it
 
 TEST_CASE_FIXTURE(DeviceTest, "whatever state a host's callback leaves, the casters drawn after it are all there")
 {
-    // Statics are drawn first: what leaves the state behind, then the card and the ball.
+    // Statics are drawn first: what leaves the state behind, then the ball and the card, which the host draws as well.
     Scene scene = smallScene();
     scene.instances[1].isStatic = false;
     scene.meshes.push_back(demo::makeCard({.width = 2.0f, .height = 2.0f}));
@@ -250,7 +250,9 @@ TEST_CASE_FIXTURE(DeviceTest, "whatever state a host's callback leaves, the cast
         return host.pictures()[0];
     };
     const Image8 clean = picture([](VkCommandBuffer, const GnCasterProjection*, void*) {});
+    static uint32_t calls = 0;
     const Image8 messy = picture([](VkCommandBuffer cmd, const GnCasterProjection* projection, void*) {
+        ++calls;
         CHECK(projection->area.extent.width > 1);
         const VkViewport viewport{0.0f, 0.0f, 1.0f, 1.0f, 0.0f, 1.0f};
         const VkRect2D scissor{{0, 0}, {1, 1}};
@@ -258,6 +260,7 @@ TEST_CASE_FIXTURE(DeviceTest, "whatever state a host's callback leaves, the cast
         vkCmdSetScissor(cmd, 0, 1, &scissor);
         vkCmdSetDepthBias(cmd, 1e9f, 0.0f, 0.0f);
     });
+    CHECK(calls == 1);
     CHECK(dark(clean) > 500);
     CHECK(differences(clean, messy) == 0);
 }
