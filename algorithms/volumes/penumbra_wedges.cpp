@@ -92,7 +92,7 @@ void declareResolve(PassBuilder& passes, const ShadowTask& task, const ViewStenc
     const VkRect2D& area = task.view->area;
     PassRef pass = passes.raster("penumbra_wedges.resolve");
     pass.area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
-        .writes(task.visibility, {.layer = task.layer}) // outside of `pixels` 1, as the count's pass cleared it
+        .writes(task.visibility, {.layer = task.layer, .blend = true}) // 1 outside of `pixels`, as the count left it
         .samples(task.depth)
         .samples(stencil.image)
         .samples(coverage);
