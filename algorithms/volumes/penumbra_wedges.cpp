@@ -72,8 +72,7 @@ void declareVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStenc
 }
 
 struct ResolveInputs {
-    const CameraView* view = nullptr;
-    const LightView* light = nullptr;
+    gpu::WedgeResolve constants{};
     ImageId depth, normals, stencil, coverage;
     VkRect2D pixels{};
 };
@@ -82,8 +81,7 @@ void declareResolve(PassBuilder& passes, const ShadowTask& task, const ViewStenc
                     PipelineId pipeline)
 {
     ResolveInputs* inputs = passes.arena().make<ResolveInputs>();
-    *inputs = {.view = task.view,
-               .light = task.light,
+    *inputs = {.constants = wedgeResolve(*task.view, *task.light),
                .depth = task.depth,
                .normals = task.normals ? task.normals : task.depth, // without normals the shader does not read them
                .stencil = stencil.image,
@@ -100,8 +98,7 @@ void declareResolve(PassBuilder& passes, const ShadowTask& task, const ViewStenc
     pass.record([=](PassContext& gpu) {
         if (inputs->pixels.extent.width == 0) return;
         gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &inputs->pixels);
-        gpu.bind(pipeline, {gpu.constants(0, volumeResolve(*inputs->view, *inputs->light)),
-                            gpu.sampled(1, inputs->depth, SamplerKind::nearest, 0),
+        gpu.bind(pipeline, {gpu.constants(0, inputs->constants), gpu.sampled(1, inputs->depth, SamplerKind::nearest, 0),
                             gpu.sampled(2, inputs->normals, SamplerKind::nearest, 0), gpu.stencilOf(3, inputs->stencil),
                             gpu.sampled(4, inputs->coverage, SamplerKind::nearest, 0)});
         gpu.drawFullscreen();

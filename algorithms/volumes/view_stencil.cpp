@@ -190,6 +190,14 @@ glm::mat4 clipFromEye(const CameraView& view)
     return glm::mat4(glm::dmat4(view.projection) * glm::dmat4(glm::dmat3(view.viewFromWorld)));
 }
 
+bool mirrors(const CameraView& view)
+{
+    // Of the way from world to clip x, y and w the determinant; skew does not enter it. Clip y grows downwards, linear
+    // depth away from the eye: a plain view's is positive.
+    const glm::mat4& p = view.projection;
+    return p[0][0] * p[1][1] * p[2][3] * glm::determinant(view.viewFromWorld) < 0.0f;
+}
+
 gpu::VolumeConstants volumeConstants(const CameraView& view, const LightView& light, bool bounded)
 {
     const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;

@@ -28,6 +28,10 @@ VkExtent2D tileExtent(const VkRect2D& area);
 /// clip = clipFromEye(view) * vec4(positionEs, 1): relative to the eye, in world axes.
 glm::mat4 clipFromEye(const CameraView& view);
 
+/// Whether the view shows everything mirrored, as that of a planar reflection: what is wound counter-clockwise in the
+/// world is drawn clockwise.
+bool mirrors(const CameraView& view);
+
 /// What every shader that draws volumes knows of a light in a view.
 /// @param bounded volumes end behind the farthest visible receiver, else at infinity.
 gpu::VolumeConstants volumeConstants(const CameraView& view, const LightView& light, bool bounded);

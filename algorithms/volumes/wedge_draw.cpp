@@ -1,9 +1,9 @@
 #include "algorithms/volumes/wedge_draw.hpp"
 
 #include "algorithms/volumes/shadow_reach.hpp"
+#include "algorithms/volumes/stencil_resolve.hpp"
 #include "runtime/scene/light_pixels.hpp"
 
-#include "shaders/volumes/wedge.h"
 #include "shaders/volumes_wedge_frag.h"
 #include "shaders/volumes_wedge_vert.h"
 
@@ -76,6 +76,7 @@ void drawParts(PassContext& gpu, const WedgePlan& plan, const VolumeDraw& draw, 
     eyeRows(*draw.caster, *plan.view, push.caster.rows);
     push.caster.reach = glm::vec4(casterReach(draw.caster->bounds, *plan.light, plan.view->eye), 0.0f);
     push.before = before ? 1 : 0;
+    push.mirrored = mirrors(*plan.view) ? 1 : 0;
     for (push.part = 0; push.part < gpu::WEDGE_PARTS; ++push.part) {
         gpu.push(push);
         for (std::uint32_t i = 0; i < draw.commandCount; ++i)
@@ -124,6 +125,14 @@ const char* missingForWedges(const DeviceTable& vk)
     const bool blends =
         (format.formatProperties.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT) != 0;
     return blends ? nullptr : "needs blending of R32_SFLOAT";
+}
+
+gpu::WedgeResolve wedgeResolve(const CameraView& view, const LightView& light)
+{
+    gpu::WedgeResolve block{};
+    block.volumes = volumeResolve(view, light);
+    block.entered = mirrors(view) ? -1 : 1;
+    return block;
 }
 
 WedgePlan* planWedges(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil,

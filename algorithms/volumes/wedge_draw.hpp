@@ -1,6 +1,7 @@
 #pragma once
 // Penumbra wedges under the sides of shadow volumes: which are drawn for a light in a view, and their drawing.
 #include "algorithms/volumes/volume_draw.hpp"
+#include "shaders/volumes/wedge.h"
 
 namespace gnomon {
 
@@ -15,6 +16,9 @@ WedgePipelines makeWedgePipelines(const AlgorithmServices& services);
 
 /// Null, or why the device cannot add up wedges. Static storage.
 const char* missingForWedges(const DeviceTable& vk);
+
+/// What wedge_resolve.frag asks of view and light.
+gpu::WedgeResolve wedgeResolve(const CameraView& view, const LightView& light);
 
 /// In the frame's arena.
 struct WedgePlan {

@@ -18,12 +18,23 @@ struct WedgeConstants {
 };
 GN_SHARED_SIZE(WedgeConstants, 176)
 
+// What wedge_resolve.frag asks of view and light. std140.
+struct WedgeResolve {
+    VolumeResolve volumes;
+    int entered; // what a view ray that enters a volume adds to the count: 1, in a view that mirrors -1
+    int padding0;
+    int padding1;
+    int padding2;
+};
+GN_SHARED_SIZE(WedgeResolve, 240)
+
 // One caster, and which two of the hull's eight triangles are drawn.
 struct WedgePush {
     VolumePush caster;
-    uint part;   // 0 to WEDGE_PARTS - 1
-    uint before; // 1: the hull's near side is drawn, 0: its far side
-    uint padding[2];
+    uint part;     // 0 to WEDGE_PARTS - 1
+    uint before;   // 1: the hull's near side is drawn, 0: its far side
+    uint mirrored; // 1: the view mirrors, triangles are drawn the other way round
+    uint padding;
 };
 GN_SHARED_SIZE(WedgePush, 80)
 
@@ -73,6 +84,13 @@ GN_SHARED_FN uint wedgeCorner(uint part, uint corner)
     // Six corners a part, four bits each, the first one lowest.
     uint corners = part == 0u ? 0x240410u : part == 1u ? 0x150530u : part == 2u ? 0x451320u : 0x352542u;
     return (corners >> (4u * corner)) & 7u;
+}
+
+// The corner of a part that is drawn `index`-th: in a view that mirrors, triangles go round the other way.
+GN_SHARED_FN uint drawnCorner(uint part, uint index, bool mirrored)
+{
+    uint turn = index % 3u;
+    return wedgeCorner(part, mirrored ? index - turn + (3u - turn) % 3u : index);
 }
 
 // Of all edges at a pixel one number is kept: the sum of their shares, and DOUBT for each that may be off by a disc.

@@ -36,14 +36,16 @@ void main()
     fromEs = vertexEs(sides[side] >> 1);
     toEs = vertexEs(sides[side + 2u] >> 1);
     Wedge wedge = penumbraWedge(fromEs, toEs, wedges.lightEs.xyz, wedges.lightEs.w);
-    uint corner = wedgeCorner(push.part, index % 6u);
+    bool mirrored = push.mirrored != 0u;
+    uint corner = drawnCorner(push.part, index % 6u, mirrored);
     vec3 tip = corner == 0u || corner == 2u || corner == 3u ? fromEs : toEs;
     vec4 position = corner < 2u ? vec4(tip, 1.0) : extruded(tip, vec4(wedge.rays[(corner + 2u) & 3u], 0.0), endPlane(wedge));
     gl_Position = constants.clipFromEye * position;
     if (wedge.whole == 0.0) return;
     // The whole view as one side of a hull: of the depth of the sky and turned away from the eye, or as near as can be
     // and turned towards it.
-    bool left = corner == 2u || corner == 3u, low = (corner == 2u || corner == 4u) == (push.before == 0u);
+    bool left = corner == 2u || corner == 3u, first = corner == 2u || corner == 4u;
+    bool low = (first == (push.before == 0u)) != mirrored;
     float z = push.before == 0u ? wedges.view.skyDepth : 1.0 - wedges.view.skyDepth;
     gl_Position = push.part == 3u ? vec4(left ? -1.0 : 1.0, low ? -1.0 : 1.0, z, 1.0) : vec4(0.0, 0.0, 0.0, 1.0);
 }

@@ -3,7 +3,7 @@
 // Visibility from the stencil's count and what the wedges add to it.
 #include "wedge.h"
 
-layout(set = 0, binding = 0, std140) uniform Constants { VolumeResolve resolve; };
+layout(set = 0, binding = 0, std140) uniform Constants { WedgeResolve wedges; };
 layout(set = 0, binding = 1) uniform sampler2D depthImage;
 layout(set = 0, binding = 2) uniform sampler2D normalImage;
 layout(set = 0, binding = 3) uniform usampler2D stencilImage;
@@ -11,18 +11,20 @@ layout(set = 0, binding = 4) uniform sampler2D coverageImage; // sharesOf(), dou
 layout(location = 0) noperspective in vec3 rayWs;
 layout(location = 0) out vec4 visibility;
 
-// Covered discs at a pixel. Counts are kept modulo 256; rounding along a border may leave -1.
+// Covered discs at a pixel. Counts are kept modulo 256, negative in a view that mirrors; rounding along a border may leave
+// one of the other sign.
 float coveredAt(ivec2 pixel)
 {
     int count = int(texelFetch(stencilImage, pixel, 0).x);
-    return float(count < 128 ? count : count - 256) + sharesOf(texelFetch(coverageImage, pixel, 0).x);
+    count = wedges.entered * (count < 128 ? count : count - 256);
+    return float(count) + sharesOf(texelFetch(coverageImage, pixel, 0).x);
 }
 
 // Where stencil and wedges may disagree about the side of an edge, the count that fits the neighbours on the same
 // surface. Along such a border coverage is continuous: neighbours differ by less than the half that is at stake.
 // inDoubt: whether they may. Few pixels are; a loop of no rounds costs the others nothing on any device, where a branch
 // around it costs a software device all eight rounds at every pixel.
-float settled(ivec2 pixel, float covered, float w, bool inDoubt)
+float settled(VolumeResolve resolve, ivec2 pixel, float covered, float w, bool inDoubt)
 {
     float sum = 0.0, neighbours = 0.0;
     int rounds = inDoubt ? 8 : 0;
@@ -43,12 +45,13 @@ float settled(ivec2 pixel, float covered, float w, bool inDoubt)
 
 void main()
 {
+    VolumeResolve resolve = wedges.volumes;
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float depth = texelFetch(depthImage, pixel, 0).x;
     float w = linearDepth(resolve.view, depth);
     vec3 toLight = resolve.lightEs.xyz - w * rayWs;
     bool reached = depth != resolve.view.skyDepth && reaches(-toLight, resolve.cone, resolve.rangeSquared);
     bool facing = resolve.view.hasNormals == 0u || dot(texelFetch(normalImage, pixel, 0).xyz, toLight) > 0.0;
-    float covered = settled(pixel, coveredAt(pixel), w, doubtful(texelFetch(coverageImage, pixel, 0).x));
+    float covered = settled(resolve, pixel, coveredAt(pixel), w, doubtful(texelFetch(coverageImage, pixel, 0).x));
     visibility = vec4(!reached ? 1.0 : facing ? clamp(1.0 - covered, 0.0, 1.0) : 0.0, 0.0, 0.0, 1.0);
 }

@@ -417,8 +417,8 @@ GnResult Host::draw(const FrameOptions& options)
     vkCheck(vkBeginCommandBuffer(slot.before, &begin), "vkBeginCommandBuffer");
     std::vector<GnViewFrame> frames;
     for (uint32_t view = 0; view < views.size(); ++view) {
-        const CameraMatrices camera =
-            cameraMatrices(scene, cameras[view], area_.extent.width != 0 ? area_.extent : extent_);
+        CameraMatrices camera = cameraMatrices(scene, cameras[view], area_.extent.width != 0 ? area_.extent : extent_);
+        if (options.lens) options.lens(camera);
         drawSurface(slot.before, surfaces_[view], camera, state);
         frames.push_back(viewFrame(view, camera, lit));
     }

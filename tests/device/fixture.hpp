@@ -68,6 +68,7 @@ struct FrameOptions {
     const std::vector<demo::CameraState>* cameras = nullptr;             ///< One per view; null: the scene's.
     const std::vector<GnLight>* lights = nullptr;                        ///< Null: those present.
     bool drop = false;                                                   ///< Recorded only: withdrawn, never submitted.
+    std::function<void(demo::CameraMatrices&)> lens;                     ///< Before they are drawn with.
     std::function<void(GnFrameInfo&, std::vector<GnViewFrame>&)> adjust; ///< Before the call.
     std::function<void(VkCommandBuffer, bool begins)> around; ///< Recorded only: before and after gnomon's commands.
     size_t (*counter)() noexcept = nullptr;                   ///< Read before and after the call; see Host::counted.
