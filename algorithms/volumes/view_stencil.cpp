@@ -182,7 +182,11 @@ ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& 
     passes.transfer("volumes.depth_in", Scope::view).reads(depths).writes(image).record([=](PassContext& gpu) {
         recordDepthIn(gpu, depths, image, extent);
     });
-    return {.image = image, .receiverBounds = bounds, .tiles = tiles};
+    return {.image = image,
+            .depths = depths,
+            .depthColumns = bufferWidth(extent),
+            .receiverBounds = bounds,
+            .tiles = tiles};
 }
 
 glm::mat4 clipFromEye(const CameraView& view)

@@ -14,9 +14,11 @@ struct ViewStencilPipelines {
 ViewStencilPipelines makeViewStencilPipelines(const AlgorithmServices& services);
 
 struct ViewStencil {
-    ImageId image;           ///< kStencilFormat: the host's depth, lifted (receiver_tile.h); stencil undefined.
-    BufferId receiverBounds; ///< gpu::ReceiverBounds, relative to the eye; sky left out.
-    BufferId tiles;          ///< gpu::ReceiverTile, row by row.
+    ImageId image;                  ///< kStencilFormat: the host's depth, lifted (receiver_tile.h); stencil undefined.
+    BufferId depths;                ///< The same depths as floats, row by row.
+    std::uint32_t depthColumns = 0; ///< In a row of `depths`.
+    BufferId receiverBounds;        ///< gpu::ReceiverBounds, relative to the eye; sky left out.
+    BufferId tiles;                 ///< gpu::ReceiverTile, row by row.
 };
 
 /// Declares all of it for task.view.

@@ -11,12 +11,10 @@ namespace gnomon {
 
 namespace {
 
-constexpr BindingInfo kBindings[] = {{.binding = 0, .kind = BindingKind::constants},
-                                     {.binding = 1, .kind = BindingKind::storageBuffer},
-                                     {.binding = 2, .kind = BindingKind::storageBuffer},
-                                     {.binding = 3, .kind = BindingKind::storageBuffer},
-                                     {.binding = 4, .kind = BindingKind::constants},
-                                     {.binding = 5, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT}};
+constexpr BindingInfo kBindings[] = {
+    {.binding = 0, .kind = BindingKind::constants},     {.binding = 1, .kind = BindingKind::storageBuffer},
+    {.binding = 2, .kind = BindingKind::storageBuffer}, {.binding = 3, .kind = BindingKind::storageBuffer},
+    {.binding = 4, .kind = BindingKind::constants},     {.binding = 5, .kind = BindingKind::storageBuffer}};
 
 /// @param before the hull's near side where it lies before the receiver; else its far side where that lies behind.
 /// Either meets every pixel of the penumbra once and leaves it to the shader to find out about the other side. The near
@@ -60,7 +58,8 @@ void collectDraws(WedgePlan& plan, const VolumeList& list)
 gpu::WedgeConstants wedgeConstants(const WedgePlan& plan)
 {
     return {.view = plan.view->constants,
-            .lightEs = glm::vec4(plan.light->position() - plan.view->eye, plan.light->constants.sourceRadius)};
+            .lightEs = glm::vec4(plan.light->position() - plan.view->eye, plan.light->constants.sourceRadius),
+            .depthColumns = plan.depthColumns};
 }
 
 /// The sides' own commands: six vertices an edge, here without indices, as often as a wedge has parts. Of a command for
@@ -101,7 +100,7 @@ void recordWedges(PassContext& gpu, const WedgePlan& plan, const WedgePipelines&
                 mesh = draw.caster->mesh;
                 list = draw.list;
                 gpu.bind(pipeline, {constants, gpu.storage(1, mesh->vertexBuffer), gpu.storage(2, plan.receiverBounds),
-                                    gpu.storage(3, list), wedges, gpu.sampled(5, plan.depth, SamplerKind::nearest, 0)});
+                                    gpu.storage(3, list), wedges, gpu.storage(5, plan.depths)});
             }
             drawParts(gpu, plan, draw, before);
         }
@@ -142,7 +141,8 @@ WedgePlan* planWedges(PassBuilder& passes, const ShadowTask& task, const ViewSte
     plan->view = task.view;
     plan->light = task.light;
     plan->receiverBounds = stencil.receiverBounds;
-    plan->depth = task.depth;
+    plan->depths = stencil.depths;
+    plan->depthColumns = stencil.depthColumns;
     plan->bounded = bounded;
     plan->pixels = lightPixels(*task.light, *task.view);
     for (std::span<VolumeDraw>* draws : {&plan->before, &plan->around})
@@ -167,7 +167,7 @@ ImageId declareWedges(PassBuilder& passes, const ShadowTask& task, const char* n
     pass.area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
         .writes(coverage, {.clear = true, .value = {.color = {{0.0f, 0.0f, 0.0f, 0.0f}}}, .blend = true})
         .depthTest(stencil.image)
-        .samples(task.depth)
+        .reads(stencil.depths)
         .reads(stencil.receiverBounds);
     for (const BufferId list : plan.lists)
         if (list) pass.reads(list).indirect(list);

@@ -29,7 +29,8 @@ struct WedgePlan {
     std::span<VolumeDraw> before, around;
     BufferId lists[2]; ///< Null ids: none.
     BufferId receiverBounds;
-    ImageId depth;
+    BufferId depths; ///< As ViewStencil's.
+    std::uint32_t depthColumns = 0;
     bool bounded = true;
     VkRect2D pixels{}; ///< Where the light can reach.
 };

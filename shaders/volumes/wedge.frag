@@ -2,17 +2,21 @@
 #extension GL_GOOGLE_include_directive : require
 // What one edge adds to the coverage of the light at a receiver; and DOUBT where that may be off by a whole disc.
 // Blended as colour + what is there * alpha.
+//
+// The receiver is where the count is asked for, lifted off its surface (receiver_tile.h): at a grazing view the other
+// end of that way may lie across the edge's plane, and count and share would be off by a disc.
 #include "wedge.h"
 
 layout(set = 0, binding = 4, std140) uniform Receivers { WedgeConstants wedges; };
-layout(set = 0, binding = 5) uniform sampler2D depthImage;
+layout(set = 0, binding = 5, std430) readonly buffer Depths { float depths[]; }; // lifted
 layout(location = 0) flat in vec3 fromEs;
 layout(location = 1) flat in vec3 toEs;
 layout(location = 0) out vec4 coverage;
 
 void main()
 {
-    float depth = texelFetch(depthImage, ivec2(gl_FragCoord.xy), 0).x;
+    uvec2 pixel = uvec2(gl_FragCoord.xy);
+    float depth = depths[pixel.y * wedges.depthColumns + pixel.x];
     float w = linearDepth(wedges.view, depth);
     vec3 ray = viewRayWs(wedges.view, gl_FragCoord.xy);
     vec3 receiver = w * ray;

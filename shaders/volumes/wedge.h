@@ -14,9 +14,13 @@ GN_SHARED_BEGIN
 // What wedge.frag asks of view and light. std140.
 struct WedgeConstants {
     ViewConstants view;
-    vec4 lightEs; // xyz metres; w: radius of the source, metres
+    vec4 lightEs;      // xyz metres; w: radius of the source, metres
+    uint depthColumns; // in a row of the view's lifted depths
+    uint padding0;
+    uint padding1;
+    uint padding2;
 };
-GN_SHARED_SIZE(WedgeConstants, 176)
+GN_SHARED_SIZE(WedgeConstants, 192)
 
 // What wedge_resolve.frag asks of view and light. std140.
 struct WedgeResolve {

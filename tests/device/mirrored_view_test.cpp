@@ -48,7 +48,7 @@ Scene mirroredScene(demo::DepthConvention convention)
 {
     Scene scene = smallScene();
     scene.depth = {.convention = convention, .nearPlane = 0.1f, .farPlane = 200.0f};
-    scene.lights.push_back(pointLight("bulb", {2.0, 5.0, 0.05}, true));
+    scene.lights.push_back(pointLight("bulb", {2.0, 5.0, -0.25}, true));
     scene.lights.push_back(scene.lights[0]);
     scene.lights[2].name = "sun";
     scene.lights[2].kind = demo::LightKind::Directional;

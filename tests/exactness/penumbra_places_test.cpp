@@ -156,6 +156,33 @@ TEST_CASE("no speckles in penumbrae where count and wedges meet")
     }
 }
 
+// Seen along the floor the count is asked for up to half a pixel away from the surface: the share has to be, too.
+TEST_CASE("no speckles in penumbrae on floors that are seen along themselves")
+{
+    const test::DeviceTest silence;
+    for (const auto convention : {demo::DepthConvention::ReversedInfinite, demo::DepthConvention::Standard}) {
+        Scene scene = softScene(Caster::box, LightKind::Point, 1.6, 0.6f);
+        scene.depth.convention = convention;
+        scene.camera.clear();
+        for (int i = 0; i < 8; ++i)
+            scene.camera.push_back({.time = double(i),
+                                    .eye = {5.0 - 1.3 * i, 0.1 + 0.04 * i, 3.6},
+                                    .target = {0.6, 0.0, -0.6},
+                                    .verticalFov = 0.4f});
+        Stage stage(std::move(scene), {640, 360});
+        uint64_t seen = 0, between = 0;
+        for (int i = 0; i < 16; ++i) {
+            stage.goTo(0.47 * i);
+            const Pictures soft = stage.draw(kWedges), hard = stage.draw("stencil_volume");
+            seen += speckles(soft[0], hard[0]);
+            between += pixelsBetween(soft[0]);
+        }
+        MESSAGE(seen << " speckles in " << between << " pixels of penumbra");
+        CHECK(between > 50000);
+        CHECK(seen == 0);
+    }
+}
+
 TEST_CASE("shadows of two casters that overlap stay dark, and nothing is lit more than once")
 {
     const test::DeviceTest silence;
