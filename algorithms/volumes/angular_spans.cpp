@@ -199,7 +199,8 @@ const char* AngularSpans::refuses(const ShadowTask& task) const
 {
     for (const Caster* caster : task.casters->all) {
         if (caster->alphaTested && !caster->mayBeMissed) return "alpha-tested casters in range";
-        if (caster->mesh && !caster->mesh->topology) return "topology of a caster is not built yet";
+        if (caster->mesh && !caster->alphaTested && !caster->mesh->topology)
+            return "topology of a caster is not built yet";
     }
     return nullptr;
 }

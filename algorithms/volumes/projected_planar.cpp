@@ -124,7 +124,8 @@ Plan* makePlan(PassBuilder& passes, const ShadowTask& task)
     const std::span<const Caster*> casters = passes.arena().array<const Caster*>(task.casters->all.size());
     std::size_t count = 0;
     for (const Caster* caster : task.casters->all)
-        if (caster->mesh && !caster->hostDrawn && shadowTouches(caster->bounds, *task.light, task.view->frustum))
+        if (caster->mesh && !caster->hostDrawn && !caster->alphaTested &&
+            shadowTouches(caster->bounds, *task.light, task.view->frustum))
             casters[count++] = caster;
     plan->casters = casters.first(count);
     return plan;

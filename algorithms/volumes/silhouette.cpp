@@ -45,7 +45,8 @@ std::uint32_t* writeQuad(std::uint32_t a, std::uint32_t b, std::uint32_t* out)
 
 bool castsVolume(const Caster& caster)
 {
-    return caster.mesh && caster.mesh->topology && !caster.hostDrawn && !caster.mesh->topology->edges.empty();
+    return caster.mesh && caster.mesh->topology && !caster.hostDrawn && !caster.alphaTested &&
+           !caster.mesh->topology->edges.empty();
 }
 
 glm::vec4 lightInObjectSpace(const LightView& light, const Caster& caster)

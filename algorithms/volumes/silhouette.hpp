@@ -11,7 +11,7 @@
 
 namespace gnomon {
 
-/// Whether a caster has a volume: triangles with a topology.
+/// Whether a caster has a volume: solid triangles with a topology. Volumes cannot see holes that a texture cuts.
 bool castsVolume(const Caster& caster);
 
 /// The light for faces in object space: a face's winding in the world looks towards the light if

@@ -258,7 +258,7 @@ const char* refusesVolumes(const DeviceTable& vk, const ShadowTask& task)
         return "a finite far plane needs depthClamp";
     for (const Caster* caster : task.casters->all) {
         if (caster->alphaTested && !caster->mayBeMissed) return "alpha-tested casters in range";
-        if (!caster->mesh) continue; // host-drawn: the runtime decides by the trait
+        if (!caster->mesh || caster->alphaTested) continue; // missed; host-drawn: the runtime decides by the trait
         if (!caster->mesh->topology) return "topology of a caster is not built yet";
         if (caster->mesh->positions.size() > vk.properties.limits.maxDrawIndexedIndexValue / 2)
             return "a caster has more vertices than the device's index range";
