@@ -1,7 +1,5 @@
 #include "algorithms/volumes/all_edges_volume.hpp"
 
-#include <bit>
-
 #include "algorithms/volumes/edge_list.hpp"
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "algorithms/volumes/silhouette.hpp"
@@ -126,16 +124,9 @@ const char* AllEdgesVolume::refuses(const ShadowTask& task) const
     for (const Caster* caster : task.casters->all) {
         if (!castsVolume(*caster)) continue;
         const EdgeListSize size = edgeListSize(*caster->mesh->topology);
-        // Buffers grow to a power of two, and are bound whole.
-        if (size.largestIndex() > limits.maxDrawIndexedIndexValue ||
-            std::bit_ceil(size.bytes()) > limits.maxStorageBufferRange)
+        if (size.largestIndex() > limits.maxDrawIndexedIndexValue || !fitsBinding(vk_, size.bytes()))
             return "a caster has more edges than the device can index";
     }
-    return nullptr;
-}
-
-const char* missing(const DeviceTable&)
-{
     return nullptr;
 }
 
@@ -156,7 +147,7 @@ const AlgorithmEntry kAllEdgesVolume{
     .settings = kSettings,
     // Lists belong to meshes, not to lights.
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent, GnLightType) { return viewStencilMemory(extent); },
-    .missing = missing,
+    .missing = missingForStencil,
     .create = create,
     .typicalWrongPercent = 0.004f, // stencil_volume's picture
 };

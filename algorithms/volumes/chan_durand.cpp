@@ -246,7 +246,7 @@ public:
         plan.volumes = planVolumes(passes, task, plan.stencil, true, false);
         plan.cells = passes.transient(BufferInfo{.name = "chan_durand.cells", .size = cellBytes(plan.map.fits.size())});
         declareClassify(passes, task, plan);
-        if (task.settings[kCull] != 0.0) declareCull(passes, task, plan, pipelines_.cull);
+        if (task.settings[kCull] != 0.0 && canReadLists(vk_, task)) declareCull(passes, task, plan, pipelines_.cull);
         declareCount(passes, task, plan);
     }
 
@@ -325,7 +325,7 @@ const AlgorithmEntry kChanDurand{
                    pooledSize(cellBytes(mapLayers(type))) + viewStencilMemory(extent);
         },
     .missing = [](const DeviceTable& vk) -> const char* {
-        return vk.enabled.fragmentStoresAndAtomics ? nullptr : "needs fragmentStoresAndAtomics";
+        return vk.enabled.fragmentStoresAndAtomics ? missingForStencil(vk) : "needs fragmentStoresAndAtomics";
     },
     .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<ChanDurand>(services);

@@ -57,6 +57,21 @@ const MeshPlace& placeOf(const MeshView& mesh, Layout& layout)
     return layout.meshes.back() = place;
 }
 
+/// At least what layOut() makes of them, which lists a mesh once however many casters have it. In time of their number.
+VkDeviceSize topologyBytes(std::span<const Caster* const> casters)
+{
+    VkDeviceSize words = 0;
+    for (const Caster* caster : casters) {
+        if (!castsVolume(*caster)) continue;
+        const Topology& topology = *caster->mesh->topology;
+        // Pieces are long: what they and their workgroups take is less than a word for 32 edges, and once the rest.
+        words += topology.edges.size() / 32 + kPieceWords + 2;
+        words += gpu::EDGE_WORDS * topology.edges.size() + topology.uses.size();
+        words += 4 * topology.facePlanes.size() + 2 * kBlockWords;
+    }
+    return 4 * words;
+}
+
 void layOut(FrameArena& arena, std::span<const VolumePiece> pieces, Layout& layout)
 {
     layout.pieces = pieces;
@@ -140,6 +155,15 @@ void declareTopology(PassBuilder& passes, Layout& layout, std::uint32_t variant)
 }
 
 } // namespace
+
+const char* refusesGpuSides(const DeviceTable& vk, const ShadowTask& task)
+{
+    if (const char* reason = refusesReadSides(vk, task)) return reason;
+    for (const std::span<const Caster* const> casters : {task.casters->statics, task.casters->movings})
+        if (!fitsBinding(vk, topologyBytes(casters)))
+            return "the casters in range have more topology than a storage buffer holds";
+    return nullptr;
+}
 
 GpuSilhouettes makeGpuSilhouettes(const AlgorithmServices& services)
 {

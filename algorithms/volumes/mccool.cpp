@@ -266,11 +266,13 @@ public:
 
     const char* refuses(const ShadowTask& task) const override
     {
+        if (const char* reason = refusesView(vk_, *task.view)) return reason;
         const auto side = static_cast<std::uint32_t>(task.settings[kResolution]);
         const std::uint32_t last = gpu::vertexIndex(side, static_cast<int>(side) - 1, static_cast<int>(side) - 1, 2);
-        return last > vk_.properties.limits.maxDrawIndexedIndexValue
-                   ? "the map has more vertices than the device's index range"
-                   : nullptr;
+        if (last > vk_.properties.limits.maxDrawIndexedIndexValue)
+            return "the map has more vertices than the device's index range";
+        const VkDeviceSize polygons = polygonBytes(side * static_cast<std::uint32_t>(task.settings[kEdges]));
+        return fitsBinding(vk_, polygons) ? nullptr : "`edges` asks for more polygons than a storage buffer holds";
     }
 
 private:
@@ -369,7 +371,7 @@ const AlgorithmEntry kMcCool{
             return depthMapMemory(side, maps) + maps * (polygonBytes(side * edges) + cellBytes(side * edges)) +
                    viewStencilMemory(extent);
         },
-    .missing = nullptr,
+    .missing = missingForStencil,
     .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<McCool>(services);
     },

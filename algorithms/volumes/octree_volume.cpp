@@ -98,9 +98,9 @@ VolumeList addKeptCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& 
     return caps;
 }
 
-/// The static casters' part of the plan.
+/// The static casters' part of the plan. @param cull what lies out of the depth image's extents
 void planStatics(PassBuilder& passes, const ShadowTask& task, const VolumeCullPipelines& pipelines,
-                 const ViewStencil& stencil, const KeptDraws& kept, VolumePlan& plan)
+                 const ViewStencil& stencil, const KeptDraws& kept, bool cull, VolumePlan& plan)
 {
     for (const std::uint32_t position : kept.candidates) {
         const VolumeDraw& draw = kept.drawOf[position];
@@ -109,7 +109,7 @@ void planStatics(PassBuilder& passes, const ShadowTask& task, const VolumeCullPi
     }
     plan.lists[0] = kept.sides.buffer;
     const VolumeList caps = plan.zFail.empty() ? VolumeList{} : addKeptCaps(passes, task, plan, kept);
-    if (task.settings[kExtents] == 0.0 || kept.candidates.size() < kLeastCandidates) return;
+    if (!cull || kept.candidates.size() < kLeastCandidates) return;
 
     const CulledCommands culled = declareCull(passes, pipelines, task, stencil,
                                               {.volumes = kept.volumes,
@@ -140,7 +140,8 @@ void OctreeVolume::declare(PassBuilder& passes, const ShadowTask& task)
     const StaticVolumes& volumes = kept_.find(*task.light, task.casters->statics, conceal);
     const KeptDraws kept = findDraws(passes, task, volumes, conceal ? 1 : 0);
     VolumePlan* plan = emptyPlan(passes, task, stencil, bounded);
-    planStatics(passes, task, cull_, stencil, kept, *plan);
+    const bool cull = task.settings[kExtents] != 0.0 && canReadLists(vk_, task);
+    planStatics(passes, task, cull_, stencil, kept, cull, *plan);
 
     const std::size_t firstMoving = plan->zFail.size();
     const VolumeList movings = declareSides(passes, task, false);
@@ -153,11 +154,6 @@ void OctreeVolume::declare(PassBuilder& passes, const ShadowTask& task)
 VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent, GnLightType)
 {
     return viewStencilMemory(extent) + cullMemory(extent);
-}
-
-const char* missing(const DeviceTable&)
-{
-    return nullptr;
 }
 
 std::unique_ptr<ShadowAlgorithm> create(const AlgorithmServices& services)
@@ -176,7 +172,7 @@ const AlgorithmEntry kOctreeVolume{
     .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = memoryPerLight,
-    .missing = missing,
+    .missing = missingForStencil,
     .create = create,
     .typicalWrongPercent = 0.004f, // README.md, table of methods
 };

@@ -47,7 +47,11 @@ public:
     {
     }
     void declare(PassBuilder& passes, const ShadowTask& task) override;
-    const char* refuses(const ShadowTask& task) const override { return refusesVolumes(vk_, task); }
+    const char* refuses(const ShadowTask& task) const override
+    {
+        const char* reason = refusesVolumes(vk_, task);
+        return reason ? reason : refusesReadSides(vk_, task);
+    }
 
 private:
     const DeviceTable& vk_;
@@ -126,11 +130,6 @@ VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent, GnLightT
     return viewStencilMemory(extent) + VkDeviceSize{4} * extent.width * extent.height; // coverage
 }
 
-const char* missing(const DeviceTable& vk)
-{
-    return missingForWedges(vk);
-}
-
 std::unique_ptr<ShadowAlgorithm> create(const AlgorithmServices& services)
 {
     return std::make_unique<PenumbraWedges>(services);
@@ -147,7 +146,7 @@ const AlgorithmEntry kPenumbraWedges{
     .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = memoryPerLight,
-    .missing = missing,
+    .missing = missingForWedges,
     .create = create,
     .typicalWrongPercent = 0.004f, // stencil_volume's: lights of shipped scenes have no radius
 };

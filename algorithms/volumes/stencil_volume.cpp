@@ -27,7 +27,11 @@ public:
     {
     }
     void declare(PassBuilder& passes, const ShadowTask& task) override;
-    const char* refuses(const ShadowTask& task) const override { return refusesVolumes(vk_, task); }
+    const char* refuses(const ShadowTask& task) const override
+    {
+        const char* reason = refusesVolumes(vk_, task);
+        return reason || task.settings[kSilhouettes] == 0.0 ? reason : refusesGpuSides(vk_, task);
+    }
 
 private:
     const DeviceTable& vk_;
@@ -50,11 +54,6 @@ VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent, GnLightT
     return viewStencilMemory(extent);
 }
 
-const char* missing(const DeviceTable&)
-{
-    return nullptr;
-}
-
 std::unique_ptr<ShadowAlgorithm> create(const AlgorithmServices& services)
 {
     return std::make_unique<StencilVolume>(services);
@@ -71,7 +70,7 @@ const AlgorithmEntry kStencilVolume{
     .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = memoryPerLight,
-    .missing = missing,
+    .missing = missingForStencil,
     .create = create,
     .typicalWrongPercent = 0.004f, // README.md, table of methods
 };

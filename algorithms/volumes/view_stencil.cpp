@@ -140,6 +140,20 @@ void declareTiles(PassBuilder& passes, PipelineId pipeline, const CameraView* vi
 
 } // namespace
 
+bool supports(const DeviceTable& vk, VkFormat format, VkFormatFeatureFlags features)
+{
+    VkFormatProperties2 properties{.sType = VK_STRUCTURE_TYPE_FORMAT_PROPERTIES_2};
+    vk.vkGetPhysicalDeviceFormatProperties2(vk.physicalDevice, format, &properties);
+    return (properties.formatProperties.optimalTilingFeatures & features) == features;
+}
+
+const char* missingForStencil(const DeviceTable& vk)
+{
+    constexpr VkFormatFeatureFlags used = VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT |
+                                          VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT | VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
+    return supports(vk, kStencilFormat, used) ? nullptr : "needs D32_SFLOAT_S8_UINT";
+}
+
 ViewStencilPipelines makeViewStencilPipelines(const AlgorithmServices& services)
 {
     return {.strips = services.pipelines->compute({.name = "volumes.receiver_strips",
@@ -148,6 +162,12 @@ ViewStencilPipelines makeViewStencilPipelines(const AlgorithmServices& services)
             .tiles = services.pipelines->compute({.name = "volumes.receiver_tiles",
                                                   .compute = {.code = k_volumes_receiver_tiles_comp},
                                                   .bindings = kTileBindings})};
+}
+
+const char* refusesView(const DeviceTable& vk, const CameraView& view)
+{
+    // The largest of its buffers, bound whole; strips take 64 bytes for 128 pixels.
+    return fitsBinding(vk, depthsSize(view.extent)) ? nullptr : "the view has more pixels than a storage buffer holds";
 }
 
 VkExtent2D tileExtent(const VkRect2D& area)

@@ -8,6 +8,13 @@ namespace gnomon {
 
 inline constexpr VkFormat kStencilFormat = VK_FORMAT_D32_SFLOAT_S8_UINT;
 
+/// Null, or which format of the view's copy the device lacks: Vulkan promises only one of two with a stencil. Static
+/// storage.
+const char* missingForStencil(const DeviceTable& vk);
+
+/// Whether images of the format can be all of that.
+bool supports(const DeviceTable& vk, VkFormat format, VkFormatFeatureFlags features);
+
 struct ViewStencilPipelines {
     PipelineId strips, tiles;
 };
@@ -23,6 +30,15 @@ struct ViewStencil {
 
 /// Declares all of it for task.view.
 ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& pipelines, const ShadowTask& task);
+
+/// Whether a shader can read a buffer of that size: buffers grow to a power of two and are bound whole.
+inline bool fitsBinding(const DeviceTable& vk, VkDeviceSize bytes)
+{
+    return pooledSize(bytes) <= vk.properties.limits.maxStorageBufferRange;
+}
+
+/// Why the device cannot make it of a view, or null. Static storage.
+const char* refusesView(const DeviceTable& vk, const CameraView& view);
 
 /// Tiles in a row and in a column of an area of pixels.
 VkExtent2D tileExtent(const VkRect2D& area);

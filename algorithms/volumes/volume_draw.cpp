@@ -251,11 +251,24 @@ void drawVolumes(PassContext& gpu, const VolumePlan& plan, const VolumePipelines
     drawList(gpu, plan, pipelines.shape, pipelines.caps[reversed], constants, plan.caps, caps);
 }
 
+const char* refusesReadSides(const DeviceTable& vk, const ShadowTask& task)
+{
+    const bool fits =
+        fitsBinding(vk, sidesBytes(task.casters->statics)) && fitsBinding(vk, sidesBytes(task.casters->movings));
+    return fits ? nullptr : "the casters in range have more edges than a storage buffer holds";
+}
+
+bool canReadLists(const DeviceTable& vk, const ShadowTask& task)
+{
+    return !refusesReadSides(vk, task) && fitsBinding(vk, capsBytes(task.casters->all));
+}
+
 const char* refusesVolumes(const DeviceTable& vk, const ShadowTask& task)
 {
     // Without clamping, z-fail would lose the part of a volume that lies behind a finite far plane.
     if (task.view->convention != GN_DEPTH_REVERSED_INFINITE && !vk.enabled.depthClamp)
         return "a finite far plane needs depthClamp";
+    if (const char* reason = refusesView(vk, *task.view)) return reason;
     for (const Caster* caster : task.casters->all) {
         if (caster->alphaTested && !caster->mayBeMissed) return "alpha-tested casters in range";
         if (!caster->mesh || caster->alphaTested) continue; // missed; host-drawn: the runtime decides by the trait

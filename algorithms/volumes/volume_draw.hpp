@@ -90,6 +90,12 @@ void usesVolumes(PassRef& pass, const VolumePlan& plan);
 /// Counts all volumes of the plan, within the scissor that is set.
 void drawVolumes(PassContext& gpu, const VolumePlan& plan, const VolumePipelines& pipelines);
 
+/// Why a shader cannot read the sides of a task's casters, or null. Static storage.
+const char* refusesReadSides(const DeviceTable& vk, const ShadowTask& task);
+
+/// Whether a shader can read all lists of the task's casters, those of caps, too.
+bool canReadLists(const DeviceTable& vk, const ShadowTask& task);
+
 /// Why volumes cannot serve the task on this device, or null. Static storage.
 const char* refusesVolumes(const DeviceTable& vk, const ShadowTask& task);
 

@@ -37,6 +37,31 @@ std::uint32_t itemCount(const Topology& topology, ListKind kind)
     return static_cast<std::uint32_t>(kind == ListKind::sides ? topology.edges.size() : topology.facePlanes.size());
 }
 
+/// Where the first piece starts, in indices: behind the commands.
+std::uint32_t firstIndex(std::uint32_t pieces)
+{
+    const std::uint32_t commands = pieces * static_cast<std::uint32_t>(sizeof(VkDrawIndexedIndirectCommand) / 4);
+    return (commands + kIndicesPerSide - 1) / kIndicesPerSide * kIndicesPerSide;
+}
+
+std::uint32_t indexCapacity(const Topology& topology, ListKind kind, std::uint32_t first, std::uint32_t count)
+{
+    return kind == ListKind::sides ? sideCapacity(topology, first, count) : capCapacity(count);
+}
+
+VkDeviceSize listBytes(std::span<const Caster* const> casters, ListKind kind)
+{
+    std::uint32_t pieces = 0;
+    VkDeviceSize indices = 0;
+    for (const Caster* caster : casters) {
+        if (!castsVolume(*caster)) continue;
+        const Topology& topology = *caster->mesh->topology;
+        pieces += pieceCount(itemCount(topology, kind));
+        indices += indexCapacity(topology, kind, 0, itemCount(topology, kind));
+    }
+    return pieces ? 4 * (firstIndex(pieces) + indices) : 0;
+}
+
 /// Cuts the casters into pieces and lays out the buffer. @return its size in indices; 0: nothing to build.
 std::uint32_t layOut(FrameArena& arena, std::span<const Caster* const> casters, ListBuild& build)
 {
@@ -49,8 +74,7 @@ std::uint32_t layOut(FrameArena& arena, std::span<const Caster* const> casters, 
     }
     const std::span<VolumePiece> list = arena.array<VolumePiece>(pieces);
     const std::span<VolumePiece> faces = arena.array<VolumePiece>(facePieces);
-    std::uint32_t next = pieces * static_cast<std::uint32_t>(sizeof(VkDrawIndexedIndirectCommand) / 4);
-    next = (next + kIndicesPerSide - 1) / kIndicesPerSide * kIndicesPerSide;
+    std::uint32_t next = firstIndex(pieces);
     std::size_t piece = 0, facePiece = 0;
     for (const Caster* caster : casters) {
         if (!castsVolume(*caster)) continue;
@@ -59,7 +83,7 @@ std::uint32_t layOut(FrameArena& arena, std::span<const Caster* const> casters, 
         for (std::uint32_t first = 0; first < items; first += kPieceSize) {
             const std::uint32_t count = std::min(kPieceSize, items - first);
             list[piece++] = {caster, first, count, next, build.faceCount};
-            next += build.kind == ListKind::sides ? sideCapacity(topology, first, count) : capCapacity(count);
+            next += indexCapacity(topology, build.kind, first, count);
         }
         const auto faceCount = static_cast<std::uint32_t>(topology.facePlanes.size());
         for (std::uint32_t first = 0; first < faceCount; first += kPieceSize)
@@ -135,6 +159,16 @@ VolumeList declareList(PassBuilder& passes, const ShadowTask& task, std::span<co
 }
 
 } // namespace
+
+VkDeviceSize sidesBytes(std::span<const Caster* const> casters)
+{
+    return listBytes(casters, ListKind::sides);
+}
+
+VkDeviceSize capsBytes(std::span<const Caster* const> casters)
+{
+    return listBytes(casters, ListKind::caps);
+}
 
 VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics, const GpuSilhouettes* shader)
 {

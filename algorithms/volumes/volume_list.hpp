@@ -24,6 +24,10 @@ struct VolumeList {
     std::span<const VolumePiece> pieces; ///< In the order of the casters; piece i has the i-th command.
 };
 
+/// Bytes of a list that holds the sides, or the caps, of these casters, before it grows to a power of two.
+VkDeviceSize sidesBytes(std::span<const Caster* const> casters);
+VkDeviceSize capsBytes(std::span<const Caster* const> casters);
+
 struct GpuSilhouettes; // gpu_silhouettes.hpp
 
 /// The sides of the static (or else the moving) casters of the light: once per light, whatever the views. Built if the

@@ -119,11 +119,9 @@ WedgePipelines makeWedgePipelines(const AlgorithmServices& services)
 
 const char* missingForWedges(const DeviceTable& vk)
 {
-    VkFormatProperties2 format{.sType = VK_STRUCTURE_TYPE_FORMAT_PROPERTIES_2};
-    vk.vkGetPhysicalDeviceFormatProperties2(vk.physicalDevice, kCoverageFormat, &format);
-    const bool blends =
-        (format.formatProperties.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT) != 0;
-    return blends ? nullptr : "needs blending of R32_SFLOAT";
+    if (const char* missing = missingForStencil(vk)) return missing;
+    return supports(vk, kCoverageFormat, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT) ? nullptr
+                                                                                       : "needs blending of R32_SFLOAT";
 }
 
 gpu::WedgeResolve wedgeResolve(const CameraView& view, const LightView& light)
