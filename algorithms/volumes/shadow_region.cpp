@@ -41,22 +41,24 @@ int addTangents(int axis, const Aabb& box, const LightView& light, glm::vec4* ou
         if (between(i) && between(j)) return 0;
     }
     int count = 0;
-    for (const glm::dvec2& corner : corners) {
-        const glm::dvec2 ray = directional ? glm::dvec2(light.direction()[i], light.direction()[j])
-                                           : corner - glm::dvec2(light.position()[i], light.position()[j]);
-        const double length = glm::length(ray);
-        if (!(length > 1e-9)) continue; // along the axis: no edge bounds anything
-        for (const double turn : {1.0, -1.0}) {
+    // One to each side; where two corners lie on a tangent, either gives it.
+    for (const double turn : {1.0, -1.0}) {
+        for (const glm::dvec2& corner : corners) {
+            const glm::dvec2 ray = directional ? glm::dvec2(light.direction()[i], light.direction()[j])
+                                               : corner - glm::dvec2(light.position()[i], light.position()[j]);
+            const double length = glm::length(ray);
+            if (!(length > 1e-9)) continue; // along the axis: no edge bounds anything
             const glm::dvec2 normal = glm::dvec2(-ray.y, ray.x) * (turn / length);
             const double distance = -glm::dot(normal, corner);
             const bool outermost = std::all_of(corners, corners + 4, [&](const glm::dvec2& other) {
                 return glm::dot(normal, other) + distance <= 1e-9 * (1.0 + std::abs(distance));
             });
-            if (!outermost || count == 2) continue;
+            if (!outermost) continue;
             glm::dvec3 full(0.0);
             full[i] = normal.x;
             full[j] = normal.y;
             out[count++] = rounded(full, distance);
+            break;
         }
     }
     return count;

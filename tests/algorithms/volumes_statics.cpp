@@ -147,6 +147,21 @@ TEST_CASE("lights along an axis, inside the box and on its faces cut nothing off
     }
 }
 
+TEST_CASE("where a side of the box points at the light, its shadow is bounded on the other side, too")
+{
+    const Aabb box{{-1, -1, -1}, {1, 1, 1}};
+    for (const LightView& light : {directionalLight({0, -1, 0}), directionalLight({1, 0, 0}),
+                                   directionalLight({0, 0.6f, 0.8f}), pointLight({1, 5, 1}), pointLight({-1, 5, 3})}) {
+        const BoxShadow shadow = boxShadow(box, light);
+        Random random(4);
+        for (int sample = 0; sample < 2000; ++sample) {
+            const glm::dvec3 p = random.inBox(glm::vec3(-6.0f), glm::vec3(6.0f));
+            const double distance = outside(shadow.planes, p);
+            if (std::abs(distance) > 1e-4) CHECK((distance < 0.0) == meetsBox(box, p, source(light, p)));
+        }
+    }
+}
+
 TEST_CASE("every point of an umbra is shadowed by its caster, and hardly a shadowed point is left out")
 {
     Random random(5);
