@@ -5,6 +5,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "shaders/volumes/wedge.h"
+
 namespace gnomon {
 
 namespace {
@@ -44,8 +46,13 @@ bool separates(const glm::vec3& axis, const Pyramid& pyramid, const Aabb& box)
 
 } // namespace
 
-bool shadowsNearRectangle(const Aabb& box, const LightView& light, const std::array<glm::vec3, 4>& nearCorners)
+bool shadowsNearRectangle(const Aabb& caster, const LightView& light, const std::array<glm::vec3, 4>& nearCorners,
+                          float sourceRadius)
 {
+    // A way from inside of a wedge through its edge passes the source's centre as close as the wedge's rays do, and
+    // comes no farther from the way through the centre before.
+    const glm::vec3 aside(gpu::WEDGE_SPREAD * sourceRadius);
+    const Aabb box{caster.lower - aside, caster.upper + aside};
     const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
     Pyramid pyramid;
     std::copy(nearCorners.begin(), nearCorners.end(), pyramid.points.begin());

@@ -7,10 +7,13 @@
 
 namespace gnomon {
 
-/// Whether any point of the near rectangle can lie in the shadow of the box: whether the pyramid from the light over
+/// Whether any point of the near rectangle can lie in the shadow of the box, or in a penumbra wedge (wedge.h) under one
+/// of its edges: whether the pyramid from the light over
 /// the rectangle (directional: the prism towards the light) touches it. If not, z-pass counts right, because every view
 /// ray starts outside the volume. "True" may be wrong, "false" never is.
-bool shadowsNearRectangle(const Aabb& box, const LightView& light, const std::array<glm::vec3, 4>& nearCorners);
+/// @param sourceRadius of a light with a position; 0: shadows only
+bool shadowsNearRectangle(const Aabb& box, const LightView& light, const std::array<glm::vec3, 4>& nearCorners,
+                          float sourceRadius = 0.0f);
 
 /// Whether the shadow of the box can meet the view frustum. "True" may be wrong, "false" never is.
 /// @param sourceRadius of a light with a position: the penumbra counts as shadow; 0: what the light's centre does not

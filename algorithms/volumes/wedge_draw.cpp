@@ -36,13 +36,10 @@ PipelineId makePipeline(const AlgorithmServices& services, const char* name, boo
     return services.pipelines->graphics(info);
 }
 
-/// Whether the penumbra of a caster may touch the near rectangle: a way from somewhere on the source to a point of the
-/// rectangle stays as close to the way from its centre as the source's radius.
+/// Whether a wedge of a caster may touch the near rectangle.
 bool mayHoldEye(const WedgePlan& plan, const Caster& caster)
 {
-    const glm::vec3 radius(plan.light->constants.sourceRadius);
-    const Aabb grown{caster.bounds.lower - radius, caster.bounds.upper + radius};
-    return shadowsNearRectangle(grown, *plan.light, plan.view->nearCorners);
+    return shadowsNearRectangle(caster.bounds, *plan.light, plan.view->nearCorners, plan.light->constants.sourceRadius);
 }
 
 void collectDraws(WedgePlan& plan, const VolumeList& list)

@@ -48,8 +48,14 @@ GN_SHARED_CONST uint WEDGE_PARTS = 4u;
 // has no end; six corners, of which 0 and 1 are the edge's ends and 2 to 5 lie on the rays.
 struct Wedge {
     vec3 rays[4]; // from `from` left and right, from `to` left and right
-    float whole;  // 1: the source is too close to the edge's line, the penumbra has no such hull
+    float whole;  // 1: the source is too close to the edge's line, the penumbra has no such hull or too wide a one
 };
+
+// How far from the source's centre, in radii, a ray of a hull passes at most. Two of its planes meet in it, which touch the
+// source and whose normals have the cosine c: sqrt(2 / (1 + c)) radii. That is 1.41 for edges that stand across their
+// light, and would grow to 10 for those that point past the source; a few more of these then have no hull. To shadow_reach.cpp
+// it says which hulls may hold the eye.
+GN_SHARED_CONST float WEDGE_SPREAD = 3.0f;
 
 // In the plane across the edge the source is a disc of the same radius at the distance rho from the edge: the ridge's
 // two planes touch it. In the plane of edge and light it is another one, and the planes at either end touch that one.
@@ -63,7 +69,6 @@ GN_SHARED_FN Wedge penumbraWedge(vec3 from, vec3 to, vec3 light, float radius)
     vec3 away = along * ahead - toLight;
     float rho = length(away);
     Wedge wedge;
-    wedge.whole = rho > 1.02f * radius ? 0.0f : 1.0f;
     vec3 x = away / rho, y = cross(along, x);
     float side = radius / sqrt(max(rho * rho - radius * radius, 1e-30f));
     // Tangents of half the angle under which each end sees the source, then slopes: those of the light's ray through
@@ -74,6 +79,11 @@ GN_SHARED_FN Wedge penumbraWedge(vec3 from, vec3 to, vec3 light, float radius)
     float atTo = radius / sqrt(max(square + behind * behind, 1e-30f));
     float slopeFrom = (-ahead - rho * atFrom) / (rho - ahead * atFrom);
     float slopeTo = (-behind + rho * atTo) / (rho + behind * atTo);
+    // Of the planes' normals the cosine, where it is negative.
+    float lean = max(max(slopeFrom, -slopeTo), 0.0f);
+    float opposed = radius / rho * lean / sqrt(1.0f + lean * lean);
+    bool narrow = rho > 1.02f * radius && opposed < 1.0f - 2.0f / (WEDGE_SPREAD * WEDGE_SPREAD);
+    wedge.whole = narrow ? 0.0f : 1.0f;
     wedge.rays[0] = x + side * y + slopeFrom * along;
     wedge.rays[1] = x - side * y + slopeFrom * along;
     wedge.rays[2] = x + side * y + slopeTo * along;

@@ -7,6 +7,7 @@
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "runtime/scene/light_pixels.hpp"
 #include "runtime/scene/shadow_pixels.hpp"
+#include "shaders/volumes/wedge.h"
 #include "tests/algorithms/volume_meshes.hpp"
 
 using namespace gnomon;
@@ -291,4 +292,35 @@ TEST_CASE("the pixels of shadow volumes are about those of their outlines")
     away.constants.pixelSize = view.constants.pixelSize;
     CHECK(pixelsOf({&ground, &cube}, away) == 0.0);
     CHECK(pixelsOf({}, view) == 0.0);
+}
+
+TEST_CASE("a near rectangle within a penumbra wedge is found to be there")
+{
+    Random random(11);
+    int hulls = 0, beside = 0;
+    for (int trial = 0; trial < 4000; ++trial) {
+        const glm::vec3 from = random.inBox(glm::vec3(-2.0f), glm::vec3(2.0f));
+        const glm::vec3 to = random.inBox(glm::vec3(-2.0f), glm::vec3(2.0f));
+        const LightView light = pointLight(random.inBox(glm::vec3(-6.0f), glm::vec3(6.0f)));
+        const float radius = random(0.01f, 1.5f);
+        const gpu::Wedge wedge = gpu::penumbraWedge(from, to, light.position(), radius);
+        if (wedge.whole != 0.0f) continue;
+        ++hulls;
+        const Aabb box{glm::min(from, to), glm::max(from, to)};
+        for (int corner = 0; corner < 4; ++corner) {
+            // On a ray, and somewhere between all of them.
+            glm::vec3 eye = (corner < 2 ? from : to) + random(0.5f, 20.0f) * wedge.rays[corner];
+            if (trial % 2 == 0)
+                eye = glm::mix(from, to, random(0.0f, 1.0f)) + random(0.0f, 9.0f) * wedge.rays[0] +
+                      random(0.0f, 9.0f) * wedge.rays[1] + random(0.0f, 9.0f) * wedge.rays[2] +
+                      random(0.0f, 9.0f) * wedge.rays[3];
+            constexpr float size = 1e-3f;
+            const std::array<glm::vec3, 4> corners = {eye, eye + glm::vec3(size, 0, 0), eye + glm::vec3(size, size, 0),
+                                                      eye + glm::vec3(0, size, 0)};
+            CHECK(shadowsNearRectangle(box, light, corners, radius));
+            beside += !shadowsNearRectangle(box, light, corners);
+        }
+    }
+    CHECK(hulls > 3000);
+    CHECK(beside > 3000); // a wedge is wider than the shadow
 }

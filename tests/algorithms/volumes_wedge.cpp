@@ -200,7 +200,7 @@ TEST_CASE("the hull of an edge holds every point of its penumbra")
     CHECK(whole > 50);
 }
 
-TEST_CASE("where a hull is left out the source comes as close as a fiftieth to the edge's line")
+TEST_CASE("where a hull is left out the source comes close to the edge's line, and always where closer than a fiftieth")
 {
     Random random(4);
     for (int i = 0; i < 3000; ++i) {
@@ -209,7 +209,8 @@ TEST_CASE("where a hull is left out the source comes as close as a fiftieth to t
         const glm::dvec3 along = glm::normalize(glm::dvec3(ridge.to) - glm::dvec3(ridge.from));
         const glm::dvec3 toLight = glm::dvec3(ridge.light) - glm::dvec3(ridge.from);
         const double apart = glm::length(toLight - glm::dot(toLight, along) * along);
-        if (wedge.whole != 0.0f) CHECK(apart <= 1.021 * static_cast<double>(ridge.radius));
+        // By the angle 1.29 at most: 1 / (1 - 2 / WEDGE_SPREAD^2).
+        if (wedge.whole != 0.0f) CHECK(apart <= 1.29 * static_cast<double>(ridge.radius));
         if (wedge.whole == 0.0f) CHECK(apart >= 1.019 * static_cast<double>(ridge.radius));
     }
 }
