@@ -7,6 +7,10 @@ layout(set = 0, binding = 0, std140) uniform Constants { VolumeConstants constan
 layout(set = 0, binding = 1, std430) readonly buffer Positions { float positions[]; };
 #include "receiver_plane.glsl"
 
+// Sides and caps, which other pipelines may draw, meet at the same corners: else pixels between them would be lost, or
+// counted twice.
+invariant gl_Position;
+
 // The caster's vertex, or the same moved away from the light, in clip space.
 vec4 volumeCorner(VolumePush caster, uint vertex, bool moved)
 {
