@@ -51,10 +51,10 @@ struct Wedge {
     float whole;  // 1: the source is too close to the edge's line, the penumbra has no such hull or too wide a one
 };
 
-// How far from the source's centre, in radii, a ray of a hull passes at most. Two of its planes meet in it, which touch the
-// source and whose normals have the cosine c: sqrt(2 / (1 + c)) radii. That is 1.41 for edges that stand across their
-// light, and would grow to 10 for those that point past the source; a few more of these then have no hull. To shadow_reach.cpp
-// it says which hulls may hold the eye.
+// How far from the source's centre, in radii, a ray of a hull passes at most. Two of its planes meet in it, which touch
+// the source and whose normals have the cosine c: sqrt(2 / (1 + c)) radii. That is 1.41 for edges that stand across
+// their light, and would grow to 10 for those that point past the source; a few more of these then have no hull. It
+// tells shadow_reach.cpp which hulls may hold the eye.
 GN_SHARED_CONST float WEDGE_SPREAD = 3.0f;
 
 // In the plane across the edge the source is a disc of the same radius at the distance rho from the edge: the ridge's

@@ -11,8 +11,8 @@ layout(set = 0, binding = 4) uniform sampler2D coverageImage; // sharesOf(), dou
 layout(location = 0) noperspective in vec3 rayWs;
 layout(location = 0) out vec4 visibility;
 
-// Covered discs at a pixel. Counts are kept modulo 256, negative in a view that mirrors; rounding along a border may leave
-// one of the other sign.
+// Covered discs at a pixel. Counts are kept modulo 256, negative in a view that mirrors; rounding along a border may
+// leave one of the other sign.
 float coveredAt(ivec2 pixel)
 {
     int count = int(texelFetch(stencilImage, pixel, 0).x);

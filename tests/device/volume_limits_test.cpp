@@ -10,7 +10,8 @@ using namespace gnomon::test;
 
 namespace {
 
-// What warm-up binds takes as much. A view of kExtent fits; sides, caps and edges of fineScene() take several times that.
+// What warm-up binds takes as much. A view of kExtent fits; sides, caps and edges of fineScene() take several times
+// that.
 constexpr uint32_t kRange = 65536;
 constexpr VkExtent2D kExtent{96, 54};
 
