@@ -305,6 +305,12 @@ private:
             return;
         }
         MapReader part(node, "budget", sink_);
+        // Read, as bases carry it, but for nothing: what the rest of a frame takes is not known here.
+        double targetFrameMs = 0.0;
+        part.number("targetFrameMs", 0.01, kMillisecondLimit, targetFrameMs);
+        if (const Node* target = part.optional("targetFrameMs"))
+            sink_.warning("L11", target->at,
+                          "'targetFrameMs' has no effect: a budget comes from the host or 'shadowCapMs'");
         part.number("shadowCapMs", 0.0, kMillisecondLimit, budget.shadowCapMs);
         part.number("headroom", 0.0, 0.99, budget.headroom);
         part.finish();
