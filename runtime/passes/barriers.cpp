@@ -139,16 +139,21 @@ void BarrierBatch::record(VkCommandBuffer cmd)
         flush(*used.image, used.layer);
     for (PooledBuffer* buffer : buffers_)
         flush(*buffer);
-    layers_.clear();
-    buffers_.clear();
     const bool memory = memory_.srcStageMask != 0;
-    if (!memory && images_.empty()) return;
+    if (!memory && images_.empty()) return clear();
     const VkDependencyInfo info{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
                                 .memoryBarrierCount = memory ? 1u : 0u,
                                 .pMemoryBarriers = &memory_,
                                 .imageMemoryBarrierCount = static_cast<std::uint32_t>(images_.size()),
                                 .pImageMemoryBarriers = images_.data()};
     vk_.vkCmdPipelineBarrier2(cmd, &info);
+    clear();
+}
+
+void BarrierBatch::clear()
+{
+    layers_.clear();
+    buffers_.clear();
     images_.clear();
     memory_ = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
 }

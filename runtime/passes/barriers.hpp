@@ -23,6 +23,8 @@ public:
     void full(VkCommandBuffer cmd);
     /// Records what is needed before the wave; the states are as after it.
     void record(VkCommandBuffer cmd);
+    /// Forgets what was collected and not recorded, as after a failure.
+    void clear();
 
 private:
     struct Layer {

@@ -43,10 +43,7 @@ Bound PassContext::constantsBytes(std::uint32_t binding, const void* data, std::
     if (slot.chunk == slot.constants.size()) {
         Result<GpuBuffer> made = executor_->memory_.createBuffer(kConstantsChunk, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                                                                  MemoryUse::upload, "frame.constants");
-        if (!made) {
-            executor_->recordError_ = made.error();
-            return {.binding = binding};
-        }
+        if (!made) throw PassExecutor::RecordingFailed{made.error()};
         slot.constants.push_back(*made);
         offset = 0;
     }
@@ -94,10 +91,7 @@ void PassContext::bind(PipelineId id, std::span<const Bound> bindings)
     }
     Result<VkDescriptorSet> set =
         executor_->slot_->descriptors.next(pipeline.setLayout, std::span<const DescriptorWrite>(writes, count));
-    if (!set) {
-        executor_->recordError_ = set.error();
-        return;
-    }
+    if (!set) throw PassExecutor::RecordingFailed{set.error()};
     const VkDescriptorSet handle = *set;
     vk->vkCmdBindDescriptorSets(cmd, pipeline.bindPoint, pipeline.layout, 0, 1, &handle, offsetCount, offsets);
 }

@@ -114,8 +114,8 @@ Result<void> PassExecutor::begin(const ExecutorFrame& frame)
     counters_.rays = 0;
     counters_.cpuMs = 0.0f;
     later_.clear();
+    barriers_.clear(); // what a failed frame left
     level_ = 0;
-    recordError_.reset();
 
     const std::span<const InstanceTransform> transforms = frame.scene->transforms;
     const VkDeviceSize wanted = std::max<VkDeviceSize>(transforms.size_bytes(), sizeof(InstanceTransform));
@@ -145,6 +145,7 @@ bool PassExecutor::levelHas(std::uint32_t level, PassKind kind) const
 Result<void> PassExecutor::record(VkCommandBuffer cmd)
 {
     order_ = graph_.order();
+    if (Result<void> rays = updateRays(); !rays) return rays;
     runCpuPasses(0, PassKind::prepare);
     Result<void> recorded = recordLevel(cmd, 0, true);
     slot_->timingsPending = true;
@@ -162,6 +163,7 @@ Result<void> PassExecutor::start(bool inlineHost)
 {
     order_ = graph_.order();
     inlineHost_ = inlineHost || jobs_.threadCount() < 2;
+    if (Result<void> rays = updateRays(); !rays) return rays;
     Result<void> submitted = submitLevel(0, !levelHas(0, PassKind::host));
     underway_ = bool(submitted);
     return submitted;
@@ -304,17 +306,23 @@ Result<void> PassExecutor::submitLevel(std::uint32_t level, bool last)
     return {};
 }
 
+/// The casters of the frame for those who trace, before any pass.
+Result<void> PassExecutor::updateRays()
+{
+    if (!frame_.raysNeeded || !frame_.rays) return {};
+    const auto start = std::chrono::steady_clock::now();
+    const bool whole = frame_.rays->update(frame_.scene->casters);
+    const float ms = elapsedMs(start);
+    counters_.cpuMs += ms;
+    slot_->entries.push_back({.timing = {.name = "rays.update", .cpuMs = ms}});
+    if (whole) return {};
+    return Error{GN_ERROR_OUT_OF_HOST_MEMORY, "OutOfHostMemory",
+                 "the ray tracer found no memory for this frame's casters"};
+}
+
 /// Runs the level's prepare or host passes: waves in order, the passes of a wave side by side.
 void PassExecutor::runCpuPasses(std::uint32_t level, PassKind kind)
 {
-    const bool first = level == 0 && kind == PassKind::prepare;
-    if (first && frame_.raysNeeded && frame_.rays) {
-        const auto start = std::chrono::steady_clock::now();
-        frame_.rays->update(frame_.scene->casters);
-        const float ms = elapsedMs(start);
-        counters_.cpuMs += ms;
-        slot_->entries.push_back({.timing = {.name = "rays.update", .cpuMs = ms}});
-    }
     for (std::size_t i = 0; i < order_.size();) {
         const Pass& head = graph_.passes()[order_[i]];
         std::size_t end = i + 1;

@@ -4,7 +4,6 @@
 #include <exception>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -112,10 +111,15 @@ private:
         std::uint32_t pass;
     };
     struct Slot;
+    /// Thrown out of a pass that finds no memory for what it binds: what it would draw next must not be recorded.
+    struct RecordingFailed {
+        Error error;
+    };
 
+    Result<void> updateRays();
     Result<void> recordLevel(VkCommandBuffer cmd, std::uint32_t level, bool last);
-    Result<void> recordWaves(VkCommandBuffer cmd, std::uint32_t level);
-    void recordPass(VkCommandBuffer cmd, Pass& pass, std::uint32_t index);
+    void recordWaves(VkCommandBuffer cmd, std::uint32_t level);
+    void recordPass(VkCommandBuffer cmd, Pass& pass);
     VkRect2D beginRendering(VkCommandBuffer cmd, const Pass& pass); ///< @return the area of its viewport and scissor
     void handBack();
     void handBackImports();
@@ -161,7 +165,6 @@ private:
     std::uint32_t level_ = 0;
     bool underway_ = false;
     bool inlineHost_ = true;
-    std::optional<Error> recordError_;
     JobSystem::Job hostJob_;
     VkResult hostWait_ = VK_SUCCESS;
     std::exception_ptr hostThrown_; ///< By a host pass on a worker.

@@ -33,7 +33,11 @@ Result<void> PassExecutor::recordLevel(VkCommandBuffer cmd, std::uint32_t level,
 
     const std::uint32_t start = slot_->queriesUsed;
     stamp(cmd);
-    if (Result<void> recorded = recordWaves(cmd, level); !recorded) return recorded;
+    try {
+        recordWaves(cmd, level);
+    } catch (const RecordingFailed& failed) {
+        return failed.error;
+    }
     handBackImports(); // the host has them whenever a call returns
     if (last) {
         handBack();
@@ -43,13 +47,11 @@ Result<void> PassExecutor::recordLevel(VkCommandBuffer cmd, std::uint32_t level,
     }
     barriers_.record(cmd);
     stamp(cmd);
-    if (slot_->queriesUsed == start + 2 || slot_->queriesUsed > start + 2)
-        slot_->levels.push_back({start, slot_->queriesUsed - 1});
-    if (recordError_) return *recordError_;
+    if (slot_->queriesUsed >= start + 2) slot_->levels.push_back({start, slot_->queriesUsed - 1});
     return {};
 }
 
-Result<void> PassExecutor::recordWaves(VkCommandBuffer cmd, std::uint32_t level)
+void PassExecutor::recordWaves(VkCommandBuffer cmd, std::uint32_t level)
 {
     auto isGpu = [](const Pass& pass) { return pass.kind != PassKind::prepare && pass.kind != PassKind::host; };
     for (std::size_t i = 0; i < order_.size();) {
@@ -73,12 +75,11 @@ Result<void> PassExecutor::recordWaves(VkCommandBuffer cmd, std::uint32_t level)
         }
         barriers_.record(cmd);
         for (; i < end; ++i)
-            if (graph_.passes()[order_[i]].fn) recordPass(cmd, graph_.passes()[order_[i]], order_[i]);
+            if (graph_.passes()[order_[i]].fn) recordPass(cmd, graph_.passes()[order_[i]]);
     }
-    return {};
 }
 
-void PassExecutor::recordPass(VkCommandBuffer cmd, Pass& pass, std::uint32_t)
+void PassExecutor::recordPass(VkCommandBuffer cmd, Pass& pass)
 {
     ++counters_.passesRun;
     Slot::Entry entry{.timing = {.name = pass.name, .owner = pass.owner, .level = pass.level}};

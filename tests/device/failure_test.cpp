@@ -1,4 +1,7 @@
 // Frames that fail half-way: for memory, at a submit, in a host pass. The next attempt is as if nothing had been.
+#include <dlfcn.h>
+#include <embree3/rtcore.h>
+
 #include <algorithm>
 #include <cstring>
 #include <new>
@@ -32,18 +35,30 @@ VKAPI_ATTR VkResult VKAPI_CALL watchedSubmit(VkQueue handle, uint32_t count, con
     return vkQueueSubmit2(handle, count, submits, fence);
 }
 
-bool noGrids = false; ///< No buffer is made that is nothing but a storage buffer: depth grids alone are.
+// No buffer is made that is nothing but a storage buffer: depth grids alone are. None for constants; no descriptor
+// pool.
+bool noGrids = false, noConstants = false, noPools = false;
+bool noRays = false; ///< Embree says that it ran out of memory.
 
 VKAPI_ATTR VkResult VKAPI_CALL watchedCreateBuffer(VkDevice handle, const VkBufferCreateInfo* info,
                                                    const VkAllocationCallbacks* allocator, VkBuffer* buffer)
 {
     if (noGrids && info->usage == VK_BUFFER_USAGE_STORAGE_BUFFER_BIT) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    if (noConstants && (info->usage & VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT)) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
     return vkCreateBuffer(handle, info, allocator, buffer);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL watchedCreatePool(VkDevice handle, const VkDescriptorPoolCreateInfo* info,
+                                                 const VkAllocationCallbacks* allocator, VkDescriptorPool* pool)
+{
+    return noPools ? VK_ERROR_OUT_OF_DEVICE_MEMORY : vkCreateDescriptorPool(handle, info, allocator, pool);
 }
 
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL hookedGetDeviceProcAddr(VkDevice handle, const char* name)
 {
     if (std::strcmp(name, "vkCreateBuffer") == 0) return reinterpret_cast<PFN_vkVoidFunction>(&watchedCreateBuffer);
+    if (std::strcmp(name, "vkCreateDescriptorPool") == 0)
+        return reinterpret_cast<PFN_vkVoidFunction>(&watchedCreatePool);
     if (std::strcmp(name, "vkQueueSubmit2") == 0) return reinterpret_cast<PFN_vkVoidFunction>(&watchedSubmit);
     return vkGetDeviceProcAddr(handle, name);
 }
@@ -58,7 +73,7 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL hookedGetInstanceProcAddr(VkInstance in
 HostOptions watched()
 {
     queue = {};
-    noGrids = false;
+    noGrids = noConstants = noPools = false;
     return {.context = [](GnContextCreateInfo& info) {
         info.pfnGetInstanceProcAddr = &hookedGetInstanceProcAddr;
         info.pfnLockQueue = [](VkQueue, void*) { queue.locked = true; };
@@ -175,6 +190,14 @@ struct Storer {
 
 } // namespace
 
+/// In place of Embree's own: the linker takes the program's.
+RTC_API RTCError rtcGetDeviceError(RTCDevice device)
+{
+    static const auto real =
+        reinterpret_cast<RTCError (*)(RTCDevice)>(dlsym(RTLD_NEXT, "rtcGetDeviceError")); // NOLINT: POSIX's own way
+    return noRays ? RTC_ERROR_OUT_OF_MEMORY : real(device);
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "a frame that finds no memory for a larger view finds it when it is tried again")
 {
     Scene scene = smallScene();
@@ -235,6 +258,34 @@ TEST_CASE_FIXTURE(DeviceTest, "frames go without a depth grid that finds no memo
     noGrids = false;
     host.draw(4, {});
     CHECK(host.decision(0).viewerDistanceMeasured);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a frame that finds no memory for constants or descriptors fails, and the next is whole")
+{
+    for (bool* const refused : {&noConstants, &noPools})
+        for (const char* method : {"shadow_map", "pcf_hybrid"}) {
+            CAPTURE(refused == &noPools);
+            CAPTURE(std::string(method));
+            Host host(smallScene(), watched());
+            host.pinAll(method);
+            *refused = true;
+            CHECK(host.draw() == GN_ERROR_OUT_OF_DEVICE_MEMORY);
+            *refused = false;
+            host.require(host.draw());
+            CHECK(differences(host.pictures(), fresh(smallScene(), method, {320, 180})) == 0);
+        }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a frame whose casters the ray tracer has no memory for fails, and the next is whole")
+{
+    Host host(smallScene());
+    host.pinAll("ray_traced");
+    noRays = true;
+    CHECK(host.draw() == GN_ERROR_OUT_OF_HOST_MEMORY);
+    CHECK(host.lastError().find("ray tracer") != std::string::npos);
+    noRays = false;
+    host.require(host.draw());
+    CHECK(differences(host.pictures(), fresh(smallScene(), "ray_traced", {320, 180})) == 0);
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a context whose last submit was refused is destroyed all the same")
