@@ -206,6 +206,15 @@ std::string passedOverLine(const DecisionRecord& record, const ExplainWords& wor
     return {};
 }
 
+/// The method that the host pinned, where something else serves, and why.
+std::string pinnedLine(const DecisionRecord& record, const ExplainWords& words)
+{
+    if (record.pinned >= record.methods || record.pinned == record.method) return {};
+    if (record.candidates[record.pinned].exclusion == Exclusion::none) return {};
+    return "the host pinned " + std::string(methodText(record.pinned, words.methods)) + ", which cannot serve: " +
+           exclusionText(record.candidates[record.pinned], words.methods[record.pinned].unavailable, words.engine);
+}
+
 std::string runnerUpLine(const DecisionRecord& record, const ExplainWords& words, const Rules& rules)
 {
     std::uint32_t best = UINT32_MAX;
@@ -244,7 +253,8 @@ std::string explainWhy(const DecisionRecord& record, const ExplainWords& words)
         addNumbers(record, lines);
     else if (record.method < record.methods)
         addRulesBehind(rules, record.method, 2, lines);
-    lines.add(passedOverLine(record, words));
+    const std::string pinned = pinnedLine(record, words);
+    lines.add(pinned.empty() ? passedOverLine(record, words) : pinned);
     lines.add(planLine(record));
     lines.add(costLine(record));
     lines.add(factsLine(record, rules));

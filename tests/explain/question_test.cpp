@@ -240,6 +240,20 @@ TEST_CASE("a pinned light answers with the pin, and what the rules would have ch
     CHECK(nearMisses(record, desk.engine()).empty());
 }
 
+TEST_CASE("a pinned method that cannot serve is named with its reason, whatever serves")
+{
+    Desk desk = makeDesk();
+    Situation situation;
+    situation.pinned = methodNamed("cube_map");
+    situation.method("cube_map").exclusion = Exclusion::roundTrips;
+    situation.method("cube_map").detail = 2;
+    const DecisionRecord record = desk.decide(situation);
+    REQUIRE(nameOf(record.method) == "stencil_volume");
+    checkContains(explainWhy(record, desk.words()),
+                  {"stencil_volume, highest suitability",
+                   "the host pinned cube_map, which cannot serve: needs the CPU between passes (2 round trips)"});
+}
+
 TEST_CASE("a method that is not ready names the fallback that stands in for it")
 {
     Desk desk = makeDesk();
