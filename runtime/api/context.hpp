@@ -152,7 +152,7 @@ private:
     void chargeLight(const FrameTimings& timings, const View& view, std::uint32_t light, LightMemory& memory,
                      bool disturbed);
     void openGraph(const GnFrameInfo& info);
-    Result<void> assessView(std::uint32_t viewIndex, const GnViewFrame& frame, const GnFrameInfo& info, FrameMode mode);
+    void assessView(std::uint32_t viewIndex, const GnViewFrame& frame, const GnFrameInfo& info, FrameMode mode);
     void planLights(const GnFrameInfo& info);
     void noteChanges(std::uint64_t frame);
     bool learnsFrom(std::uint64_t frame) const;
@@ -178,6 +178,7 @@ private:
     void declareMix(const PendingLight& pending, ImageId pair);
     void noteMixes(const FrameTimings& timings);
     void withdrawFades(std::uint64_t frame);
+    void forgetFrame(std::uint64_t frame);
 
     // Records of decisions (explain.cpp).
     void recordDecisions();
@@ -281,6 +282,9 @@ private:
     std::atomic<bool> lost_ = false;
     LastErrors lastErrors_;
 };
+
+/// #GN_ERROR_FRAME_ORDER: calls and frame numbers that do not follow each other.
+Error frameOrder(const std::string& text);
 
 /// Checks one view's part of a frame (frame_input.cpp). Nothing is kept.
 Result<void> checkViewFrame(const GnViewFrame& frame, const char* viewName, std::uint32_t maxLights,

@@ -19,11 +19,6 @@ constexpr std::uint64_t kTimedPeriod = 8;
 // Nothing fits it, so the plan step returns the cheapest plan.
 constexpr double kNextToNothingMs = 1e-3;
 
-Error frameOrder(const std::string& text)
-{
-    return {GN_ERROR_FRAME_ORDER, "FrameOrder", text};
-}
-
 } // namespace
 
 double Context::msSince(std::chrono::steady_clock::time_point since) const
@@ -53,15 +48,9 @@ Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, Vk
     if (Result<void> ok = takeInput(info); !ok) return ok.error();
     const std::uint64_t before = frame_;
     const auto undo = [&] {
-        pool_->withdraw(info.frame);
-        executor_->drop(info.frame);
+        forgetFrame(info.frame);
         tasks_.clear(); // their maps were not drawn
-        scene_->dropUploads(info.frame);
-        for (ViewFrame& viewFrame : viewFrames_)
-            viewFrame.view->grid->drop(info.frame);
-        withdrawFades(info.frame);
         frame_ = before;
-        recorded_ = 0;
     };
     try {
         Result<GnResult> run = runFrame(info, mode, cmd, start);
@@ -129,7 +118,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     plan_->begin();
     updateBudget(info);
     for (std::uint32_t i = 0; i < info.viewCount; ++i)
-        if (Result<void> ok = assessView(i, info.pViews[i], info, mode); !ok) return ok.error();
+        assessView(i, info.pViews[i], info, mode);
     planLights(info);
     stats_.decideUs = static_cast<float>(msSince(decideStart) * 1000.0);
     const std::uint32_t trial = nextTrial();
@@ -206,6 +195,13 @@ Result<void> Context::dropFrame(std::uint64_t frame)
     if (frame == 0 || frame != recorded_)
         return frameOrder("frame " + std::to_string(frame) + " is not the one recorded last (" +
                           std::to_string(recorded_) + ")");
+    forgetFrame(frame);
+    return {};
+}
+
+/// What a frame of which nothing was submitted has noted for later ones.
+void Context::forgetFrame(std::uint64_t frame)
+{
     pool_->withdraw(frame);
     executor_->drop(frame);
     scene_->dropUploads(frame);
@@ -213,92 +209,6 @@ Result<void> Context::dropFrame(std::uint64_t frame)
         viewFrame.view->grid->drop(frame);
     withdrawFades(frame);
     recorded_ = 0;
-    return {};
-}
-
-// --- input ---
-
-Result<void> Context::takeInput(const GnFrameInfo& info)
-{
-    if (executor_->underway()) return frameOrder("gnFinishShadows of frame " + std::to_string(frame_) + " is missing");
-    if (info.frame == 0) return frameOrder("frame is 0; the first frame is at least 1");
-    if (frame_ != 0 && info.frame != frame_ + 1)
-        return frameOrder("frame is " + std::to_string(info.frame) + " after " + std::to_string(frame_));
-    if (info.completedFrame >= info.frame)
-        return frameOrder("completedFrame " + std::to_string(info.completedFrame) + " is not before frame " +
-                          std::to_string(info.frame));
-    if (Result<void> free = executor_->checkSlot(info.frame, info.completedFrame); !free) return free;
-    if (std::isnan(info.budgetMs)) return Error{GN_ERROR_NOT_A_NUMBER, "BudgetNaN", "budgetMs is NaN"};
-    if (std::isinf(info.budgetMs)) return Error{GN_ERROR_INFINITE, "BudgetInfinite", "budgetMs is infinite"};
-    if (info.budgetMs < 0.0f)
-        return Error{GN_ERROR_OUT_OF_RANGE, "BudgetNegative",
-                     "budgetMs is " + rules::shortestText(double{info.budgetMs})};
-    if (info.viewCount && !info.pViews) return Error{GN_ERROR_NULL_ARGUMENT, "ViewsMissing", "pViews is null"};
-    if ((info.waitCount && !info.pWaits) || (info.signalCount && !info.pSignals))
-        return Error{GN_ERROR_NULL_ARGUMENT, "SemaphoresMissing", "pWaits or pSignals is null"};
-    if (Result<void> ok = acceptViews(info); !ok) return ok;
-
-    auto points = [](const GnSemaphorePoint* list, std::uint32_t count, std::vector<VkSemaphoreSubmitInfo>& out) {
-        out.clear();
-        for (std::uint32_t i = 0; i < count; ++i)
-            out.push_back({.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
-                           .semaphore = list[i].semaphore,
-                           .value = list[i].value,
-                           .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT});
-    };
-    points(info.pWaits, info.waitCount, waits_);
-    points(info.pSignals, info.signalCount, signals_);
-    return {};
-}
-
-/// Everything about views and lights is checked before anything changes.
-Result<void> Context::acceptViews(const GnFrameInfo& info)
-{
-    acceptedViews_.clear();
-    for (std::uint32_t i = 0; i < info.viewCount; ++i) {
-        const GnViewFrame& frame = info.pViews[i];
-        View* view = findView(frame.view);
-        if (!view)
-            return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle",
-                         "pViews[" + std::to_string(i) + "].view is not a live view of this context"};
-        if (std::find(acceptedViews_.begin(), acceptedViews_.end(), view) != acceptedViews_.end())
-            return Error{GN_ERROR_OUT_OF_RANGE, "ViewTwice", "view '" + view->name + "' appears twice in the frame"};
-        if (Result<void> ok = checkViewFrame(frame, view->name.c_str(), view->maxLights, *vk_); !ok) return ok;
-        for (std::uint32_t k = 0; k < frame.lightCount; ++k) {
-            const GnLight* earlier = std::find(frame.pLights, frame.pLights + k, frame.pLights[k]);
-            if (earlier != frame.pLights + k)
-                return Error{GN_ERROR_OUT_OF_RANGE, "LightTwice",
-                             "view '" + view->name + "': pLights[" + std::to_string(k) + "] is pLights[" +
-                                 std::to_string(earlier - frame.pLights) + "] again"};
-            if (!scene_->validLight(frame.pLights[k]))
-                return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle",
-                             "view '" + view->name + "': pLights[" + std::to_string(k) +
-                                 "] is not a live light of this context"};
-        }
-        if (Result<void> ok = checkSharedImages(info, i, view->name); !ok) return ok;
-        acceptedViews_.push_back(view);
-    }
-    return {};
-}
-
-/// Views may share their images (two parts of one). Layouts belong to an image, which is one thing for all of them.
-Result<void> Context::checkSharedImages(const GnFrameInfo& info, std::uint32_t index, const std::string& name) const
-{
-    const GnViewFrame& frame = info.pViews[index];
-    for (std::uint32_t i = 0; i < index; ++i) {
-        const GnViewFrame& other = info.pViews[i];
-        const bool depth = other.depthImage == frame.depthImage;
-        const bool normals = frame.normalImage && other.normalImage == frame.normalImage;
-        const bool sameSize =
-            other.imageExtent.width == frame.imageExtent.width && other.imageExtent.height == frame.imageExtent.height;
-        const bool same = sameSize && (!depth || other.depthView == frame.depthView) &&
-                          (!normals || other.normalView == frame.normalView);
-        if ((depth || normals) && !same)
-            return Error{GN_ERROR_OUT_OF_RANGE, "ImageShared",
-                         "view '" + name + "' shares " + (depth ? "depthImage" : "normalImage") + " with pViews[" +
-                             std::to_string(i) + "], but not its image view and imageExtent"};
-    }
-    return {};
 }
 
 void Context::openGraph(const GnFrameInfo& info)
@@ -382,8 +292,7 @@ const LightCasters& Context::castersOf(const LightView& light)
     return lightFrames_.back().casters;
 }
 
-Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& frame, const GnFrameInfo& info,
-                                 FrameMode mode)
+void Context::assessView(std::uint32_t viewIndex, const GnViewFrame& frame, const GnFrameInfo& info, FrameMode mode)
 {
     ViewFrame& viewFrame = viewFrames_[viewIndex];
     View& view = *viewFrame.view;
@@ -443,7 +352,6 @@ Result<void> Context::assessView(std::uint32_t viewIndex, const GnViewFrame& fra
         pending_.push_back({viewIndex, i, &light, &casters, &decision, &memory});
     }
     selector_->choose(view.decisions);
-    return {};
 }
 
 /// The budget in force: the host's, below the cap of the rules; without one, that cap, or what `budget: auto` has
