@@ -44,7 +44,7 @@ private:
     void ask(std::uint32_t x, std::uint32_t y);
     std::uint32_t number(const Waiting& pixel);
     void decide(const Waiting& pixel);
-    void settle(std::uint32_t x, std::uint32_t y, std::uint32_t reason);
+    void settle(std::uint32_t x, std::uint32_t y, std::uint32_t told);
     void flush();
     void runBand(std::uint32_t top, std::uint32_t bottom);
 
@@ -82,12 +82,14 @@ Piece::Piece(const Picture& picture, std::uint32_t top, std::uint32_t bottom)
                 bytes);
 }
 
-void Piece::settle(std::uint32_t x, std::uint32_t y, std::uint32_t reason)
+/// @param told a reason, or what else the job tells of a pixel
+void Piece::settle(std::uint32_t x, std::uint32_t y, std::uint32_t told)
 {
-    const bool numbers = picture_.job.tells != ChainTells::visibility;
-    if (!numbers && isLit(reason) == picture_.lit.at(x, y)) return;
-    const std::uint32_t shown = isLit(reason) ? 255 : 0;
-    rows_[std::size_t(y - top_) * picture_.lit.width + x] = static_cast<std::uint8_t>(numbers ? reason : shown);
+    std::uint8_t& byte = rows_[std::size_t(y - top_) * picture_.lit.width + x];
+    if (picture_.job.tells != ChainTells::visibility)
+        byte = static_cast<std::uint8_t>(told);
+    else if (const bool lit = isLit(told); lit != picture_.lit.at(x, y))
+        byte = lit ? 255 : 0;
 }
 
 void Piece::flush()
