@@ -283,7 +283,7 @@ private:
     LastErrors lastErrors_;
 };
 
-/// #GN_ERROR_FRAME_ORDER: calls and frame numbers that do not follow each other.
+/// #GN_ERROR_FRAME_ORDER: calls and frame numbers that do not follow each other (frame_checks.cpp).
 Error frameOrder(const std::string& text);
 
 /// Checks one view's part of a frame (frame_input.cpp). Nothing is kept.
