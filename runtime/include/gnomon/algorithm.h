@@ -77,7 +77,7 @@ typedef struct GnImageInfo {
     VkExtent2D extent;
     uint32_t layers;     ///< 0 means 1.
     uint32_t variant;    ///< Tells settings apart.
-    VkBool32 persistent; ///< Content is kept from frame to frame; see gnPassStale().
+    VkBool32 persistent; ///< Content is kept from frame to frame; see GnPluginInterface::pfnImageStale.
 } GnImageInfo;
 
 typedef enum GnBufferPlace {
@@ -140,7 +140,8 @@ typedef struct GnShadowTask {
     float lightRange;        ///< Very large where unlimited.
     float coneAngle;         ///< Spot: half angle, radians.
     float sourceRadius;
-    uint64_t casterStamp;    ///< Changes with light, casters in range or any of their transforms; for gnPassStale().
+    uint64_t casterStamp;    ///< Changes with light, casters in range or any of their transforms; for pfnImageStale
+                             ///< and pfnBufferStale.
     uint32_t casterCount;
     const GnTaskCaster* pCasters;
     uint32_t settingCount;

@@ -13,10 +13,15 @@ typedef enum GnReason {
     GN_REASON_INCUMBENT = 2,      ///< A tie; the method already running stays.
     GN_REASON_FALLBACK = 3,       ///< The wanted method is not ready; the fallback serves.
     GN_REASON_NOTHING_READY = 4,  ///< No method can serve; visibility is 1.
-    GN_REASON_NO_OPINION = 5,     ///< No rule spoke for any eligible method; registry order or the plan's prices decided.
+    GN_REASON_NO_OPINION = 5,     ///< No rule spoke for any eligible method; registry order or the plan's prices
+                                  ///< decided.
     GN_REASON_BUDGET = 6,         ///< The plan: the best suitability does not fit the budget.
-    GN_REASON_HELD = 7,           ///< The plan would change it, but holds: threshold, quota, a recent flip.
-    GN_REASON_PRICE = 8,          ///< Another one suits better, but this one shows as much for less, or more for about as much.
+    GN_REASON_HELD = 7,           ///< The plan would change it, but does not yet: the gain is below the threshold,
+                                  ///< others were upgraded in this frame, there has not been room in the budget for
+                                  ///< long enough, the method flipped lately, the first frame of another one costs more
+                                  ///< than it would gain, or other lights would have to give up more.
+    GN_REASON_PRICE = 8,          ///< Another one suits better, but this one shows as much for less, or more for about
+                                  ///< as much.
     GN_REASON_FLOOR = 9,          ///< Another one suits better, but its quality is below the floor under what is near.
     GN_REASON_WORTH = 10,         ///< The plan: another one suits better, but with its quality is worth no more.
     GN_REASON_MAX_ENUM = 0x7FFFFFFF

@@ -186,8 +186,9 @@ a frame becomes ready: those that serve while others are not ready, then those t
 lights are pinned and served, the others. */
 GN_API GnResult GN_CALL gnWarmUp(GnContext context);
 
-/** \brief gnWarmUp() for one method and what serves in its place where it cannot (GN_TRAIT_FALLBACK_BIT): a host that pins
-its lights need not compile what it never asks for. Fails with GN_ERROR_UNKNOWN_METHOD, or with GN_ERROR_FEATURE_MISSING where the device cannot run it. */
+/** \brief gnWarmUp() for one method and what serves in its place where it cannot (GN_TRAIT_FALLBACK_BIT): a host that
+pins its lights need not compile what it never asks for. Fails with GN_ERROR_UNKNOWN_METHOD, or with
+GN_ERROR_FEATURE_MISSING where the device cannot run it. */
 GN_API GnResult GN_CALL gnWarmUpMethod(GnContext context, const char* pMethod);
 
 /* --- geometry -------------------------------------------------------------------------------------------------- */
@@ -223,9 +224,12 @@ typedef struct GnTransform {
 typedef enum GnInstanceFlagBits {
     GN_INSTANCE_STATIC_BIT = 0x1,           ///< Will not move. If it does: reported once, moving from then on. Host-drawn:
                                             ///< nor change its shape; without the bit it is drawn anew in every frame.
-    GN_INSTANCE_ALPHA_TESTED_BIT = 0x2,     ///< Needs pfnOpacity in rays; raster methods need it host-drawn.
+    GN_INSTANCE_ALPHA_TESTED_BIT = 0x2,     ///< Rays ask pfnOpacity. Depth maps draw the whole mesh, unless the host
+                                            ///< draws the instance; volumes, planar shadows and spans refuse a light
+                                            ///< that has it in range.
     GN_INSTANCE_HOST_DRAWN_BIT = 0x4,       ///< Drawn by pfnDrawCasters; methods that read triangles cannot see it.
-    GN_INSTANCE_MAY_BE_MISSED_BIT = 0x8,    ///< Methods that cannot see this host-drawn instance stay eligible.
+    GN_INSTANCE_MAY_BE_MISSED_BIT = 0x8,    ///< Methods that cannot see this host-drawn or alpha-tested instance serve
+                                            ///< its lights all the same, and leave it out.
     GN_INSTANCE_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
 } GnInstanceFlagBits;
 typedef VkFlags GnInstanceFlags;
@@ -372,7 +376,8 @@ typedef struct GnFrameInfo {
     uint64_t frame;          ///< Grows by one from call to call; the first may be any number > 0.
     uint64_t completedFrame; ///< Newest frame whose GPU work is finished, the host's reads of visibility included.
     GnFrameFlags flags;
-    float budgetMs;          ///< For all shadows of this frame, GPU and CPU; 0: that of the rules' `budget: auto`, or none.
+    float budgetMs;          ///< For all shadows of this frame, GPU and CPU. 0: that of the rules (`shadowCapMs`, or
+                             ///< what `budget: auto` allows), or none. A `shadowCapMs` that is less lowers it.
     uint32_t viewCount;
     const GnViewFrame* pViews;
     uint32_t waitCount;      ///< Waited for before the first pass. Not for gnCmdRenderShadows.
