@@ -25,7 +25,8 @@ void addRun(CLI::App& app, RunOptions& options, int& exitCode)
     run->add_option("--frames", options.frames, "number of frames; default: the scene's")
         ->check(CLI::Range(1, 1000000));
     run->add_option("--lights", options.lights, "number of lights; default: the scene's")->check(CLI::Range(1, 32));
-    run->add_option("--budget-ms", options.budgetMs, "for all shadows of a frame, GPU and CPU; default: none")
+    run->add_option("--budget-ms", options.budgetMs,
+                    "for all shadows of a frame, GPU and CPU; default: that of the rules, or none")
         ->check(CLI::NonNegativeNumber);
     run->add_option("--out", options.out, "folder for tables and pictures")->capture_default_str();
     auto* dump = run->add_option("--dump", options.dump, "folder for the last frame's data, for independent checks");
@@ -132,7 +133,8 @@ void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
     compare->add_option("--frames", options.frames, "frames of a run; default: the scene's")
         ->check(CLI::Range(2, 1000000));
     compare->add_option("--alternations", options.alternations, "runs of each")->check(CLI::Range(1, 1000));
-    compare->add_option("--budget-ms", options.budgetMs, "for all shadows of a frame; default: none")
+    compare->add_option("--budget-ms", options.budgetMs,
+                        "for all shadows of a frame, GPU and CPU; default: that of the rules, or none")
         ->check(CLI::NonNegativeNumber);
     compare->add_option("--plot", options.plot, "PNG file of every frame's time, drawn by gnuplot");
     compare->callback([&] { exitCode = compareCommand(options); });
