@@ -1,6 +1,7 @@
 #include "runtime/vk/memory.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "runtime/vk/memory_block.hpp"
@@ -51,6 +52,22 @@ int rateType(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t type,
     return (wholeHeap ? 4 : 0) + (local ? 0 : 2) + (cached ? 0 : 1); // uncached: write-combined
 }
 
+/// The type that serves `use` best among those whose bit is set; none: no value.
+std::optional<std::uint32_t> bestType(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t types,
+                                      MemoryUse use)
+{
+    int best = -1;
+    std::optional<std::uint32_t> chosen;
+    for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
+        if (!(types & (1u << i))) continue;
+        const int rating = rateType(memory, i, use);
+        if (rating <= best) continue;
+        best = rating;
+        chosen = i;
+    }
+    return chosen;
+}
+
 } // namespace
 
 DeviceMemory::DeviceMemory(const DeviceTable& vk, VkDeviceSize limit, std::vector<std::uint32_t> sharingFamilies)
@@ -81,19 +98,25 @@ VkDeviceSize DeviceMemory::held() const noexcept
 
 Result<MemorySlice> DeviceMemory::allocate(const VkMemoryRequirements& needs, MemoryUse use, bool linear)
 {
-    int best = -1;
-    std::uint32_t type = 0;
-    for (std::uint32_t i = 0; i < vk_.memory.memoryTypeCount; ++i) {
-        if (!(needs.memoryTypeBits & (1u << i))) continue;
-        const int rating = rateType(vk_.memory, i, use);
-        if (rating > best) {
-            best = rating;
-            type = i;
-        }
-    }
-    if (best < 0) return Error{GN_ERROR_FEATURE_MISSING, "MemoryType", "memory: no memory type of the device will do"};
+    std::uint32_t types = needs.memoryTypeBits;
+    std::optional<std::uint32_t> type = bestType(vk_.memory, types, use);
+    if (!type) return Error{GN_ERROR_FEATURE_MISSING, "MemoryType", "memory: no memory type of the device will do"};
 
     const std::lock_guard lock(mutex_);
+    Result<MemorySlice> first = allocateOf(*type, needs, linear);
+    // The next best type where a heap is full. Where our own limit is reached, no heap helps.
+    while (!first && first.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY && limit_ - held_ >= needs.size) {
+        types &= ~(1u << *type);
+        type = bestType(vk_.memory, types, use);
+        if (!type) break;
+        if (Result<MemorySlice> other = allocateOf(*type, needs, linear)) return other;
+    }
+    return first;
+}
+
+/// A slice of a memory type, in a block that is there or in a new one.
+Result<MemorySlice> DeviceMemory::allocateOf(std::uint32_t type, const VkMemoryRequirements& needs, bool linear)
+{
     const bool own = needs.size > blockSizeFor(limit_) / 2;
     for (std::size_t i = 0; !own && i < blocks_.size(); ++i) {
         Block& block = blocks_[i];

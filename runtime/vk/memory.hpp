@@ -15,6 +15,7 @@ struct MemorySlice {
     VkDeviceSize size = 0;
 };
 
+/// Where the heap of the memory type that serves best is full, the next best type is taken: slower, but it serves.
 enum class MemoryUse : std::uint8_t {
     device,   ///< Device-local.
     upload,   ///< Host-visible and coherent, device-local if that is free.
@@ -23,11 +24,11 @@ enum class MemoryUse : std::uint8_t {
 
 struct GpuImage {
     VkImage image = VK_NULL_HANDLE;
-    VkImageView view = VK_NULL_HANDLE;       ///< 2D array over all layers; depth aspect for depth formats.
-    VkImageView stencilView = VK_NULL_HANDLE;///< 2D, stencil aspect, where the format has one and layers == 1.
-    std::vector<VkImageView> layerViews;     ///< 2D, one per layer (attachment: all aspects of the format).
-    std::vector<VkImageView> layerSampled;   ///< 2D, one per layer, depth aspect only; equals layerViews where the
-                                             ///< format has a single aspect (then not owned twice).
+    VkImageView view = VK_NULL_HANDLE;        ///< 2D array over all layers; depth aspect for depth formats.
+    VkImageView stencilView = VK_NULL_HANDLE; ///< 2D, stencil aspect, where the format has one and layers == 1.
+    std::vector<VkImageView> layerViews;      ///< 2D, one per layer (attachment: all aspects of the format).
+    std::vector<VkImageView> layerSampled;    ///< 2D, one per layer, depth aspect only; equals layerViews where the
+                                              ///< format has a single aspect (then not owned twice).
     VkFormat format = VK_FORMAT_UNDEFINED;
     VkExtent2D extent{};
     std::uint32_t layers = 1;
@@ -61,7 +62,7 @@ public:
 
     Result<GpuImage> createImage(const ImageCreate& info);
     Result<GpuBuffer> createBuffer(VkDeviceSize size, VkBufferUsageFlags usage, MemoryUse use, const char* name);
-    void destroy(GpuImage& image) noexcept;  ///< At once; retiring until the GPU is done is the caller's.
+    void destroy(GpuImage& image) noexcept; ///< At once; retiring until the GPU is done is the caller's.
     void destroy(GpuBuffer& buffer) noexcept;
 
     VkDeviceSize used() const noexcept; ///< Bytes in live slices.
@@ -77,6 +78,7 @@ private:
     Result<void> fillBuffer(GpuBuffer& buffer, VkBufferUsageFlags usage, MemoryUse use, const char* name);
 
     // With the mutex held.
+    Result<MemorySlice> allocateOf(std::uint32_t type, const VkMemoryRequirements& needs, bool linear);
     Result<std::uint32_t> makeBlock(VkDeviceSize bytes, std::uint32_t type, bool linear, bool own);
     Error overLimit(VkDeviceSize bytes, std::uint32_t type, bool linear) const;
     void freeEmptyBlocks() noexcept;

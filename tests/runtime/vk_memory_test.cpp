@@ -32,6 +32,15 @@ ImageCreate depthStencil(std::uint32_t layers)
             .name = "test.depth"};
 }
 
+/// A discrete GPU: its own memory, the host's in two types, and the window of its own that the host sees.
+void setDiscrete(StubVulkan& stub, VkDeviceSize window)
+{
+    constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+    constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    constexpr VkMemoryPropertyFlags kCached = kHost | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+    stub.setMemoryTypes({kLocal, kHost, kCached, kLocal | kHost}, {8192 * kMiB, 16384 * kMiB, window}, {0, 1, 1, 2});
+}
+
 } // namespace
 
 TEST_CASE("objects made and destroyed in any order never overlap and leave nothing behind")
@@ -250,17 +259,13 @@ TEST_CASE("buffers and images live in different blocks")
 
 TEST_CASE("each use finds its memory type")
 {
-    constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
-    constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-    constexpr VkMemoryPropertyFlags kCached = kHost | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
     struct Device {
         VkDeviceSize window; // of device-local memory that the host sees
         std::uint32_t upload;
     };
     for (const Device device : {Device{256 * kMiB, 1}, Device{8192 * kMiB, 3}}) {
         StubVulkan stub;
-        stub.setMemoryTypes({kLocal, kHost, kCached, kLocal | kHost}, {8192 * kMiB, 16384 * kMiB, device.window},
-                            {0, 1, 1, 2});
+        setDiscrete(stub, device.window);
         DeviceMemory memory(stub.table, 512 * kMiB, {});
         GpuBuffer own = makeBuffer(memory, 100, MemoryUse::device);
         GpuBuffer up = makeBuffer(memory, 100, MemoryUse::upload);
@@ -274,6 +279,56 @@ TEST_CASE("each use finds its memory type")
         for (GpuBuffer* buffer : {&own, &up, &down})
             memory.destroy(*buffer);
     }
+}
+
+TEST_CASE("where a heap is full, the next best memory type serves")
+{
+    StubVulkan stub;
+    setDiscrete(stub, 8192 * kMiB);
+    stub.fullTypes = 1u << 0 | 1u << 3; // all of the device's own
+    DeviceMemory memory(stub.table, 512 * kMiB, {});
+    GpuBuffer own = makeBuffer(memory, 100, MemoryUse::device);
+    GpuBuffer up = makeBuffer(memory, 100, MemoryUse::upload);
+    GpuBuffer large = makeBuffer(memory, 100 * kMiB, MemoryUse::upload);
+    CHECK(stub.typeOf(stub.memoryOf(own.buffer)) != 0);
+    CHECK(stub.typeOf(stub.memoryOf(up.buffer)) == 1);
+    CHECK(stub.typeOf(stub.memoryOf(large.buffer)) == 1);
+    CHECK(own.mapped == nullptr);
+    CHECK(up.mapped != nullptr);
+    stub.fullTypes = 0; // the heap has room again
+    GpuBuffer later = makeBuffer(memory, 100, MemoryUse::device);
+    CHECK(stub.typeOf(stub.memoryOf(later.buffer)) == 0);
+    for (GpuBuffer* buffer : {&own, &up, &large, &later})
+        memory.destroy(*buffer);
+    CHECK(stub.faults.empty());
+}
+
+TEST_CASE("where every heap is full, the answer is the first, and nothing is left behind")
+{
+    StubVulkan stub;
+    setDiscrete(stub, 8192 * kMiB);
+    stub.fullTypes = 0xf;
+    DeviceMemory memory(stub.table, 512 * kMiB, {});
+    Result<GpuBuffer> refused = memory.createBuffer(100, kStorage, MemoryUse::upload, "test.buffer");
+    REQUIRE(!refused);
+    CHECK(refused.error().id == std::string("OutOfDeviceMemory"));
+    CHECK(stub.live() == 0);
+    CHECK(memory.held() == 0);
+}
+
+TEST_CASE("what our own limit refuses is not looked for in other memory types")
+{
+    StubVulkan stub;
+    setDiscrete(stub, 8192 * kMiB);
+    DeviceMemory memory(stub.table, 512 * kMiB, {});
+    GpuBuffer up = makeBuffer(memory, 100, MemoryUse::upload), large = makeBuffer(memory, 440 * kMiB);
+    const std::size_t before = stub.counts["vkAllocateMemory"];
+    Result<GpuBuffer> refused = memory.createBuffer(20 * kMiB, kStorage, MemoryUse::device, "test.buffer");
+    REQUIRE(!refused);
+    CHECK(refused.error().id == std::string("MemoryLimit"));
+    CHECK(stub.counts["vkAllocateMemory"] == before);
+    memory.destroy(large);
+    memory.destroy(up);
 }
 
 TEST_CASE("a device with one kind of memory maps every buffer, each at its own bytes")

@@ -29,7 +29,8 @@ VkResult VKAPI_PTR allocateMemory(VkDevice, const VkMemoryAllocateInfo* info, co
 {
     StubVulkan& stub = StubVulkan::current();
     if (stub.fails("vkAllocateMemory")) return stub.failure;
-    if (stub.liveBytes() + info->allocationSize > stub.heapSize) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    const bool full = stub.fullTypes >> info->memoryTypeIndex & 1;
+    if (full || stub.liveBytes() + info->allocationSize > stub.heapSize) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
     const std::uint64_t handle = stub.make("memory");
     const std::lock_guard lock(stub.mutex);
     stub.memories[handle] = {info->allocationSize, info->memoryTypeIndex, nullptr};

@@ -28,6 +28,7 @@ public:
     std::size_t failAt = std::numeric_limits<std::size_t>::max(); ///< Index of the fallible call that fails.
     VkResult failure = VK_ERROR_OUT_OF_HOST_MEMORY;
     VkDeviceSize heapSize = std::numeric_limits<VkDeviceSize>::max(); ///< vkAllocateMemory fails beyond it.
+    std::uint32_t fullTypes = 0; ///< Bits of memory types of which vkAllocateMemory gives none.
     VkDeviceSize alignment = 256;
     std::string absentFunction; ///< Name that the loader does not know.
     std::uint32_t deviceVersion = VK_API_VERSION_1_3;
