@@ -1,5 +1,6 @@
 #include "algorithms/volumes/view_stencil.hpp"
 
+#include "runtime/passes/area_copy.hpp"
 #include "runtime/scene/light_pixels.hpp"
 #include "shaders/volumes/receiver_tile.h"
 
@@ -33,17 +34,15 @@ VkDeviceSize depthsSize(VkExtent2D extent)
     return VkDeviceSize{4} * bufferWidth(extent) * extent.height;
 }
 
-VkBufferImageCopy2 wholeDepth(VkExtent2D extent)
+/// The depths of what the view draws, each where it lies in the whole buffer.
+VkBufferImageCopy2 drawnDepths(const CameraView& view)
 {
-    return {.sType = VK_STRUCTURE_TYPE_BUFFER_IMAGE_COPY_2,
-            .bufferRowLength = bufferWidth(extent),
-            .imageSubresource = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 0, 1},
-            .imageExtent = {extent.width, extent.height, 1}};
+    return areaCopy(view.area, VK_IMAGE_ASPECT_DEPTH_BIT, bufferWidth(view.extent), sizeof(float));
 }
 
-void recordDepthOut(const PassContext& gpu, ImageId depth, BufferId buffer, BufferId bounds, VkExtent2D extent)
+void recordDepthOut(const PassContext& gpu, ImageId depth, BufferId buffer, BufferId bounds,
+                    const VkBufferImageCopy2& region)
 {
-    const VkBufferImageCopy2 region = wholeDepth(extent);
     const VkCopyImageToBufferInfo2 copy{.sType = VK_STRUCTURE_TYPE_COPY_IMAGE_TO_BUFFER_INFO_2,
                                         .srcImage = gpu.image(depth),
                                         .srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
@@ -60,9 +59,8 @@ void recordDepthOut(const PassContext& gpu, ImageId depth, BufferId buffer, Buff
     gpu.vk->vkCmdUpdateBuffer(gpu.cmd, gpu.buffer(bounds), 0, sizeof(empty), &empty);
 }
 
-void recordDepthIn(const PassContext& gpu, BufferId buffer, ImageId image, VkExtent2D extent)
+void recordDepthIn(const PassContext& gpu, BufferId buffer, ImageId image, const VkBufferImageCopy2& region)
 {
-    const VkBufferImageCopy2 region = wholeDepth(extent);
     const VkCopyBufferToImageInfo2 copy{.sType = VK_STRUCTURE_TYPE_COPY_BUFFER_TO_IMAGE_INFO_2,
                                         .srcBuffer = gpu.buffer(buffer),
                                         .dstImage = gpu.image(image),
@@ -192,15 +190,16 @@ ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& 
         ImageInfo{.name = "volumes.depth_stencil", .scope = Scope::view, .format = kStencilFormat, .extent = extent});
 
     const ImageId depth = task.depth;
+    const VkBufferImageCopy2 drawn = drawnDepths(*task.view);
     passes.transfer("volumes.depth_out", Scope::view)
         .copies(depth)
         .writes(depths)
         .writes(bounds)
-        .record([=](PassContext& gpu) { recordDepthOut(gpu, depth, depths, bounds, extent); });
+        .record([=](PassContext& gpu) { recordDepthOut(gpu, depth, depths, bounds, drawn); });
     declareStrips(passes, pipelines.strips, task, depths, strips);
     declareTiles(passes, pipelines.tiles, task.view, strips, tiles, bounds);
     passes.transfer("volumes.depth_in", Scope::view).reads(depths).writes(image).record([=](PassContext& gpu) {
-        recordDepthIn(gpu, depths, image, extent);
+        recordDepthIn(gpu, depths, image, drawn);
     });
     return {.image = image,
             .depths = depths,

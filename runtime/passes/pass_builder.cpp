@@ -1,5 +1,6 @@
 #include "runtime/passes/pass_builder.hpp"
 
+#include "runtime/passes/area_copy.hpp"
 #include "runtime/passes/pass_context.hpp"
 #include "runtime/passes/pass_graph.hpp"
 
@@ -278,10 +279,8 @@ BufferId PassGraph::hostCopy(ImageId image, const char* name, VkDeviceSize texel
                                                          .size = texelSize * extent.width * extent.height,
                                                          .place = BufferPlace::readback});
     const VkImageAspectFlags aspect = aspectsOf(this->image(image).gpu.format) & ~VK_IMAGE_ASPECT_STENCIL_BIT;
+    const VkBufferImageCopy2 region = areaCopy(view_->area, aspect, extent.width, texelSize);
     builder.transfer(name, Scope::view).copies(image).writes(buffer).record([=](PassContext& gpu) {
-        const VkBufferImageCopy2 region{.sType = VK_STRUCTURE_TYPE_BUFFER_IMAGE_COPY_2,
-                                        .imageSubresource = {aspect, 0, 0, 1},
-                                        .imageExtent = {extent.width, extent.height, 1}};
         const VkCopyImageToBufferInfo2 info{.sType = VK_STRUCTURE_TYPE_COPY_IMAGE_TO_BUFFER_INFO_2,
                                             .srcImage = gpu.image(image),
                                             .srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,

@@ -172,9 +172,10 @@ public:
     /// Counts `count` update passes that were not declared because their result was kept.
     void kept(std::uint32_t count = 1);
 
-    // Shared view-scope resources, made at most once per view and frame, on first use.
-    BufferId depthOnHost();   ///< float per pixel of the image extent, row by row, readback.
-    BufferId normalsOnHost(); ///< Raw texels of the normal image (CameraView::normalFormat), readback; none: null id.
+    // Shared view-scope resources, made at most once per view and frame, on first use. Readback, with a place for every
+    // pixel of the image, row by row; those of the view's area are copied, the rest is undefined.
+    BufferId depthOnHost();   ///< A float a pixel.
+    BufferId normalsOnHost(); ///< Raw texels of the normal image (CameraView::normalFormat); none: null id.
 
     /// The task cannot run; its passes are taken back and the light is lit in this frame.
     void fail(const Error& error);
