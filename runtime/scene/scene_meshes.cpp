@@ -133,12 +133,45 @@ bool SceneRegistry::uploadsPending() const
     return !impl_->uploads.empty();
 }
 
+namespace {
+
+// A mesh may lie where another resource lay. The CPU knows that the GPU has done with that; as of all fresh memory
+// (kFreshSync), the queue is told so as well.
+constexpr VkMemoryBarrier2 kUploadsAfterAll{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                                            .pNext = nullptr,
+                                            .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                            .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+                                            .dstStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
+                                            .dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT};
+// Before every read of vertices and indices, as such or as storage buffers.
+constexpr VkMemoryBarrier2 kUploadsBeforeReads{
+    .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+    .pNext = nullptr,
+    .srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
+    .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+    .dstStageMask = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_PRE_RASTERIZATION_SHADERS_BIT |
+                    VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+    .dstAccessMask =
+        VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_2_INDEX_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT};
+
+void orderMemory(const DeviceTable& vk, VkCommandBuffer cmd, const VkMemoryBarrier2& barrier)
+{
+    VkDependencyInfo dependency{};
+    dependency.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
+    dependency.memoryBarrierCount = 1;
+    dependency.pMemoryBarriers = &barrier;
+    vk.vkCmdPipelineBarrier2(cmd, &dependency);
+}
+
+} // namespace
+
 void SceneRegistry::recordUploads(VkCommandBuffer cmd, std::uint64_t frame)
 {
     Impl& self = *impl_;
     const std::lock_guard lock(self.mutex);
     if (self.uploads.empty()) return;
     self.recorded.reserve(self.recorded.size() + self.uploads.size());
+    orderMemory(self.vk, cmd, kUploadsAfterAll);
     for (MeshUpload& upload : self.uploads) {
         std::shared_ptr<const void> target = upload.owner.lock();
         if (!target) continue;
@@ -149,21 +182,7 @@ void SceneRegistry::recordUploads(VkCommandBuffer cmd, std::uint64_t frame)
         self.recorded.push_back({frame, std::move(upload), std::move(target)});
     }
     self.uploads.clear();
-    // The copies above before every read of vertices and indices, as such or as storage buffers.
-    const VkMemoryBarrier2 barrier{
-        .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-        .pNext = nullptr,
-        .srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
-        .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
-        .dstStageMask = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_PRE_RASTERIZATION_SHADERS_BIT |
-                        VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-        .dstAccessMask =
-            VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_2_INDEX_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT};
-    VkDependencyInfo dependency{};
-    dependency.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
-    dependency.memoryBarrierCount = 1;
-    dependency.pMemoryBarriers = &barrier;
-    self.vk.vkCmdPipelineBarrier2(cmd, &dependency);
+    orderMemory(self.vk, cmd, kUploadsBeforeReads);
 }
 
 void SceneRegistry::dropUploads(std::uint64_t frame)
