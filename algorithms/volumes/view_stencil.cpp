@@ -138,13 +138,6 @@ void declareTiles(PassBuilder& passes, PipelineId pipeline, const CameraView* vi
 
 } // namespace
 
-bool supports(const DeviceTable& vk, VkFormat format, VkFormatFeatureFlags features)
-{
-    VkFormatProperties2 properties{.sType = VK_STRUCTURE_TYPE_FORMAT_PROPERTIES_2};
-    vk.vkGetPhysicalDeviceFormatProperties2(vk.physicalDevice, format, &properties);
-    return (properties.formatProperties.optimalTilingFeatures & features) == features;
-}
-
 const char* missingForStencil(const DeviceTable& vk)
 {
     constexpr VkFormatFeatureFlags used = VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT |

@@ -12,9 +12,6 @@ inline constexpr VkFormat kStencilFormat = VK_FORMAT_D32_SFLOAT_S8_UINT;
 /// storage.
 const char* missingForStencil(const DeviceTable& vk);
 
-/// Whether images of the format can be all of that.
-bool supports(const DeviceTable& vk, VkFormat format, VkFormatFeatureFlags features);
-
 struct ViewStencilPipelines {
     PipelineId strips, tiles;
 };

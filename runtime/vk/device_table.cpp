@@ -154,6 +154,13 @@ Result<std::unique_ptr<DeviceTable>> loadDeviceTable(const GnContextCreateInfo& 
     return table;
 }
 
+bool supports(const DeviceTable& vk, VkFormat format, VkFormatFeatureFlags features)
+{
+    VkFormatProperties2 properties{VK_STRUCTURE_TYPE_FORMAT_PROPERTIES_2, nullptr, {}};
+    vk.vkGetPhysicalDeviceFormatProperties2(vk.physicalDevice, format, &properties);
+    return (properties.formatProperties.optimalTilingFeatures & features) == features;
+}
+
 Error vulkanError(VkResult result, const char* call)
 {
     const auto failed = [call](const char* what) { return std::string(call) + " failed: " + what; };

@@ -82,6 +82,9 @@ Result<std::unique_ptr<DeviceTable>> loadDeviceTable(const GnContextCreateInfo& 
 /// structures of Vulkan 1.2 and 1.3 and those of the single features.
 const char* missingFeature(const VkPhysicalDeviceFeatures2& chain) noexcept;
 
+/// Whether images of the format can be all of that.
+bool supports(const DeviceTable& vk, VkFormat format, VkFormatFeatureFlags features);
+
 /// Names the object for captures and validation messages, where VK_EXT_debug_utils is enabled.
 template <typename Handle>
 void nameObject(const DeviceTable& vk, VkObjectType type, Handle handle, const char* name) noexcept

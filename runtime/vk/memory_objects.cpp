@@ -75,10 +75,35 @@ Result<void> createViews(const DeviceTable& vk, GpuImage& image, const char* nam
     return {};
 }
 
+/// What a format must be able to do to be used so.
+VkFormatFeatureFlags featuresFor(VkImageUsageFlags usage)
+{
+    struct Need {
+        VkImageUsageFlags usage;
+        VkFormatFeatureFlags feature;
+    };
+    constexpr Need needs[] = {
+        {VK_IMAGE_USAGE_TRANSFER_SRC_BIT, VK_FORMAT_FEATURE_TRANSFER_SRC_BIT},
+        {VK_IMAGE_USAGE_TRANSFER_DST_BIT, VK_FORMAT_FEATURE_TRANSFER_DST_BIT},
+        {VK_IMAGE_USAGE_SAMPLED_BIT, VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT},
+        {VK_IMAGE_USAGE_STORAGE_BIT, VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT},
+        {VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT},
+        {VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT}};
+    VkFormatFeatureFlags features = 0;
+    for (const Need& need : needs)
+        if (usage & need.usage) features |= need.feature;
+    return features;
+}
+
+/// What would be undefined behaviour in Vulkan is an answer here.
 Result<void> checkImage(const DeviceTable& vk, const ImageCreate& info)
 {
     const VkPhysicalDeviceLimits& limits = vk.properties.limits;
     const std::uint32_t side = std::max(info.extent.width, info.extent.height);
+    if (info.format == VK_FORMAT_UNDEFINED || !supports(vk, info.format, featuresFor(info.usage)))
+        return Error{GN_ERROR_FEATURE_MISSING, "ImageFormat",
+                     std::string(info.name) + ": the device has no images of VkFormat " + std::to_string(info.format) +
+                         " for this use"};
     if (side <= limits.maxImageDimension2D && info.layers <= limits.maxImageArrayLayers && info.extent.width &&
         info.extent.height && info.layers)
         return {};

@@ -387,6 +387,21 @@ TEST_CASE("an image the device cannot hold is refused by its size")
     CHECK(stub.fallibleCalls == 0);
 }
 
+TEST_CASE("an image of a format that the device lacks is refused by name, and never made")
+{
+    StubVulkan stub;
+    stub.absentFormat = VK_FORMAT_R32G32B32_SFLOAT;
+    DeviceMemory memory(stub.table, 512 * kMiB, {});
+    Result<GpuImage> image = memory.createImage({.format = VK_FORMAT_R32G32B32_SFLOAT,
+                                                 .extent = {8, 8},
+                                                 .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
+                                                 .name = "test.colours"});
+    REQUIRE(!image);
+    CHECK(image.error().result == GN_ERROR_FEATURE_MISSING);
+    CHECK(image.error().text == "test.colours: the device has no images of VkFormat 106 for this use");
+    CHECK(stub.fallibleCalls == 0);
+}
+
 TEST_CASE("threads that make and destroy at the same time share the blocks safely")
 {
     StubVulkan stub;

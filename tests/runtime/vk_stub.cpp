@@ -176,6 +176,11 @@ void VKAPI_PTR getMemory(VkPhysicalDevice, VkPhysicalDeviceMemoryProperties2* ou
 {
     out->memoryProperties = StubVulkan::current().table.memory;
 }
+void VKAPI_PTR getFormat(VkPhysicalDevice, VkFormat format, VkFormatProperties2* out)
+{
+    const bool absent = format == StubVulkan::current().absentFormat;
+    out->formatProperties.optimalTilingFeatures = absent ? 0 : ~VkFormatFeatureFlags{0};
+}
 void VKAPI_PTR getFamilies(VkPhysicalDevice, std::uint32_t* count, VkQueueFamilyProperties2* out)
 {
     *count = 1;
@@ -244,6 +249,7 @@ void setCommands(DeviceTable& table)
 
 void setObjects(DeviceTable& table)
 {
+    table.vkGetPhysicalDeviceFormatProperties2 = &getFormat;
     table.vkAllocateMemory = &allocateMemory;
     table.vkFreeMemory = &freeMemory;
     table.vkMapMemory = &mapMemory;
@@ -414,6 +420,7 @@ PFN_vkVoidFunction VKAPI_PTR StubVulkan::getInstanceProcAddr(VkInstance, const c
         {"vkGetPhysicalDeviceMemoryProperties2", reinterpret_cast<PFN_vkVoidFunction>(&getMemory)},
         {"vkGetPhysicalDeviceQueueFamilyProperties2", reinterpret_cast<PFN_vkVoidFunction>(&getFamilies)},
         {"vkGetPhysicalDeviceFeatures2", reinterpret_cast<PFN_vkVoidFunction>(&getFeatures)},
+        {"vkGetPhysicalDeviceFormatProperties2", reinterpret_cast<PFN_vkVoidFunction>(&getFormat)},
         {"vkGetDeviceProcAddr", reinterpret_cast<PFN_vkVoidFunction>(&getDeviceProcAddr)},
     };
     const auto found = known.find(name);

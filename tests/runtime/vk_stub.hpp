@@ -30,7 +30,8 @@ public:
     VkDeviceSize heapSize = std::numeric_limits<VkDeviceSize>::max(); ///< vkAllocateMemory fails beyond it.
     std::uint32_t fullTypes = 0; ///< Bits of memory types of which vkAllocateMemory gives none.
     VkDeviceSize alignment = 256;
-    std::string absentFunction; ///< Name that the loader does not know.
+    VkFormat absentFormat = VK_FORMAT_UNDEFINED; ///< Of which the device has no images.
+    std::string absentFunction;                  ///< Name that the loader does not know.
     std::uint32_t deviceVersion = VK_API_VERSION_1_3;
     VkQueueFlags queueFlags = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT;
     bool hasDynamicRendering = true;

@@ -73,7 +73,7 @@ typedef struct GnAccess {
 typedef struct GnImageInfo {
     const char* pName;   ///< "algorithm.what"; static storage.
     GnScope scope;
-    VkFormat format;
+    VkFormat format;     ///< The device must sample, copy and render to it; else the task's light is lit.
     VkExtent2D extent;
     uint32_t layers;     ///< 0 means 1.
     uint32_t variant;    ///< Tells settings apart.
