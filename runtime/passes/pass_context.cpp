@@ -58,7 +58,6 @@ Bound PassContext::constantsBytes(std::uint32_t binding, const void* data, std::
 
 void PassContext::bind(PipelineId id, std::span<const Bound> bindings)
 {
-    constexpr std::size_t kMaxBindings = 16;
     const Pipeline& pipeline = executor_->pipelines_.get(id);
     bound_ = id;
     vk->vkCmdBindPipeline(cmd, pipeline.bindPoint, pipeline.pipeline);
@@ -71,7 +70,7 @@ void PassContext::bind(PipelineId id, std::span<const Bound> bindings)
     for (const BindingInfo& info : pipeline.bindings) {
         const auto bound =
             std::find_if(bindings.begin(), bindings.end(), [&](const Bound& b) { return b.binding == info.binding; });
-        if (bound == bindings.end() || count == kMaxBindings) continue;
+        if (bound == bindings.end()) continue;
         DescriptorWrite& write = writes[count++];
         write = {.binding = info.binding, .kind = info.kind};
         if (info.kind == BindingKind::constants) {

@@ -10,7 +10,6 @@ namespace gnomon {
 namespace {
 
 constexpr std::uint32_t kSetsPerPool = 128;
-constexpr std::size_t kMaxBindings = 16;
 
 } // namespace
 

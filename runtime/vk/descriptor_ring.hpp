@@ -10,6 +10,9 @@
 
 namespace gnomon {
 
+/// Of one pipeline, at most.
+inline constexpr std::size_t kMaxBindings = 16;
+
 /// One resolved binding: handles only.
 struct DescriptorWrite {
     std::uint32_t binding = 0;

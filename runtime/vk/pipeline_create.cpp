@@ -1,5 +1,6 @@
 #include "runtime/vk/pipeline_create.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "runtime/vk/unique.hpp"
@@ -80,7 +81,7 @@ Result<void> createLayouts(const DeviceTable& vk, Pipeline& pipeline)
 
 /// Every structure a graphics pipeline points at; filled from the description, then read by Vulkan once.
 struct GraphicsState {
-    std::array<VkVertexInputBindingDescription, 2> vertexBuffers{};   ///< Positions; transforms.
+    std::array<VkVertexInputBindingDescription, 2> vertexBuffers{};  ///< Positions; transforms.
     std::array<VkVertexInputAttributeDescription, 4> vertexInputs{}; ///< Position; three rows.
     VkPipelineVertexInputStateCreateInfo vertexInput{};
     VkPipelineInputAssemblyStateCreateInfo assembly{};
@@ -244,6 +245,37 @@ Result<void> createCompute(const DeviceTable& vk, VkPipelineCache cache, const C
     return {};
 }
 
+/// More bindings than a stage may have, in words; empty: none. Every binding is there for all stages of a pipeline.
+std::string tooManyBindings(const VkPhysicalDeviceLimits& limits, const PipelineDescription& description)
+{
+    struct Bound {
+        BindingKind kind;
+        const char* what;
+        std::uint32_t most;
+    };
+    const Bound bounds[] = {
+        {BindingKind::constants, "uniform buffers",
+         std::min(limits.maxPerStageDescriptorUniformBuffers, limits.maxDescriptorSetUniformBuffersDynamic)},
+        {BindingKind::sampledImage, "sampled images",
+         std::min(limits.maxPerStageDescriptorSampledImages, limits.maxPerStageDescriptorSamplers)},
+        {BindingKind::storageImage, "storage images", limits.maxPerStageDescriptorStorageImages},
+        {BindingKind::storageBuffer, "storage buffers", limits.maxPerStageDescriptorStorageBuffers}};
+    const auto words = [](std::size_t count, const char* what, std::size_t most) {
+        return std::to_string(count) + " " + what + "; at most " + std::to_string(most);
+    };
+    for (const Bound& bound : bounds) {
+        const auto count =
+            static_cast<std::size_t>(std::ranges::count(description.bindings, bound.kind, &BindingInfo::kind));
+        if (count > bound.most) return words(count, bound.what, bound.most);
+    }
+    const bool attached = !description.isCompute && description.graphics.colorFormat != VK_FORMAT_UNDEFINED;
+    const std::size_t resources = description.bindings.size() + (attached ? 1 : 0);
+    if (resources > limits.maxPerStageResources)
+        return words(resources, "bindings and attachments", limits.maxPerStageResources);
+    if (description.bindings.size() > kMaxBindings) return words(description.bindings.size(), "bindings", kMaxBindings);
+    return {};
+}
+
 /// What would be undefined behaviour in Vulkan is an answer here: an algorithm that forgot to check eligibility shows
 /// up as a method that cannot be made, with the reason.
 Result<void> checkDescription(const DeviceTable& vk, const PipelineDescription& description)
@@ -262,6 +294,8 @@ Result<void> checkDescription(const DeviceTable& vk, const PipelineDescription& 
         if (image && binding.format == VK_FORMAT_UNDEFINED)
             return refused("binding " + std::to_string(binding.binding) + " names no image format");
     }
+    if (const std::string tooMany = tooManyBindings(vk.properties.limits, description); !tooMany.empty())
+        return refused(tooMany);
     return {};
 }
 

@@ -223,6 +223,44 @@ TEST_CASE("what the device was not asked for is refused by name, not attempted")
     CHECK(at.store.failure(2) == "test.list: binding 3 names no image format");
 }
 
+TEST_CASE("more bindings than a stage may have are refused by name, not attempted")
+{
+    struct Case {
+        BindingKind kind;
+        std::uint32_t count;
+        const char* failure; ///< Empty: as many as every device allows.
+    };
+    for (const Case& each : {Case{BindingKind::storageBuffer, 4, ""},
+                             Case{BindingKind::storageBuffer, 5, "test.list: 5 storage buffers; at most 4"},
+                             Case{BindingKind::constants, 9, "test.list: 9 uniform buffers; at most 8"},
+                             Case{BindingKind::storageImage, 5, "test.list: 5 storage images; at most 4"},
+                             Case{BindingKind::sampledImage, 16, ""},
+                             Case{BindingKind::sampledImage, 17, "test.list: 17 sampled images; at most 16"}}) {
+        Fixture at;
+        std::vector<BindingInfo> bindings;
+        for (std::uint32_t i = 0; i < each.count; ++i)
+            bindings.push_back({.binding = i, .kind = each.kind, .format = VK_FORMAT_R8_UNORM});
+        ComputePipelineInfo list = listInfo();
+        list.bindings = bindings;
+        at.store.compute(list);
+        at.createAll(0);
+        CHECK(at.store.failure(0) == each.failure);
+        CHECK(at.stub.counts["pipeline"] == (*each.failure ? 0 : 1));
+    }
+
+    Fixture at; // of allowed kinds, but too many in all
+    std::vector<BindingInfo> bindings;
+    for (std::uint32_t i = 0; i < 17; ++i)
+        bindings.push_back({.binding = i,
+                            .kind = i < 3 ? BindingKind::storageBuffer : BindingKind::sampledImage,
+                            .format = VK_FORMAT_R8_UNORM});
+    ComputePipelineInfo list = listInfo();
+    list.bindings = bindings;
+    at.store.compute(list);
+    at.createAll(0);
+    CHECK(at.store.failure(0) == "test.list: 17 bindings; at most 16");
+}
+
 TEST_CASE("a worker creates while the frame's thread describes and asks")
 {
     Fixture at;

@@ -291,7 +291,13 @@ StubVulkan::StubVulkan()
     setObjects(table);
     setCommands(table);
     table.properties.limits.maxImageDimension2D = 16384;
-    table.properties.limits.maxImageArrayLayers = 256;
+    VkPhysicalDeviceLimits& limits = table.properties.limits; // what every device has
+    limits.maxImageArrayLayers = 256;
+    limits.maxPerStageDescriptorUniformBuffers = 12;
+    limits.maxDescriptorSetUniformBuffersDynamic = 8;
+    limits.maxPerStageDescriptorSampledImages = limits.maxPerStageDescriptorSamplers = 16;
+    limits.maxPerStageDescriptorStorageImages = limits.maxPerStageDescriptorStorageBuffers = 4;
+    limits.maxPerStageResources = 128;
     setMemoryTypes({VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
                     VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT},
                    {VkDeviceSize(2) << 30}, {0});
