@@ -29,6 +29,16 @@ VkDeviceSize defaultLimit(const DeviceTable& vk)
     return largest / 2;
 }
 
+/// The distances by which shadows keep clear of what casts them allow for corners rounded to 1/256 pixel.
+void remarkOnSubpixels(const DeviceTable& vk, const Messages& messages)
+{
+    constexpr std::uint32_t kBits = 8;
+    const std::uint32_t bits = vk.properties.limits.subPixelPrecisionBits;
+    if (bits >= kBits) return;
+    messages.warn("SubPixelPrecision", "the device says it rasterises to 1/" + std::to_string(1u << bits) +
+                                           " pixel; methods allow for 1/256, and are less exact than they say");
+}
+
 Error invalidHandle(const char* kind)
 {
     return {GN_ERROR_INVALID_HANDLE, "InvalidHandle", std::string("not a live ") + kind + " of this context"};
@@ -112,6 +122,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     Result<std::unique_ptr<DeviceTable>> vk = loadDeviceTable(info);
     if (!vk) return vk.error();
     vk_ = std::move(*vk);
+    remarkOnSubpixels(*vk_, messages_);
     pluginInterface_ = makePluginInterface(vk_->device, vk_->vkGetDeviceProcAddr);
     memory_ = std::make_unique<DeviceMemory>(*vk_, info.memoryLimit ? info.memoryLimit : defaultLimit(*vk_),
                                              sharingFamilies(info));
