@@ -28,23 +28,24 @@ BufferInfo listInfo(const MeshView& mesh)
     return {.name = "all_edges_volume.edges",
             .scope = Scope::scene,
             .size = edgeListSize(*mesh.topology).bytes(),
-            .place = BufferPlace::upload,
             .variant = mesh.id};
 }
 
 /// The list of the mesh: built when its positions are new, and kept whatever lights and casters do.
 BufferId declareEdges(PassBuilder& passes, const MeshView& mesh)
 {
-    const BufferId list = passes.persistent(listInfo(mesh));
-    if (!passes.stale(list, mesh.revision)) {
+    const auto [list, due] = passes.keptList(listInfo(mesh), mesh.revision);
+    if (!due) {
         passes.kept();
         return list;
     }
     const Topology* topology = mesh.topology;
-    passes.prepare("all_edges_volume.edges", Scope::scene, mesh.id).writes(list).run([=](HostContext& host) {
-        writeEdgeList(*topology, host.write<std::uint32_t>(list));
-        host.countIndexList();
-    });
+    passes.prepare("all_edges_volume.edges", Scope::scene, mesh.id)
+        .writes(list)
+        .run([topology, list = list](HostContext& host) {
+            writeEdgeList(*topology, host.write<std::uint32_t>(list));
+            host.countIndexList();
+        });
     return list;
 }
 

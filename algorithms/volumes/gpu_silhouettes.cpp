@@ -142,12 +142,13 @@ std::uint64_t topologyStamp(const Layout& layout)
 /// Once, and again when a mesh or the choice of casters changes: how casters lie does not matter.
 void declareTopology(PassBuilder& passes, Layout& layout, std::uint32_t variant)
 {
-    layout.topology = passes.persistent(BufferInfo{.name = "volumes.topology",
-                                                   .scope = Scope::light,
-                                                   .size = VkDeviceSize{4} * layout.words,
-                                                   .place = BufferPlace::upload,
-                                                   .variant = variant});
-    if (!passes.stale(layout.topology, topologyStamp(layout))) return;
+    const KeptList list = passes.keptList(BufferInfo{.name = "volumes.topology",
+                                                     .scope = Scope::light,
+                                                     .size = VkDeviceSize{4} * layout.words,
+                                                     .variant = variant},
+                                          topologyStamp(layout));
+    layout.topology = list.buffer;
+    if (!list.due) return;
     const Layout* shared = &layout;
     passes.prepare("volumes.topology", Scope::light, variant).writes(layout.topology).run([shared](HostContext& host) {
         writeTopology(*shared, host);

@@ -143,12 +143,13 @@ VolumeList declareList(PassBuilder& passes, const ShadowTask& task, std::span<co
         build->list.buffer = declareGpuSides(passes, task, *shader, build->list.pieces, size, variant, stamp);
         return build->list;
     }
-    build->list.buffer = passes.persistent(BufferInfo{.name = sides ? "volumes.sides" : "volumes.caps",
-                                                      .scope = scope,
-                                                      .size = VkDeviceSize{4} * size,
-                                                      .place = BufferPlace::upload,
-                                                      .variant = variant});
-    if (!passes.stale(build->list.buffer, stamp)) {
+    const KeptList list = passes.keptList(BufferInfo{.name = sides ? "volumes.sides" : "volumes.caps",
+                                                     .scope = scope,
+                                                     .size = VkDeviceSize{4} * size,
+                                                     .variant = variant},
+                                          stamp);
+    build->list.buffer = list.buffer;
+    if (!list.due) {
         passes.kept();
         return build->list;
     }

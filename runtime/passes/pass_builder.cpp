@@ -144,7 +144,20 @@ PassRef PassBuilder::host(const char* name, Scope scope, std::uint32_t variant)
 namespace {
 // Salts: a transient and a persistent resource of one name are two things.
 constexpr std::uint64_t kTransientImage = 0x1, kPersistentImage = 0x2, kTransientBuffer = 0x3, kPersistentBuffer = 0x4;
+
+// Frames without a change after which a list is copied to the GPU's own memory. The copy moves the whole buffer, a
+// frame reads what is in it: about as much where that is every edge of a mesh, a hundredth where it is the silhouette
+// of a fine one. So the one has cost eight copies by then, and the other's copy has paid for itself after seconds. With
+// fewer frames, what moves every now and then would be copied at every halt.
+constexpr std::uint64_t kSettledFrames = 8;
 } // namespace
+
+std::uint64_t PassGraph::key(const BufferInfo& info, bool persistent) const
+{
+    // A list and its copy in the GPU's own memory are two persistent buffers of one name.
+    const std::uint64_t place = persistent && info.place == BufferPlace::device ? 0x100 : 0;
+    return key(info.scope, info.name, info.variant, place | (persistent ? kPersistentBuffer : kTransientBuffer));
+}
 
 ImageId PassGraph::findOrMake(const ImageInfo& info, bool persistent)
 {
@@ -163,8 +176,7 @@ ImageId PassGraph::findOrMake(const ImageInfo& info, bool persistent)
 
 BufferId PassGraph::findOrMake(const BufferInfo& info, bool persistent)
 {
-    const std::uint64_t key =
-        this->key(info.scope, info.name, info.variant, persistent ? kPersistentBuffer : kTransientBuffer);
+    const std::uint64_t key = this->key(info, persistent);
     if (const std::uint32_t found = find(key); found != UINT32_MAX) return {found};
     auto ring = persistent ? pool_.persistentBuffer(key, info) : pool_.transientBuffer(key, info);
     if (!ring) {
@@ -197,11 +209,27 @@ BufferId PassBuilder::persistent(const BufferInfo& info)
     return graph_.findOrMake(info, true);
 }
 
+namespace {
+
+void recordCopy(const PassContext& gpu, BufferId from, BufferId to, VkDeviceSize size)
+{
+    const VkBufferCopy2 region{.sType = VK_STRUCTURE_TYPE_BUFFER_COPY_2, .size = size};
+    const VkCopyBufferInfo2 copy{.sType = VK_STRUCTURE_TYPE_COPY_BUFFER_INFO_2,
+                                 .srcBuffer = gpu.buffer(from),
+                                 .dstBuffer = gpu.buffer(to),
+                                 .regionCount = 1,
+                                 .pRegions = &region};
+    gpu.vk->vkCmdCopyBuffer2(gpu.cmd, &copy);
+}
+
+} // namespace
+
 bool PassGraph::answeredAgain(KeptState& kept, std::uint64_t stamp)
 {
     if (!kept.answer || kept.stamp != 0) return kept.answer;
     taskStale_.push_back(&kept); // it may throw; nothing is promised yet
     kept.stamp = stamp;
+    kept.since = pool_.frame();
     return true;
 }
 
@@ -242,7 +270,30 @@ bool PassBuilder::stale(BufferId buffer, std::uint64_t stamp)
     fresh.askedFrame = graph_.pool_.frame();
     fresh.answer = true;
     fresh.stamp = stamp;
+    fresh.since = graph_.pool_.frame();
     return true;
+}
+
+KeptList PassBuilder::keptList(const BufferInfo& info, std::uint64_t stamp)
+{
+    BufferInfo upload = info, own = info;
+    upload.place = BufferPlace::upload;
+    own.place = BufferPlace::device;
+    ResourcePool& pool = graph_.pool_;
+    if (pool.uploadIsFar() && pool.holds(graph_.key(own, true), info.size, stamp)) return {.buffer = persistent(own)};
+    const BufferId list = persistent(upload);
+    if (stale(list, stamp)) return {.buffer = list, .due = true};
+    const bool settled = graph_.buffers_[list.index].pooled->kept.since + kSettledFrames <= frame();
+    if (!pool.uploadIsFar() || !settled || !pool.hasRoomFor(info.size)) return {.buffer = list};
+    if (!pool.persistentBuffer(graph_.key(own, true), own))
+        return {.buffer = list}; // what only saves time fails nothing
+    const BufferId copy = persistent(own);
+    if (!stale(copy, stamp)) return {.buffer = copy};
+    transfer(info.name, info.scope, info.variant)
+        .reads(list)
+        .writes(copy)
+        .record([=, size = info.size](PassContext& gpu) { recordCopy(gpu, list, copy, size); });
+    return {.buffer = copy};
 }
 
 std::uint64_t PassBuilder::serial(ImageId image) const

@@ -64,6 +64,12 @@ struct BufferInfo {
     std::uint32_t variant = 0;
 };
 
+/// What PassBuilder::keptList() found.
+struct KeptList {
+    BufferId buffer;
+    bool due = false; ///< A prepare pass has to write all of it in this frame.
+};
+
 /// Device bytes of a buffer of that size.
 constexpr VkDeviceSize pooledSize(VkDeviceSize size)
 {
@@ -155,6 +161,11 @@ public:
     /// fresh memory when the old content is still in flight.
     bool stale(ImageId image, std::uint64_t stamp);
     bool stale(BufferId buffer, std::uint64_t stamp);
+    /// The persistent buffer of what prepare passes write seldom and GPU passes read in every frame. It is an upload
+    /// buffer; where such lie far from the GPU, what has carried its stamp for eight frames is copied to the GPU's own
+    /// memory, once, and the copy is the answer from then on. `info.place` means nothing; the copying pass has the
+    /// buffer's name.
+    KeptList keptList(const BufferInfo& info, std::uint64_t stamp);
     /// Another number for every image that was ever made: a stamp kept beside an image takes it in, since the image may
     /// have been freed and made anew. 0: there is none.
     std::uint64_t serial(ImageId image) const;

@@ -266,6 +266,13 @@ Result<BufferRing*> ResourcePool::persistentBuffer(std::uint64_t key, const Buff
     return &ring;
 }
 
+bool ResourcePool::holds(std::uint64_t key, VkDeviceSize size, std::uint64_t stamp) const
+{
+    const auto found = buffers_.find(key);
+    const PooledBuffer* buffer = found == buffers_.end() ? nullptr : found->second.current;
+    return buffer && buffer->kept.stamp == stamp && buffer->gpu.size >= size;
+}
+
 Result<void> ResourcePool::replace(BufferRing& ring, const BufferInfo& info)
 {
     if (ring.renewed == frame_) return {};

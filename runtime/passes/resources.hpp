@@ -33,6 +33,7 @@ inline constexpr SyncState kFreshSync{.writeStages = VK_PIPELINE_STAGE_2_ALL_COM
 /// Content kept from frame to frame, and how to take a withdrawn frame back.
 struct KeptState {
     std::uint64_t stamp = 0;      ///< 0: nothing worth keeping.
+    std::uint64_t since = 0;      ///< Frame in which stale() gave it the stamp.
     std::uint64_t savedStamp = 0; ///< Before the frame `savedFrame`.
     std::uint64_t savedFrame = 0;
     std::uint64_t askedFrame = 0; ///< stale() was answered in this frame ...
@@ -89,6 +90,15 @@ public:
     /// The same, leaving what the current version holds as it is: a withdrawn frame wants it back. Does nothing for a
     /// ring that was renewed in this frame.
     Result<void> replace(BufferRing& ring, const BufferInfo& info);
+
+    /// A buffer kept under the key holds all of this, as stale() was told.
+    bool holds(std::uint64_t key, VkDeviceSize size, std::uint64_t stamp) const;
+    bool uploadIsFar() const noexcept { return memory_.uploadIsFar(); }
+    /// Room for what only saves time, with nothing else having to make way for it.
+    bool hasRoomFor(VkDeviceSize size) const noexcept
+    {
+        return memory_.used() + pooledSize(size) <= memory_.limit() / 2;
+    }
 
     /// The host's image for this frame.
     PooledImage* import(VkImage image, VkImageView view, VkFormat format, VkExtent2D extent);

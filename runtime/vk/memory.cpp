@@ -68,10 +68,19 @@ std::optional<std::uint32_t> bestType(const VkPhysicalDeviceMemoryProperties& me
     return chosen;
 }
 
+/// Whether buffers of that use lie in the GPU's own memory, as long as there is room.
+bool isLocal(const VkPhysicalDeviceMemoryProperties& memory, MemoryUse use)
+{
+    const std::optional<std::uint32_t> type = bestType(memory, UINT32_MAX, use);
+    return type && (memory.memoryTypes[*type].propertyFlags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0;
+}
+
 } // namespace
 
 DeviceMemory::DeviceMemory(const DeviceTable& vk, VkDeviceSize limit, std::vector<std::uint32_t> sharingFamilies)
-    : vk_(vk), limit_(limit), families_(std::move(sharingFamilies))
+    : vk_(vk), limit_(limit),
+      uploadIsFar_(isLocal(vk.memory, MemoryUse::device) && !isLocal(vk.memory, MemoryUse::upload)),
+      families_(std::move(sharingFamilies))
 {
     families_.push_back(vk.queueFamily);
     std::sort(families_.begin(), families_.end());

@@ -68,6 +68,8 @@ public:
     VkDeviceSize used() const noexcept; ///< Bytes in live slices.
     VkDeviceSize held() const noexcept; ///< Bytes of all blocks; this is what the limit bounds.
     VkDeviceSize limit() const noexcept { return limit_; }
+    /// The GPU has memory of its own, and upload buffers lie elsewhere: what it reads of them comes over a bus.
+    bool uploadIsFar() const noexcept { return uploadIsFar_; }
 
 private:
     struct Block;
@@ -86,6 +88,7 @@ private:
 
     const DeviceTable& vk_;
     VkDeviceSize limit_;
+    bool uploadIsFar_;
     std::vector<std::uint32_t> families_;
     mutable std::mutex mutex_;
     std::vector<Block> blocks_; ///< Slots stay where they are: slices name them by index.

@@ -69,6 +69,50 @@ void drawEverything(const GnMethodInfo& method)
     CHECK(discreteBooks().mapped == 0);
 }
 
+/// Draws frames that change nothing, until a list is copied to the GPU's own memory. @return frames drawn; 0: none was.
+uint32_t framesUntilCopied(Host& plain, Host& host)
+{
+    for (uint32_t frame = 1; frame <= 20; ++frame) {
+        discreteBooks() = {};
+        CHECK(differing(plain, host) == 0);
+        if (discreteBooks().copies > 0) return frame;
+    }
+    return 0;
+}
+
+void settle(const char* method, double silhouettes)
+{
+    CAPTURE(std::string(method));
+    CAPTURE(silhouettes);
+    Scene scene = smallScene();
+    scene.instances[kBall].isStatic = false;
+    Host plain(scene), host(scene, discrete());
+    for (Host* each : {&plain, &host}) {
+        each->pinAll(method);
+        each->require(gnSetMethodSetting(each->context, method, "z_fail", 1.0)); // caps too
+        if (silhouettes > 0.0) each->require(gnSetMethodSetting(each->context, method, "silhouettes", silhouettes));
+    }
+    CHECK(differing(plain, host) == 0); // meshes are copied
+    for (int round = 0; round < 2; ++round) {
+        CAPTURE(round);
+        discreteBooks() = {};
+        CHECK(differing(plain, host) == 0);
+        CHECK(discreteBooks().copies == 0); // it may change at once
+        CHECK(discreteBooks().hostIndexes > 0);
+        CHECK(framesUntilCopied(plain, host) > 3);
+        for (int frame = 0; frame < 2; ++frame) {
+            discreteBooks() = {};
+            CHECK(differing(plain, host) == 0);
+            CHECK(discreteBooks().indexLists > 0);
+            CHECK(discreteBooks().hostIndexes == 0);
+            CHECK(discreteBooks().copies == 0);
+        }
+        for (Host* each : {&plain, &host}) // every list of the ball changes, for one method its mesh's
+            squeezeBall(*each, 1.0f + 0.1f * static_cast<float>(round));
+        CHECK(differing(plain, host) == 0);
+    }
+}
+
 } // namespace
 
 TEST_CASE_FIXTURE(DeviceTest,
@@ -79,4 +123,11 @@ TEST_CASE_FIXTURE(DeviceTest,
     REQUIRE(methods.size() > 12);
     for (const GnMethodInfo& method : methods)
         drawEverything(method);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "lists that no longer change are copied to the GPU's own memory once, and read there")
+{
+    settle("all_edges_volume", 0.0);
+    settle("stencil_volume", 0.0);
+    settle("stencil_volume", 1.0);
 }
