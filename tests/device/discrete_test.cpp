@@ -69,10 +69,12 @@ void drawEverything(const GnMethodInfo& method)
     CHECK(discreteBooks().mapped == 0);
 }
 
-/// Draws frames that change nothing, until a list is copied to the GPU's own memory. @return frames drawn; 0: none was.
+/// Draws frames that change nothing, each dropped once before, until a list is copied to the GPU's own memory.
+/// @return frames drawn; 0: none was
 uint32_t framesUntilCopied(Host& plain, Host& host)
 {
     for (uint32_t frame = 1; frame <= 20; ++frame) {
+        host.require(host.draw({.call = Call::record, .drop = true}));
         discreteBooks() = {};
         CHECK(differing(plain, host) == 0);
         if (discreteBooks().copies > 0) return frame;
