@@ -1,14 +1,7 @@
 // Frames that fail half-way: for memory, at a submit, in a host pass. The next attempt is as if nothing had been.
-#include <dlfcn.h>
-#include <embree3/rtcore.h>
-
-#include <algorithm>
-#include <cstring>
-#include <new>
 #include <utility>
 
-#include "device/fixture.hpp"
-#include "gnomon/algorithm.h"
+#include "device/failing.hpp"
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -17,82 +10,10 @@ namespace {
 
 constexpr VkDeviceSize kMiB = 1u << 20;
 
-// --- a queue that refuses work, and whose lock is watched ---
-
-struct WatchedQueue {
-    uint32_t failAt = UINT32_MAX; ///< Submits to go until one fails.
-    bool locked = false;
-    uint32_t submits = 0, unlocked = 0; ///< gnomon's; those without the lock.
-};
-WatchedQueue queue;
-
-VKAPI_ATTR VkResult VKAPI_CALL watchedSubmit(VkQueue handle, uint32_t count, const VkSubmitInfo2* submits,
-                                             VkFence fence)
-{
-    ++queue.submits;
-    queue.unlocked += !queue.locked;
-    if (queue.failAt != UINT32_MAX && queue.failAt-- == 0) return VK_ERROR_OUT_OF_HOST_MEMORY;
-    return vkQueueSubmit2(handle, count, submits, fence);
-}
-
-// No buffer is made that is nothing but a storage buffer: depth grids alone are. None for constants; no descriptor
-// pool.
-bool noGrids = false, noConstants = false, noPools = false;
-bool noRays = false; ///< Embree says that it ran out of memory.
-
-VKAPI_ATTR VkResult VKAPI_CALL watchedCreateBuffer(VkDevice handle, const VkBufferCreateInfo* info,
-                                                   const VkAllocationCallbacks* allocator, VkBuffer* buffer)
-{
-    if (noGrids && info->usage == VK_BUFFER_USAGE_STORAGE_BUFFER_BIT) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
-    if (noConstants && (info->usage & VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT)) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
-    return vkCreateBuffer(handle, info, allocator, buffer);
-}
-
-VKAPI_ATTR VkResult VKAPI_CALL watchedCreatePool(VkDevice handle, const VkDescriptorPoolCreateInfo* info,
-                                                 const VkAllocationCallbacks* allocator, VkDescriptorPool* pool)
-{
-    return noPools ? VK_ERROR_OUT_OF_DEVICE_MEMORY : vkCreateDescriptorPool(handle, info, allocator, pool);
-}
-
-VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL hookedGetDeviceProcAddr(VkDevice handle, const char* name)
-{
-    if (std::strcmp(name, "vkCreateBuffer") == 0) return reinterpret_cast<PFN_vkVoidFunction>(&watchedCreateBuffer);
-    if (std::strcmp(name, "vkCreateDescriptorPool") == 0)
-        return reinterpret_cast<PFN_vkVoidFunction>(&watchedCreatePool);
-    if (std::strcmp(name, "vkQueueSubmit2") == 0) return reinterpret_cast<PFN_vkVoidFunction>(&watchedSubmit);
-    return vkGetDeviceProcAddr(handle, name);
-}
-
-VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL hookedGetInstanceProcAddr(VkInstance instance, const char* name)
-{
-    if (std::strcmp(name, "vkGetDeviceProcAddr") == 0)
-        return reinterpret_cast<PFN_vkVoidFunction>(&hookedGetDeviceProcAddr);
-    return vkGetInstanceProcAddr(instance, name);
-}
-
-HostOptions watched()
-{
-    queue = {};
-    noGrids = noConstants = noPools = false;
-    return {.context = [](GnContextCreateInfo& info) {
-        info.pfnGetInstanceProcAddr = &hookedGetInstanceProcAddr;
-        info.pfnLockQueue = [](VkQueue, void*) { queue.locked = true; };
-        info.pfnUnlockQueue = [](VkQueue, void*) { queue.locked = false; };
-    }};
-}
-
 HostOptions limited(VkDeviceSize limit, uint32_t framesInFlight = 2)
 {
     return {.framesInFlight = framesInFlight,
             .context = [limit](GnContextCreateInfo& info) { info.memoryLimit = limit; }};
-}
-
-std::vector<Image8> fresh(const Scene& scene, const char* method, VkExtent2D extent)
-{
-    Host host(scene, {.extent = extent});
-    host.pinAll(method);
-    host.require(host.draw());
-    return host.pictures();
 }
 
 /// Visibility of 1 GiB.
@@ -101,102 +22,7 @@ void huge(GnFrameInfo&, std::vector<GnViewFrame>& views)
     views[0].imageExtent = {8192, 8192};
 }
 
-// --- a method whose passes can be made to throw ---
-
-struct Thrower {
-    const GnPluginInterface* door = nullptr;
-    GnPassKind kind = GN_PASS_HOST;
-    bool throws = false;
-    static void GN_CALL run(GnPassContext, void* user)
-    {
-        if ((*static_cast<Thrower* const*>(user))->throws) throw std::bad_alloc();
-    }
-    static void GN_CALL declare(void* self, GnPassBuilder builder, const GnShadowTask* task)
-    {
-        auto* const thrower = static_cast<Thrower*>(self);
-        const GnPluginInterface& gn = *thrower->door;
-        GnBufferInfo buffer{};
-        buffer.pName = "thrower.value";
-        buffer.scope = GN_SCOPE_TASK;
-        buffer.size = 4;
-        buffer.place = GN_BUFFER_UPLOAD;
-        GnAccess value{}, fill{};
-        value.kind = GN_ACCESS_WRITE;
-        value.buffer = gn.pfnBuffer(builder, &buffer);
-        GnPassInfo pass{};
-        pass.pName = "thrower.run";
-        pass.kind = thrower->kind;
-        pass.scope = GN_SCOPE_TASK;
-        pass.accessCount = 1;
-        pass.pAccesses = &value;
-        pass.pfnRun = &run;
-        pass.pUserData = &thrower;
-        pass.userDataSize = sizeof thrower;
-        gn.pfnPass(builder, &pass);
-        value.kind = GN_ACCESS_READ;
-        fill.kind = GN_ACCESS_WRITE;
-        fill.image = task->visibility;
-        fill.baseLayer = task->layer;
-        fill.clear = VK_TRUE;
-        const GnAccess accesses[] = {value, fill};
-        pass = {};
-        pass.pName = "thrower.fill";
-        pass.kind = GN_PASS_RASTER;
-        pass.scope = GN_SCOPE_TASK;
-        pass.accessCount = 2;
-        pass.pAccesses = accesses;
-        pass.area = task->area;
-        pass.pfnRecord = [](GnPassContext, VkCommandBuffer, const VkRect2D*, void*) {};
-        gn.pfnPass(builder, &pass);
-    }
-    void join(Host& host)
-    {
-        host.require(gnGetPluginInterface(host.context, &door));
-        GnAlgorithmInfo info{};
-        info.pName = "thrower";
-        info.traits = GN_TRAIT_SPOT_BIT;
-        info.roundTrips = kind == GN_PASS_HOST;
-        info.pfnDeclare = &declare;
-        info.pAlgorithm = this;
-        host.require(gnRegisterAlgorithm(host.context, &info));
-        host.pinAll("thrower");
-    }
-};
-
-/// A method that writes its visibility from a pass that cannot.
-struct Storer {
-    const GnPluginInterface* door = nullptr;
-    GnPassKind pass = GN_PASS_COMPUTE;
-    GnAccessKind access = GN_ACCESS_WRITE;
-    GnResult answer = GN_SUCCESS;
-    static void GN_CALL declare(void* self, GnPassBuilder builder, const GnShadowTask* task)
-    {
-        auto& storer = *static_cast<Storer*>(self);
-        GnAccess store{};
-        store.kind = storer.access;
-        store.image = task->visibility;
-        store.baseLayer = task->layer;
-        GnPassInfo pass{};
-        pass.pName = "storer.store";
-        pass.kind = storer.pass;
-        pass.scope = GN_SCOPE_TASK;
-        pass.accessCount = 1;
-        pass.pAccesses = &store;
-        pass.pfnRecord = [](GnPassContext, VkCommandBuffer, const VkRect2D*, void*) {};
-        pass.pfnRun = [](GnPassContext, void*) {};
-        storer.answer = storer.door->pfnPass(builder, &pass);
-    }
-};
-
 } // namespace
-
-/// In place of Embree's own: the linker takes the program's.
-RTC_API RTCError rtcGetDeviceError(RTCDevice device)
-{
-    static const auto real =
-        reinterpret_cast<RTCError (*)(RTCDevice)>(dlsym(RTLD_NEXT, "rtcGetDeviceError")); // NOLINT: POSIX's own way
-    return noRays ? RTC_ERROR_OUT_OF_MEMORY : real(device);
-}
 
 TEST_CASE_FIXTURE(DeviceTest, "a frame that finds no memory for a larger view finds it when it is tried again")
 {
@@ -250,21 +76,21 @@ TEST_CASE_FIXTURE(DeviceTest, "frames go without a depth grid that finds no memo
     Host host(smallScene(), watched());
     const std::string rules = shippedRules("default");
     host.require(gnLoadRules(host.context, rules.data(), rules.size(), "default"));
-    noGrids = true;
+    failing.grids = true;
     host.draw(4, {});
     CHECK(host.passCount("view.depth_grid") == 0);
     CHECK_FALSE(host.decision(0).viewerDistanceMeasured);
     CHECK(dark(host.pictures()[0]) > 100);
-    noGrids = false;
+    failing.grids = false;
     host.draw(4, {});
     CHECK(host.decision(0).viewerDistanceMeasured);
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a frame that finds no memory for constants or descriptors fails, and the next is whole")
 {
-    for (bool* const refused : {&noConstants, &noPools})
+    for (bool* const refused : {&failing.constants, &failing.pools})
         for (const char* method : {"shadow_map", "pcf_hybrid"}) {
-            CAPTURE(refused == &noPools);
+            CAPTURE(refused == &failing.pools);
             CAPTURE(std::string(method));
             Host host(smallScene(), watched());
             host.pinAll(method);
@@ -280,10 +106,10 @@ TEST_CASE_FIXTURE(DeviceTest, "a frame whose casters the ray tracer has no memor
 {
     Host host(smallScene());
     host.pinAll("ray_traced");
-    noRays = true;
+    failing.rays = true;
     CHECK(host.draw() == GN_ERROR_OUT_OF_HOST_MEMORY);
     CHECK(host.lastError().find("ray tracer") != std::string::npos);
-    noRays = false;
+    failing.rays = false;
     host.require(host.draw());
     CHECK(differences(host.pictures(), fresh(smallScene(), "ray_traced", {320, 180})) == 0);
 }
@@ -351,7 +177,6 @@ TEST_CASE_FIXTURE(DeviceTest, "what a pass on a worker throws is the frame's fai
             thrower.throws = true;
             CHECK(draw() == GN_ERROR_OUT_OF_HOST_MEMORY);
             thrower.throws = false;
-            if (kind == GN_PASS_HOST && call == Call::begin) continue; // the test's host has counted the frame
             host.require(draw());
             host.pinAll("shadow_map");
             host.require(draw());
@@ -368,35 +193,4 @@ TEST_CASE_FIXTURE(DeviceTest, "a context is destroyed while a host pass of its t
     host.require(host.draw({.call = Call::begin}));
     gnDestroyContext(std::exchange(host.context, nullptr));
     CHECK(host.finish(0) == GN_ERROR_NULL_ARGUMENT); // only so that the test's host submits what it waits for
-}
-
-TEST_CASE_FIXTURE(DeviceTest, "a foreign pass that would write a storage image is refused, and its light is lit")
-{
-    Host host(smallScene());
-    Storer storer;
-    host.require(gnGetPluginInterface(host.context, &storer.door));
-    GnAlgorithmInfo info{};
-    info.pName = "storer";
-    info.traits = GN_TRAIT_SPOT_BIT;
-    info.pfnDeclare = &Storer::declare;
-    info.pAlgorithm = &storer;
-    host.require(gnRegisterAlgorithm(host.context, &info));
-    host.pinAll("storer");
-    const std::pair<GnPassKind, GnAccessKind> refused[] = {{GN_PASS_COMPUTE, GN_ACCESS_WRITE},
-                                                           {GN_PASS_COMPUTE, GN_ACCESS_UPDATE},
-                                                           {GN_PASS_RASTER, GN_ACCESS_UPDATE},
-                                                           {GN_PASS_PREPARE, GN_ACCESS_WRITE}};
-    for (const auto& [pass, access] : refused) {
-        storer.pass = pass;
-        storer.access = access;
-        storer.answer = GN_SUCCESS;
-        host.takeMessages();
-        host.require(host.draw());
-        CHECK(storer.answer == GN_ERROR_UNSUPPORTED);
-        const std::vector<std::string> messages = host.takeMessages();
-        REQUIRE(messages.size() == 1);
-        CHECK(messages[0].find("storer.store") != std::string::npos);
-        const Image8 picture = host.pictures()[0];
-        CHECK(lit(picture) == picture.texels.size());
-    }
 }

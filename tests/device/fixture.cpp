@@ -456,6 +456,10 @@ GnResult Host::finish(uint64_t timeoutNs)
 {
     const GnResult result = gnFinishShadows(context, timeoutNs);
     if (result != GN_TIMEOUT) submit(slots_[submission_ % slots_.size()].after, true);
+    if (result < 0 && !unfinished_.empty() && unfinished_.back().second == frame_) {
+        unfinished_.pop_back();
+        --frame_;
+    }
     return result;
 }
 

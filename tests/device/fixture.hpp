@@ -84,7 +84,7 @@ public:
 
     /// One frame. On an error nothing of it counts: the next call has the same frame number.
     GnResult draw(const FrameOptions& options = {});
-    /// Ends a frame drawn with Call::begin.
+    /// Ends a frame drawn with Call::begin. An error takes the frame back, as draw()'s.
     GnResult finish(uint64_t timeoutNs);
     void draw(uint32_t frames, const FrameOptions& options);
     void resize(VkExtent2D extent);
