@@ -373,6 +373,9 @@ bool RayScene::update(std::span<const Caster> casters)
         scene.opacityMask |= entry.opacity ? entry.mask : 0u;
     commitHere(scene.top);
     scene.whole = rtcGetDeviceError(scene.device) == RTC_ERROR_NONE;
+    if (!scene.whole)
+        for (Placed& entry : scene.placed)
+            entry.rays = nullptr; // Embree says not which of them it has: the next update places all
     return scene.whole && complete;
 }
 

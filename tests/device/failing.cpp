@@ -149,3 +149,10 @@ RTC_API RTCError rtcGetDeviceError(RTCDevice device)
     static const auto real = embrees<RTCError(RTCDevice)>("rtcGetDeviceError");
     return gnomon::test::failing.rays ? RTC_ERROR_OUT_OF_MEMORY : real(device);
 }
+
+/// Instances alone have one.
+RTC_API void rtcSetGeometryTransform(RTCGeometry geometry, unsigned timeStep, RTCFormat format, const void* transform)
+{
+    static const auto real = embrees<void(RTCGeometry, unsigned, RTCFormat, const void*)>("rtcSetGeometryTransform");
+    if (!gnomon::test::failing.rays) real(geometry, timeStep, format, transform);
+}

@@ -17,7 +17,7 @@ struct Failing {
     bool grids = false; ///< No buffer is made that is nothing but a storage buffer: depth grids alone are.
     bool constants = false;
     bool pools = false; ///< Of descriptors.
-    bool rays = false;  ///< Of all contexts: Embree says that it ran out of memory.
+    bool rays = false;  ///< Of all contexts: Embree says that it ran out of memory, and takes in no instance.
 };
 
 extern WatchedQueue queue;
