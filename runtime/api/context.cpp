@@ -155,10 +155,7 @@ Context::~Context()
 {
     // The one place that waits for the GPU.
     if (executor_) {
-        try {
-            finishUnderway();
-        } catch (...) { // its host passes are over, and nobody wants the rest any more
-        }
+        finishUnderway();
         if (!lost_) executor_->waitQueue();
     }
     if (methods_) methods_->finishBackground();
@@ -169,11 +166,6 @@ Context::~Context()
     executor_.reset();
     graph_.reset();
     pool_.reset();
-}
-
-void Context::finishUnderway()
-{
-    if (executor_->underway()) (void)executor_->finish(UINT64_MAX);
 }
 
 Result<void> Context::warmUp()

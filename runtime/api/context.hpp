@@ -3,7 +3,9 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <exception>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -190,7 +192,7 @@ private:
     void finishStats();
     View* findView(GnView handle);
     Result<const LightDecision*> findDecision(GnView view, GnLight light);
-    void finishUnderway();
+    void finishUnderway() noexcept;
     GnPassTiming publicTiming(const PassTiming& timing) const;
     double msSince(std::chrono::steady_clock::time_point since) const;
 
@@ -228,6 +230,9 @@ private:
 
     std::uint64_t frame_ = 0;    ///< Newest begun; 0: none.
     std::uint64_t recorded_ = 0; ///< Newest recorded that may still be dropped.
+    // How a frame ended that another call had to finish, for its gnFinishShadows(): with a result or an exception.
+    std::optional<Result<GnResult>> finishedEarly_;
+    std::exception_ptr thrownEarly_;
     std::uint64_t timingsTaken_ = 0;
     std::uint64_t changedAt_ = 0; ///< Frame of the switches whose methods are timed next.
     std::array<double, 3> origin_{};

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
+#include <utility>
 
 #include "rules/engine/number_text.hpp"
 #include "runtime/api/context.hpp"
@@ -46,6 +48,8 @@ Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, Vk
 {
     const auto start = std::chrono::steady_clock::now();
     if (Result<void> ok = takeInput(info); !ok) return ok.error();
+    thrownEarly_ = nullptr;
+    finishedEarly_.reset();
     const std::uint64_t before = frame_;
     const auto undo = [&] {
         forgetFrame(info.frame);
@@ -163,7 +167,11 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
 
 Result<GnResult> Context::finishFrame(std::uint64_t timeoutNs)
 {
-    if (!executor_->underway()) return frameOrder("gnFinishShadows without gnBeginShadows");
+    if (!executor_->underway()) {
+        if (thrownEarly_) std::rethrow_exception(std::exchange(thrownEarly_, nullptr));
+        if (finishedEarly_) return *std::exchange(finishedEarly_, std::nullopt);
+        return frameOrder("gnFinishShadows without gnBeginShadows");
+    }
     const auto start = std::chrono::steady_clock::now();
     const auto undo = [&] {
         tasks_.clear();
@@ -188,6 +196,17 @@ Result<GnResult> Context::finishFrame(std::uint64_t timeoutNs)
     }
     if (*finished == GN_SUCCESS && !methods_->anyReady()) return GN_NOT_READY;
     return finished;
+}
+
+/// For calls that cannot go on beside a frame under way. How it ended, gnFinishShadows() says.
+void Context::finishUnderway() noexcept
+{
+    if (!executor_->underway()) return;
+    try {
+        finishedEarly_ = finishFrame(UINT64_MAX);
+    } catch (...) {
+        thrownEarly_ = std::current_exception();
+    }
 }
 
 Result<void> Context::dropFrame(std::uint64_t frame)

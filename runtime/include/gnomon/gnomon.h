@@ -413,7 +413,8 @@ GN_API GnResult GN_CALL gnBeginShadows(GnContext context, const GnFrameInfo* pFr
 
 After a failure, too, nothing of the frame counts and the next call that begins one has the same number. But some of its
 passes may have run: what it waits for may have been waited for, its signals do not come, and its visibility and the
-layouts of its depth and normal images are undefined. */
+layouts of its depth and normal images are undefined. gnDestroyView() and gnWarmUp() finish a frame under way; how that
+went is still told here. */
 GN_API GnResult GN_CALL gnFinishShadows(GnContext context, uint64_t timeoutNs);
 /** \brief gnBeginShadows() and gnFinishShadows() in one, failures included. */
 GN_API GnResult GN_CALL gnSubmitShadows(GnContext context, const GnFrameInfo* pFrame);
