@@ -44,13 +44,14 @@ public:
     /// Why this method cannot serve this task ("cone wider than 170 degrees"), or null. Static storage.
     virtual const char* refuses(const ShadowTask&) const { return nullptr; }
 
-    /// The map kept for a light, as declared in the current frame; null id: none.
+    /// The map of a light.
     struct Map {
         ImageId image;
         glm::mat4 clipFromWorld[6];
         std::uint32_t validLayers = 1; ///< Bit i: layer i holds the casters of the frame.
     };
-    virtual bool lightMap(const ShadowTask&, Map&) const { return false; }
+    /// Of the task declared last, as far as that needs it; null: the method keeps none.
+    virtual const Map* lightMap() const { return nullptr; }
 };
 
 /// One line of the registry.

@@ -3,7 +3,6 @@
 #include <array>
 #include <span>
 
-#include "algorithms/maps/declared_maps.hpp"
 #include "algorithms/maps/map_look.hpp"
 
 namespace gnomon {

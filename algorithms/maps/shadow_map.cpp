@@ -30,15 +30,15 @@ public:
         gpu::MapConstants constants = mapConstants(task, resolution, filterSide(task.settings[kFilter]));
         addProjection(constants, *map.fit, task);
         resolve_.declare(passes, task, map.image, constants);
-        maps_.set(task.light->id, {.image = map.image, .clipFromWorld = {map.fit->clipFromWorld}}, passes.frame());
+        map_ = {.image = map.image, .clipFromWorld = {map.fit->clipFromWorld}};
     }
 
-    bool lightMap(const ShadowTask& task, Map& map) const override { return maps_.get(task.light->id, map); }
+    const Map* lightMap() const override { return &map_; }
 
 private:
     DepthMapPipelines casters_;
     MapResolve resolve_;
-    DeclaredMaps maps_;
+    Map map_;
 };
 
 } // namespace

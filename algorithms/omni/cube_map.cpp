@@ -34,18 +34,17 @@ public:
         constants.map.slope = 0.5f * map.faces[0].texelAtOne;
         resolve_.declare(passes, task, map.image, constants);
 
-        Map kept{.image = map.image, .clipFromWorld = {}, .validLayers = map.needed};
+        map_ = {.image = map.image, .clipFromWorld = {}, .validLayers = map.needed};
         for (std::uint32_t i = 0; i < 6; ++i)
-            kept.clipFromWorld[i] = map.faces[i].clipFromWorld;
-        maps_.set(task.light->id, kept, passes.frame());
+            map_.clipFromWorld[i] = map.faces[i].clipFromWorld;
     }
 
-    bool lightMap(const ShadowTask& task, Map& map) const override { return maps_.get(task.light->id, map); }
+    const Map* lightMap() const override { return &map_; }
 
 private:
     DepthMapPipelines casters_;
     MapResolve resolve_;
-    DeclaredMaps maps_;
+    Map map_;
 };
 
 } // namespace

@@ -165,13 +165,12 @@ public:
         constants.map.slope = 0.5f * discRadius * static_cast<float>(resolution);
         constants.map.farWs = farWs;
         resolve_.declare(passes, task, map, constants);
-        Map kept{.image = map, .clipFromWorld = {}, .validLayers = needed};
-        for (glm::mat4& matrix : kept.clipFromWorld)
+        map_ = {.image = map, .clipFromWorld = {}, .validLayers = needed};
+        for (glm::mat4& matrix : map_.clipFromWorld)
             matrix = glm::mat4(0.0f);
-        maps_.set(task.light->id, kept, passes.frame());
     }
 
-    bool lightMap(const ShadowTask& task, Map& map) const override { return maps_.get(task.light->id, map); }
+    const Map* lightMap() const override { return &map_; }
 
 private:
     ImageId declareHalves(PassBuilder& passes, const ShadowTask& task, std::uint32_t needed, std::uint32_t resolution,
@@ -217,7 +216,7 @@ private:
     Pipelines pipelines_;
     MapResolve resolve_;
     CasterCutter cutter_;
-    DeclaredMaps maps_;
+    Map map_;
 };
 
 } // namespace

@@ -161,7 +161,8 @@ Context::~Context()
     if (methods_) methods_->finishBackground();
     if (scene_) scene_->finishBackground();
     views_.forEach([&](std::unique_ptr<View>& view) {
-        if (view->visibility) memory_->destroy(view->visibility->gpu);
+        for (const std::unique_ptr<PooledImage>* image : {&view->visibility, &view->replaced})
+            if (*image) memory_->destroy((*image)->gpu);
     });
     executor_.reset();
     graph_.reset();
@@ -247,7 +248,8 @@ void Context::destroyView(GnView handle)
     std::unique_ptr<View> view = views_.take(bits(handle));
     for (auto& [id, memory] : view->lights)
         plan_->forget(memory);
-    if (view->visibility) pool_->retire(std::move(view->visibility));
+    for (std::unique_ptr<PooledImage>* image : {&view->visibility, &view->replaced})
+        if (*image) pool_->retire(std::move(*image));
     std::erase_if(viewFrames_, [&](const ViewFrame& viewFrame) { return viewFrame.view == view.get(); });
     // The grid's buffers may be in flight for as long as the frames that wrote them.
     retiredGrids_.push_back({frame_, std::move(view->grid)});
@@ -423,10 +425,8 @@ Result<std::uint32_t> Context::candidates(GnView view, GnLight light, std::span<
 void Context::collectLightMaps()
 {
     lightMaps_.clear();
-    for (const DeclaredTask& declared : tasks_) {
-        ShadowAlgorithm::Map map{};
-        if (!(*methods_)[declared.method].algorithm->lightMap(declared.task, map) || !map.image) continue;
-        PooledImage* image = &graph_->image(map.image);
+    for (const DeclaredMap& declared : maps_) {
+        PooledImage* image = &graph_->image(declared.map.image);
         if (std::find(lightMaps_.begin(), lightMaps_.end(), image) == lightMaps_.end()) lightMaps_.push_back(image);
     }
 }
@@ -435,26 +435,30 @@ Result<GnLightMap> Context::lightMap(GnLight light)
 {
     const std::optional<SceneRegistry::LightInfo> info = scene_->lightInfo(light);
     if (!info) return invalidHandle("light");
-    for (const DeclaredTask& declared : tasks_) {
+    ShadowAlgorithm::Map map{};
+    for (const DeclaredMap& declared : maps_) {
         if (declared.lightId != info->id) continue;
-        ShadowAlgorithm::Map map{};
-        if (!(*methods_)[declared.method].algorithm->lightMap(declared.task, map) || !map.image) continue;
-        const GpuImage& gpu = graph_->image(map.image).gpu;
-        GnLightMap out{.image = gpu.image,
-                       .imageView = gpu.view,
-                       .format = gpu.format,
-                       .extent = gpu.extent,
-                       .layerCount = gpu.layers,
-                       .clipFromWorld = {},
-                       .origin = {origin_[0], origin_[1], origin_[2]},
-                       .validLayers = map.validLayers};
-        for (std::uint32_t i = 0; i < 6; ++i)
-            for (int k = 0; k < 16; ++k)
-                out.clipFromWorld[i][k] = map.clipFromWorld[i][k / 4][k % 4];
-        return out;
+        if (!map.image)
+            map = declared.map;
+        else if (map.image.index == declared.map.image.index)
+            map.validLayers |= declared.map.validLayers; // which another view needs
     }
-    return Error{GN_ERROR_UNKNOWN_METHOD, "NoLightMap",
-                 "the method of light '" + std::string(info->name) + "' keeps no map"};
+    if (!map.image)
+        return Error{GN_ERROR_UNKNOWN_METHOD, "NoLightMap",
+                     "the method of light '" + std::string(info->name) + "' keeps no map"};
+    const GpuImage& gpu = graph_->image(map.image).gpu;
+    GnLightMap out{.image = gpu.image,
+                   .imageView = gpu.view,
+                   .format = gpu.format,
+                   .extent = gpu.extent,
+                   .layerCount = gpu.layers,
+                   .clipFromWorld = {},
+                   .origin = {origin_[0], origin_[1], origin_[2]},
+                   .validLayers = map.validLayers};
+    for (std::uint32_t i = 0; i < 6; ++i)
+        for (int k = 0; k < 16; ++k)
+            out.clipFromWorld[i][k] = map.clipFromWorld[i][k / 4][k % 4];
+    return out;
 }
 
 GnPassTiming Context::publicTiming(const PassTiming& timing) const

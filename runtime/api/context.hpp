@@ -31,6 +31,8 @@ struct View {
     std::uint32_t id = 0;
     std::uint32_t maxLights = 16;
     std::unique_ptr<PooledImage> visibility;
+    std::unique_ptr<PooledImage> replaced; ///< Was `visibility` before the newest frame, which may yet be withdrawn.
+    bool resized = false;                  ///< The newest frame made `visibility`.
     std::uint64_t revision = 0;
     std::unique_ptr<DepthGrid> grid;
     std::unordered_map<std::uint32_t, LightMemory> lights; ///< By light id.
@@ -123,11 +125,10 @@ private:
         LightDecision* decision;
         LightMemory* memory;
     };
-    /// A task as declared, for gnGetLightMap.
-    struct DeclaredTask {
+    /// Of a task as declared, for gnGetLightMap.
+    struct DeclaredMap {
         std::uint32_t lightId;
-        std::uint32_t method;
-        ShadowTask task;
+        ShadowAlgorithm::Map map;
     };
 
     explicit Context(const GnContextCreateInfo& info);
@@ -146,7 +147,9 @@ private:
     void collectLightMaps();
     Result<void> acceptViews(const GnFrameInfo& info);
     Result<void> checkSharedImages(const GnFrameInfo& info, std::uint32_t index, const std::string& name) const;
-    Result<void> prepareView(View& view, const GnViewFrame& frame);
+    Result<void> prepareView(View& view, const GnViewFrame& frame); // frame_view.cpp
+    void keepVisibility();
+    void restoreVisibility(bool memoryShort);
     void takeTimings();
     void noteTimedScale(const FrameTimings& timed);
     void noteShared(const FrameTimings& timings);
@@ -180,7 +183,8 @@ private:
     void declareMix(const PendingLight& pending, ImageId pair);
     void noteMixes(const FrameTimings& timings);
     void withdrawFades(std::uint64_t frame);
-    void forgetFrame(std::uint64_t frame);
+    void withdrawFrame(std::uint64_t frame, bool memoryShort);
+    void forgetFrame(std::uint64_t frame, bool memoryShort);
 
     // Records of decisions (explain.cpp).
     void recordDecisions();
@@ -249,7 +253,7 @@ private:
         std::uint32_t view = 0, light = 0, method = UINT32_MAX;
         std::uint64_t since = 0; ///< Frame; 0: there was none yet.
     } probe_;
-    std::vector<DeclaredTask> tasks_;
+    std::vector<DeclaredMap> maps_; ///< Of the newest frame, unless it was withdrawn.
     std::vector<PooledImage*> visibilities_, imports_, lightMaps_;
     std::vector<RetiredGrid> retiredGrids_;
     std::vector<VkSemaphoreSubmitInfo> waits_, signals_;

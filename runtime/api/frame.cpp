@@ -48,23 +48,20 @@ Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, Vk
 {
     const auto start = std::chrono::steady_clock::now();
     if (Result<void> ok = takeInput(info); !ok) return ok.error();
+    keepVisibility();
     thrownEarly_ = nullptr;
     finishedEarly_.reset();
     const std::uint64_t before = frame_;
-    const auto undo = [&] {
-        forgetFrame(info.frame);
-        tasks_.clear(); // their maps were not drawn
+    const auto undo = [&](bool memoryShort) {
+        withdrawFrame(info.frame, memoryShort);
         frame_ = before;
     };
     try {
         Result<GnResult> run = runFrame(info, mode, cmd, start);
-        if (run) return run;
-        undo();
-        // Tried again, it starts with what frames in flight use, and nothing else.
-        if (run.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY) pool_->evictAll();
+        if (!run) undo(run.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY);
         return run;
     } catch (...) { // no memory; the C API says so
-        undo();
+        undo(false);
         throw;
     }
 }
@@ -173,25 +170,21 @@ Result<GnResult> Context::finishFrame(std::uint64_t timeoutNs)
         return frameOrder("gnFinishShadows without gnBeginShadows");
     }
     const auto start = std::chrono::steady_clock::now();
-    const auto undo = [&] {
-        tasks_.clear();
-        for (ViewFrame& viewFrame : viewFrames_)
-            viewFrame.view->grid->drop(frame_);
-        withdrawFades(frame_);
+    const auto undo = [&](bool memoryShort) {
+        forgetFrame(frame_, memoryShort);
         --frame_;
     };
     Result<GnResult> finished = GN_SUCCESS;
     try {
         finished = executor_->finish(timeoutNs);
     } catch (...) {
-        undo();
+        undo(false);
         throw;
     }
     stats_.callMs += static_cast<float>(msSince(start));
     finishStats();
     if (!finished) {
-        undo();
-        if (finished.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY) pool_->evictAll();
+        undo(finished.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY);
         return finished;
     }
     if (*finished == GN_SUCCESS && !methods_->anyReady()) return GN_NOT_READY;
@@ -214,20 +207,30 @@ Result<void> Context::dropFrame(std::uint64_t frame)
     if (frame == 0 || frame != recorded_)
         return frameOrder("frame " + std::to_string(frame) + " is not the one recorded last (" +
                           std::to_string(recorded_) + ")");
-    forgetFrame(frame);
+    withdrawFrame(frame, false);
     return {};
 }
 
-/// What a frame of which nothing was submitted has noted for later ones.
-void Context::forgetFrame(std::uint64_t frame)
+/// A frame of which nothing was submitted.
+void Context::withdrawFrame(std::uint64_t frame, bool memoryShort)
 {
     pool_->withdraw(frame);
     executor_->drop(frame);
     scene_->dropUploads(frame);
+    recorded_ = 0;
+    forgetFrame(frame, memoryShort);
+}
+
+/// What a frame that nobody will see has noted for others; where memory was short, what is kept goes as well: tried
+/// again, the frame starts with what frames in flight use, and nothing else.
+void Context::forgetFrame(std::uint64_t frame, bool memoryShort)
+{
+    maps_.clear();
     for (ViewFrame& viewFrame : viewFrames_)
         viewFrame.view->grid->drop(frame);
     withdrawFades(frame);
-    recorded_ = 0;
+    restoreVisibility(memoryShort);
+    if (memoryShort) pool_->evictAll();
 }
 
 void Context::openGraph(const GnFrameInfo& info)
@@ -237,7 +240,7 @@ void Context::openGraph(const GnFrameInfo& info)
     graph_->reset();
     viewFrames_.clear();
     lightFrames_.clear();
-    tasks_.clear();
+    maps_.clear();
     visibilities_.clear();
     imports_.clear();
     for (View* view : acceptedViews_)
@@ -251,54 +254,6 @@ void Context::openGraph(const GnFrameInfo& info)
             origin_[i] = std::round(eye / kOriginStep) * kOriginStep;
     }
     originSet_ = true;
-}
-
-Result<void> Context::prepareView(View& view, const GnViewFrame& frame)
-{
-    const VkExtent2D extent = frame.imageExtent;
-    const bool resized = !view.visibility || view.visibility->gpu.extent.width != extent.width ||
-                         view.visibility->gpu.extent.height != extent.height;
-    if (resized) {
-        auto made = pool_->ownedImage({.format = VK_FORMAT_R8_UNORM,
-                                       .extent = extent,
-                                       .layers = view.maxLights,
-                                       .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
-                                                VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-                                       .name = "view.visibility",
-                                       .concurrent = true});
-        if (!made) { // another attempt may need the place of the old one, which frames before this may still read
-            if (view.visibility) pool_->retire(std::move(view.visibility), frame_ - 1);
-            return made.error();
-        }
-        if (view.visibility) pool_->retire(std::move(view.visibility));
-        view.visibility = std::move(*made);
-        ++view.revision;
-        view.grid->invalidate();
-    }
-    view.camera = makeCameraView(frame, origin_, view.id);
-    if (frame.cameraCut) {
-        view.grid->invalidate();
-        for (auto& [id, memory] : view.lights) {
-            memory.measured = false;
-            memory.share.reset();
-        }
-    }
-    view.decisions.clear();
-    ViewFrame& out = *std::find_if(viewFrames_.begin(), viewFrames_.end(),
-                                   [&](const ViewFrame& candidate) { return candidate.view == &view; });
-    out.depthImage = pool_->import(frame.depthImage, frame.depthView, frame.depthFormat, extent);
-    out.depth = graph_->addImage(*out.depthImage, "host.depth");
-    imports_.push_back(out.depthImage);
-    if (frame.normalImage) {
-        out.normalImage = pool_->import(frame.normalImage, frame.normalView, frame.normalFormat, extent);
-        out.normals = graph_->addImage(*out.normalImage, "host.normals");
-        imports_.push_back(out.normalImage);
-    }
-    pool_->touch(*view.visibility);
-    view.visibility->kept.lastUsed = pool_->frame();
-    out.visibility = graph_->addImage(*view.visibility, "view.visibility");
-    visibilities_.push_back(view.visibility.get());
-    return {};
 }
 
 // --- decisions and passes ---

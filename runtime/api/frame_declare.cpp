@@ -47,7 +47,8 @@ std::optional<Error> Context::declareMethod(const PendingLight& pending, std::ui
     method.algorithm->declare(builder, task);
     if (std::optional<Error> error = graph_->endTask()) return error;
     raysNeeded_ |= method.has(GN_TRAIT_RAYS_BIT);
-    if (index == pending.decision->method) tasks_.push_back({pending.light->id, index, task});
+    const ShadowAlgorithm::Map* const map = method.algorithm->lightMap();
+    if (map && index == pending.decision->method) maps_.push_back({pending.light->id, *map});
     return std::nullopt;
 }
 

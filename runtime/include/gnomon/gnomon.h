@@ -398,12 +398,12 @@ the context's queue, in the order of recording; gnDropFrame() withdraws it befor
 
 After a failure the command buffer may hold part of the frame's commands, which name what is gone: it must be reset
 and must not be submitted. As with the other calls that begin a frame, nothing of it counts then, and the next call has
-the same frame number. After #GN_ERROR_OUT_OF_DEVICE_MEMORY another attempt finds more room, the more so when frames in
-flight are completed: maps and volumes kept for later frames have been given up, and so has the visibility of a view
-whose size was to change. */
+the same frame number: gnGetVisibility() gives the images of the frame before, and gnGetLightMap() none. After
+#GN_ERROR_OUT_OF_DEVICE_MEMORY another attempt finds more room, the more so when frames in flight are completed: maps and
+volumes kept for later frames have been given up, and so has the visibility of a view whose size was to change. */
 GN_API GnResult GN_CALL gnCmdRenderShadows(GnContext context, VkCommandBuffer commandBuffer, const GnFrameInfo* pFrame);
 
-/** \brief The frame last recorded by gnCmdRenderShadows() will not be submitted. */
+/** \brief The frame last recorded by gnCmdRenderShadows() will not be submitted. Of it only the number counts. */
 GN_API GnResult GN_CALL gnDropFrame(GnContext context, uint64_t frame);
 
 /** \brief Submits what needs no host result and starts host passes on workers. Pair with gnFinishShadows(). */
@@ -412,9 +412,9 @@ GN_API GnResult GN_CALL gnBeginShadows(GnContext context, const GnFrameInfo* pFr
 \param timeoutNs Nanoseconds; UINT64_MAX waits. \return #GN_TIMEOUT if the frame is not finished; call again.
 
 After a failure, too, nothing of the frame counts and the next call that begins one has the same number. But some of its
-passes may have run: what it waits for may have been waited for, its signals do not come, and its visibility and the
-layouts of its depth and normal images are undefined. gnDestroyView() and gnWarmUp() finish a frame under way; how that
-went is still told here. */
+passes have run: what it waits for was waited for, its signals do not come, and its visibility is undefined (that of a
+view whose size was to change: as it was). gnDestroyView() and gnWarmUp() finish a frame under way; how that went is
+still told here. */
 GN_API GnResult GN_CALL gnFinishShadows(GnContext context, uint64_t timeoutNs);
 /** \brief gnBeginShadows() and gnFinishShadows() in one, failures included. */
 GN_API GnResult GN_CALL gnSubmitShadows(GnContext context, const GnFrameInfo* pFrame);
