@@ -47,7 +47,10 @@ Result<GnResult> Context::beginFrame(const GnFrameInfo& info, FrameMode mode)
 Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd)
 {
     const auto start = std::chrono::steady_clock::now();
-    if (Result<void> ok = takeInput(info); !ok) return ok.error();
+    if (Result<void> ok = takeInput(info); !ok) {
+        if (stats_.frame > frame_) stats_.submits = 0; // of an attempt before this one
+        return ok.error();
+    }
     keepVisibility();
     thrownEarly_ = nullptr;
     finishedEarly_.reset();
@@ -90,6 +93,9 @@ std::uint32_t Context::nextTrial()
 Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
                                    std::chrono::steady_clock::time_point start)
 {
+    stats_ = {};
+    stats_.frame = info.frame;
+    stats_.sharedMs = sharedMs_.get();
     objectsBefore_ = vk_->objectsMade;
     queriesBefore_ = rays_ ? rays_->queryNanoseconds() : 0;
     pipelinesBefore_ = vk_->pipelinesMade;
@@ -110,9 +116,6 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     const auto decideStart = std::chrono::steady_clock::now();
     for (std::uint32_t i = 0; i < info.viewCount; ++i)
         if (Result<void> ok = prepareView(*viewFrames_[i].view, info.pViews[i]); !ok) return ok.error();
-    stats_ = {};
-    stats_.frame = info.frame;
-    stats_.sharedMs = sharedMs_.get();
     raysNeeded_ = false;
     predictedMs_ = 0.0;
     pending_.clear();
@@ -171,6 +174,7 @@ Result<GnResult> Context::finishFrame(std::uint64_t timeoutNs)
     }
     const auto start = std::chrono::steady_clock::now();
     const auto undo = [&](bool memoryShort) {
+        finishStats(); // how much of it was submitted
         forgetFrame(frame_, memoryShort);
         --frame_;
     };
@@ -182,11 +186,11 @@ Result<GnResult> Context::finishFrame(std::uint64_t timeoutNs)
         throw;
     }
     stats_.callMs += static_cast<float>(msSince(start));
-    finishStats();
     if (!finished) {
         undo(finished.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY);
         return finished;
     }
+    finishStats();
     if (*finished == GN_SUCCESS && !methods_->anyReady()) return GN_NOT_READY;
     return finished;
 }

@@ -204,3 +204,25 @@ TEST_CASE_FIXTURE(DeviceTest, "a view whose new size nobody has seen shows the o
                           fresh(smallScene(), end == End::dropped ? "shadow_map" : "pcf_hybrid", kLarge)) == 0);
     }
 }
+
+TEST_CASE_FIXTURE(DeviceTest, "a failed frame says whether what it waits for was waited for")
+{
+    Host host(smallScene(), watched());
+    host.pinAll("pcf_hybrid");
+    host.draw(2, {});
+    for (const uint32_t submitted : {0u, 1u, 0u}) {
+        queue.failAt = submitted;
+        CHECK(host.draw() == GN_ERROR_OUT_OF_HOST_MEMORY);
+        CHECK(host.stats().frame == host.frame() + 1);
+        CHECK(host.stats().submits == submitted);
+        const auto nobody = [](GnFrameInfo& info, std::vector<GnViewFrame>&) { info.pViews = nullptr; };
+        CHECK(host.draw({.adjust = nobody}) == GN_ERROR_NULL_ARGUMENT);
+        CHECK(host.stats().submits == 0);
+    }
+    Thrower thrower;
+    Host other(smallScene(), withWorkers());
+    thrower.join(other);
+    thrower.throws = true;
+    CHECK(other.draw() == GN_ERROR_OUT_OF_HOST_MEMORY);
+    CHECK(other.stats().submits == 1);
+}

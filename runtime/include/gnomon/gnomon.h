@@ -416,7 +416,8 @@ passes have run: what it waits for was waited for, its signals do not come, and 
 view whose size was to change: as it was). gnDestroyView() and gnWarmUp() finish a frame under way; how that went is
 still told here. */
 GN_API GnResult GN_CALL gnFinishShadows(GnContext context, uint64_t timeoutNs);
-/** \brief gnBeginShadows() and gnFinishShadows() in one, failures included. */
+/** \brief gnBeginShadows() and gnFinishShadows() in one, failures included: it failed like the latter where
+GnFrameStats::frame is this frame and `submits` not 0. */
 GN_API GnResult GN_CALL gnSubmitShadows(GnContext context, const GnFrameInfo* pFrame);
 
 /** Where a view's visibility is found after a frame. In SHADER_READ_ONLY_OPTIMAL, its writes available to fragment and

@@ -54,7 +54,7 @@ GN_API GnResult GN_CALL gnGetLightTiming(GnContext context, GnView view, GnLight
 typedef struct GnFrameStats {
     uint64_t frame;
     uint32_t levels;            ///< 1 + GPU-CPU-GPU round trips.
-    uint32_t submits;
+    uint32_t submits;           ///< Also of a frame that failed.
     uint32_t hostWaits;         ///< Waits for this frame's own GPU results.
     uint32_t passesRun;
     uint32_t passesKept;        ///< Update passes skipped because their result was kept.
