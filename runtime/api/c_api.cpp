@@ -26,6 +26,16 @@ GnResult report(GnContext context, const Error& error) noexcept
     return error.result;
 }
 
+/// What every call answers once one of them has noticed the loss; that one alone has told it as a message.
+GnResult refusedAsLost(Context& context) noexcept
+{
+    try {
+        context.lastErrors().set("the device is lost");
+    } catch (...) { // no memory for the words
+    }
+    return GN_ERROR_DEVICE_LOST;
+}
+
 /// Every entry point with a context runs in here.
 template <typename Body>
 GnResult atBoundary(GnContext context, Body&& body) noexcept
@@ -33,7 +43,7 @@ GnResult atBoundary(GnContext context, Body&& body) noexcept
     if (!context || !context->impl) return GN_ERROR_NULL_ARGUMENT;
     const rules::FloatMode mode; // the host's is put aside: same inputs, same decision
     try {
-        if (context->impl->lost()) return GN_ERROR_DEVICE_LOST;
+        if (context->impl->lost()) return refusedAsLost(*context->impl);
         return body(*context->impl);
     } catch (const std::bad_alloc&) {
         return report(context, {GN_ERROR_OUT_OF_HOST_MEMORY, "OutOfHostMemory", "host allocation failed"});

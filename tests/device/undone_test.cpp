@@ -1,5 +1,6 @@
 // Frames that begin and never come to be seen, failed or dropped: what a host finds afterwards is what was drawn.
 #include <algorithm>
+#include <thread>
 
 #include "device/failing.hpp"
 
@@ -225,4 +226,35 @@ TEST_CASE_FIXTURE(DeviceTest, "a failed frame says whether what it waits for was
     thrower.throws = true;
     CHECK(other.draw() == GN_ERROR_OUT_OF_HOST_MEMORY);
     CHECK(other.stats().submits == 1);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "after the loss of the device each thread is told of it, and no other sentence")
+{
+    Host host(smallScene(), watched());
+    host.pinAll("shadow_map");
+    host.draw(2, {});
+    queue.failAt = 0;
+    queue.failure = VK_ERROR_DEVICE_LOST;
+    CHECK(host.draw() == GN_ERROR_DEVICE_LOST);
+    std::string told;
+    GnResult result = GN_SUCCESS;
+    std::thread([&] {
+        GnMesh mesh = VK_NULL_HANDLE;
+        const GnMeshCreateInfo info{};
+        result = gnCreateMesh(host.context, &info, &mesh);
+        told = gnGetLastError(host.context);
+    }).join();
+    CHECK(result == GN_ERROR_DEVICE_LOST);
+    CHECK(told.find("lost") != std::string::npos);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a new thread has failed at nothing, whoever had its id before")
+{
+    Host host(smallScene());
+    std::thread([&] { CHECK(gnDropFrame(host.context, 7) == GN_ERROR_FRAME_ORDER); }).join();
+    for (int i = 0; i < 10; ++i) {
+        std::string told = "?";
+        std::thread([&] { told = gnGetLastError(host.context); }).join();
+        CHECK(told.empty());
+    }
 }
