@@ -180,7 +180,9 @@ VkBuffer PassContext::buffer(BufferId id) const
 
 std::span<std::byte> HostContext::mapped(BufferId buffer) const
 {
-    const GpuBuffer& gpu = executor_->graph_.buffer(buffer).gpu;
+    const PooledBuffer& pooled = executor_->graph_.buffer(buffer);
+    if (pooled.place == BufferPlace::device) return {}; // also where all memory of the device happens to be mapped
+    const GpuBuffer& gpu = pooled.gpu;
     return {gpu.mapped, gpu.mapped ? static_cast<std::size_t>(gpu.size) : 0};
 }
 

@@ -34,6 +34,61 @@ struct Storer {
     }
 };
 
+/// A method with a buffer of every place, which a CPU pass asks to see.
+struct Looker {
+    const GnPluginInterface* door = nullptr;
+    GnBufferRef buffers[3]{}; ///< By place.
+    void* seen[3]{};
+    static void GN_CALL look(GnPassContext context, void* user)
+    {
+        Looker& looker = **static_cast<Looker* const*>(user);
+        for (int place = 0; place < 3; ++place)
+            looker.seen[place] = looker.door->pfnMapped(context, looker.buffers[place]);
+    }
+    static void GN_CALL declare(void* self, GnPassBuilder builder, const GnShadowTask* task)
+    {
+        auto* const looker = static_cast<Looker*>(self);
+        const GnPluginInterface& gn = *looker->door;
+        constexpr const char* names[] = {"looker.device", "looker.upload", "looker.readback"};
+        GnAccess accesses[4]{};
+        for (uint32_t place = 0; place < 3; ++place) {
+            GnBufferInfo info{};
+            info.pName = names[place];
+            info.scope = GN_SCOPE_TASK;
+            info.size = 64;
+            info.place = static_cast<GnBufferPlace>(place);
+            looker->buffers[place] = gn.pfnBuffer(builder, &info);
+            accesses[place].kind = GN_ACCESS_WRITE;
+            accesses[place].buffer = looker->buffers[place];
+        }
+        GnPassInfo pass{};
+        pass.pName = "looker.look";
+        pass.kind = GN_PASS_PREPARE;
+        pass.scope = GN_SCOPE_TASK;
+        pass.accessCount = 3;
+        pass.pAccesses = accesses;
+        pass.pfnRun = &look;
+        pass.pUserData = &looker;
+        pass.userDataSize = sizeof looker;
+        gn.pfnPass(builder, &pass);
+        for (GnAccess& access : accesses)
+            access.kind = GN_ACCESS_READ;
+        accesses[3].kind = GN_ACCESS_WRITE;
+        accesses[3].image = task->visibility;
+        accesses[3].baseLayer = task->layer;
+        accesses[3].clear = VK_TRUE;
+        pass = {};
+        pass.pName = "looker.fill";
+        pass.kind = GN_PASS_RASTER;
+        pass.scope = GN_SCOPE_TASK;
+        pass.accessCount = 4;
+        pass.pAccesses = accesses;
+        pass.area = task->area;
+        pass.pfnRecord = [](GnPassContext, VkCommandBuffer, const VkRect2D*, void*) {};
+        gn.pfnPass(builder, &pass);
+    }
+};
+
 void serveAll(Host& host, const char* name, PFN_gnDeclare declare, void* self)
 {
     GnAlgorithmInfo info{};
@@ -70,4 +125,16 @@ TEST_CASE_FIXTURE(DeviceTest, "a foreign pass that would write a storage image i
         const Image8 picture = host.pictures()[0];
         CHECK(lit(picture) == picture.texels.size());
     }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a CPU pass sees upload and readback buffers, and on no device those that are the GPU's")
+{
+    Host host(smallScene());
+    Looker looker;
+    host.require(gnGetPluginInterface(host.context, &looker.door));
+    serveAll(host, "looker", &Looker::declare, &looker);
+    host.require(host.draw());
+    CHECK(looker.seen[GN_BUFFER_DEVICE] == nullptr);
+    CHECK(looker.seen[GN_BUFFER_UPLOAD] != nullptr);
+    CHECK(looker.seen[GN_BUFFER_READBACK] != nullptr);
 }

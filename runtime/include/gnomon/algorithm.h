@@ -81,7 +81,7 @@ typedef struct GnImageInfo {
 } GnImageInfo;
 
 typedef enum GnBufferPlace {
-    GN_BUFFER_DEVICE = 0,   ///< GPU only.
+    GN_BUFFER_DEVICE = 0,   ///< GPU only: pfnMapped gives null.
     GN_BUFFER_UPLOAD = 1,   ///< Written by prepare or host passes.
     GN_BUFFER_READBACK = 2, ///< Read by host passes.
     GN_BUFFER_PLACE_MAX_ENUM = 0x7FFFFFFF
@@ -191,7 +191,7 @@ typedef struct GnPluginInterface {
     VkImage(GN_CALL* pfnVkImage)(GnPassContext context, GnImageRef image);
     VkImageView(GN_CALL* pfnVkImageView)(GnPassContext context, GnImageRef image, uint32_t layer);
     VkBuffer(GN_CALL* pfnVkBuffer)(GnPassContext context, GnBufferRef buffer);
-    void*(GN_CALL* pfnMapped)(GnPassContext context, GnBufferRef buffer); ///< CPU passes.
+    void*(GN_CALL* pfnMapped)(GnPassContext context, GnBufferRef buffer); ///< CPU passes; null for #GN_BUFFER_DEVICE.
     VkDevice device;
     PFN_vkGetDeviceProcAddr pfnGetDeviceProcAddr;
 } GnPluginInterface;
