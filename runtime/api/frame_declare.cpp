@@ -16,9 +16,18 @@ void Context::declareLight(const PendingLight& pending, FrameMode mode)
         if (fades) declareMix(pending, pair);
         return;
     }
-    messages_.warn(error->id, "light '" + std::string(pending.light->name) + "', method '" +
-                                  (*methods_)[decision.method].name + "': " + error->text + "; lit in this frame");
-    decision.candidates[decision.method].exclusion = Exclusion::memory;
+    const Method& method = (*methods_)[decision.method];
+    messages_.warn(error->id, "light '" + std::string(pending.light->name) + "', method '" + method.name +
+                                  "': " + error->text + "; lit in this frame");
+    Candidate& candidate = decision.candidates[decision.method];
+    if (error->result == GN_ERROR_OUT_OF_DEVICE_MEMORY) {
+        candidate.exclusion = Exclusion::memory;
+        candidate.detail = method.entry->memoryFor(method.settings, viewFrames_[pending.viewIndex].view->camera.extent,
+                                                   pending.light->type);
+    } else {
+        candidate.exclusion = Exclusion::refused;
+        candidate.refusal = "its passes could not be made in this frame; a message says why";
+    }
     decision.method = decision.outgoing = decision.probed = UINT32_MAX;
     decision.fade = 1.0f;
     decision.reason = GN_REASON_NOTHING_READY;

@@ -124,6 +124,8 @@ TEST_CASE_FIXTURE(DeviceTest, "a foreign pass that would write a storage image i
         CHECK(messages[0].find("storer.store") != std::string::npos);
         const Image8 picture = host.pictures()[0];
         CHECK(lit(picture) == picture.texels.size());
+        CHECK(host.explanation(0).find("memory") == std::string::npos);
+        CHECK(host.explanation(0).find("a message says why") != std::string::npos);
     }
 }
 
