@@ -180,10 +180,10 @@ double budgetInForce(const rules::RuleBase* base, double hostMs) noexcept
     return hostMs > 0.0 ? std::min(hostMs, cap) : cap;
 }
 
-GnReason reasonOf(const plan::LightPlan& plan, plan::Why bestSuited) noexcept
+GnReason reasonOf(const plan::LightPlan& plan, std::uint32_t bestSuited, plan::Why why) noexcept
 {
-    if (plan.hold != plan::Hold::none) return GN_REASON_HELD;
-    switch (bestSuited) {
+    if (plan.hold != plan::Hold::none && plan.wanted == bestSuited) return GN_REASON_HELD;
+    switch (why) {
     case plan::Why::price:
         return GN_REASON_PRICE;
     case plan::Why::floor:
@@ -204,7 +204,7 @@ void takePlan(const plan::LightPlan& plan, LightDecision& decision) noexcept
     if (plan.chosen == plan::kNone || plan.chosen == decision.method) return;
     if (isByRules(decision.reason)) {
         decision.wanted = decision.method;
-        decision.reason = reasonOf(plan, decision.candidates[decision.wanted].why);
+        decision.reason = reasonOf(plan, decision.wanted, decision.candidates[decision.wanted].why);
     }
     decision.method = plan.chosen;
 }

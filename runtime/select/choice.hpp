@@ -61,8 +61,9 @@ float cheapestMs(std::span<const Candidate> candidates, std::uint32_t pinned) no
 /// plan. 0: none.
 double budgetInForce(const rules::RuleBase* base, double hostMs) noexcept;
 
-/// Why the plan's choice is not the best suited method, of which it says `bestSuited`.
-GnReason reasonOf(const plan::LightPlan& plan, plan::Why bestSuited) noexcept;
+/// Why the plan's choice is not the best suited method, of which it says `why`. A hold that keeps the light from
+/// another one is no reason: without it the best suited would serve no more.
+GnReason reasonOf(const plan::LightPlan& plan, std::uint32_t bestSuited, plan::Why why) noexcept;
 
 /// The plan's word on a decision by suitability whose candidates hold what the plan says of each (Candidate::why).
 /// Where the rules had no say, because what is wanted is not ready or nobody has an opinion, that stays the reason.

@@ -121,6 +121,23 @@ TEST_CASE("what the cheapest takes heeds pins, vetoes and silence, and not what 
     CHECK(cheapestMs(candidates, 1) == 0.0f);
 }
 
+TEST_CASE("the reason is what keeps the best suited method, not what holds the plan's favourite back")
+{
+    const auto reason = [](std::uint32_t planWants, plan::Why why) {
+        LightDecision decision;
+        decision.method = 0; // suits best
+        decision.candidates[0].why = why;
+        takePlan({.chosen = 2, .wanted = planWants, .hold = plan::Hold::quota}, decision);
+        CHECK(decision.method == 2);
+        CHECK(decision.wanted == 0);
+        return decision.reason;
+    };
+    CHECK(reason(1, plan::Why::floor) == GN_REASON_FLOOR);
+    CHECK(reason(1, plan::Why::budget) == GN_REASON_BUDGET);
+    CHECK(reason(1, plan::Why::hysteresis) == GN_REASON_HELD);
+    CHECK(reason(0, plan::Why::hysteresis) == GN_REASON_HELD);
+}
+
 TEST_CASE("rules that ask for the budget do not take turns with their own effect")
 {
     std::string none(rules::shippedRuleBase("battery"));
