@@ -15,6 +15,11 @@ VkRect2D resolveArea(const Rect& rect, VkExtent2D extent)
     return {{rect.x, rect.y}, {rect.width, rect.height}};
 }
 
+bool runsOnGpu(const Pass& pass)
+{
+    return pass.kind != PassKind::prepare && pass.kind != PassKind::host;
+}
+
 } // namespace
 
 void PassExecutor::stamp(VkCommandBuffer cmd)
@@ -23,9 +28,20 @@ void PassExecutor::stamp(VkCommandBuffer cmd)
     vk_.vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, slot_->queries.get(), slot_->queriesUsed++);
 }
 
+/// Those that the level may write: its own two, and in timed frames two for each of its passes.
+void PassExecutor::resetQueries(VkCommandBuffer cmd, std::uint32_t level)
+{
+    if (!slot_->queries) return;
+    std::uint32_t wanted = 2;
+    for (const std::uint32_t index : order_)
+        if (slot_->timed && graph_.passes()[index].level == level && runsOnGpu(graph_.passes()[index])) wanted += 2;
+    const std::uint32_t count = std::min(wanted, kQueriesPerSlot - slot_->queriesUsed);
+    if (count > 0) vk_.vkCmdResetQueryPool(cmd, slot_->queries.get(), slot_->queriesUsed, count);
+}
+
 Result<void> PassExecutor::recordLevel(VkCommandBuffer cmd, std::uint32_t level, bool last)
 {
-    if (level == 0 && slot_->queries) vk_.vkCmdResetQueryPool(cmd, slot_->queries.get(), 0, kQueriesPerSlot);
+    resetQueries(cmd, level);
     if (level == 0 && frame_.uploads && frame_.uploads->uploadsPending())
         frame_.uploads->recordUploads(cmd, frame_.frame);
     if (level == 0 && frame_.trialOwner != UINT32_MAX)
@@ -53,17 +69,16 @@ Result<void> PassExecutor::recordLevel(VkCommandBuffer cmd, std::uint32_t level,
 
 void PassExecutor::recordWaves(VkCommandBuffer cmd, std::uint32_t level)
 {
-    auto isGpu = [](const Pass& pass) { return pass.kind != PassKind::prepare && pass.kind != PassKind::host; };
     for (std::size_t i = 0; i < order_.size();) {
         const Pass& head = graph_.passes()[order_[i]];
-        if (head.level != level || !isGpu(head)) {
+        if (head.level != level || !runsOnGpu(head)) {
             ++i;
             continue;
         }
         std::size_t end = i;
         for (; end < order_.size(); ++end) {
             const Pass& pass = graph_.passes()[order_[end]];
-            if (pass.level != level || !isGpu(pass) || pass.wave != head.wave) break;
+            if (pass.level != level || !runsOnGpu(pass) || pass.wave != head.wave) break;
             if (!pass.fn) continue;
             for (const Access& access : graph_.accesses(pass)) {
                 const AccessTraits use = accessTraits(access.kind, pass.kind);
@@ -196,7 +211,7 @@ void PassExecutor::showReadbacks(std::uint32_t level)
 {
     const AccessTraits read = accessTraits(AccessKind::hostRead, PassKind::host);
     for (const Pass& pass : graph_.passes()) {
-        if (pass.level != level || !pass.fn || pass.kind == PassKind::prepare || pass.kind == PassKind::host) continue;
+        if (pass.level != level || !pass.fn || !runsOnGpu(pass)) continue;
         for (const Access& access : graph_.accesses(pass)) {
             if (access.isImage || !accessTraits(access.kind, pass.kind).write) continue;
             PooledBuffer& buffer = graph_.bufferAt(access.resource);
@@ -205,16 +220,17 @@ void PassExecutor::showReadbacks(std::uint32_t level)
     }
 }
 
-/// Timings of a completed frame; the results are there, nothing is waited for.
+/// Timings of a completed frame; the results are there, nothing is waited for. Without queries the GPU's are 0.
 void PassExecutor::collect(Slot& slot)
 {
     slot.timingsPending = false;
-    if (!slot.queries || slot.queriesUsed == 0) return;
     slot.results.resize(slot.queriesUsed);
-    const VkResult r = vk_.vkGetQueryPoolResults(vk_.device, slot.queries.get(), 0, slot.queriesUsed,
-                                                 slot.queriesUsed * sizeof(std::uint64_t), slot.results.data(),
-                                                 sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
-    if (r != VK_SUCCESS) return; // not ready or lost: this frame's timings are missed
+    if (slot.queriesUsed > 0) {
+        const VkResult r = vk_.vkGetQueryPoolResults(vk_.device, slot.queries.get(), 0, slot.queriesUsed,
+                                                     slot.queriesUsed * sizeof(std::uint64_t), slot.results.data(),
+                                                     sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
+        if (r != VK_SUCCESS) return; // not ready or lost: this frame's timings are missed
+    }
     const std::uint64_t mask = vk_.timestampValidBits >= 64 ? ~0ull : (1ull << vk_.timestampValidBits) - 1;
     auto ms = [&](std::uint32_t from, std::uint32_t to) {
         const std::uint64_t ticks = ((slot.results[to] & mask) - (slot.results[from] & mask)) & mask;

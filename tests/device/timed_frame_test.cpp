@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstring>
 #include <thread>
 
 #include <gnomon/algorithm.h>
@@ -69,6 +70,58 @@ void registerSleeper(const Host& host)
     host.require(gnRegisterAlgorithm(host.context, &info));
 }
 
+// --- a queue without timestamps, and what is reset of queries ---
+
+uint32_t queriesReset = 0;
+
+VKAPI_ATTR void VKAPI_CALL withoutTimestamps(VkPhysicalDevice handle, uint32_t* count,
+                                             VkQueueFamilyProperties2* families)
+{
+    vkGetPhysicalDeviceQueueFamilyProperties2(handle, count, families);
+    for (uint32_t i = 0; families && i < *count; ++i)
+        families[i].queueFamilyProperties.timestampValidBits = 0;
+}
+
+VKAPI_ATTR void VKAPI_CALL countedReset(VkCommandBuffer cmd, VkQueryPool pool, uint32_t first, uint32_t count)
+{
+    queriesReset += count;
+    vkCmdResetQueryPool(cmd, pool, first, count);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL hookedGetDeviceProcAddr(VkDevice handle, const char* name)
+{
+    if (std::strcmp(name, "vkCmdResetQueryPool") == 0) return reinterpret_cast<PFN_vkVoidFunction>(&countedReset);
+    return vkGetDeviceProcAddr(handle, name);
+}
+
+template <bool timestamps>
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL hookedGetInstanceProcAddr(VkInstance instance, const char* name)
+{
+    if (!timestamps && std::strcmp(name, "vkGetPhysicalDeviceQueueFamilyProperties2") == 0)
+        return reinterpret_cast<PFN_vkVoidFunction>(&withoutTimestamps);
+    if (std::strcmp(name, "vkGetDeviceProcAddr") == 0)
+        return reinterpret_cast<PFN_vkVoidFunction>(&hookedGetDeviceProcAddr);
+    return vkGetInstanceProcAddr(instance, name);
+}
+
+template <bool timestamps>
+HostOptions hooked()
+{
+    return {.context = [](GnContextCreateInfo& info) {
+        info.pfnGetInstanceProcAddr = &hookedGetInstanceProcAddr<timestamps>;
+    }};
+}
+
+/// Of the newest completed frame of which every pass was timed.
+std::vector<GnPassTiming> newestTimings(const Host& host, uint64_t& frame)
+{
+    uint32_t count = 0;
+    host.require(gnGetPassTimings(host.context, &frame, &count, nullptr));
+    std::vector<GnPassTiming> passes(count);
+    host.require(gnGetPassTimings(host.context, &frame, &count, passes.data()));
+    return passes;
+}
+
 FrameOptions timed(GnFrameFlags flags)
 {
     return {.adjust = [flags](GnFrameInfo& info, std::vector<GnViewFrame>&) { info.flags = flags; }};
@@ -122,12 +175,9 @@ TEST_CASE_FIXTURE(DeviceTest, "GPU and CPU time of a frame are told together, an
             CHECK(now.gpuFrameCpuMs == then.cpuMs);
         }
         uint64_t frame = 0;
-        uint32_t count = 0;
-        host.require(gnGetPassTimings(host.context, &frame, &count, nullptr));
+        const std::vector<GnPassTiming> passes = newestTimings(host, frame);
         if (frame == timedFrame) continue;
         timedFrame = frame;
-        std::vector<GnPassTiming> passes(count);
-        host.require(gnGetPassTimings(host.context, &frame, &count, passes.data()));
         least.push_back(0.0f);
         most.push_back(0.0f);
         for (const GnPassTiming& pass : passes) {
@@ -141,4 +191,39 @@ TEST_CASE_FIXTURE(DeviceTest, "GPU and CPU time of a frame are told together, an
     host.require(host.draw(timed(0))); // plans with what the frame before had learned
     CHECK(host.stats().sharedMs >= *std::max_element(least.end() - 4, least.end()));
     CHECK(host.stats().sharedMs <= 1.0001f * *std::max_element(most.end() - 4, most.end()));
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "CPU passes have their times on a queue without timestamps too")
+{
+    Host host(smallScene(), hooked<false>());
+    host.pinAll("ray_traced");
+    host.draw(6, timed(GN_FRAME_TIMED_BIT));
+    uint64_t frame = 0;
+    float cpuMs = 0.0f;
+    for (const GnPassTiming& pass : newestTimings(host, frame)) {
+        CHECK(pass.gpuMs == 0.0f);
+        if (pass.pName == std::string("ray_traced.trace")) cpuMs += pass.cpuMs;
+    }
+    CHECK(frame + 2 >= host.frame());
+    CHECK(cpuMs > 0.0f);
+    GnLightTiming light{};
+    host.require(gnGetLightTiming(host.context, host.views[0], host.lights[0], &light));
+    CHECK(light.resolveCpuMs > 0.0f);
+    CHECK(dark(host.pictures()[0]) > 100);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a frame resets the queries that it writes, two a level where it is not timed")
+{
+    Host host(smallScene(), hooked<true>());
+    host.pinAll("pcf_hybrid");
+    host.draw(7, timed(0)); // the next frame is timed unasked, those after it are not
+    const auto resetBy = [&](GnFrameFlags flags) {
+        queriesReset = 0;
+        host.require(host.draw(timed(flags)));
+        return queriesReset;
+    };
+    const uint32_t whole = resetBy(GN_FRAME_TIMED_BIT);
+    CHECK(whole >= 2 * host.stats().levels + 2);
+    CHECK(whole < 100);
+    CHECK(resetBy(0) == 2 * host.stats().levels);
 }
