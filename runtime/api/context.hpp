@@ -260,7 +260,8 @@ private:
     bool raysNeeded_ = false;
     float untimedGpuMs_ = 0.0f, untimedCpuMs_ = 0.0f; ///< Of untimedFrame_.
     std::uint64_t untimedFrame_ = 0;
-    SecondOfEight sharedMs_; ///< What no light is charged with, in timed frames: one in four or more brings a grid.
+    /// What no light is charged with, in frames timed unasked: one in four or more brings a grid.
+    SecondOfEight sharedMs_;
     WeightedMedianOfFive timedRatios_;
     float timedScale_ = 1.0f;        ///< From what a pass takes in a timed frame to its share of an untimed one.
     double budgetMs_ = 0.0;          ///< In force; 0: none.
@@ -275,6 +276,7 @@ private:
         std::uint64_t methods = 0; ///< A stamp: equal where lights, and all methods at work, are.
         bool beside = false;       ///< Methods ran beside those of the plan: fades, a probe.
         bool disturbed = false;    ///< Its timings are not the methods' doing.
+        bool timedUnasked = false; ///< Whatever the host asked.
         float cpuMs = 0.0f;
         double plannedMs = 0.0, cheapestMs = 0.0; ///< PlanReport's.
     };

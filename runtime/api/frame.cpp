@@ -131,11 +131,12 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     recordDecisions();
     collectLightMaps();
 
-    const bool timed = timeEveryFrame_ || (info.flags & GN_FRAME_TIMED_BIT) || info.frame % kTimedPeriod == 0 ||
-                       learnsFrom(info.frame);
+    const bool asked = timeEveryFrame_ || (info.flags & GN_FRAME_TIMED_BIT);
+    const bool unasked = info.frame % kTimedPeriod == 0 || learnsFrom(info.frame);
+    present().timedUnasked = unasked;
     const ExecutorFrame frame{.frame = info.frame,
                               .completedFrame = info.completedFrame,
-                              .timed = timed,
+                              .timed = asked || unasked,
                               .scene = &snapshot,
                               .uploads = scene_.get(),
                               .rays = rays_.get(),
