@@ -41,14 +41,28 @@ Stamp& Stamp::add(std::span<const Caster* const> casters)
     return *this;
 }
 
+namespace {
+
+template <typename Chosen>
+std::span<const Caster* const> chosenOf(std::span<const Caster* const> casters, FrameArena& arena, const Chosen& chosen)
+{
+    const std::span<const Caster*> kept = arena.array<const Caster*>(casters.size());
+    return {kept.begin(), std::copy_if(casters.begin(), casters.end(), kept.begin(), chosen)};
+}
+
+} // namespace
+
 std::span<const Caster* const> castersIn(std::span<const Caster* const> casters, std::span<const Plane> volume,
                                          FrameArena& arena)
 {
-    const std::span<const Caster*> kept = arena.array<const Caster*>(casters.size());
-    std::size_t count = 0;
-    for (const Caster* caster : casters)
-        if (touches(caster->bounds, volume)) kept[count++] = caster;
-    return kept.first(count);
+    return chosenOf(casters, arena, [&](const Caster* caster) { return touches(caster->bounds, volume); });
+}
+
+std::span<const Caster* const> meshesIn(std::span<const Caster* const> casters, std::span<const Plane> volume,
+                                        FrameArena& arena)
+{
+    return chosenOf(casters, arena,
+                    [&](const Caster* caster) { return !caster->hostDrawn && touches(caster->bounds, volume); });
 }
 
 bool anyHostDrawn(std::span<const Caster* const> casters)

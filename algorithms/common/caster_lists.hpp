@@ -29,6 +29,11 @@ private:
 std::span<const Caster* const> castersIn(std::span<const Caster* const> casters, std::span<const Plane> volume,
                                          FrameArena& arena);
 
+/// The same without those that the host draws, for maps that gnomon alone draws into: unless they are static they are
+/// other casters in every frame, and the map would be drawn again for nothing.
+std::span<const Caster* const> meshesIn(std::span<const Caster* const> casters, std::span<const Plane> volume,
+                                        FrameArena& arena);
+
 bool anyHostDrawn(std::span<const Caster* const> casters);
 std::uint64_t triangleCount(std::span<const Caster* const> casters);
 

@@ -90,8 +90,8 @@ LayerContent conservativeContent(const ShadowTask& task, const ConservativeMapVi
     const LightFit& fit = view.fits[layer];
     const std::uint64_t projection =
         Stamp().add(fit.clipFromWorld).add(salt).add(static_cast<std::uint64_t>(view.offset)).value();
-    return layerContent(*task.light, castersIn(task.casters->statics, fit.volume, arena),
-                        castersIn(task.casters->movings, fit.volume, arena), projection, view.resolution);
+    return layerContent(*task.light, meshesIn(task.casters->statics, fit.volume, arena),
+                        meshesIn(task.casters->movings, fit.volume, arena), projection, view.resolution);
 }
 
 // --- layers ---

@@ -121,13 +121,14 @@ bool inHalf(const Aabb& box, glm::vec3 light, std::uint32_t hemi, float past)
     return -beyond <= past * glm::length(farthest);
 }
 
+/// Without those that the host draws, which cannot be in the map: most are other casters in every frame.
 std::span<const Caster* const> castersInHalf(std::span<const Caster* const> casters, glm::vec3 light,
                                              std::uint32_t hemi, float past, FrameArena& arena)
 {
     const std::span<const Caster*> kept = arena.array<const Caster*>(casters.size());
     std::size_t count = 0;
     for (const Caster* caster : casters)
-        if (inHalf(caster->bounds, light, hemi, past)) kept[count++] = caster;
+        if (!caster->hostDrawn && inHalf(caster->bounds, light, hemi, past)) kept[count++] = caster;
     return kept.first(count);
 }
 

@@ -17,9 +17,9 @@ constexpr std::uint64_t kForgetAfter = 4096;
 std::uint64_t LightSpans::stampOf(const LightView& light, std::span<const Caster* const> casters, std::uint32_t rows)
 {
     Stamp stamp;
-    stamp.add(casters).add(light.revision).add(std::uint64_t{rows});
-    for (const Caster* caster : casters) // topologies may come late
-        stamp.add(std::uint64_t{castsVolume(*caster)});
+    stamp.add(light.revision).add(std::uint64_t{rows});
+    for (const Caster* caster : casters) // of those with tables: topologies may come late, the host's own have none
+        if (castsVolume(*caster)) stamp.add(*caster);
     return stamp.value();
 }
 

@@ -95,6 +95,15 @@ std::uint32_t layOut(FrameArena& arena, std::span<const Caster* const> casters, 
     return pieces ? next : 0;
 }
 
+/// Of those that lists hold. What the host draws is in none, and is another caster in every frame unless it is static.
+std::uint64_t listedStamp(std::span<const Caster* const> casters)
+{
+    Stamp stamp;
+    for (const Caster* caster : casters)
+        if (castsVolume(*caster)) stamp.add(*caster);
+    return stamp.value();
+}
+
 void run(const ListBuild& build, HostContext& host)
 {
     const std::span<std::uint8_t> facing = host.arena->array<std::uint8_t>(build.faceCount);
@@ -173,9 +182,9 @@ VkDeviceSize capsBytes(std::span<const Caster* const> casters)
 
 VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics, const GpuSilhouettes* shader)
 {
-    const LightCasters& casters = *task.casters;
-    return declareList(passes, task, statics ? casters.statics : casters.movings, ListKind::sides, Scope::light,
-                       statics ? 0 : 1, statics ? casters.staticStamp : casters.movingStamp, shader);
+    const std::span<const Caster* const> casters = statics ? task.casters->statics : task.casters->movings;
+    const std::uint64_t stamp = statics ? task.casters->staticStamp : listedStamp(casters);
+    return declareList(passes, task, casters, ListKind::sides, Scope::light, statics ? 0 : 1, stamp, shader);
 }
 
 // Variants 0 and 1 are all static and all moving casters.

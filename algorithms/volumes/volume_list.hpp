@@ -31,7 +31,8 @@ VkDeviceSize capsBytes(std::span<const Caster* const> casters);
 struct GpuSilhouettes; // gpu_silhouettes.hpp
 
 /// The sides of the static (or else the moving) casters of the light: once per light, whatever the views. Built if the
-/// light or one of these casters changed, else kept. @param shader null: on the CPU
+/// light or one of these casters changed, else kept; moving ones that cast no volume may change.
+/// @param shader null: on the CPU
 VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics,
                         const GpuSilhouettes* shader = nullptr);
 

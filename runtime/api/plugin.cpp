@@ -1,6 +1,7 @@
 #include "runtime/api/plugin.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <dlfcn.h>
@@ -252,6 +253,39 @@ void* GN_CALL mappedOf(GnPassContext context, GnBufferRef buffer)
     return c.host && buffer ? c.host->write<std::byte>(bufferOf(buffer)).data() : nullptr;
 }
 
+/// Adds 64 bits to a running hash: a round of splitmix64.
+std::uint64_t mixed(std::uint64_t hash, std::uint64_t value)
+{
+    hash += value + 0x9e3779b97f4a7c15ull;
+    hash = (hash ^ hash >> 30) * 0xbf58476d1ce4e5b9ull;
+    hash = (hash ^ hash >> 27) * 0x94d049bb133111ebull;
+    return hash ^ hash >> 31;
+}
+
+/// GnShadowTask::casterStamp. Of casters that the host draws, which a plug-in cannot draw, it tells where they are:
+/// they may have another shape in every frame.
+std::uint64_t casterStamp(const ShadowTask& task)
+{
+    std::uint64_t hash = mixed(task.casters->staticStamp, task.light->revision);
+    for (const Caster* caster : task.casters->movings) {
+        hash = mixed(hash, caster->id);
+        if (!caster->hostDrawn) {
+            hash = mixed(hash, caster->revision);
+            continue;
+        }
+        const auto add = [&](const glm::vec3& v) {
+            for (int i = 0; i < 3; ++i)
+                hash = mixed(hash, std::bit_cast<std::uint32_t>(v[i]));
+        };
+        for (int column = 0; column < 3; ++column)
+            add(caster->basis[column]);
+        add(caster->translation);
+        add(caster->bounds.lower);
+        add(caster->bounds.upper);
+    }
+    return hash ? hash : 1; // 0 is a stamp that nothing has
+}
+
 GnTaskCaster foreignCaster(const Caster& caster)
 {
     GnTaskCaster out{.isStatic = caster.isStatic, .closed = caster.closed};
@@ -292,8 +326,7 @@ public:
                          .lightRange = light.range,
                          .coneAngle = task.light->coneAngle,
                          .sourceRadius = light.sourceRadius,
-                         .casterStamp =
-                             task.casters->staticStamp * 31 + task.casters->movingStamp * 17 + task.light->revision + 1,
+                         .casterStamp = casterStamp(task),
                          .casterCount = static_cast<uint32_t>(casters.size()),
                          .pCasters = casters.data(),
                          .settingCount = static_cast<uint32_t>(task.settings.size()),

@@ -1,5 +1,6 @@
 // What stands still is not done again, and what moves is done again exactly once.
 #include "device/fixture.hpp"
+#include "gnomon/algorithm.h"
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -30,6 +31,38 @@ uint32_t updates(const Host& host)
         count += pass.light && !pass.view;
     return count;
 }
+
+/// A method of a host's own that leaves every pixel lit and notes the stamps of its tasks.
+struct StampNoter {
+    const GnPluginInterface* gn = nullptr;
+    std::vector<uint64_t> stamps;
+
+    void registerIn(const Host& host)
+    {
+        host.require(gnGetPluginInterface(host.context, &gn));
+        const GnAlgorithmInfo info{
+            .pName = "stamp_noter", .traits = GN_TRAIT_SPOT_BIT, .pfnDeclare = declare, .pAlgorithm = this};
+        host.require(gnRegisterAlgorithm(host.context, &info));
+    }
+    static void GN_CALL declare(void* self, GnPassBuilder builder, const GnShadowTask* task)
+    {
+        StampNoter& noter = *static_cast<StampNoter*>(self);
+        noter.stamps.push_back(task->casterStamp);
+        const GnAccess lit{.kind = GN_ACCESS_WRITE,
+                           .image = task->visibility,
+                           .baseLayer = task->layer,
+                           .clear = VK_TRUE,
+                           .clearValue = {.color = {{1.0f, 0.0f, 0.0f, 0.0f}}}};
+        const GnPassInfo pass{.pName = "stamp_noter.fill",
+                              .kind = GN_PASS_RASTER,
+                              .scope = GN_SCOPE_TASK,
+                              .accessCount = 1,
+                              .pAccesses = &lit,
+                              .area = task->area,
+                              .pfnRecord = [](GnPassContext, VkCommandBuffer, const VkRect2D*, void*) {}};
+        noter.gn->pfnPass(builder, &pass);
+    }
+};
 
 } // namespace
 
@@ -87,6 +120,58 @@ TEST_CASE_FIXTURE(DeviceTest, "casters that the host draws are drawn in every fr
             CHECK((updates(host) > 0) == (flags == 0));
         }
     }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "methods that cannot see what the host draws keep all they made beside it")
+{
+    const std::pair<const char*, demo::LightKind> methods[] = {
+        {"stencil_volume", demo::LightKind::Spot},    {"octree_volume", demo::LightKind::Spot},
+        {"angular_spans", demo::LightKind::Spot},     {"conservative_map", demo::LightKind::Spot},
+        {"conservative_map", demo::LightKind::Point}, {"conservative_map_adjacency", demo::LightKind::Spot},
+        {"dual_paraboloid", demo::LightKind::Point},  {"chan_durand", demo::LightKind::Spot}};
+    for (const auto& served : methods) {
+        const std::string method = served.first;
+        CAPTURE(method);
+        Host host(sceneWithFarCaster(served.second));
+        addHostDrawn(host, GN_INSTANCE_MAY_BE_MISSED_BIT, 0.0, 0xffffffffu);
+        host.pinAll(method.c_str());
+        host.require(host.draw());
+        REQUIRE(std::string(host.decision(0).pMethod) == method);
+        CHECK(updates(host) > 0);
+        for (int frame = 0; frame < 3; ++frame) {
+            host.require(host.draw());
+            CHECK(host.stats().indexListsBuilt == 0);
+            CHECK((updates(host) == 0) == (method != "chan_durand")); // its map holds what the host draws
+        }
+        host.scene.instances[kBall].pose.position.x += 0.4;
+        host.require(host.draw());
+        CHECK(updates(host) > 0);
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a plug-in's stamp changes with what moves, not with what the host draws")
+{
+    Host host(sceneWithFarCaster(demo::LightKind::Spot));
+    const GnInstance grass = addHostDrawn(host, GN_INSTANCE_MAY_BE_MISSED_BIT, 0.0, 0xffffffffu);
+    StampNoter noter;
+    noter.registerIn(host);
+    host.pinAll("stamp_noter");
+    const auto stamp = [&] {
+        host.require(host.draw());
+        return noter.stamps.back();
+    };
+    const uint64_t first = stamp();
+    CHECK(stamp() == first);
+    host.scene.instances[kFar].pose.position.z += 1.0; // out of range
+    CHECK(stamp() == first);
+    host.scene.instances[kBall].pose.position.x += 0.4;
+    const uint64_t moved = stamp();
+    CHECK(moved != first);
+    const GnTransform beside{.basis = {}, .translation = {0.2, 1.0, 0.0}};
+    host.require(gnSetInstanceTransform(host.context, grass, &beside));
+    const uint64_t blown = stamp();
+    CHECK(blown != moved);
+    CHECK(stamp() == blown);
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "silhouettes are found once, again exactly when a caster in range moved")

@@ -140,8 +140,8 @@ typedef struct GnShadowTask {
     float lightRange;        ///< Very large where unlimited.
     float coneAngle;         ///< Spot: half angle, radians.
     float sourceRadius;
-    uint64_t casterStamp;    ///< Changes with light, casters in range or any of their transforms; for pfnImageStale
-                             ///< and pfnBufferStale.
+    uint64_t casterStamp;    ///< Changes with light, casters in range or any of their transforms, not with what
+                             ///< host-drawn casters draw; for pfnImageStale and pfnBufferStale.
     uint32_t casterCount;
     const GnTaskCaster* pCasters;
     uint32_t settingCount;
