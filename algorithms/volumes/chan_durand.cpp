@@ -166,13 +166,13 @@ std::uint64_t itemStamp(const Plan& plan, std::uint32_t resolution)
     return stamp.value();
 }
 
-void writeItems(const Plan& plan, const HostContext& host, std::uint32_t resolution)
+void writeItems(const Plan& plan, const LightView& light, const HostContext& host, std::uint32_t resolution)
 {
     const std::span<gpu::CullItem> items = host.write<gpu::CullItem>(plan.items);
     for (std::size_t i = 0; i < plan.sources.size(); ++i) {
         const CullSource& source = plan.sources[i];
         gpu::CullItem item{.list = source.list, .command = source.command};
-        item.footprintCount = cellFootprints(plan.map.fits, resolution, source.caster->bounds, item.footprints);
+        item.footprintCount = cellFootprints(plan.map.fits, light, resolution, source.caster->bounds, item.footprints);
         items[i] = item;
     }
 }
@@ -204,10 +204,11 @@ void declareCull(PassBuilder& passes, const ShadowTask& task, Plan& plan, Pipeli
             draw.commands = plan.commands;
 
     const Plan* shared = &plan;
+    const LightView* light = task.light;
     const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
     if (passes.stale(plan.items, itemStamp(plan, resolution)))
         passes.prepare("chan_durand.footprints").writes(plan.items).run([=](HostContext& host) {
-            writeItems(*shared, host, resolution);
+            writeItems(*shared, *light, host, resolution);
         });
     else
         passes.kept();

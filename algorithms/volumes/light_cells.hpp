@@ -10,8 +10,8 @@ namespace gnomon {
 
 /// The cells of every fit (layer) behind the box as the light sees it. Every receiver that the box can shadow, and that
 /// the shader finds in this map, lies in one of them, no nearer to the light than `nearestKey`.
-/// @param fits DepthKind::clip, at most six. @param resolution texels per side. @return footprints written.
-std::uint32_t cellFootprints(std::span<const LightFit> fits, std::uint32_t resolution, const Aabb& box,
-                             gpu::CellFootprint (&out)[gpu::MAX_LAYERS]);
+/// @param fits DepthKind::clip, at most six, of `light`. @param resolution texels per side. @return footprints written.
+std::uint32_t cellFootprints(std::span<const LightFit> fits, const LightView& light, std::uint32_t resolution,
+                             const Aabb& box, gpu::CellFootprint (&out)[gpu::MAX_LAYERS]);
 
 } // namespace gnomon

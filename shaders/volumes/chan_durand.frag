@@ -28,9 +28,9 @@ layout(constant_id = 1) const bool WIDENED = false; // a loop without known end 
 
 void mark(vec4 clip, float layer)
 {
-    vec3 place = clip.xyz / clip.w;
-    uvec2 cell = uvec2(clamp(place.xy * (float(CELLS) / constants.map.side), vec2(0.0), vec2(float(CELLS - 1u))));
-    uint index = (uint(layer) * CELLS + cell.y) * CELLS + cell.x, key = depthKey(place.z);
+    vec2 place = clip.xy / clip.w;
+    uvec2 cell = uvec2(clamp(place * (float(CELLS) / constants.map.side), vec2(0.0), vec2(float(CELLS - 1u))));
+    uint index = (uint(layer) * CELLS + cell.y) * CELLS + cell.x, key = depthKey(mapDepth(constants.map, clip));
     // Reading first keeps most pixels off the atomics; an outdated value only makes one more of them try.
     if (cells[index] < key) atomicMax(cells[index], key);
 }

@@ -61,7 +61,7 @@ void main()
         w = linearDepth(constants.base.view, depth);
     }
     vec4 clip = look.clipOfEye + w * rayClip;
-    vec3 at = clip.xyz / clip.w;
-    bool over = clip.w > 0.0 && all(greaterThan(at.xy, vec2(-0.5))) && all(lessThan(at.xy, vec2(look.side + 0.5)));
-    if (!over || at.z <= surfaceDepth(at.xy)) discard;
+    vec2 at = clip.xy / clip.w;
+    bool over = clip.w > 0.0 && all(greaterThan(at, vec2(-0.5))) && all(lessThan(at, vec2(look.side + 0.5)));
+    if (!over || mapDepth(look, clip) <= surfaceDepth(at)) discard;
 }
