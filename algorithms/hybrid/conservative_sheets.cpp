@@ -78,7 +78,7 @@ BufferId declareList(PassBuilder& passes, const LightView& light, const Caster& 
         return list;
     }
     passes.prepare(name, Scope::light, caster.id).writes(list).run([=, from = &light, by = &caster](HostContext& host) {
-        write(*by, turnedFaces(*from, *by, *host.arena), host.write<std::uint32_t>(list).first(words));
+        write(*by, turnedFaces(*from, *by, *host.arena), host.write<std::uint32_t>(list).first(words), *host.arena);
         host.countIndexList();
     });
     return list;
@@ -86,7 +86,7 @@ BufferId declareList(PassBuilder& passes, const LightView& light, const Caster& 
 
 BufferId declareBorders(PassBuilder& passes, const LightView& light, const Caster& caster)
 {
-    const auto write = [](const Caster& of, std::span<const Turned> turned, std::span<std::uint32_t> out) {
+    const auto write = [](const Caster& of, std::span<const Turned> turned, std::span<std::uint32_t> out, FrameArena&) {
         writeSheetEdges(*of.mesh->topology, turned, of.closed, out);
     };
     return declareList(passes, light, caster, "sheets.borders", sheetListWords(caster.mesh->topology->edges.size()),
@@ -95,8 +95,12 @@ BufferId declareBorders(PassBuilder& passes, const LightView& light, const Caste
 
 BufferId declareKeptEdges(PassBuilder& passes, const LightView& light, const Caster& caster)
 {
-    const auto write = [](const Caster& of, std::span<const Turned> turned, std::span<std::uint32_t> out) {
-        writeKeptEdges(*of.mesh->topology, turned, out);
+    const auto write = [](const Caster& of, std::span<const Turned> turned, std::span<std::uint32_t> out,
+                          FrameArena& arena) {
+        // Bits are set one by one, and upload memory may be write-combined.
+        const std::span<std::uint32_t> words = arena.array<std::uint32_t>(out.size());
+        setKeptEdges(*of.mesh->topology, turned, words);
+        std::ranges::copy(words, out.begin());
     };
     return declareList(passes, light, caster, "sheets.kept_edges", keptEdgeWords(caster.mesh->triangleCount()), write);
 }

@@ -71,7 +71,7 @@ void writeSheetEdges(const Topology& topology, std::span<const Turned> turned, b
     std::copy_n(command, kSheetListHeader, out.begin());
 }
 
-void writeKeptEdges(const Topology& topology, std::span<const Turned> turned, std::span<std::uint32_t> out)
+void setKeptEdges(const Topology& topology, std::span<const Turned> turned, std::span<std::uint32_t> out)
 {
     std::fill(out.begin(), out.end(), 0u);
     for (const Topology::Edge& edge : topology.edges) {

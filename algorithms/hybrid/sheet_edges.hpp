@@ -42,6 +42,7 @@ constexpr std::uint64_t keptEdgeWords(std::uint64_t faces)
 {
     return (faces + 7) / 8;
 }
-void writeKeptEdges(const Topology& topology, std::span<const Turned> turned, std::span<std::uint32_t> out);
+/// @param out is read as well: no upload memory
+void setKeptEdges(const Topology& topology, std::span<const Turned> turned, std::span<std::uint32_t> out);
 
 } // namespace gnomon

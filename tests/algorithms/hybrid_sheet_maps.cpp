@@ -111,7 +111,7 @@ Claims claimsOf(const Shape& shape)
     findTurned(topology, shape.positions, kLight, false, turned);
     std::vector<std::uint32_t> borders(sheetListWords(topology.edges.size())), kept(keptEdgeWords(shape.faces()));
     writeSheetEdges(topology, turned, false, borders);
-    writeKeptEdges(topology, turned, kept);
+    setKeptEdges(topology, turned, kept);
 
     Images images;
     Claims claims{std::vector<Claim>(kSide * kSide), std::vector<bool>(kSide * kSide)};

@@ -136,10 +136,10 @@ TEST_CASE("an edge is kept where the neighbour is turned away, and lies opposite
     const Shape shape = sheet(1); // two triangles that share the edge 1-2
     const Topology topology = buildTopology(shape.positions, shape.indices);
     std::vector<std::uint32_t> words(keptEdgeWords(2));
-    writeKeptEdges(topology, turnedOf(shape, topology, -kAbove), words);
+    setKeptEdges(topology, turnedOf(shape, topology, -kAbove), words);
     CHECK((words[0] & 7u) == 1u);      // 0, 2, 1: opposite to corner 0
     CHECK((words[0] >> 4 & 7u) == 4u); // 1, 2, 3: opposite to corner 2
-    writeKeptEdges(topology, turnedOf(shape, topology, kAbove), words);
+    setKeptEdges(topology, turnedOf(shape, topology, kAbove), words);
     CHECK(words[0] == 0u);
 }
 
