@@ -165,11 +165,22 @@ VkDeviceSize cellBytes(std::uint32_t cells)
     return sizeof(std::uint32_t) * (VkDeviceSize{1} + cells);
 }
 
+/// Before the indices of a map's list.
+struct PolygonHead {
+    VkDrawIndexedIndirectCommand command;
+    std::uint32_t asked;
+};
+static_assert(sizeof(PolygonHead) <= sizeof(std::uint32_t) * gpu::POLYGON_HEADER);
+
 void recordClear(const PassContext& gpu, const Layer& layer)
 {
     // The first index stands in the command, not in the binding: Mesa 22.3 ignores its offset in indirect draws.
-    const VkDrawIndexedIndirectCommand empty{
-        .indexCount = 0, .instanceCount = 1, .firstIndex = gpu::POLYGON_HEADER, .vertexOffset = 0, .firstInstance = 0};
+    const PolygonHead empty{.command = {.indexCount = 0,
+                                        .instanceCount = 1,
+                                        .firstIndex = gpu::POLYGON_HEADER,
+                                        .vertexOffset = 0,
+                                        .firstInstance = 0},
+                            .asked = 0};
     const std::uint32_t none = 0;
     gpu.vk->vkCmdUpdateBuffer(gpu.cmd, gpu.buffer(layer.polygons), 0, sizeof(empty), &empty);
     gpu.vk->vkCmdUpdateBuffer(gpu.cmd, gpu.buffer(layer.cells), 0, sizeof(none), &none);

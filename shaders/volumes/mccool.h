@@ -58,8 +58,8 @@ struct CapConstants {
 GN_SHARED_OFFSET(CapConstants, nearTexels, 496)
 GN_SHARED_SIZE(CapConstants, 2448)
 
-// The list of one map: VkDrawIndexedIndirectCommand, then, from a round offset on, the indices. If they do not fit, the
-// instance count is 0, and the map is looked up instead.
+// The list of one map: VkDrawIndexedIndirectCommand, how many indices were asked for, then, from a round offset on, the
+// indices. If they do not fit, the instance count is 0, and the map is looked up instead.
 GN_SHARED_CONST uint POLYGON_HEADER = 8u; // words
 
 // Invocations of mccool_polygons.comp; each takes every so-many-th cell.

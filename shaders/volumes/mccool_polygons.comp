@@ -12,9 +12,11 @@ layout(set = 0, binding = 2, std430) readonly buffer Cells {
     uint cells[];
 };
 layout(set = 0, binding = 3, std430) buffer Polygons {
-    uint indexCount;
+    uint indexCount; // of the command
     uint instanceCount;
-    uint header[6];
+    uint command[3];
+    uint asked; // indices, whether they fit or not
+    uint padding[2];
     uint indices[];
 };
 
@@ -36,9 +38,12 @@ void emit(int x, int y, uint jumps)
     uint first = templateOf(jumps, depths) * TEMPLATE_TRIANGLES, end = first + triangleCountOf(jumps), count = 0u;
     for (uint i = first; i < end; ++i)
         count += uint(isDrawn(triangleAt(i), beyond, casters, rim));
-    uint place = atomicAdd(indexCount, 3u * count);
+    uint place = atomicAdd(asked, 3u * count);
     bool fits = place + 3u * count <= constants.surface.indexCapacity;
-    if (!fits) instanceCount = 0u;
+    if (fits)
+        atomicMax(indexCount, place + 3u * count);
+    else
+        instanceCount = 0u; // the count stays within the buffer all the same
     for (uint i = first; i < end && fits; ++i) {
         uint triangle = triangleAt(i);
         if (!isDrawn(triangle, beyond, casters, rim)) continue;
