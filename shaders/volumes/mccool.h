@@ -89,8 +89,9 @@ GN_SHARED_CONST float SMOOTH_SLOPE = 16.0f;
 GN_SHARED_FN bool depthJumps(DepthSurface surface, float before, float a, float b, float after)
 {
     if (a >= NOTHING || b >= NOTHING) return (a >= NOTHING) != (b >= NOTHING);
-    float step = b - a, off = abs(step);
-    float tolerance = surface.tolerance + surface.tolerancePerDepth * (surface.depthConstant - max(a, b));
+    // Several shaders ask, of the same side from either cell; where one said yes and one no the surface had a hole.
+    GN_PRECISE float step = b - a, off = abs(step);
+    GN_PRECISE float tolerance = surface.tolerance + surface.tolerancePerDepth * (surface.depthConstant - max(a, b));
     if (off > SMOOTH_SLOPE * tolerance) return true;
     if (before < NOTHING) off = min(off, abs(step - (a - before)));
     if (after < NOTHING) off = min(off, abs(step - (after - b)));

@@ -8,6 +8,8 @@
 
 #include "algorithms/volumes/depth_surface.hpp"
 #include "maps_fixture.hpp"
+#include "shaders/volumes_mccool_cap_frag.h"
+#include "shaders/volumes_mccool_edges_comp.h"
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -321,4 +323,16 @@ TEST_CASE("the texels about the near rectangle are those of all its points, and 
         }
     }
     CHECK(asked > 1000);
+}
+
+TEST_CASE("the shaders that ask where depth jumps compute it as written, so that they say the same of a side")
+{
+    constexpr std::uint32_t kHeader = 5, kDecorate = 71, kNoContraction = 42;
+    for (const std::span<const std::uint32_t> code : {std::span<const std::uint32_t>(k_volumes_mccool_cap_frag),
+                                                      std::span<const std::uint32_t>(k_volumes_mccool_edges_comp)}) {
+        std::size_t decorated = 0;
+        for (std::size_t at = kHeader; at < code.size(); at += code[at] >> 16)
+            decorated += (code[at] & 0xffffu) == kDecorate && code[at + 2] == kNoContraction;
+        CHECK(decorated >= 5); // of the step, and of the tolerance's two sums, product and difference
+    }
 }
