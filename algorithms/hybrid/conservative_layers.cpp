@@ -71,7 +71,7 @@ ConservativeMapView conservativeView(const ShadowTask& task, std::uint32_t resol
                                      FrameArena& arena)
 {
     // Depths before the near end are written as 0, whether the device can clamp or not.
-    const std::span<const LightFit> fits = fitLightMap(true, task, resolution, arena);
+    const std::span<const LightFit> fits = fitLightMap(Clamped::all, task, resolution, arena);
     const std::span<ConservativeProjection> projections = arena.array<ConservativeProjection>(fits.size());
     for (std::size_t i = 0; i < fits.size(); ++i) {
         projections[i] = conservativeProjection(fits[i], *task.light, resolution);

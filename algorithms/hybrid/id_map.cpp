@@ -138,7 +138,7 @@ IdMapPipelines makeIdMapPipelines(const AlgorithmServices& services)
     info.depthCompare = VK_COMPARE_OP_LESS;
     info.depthFormat = kMapFormat;
     info.colorFormat = kNumberFormat;
-    info.depthClamp = result.depth.clamps;
+    info.depthClamp = result.depth.clamped != Clamped::none;
     result.casters = services.pipelines->graphics(info);
     return result;
 }
@@ -172,7 +172,7 @@ IdMap declareIdMap(PassBuilder& passes, const IdMapPipelines& pipelines, const S
                                                    .extent = {resolution, resolution},
                                                    .layers = cube ? 6u : 1u,
                                                    .variant = resolution}),
-              .fits = fitLightMap(pipelines.depth.clamps, task, resolution, arena),
+              .fits = fitLightMap(pipelines.depth.clamped, task, resolution, arena),
               .needed = neededLayers(task),
               .side = resolution,
               .depths = {},

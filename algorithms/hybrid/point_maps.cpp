@@ -66,7 +66,7 @@ ImageId declarePointMaps(PassBuilder& passes, const DepthMapPipelines& pipelines
         const LightView light = lightFrom(*task.light, points[i]);
         ShadowTask from = task;
         from.light = &light;
-        const LightFit& fit = *fitDepthMap(pipelines.clamps, from, resolution, arena);
+        const LightFit& fit = *fitDepthMap(pipelines.clamped, from, resolution, arena);
         const LayerContent content = layerContent(*task.light, castersIn(task.casters->statics, fit.volume, arena),
                                                   castersIn(task.casters->movings, fit.volume, arena),
                                                   Stamp().add(fit.clipFromWorld).value(), resolution);

@@ -1,6 +1,9 @@
 #include "algorithms/maps/depth_map.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "algorithms/maps/depth_casters.hpp"
 #include "algorithms/maps/map_look.hpp"
@@ -19,9 +22,8 @@ DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services)
     info.depthTest = info.depthWrite = true;
     info.depthCompare = VK_COMPARE_OP_LESS;
     info.depthFormat = kMapFormat;
-    const bool clamps = services.vk->enabled.depthClamp == VK_TRUE;
-    info.depthClamp = clamps;
-    return {services.pipelines->graphics(info), clamps};
+    info.depthClamp = services.vk->enabled.depthClamp == VK_TRUE;
+    return {services.pipelines->graphics(info), info.depthClamp ? Clamped::own : Clamped::none};
 }
 
 DepthCasters::DepthCasters(const DepthMapPipelines& pipelines, const LightFit& fit, const ShadowTask& task,
@@ -50,18 +52,22 @@ void DepthCasters::operator()(PassContext& gpu, std::span<const Caster* const> c
                      .hostProjection = host_});
 }
 
-bool clampsToNear(bool clamps, const ShadowTask& task)
+float nearLimit(Clamped clamped, const ShadowTask& task)
 {
-    return clamps && !anyHostDrawn(task.casters->all);
+    float nearest = std::numeric_limits<float>::infinity();
+    if (clamped == Clamped::all) return nearest;
+    for (const Caster* caster : task.casters->all)
+        if (caster->hostDrawn) nearest = std::min(nearest, nearestDepth(*task.light, caster->bounds));
+    return nearest > 0.0f && std::isfinite(nearest) ? std::exp2(std::floor(std::log2(nearest))) : nearest;
 }
 
-LightFit* fitDepthMap(bool clamps, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
+LightFit* fitDepthMap(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
 {
     const Aabb bounds = sceneBounds(*task.casters);
     const bool spot = task.light->type == GN_LIGHT_TYPE_SPOT;
     LightFit* fit = arena.make(spot ? fitSpot(*task.light, bounds, resolution, kSpotBorderTexels)
                                     : fitDirectional(*task.light, bounds));
-    if (spot && clampsToNear(clamps, task)) raiseNearEnd(*fit, resolution);
+    if (spot && clamped != Clamped::none) raiseNearEnd(*fit, resolution, nearLimit(clamped, task));
     return fit;
 }
 
@@ -70,7 +76,7 @@ DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines
 {
     static constexpr LayerNames kNames{"depth_map.casters", "depth_map.statics", "depth_map.copy_statics"};
     FrameArena& arena = passes.arena();
-    const LightFit* fit = fitDepthMap(pipelines.clamps, task, resolution, arena);
+    const LightFit* fit = fitDepthMap(pipelines.clamped, task, resolution, arena);
     KeptMap map(passes, {.name = "depth_map.depth",
                          .staticsName = "depth_map.statics",
                          .stampName = "depth_map.stamp",

@@ -10,12 +10,19 @@ namespace gnomon {
 
 inline constexpr VkFormat kMapFormat = VK_FORMAT_D32_SFLOAT;
 
+/// Which casters of a map are clamped to its near end where they are nearer, so that they cast on what lies beyond;
+/// others are clipped.
+enum class Clamped : std::uint8_t {
+    none,
+    own, ///< Gnomon's (depthClamp); pipelines of the host may clip.
+    all, ///< The host draws none into the map.
+};
+
 /// Pipelines that draw casters into depth maps through a 4x4 matrix. Equal descriptions are one pipeline, so every
 /// algorithm may hold a copy.
 struct DepthMapPipelines {
     PipelineId casters;
-    bool clamps = false; ///< Casters nearer than the near end are clamped to it (depthClamp enabled), not clipped;
-                         ///< those the host draws are not.
+    Clamped clamped = Clamped::none;
 };
 DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services);
 
@@ -25,7 +32,7 @@ DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services);
 /// faces turned away from the light, open ones with both and a slope-scaled bias (runtime/scene/bias.hpp). A
 /// directional map covers all casters: a receiver beside it is lit. A spot light's covers all its receivers and a
 /// border for filters. One beyond the far end compares as depth 1. Where the device clamps depth, the near end may lie
-/// past the nearest caster (raiseNearEnd()); what is nearer appears as depth 0.
+/// past the nearest caster of gnomon's own (raiseNearEnd()); what is nearer appears as depth 0.
 struct DepthMap {
     ImageId image;                 ///< kMapFormat, one layer, resolution x resolution.
     const LightFit* fit = nullptr; ///< Lives as long as the frame.
@@ -36,13 +43,13 @@ struct DepthMap {
 /// Texels between the cone's square and a spot map's edge: as many as filters reach, half of 7 and the fraction.
 inline constexpr float kSpotBorderTexels = 4.0f;
 
-/// Whether the near end of a task's maps may be raised: not where the host draws casters, whose pipelines may clip.
-/// @param clamps as in fitDepthMap()
-bool clampsToNear(bool clamps, const ShadowTask& task);
+/// How far the near end of the light's maps may be raised where casters are clamped (raiseNearEnd()), so that none that
+/// may be clipped lies before it: metres, a power of two, lest each step of a figure change the map of the static
+/// casters; infinite without such casters. The light has a position.
+float nearLimit(Clamped clamped, const ShadowTask& task);
 
 /// The projection of a directional or spot light's map of `resolution` texels; memory from the arena.
-/// @param clamps whatever of gnomon's own is nearer than the near end is drawn on it, so that the end may lie farther
-LightFit* fitDepthMap(bool clamps, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena);
+LightFit* fitDepthMap(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena);
 
 /// Declares what is missing of the map: nothing if light, casters and resolution are those of the content kept.
 /// The light is directional or spot.

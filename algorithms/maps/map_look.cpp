@@ -61,7 +61,7 @@ MapProjection mapProjection(const LightFit& fit, const LightView& light)
     return result;
 }
 
-void raiseNearEnd(LightFit& fit, std::uint32_t resolution)
+void raiseNearEnd(LightFit& fit, std::uint32_t resolution, float limit)
 {
     // Clip w grows along the axis from 0 at the light: the near side opens to all that lies before the light.
     glm::dmat4 rows = glm::transpose(glm::dmat4(fit.clipFromWorld));
@@ -70,7 +70,7 @@ void raiseNearEnd(LightFit& fit, std::uint32_t resolution)
 
     const double texels = static_cast<double>(fit.texelAtOne) / resolution; // width of a texel at 1 m
     const double needed = std::fmin(gpu::DEPTH_ROUNDING / (kSlackTexels * texels), kMostNearPerEnd);
-    const double n = needed * static_cast<double>(fit.endWs), f = fit.farWs;
+    const double n = std::fmin(needed * static_cast<double>(fit.endWs), static_cast<double>(limit)), f = fit.farWs;
     if (!(n > static_cast<double>(fit.nearWs))) return;
     rows[2] = f / (f - n) * rows[3]; // clip z is linear in clip w
     rows[2].w -= f * n / (f - n);

@@ -19,13 +19,14 @@ constexpr LayerNames kFaceNames[6] = {
 
 } // namespace
 
-std::span<LightFit> fitCubeFaces(bool clamps, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
+std::span<LightFit> fitCubeFaces(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
 {
     const Aabb bounds = sceneBounds(*task.casters);
     const std::span<LightFit> faces = arena.array<LightFit>(6);
+    const float limit = nearLimit(clamped, task);
     for (std::uint32_t face = 0; face < 6; ++face) {
         faces[face] = fitCubeFace(*task.light, bounds, face, resolution, kCubeBorderTexels);
-        if (clampsToNear(clamps, task)) raiseNearEnd(faces[face], resolution);
+        if (clamped != Clamped::none) raiseNearEnd(faces[face], resolution, limit);
     }
     return faces;
 }
@@ -43,7 +44,7 @@ CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, 
                        std::uint32_t resolution)
 {
     FrameArena& arena = passes.arena();
-    const std::span<const LightFit> faces = fitCubeFaces(pipelines.clamps, task, resolution, arena);
+    const std::span<const LightFit> faces = fitCubeFaces(pipelines.clamped, task, resolution, arena);
     KeptMap map(passes, {.name = "cube_faces.depth",
                          .staticsName = "cube_faces.statics",
                          .stampName = "cube_faces.stamp",

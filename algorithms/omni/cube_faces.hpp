@@ -19,8 +19,8 @@ struct CubeMap {
     const std::uint64_t* stamps = nullptr; ///< Six, of the content of the faces needed.
 };
 
-/// The projections of the six faces; memory from the arena. @param clamps as in fitDepthMap()
-std::span<LightFit> fitCubeFaces(bool clamps, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena);
+/// The projections of the six faces; memory from the arena.
+std::span<LightFit> fitCubeFaces(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena);
 /// Bit f: a receiver in the task's view can lie in face f.
 std::uint32_t neededCubeFaces(const ShadowTask& task);
 

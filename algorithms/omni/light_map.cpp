@@ -4,10 +4,11 @@
 
 namespace gnomon {
 
-std::span<const LightFit> fitLightMap(bool clamps, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
+std::span<const LightFit> fitLightMap(Clamped clamped, const ShadowTask& task, std::uint32_t resolution,
+                                      FrameArena& arena)
 {
-    if (task.light->type == GN_LIGHT_TYPE_POINT) return fitCubeFaces(clamps, task, resolution, arena);
-    return {fitDepthMap(clamps, task, resolution, arena), 1};
+    if (task.light->type == GN_LIGHT_TYPE_POINT) return fitCubeFaces(clamped, task, resolution, arena);
+    return {fitDepthMap(clamped, task, resolution, arena), 1};
 }
 
 std::uint32_t neededLayers(const ShadowTask& task)

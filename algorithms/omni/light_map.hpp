@@ -17,8 +17,8 @@ struct LightMap {
 };
 
 /// The projections of a light's map, for maps that are drawn in another way; memory from the arena.
-/// @param clamps as in fitDepthMap()
-std::span<const LightFit> fitLightMap(bool clamps, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena);
+std::span<const LightFit> fitLightMap(Clamped clamped, const ShadowTask& task, std::uint32_t resolution,
+                                      FrameArena& arena);
 /// LightMap::needed.
 std::uint32_t neededLayers(const ShadowTask& task);
 

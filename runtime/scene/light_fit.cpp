@@ -49,6 +49,21 @@ double nearestDistance(const Aabb& box, glm::dvec3 point)
     return glm::length(beside);
 }
 
+/// Least depth of the box along an axis from `point`.
+double nearestAlong(const Aabb& box, glm::dvec3 point, glm::dvec3 forward)
+{
+    double nearest = glm::dot(corner(box, 0) - point, forward);
+    for (int i = 1; i < 8; ++i)
+        nearest = std::min(nearest, glm::dot(corner(box, i) - point, forward));
+    return nearest;
+}
+
+/// And in the faces of a cube around `point`: what is at distance d is at least d / sqrt(3) deep in its face.
+double nearestInFace(const Aabb& box, glm::dvec3 point)
+{
+    return nearestDistance(box, point) / std::sqrt(3.0);
+}
+
 /// Per axis, the distance of the box's farther side.
 glm::dvec3 farthestOffset(const Aabb& box, glm::dvec3 point)
 {
@@ -137,13 +152,8 @@ LightFit fitSpot(const LightView& light, const Aabb& scene, std::uint32_t resolu
 {
     const glm::dvec3 eye(light.position());
     const Axes axes = axesAlong(glm::normalize(glm::dvec3(light.direction())));
-    double nearest = glm::dot(corner(scene, 0) - eye, axes.forward), farthest = nearest;
-    for (int i = 1; i < 8; ++i) {
-        const double along = glm::dot(corner(scene, i) - eye, axes.forward);
-        nearest = std::min(nearest, along);
-        farthest = std::max(farthest, along);
-    }
-    const Depths depths = depthsOf(light, nearest * (1.0 - kRoom), farthest);
+    const Depths depths = depthsOf(light, nearestAlong(scene, eye, axes.forward) * (1.0 - kRoom),
+                                   -nearestAlong(scene, eye, -axes.forward));
     const double slope = coneSlope(static_cast<double>(light.coneAngle)) * widening(resolution, borderTexels);
     return perspectiveFit(axes, eye, slope, depths);
 }
@@ -184,12 +194,20 @@ LightFit fitCubeFace(const LightView& light, const Aabb& scene, std::uint32_t fa
     const glm::dvec3 eye(light.position());
     glm::dvec3 forward(0.0);
     forward[face / 2] = face % 2 ? -1.0 : 1.0;
-    // A point at distance d is at least d / sqrt(3) deep in the face it belongs to.
-    const double nearest = nearestDistance(scene, eye) * (1.0 - kRoom) / std::sqrt(3.0);
     const glm::dvec3 farthest = farthestOffset(scene, eye);
-    const Depths depths = depthsOf(light, nearest, std::max({farthest.x, farthest.y, farthest.z}));
+    const Depths depths =
+        depthsOf(light, nearestInFace(scene, eye) * (1.0 - kRoom), std::max({farthest.x, farthest.y, farthest.z}));
     // The inner resolution - 2 border texels span 90 degrees.
     return perspectiveFit(axesAlong(forward), eye, widening(resolution, borderTexels), depths);
+}
+
+float nearestDepth(const LightView& light, const Aabb& box)
+{
+    const glm::dvec3 eye(light.position());
+    const double nearest = light.type == GN_LIGHT_TYPE_SPOT
+                               ? nearestAlong(box, eye, glm::normalize(glm::dvec3(light.direction())))
+                               : nearestInFace(box, eye);
+    return static_cast<float>(nearest * (1.0 - kRoom));
 }
 
 float casterReach(const LightView& light, const Aabb& scene)

@@ -40,6 +40,10 @@ LightFit fitDirectional(const LightView& light, const Aabb& scene);
 LightFit fitCubeFace(const LightView& light, const Aabb& scene, std::uint32_t face, std::uint32_t resolution,
                      float borderTexels);
 
+/// The least depth that any of a box has in the maps of a light with a position, metres along their axes, and a little
+/// less; not above 0 where the box reaches the light, or its plane.
+float nearestDepth(const LightView& light, const Aabb& box);
+
 /// Distance from a light with a position past which it has no caster, metres: its range, or a little more than the
 /// farthest point of `scene` where that is nearer.
 float casterReach(const LightView& light, const Aabb& scene);

@@ -127,21 +127,24 @@ TEST_CASE("depths about the light keep their precision half a kilometre from the
     }
 }
 
-TEST_CASE("the near end is raised as far as depths need, and not at all before casters that the host draws")
+TEST_CASE("the near end is raised as far as depths need, and not past what the host draws")
 {
     const LightView lamp = light(GN_LIGHT_TYPE_SPOT, {0.0f, 4.0f, 0.0f}, {0.0f, -1.0f, 0.0f}, kUnlimitedRange, 0.78f);
-    Caster plain, grass;
+    Caster plain, grass, shade;
     plain.bounds = {{-500.0f, -8.0f, -500.0f}, {500.0f, 4.0f, 500.0f}};
     grass.bounds = {{-1.0f, 0.0f, -1.0f}, {1.0f, 1.0f, 1.0f}};
     grass.hostDrawn = true;
+    shade.bounds = {{-0.01f, 3.9994f, -0.01f}, {0.01f, 3.9995f, 0.01f}};
     FrameArena arena;
-    const auto nearOf = [&](std::vector<const Caster*> pointers, std::uint32_t resolution, bool clamps = true) {
+    const auto nearOf = [&](std::vector<const Caster*> pointers, std::uint32_t resolution,
+                            Clamped clamped = Clamped::own) {
         LightCasters casters;
         casters.statics = casters.all = pointers;
         ShadowTask task;
         task.light = &lamp;
         task.casters = &casters;
-        const LightFit& fit = *fitDepthMap(clamps, task, resolution, arena);
+        const LightFit& fit = *fitDepthMap(clamped, task, resolution, arena);
+        CHECK(touches(shade.bounds, fit.volume) == (clamped != Clamped::none));
         CHECK(ndc(fit.clipFromWorld, {0.0, 4.0 - static_cast<double>(fit.nearWs), 0.0}).z == Approx(0.0).epsilon(1e-4));
         return fit.nearWs;
     };
@@ -151,7 +154,18 @@ TEST_CASE("the near end is raised as far as depths need, and not at all before c
         CHECK(nearOf({&plain}, resolution) == Approx(12.0f * 12.0f * 0x1p-22f / (texel / 8.0f)).epsilon(0.03));
     }
     CHECK(nearOf({&plain}, 65536) == Approx(12.0f / 128.0f).epsilon(0.01));
-    CHECK(nearOf({&plain}, 1024, false) == Approx(1.2e-3f).epsilon(0.01));
+    CHECK(nearOf({&plain}, 1024, Clamped::none) == Approx(1.2e-3f).epsilon(0.01));
+
+    const float free = nearOf({&plain}, 1024);     // 1.2 cm
+    CHECK(nearOf({&plain, &grass}, 1024) == free); // 3 m
+    for (const float gap : {0.011f, 0.005f, 0.002f}) {
+        grass.bounds.upper.y = 4.0f - gap;
+        const float near = nearOf({&plain, &grass}, 1024);
+        CHECK(near <= gap);
+        CHECK(near > 0.45f * gap);
+        CHECK(nearOf({&plain, &grass}, 1024, Clamped::all) == free);
+    }
+    grass.bounds.upper.y = 4.5f;
     CHECK(nearOf({&plain, &grass}, 1024) == Approx(1.2e-3f).epsilon(0.01));
 }
 
