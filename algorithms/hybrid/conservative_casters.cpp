@@ -19,6 +19,11 @@ namespace {
 // takes part, each 2^-24 of it, and twice that. A rotation's spread (at most 3) is within the sum of coordinates below.
 constexpr double kCoordinateError = 0x1p-20;
 
+// Receivers are known to 8 roundings of 2^-24 (conservative_classify.frag), which turned casters need. A spread beyond
+// their 3 has 20 more for each, as in tile_shafts: 4 on the ray's way into the caster's space, 16 of distances there
+// (shaft.cpp, shadow_planes.cpp).
+constexpr double kPerSkew = 3.0 * 20.0 / 8.0;
+
 double largest(const glm::dvec3& v)
 {
     const glm::dvec3 size = glm::abs(v);
@@ -30,8 +35,8 @@ double cornerErrorWs(const ConservativeProjection& projection, const Caster& cas
 {
     const double bounds = std::max(largest(glm::dvec3(caster.bounds.lower)), largest(glm::dvec3(caster.bounds.upper)));
     const double moved = largest(glm::dvec3(caster.translation));
-    const double skew = std::max(skewOf(spreadOf(glm::dmat3(caster.basis))) / 3.0, 1.0);
-    return kCoordinateError * skew * (bounds + moved + static_cast<double>(projection.lightCoordinate));
+    return kCoordinateError * skewBeyondTurning(caster.basis) *
+           (bounds + moved + static_cast<double>(projection.lightCoordinate));
 }
 
 glm::dvec3 axis(const ConservativeProjection& projection, int row)
@@ -70,12 +75,19 @@ ConservativeProjection conservativeProjection(const LightFit& fit, const LightVi
             .lightCoordinate = perspective ? static_cast<float>(largest(glm::dvec3(light.position()))) : 0.0f};
 }
 
-void addRounding(gpu::ConservativeConstants& constants, const ConservativeProjection& projection)
+void addRounding(gpu::ConservativeConstants& constants, const ConservativeProjection& projection,
+                 std::span<const Caster* const> casters)
 {
-    constants.texelsPerMetre = static_cast<float>(texelsPerMetre(projection));
+    double skew = 1.0;
+    for (const Caster* caster : casters)
+        if (caster->mesh) skew = std::max(skew, skewBeyondTurning(caster->basis));
+    const double times = 1.0 + kPerSkew * (skew - 1.0);
+    constants.texelsPerMetre = static_cast<float>(times * texelsPerMetre(projection));
     // Depth = constant + scale / w changes by |scale| / w^2 a metre, which is (constant - depth)^2 / |scale|.
-    constants.depthPerMetre = projection.perspective ? 0.0f : static_cast<float>(glm::length(axis(projection, 2)));
-    constants.depthSquare = projection.perspective ? 1.0f / std::fabs(projection.depthScale) : 0.0f;
+    const double scale = std::fabs(static_cast<double>(projection.depthScale));
+    constants.depthPerMetre =
+        projection.perspective ? 0.0f : static_cast<float>(times * glm::length(axis(projection, 2)));
+    constants.depthSquare = projection.perspective ? static_cast<float>(times / scale) : 0.0f;
 }
 
 gpu::ConservativePush conservativePush(const ConservativeProjection& projection, const Caster& caster, bool backOnly)

@@ -42,8 +42,10 @@ struct ConservativeProjection {
 };
 ConservativeProjection conservativeProjection(const LightFit& fit, const LightView& light, std::uint32_t resolution);
 
-/// Fills what a receiver's rounding does in the map.
-void addRounding(gpu::ConservativeConstants& constants, const ConservativeProjection& projection);
+/// Fills what a receiver's rounding does in the map: its own, and, many times as large, that of a ray's start on the
+/// way into the space of the most skewed of the light's casters.
+void addRounding(gpu::ConservativeConstants& constants, const ConservativeProjection& projection,
+                 std::span<const Caster* const> casters);
 
 /// One caster's constants. @param backOnly of the faces, those turned away from the light.
 gpu::ConservativePush conservativePush(const ConservativeProjection& projection, const Caster& caster, bool backOnly);

@@ -155,7 +155,7 @@ void ConservativeClassify::declare(PassBuilder& passes, const ShadowTask& task, 
     constants->hybrid.reasons = reasons;
     constants->light = task.light->constants;
     constants->thesis = thesis;
-    addRounding(*constants, view.projections.front());
+    addRounding(*constants, view.projections.front(), task.casters->all);
 
     const LookImages look(task, images.nearest);
     const PipelineId pipeline = pipelines_[view.fits.size() == 6][look.hasNormals];

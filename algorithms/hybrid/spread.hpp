@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
@@ -26,6 +27,21 @@ inline double skewOf(const glm::dmat3& spread)
 {
     const glm::dvec3 rows = spread * glm::dvec3(1.0);
     return std::max({1.0, rows.x, rows.y, rows.z});
+}
+
+/// By how many times an object's space may be off by more than that of one that is only turned, and scaled along its
+/// own axes: 1 for those, whose axes stay at right angles (to 1/1000: all but that of the 3 above), found without
+/// inverting anything.
+inline double skewBeyondTurning(const glm::mat3& basis)
+{
+    const glm::dmat3 b(basis);
+    const auto square = [&](int i, int k) {
+        const double along = glm::dot(b[i], b[k]);
+        return along * along <= 1e-6 * glm::dot(b[i], b[i]) * glm::dot(b[k], b[k]);
+    };
+    if (square(0, 1) && square(1, 2) && square(2, 0)) return 1.0;
+    constexpr double kMost = 1e6; // what is off by so many roundings is nowhere; a float holds what follows
+    return std::clamp(skewOf(spreadOf(b)) / 3.0, 1.0, kMost);
 }
 
 } // namespace gnomon

@@ -9,7 +9,7 @@ GN_SHARED_BEGIN
 struct ConservativeConstants {
     HybridConstants hybrid;
     LightConstants light;
-    float texelsPerMetre; // how far a metre moves a receiver in the map, texels times w
+    float texelsPerMetre; // how far a metre moves a receiver in the map, texels times w; more beside skewed casters
     float depthPerMetre;  // directional: and in depth
     float depthSquare;    // perspective: and in depth, over (depthConstant - depth)^2
     uint thesis;          // 1: depths are compared as they are

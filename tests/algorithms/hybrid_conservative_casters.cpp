@@ -33,7 +33,7 @@ struct Lamp {
         const Aabb scene{kScene.lower + zero, kScene.upper + zero};
         fit = at ? fitSpot(view, scene) : fitDirectional(view, scene);
         projection = conservativeProjection(fit, view, kSide);
-        addRounding(rounding, projection);
+        addRounding(rounding, projection, {});
     }
 };
 
@@ -262,5 +262,18 @@ TEST_CASE("what is squashed aslant may be off by more, as the ray tracer's way i
         Caster straight = turned;
         straight.basis = glm::mat3(1, 0, 0, 0, 1e-3f, 0, 0, 0, 1);
         CHECK(same(errorWs(lamp, straight), errorWs(lamp, turned)));
+
+        // And so may receivers, whose rays go the same way.
+        const Caster* casters[] = {&turned, &squashed, &straight};
+        gpu::ConservativeConstants both{}, plain{};
+        addRounding(both, lamp.projection, casters);
+        addRounding(plain, lamp.projection, std::span(casters).first(1));
+        CHECK(plain.texelsPerMetre == lamp.rounding.texelsPerMetre);
+        CHECK(both.texelsPerMetre == plain.texelsPerMetre); // of no mesh: the host draws them
+        MeshView mesh;
+        squashed.mesh = &mesh;
+        addRounding(both, lamp.projection, casters);
+        CHECK(both.texelsPerMetre > 150.0f * plain.texelsPerMetre);
+        CHECK(both.depthSquare > 150.0f * plain.depthSquare);
     });
 }

@@ -2,6 +2,8 @@
 // and what is drawn again equals a fresh context's.
 #include "device/fixture.hpp"
 
+#include <random>
+
 #include <glm/geometric.hpp>
 
 using namespace gnomon;
@@ -31,7 +33,70 @@ uint32_t drawnLayers(const Host& host, const std::string& stem)
     return count;
 }
 
+/// Small triangles at random in a cube about the origin.
+demo::Mesh flakes(uint32_t count, float half, float size)
+{
+    std::mt19937 random(3);
+    const auto in = [&](float most) { return std::uniform_real_distribution(-most, most)(random); };
+    demo::Mesh mesh;
+    mesh.name = "flakes";
+    for (uint32_t i = 0; i < count; ++i) {
+        const glm::vec3 at(in(half), in(half), in(half));
+        for (uint32_t corner = 0; corner < 3; ++corner) {
+            mesh.positions.push_back(at + glm::vec3(in(size), in(size), in(size)));
+            mesh.indices.push_back(3 * i + corner);
+        }
+    }
+    return mesh;
+}
+
+/// A wall that a low sun lights past `flakes` at the origin, 900 m away, seen from before it.
+Scene farWall()
+{
+    Scene scene = smallScene();
+    scene.meshes = {demo::makeBox({.size = {2.0f, 30.0f, 40.0f}}), flakes(3000, 18.0f, 0.4f)};
+    scene.instances.resize(2);
+    scene.instances[0].pose.position = {900.0, 0.0, 0.0};
+    scene.instances[1].mesh = 1;
+    scene.instances[1].pose.position = {0.0, 0.0, 0.0};
+    scene.lights[0].kind = demo::LightKind::Directional;
+    scene.lights[0].direction = glm::normalize(glm::dvec3(1.0, -1e-4, 2e-4));
+    scene.camera = {demo::CameraKey{.eye = {875.0, 1.0, 2.0}, .target = {900.0, 0.0, 0.0}}};
+    return scene;
+}
+
 } // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "casters squashed aslant, far from receivers, are answered as their rays are")
+{
+    for (const std::string method : {"conservative_map", "conservative_map_adjacency"}) {
+        Host host(farWall(), {.extent = {960, 540}}), traced(farWall(), {.extent = {960, 540}});
+        host.require(gnSetMethodSetting(host.context, method.c_str(), "resolution", 4096.0));
+        host.pinAll(method.c_str());
+        traced.pinAll("ray_traced");
+        host.hide(1); // the host's own poses are not squashed
+        traced.hide(1);
+        // Of its extent along one direction this share is left: what is rounded on the way into its space comes back
+        // many times as large as from a rotated one's.
+        constexpr glm::vec3 along(0.98f, 0.15f, 0.13f);
+        for (const float left : {1.0f, 0.01f, 0.002f}) {
+            CAPTURE(method);
+            CAPTURE(left);
+            GnTransform squashed{};
+            for (int i = 0; i < 9; ++i)
+                squashed.basis[i] = (i % 4 == 0 ? 1.0f : 0.0f) - (1.0f - left) * along[i / 3] * along[i % 3];
+            for (Host* each : {&host, &traced}) {
+                each->require(each->draw());
+                each->require(gnSetInstanceTransform(each->context, each->instances[1], &squashed));
+                each->require(each->draw());
+            }
+            REQUIRE(std::string(host.decision(0).pMethod) == method);
+            CHECK(dark(traced.pictures()[0]) > 10000);
+            CHECK(differences(host.pictures(), traced.pictures()) == 0);
+            if (left == 1.0f) CHECK(2 * host.stats().rays < traced.stats().rays);
+        }
+    }
+}
 
 TEST_CASE_FIXTURE(DeviceTest, "a part of the images is answered as images of its size are")
 {
