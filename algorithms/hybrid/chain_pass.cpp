@@ -32,6 +32,18 @@ struct Picture {
     BitRows lit;
 };
 
+/// Adds the pixels that are MAP_UNSURE.
+void askUnsure(std::span<const std::uint8_t> bytes, std::span<std::uint64_t> asked)
+{
+    const auto* next = bytes.data();
+    const auto* const end = next + bytes.size();
+    while ((next = static_cast<const std::uint8_t*>(
+                std::memchr(next, gpu::MAP_UNSURE, static_cast<std::size_t>(end - next))))) {
+        const auto x = static_cast<std::size_t>(next++ - bytes.data());
+        asked[x / 64] |= std::uint64_t{1} << (x % 64);
+    }
+}
+
 /// Some rows of the picture.
 class Piece {
 public:
@@ -80,6 +92,8 @@ Piece::Piece(const Picture& picture, std::uint32_t top, std::uint32_t bottom)
     rows_ = arena.array<std::uint8_t>(bytes);
     std::memcpy(rows_.data(), picture.host.read<std::uint8_t>(picture.job.status).data() + std::size_t(top) * width,
                 bytes);
+    for (std::uint32_t y = 0; y < rows; ++y)
+        askUnsure(rows_.subspan(std::size_t(y) * width, width), asked_.row(y));
 }
 
 /// @param told a reason, or what else the job tells of a pixel
@@ -88,7 +102,7 @@ void Piece::settle(std::uint32_t x, std::uint32_t y, std::uint32_t told)
     std::uint8_t& byte = rows_[std::size_t(y - top_) * picture_.lit.width + x];
     if (picture_.job.tells != ChainTells::visibility)
         byte = static_cast<std::uint8_t>(told);
-    else if (const bool lit = isLit(told); lit != picture_.lit.at(x, y))
+    else if (const bool lit = isLit(told); lit != picture_.lit.at(x, y) || byte == gpu::MAP_UNSURE)
         byte = lit ? 255 : 0;
 }
 

@@ -55,27 +55,28 @@ MapTexels::MapTexels(const HostMap& map, const gpu::MapConstants& constants, boo
     quadrant_ = {near.x - floored.x < 0.5f ? -1 : 1, near.y - floored.y < 0.5f ? -1 : 1};
 }
 
-bool MapTexels::lit(glm::ivec2 texel, float room) const
+bool MapTexels::lit(glm::ivec2 texel, float least, float room) const
 {
     if (!holds(texel)) return true;
     const glm::vec2 centre = glm::vec2(texel) + 0.5f;
     const float receiver = plane_.at + glm::dot(plane_.perTexel, centre - at_);
-    // A texel of depth 0 holds a caster before the near end: it is clearly lit for nobody (verdict.glsl).
-    const float least = room > 0.0f ? gpu::DEPTH_ROUNDING : 0.0f;
     return std::clamp(receiver + room, least, 1.0f) <= map_->depth[layer_][place(texel)];
 }
+
+// A texel of depth 0 holds a caster at or before the near end, where a receiver may be on either side of it: it is
+// neither lit for anybody nor dark for those there (verdict.glsl).
 
 bool MapTexels::agree(bool expected, TexelBlock block) const
 {
     for (int i = 0; i < sizeOf(block); ++i)
-        if (lit(own_ + stepOf(i)) != expected) return false;
+        if (lit(own_ + stepOf(i), expected ? gpu::DEPTH_ROUNDING : 0.0f) != expected) return false;
     return true;
 }
 
 bool MapTexels::clearlyLit() const
 {
     for (int i = 0; i < sizeOf(TexelBlock::four); ++i)
-        if (!lit(own_ + stepOf(i), 2.0f * slack_)) return false;
+        if (!lit(own_ + stepOf(i), gpu::DEPTH_ROUNDING, 2.0f * slack_)) return false;
     return true;
 }
 

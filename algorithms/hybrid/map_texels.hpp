@@ -87,7 +87,8 @@ private:
     {
         return holds(texel) ? map_->triangle[layer_][place(texel)] : kNone;
     }
-    bool lit(glm::ivec2 texel, float room = 0.0f) const; ///< By more than `room`.
+    /// By more than `room`, a receiver nearer to the light than `least` counting as at `least`.
+    bool lit(glm::ivec2 texel, float least, float room = 0.0f) const;
 
     const HostMap* map_ = nullptr;
     std::uint32_t layer_ = 0;

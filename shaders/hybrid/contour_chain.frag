@@ -1,6 +1,7 @@
 #version 460
 // What the map alone says of a pixel: one texel, as shadow_map and cube_map look it up. The chain goes on from there. Bit 0
-// of the byte is 1 where the pixel is lit, as visibility (255 or 0) and as a reason (REASON_OUTSIDE, REASON_MAP_LIT) alike.
+// of the byte is 1 where the pixel is lit, as visibility (255 or 0), as a reason (REASON_OUTSIDE, REASON_MAP_LIT) and as
+// MAP_UNSURE alike.
 #extension GL_GOOGLE_include_directive : require
 #include "reasons.h"
 
@@ -30,6 +31,11 @@ void main()
     vec4 clip = mapClipOf(r, layer);
     Tap tap = tapOf(r, clip, layer);
     float lit = nearestVisibility(tap, tap.at);
-    visibility = r.decided ? decidedAs(r.visibility, r.visibility > 0.0 ? REASON_OUTSIDE : REASON_BACKFACING)
-                           : decidedAs(lit, lit > 0.0 ? REASON_MAP_LIT : REASON_MAP_SHADOW);
+    bool unsure = lit > 0.0 && mapTexel(tap, floor(tap.at) + 0.5) <= 0.0; // who is nearer is lost before the near end
+    if (r.decided)
+        visibility = decidedAs(r.visibility, r.visibility > 0.0 ? REASON_OUTSIDE : REASON_BACKFACING);
+    else if (unsure)
+        visibility = float(MAP_UNSURE) / 255.0;
+    else
+        visibility = decidedAs(lit, lit > 0.0 ? REASON_MAP_LIT : REASON_MAP_SHADOW);
 }

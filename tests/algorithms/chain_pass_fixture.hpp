@@ -72,6 +72,7 @@ struct Asking {
     VkRect2D area{{0, 0}, {kWidth, kHeight}};
     std::uint32_t flipped = 0; ///< Every so many pixels the map's word is turned round; 0: none.
     std::uint32_t threads = 2;
+    std::uint32_t unsure = 0; ///< Every so many rows those that the map calls lit are MAP_UNSURE; 0: none.
 
     /// Of the picture, from a place in the area.
     std::size_t pixel(std::uint32_t x, std::uint32_t y) const
@@ -185,7 +186,10 @@ inline Outcome run(const Asking& asking, const std::vector<Expected>& expected)
     for (std::uint32_t y = 0; y < view.area.extent.height; ++y)
         for (std::uint32_t x = 0; x < view.area.extent.width; ++x) {
             const bool lit = expected[asking.pixel(x, y)].lit;
-            status.push_back(static_cast<std::uint8_t>((x * 37 + y) << 1 | (lit ? 1 : 0))); // only bit 0 counts
+            auto byte = static_cast<std::uint8_t>((x * 37 + y) << 1 | (lit ? 1 : 0)); // only bit 0 counts, but for one
+            if (byte == gpu::MAP_UNSURE) byte = 1;
+            if (lit && asking.unsure != 0 && y % asking.unsure == 0) byte = gpu::MAP_UNSURE;
+            status.push_back(byte);
         }
     const DrawnMap& drawn = asking.lamp.map;
     IdMap map{.depth = {},

@@ -1,5 +1,5 @@
-// The host pass of contour_chain: which pixels it tells otherwise than the map. What it says of a pixel is what the stages
-// say of it alone.
+// The host pass of contour_chain: which pixels it tells otherwise than the map. What it says of a pixel is what the
+// stages say of it alone.
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
@@ -24,12 +24,14 @@ std::size_t check(const Asking& asking)
         const Expected& pixel = expected[at];
         const bool lit = isLit(pixel.reason);
         std::uint32_t wanted = outcome.status[i];
-        if (inside[at]) {
+        if (wanted == gpu::MAP_UNSURE || inside[at]) {
             rays += pixel.traced && !tellsAll(asking.tells);
             if (asking.tells != ChainTells::visibility)
                 wanted = pixel.told(asking.tells), ++told;
             else if (lit != pixel.lit)
                 wanted = lit ? 255 : 0, ++told;
+            else if (wanted == gpu::MAP_UNSURE)
+                wanted = 255;
         }
         wrong += outcome.rows[i] != wanted;
     }
@@ -66,6 +68,18 @@ TEST_CASE("a contour of some pixels is all that is asked")
             before = asked;
         }
         CHECK(before == kPixels);
+    }
+}
+
+TEST_CASE("what the map is unsure of is asked beside the contour, too, and shown lit or dark")
+{
+    for (const bool cube : {false, true}) {
+        CAPTURE(cube);
+        const std::size_t before = check({.lamp = lamp(cube), .contour = 2, .tells = ChainTells::reason});
+        const std::size_t with = check({.lamp = lamp(cube), .contour = 2, .tells = ChainTells::reason, .unsure = 5});
+        CHECK(with > before + kPixels / 20);
+        check({.lamp = lamp(cube), .stages = stagesOf(ChainMode::strict), .contour = 2, .unsure = 1});
+        check({.lamp = lamp(cube), .contour = 2, .area = {{37, 50}, {71, 53}}, .unsure = 2});
     }
 }
 
