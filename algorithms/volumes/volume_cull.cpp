@@ -212,7 +212,7 @@ CulledCommands declareCull(PassBuilder& passes, const VolumeCullPipelines& pipel
             gpu.bind(cullPipeline,
                      {gpu.constants(0, block), gpu.storage(1, kept), gpu.storage(2, reached), gpu.storage(3, sides),
                       gpu.storage(4, caps), gpu.storage(5, commands.sides), gpu.storage(6, keptCaps)});
-            gpu.vk->vkCmdDispatch(gpu.cmd, groups(count), 1, 1);
+            gpu.vk->vkCmdDispatch(gpu.cmd, static_cast<std::uint32_t>(count), 1, 1);
         }
     });
     return commands;

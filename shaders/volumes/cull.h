@@ -59,7 +59,7 @@ struct ReachConstants {
 GN_SHARED_SIZE(ReachConstants, 64)
 
 struct CullConstants {
-    uvec4 counts;          // candidates; 1 if there are caps
+    uvec4 counts;          // candidates, a workgroup each; 1 if there are caps
     uvec4 candidates[256]; // CANDIDATES indices of kept volumes
 };
 GN_SHARED_SIZE(CullConstants, 4112)

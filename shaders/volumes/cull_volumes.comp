@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Draws or drops kept volumes: copies the indirect commands of their sides and caps, with no instance where the volume
-// touches nothing that matters.
+// Draws or drops kept volumes, a workgroup each: copies the indirect commands of its sides and caps, with no instance
+// where the volume touches nothing that matters.
 #include "cull.h"
 
 layout(local_size_x = 64) in; // CULL_GROUP
@@ -30,34 +30,37 @@ layout(set = 0, binding = 4, std430) readonly buffer Caps { Command caps[]; };
 layout(set = 0, binding = 5, std430) writeonly buffer KeptSides { Command keptSides[]; };
 layout(set = 0, binding = 6, std430) writeonly buffer KeptCaps { Command keptCaps[]; };
 
-bool matters(uint volume)
+shared uint found; // by any invocation: the volume matters
+
+// Looks at every CULL_GROUP-th box, from the invocation's own on, until one is found.
+void findReached(uint volume)
 {
-    uint umbra = volumes[volume].umbra;
-    if (umbra != NO_UMBRA && (needed >> umbra & 1u) != 0u) return true;
     vec4 planes[SHADOW_PLANES];
     for (uint p = 0; p < SHADOW_PLANES; ++p)
         planes[p] = volumes[volume].shadow[p];
-    for (uint i = 0; i < count; ++i) {
+    for (uint i = gl_LocalInvocationIndex; i < count && atomicOr(found, 0u) == 0u; i += CULL_GROUP) {
         vec3 center = reached[i].center.xyz, halfExtent = reached[i].halfExtent.xyz;
         bool beyond = false;
         for (uint p = 0; p < SHADOW_PLANES; ++p)
             beyond = beyond || boxBeyond(planes[p], center, halfExtent, 0.0);
-        if (!beyond) return true;
+        if (!beyond) atomicOr(found, 1u);
     }
-    return false;
 }
 
 void main()
 {
-    uint candidate = gl_GlobalInvocationID.x;
-    if (candidate >= constants.counts.x) return;
-    uint volume = constants.candidates[candidate / 4u][candidate % 4u];
-    uint instances = matters(volume) ? 1u : 0u;
-    uint firstSide = volumes[volume].firstSide, sideCount = volumes[volume].sideCount;
-    for (uint i = firstSide; i < firstSide + sideCount; ++i)
+    uint volume = constants.candidates[gl_WorkGroupID.x / 4u][gl_WorkGroupID.x % 4u];
+    uint umbra = volumes[volume].umbra;
+    if (gl_LocalInvocationIndex == 0u) found = umbra != NO_UMBRA ? needed >> umbra & 1u : 0u;
+    barrier();
+    findReached(volume);
+    barrier();
+    uint instances = found;
+    uint firstSide = volumes[volume].firstSide, endSide = firstSide + volumes[volume].sideCount;
+    for (uint i = firstSide + gl_LocalInvocationIndex; i < endSide; i += CULL_GROUP)
         keptSides[i] = Command(sides[i].indexCount, instances, sides[i].firstIndex, 0, 0u);
     if (constants.counts.y == 0u) return;
-    uint firstCap = volumes[volume].firstCap, capCount = volumes[volume].capCount;
-    for (uint i = firstCap; i < firstCap + capCount; ++i)
+    uint firstCap = volumes[volume].firstCap, endCap = firstCap + volumes[volume].capCount;
+    for (uint i = firstCap + gl_LocalInvocationIndex; i < endCap; i += CULL_GROUP)
         keptCaps[i] = Command(caps[i].indexCount, instances, caps[i].firstIndex, 0, 0u);
 }
