@@ -1,7 +1,7 @@
 #version 460
-// What the map alone says of a pixel: one texel, as shadow_map and cube_map look it up. The chain goes on from there. Bit 0
-// of the byte is 1 where the pixel is lit, as visibility (255 or 0), as a reason (REASON_OUTSIDE, REASON_MAP_LIT) and as
-// MAP_UNSURE alike.
+// What the map alone says of a pixel: one texel, as shadow_map and cube_map look it up. The chain goes on from there. Bit
+// 0 of the byte is 1 where the pixel is lit, as visibility (255 or 0), as a reason (REASON_OUTSIDE, REASON_MAP_LIT) and
+// as MAP_UNSURE alike.
 #extension GL_GOOGLE_include_directive : require
 #include "reasons.h"
 

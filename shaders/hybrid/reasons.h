@@ -36,8 +36,8 @@ GN_SHARED_CONST uint REASON_COUNT = 15u;
 // The byte in visibility of a pixel that waits for its rays: no reason, not lit, not dark and no eighth in between.
 GN_SHARED_CONST uint UNDECIDED = 200u;
 
-// The byte, between contour_chain's passes, of a pixel that the map calls lit for a texel that holds something at or before
-// the near end: its bit 0 says lit, and it is asked wherever it is.
+// The byte, between contour_chain's passes, of a pixel that the map calls lit for a texel that holds something at or
+// before the near end: its bit 0 says lit, and it is asked wherever it is.
 GN_SHARED_CONST uint MAP_UNSURE = 127u;
 
 // With `reasons` 2 contour_chain's byte is what each of its stages would say by itself (Moderno's tables 5 to 15 are
