@@ -245,9 +245,10 @@ typedef struct GnCasterProjection {
 } GnCasterProjection;
 
 /** Draws the host's casters of this instance, depth only: depth is 0 near the light and 1 far from it, compare LESS, and
-what is nearer than the near end (at most 1/10000 of the distance of the farthest caster) may be clipped. Records into
-`commandBuffer` inside a rendering scope; may bind any state. Called where the map is drawn: in every frame, once per pass
-that the instance's bounds touch, unless the instance is #GN_INSTANCE_STATIC_BIT. */
+what is nearer than the near end may be clipped: of what lies within the instance's bounds only what is nearer than
+1/10000 of the distance of the farthest caster. Records into `commandBuffer` inside a rendering scope; may bind any
+state. Called where the map is drawn: in every frame, once per pass that the instance's bounds touch, unless the instance
+is #GN_INSTANCE_STATIC_BIT. */
 typedef void(GN_CALL* PFN_gnDrawCasters)(VkCommandBuffer commandBuffer, const GnCasterProjection* pProjection,
                                          void* pUserData);
 /** Opacity in [0, 1] of a hit; below 0.5 the ray goes on. `triangle` counts as the mesh was given: its corners are
