@@ -10,12 +10,12 @@ namespace {
 
 constexpr uint8_t kHalf = 128; // 8-bit visibility of at least 0.5
 
+} // namespace
+
 bool isWrong(uint8_t visibility, uint8_t truth)
 {
     return (visibility >= kHalf) != (truth >= kHalf);
 }
-
-} // namespace
 
 ErrorCount& ErrorCount::operator+=(const ErrorCount& other)
 {

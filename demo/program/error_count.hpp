@@ -32,6 +32,9 @@ struct FrameSurfaces {
 std::vector<uint8_t> countedPixels(const Scene& scene, const CameraMatrices& camera, const FrameSurfaces& surfaces,
                                    const Light& light, const LightState& state);
 
+/// Of two bytes of visibility: whether one is lit by half and the other is not.
+bool isWrong(uint8_t visibility, uint8_t truth);
+
 /// \param ambiguous per pixel, or empty.
 ErrorCount compare(const Image8& visibility, const Image8& truth, const std::vector<uint8_t>& counted,
                    const std::vector<uint8_t>& ambiguous = {});

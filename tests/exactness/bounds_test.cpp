@@ -3,7 +3,6 @@
 // measured.
 #include <cmath>
 
-#include "demo/program/ambiguity.hpp"
 #include "demo/program/receivers.hpp"
 #include "exactness/results.hpp"
 
@@ -77,16 +76,6 @@ std::vector<uint8_t> borderMask(const SceneResults& results, size_t layer, uint3
     return mask;
 }
 
-/// Wrong pixels of one light that have a clear answer.
-uint64_t clearlyWrong(const SceneResults& results, const Pictures& pictures, size_t layer)
-{
-    const uint32_t light = results.state.present[layer];
-    const std::vector<uint8_t> ambiguous =
-        demo::ambiguousPixels(results.scene, results.state, results.camera, results.surfaces, results.light(layer),
-                              results.state.lights[light], results.counted[layer]);
-    return demo::compare(pictures[layer], results.truth[layer], results.counted[layer], ambiguous).wrongClear;
-}
-
 } // namespace
 
 // Standard depth leaves an ulp a hundred times as long, and what is clear by the definition is not to its rasteriser.
@@ -98,7 +87,7 @@ TEST_CASE("volumes are clearly wrong on at most two pixels of a frame, all its l
         CAPTURE(name);
         uint64_t clear = 0;
         for (size_t layer = 0; layer < results.truth.size(); ++layer) {
-            const uint64_t ofLight = clearlyWrong(results, results.of("stencil_volume"), layer);
+            const uint64_t ofLight = clearlyWrong(results.scene, results, results.of("stencil_volume")[layer], layer);
             MESSAGE(name << ": " << results.light(layer).name << ", clearly wrong " << ofLight);
             clear += ofLight;
         }

@@ -16,13 +16,10 @@ std::string key(const std::string& method, uint32_t resolution)
 /// The scene, its truth, and every method with its defaults.
 SceneResults resultsWithDefaults(const std::string& name, Stage& stage)
 {
-    SceneResults results{.name = name,
-                         .scene = stage.scene(),
-                         .camera = stage.camera,
-                         .state = stage.state,
-                         .surfaces = stage.surfaces,
-                         .truth = stage.truth,
-                         .counted = stage.counted};
+    SceneResults results;
+    static_cast<Seen&>(results) = stage;
+    results.name = name;
+    results.scene = stage.scene();
     for (const GnMethodInfo& info : stage.methods()) {
         results.names.emplace_back(info.pName);
         results.traits.push_back(info.traits);

@@ -6,14 +6,9 @@
 namespace gnomon::exact {
 
 /// A scene without its device: the truth, and what the methods said.
-struct SceneResults {
+struct SceneResults : Seen {
     std::string name;
     Scene scene;
-    demo::CameraMatrices camera;
-    demo::SceneState state;
-    demo::FrameSurfaces surfaces;
-    Pictures truth;
-    std::vector<std::vector<uint8_t>> counted;
     std::vector<std::string> names;
     std::vector<GnTraits> traits;
     std::map<std::string, Pictures> pictures; ///< By key().

@@ -1,8 +1,10 @@
 #include "exactness/stage.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 
+#include "demo/program/ambiguity.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/scene/scene_file.hpp"
 
@@ -126,6 +128,18 @@ ErrorCount pooled(const Stage& stage, const Pictures& pictures, GnTraits onlyKin
         sum += compare(pictures[i], stage.truth[i], stage.counted[i]);
     }
     return sum;
+}
+
+uint64_t clearlyWrong(const Scene& scene, const Seen& seen, const Image8& picture, size_t layer)
+{
+    std::vector<uint8_t> wrong(seen.counted[layer].size());
+    for (size_t i = 0; i < wrong.size(); ++i)
+        wrong[i] = seen.counted[layer][i] == 1 && isWrong(picture.texels[i], seen.truth[layer].texels[i]);
+    if (std::count(wrong.begin(), wrong.end(), uint8_t(1)) == 0) return 0; // no scene to flatten, no rays
+    const uint32_t light = seen.state.present[layer];
+    const std::vector<uint8_t> ambiguous = ambiguousPixels(scene, seen.state, seen.camera, seen.surfaces,
+                                                           scene.lights[light], seen.state.lights[light], wrong);
+    return compare(picture, seen.truth[layer], wrong, ambiguous).wrongClear;
 }
 
 std::string percentText(double percent)

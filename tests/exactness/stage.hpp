@@ -28,7 +28,16 @@ using Settings = std::vector<Setting>;
 /// One picture per present light; a light that the method does not serve has an empty one.
 using Pictures = std::vector<Image8>;
 
-class Stage {
+/// What is seen of a scene at one time, and the truth, per present light in layer order.
+struct Seen {
+    Pictures truth;
+    std::vector<std::vector<uint8_t>> counted; ///< countedPixels(): 1 counted, 2 grazing.
+    demo::FrameSurfaces surfaces;
+    demo::CameraMatrices camera;
+    demo::SceneState state;
+};
+
+class Stage : public Seen {
 public:
     explicit Stage(Scene scene, VkExtent2D extent, double time = 0.0);
 
@@ -41,13 +50,7 @@ public:
     const Scene& scene() const { return scene_; }
     demo::Session& session() { return session_; }
 
-    // Of the present lights, in layer order.
-    std::vector<uint32_t> present;
-    Pictures truth;
-    std::vector<std::vector<uint8_t>> counted; ///< countedPixels(): 1 counted, 2 grazing.
-    demo::FrameSurfaces surfaces;
-    demo::CameraMatrices camera;
-    demo::SceneState state;
+    std::vector<uint32_t> present; ///< Lights, in layer order.
 
 private:
     bool served(const std::string& method); ///< By the newest frame, every light that it can serve.
@@ -74,6 +77,9 @@ bool serves(GnTraits traits, LightKind kind);
 
 /// \param onlyKinds Lights of these kinds; traits as in GnMethodInfo.
 ErrorCount pooled(const Stage& stage, const Pictures& pictures, GnTraits onlyKinds = ~GnTraits(0));
+
+/// Wrong pixels of a layer that have a clear answer: neither ambiguous (ambiguity.hpp) nor grazing.
+uint64_t clearlyWrong(const Scene& scene, const Seen& seen, const Image8& picture, size_t layer);
 
 /// "0.0123 % of 45678 (lit 3, shadow 2)".
 std::string inWords(const ErrorCount& error);
