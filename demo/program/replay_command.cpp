@@ -37,6 +37,13 @@ void describe(const Trace& trace)
                 double{trace.frameSeconds}, trace.lights, trace.methods.size(), double{*least}, double{*most});
 }
 
+void printSequence(const Trace& trace, const ReplayMetrics& plan)
+{
+    for (size_t i = 0; i < plan.sequence.size(); ++i)
+        std::printf("%s%s", i == 0 ? "all lights in turn: " : ", ", trace.methods[plan.sequence[i]].c_str());
+    if (!plan.sequence.empty()) std::printf("\n");
+}
+
 } // namespace
 
 int replayCommand(const ReplayCommandOptions& options)
@@ -45,10 +52,10 @@ int replayCommand(const ReplayCommandOptions& options)
     if (trace.frames == 0) throw HostError(options.trace + ": a trace without frames");
     if (options.rate > 0.0) trace = resample(trace, options.rate);
     const rules::RuleBase base = parseRules(options.rules);
-    if (!options.rules.empty()) applyRules(trace, base);
+    if (!options.rules.empty()) applyRulesAloud(trace, base);
     if (!options.budget.empty()) expect(setBudgets(trace, options.budget));
 
-    ReplayOptions replay{.policy = base.policy, .seed = options.seed};
+    ReplayOptions replay{.policy = base.policy, .allocation = base.options.allocation, .seed = options.seed};
     std::optional<cost::KnowledgeBase> knowledge;
     std::optional<Trace> calibration;
     if (!options.calibration.empty()) calibration = loadTrace(options.calibration);
@@ -58,8 +65,9 @@ int replayCommand(const ReplayCommandOptions& options)
         if (!knowledge->rows.empty()) replay.device = knowledge->rows.front().device;
     }
     describe(trace);
-    std::printf("\non the minima of the sweeps\n%s",
-                toTable(compare(trace, replay, calibration ? &*calibration : nullptr)).c_str());
+    const std::vector<ReplayMetrics> onMinima = compare(trace, replay, calibration ? &*calibration : nullptr);
+    std::printf("\non the minima of the sweeps\n%s", toTable(onMinima).c_str());
+    printSequence(trace, onMinima.front());
     replay.rawTimes = true;
     std::printf("\non raw times, drawn from the spread of the sweeps with seed %llu\n%s",
                 static_cast<unsigned long long>(options.seed),

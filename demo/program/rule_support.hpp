@@ -22,6 +22,10 @@ rules::RuleBase parseRules(const std::string& nameOrPath);
 
 /// Asks the rules anew for every light of every frame, from the recorded facts: suitabilities, vetoes, near floors.
 /// Methods that were unable stay so. Throws HostError if the rules do not bind.
-void applyRules(Trace& trace, const rules::RuleBase& base);
+/// @return What the trace does not hold, though the rules would have liked it best for a light that it can serve.
+std::vector<std::string> applyRules(Trace& trace, const rules::RuleBase& base);
+
+/// applyRules(), which prints what the trace does not hold.
+void applyRulesAloud(Trace& trace, const rules::RuleBase& base);
 
 } // namespace gnomon::demo

@@ -337,7 +337,7 @@ int traceCommand(const TraceOptions& options)
     const std::unique_ptr<Device> device = Device::create({});
     pinThread(0);
     Trace trace = Tracer(options, scene, *device, size).run();
-    applyRules(trace, rules);
+    applyRulesAloud(trace, rules);
     setBudgets(trace, budgets);
     const std::string bytes = writeTrace(trace);
     expect(writeText(options.out, bytes));

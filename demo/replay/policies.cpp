@@ -81,6 +81,7 @@ public:
                     .methods = methods_,
                     .budgetMs = budgetMs,
                     .cut = trace.cuts[frame] != 0,
+                    .allocation = options_.allocation,
                     .policy = &options_.policy});
         for (size_t i = 0; i < slots_.size(); ++i) {
             const plan::LightPlan& light = plan_.lights()[i];

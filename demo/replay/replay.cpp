@@ -62,6 +62,7 @@ public:
         metrics_.flipsPerMinute = seconds > 0.0 ? metrics_.flips * 60.0 / seconds : 0.0;
         metrics_.meanMs = totalMs_ / std::max(1u, trace_.frames);
         metrics_.meanError = error_ / static_cast<double>(std::max<uint64_t>(1, served_));
+        if (!mixed_) metrics_.sequence = std::move(sequence_);
         std::sort(decisionUs_.begin(), decisionUs_.end());
         if (!decisionUs_.empty()) {
             metrics_.decisionP50Us = decisionUs_[decisionUs_.size() / 2];
@@ -91,12 +92,24 @@ private:
             timings.push_back({slot, chosen_[slot], options_.rawTimes || options_.noisyTimings ? raw : 1.0});
         }
         if (present > 0) decisionUs_.push_back(took.count() / present);
+        noteSequence(frame);
         judge(frame, frameMs, frameValue, budgetMs);
         late_.push_back(std::move(timings));
         if (late_.size() > options_.latencyFrames) {
             policy_.observe(trace_, frame - options_.latencyFrames, late_.front());
             late_.pop_front();
         }
+    }
+
+    void noteSequence(uint32_t frame)
+    {
+        uint32_t first = kNone;
+        for (uint32_t slot = 0; slot < trace_.lights; ++slot) {
+            if (!trace_.lightStates[trace_.cell(frame, slot)].present || chosen_[slot] == kNone) continue;
+            if (first == kNone) first = chosen_[slot];
+            mixed_ = mixed_ || chosen_[slot] != first;
+        }
+        if (first != kNone && (sequence_.empty() || sequence_.back() != first)) sequence_.push_back(first);
     }
 
     void judge(uint32_t frame, double frameMs, double frameValue, double budgetMs)
@@ -156,6 +169,8 @@ private:
     std::vector<uint32_t> chosen_, last_, beforeLast_, switchedAt_;
     std::deque<std::vector<ReplayPolicy::Timing>> late_;
     std::vector<double> decisionUs_;
+    std::vector<uint32_t> sequence_;
+    bool mixed_ = false; ///< Lights of one frame had different methods.
     double value_ = 0.0, oracleValue_ = 0.0, totalMs_ = 0.0, error_ = 0.0, settledLightSeconds_ = 0.0;
     uint64_t picked_ = 0, pickable_ = 0, served_ = 0;
     uint32_t over_ = 0, overTenth_ = 0, overInARow_ = 0, feasible_ = 0, switches_ = 0;

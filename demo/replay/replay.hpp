@@ -28,6 +28,8 @@ uint32_t eligibleMethods(const Trace& trace, uint32_t frame, uint32_t slot) noex
 
 struct ReplayOptions {
     rules::Policy policy;
+    /// Of the rule base: whether predicted times have a say, or the best suitability serves whatever it takes.
+    rules::Options::Allocation allocation = rules::Options::Allocation::Budget;
     double budgetMs = 0.0;                          ///< 0: the trace's own.
     uint32_t latencyFrames = 2;                     ///< Timings are read so many frames late.
     bool rawTimes = false;                          ///< A world of times drawn from the spread, not the minima.
@@ -73,6 +75,9 @@ struct ReplayMetrics {
     uint32_t longestOver = 0;     ///< Frames in a row over budget: the way back after a step.
     double meanMs = 0.0, meanError = 0.0;
     double decisionP50Us = 0.0, decisionP99Us = 0.0; ///< Per light. Wall clock: not deterministic.
+    /// Methods in the order in which they served, an entry a change; empty where lights of one frame had different
+    /// ones.
+    std::vector<uint32_t> sequence;
 };
 
 /// What the oracle makes of a trace; the same for all policies.

@@ -5,20 +5,11 @@
 
 #include "demo/replay/replay.hpp"
 #include "demo/replay/resample.hpp"
+#include "tests/plan/recorded_trace.hpp"
 
 using namespace gnomon::demo;
 
 namespace {
-
-Trace recorded(const std::string& name)
-{
-    std::ifstream file(std::string(GNOMON_TRACES) + "/" + name + ".gntrace", std::ios::binary);
-    std::ostringstream bytes;
-    bytes << file.rdbuf();
-    Outcome<Trace> trace = readTrace(bytes.str());
-    REQUIRE_MESSAGE(trace, name, ": ", trace.error());
-    return std::move(*trace);
-}
 
 gnomon::cost::KnowledgeBase shippedKnowledge()
 {
@@ -45,7 +36,7 @@ TEST_CASE("on recorded traces the plan keeps floor and budget and loses little a
     options.knowledge = &knowledge;
     options.device = knowledge.rows.front().device;
     for (const Case& wanted : kCases) {
-        const Trace trace = resample(recorded(wanted.name), 60.0); // as a runtime decides
+        const Trace trace = resample(gnomon::test::recordedTrace(wanted.name), 60.0); // as a runtime decides
         const std::vector<ReplayMetrics> all = compare(trace, options, nullptr);
         ReplayOptions raw = options;
         raw.rawTimes = true;
