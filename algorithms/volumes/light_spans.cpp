@@ -45,7 +45,7 @@ std::uint32_t LightSpans::update(const LightView& light, std::span<const Caster*
         const auto found = std::lower_bound(ids.begin(), ids.end(), caster->id);
         const bool known = found != ids.end() && *found == caster->id;
         std::unique_ptr<Entry> entry =
-            known ? std::move(old_[static_cast<std::size_t>(found - ids.begin())]) : std::make_unique<Entry>();
+            known ? std::move(old_[static_cast<std::size_t>(found - ids.begin())]) : takeSpare();
         if (entry->revision != caster->revision) {
             stale[count] = caster;
             made[count++] = entry.get();
@@ -53,7 +53,7 @@ std::uint32_t LightSpans::update(const LightView& light, std::span<const Caster*
         entry->caster = caster->id;
         entries_.push_back(std::move(entry));
     }
-    old_.clear();
+    keepSpares();
     std::sort(entries_.begin(), entries_.end(), [](const auto& a, const auto& b) { return a->caster < b->caster; });
     jobs.parallelFor(count, 1, [&](std::size_t begin, std::size_t end, std::uint32_t) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -66,11 +66,30 @@ std::uint32_t LightSpans::update(const LightView& light, std::span<const Caster*
     return static_cast<std::uint32_t>(count);
 }
 
+std::unique_ptr<LightSpans::Entry> LightSpans::takeSpare()
+{
+    if (spares_.empty()) return std::make_unique<Entry>();
+    std::unique_ptr<Entry> entry = std::move(spares_.back());
+    spares_.pop_back();
+    entry->revision = 0;
+    return entry;
+}
+
+void LightSpans::keepSpares()
+{
+    for (std::unique_ptr<Entry>& gone : old_)
+        if (gone && spares_.size() < entries_.size()) spares_.push_back(std::move(gone));
+    old_.clear();
+}
+
 std::size_t LightSpans::memoryBytes() const
 {
-    std::size_t sum = entries_.capacity() * sizeof(entries_[0]);
-    for (const std::unique_ptr<Entry>& entry : entries_)
-        sum += sizeof(Entry) + entry->spans.memoryBytes();
+    std::size_t sum = 0;
+    for (const auto* list : {&entries_, &spares_}) {
+        sum += list->capacity() * sizeof(entries_[0]);
+        for (const std::unique_ptr<Entry>& entry : *list)
+            sum += sizeof(Entry) + entry->spans.memoryBytes();
+    }
     return sum;
 }
 

@@ -31,11 +31,16 @@ public:
     std::size_t memoryBytes() const;
 
 private:
+    std::unique_ptr<Entry> takeSpare();
+    void keepSpares();
+
     SpanSpace space_;
     std::uint64_t stamp_ = 0, revision_ = 0;
     std::uint32_t rows_ = 0;
     std::vector<std::unique_ptr<Entry>> entries_; ///< By rising caster.
     std::vector<std::unique_ptr<Entry>> old_;     ///< Those of before, while entries_ is made; empty otherwise.
+    /// Of casters that left, no more than there are entries: one that comes and goes allocates nothing.
+    std::vector<std::unique_ptr<Entry>> spares_;
 };
 
 /// Finds a light's tables again. One thread; what it gives stays in place while it is asked for.

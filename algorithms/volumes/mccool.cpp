@@ -379,7 +379,8 @@ const AlgorithmEntry kMcCool{
             const auto side = static_cast<std::uint32_t>(settings[kResolution]);
             const auto edges = static_cast<std::uint32_t>(settings[kEdges]);
             const std::uint32_t maps = mapLayers(type);
-            return depthMapMemory(side, maps) + maps * (polygonBytes(side * edges) + cellBytes(side * edges)) +
+            return depthMapMemory(side, maps) +
+                   maps * (pooledSize(polygonBytes(side * edges)) + pooledSize(cellBytes(side * edges))) +
                    viewStencilMemory(extent);
         },
     .missing = missingForStencil,

@@ -241,8 +241,8 @@ const AlgorithmEntry kProjectedPlanar{
     .settings = {},
     .memoryPerLight =
         [](std::span<const double>, VkExtent2D extent, GnLightType) {
-            // A tile of 16 x 16 pixels has 16 bytes.
-            return VkDeviceSize{extent.width} * extent.height / 16 + sizeof(gpu::ReceiverPlane);
+            const VkDeviceSize tiles = VkDeviceSize{extent.width / gpu::PLANE_TILE} * (extent.height / gpu::PLANE_TILE);
+            return pooledSize(sizeof(gpu::TilePlane) * tiles) + pooledSize(sizeof(gpu::ReceiverPlane));
         },
     .missing = missing,
     .create = create,

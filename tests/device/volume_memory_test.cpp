@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <bit>
 
+#include "algorithms/volumes/all_edges_volume.hpp"
 #include "algorithms/volumes/chan_durand.hpp"
+#include "algorithms/volumes/mccool.hpp"
 #include "algorithms/volumes/octree_volume.hpp"
+#include "algorithms/volumes/projected_planar.hpp"
 #include "algorithms/volumes/stencil_volume.hpp"
 #include "device/memory_books.hpp"
 #include "runtime/algorithm.hpp"
@@ -190,7 +193,7 @@ TEST_CASE_FIXTURE(DeviceTest,
 
 TEST_CASE_FIXTURE(DeviceTest, "a view takes what its methods tell the plan, once, however many lights there are")
 {
-    for (const AlgorithmEntry* entry : {&kStencilVolume, &kOctreeVolume}) {
+    for (const AlgorithmEntry* entry : {&kStencilVolume, &kOctreeVolume, &kAllEdgesVolume}) {
         CAPTURE(std::string(entry->name));
         for (const bool several : {false, true}) {
             MemoryBooks books;
@@ -243,5 +246,78 @@ TEST_CASE_FIXTURE(DeviceTest, "chan_durand holds a map of 4 bytes a texel and it
         const VkDeviceSize told = toldBytes(kChanDurand, point ? GN_LIGHT_TYPE_POINT : GN_LIGHT_TYPE_SPOT);
         CHECK(held <= told);
         CHECK(told <= 2 * held); // a copy of the static casters is kept apart only where others move
+    }
+}
+
+TEST_CASE_FIXTURE(
+    DeviceTest,
+    "all_edges_volume holds 116 bytes a triangle and mesh, and 20 more an edge of open ones, for all lights")
+{
+    for (const bool several : {false, true}) {
+        MemoryBooks books;
+        Scene scene = memoryScene();
+        scene.instances.push_back(scene.instances.back()); // a second caster of the open mesh
+        scene.instances.back().pose.position.x -= 1.0;
+        if (several) scene.lights.push_back(spotLight("second", {-4.0, 6.0, 2.0}, {0.0, 0.0, 0.0}, true));
+        const Drawn drawn(books, "all_edges_volume", scene, {.extent = kExtent});
+        VkDeviceSize bytes = 0;
+        for (const demo::Mesh& mesh : scene.meshes) {
+            const Topology topology = buildTopology(mesh.positions, mesh.indices);
+            constexpr VkDeviceSize kCommands = 64; // three of 20 bytes, up to a slot of 16
+            bytes += rounded(kCommands + 116 * (mesh.indices.size() / 3) +
+                             (topology.closed ? 0 : 20 * VkDeviceSize{topology.edges.size()}));
+        }
+        CAPTURE(books.list());
+        CHECK(books.held("all_edges_volume.edges").count == scene.meshes.size());
+        CHECK(books.held("all_edges_volume.edges").bytes == bytes);
+        CHECK(books.held("volumes.sides").count == 0);
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest,
+                  "mccool holds a map of 4 bytes a texel, its copy, and 76 bytes a cell that may have a jump")
+{
+    for (const bool point : {false, true}) {
+        CAPTURE(point);
+        MemoryBooks books;
+        Scene scene = memoryScene();
+        if (point) scene.lights = {pointLight("bulb", {1.0, 5.0, 2.0}, true)};
+        const VkDeviceSize layers = point ? 6 : 1, resolution = 1024, cells = 64 * resolution;
+        const Drawn drawn(books, "mccool", scene, {.extent = kExtent});
+        CAPTURE(books.list());
+        const std::string map = point ? "cube_faces" : "depth_map";
+        const VkDeviceSize maps = books.held(map + ".depth").bytes + books.held(map + ".statics").bytes;
+        CHECK(maps >= layers * resolution * resolution * 4);
+        CHECK(maps <= 2 * layers * (resolution * resolution * 4 + 256));
+        const VkDeviceSize lists = books.held("mccool.polygons").bytes + books.held("mccool.cells").bytes;
+        const MemoryBooks::Entry polygons = books.held("mccool.polygons");
+        CHECK(polygons.bytes == polygons.count * rounded(32 + 72 * cells));
+        CHECK(lists == polygons.count * (rounded(32 + 72 * cells) + rounded(4 + 4 * cells)));
+        CHECK(polygons.count <= layers); // a face that no visible receiver needs has none
+        CHECK(polygons.count >= (layers + 1) / 2);
+        const VkDeviceSize held = viewBytes(books) + maps + lists;
+        const VkDeviceSize told = toldBytes(kMcCool, point ? GN_LIGHT_TYPE_POINT : GN_LIGHT_TYPE_SPOT);
+        MESSAGE("mccool: " << held << " bytes held, " << told << " told");
+        CHECK(held <= told);
+        CHECK(told <= 2 * held);
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "projected_planar holds 16 bytes a tile of 16 x 16 pixels and view, and 16 a light")
+{
+    for (const uint32_t lights : {1u, 2u}) {
+        MemoryBooks books;
+        Scene scene = memoryScene();
+        if (lights == 2) scene.lights.push_back(spotLight("second", {-4.0, 6.0, 2.0}, {0.0, 0.0, 0.0}, true));
+        const Drawn drawn(books, "projected_planar", scene, {.extent = kExtent});
+        const VkDeviceSize tiles = kExtent.width / 16 * (kExtent.height / 16); // whole ones
+        CAPTURE(books.list());
+        CHECK(books.held("projected_planar.tiles").count == 1);
+        CHECK(books.held("projected_planar.tiles").bytes == rounded(16 * tiles));
+        CHECK(books.held("projected_planar.plane").bytes == lights * rounded(16));
+        const VkDeviceSize held = books.held("projected_planar").bytes;
+        const VkDeviceSize told = toldBytes(kProjectedPlanar, GN_LIGHT_TYPE_SPOT);
+        CHECK(held <= lights * told);
+        CHECK(lights * told <= 2 * held);
     }
 }
