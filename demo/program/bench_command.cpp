@@ -223,6 +223,15 @@ void print(const Row& row)
     std::fflush(stdout);
 }
 
+/// \param count 0: the scene's own lights. \param named those of them that are measured; empty: all.
+Scene litScene(const std::string& name, uint32_t count, const std::vector<std::string>& named)
+{
+    Scene scene = valueOf(loadScene(name));
+    if (count > 0) limitLights(scene, count);
+    if (!named.empty()) keepLights(scene, named);
+    return scene;
+}
+
 /// Whether the method can be measured. \param asked for by name: then a note says why not.
 bool isMeasurable(const GnMethodInfo& method, bool recorded, bool asked)
 {
@@ -248,6 +257,10 @@ int benchCommand(const BenchOptions& options)
     const std::vector<uint32_t> maps = valueOf(parseCounts(options.maps, 16, 16384));
     std::vector<uint32_t> lightCounts = valueOf(parseCounts(options.lights, 1, 32));
     if (lightCounts.empty()) lightCounts.push_back(0); // the scene's
+    const std::vector<std::string> named = parseNames(options.light);
+    for (const std::string& name : options.scenes) // a misspelt light ends the command before anything is measured
+        for (const uint32_t count : lightCounts)
+            if (!named.empty()) (void)litScene(name, count, named);
     const auto isWanted = [&wanted](const std::string& name) {
         return wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end();
     };
@@ -259,8 +272,7 @@ int benchCommand(const BenchOptions& options)
     };
     for (const std::string& name : options.scenes) {
         for (const uint32_t count : lightCounts) {
-            Scene scene = valueOf(loadScene(name));
-            if (count > 0) limitLights(scene, count);
+            const Scene scene = litScene(name, count, named);
             SceneBench bench(*device, scene, options, choices);
             keep(bench.base());
             if (isWanted(kBareMethod))

@@ -31,6 +31,7 @@ int windowCommand(const RunOptions& options);
 struct BenchOptions {
     std::vector<std::string> scenes;
     std::string methods, lights, maps, settings, size, csv;
+    std::string light;       ///< Names: only these of the lights; empty: all.
     std::string figure, out; ///< A figure instead of scenes, and its picture.
     uint32_t repeat = 15;
     bool validation = false;

@@ -69,6 +69,7 @@ void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
     bench->add_option("--methods", options.methods,
                       "a,b,... default: all; `none` is the base row, `bare_shadow_map` a baseline without gnomon");
     bench->add_option("--lights", options.lights, "1,2,4,... default: the scene's");
+    bench->add_option("--light", options.light, "NAME,... only these of the lights; default: all");
     bench->add_option("--map", options.maps, "512,1024,... for methods with a resolution; default: theirs");
     bench->add_option("--set", options.settings, "SETTING=NUMBER,... for methods that have the setting");
     bench->add_option("--size", options.size, "picture size; default: the scene's");

@@ -34,6 +34,16 @@ Scene onlyServed(const Scene& scene, GnTraits traits)
     return out;
 }
 
+void keepLights(Scene& scene, const std::vector<std::string>& names)
+{
+    for (const std::string& name : names)
+        if (std::none_of(scene.lights.begin(), scene.lights.end(), [&](const Light& l) { return l.name == name; }))
+            throw HostError("scene '" + scene.name + "' has no light '" + name + "'");
+    std::erase_if(scene.lights, [&](const Light& light) {
+        return std::find(names.begin(), names.end(), light.name) == names.end();
+    });
+}
+
 const Image8* Truth::find(const std::string& light, const std::vector<uint8_t>** countedPixels) const
 {
     const auto found = std::find(lights.begin(), lights.end(), light);

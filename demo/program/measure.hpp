@@ -19,6 +19,9 @@ inline constexpr const char* kRowsSetting = "rows"; ///< Of a table: what a map'
 /// The scene with only those lights that a method with these traits serves.
 Scene onlyServed(const Scene& scene, GnTraits traits);
 
+/// Leaves the scene the lights of these names alone, in its own order. Throws HostError where it has none of a name.
+void keepLights(Scene& scene, const std::vector<std::string>& names);
+
 /// What the truth says about the present lights of a scene at one time.
 struct Truth {
     FrameSurfaces surfaces;

@@ -110,9 +110,8 @@ int reasonsCommand(const ReasonsOptions& options)
         options.size.empty() ? VkExtent2D{whole.width, whole.height} : valueOf(parseSize(options.size));
     const double time = frameTime(whole, options.frame.value_or(whole.frames / 2));
     Scene scene = whole;
-    if (!options.light.empty())
-        std::erase_if(scene.lights, [&](const Light& light) { return light.name != options.light; });
-    if (scene.lights.empty()) throw HostError("scene '" + options.scene + "' has no light '" + options.light + "'");
+    if (!options.light.empty()) keepLights(scene, {options.light});
+    if (scene.lights.empty()) throw HostError("scene '" + options.scene + "' has no light");
 
     const std::optional<Truth> truth = measureTruth(*device, scene, size, time);
     if (!truth) throw HostError("reasons are held against the method ray_traced, which this build lacks");

@@ -168,6 +168,29 @@ TEST_CASE("bench prints exactly the promised columns and a base row first")
     }
 }
 
+TEST_CASE("bench measures one light alone by its name, whatever its place, and refuses a name that is no light's")
+{
+    const Folder folder("bench_light");
+    const auto bench = [&](const std::string& lights) {
+        const fs::path csv = folder.path / "bench.csv";
+        const Ran ran = gnomonProgram("bench scenario --methods ray_traced --size 64x48 --repeat 3 --csv '" +
+                                      csv.string() + "' " + lights);
+        CAPTURE(ran.output);
+        REQUIRE(ran.exitCode == 0);
+        const std::vector<std::string> table = lines(csv);
+        REQUIRE(table.size() == 3);
+        return table[2];
+    };
+    CHECK(bench("--lights 4").starts_with("scenario,ray_traced,4,"));
+    CHECK(bench("--lights 4 --light still3").starts_with("scenario,ray_traced,1,"));
+    CHECK(bench("--light still4,still2").starts_with("scenario,ray_traced,2,"));
+    const Ran misspelt = gnomonProgram("bench scenario --light still3,lamp");
+    CHECK(misspelt.exitCode != 0);
+    CHECK(misspelt.output.find("scene 'scenario' has no light 'lamp'") != std::string::npos);
+    const Ran beyond = gnomonProgram("bench scenario --lights 2 --light still3");
+    CHECK(beyond.exitCode != 0);
+}
+
 TEST_CASE("a figure is a row for every number of lights and faces")
 {
     const Folder folder("figure");
