@@ -326,6 +326,12 @@ TEST_CASE("tables are kept: a caster that moved has its own made again, a light 
     casters.erase(casters.begin() + 1);
     CHECK(spans.update(light, casters, 200, jobs, arena) == 0);
     CHECK(spans.entries().size() == 4);
+    const std::size_t withSpare = spans.memoryBytes();
+    casters.insert(casters.begin() + 1, &placed[1]->caster);
+    CHECK(spans.update(light, casters, 200, jobs, arena) == 1);
+    CHECK(spans.memoryBytes() == withSpare); // what comes back has the memory of what left
+    casters.resize(1);                       // and of what left, no more is kept than there is
+    CHECK(spans.update(light, casters, 200, jobs, arena) == 0);
     CHECK(spans.memoryBytes() < all);
 
     LightSpansCache cache;
