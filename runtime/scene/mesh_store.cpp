@@ -194,17 +194,20 @@ void MeshBuilder::remarkOn(const MeshRevision& revision) const
     const Topology& topology = *revision.topology;
     if (topology.closed && topology.manifold && topology.orientable) return;
     if (revision.identity->remarked.exchange(true)) return;
-    const std::string what = revision.identity->what();
-    if (!topology.closed) {
-        const auto borders = std::count_if(topology.edges.begin(), topology.edges.end(),
-                                           [](const Topology::Edge& edge) { return edge.useCount == 1; });
-        messages_.info("MeshOpen", what + " is open: " + std::to_string(borders) +
-                                       " border edges; it casts with both sides of its triangles");
+    const auto borders = std::count_if(topology.edges.begin(), topology.edges.end(),
+                                       [](const Topology::Edge& edge) { return edge.useCount == 1; });
+    const std::string open = "open: " + std::to_string(borders) + " border edges";
+    const char* asItIs = topology.closed ? "; it casts as it is" : "; it casts with both sides of its triangles";
+    const std::string what = revision.identity->what() + " is ";
+    if (topology.manifold && topology.orientable) { // floors, leaves, cards: meant so as a rule
+        messages_.info("MeshOpen", what + open + asItIs);
         return;
     }
-    messages_.info("MeshNotManifold",
-                   what + " is closed, but " +
-                       (topology.manifold ? "its triangles disagree about the outside" : "not a manifold surface"));
+    const bool crowded = std::any_of(topology.edges.begin(), topology.edges.end(),
+                                     [](const Topology::Edge& edge) { return edge.useCount > 2; });
+    const char* fault =
+        crowded || topology.orientable ? "no manifold surface" : "a surface whose triangles disagree about the outside";
+    messages_.warn("MeshNotManifold", what + fault + (borders > 0 ? ", and " + open : std::string()) + asItIs);
 }
 
 } // namespace gnomon

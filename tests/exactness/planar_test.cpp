@@ -99,6 +99,13 @@ TEST_CASE("it is so for every kind of light where the caster hangs before the ey
         }
 }
 
+TEST_CASE("it is so where casters are no manifold surfaces, or pass through themselves")
+{
+    const test::DeviceTest silence;
+    Stage stage(oddCasters(), kSize);
+    checkPlanar("odd casters", stage);
+}
+
 TEST_CASE("it is so in the shipped scene whose receivers are mostly one floor")
 {
     const test::DeviceTest silence;

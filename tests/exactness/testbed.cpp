@@ -109,6 +109,79 @@ Scene hangingCaster(LightKind kind, bool closed, DepthConvention convention)
     return scene;
 }
 
+namespace {
+
+/// What every odd caster starts from.
+Mesh ring()
+{
+    return makeTorus({.radius = 0.7f, .tube = 0.25f, .ringSegments = 24, .tubeSegments = 12});
+}
+
+Mesh crossingRings()
+{
+    Mesh mesh = ring();
+    const auto count = static_cast<uint32_t>(mesh.positions.size());
+    const std::vector<uint32_t> indices = mesh.indices;
+    for (uint32_t i = 0; i < count; ++i) { // upright, its middle on the other's tube
+        const glm::vec3 p = mesh.positions[i];
+        mesh.positions.emplace_back(p.x + 0.6f, p.z, -p.y);
+    }
+    for (const uint32_t index : indices)
+        mesh.indices.push_back(count + index);
+    return mesh;
+}
+
+Mesh finnedRing()
+{
+    Mesh mesh = ring();
+    const std::vector<uint32_t> indices = mesh.indices;
+    for (size_t i = 0; i < indices.size(); i += 3 * 11) {
+        const glm::vec3 a = mesh.positions[indices[i]], b = mesh.positions[indices[i + 1]];
+        const glm::vec3 middle = 0.5f * (a + b);
+        mesh.positions.push_back(middle + glm::vec3(0.2f * middle.x, 0.3f, 0.2f * middle.z));
+        mesh.indices.insert(mesh.indices.end(),
+                            {indices[i], indices[i + 1], static_cast<uint32_t>(mesh.positions.size() - 1)});
+    }
+    return mesh;
+}
+
+Mesh doubledRing()
+{
+    Mesh mesh = ring();
+    const std::vector<uint32_t> indices = mesh.indices;
+    mesh.indices.insert(mesh.indices.end(), indices.begin(), indices.end());
+    return mesh;
+}
+
+Mesh turnedRing()
+{
+    Mesh mesh = ring();
+    for (size_t i = 0; i < mesh.indices.size(); i += 3 * 7)
+        std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
+    return mesh;
+}
+
+} // namespace
+
+Scene oddCasters()
+{
+    Scene scene;
+    scene.name = "odd casters";
+    scene.camera = {{.eye = {0.5, 6.0, 8.0}, .target = {0.0, 0.4, 0.0}}};
+    place(scene, "floor", makeBox({.size = glm::vec3(30.0f, 0.2f, 30.0f)}), {0.0, -0.1, 0.0});
+    const auto tilted = [&](const char* name, Mesh mesh, const glm::dvec3& position) {
+        place(scene, name, std::move(mesh), position).pose.rotation = turned(glm::normalize(kUp + kRight), 40.0);
+    };
+    tilted("crossing", crossingRings(), {-2.4, 1.3, -1.2});
+    tilted("finned", finnedRing(), {1.8, 1.2, -1.6});
+    tilted("doubled", doubledRing(), {-1.4, 1.1, 1.8});
+    tilted("turned", turnedRing(), {2.0, 1.3, 1.6});
+    scene.lights = {lamp("sun", LightKind::Directional, {4.0, 6.0, 3.0}, {0.0, 0.0, 0.0}),
+                    lamp("spot", LightKind::Spot, {-4.5, 6.5, 4.5}, {0.0, 0.5, 0.0}),
+                    lamp("point", LightKind::Point, {0.3, 4.6, 0.2}, {0.0, 0.0, 0.0})};
+    return scene;
+}
+
 Scene softScene(Caster caster, LightKind kind, double height, float radius)
 {
     Scene scene;

@@ -18,8 +18,13 @@ enum class Caster : uint8_t { box, sphere, cylinder, torus };
 /// \param height Of the caster's centre over the floor; \param radius of the lamp. Metres.
 demo::Scene softScene(Caster caster, demo::LightKind kind, double height, float radius);
 
-/// A plain of a square kilometre, seen from above, four metres under a lamp that reaches past it all. Just under the lamp hangs
-/// a card, and a crate stands on the plain.
+/// A floor, and over it what is no simple solid: two tori in one mesh that pass through each other, a torus with fins
+/// on some of its edges, one whose triangles are all there twice, and one with every seventh triangle turned inside
+/// out. Layer 0 sun, 1 spot, 2 point.
+demo::Scene oddCasters();
+
+/// A plain of a square kilometre, seen from above, four metres under a lamp that reaches past it all. Just under the
+/// lamp hangs a card, and a crate stands on the plain.
 demo::Scene lampOverPlain(demo::LightKind kind);
 
 /// The instances whose mesh is closed, alone.

@@ -311,6 +311,37 @@ TEST_CASE("an open mesh is remarked upon once, with its border edges")
     CHECK(said[0].id == "MeshOpen");
     CHECK(said[0].text.find("mesh 'leaf' is open: 3 border edges") == 0);
 }
+
+TEST_CASE("a mesh that is no manifold surface, or turned against itself, is warned of once, by its name")
+{
+    SceneFixture scene;
+    Shape twice = cube(); // every face a second time: closed, with four faces at an edge
+    const std::vector<std::uint32_t> faces = twice.indices;
+    twice.indices.insert(twice.indices.end(), faces.begin(), faces.end());
+    Shape turned = cube();
+    std::swap(turned.indices[1], turned.indices[2]);
+    Shape fin = cube(); // a triangle more on one edge
+    for (const float value : {0.0f, 0.0f, 9.0f})
+        fin.positions.push_back(value);
+    fin.indices.insert(fin.indices.end(),
+                       {faces[0], faces[1], static_cast<std::uint32_t>(fin.positions.size() / 3 - 1)});
+    const GnMesh mesh = make(scene, twice, "twice");
+    REQUIRE(rewrite(scene, mesh, twice.scaled(2.0f)));
+    make(scene, turned, "turned");
+    make(scene, fin, "fin");
+    const auto said = scene.said();
+    REQUIRE(said.size() == 3);
+    for (const auto& message : said) {
+        CHECK(message.severity == GN_SEVERITY_WARNING);
+        CHECK(message.id == "MeshNotManifold");
+    }
+    CHECK(said[0].text == "mesh 'twice' is no manifold surface; it casts as it is");
+    CHECK(said[1].text ==
+          "mesh 'turned' is a surface whose triangles disagree about the outside; it casts with both sides of "
+          "its triangles");
+    CHECK(said[2].text ==
+          "mesh 'fin' is no manifold surface, and open: 2 border edges; it casts with both sides of its triangles");
+}
 #endif
 
 TEST_CASE("a rewrite that cannot be changes nothing")
