@@ -6,80 +6,32 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <random>
 #include <vector>
 
 #include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
-#include <glm/matrix.hpp>
 
+#include "algorithms/conservative_fixture.hpp"
 #include "shaders/hybrid/conservative_look.h"
 #include "shaders/hybrid/conservative_thesis.h"
 
 using namespace gnomon;
 using glm::dvec2;
-using glm::dvec3;
 using gpu::ConservativePush;
 using gpu::ConservativeTriangle;
+using test::kLampFar;
+using test::kLampNear;
+using test::lamp;
+using test::SeenTriangle;
 
 namespace {
 
 constexpr float kSide = 64.0f;
 
-/// Corners given in texels and depth, as a directional light sees them; depth 0 near, 1 far.
 ConservativePush straightDown(std::uint32_t flags = 0)
 {
-    ConservativePush push{};
-    push.texelFromObject = glm::mat4(1.0f);
-    push.texelFromObject[3] = glm::vec4(0.0f, 0.0f, 0.0f, 1.0f);
-    push.side = kSide;
-    push.depthConstant = 0.0f;
-    push.depthScale = -1.0f;
-    push.texelError = 1e-4f; // larger than what the exact rays see: the bounds have to hold all the same
-    push.depthError = 1e-6f;
-    push.flags = flags;
-    return push;
-}
-
-constexpr float kNear = 0.25f, kFar = 32.0f;
-
-/// Corners in metres about a light that looks along z through a map of 90 degrees.
-ConservativePush lamp()
-{
-    ConservativePush push = straightDown(gpu::CASTER_PERSPECTIVE);
-    const float half = 0.5f * kSide;
-    push.texelFromObject = glm::mat4(half, 0, 0, 0, 0, half, 0, 0, half, half, 0, 1, 0, 0, 0, 0);
-    push.depthConstant = kFar / (kFar - kNear);
-    push.depthScale = -kFar * kNear / (kFar - kNear);
-    push.texelError = 1e-5f * 4.0f * kSide;
-    push.wError = 1e-5f;
-    push.depthErrorSquare = 1e-5f / -push.depthScale;
-    return push;
-}
-
-struct Hit {
-    double depth;
-};
-
-/// Where the ray through a place in the map meets the triangle.
-std::optional<Hit> hitAt(const ConservativePush& push, const std::array<glm::vec3, 3>& corners, dvec2 at)
-{
-    const bool perspective = (push.flags & gpu::CASTER_PERSPECTIVE) != 0;
-    dvec3 v[3];
-    double z[3];
-    for (int i = 0; i < 3; ++i) {
-        const glm::dvec4 q = glm::dmat4(push.texelFromObject) * glm::dvec4(dvec3(corners[std::size_t(i)]), 1.0);
-        v[i] = {q.x, q.y, q.w};
-        z[i] = q.z;
-    }
-    const glm::dmat3 columns(v[0], v[1], v[2]);
-    if (glm::determinant(columns) == 0.0) return {};
-    const dvec3 weights = glm::inverse(columns) * dvec3(at, 1.0);
-    if (weights.x < 0.0 || weights.y < 0.0 || weights.z < 0.0) return {};
-    const double sum = weights.x + weights.y + weights.z;
-    const double a = double(push.depthConstant), b = double(push.depthScale);
-    return Hit{perspective ? a + b * sum : weights.x * z[0] + weights.y * z[1] + weights.z * z[2]};
+    // Larger errors than what the exact rays see: the bounds have to hold all the same.
+    return test::straightDown(kSide, 1e-4f, flags);
 }
 
 struct Texel {
@@ -117,6 +69,7 @@ constexpr int kRays = 16;
 Count checkAll(const ConservativePush& push, const std::array<glm::vec3, 3>& corners)
 {
     const ConservativeTriangle t = conservativeTriangle(push, corners[0], corners[1], corners[2]);
+    const SeenTriangle seen(push, corners);
     Count count;
     int missed = 0, uncovered = 0, above = 0, below = 0, unordered = 0;
     for (int y = 0; y < int(kSide); ++y) {
@@ -125,17 +78,17 @@ Count checkAll(const ConservativePush& push, const std::array<glm::vec3, 3>& cor
             count.touched += texel.touched;
             count.covered += texel.covered;
             unordered += texel.covered && (!texel.touched || texel.nearest > texel.farthest);
-            if (texel.held) missed += !hitAt(push, corners, {x + 0.5, y + 0.5});
+            if (texel.held) missed += !seen.depthAt({x + 0.5, y + 0.5});
             bool any = false;
             for (int j = 0; j <= kRays; ++j) {
                 for (int i = 0; i <= kRays; ++i) {
-                    const auto hit = hitAt(push, corners, {x + double(i) / kRays, y + double(j) / kRays});
-                    any = any || hit;
-                    missed += hit && !texel.touched;
-                    uncovered += !hit && texel.covered;
-                    const bool seen = hit && hit->depth >= 0.0 && hit->depth <= 1.0;
-                    above += seen && texel.touched && hit->depth < texel.nearest;
-                    below += seen && texel.covered && hit->depth > texel.farthest;
+                    const auto depth = seen.depthAt({x + double(i) / kRays, y + double(j) / kRays});
+                    any = any || depth;
+                    missed += depth && !texel.touched;
+                    uncovered += !depth && texel.covered;
+                    const bool inMap = depth && *depth >= 0.0 && *depth <= 1.0;
+                    above += inMap && texel.touched && *depth < texel.nearest;
+                    below += inMap && texel.covered && *depth > texel.farthest;
                 }
             }
             count.hit += any;
@@ -187,7 +140,7 @@ TEST_CASE("it is so about a lamp, for triangles that reach behind it as well")
         for (glm::vec3& corner : corners)
             corner = at + size * glm::vec3(in(-1.0f, 1.0f), in(-1.0f, 1.0f), in(-1.0f, 1.0f));
         crossing += std::min({corners[0].z, corners[1].z, corners[2].z}) < 0.0f;
-        covered += checkAll(lamp(), corners).covered;
+        covered += checkAll(lamp(kSide), corners).covered;
     }
     CHECK(crossing > 20);
     CHECK(covered > 1000);
@@ -272,8 +225,8 @@ TEST_CASE("outside the map, before its near end and in a texel known too roughly
     gpu::MapLook& look = constants.hybrid.base.map;
     look.side = kSide;
     look.positional = 1.0f;
-    look.depthConstant = kFar / (kFar - kNear);
-    look.depthScale = -kFar * kNear / (kFar - kNear);
+    look.depthConstant = kLampFar / (kLampFar - kLampNear);
+    look.depthScale = -kLampFar * kLampNear / (kLampFar - kLampNear);
     constants.texelsPerMetre = 2.0f * kSide;
     constants.depthSquare = 1.0f / -look.depthScale;
     const auto known = [&](float x, float y, float w, float error = 1e-6f) {
