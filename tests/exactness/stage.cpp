@@ -64,9 +64,7 @@ bool Stage::served(const std::string& method)
 {
     for (const uint32_t light : present) {
         if (!exact::serves(traits_.at(method), scene_.lights[light].kind)) continue;
-        GnDecision decision{};
-        gnGetDecision(session_.shadows.context(), session_.shadows.view(0), session_.shadows.light(light), &decision);
-        if (decision.reason != GN_REASON_PINNED || decision.pMethod != method) return false;
+        if (!servedByPin(session_, light, method)) return false;
     }
     return true;
 }
@@ -111,6 +109,13 @@ const std::vector<std::string>& sceneNames()
         return all;
     }();
     return names;
+}
+
+bool servedByPin(const demo::Session& session, uint32_t light, const std::string& method)
+{
+    GnDecision decision{};
+    gnGetDecision(session.shadows.context(), session.shadows.view(0), session.shadows.light(light), &decision);
+    return decision.reason == GN_REASON_PINNED && decision.pMethod == method;
 }
 
 bool serves(GnTraits traits, LightKind kind)

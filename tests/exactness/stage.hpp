@@ -75,6 +75,9 @@ const std::vector<std::string>& sceneNames();
 
 bool serves(GnTraits traits, LightKind kind);
 
+/// Whether the newest frame's light is served by the method that it is pinned to.
+bool servedByPin(const demo::Session& session, uint32_t light, const std::string& method);
+
 /// \param onlyKinds Lights of these kinds; traits as in GnMethodInfo.
 ErrorCount pooled(const Stage& stage, const Pictures& pictures, GnTraits onlyKinds = ~GnTraits(0));
 
