@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "algorithms/hybrid/bit_rows.hpp"
-#include "exactness/stage.hpp"
+#include "exactness/thrown.hpp"
 #include "shaders/hybrid/reasons.h"
 
 namespace gnomon::exact {
@@ -79,15 +79,51 @@ Contour contourOf(const Image8& picture, uint32_t width, std::vector<uint8_t>* i
 
 } // namespace
 
-TEST_CASE("strict over the whole image is ray_traced, bit for bit")
+namespace {
+
+/// What the chain said in its contour, held against the truth.
+struct InContour {
+    std::array<uint64_t, gpu::REASON_COUNT> counts{};
+    uint64_t wrongProofs = 0, wrongHints = 0, hints = 0, contour = 0;
+
+    uint64_t traced() const { return counts[gpu::REASON_RT_LIT] + counts[gpu::REASON_RT_SHADOW]; }
+};
+
+InContour inContour(const Pictures& truth, const Pictures& reasons)
+{
+    InContour found;
+    everywhere(reasons, [&](size_t layer, size_t i) {
+        const uint8_t reason = reasons[layer].texels[i];
+        if (reason < found.counts.size()) ++found.counts[reason];
+        if (byMap(reason) || reason == gpu::REASON_BACKFACING) return;
+        const bool wrong = litBy(reason) != (truth[layer].texels[i] >= 128);
+        ++found.contour;
+        found.hints += byTexels(reason);
+        found.wrongHints += wrong && byTexels(reason);
+        found.wrongProofs += wrong && !byTexels(reason);
+    });
+    return found;
+}
+
+size_t darkIn(const Pictures& pictures)
+{
+    size_t sum = 0;
+    for (const Image8& picture : pictures)
+        sum += test::dark(picture);
+    return sum;
+}
+
+} // namespace
+
+TEST_CASE("strict over the whole image is ray_traced, bit for bit, on every shipped scene")
 {
     const test::DeviceTest silence;
-    for (const std::string& name : scenes()) {
+    for (const std::string& name : sceneNames()) {
         CAPTURE(name);
         Stage stage(shippedScene(name), kSize);
         const Pictures pictures = stage.draw(kChain, with(kModeStrict, 0, false));
         CHECK(test::differences(pictures, stage.truth) == 0);
-        CHECK(test::dark(stage.truth[0]) > 500);
+        CHECK(darkIn(stage.truth) > 500);
     }
 }
 
@@ -99,31 +135,65 @@ TEST_CASE("in its contour the chain is wrong only where agreeing texels are, and
         Stage stage(shippedScene(name), kSize);
         for (const Mode mode : {kModeChain, kModeTcOnly, kModeTcLit, kModeStrict}) {
             CAPTURE(mode);
-            const Pictures reasons = stage.draw(kChain, with(mode, 4, true));
-            std::array<uint64_t, gpu::REASON_COUNT> counts{};
-            uint64_t wrongProofs = 0, wrongHints = 0, hints = 0, contour = 0;
-            everywhere(reasons, [&](size_t layer, size_t i) {
-                const uint8_t reason = reasons[layer].texels[i];
-                if (reason < counts.size()) ++counts[reason];
-                if (byMap(reason) || reason == gpu::REASON_BACKFACING) return;
-                const bool wrong = litBy(reason) != (stage.truth[layer].texels[i] >= 128);
-                ++contour;
-                hints += byTexels(reason);
-                wrongHints += wrong && byTexels(reason);
-                wrongProofs += wrong && !byTexels(reason);
-            });
-            MESSAGE(name << ", mode " << mode << ": of " << contour << " pixels in the contour " << hints
-                         << " settled by texels, wrong " << wrongHints << "; traced "
-                         << counts[gpu::REASON_RT_LIT] + counts[gpu::REASON_RT_SHADOW]);
-            CHECK(wrongProofs == 0);
-            CHECK(contour > 2000);
-            if (mode == kModeStrict) CHECK(hints == 0);
-            if (mode == kModeTcLit) CHECK(counts[gpu::REASON_TC_SHADOW] == 0);
-            if (mode == kModeTcOnly) CHECK(counts[gpu::REASON_NB_CONFIRMED] + counts[gpu::REASON_AG_CONFIRMED] == 0);
-            if (mode != kModeTcOnly) CHECK(counts[gpu::REASON_NB_CONFIRMED] > 100);
-            if (mode != kModeTcOnly) CHECK(counts[gpu::REASON_AG_CONFIRMED] > 0);
+            const InContour found = inContour(stage.truth, stage.draw(kChain, with(mode, 4, true)));
+            MESSAGE(name << ", mode " << mode << ": of " << found.contour << " pixels in the contour " << found.hints
+                         << " settled by texels, wrong " << found.wrongHints << "; traced " << found.traced());
+            CHECK(found.wrongProofs == 0);
+            CHECK(found.contour > 2000);
+            if (mode == kModeStrict) CHECK(found.hints == 0);
+            if (mode == kModeTcLit) CHECK(found.counts[gpu::REASON_TC_SHADOW] == 0);
+            const uint64_t neighbours = found.counts[gpu::REASON_NB_CONFIRMED];
+            const uint64_t rings = found.counts[gpu::REASON_AG_CONFIRMED];
+            if (mode == kModeTcOnly) CHECK(neighbours + rings == 0);
+            if (mode != kModeTcOnly) CHECK(neighbours > 100);
+            if (mode != kModeTcOnly) CHECK(rings > 0);
         }
     }
+}
+
+namespace {
+
+Pictures drawChain(Thrown& thrown, const Throw& frame, const Settings& settings)
+{
+    for (const Setting& setting : settings)
+        demo::expect(thrown.session().shadows.set(kChain, setting.name, setting.value));
+    return thrown.draw(kChain, frame);
+}
+
+/// \param lights Static ones among them keep their maps, and the copies of these, while casters move.
+void checkThrown(const std::string& name, Lights lights, unsigned seed)
+{
+    CAPTURE(name);
+    Thrown thrown(shippedScene(name), {240, 135}, lights);
+    Dice dice(seed);
+    size_t differing = 0, dark = 0;
+    uint64_t wrongProofs = 0, contour = 0;
+    for (int number = 0; number < 5; ++number) {
+        const Throw frame = thrown.next(dice);
+        const Pictures truth = thrown.draw("ray_traced", frame);
+        differing += test::differences(drawChain(thrown, frame, with(kModeStrict, 0, false)), truth);
+        const InContour found = inContour(truth, drawChain(thrown, frame, with(kModeChain, 4, true)));
+        wrongProofs += found.wrongProofs;
+        contour += found.contour;
+        dark += darkIn(truth);
+    }
+    MESSAGE(name << ": " << contour << " pixels in contours, wrong proofs " << wrongProofs << "; strict differs on "
+                 << differing << ", dark " << dark);
+    CHECK(differing == 0);
+    CHECK(wrongProofs == 0);
+    CHECK(contour > 5000);
+    CHECK(dark > 1000);
+}
+
+} // namespace
+
+TEST_CASE("both are so from any camera, at any time, under any lights, with standard depth as well")
+{
+    const test::DeviceTest silence;
+    unsigned seed = 301;
+    for (const std::string& name : sceneNames())
+        for (const Lights lights : {Lights::thrown, Lights::asTheyAre})
+            checkThrown(name, lights, seed++);
 }
 
 TEST_CASE("votes tell why the chain decided as it did")
