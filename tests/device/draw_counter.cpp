@@ -90,12 +90,11 @@ DrawCounter::~DrawCounter()
 
 bool DrawCounter::possible()
 {
-    const VkPhysicalDeviceFeatures2& enabled = *device().contextInfo().pEnabledFeatures;
-    bool reset = false;
-    for (auto* next = static_cast<const VkBaseInStructure*>(enabled.pNext); next; next = next->pNext)
-        if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES)
-            reset = reinterpret_cast<const VkPhysicalDeviceVulkan12Features*>(next)->hostQueryReset;
-    return reset && enabled.features.occlusionQueryPrecise && enabled.features.pipelineStatisticsQuery;
+    VkPhysicalDeviceVulkan12Features present12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+    VkPhysicalDeviceFeatures2 present{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &present12};
+    vkGetPhysicalDeviceFeatures2(device().physicalDevice, &present);
+    return present12.hostQueryReset && present.features.occlusionQueryPrecise &&
+           present.features.pipelineStatisticsQuery;
 }
 
 HostOptions DrawCounter::options(HostOptions base) const

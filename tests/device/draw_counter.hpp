@@ -21,7 +21,7 @@ public:
     DrawCounter(const DrawCounter&) = delete;
     DrawCounter& operator=(const DrawCounter&) = delete;
 
-    /// Whether the device can count at all.
+    /// Whether the device can count at all. Where it can, the host has to have asked for it, or validation complains.
     static bool possible();
     HostOptions options(HostOptions base = {}) const;
     /// Draws one frame of a host made with options(); waits for it.

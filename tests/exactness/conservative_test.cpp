@@ -232,11 +232,14 @@ TEST_CASE("sheets leave the lit pixels as they are and only add dark ones")
 {
     const test::DeviceTest silence;
     Stage stage(testbed(demo::DepthConvention::ReversedInfinite), kSize);
+    const auto pixels = [](const std::vector<uint8_t>& mask) { return std::count(mask.begin(), mask.end(), 1); };
     const Settings settings = {{"resolution", 512.0}, {"reasons", 1.0}};
     const Pictures plain = stage.draw(kPlain, settings), sheets = stage.draw(kSheets, settings);
     for (size_t layer = 0; layer < plain.size(); ++layer) {
         CAPTURE(layer);
-        CHECK(maskOf(plain[layer], gpu::REASON_MAP_LIT) == maskOf(sheets[layer], gpu::REASON_MAP_LIT));
+        const auto lit = maskOf(plain[layer], gpu::REASON_MAP_LIT);
+        CHECK(lit == maskOf(sheets[layer], gpu::REASON_MAP_LIT));
+        CHECK(pixels(lit) > 500); // of every kind of light
         const auto before = maskOf(plain[layer], gpu::REASON_MAP_SHADOW);
         const auto after = maskOf(sheets[layer], gpu::REASON_MAP_SHADOW);
         uint64_t lost = 0, gained = 0;
@@ -246,6 +249,7 @@ TEST_CASE("sheets leave the lit pixels as they are and only add dark ones")
         }
         CHECK(lost == 0);
         CHECK(gained > 0);
+        CHECK(pixels(before) > 100);
     }
 }
 

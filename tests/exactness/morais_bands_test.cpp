@@ -128,6 +128,8 @@ TEST_CASE("AC-10, AC-11: the plain map is wrong on some percent, the less the fi
             CHECK(within(percentOf(view.plainWrong(), view.facing), isOpen(view) ? 2 : 1, isOpen(view) ? 8 : 6));
         CHECK(at(view, 512).plainWrong() > view.plainWrong());
         CHECK(view.plainWrong() > at(view, 2048).plainWrong());
+        // AC-11 asks for 3 (Sponza 1.5) over three doublings of the map; this is over two.
+        CHECK(at(view, 512).plainWrong() >= 2 * at(view, 2048).plainWrong());
     });
 }
 
