@@ -72,7 +72,8 @@ typedef struct GnFrameStats {
     VkDeviceSize memory;        ///< Device bytes held.
     uint32_t fading;            ///< Lights shown as a mix of two methods.
     float predictedMs;          ///< By the cost model, all lights, outgoing methods of fading ones included.
-    float sharedMs;             ///< Of the newest timed frames' passes what belongs to no light: left out of predictedMs.
+    float sharedMs;             ///< What belongs to no light, of the newest frames that were timed without being asked to:
+                                ///< left out of predictedMs.
     float budgetMs;             ///< The budget the plan kept to: the host's, the rules' `shadowCapMs` where that is
                                 ///< less or the host gives none, or that of `budget: auto`; 0: none.
     float raysMs;               ///< Inside the ray tracer's queries, wall time of every thread added up.
