@@ -68,8 +68,9 @@ uint32_t validLayers(const Host& host)
 
 TEST_CASE_FIXTURE(DeviceTest, "a frame that another call finished and that failed is told by its gnFinishShadows")
 {
-    for (const auto& [name, call] : kFinishing) {
-        CAPTURE(std::string(name));
+    for (const auto& [by, call] : kFinishing) {
+        const std::string name = by; // clang 14 captures no structured bindings
+        CAPTURE(name);
         Thrower thrower;
         Host host(smallScene(), withWorkers());
         thrower.join(host);
@@ -81,8 +82,9 @@ TEST_CASE_FIXTURE(DeviceTest, "a frame that another call finished and that faile
         thrower.throws = false;
         host.require(host.draw()); // with the same number
     }
-    for (const auto& [name, call] : kFinishing) {
-        CAPTURE(std::string(name));
+    for (const auto& [by, call] : kFinishing) {
+        const std::string name = by; // clang 14 captures no structured bindings
+        CAPTURE(name);
         Host host(smallScene(), watched());
         host.pinAll("pcf_hybrid");
         host.require(host.draw());
@@ -98,8 +100,9 @@ TEST_CASE_FIXTURE(DeviceTest, "a frame that another call finished and that faile
 
 TEST_CASE_FIXTURE(DeviceTest, "a frame that another call finished well is told once, or never where nobody asks")
 {
-    for (const auto& [name, call] : kFinishing) {
-        CAPTURE(std::string(name));
+    for (const auto& [by, call] : kFinishing) {
+        const std::string name = by; // clang 14 captures no structured bindings
+        CAPTURE(name);
         Host host(smallScene());
         host.pinAll("pcf_hybrid");
         host.require(host.draw({.call = Call::begin}));
