@@ -147,6 +147,7 @@ Result<std::unique_ptr<DeviceTable>> loadDeviceTable(const GnContextCreateInfo& 
     table->queue = info.queue;
     table->queueFamily = info.queueFamilyIndex;
     table->hostAllocator = info.pAllocationCallbacks;
+    table->pipelineCache = info.pipelineCache;
     table->enabled = info.pEnabledFeatures->features;
     table->extensions.assign(info.ppEnabledExtensionNames, info.ppEnabledExtensionNames + info.enabledExtensionCount);
     if (Result<void> loaded = loadFunctions(*table, info.pfnGetInstanceProcAddr); !loaded) return loaded.error();

@@ -59,6 +59,7 @@ struct DeviceTable {
     VkQueue queue = VK_NULL_HANDLE;
     std::uint32_t queueFamily = 0;
     const VkAllocationCallbacks* hostAllocator = nullptr;
+    VkPipelineCache pipelineCache = VK_NULL_HANDLE; ///< The host's, or null.
 
     VkPhysicalDeviceProperties properties{};
     VkPhysicalDeviceMemoryProperties memory{};

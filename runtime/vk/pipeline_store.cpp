@@ -44,7 +44,7 @@ PipelineStore::~PipelineStore()
 {
     for (const std::unique_ptr<Item>& item : items_)
         destroyPipeline(vk_, item->pipeline);
-    if (cache_) vk_.vkDestroyPipelineCache(vk_.device, cache_, vk_.hostAllocator);
+    if (ownCache_) vk_.vkDestroyPipelineCache(vk_.device, ownCache_, vk_.hostAllocator);
 }
 
 PipelineId PipelineStore::graphics(const GraphicsPipelineInfo& info)
@@ -80,16 +80,18 @@ void PipelineStore::setTrialBias(DepthBias bias)
     trialBias_ = bias;
 }
 
-/// Pipelines of one source share compiled parts. Without a cache everything works, so a failure is not passed on.
+/// The host's, or one of our own: pipelines of one source share compiled parts. Without a cache everything works, so a
+/// failure is not passed on.
 VkPipelineCache PipelineStore::cache()
 {
-    if (std::exchange(cacheAsked_, true)) return cache_;
+    if (vk_.pipelineCache) return vk_.pipelineCache;
+    if (std::exchange(cacheAsked_, true)) return ownCache_;
     const VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO, nullptr, 0, 0, nullptr};
-    if (vk_.vkCreatePipelineCache(vk_.device, &info, vk_.hostAllocator, &cache_) == VK_SUCCESS)
+    if (vk_.vkCreatePipelineCache(vk_.device, &info, vk_.hostAllocator, &ownCache_) == VK_SUCCESS)
         ++vk_.objectsMade;
     else
-        cache_ = VK_NULL_HANDLE;
-    return cache_;
+        ownCache_ = VK_NULL_HANDLE;
+    return ownCache_;
 }
 
 bool PipelineStore::createNext(std::uint32_t owner)

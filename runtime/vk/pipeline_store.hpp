@@ -51,7 +51,7 @@ private:
     std::vector<std::unique_ptr<Item>> items_; ///< Stable addresses: workers create outside the lock.
     PipelineTrials trials_;
     DepthBias trialBias_;
-    VkPipelineCache cache_ = VK_NULL_HANDLE;
+    VkPipelineCache ownCache_ = VK_NULL_HANDLE;
     bool cacheAsked_ = false;
     std::uint32_t owner_ = 0;
 };

@@ -111,6 +111,33 @@ TEST_CASE("bindings are kept in the order of dynamic offsets")
     CHECK(at.store.get(casters).casters);
 }
 
+TEST_CASE("pipelines are made with the host's cache, which stays the host's, or with one of our own")
+{
+    StubVulkan stub;
+    const VkPipelineCacheCreateInfo empty{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO, nullptr, 0, 0, nullptr};
+    VkPipelineCache hosts = VK_NULL_HANDLE;
+    REQUIRE(stub.table.vkCreatePipelineCache(VK_NULL_HANDLE, &empty, nullptr, &hosts) == VK_SUCCESS);
+    for (const bool given : {true, false}) {
+        CAPTURE(given);
+        stub.table.pipelineCache = given ? hosts : VkPipelineCache(VK_NULL_HANDLE);
+        {
+            DeviceMemory memory{stub.table, 512 * kMiB, {}};
+            SamplerSet samplers{stub.table};
+            PipelineStore store{stub.table, memory, samplers};
+            for (const PipelineId id : {store.graphics(resolveInfo()), store.compute(listInfo())}) {
+                stub.lastPipelineCache = VK_NULL_HANDLE;
+                REQUIRE(store.createNext(0));
+                CHECK(stub.lastPipelineCache != VkPipelineCache(VK_NULL_HANDLE));
+                CHECK((stub.lastPipelineCache == hosts) == given);
+                CHECK(store.get(id).pipeline != VkPipeline(VK_NULL_HANDLE));
+            }
+            CHECK(stub.live("cache") == (given ? 1 : 2));
+        }
+        CHECK(stub.live("cache") == 1);
+    }
+    stub.table.vkDestroyPipelineCache(VK_NULL_HANDLE, hosts, nullptr);
+}
+
 TEST_CASE("a method is ready once all of its pipelines, shared ones included, are created and tried")
 {
     Fixture at;

@@ -76,10 +76,11 @@ void VKAPI_PTR destroyObject(VkDevice, Handle handle, const VkAllocationCallback
     StubVulkan::current().destroy(bitsOf(handle), Kind);
 }
 template <typename Info, const auto& Kind>
-VkResult VKAPI_PTR createPipelines(VkDevice, VkPipelineCache, std::uint32_t count, const Info*,
+VkResult VKAPI_PTR createPipelines(VkDevice, VkPipelineCache cache, std::uint32_t count, const Info*,
                                    const VkAllocationCallbacks*, VkPipeline* out)
 {
     StubVulkan& stub = StubVulkan::current();
+    stub.lastPipelineCache = cache;
     std::fill(out, out + count, VkPipeline(VK_NULL_HANDLE));
     if (stub.fails(Kind)) return stub.failure;
     for (std::uint32_t i = 0; i < count; ++i)

@@ -44,6 +44,7 @@ public:
     std::set<std::string> loaded;              ///< Names asked of the instance.
     VkImageCreateInfo lastImage{};
     std::vector<std::uint32_t> lastImageFamilies;
+    VkPipelineCache lastPipelineCache = VK_NULL_HANDLE;
 
     std::size_t live() const; ///< Objects and memory alive.
     std::size_t live(const std::string& kind) const;

@@ -157,6 +157,9 @@ typedef struct GnContextCreateInfo {
     uint32_t framesInFlight;                           ///< 0 means 2. [1, 8].
     VkDeviceSize memoryLimit;                          ///< Device bytes, persistent plus transient; 0: half the heap.
     const VkAllocationCallbacks* pAllocationCallbacks; ///< Optional. Handed to every Vulkan create call.
+    VkPipelineCache pipelineCache;                     ///< Optional: all pipelines are made with it, on worker threads
+                                                       ///< too (not EXTERNALLY_SYNCHRONIZED). Borrowed, the host's
+                                                       ///< to fill, save and destroy. Null: one of gnomon's own.
     PFN_gnScheduleJob pfnScheduleJob;                  ///< Optional. Absent: gnomon runs one pool of its own.
     uint32_t jobThreadCount;                           ///< Threads behind pfnScheduleJob, or of the pool; 0: cores.
     PFN_gnThreadStarted pfnThreadStarted;              ///< Optional. Not called where pfnScheduleJob is given.
