@@ -58,7 +58,7 @@ void Thrown::keepPresent(std::size_t most, Throw& frame)
     scene_.lights = frame.lights;
     std::vector<uint32_t> present = demo::stateAt(scene_, frame.time).present;
     if (present.size() <= most) return;
-    std::ranges::rotate(present, present.begin() + static_cast<std::ptrdiff_t>(turn_ % present.size()));
+    std::rotate(present.begin(), present.begin() + static_cast<std::ptrdiff_t>(turn_ % present.size()), present.end());
     turn_ += most;
     for (std::size_t i = most; i < present.size(); ++i)
         frame.lights[present[i]].disappear = frame.time;
