@@ -96,7 +96,7 @@ PipelineId classifyPipeline(const AlgorithmServices& services, bool cube, bool n
 
 PipelineId cullPipeline(const AlgorithmServices& services)
 {
-    BindingInfo bindings[6];
+    BindingInfo bindings[7];
     for (std::uint32_t i = 0; i < std::size(bindings); ++i)
         bindings[i] = {.binding = i, .kind = BindingKind::storageBuffer};
     return services.pipelines->compute({.name = "chan_durand.cull",
@@ -145,7 +145,7 @@ void redirectCommands(FrameArena& arena, Plan& plan)
     for (const std::span<VolumeDraw> draws : all) {
         for (VolumeDraw& draw : draws) {
             std::uint32_t list = 0;
-            while (volumes.lists[list].index != draw.list.index)
+            while (volumes.lists[list].buffer.index != draw.list.index)
                 ++list;
             const std::uint32_t first = next;
             for (std::uint32_t i = 0; i < draw.commandCount; ++i)
@@ -180,10 +180,11 @@ void writeItems(const Plan& plan, const LightView& light, const HostContext& hos
 void recordCull(PassContext& gpu, const Plan& plan, PipelineId pipeline)
 {
     const auto list = [&](std::uint32_t i) { // one that is not there is not read
-        return gpu.storage(2 + i, plan.volumes->lists[i] ? plan.volumes->lists[i] : plan.items);
+        const BufferId buffer = plan.volumes->lists[i].buffer;
+        return gpu.storage(2 + i, buffer ? buffer : plan.items);
     };
-    gpu.bind(pipeline, {gpu.storage(0, plan.items), gpu.storage(1, plan.cells), list(0), list(1), list(2),
-                        gpu.storage(5, plan.commands)});
+    gpu.bind(pipeline, {gpu.storage(0, plan.items), gpu.storage(1, plan.cells), list(0), list(1), list(2), list(3),
+                        gpu.storage(6, plan.commands)});
     const auto count = static_cast<std::uint32_t>(plan.sources.size());
     gpu.push(count);
     gpu.vk->vkCmdDispatch(gpu.cmd, (count + 63) / 64, 1, 1);
@@ -214,8 +215,8 @@ void declareCull(PassBuilder& passes, const ShadowTask& task, Plan& plan, Pipeli
         passes.kept();
     PassRef cull = passes.compute("chan_durand.cull");
     cull.reads(plan.items).reads(plan.cells).writes(plan.commands);
-    for (const BufferId list : plan.volumes->lists)
-        if (list) cull.reads(list);
+    for (const VolumeList& list : plan.volumes->lists)
+        if (list.buffer) cull.reads(list.buffer);
     cull.record([=](PassContext& gpu) { recordCull(gpu, *shared, pipeline); });
 }
 

@@ -23,8 +23,8 @@ constexpr VolumeCountNames kNames{.volumes = {.zPass = {"octree_volume.z_pass", 
                                   .counted = "octree_volume.counted",
                                   .withoutCasters = "octree_volume.without_casters"};
 
-// Candidates below which all are drawn: the choice takes 0.1 to 0.2 ms a light here, about what a volume does.
-constexpr std::size_t kLeastCandidates = 4;
+// Regions of all static casters, and of chosen ones, beside stencil_volume's of static and of moving ones.
+constexpr std::uint32_t kRegionsVariant = 2;
 
 class OctreeVolume final : public ShadowAlgorithm {
 public:
@@ -94,36 +94,19 @@ VolumeList addKeptCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& 
         append(plan.caps, draws[position]);
         ++failing;
     }
-    plan.lists[2] = caps.buffer;
     return caps;
 }
 
-/// The static casters' part of the plan. @param cull what lies out of the depth image's extents
-void planStatics(PassBuilder& passes, const ShadowTask& task, const VolumeCullPipelines& pipelines,
-                 const ViewStencil& stencil, const KeptDraws& kept, bool cull, VolumePlan& plan)
+/// The static casters' part of the plan.
+void planStatics(PassBuilder& passes, const ShadowTask& task, const KeptDraws& kept, VolumePlan& plan)
 {
     for (const std::uint32_t position : kept.candidates) {
         const VolumeDraw& draw = kept.drawOf[position];
         const bool fails = task.settings[kZFail] != 0.0 || needsZFail(plan, *draw.caster);
         append(fails ? plan.zFail : plan.zPass, draw);
     }
-    plan.lists[0] = kept.sides.buffer;
-    const VolumeList caps = plan.zFail.empty() ? VolumeList{} : addKeptCaps(passes, task, plan, kept);
-    if (!cull || kept.candidates.size() < kLeastCandidates) return;
-
-    const CulledCommands culled = declareCull(passes, pipelines, task, stencil,
-                                              {.volumes = kept.volumes,
-                                               .sides = kept.sides,
-                                               .caps = caps,
-                                               .variant = kept.choice.variant,
-                                               .candidates = kept.candidates});
-    for (std::span<VolumeDraw> draws : {plan.zPass, plan.zFail})
-        for (VolumeDraw& draw : draws)
-            draw.commands = culled.sides;
-    for (VolumeDraw& draw : plan.caps)
-        draw.commands = culled.caps;
-    plan.commands[0] = culled.sides;
-    plan.commands[1] = culled.caps;
+    plan.lists[0] = kept.sides;
+    if (!plan.zFail.empty()) plan.lists[2] = addKeptCaps(passes, task, plan, kept);
 }
 
 void OctreeVolume::declare(PassBuilder& passes, const ShadowTask& task)
@@ -140,14 +123,19 @@ void OctreeVolume::declare(PassBuilder& passes, const ShadowTask& task)
     const StaticVolumes& volumes = kept_.find(*task.light, task.casters->statics, conceal);
     const KeptDraws kept = findDraws(passes, task, volumes, conceal ? 1 : 0);
     VolumePlan* plan = emptyPlan(passes, task, stencil, bounded);
-    const bool cull = task.settings[kExtents] != 0.0 && canReadLists(vk_, task);
-    planStatics(passes, task, cull_, stencil, kept, cull, *plan);
+    planStatics(passes, task, kept, *plan);
 
     const std::size_t firstMoving = plan->zFail.size();
-    const VolumeList movings = declareSides(passes, task, false);
-    addSides(*plan, movings, zFailForAll);
-    plan->lists[1] = movings.buffer;
-    plan->lists[3] = addCaps(passes, task, *plan, firstMoving);
+    plan->lists[1] = declareSides(passes, task, false);
+    addSides(*plan, plan->lists[1], zFailForAll);
+    plan->lists[3] = addCaps(passes, task, *plan, firstMoving, 1);
+    if (task.settings[kExtents] != 0.0 && canReadLists(vk_, task)) {
+        const CulledList statics{.index = 0,
+                                 .stamp = volumes.stamp,
+                                 .variant = kRegionsVariant + kept.choice.variant,
+                                 .occluders = volumes.occluders};
+        declareCull(passes, cull_, task, stencil, {&statics, 1}, *plan);
+    }
     declareCount(passes, task, "octree_volume.count", stencil, *plan, pipelines_);
 }
 

@@ -62,7 +62,6 @@ bool isConcealed(std::uint32_t caster, std::span<const Caster* const> statics, c
 void chooseVolumes(const LightView& light, std::span<const Caster* const> statics, bool conceal, StaticVolumes& out)
 {
     out.drawn.clear();
-    out.shadows.clear();
     out.occluders.clear();
     out.concealed = 0;
     const std::vector<Concealer> concealers = conceal ? findConcealers(light, statics) : std::vector<Concealer>{};
@@ -74,7 +73,6 @@ void chooseVolumes(const LightView& light, std::span<const Caster* const> static
             continue;
         }
         out.drawn.push_back(i);
-        out.shadows.push_back(boxShadow(statics[i]->bounds, light));
         bounds.push_back(statics[i]->bounds);
     }
     out.tree.build(bounds);

@@ -1,6 +1,6 @@
 #pragma once
 // What is worked out once for a light and casters that both stand still: which casters others conceal, an octree over
-// the rest, and the regions that say where their shadows can and must be. Plain CPU code without Vulkan.
+// the rest, and where some of their shadows must be. Plain CPU code without Vulkan.
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -14,7 +14,6 @@ namespace gnomon {
 struct StaticVolumes {
     std::vector<std::uint32_t> drawn; ///< Indices into LightCasters::statics, in their order; the rest is concealed.
     VolumeTree tree;                  ///< Over the bounds of `drawn`, by position there.
-    std::vector<BoxShadow> shadows;   ///< By position in `drawn`.
 
     struct Occluder {
         std::uint32_t position = 0; ///< In `drawn`.

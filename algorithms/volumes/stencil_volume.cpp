@@ -1,7 +1,9 @@
 #include "algorithms/volumes/stencil_volume.hpp"
 
+#include "algorithms/common/caster_lists.hpp"
 #include "algorithms/volumes/gpu_silhouettes.hpp"
 #include "algorithms/volumes/volume_count.hpp"
+#include "algorithms/volumes/volume_cull.hpp"
 
 namespace gnomon {
 
@@ -11,8 +13,10 @@ constexpr SettingSpec kSettings[] = {
     {"bounded", "1: volumes end behind the farthest visible receiver; 0: they go on to infinity", 0, 1, 1},
     {"z_fail", "0: z-pass for every caster that cannot shadow the near plane; 1: z-fail for all", 0, 1, 0},
     {"silhouettes", "0: found on the CPU; 1: in a compute shader", 0, 1, 0},
+    {"extents", "1: volumes are held against the extents of the depth image; 0: against the view frustum only", 0, 1,
+     0},
 };
-enum Setting : std::size_t { kBounded, kZFail, kSilhouettes };
+enum Setting : std::size_t { kBounded, kZFail, kSilhouettes, kExtents };
 
 constexpr VolumeCountNames kNames{.volumes = {.zPass = {"stencil_volume.z_pass", "stencil_volume.z_pass_reversed"},
                                               .zFail = {"stencil_volume.z_fail", "stencil_volume.z_fail_reversed"}},
@@ -23,7 +27,8 @@ class StencilVolume final : public ShadowAlgorithm {
 public:
     explicit StencilVolume(const AlgorithmServices& services)
         : vk_(*services.vk), pipelines_(makeVolumeCountPipelines(services, kNames)),
-          view_(makeViewStencilPipelines(services)), silhouettes_(makeGpuSilhouettes(services))
+          view_(makeViewStencilPipelines(services)), silhouettes_(makeGpuSilhouettes(services)),
+          cull_(makeVolumeCullPipelines(services))
     {
     }
     void declare(PassBuilder& passes, const ShadowTask& task) override;
@@ -38,20 +43,36 @@ private:
     VolumeCountPipelines pipelines_;
     ViewStencilPipelines view_;
     GpuSilhouettes silhouettes_;
+    VolumeCullPipelines cull_;
 };
+
+std::uint64_t stampOf(const LightView& light, const VolumeList& list)
+{
+    Stamp stamp;
+    stamp.add(light.revision);
+    for (const VolumePiece& piece : list.pieces)
+        stamp.add(*piece.caster);
+    return stamp.value();
+}
 
 void StencilVolume::declare(PassBuilder& passes, const ShadowTask& task)
 {
     const ViewStencil stencil = declareViewStencil(passes, view_, task);
-    const VolumePlan* volumes =
+    VolumePlan* volumes =
         planVolumes(passes, task, stencil, task.settings[kBounded] != 0.0, task.settings[kZFail] != 0.0,
                     task.settings[kSilhouettes] != 0.0 ? &silhouettes_ : nullptr);
+    if (task.settings[kExtents] != 0.0 && canReadLists(vk_, task)) {
+        CulledList lists[2];
+        for (const std::uint32_t i : {0u, 1u})
+            lists[i] = {.index = i, .stamp = stampOf(*task.light, volumes->lists[i]), .variant = i, .occluders = {}};
+        declareCull(passes, cull_, task, stencil, lists, *volumes);
+    }
     declareCount(passes, task, "stencil_volume.count", stencil, *volumes, pipelines_);
 }
 
-VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent, GnLightType)
+VkDeviceSize memoryPerLight(std::span<const double> settings, VkExtent2D extent, GnLightType)
 {
-    return viewStencilMemory(extent);
+    return viewStencilMemory(extent) + (settings[kExtents] != 0.0 ? cullMemory(extent) : 0);
 }
 
 std::unique_ptr<ShadowAlgorithm> create(const AlgorithmServices& services)

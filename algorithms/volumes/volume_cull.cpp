@@ -1,6 +1,7 @@
 #include "algorithms/volumes/volume_cull.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "shaders/volumes/cull.h"
@@ -11,9 +12,13 @@ namespace gnomon {
 
 namespace {
 
-static_assert(sizeof(gpu::KeptVolume::shadow) / sizeof(glm::vec4) == gpu::SHADOW_PLANES);
-static_assert(sizeof(gpu::KeptUmbra::planes) / sizeof(glm::vec4) == gpu::UMBRA_PLANES);
-static_assert(sizeof(gpu::CullConstants::candidates) / 4 == gpu::CANDIDATES);
+static_assert(sizeof(gpu::VolumeRegion::shadow) / sizeof(glm::vec4) == gpu::SHADOW_PLANES);
+static_assert(sizeof(gpu::UmbraRegion::planes) / sizeof(glm::vec4) == gpu::UMBRA_PLANES);
+static_assert(sizeof(gpu::CullConstants::candidates) / sizeof(gpu::CullCandidate) == gpu::CANDIDATES);
+
+// Volumes below which all are drawn: the choice takes 0.1 to 0.2 ms a light on a software device, about what a volume
+// does.
+constexpr std::size_t kLeastCandidates = 4;
 
 // Head of the list of reached boxes: count and needed umbrae.
 constexpr VkDeviceSize kReachedHead = 16;
@@ -47,77 +52,58 @@ VkDeviceSize reachedSize(std::uint32_t tiles)
     return kReachedHead + VkDeviceSize{sizeof(gpu::ReachedBox)} * tiles;
 }
 
-// --- what is kept ---
+// --- where volumes can be ---
 
-/// Commands of each caster in a list; the casters are those of StaticVolumes::drawn.
-struct CommandRun {
-    std::uint32_t first = 0, count = 0;
-};
-
-std::span<CommandRun> commandRuns(FrameArena& arena, const VolumeList& list, std::size_t casters)
-{
-    const std::span<CommandRun> runs = arena.array<CommandRun>(casters);
-    std::fill(runs.begin(), runs.end(), CommandRun{});
-    std::size_t caster = 0;
-    for (std::uint32_t piece = 0; piece < list.pieces.size(); ++piece) {
-        if (piece > 0 && list.pieces[piece].caster != list.pieces[piece - 1].caster) ++caster;
-        if (runs[caster].count++ == 0) runs[caster].first = piece;
-    }
-    return runs;
-}
-
-struct KeptBuild {
-    const StaticVolumes* volumes = nullptr;
-    std::span<const CommandRun> sides, caps;
+struct RegionBuild {
+    const LightView* light = nullptr;
+    std::span<const VolumePiece> pieces;
+    std::span<const StaticVolumes::Occluder> occluders;
+    std::size_t count = 0; ///< Casters of the pieces.
     BufferId buffer;
 };
 
-constexpr VkDeviceSize kUmbraeSize = VkDeviceSize{sizeof(gpu::KeptUmbra)} * gpu::UMBRAE;
+constexpr VkDeviceSize kUmbraeSize = VkDeviceSize{sizeof(gpu::UmbraRegion)} * gpu::UMBRAE;
 
-void writeKept(const KeptBuild& build, HostContext& host)
+void writeRegions(const RegionBuild& build, HostContext& host)
 {
-    const StaticVolumes& from = *build.volumes;
-    const std::span<gpu::KeptUmbra> umbrae = host.write<gpu::KeptUmbra>(build.buffer).first(gpu::UMBRAE);
-    for (std::size_t i = 0; i < from.occluders.size(); ++i) {
+    const std::span<gpu::UmbraRegion> umbrae = host.write<gpu::UmbraRegion>(build.buffer).first(gpu::UMBRAE);
+    for (std::size_t i = 0; i < build.occluders.size(); ++i) {
+        const std::vector<glm::vec4>& planes = build.occluders[i].umbra.planes;
         std::fill_n(umbrae[i].planes, gpu::UMBRA_PLANES, gpu::nowhereOutside());
-        std::copy(from.occluders[i].umbra.planes.begin(), from.occluders[i].umbra.planes.end(), umbrae[i].planes);
+        std::copy(planes.begin(), planes.end(), umbrae[i].planes);
     }
     const std::span<std::byte> bytes = host.write<std::byte>(build.buffer).subspan(kUmbraeSize);
-    const std::span<gpu::KeptVolume> volumes(reinterpret_cast<gpu::KeptVolume*>(bytes.data()), from.drawn.size());
-    for (std::size_t i = 0; i < volumes.size(); ++i) {
-        gpu::KeptVolume volume{};
-        std::copy_n(from.shadows[i].planes, gpu::SHADOW_PLANES, volume.shadow);
-        volume.firstSide = build.sides[i].first;
-        volume.sideCount = build.sides[i].count;
-        volume.firstCap = build.caps[i].first;
-        volume.capCount = build.caps[i].count;
-        volume.umbra = gpu::NO_UMBRA;
-        volumes[i] = volume;
+    const std::span<gpu::VolumeRegion> regions(reinterpret_cast<gpu::VolumeRegion*>(bytes.data()), build.count);
+    std::size_t next = 0;
+    const Caster* caster = nullptr;
+    for (const VolumePiece& piece : build.pieces) {
+        if (piece.caster == caster) continue;
+        caster = piece.caster;
+        gpu::VolumeRegion region{};
+        std::copy_n(boxShadow(caster->bounds, *build.light).planes, gpu::SHADOW_PLANES, region.shadow);
+        region.umbra = gpu::NO_UMBRA;
+        regions[next++] = region;
     }
-    for (std::size_t i = 0; i < from.occluders.size(); ++i)
-        volumes[from.occluders[i].position].umbra = static_cast<std::uint32_t>(i);
+    for (std::size_t i = 0; i < build.occluders.size(); ++i)
+        regions[build.occluders[i].position].umbra = static_cast<std::uint32_t>(i);
 }
 
-BufferId declareKept(PassBuilder& passes, const VolumeCull& cull)
+/// Made again when the light or one of the casters changes. @param count casters of the pieces
+BufferId declareRegions(PassBuilder& passes, const LightView& light, const CulledList& list,
+                        std::span<const VolumePiece> pieces, std::size_t count)
 {
-    const std::uint32_t variant = 2 * cull.variant + (cull.caps.buffer ? 1 : 0);
-    const std::size_t count = cull.volumes->drawn.size();
-    const BufferId buffer = passes.persistent(BufferInfo{.name = "octree_volume.regions",
+    const BufferId buffer = passes.persistent(BufferInfo{.name = "volumes.regions",
                                                          .scope = Scope::light,
-                                                         .size = kUmbraeSize + sizeof(gpu::KeptVolume) * count,
+                                                         .size = kUmbraeSize + sizeof(gpu::VolumeRegion) * count,
                                                          .place = BufferPlace::upload,
-                                                         .variant = variant});
-    if (!passes.stale(buffer, cull.volumes->stamp)) {
+                                                         .variant = list.variant});
+    if (!passes.stale(buffer, list.stamp)) {
         passes.kept();
         return buffer;
     }
-    KeptBuild* build = passes.arena().make<KeptBuild>();
-    build->volumes = cull.volumes;
-    build->sides = commandRuns(passes.arena(), cull.sides, count);
-    build->caps = commandRuns(passes.arena(), cull.caps, count);
-    build->buffer = buffer;
-    passes.prepare("octree_volume.regions", Scope::light, variant).writes(buffer).run([build](HostContext& host) {
-        writeKept(*build, host);
+    const RegionBuild build{&light, pieces, list.occluders, count, buffer};
+    passes.prepare("volumes.regions", Scope::light, list.variant).writes(buffer).run([build](HostContext& host) {
+        writeRegions(build, host);
     });
     return buffer;
 }
@@ -125,14 +111,14 @@ BufferId declareKept(PassBuilder& passes, const VolumeCull& cull)
 // --- every frame ---
 
 /// Umbrae are of use while nobody can look out of the caster's inside.
-std::uint32_t usableUmbrae(const StaticVolumes& volumes, const CameraView& view)
+std::uint32_t usableUmbrae(std::span<const StaticVolumes::Occluder> occluders, const CameraView& view)
 {
     Aabb near{view.eye, view.eye};
     for (const glm::vec3& corner : view.nearCorners)
         near = {glm::min(near.lower, corner), glm::max(near.upper, corner)};
     std::uint32_t mask = 0;
-    for (std::size_t i = 0; i < volumes.occluders.size(); ++i) {
-        const Aabb& box = volumes.occluders[i].bounds;
+    for (std::size_t i = 0; i < occluders.size(); ++i) {
+        const Aabb& box = occluders[i].bounds;
         const bool apart = glm::any(glm::greaterThan(near.lower, box.upper + kUmbraMargin)) ||
                            glm::any(glm::lessThan(near.upper, box.lower - kUmbraMargin));
         if (apart) mask |= 1u << i;
@@ -140,7 +126,7 @@ std::uint32_t usableUmbrae(const StaticVolumes& volumes, const CameraView& view)
     return mask;
 }
 
-gpu::ReachConstants reachConstants(const ShadowTask& task, const StaticVolumes& volumes)
+gpu::ReachConstants reachConstants(const ShadowTask& task, std::span<const StaticVolumes::Occluder> occluders)
 {
     const LightView& light = *task.light;
     const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
@@ -153,69 +139,140 @@ gpu::ReachConstants reachConstants(const ShadowTask& task, const StaticVolumes& 
     // Squared in the shader; whatever is beyond the root of the largest float has no end.
     block.range = std::min(light.constants.range, 1e18f);
     block.tileCount = tileCount(task.view->area);
-    block.umbraMask = usableUmbrae(volumes, *task.view);
+    block.umbraMask = usableUmbrae(occluders, *task.view);
     return block;
 }
 
-BufferId declareReached(PassBuilder& passes, PipelineId pipeline, const ShadowTask& task, const StaticVolumes& volumes,
-                        BufferId tiles, BufferId kept)
+BufferId declareReached(PassBuilder& passes, PipelineId pipeline, const ShadowTask& task,
+                        std::span<const StaticVolumes::Occluder> occluders, BufferId tiles, BufferId regions)
 {
     gpu::ReachConstants* block = passes.arena().make<gpu::ReachConstants>();
-    *block = reachConstants(task, volumes);
+    *block = reachConstants(task, occluders);
     const BufferId reached =
-        passes.transient(BufferInfo{.name = "octree_volume.reached", .size = reachedSize(block->tileCount)});
-    passes.transfer("octree_volume.clear").writes(reached).record([=](PassContext& gpu) {
+        passes.transient(BufferInfo{.name = "volumes.reached", .size = reachedSize(block->tileCount)});
+    passes.transfer("volumes.clear_reached").writes(reached).record([=](PassContext& gpu) {
         gpu.vk->vkCmdFillBuffer(gpu.cmd, gpu.buffer(reached), 0, kReachedHead, 0);
     });
-    passes.compute("octree_volume.reached").reads(tiles).reads(kept).updates(reached).record([=](PassContext& gpu) {
+    passes.compute("volumes.reached").reads(tiles).reads(regions).updates(reached).record([=](PassContext& gpu) {
         gpu.bind(pipeline,
-                 {gpu.constants(0, *block), gpu.storage(1, tiles), gpu.storage(2, kept), gpu.storage(3, reached)});
+                 {gpu.constants(0, *block), gpu.storage(1, tiles), gpu.storage(2, regions), gpu.storage(3, reached)});
         gpu.vk->vkCmdDispatch(gpu.cmd, groups(block->tileCount), 1, 1);
     });
     return reached;
 }
 
-BufferId commandsOf(PassBuilder& passes, const char* name, const VolumeList& list)
+/// Which caster of the list each of its pieces is of.
+std::span<const std::uint32_t> casterPositions(FrameArena& arena, std::span<const VolumePiece> pieces)
+{
+    const std::span<std::uint32_t> positions = arena.array<std::uint32_t>(pieces.size());
+    std::uint32_t position = 0;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        if (i > 0 && pieces[i].caster != pieces[i - 1].caster) ++position;
+        positions[i] = position;
+    }
+    return positions;
+}
+
+bool comesFrom(const VolumeDraw& draw, const VolumeList& list)
+{
+    return draw.list.index == list.buffer.index;
+}
+
+/// The plan's draws of a list of sides. @param positions casterPositions() of it
+std::span<const gpu::CullCandidate> candidatesOf(FrameArena& arena, const VolumePlan& plan, const VolumeList& sides,
+                                                 std::span<const std::uint32_t> positions)
+{
+    const std::span<gpu::CullCandidate> candidates =
+        arena.array<gpu::CullCandidate>(plan.zPass.size() + plan.zFail.size());
+    std::size_t count = 0;
+    const auto add = [&](const VolumeDraw& draw, const VolumeDraw& caps) {
+        if (!comesFrom(draw, sides)) return;
+        candidates[count++] = {.region = positions[draw.firstCommand],
+                               .firstSide = draw.firstCommand,
+                               .sideCount = draw.commandCount,
+                               .firstCap = caps.firstCommand,
+                               .capCount = caps.commandCount};
+    };
+    for (const VolumeDraw& draw : plan.zPass)
+        add(draw, {});
+    assert(plan.caps.size() == plan.zFail.size()); // each has its caps, in the same order
+    for (std::size_t i = 0; i < plan.zFail.size(); ++i)
+        add(plan.zFail[i], plan.caps[i]);
+    return candidates.first(count);
+}
+
+BufferId commandsFor(PassBuilder& passes, const char* name, const VolumeList& list, std::uint32_t variant)
 {
     if (!list.buffer) return {};
-    return passes.transient(
-        BufferInfo{.name = name, .size = VkDeviceSize{sizeof(VkDrawIndexedIndirectCommand)} * list.pieces.size()});
+    return passes.transient(BufferInfo{.name = name,
+                                       .size = VkDeviceSize{sizeof(VkDrawIndexedIndirectCommand)} * list.pieces.size(),
+                                       .variant = variant});
+}
+
+/// Commands in the places that they have in the lists they are made of.
+struct CulledCommands {
+    BufferId sides, caps; ///< caps: null id without any.
+};
+
+CulledCommands declareChoice(PassBuilder& passes, PipelineId pipeline, const CulledList& list, const VolumeList& sides,
+                             const VolumeList& caps, BufferId regions, BufferId reached,
+                             std::span<const gpu::CullCandidate> candidates)
+{
+    const CulledCommands culled{.sides = commandsFor(passes, "volumes.culled_sides", sides, list.variant),
+                                .caps = commandsFor(passes, "volumes.culled_caps", caps, list.variant)};
+    PassRef pass = passes.compute("volumes.cull", Scope::task, list.variant);
+    pass.reads(regions).reads(reached).reads(sides.buffer).writes(culled.sides);
+    if (culled.caps) pass.reads(caps.buffer).writes(culled.caps);
+    // Without caps the shader touches neither; something must be bound.
+    const BufferId from[2] = {sides.buffer, culled.caps ? caps.buffer : sides.buffer};
+    const BufferId to[2] = {culled.sides, culled.caps ? culled.caps : culled.sides};
+    pass.record([=](PassContext& gpu) {
+        for (std::size_t first = 0; first < candidates.size(); first += gpu::CANDIDATES) {
+            const std::size_t count = std::min<std::size_t>(gpu::CANDIDATES, candidates.size() - first);
+            gpu::CullConstants block;
+            std::copy_n(candidates.data() + first, count, block.candidates);
+            gpu.bind(pipeline,
+                     {gpu.constants(0, block), gpu.storage(1, regions), gpu.storage(2, reached),
+                      gpu.storage(3, from[0]), gpu.storage(4, from[1]), gpu.storage(5, to[0]), gpu.storage(6, to[1])});
+            gpu.vk->vkCmdDispatch(gpu.cmd, static_cast<std::uint32_t>(count), 1, 1);
+        }
+    });
+    return culled;
+}
+
+void replaceCommands(std::span<VolumeDraw> draws, const VolumeList& list, BufferId commands)
+{
+    for (VolumeDraw& draw : draws)
+        if (comesFrom(draw, list)) draw.commands = commands;
 }
 
 } // namespace
 
 VolumeCullPipelines makeVolumeCullPipelines(const AlgorithmServices& services)
 {
-    return {.reached = makeCompute(services, "octree_volume.reached", k_volumes_reached_tiles_comp, 4),
-            .cull = makeCompute(services, "octree_volume.cull", k_volumes_cull_volumes_comp, 7)};
+    return {.reached = makeCompute(services, "volumes.reached", k_volumes_reached_tiles_comp, 4),
+            .cull = makeCompute(services, "volumes.cull", k_volumes_cull_volumes_comp, 7)};
 }
 
-CulledCommands declareCull(PassBuilder& passes, const VolumeCullPipelines& pipelines, const ShadowTask& task,
-                           const ViewStencil& stencil, const VolumeCull& cull)
+void declareCull(PassBuilder& passes, const VolumeCullPipelines& pipelines, const ShadowTask& task,
+                 const ViewStencil& stencil, std::span<const CulledList> lists, VolumePlan& plan)
 {
-    const BufferId kept = declareKept(passes, cull);
-    const BufferId reached = declareReached(passes, pipelines.reached, task, *cull.volumes, stencil.tiles, kept);
-    const CulledCommands commands{.sides = commandsOf(passes, "octree_volume.sides", cull.sides),
-                                  .caps = commandsOf(passes, "octree_volume.caps", cull.caps)};
-
-    PassRef pass = passes.compute("octree_volume.cull");
-    pass.reads(kept).reads(reached).reads(cull.sides.buffer).writes(commands.sides);
-    if (commands.caps) pass.reads(cull.caps.buffer).writes(commands.caps);
-    const BufferId sides = cull.sides.buffer, caps = commands.caps ? cull.caps.buffer : sides;
-    const BufferId keptCaps = commands.caps ? commands.caps : commands.sides;
-    pass.record([=, candidates = cull.candidates, cullPipeline = pipelines.cull](PassContext& gpu) {
-        for (std::size_t first = 0; first < candidates.size(); first += gpu::CANDIDATES) {
-            const std::size_t count = std::min<std::size_t>(gpu::CANDIDATES, candidates.size() - first);
-            gpu::CullConstants block;
-            block.counts = {count, commands.caps ? 1 : 0, 0, 0};
-            std::copy_n(candidates.data() + first, count, &block.candidates[0].x);
-            gpu.bind(cullPipeline,
-                     {gpu.constants(0, block), gpu.storage(1, kept), gpu.storage(2, reached), gpu.storage(3, sides),
-                      gpu.storage(4, caps), gpu.storage(5, commands.sides), gpu.storage(6, keptCaps)});
-            gpu.vk->vkCmdDispatch(gpu.cmd, static_cast<std::uint32_t>(count), 1, 1);
-        }
-    });
-    return commands;
+    BufferId reached;
+    for (const CulledList& list : lists) {
+        const VolumeList &sides = plan.lists[list.index], &caps = plan.lists[2 + list.index];
+        const std::span<const std::uint32_t> positions = casterPositions(passes.arena(), sides.pieces);
+        const std::span<const gpu::CullCandidate> candidates = candidatesOf(passes.arena(), plan, sides, positions);
+        if (candidates.size() < kLeastCandidates) continue;
+        const BufferId regions = declareRegions(passes, *task.light, list, sides.pieces, positions.back() + 1);
+        if (!reached) reached = declareReached(passes, pipelines.reached, task, list.occluders, stencil.tiles, regions);
+        const CulledCommands culled =
+            declareChoice(passes, pipelines.cull, list, sides, caps, regions, reached, candidates);
+        replaceCommands(plan.zPass, sides, culled.sides);
+        replaceCommands(plan.zFail, sides, culled.sides);
+        if (culled.caps) replaceCommands(plan.caps, caps, culled.caps);
+        plan.commands[list.index] = culled.sides;
+        plan.commands[2 + list.index] = culled.caps;
+    }
 }
 
 VkDeviceSize cullMemory(VkExtent2D extent)

@@ -200,15 +200,16 @@ void addSides(VolumePlan& plan, const VolumeList& sides, bool zFailForAll)
     });
 }
 
-BufferId addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, std::size_t firstFailing)
+VolumeList addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, std::size_t firstFailing,
+                   std::uint32_t variant)
 {
     const std::span<const VolumeDraw> failing = plan.zFail.subspan(firstFailing);
     const std::span<const Caster*> casters = passes.arena().array<const Caster*>(failing.size());
     for (std::size_t i = 0; i < failing.size(); ++i)
         casters[i] = failing[i].caster;
-    const VolumeList caps = declareCaps(passes, task, casters);
+    const VolumeList caps = declareCaps(passes, task, casters, variant);
     collectDraws(plan, caps, [&](const VolumeDraw& draw) { append(plan.caps, draw); });
-    return caps.buffer;
+    return caps;
 }
 
 VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded,
@@ -222,19 +223,20 @@ VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewS
                         std::span<const VolumeList, 2> sides, bool bounded, bool zFailForAll)
 {
     VolumePlan* plan = emptyPlan(passes, task, stencil, bounded);
-    for (std::size_t i = 0; i < 2; ++i) {
+    for (std::uint32_t i = 0; i < 2; ++i) {
+        const std::size_t firstFailing = plan->zFail.size();
         addSides(*plan, sides[i], zFailForAll);
-        plan->lists[i] = sides[i].buffer;
+        plan->lists[i] = sides[i];
+        plan->lists[2 + i] = addCaps(passes, task, *plan, firstFailing, i);
     }
-    plan->lists[2] = addCaps(passes, task, *plan, 0);
     return plan;
 }
 
 void usesVolumes(PassRef& pass, const VolumePlan& plan)
 {
     pass.reads(plan.receiverBounds);
-    for (const BufferId list : plan.lists)
-        if (list) pass.indices(list).indirect(list);
+    for (const VolumeList& list : plan.lists)
+        if (list.buffer) pass.indices(list.buffer).indirect(list.buffer);
     for (const BufferId commands : plan.commands)
         if (commands) pass.indirect(commands);
     for (const BufferId list : plan.meshLists)

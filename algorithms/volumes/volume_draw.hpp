@@ -46,9 +46,9 @@ struct VolumePlan {
     const CameraView* view = nullptr;
     const LightView* light = nullptr;
     std::span<VolumeDraw> zPass, zFail, caps; ///< zFail: sides.
-    BufferId lists[4];    ///< planVolumes(): sides of static casters, of moving ones, caps. Null ids: none.
-    BufferId commands[2]; ///< Made of those of the lists; null ids: none.
-    std::span<const BufferId> meshLists; ///< Of allEdges.
+    VolumeList lists[4];                      ///< Sides of static casters, of moving ones, caps of either.
+    BufferId commands[4];                     ///< Made of those of the lists; null ids: none.
+    std::span<const BufferId> meshLists;      ///< Of allEdges.
     BufferId receiverBounds;
     bool bounded = true; ///< Volumes end behind the farthest visible receiver.
     VkRect2D pixels{};   ///< Where the light can reach.
@@ -73,8 +73,9 @@ VolumeDraw drawAt(const VolumeList& list, std::uint32_t& piece);
 bool needsZFail(const VolumePlan& plan, const Caster& caster);
 /// Adds those casters of a list of sides that the view can see.
 void addSides(VolumePlan& plan, const VolumeList& sides, bool zFailForAll);
-/// Adds the caps, in task scope, of the draws from `firstFailing` on that z-fail counts. @return their list's buffer
-BufferId addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, std::size_t firstFailing);
+/// Adds the caps, in task scope, of the draws from `firstFailing` on that z-fail counts. @return their list
+VolumeList addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, std::size_t firstFailing,
+                   std::uint32_t variant);
 inline void append(std::span<VolumeDraw>& draws, const VolumeDraw& draw)
 {
     draws = {draws.data(), draws.size() + 1};

@@ -202,12 +202,13 @@ VolumeList declareChosenCaps(PassBuilder& passes, const ShadowTask& task, const 
                        choice.stamp);
 }
 
-VolumeList declareCaps(PassBuilder& passes, const ShadowTask& task, std::span<const Caster* const> casters)
+VolumeList declareCaps(PassBuilder& passes, const ShadowTask& task, std::span<const Caster* const> casters,
+                       std::uint32_t variant)
 {
     Stamp stamp;
     for (const Caster* caster : casters)
         stamp.add(caster->revision);
-    return declareList(passes, task, casters, ListKind::caps, Scope::task, 0, stamp.value());
+    return declareList(passes, task, casters, ListKind::caps, Scope::task, variant, stamp.value());
 }
 
 } // namespace gnomon

@@ -47,6 +47,7 @@ VolumeList declareChosenSides(PassBuilder& passes, const ShadowTask& task, const
 VolumeList declareChosenCaps(PassBuilder& passes, const ShadowTask& task, const VolumeChoice& choice);
 
 /// The caps of the given casters, which depend on the view by their choice only.
-VolumeList declareCaps(PassBuilder& passes, const ShadowTask& task, std::span<const Caster* const> casters);
+VolumeList declareCaps(PassBuilder& passes, const ShadowTask& task, std::span<const Caster* const> casters,
+                       std::uint32_t variant);
 
 } // namespace gnomon

@@ -39,7 +39,7 @@ struct CellFootprint {
 
 // One indirect command of a list of volumes, and when it is wanted. std430.
 struct CullItem {
-    uint list;    // 0 static sides, 1 moving sides, 2 caps
+    uint list;    // 0 static sides, 1 moving sides, 2 static caps, 3 moving caps
     uint command; // in that list
     uint footprintCount;
     CellFootprint footprints[MAX_LAYERS];

@@ -13,8 +13,9 @@ layout(set = 0, binding = 0, std430) readonly buffer Items { CullItem items[]; }
 layout(set = 0, binding = 1, std430) readonly buffer Cells { uint cells[]; };
 layout(set = 0, binding = 2, std430) readonly buffer Statics { uint statics[]; };
 layout(set = 0, binding = 3, std430) readonly buffer Movings { uint movings[]; };
-layout(set = 0, binding = 4, std430) readonly buffer Caps { uint caps[]; };
-layout(set = 0, binding = 5, std430) writeonly buffer Commands { uint commands[]; };
+layout(set = 0, binding = 4, std430) readonly buffer StaticCaps { uint staticCaps[]; };
+layout(set = 0, binding = 5, std430) readonly buffer MovingCaps { uint movingCaps[]; };
+layout(set = 0, binding = 6, std430) writeonly buffer Commands { uint commands[]; };
 layout(push_constant, std430) uniform Push { uint count; };
 
 bool holdsReceivers(CellFootprint footprint)
@@ -23,6 +24,13 @@ bool holdsReceivers(CellFootprint footprint)
         for (uint x = footprint.lowerX; x <= footprint.upperX; ++x)
             if (cells[(footprint.layer * CELLS + y) * CELLS + x] >= footprint.nearestKey) return true;
     return false;
+}
+
+uint commandWord(uint list, uint at)
+{
+    if (list == 0u) return statics[at];
+    if (list == 1u) return movings[at];
+    return list == 2u ? staticCaps[at] : movingCaps[at];
 }
 
 void main()
@@ -34,7 +42,7 @@ void main()
         wanted = holdsReceivers(items[i].footprints[f]);
     uint list = items[i].list, from = COMMAND_WORDS * items[i].command, to = COMMAND_WORDS * i;
     for (uint word = 0u; word < COMMAND_WORDS; ++word) {
-        uint value = list == 0u ? statics[from + word] : list == 1u ? movings[from + word] : caps[from + word];
+        uint value = commandWord(list, from + word);
         commands[to + word] = word == INSTANCE_COUNT ? uint(wanted) : value;
     }
 }

@@ -17,7 +17,7 @@ GN_SHARED_CONST uint NO_UMBRA = 0xffffffffu;
 GN_SHARED_CONST uint CULL_GROUP = 64u; // invocations of every compute shader here
 
 // Candidates of one dispatch.
-GN_SHARED_CONST uint CANDIDATES = 1024u;
+GN_SHARED_CONST uint CANDIDATES = 256u;
 
 // What a light matters to, in the frame's coordinates.
 struct ReachedBox {
@@ -26,25 +26,21 @@ struct ReachedBox {
 };
 GN_SHARED_SIZE(ReachedBox, 32)
 
-// One kept volume. Planes: dot(xyz, p) + w > 0 outside, in the frame's coordinates.
-struct KeptVolume {
+// Where one volume can be. Planes: dot(xyz, p) + w > 0 outside, in the frame's coordinates.
+struct VolumeRegion {
     vec4 shadow[9]; // SHADOW_PLANES, of the caster's bounds
-    uint firstSide; // indirect commands of its sides
-    uint sideCount;
-    uint firstCap;
-    uint capCount;
-    uint umbra; // index into the umbrae, or NO_UMBRA
+    uint umbra;     // index into the umbrae, or NO_UMBRA
     uint padding0;
     uint padding1;
     uint padding2;
 };
-GN_SHARED_SIZE(KeptVolume, 176)
+GN_SHARED_SIZE(VolumeRegion, 160)
 
 // What one caster hides for certain.
-struct KeptUmbra {
+struct UmbraRegion {
     vec4 planes[16]; // UMBRA_PLANES
 };
-GN_SHARED_SIZE(KeptUmbra, 256)
+GN_SHARED_SIZE(UmbraRegion, 256)
 
 // What the light reaches of the view. std140.
 struct ReachConstants {
@@ -58,11 +54,24 @@ struct ReachConstants {
 };
 GN_SHARED_SIZE(ReachConstants, 64)
 
-struct CullConstants {
-    uvec4 counts;          // candidates, a workgroup each; 1 if there are caps
-    uvec4 candidates[256]; // CANDIDATES indices of kept volumes
+// A volume that may be drawn, and its indirect commands in the lists.
+struct CullCandidate {
+    uint region;
+    uint firstSide;
+    uint sideCount;
+    uint firstCap;
+    uint capCount; // 0: it has no caps, or none are drawn
+    uint padding0;
+    uint padding1;
+    uint padding2;
 };
-GN_SHARED_SIZE(CullConstants, 4112)
+GN_SHARED_SIZE(CullCandidate, 32)
+
+// std140.
+struct CullConstants {
+    CullCandidate candidates[256]; // CANDIDATES, a workgroup each
+};
+GN_SHARED_SIZE(CullConstants, 8192)
 
 GN_SHARED_FN vec4 nowhereOutside()
 {

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Draws or drops kept volumes, a workgroup each: copies the indirect commands of its sides and caps, with no instance
-// where the volume touches nothing that matters.
+// Draws or drops volumes, a workgroup each: copies the indirect commands of its sides and caps, with no instance where
+// the volume touches nothing that matters.
 #include "cull.h"
 
 layout(local_size_x = 64) in; // CULL_GROUP
@@ -15,9 +15,9 @@ struct Command {
 };
 
 layout(set = 0, binding = 0, std140) uniform Constants { CullConstants constants; };
-layout(set = 0, binding = 1, std430) readonly buffer Kept {
-    KeptUmbra umbrae[UMBRAE];
-    KeptVolume volumes[];
+layout(set = 0, binding = 1, std430) readonly buffer Regions {
+    UmbraRegion umbrae[UMBRAE];
+    VolumeRegion regions[];
 };
 layout(set = 0, binding = 2, std430) readonly buffer Reached {
     uint count;
@@ -27,17 +27,17 @@ layout(set = 0, binding = 2, std430) readonly buffer Reached {
 };
 layout(set = 0, binding = 3, std430) readonly buffer Sides { Command sides[]; };
 layout(set = 0, binding = 4, std430) readonly buffer Caps { Command caps[]; };
-layout(set = 0, binding = 5, std430) writeonly buffer KeptSides { Command keptSides[]; };
-layout(set = 0, binding = 6, std430) writeonly buffer KeptCaps { Command keptCaps[]; };
+layout(set = 0, binding = 5, std430) writeonly buffer CulledSides { Command culledSides[]; };
+layout(set = 0, binding = 6, std430) writeonly buffer CulledCaps { Command culledCaps[]; };
 
 shared uint found; // by any invocation: the volume matters
 
 // Looks at every CULL_GROUP-th box, from the invocation's own on, until one is found.
-void findReached(uint volume)
+void findReached(uint region)
 {
     vec4 planes[SHADOW_PLANES];
     for (uint p = 0; p < SHADOW_PLANES; ++p)
-        planes[p] = volumes[volume].shadow[p];
+        planes[p] = regions[region].shadow[p];
     for (uint i = gl_LocalInvocationIndex; i < count && atomicOr(found, 0u) == 0u; i += CULL_GROUP) {
         vec3 center = reached[i].center.xyz, halfExtent = reached[i].halfExtent.xyz;
         bool beyond = false;
@@ -49,18 +49,16 @@ void findReached(uint volume)
 
 void main()
 {
-    uint volume = constants.candidates[gl_WorkGroupID.x / 4u][gl_WorkGroupID.x % 4u];
-    uint umbra = volumes[volume].umbra;
+    CullCandidate candidate = constants.candidates[gl_WorkGroupID.x];
+    uint umbra = regions[candidate.region].umbra;
     if (gl_LocalInvocationIndex == 0u) found = umbra != NO_UMBRA ? needed >> umbra & 1u : 0u;
     barrier();
-    findReached(volume);
+    findReached(candidate.region);
     barrier();
     uint instances = found;
-    uint firstSide = volumes[volume].firstSide, endSide = firstSide + volumes[volume].sideCount;
-    for (uint i = firstSide + gl_LocalInvocationIndex; i < endSide; i += CULL_GROUP)
-        keptSides[i] = Command(sides[i].indexCount, instances, sides[i].firstIndex, 0, 0u);
-    if (constants.counts.y == 0u) return;
-    uint firstCap = volumes[volume].firstCap, endCap = firstCap + volumes[volume].capCount;
-    for (uint i = firstCap + gl_LocalInvocationIndex; i < endCap; i += CULL_GROUP)
-        keptCaps[i] = Command(caps[i].indexCount, instances, caps[i].firstIndex, 0, 0u);
+    uint endSide = candidate.firstSide + candidate.sideCount, endCap = candidate.firstCap + candidate.capCount;
+    for (uint i = candidate.firstSide + gl_LocalInvocationIndex; i < endSide; i += CULL_GROUP)
+        culledSides[i] = Command(sides[i].indexCount, instances, sides[i].firstIndex, 0, 0u);
+    for (uint i = candidate.firstCap + gl_LocalInvocationIndex; i < endCap; i += CULL_GROUP)
+        culledCaps[i] = Command(caps[i].indexCount, instances, caps[i].firstIndex, 0, 0u);
 }

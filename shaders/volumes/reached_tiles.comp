@@ -8,7 +8,7 @@ layout(local_size_x = 64) in; // CULL_GROUP
 
 layout(set = 0, binding = 0, std140) uniform Constants { ReachConstants light; };
 layout(set = 0, binding = 1, std430) readonly buffer Tiles { ReceiverTile tiles[]; };
-layout(set = 0, binding = 2, std430) readonly buffer Kept { KeptUmbra umbrae[UMBRAE]; };
+layout(set = 0, binding = 2, std430) readonly buffer Regions { UmbraRegion umbrae[UMBRAE]; };
 layout(set = 0, binding = 3, std430) buffer Reached {
     uint count;
     uint needed; // bit i: umbra i holds a tile

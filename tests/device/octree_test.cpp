@@ -140,7 +140,7 @@ TEST_CASE_FIXTURE(DeviceTest, "kept volumes are built once, and again exactly wh
         CHECK(updates(host) == 0);
         CHECK(host.stats().indexListsBuilt == 0);
         CHECK(host.stats().passesKept == 3);
-        CHECK(passesNamed(host, "octree_volume.cull") == 1);
+        CHECK(passesNamed(host, "volumes.cull") == 1);
     }
     // Looking elsewhere builds nothing either, but for the caps when z-fail is needed for the first time.
     const std::vector<demo::CameraState> inside = look({3.4, 1.6, 2.5}, {1, 0.8, 2.4});
@@ -184,7 +184,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a caster that moves is drawn beside the tree, whi
     for (const double time : {0.2, 0.6, 1.0}) {
         CHECK(pair.differing({.time = time}) == 0);
         CHECK(updates(pair.tree) == 1); // its own sides
-        CHECK(passesNamed(pair.tree, "octree_volume.regions") == 0);
+        CHECK(passesNamed(pair.tree, "volumes.regions") == 0);
         changed += differences(before, pair.pictures);
     }
     CHECK(changed > 20);
@@ -200,7 +200,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a light that moves is drawn as stencil_volume dra
             for (demo::Light& light : each->scene.lights)
                 light.position.x += 0.1;
         CHECK(pair.differing({}) == 0);
-        CHECK(passesNamed(pair.tree, "octree_volume.cull") == 0);
+        CHECK(passesNamed(pair.tree, "volumes.cull") == 0);
         CHECK(updates(pair.tree) == updates(pair.plain));
     }
 }
