@@ -256,7 +256,7 @@ public:
             for (const bool reversed : {false, true})
                 pipelines_.polygons[reversed][map] = polygonPipeline(services, map, reversed);
         }
-        pipelines_.resolve = makeResolvePipelines(services, "mccool.in_shadow", "mccool.without_casters");
+        pipelines_.resolve = makeResolvePipelines(services, {"mccool.dark", "mccool.in_shadow", "mccool.lit"});
     }
 
     void declare(PassBuilder& passes, const ShadowTask& task) override

@@ -19,8 +19,7 @@ enum Setting : std::size_t { kBounded, kZFail };
 
 constexpr VolumeCountNames kNames{.volumes = {.zPass = {"penumbra_wedges.z_pass", "penumbra_wedges.z_pass_reversed"},
                                               .zFail = {"penumbra_wedges.z_fail", "penumbra_wedges.z_fail_reversed"}},
-                                  .counted = "penumbra_wedges.counted",
-                                  .withoutCasters = "penumbra_wedges.without_casters"};
+                                  .resolve = {"penumbra_wedges.dark", "penumbra_wedges.counted", "penumbra_wedges.uncounted"}};
 
 PipelineId makeResolvePipeline(const AlgorithmServices& services)
 {

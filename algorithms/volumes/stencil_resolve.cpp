@@ -16,26 +16,22 @@ constexpr BindingInfo kResolveBindings[] = {
     {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
     {.binding = 3, .kind = BindingKind::storageBuffer}};
 
-PipelineId makeResolvePipeline(const AlgorithmServices& services, const char* name, bool counted)
+PipelineId makeResolvePipeline(const AlgorithmServices& services, const char* name, std::uint32_t part)
 {
+    const VkStencilOpState test{.failOp = VK_STENCIL_OP_KEEP,
+                                .passOp = VK_STENCIL_OP_KEEP,
+                                .depthFailOp = VK_STENCIL_OP_KEEP,
+                                .compareOp = part == gpu::RESOLVE_UNCOUNTED ? VK_COMPARE_OP_EQUAL
+                                                                            : VK_COMPARE_OP_NOT_EQUAL,
+                                .compareMask = 0xff,
+                                .writeMask = 0,
+                                .reference = 0};
     GraphicsPipelineInfo info{
         .name = name,
-        .vertex = {.code = k_volumes_resolve_tiles_vert,
-                   .specializationCount = 1,
-                   .specialization = {counted ? 1u : 0u}},
-        .fragment = {.code = k_volumes_resolve_frag, .specializationCount = 1, .specialization = {counted ? 1u : 0u}},
+        .vertex = {.code = k_volumes_resolve_tiles_vert, .specializationCount = 1, .specialization = {part}},
+        .fragment = {.code = k_volumes_resolve_frag, .specializationCount = 1, .specialization = {part}},
         .bindings = kResolveBindings};
-    info.blendScale = !counted;
-    if (counted) {
-        const VkStencilOpState test{.failOp = VK_STENCIL_OP_KEEP,
-                                    .passOp = VK_STENCIL_OP_KEEP,
-                                    .depthFailOp = VK_STENCIL_OP_KEEP,
-                                    .compareOp = VK_COMPARE_OP_NOT_EQUAL,
-                                    .compareMask = 0xff,
-                                    .writeMask = 0,
-                                    .reference = 0};
-        info.stencil = {.enable = true, .front = test, .back = test};
-    }
+    info.stencil = {.enable = true, .front = test, .back = test};
     info.colorFormat = VK_FORMAT_R8_UNORM;
     info.depthFormat = kStencilFormat;
     return services.pipelines->graphics(info);
@@ -61,11 +57,12 @@ gpu::VolumeResolve volumeResolve(const CameraView& view, const LightView& light,
     return block;
 }
 
-ResolvePipelines makeResolvePipelines(const AlgorithmServices& services, const char* counted,
-                                      const char* withoutCasters)
+ResolvePipelines makeResolvePipelines(const AlgorithmServices& services, const ResolveNames& names)
 {
-    return {.counted = makeResolvePipeline(services, counted, true),
-            .withoutCasters = makeResolvePipeline(services, withoutCasters, false)};
+    ResolvePipelines pipelines;
+    for (std::uint32_t part = 0; part < gpu::RESOLVE_PARTS; ++part)
+        pipelines.of[part] = makeResolvePipeline(services, names.of[part], part);
+    return pipelines;
 }
 
 PassRef declareStencilPass(PassBuilder& passes, const ShadowTask& task, const char* name, const ViewStencil& stencil,
@@ -98,7 +95,7 @@ void recordResolve(PassContext& gpu, const StencilResolve& resolve, const Resolv
     const Bound normals = gpu.sampled(2, resolve.normals ? resolve.normals : resolve.depth, SamplerKind::nearest, 0);
     const Bound tiles = gpu.storage(3, resolve.tiles);
     const VkExtent2D count = tileExtent(resolve.view->area);
-    for (const PipelineId pipeline : {pipelines.counted, pipelines.withoutCasters}) {
+    for (const PipelineId pipeline : pipelines.of) {
         gpu.bind(pipeline, {constants, depth, normals, tiles});
         gpu.vk->vkCmdDraw(gpu.cmd, 6 * count.width * count.height, 1, 0, 0); // resolve_tiles.vert
     }

@@ -1,16 +1,19 @@
 #pragma once
-// From a stencil to visibility: the raster pass in which volumes are drawn into the view's stencil, and the two draws
-// at its end that darken what the stencil marks.
+// From a stencil to visibility: the raster pass in which volumes are drawn into the view's stencil, and the draws at its
+// end that darken what the stencil marks.
 #include "algorithms/volumes/view_stencil.hpp"
-#include "shaders/volumes/volume.h"
+#include "shaders/volumes/resolve.h"
 
 namespace gnomon {
 
-struct ResolvePipelines {
-    PipelineId counted, withoutCasters; ///< Where the stencil is not 0, and everywhere.
+/// By the parts of resolve.h.
+struct ResolveNames {
+    const char* of[gpu::RESOLVE_PARTS];
 };
-ResolvePipelines makeResolvePipelines(const AlgorithmServices& services, const char* counted,
-                                      const char* withoutCasters);
+struct ResolvePipelines {
+    PipelineId of[gpu::RESOLVE_PARTS];
+};
+ResolvePipelines makeResolvePipelines(const AlgorithmServices& services, const ResolveNames& names);
 
 /// Visibility of what the light does not shine on.
 struct Darkness {

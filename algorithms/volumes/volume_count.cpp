@@ -6,7 +6,7 @@ VolumeCountPipelines makeVolumeCountPipelines(const AlgorithmServices& services,
                                               VolumeShape shape)
 {
     return {.volumes = makeVolumePipelines(services, names.volumes, {}, shape),
-            .resolve = makeResolvePipelines(services, names.counted, names.withoutCasters)};
+            .resolve = makeResolvePipelines(services, names.resolve)};
 }
 
 void declareCount(PassBuilder& passes, const ShadowTask& task, const char* name, const ViewStencil& stencil,

@@ -7,8 +7,7 @@ namespace gnomon {
 
 struct VolumeCountNames {
     VolumePipelineNames volumes;
-    const char* counted;
-    const char* withoutCasters;
+    ResolveNames resolve;
 };
 struct VolumeCountPipelines {
     VolumePipelines volumes;

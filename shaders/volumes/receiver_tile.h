@@ -56,12 +56,14 @@ GN_SHARED_FN float liftedDepth(ViewConstants view, float depth, float cosine)
     return min(max(depth + inverse * share, 0.0f), 1.0f);
 }
 
-// What a light is to all of a tile.
-GN_SHARED_CONST uint TILE_UNREACHED = 0u; // none of its receivers is reached: visibility is 1
-GN_SHARED_CONST uint TILE_COUNTED = 1u;   // all are and face the light: the count decides
-GN_SHARED_CONST uint TILE_MIXED = 2u;
+// What a light is to a tile, bits. TILE_REACHED alone: all of its pixels show receivers that the light reaches and that
+// face it, so that the count decides.
+GN_SHARED_CONST uint TILE_UNREACHED = 0u; // no receiver is reached: visibility is 1
+GN_SHARED_CONST uint TILE_REACHED = 1u;   // some are, or all
+GN_SHARED_CONST uint TILE_PARTLY = 2u;    // and perhaps not in every pixel
+GN_SHARED_CONST uint TILE_TURNED = 4u;    // some may face away
 
-// reaches() for all and for none of the points in a box around the light.
+// TILE_UNREACHED, TILE_REACHED and maybe TILE_PARTLY by reaches() for the points in a box around the light.
 //   lower, upper  bounds of the ways from the light
 //   cone, rangeSquared  of reaches()
 // r sin(angle to the axis - half angle) is positive outside the cone, and changes by no more than a point moves: so a
@@ -73,13 +75,14 @@ GN_SHARED_FN uint tileReached(vec3 lower, vec3 upper, vec4 cone, float rangeSqua
     vec3 farthest = max(abs(lower), abs(upper));
     if (dot(nearest, nearest) > rangeSquared) return TILE_UNREACHED;
     bool within = dot(farthest, farthest) <= rangeSquared;
-    if (cone.w < -1.0f) return within ? TILE_COUNTED : TILE_MIXED;
+    if (cone.w < -1.0f) return within ? TILE_REACHED : TILE_REACHED | TILE_PARTLY;
     vec3 center = 0.5f * (lower + upper);
     float along = dot(center, vec3(cone)), across = sqrt(max(dot(center, center) - along * along, 0.0f));
     float cosine = sqrt(abs(cone.w)), sine = sqrt(1.0f - abs(cone.w));
     float outside = (cone.w < 0.0f ? -cosine : cosine) * across - sine * along;
     float radius = 0.5f * length(upper - lower) + 1e-3f * length(center);
-    return outside > radius ? TILE_UNREACHED : within && outside < -radius ? TILE_COUNTED : TILE_MIXED;
+    if (outside > radius) return TILE_UNREACHED;
+    return within && outside < -radius ? TILE_REACHED : TILE_REACHED | TILE_PARTLY;
 }
 
 // Least of dot(a, b) over two boxes.
@@ -96,14 +99,14 @@ GN_SHARED_FN uint tileAnswer(ReceiverTile tile, VolumeResolve resolve)
     float margin = receiverMargin(lower, upper);
     vec3 fromLower = resolve.lightEs.w * (lower - margin) - light,
          fromUpper = resolve.lightEs.w * (upper + margin) - light;
-    uint reached = tileReached(fromLower, fromUpper, resolve.cone, resolve.rangeSquared);
-    if (reached != TILE_COUNTED) return reached;
-    if (tile.lower.w != 0.0f) return TILE_MIXED;
+    uint answer = tileReached(fromLower, fromUpper, resolve.cone, resolve.rangeSquared);
+    if (answer == TILE_UNREACHED) return answer;
+    if (tile.lower.w != 0.0f) answer |= TILE_PARTLY;
     vec3 farthest = max(abs(fromLower), abs(fromUpper));
     bool facing = resolve.view.hasNormals == 0u ||
                   leastDot(vec3(tile.normalLower), vec3(tile.normalUpper), -fromUpper, -fromLower) >
                       1e-5f * (farthest.x + farthest.y + farthest.z);
-    return facing ? TILE_COUNTED : TILE_MIXED;
+    return facing ? answer : answer | TILE_TURNED;
 }
 
 GN_SHARED_END

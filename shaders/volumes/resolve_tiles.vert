@@ -2,9 +2,9 @@
 // Quads of the view's tiles, six vertices each, but for those where there is nothing to draw; the view ray is linear on
 // the screen.
 #extension GL_GOOGLE_include_directive : require
-#include "receiver_tile.h"
+#include "resolve.h"
 
-layout(constant_id = 0) const bool COUNTED = false; // the first draw of resolve.frag
+layout(constant_id = 0) const uint PART = RESOLVE_DARK; // of resolve.frag
 
 layout(set = 0, binding = 0, std140) uniform Constants { VolumeResolve resolve; };
 layout(set = 0, binding = 3, std430) readonly buffer Tiles { ReceiverTile tiles[]; };
@@ -18,9 +18,8 @@ void main()
     vec2 first = vec2(uint(resolve.area.x) / STRIP_COLUMNS * STRIP_COLUMNS, resolve.area.y);
     vec2 pixel = first + vec2(place * uvec2(TILE_COLUMNS, TILE_ROWS));
     pixel = clamp(pixel, resolve.area.xy, resolve.area.xy + resolve.area.zw);
-    uint answer = tileAnswer(tiles[tile], resolve);
     rayWs = viewRayWs(resolve.view, pixel);
     gl_Position = vec4((pixel - resolve.area.xy) / resolve.area.zw * 2.0 - 1.0, 0.0, 1.0);
     // Nothing: all corners at one point.
-    if (COUNTED ? answer == TILE_UNREACHED : answer != TILE_MIXED) gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
+    if (!partCovers(PART, tileAnswer(tiles[tile], resolve), resolve)) gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
 }

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "shaders/volumes/receiver_tile.h"
+#include "shaders/volumes/resolve.h"
 #include "tests/algorithms/volume_meshes.hpp"
 
 using namespace gnomon;
@@ -92,32 +92,39 @@ gpu::ViewConstants depthView(bool reversed)
 TEST_CASE("what is said of a tile is so for each of its receivers, and is said of most tiles that allow it")
 {
     Random random(20261123);
-    int said[3] = {}, alike[3] = {};
+    constexpr uint32_t kAll = gpu::TILE_REACHED | gpu::TILE_PARTLY | gpu::TILE_TURNED;
+    int said[kAll + 1] = {}, alike[kAll + 1] = {};
     for (int i = 0; i < 40000; ++i) {
         const RandomTile tile(random);
         const gpu::VolumeResolve resolve = randomLight(random);
-        int counted = 0, unreached = 0;
+        int turned = 0, unreached = 0;
         for (const Receiver& receiver : tile.receivers) {
             unreached += !reached(resolve, receiver);
-            counted += reached(resolve, receiver) && facing(resolve, receiver);
+            turned += !facing(resolve, receiver);
         }
         const uint32_t answer = gpu::tileAnswer(tile.tile, resolve);
-        REQUIRE(answer <= gpu::TILE_MIXED);
+        REQUIRE(answer <= kAll);
         ++said[answer];
-        if (answer == gpu::TILE_COUNTED) REQUIRE(counted == kReceivers);
-        if (answer == gpu::TILE_UNREACHED) REQUIRE(unreached == kReceivers);
-        alike[gpu::TILE_COUNTED] += counted == kReceivers;
-        alike[gpu::TILE_UNREACHED] += unreached == kReceivers;
+        if (answer == gpu::TILE_UNREACHED) {
+            REQUIRE(unreached == kReceivers);
+        } else {
+            REQUIRE((answer & gpu::TILE_REACHED) != 0);
+            if ((answer & gpu::TILE_PARTLY) == 0) REQUIRE(unreached == 0);
+            if ((answer & gpu::TILE_TURNED) == 0) REQUIRE(turned == 0);
+        }
+        const uint32_t exact = gpu::TILE_REACHED | (unreached != 0 ? gpu::TILE_PARTLY : 0) |
+                               (turned != 0 ? gpu::TILE_TURNED : 0);
+        ++alike[unreached == kReceivers ? gpu::TILE_UNREACHED : exact];
     }
-    MESSAGE("unreached " << said[0] << " of " << alike[0] << ", counted " << said[1] << " of " << alike[1] << ", mixed "
-                         << said[2]);
-    for (const uint32_t answer : {gpu::TILE_UNREACHED, gpu::TILE_COUNTED}) {
+    MESSAGE("unreached " << said[gpu::TILE_UNREACHED] << " of " << alike[gpu::TILE_UNREACHED] << ", counted "
+                         << said[gpu::TILE_REACHED] << " of " << alike[gpu::TILE_REACHED]);
+    for (const uint32_t answer : {gpu::TILE_UNREACHED, gpu::TILE_REACHED}) {
         CHECK(said[answer] > 1000);
         CHECK(10 * said[answer] >= 7 * alike[answer]);
     }
 }
 
-TEST_CASE("a tile without receivers is not reached, and one with a gap is mixed at most")
+TEST_CASE("a tile without receivers is not reached, and one with a gap is reached in part")
 {
     gpu::VolumeResolve resolve{};
     resolve.view.hasNormals = 1;
@@ -128,17 +135,36 @@ TEST_CASE("a tile without receivers is not reached, and one with a gap is mixed 
                            .upper = {1.0f, 0.0f, 1.0f, 0.0f},
                            .normalLower = {0.0f, 1.0f, 0.0f, 0.0f},
                            .normalUpper = {0.0f, 1.0f, 0.0f, 0.0f}};
-    CHECK(gpu::tileAnswer(tile, resolve) == gpu::TILE_COUNTED);
+    CHECK(gpu::tileAnswer(tile, resolve) == gpu::TILE_REACHED);
     tile.lower.w = 1.0f;
-    CHECK(gpu::tileAnswer(tile, resolve) == gpu::TILE_MIXED);
+    CHECK(gpu::tileAnswer(tile, resolve) == (gpu::TILE_REACHED | gpu::TILE_PARTLY));
     tile.lower.w = 0.0f;
     tile.normalLower = tile.normalUpper = {0.0f, -1.0f, 0.0f, 0.0f};
-    CHECK(gpu::tileAnswer(tile, resolve) == gpu::TILE_MIXED);
+    CHECK(gpu::tileAnswer(tile, resolve) == (gpu::TILE_REACHED | gpu::TILE_TURNED));
     resolve.view.hasNormals = 0;
-    CHECK(gpu::tileAnswer(tile, resolve) == gpu::TILE_COUNTED);
+    CHECK(gpu::tileAnswer(tile, resolve) == gpu::TILE_REACHED);
     tile.lower.x = 1e38f;
     tile.upper.x = -1e38f;
     CHECK(gpu::tileAnswer(tile, resolve) == gpu::TILE_UNREACHED);
+}
+
+TEST_CASE("every pixel that is not 1 as cleared is covered by one draw of the resolve, and shaded only where it has to be")
+{
+    for (const float turnedAway : {0.0f, 0.3f}) {
+        gpu::VolumeResolve resolve{};
+        resolve.turnedAway = turnedAway;
+        for (uint32_t answer = 0; answer < 8; ++answer) {
+            if (answer != gpu::TILE_UNREACHED && (answer & gpu::TILE_REACHED) == 0) continue;
+            CAPTURE(answer);
+            const bool reached = answer != gpu::TILE_UNREACHED, turned = (answer & gpu::TILE_TURNED) != 0;
+            const bool dark = gpu::partCovers(gpu::RESOLVE_DARK, answer, resolve);
+            const bool counted = gpu::partCovers(gpu::RESOLVE_COUNTED, answer, resolve);
+            CHECK(int(dark) + int(counted) == int(reached));
+            CHECK(gpu::partCovers(gpu::RESOLVE_UNCOUNTED, answer, resolve) == turned);
+            const bool sure = answer == gpu::TILE_REACHED || (turned && turnedAway == 0.0f);
+            CHECK(dark == (reached && (answer & gpu::TILE_PARTLY) == 0 && sure));
+        }
+    }
 }
 
 TEST_CASE("a lifted receiver lies LIFT of the offset's footprint term above its surface, and nearer in its pixel")
