@@ -33,6 +33,7 @@ struct BenchOptions {
     std::string methods, lights, maps, settings, size, csv;
     std::string light;       ///< Names: only these of the lights; empty: all.
     std::string figure, out; ///< A figure instead of scenes, and its picture.
+    bool still = false;      ///< Of a figure: the model does not turn.
     uint32_t repeat = 15;
     bool validation = false;
     bool recorded = false;

@@ -115,10 +115,11 @@ Rgb8 colourOf(const Curve& curve, bool shaded)
     return {shade(colour.r), shade(colour.g), shade(colour.b)};
 }
 
-void plot(const Figure& figure, const std::vector<Curve>& curves, const std::string& out)
+void plot(const Figure& figure, bool still, const std::vector<Curve>& curves, const std::string& out)
 {
     const std::string settings =
         std::string("set title 'figure ") + figure.name + ": " + figure.title +
+        (still && !figure.still ? ", nothing moves" : "") +
         "'\nset xlabel 'lights'\nset ylabel 'ms a frame'\nset logscale x 2\nset xrange [0.9:18]\nset yrange [0:]\n"
         "set xtics (1,2,4,8,16)\nset grid\nset key left top\n";
     const bool shaded = std::any_of(curves.begin(), curves.end(), [&](const Curve& curve) {
@@ -151,23 +152,24 @@ int figureCommand(const BenchOptions& options)
     const std::unique_ptr<Device> device = Device::create({});
     pinThread(0);
     const Scene room = valueOf(loadScene("views/cube_room"));
+    const bool still = found->still || options.still;
     std::vector<Curve> curves;
     size_t methods = 0;
     while (methods < found->methods.size() && found->methods[methods])
         ++methods;
     for (size_t m = 0; m < methods; ++m) {
         if (methods > 2)
-            curves.push_back(measure(*device, room, found->methods[m], kMiddleModel, found->still, options));
+            curves.push_back(measure(*device, room, found->methods[m], kMiddleModel, still, options));
         else
             for (const Model& model : kModels)
-                curves.push_back(measure(*device, room, found->methods[m], model, found->still, options));
+                curves.push_back(measure(*device, room, found->methods[m], model, still, options));
     }
     const CsvWriter csv = table(*found, curves);
     if (options.csv.empty())
         std::printf("%s", csv.text().c_str());
     else
         expect(csv.save(options.csv));
-    if (!options.out.empty()) plot(*found, curves, options.out);
+    if (!options.out.empty()) plot(*found, still, curves, options.out);
     return 0;
 }
 

@@ -66,6 +66,7 @@ void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
         bench->add_option("--figure", options.figure, "a figure of Rautenbach 2008 instead of scenes: 4.6, 4.40, ...");
     figure->excludes(scenes);
     bench->add_option("--out", options.out, "with --figure: PNG file, drawn by gnuplot")->needs(figure);
+    bench->add_flag("--still", options.still, "with --figure: the model stands still")->needs(figure);
     bench->add_option("--methods", options.methods,
                       "a,b,... default: all; `none` is the base row, `bare_shadow_map` a baseline without gnomon");
     bench->add_option("--lights", options.lights, "1,2,4,... default: the scene's");

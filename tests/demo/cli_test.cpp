@@ -203,6 +203,7 @@ TEST_CASE("a figure is a row for every number of lights and faces")
     CHECK(table[0] == "figure,method,faces,lights,increment_ms_min");
     CHECK(table[1].starts_with("4.19,shadow_map,600,1,"));
     CHECK(table.back().starts_with("4.19,shadow_map,100000,16,"));
+    CHECK(gnomonProgram("bench torus_grid --still").exitCode != 0); // of a figure alone
 }
 
 TEST_CASE("compare runs the rules and every method that serves all lights, and holds them against each other")
