@@ -15,10 +15,11 @@ constexpr SettingSpec kSettings[] = {
 };
 enum Setting : std::size_t { kBounded, kZFail };
 
-constexpr VolumeCountNames kNames{.volumes = {.zPass = {"all_edges_volume.z_pass", "all_edges_volume.z_pass_reversed"},
-                                              .zFail = {"all_edges_volume.z_fail", "all_edges_volume.z_fail_reversed"},
-                                              .caps = {"all_edges_volume.caps", "all_edges_volume.caps_reversed"}},
-                                  .resolve = {"all_edges_volume.dark", "all_edges_volume.counted", "all_edges_volume.uncounted"}};
+constexpr VolumeCountNames kNames{
+    .volumes = {.zPass = {"all_edges_volume.z_pass", "all_edges_volume.z_pass_reversed"},
+                .zFail = {"all_edges_volume.z_fail", "all_edges_volume.z_fail_reversed"},
+                .caps = {"all_edges_volume.caps", "all_edges_volume.caps_reversed"}},
+    .resolve = {"all_edges_volume.dark", "all_edges_volume.counted", "all_edges_volume.uncounted"}};
 
 // --- lists of meshes ---
 

@@ -18,9 +18,10 @@ constexpr SettingSpec kSettings[] = {
 };
 enum Setting : std::size_t { kBounded, kZFail, kConceal, kExtents };
 
-constexpr VolumeCountNames kNames{.volumes = {.zPass = {"octree_volume.z_pass", "octree_volume.z_pass_reversed"},
-                                              .zFail = {"octree_volume.z_fail", "octree_volume.z_fail_reversed"}},
-                                  .resolve = {"octree_volume.dark", "octree_volume.counted", "octree_volume.uncounted"}};
+constexpr VolumeCountNames kNames{
+    .volumes = {.zPass = {"octree_volume.z_pass", "octree_volume.z_pass_reversed"},
+                .zFail = {"octree_volume.z_fail", "octree_volume.z_fail_reversed"}},
+    .resolve = {"octree_volume.dark", "octree_volume.counted", "octree_volume.uncounted"}};
 
 // Regions of all static casters, and of chosen ones, beside stencil_volume's of static and of moving ones.
 constexpr std::uint32_t kRegionsVariant = 2;

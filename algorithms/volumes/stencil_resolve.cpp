@@ -21,8 +21,8 @@ PipelineId makeResolvePipeline(const AlgorithmServices& services, const char* na
     const VkStencilOpState test{.failOp = VK_STENCIL_OP_KEEP,
                                 .passOp = VK_STENCIL_OP_KEEP,
                                 .depthFailOp = VK_STENCIL_OP_KEEP,
-                                .compareOp = part == gpu::RESOLVE_UNCOUNTED ? VK_COMPARE_OP_EQUAL
-                                                                            : VK_COMPARE_OP_NOT_EQUAL,
+                                .compareOp =
+                                    part == gpu::RESOLVE_UNCOUNTED ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_NOT_EQUAL,
                                 .compareMask = 0xff,
                                 .writeMask = 0,
                                 .reference = 0};

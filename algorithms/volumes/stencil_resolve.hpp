@@ -1,6 +1,6 @@
 #pragma once
-// From a stencil to visibility: the raster pass in which volumes are drawn into the view's stencil, and the draws at its
-// end that darken what the stencil marks.
+// From a stencil to visibility: the raster pass in which volumes are drawn into the view's stencil, and the draws at
+// its end that darken what the stencil marks.
 #include "algorithms/volumes/view_stencil.hpp"
 #include "shaders/volumes/resolve.h"
 

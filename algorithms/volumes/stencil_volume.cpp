@@ -18,9 +18,10 @@ constexpr SettingSpec kSettings[] = {
 };
 enum Setting : std::size_t { kBounded, kZFail, kSilhouettes, kExtents };
 
-constexpr VolumeCountNames kNames{.volumes = {.zPass = {"stencil_volume.z_pass", "stencil_volume.z_pass_reversed"},
-                                              .zFail = {"stencil_volume.z_fail", "stencil_volume.z_fail_reversed"}},
-                                  .resolve = {"stencil_volume.dark", "stencil_volume.counted", "stencil_volume.uncounted"}};
+constexpr VolumeCountNames kNames{
+    .volumes = {.zPass = {"stencil_volume.z_pass", "stencil_volume.z_pass_reversed"},
+                .zFail = {"stencil_volume.z_fail", "stencil_volume.z_fail_reversed"}},
+    .resolve = {"stencil_volume.dark", "stencil_volume.counted", "stencil_volume.uncounted"}};
 
 class StencilVolume final : public ShadowAlgorithm {
 public:

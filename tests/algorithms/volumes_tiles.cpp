@@ -112,8 +112,8 @@ TEST_CASE("what is said of a tile is so for each of its receivers, and is said o
             if ((answer & gpu::TILE_PARTLY) == 0) REQUIRE(unreached == 0);
             if ((answer & gpu::TILE_TURNED) == 0) REQUIRE(turned == 0);
         }
-        const uint32_t exact = gpu::TILE_REACHED | (unreached != 0 ? gpu::TILE_PARTLY : 0) |
-                               (turned != 0 ? gpu::TILE_TURNED : 0);
+        const uint32_t exact =
+            gpu::TILE_REACHED | (unreached != 0 ? gpu::TILE_PARTLY : 0) | (turned != 0 ? gpu::TILE_TURNED : 0);
         ++alike[unreached == kReceivers ? gpu::TILE_UNREACHED : exact];
     }
     MESSAGE("unreached " << said[gpu::TILE_UNREACHED] << " of " << alike[gpu::TILE_UNREACHED] << ", counted "
@@ -148,7 +148,8 @@ TEST_CASE("a tile without receivers is not reached, and one with a gap is reache
     CHECK(gpu::tileAnswer(tile, resolve) == gpu::TILE_UNREACHED);
 }
 
-TEST_CASE("every pixel that is not 1 as cleared is covered by one draw of the resolve, and shaded only where it has to be")
+TEST_CASE(
+    "every pixel that is not 1 as cleared is covered by one draw of the resolve, and shaded only where it has to be")
 {
     for (const float turnedAway : {0.0f, 0.3f}) {
         gpu::VolumeResolve resolve{};

@@ -71,13 +71,15 @@ TEST_CASE_FIXTURE(DeviceTest, "under lights that move, volumes without a visible
     for (demo::Light& light : scene.lights)
         light.isStatic = false;
     // In a room: what stands in others is seen by nobody.
-    const std::vector<demo::CameraState> camera = {{.eye = {3.4, 1.6, 2.5}, .target = {1, 0.8, 2.4}, .verticalFov = 1.2f}};
+    const std::vector<demo::CameraState> camera = {
+        {.eye = {3.4, 1.6, 2.5}, .target = {1, 0.8, 2.4}, .verticalFov = 1.2f}};
     DrawCounter counter;
     Host all(scene, counter.options()), culled(scene, counter.options());
     all.pinAll(kMethod);
     culled.pinAll(kMethod);
     cullByExtents(culled);
-    const DrawCount before = counter.count(all, {.cameras = &camera}), after = counter.count(culled, {.cameras = &camera});
+    const DrawCount before = counter.count(all, {.cameras = &camera}),
+                    after = counter.count(culled, {.cameras = &camera});
     MESSAGE(before.triangles << " -> " << after.triangles << " triangles, " << before.samples << " -> " << after.samples
                              << " samples");
     CHECK(before.triangles > 1000);
@@ -86,7 +88,8 @@ TEST_CASE_FIXTURE(DeviceTest, "under lights that move, volumes without a visible
     CHECK(differences(all.pictures(), culled.pictures()) == 0);
 }
 
-TEST_CASE_FIXTURE(DeviceTest, "where volumes can be is worked out again for what moved, static and moving casters apart")
+TEST_CASE_FIXTURE(DeviceTest,
+                  "where volumes can be is worked out again for what moved, static and moving casters apart")
 {
     Scene scene = smallScene();
     scene.lights = {pointLight("lamp", {0.5, 6.0, 1.0}, true)};
