@@ -18,7 +18,8 @@ constexpr std::size_t kItemBudget = 16;
 constexpr std::size_t kVolumes = 32;
 constexpr std::size_t kTriangles = 64;
 // Blocks of the smallest tile that is asked for its triangles: what is too many for 32x32 pixels is mostly too many for
-// its quarters. Asking those leaves half to four fifths of the rays, and takes 5 to 18 % longer than tracing them all.
+// its quarters. Asking those leaves a third to four fifths of the rays, and the search takes 2 to 20 % longer than with
+// tracing them all (six shipped scenes, tile_shafts.md).
 constexpr std::uint32_t kSmallest = 64;
 // Lists on top of each other, one a size of tile, of at most the budget or what the root started with.
 constexpr std::size_t kItemMemory = 4096;

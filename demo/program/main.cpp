@@ -135,9 +135,8 @@ void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
     compare->add_option("--frames", options.frames, "frames of a run; default: the scene's")
         ->check(CLI::Range(2, 1000000));
     compare->add_option("--alternations", options.alternations, "runs of each")->check(CLI::Range(1, 1000));
-    compare
-        ->add_option("--budget-ms", options.budgetMs,
-                     "for all shadows of a frame, GPU and CPU; default: that of the rules, or none")
+    compare->add_option("--budget-ms", options.budgetMs,
+                        "for all shadows of a frame, GPU and CPU; default: that of the rules, or none")
         ->check(CLI::NonNegativeNumber);
     compare->add_option("--plot", options.plot, "PNG file of every frame's time, drawn by gnuplot");
     compare->callback([&] { exitCode = compareCommand(options); });

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "shaders/volumes/resolve.h"
@@ -148,24 +149,57 @@ TEST_CASE("a tile without receivers is not reached, and one with a gap is reache
     CHECK(gpu::tileAnswer(tile, resolve) == gpu::TILE_UNREACHED);
 }
 
-TEST_CASE(
-    "every pixel that is not 1 as cleared is covered by one draw of the resolve, and shaded only where it has to be")
+namespace {
+
+/// A pixel of a tile; `counted`: its stencil is not 0.
+struct Pixel {
+    bool reached, facing, counted;
+};
+
+bool agrees(const Pixel& pixel, uint32_t answer)
 {
-    for (const float turnedAway : {0.0f, 0.3f}) {
+    if (answer == gpu::TILE_UNREACHED) return !pixel.reached;
+    return (pixel.reached || (answer & gpu::TILE_PARTLY) != 0) && (pixel.facing || (answer & gpu::TILE_TURNED) != 0);
+}
+
+/// What resolve.frag writes where it shades.
+float shaded(const Pixel& pixel, float counted, float turnedAway)
+{
+    return !pixel.reached ? 1.0f : pixel.facing ? counted : turnedAway;
+}
+
+} // namespace
+
+TEST_CASE("the resolve's draws show every pixel that a tile's answer allows as what it is, and write it once at most")
+{
+    int written = 0, checked = 0;
+    for (const auto& [shadow, turnedAway] : {std::pair{0.0f, 0.0f}, {0.3f, 0.0f}, {0.3f, 0.3f}}) {
         gpu::VolumeResolve resolve{};
+        resolve.shadow = shadow;
         resolve.turnedAway = turnedAway;
-        for (uint32_t answer = 0; answer < 8; ++answer) {
-            if (answer != gpu::TILE_UNREACHED && (answer & gpu::TILE_REACHED) == 0) continue;
-            CAPTURE(answer);
-            const bool reached = answer != gpu::TILE_UNREACHED, turned = (answer & gpu::TILE_TURNED) != 0;
-            const bool dark = gpu::partCovers(gpu::RESOLVE_DARK, answer, resolve);
-            const bool counted = gpu::partCovers(gpu::RESOLVE_COUNTED, answer, resolve);
-            CHECK(int(dark) + int(counted) == int(reached));
-            CHECK(gpu::partCovers(gpu::RESOLVE_UNCOUNTED, answer, resolve) == turned);
-            const bool sure = answer == gpu::TILE_REACHED || (turned && turnedAway == 0.0f);
-            CHECK(dark == (reached && (answer & gpu::TILE_PARTLY) == 0 && sure));
+        for (uint32_t bits = 0; bits < 64; ++bits) {
+            const Pixel pixel{.reached = (bits & 8) != 0, .facing = (bits & 16) != 0, .counted = (bits & 32) != 0};
+            const uint32_t answer = bits & 7;
+            if ((answer != gpu::TILE_UNREACHED && (answer & gpu::TILE_REACHED) == 0) || !agrees(pixel, answer))
+                continue;
+            CAPTURE(bits);
+            float visibility = 1.0f; // as cleared
+            int writes = 0;
+            for (uint32_t part = 0; part < gpu::RESOLVE_PARTS; ++part) {
+                if (!gpu::partCovers(part, answer, resolve)) continue;
+                if (pixel.counted == (part == gpu::RESOLVE_UNCOUNTED)) continue; // the stencil test
+                const float counted = part == gpu::RESOLVE_UNCOUNTED ? 1.0f : shadow;
+                visibility = part == gpu::RESOLVE_DARK ? shadow : shaded(pixel, counted, turnedAway);
+                ++writes;
+            }
+            CHECK(writes <= 1);
+            CHECK(visibility == shaded(pixel, pixel.counted ? shadow : 1.0f, turnedAway));
+            written += writes;
+            ++checked;
         }
     }
+    CHECK(checked > 60);
+    CHECK(written > 30);
 }
 
 TEST_CASE("a lifted receiver lies LIFT of the offset's footprint term above its surface, and nearer in its pixel")

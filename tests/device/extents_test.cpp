@@ -2,6 +2,7 @@
 // picture stays.
 #include "device/draw_counter.hpp"
 #include "device/method_pair.hpp"
+#include "shaders/volumes/cull.h"
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -115,4 +116,24 @@ TEST_CASE_FIXTURE(DeviceTest,
         host->scene.lights[0].position.x += 0.5;
     CHECK(pair.differing({}) == 0);
     CHECK(pair.other.passCount("volumes.regions") == 2);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "more volumes than one dispatch chooses among are chosen among all the same")
+{
+    Scene scene = smallScene();
+    const demo::Instance box = scene.instances[2];
+    for (uint32_t i = 0; i < gpu::CANDIDATES + 40; ++i) {
+        demo::Instance instance = box;
+        instance.name = "box" + std::to_string(i);
+        instance.pose.position = {0.3 * (i % 20) - 3.0, 0.2 + 0.02 * (i % 7), 0.3 * (i / 20) - 4.0};
+        instance.pose.scale = glm::dvec3(0.1);
+        scene.instances.push_back(instance);
+    }
+    Pair pair(scene);
+    for (const double zFail : {0.0, 1.0}) {
+        pair.set("z_fail", zFail);
+        CHECK(pair.differing({}) == 0);
+        CHECK(pair.other.passCount("volumes.cull") == 1);
+    }
+    CHECK(dark(pair.pictures[0]) > 100);
 }
