@@ -1,6 +1,7 @@
 #pragma once
 // What tile_shafts does to every pixel, sixteen at a time: one file per instruction set, made of one source
 // (lanes_kernel.inc). Nothing inline and nothing of glm's here, for the reason that runtime/scene/face_block.hpp gives.
+#include <stddef.h>
 #include <stdint.h>
 
 #include "runtime/rays/ray_packet.hpp"
@@ -41,8 +42,33 @@ struct alignas(64) Block {
     // Where they are summed, of the lanes that ask; where none does, undefined.
     float normalSum[3];
     float largestOffset;
-    uint32_t finite;                      ///< All origins are numbers.
-    float normalLower[3], normalUpper[3]; ///< As stored; of surfaces(), where all lanes ask.
+    uint32_t finite; ///< All origins are numbers.
+};
+
+inline constexpr uint32_t kSquareSide = 8; ///< Pixels.
+
+/// A square where it was read back.
+struct SquareTexels {
+    const float* depth;  ///< Of the first pixel.
+    const void* normals; ///< Four numbers a pixel.
+    size_t width;        ///< Pixels from one row to the next.
+    float skyDepth;
+    uint32_t halfNormals; ///< 0: in single precision.
+};
+
+/// Depth values near a plane of image space: that of pixel (i, j) is depth + i dx + j dy + d, below <= d <= above.
+struct DepthPlane {
+    float depth;        ///< Of the first pixel.
+    float dx, dy;       ///< Change a pixel to the right and down.
+    float below, above; ///< Not above and not below 0.
+};
+
+/// What a square shows.
+struct Square {
+    DepthPlane plane;
+    float normalLower[3], normalUpper[3]; ///< As stored.
+    uint32_t receivers;                   ///< Pixels that are not sky; in the rest of the bounds, sky counts as well.
+    uint32_t finite;                      ///< All depths and normals are numbers whose squares are.
 };
 
 /// The volume in which a triangle shadows: inside four planes, n.p + f >= 0 with p relative to the list's centre.
@@ -61,8 +87,7 @@ struct Kernels {
     void (*fromHalf)(const uint16_t* texels, float (*normal)[kLanes]); ///< 16 texels of four halves.
     void (*receivers)(const Constants& constants, const Texels& texels, Block& block);
     void (*summedReceivers)(const Constants& constants, const Texels& texels, Block& block);
-    /// What summedReceivers() gives for a directional light that every surface faces.
-    void (*surfaces)(const Constants& constants, const Texels& texels, Block& block);
+    void (*square)(const SquareTexels& texels, Square& square);
     /// The rays of the lanes that ask, but for those that end before they start: nothing blocks them.
     void (*pack)(const Constants& constants, const Block& block, RayPacket& packet);
     /// Widens [lower, upper] along three axes by what the blocks' rays start from, relative to `centre`.

@@ -8,7 +8,7 @@ namespace gnomon::lanes {
 constinit const Kernels kAvx2{.fromHalf = fromHalf,
                               .receivers = receivers,
                               .summedReceivers = summedReceivers,
-                              .surfaces = surfaces,
+                              .square = square,
                               .pack = pack,
                               .bound = bound,
                               .classify = classify};

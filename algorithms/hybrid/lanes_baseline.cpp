@@ -6,7 +6,7 @@ namespace gnomon::lanes {
 constinit const Kernels kBaseline{.fromHalf = fromHalf,
                                   .receivers = receivers,
                                   .summedReceivers = summedReceivers,
-                                  .surfaces = surfaces,
+                                  .square = square,
                                   .pack = pack,
                                   .bound = bound,
                                   .classify = classify};

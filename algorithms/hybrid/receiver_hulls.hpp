@@ -1,6 +1,6 @@
 #pragma once
-// Hulls of what a view shows, in squares of 8 to 64 pixels: made once a view, whatever the lights, and asked by each
-// what it is to all of a square.
+// Squares of 8 to 64 pixels of what a view shows: made once a view, whatever the lights, and asked by each what it is
+// to all of a square, and for the hull of where its rays start there.
 #include <cstdint>
 #include <span>
 
@@ -10,16 +10,17 @@
 namespace gnomon {
 
 /// The receivers of a square of pixels.
-struct ReceiverHull {
-    enum class Holds : std::uint32_t {
+struct ReceiverSquare {
+    enum class Holds : std::uint8_t {
         beyond, ///< No pixel of the view's area.
         sky,    ///< No receiver.
         whole,  ///< A receiver in every pixel.
-        partial ///< Anything else: places that are no numbers, squares that the area cuts.
+        partial ///< Anything else: depths that are no numbers or not ahead, squares that the area cuts.
     };
-    Hull hull;                          ///< Of whole squares: where the rays to a directional light start.
-    glm::vec3 normalSum{0.0f};          ///< As stored; of whole squares, as what follows.
+    lanes::DepthPlane plane;            ///< Of whole squares, as what follows.
     glm::vec3 normalLower, normalUpper; ///< Bounds, as stored.
+    std::uint16_t left, top;            ///< First pixel in the area.
+    std::uint8_t width, height;         ///< As far as the area reaches, pixels.
     Holds holds = Holds::beyond;
 };
 
@@ -40,22 +41,28 @@ private:
 };
 
 /// Fills the squares in rows of the largest ones.
-class HullMaker {
+class SquareMaker {
 public:
-    HullMaker(const lanes::Kernels& kernels, const BlockReader& reader, const CameraView& view,
-              std::span<ReceiverHull> hulls);
+    /// @param depth @param normals as for BlockReader; normals must be there
+    SquareMaker(const lanes::Kernels& kernels, const CameraView& view, std::span<const float> depth,
+                std::span<const std::byte> normals, std::span<ReceiverSquare> squares);
     void row(std::uint32_t top) const; ///< @param top first pixel row in the area
 
 private:
-    void cell(std::uint32_t x, std::uint32_t y, ReceiverHull& hull) const;
+    lanes::SquareTexels texels(std::uint32_t x, std::uint32_t y) const;
+    void prefetch(std::uint32_t x, std::uint32_t y) const;
+    void smallest(std::uint32_t x, std::uint32_t y) const;
     void join(std::uint32_t side, std::uint32_t x, std::uint32_t y) const;
 
     const lanes::Kernels& kernels_;
-    const BlockReader& reader_;
-    VkExtent2D extent_;
-    glm::vec3 rowDirection_;
+    const gpu::ViewConstants& view_;
+    VkRect2D area_;
+    std::size_t width_; ///< Of the image.
+    std::span<const float> depth_;
+    std::span<const std::byte> normals_;
+    bool halfNormals_;
     HullPyramid pyramid_;
-    std::span<ReceiverHull> hulls_;
+    std::span<ReceiverSquare> squares_;
 };
 
 /// One light and the squares of a view.
@@ -68,10 +75,14 @@ public:
         mixed, ///< Anything else.
     };
     SquareAnswers(const CameraView& view, const LightView& light);
-    Answer of(const ReceiverHull& square) const;
-    Hull hull(const ReceiverHull& square) const; ///< Where the rays to this light start; of whole squares.
+    Answer of(const ReceiverSquare& square) const;
+    Hull hull(const ReceiverSquare& square) const; ///< Where the rays to this light start; of whole squares.
 
 private:
+    struct Prism;
+    Prism prismOf(const ReceiverSquare& square) const;
+
+    const CameraView& view_;
     const LightView& light_;
     glm::dvec3 position_, axis_; ///< The light's; directional: axis_ is the direction towards it.
     double range_, cosine_, sine_;

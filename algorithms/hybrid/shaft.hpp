@@ -26,7 +26,7 @@ struct ShaftLight {
 /// A box with any orientation around where a tile's rays start.
 struct Hull {
     glm::dvec3 centre{0.0};
-    glm::dvec3 axis[3]; ///< Orthonormal; the last is the receivers' mean normal, along which they are thinnest.
+    glm::dvec3 axis[3]; ///< Orthonormal; the last is across the receivers, along which they are thinnest.
     double half[3]{};
     double largestOffset = 0.0;
 

@@ -60,8 +60,8 @@ float lightLargest(const CameraView& view, const LightView& light)
     return largest;
 }
 
-BlockReader::BlockReader(const Kernels& kernels, const CameraView& view, std::span<const float> depth,
-                         std::span<const std::byte> normals)
+BlockReader::BlockReader(const Kernels& kernels, const CameraView& view, const LightView& light,
+                         std::span<const float> depth, std::span<const std::byte> normals)
     : kernels_(kernels), area_(view.area), width_(view.extent.width), depth_(depth), normals_(normals),
       halfNormals_(view.normalFormat == VK_FORMAT_R16G16B16A16_SFLOAT)
 {
@@ -78,14 +78,7 @@ BlockReader::BlockReader(const Kernels& kernels, const CameraView& view, std::sp
     constants_.skyDepth = v.skyDepth;
     constants_.offsetFactor = v.offsetFactor;
     constants_.pixelSize = v.pixelSize;
-    constants_.directional = 1;
     constants_.hasNormals = !normals.empty();
-}
-
-BlockReader::BlockReader(const Kernels& kernels, const CameraView& view, const LightView& light,
-                         std::span<const float> depth, std::span<const std::byte> normals)
-    : BlockReader(kernels, view, depth, normals)
-{
     const gpu::LightConstants& l = light.constants;
     for (int i = 0; i < 3; ++i) {
         constants_.lightPosition[i] = l.positionWs[i];
@@ -177,13 +170,6 @@ void BlockReader::read(std::uint32_t x, std::uint32_t y, Block& block) const
     Texels read;
     texels(x, y, read);
     kernels_.receivers(constants_, read, block);
-}
-
-void BlockReader::readSurfaces(std::uint32_t x, std::uint32_t y, Block& block) const
-{
-    Texels read;
-    texels(x, y, read);
-    kernels_.surfaces(constants_, read, block);
 }
 
 void BlockReader::readSummed(std::uint32_t x, std::uint32_t y, Block& block) const

@@ -30,14 +30,9 @@ public:
     BlockReader(const lanes::Kernels& kernels, const CameraView& view, const LightView& light,
                 std::span<const float> depth, std::span<const std::byte> normals);
 
-    /// For readSurfaces() alone.
-    BlockReader(const lanes::Kernels& kernels, const CameraView& view, std::span<const float> depth,
-                std::span<const std::byte> normals);
-
     /// The block whose first pixel is at (x, y) of the view's area. Lanes beyond the area ask nothing.
     void read(std::uint32_t x, std::uint32_t y, lanes::Block& block) const;
     void readSummed(std::uint32_t x, std::uint32_t y, lanes::Block& block) const;
-    void readSurfaces(std::uint32_t x, std::uint32_t y, lanes::Block& block) const; ///< Normals must be there.
     /// The rays of a block that was read: rayOf() of the lanes that ask.
     void pack(const lanes::Block& block, RayPacket& packet) const { kernels_.pack(constants_, block, packet); }
     /// Calls for what read() will read there, which may be beyond the area.

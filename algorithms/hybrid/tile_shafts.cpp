@@ -73,7 +73,7 @@ public:
     TileRows(const ShaftJob& job, const HostContext& host, const BlockReader& reader, const ShaftScene& scene)
         : job_(job), host_(host), reader_(reader), bytes_(job.reasons), squares_(*job.view, *job.light),
           pyramid_(job.view->area.extent),
-          hulls_(job.hulls ? host.read<ReceiverHull>(job.hulls) : std::span<const ReceiverHull>()),
+          hulls_(job.hulls ? host.read<ReceiverSquare>(job.hulls) : std::span<const ReceiverSquare>()),
           search_(scene, *host.arena),
           blocks_(host.arena->array<Block>(std::size_t(job.tile / kBlockSide) * (job.tile / kBlockSide))),
           stride_((job.view->area.extent.width + job.tile - 1) / job.tile * job.tile),
@@ -109,7 +109,7 @@ private:
     const Bytes bytes_;
     const SquareAnswers squares_;
     const HullPyramid pyramid_;
-    const std::span<const ReceiverHull> hulls_;
+    const std::span<const ReceiverSquare> hulls_;
     TileSearch search_;
     std::span<Block> blocks_;
     std::size_t stride_; ///< Of rows_: whole tiles.
@@ -158,8 +158,8 @@ bool TileRows::knownHull(std::uint32_t firstBlock, std::uint32_t count, Hull& hu
     if (!allAsk_ || side < HullPyramid::kSmallest) return false;
     const std::uint32_t x = left_ + everyOtherBit(firstBlock) * kBlockSide;
     const std::uint32_t y = top_ + everyOtherBit(firstBlock >> 1) * kBlockSide;
-    const ReceiverHull& square = hulls_[pyramid_.index(side, x, y)];
-    if (square.holds != ReceiverHull::Holds::whole) return false; // beyond the area: nobody asks
+    const ReceiverSquare& square = hulls_[pyramid_.index(side, x, y)];
+    if (square.holds != ReceiverSquare::Holds::whole) return false; // beyond the area: nobody asks
     hull = squares_.hull(square);
     return true;
 }
@@ -327,19 +327,19 @@ void answer(const ShaftJob& job, const HostContext& host)
 }
 
 /// The buffer of hulls and the pass that fills it, in host memory; null without normals.
-BufferId declareReceiverHulls(PassBuilder& passes, const ShadowTask& task, BufferId depth, BufferId normals)
+BufferId declareReceiverSquares(PassBuilder& passes, const ShadowTask& task, BufferId depth, BufferId normals)
 {
     if (!normals) return {};
     const CameraView* view = task.view;
     const HullPyramid pyramid(view->area.extent);
     const BufferId hulls = passes.transient(BufferInfo{.name = "view.receiver_hulls",
                                                        .scope = Scope::view,
-                                                       .size = pyramid.count() * sizeof(ReceiverHull),
+                                                       .size = pyramid.count() * sizeof(ReceiverSquare),
                                                        .place = BufferPlace::readback});
     PassRef host = passes.host("view.receiver_hulls", Scope::view);
     host.reads(depth).reads(normals).writes(hulls).run([=](HostContext& context) {
-        const BlockReader reader(widestKernels(), *view, context.read<float>(depth), context.read<std::byte>(normals));
-        const HullMaker maker(widestKernels(), reader, *view, context.write<ReceiverHull>(hulls));
+        const SquareMaker maker(widestKernels(), *view, context.read<float>(depth), context.read<std::byte>(normals),
+                                context.write<ReceiverSquare>(hulls));
         const std::uint32_t rows = (view->area.extent.height + HullPyramid::kLargest - 1) / HullPyramid::kLargest;
         context.jobs->parallelFor(rows, 1, [&](std::size_t begin, std::size_t end, std::uint32_t) {
             for (std::size_t row = begin; row < end; ++row)
@@ -360,7 +360,7 @@ public:
                      .hulls = {},
                      .tile = std::bit_floor(static_cast<std::uint32_t>(task.settings[kTile])),
                      .reasons = task.settings[kReasons] != 0.0};
-        job.hulls = declareReceiverHulls(passes, task, job.buffers.depth, job.buffers.normals);
+        job.hulls = declareReceiverSquares(passes, task, job.buffers.depth, job.buffers.normals);
         PassRef host = passes.host("tile_shafts.search");
         useHostVisibility(host, job.buffers);
         if (job.hulls) host.reads(job.hulls);

@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <random>
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/packing.hpp>
 
 #include "algorithms/hybrid/receiver_hulls.hpp"
 #include "algorithms/hybrid/receivers.hpp"
@@ -27,7 +29,8 @@ struct Picture {
     glm::vec3 ahead; ///< A point before the camera.
 };
 
-CameraView viewFrom(glm::vec3 eye)
+/// @param standard depth 1 - near / w in place of near / w
+CameraView viewFrom(glm::vec3 eye, bool standard, VkFormat normals)
 {
     CameraView view;
     gpu::ViewConstants& v = view.constants;
@@ -36,22 +39,23 @@ CameraView viewFrom(glm::vec3 eye)
     v.rayDxWs = glm::vec4(0.0095f, 0.001f, 0.0f, 0.0f);
     v.rayDyWs = glm::vec4(0.001f, -0.01f, 0.001f, 0.0f);
     v.depthScale = 0.1f;
-    v.depthMul = 1.0f;
-    v.depthAdd = 0.0f;
-    v.skyDepth = 0.0f;
-    v.offsetFactor = 1.0f;
+    if (standard) v.depthScale *= 0.9f; // so that the product with depthMul is rounded
+    v.depthMul = standard ? -0.9f : 1.0f;
+    v.depthAdd = standard ? 0.9f : 0.0f;
+    v.skyDepth = standard ? 1.0f : 0.0f;
+    v.offsetFactor = standard ? 3.0f : 1.0f;
     v.pixelSize = 0.01f;
     v.hasNormals = 1;
-    view.normalFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
+    view.normalFormat = normals;
     view.extent = {kWidth + 5, kHeight + 3};
     view.area = {{3, 2}, {kWidth, kHeight}};
     return view;
 }
 
-Picture pictureOf(std::mt19937& random)
+Picture pictureOf(std::mt19937& random, bool standard, VkFormat format)
 {
     Picture picture;
-    picture.view = viewFrom(randomPoint(random, 30.0f));
+    picture.view = viewFrom(randomPoint(random, 30.0f), standard, format);
     const CameraView& view = picture.view;
     const glm::vec3 eye(view.constants.eyeWs);
     picture.ahead = eye + glm::vec3(0.0f, 0.0f, -8.0f);
@@ -61,7 +65,7 @@ Picture pictureOf(std::mt19937& random)
         facing[i] = glm::normalize(randomPoint(random, 1.0f) + glm::vec3(0.0f, 0.0f, 1e-3f));
     }
     const glm::vec3 ball = picture.ahead + randomPoint(random, 3.0f);
-    std::vector<glm::vec4> normals;
+    const bool halves = format == VK_FORMAT_R16G16B16A16_SFLOAT;
     for (std::uint32_t y = 0; y < view.extent.height; ++y)
         for (std::uint32_t x = 0; x < view.extent.width; ++x) {
             const glm::vec3 ray = gpu::viewRayWs(view.constants, glm::vec2(float(x) + 0.5f, float(y) + 0.5f));
@@ -80,25 +84,43 @@ Picture pictureOf(std::mt19937& random)
                 nearest = w;
                 normal = glm::normalize(eye + w * ray - ball);
             }
-            picture.depth.push_back(nearest < 60.0f ? 0.1f / nearest : 0.0f);
-            normals.emplace_back(normal, 0.0f);
+            const float inverse = nearest < 60.0f ? 0.1f / nearest : 0.0f;
+            picture.depth.push_back(standard ? 1.0f - inverse : inverse);
+            // What is in the fourth number is nobody's business.
+            const glm::vec4 full(normal, std::numeric_limits<float>::quiet_NaN());
+            const std::uint64_t half = glm::packHalf4x16(full);
+            const auto* bytes =
+                halves ? reinterpret_cast<const std::byte*>(&half) : reinterpret_cast<const std::byte*>(&full);
+            picture.normals.insert(picture.normals.end(), bytes, bytes + (halves ? sizeof half : sizeof full));
         }
-    picture.normals.resize(normals.size() * sizeof(glm::vec4));
-    std::memcpy(picture.normals.data(), normals.data(), picture.normals.size());
     return picture;
 }
 
-LightView lightOf(GnLightType type, glm::vec3 position, glm::vec3 direction)
+constexpr float kRange = 9.0f;
+
+LightView lightOf(GnLightType type, glm::vec3 position, glm::vec3 direction, float range = kRange)
 {
-    return test::lightOf(type, position, direction, 9.0f, 0.6f);
+    return test::lightOf(type, position, direction, range, 0.6f);
+}
+
+std::vector<ReceiverSquare> squaresOf(const Picture& picture, const lanes::Kernels& kernels)
+{
+    std::vector<ReceiverSquare> squares(HullPyramid(picture.view.area.extent).count());
+    const SquareMaker maker(kernels, picture.view, picture.depth, picture.normals, squares);
+    for (std::uint32_t top = 0; top < kHeight; top += HullPyramid::kLargest)
+        maker.row(top);
+    return squares;
 }
 
 using Answer = SquareAnswers::Answer;
+using Holds = ReceiverSquare::Holds;
 
 struct Census {
     int squares[4] = {}; ///< By answer.
     int wrong = 0;       ///< Pixels that do not say what their square does.
     int outside = 0;     ///< Rays that do not start in the hull, or farther from the surface than it says.
+    int flat = 0;        ///< Hulls thinner than a tenth of their length.
+    int above = 0; ///< Flat hulls that leave out the surface below them, as the plane of a receiver's own triangle.
 };
 
 void checkPixel(const Receivers& receivers, const CameraView& view, const Picture& picture, std::uint32_t x,
@@ -120,7 +142,27 @@ void checkPixel(const Receivers& receivers, const CameraView& view, const Pictur
     census.outside += !inside;
 }
 
-void checkSquares(const Picture& picture, const std::vector<ReceiverHull>& hulls, const LightView& light,
+/// Of what lies on one plane, rays start above it: a hull that held the plane could prove nothing about triangles in
+/// it.
+void countFlat(const Picture& picture, const ReceiverSquare& square, const Hull& hull, Census& census)
+{
+    if (!(hull.half[2] < 0.1 * hull.half[0])) return;
+    ++census.flat;
+    const gpu::ViewConstants& v = picture.view.constants;
+    double highest = -1e300;
+    for (std::uint32_t corner = 0; corner < 4; ++corner) {
+        const std::uint32_t x = 3 + square.left + (corner & 1 ? square.width - 1 : 0);
+        const std::uint32_t y = 2 + square.top + (corner & 2 ? square.height - 1 : 0);
+        const float depth = picture.depth[std::size_t(y) * picture.view.extent.width + x];
+        const glm::dvec3 at = glm::dvec3(glm::vec3(v.eyeWs)) +
+                              double(gpu::linearDepth(v, depth)) *
+                                  glm::dvec3(gpu::viewRayWs(v, glm::vec2(float(x) + 0.5f, float(y) + 0.5f)));
+        highest = std::max(highest, glm::dot(hull.axis[2], at - hull.centre));
+    }
+    census.above += highest < -hull.half[2];
+}
+
+void checkSquares(const Picture& picture, const std::vector<ReceiverSquare>& hulls, const LightView& light,
                   Census& census)
 {
     const CameraView& view = picture.view;
@@ -130,11 +172,12 @@ void checkSquares(const Picture& picture, const std::vector<ReceiverHull>& hulls
     for (std::uint32_t side = HullPyramid::kSmallest; side <= HullPyramid::kLargest; side *= 2)
         for (std::uint32_t top = 0; top < kHeight; top += side)
             for (std::uint32_t left = 0; left < kWidth; left += side) {
-                const ReceiverHull& square = hulls[pyramid.index(side, left, top)];
+                const ReceiverSquare& square = hulls[pyramid.index(side, left, top)];
                 const Answer answer = answers.of(square);
                 ++census.squares[static_cast<int>(answer)];
                 if (answer == Answer::mixed) continue;
                 const Hull hull = answer == Answer::rays ? answers.hull(square) : Hull{};
+                countFlat(picture, square, hull, census);
                 for (std::uint32_t y = top; y < std::min(top + side, kHeight); ++y)
                     for (std::uint32_t x = left; x < std::min(left + side, kWidth); ++x)
                         checkPixel(receivers, view, picture, x + 3, y + 2, answer, hull, census);
@@ -148,15 +191,10 @@ TEST_CASE("squares say what each of their pixels says, and hold the starts of it
     std::mt19937 random(29);
     Census census;
     for (int trial = 0; trial < 60; ++trial) {
-        const Picture picture = pictureOf(random);
-        const CameraView& view = picture.view;
-        std::vector<ReceiverHull> hulls(HullPyramid(view.area.extent).count());
+        const VkFormat format = trial % 2 == 0 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
+        const Picture picture = pictureOf(random, trial / 2 % 2 != 0, format);
         const auto all = kernelsHere();
-        const lanes::Kernels& kernels = *all[std::size_t(trial) % all.size()];
-        const BlockReader reader(kernels, view, picture.depth, picture.normals);
-        const HullMaker maker(kernels, reader, view, hulls);
-        for (std::uint32_t top = 0; top < kHeight; top += HullPyramid::kLargest)
-            maker.row(top);
+        const std::vector<ReceiverSquare> hulls = squaresOf(picture, *all[std::size_t(trial) % all.size()]);
         for (const GnLightType type : {GN_LIGHT_TYPE_DIRECTIONAL, GN_LIGHT_TYPE_SPOT, GN_LIGHT_TYPE_POINT}) {
             const glm::vec3 position = picture.ahead + randomPoint(random, 9.0f);
             checkSquares(picture, hulls, lightOf(type, position, picture.ahead - position), census);
@@ -169,4 +207,87 @@ TEST_CASE("squares say what each of their pixels says, and hold the starts of it
     for (const int squares : census.squares)
         CHECK(squares > 2000);
     CHECK(census.squares[3] < census.squares[0] + census.squares[1] + census.squares[2]);
+    MESSAGE("flat " << census.flat << ", above their surface " << census.above);
+    CHECK(census.flat > 2000);
+    CHECK(census.above > census.flat / 2);
+}
+
+TEST_CASE("rays to a light that is far from all that is seen start in the hulls, too")
+{
+    std::mt19937 random(41);
+    Census census;
+    for (int trial = 0; trial < 10; ++trial) {
+        Picture picture = pictureOf(random, false, VK_FORMAT_R32G32B32A32_SFLOAT);
+        // Offsets by the light's coordinates: nothing else is of their size.
+        picture.view.constants.eyeWs = glm::vec4(0.0f);
+        picture.view.constants.pixelSize = 1e-6f;
+        const glm::vec3 position = glm::vec3(0.0f, 0.0f, -8.0f) + randomPoint(random, 400.0f);
+        const LightView light = lightOf(GN_LIGHT_TYPE_POINT, position, glm::vec3(0.0f, -1.0f, 0.0f), 2000.0f);
+        checkSquares(picture, squaresOf(picture, widestKernels()), light, census);
+    }
+    CHECK(census.outside == 0);
+    CHECK(census.squares[static_cast<int>(Answer::rays)] > 200);
+}
+
+TEST_CASE("squares come out the same whichever instructions make them")
+{
+    std::mt19937 random(31);
+    for (const VkFormat format : {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT}) {
+        const Picture picture = pictureOf(random, false, format);
+        const std::vector<ReceiverSquare> baseline = squaresOf(picture, *kernelsHere().front());
+        for (const lanes::Kernels* kernels : kernelsHere()) {
+            const std::vector<ReceiverSquare> squares = squaresOf(picture, *kernels);
+            int different = 0;
+            for (std::size_t i = 0; i < squares.size(); ++i) {
+                const ReceiverSquare &a = baseline[i], &b = squares[i];
+                different += a.holds != b.holds;
+                if (a.holds != Holds::whole) continue;
+                different += std::memcmp(&a.plane, &b.plane, sizeof a.plane) != 0;
+                different += a.normalLower != b.normalLower || a.normalUpper != b.normalUpper;
+            }
+            CHECK(different == 0);
+        }
+    }
+}
+
+TEST_CASE("of squares with one pixel that is no receiver, or none that can be, nothing is said")
+{
+    std::mt19937 random(37);
+    constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
+    constexpr std::uint32_t x = 3 + 32 + 5, y = 2 + 32 + 6; // in the area's second square of 32 pixels, either way
+    for (const VkFormat format : {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT}) {
+        Picture clean = pictureOf(random, false, format);
+        const std::size_t pixels = clean.depth.size(), pixel = y * std::size_t(clean.view.extent.width) + x;
+        std::fill(clean.depth.begin(), clean.depth.end(), 0.02f);
+        const std::size_t size = clean.normals.size() / pixels;
+        for (std::size_t i = 0; i < pixels; ++i) {
+            const glm::vec4 up(0.0f, 0.0f, 1.0f, 0.0f);
+            const std::uint64_t half = glm::packHalf4x16(up);
+            std::memcpy(&clean.normals[i * size], size == 8 ? static_cast<const void*>(&half) : &up, size);
+        }
+        const HullPyramid pyramid(clean.view.area.extent);
+        const auto holds = [&](const Picture& picture, const lanes::Kernels& kernels, std::uint32_t side) {
+            return squaresOf(picture, kernels)[pyramid.index(side, x - 3, y - 2)].holds;
+        };
+        for (const lanes::Kernels* kernels : kernelsHere()) {
+            for (std::uint32_t side = 8; side <= 64; side *= 2)
+                CHECK(holds(clean, *kernels, side) == Holds::whole);
+            for (const float depth : {0.0f, -0.02f, kNoNumber, std::numeric_limits<float>::infinity()}) {
+                Picture spoilt = clean;
+                spoilt.depth[pixel] = depth;
+                CAPTURE(depth);
+                for (std::uint32_t side = 8; side <= 64; side *= 2)
+                    CHECK(holds(spoilt, *kernels, side) == Holds::partial);
+            }
+            for (const float number : {kNoNumber, std::numeric_limits<float>::infinity()})
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    Picture spoilt = clean;
+                    const std::uint16_t half = glm::packHalf1x16(number);
+                    std::memcpy(&spoilt.normals[pixel * size + axis * size / 4],
+                                size == 8 ? static_cast<const void*>(&half) : &number, size / 4);
+                    CHECK(holds(spoilt, *kernels, 8) == Holds::partial);
+                    CHECK(holds(spoilt, *kernels, 32) == Holds::partial);
+                }
+        }
+    }
 }
