@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "algorithms/hybrid/chain_pass.hpp"
+#include "algorithms/hybrid/map_votes.hpp"
 #include "algorithms/hybrid/undecided.hpp"
 #include "algorithms/maps/map_resolve.hpp"
 #include "shaders/hybrid_contour_chain_cube_frag.h"
@@ -13,7 +14,7 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kContour, kMode, kReasons };
+enum Setting { kResolution, kContour, kMode, kReasons, kClassify };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024},
@@ -24,6 +25,7 @@ constexpr SettingSpec kSettings[] = {
     {"reasons",
      "1: visibility shows why, not what; 2: what every stage would say; 3, 4: how many triangles it could ask.", 0, 4,
      0},
+    kClassifySetting,
 };
 
 PipelineId statusPipeline(const AlgorithmServices& services, bool cube, bool normals)
@@ -49,7 +51,7 @@ std::uint32_t contourWidth(double setting)
 
 class ContourChain final : public ShadowAlgorithm {
 public:
-    explicit ContourChain(const AlgorithmServices& services) : map_(makeIdMapPipelines(services))
+    explicit ContourChain(const AlgorithmServices& services) : vk_(*services.vk), map_(makeIdMapPipelines(services))
     {
         for (const bool cube : {false, true})
             for (const bool normals : {false, true})
@@ -61,7 +63,10 @@ public:
         const auto mode = static_cast<ChainMode>(task.settings[kMode]);
         ChainJob job = makeJob(passes, task, mode);
         if (job.stages.witnesses) declareRings(passes, *job.triangles);
-        declareStatus(passes, task, job);
+        if (classifiesOnHost(task.settings[kClassify], vk_, task))
+            declareHostStatus(passes, job);
+        else
+            declareStatus(passes, task, job);
         PassRef host = passes.host("contour_chain.chain");
         host.reads(job.status).reads(job.depth).writes(job.rows);
         if (job.normals) host.reads(job.normals);
@@ -82,7 +87,9 @@ private:
     ChainJob makeJob(PassBuilder& passes, const ShadowTask& task, ChainMode mode);
     void declareRings(PassBuilder& passes, const NumberedTriangles& triangles) const;
     void declareStatus(PassBuilder& passes, const ShadowTask& task, const ChainJob& job) const;
+    static void declareHostStatus(PassBuilder& passes, const ChainJob& job);
 
+    const DeviceTable& vk_;
     IdMapPipelines map_;
     PipelineId status_[2][2]; ///< [cube][has normals]
     RingsCache rings_;
@@ -142,6 +149,28 @@ void ContourChain::declareStatus(PassBuilder& passes, const ShadowTask& task, co
                             gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
     });
     declareVisibilityReadback(passes, task, job.status, task.view->area, "contour_chain.readback");
+}
+
+/// Bit 0 of each byte is 1 where the pixel is lit, as shaders/hybrid/contour_chain.frag has it.
+void ContourChain::declareHostStatus(PassBuilder& passes, const ChainJob& job)
+{
+    const MapQuestion question{.view = job.view,
+                               .light = job.light,
+                               .constants = &job.constants->base,
+                               .map = job.map.depthOnHost(),
+                               .depth = job.depth,
+                               .normals = job.normals};
+    const bool reasons = job.constants->reasons != 0;
+    const lanes::MapBytes bytes{.outside = reasons ? gpu::REASON_OUTSIDE : 255,
+                                .backfacing = reasons ? gpu::REASON_BACKFACING : 0,
+                                .lit = reasons ? gpu::REASON_MAP_LIT : 255,
+                                .dark = reasons ? gpu::REASON_MAP_SHADOW : 0,
+                                .unsure = gpu::MAP_UNSURE};
+    PassRef host = passes.host("contour_chain.status");
+    question.uses(host);
+    host.writes(job.status).run([question, bytes, status = job.status](HostContext& context) {
+        nearestPixels(question, bytes, context, context.write<std::uint8_t>(status));
+    });
 }
 
 } // namespace

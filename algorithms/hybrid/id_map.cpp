@@ -83,21 +83,13 @@ void Declaring::draw(const IdMap& map, std::uint32_t layer, std::span<const Cast
 void Declaring::copy(std::uint32_t layer, ImageId from, std::uint32_t fromLayer, BufferId to, VkImageAspectFlags aspect,
                      const char* name) const
 {
-    passes.transfer(name, Scope::light, variant(layer))
-        .copies(from, {.layer = fromLayer})
-        .writes(to)
-        .record([=, side = resolution](PassContext& gpu) {
-            const VkBufferImageCopy2 region{.sType = VK_STRUCTURE_TYPE_BUFFER_IMAGE_COPY_2,
-                                            .imageSubresource = {aspect, 0, fromLayer, 1},
-                                            .imageExtent = {side, side, 1}};
-            const VkCopyImageToBufferInfo2 info{.sType = VK_STRUCTURE_TYPE_COPY_IMAGE_TO_BUFFER_INFO_2,
-                                                .srcImage = gpu.image(from),
-                                                .srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                                                .dstBuffer = gpu.buffer(to),
-                                                .regionCount = 1,
-                                                .pRegions = &region};
-            gpu.vk->vkCmdCopyImageToBuffer2(gpu.cmd, &info);
-        });
+    declareLayerCopy(passes, {.name = name,
+                              .from = from,
+                              .layer = fromLayer,
+                              .to = to,
+                              .aspect = aspect,
+                              .side = resolution,
+                              .variant = variant(layer)});
 }
 
 /// Numbers of first triangles by index of the caster, for the vertex shader.
@@ -158,6 +150,13 @@ HostMap IdMap::onHost(const HostContext& context) const
         map.triangle[layer] = context.read<std::uint32_t>(numbers[layer]);
     }
     return map;
+}
+
+HostMapCopy IdMap::depthOnHost() const
+{
+    HostMapCopy copy{.layers = static_cast<std::uint32_t>(fits.size()), .needed = needed, .depth = {}};
+    std::copy_n(depths, copy.layers, copy.depth);
+    return copy;
 }
 
 IdMap declareIdMap(PassBuilder& passes, const IdMapPipelines& pipelines, const ShadowTask& task,

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "algorithms/hybrid/host_map.hpp"
 #include "algorithms/hybrid/map_texels.hpp"
 #include "algorithms/hybrid/witness.hpp"
 #include "algorithms/maps/depth_map.hpp"
@@ -28,6 +29,7 @@ struct IdMap {
 
     void uses(PassRef& host) const;                   ///< What a host pass reads.
     HostMap onHost(const HostContext& context) const; ///< In that pass. Layers not needed are empty.
+    HostMapCopy depthOnHost() const;                  ///< Depths alone, for passes that ask all pixels.
 };
 
 /// Declares what is missing of the map. \param triangles of task.casters->all.

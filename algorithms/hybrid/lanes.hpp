@@ -71,6 +71,55 @@ struct Square {
     uint32_t finite;                      ///< All depths and normals are numbers whose squares are.
 };
 
+/// A light's map and how receivers are found in it: gpu::MapLook, as far as that takes.
+struct MapLook {
+    float clipOfEye[4], clipFromRay[3][4]; ///< Columns; of one map.
+    float texelDx[3], texelDy[3], axis[3];
+    float eyeFromLight[3], offset[3];
+    float depthConstant, depthScale, positional;
+    float inverseSlope, perTexel; ///< Of six maps: 1 / slope and 2 slope / side.
+    uint32_t side, cube;
+    const float* depth[6]; ///< Of one map or six, row by row. Null: no receiver should lie there.
+};
+
+/// Sixteen receivers in a map.
+struct alignas(64) MapPlaces {
+    uint32_t asked[kLanes];
+    float x[kLanes], y[kLanes];             ///< Texels, at most four beyond the map.
+    float depth[kLanes];                    ///< Of the receiver's plane there, ...
+    float depthDx[kLanes], depthDy[kLanes]; ///< ... how it changes a texel, ...
+    float slack[kLanes];                    ///< ... and what it is already nearer by.
+    uint32_t layer[kLanes];
+    uint32_t turned[kLanes]; ///< Away from the light, by the map's rounding.
+    uint32_t asks;           ///< Any lane does.
+};
+
+/// What a conservative map's constants add (gpu::ConservativeConstants), and its second layer.
+struct ConservativeLook {
+    MapLook map; ///< Its depths: nothing in the texel is nearer to the light.
+    float texelsPerMetre, depthPerMetre, depthSquare;
+    uint32_t thesis;
+    const float* covered[6]; ///< What covers the texel is not farther.
+};
+
+/// Starts of rays in a conservative map.
+struct alignas(64) LayerPlaces {
+    uint32_t asked[kLanes];
+    float depth[kLanes], error[kLanes]; ///< Of the start, and how far it may be off.
+    float offset[kLanes];               ///< From the receiver, metres.
+    int32_t texel[kLanes];              ///< Place in its layer.
+    uint32_t layer[kLanes];
+    uint32_t known[kLanes]; ///< 1: the map may be asked (mapKnows() of shaders/hybrid/conservative_look.h).
+    uint32_t asks;          ///< Any lane does.
+};
+
+/// The bytes of a map's answers.
+struct MapBytes {
+    uint32_t outside, backfacing; ///< Of lanes that ask nothing.
+    uint32_t lit, dark;
+    uint32_t unsure; ///< Of nearest(): lit, but for what lies at or before the map's near end.
+};
+
 /// The volume in which a triangle shadows: inside four planes, n.p + f >= 0 with p relative to the list's centre.
 /// Within `margin` of a plane the answer is the ray tracer's.
 struct alignas(16) ShadowPlanes {
@@ -88,6 +137,19 @@ struct Kernels {
     void (*receivers)(const Constants& constants, const Texels& texels, Block& block);
     void (*summedReceivers)(const Constants& constants, const Texels& texels, Block& block);
     void (*square)(const SquareTexels& texels, Square& square);
+    /// Finds receivers in a map and calls for the texels that vote() will read; there are normals.
+    void (*place)(const Constants& constants, const Texels& texels, const MapLook& map, MapPlaces& places);
+    /// What the four texels around each receiver say (shaders/maps/verdict.glsl).
+    /// @return bit i: lane i wants a ray, and its byte is undefined
+    uint32_t (*vote)(const MapLook& map, const MapPlaces& places, const MapBytes& bytes, uint8_t* answers);
+    /// What each receiver's own texel says (nearestVisibility() of shaders/maps/filter.glsl).
+    void (*nearest)(const MapLook& map, const MapPlaces& places, const MapBytes& bytes, uint8_t* answers);
+    /// Finds rays' starts in a conservative map and calls for their texels; there are normals.
+    void (*placeStarts)(const Constants& constants, const Texels& texels, const ConservativeLook& look,
+                        LayerPlaces& places);
+    /// What its two layers say (conservativeVerdict()). @return as vote()
+    uint32_t (*conserve)(const ConservativeLook& look, const LayerPlaces& places, const MapBytes& bytes,
+                         uint8_t* answers);
     /// The rays of the lanes that ask, but for those that end before they start: nothing blocks them.
     void (*pack)(const Constants& constants, const Block& block, RayPacket& packet);
     /// Widens [lower, upper] along three axes by what the blocks' rays start from, relative to `centre`.

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "algorithms/hybrid/map_votes.hpp"
 #include "algorithms/hybrid/undecided.hpp"
 #include "algorithms/maps/map_resolve.hpp"
 #include "algorithms/omni/light_map.hpp"
@@ -13,11 +14,12 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kReasons };
+enum Setting { kResolution, kReasons, kClassify };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024},
     kReasonsSetting,
+    kClassifySetting,
 };
 
 PipelineId classifyPipeline(const AlgorithmServices& services, bool cube, bool normals)
@@ -41,9 +43,12 @@ constexpr UndecidedNames kNames = {.status = "pcf_hybrid.status",
                                    .trace = "pcf_hybrid.trace",
                                    .copy = "pcf_hybrid.copy"};
 
+constexpr VoteNames kVoteNames = {
+    .visibility = "pcf_hybrid.visibility", .pass = "pcf_hybrid.votes", .copy = "pcf_hybrid.copy"};
+
 class PcfHybrid final : public ShadowAlgorithm {
 public:
-    explicit PcfHybrid(const AlgorithmServices& services)
+    explicit PcfHybrid(const AlgorithmServices& services) : vk_(*services.vk)
     {
         casters_ = makeDepthMapPipelines(services);
         for (const bool cube : {false, true}) {
@@ -57,9 +62,14 @@ public:
         gpu::HybridConstants* constants = passes.arena().make<gpu::HybridConstants>();
         const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         constants->base = mapConstants(task, resolution, 1);
-        const ImageId map = declareLightMap(passes, casters_, task, resolution, constants->base).image;
+        const LightMap map = declareLightMap(passes, casters_, task, resolution, constants->base);
         constants->reasons = task.settings[kReasons] != 0.0;
-        declareClassify(passes, task, map, constants);
+        if (classifiesOnHost(task.settings[kClassify], vk_, task)) {
+            const HostMapCopy copy = declareHostMap(passes, map, resolution);
+            declareMapVotes(passes, task, kVoteNames, copy, constants->base, constants->reasons != 0);
+            return;
+        }
+        declareClassify(passes, task, map.image, constants);
         declareUndecided(passes, task, kNames, constants->reasons != 0 ? traceReasons : traceHard);
     }
 
@@ -75,6 +85,7 @@ private:
         });
     }
 
+    const DeviceTable& vk_;
     DepthMapPipelines casters_;
     PipelineId classify_[2][2]; ///< [cube][has normals]
 };
@@ -91,7 +102,8 @@ constinit const AlgorithmEntry kPcfHybrid{
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
-            return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type)) +
+            const auto resolution = static_cast<std::uint32_t>(settings[kResolution]);
+            return depthMapMemory(resolution, mapLayers(type)) + hostMapMemory(resolution, mapLayers(type)) +
                    undecidedMemory(extent);
         },
     .missing = nullptr,

@@ -179,4 +179,18 @@ void BlockReader::readSummed(std::uint32_t x, std::uint32_t y, Block& block) con
     kernels_.summedReceivers(constants_, read, block);
 }
 
+void BlockReader::place(std::uint32_t x, std::uint32_t y, const MapLook& map, MapPlaces& places) const
+{
+    Texels read;
+    texels(x, y, read);
+    kernels_.place(constants_, read, map, places);
+}
+
+void BlockReader::place(std::uint32_t x, std::uint32_t y, const ConservativeLook& look, LayerPlaces& places) const
+{
+    Texels read;
+    texels(x, y, read);
+    kernels_.placeStarts(constants_, read, look, places);
+}
+
 } // namespace gnomon

@@ -33,8 +33,12 @@ public:
     /// The block whose first pixel is at (x, y) of the view's area. Lanes beyond the area ask nothing.
     void read(std::uint32_t x, std::uint32_t y, lanes::Block& block) const;
     void readSummed(std::uint32_t x, std::uint32_t y, lanes::Block& block) const;
+    /// Where the receivers there lie in a map; there are normals.
+    void place(std::uint32_t x, std::uint32_t y, const lanes::MapLook& map, lanes::MapPlaces& places) const;
     /// The rays of a block that was read: rayOf() of the lanes that ask.
     void pack(const lanes::Block& block, RayPacket& packet) const { kernels_.pack(constants_, block, packet); }
+    void place(std::uint32_t x, std::uint32_t y, const lanes::ConservativeLook& look, lanes::LayerPlaces& places) const;
+    const lanes::Kernels& kernels() const { return kernels_; }
     /// Calls for what read() will read there, which may be beyond the area.
     void prefetch(std::uint32_t x, std::uint32_t y) const;
 

@@ -6,6 +6,7 @@
 #include <new>
 #include <type_traits>
 
+#include "algorithms/hybrid/block_rays.hpp"
 #include "algorithms/hybrid/host_visibility.hpp"
 #include "algorithms/hybrid/receiver_hulls.hpp"
 #include "algorithms/hybrid/tile_search.hpp"
@@ -65,7 +66,6 @@ constexpr std::uint32_t kBlocks = (kLargestTile / kBlockSide) * (kLargestTile / 
 // A block with at least so many lanes to ask is a packet of its own, others are put together. Half of a packet: 1, 8
 // and 12 could not be told apart in four scenes.
 constexpr int kTogether = 8;
-constexpr std::uint32_t kPackets = 16; // asked at once
 
 /// One thread's share of the tiles.
 class TileRows final : public TileAnswers {
@@ -78,7 +78,15 @@ public:
           blocks_(host.arena->array<Block>(std::size_t(job.tile / kBlockSide) * (job.tile / kBlockSide))),
           stride_((job.view->area.extent.width + job.tile - 1) / job.tile * job.tile),
           rows_(host.arena->array<std::uint8_t>(std::size_t(job.tile) * stride_)),
-          asked_(askedPixels(*job.view, *job.light, job.tile))
+          asked_(askedPixels(*job.view, *job.light, job.tile)),
+          rays_({.host = host,
+                 .reader = reader,
+                 .light = *job.light,
+                 .lit = bytes_.of[gpu::REASON_RT_LIT],
+                 .dark = bytes_.of[gpu::REASON_RT_SHADOW],
+                 .together = kTogether,
+                 .coherence = RayCoherence::tiles},
+                rows_, stride_)
     {
         fillOutside();
         for (std::uint32_t i = 0; i < blocks_.size(); ++i)
@@ -97,11 +105,7 @@ private:
     void fillTile(std::uint8_t byte);
     void fillOutside() { std::fill(rows_.begin(), rows_.end(), bytes_.of[gpu::REASON_OUTSIDE]); }
     void read();
-    void ask(const Block& from, std::uint32_t lane, std::size_t at);
-    void askTogether(const Block& from, std::uint32_t lanes, std::size_t first);
     std::size_t rowAt(std::uint32_t block) const { return corner_[block] + left_; } ///< Of the block's first pixel.
-    void flush();
-    void flushPackets();
 
     const ShaftJob& job_;
     const HostContext& host_;
@@ -119,11 +123,7 @@ private:
     std::uint32_t left_ = 0, top_ = 0;   ///< Of the tile at work, in the area.
     bool allAsk_ = false;                ///< All pixels of that tile; its blocks are read when they are wanted.
     std::uint64_t read_[kBlocks / 64]{}; ///< Bits of the blocks that were.
-    RayBatch<256> batch_;
-    RayPacket packets_[kPackets];
-    std::uint32_t lanes_[kPackets]; ///< Bit i: lane i of the packet wants an answer.
-    std::size_t firsts_[kPackets];  ///< Pixels of the packets' first rays, in rows_.
-    std::uint32_t packetCount_ = 0;
+    BlockRays rays_; ///< Answered in rows_.
 };
 
 /// Reads a tile and writes what needs no search; the others are lit until more is known.
@@ -224,48 +224,6 @@ void TileRows::dark(std::uint32_t firstBlock, std::uint32_t count)
     }
 }
 
-void TileRows::flush()
-{
-    batch_.flush(host_, job_.light->mask, RayCoherence::tiles, [&](std::uint32_t at, bool occluded) {
-        rows_[at] = bytes_.of[occluded ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT];
-    });
-}
-
-void TileRows::flushPackets()
-{
-    host_.rays->occluded(std::span(packets_, packetCount_), job_.light->mask);
-    for (std::uint32_t i = 0; i < packetCount_; ++i) {
-        const RayPacket& packet = packets_[i];
-        host_.countRays(static_cast<std::size_t>(std::popcount(lanes_[i])));
-        for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-            if ((lanes_[i] >> lane & 1) == 0) continue;
-            const bool blocked = packet.there[lane] != 0 && packet.tfar[lane] < 0.0f;
-            rows_[firsts_[i] + lane / kBlockSide * stride_ + lane % kBlockSide] =
-                bytes_.of[blocked ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT];
-        }
-    }
-    packetCount_ = 0;
-}
-
-/// A block's rays side by side as they are.
-void TileRows::askTogether(const Block& from, std::uint32_t lanes, std::size_t first)
-{
-    RayPacket& packet = packets_[packetCount_];
-    reader_.pack(from, packet);
-    for (std::uint32_t lane = 0; lane < kLanes; ++lane)
-        packet.there[lane] &= (lanes >> lane & 1) != 0 ? -1 : 0;
-    lanes_[packetCount_] = lanes;
-    firsts_[packetCount_++] = first;
-    if (packetCount_ == kPackets) flushPackets();
-}
-
-void TileRows::ask(const Block& from, std::uint32_t lane, std::size_t at)
-{
-    batch_.rays[batch_.count] = rayOf(from, lane, *job_.light);
-    batch_.tags[batch_.count++] = static_cast<std::uint32_t>(at);
-    if (batch_.full()) flush();
-}
-
 void TileRows::lanes(std::uint32_t block, const std::uint32_t (&state)[kLanes])
 {
     const std::size_t first = rowAt(block);
@@ -279,14 +237,7 @@ void TileRows::lanes(std::uint32_t block, const std::uint32_t (&state)[kLanes])
         else
             rows_[at] = bytes_.of[state[lane] == lanes::kInside ? gpu::REASON_TILE_SHADOW : gpu::REASON_TILE_LIT];
     }
-    if (std::popcount(unsure) >= kTogether) {
-        askTogether(from, unsure, first);
-        return;
-    }
-    for (; unsure != 0; unsure &= unsure - 1) {
-        const auto lane = static_cast<std::uint32_t>(std::countr_zero(unsure));
-        ask(from, lane, first + lane / kBlockSide * stride_ + lane % kBlockSide);
-    }
+    rays_.ask(from, unsure, first);
 }
 
 void TileRows::answer(std::uint32_t tileRow, std::span<std::uint8_t> visibility)
@@ -296,8 +247,7 @@ void TileRows::answer(std::uint32_t tileRow, std::span<std::uint8_t> visibility)
     if (asked_.holdsRow(top)) {
         for (std::uint32_t left = asked_.left; left < asked_.right; left += job_.tile)
             tile(left, top);
-        flush();
-        flushPackets();
+        rays_.flush();
     } else {
         fillOutside();
     }

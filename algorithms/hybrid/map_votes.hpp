@@ -1,0 +1,38 @@
+#pragma once
+// A light's map asked for all pixels on the CPU, in a copy of it: by its own texel each, or by the four around it,
+// where rays follow at once if they differ.
+#include "algorithms/hybrid/host_map.hpp"
+#include "algorithms/hybrid/host_visibility.hpp"
+
+namespace gnomon {
+
+/// A map as a host pass asks it. The view's normals must be there.
+struct MapQuestion {
+    const CameraView* view;
+    const LightView* light;
+    const gpu::MapConstants* constants; ///< Of declareLightMap() or addLightProjection(); kept for the frame.
+    HostMapCopy map;
+    BufferId depth, normals; ///< Of the view, read back.
+
+    void uses(PassRef& host) const; ///< What the pass reads.
+};
+
+/// What passes and buffers are called, "algorithm.what".
+struct VoteNames {
+    const char *visibility, *pass, *copy;
+};
+
+/// pcf_hybrid's verdict: declares the passes that answer all pixels of the task.
+/// @param reasons codes of shaders/hybrid/reasons.h in place of visibility
+void declareMapVotes(PassBuilder& passes, const ShadowTask& task, const VoteNames& names, const HostMapCopy& map,
+                     const gpu::MapConstants& constants, bool reasons);
+
+// What the passes do. In a host pass; the area's bytes, row by row.
+
+/// What the four texels around every pixel say, and what rays say where they differ.
+void votedPixels(const MapQuestion& question, bool reasons, const HostContext& host, std::span<std::uint8_t> bytes);
+/// What every pixel's own texel says.
+void nearestPixels(const MapQuestion& question, const lanes::MapBytes& told, const HostContext& host,
+                   std::span<std::uint8_t> bytes);
+
+} // namespace gnomon
