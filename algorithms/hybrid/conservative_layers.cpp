@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "algorithms/hybrid/conservative_votes.hpp"
 #include "algorithms/maps/map_resolve.hpp"
 #include "algorithms/omni/light_map.hpp"
 #include "shaders/hybrid_conservative_classify_cube_frag.h"
@@ -29,16 +30,33 @@ struct LayerKind {
     const char *image, *statics, *stamp;
     LayerNames passes[7];
     ConservativeLayer content;
+    HostMapNames copy;
 };
 constexpr LayerKind kKinds[2][2] = {
-    {{"conservative.near", "conservative.near_statics", "conservative.near_stamp", GNOMON_LAYERS("conservative.near"),
-      ConservativeLayer::nearest},
-     {"conservative.covered", "conservative.covered_statics", "conservative.covered_stamp",
-      GNOMON_LAYERS("conservative.covered"), ConservativeLayer::covered}},
-    {{"conservative.thesis_near", "conservative.thesis_near_statics", "conservative.thesis_near_stamp",
-      GNOMON_LAYERS("conservative.thesis_near"), ConservativeLayer::thesisNearest},
-     {"conservative.thesis_covered", "conservative.thesis_covered_statics", "conservative.thesis_covered_stamp",
-      GNOMON_LAYERS("conservative.thesis_covered"), ConservativeLayer::thesisCovered}},
+    {{"conservative.near",
+      "conservative.near_statics",
+      "conservative.near_stamp",
+      GNOMON_LAYERS("conservative.near"),
+      ConservativeLayer::nearest,
+      {"conservative.near_on_host", "conservative.copy_near"}},
+     {"conservative.covered",
+      "conservative.covered_statics",
+      "conservative.covered_stamp",
+      GNOMON_LAYERS("conservative.covered"),
+      ConservativeLayer::covered,
+      {"conservative.covered_on_host", "conservative.copy_covered"}}},
+    {{"conservative.thesis_near",
+      "conservative.thesis_near_statics",
+      "conservative.thesis_near_stamp",
+      GNOMON_LAYERS("conservative.thesis_near"),
+      ConservativeLayer::thesisNearest,
+      {"conservative.thesis_near_on_host", "conservative.copy_thesis_near"}},
+     {"conservative.thesis_covered",
+      "conservative.thesis_covered_statics",
+      "conservative.thesis_covered_stamp",
+      GNOMON_LAYERS("conservative.thesis_covered"),
+      ConservativeLayer::thesisCovered,
+      {"conservative.thesis_covered_on_host", "conservative.copy_thesis_covered"}}},
 };
 #undef GNOMON_LAYERS
 #undef GNOMON_LAYER
@@ -104,8 +122,8 @@ ConservativeMaps::ConservativeMaps(const AlgorithmServices& services)
                 services, kKinds[thesis][covered].passes[kAlone].casters, kKinds[thesis][covered].content);
 }
 
-ImageId ConservativeMaps::declareLayer(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                                       bool thesis, bool covered) const
+ConservativeImage ConservativeMaps::declareLayer(PassBuilder& passes, const ShadowTask& task,
+                                                 const ConservativeMapView& view, bool thesis, bool covered) const
 {
     const LayerKind& kind = kKinds[thesis][covered];
     const auto layers = static_cast<std::uint32_t>(view.fits.size());
@@ -115,23 +133,25 @@ ImageId ConservativeMaps::declareLayer(PassBuilder& passes, const ShadowTask& ta
                          .format = kMapFormat,
                          .resolution = view.resolution,
                          .layers = layers});
+    const std::span<std::uint64_t> stamps = passes.arena().array<std::uint64_t>(layers);
     for (std::uint32_t layer = 0; layer < layers; ++layer) {
         if ((view.needed & (1u << layer)) == 0) continue;
         const ConservativeCasters casters(layers_[thesis][covered], kind.content, &view.projections[layer]);
-        map.update(layer, kind.passes[layers == 1 ? kAlone : layer],
-                   conservativeContent(task, view, layer, 0, passes.arena()), casters);
+        const LayerContent content = conservativeContent(task, view, layer, 0, passes.arena());
+        map.update(layer, kind.passes[layers == 1 ? kAlone : layer], content, casters);
+        stamps[layer] = content.stamp;
     }
-    return map.image();
+    return {map.image(), stamps, kind.copy};
 }
 
-ImageId ConservativeMaps::declareNearest(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                                         bool thesis) const
+ConservativeImage ConservativeMaps::declareNearest(PassBuilder& passes, const ShadowTask& task,
+                                                   const ConservativeMapView& view, bool thesis) const
 {
     return declareLayer(passes, task, view, thesis, false);
 }
 
-ImageId ConservativeMaps::declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                                         bool thesis) const
+ConservativeImage ConservativeMaps::declareCovered(PassBuilder& passes, const ShadowTask& task,
+                                                   const ConservativeMapView& view, bool thesis) const
 {
     return declareLayer(passes, task, view, thesis, true);
 }
@@ -145,8 +165,25 @@ ConservativeClassify::ConservativeClassify(const AlgorithmServices& services, co
             pipelines_[cube][normals] = classifyPipeline(services, name, cube, normals);
 }
 
-void ConservativeClassify::declare(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                                   const ConservativeImages& images, bool thesis, bool reasons) const
+void ConservativeClassify::declare(PassBuilder& passes, const ShadowTask& task, const ConservativeImages& images,
+                                   const gpu::ConservativeConstants& constants) const
+{
+    const LookImages look(task, images.nearest.image);
+    const PipelineId pipeline = pipelines_[task.light->type == GN_LIGHT_TYPE_POINT][look.hasNormals];
+    LookPass pass(passes, task, name_, look);
+    pass.uses.samples(images.covered.image);
+    pass.record([=, covered = images.covered.image, values = &constants](PassContext& gpu) {
+        gpu.bind(pipeline, {gpu.constants(0, *values), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                            gpu.sampled(4, look.map), gpu.sampled(6, covered)});
+    });
+}
+
+// --- the methods ---
+
+namespace {
+
+const gpu::ConservativeConstants* constantsOf(PassBuilder& passes, const ShadowTask& task,
+                                              const ConservativeMapView& view, bool thesis, bool reasons)
 {
     gpu::ConservativeConstants* constants = passes.arena().make<gpu::ConservativeConstants>();
     gpu::MapConstants& base = constants->hybrid.base;
@@ -156,22 +193,19 @@ void ConservativeClassify::declare(PassBuilder& passes, const ShadowTask& task, 
     constants->light = task.light->constants;
     constants->thesis = thesis;
     addRounding(*constants, view.projections.front(), task.casters->all);
-
-    const LookImages look(task, images.nearest);
-    const PipelineId pipeline = pipelines_[view.fits.size() == 6][look.hasNormals];
-    LookPass pass(passes, task, name_, look);
-    pass.uses.samples(images.covered);
-    pass.record([=, covered = images.covered](PassContext& gpu) {
-        gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                            gpu.sampled(4, look.map), gpu.sampled(6, covered)});
-    });
+    return constants;
 }
 
-// --- the methods ---
+LightMap mapOf(const ConservativeMapView& view, const ConservativeImage& image)
+{
+    return {.image = image.image, .fits = view.fits, .needed = view.needed, .stamps = image.stamps};
+}
 
-ConservativeMethod::ConservativeMethod(const AlgorithmServices& services, const char* classify,
+} // namespace
+
+ConservativeMethod::ConservativeMethod(const AlgorithmServices& services, const char* classify, const char* host,
                                        const UndecidedNames& names)
-    : vk_(*services.vk), maps_(services), classify_(services, classify), names_(names)
+    : vk_(*services.vk), maps_(services), classify_(services, classify), names_(names), host_(host)
 {
 }
 
@@ -184,13 +218,24 @@ void ConservativeMethod::declare(PassBuilder& passes, const ShadowTask& task)
     const ConservativeImages images{.nearest = maps_.declareNearest(passes, task, view, thesis),
                                     .covered = declareCovered(passes, task, view, maps_, thesis)};
     const bool reasons = task.settings[kReasons] != 0.0;
-    classify_.declare(passes, task, view, images, thesis, reasons);
+    const gpu::ConservativeConstants* constants = constantsOf(passes, task, view, thesis, reasons);
     // That only faces turned away from the light need be drawn holds for receivers outside of what is closed.
     Doubt insides;
     if (!thesis) {
         insides.byte = reasons ? static_cast<std::uint8_t>(gpu::REASON_MAP_LIT) : std::uint8_t{255};
         insides.where = nearCut(*task.view, task.casters->all);
     }
+    const LightMap nearest = mapOf(view, images.nearest), covered = mapOf(view, images.covered);
+    if (classifiesOnHost(task.settings[kClassify], vk_, task) &&
+        passes.hasRoomFor(missingHostMap(passes, nearest, view.resolution, images.nearest.copy) +
+                          missingHostMap(passes, covered, view.resolution, images.covered.copy))) {
+        const ConservativeCopies copies{
+            .nearest = declareHostMap(passes, nearest, view.resolution, images.nearest.copy),
+            .covered = declareHostMap(passes, covered, view.resolution, images.covered.copy)};
+        declareConservativeVotes(passes, task, {names_.visibility, host_, names_.copy}, copies, *constants, insides);
+        return;
+    }
+    classify_.declare(passes, task, images, *constants);
     declareUndecided(passes, task, names_, reasons ? traceReasons : traceHard, insides);
 }
 

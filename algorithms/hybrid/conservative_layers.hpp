@@ -6,6 +6,7 @@
 
 #include "algorithms/common/kept_map.hpp"
 #include "algorithms/hybrid/conservative_casters.hpp"
+#include "algorithms/hybrid/host_map.hpp"
 #include "algorithms/hybrid/undecided.hpp"
 
 namespace gnomon {
@@ -25,9 +26,14 @@ ConservativeMapView conservativeView(const ShadowTask& task, std::uint32_t resol
 LayerContent conservativeContent(const ShadowTask& task, const ConservativeMapView& view, std::uint32_t layer,
                                  std::uint64_t salt, FrameArena& arena);
 
-/// Both layers as declared in this frame, depth images with a layer per fit.
+/// One of its two depth images as declared in this frame, a layer per fit.
+struct ConservativeImage {
+    ImageId image;
+    std::span<const std::uint64_t> stamps; ///< Of the content of the layers needed, for what is made of it.
+    HostMapNames copy;                     ///< Of a copy on the CPU.
+};
 struct ConservativeImages {
-    ImageId nearest, covered;
+    ConservativeImage nearest, covered;
 };
 
 class ConservativeMaps {
@@ -35,16 +41,16 @@ public:
     explicit ConservativeMaps(const AlgorithmServices& services);
 
     /// Declares what is missing of the over-estimated layer.
-    ImageId declareNearest(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                           bool thesis) const;
+    ConservativeImage declareNearest(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                     bool thesis) const;
     /// And of the under-estimated one, of triangles by themselves.
-    ImageId declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                           bool thesis) const;
+    ConservativeImage declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                     bool thesis) const;
     PipelineId coveredPipeline(bool thesis) const { return layers_[thesis][1]; }
 
 private:
-    ImageId declareLayer(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view, bool thesis,
-                         bool covered) const;
+    ConservativeImage declareLayer(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                   bool thesis, bool covered) const;
     PipelineId layers_[2][2]; ///< [thesis][covered]
 };
 
@@ -52,8 +58,8 @@ private:
 class ConservativeClassify {
 public:
     ConservativeClassify(const AlgorithmServices& services, const char* name);
-    void declare(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                 const ConservativeImages& images, bool thesis, bool reasons) const;
+    void declare(PassBuilder& passes, const ShadowTask& task, const ConservativeImages& images,
+                 const gpu::ConservativeConstants& constants) const;
 
 private:
     const char* name_;
@@ -63,12 +69,13 @@ private:
 /// What both methods are but for their under-estimated layer.
 class ConservativeMethod : public ShadowAlgorithm {
 public:
-    enum Setting : std::size_t { kResolution, kMode, kReasons, kLambda };
+    enum Setting : std::size_t { kResolution, kMode, kReasons, kLambda, kClassify };
     static constexpr SettingSpec kSettings[] = {
         {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024},
         {"mode", "0: guaranteed; 1: as in the thesis.", 0, 1, 0},
         kReasonsSetting,
         kLambdaSetting,
+        kClassifySetting,
     };
     static constexpr std::uint32_t kTraits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT |
                                              GN_TRAIT_HARD_BIT | GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT |
@@ -77,19 +84,23 @@ public:
     /// Of both layers and the picture.
     static VkDeviceSize memory(std::span<const double> settings, VkExtent2D extent, GnLightType type);
 
-    ConservativeMethod(const AlgorithmServices& services, const char* classify, const UndecidedNames& names);
+    /// @param host of the pass where the CPU asks the map
+    ConservativeMethod(const AlgorithmServices& services, const char* classify, const char* host,
+                       const UndecidedNames& names);
     void declare(PassBuilder& passes, const ShadowTask& task) override;
     const char* refuses(const ShadowTask& task) const override;
 
 protected:
-    virtual ImageId declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                                   const ConservativeMaps& maps, bool thesis) const = 0;
+    virtual ConservativeImage declareCovered(PassBuilder& passes, const ShadowTask& task,
+                                             const ConservativeMapView& view, const ConservativeMaps& maps,
+                                             bool thesis) const = 0;
 
 private:
     const DeviceTable& vk_;
     ConservativeMaps maps_;
     ConservativeClassify classify_;
     UndecidedNames names_;
+    const char* host_;
 };
 
 } // namespace gnomon

@@ -29,29 +29,52 @@ void declareLayerCopy(PassBuilder& passes, const LayerCopy& copy)
         });
 }
 
-HostMapCopy declareHostMap(PassBuilder& passes, const LightMap& map, std::uint32_t resolution)
+namespace {
+
+std::uint32_t variantOf(std::uint32_t resolution, std::uint32_t layer)
+{
+    return resolution * 8 + layer;
+}
+
+BufferInfo bufferOf(std::uint32_t resolution, std::uint32_t layer, const HostMapNames& names)
+{
+    return {.name = names.buffer,
+            .scope = Scope::light,
+            .size = VkDeviceSize{4} * resolution * resolution,
+            .place = BufferPlace::readback,
+            .variant = variantOf(resolution, layer)};
+}
+
+} // namespace
+
+HostMapCopy declareHostMap(PassBuilder& passes, const LightMap& map, std::uint32_t resolution,
+                           const HostMapNames& names)
 {
     HostMapCopy result{.layers = static_cast<std::uint32_t>(map.fits.size()), .needed = map.needed, .depth = {}};
-    for (std::uint32_t layer = 0; layer < result.layers; ++layer) {
-        if ((map.needed >> layer & 1) == 0) continue;
-        const std::uint32_t variant = resolution * 8 + layer;
-        result.depth[layer] = passes.persistent(BufferInfo{.name = "light_map.on_host",
-                                                           .scope = Scope::light,
-                                                           .size = VkDeviceSize{4} * resolution * resolution,
-                                                           .place = BufferPlace::readback,
-                                                           .variant = variant});
+    for (std::uint32_t bits = map.needed; bits != 0; bits &= bits - 1) {
+        const auto layer = static_cast<std::uint32_t>(std::countr_zero(bits));
+        result.depth[layer] = passes.persistent(bufferOf(resolution, layer, names));
         if (!passes.stale(result.depth[layer], map.stamps[layer])) {
             passes.kept();
             continue;
         }
-        declareLayerCopy(passes, {.name = "light_map.copy_to_host",
+        declareLayerCopy(passes, {.name = names.pass,
                                   .from = map.image,
                                   .layer = layer,
                                   .to = result.depth[layer],
                                   .side = resolution,
-                                  .variant = variant});
+                                  .variant = variantOf(resolution, layer)});
     }
     return result;
+}
+
+VkDeviceSize missingHostMap(const PassBuilder& passes, const LightMap& map, std::uint32_t resolution,
+                            const HostMapNames& names)
+{
+    VkDeviceSize bytes = 0;
+    for (std::uint32_t bits = map.needed; bits != 0; bits &= bits - 1)
+        bytes += passes.missing(bufferOf(resolution, static_cast<std::uint32_t>(std::countr_zero(bits)), names));
+    return bytes;
 }
 
 void HostMapCopy::uses(PassRef& host) const
@@ -97,11 +120,6 @@ lanes::MapLook HostMapCopy::onHost(const HostContext& context, const gpu::MapCon
         result.depth[layer] = context.read<float>(depth[layer]).data();
     }
     return result;
-}
-
-VkDeviceSize hostMapMemory(std::uint32_t resolution, std::uint32_t layers)
-{
-    return layers * pooledSize(VkDeviceSize{4} * resolution * resolution);
 }
 
 } // namespace gnomon

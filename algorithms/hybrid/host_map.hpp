@@ -40,9 +40,16 @@ struct HostMapCopy {
     /// In that pass. @param constants of declareLightMap()
     lanes::MapLook onHost(const HostContext& context, const gpu::MapConstants& constants) const;
 };
-HostMapCopy declareHostMap(PassBuilder& passes, const LightMap& map, std::uint32_t resolution);
 
-/// Host-visible bytes of the copies.
-VkDeviceSize hostMapMemory(std::uint32_t resolution, std::uint32_t layers);
+/// What a map's copies and the passes that make them are called: what they copy is known by these.
+struct HostMapNames {
+    const char *buffer = "light_map.on_host", *pass = "light_map.copy_to_host";
+};
+HostMapCopy declareHostMap(PassBuilder& passes, const LightMap& map, std::uint32_t resolution,
+                           const HostMapNames& names = {});
+/// Bytes of the copies that are not there yet. They only save time: passes.hasRoomFor() says whether to make them, and
+/// AlgorithmEntry::memoryPerLight does not count them.
+VkDeviceSize missingHostMap(const PassBuilder& passes, const LightMap& map, std::uint32_t resolution,
+                            const HostMapNames& names = {});
 
 } // namespace gnomon

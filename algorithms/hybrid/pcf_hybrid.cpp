@@ -64,7 +64,8 @@ public:
         constants->base = mapConstants(task, resolution, 1);
         const LightMap map = declareLightMap(passes, casters_, task, resolution, constants->base);
         constants->reasons = task.settings[kReasons] != 0.0;
-        if (classifiesOnHost(task.settings[kClassify], vk_, task)) {
+        if (classifiesOnHost(task.settings[kClassify], vk_, task) &&
+            passes.hasRoomFor(missingHostMap(passes, map, resolution))) {
             const HostMapCopy copy = declareHostMap(passes, map, resolution);
             declareMapVotes(passes, task, kVoteNames, copy, constants->base, constants->reasons != 0);
             return;
@@ -102,8 +103,7 @@ constinit const AlgorithmEntry kPcfHybrid{
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
-            const auto resolution = static_cast<std::uint32_t>(settings[kResolution]);
-            return depthMapMemory(resolution, mapLayers(type)) + hostMapMemory(resolution, mapLayers(type)) +
+            return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type)) +
                    undecidedMemory(extent);
         },
     .missing = nullptr,

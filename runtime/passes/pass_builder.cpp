@@ -296,6 +296,16 @@ KeptList PassBuilder::keptList(const BufferInfo& info, std::uint64_t stamp)
     return {.buffer = copy};
 }
 
+VkDeviceSize PassBuilder::missing(const BufferInfo& info) const
+{
+    return graph_.pool_.keeps(graph_.key(info, true), info.size) ? 0 : pooledSize(info.size);
+}
+
+bool PassBuilder::hasRoomFor(VkDeviceSize bytes) const
+{
+    return bytes == 0 || graph_.pool_.hasRoomFor(bytes);
+}
+
 std::uint64_t PassBuilder::serial(ImageId image) const
 {
     return image ? graph_.images_[image.index].pooled->serial : 0;

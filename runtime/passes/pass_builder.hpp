@@ -166,6 +166,10 @@ public:
     /// memory, once, and the copy is the answer from then on. `info.place` means nothing; the copying pass has the
     /// buffer's name.
     KeptList keptList(const BufferInfo& info, std::uint64_t stamp);
+    /// Bytes of a persistent buffer that would have to be made: 0 where it is kept from an earlier frame.
+    VkDeviceSize missing(const BufferInfo& info) const;
+    /// Whether there is room for what only saves time, with nothing else having to make way for it.
+    bool hasRoomFor(VkDeviceSize bytes) const;
     /// Another number for every image that was ever made: a stamp kept beside an image takes it in, since the image may
     /// have been freed and made anew. 0: there is none.
     std::uint64_t serial(ImageId image) const;

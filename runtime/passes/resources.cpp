@@ -273,6 +273,12 @@ bool ResourcePool::holds(std::uint64_t key, VkDeviceSize size, std::uint64_t sta
     return buffer && buffer->kept.stamp == stamp && buffer->gpu.size >= size;
 }
 
+bool ResourcePool::keeps(std::uint64_t key, VkDeviceSize size) const
+{
+    const auto found = buffers_.find(key);
+    return found != buffers_.end() && found->second.current && found->second.current->gpu.size >= size;
+}
+
 Result<void> ResourcePool::replace(BufferRing& ring, const BufferInfo& info)
 {
     if (ring.renewed == frame_) return {};

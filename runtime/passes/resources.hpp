@@ -93,6 +93,8 @@ public:
 
     /// A buffer kept under the key holds all of this, as stale() was told.
     bool holds(std::uint64_t key, VkDeviceSize size, std::uint64_t stamp) const;
+    /// A buffer is kept under the key, whatever it holds.
+    bool keeps(std::uint64_t key, VkDeviceSize size) const;
     bool uploadIsFar() const noexcept { return memory_.uploadIsFar(); }
     /// Room for what only saves time, with nothing else having to make way for it.
     bool hasRoomFor(VkDeviceSize size) const noexcept
