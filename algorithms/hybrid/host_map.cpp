@@ -94,7 +94,7 @@ void copyTo(float (&to)[Count], const glm::vec4& from)
 
 } // namespace
 
-lanes::MapLook HostMapCopy::onHost(const HostContext& context, const gpu::MapConstants& constants) const
+lanes::MapLook mapLookOf(const gpu::MapConstants& constants, bool cube)
 {
     const gpu::MapLook& look = constants.map;
     lanes::MapLook result{};
@@ -109,12 +109,18 @@ lanes::MapLook HostMapCopy::onHost(const HostContext& context, const gpu::MapCon
     result.depthConstant = look.depthConstant;
     result.depthScale = look.depthScale;
     result.positional = look.positional;
-    if (layers > 1) {
+    if (cube) {
         result.inverseSlope = 1.0f / look.slope;
         result.perTexel = 2.0f * look.slope / look.side;
     }
     result.side = static_cast<std::uint32_t>(look.side);
-    result.cube = layers > 1;
+    result.cube = cube;
+    return result;
+}
+
+lanes::MapLook HostMapCopy::onHost(const HostContext& context, const gpu::MapConstants& constants) const
+{
+    lanes::MapLook result = mapLookOf(constants, layers > 1);
     for (std::uint32_t bits = needed; bits != 0; bits &= bits - 1) {
         const auto layer = static_cast<std::size_t>(std::countr_zero(bits));
         result.depth[layer] = context.read<float>(depth[layer]).data();

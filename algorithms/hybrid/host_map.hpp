@@ -18,6 +18,9 @@ inline constexpr SettingSpec kClassifySetting = {
 /// Whether the CPU asks. Without normals from the host it never does: those that shaders guess are not made there.
 bool classifiesOnHost(double setting, const DeviceTable& vk, const ShadowTask& task);
 
+/// How receivers are found in a map; its layers are to be set. @param cube six of them
+lanes::MapLook mapLookOf(const gpu::MapConstants& constants, bool cube);
+
 /// Copies an image layer of four-byte texels to a buffer of a light's scope.
 struct LayerCopy {
     const char* name; ///< Of the pass.

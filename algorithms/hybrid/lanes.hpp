@@ -86,6 +86,7 @@ struct MapLook {
 struct alignas(64) MapPlaces {
     uint32_t asked[kLanes];
     float x[kLanes], y[kLanes];             ///< Texels, at most four beyond the map.
+    int32_t left[kLanes], top[kLanes];      ///< The first of the four around.
     float depth[kLanes];                    ///< Of the receiver's plane there, ...
     float depthDx[kLanes], depthDy[kLanes]; ///< ... how it changes a texel, ...
     float slack[kLanes];                    ///< ... and what it is already nearer by.

@@ -2,6 +2,8 @@
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include <glm/gtc/packing.hpp>
 
 #include "algorithms/chain_pass_fixture.hpp"
@@ -155,6 +157,47 @@ TEST_CASE("half normals are asked as well")
     }
     CHECK(dark > 1000);
     CHECK(different <= 20); // normals of 11 bits turn few surfaces away
+}
+
+TEST_CASE("maps say the same whichever instructions ask them")
+{
+    for (const Lamp* light : {&sun(), &lamp(false), &lamp(true)}) {
+        CAPTURE(light->view.type);
+        const lanes::Kernels& narrowest = *kernelsHere().front();
+        lanes::ConservativeLook look{.map = mapLookOf(light->constants.base, light->cube()),
+                                     .texelsPerMetre = 20.0f,
+                                     .depthPerMetre = 0.05f,
+                                     .depthSquare = 0.5f,
+                                     .thesis = 0,
+                                     .covered = {}};
+        for (std::size_t layer = 0; layer < light->map.fits.size(); ++layer)
+            look.map.depth[layer] = look.covered[layer] = light->map.depth[layer].data();
+        const lanes::MapBytes told{.outside = 1, .backfacing = 2, .lit = 3, .dark = 4, .unsure = 5};
+        const auto answers = [&](const lanes::Kernels& kernels) {
+            const BlockReader reader(kernels, world().seen.view, light->view, world().seen.depth,
+                                     world().seen.normalBytes());
+            std::pair<std::vector<std::uint8_t>, std::vector<std::uint32_t>> all; // bytes, and who wants rays
+            for (std::uint32_t y = 0; y < kHeight; y += 4)
+                for (std::uint32_t x = 0; x < kWidth; x += 4) {
+                    lanes::MapPlaces places;
+                    lanes::LayerPlaces starts;
+                    std::uint8_t bytes[3][lanes::kLanes];
+                    reader.place(x, y, look.map, places);
+                    reader.place(x, y, look, starts);
+                    all.second.push_back(kernels.vote(look.map, places, told, bytes[0]));
+                    kernels.nearest(look.map, places, told, bytes[1]);
+                    all.second.push_back(kernels.conserve(look, starts, told, bytes[2]));
+                    for (const auto& of : bytes)
+                        all.first.insert(all.first.end(), std::begin(of), std::end(of));
+                }
+            return all;
+        };
+        const auto expected = answers(narrowest);
+        for (int byte = 1; byte <= 4; ++byte)
+            CHECK(std::count(expected.first.begin(), expected.first.end(), byte) > 100);
+        for (const lanes::Kernels* kernels : kernelsHere())
+            CHECK(answers(*kernels) == expected);
+    }
 }
 
 TEST_CASE("the own texel says of sixteen pixels at a time what it says of each")
