@@ -71,22 +71,21 @@ constexpr int kTogether = 8;
 class TileRows final : public TileAnswers {
 public:
     TileRows(const ShaftJob& job, const HostContext& host, const BlockReader& reader, const ShaftScene& scene)
-        : job_(job), host_(host), reader_(reader), bytes_(job.reasons), squares_(*job.view, *job.light),
+        : job_(job), reader_(reader), bytes_(job.reasons), squares_(*job.view, *job.light),
           pyramid_(job.view->area.extent),
           hulls_(job.hulls ? host.read<ReceiverSquare>(job.hulls) : std::span<const ReceiverSquare>()),
           search_(scene, *host.arena),
           blocks_(host.arena->array<Block>(std::size_t(job.tile / kBlockSide) * (job.tile / kBlockSide))),
           stride_((job.view->area.extent.width + job.tile - 1) / job.tile * job.tile),
           rows_(host.arena->array<std::uint8_t>(std::size_t(job.tile) * stride_)),
-          asked_(askedPixels(*job.view, *job.light, job.tile)),
-          rays_({.host = host,
-                 .reader = reader,
-                 .light = *job.light,
-                 .lit = bytes_.of[gpu::REASON_RT_LIT],
-                 .dark = bytes_.of[gpu::REASON_RT_SHADOW],
-                 .together = kTogether,
-                 .coherence = RayCoherence::tiles},
-                rows_, stride_)
+          asked_(askedPixels(*job.view, *job.light, job.tile)), rays_({.host = host,
+                                                                       .reader = reader,
+                                                                       .light = *job.light,
+                                                                       .lit = bytes_.of[gpu::REASON_RT_LIT],
+                                                                       .dark = bytes_.of[gpu::REASON_RT_SHADOW],
+                                                                       .together = kTogether,
+                                                                       .coherence = RayCoherence::tiles},
+                                                                      rows_, stride_)
     {
         fillOutside();
         for (std::uint32_t i = 0; i < blocks_.size(); ++i)
@@ -108,7 +107,6 @@ private:
     std::size_t rowAt(std::uint32_t block) const { return corner_[block] + left_; } ///< Of the block's first pixel.
 
     const ShaftJob& job_;
-    const HostContext& host_;
     const BlockReader& reader_;
     const Bytes bytes_;
     const SquareAnswers squares_;
@@ -123,7 +121,7 @@ private:
     std::uint32_t left_ = 0, top_ = 0;   ///< Of the tile at work, in the area.
     bool allAsk_ = false;                ///< All pixels of that tile; its blocks are read when they are wanted.
     std::uint64_t read_[kBlocks / 64]{}; ///< Bits of the blocks that were.
-    BlockRays rays_; ///< Answered in rows_.
+    BlockRays rays_;                     ///< Answered in rows_.
 };
 
 /// Reads a tile and writes what needs no search; the others are lit until more is known.
