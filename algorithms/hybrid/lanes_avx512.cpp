@@ -7,17 +7,6 @@ namespace gnomon::lanes {
 #include "algorithms/hybrid/lanes_map.inc"
 #include "algorithms/hybrid/lanes_conservative.inc"
 
-constinit const Kernels kAvx512{.fromHalf = fromHalf,
-                                .receivers = receivers,
-                                .summedReceivers = summedReceivers,
-                                .square = square,
-                                .place = place,
-                                .vote = vote,
-                                .nearest = nearest,
-                                .placeStarts = placeStarts,
-                                .conserve = conserve,
-                                .pack = pack,
-                                .bound = bound,
-                                .classify = classify};
+constinit const Kernels kAvx512 = kKernels;
 
 } // namespace gnomon::lanes

@@ -5,17 +5,6 @@ namespace gnomon::lanes {
 #include "algorithms/hybrid/lanes_map.inc"
 #include "algorithms/hybrid/lanes_conservative.inc"
 
-constinit const Kernels kBaseline{.fromHalf = fromHalf,
-                                  .receivers = receivers,
-                                  .summedReceivers = summedReceivers,
-                                  .square = square,
-                                  .place = place,
-                                  .vote = vote,
-                                  .nearest = nearest,
-                                  .placeStarts = placeStarts,
-                                  .conserve = conserve,
-                                  .pack = pack,
-                                  .bound = bound,
-                                  .classify = classify};
+constinit const Kernels kBaseline = kKernels;
 
 } // namespace gnomon::lanes
