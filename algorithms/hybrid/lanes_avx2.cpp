@@ -4,8 +4,10 @@
 
 namespace gnomon::lanes {
 #include "algorithms/hybrid/lanes_kernel.inc"
-#include "algorithms/hybrid/lanes_map.inc"
-#include "algorithms/hybrid/lanes_conservative.inc"
+
+#include "algorithms/hybrid/lanes_map.inc" // of what the kernel has
+
+#include "algorithms/hybrid/lanes_conservative.inc" // and of both
 
 constinit const Kernels kAvx2 = kKernels;
 
