@@ -9,7 +9,6 @@ namespace {
 using lanes::kBlockSide;
 using lanes::kLanes;
 
-constexpr lanes::MapBytes kVisibility{.outside = 255, .backfacing = 0, .lit = 255, .dark = 0, .unsure = 255};
 constexpr lanes::MapBytes kReasonCodes{.outside = gpu::REASON_OUTSIDE,
                                        .backfacing = gpu::REASON_BACKFACING,
                                        .lit = gpu::REASON_MAP_LIT,

@@ -6,6 +6,9 @@
 
 namespace gnomon {
 
+/// The bytes of visibility itself.
+inline constexpr lanes::MapBytes kVisibility{.outside = 255, .backfacing = 0, .lit = 255, .dark = 0, .unsure = 255};
+
 /// A map as a host pass asks it. The view's normals must be there.
 struct MapQuestion {
     const CameraView* view;
