@@ -21,7 +21,7 @@ constexpr double kCoordinateError = 0x1p-20;
 
 // Receivers are known to 8 roundings of 2^-24 (conservative_classify.frag), which turned casters need. A spread beyond
 // their 3 has 20 more for each, as in tile_shafts: 4 on the ray's way into the caster's space, 16 of distances there
-// (shaft.cpp, shadow_planes.cpp).
+// (shaft.cpp, light_frame.cpp).
 constexpr double kPerSkew = 3.0 * 20.0 / 8.0;
 
 double largest(const glm::dvec3& v)

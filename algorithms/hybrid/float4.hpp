@@ -23,6 +23,11 @@ inline void store(float* values, Float4 from)
     __builtin_memcpy(values, &from, sizeof from);
 }
 
+inline Float4 allFour(float value)
+{
+    return Float4{value, value, value, value};
+}
+
 inline Float4 absolute(Float4 v)
 {
     return reinterpret_cast<Float4>(reinterpret_cast<Int4>(v) & 0x7fffffff);

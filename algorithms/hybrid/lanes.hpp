@@ -121,16 +121,59 @@ struct MapBytes {
     uint32_t unsure; ///< Of nearest(): lit, but for what lies at or before the map's near end.
 };
 
-/// The volume in which a triangle shadows: inside four planes, n.p + f >= 0 with p relative to the list's centre.
-/// Within `margin` of a plane the answer is the ray tracer's.
-struct alignas(16) ShadowPlanes {
-    float x[4], y[4], z[4], f[4], margin[4];
-    uint32_t certain; ///< 0: being inside proves nothing.
-    uint32_t padding[3];
+/// How a light sees a tile: around `centre`, the last axis leads to the light. Whatever lies on one ray to the light
+/// has the same first two coordinates, those of where the ray crosses the plane through the centre.
+struct LightFrame {
+    float centre[3];
+    float axis[3][3]; ///< Orthonormal.
+    float distance;   ///< From the centre to the light; directional lights: not used.
+    uint32_t directional;
 };
 
-/// What is known of a lane after classify().
-inline constexpr uint32_t kMissed = 0, kUnsure = 1, kInside = 2;
+/// There: across the light's rays, and towards it.
+struct FrameBounds {
+    float lower[3], upper[3];
+};
+
+/// A tile as the triangles of one caster meet it; positions relative to its frame's centre (ShadowMaker).
+struct TriangleLook {
+    LightFrame frame;
+    double basis[3][3]; ///< Columns.
+    double translation[3];
+    float light[3];    ///< The light, or the direction towards it.
+    float axis[3][3];  ///< The hull's, as long as half of it.
+    float extent[3];   ///< Of the hull, along the axes of the world.
+    float rounding[3]; ///< Of coordinates, by the ray tracer.
+    float unsure;      ///< The same wherever the shaft meets the caster, all coordinates together.
+    float relative;    ///< The tracer's and our roundings of distances.
+    float farthest;    ///< Receiver from the light.
+    float nearOffset;  ///< Closer to the light than that nothing is certain.
+    uint32_t opaque;
+};
+
+/// Corners of sixteen triangles in mesh space.
+struct alignas(64) Corners {
+    float at[3][3][kLanes]; ///< Corner, axis.
+};
+
+/// The volumes in which sixteen triangles shadow: inside four planes each, n.p + f >= 0 with p relative to the frame's
+/// centre. Within `margin` of a plane the answer is the ray tracer's.
+struct alignas(64) ShadowVolumes {
+    float x[4][kLanes], y[4][kLanes], z[4][kLanes], f[4][kLanes], margin[4][kLanes];
+    float lower[2][kLanes], upper[3][kLanes]; ///< FrameBounds; nothing is shadowed above the last.
+    uint32_t certain;                         ///< Bits; of the others, being inside proves nothing.
+};
+
+/// Some of sixteen volumes.
+struct VolumeBits {
+    uint16_t block, bits;
+};
+
+/// What is known of a block's lanes, bits.
+struct LaneStates {
+    uint32_t inside = 0; ///< Of a volume that is certain.
+    uint32_t unsure = 0; ///< Of the others: too close to a border.
+};
 
 /// Functions of one instruction set.
 struct Kernels {
@@ -156,9 +199,18 @@ struct Kernels {
     /// Widens [lower, upper] along three axes by what the blocks' rays start from, relative to `centre`.
     void (*bound)(const Block* blocks, uint32_t count, const float* centre, const float (*axes)[3], float* lower,
                   float* upper);
-    /// state[i] = the largest of what the volumes say about lane i, kInside over kUnsure over kMissed.
-    void (*classify)(const Block& block, const float* centre, const ShadowPlanes* const* volumes, uint32_t count,
-                     uint32_t* state);
+    /// The volumes of triangles as one tile meets them. @param lanes bits of the corners that count
+    /// @return bits of the volumes that meet the tile's hull; `covering`: of those that hold all of it
+    uint32_t (*volumes)(const TriangleLook& look, const Corners& corners, uint32_t lanes, ShadowVolumes& volumes,
+                        uint32_t& covering);
+    /// Bounds of the starts of a block's rays; all lanes ask, or they are summed.
+    void (*spanned)(const LightFrame& frame, const Block& block, FrameBounds& bounds);
+    /// The volumes of a list that may shadow something within bounds. @return how many entries `to` has then
+    uint32_t (*meeting)(const ShadowVolumes* volumes, const VolumeBits* from, uint32_t count, const FrameBounds& bounds,
+                        VolumeBits* to);
+    /// What the volumes of a list say of the lanes of a block that ask.
+    LaneStates (*classify)(const LightFrame& frame, const Block& block, const ShadowVolumes* volumes,
+                           const VolumeBits* list, uint32_t count);
 };
 
 extern const Kernels kBaseline;

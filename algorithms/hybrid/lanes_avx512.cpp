@@ -5,9 +5,13 @@
 namespace gnomon::lanes {
 #include "algorithms/hybrid/lanes_kernel.inc"
 
-#include "algorithms/hybrid/lanes_map.inc" // of what the kernel has
+#include "algorithms/hybrid/lanes_wide.inc" // of what the kernel has
 
-#include "algorithms/hybrid/lanes_conservative.inc" // and of both
+#include "algorithms/hybrid/lanes_volumes.inc" // of both
+
+#include "algorithms/hybrid/lanes_map.inc" // of the kernel
+
+#include "algorithms/hybrid/lanes_conservative.inc" // and of all
 
 constinit const Kernels kAvx512 = kKernels;
 

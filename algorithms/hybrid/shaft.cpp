@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include <glm/geometric.hpp>
@@ -149,8 +150,7 @@ void addSides(const ShaftLight& light, const Hull& hull, glm::dvec3 towards, Sha
 Shaft shaftOf(const ShaftLight& light, const Hull& hull)
 {
     Shaft shaft;
-    shaft.largest = hull.largest();
-    if (!light.directional) shaft.largest = glm::max(shaft.largest, glm::abs(light.position));
+    shaft.largest = glm::max(hull.largest(), light.largest());
     glm::dvec3 towards = light.toLight;
     const glm::dvec3 toLight = light.position - hull.centre;
     if (!light.directional) towards = toLight / std::max(glm::length(toLight), 1e-20);
@@ -196,83 +196,45 @@ MeshShaft::MeshShaft(const Shaft& shaft, const ShaftCaster* caster, glm::dvec3 r
             n = n * caster->basis; // transposed
         }
         d += kSumRoundings * (glm::dot(glm::abs(n), glm::dvec3(reach)) + std::abs(d));
-        for (int k = 0; k < 3; ++k)
-            normal[i][k] = static_cast<float>(n[k]);
-        distance[i] = static_cast<float>(d);
+        for (int k = 0; k < 3; ++k) {
+            normal[i][k] = allFour(static_cast<float>(n[k]));
+            outer[i][k] = static_cast<std::uint8_t>(n[k] >= 0.0 ? 3 + k : k);
+        }
+        distance[i] = allFour(static_cast<float>(d));
     }
 }
+
+namespace {
+
+/// A row of a node's boxes: their lower ends along x, y, z, then their upper ends.
+Float4 rowOf(const TriangleTree::Node& node, std::uint32_t row)
+{
+    static_assert(offsetof(TriangleTree::Node, upper) == offsetof(TriangleTree::Node, lower) + 3 * sizeof(Float4));
+    return load(&node.lower[0][0] + row * TriangleTree::kWidth);
+}
+
+} // namespace
 
 std::uint32_t MeshShaft::touches(const TriangleTree::Node& node) const
 {
     Int4 outside = {};
-    for (int i = 0; i < Shaft::kPlanes; ++i) {
-        const float* n = normal[i];
-        const Float4 x = load(n[0] >= 0.0f ? node.upper[0] : node.lower[0]);
-        const Float4 y = load(n[1] >= 0.0f ? node.upper[1] : node.lower[1]);
-        const Float4 z = load(n[2] >= 0.0f ? node.upper[2] : node.lower[2]);
-        outside |= x * n[0] + y * n[1] + z * n[2] + distance[i] < 0.0f;
-    }
+    for (int i = 0; i < Shaft::kPlanes; ++i)
+        outside |= rowOf(node, outer[i][0]) * normal[i][0] + rowOf(node, outer[i][1]) * normal[i][1] +
+                       rowOf(node, outer[i][2]) * normal[i][2] + distance[i] <
+                   0.0f;
     return ~bitsOf(outside) & ((1u << node.count) - 1u);
-}
-
-bool MeshShaft::touches(glm::vec3 a, glm::vec3 b, glm::vec3 c) const
-{
-    const Float4 x = {a.x, b.x, c.x, c.x}, y = {a.y, b.y, c.y, c.y}, z = {a.z, b.z, c.z, c.z};
-    for (int i = 0; i < Shaft::kPlanes; ++i) {
-        const float* n = normal[i];
-        const Int4 outside = x * n[0] + y * n[1] + z * n[2] + distance[i] < 0.0f;
-        if (bitsOf(outside) == 15u) return false;
-    }
-    return true;
 }
 
 std::uint32_t MeshShaft::spannedBy(const TriangleTree::Node& node) const
 {
     Int4 within = {};
     for (int i = 0; i < Shaft::kSides; ++i) {
-        const float* n = normal[i];
-        const Float4 x = load(n[0] >= 0.0f ? node.lower[0] : node.upper[0]);
-        const Float4 y = load(n[1] >= 0.0f ? node.lower[1] : node.upper[1]);
-        const Float4 z = load(n[2] >= 0.0f ? node.lower[2] : node.upper[2]);
-        within |= x * n[0] + y * n[1] + z * n[2] + distance[i] > 0.0f;
+        Float4 nearest = distance[i]; // of the corners
+        for (std::uint32_t k = 0; k < 3; ++k)
+            nearest += rowOf(node, outer[i][k] == k ? k + 3 : k) * normal[i][k];
+        within |= nearest > 0.0f;
     }
     return ~bitsOf(within) & ((1u << node.count) - 1u);
-}
-
-bool MeshShaft::spannedBy(glm::vec3 a, glm::vec3 b, glm::vec3 c) const
-{
-    const Float4 x = {a.x, b.x, c.x, c.x}, y = {a.y, b.y, c.y, c.y}, z = {a.z, b.z, c.z, c.z};
-    for (int i = 0; i < Shaft::kSides; ++i) {
-        const float* n = normal[i];
-        const Int4 within = x * n[0] + y * n[1] + z * n[2] + distance[i] > 0.0f;
-        if (bitsOf(within) == 15u) return false;
-    }
-    return true;
-}
-
-FlatHull::FlatHull(const Hull& hull, glm::dvec3 from)
-{
-    const glm::vec3 c(hull.centre - from);
-    for (int k = 0; k < 3; ++k)
-        centre[k] = c[k];
-    for (int i = 0; i < 3; ++i) {
-        const glm::vec3 a(hull.axis[i] * hull.half[i]);
-        for (int k = 0; k < 3; ++k)
-            axis[i][k] = a[k];
-    }
-}
-
-Shadowing FlatHull::under(const lanes::ShadowPlanes& volume) const
-{
-    const Float4 x = load(volume.x), y = load(volume.y), z = load(volume.z), margin = load(volume.margin);
-    const Float4 middle = x * centre[0] + y * centre[1] + z * centre[2] + load(volume.f);
-    Float4 radius = margin;
-    for (const float* a : axis) {
-        const Float4 along = x * a[0] + y * a[1] + z * a[2];
-        radius += absolute(along);
-    }
-    if (bitsOf(middle + radius < 0.0f) != 0) return Shadowing::none;
-    return volume.certain != 0 && bitsOf(middle - radius > 0.0f) == 15u ? Shadowing::all : Shadowing::some;
 }
 
 } // namespace gnomon

@@ -1,12 +1,13 @@
 #pragma once
-// The hull of a tile's receivers, the shaft between it and the light, and the space that a triangle shadows: what
-// tile_shafts proves things with. Set up in double precision, asked in single, with margins for what the ray tracer
-// rounds (the page tile_shafts derives them).
+// The hull of a tile's receivers, the shaft between it and the light, and how the light sees both: what tile_shafts
+// proves things with. Set up in double precision, asked in single, with margins for what the ray tracer rounds (the
+// page tile_shafts derives them).
 #include <cstdint>
 
 #include <glm/ext/vector_double3.hpp>
 #include <glm/mat3x3.hpp>
 
+#include "algorithms/hybrid/float4.hpp"
 #include "algorithms/hybrid/lanes.hpp"
 #include "algorithms/hybrid/spread.hpp"
 #include "runtime/rays/ray_scene.hpp"
@@ -21,6 +22,7 @@ struct ShaftLight {
     glm::dvec3 toLight{0.0};  ///< Directional lights; unit length.
 
     explicit ShaftLight(const LightView& light);
+    glm::dvec3 largest() const { return directional ? glm::dvec3(0.0) : glm::abs(position); } ///< By amount.
 };
 
 /// A box with any orientation around where a tile's rays start.
@@ -80,58 +82,27 @@ struct ShaftCaster : CasterReach {
 
 /// A shaft's planes in a mesh's space, each moved outward by all that is rounded on either side.
 struct MeshShaft {
-    float normal[Shaft::kPlanes][3];
-    float distance[Shaft::kPlanes];
+    Float4 normal[Shaft::kPlanes][3]; ///< Each number four times.
+    Float4 distance[Shaft::kPlanes];
+    std::uint8_t outer[Shaft::kPlanes][3]; ///< Rows of a node's boxes that are farthest along the normal, see rowOf().
 
     /// With `caster` null in world space, for points no farther than `reach`.
     MeshShaft(const Shaft& shaft, const ShaftCaster* caster, glm::dvec3 rounding, glm::vec3 reach);
 
     /// Bit i: box i of the node may touch the shaft.
     std::uint32_t touches(const TriangleTree::Node& node) const;
-    bool touches(glm::vec3 a, glm::vec3 b, glm::vec3 c) const;
     /// Bit i: box i of the node reaches across all four sides, as it must to hold what hides the light from all of the
     /// hull.
     std::uint32_t spannedBy(const TriangleTree::Node& node) const;
-    bool spannedBy(glm::vec3 a, glm::vec3 b, glm::vec3 c) const;
 };
 
-/// What a triangle does to a tile.
-enum class Shadowing : std::uint8_t {
-    none, ///< Blocks no ray of it.
-    some,
-    all, ///< Blocks every ray of it.
-};
+/// How the light sees a hull; false where the light is within it, or beside.
+bool frameOf(const ShaftLight& light, const Hull& hull, lanes::LightFrame& frame);
+/// A hull's bounds in a frame of its light.
+lanes::FrameBounds boundsIn(const lanes::LightFrame& frame, const Hull& hull);
 
-/// Makes the spaces that the triangles of one caster shadow, seen from one tile.
-class ShadowMaker {
-public:
-    ShadowMaker(const ShaftLight& light, const Hull& hull, const ShaftCaster& caster);
-
-    /// @param a b c corners in mesh space @param planes relative to the hull's centre; valid where Shadowing::some
-    Shadowing make(glm::vec3 a, glm::vec3 b, glm::vec3 c, lanes::ShadowPlanes& planes) const;
-
-private:
-    float wideness(const glm::vec3 (&corners)[3]) const;
-
-    glm::dmat3 basis_;
-    glm::dvec3 translation_; ///< From the hull's centre.
-    bool directional_, opaque_;
-    glm::vec3 light_; ///< From the hull's centre, or the direction towards it.
-    glm::vec3 axis_[3];
-    glm::vec3 extent_;
-    glm::vec3 rounding_; ///< Of coordinates, by the ray tracer.
-    float relative_;     ///< Its and our roundings of distances.
-    float farthest_;     ///< Receiver from the light.
-    float nearOffset_;
-};
-
-/// A hull in single precision, for many volumes.
-struct FlatHull {
-    float centre[3]; ///< Relative to the planes' centre.
-    float axis[3][3];
-
-    FlatHull(const Hull& hull, glm::dvec3 centre);
-    Shadowing under(const lanes::ShadowPlanes& volume) const;
-};
+/// What the triangles of one caster are to a tile.
+lanes::TriangleLook lookOf(const ShaftLight& light, const Hull& hull, const lanes::LightFrame& frame,
+                           const ShaftCaster& caster);
 
 } // namespace gnomon

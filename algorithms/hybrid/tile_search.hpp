@@ -29,8 +29,8 @@ public:
     virtual bool knownHull(std::uint32_t /*firstBlock*/, std::uint32_t /*count*/, Hull& /*hull*/) { return false; }
     virtual void wanted(std::uint32_t /*firstBlock*/, std::uint32_t /*count*/) {} ///< Before blocks are looked at.
     virtual void dark(std::uint32_t firstBlock, std::uint32_t count) = 0;         ///< Every pixel that asks.
-    /// What is known of one block's lanes, as lanes::kMissed and so on; unsure ones want a ray.
-    virtual void lanes(std::uint32_t block, const std::uint32_t (&state)[lanes::kLanes]) = 0;
+    /// What is known of one block's lanes; unsure ones want a ray.
+    virtual void lanes(std::uint32_t block, lanes::LaneStates states) = 0;
 
 protected:
     ~TileAnswers() = default;
@@ -50,40 +50,47 @@ private:
     struct Item {
         std::uint32_t caster, node, mask;
     };
-    struct Volumes { ///< Of the tiles below the one they were made for.
-        glm::dvec3 centre{0.0};
-        std::span<const lanes::ShadowPlanes* const> list;
-    };
     struct Tile {
         std::uint32_t first, count; ///< Blocks.
     };
 
-    bool hullAround(Tile tile, Hull& hull) const;
+    using VolumeList = std::span<const lanes::VolumeBits>;
+    enum class Found : std::uint8_t { volumes, covered, tooMany };
+
+    /// @param rays set to how many the tile asks for, where it has a hull
+    bool hullAround(Tile tile, Hull& hull, std::size_t& rays) const;
     void search(Tile tile, std::span<const Item> items);
-    void searchVolumes(Tile tile, const Volumes& above);
-    void searchBlock(std::uint32_t block, const Volumes& volumes);
     void traceAll(Tile tile);
 
     std::span<const Item> roots(const Shaft& shaft);
     std::span<const Item> narrowed(std::span<const Item> items, const Shaft& shaft, bool& leaves);
-    void walk(const ShaftCaster& caster, const MeshShaft& shaft, Item item, std::size_t limit);
+    template <bool Across>
+    bool walk(const ShaftCaster& caster, const MeshShaft& shaft, Item item, std::size_t limit);
     std::size_t trianglesIn(std::span<const Item> leaves) const;
-    enum class Found : std::uint8_t { volumes, covered, tooMany };
-    Found volumesOf(std::span<const Item> items, const Hull& hull, const Shaft& shaft, Volumes& volumes);
-    template <typename Wanted, typename Visit>
-    void visitTriangles(std::span<const Item> items, const Hull& hull, const Shaft& shaft, Visit visit) const;
-    bool coveredByOne(std::span<const Item> items, const Hull& hull, const Shaft& shaft) const;
+    template <typename Take>
+    void inSixteens(std::span<const Item> items, const Hull& hull, Take take) const;
+    bool hiddenByOne(std::span<const Item> items, const Hull& hull, const Shaft& shaft);
+    Found volumesOf(std::span<const Item> items, const Hull& hull);
     bool push(const Item& item);
+
+    void decide(Tile tile, std::size_t rays, const Hull& hull, std::span<const Item> items, bool leaves);
+    void searchVolumes(Tile tile, VolumeList above);
+    lanes::FrameBounds boundsOf(Tile part);
 
     const ShaftScene& scene_;
     std::span<const lanes::Block> blocks_;
     TileAnswers* answers_ = nullptr;
     std::span<Item> items_; ///< A stack: lists of the tiles from the root down to the one at work.
     std::size_t itemCount_ = 0;
-    std::span<lanes::ShadowPlanes> planes_;       ///< Of the one tile that has volumes.
-    std::span<const lanes::ShadowPlanes*> lists_; ///< A stack as items_.
-    std::size_t listCount_ = 0;
     bool overflow_ = false;
+
+    // Of the one tile that has volumes.
+    lanes::LightFrame frame_{};
+    std::span<lanes::ShadowVolumes> volumes_;
+    std::span<lanes::VolumeBits> lists_; ///< A stack as items_.
+    std::size_t listCount_ = 0;
+    std::span<lanes::FrameBounds> bounds_; ///< Of blocks, those whose bit says so.
+    std::uint64_t bounded_[4]{};
 };
 
 } // namespace gnomon

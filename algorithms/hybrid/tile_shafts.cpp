@@ -97,7 +97,7 @@ public:
 
 private:
     void dark(std::uint32_t firstBlock, std::uint32_t count) override;
-    void lanes(std::uint32_t block, const std::uint32_t (&state)[kLanes]) override;
+    void lanes(std::uint32_t block, lanes::LaneStates states) override;
     bool knownHull(std::uint32_t firstBlock, std::uint32_t count, Hull& hull) override;
     void wanted(std::uint32_t firstBlock, std::uint32_t count) override;
     void tile(std::uint32_t left, std::uint32_t top);
@@ -222,20 +222,18 @@ void TileRows::dark(std::uint32_t firstBlock, std::uint32_t count)
     }
 }
 
-void TileRows::lanes(std::uint32_t block, const std::uint32_t (&state)[kLanes])
+void TileRows::lanes(std::uint32_t block, lanes::LaneStates states)
 {
     const std::size_t first = rowAt(block);
     const Block& from = blocks_[block];
-    std::uint32_t unsure = 0;
-    for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-        if (from.asked[lane] != lanes::kRay) continue;
-        const std::size_t at = first + lane / kBlockSide * stride_ + lane % kBlockSide;
-        if (state[lane] == lanes::kUnsure)
-            unsure |= 1u << lane;
-        else
-            rows_[at] = bytes_.of[state[lane] == lanes::kInside ? gpu::REASON_TILE_SHADOW : gpu::REASON_TILE_LIT];
+    std::uint32_t asking = 0;
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane)
+        asking |= from.asked[lane] == lanes::kRay ? 1u << lane : 0u;
+    for (std::uint32_t inside = states.inside & asking; inside != 0; inside &= inside - 1) {
+        const auto lane = static_cast<std::uint32_t>(std::countr_zero(inside));
+        rows_[first + lane / kBlockSide * stride_ + lane % kBlockSide] = bytes_.of[gpu::REASON_TILE_SHADOW];
     }
-    rays_.ask(from, unsure, first);
+    rays_.ask(from, states.unsure & asking, first);
 }
 
 void TileRows::answer(std::uint32_t tileRow, std::span<std::uint8_t> visibility)

@@ -251,16 +251,13 @@ std::vector<lanes::Block> patch(std::mt19937& random, const LightView& light, fl
 }
 
 struct Collected final : TileAnswers {
-    std::array<std::array<std::uint32_t, lanes::kLanes>, 16> state{};
+    std::array<lanes::LaneStates, 16> states{};
     void dark(std::uint32_t first, std::uint32_t count) override
     {
         for (std::uint32_t i = first; i < first + count; ++i)
-            state[i].fill(lanes::kInside);
+            states[i] = {.inside = (1u << lanes::kLanes) - 1u, .unsure = 0};
     }
-    void lanes(std::uint32_t block, const std::uint32_t (&of)[lanes::kLanes]) override
-    {
-        std::copy_n(of, lanes::kLanes, state[block].begin());
-    }
+    void lanes(std::uint32_t block, lanes::LaneStates of) override { states[block] = of; }
 };
 
 /// Casters as hosts make them: turned, mirrored, stretched, flat, with holes; one whose mesh rays never see.
@@ -327,12 +324,15 @@ TEST_CASE("what tiles prove is what rays say, for turned, mirrored, flat and hol
                 ray.tfar = blocks[b].tfar[i];
                 ray.direction = type == GN_LIGHT_TYPE_DIRECTIONAL ? -glm::vec3(light.constants.directionWs)
                                                                   : light.position() - ray.origin;
-                const std::uint32_t state = found.state[b][i];
-                unsure += state == lanes::kUnsure;
-                if (state == lanes::kUnsure) continue;
+                const bool inside = (found.states[b].inside >> i & 1) != 0;
+                if ((found.states[b].unsure >> i & 1) != 0) {
+                    ++unsure;
+                    wrong += inside; // one or the other
+                    continue;
+                }
                 std::uint8_t occluded = 2;
                 rays.occluded({&ray, 1}, 1u, RayCoherence::sparse, {&occluded, 1});
-                wrong += (state == lanes::kInside) != (occluded == 1);
+                wrong += inside != (occluded == 1);
                 lit += occluded == 0;
                 dark += occluded == 1;
             }
