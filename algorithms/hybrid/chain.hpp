@@ -25,6 +25,8 @@ struct ChainStages {
     bool witnesses = false;
     bool hintsLast = false; ///< Witnesses come first, and texels must agree by more than depths may be off.
     bool rays = true;
+
+    bool hintsFirst() const { return hintLit && hintShadow && !hintsLast; } ///< Whatever they say.
 };
 ChainStages stagesOf(ChainMode mode);
 

@@ -30,6 +30,7 @@ struct Picture {
     const Receivers& receivers;
     const HostMap& map;
     BitRows lit;
+    std::span<const std::uint64_t> settled; ///< Rows of bits, or none.
 };
 
 /// Adds the pixels that are MAP_UNSURE.
@@ -51,6 +52,7 @@ public:
     void run();
 
 private:
+    void leaveSettled(std::uint32_t y);
     void call(std::uint32_t x, std::uint32_t y);
     void askCalled();
     void ask(std::uint32_t x, std::uint32_t y);
@@ -92,8 +94,27 @@ Piece::Piece(const Picture& picture, std::uint32_t top, std::uint32_t bottom)
     rows_ = arena.array<std::uint8_t>(bytes);
     std::memcpy(rows_.data(), picture.host.read<std::uint8_t>(picture.job.status).data() + std::size_t(top) * width,
                 bytes);
-    for (std::uint32_t y = 0; y < rows; ++y)
+    for (std::uint32_t y = 0; y < rows; ++y) {
         askUnsure(rows_.subspan(std::size_t(y) * width, width), asked_.row(y));
+        if (!picture.settled.empty()) leaveSettled(y);
+    }
+}
+
+/// Asks no more of what the status pass has seen to; where reasons are told, those of the contour are texels that
+/// agree.
+void Piece::leaveSettled(std::uint32_t y)
+{
+    const std::span<std::uint64_t> asked = asked_.row(y);
+    const std::span<const std::uint64_t> settled = picture_.settled.subspan((top_ + y) * asked.size(), asked.size());
+    for (std::size_t word = 0; word < asked.size(); ++word) {
+        std::uint64_t left = picture_.job.tells == ChainTells::reason ? asked[word] & settled[word] : 0;
+        asked[word] &= ~settled[word];
+        for (; left != 0; left &= left - 1) {
+            std::uint8_t& byte = rows_[y * asked_.width + 64 * word + static_cast<std::size_t>(std::countr_zero(left))];
+            if (byte == gpu::REASON_MAP_LIT || byte == gpu::REASON_MAP_SHADOW)
+                byte = byte == gpu::REASON_MAP_LIT ? gpu::REASON_TC_LIT : gpu::REASON_TC_SHADOW;
+        }
+    }
 }
 
 /// @param told a reason, or what else the job tells of a pixel
@@ -234,7 +255,12 @@ void runChain(const ChainJob& job, const HostContext& host)
     const HostMap map = job.map.onHost(host);
     const Receivers receivers(*job.view, *job.light, host.read<float>(job.depth),
                               job.normals ? host.read<std::byte>(job.normals) : std::span<const std::byte>());
-    const Picture picture{job, host, receivers, map, litRows(job, host)};
+    const Picture picture{job,
+                          host,
+                          receivers,
+                          map,
+                          litRows(job, host),
+                          job.settled ? host.read<std::uint64_t>(job.settled) : std::span<const std::uint64_t>()};
     const std::uint32_t height = picture.lit.height, bands = (height + kBand - 1) / kBand;
     host.jobs->parallelFor(bands, kPiece, [&](std::size_t begin, std::size_t end, std::uint32_t) {
         const auto top = static_cast<std::uint32_t>(begin) * kBand;

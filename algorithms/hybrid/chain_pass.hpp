@@ -26,6 +26,7 @@ struct ChainJob {
     IdMap map;
     BufferId depth, normals; ///< Of the view, read back; normals may be null.
     BufferId status;         ///< A byte a pixel of the area; bit 0: the map says lit.
+    BufferId settled;        ///< Of nearestPixels(), with `byFour` where hints come first; or null.
     BufferId rows;           ///< Written: the same bytes, but for the pixels that the map is not believed.
     ChainStages stages;
     std::uint32_t contour = 0; ///< Width in pixels; 0: every pixel is asked.

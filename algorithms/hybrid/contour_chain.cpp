@@ -63,13 +63,15 @@ public:
         const auto mode = static_cast<ChainMode>(task.settings[kMode]);
         ChainJob job = makeJob(passes, task, mode);
         if (job.stages.witnesses) declareRings(passes, *job.triangles);
-        if (classifiesOnHost(task.settings[kClassify], vk_, task))
+        const bool onHost = classifiesOnHost(task.settings[kClassify], vk_, task);
+        if (onHost)
             declareHostStatus(passes, job);
         else
             declareStatus(passes, task, job);
         PassRef host = passes.host("contour_chain.chain");
         host.reads(job.status).reads(job.depth).writes(job.rows);
         if (job.normals) host.reads(job.normals);
+        if (job.settled) host.reads(job.settled);
         job.map.uses(host);
         host.run([job](HostContext& context) { runChain(job, context); });
         declareVisibilityCopy(passes, task, job.rows, task.view->area, "contour_chain.copy");
@@ -87,7 +89,7 @@ private:
     ChainJob makeJob(PassBuilder& passes, const ShadowTask& task, ChainMode mode);
     void declareRings(PassBuilder& passes, const NumberedTriangles& triangles) const;
     void declareStatus(PassBuilder& passes, const ShadowTask& task, const ChainJob& job) const;
-    static void declareHostStatus(PassBuilder& passes, const ChainJob& job);
+    static void declareHostStatus(PassBuilder& passes, ChainJob& job);
 
     const DeviceTable& vk_;
     IdMapPipelines map_;
@@ -151,9 +153,15 @@ void ContourChain::declareStatus(PassBuilder& passes, const ShadowTask& task, co
     declareVisibilityReadback(passes, task, job.status, task.view->area, "contour_chain.readback");
 }
 
-/// Bit 0 of each byte is 1 where the pixel is lit, as shaders/hybrid/contour_chain.frag has it.
-void ContourChain::declareHostStatus(PassBuilder& passes, const ChainJob& job)
+/// Bit 0 of each byte is 1 where the pixel is lit, as shaders/hybrid/contour_chain.frag has it. Texels that agree are
+/// the chain's first question: sixteen pixels at a time it is asked of all of them for what one costs the contour.
+void ContourChain::declareHostStatus(PassBuilder& passes, ChainJob& job)
 {
+    const VkExtent2D extent = job.view->area.extent;
+    const VkDeviceSize words = BitRows::wordsPerRow(extent.width) * VkDeviceSize{extent.height};
+    if (!tellsAll(job.tells))
+        job.settled = passes.transient(BufferInfo{
+            .name = "contour_chain.settled", .size = words * sizeof(std::uint64_t), .place = BufferPlace::readback});
     const MapQuestion question{.view = job.view,
                                .light = job.light,
                                .constants = &job.constants->base,
@@ -168,8 +176,13 @@ void ContourChain::declareHostStatus(PassBuilder& passes, const ChainJob& job)
                                 .unsure = gpu::MAP_UNSURE};
     PassRef host = passes.host("contour_chain.status");
     question.uses(host);
-    host.writes(job.status).run([question, bytes, status = job.status](HostContext& context) {
-        nearestPixels(question, bytes, context, context.write<std::uint8_t>(status));
+    host.writes(job.status);
+    if (job.settled) host.writes(job.settled);
+    host.run([=, status = job.status, settled = job.settled, byFour = job.stages.hintsFirst()](HostContext& context) {
+        const std::span<std::uint64_t> rows =
+            settled ? context.write<std::uint64_t>(settled) : context.arena->array<std::uint64_t>(words);
+        nearestPixels(question, bytes, context, context.write<std::uint8_t>(status),
+                      {extent.width, extent.height, rows}, byFour);
     });
 }
 

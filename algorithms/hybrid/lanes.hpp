@@ -187,7 +187,11 @@ struct Kernels {
     /// @return bit i: lane i wants a ray, and its byte is undefined
     uint32_t (*vote)(const MapLook& map, const MapPlaces& places, const MapBytes& bytes, uint8_t* answers);
     /// What each receiver's own texel says (nearestVisibility() of shaders/maps/filter.glsl).
-    void (*nearest)(const MapLook& map, const MapPlaces& places, const MapBytes& bytes, uint8_t* answers);
+    /// @param agreed set to bits of the lanes that ask and of which the four texels around say the same, as
+    /// MapTexels::agree() has it
+    /// @return bits of the lanes that ask
+    uint32_t (*nearest)(const MapLook& map, const MapPlaces& places, const MapBytes& bytes, uint8_t* answers,
+                        uint32_t& agreed);
     /// Finds rays' starts in a conservative map and calls for their texels; there are normals.
     void (*placeStarts)(const Constants& constants, const Texels& texels, const ConservativeLook& look,
                         LayerPlaces& places);

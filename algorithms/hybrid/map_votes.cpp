@@ -1,5 +1,8 @@
 #include "algorithms/hybrid/map_votes.hpp"
 
+#include <algorithm>
+#include <functional>
+
 #include "algorithms/hybrid/block_answers.hpp"
 #include "shaders/hybrid/reasons.h"
 
@@ -24,10 +27,18 @@ struct Voting {
 
 /// And by their own texel alone.
 struct Nearest : Voting {
-    std::uint32_t answer(const Places& places, std::uint32_t, std::uint32_t,
+    const BitRows& settled;
+    bool byFour;
+
+    std::uint32_t answer(const Places& places, std::uint32_t x, std::uint32_t y,
                          std::uint8_t (&answers)[lanes::kLanes]) const
     {
-        reader.kernels().nearest(map, places, bytes, answers);
+        std::uint32_t agreed = 0;
+        const std::uint32_t asks = reader.kernels().nearest(map, places, bytes, answers, agreed);
+        const std::uint32_t bits = byFour ? ~asks | agreed : ~asks;
+        // Of a thread's own: blocks of one row of them are asked by one.
+        for (std::uint32_t row = 0; row < std::min(lanes::kBlockSide, settled.height - y); ++row)
+            settled.row(y + row)[x / 64] |= std::uint64_t{bits >> row * lanes::kBlockSide & 0xfu} << (x % 64);
         return 0;
     }
 };
@@ -44,9 +55,10 @@ BlockReader readerOf(const MapQuestion& question, const HostContext& host)
                        host.read<std::byte>(question.normals));
 }
 
-template <typename Map>
+/// @param asked makes of a Voting what asks
+template <typename Asked>
 void answer(const MapQuestion& question, const lanes::MapBytes& told, bool reasons, const HostContext& host,
-            std::span<std::uint8_t> bytes)
+            std::span<std::uint8_t> bytes, Asked asked)
 {
     const BlockReader reader = readerOf(question, host);
     const lanes::MapLook map = question.map.onHost(host, *question.constants);
@@ -57,7 +69,7 @@ void answer(const MapQuestion& question, const lanes::MapBytes& told, bool reaso
                              .bytes = told,
                              .rayLit = reasons ? std::uint8_t{gpu::REASON_RT_LIT} : std::uint8_t{255},
                              .rayDark = reasons ? std::uint8_t{gpu::REASON_RT_SHADOW} : std::uint8_t{0}};
-    answerByBlocks(asking, Map{reader, map, asking.bytes}, bytes);
+    answerByBlocks(asking, asked(Voting{reader, map, asking.bytes}), bytes);
 }
 
 } // namespace
@@ -89,13 +101,14 @@ void declareMapVotes(PassBuilder& passes, const ShadowTask& task, const VoteName
 
 void votedPixels(const MapQuestion& question, bool reasons, const HostContext& host, std::span<std::uint8_t> bytes)
 {
-    answer<Voting>(question, reasons ? kReasonCodes : kVisibility, reasons, host, bytes);
+    answer(question, reasons ? kReasonCodes : kVisibility, reasons, host, bytes, std::identity());
 }
 
 void nearestPixels(const MapQuestion& question, const lanes::MapBytes& told, const HostContext& host,
-                   std::span<std::uint8_t> bytes)
+                   std::span<std::uint8_t> bytes, const BitRows& settled, bool byFour)
 {
-    answer<Nearest>(question, told, false, host, bytes);
+    std::fill(settled.words.begin(), settled.words.end(), std::uint64_t{0});
+    answer(question, told, false, host, bytes, [&](const Voting& base) { return Nearest{base, settled, byFour}; });
 }
 
 } // namespace gnomon

@@ -1,6 +1,7 @@
 #pragma once
 // A light's map asked for all pixels on the CPU, in a copy of it: by its own texel each, or by the four around it,
 // where rays follow at once if they differ.
+#include "algorithms/hybrid/bit_rows.hpp"
 #include "algorithms/hybrid/host_map.hpp"
 #include "algorithms/hybrid/host_visibility.hpp"
 
@@ -35,7 +36,9 @@ void declareMapVotes(PassBuilder& passes, const ShadowTask& task, const VoteName
 /// What the four texels around every pixel say, and what rays say where they differ.
 void votedPixels(const MapQuestion& question, bool reasons, const HostContext& host, std::span<std::uint8_t> bytes);
 /// What every pixel's own texel says.
+/// @param settled of the area's size: set where nothing is left to ask, at pixels that do not ask the map and, with
+/// `byFour`, at those of which the four texels around say the same as the own one
 void nearestPixels(const MapQuestion& question, const lanes::MapBytes& told, const HostContext& host,
-                   std::span<std::uint8_t> bytes);
+                   std::span<std::uint8_t> bytes, const BitRows& settled, bool byFour);
 
 } // namespace gnomon

@@ -185,7 +185,9 @@ TEST_CASE("maps say the same whichever instructions ask them")
                     reader.place(x, y, look.map, places);
                     reader.place(x, y, look, starts);
                     all.second.push_back(kernels.vote(look.map, places, told, bytes[0]));
-                    kernels.nearest(look.map, places, told, bytes[1]);
+                    std::uint32_t agreed = 0;
+                    all.second.push_back(kernels.nearest(look.map, places, told, bytes[1], agreed));
+                    all.second.push_back(agreed);
                     all.second.push_back(kernels.conserve(look, starts, told, bytes[2]));
                     for (const auto& of : bytes)
                         all.first.insert(all.first.end(), std::begin(of), std::end(of));
@@ -210,19 +212,25 @@ TEST_CASE("the own texel says of sixteen pixels at a time what it says of each")
             for (std::size_t i = 0; i < depth.size(); ++i)
                 if (i % kMapSide < kMapSide / 2) depth[i] = std::min(depth[i], i / kMapSide < 60 ? 1.0f : 0.0f);
         std::vector<std::uint8_t> bytes(kPixels);
+        const std::size_t words = BitRows::wordsPerRow(kWidth) * kHeight;
+        std::vector<std::uint64_t> asksNothing(words, ~std::uint64_t{0}), agrees(words, ~std::uint64_t{0});
+        const BitRows rows[] = {{kWidth, kHeight, asksNothing}, {kWidth, kHeight, agrees}};
         inPass({.lamp = spoilt}, [&](const MapQuestion& question, const HostContext& host) {
-            nearestPixels(question, told, host, bytes);
+            for (const bool byFour : {false, true})
+                nearestPixels(question, told, host, bytes, rows[byFour], byFour);
         });
         const Receivers receivers(world().seen.view, spoilt.view, world().seen.depth, world().seen.normalBytes());
         const HostMap map = spoilt.map.view();
-        int different = 0, of[6] = {};
+        int different = 0, of[6] = {}, agreeing = 0, unlike = 0;
         for (std::uint32_t i = 0; i < kPixels; ++i) {
             ShadowRay ray;
             Receiver receiver;
             const Asked asked = receivers.at(i % kWidth, i / kWidth, ray, receiver);
             REQUIRE(bytes[i] < 6);
             ++of[bytes[i]];
+            CHECK(rows[false].at(i % kWidth, i / kWidth) == (asked != Asked::ray));
             if (asked != Asked::ray) {
+                CHECK(rows[true].at(i % kWidth, i / kWidth));
                 different += bytes[i] != (asked == Asked::lit ? 1 : 2);
                 continue;
             }
@@ -230,8 +238,13 @@ TEST_CASE("the own texel says of sixteen pixels at a time what it says of each")
             // MapTexels calls nothing lit for a texel at 0, but for what lies before the near end itself.
             const bool lit = texels.agree(true, TexelBlock::own), dark = texels.agree(false, TexelBlock::own);
             different += bytes[i] != (lit ? 3 : dark ? 4 : 5);
+            const bool agree = (lit || dark) && texels.agree(lit, TexelBlock::four);
+            agreeing += agree;
+            unlike += rows[true].at(i % kWidth, i / kWidth) != agree;
         }
         CHECK(different <= 8);
+        CHECK(unlike <= 8);
+        CHECK(agreeing > 100);
         for (const int told_ : {1, 2, 3, 4})
             CHECK(of[told_] > 20);
     }
