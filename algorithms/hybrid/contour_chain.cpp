@@ -174,11 +174,13 @@ void ContourChain::declareHostStatus(PassBuilder& passes, ChainJob& job)
                                 .lit = reasons ? gpu::REASON_MAP_LIT : 255,
                                 .dark = reasons ? gpu::REASON_MAP_SHADOW : 0,
                                 .unsure = gpu::MAP_UNSURE};
+    const bool byFour = job.settled && job.stages.hintsFirst();
+    if (byFour) job.stages.hintLit = job.stages.hintShadow = false; // asked here
     PassRef host = passes.host("contour_chain.status");
     question.uses(host);
     host.writes(job.status);
     if (job.settled) host.writes(job.settled);
-    host.run([=, status = job.status, settled = job.settled, byFour = job.stages.hintsFirst()](HostContext& context) {
+    host.run([=, status = job.status, settled = job.settled](HostContext& context) {
         const std::span<std::uint64_t> rows =
             settled ? context.write<std::uint64_t>(settled) : context.arena->array<std::uint64_t>(words);
         nearestPixels(question, bytes, context, context.write<std::uint8_t>(status),
