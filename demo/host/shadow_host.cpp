@@ -68,6 +68,7 @@ ShadowHost::ShadowHost(const Device& device, const Scene& scene, const SceneGeom
 {
     GnContextCreateInfo info = device.contextInfo();
     info.flags = options.flags;
+    info.memoryLimit = options.memoryLimit;
     info.pName = scene.name.c_str();
     info.framesInFlight = options.framesInFlight;
     info.pfnMessage = &onMessage;

@@ -18,6 +18,7 @@ struct ShadowHostOptions {
     uint32_t viewCount = 1;
     uint32_t maxLights = 16;
     GnContextCreateFlags flags = 0;
+    VkDeviceSize memoryLimit = 0; ///< As GnContextCreateInfo's.
     bool pinnedThreads = false; ///< gnomon's workers stay on the second processor, the third, ...
 };
 

@@ -71,7 +71,7 @@ public:
 
     Row base() const
     {
-        Session session(device_, scene_, {.scene = {}, .size = size_, .pinnedThreads = true});
+        Session session(device_, scene_, sessionOptions());
         Row row = rowFor(session, kNoneMethod, 0);
         row.times = timePairs(session, options_.repeat, false, &nothing_);
         row.times.withMs = row.times.withoutMs;
@@ -84,7 +84,7 @@ public:
         if (scene_.lights.empty() || scene_.lights[0].kind != LightKind::Spot) return std::nullopt;
         Scene one = scene_;
         one.lights.resize(1);
-        Session session(device_, one, {.scene = {}, .size = size_, .pinnedThreads = true});
+        Session session(device_, one, sessionOptions());
         BareShadowMap shadows(device_, one, session.geometry, session.renderer, map);
         Row row = rowFor(session, kBareMethod, map);
         row.times = timePairs(session, options_.repeat, false, &shadows);
@@ -96,7 +96,7 @@ public:
     {
         const Scene served = onlyServed(scene_, info.traits);
         if (served.lights.empty()) return std::nullopt;
-        Session session(device_, served, {.scene = {}, .size = size_, .pinnedThreads = true});
+        Session session(device_, served, sessionOptions());
         if (map) expect(session.shadows.set(info.pName, sizeSetting(info)->pName, *map));
         for (const SettingChoice& choice : choices_)
             if (hasSetting(info, choice.name))
@@ -121,6 +121,11 @@ private:
         void record(VkCommandBuffer, const ViewInputs&) override {}
         VkImageView visibility() const override { return VK_NULL_HANDLE; }
     };
+
+    SessionOptions sessionOptions() const
+    {
+        return {.scene = {}, .size = size_, .memoryLimit = VkDeviceSize{options_.memory} << 20, .pinnedThreads = true};
+    }
 
     Row rowFor(const Session& session, const std::string& method, uint32_t map) const
     {

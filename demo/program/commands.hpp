@@ -35,6 +35,7 @@ struct BenchOptions {
     std::string figure, out; ///< A figure instead of scenes, and its picture.
     bool still = false;      ///< Of a figure: the model does not turn.
     uint32_t repeat = 15;
+    uint32_t memory = 0; ///< MiB; 0: gnomon's default.
     bool validation = false;
     bool recorded = false;
     bool passes = false; ///< Print what each pass takes.

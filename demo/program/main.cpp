@@ -75,6 +75,8 @@ void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
     bench->add_option("--set", options.settings, "SETTING=NUMBER,... for methods that have the setting");
     bench->add_option("--size", options.size, "picture size; default: the scene's");
     bench->add_option("--repeat", options.repeat, "interleaved pairs of frames")->check(CLI::Range(3, 10000));
+    bench->add_option("--memory", options.memory, "MiB that gnomon may take of the device; default: half of the heap")
+        ->check(CLI::Range(1, 1 << 20));
     bench->add_option("--csv", options.csv, "write the table here as well");
     bench->add_flag("--recorded", options.recorded, "use gnCmdRenderShadows; methods with round trips are skipped");
     bench->add_flag("--passes", options.passes, "print the fastest time of every pass, from frames with full barriers");

@@ -39,6 +39,7 @@ ShadowHostOptions shadowOptions(const Scene& scene, const SessionOptions& option
             .viewCount = options.viewCount,
             .maxLights = layersFor(scene, options),
             .flags = options.contextFlags,
+            .memoryLimit = options.memoryLimit,
             .pinnedThreads = options.pinnedThreads};
 }
 

@@ -20,7 +20,8 @@ struct SessionOptions {
     uint32_t framesInFlight = 2;
     uint32_t viewCount = 1;
     GnContextCreateFlags contextFlags = 0;
-    bool pinnedThreads = false; ///< As ShadowHostOptions'.
+    VkDeviceSize memoryLimit = 0; ///< As ShadowHostOptions', as the next.
+    bool pinnedThreads = false;
     bool validation = false;
     std::string knowledge; ///< loadKnowledge().
     std::vector<const char*> instanceExtensions;
