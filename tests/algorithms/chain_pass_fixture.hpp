@@ -72,6 +72,7 @@ struct Asking {
     VkRect2D area{{0, 0}, {kWidth, kHeight}};
     std::uint32_t flipped = 0; ///< Every so many pixels the map's word is turned round; 0: none.
     std::uint32_t threads = 2;
+    bool settled = false;     ///< What is told without triangles and rays is left out, as CPUs that ask the map do.
     std::uint32_t unsure = 0; ///< Every so many rows those that the map calls lit are MAP_UNSURE; 0: none.
 
     /// Of the picture, from a place in the area.
@@ -170,6 +171,33 @@ inline std::vector<Expected> expect(const Asking& asking)
     return pixels;
 }
 
+/// What nearestPixels() says of a pixel.
+inline std::uint8_t statusOf(const Asking& asking, const Expected& pixel)
+{
+    if (asking.tells != ChainTells::reason) return pixel.lit ? 255 : 0;
+    if (pixel.reason == gpu::REASON_OUTSIDE || pixel.reason == gpu::REASON_BACKFACING)
+        return static_cast<std::uint8_t>(pixel.reason);
+    return static_cast<std::uint8_t>(pixel.lit ? gpu::REASON_MAP_LIT : gpu::REASON_MAP_SHADOW);
+}
+
+/// Its bits, of the area.
+inline std::vector<std::uint64_t> settledRows(const Asking& asking, const std::vector<Expected>& expected)
+{
+    const VkExtent2D extent = asking.area.extent;
+    const std::size_t words = BitRows::wordsPerRow(extent.width);
+    std::vector<std::uint64_t> rows(words * extent.height, 0);
+    for (std::uint32_t y = 0; y < extent.height; ++y)
+        for (std::uint32_t x = 0; x < extent.width; ++x)
+            switch (expected[asking.pixel(x, y)].reason) {
+            case gpu::REASON_OUTSIDE:
+            case gpu::REASON_BACKFACING:
+            case gpu::REASON_TC_LIT:
+            case gpu::REASON_TC_SHADOW:
+                rows[y * words + x / 64] |= std::uint64_t{1} << x % 64;
+            }
+    return rows;
+}
+
 struct Outcome {
     std::vector<std::uint8_t> status, rows; ///< Of the area.
     std::uint64_t rays = 0;
@@ -188,6 +216,7 @@ inline Outcome run(const Asking& asking, const std::vector<Expected>& expected)
             const bool lit = expected[asking.pixel(x, y)].lit;
             auto byte = static_cast<std::uint8_t>((x * 37 + y) << 1 | (lit ? 1 : 0)); // only bit 0 counts, but for one
             if (byte == gpu::MAP_UNSURE) byte = 1;
+            if (asking.settled) byte = statusOf(asking, expected[asking.pixel(x, y)]);
             if (lit && asking.unsure != 0 && y % asking.unsure == 0) byte = gpu::MAP_UNSURE;
             status.push_back(byte);
         }
@@ -204,6 +233,9 @@ inline Outcome run(const Asking& asking, const std::vector<Expected>& expected)
         map.numbers[i] = frame.holding<std::uint32_t>(kNames[6 + i], drawn.numbers[i]);
     }
     Outcome outcome;
+    ChainStages stages = asking.stages;
+    if (asking.settled) stages.hintLit = stages.hintShadow = false;
+    const std::vector<std::uint64_t> settled = settledRows(asking, expected);
     const ChainJob job{.view = &view,
                        .light = &asking.lamp.view,
                        .constants = &asking.lamp.constants,
@@ -212,8 +244,9 @@ inline Outcome run(const Asking& asking, const std::vector<Expected>& expected)
                        .depth = frame.holding<float>("depth", world().seen.depth),
                        .normals = asking.normals ? frame.holding("normals", asking.normalBytes()) : BufferId{},
                        .status = frame.holding<std::uint8_t>("status", status),
+                       .settled = asking.settled ? frame.holding<std::uint64_t>("settled", settled) : BufferId{},
                        .rows = frame.buffer("rows", status.size()),
-                       .stages = asking.stages,
+                       .stages = stages,
                        .contour = asking.contour,
                        .tells = asking.tells};
     outcome.rays = frame.run([&](const HostContext& host) { runChain(job, host); });

@@ -83,6 +83,26 @@ TEST_CASE("what the map is unsure of is asked beside the contour, too, and shown
     }
 }
 
+TEST_CASE("what is settled before is not asked again, and told as if it were")
+{
+    for (const bool cube : {false, true})
+        for (const std::uint32_t contour : {0u, 4u})
+            for (const ChainTells tells : {ChainTells::visibility, ChainTells::reason}) {
+                CAPTURE(cube);
+                CAPTURE(contour);
+                Asking asking{.lamp = lamp(cube), .contour = contour, .tells = tells, .settled = true};
+                CHECK(check(asking) > 20);
+                const std::vector<Expected> expected = expect(asking);
+                const Outcome without = run(asking, expected);
+                asking.settled = false;
+                const Outcome with = run(asking, expected);
+                CHECK(without.rays == with.rays);
+                asking.settled = true;
+                asking.area = {{37, 50}, {71, 53}};
+                check(asking);
+            }
+}
+
 TEST_CASE("candidates are counted whether they block or not, and no ray is traced")
 {
     for (const ChainTells tells : {ChainTells::texelCandidates, ChainTells::ringCandidates})

@@ -123,7 +123,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a part of the images is answered as images of its
                 }
             CHECK(shaded > 500);
             CHECK(differing <= 3); // view rays of the two round apart: borders of shadows
-            CHECK(part.stats().rays > whole.stats().rays * 9 / 10);
+            CHECK(part.stats().rays >= whole.stats().rays * 9 / 10); // tile_shafts may need none
             CHECK(part.stats().rays < whole.stats().rays * 11 / 10 + 10);
         }
     }
