@@ -135,7 +135,7 @@ struct FrameBounds {
     float lower[3], upper[3];
 };
 
-/// A tile as the triangles of one caster meet it; positions relative to its frame's centre (ShadowMaker).
+/// A tile as the triangles of one caster meet it; positions relative to its frame's centre (lookOf() of shaft.hpp).
 struct TriangleLook {
     LightFrame frame;
     double basis[3][3]; ///< Columns.
