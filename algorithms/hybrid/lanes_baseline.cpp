@@ -1,3 +1,4 @@
+#include "algorithms/hybrid/float4.hpp"
 #include "algorithms/hybrid/lanes.hpp"
 
 namespace gnomon::lanes {
