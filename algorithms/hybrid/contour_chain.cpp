@@ -63,8 +63,7 @@ public:
         const auto mode = static_cast<ChainMode>(task.settings[kMode]);
         ChainJob job = makeJob(passes, task, mode);
         if (job.stages.witnesses) declareRings(passes, *job.triangles);
-        const bool onHost = classifiesOnHost(task.settings[kClassify], vk_, task);
-        if (onHost)
+        if (classifiesOnHost(task.settings[kClassify], vk_, task))
             declareHostStatus(passes, job);
         else
             declareStatus(passes, task, job);

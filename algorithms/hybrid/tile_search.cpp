@@ -12,7 +12,7 @@ using namespace lanes;
 namespace {
 
 // Nodes that a tile keeps before it stops descending, and triangles that it makes volumes of, sixteen at once. Half and
-// twice as much could not be told apart in five scenes.
+// twice as much could not be told apart in four scenes.
 constexpr std::size_t kItemBudget = 256;
 constexpr std::size_t kTriangles = 1024;
 // Where few pixels of a tile ask, their rays cost less than so many volumes for each.
@@ -22,7 +22,7 @@ constexpr std::size_t kVolumes = 128;
 // Nodes whose triangles are asked whether one of them hides the light.
 constexpr std::size_t kSpanning = 64;
 // Blocks of the smallest tile that is asked for its triangles: what is too much for 32x32 pixels is mostly too much for
-// its quarters. Asking those leaves half of the rays, and the search takes 5 to 25 % longer than with tracing them all
+// its quarters. Asking those leaves half of the rays, and the search takes 2 to 23 % longer in three of four scenes
 // (tile_shafts.md).
 constexpr std::uint32_t kSmallest = 64;
 // Lists on top of each other, one a size of tile, of at most the budget or what the root started with.
