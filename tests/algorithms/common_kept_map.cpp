@@ -1,5 +1,4 @@
 // What a kept map draws, copies or leaves alone, and that every layer asked for holds its casters afterwards.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <random>

@@ -1,5 +1,4 @@
 // A light's cells: masks, the way from the grid to the disc, and what following borders finds and leaves out.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -1,6 +1,5 @@
 // The chain of contour_chain, stage by stage, over every pixel of small pictures: what Moderno's acceptance criteria of
 // his chapter 4 (A1 to A7 here) say exactly, against the tracer's own answers.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <optional>

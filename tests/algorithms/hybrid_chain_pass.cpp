@@ -1,6 +1,5 @@
 // The host pass of contour_chain: which pixels it tells otherwise than the map. What it says of a pixel is what the
 // stages say of it alone.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include "algorithms/chain_pass_fixture.hpp"

@@ -1,5 +1,4 @@
 // Coherence-based sampling on tiles against all cells of all their pixels.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <memory>

@@ -1,6 +1,5 @@
 // The edge functions of a conservative map, against points taken inside texels and triangles: exhaustively, in double
 // precision, and without any of their formulas.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // How casters and receivers meet in a conservative map: where points lie in it, and how far rounding may move them.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -1,5 +1,4 @@
 // The layers of a conservative map around lights of every kind: whose projection each has, and what is in it.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <cmath>

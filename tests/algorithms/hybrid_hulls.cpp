@@ -1,5 +1,4 @@
 // What squares of pixels say of a light is what each of their pixels says, and rays start inside of their hulls.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -1,5 +1,4 @@
 // A map asked for all pixels on the CPU, sixteen at a time, against every receiver asked by itself (MapTexels).
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <algorithm>

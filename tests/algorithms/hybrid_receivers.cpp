@@ -1,6 +1,5 @@
 // The CPU's receivers and rays against the brute force: views near and far from the world's zero, both kinds of depth,
 // all kinds of light.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <bit>

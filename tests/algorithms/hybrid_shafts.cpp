@@ -1,6 +1,5 @@
 // tile_shafts without a device: sixteen lanes are the scalar receiver, trees hold their triangles, and whatever a tile
 // proves is what rays say.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <array>

@@ -1,5 +1,4 @@
 // Where the sheets of a mesh end, seen from a light.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // Pixels that wait for their rays: found in a picture, and told from the near plane.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <algorithm>

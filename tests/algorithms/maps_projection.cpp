@@ -1,5 +1,4 @@
 // Where shaders look into maps, against the matrices casters are drawn with and against plain geometry in double.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include "algorithms/maps/depth_map.hpp"

@@ -1,6 +1,5 @@
 // The surface of a depth map: templates that fill cells, polygons that close, points where the light's matrix puts
 // them.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <map>

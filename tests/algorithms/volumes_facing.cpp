@@ -1,6 +1,5 @@
 // Facing in every width against the scalar one, bit by bit: random planes, planes that hold the light, and all that a
 // broken mesh can leave in them.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <bit>

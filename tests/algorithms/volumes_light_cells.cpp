@@ -1,5 +1,4 @@
 // Which cells of a light's map the shadow of a caster can fall into; no device.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include "algorithms/maps/map_look.hpp"

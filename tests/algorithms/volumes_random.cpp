@@ -1,6 +1,5 @@
 // Six hundred random closed meshes under random lights: facing against double precision, silhouettes against loops,
 // volumes against closedness.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include "tests/algorithms/random_meshes.hpp"

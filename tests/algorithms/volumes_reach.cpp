@@ -1,5 +1,4 @@
 // Where shadows can be: the z-pass test, culling and screen bounds against dense samples.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // Silhouettes, caps and extrusion of shadow volumes against brute force in double precision.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <array>

@@ -1,5 +1,4 @@
 // Angular spans: tables against brute force in double precision, what rows cost in accuracy, and what is kept.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <algorithm>

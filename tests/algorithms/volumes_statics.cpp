@@ -1,6 +1,5 @@
 // What octree_volume works out once: shadows of boxes, umbrae of convex casters, who conceals whom, and the octree;
 // against dense samples and slow references in double precision.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <algorithm>

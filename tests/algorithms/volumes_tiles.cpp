@@ -1,5 +1,4 @@
 // What is said of whole tiles of receivers, against their receivers one by one; no device.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <limits>

@@ -1,6 +1,5 @@
 // Penumbra wedges: what edges add to a count against areas that are counted point by point, and hulls against penumbra
 // points that are made, not looked for.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -208,7 +208,7 @@ TEST_CASE("a figure is a row for every number of lights and faces")
 
 TEST_CASE("compare runs the rules and every method that serves all lights, and holds them against each other")
 {
-    const Ran ran = gnomonProgram("compare torus_grid --rules default,thesis --size 96x64 --frames 8 --alternations 1 "
+    const Ran ran = gnomonProgram("compare torus_grid --rules default,thesis --size 96x64 --frames 3 --alternations 1 "
                                   "--budget-ms 1000");
     CHECK(ran.exitCode == 0);
     for (const char* line : {"\ndefault rules ", "\nthesis rules ", "\nstencil_volume ", "\nshadow_map ",

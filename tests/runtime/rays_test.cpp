@@ -1,6 +1,5 @@
 // Shadow rays against the brute force: what blocks a ray is the same set of triangles, whatever the packet, the
 // instance's transform and the order of updates.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // Connectivity of meshes of every kind: what the silhouette methods build on.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <algorithm>
