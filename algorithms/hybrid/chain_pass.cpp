@@ -5,6 +5,8 @@
 #include <cstring>
 
 #include "algorithms/hybrid/bit_rows.hpp"
+#include "algorithms/hybrid/block_answers.hpp"
+#include "algorithms/hybrid/block_rays.hpp"
 #include "algorithms/hybrid/receivers.hpp"
 
 namespace gnomon {
@@ -28,6 +30,7 @@ struct Picture {
     const ChainJob& job;
     const HostContext& host;
     const Receivers& receivers;
+    const BlockReader& blocks;
     const HostMap& map;
     BitRows lit;
     std::span<const std::uint64_t> settled; ///< Rows of bits, or none.
@@ -60,7 +63,11 @@ private:
     void decide(const Waiting& pixel);
     void settle(std::uint32_t x, std::uint32_t y, std::uint32_t told);
     void flush();
+    template <typename Visit>
+    void eachStep(std::uint32_t top, std::uint32_t bottom, std::size_t word, Visit&& visit) const;
     void runBand(std::uint32_t top, std::uint32_t bottom);
+    void traceBand(std::uint32_t top, std::uint32_t bottom, BlockRays& rays);
+    void trace();
 
     const Picture& picture_;
     std::uint32_t top_, bottom_;
@@ -203,33 +210,74 @@ void Piece::decide(const Waiting& pixel)
     if (batch_.full()) flush();
 }
 
+/// Calls `visit(x, asking)` for the blocks of a band that lie in a word of its rows and ask: bits of lanes.
+template <typename Visit>
+void Piece::eachStep(std::uint32_t top, std::uint32_t bottom, std::size_t word, Visit&& visit) const
+{
+    static_assert(kBand == lanes::kBlockSide);
+    std::uint64_t any = 0;
+    for (std::uint32_t y = top; y < bottom; ++y)
+        any |= asked_.row(y - top_)[word];
+    while (any != 0) {
+        const auto step = static_cast<std::uint32_t>(std::countr_zero(any)) / kBand * kBand;
+        std::uint32_t asking = 0;
+        for (std::uint32_t y = top; y < bottom; ++y)
+            asking |= static_cast<std::uint32_t>(asked_.row(y - top_)[word] >> step & 0xfu) << (y - top) * kBand;
+        visit(static_cast<std::uint32_t>(64 * word) + step, asking);
+        any &= ~(std::uint64_t{0xf} << step);
+    }
+}
+
 void Piece::runBand(std::uint32_t top, std::uint32_t bottom)
 {
-    const std::size_t words = BitRows::wordsPerRow(asked_.width);
-    for (std::size_t word = 0; word < words; ++word) {
-        std::uint64_t any = 0;
-        for (std::uint32_t y = top; y < bottom; ++y)
-            any |= asked_.row(y - top_)[word];
-        while (any != 0) {
-            const auto step = static_cast<std::uint32_t>(std::countr_zero(any)) / kBand * kBand;
-            for (std::uint32_t y = top; y < bottom; ++y) {
-                auto bits = static_cast<std::uint32_t>(asked_.row(y - top_)[word] >> step & 0xfu);
-                for (; bits != 0; bits &= bits - 1)
-                    call(static_cast<std::uint32_t>(64 * word) + step +
-                             static_cast<std::uint32_t>(std::countr_zero(bits)),
-                         y);
+    for (std::size_t word = 0; word < BitRows::wordsPerRow(asked_.width); ++word)
+        eachStep(top, bottom, word, [&](std::uint32_t x, std::uint32_t asking) {
+            for (; asking != 0; asking &= asking - 1) {
+                const auto lane = static_cast<std::uint32_t>(std::countr_zero(asking));
+                call(x + lane % kBand, top + lane / kBand);
             }
-            any &= ~(std::uint64_t{0xf} << step);
-        }
+        });
+}
+
+/// Sixteen receivers at a time; all that are left in `asked_` are reached by the light and face it.
+void Piece::traceBand(std::uint32_t top, std::uint32_t bottom, BlockRays& rays)
+{
+    for (std::size_t word = 0; word < BitRows::wordsPerRow(asked_.width); ++word) {
+        eachStep(top, bottom, word, [&](std::uint32_t x, std::uint32_t) { picture_.blocks.prefetch(x, top); });
+        eachStep(top, bottom, word, [&](std::uint32_t x, std::uint32_t asking) {
+            lanes::Block block;
+            picture_.blocks.read(x, top, block);
+            rays.ask(block, asking, std::size_t(top - top_) * asked_.width + x);
+        });
     }
+}
+
+void Piece::trace()
+{
+    const bool reasons = picture_.job.tells == ChainTells::reason;
+    BlockRays rays({.host = picture_.host,
+                    .reader = picture_.blocks,
+                    .light = *picture_.job.light,
+                    .lit = reasons ? std::uint8_t{gpu::REASON_RT_LIT} : std::uint8_t{255},
+                    .dark = reasons ? std::uint8_t{gpu::REASON_RT_SHADOW} : std::uint8_t{0},
+                    .together = block_answers::kTogether,
+                    .coherence = RayCoherence::sparse},
+                   rows_, asked_.width);
+    for (std::uint32_t y = top_; y < bottom_; y += kBand)
+        traceBand(y, std::min(y + kBand, bottom_), rays);
+    rays.flush();
 }
 
 void Piece::run()
 {
-    for (std::uint32_t y = top_; y < bottom_; y += kBand)
-        runBand(y, std::min(y + kBand, bottom_));
-    askCalled();
-    flush();
+    if (picture_.job.raysAlone()) {
+        trace();
+    } else {
+        for (std::uint32_t y = top_; y < bottom_; y += kBand)
+            runBand(y, std::min(y + kBand, bottom_));
+        askCalled();
+        flush();
+    }
     // Upload memory may be write-combined: all at once.
     std::memcpy(picture_.host.write<std::uint8_t>(picture_.job.rows).data() + std::size_t(top_) * picture_.lit.width,
                 rows_.data(), rows_.size());
@@ -253,11 +301,15 @@ BitRows litRows(const ChainJob& job, const HostContext& host)
 void runChain(const ChainJob& job, const HostContext& host)
 {
     const HostMap map = job.map.onHost(host);
-    const Receivers receivers(*job.view, *job.light, host.read<float>(job.depth),
-                              job.normals ? host.read<std::byte>(job.normals) : std::span<const std::byte>());
+    const std::span<const float> depth = host.read<float>(job.depth);
+    const std::span<const std::byte> normals =
+        job.normals ? host.read<std::byte>(job.normals) : std::span<const std::byte>();
+    const Receivers receivers(*job.view, *job.light, depth, normals);
+    const BlockReader blocks(widestKernels(), *job.view, *job.light, depth, normals);
     const Picture picture{job,
                           host,
                           receivers,
+                          blocks,
                           map,
                           litRows(job, host),
                           job.settled ? host.read<std::uint64_t>(job.settled) : std::span<const std::uint64_t>()};

@@ -31,6 +31,13 @@ struct ChainJob {
     ChainStages stages;
     std::uint32_t contour = 0; ///< Width in pixels; 0: every pixel is asked.
     ChainTells tells = ChainTells::visibility;
+    bool foreign = false; ///< The map may hold what no ray sees: casters that the host draws.
+
+    /// Nothing is left to ask but rays: hints were asked before, and there are no witnesses.
+    bool raysAlone() const
+    {
+        return settled && stages.rays && !stages.witnesses && !stages.hintLit && !stages.hintShadow && !foreign;
+    }
 };
 
 /// Of every pixel that is asked, traced or not: numbers of a byte.

@@ -74,6 +74,7 @@ struct Asking {
     std::uint32_t threads = 2;
     bool settled = false;     ///< What is told without triangles and rays is left out, as CPUs that ask the map do.
     std::uint32_t unsure = 0; ///< Every so many rows those that the map calls lit are MAP_UNSURE; 0: none.
+    bool foreign = false;     ///< In stripes of the map, what the host draws is nearest: no triangle of ours.
 
     /// Of the picture, from a place in the area.
     std::size_t pixel(std::uint32_t x, std::uint32_t y) const
@@ -137,13 +138,23 @@ inline std::pair<std::uint32_t, std::uint32_t> candidates(const NumberedTriangle
     return {count(four) + 5 * count(nine), count(edges) + 5 * count(vertices)};
 }
 
+inline DrawnMap mapOf(const Asking& asking)
+{
+    DrawnMap map = asking.lamp.map;
+    for (std::vector<std::uint32_t>& numbers : map.numbers)
+        for (std::size_t i = 0; asking.foreign && i < numbers.size(); ++i)
+            if (i / map.side % 16 < 8) numbers[i] = kNoTriangle;
+    return map;
+}
+
 inline std::vector<Expected> expect(const Asking& asking)
 {
     FrameArena arena;
     RingsCache rings;
     const NumberedTriangles triangles = numbered(rings, arena);
     Witnesses witnesses(triangles);
-    const HostMap map = asking.lamp.map.view();
+    const DrawnMap drawn = mapOf(asking);
+    const HostMap map = drawn.view();
     const ChainScene scene{map, asking.lamp.constants.base, asking.lamp.cube(), witnesses};
     const Receivers receivers(world().seen.view, asking.lamp.view, world().seen.depth, asking.normalBytes());
     std::vector<Expected> pixels(kPixels);
@@ -220,7 +231,7 @@ inline Outcome run(const Asking& asking, const std::vector<Expected>& expected)
             if (lit && asking.unsure != 0 && y % asking.unsure == 0) byte = gpu::MAP_UNSURE;
             status.push_back(byte);
         }
-    const DrawnMap& drawn = asking.lamp.map;
+    const DrawnMap drawn = mapOf(asking);
     IdMap map{.depth = {},
               .fits = drawn.fits,
               .needed = (1u << drawn.fits.size()) - 1,
@@ -248,7 +259,8 @@ inline Outcome run(const Asking& asking, const std::vector<Expected>& expected)
                        .rows = frame.buffer("rows", status.size()),
                        .stages = stages,
                        .contour = asking.contour,
-                       .tells = asking.tells};
+                       .tells = asking.tells,
+                       .foreign = asking.foreign};
     outcome.rays = frame.run([&](const HostContext& host) { runChain(job, host); });
     const auto rows = frame.content<std::uint8_t>(job.rows);
     outcome.rows.assign(rows.begin(), rows.begin() + std::ptrdiff_t(status.size()));

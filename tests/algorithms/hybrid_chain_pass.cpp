@@ -2,6 +2,8 @@
 // stages say of it alone.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "algorithms/chain_pass_fixture.hpp"
 
 using namespace gnomon;
@@ -84,22 +86,50 @@ TEST_CASE("what the map is unsure of is asked beside the contour, too, and shown
 
 TEST_CASE("what is settled before is not asked again, and told as if it were")
 {
+    // Without witnesses rays are all that is left, sixteen receivers at a time.
+    for (const ChainMode mode : {ChainMode::chain, ChainMode::tcOnly})
+        for (const bool cube : {false, true})
+            for (const std::uint32_t contour : {0u, 4u})
+                for (const ChainTells tells : {ChainTells::visibility, ChainTells::reason}) {
+                    CAPTURE(static_cast<int>(mode));
+                    CAPTURE(cube);
+                    CAPTURE(contour);
+                    Asking asking{.lamp = lamp(cube),
+                                  .stages = stagesOf(mode),
+                                  .contour = contour,
+                                  .tells = tells,
+                                  .settled = true};
+                    CHECK(check(asking) > 20);
+                    const std::vector<Expected> expected = expect(asking);
+                    const Outcome without = run(asking, expected);
+                    asking.settled = false;
+                    const Outcome with = run(asking, expected);
+                    CHECK(without.rays == with.rays);
+                    CHECK(without.rays > 20);
+                    asking.settled = true;
+                    asking.area = {{37, 50}, {71, 53}};
+                    check(asking);
+                }
+}
+
+TEST_CASE("where the host's own casters are nearest the map's word stands, since no ray sees them")
+{
     for (const bool cube : {false, true})
-        for (const std::uint32_t contour : {0u, 4u})
-            for (const ChainTells tells : {ChainTells::visibility, ChainTells::reason}) {
-                CAPTURE(cube);
-                CAPTURE(contour);
-                Asking asking{.lamp = lamp(cube), .contour = contour, .tells = tells, .settled = true};
-                CHECK(check(asking) > 20);
-                const std::vector<Expected> expected = expect(asking);
-                const Outcome without = run(asking, expected);
-                asking.settled = false;
-                const Outcome with = run(asking, expected);
-                CHECK(without.rays == with.rays);
-                asking.settled = true;
-                asking.area = {{37, 50}, {71, 53}};
-                check(asking);
-            }
+        for (const bool settled : {false, true}) {
+            CAPTURE(cube);
+            CAPTURE(settled);
+            Asking asking{.lamp = lamp(cube),
+                          .stages = stagesOf(ChainMode::tcOnly),
+                          .tells = ChainTells::reason,
+                          .settled = settled};
+            check(asking);
+            const std::uint64_t before = run(asking, expect(asking)).rays;
+            asking.foreign = true;
+            check(asking);
+            const Outcome outcome = run(asking, expect(asking));
+            CHECK(outcome.rays < before);
+            CHECK(std::ranges::count(outcome.rows, std::uint8_t{gpu::REASON_MAP_SHADOW}) > 20);
+        }
 }
 
 TEST_CASE("candidates are counted whether they block or not, and no ray is traced")
