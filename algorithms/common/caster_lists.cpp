@@ -70,12 +70,4 @@ bool anyHostDrawn(std::span<const Caster* const> casters)
     return std::any_of(casters.begin(), casters.end(), [](const Caster* caster) { return caster->hostDrawn; });
 }
 
-std::uint64_t triangleCount(std::span<const Caster* const> casters)
-{
-    std::uint64_t count = 0;
-    for (const Caster* caster : casters)
-        if (caster->mesh) count += caster->mesh->triangleCount();
-    return count;
-}
-
 } // namespace gnomon

@@ -35,6 +35,5 @@ std::span<const Caster* const> meshesIn(std::span<const Caster* const> casters, 
                                         FrameArena& arena);
 
 bool anyHostDrawn(std::span<const Caster* const> casters);
-std::uint64_t triangleCount(std::span<const Caster* const> casters);
 
 } // namespace gnomon

@@ -8,19 +8,13 @@ namespace {
 constexpr std::uint32_t kMaxLayers = 8;
 } // namespace
 
-bool worthKeepingApart(std::uint64_t triangles, std::uint32_t resolution)
-{
-    return triangles * 450 > std::uint64_t{resolution} * resolution;
-}
-
 LayerContent layerContent(const LightView& light, std::span<const Caster* const> statics,
-                          std::span<const Caster* const> movings, std::uint64_t projectionStamp,
-                          std::uint32_t resolution)
+                          std::span<const Caster* const> movings, std::uint64_t projectionStamp)
 {
     LayerContent content{.statics = statics, .movings = movings};
     Stamp stamp;
     stamp.add(light.revision).add(projectionStamp).add(statics);
-    if (light.isStatic && worthKeepingApart(triangleCount(statics), resolution)) content.staticsStamp = stamp.value();
+    if (light.isStatic && !statics.empty()) content.staticsStamp = stamp.value();
     content.stamp = stamp.add(movings).value();
     return content;
 }
@@ -35,16 +29,20 @@ KeptMap::KeptMap(PassBuilder& passes, const KeptMapInfo& info) : passes_(passes)
                                          .variant = info.resolution});
 }
 
-ImageId KeptMap::staticsImage()
+ImageInfo KeptMap::staticsInfo() const
 {
-    if (statics_) return statics_;
-    statics_ = passes_.persistent(ImageInfo{.name = info_.staticsName,
-                                            .scope = Scope::light,
-                                            .format = info_.format,
-                                            .extent = {info_.resolution, info_.resolution},
-                                            .layers = info_.layers,
-                                            .variant = info_.resolution});
-    return statics_;
+    return {.name = info_.staticsName,
+            .scope = Scope::light,
+            .format = info_.format,
+            .extent = {info_.resolution, info_.resolution},
+            .layers = info_.layers,
+            .variant = info_.resolution};
+}
+
+bool KeptMap::keepsApart(const LayerContent& content) const
+{
+    if (content.staticsStamp == 0 || content.movings.empty()) return false;
+    return statics_ || passes_.hasRoomFor(passes_.missing(staticsInfo(), image_));
 }
 
 // A stamp belongs to a whole resource, layers need one each: the smallest buffer there is carries it. It may outlive

@@ -109,7 +109,7 @@ LayerContent conservativeContent(const ShadowTask& task, const ConservativeMapVi
     const std::uint64_t projection =
         Stamp().add(fit.clipFromWorld).add(salt).add(static_cast<std::uint64_t>(view.offset)).value();
     return layerContent(*task.light, meshesIn(task.casters->statics, fit.volume, arena),
-                        meshesIn(task.casters->movings, fit.volume, arena), projection, view.resolution);
+                        meshesIn(task.casters->movings, fit.volume, arena), projection);
 }
 
 // --- layers ---

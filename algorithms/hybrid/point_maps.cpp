@@ -67,9 +67,9 @@ ImageId declarePointMaps(PassBuilder& passes, const DepthMapPipelines& pipelines
         ShadowTask from = task;
         from.light = &light;
         const LightFit& fit = *fitDepthMap(pipelines.clamped, from, resolution, arena);
-        const LayerContent content = layerContent(*task.light, castersIn(task.casters->statics, fit.volume, arena),
-                                                  castersIn(task.casters->movings, fit.volume, arena),
-                                                  Stamp().add(fit.clipFromWorld).value(), resolution);
+        const LayerContent content =
+            layerContent(*task.light, castersIn(task.casters->statics, fit.volume, arena),
+                         castersIn(task.casters->movings, fit.volume, arena), Stamp().add(fit.clipFromWorld).value());
         map.update(i, kPointNames[i], content, DepthCasters(pipelines, fit, from, resolution, arena));
         gpu::MapConstants constants = mapConstants(from, resolution, 1);
         addProjection(constants, fit, from);

@@ -83,9 +83,8 @@ DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines
                          .format = kMapFormat,
                          .resolution = resolution});
     const std::uint64_t projection = Stamp().add(fit->clipFromWorld).value();
-    const LayerContent content =
-        layerContent(*task.light, castersIn(task.casters->statics, fit->volume, arena),
-                     castersIn(task.casters->movings, fit->volume, arena), projection, resolution);
+    const LayerContent content = layerContent(*task.light, castersIn(task.casters->statics, fit->volume, arena),
+                                              castersIn(task.casters->movings, fit->volume, arena), projection);
     map.update(0, kNames, content, DepthCasters(pipelines, *fit, task, resolution, arena));
     return {map.image(), fit, resolution, content.stamp};
 }

@@ -59,7 +59,7 @@ CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, 
         const std::uint64_t projection = Stamp().add(faces[face].nearWs).add(faces[face].farWs).value();
         const LayerContent content =
             layerContent(*task.light, castersIn(task.casters->statics, faces[face].volume, arena),
-                         castersIn(task.casters->movings, faces[face].volume, arena), projection, resolution);
+                         castersIn(task.casters->movings, faces[face].volume, arena), projection);
         stamps[face] = content.stamp;
         map.update(face, kFaceNames[face], content, DepthCasters(pipelines, faces[face], task, resolution, arena));
     }

@@ -199,7 +199,7 @@ private:
             draw.fine[0] = fineOnes(movings, light, resolution, arena);
             draw.fine[1] = fineOnes(statics, light, resolution, arena);
             const std::uint64_t projection = Stamp().add(farWs).value();
-            map.update(hemi, kHalfNames[hemi], layerContent(light, statics, movings, projection, resolution), draw);
+            map.update(hemi, kHalfNames[hemi], layerContent(light, statics, movings, projection), draw);
         }
         return map.image();
     }

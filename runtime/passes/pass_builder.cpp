@@ -159,10 +159,14 @@ std::uint64_t PassGraph::key(const BufferInfo& info, bool persistent) const
     return key(info.scope, info.name, info.variant, place | (persistent ? kPersistentBuffer : kTransientBuffer));
 }
 
+std::uint64_t PassGraph::key(const ImageInfo& info, bool persistent) const
+{
+    return key(info.scope, info.name, info.variant, persistent ? kPersistentImage : kTransientImage);
+}
+
 ImageId PassGraph::findOrMake(const ImageInfo& info, bool persistent)
 {
-    const std::uint64_t key =
-        this->key(info.scope, info.name, info.variant, persistent ? kPersistentImage : kTransientImage);
+    const std::uint64_t key = this->key(info, persistent);
     if (const std::uint32_t found = find(key); found != UINT32_MAX) return {found};
     auto image = persistent ? pool_.persistentImage(key, info) : pool_.transientImage(key, info);
     if (!image) {
@@ -299,6 +303,12 @@ KeptList PassBuilder::keptList(const BufferInfo& info, std::uint64_t stamp)
 VkDeviceSize PassBuilder::missing(const BufferInfo& info) const
 {
     return graph_.pool_.keeps(graph_.key(info, true), info.size) ? 0 : pooledSize(info.size);
+}
+
+VkDeviceSize PassBuilder::missing(const ImageInfo& info, ImageId twin) const
+{
+    if (!twin || graph_.pool_.keeps(graph_.key(info, true), info)) return 0;
+    return graph_.images_[twin.index].pooled->gpu.memory.size;
 }
 
 bool PassBuilder::hasRoomFor(VkDeviceSize bytes) const

@@ -168,6 +168,8 @@ public:
     KeptList keptList(const BufferInfo& info, std::uint64_t stamp);
     /// Bytes of a persistent buffer that would have to be made: 0 where it is kept from an earlier frame.
     VkDeviceSize missing(const BufferInfo& info) const;
+    /// The same of a persistent image of which `twin` has the size and format.
+    VkDeviceSize missing(const ImageInfo& info, ImageId twin) const;
     /// Whether there is room for what only saves time, with nothing else having to make way for it.
     bool hasRoomFor(VkDeviceSize bytes) const;
     /// Another number for every image that was ever made: a stamp kept beside an image takes it in, since the image may

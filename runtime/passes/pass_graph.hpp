@@ -134,6 +134,7 @@ private:
     void fail(const Error& error);
     ImageId findOrMake(const ImageInfo& info, bool persistent);
     BufferId findOrMake(const BufferInfo& info, bool persistent);
+    std::uint64_t key(const ImageInfo& info, bool persistent) const;
     std::uint64_t key(const BufferInfo& info, bool persistent) const;
     PassRef open(PassKind kind, const char* name, Scope scope, std::uint32_t variant);
     void add(std::uint32_t resource, bool isImage, AccessKind kind, const Part& part);

@@ -279,6 +279,12 @@ bool ResourcePool::keeps(std::uint64_t key, VkDeviceSize size) const
     return found != buffers_.end() && found->second.current && found->second.current->gpu.size >= size;
 }
 
+bool ResourcePool::keeps(std::uint64_t key, const ImageInfo& info) const
+{
+    const auto found = images_.find(key);
+    return found != images_.end() && fits(found->second->gpu, info);
+}
+
 Result<void> ResourcePool::replace(BufferRing& ring, const BufferInfo& info)
 {
     if (ring.renewed == frame_) return {};

@@ -95,6 +95,8 @@ public:
     bool holds(std::uint64_t key, VkDeviceSize size, std::uint64_t stamp) const;
     /// A buffer is kept under the key, whatever it holds.
     bool keeps(std::uint64_t key, VkDeviceSize size) const;
+    /// The same of an image of this description.
+    bool keeps(std::uint64_t key, const ImageInfo& info) const;
     bool uploadIsFar() const noexcept { return memory_.uploadIsFar(); }
     /// Room for what only saves time, with nothing else having to make way for it.
     bool hasRoomFor(VkDeviceSize size) const noexcept

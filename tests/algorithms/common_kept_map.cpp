@@ -10,24 +10,11 @@ using namespace gnomon::test;
 
 using Names = std::vector<std::string>;
 
-TEST_CASE("static triangles are worth a copy from 450 texels each on")
-{
-    CHECK(!worthKeepingApart(0, 1024));
-    CHECK(!worthKeepingApart(2330, 1024));
-    CHECK(worthKeepingApart(2331, 1024));
-    CHECK(!worthKeepingApart(2, 30)); // as many texels as they are worth
-    CHECK(!worthKeepingApart(9544371, 65536));
-    CHECK(worthKeepingApart(9544372, 65536));
-}
-
 TEST_CASE("a layer's stamps change with what is drawn into it, the one of the statics without the movings")
 {
-    const std::vector<std::uint32_t> indices(3 * 10);
-    MeshView mesh;
-    mesh.indices = indices;
     const LightView still{.revision = 5, .isStatic = true};
-    const Casters statics({11, 12}, &mesh), moved({11, 13}, &mesh), fewer({11}, &mesh), movings({21}), nearer({22});
-    const LayerContent base = layerContent(still, statics.pointers, movings.pointers, 7, kResolution);
+    const Casters statics({11, 12}), moved({11, 13}), fewer({11}), movings({21}), nearer({22});
+    const LayerContent base = layerContent(still, statics.pointers, movings.pointers, 7);
     CHECK(base.statics.data() == statics.pointers.data());
     CHECK(base.movings.data() == movings.pointers.data());
     REQUIRE(base.stamp > 15); // smaller ones mean other things
@@ -36,21 +23,18 @@ TEST_CASE("a layer's stamps change with what is drawn into it, the one of the st
         CHECK((other.stamp != base.stamp) == all);
         CHECK((other.staticsStamp != base.staticsStamp) == ofStatics);
     };
-    changes(layerContent(still, statics.pointers, movings.pointers, 7, kResolution), false, false);
-    changes(layerContent(still, statics.pointers, nearer.pointers, 7, kResolution), true, false);
-    changes(layerContent(still, statics.pointers, {}, 7, kResolution), true, false);
-    changes(layerContent(still, moved.pointers, movings.pointers, 7, kResolution), true, true);
-    changes(layerContent(still, fewer.pointers, movings.pointers, 7, kResolution), true, true);
-    changes(layerContent(still, statics.pointers, movings.pointers, 8, kResolution), true, true);
-    changes(layerContent({.revision = 6, .isStatic = true}, statics.pointers, movings.pointers, 7, kResolution), true,
-            true);
-    // A light that moves, and triangles that do not pay for the copy: nothing is kept apart, the rest is as it was.
-    const LayerContent moving = layerContent({.revision = 5}, statics.pointers, movings.pointers, 7, kResolution);
-    const LayerContent larger = layerContent(still, statics.pointers, movings.pointers, 7, 2 * kResolution);
-    for (const LayerContent& content : {moving, larger}) {
-        CHECK(content.staticsStamp == 0);
-        CHECK(content.stamp == base.stamp);
-    }
+    changes(layerContent(still, statics.pointers, movings.pointers, 7), false, false);
+    changes(layerContent(still, statics.pointers, nearer.pointers, 7), true, false);
+    changes(layerContent(still, statics.pointers, {}, 7), true, false);
+    changes(layerContent(still, moved.pointers, movings.pointers, 7), true, true);
+    changes(layerContent(still, fewer.pointers, movings.pointers, 7), true, true);
+    changes(layerContent(still, statics.pointers, movings.pointers, 8), true, true);
+    changes(layerContent({.revision = 6, .isStatic = true}, statics.pointers, movings.pointers, 7), true, true);
+    // A light that moves: nothing is kept apart, the rest is as it was. Without static casters nothing is to keep.
+    const LayerContent moving = layerContent({.revision = 5}, statics.pointers, movings.pointers, 7);
+    CHECK(moving.staticsStamp == 0);
+    CHECK(moving.stamp == base.stamp);
+    CHECK(layerContent(still, {}, movings.pointers, 7).staticsStamp == 0);
 }
 
 TEST_CASE("a layer is drawn when its own stamp changes, and once for all tasks of the light")
@@ -87,6 +71,41 @@ TEST_CASE("under moving casters the static ones are drawn once and copied")
     wanted[0] = {{1, 3}, {}, 103, 51}; // nothing moves over a copy: drawn as they are
     CHECK(frames.run(wanted) == Names{"casters 0"});
     CHECK(frames.layers[0] == Revisions{1, 3});
+}
+
+TEST_CASE("where there is no room for an image of the static casters they are drawn with the moving ones")
+{
+    Frames frames;
+    std::vector<Wanted> wanted{{{1, 2}, {8}, 100, 50}};
+    auto most = frames.takeRoom();
+    CHECK(frames.run(wanted) == Names{"casters 0"});
+    CHECK(frames.layers[0] == Revisions{1, 2, 8});
+    frames.giveRoom(std::move(most));
+    CHECK(frames.run(wanted).empty());
+    wanted[0].movings = {9};
+    wanted[0].stamp = 101;
+    CHECK(frames.run(wanted) == Names{"statics 0", "copy 0", "casters 0"});
+    CHECK(frames.layers[0] == Revisions{1, 2, 9});
+    most = frames.takeRoom(); // the image that is there goes on serving
+    wanted[0].movings = {10};
+    wanted[0].stamp = 102;
+    CHECK(frames.run(wanted) == Names{"copy 0", "casters 0"});
+    CHECK(frames.layers[0] == Revisions{1, 2, 10});
+}
+
+TEST_CASE("where room is found between two tasks of a frame the layer holds its casters all the same")
+{
+    Frames frames;
+    std::unique_ptr<PooledImage> most;
+    frames.before = [&](std::uint32_t task) {
+        if (task == 0)
+            most = frames.takeRoom();
+        else
+            frames.giveRoom(std::move(most));
+    };
+    const std::vector<Wanted> wanted{{{1, 2}, {8}, 100, 50}};
+    CHECK(frames.run(wanted, 2) == Names{"casters 0", "statics 0", "copy 0", "casters 0"});
+    CHECK(frames.layers[0] == Revisions{1, 2, 8});
 }
 
 TEST_CASE(

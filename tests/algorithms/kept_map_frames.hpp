@@ -2,7 +2,9 @@
 // Frames in which one light's KeptMap is declared, over a Vulkan that does nothing: passes are carried out on lists of
 // casters instead of images.
 #include <algorithm>
+#include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,12 +30,11 @@ struct Casters {
     std::vector<Caster> owned;
     std::vector<const Caster*> pointers;
 
-    explicit Casters(const Revisions& revisions, const MeshView* mesh = nullptr) : owned(revisions.size())
+    explicit Casters(const Revisions& revisions) : owned(revisions.size())
     {
         for (std::size_t i = 0; i < revisions.size(); ++i) {
             owned[i].id = static_cast<std::uint32_t>(i + 1);
             owned[i].revision = revisions[i];
-            owned[i].mesh = mesh;
             pointers.push_back(&owned[i]);
         }
     }
@@ -79,9 +80,10 @@ struct Frames {
     std::map<std::pair<VkImage, std::uint32_t>, Revisions> held; ///< By image and layer.
     Drawn drawn;
     std::uint32_t kept = 0;
-    std::vector<Revisions> layers;      ///< Of the sampled image.
-    bool fails = false;                 ///< The tasks are taken back.
-    std::uint32_t failing = UINT32_MAX; ///< This one alone is, though nothing of the map is at fault.
+    std::vector<Revisions> layers;             ///< Of the sampled image.
+    bool fails = false;                        ///< The tasks are taken back.
+    std::uint32_t failing = UINT32_MAX;        ///< This one alone is, though nothing of the map is at fault.
+    std::function<void(std::uint32_t)> before; ///< Each task.
 
     /// Runs a frame in which `tasks` tasks want the same. @return the passes in the order they are recorded.
     std::vector<std::string> run(std::span<const Wanted> wanted, std::uint32_t tasks = 1)
@@ -100,6 +102,7 @@ struct Frames {
         ImageId image;
         for (std::uint32_t task = 0; task < tasks; ++task) {
             graph.beginTask({.view = task + 1, .light = 1, .method = 0}, &view, {}, {});
+            if (before) before(task);
             image = declare(wanted, casters);
             if (task == failing) PassBuilder(graph).fail({GN_ERROR_OUT_OF_DEVICE_MEMORY, "Test", "no room for more"});
             REQUIRE(graph.endTask().has_value() == (fails || task == failing));
@@ -121,6 +124,15 @@ struct Frames {
         CHECK(!pool.persistentImage(1, {.name = "too large", .format = VK_FORMAT_D32_SFLOAT, .extent = {4096, 4096}}));
         vulkan.heapSize = VkDeviceSize{1} << 40;
     }
+
+    /// More than half of the memory there may be.
+    std::unique_ptr<PooledImage> takeRoom()
+    {
+        auto most = pool.ownedImage({.format = VK_FORMAT_D32_SFLOAT, .extent = {16384, 10000}, .name = "most"});
+        REQUIRE(most);
+        return std::move(*most);
+    }
+    void giveRoom(std::unique_ptr<PooledImage> most) { pool.retire(std::move(most), 0); }
 
 private:
     ImageId declare(std::span<const Wanted> wanted, std::span<const Casters> casters)
