@@ -1,5 +1,7 @@
 #include "algorithms/common/kept_map.hpp"
 
+#include <array>
+
 #include "runtime/vk/memory.hpp"
 
 namespace gnomon {
@@ -45,38 +47,49 @@ bool KeptMap::keepsApart(const LayerContent& content) const
     return statics_ || passes_.hasRoomFor(passes_.missing(staticsInfo(), image_));
 }
 
-// A stamp belongs to a whole resource, layers need one each: the smallest buffer there is carries it. It may outlive
-// the image, so it is of this very image.
-bool KeptMap::due(std::uint32_t layer, std::uint64_t stamp, ImageId image)
+// A stamp belongs to a whole resource, layers need one each: the smallest buffer there is carries it.
+BufferId KeptMap::carrier(std::uint32_t layer, ImageId image)
 {
     const std::uint32_t slot = layer + (image.index == image_.index ? 0 : kMaxLayers);
-    const BufferId carrier = passes_.persistent(BufferInfo{.name = info_.stampName,
-                                                           .scope = Scope::light,
-                                                           .size = 4,
-                                                           .variant = info_.resolution * 2 * kMaxLayers + slot});
+    return passes_.persistent(BufferInfo{.name = info_.stampName,
+                                         .scope = Scope::light,
+                                         .size = 4,
+                                         .variant = info_.resolution * 2 * kMaxLayers + slot});
+}
+
+// It may outlive the image, so the stamp is of this very image.
+bool KeptMap::due(BufferId carrier, std::uint64_t stamp, ImageId image)
+{
     return passes_.stale(carrier, Stamp().add(stamp).add(passes_.serial(image)).value());
 }
 
-void KeptMap::copyStatics(const char* name, std::uint32_t layer)
+void KeptMap::copyStatics(const char* name, std::uint32_t layer, Cells cells)
 {
     const ImageId from = statics_, to = image_;
     const VkImageAspectFlags aspect = aspectsOf(info_.format);
-    const std::uint32_t side = info_.resolution;
     passes_.transfer(name, Scope::light, info_.resolution)
         .copies(from, {.layer = layer})
         .writes(to, {.layer = layer})
-        .record([=](PassContext& gpu) {
-            const VkImageCopy2 region{.sType = VK_STRUCTURE_TYPE_IMAGE_COPY_2,
-                                      .srcSubresource = {aspect, 0, layer, 1},
-                                      .dstSubresource = {aspect, 0, layer, 1},
-                                      .extent = {side, side, 1}};
+        .record([=, side = info_.resolution](PassContext& gpu) {
+            std::array<VkRect2D, 32> room;
+            std::array<VkImageCopy2, 32> regions;
+            std::uint32_t count = 0;
+            for (const VkRect2D& rect : cellRegions(cells, side, room)) {
+                const VkOffset3D at{rect.offset.x, rect.offset.y, 0};
+                regions[count++] = {.sType = VK_STRUCTURE_TYPE_IMAGE_COPY_2,
+                                    .srcSubresource = {aspect, 0, layer, 1},
+                                    .srcOffset = at,
+                                    .dstSubresource = {aspect, 0, layer, 1},
+                                    .dstOffset = at,
+                                    .extent = {rect.extent.width, rect.extent.height, 1}};
+            }
             const VkCopyImageInfo2 info{.sType = VK_STRUCTURE_TYPE_COPY_IMAGE_INFO_2,
                                         .srcImage = gpu.image(from),
                                         .srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                                         .dstImage = gpu.image(to),
                                         .dstImageLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                                        .regionCount = 1,
-                                        .pRegions = &region};
+                                        .regionCount = count,
+                                        .pRegions = regions.data()};
             gpu.vk->vkCmdCopyImage2(gpu.cmd, &info);
         });
 }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "algorithms/common/caster_lists.hpp"
+#include "algorithms/common/map_cells.hpp"
 #include "runtime/algorithm.hpp"
 
 namespace gnomon {
@@ -52,13 +53,16 @@ public:
     /// @param draw  `draw(PassContext&, casters, bool statics)` records casters, the static or the moving ones of the
     ///              content; `draw.uses(PassRef&)` declares what else it reads. Copied bytewise. Where it has
     ///              `draw.prepared(PassBuilder&, statics, movings)`, passes that come before may be declared there for
-    ///              the casters about to be drawn; what it returns draws.
+    ///              the casters about to be drawn; what it returns draws. Where it has `draw.cells(movings)`, moving
+    ///              casters cover no texel of other cells, and only cells that they leave are copied.
+    /// @return      where the layer holds moving casters, for what is made of it
     template <typename Draw>
-    void update(std::uint32_t layer, const LayerNames& names, const LayerContent& content, const Draw& draw);
+    KeptParts update(std::uint32_t layer, const LayerNames& names, const LayerContent& content, const Draw& draw);
 
 private:
-    bool due(std::uint32_t layer, std::uint64_t stamp, ImageId image);
-    void copyStatics(const char* name, std::uint32_t layer);
+    BufferId carrier(std::uint32_t layer, ImageId image);
+    bool due(BufferId carrier, std::uint64_t stamp, ImageId image);
+    void copyStatics(const char* name, std::uint32_t layer, Cells cells);
     /// Variant of the pass that draws over the copy: not the pass that draws all casters, which a task before this one
     /// declares where it still finds no room.
     static constexpr std::uint32_t kOverCopy = 1u << 31;
@@ -82,13 +86,24 @@ Draw preparedDraw(const Draw& draw, PassBuilder& passes, std::span<const Caster*
         return draw;
 }
 
+/// What moving casters may draw into.
 template <typename Draw>
-void KeptMap::update(std::uint32_t layer, const LayerNames& names, const LayerContent& content, const Draw& draw)
+Cells coveredCells(const Draw& draw, std::span<const Caster* const> movings)
+{
+    if constexpr (requires { draw.cells(movings); })
+        return draw.cells(movings);
+    else
+        return kAllCells;
+}
+
+template <typename Draw>
+KeptParts KeptMap::update(std::uint32_t layer, const LayerNames& names, const LayerContent& content, const Draw& draw)
 {
     const Part cleared{.layer = layer, .clear = true, .value = {.depthStencil = {1.0f, 0}}};
-    if (!due(layer, content.stamp, image_)) {
+    const BufferId whole = carrier(layer, image_);
+    if (!due(whole, content.stamp, image_)) {
         passes_.kept();
-        return;
+        return passes_.parts(whole);
     }
     const std::uint32_t variant = info_.resolution;
     if (!keepsApart(content)) {
@@ -99,10 +114,10 @@ void KeptMap::update(std::uint32_t layer, const LayerNames& names, const LayerCo
             both(gpu, statics, true);
             both(gpu, movings, false);
         });
-        return;
+        return {};
     }
     if (!statics_) statics_ = passes_.persistent(staticsInfo());
-    if (due(layer, content.staticsStamp, statics_)) {
+    if (due(carrier(layer, statics_), content.staticsStamp, statics_)) {
         const Draw first = preparedDraw(draw, passes_, content.statics, {});
         PassRef still = passes_.raster(names.statics, Scope::light, variant);
         first.uses(still.depthWrite(statics_, cleared));
@@ -110,11 +125,16 @@ void KeptMap::update(std::uint32_t layer, const LayerNames& names, const LayerCo
     } else {
         passes_.kept();
     }
-    copyStatics(names.copyStatics, layer);
+    const KeptParts parts{Stamp().add(content.staticsStamp).add(passes_.serial(image_)).value(),
+                          coveredCells(draw, content.movings)};
+    if (const Cells cells = changedCells(passes_.partsBefore(whole), {parts.ground, 0}); cells != 0)
+        copyStatics(names.copyStatics, layer, cells);
+    passes_.keepParts(whole, parts);
     const Draw second = preparedDraw(draw, passes_, {}, content.movings);
     PassRef over = passes_.raster(names.casters, Scope::light, variant | kOverCopy);
     second.uses(over.depthWrite(image_, {.layer = layer}));
     over.record([=, movings = content.movings](PassContext& gpu) { second(gpu, movings, false); });
+    return parts;
 }
 
 } // namespace gnomon

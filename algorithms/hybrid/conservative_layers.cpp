@@ -198,7 +198,7 @@ const gpu::ConservativeConstants* constantsOf(PassBuilder& passes, const ShadowT
 
 LightMap mapOf(const ConservativeMapView& view, const ConservativeImage& image)
 {
-    return {.image = image.image, .fits = view.fits, .needed = view.needed, .stamps = image.stamps};
+    return {.image = image.image, .fits = view.fits, .needed = view.needed, .stamps = image.stamps, .parts = {}};
 }
 
 } // namespace

@@ -1,6 +1,9 @@
 #include "algorithms/hybrid/host_map.hpp"
 
+#include <array>
 #include <bit>
+
+#include "runtime/passes/area_copy.hpp"
 
 namespace gnomon {
 
@@ -10,21 +13,31 @@ bool classifiesOnHost(double setting, const DeviceTable& vk, const ShadowTask& t
     return wanted && task.normals && !task.recorded;
 }
 
+namespace {
+
+constexpr VkDeviceSize kTexelBytes = 4;
+
+} // namespace
+
 void declareLayerCopy(PassBuilder& passes, const LayerCopy& copy)
 {
     passes.transfer(copy.name, Scope::light, copy.variant)
         .copies(copy.from, {.layer = copy.layer})
         .writes(copy.to)
         .record([copy](PassContext& gpu) {
-            const VkBufferImageCopy2 region{.sType = VK_STRUCTURE_TYPE_BUFFER_IMAGE_COPY_2,
-                                            .imageSubresource = {copy.aspect, 0, copy.layer, 1},
-                                            .imageExtent = {copy.side, copy.side, 1}};
+            std::array<VkRect2D, 32> room;
+            std::array<VkBufferImageCopy2, 32> regions;
+            std::uint32_t count = 0;
+            for (const VkRect2D& area : cellRegions(copy.cells, copy.side, room)) {
+                regions[count] = areaCopy(area, copy.aspect, copy.side, kTexelBytes);
+                regions[count++].imageSubresource.baseArrayLayer = copy.layer;
+            }
             const VkCopyImageToBufferInfo2 info{.sType = VK_STRUCTURE_TYPE_COPY_IMAGE_TO_BUFFER_INFO_2,
                                                 .srcImage = gpu.image(copy.from),
                                                 .srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                                                 .dstBuffer = gpu.buffer(copy.to),
-                                                .regionCount = 1,
-                                                .pRegions = &region};
+                                                .regionCount = count,
+                                                .pRegions = regions.data()};
             gpu.vk->vkCmdCopyImageToBuffer2(gpu.cmd, &info);
         });
 }
@@ -40,7 +53,7 @@ BufferInfo bufferOf(std::uint32_t resolution, std::uint32_t layer, const HostMap
 {
     return {.name = names.buffer,
             .scope = Scope::light,
-            .size = VkDeviceSize{4} * resolution * resolution,
+            .size = kTexelBytes * resolution * resolution,
             .place = BufferPlace::readback,
             .variant = variantOf(resolution, layer)};
 }
@@ -58,12 +71,16 @@ HostMapCopy declareHostMap(PassBuilder& passes, const LightMap& map, std::uint32
             passes.kept();
             continue;
         }
+        const KeptParts parts = map.parts.empty() ? KeptParts{} : map.parts[layer];
+        const Cells cells = changedCells(passes.partsBefore(result.depth[layer]), parts);
+        passes.keepParts(result.depth[layer], parts);
         declareLayerCopy(passes, {.name = names.pass,
                                   .from = map.image,
                                   .layer = layer,
                                   .to = result.depth[layer],
                                   .side = resolution,
-                                  .variant = variantOf(resolution, layer)});
+                                  .variant = variantOf(resolution, layer),
+                                  .cells = cells});
     }
     return result;
 }

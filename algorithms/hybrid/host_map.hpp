@@ -2,6 +2,7 @@
 // A light's depth map on the CPU, where host passes ask it for all pixels: a copy, kept as long as the map.
 #include <cstdint>
 
+#include "algorithms/common/map_cells.hpp"
 #include "algorithms/hybrid/lanes.hpp"
 #include "algorithms/omni/light_map.hpp"
 #include "runtime/passes/pass_context.hpp"
@@ -21,7 +22,7 @@ bool classifiesOnHost(double setting, const DeviceTable& vk, const ShadowTask& t
 /// How receivers are found in a map; its layers are to be set. @param cube six of them
 lanes::MapLook mapLookOf(const gpu::MapConstants& constants, bool cube);
 
-/// Copies an image layer of four-byte texels to a buffer of a light's scope.
+/// Copies an image layer, or cells of it, of four-byte texels to a buffer of a light's scope.
 struct LayerCopy {
     const char* name; ///< Of the pass.
     ImageId from;
@@ -30,6 +31,7 @@ struct LayerCopy {
     VkImageAspectFlags aspect = VK_IMAGE_ASPECT_DEPTH_BIT;
     std::uint32_t side = 0;
     std::uint32_t variant = 0; ///< Of the pass.
+    Cells cells = kAllCells;
 };
 void declareLayerCopy(PassBuilder& passes, const LayerCopy& copy);
 

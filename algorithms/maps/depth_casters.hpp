@@ -1,6 +1,7 @@
 #pragma once
 // Drawing casters through a light's matrix, for every map with straight edges.
 #include "algorithms/common/kept_map.hpp"
+#include "algorithms/maps/box_cells.hpp"
 #include "algorithms/maps/depth_map.hpp"
 #include "algorithms/maps/map_look.hpp"
 #include "runtime/scene/bias.hpp"
@@ -19,6 +20,8 @@ public:
                  std::uint32_t resolution, FrameArena& arena);
     void uses(PassRef&) const {}
     void operator()(PassContext& gpu, std::span<const Caster* const> casters, bool statics) const;
+    /// Where their bounds fall; every cell where one reaches the light's plane.
+    Cells cells(std::span<const Caster* const> casters) const;
 
 private:
     PipelineId pipeline_;

@@ -52,6 +52,14 @@ void DepthCasters::operator()(PassContext& gpu, std::span<const Caster* const> c
                      .hostProjection = host_});
 }
 
+Cells DepthCasters::cells(std::span<const Caster* const> casters) const
+{
+    Cells covered = 0;
+    for (const Caster* caster : casters)
+        covered |= boxCells(caster->bounds, push_.clipFromZero, glm::vec3(push_.zeroWs));
+    return covered;
+}
+
 float nearLimit(Clamped clamped, const ShadowTask& task)
 {
     float nearest = std::numeric_limits<float>::infinity();
@@ -85,8 +93,8 @@ DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines
     const std::uint64_t projection = Stamp().add(fit->clipFromWorld).value();
     const LayerContent content = layerContent(*task.light, castersIn(task.casters->statics, fit->volume, arena),
                                               castersIn(task.casters->movings, fit->volume, arena), projection);
-    map.update(0, kNames, content, DepthCasters(pipelines, *fit, task, resolution, arena));
-    return {map.image(), fit, resolution, content.stamp};
+    const KeptParts parts = map.update(0, kNames, content, DepthCasters(pipelines, *fit, task, resolution, arena));
+    return {map.image(), fit, resolution, content.stamp, parts};
 }
 
 VkDeviceSize depthMapMemory(std::uint32_t resolution, std::uint32_t layers)

@@ -38,6 +38,7 @@ struct DepthMap {
     const LightFit* fit = nullptr; ///< Lives as long as the frame.
     std::uint32_t resolution = 0;
     std::uint64_t stamp = 0; ///< Of the content, for what is made of it; never 0.
+    KeptParts parts;         ///< Cells of it that hold moving casters (common/map_cells.hpp).
 };
 
 /// Texels between the cone's square and a spot map's edge: as many as filters reach, half of 7 and the fraction.

@@ -53,6 +53,7 @@ CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, 
                          .layers = 6});
     const std::uint32_t needed = neededCubeFaces(task);
     const std::span<std::uint64_t> stamps = arena.array<std::uint64_t>(6);
+    const std::span<KeptParts> parts = arena.array<KeptParts>(6);
     for (std::uint32_t face = 0; face < 6; ++face) {
         if ((needed >> face & 1) == 0) continue;
         // The light's revision stands for the position; of the fit, only the ends depend on casters.
@@ -61,9 +62,10 @@ CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, 
             layerContent(*task.light, castersIn(task.casters->statics, faces[face].volume, arena),
                          castersIn(task.casters->movings, faces[face].volume, arena), projection);
         stamps[face] = content.stamp;
-        map.update(face, kFaceNames[face], content, DepthCasters(pipelines, faces[face], task, resolution, arena));
+        parts[face] =
+            map.update(face, kFaceNames[face], content, DepthCasters(pipelines, faces[face], task, resolution, arena));
     }
-    return {map.image(), faces.data(), resolution, needed, stamps.data()};
+    return {map.image(), faces.data(), resolution, needed, stamps.data(), parts.data()};
 }
 
 } // namespace gnomon

@@ -17,6 +17,7 @@ struct CubeMap {
     std::uint32_t resolution = 0;
     std::uint32_t needed = 0; ///< Bit f: a receiver of task.view can lie in face f. Other layers may be undefined.
     const std::uint64_t* stamps = nullptr; ///< Six, of the content of the faces needed.
+    const KeptParts* parts = nullptr;      ///< Six, DepthMap's.
 };
 
 /// The projections of the six faces; memory from the arena.

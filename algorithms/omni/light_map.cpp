@@ -22,11 +22,11 @@ LightMap declareLightMap(PassBuilder& passes, const DepthMapPipelines& pipelines
     LightMap result;
     if (task.light->type != GN_LIGHT_TYPE_POINT) {
         const DepthMap map = declareDepthMap(passes, pipelines, task, resolution);
-        std::uint64_t* stamp = passes.arena().make(map.stamp);
-        result = {map.image, {map.fit, 1}, 1, {stamp, 1}};
+        FrameArena& arena = passes.arena();
+        result = {map.image, {map.fit, 1}, 1, {arena.make(map.stamp), 1}, {arena.make(map.parts), 1}};
     } else {
         const CubeMap map = declareCubeMap(passes, pipelines, task, resolution);
-        result = {map.image, {map.faces, 6}, map.needed, {map.stamps, 6}};
+        result = {map.image, {map.faces, 6}, map.needed, {map.stamps, 6}, {map.parts, 6}};
     }
     addLightProjection(constants, result.fits, task);
     return result;

@@ -233,6 +233,7 @@ bool PassGraph::answeredAgain(KeptState& kept, std::uint64_t stamp)
     if (!kept.answer || kept.stamp != 0) return kept.answer;
     taskStale_.push_back(&kept); // it may throw; nothing is promised yet
     kept.stamp = stamp;
+    kept.parts = {};
     kept.since = pool_.frame();
     return true;
 }
@@ -274,8 +275,24 @@ bool PassBuilder::stale(BufferId buffer, std::uint64_t stamp)
     fresh.askedFrame = graph_.pool_.frame();
     fresh.answer = true;
     fresh.stamp = stamp;
+    fresh.parts = {};
     fresh.since = graph_.pool_.frame();
     return true;
+}
+
+KeptParts PassBuilder::parts(BufferId buffer) const
+{
+    return buffer ? graph_.buffers_[buffer.index].pooled->kept.parts : KeptParts{};
+}
+
+KeptParts PassBuilder::partsBefore(BufferId buffer) const
+{
+    return buffer ? graph_.buffers_[buffer.index].pooled->kept.savedParts : KeptParts{};
+}
+
+void PassBuilder::keepParts(BufferId buffer, const KeptParts& parts)
+{
+    if (buffer) graph_.buffers_[buffer.index].pooled->kept.parts = parts;
 }
 
 KeptList PassBuilder::keptList(const BufferInfo& info, std::uint64_t stamp)

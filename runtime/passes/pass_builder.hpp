@@ -50,6 +50,12 @@ struct ImageInfo {
     std::uint32_t variant = 0; ///< Tells settings apart (a resolution) where name and scope are the same.
 };
 
+/// What lies where in content that is made anew in parts. Whoever makes it says what a part is.
+struct KeptParts {
+    std::uint64_t ground = 0;  ///< Stamp of what all parts would hold but for `covered`; 0: nothing is known.
+    std::uint64_t covered = 0; ///< Bits of the parts that hold more.
+};
+
 enum class BufferPlace : std::uint8_t {
     device,   ///< GPU only.
     upload,   ///< Written by prepare or host passes, read by the GPU.
@@ -161,6 +167,13 @@ public:
     /// fresh memory when the old content is still in flight.
     bool stale(ImageId image, std::uint64_t stamp);
     bool stale(BufferId buffer, std::uint64_t stamp);
+    /// Of what stale() has called so, which need not be made anew as a whole: the parts that the very memory to be
+    /// written held before this frame.
+    KeptParts partsBefore(BufferId buffer) const;
+    /// And what they are from now on; stale() has forgotten them.
+    void keepParts(BufferId buffer, const KeptParts& parts);
+    /// As kept last.
+    KeptParts parts(BufferId buffer) const;
     /// The persistent buffer of what prepare passes write seldom and GPU passes read in every frame. It is an upload
     /// buffer; where such lie far from the GPU, what has carried its stamp for eight frames is copied to the GPU's own
     /// memory, once, and the copy is the answer from then on. `info.place` means nothing; the copying pass has the

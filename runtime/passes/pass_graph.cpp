@@ -198,11 +198,11 @@ std::optional<Error> PassGraph::endTask()
         pass.fn = nullptr;
         for (const Access& access : accesses(pass)) {
             if (!accessTraits(access.kind, pass.kind).write) continue;
-            (access.isImage ? images_[access.resource].pooled->kept : buffers_[access.resource].pooled->kept).stamp = 0;
+            (access.isImage ? images_[access.resource].pooled->kept : buffers_[access.resource].pooled->kept).lose();
         }
     }
     for (KeptState* promised : taskStale_) // stamps that lie beside what they are of
-        promised->stamp = 0;
+        promised->lose();
     std::optional<Error> error = std::move(error_);
     error_.reset();
     return error;

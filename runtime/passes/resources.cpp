@@ -369,6 +369,7 @@ void ResourcePool::touch(PooledImage& image)
     if (image.kept.savedFrame == frame_) return;
     image.kept.savedFrame = frame_;
     image.kept.savedStamp = image.kept.stamp;
+    image.kept.savedParts = image.kept.parts;
     image.kept.savedUsed = image.kept.lastUsed;
     std::copy(image.layers.begin(), image.layers.end(), image.savedLayers.begin());
     touchedImages_.push_back(&image);
@@ -379,6 +380,7 @@ void ResourcePool::touch(PooledBuffer& buffer)
     if (buffer.kept.savedFrame == frame_) return;
     buffer.kept.savedFrame = frame_;
     buffer.kept.savedStamp = buffer.kept.stamp;
+    buffer.kept.savedParts = buffer.kept.parts;
     buffer.kept.savedUsed = buffer.kept.lastUsed;
     buffer.savedSync = buffer.sync;
     touchedBuffers_.push_back(&buffer);
@@ -399,6 +401,7 @@ void ResourcePool::withdraw(std::uint64_t frame)
     // The frame may be submitted again under its number, with all that it had to itself.
     const auto restore = [this](KeptState& kept) {
         kept.stamp = kept.savedStamp;
+        kept.parts = kept.savedParts;
         kept.lastUsed = usedBefore(kept.savedUsed);
         kept.savedFrame = kept.askedFrame = 0;
     };
@@ -431,10 +434,12 @@ void ResourcePool::abandon(std::uint64_t frame)
     for (PooledImage* image : touchedImages_) {
         std::fill(image->savedLayers.begin(), image->savedLayers.end(), unknown);
         image->kept.savedStamp = 0;
+        image->kept.savedParts = {};
     }
     for (PooledBuffer* buffer : touchedBuffers_) {
         buffer->savedSync = unknown;
         buffer->kept.savedStamp = 0;
+        buffer->kept.savedParts = {};
     }
     withdraw(frame);
 }

@@ -40,6 +40,10 @@ struct KeptState {
     bool answer = false;          ///< ... with this.
     std::uint64_t lastUsed = 0;   ///< Frame.
     std::uint64_t savedUsed = 0;  ///< Before the frame `savedFrame`; 0: it was made in that frame.
+    KeptParts parts, savedParts;  ///< Now, and before the frame `savedFrame`.
+
+    /// Nothing is known of the content.
+    void lose() { stamp = 0, parts = {}; }
 };
 
 struct PooledImage {

@@ -1,4 +1,6 @@
 // What stands still is not done again, and what moves is done again exactly once.
+#include <random>
+
 #include "device/fixture.hpp"
 #include "gnomon/algorithm.h"
 
@@ -22,6 +24,47 @@ Scene sceneWithFarCaster(demo::LightKind kind)
 }
 
 constexpr size_t kBall = 1, kFar = 3;
+
+/// Small casters that move over a floor on which large ones stand, under one static light.
+Scene sceneWithSwarm(demo::LightKind kind)
+{
+    Scene scene = smallScene();
+    scene.meshes.push_back(demo::makeSphere({.radius = 0.25f, .slices = 12, .stacks = 6}));
+    for (const char* name : {"first", "second", "third"}) {
+        demo::Instance moving = scene.instances[kBall];
+        moving.name = name;
+        moving.mesh = static_cast<uint32_t>(scene.meshes.size() - 1);
+        moving.isStatic = false;
+        scene.instances.push_back(moving);
+    }
+    if (kind == demo::LightKind::Point) scene.lights = {pointLight("bulb", {1.0, 3.0, 2.0}, true)};
+    if (kind == demo::LightKind::Directional) {
+        scene.lights[0].kind = kind;
+        scene.lights[0].range = 0.0f;
+    }
+    return scene;
+}
+
+/// Moves the swarm: most of it in steps, some out of range or close to the light, some not at all.
+void moveSwarm(Scene& scene, std::mt19937& random)
+{
+    std::uniform_real_distribution<double> step(-0.6, 0.6), anywhere(-6.0, 6.0), height(0.3, 7.5);
+    for (size_t i = 3; i < scene.instances.size(); ++i) {
+        glm::dvec3& position = scene.instances[i].pose.position;
+        switch (random() % 6) {
+        case 0:
+            break;
+        case 1:
+            position = {anywhere(random), height(random), anywhere(random)};
+            break;
+        case 2:
+            position = {100.0, 1.0, 0.0};
+            break;
+        default:
+            position += glm::dvec3(step(random), 0.3 * step(random), step(random));
+        }
+    }
+}
 
 /// Passes of the light's own that draw casters or make its volumes.
 uint32_t updates(const Host& host)
@@ -206,6 +249,41 @@ TEST_CASE_FIXTURE(DeviceTest, "a kept map equals the map of a fresh context, aft
             if (step == 2) host.scene.lights[0].position.x -= 0.7;         // a static light that moves after all
             if (step == 4) host.scene.instances[2].pose.position.z += 0.5; // and a static caster
             host.draw(2, {});
+            Host fresh(host.scene);
+            fresh.pinAll(method);
+            fresh.require(fresh.draw());
+            CHECK(differences(host.pictures(), fresh.pictures()) == 0);
+        }
+    }
+}
+
+TEST_CASE_FIXTURE(
+    DeviceTest, "however small casters move, the parts of a map and of its copy that stay are those of a fresh context")
+{
+    const std::pair<const char*, demo::LightKind> methods[] = {
+        {"shadow_map", demo::LightKind::Spot},        {"pcf_hybrid", demo::LightKind::Spot},
+        {"shadow_map", demo::LightKind::Directional}, {"pcf_hybrid", demo::LightKind::Directional},
+        {"cube_map", demo::LightKind::Point},         {"pcf_hybrid", demo::LightKind::Point}};
+    std::mt19937 random(29);
+    for (const auto& served : methods) {
+        const char* method = served.first;
+        CAPTURE(std::string(method));
+        Host host(sceneWithSwarm(served.second));
+        host.pinAll(method);
+        for (int step = 0; step < 10; ++step) {
+            CAPTURE(step);
+            const bool recordable = std::string(method) != "pcf_hybrid";
+            moveSwarm(host.scene, random);
+            if (step == 6) host.scene.instances[2].pose.position.z += 0.5; // a static one after all
+            if (recordable && random() % 3 == 0) { // seen by nobody, then tried again with everything elsewhere
+                host.draw({.call = Call::record, .drop = true});
+                moveSwarm(host.scene, random);
+            }
+            for (size_t frames = random() % 3; frames > 0; --frames) { // in flight
+                host.require(host.draw());
+                moveSwarm(host.scene, random);
+            }
+            host.require(host.draw());
             Host fresh(host.scene);
             fresh.pinAll(method);
             fresh.require(fresh.draw());

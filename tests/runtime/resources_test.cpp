@@ -1,6 +1,8 @@
 // Images and buffers of frames that fail, are taken back and tried again, over a Vulkan that keeps books.
 #include <doctest/doctest.h>
 
+#include "runtime/passes/pass_context.hpp"
+#include "runtime/passes/pass_graph.hpp"
 #include "runtime/passes/resources.hpp"
 #include "runtime/vk_stub.hpp"
 
@@ -146,4 +148,82 @@ TEST_CASE("of a frame that ran in part nothing is kept, and its images are in no
     CHECK(used->kept.lastUsed == 1);
     CHECK(other->kept.stamp == 77);
     CHECK(other->layers[0].layout == VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+}
+
+namespace {
+
+constexpr BufferInfo kCopy{.name = "test.copy", .scope = Scope::light, .size = 4096, .place = BufferPlace::readback};
+
+/// Frames in which a buffer's content is made anew in parts.
+struct PartFrames : Pool {
+    FrameArena arena;
+    PassGraph graph{pool, arena};
+    CameraView view;
+    std::uint64_t stamp = 0; ///< Another one for every call of make().
+
+    void begin(std::uint64_t frame, std::uint64_t completed)
+    {
+        pool.begin(frame, completed);
+        arena.reset();
+        graph.reset();
+    }
+    /// A task that leaves parts. @return what the memory to be written held.
+    KeptParts make(const KeptParts& parts, bool fails = false)
+    {
+        graph.beginTask({.view = 1, .light = 1, .method = 0}, &view, {}, {});
+        PassBuilder passes(graph);
+        const BufferId buffer = passes.persistent(kCopy);
+        REQUIRE(passes.stale(buffer, ++stamp));
+        const KeptParts before = passes.partsBefore(buffer);
+        passes.keepParts(buffer, parts);
+        CHECK(passes.parts(buffer).covered == parts.covered);
+        passes.transfer("test.copy", Scope::light).writes(buffer).record([](PassContext&) {});
+        if (fails) passes.fail({GN_ERROR_OUT_OF_DEVICE_MEMORY, "Test", "no room for more"});
+        REQUIRE(graph.endTask().has_value() == fails);
+        return before;
+    }
+};
+
+} // namespace
+
+TEST_CASE("the parts of a version are those it was left with, whatever other versions hold")
+{
+    PartFrames p;
+    p.begin(1, 0);
+    CHECK(p.make({9, 1}).ground == 0);
+    p.begin(2, 0); // frame 1 still reads its version
+    CHECK(p.make({9, 2}).ground == 0);
+    p.begin(3, 1);
+    CHECK(p.make({9, 4}).covered == 1);
+    p.begin(4, 2);
+    CHECK(p.make({8, 8}).covered == 2);
+    p.begin(5, 4);
+    CHECK(p.make({8, 16}).covered == 4); // the version not used for longest
+    CHECK(p.stub.live("buffer") == 2);
+}
+
+TEST_CASE("a frame taken back leaves the parts, one that ran in part or a task that failed leaves none")
+{
+    PartFrames p; // two versions take turns
+    p.begin(1, 0);
+    p.make({9, 1});
+    p.begin(2, 1);
+    CHECK(p.make({9, 2}).ground == 0);
+    p.begin(3, 2);
+    CHECK(p.make({9, 3}).covered == 1);
+    p.pool.withdraw(3);
+    p.begin(3, 2);
+    CHECK(p.make({9, 4}).covered == 1);
+    p.begin(4, 3);
+    CHECK(p.make({9, 8}).covered == 2);
+    p.pool.abandon(4);
+    p.begin(4, 3);
+    CHECK(p.make({9, 16}).ground == 0);
+    p.begin(5, 4);
+    CHECK(p.make({9, 32}, true).ground == 0); // frame 4 had begun with this version
+    p.begin(6, 5);
+    CHECK(p.make({9, 64}).covered == 16);
+    p.begin(7, 6);
+    CHECK(p.make({9, 128}).ground == 0);
+    CHECK(p.stub.live("buffer") == 2);
 }

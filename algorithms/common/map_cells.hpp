@@ -1,0 +1,21 @@
+#pragma once
+// Parts of a map's layer, for what is brought up to date in parts.
+#include <cstdint>
+#include <span>
+
+#include "runtime/passes/pass_builder.hpp"
+
+namespace gnomon {
+
+/// Cells of a grid of 8 x 8 over a layer, row by row, bit 0 the one with texel (0, 0).
+using Cells = std::uint64_t;
+constexpr Cells kAllCells = ~Cells{0};
+
+/// What differs between two states of a layer, at most.
+Cells changedCells(const KeptParts& from, const KeptParts& to);
+
+/// Rectangles of texels that hold the cells, four or fewer for a row and one for rows that are alike.
+/// @return of `regions`, those that are used.
+std::span<const VkRect2D> cellRegions(Cells cells, std::uint32_t resolution, std::span<VkRect2D, 32> regions);
+
+} // namespace gnomon
