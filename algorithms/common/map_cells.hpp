@@ -14,8 +14,13 @@ constexpr Cells kAllCells = ~Cells{0};
 /// What differs between two states of a layer, at most.
 Cells changedCells(const KeptParts& from, const KeptParts& to);
 
+/// The cells and the eight about each: what is drawn a cell's side farther out at most.
+Cells withNeighbours(Cells cells);
+
 /// Rectangles of texels that hold the cells, four or fewer for a row and one for rows that are alike.
 /// @return of `regions`, those that are used.
 std::span<const VkRect2D> cellRegions(Cells cells, std::uint32_t resolution, std::span<VkRect2D, 32> regions);
+/// The smallest one that holds them all; of no cells it is empty.
+VkRect2D cellBounds(Cells cells, std::uint32_t resolution);
 
 } // namespace gnomon

@@ -7,6 +7,7 @@
 #include <glm/matrix.hpp>
 
 #include "algorithms/hybrid/spread.hpp"
+#include "algorithms/maps/box_cells.hpp"
 #include "algorithms/maps/depth_map.hpp"
 #include "shaders/hybrid_conservative_frag.h"
 #include "shaders/hybrid_conservative_vert.h"
@@ -68,6 +69,7 @@ ConservativeProjection conservativeProjection(const LightFit& fit, const LightVi
     const bool perspective = light.type != GN_LIGHT_TYPE_DIRECTIONAL;
     return {.texelFromZero = glm::transpose(rows),
             .zeroWs = glm::dvec3(map.zeroWs),
+            .clipFromZero = map.clipFromZero,
             .side = static_cast<float>(side),
             .depthConstant = map.depthConstant,
             .depthScale = map.depthScale,
@@ -165,6 +167,21 @@ void ConservativeCasters::operator()(PassContext& gpu, std::span<const Caster* c
         gpu.push(push);
         gpu.vk->vkCmdDraw(gpu.cmd, 3 * mesh->triangleCount(), 1, 0, 0);
     }
+}
+
+// What corners may be off by is four times what the shader allows for, so that a box in front of the light's plane
+// holds none that the shader takes for one behind it. A rectangle then reaches two texels past its triangle at most; a
+// cell has eight and more.
+Cells ConservativeCasters::cells(std::span<const Caster* const> casters) const
+{
+    Cells covered = 0;
+    for (const Caster* caster : casters) {
+        if (!caster->mesh) continue;
+        const auto error = static_cast<float>(4.0 * cornerErrorWs(*projection_, *caster));
+        const Aabb box{caster->bounds.lower - error, caster->bounds.upper + error};
+        covered |= boxCells(box, projection_->clipFromZero, glm::vec3(projection_->zeroWs));
+    }
+    return withNeighbours(covered);
 }
 
 void ConservativeCasters::drawEdges(PassContext& gpu, const Caster& caster, BufferId edges) const

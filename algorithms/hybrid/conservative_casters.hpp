@@ -5,6 +5,7 @@
 
 #include <glm/mat4x4.hpp>
 
+#include "algorithms/common/map_cells.hpp"
 #include "algorithms/maps/map_look.hpp"
 #include "shaders/hybrid/conservative_look.h"
 
@@ -34,6 +35,7 @@ inline constexpr SettingSpec kLambdaSetting = {
 struct ConservativeProjection {
     glm::dmat4 texelFromZero{1.0}; ///< x and y in texels times w, as gpu::MapLook has them.
     glm::dvec3 zeroWs{0.0};
+    glm::mat4 clipFromZero{1.0f}; ///< MapProjection's.
     float side = 0.0f;
     float depthConstant = 0.0f, depthScale = -1.0f; ///< As in MapProjection.
     bool perspective = false;
@@ -73,6 +75,8 @@ public:
     void keep(std::span<const KeptEdges> kept) { kept_ = kept; }
     void uses(PassRef& pass) const;
     void operator()(PassContext& gpu, std::span<const Caster* const> casters, bool statics) const;
+    /// KeptMap::update(): triangles are grown by less than a cell.
+    Cells cells(std::span<const Caster* const> casters) const;
     /// Edges as triangles of two corners: an indirect command and three vertices of the caster's mesh an edge.
     void drawEdges(PassContext& gpu, const Caster& caster, BufferId edges) const;
 

@@ -134,14 +134,15 @@ ConservativeImage ConservativeMaps::declareLayer(PassBuilder& passes, const Shad
                          .resolution = view.resolution,
                          .layers = layers});
     const std::span<std::uint64_t> stamps = passes.arena().array<std::uint64_t>(layers);
+    const std::span<KeptParts> parts = passes.arena().array<KeptParts>(layers);
     for (std::uint32_t layer = 0; layer < layers; ++layer) {
         if ((view.needed & (1u << layer)) == 0) continue;
         const ConservativeCasters casters(layers_[thesis][covered], kind.content, &view.projections[layer]);
         const LayerContent content = conservativeContent(task, view, layer, 0, passes.arena());
-        map.update(layer, kind.passes[layers == 1 ? kAlone : layer], content, casters);
+        parts[layer] = map.update(layer, kind.passes[layers == 1 ? kAlone : layer], content, casters);
         stamps[layer] = content.stamp;
     }
-    return {map.image(), stamps, kind.copy};
+    return {map.image(), stamps, kind.copy, parts};
 }
 
 ConservativeImage ConservativeMaps::declareNearest(PassBuilder& passes, const ShadowTask& task,
@@ -198,7 +199,8 @@ const gpu::ConservativeConstants* constantsOf(PassBuilder& passes, const ShadowT
 
 LightMap mapOf(const ConservativeMapView& view, const ConservativeImage& image)
 {
-    return {.image = image.image, .fits = view.fits, .needed = view.needed, .stamps = image.stamps, .parts = {}};
+    return {
+        .image = image.image, .fits = view.fits, .needed = view.needed, .stamps = image.stamps, .parts = image.parts};
 }
 
 } // namespace

@@ -31,6 +31,7 @@ struct ConservativeImage {
     ImageId image;
     std::span<const std::uint64_t> stamps; ///< Of the content of the layers needed, for what is made of it.
     HostMapNames copy;                     ///< Of a copy on the CPU.
+    std::span<const KeptParts> parts;      ///< LightMap's.
 };
 struct ConservativeImages {
     ConservativeImage nearest, covered;

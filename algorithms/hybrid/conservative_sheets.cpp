@@ -269,7 +269,7 @@ ConservativeImage declareLayers(PassBuilder& passes, const ShadowTask& task, con
         map.update(layer, names[info.layers == 1 ? 6 : layer], content, drawing(layer));
         stamps[layer] = content.stamp;
     }
-    return {map.image(), stamps, copy};
+    return {map.image(), stamps, copy, {}};
 }
 
 } // namespace

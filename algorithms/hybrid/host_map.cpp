@@ -74,6 +74,10 @@ HostMapCopy declareHostMap(PassBuilder& passes, const LightMap& map, std::uint32
         const KeptParts parts = map.parts.empty() ? KeptParts{} : map.parts[layer];
         const Cells cells = changedCells(passes.partsBefore(result.depth[layer]), parts);
         passes.keepParts(result.depth[layer], parts);
+        if (cells == 0) { // what moved stays beside the map
+            passes.kept();
+            continue;
+        }
         declareLayerCopy(passes, {.name = names.pass,
                                   .from = map.image,
                                   .layer = layer,

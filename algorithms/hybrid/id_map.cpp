@@ -14,8 +14,6 @@ namespace gnomon {
 namespace {
 
 constexpr VkFormat kNumberFormat = VK_FORMAT_R32_UINT;
-// Stamps of an image that exists, and of a layer that holds nothing.
-constexpr std::uint64_t kMade = 1, kEmpty = 2;
 
 /// One map, while it is declared.
 struct Declaring {
@@ -33,11 +31,12 @@ struct Declaring {
                                             .place = BufferPlace::readback,
                                             .variant = variant(layer)});
     }
+    Cells due(const IdMap& map, std::uint32_t layer, std::uint64_t stamp, const KeptParts& parts) const;
     void drawDepthOnly(const IdMap& map, std::uint32_t layer, std::span<const Caster* const> casters) const;
-    void draw(const IdMap& map, std::uint32_t layer, std::span<const Caster* const> casters, bool over, ImageId numbers,
-              BufferId firsts) const;
+    void draw(const IdMap& map, std::uint32_t layer, std::span<const Caster* const> casters, bool over, Cells cells,
+              ImageId numbers, BufferId firsts) const;
     void copy(std::uint32_t layer, ImageId from, std::uint32_t fromLayer, BufferId to, VkImageAspectFlags aspect,
-              const char* name) const;
+              Cells cells, const char* name) const;
 };
 
 /// The casters that the host draws come last of the two lists, the first of which is returned.
@@ -58,19 +57,44 @@ void Declaring::drawDepthOnly(const IdMap& map, std::uint32_t layer, std::span<c
         .record([=](PassContext& gpu) { draw(gpu, casters, false); });
 }
 
+/// The cells of which image and copies do not all hold what they are to hold; they are taken to hold it from now on.
+Cells Declaring::due(const IdMap& map, std::uint32_t layer, std::uint64_t stamp, const KeptParts& parts) const
+{
+    Cells changed = 0;
+    const auto ask = [&](BufferId buffer, std::uint64_t whole, const KeptParts& now) {
+        if (!passes.stale(buffer, whole)) return;
+        changed |= changedCells(passes.partsBefore(buffer), now);
+        passes.keepParts(buffer, now);
+    };
+    ask(map.depths[layer], stamp, parts);
+    ask(map.numbers[layer], stamp, parts);
+    // The image's are kept beside it, and are of this very image.
+    const BufferId image = passes.persistent(
+        BufferInfo{.name = "contour_chain.stamp", .scope = Scope::light, .size = 4, .variant = variant(layer)});
+    const std::uint64_t serial = passes.serial(map.depth);
+    const std::uint64_t ground = parts.ground != 0 ? Stamp().add(parts.ground).add(serial).value() : 0;
+    ask(image, Stamp().add(stamp).add(serial).value(), {ground, parts.covered});
+    return changed;
+}
+
+/// @param cells what is drawn anew, and what lies between
 void Declaring::draw(const IdMap& map, std::uint32_t layer, std::span<const Caster* const> casters, bool over,
-                     ImageId numbers, BufferId firsts) const
+                     Cells cells, ImageId numbers, BufferId firsts) const
 {
     const MapProjection projection = mapProjection(map.fits[layer], *task.light);
     const DepthCasters::Push push = casterPush(projection);
+    const auto [at, extent] = cellBounds(cells, resolution);
     VkClearValue none{};
     none.color.uint32[0] = kNoTriangle;
     passes.raster("contour_chain.casters", Scope::light, variant(layer))
         .depthWrite(map.depth, {.layer = layer, .clear = !over, .value = {.depthStencil = {1.0f, 0}}})
         .writes(numbers, {.clear = true, .value = none})
         .reads(firsts)
-        .record([=, pipeline = pipelines.casters](PassContext& gpu) {
+        .area({at.x, at.y, extent.width, extent.height})
+        .record([=, pipeline = pipelines.casters, side = static_cast<float>(resolution)](PassContext& gpu) {
             if (casters.empty()) return;
+            const VkViewport whole{0.0f, 0.0f, side, side, 0.0f, 1.0f};
+            gpu.vk->vkCmdSetViewport(gpu.cmd, 0, 1, &whole);
             const Bound bindings[] = {gpu.storage(0, firsts)};
             gpu.drawCasters({.pipeline = pipeline,
                              .casters = casters,
@@ -81,7 +105,7 @@ void Declaring::draw(const IdMap& map, std::uint32_t layer, std::span<const Cast
 }
 
 void Declaring::copy(std::uint32_t layer, ImageId from, std::uint32_t fromLayer, BufferId to, VkImageAspectFlags aspect,
-                     const char* name) const
+                     Cells cells, const char* name) const
 {
     declareLayerCopy(passes, {.name = name,
                               .from = from,
@@ -89,7 +113,8 @@ void Declaring::copy(std::uint32_t layer, ImageId from, std::uint32_t fromLayer,
                               .to = to,
                               .aspect = aspect,
                               .side = resolution,
-                              .variant = variant(layer)});
+                              .variant = variant(layer),
+                              .cells = cells});
 }
 
 /// Numbers of first triangles by index of the caster, for the vertex shader.
@@ -110,6 +135,44 @@ BufferId declareFirsts(PassBuilder& passes, const NumberedTriangles& triangles)
                 out[entry.caster->index] = entry.first;
         });
     return firsts;
+}
+
+/// Moving casters are drawn with what stands behind them, within the cells that they cover or covered.
+void declareLayer(const Declaring& declaring, const IdMap& map, std::uint32_t layer, const NumberedTriangles& triangles)
+{
+    PassBuilder& passes = declaring.passes;
+    const ShadowTask& task = declaring.task;
+    const LightFit& fit = map.fits[layer];
+    FrameArena& arena = passes.arena();
+    const std::span<const Caster* const> casters = castersIn(task.casters->all, fit.volume, arena);
+    Stamp stamp;
+    stamp.add(task.light->revision).add(fit.clipFromWorld).add(triangles.stamp());
+    KeptParts parts;
+    if (!anyHostDrawn(casters)) { // a host draws into whole layers
+        const DepthCasters depth(declaring.pipelines.depth, fit, task, declaring.resolution, arena);
+        parts = {Stamp(stamp).add(castersIn(task.casters->statics, fit.volume, arena)).value(),
+                 depth.cells(castersIn(task.casters->movings, fit.volume, arena))};
+    }
+    const Cells cells = declaring.due(map, layer, stamp.add(casters).value(), parts);
+    if (cells == 0) {
+        passes.kept();
+        return;
+    }
+    // One image for all layers, one after the other: six would take a third more memory.
+    const ImageId numbers = passes.transient(ImageInfo{.name = "contour_chain.numbers",
+                                                       .scope = Scope::light,
+                                                       .format = kNumberFormat,
+                                                       .extent = {declaring.resolution, declaring.resolution},
+                                                       .variant = declaring.resolution});
+    const std::span<const Caster*> sorted = arena.array<const Caster*>(casters.size());
+    const std::size_t own = splitHostDrawn(casters, sorted);
+    const bool over = own < sorted.size();
+    if (over) declaring.drawDepthOnly(map, layer, sorted.subspan(own));
+    declaring.draw(map, layer, sorted.first(own), over, cells, numbers, declareFirsts(passes, triangles));
+    declaring.copy(layer, map.depth, layer, map.depths[layer], VK_IMAGE_ASPECT_DEPTH_BIT, cells,
+                   "contour_chain.copy_depth");
+    declaring.copy(layer, numbers, 0, map.numbers[layer], VK_IMAGE_ASPECT_COLOR_BIT, cells,
+                   "contour_chain.copy_numbers");
 }
 
 } // namespace
@@ -162,7 +225,6 @@ HostMapCopy IdMap::depthOnHost() const
 IdMap declareIdMap(PassBuilder& passes, const IdMapPipelines& pipelines, const ShadowTask& task,
                    std::uint32_t resolution, const NumberedTriangles& triangles)
 {
-    FrameArena& arena = passes.arena();
     const Declaring declaring{passes, pipelines, task, resolution};
     const bool cube = task.light->type == GN_LIGHT_TYPE_POINT;
     IdMap map{.depth = passes.persistent(ImageInfo{.name = "contour_chain.depth",
@@ -171,43 +233,16 @@ IdMap declareIdMap(PassBuilder& passes, const IdMapPipelines& pipelines, const S
                                                    .extent = {resolution, resolution},
                                                    .layers = cube ? 6u : 1u,
                                                    .variant = resolution}),
-              .fits = fitLightMap(pipelines.depth.clamped, task, resolution, arena),
+              .fits = fitLightMap(pipelines.depth.clamped, task, resolution, passes.arena()),
               .needed = neededLayers(task),
               .side = resolution,
               .depths = {},
               .numbers = {}};
-    const bool fresh = passes.stale(map.depth, kMade);
     for (std::uint32_t layer = 0; layer < map.fits.size(); ++layer) {
+        if ((map.needed >> layer & 1) == 0) continue;
         map.depths[layer] = declaring.layerBuffer("contour_chain.depths", layer);
         map.numbers[layer] = declaring.layerBuffer("contour_chain.numbers", layer);
-        if ((map.needed >> layer & 1) == 0) {
-            if (fresh) passes.stale(map.depths[layer], kEmpty); // what an earlier image held is gone with it
-            continue;
-        }
-        const LightFit& fit = map.fits[layer];
-        const std::span<const Caster* const> casters = castersIn(task.casters->all, fit.volume, arena);
-        const std::uint64_t stamp =
-            Stamp().add(task.light->revision).add(fit.clipFromWorld).add(triangles.stamp()).add(casters).value();
-        const bool depthDue = passes.stale(map.depths[layer], stamp);
-        const bool numbersDue = passes.stale(map.numbers[layer], stamp);
-        if (!depthDue && !numbersDue && !fresh) {
-            passes.kept();
-            continue;
-        }
-        // One image for all layers, one after the other: six would take a third more memory.
-        const ImageId numbers = passes.transient(ImageInfo{.name = "contour_chain.numbers",
-                                                           .scope = Scope::light,
-                                                           .format = kNumberFormat,
-                                                           .extent = {resolution, resolution},
-                                                           .variant = resolution});
-        const std::span<const Caster*> sorted = arena.array<const Caster*>(casters.size());
-        const std::size_t own = splitHostDrawn(casters, sorted);
-        const bool over = own < sorted.size();
-        if (over) declaring.drawDepthOnly(map, layer, sorted.subspan(own));
-        declaring.draw(map, layer, sorted.first(own), over, numbers, declareFirsts(passes, triangles));
-        declaring.copy(layer, map.depth, layer, map.depths[layer], VK_IMAGE_ASPECT_DEPTH_BIT,
-                       "contour_chain.copy_depth");
-        declaring.copy(layer, numbers, 0, map.numbers[layer], VK_IMAGE_ASPECT_COLOR_BIT, "contour_chain.copy_numbers");
+        declareLayer(declaring, map, layer, triangles);
     }
     return map;
 }

@@ -88,11 +88,22 @@ TEST_CASE("rectangles hold the texels of their cells and, where the side is a mu
             }
         CHECK(whole);
         if (side % 8 == 0) CHECK(exact);
+        const VkRect2D bounds = cellBounds(cells, side);
+        std::uint32_t left = side, top = side, right = 0, bottom = 0;
         for (const VkRect2D& rect : rects) {
-            CHECK(static_cast<std::uint32_t>(rect.offset.x) + rect.extent.width <= side);
-            CHECK(static_cast<std::uint32_t>(rect.offset.y) + rect.extent.height <= side);
+            const auto x = static_cast<std::uint32_t>(rect.offset.x), y = static_cast<std::uint32_t>(rect.offset.y);
+            left = std::min(left, x), right = std::max(right, x + rect.extent.width);
+            top = std::min(top, y), bottom = std::max(bottom, y + rect.extent.height);
+            CHECK(x + rect.extent.width <= side);
+            CHECK(y + rect.extent.height <= side);
         }
+        if (cells == 0) continue;
+        CHECK(bounds.offset.x == static_cast<std::int32_t>(left));
+        CHECK(bounds.offset.y == static_cast<std::int32_t>(top));
+        CHECK(bounds.extent.width == right - left);
+        CHECK(bounds.extent.height == bottom - top);
     }
+    CHECK(cellBounds(0, 64).extent.width == 0);
 }
 
 TEST_CASE("of layers over one ground what either covers differs, of others everything")
@@ -102,6 +113,17 @@ TEST_CASE("of layers over one ground what either covers differs, of others every
     CHECK(changedCells({6, 0x0f}, {7, 0x3c}) == kAllCells);
     CHECK(changedCells({}, {7, 0x3c}) == kAllCells);
     CHECK(changedCells({}, {}) == kAllCells); // nothing is known of either
+}
+
+TEST_CASE("neighbours of cells are those beside them in the layer")
+{
+    CHECK(withNeighbours(0) == 0);
+    CHECK(withNeighbours(1) == 0x0303);
+    CHECK(withNeighbours(0x80) == 0xc0c0);
+    CHECK(withNeighbours(Cells{1} << 63) == 0xc0c0000000000000u);
+    CHECK(withNeighbours(Cells{1} << 27) == 0x1c1c1c0000u);
+    CHECK(withNeighbours(Cells{0x81} << 24) == 0xc3c3c30000u);
+    CHECK(withNeighbours(kAllCells) == kAllCells);
 }
 
 TEST_CASE("whatever of a box is drawn into a map lies in its cells, wherever light and box are")
