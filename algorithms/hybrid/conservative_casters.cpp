@@ -170,8 +170,9 @@ void ConservativeCasters::operator()(PassContext& gpu, std::span<const Caster* c
 }
 
 // What corners may be off by is four times what the shader allows for, so that a box in front of the light's plane
-// holds none that the shader takes for one behind it. A rectangle then reaches two texels past its triangle at most; a
-// cell has eight and more.
+// holds none that the shader takes for one behind it, and that is more than its texelError lets a rectangle grow by.
+// What rounding of w adds (ULPS_22 of the side times greatest over least w, which boxCells() keeps below 1024) and the
+// guard are less than a cell.
 Cells ConservativeCasters::cells(std::span<const Caster* const> casters) const
 {
     Cells covered = 0;

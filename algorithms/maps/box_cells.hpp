@@ -8,7 +8,8 @@
 namespace gnomon {
 
 /// Cells of which a texel may be covered by anything inside the box, in maps of 64 texels and more; all of them where
-/// the box reaches the plane w = 0, or comes so close to it that its corners fall far outside the map.
+/// the box reaches the plane w = 0, or lies so close to it that its corners fall far outside the map, or closer than a
+/// thousandth of its depth.
 /// @param clipFromZero, zeroWs  MapProjection's
 Cells boxCells(const Aabb& boxWs, const glm::mat4& clipFromZero, const glm::vec3& zeroWs);
 

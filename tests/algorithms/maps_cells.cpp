@@ -179,4 +179,11 @@ TEST_CASE("a box that reaches the plane of the light may be drawn anywhere, one 
     CHECK(cells({1.0f, 5.0f, 3.0f}, 0.1f) == kLayerCells); // behind
     CHECK(cells({1.0f, -3.0f, 3.0f}, 0.01f) == 4);         // where four meet
     CHECK(cells({6.0f, -3.0f, 3.0f}, 0.5f) == 0);
+    // A needle that points at the light from close by, and one from a little farther away.
+    const auto needle = [&](float top) {
+        const Aabb box{{1.0f, -8.0f, 3.0f}, {1.0f, top, 3.0f}};
+        return std::popcount(boxCells(box, projection.clipFromZero, projection.zeroWs));
+    };
+    CHECK(needle(1.995f) == kLayerCells);
+    CHECK(needle(1.9f) == 4);
 }
