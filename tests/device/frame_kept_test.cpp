@@ -260,25 +260,37 @@ TEST_CASE_FIXTURE(DeviceTest, "a kept map equals the map of a fresh context, aft
 TEST_CASE_FIXTURE(
     DeviceTest, "however small casters move, the parts of a map and of its copy that stay are those of a fresh context")
 {
-    const std::pair<const char*, demo::LightKind> methods[] = {
-        {"shadow_map", demo::LightKind::Spot},
-        {"pcf_hybrid", demo::LightKind::Spot},
-        {"shadow_map", demo::LightKind::Directional},
-        {"pcf_hybrid", demo::LightKind::Directional},
-        {"cube_map", demo::LightKind::Point},
-        {"pcf_hybrid", demo::LightKind::Point},
-        {"conservative_map", demo::LightKind::Spot},
-        {"conservative_map", demo::LightKind::Point},
-        {"conservative_map_adjacency", demo::LightKind::Directional},
-        {"contour_chain", demo::LightKind::Spot},
-        {"contour_chain", demo::LightKind::Point}};
+    struct Case {
+        const char* method;
+        demo::LightKind light;
+        bool byDevice = false; ///< The image is asked, not its copy.
+    };
+    const Case cases[] = {{"shadow_map", demo::LightKind::Spot},
+                          {"pcf_hybrid", demo::LightKind::Spot},
+                          {"shadow_map", demo::LightKind::Directional},
+                          {"pcf_hybrid", demo::LightKind::Directional},
+                          {"cube_map", demo::LightKind::Point},
+                          {"pcf_hybrid", demo::LightKind::Point},
+                          {"conservative_map", demo::LightKind::Spot},
+                          {"conservative_map", demo::LightKind::Point},
+                          {"conservative_map_adjacency", demo::LightKind::Directional},
+                          {"contour_chain", demo::LightKind::Spot},
+                          {"contour_chain", demo::LightKind::Point},
+                          {"contour_chain", demo::LightKind::Spot, true}};
     std::mt19937 random(29);
-    for (const auto& served : methods) {
-        const char* method = served.first;
+    for (const Case& served : cases) {
+        const char* method = served.method;
         CAPTURE(std::string(method));
-        Host host(sceneWithSwarm(served.second));
-        host.pinAll(method);
-        for (int step = 0; step < 6; ++step) {
+        const auto pinned = [&](Host& host) -> Host& {
+            if (served.byDevice) host.require(gnSetMethodSetting(host.context, method, "classify", 0.0));
+            host.pinAll(method);
+            return host;
+        };
+        Host moving(sceneWithSwarm(served.light));
+        Host& host = pinned(moving);
+        // An image and its copy differ in what they held before; what only the image held shows where one that moves
+        // leaps twice, far from the others.
+        for (int step = 0; step < (served.byDevice ? 30 : 6); ++step) {
             CAPTURE(step);
             const bool recordable = std::string(method).ends_with("_map") && method != std::string("conservative_map");
             moveSwarm(host.scene, random);
@@ -293,8 +305,7 @@ TEST_CASE_FIXTURE(
             }
             host.require(host.draw());
             Host fresh(host.scene);
-            fresh.pinAll(method);
-            fresh.require(fresh.draw());
+            fresh.require(pinned(fresh).draw());
             CHECK(differences(host.pictures(), fresh.pictures()) == 0);
         }
     }
