@@ -39,6 +39,7 @@ layout(constant_id = 0) const bool HAS_NORMALS = true;
 // The start of a pixel's ray, relative to the eye, as algorithms/hybrid/receivers.cpp has it.
 struct RayStart {
     vec3 fromEye;
+    vec3 behind;  // as far on the other side of the receiver, where there are no normals
     float offset; // from the receiver
     float errorWs;
     bool reached; // by the light
@@ -66,24 +67,41 @@ RayStart rayStart(ViewConstants view, float depth, ivec2 pixel)
     start.reached = lightReaches(light, receiver);
     start.offset = receiverOffset(view, light, depth, ray, receiver, normal);
     start.fromEye = fromEye + start.offset * away;
+    start.behind = fromEye - start.offset * away;
     // What the ray tracer's receiver may differ by: a unit in the last place of the depth, and of coordinates.
     start.errorWs = depthUlpWs(view, depth, ray) + largestCoordinate(view, light, receiver) * ULPS_21;
     return start;
 }
 
-vec4 mapClip(RayStart start, out float layer)
+vec4 mapClip(vec3 fromEye, out float layer)
 {
     MapLook look = constants.map;
 #ifdef MAP_LAYERS
-    vec3 fromLight = look.eyeFromLight.xyz + start.fromEye;
+    vec3 fromLight = look.eyeFromLight.xyz + fromEye;
     uint face = cubeFaceOf(fromLight);
     vec3 local = inCubeFace(face, fromLight);
     layer = float(face);
     return vec4((local.xy / look.slope + local.z) * (0.5 * look.side), 0.0, local.z);
 #else
     layer = 0.0;
-    return look.clipOfEye + look.clipFromRay * vec4(start.fromEye, 0.0);
+    return look.clipOfEye + look.clipFromRay * vec4(fromEye, 0.0);
 #endif
+}
+
+MapPoint mapPoint(vec4 clip, float errorWs)
+{
+    HybridConstants hybrid = HybridConstants(constants, reasons, padding0, padding1, padding2);
+    return mapPointOf(ConservativeConstants(hybrid, light, texelsPerMetre, depthPerMetre, depthSquare, thesis), clip,
+                      errorWs);
+}
+
+// Whether a face that looks away from the light may be the receiver itself. Only a normal says that it is not: the ray
+// of one starts inside the solid, whose far side alone is in the map.
+bool maybeInside(RayStart start, float nearest)
+{
+    float layer;
+    MapPoint behind = mapPoint(mapClip(start.behind, layer), start.errorWs);
+    return min(behind.depth + behind.depthError, 1.0) > nearest;
 }
 
 void main()
@@ -94,10 +112,8 @@ void main()
     RayStart start = rayStart(constants.view, exists ? depth : 0.5, pixel);
 
     float layer;
-    vec4 clip = mapClip(start, layer);
-    HybridConstants hybrid = HybridConstants(constants, reasons, padding0, padding1, padding2);
-    MapPoint at = mapPointOf(
-        ConservativeConstants(hybrid, light, texelsPerMetre, depthPerMetre, depthSquare, thesis), clip, start.errorWs);
+    vec4 clip = mapClip(start.fromEye, layer);
+    MapPoint at = mapPoint(clip, start.errorWs);
     // The texel's centre, by nearest sampling: on a software device a few percent off the pass.
     vec2 centre = (clamp(floor(at.texel), 0.0, constants.map.side - 1.0) + 0.5) * (1.0 / constants.map.side);
 #ifdef MAP_LAYERS
@@ -109,6 +125,7 @@ void main()
 #endif
     bool blocking = thesis != 0u || withinRays(constants.map, nearest, start.offset);
     float lit = conservativeVerdict(nearest, covered, at.depth, thesis != 0u ? 0.0 : at.depthError, blocking);
+    if (!HAS_NORMALS && lit == 1.0 && maybeInside(start, nearest)) lit = 0.5;
     bool known = mapKnows(at, clip.w, constants.map.side);
 
     if (!exists || !start.reached)
