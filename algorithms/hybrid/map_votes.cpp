@@ -25,6 +25,12 @@ struct Voting {
     }
 };
 
+/// Four bits of a word, from `first` on.
+void put(std::uint64_t& word, std::uint32_t first, std::uint32_t bits)
+{
+    word = (word & ~(std::uint64_t{0xf} << first)) | std::uint64_t{bits} << first;
+}
+
 /// And by their own texel alone.
 struct Nearest : Voting {
     const BitRows& settled;
@@ -38,7 +44,7 @@ struct Nearest : Voting {
         const std::uint32_t bits = byFour ? ~asks | agreed : ~asks;
         // Of a thread's own: blocks of one row of them are asked by one.
         for (std::uint32_t row = 0; row < std::min(lanes::kBlockSide, settled.height - y); ++row)
-            settled.row(y + row)[x / 64] |= std::uint64_t{bits >> row * lanes::kBlockSide & 0xfu} << (x % 64);
+            put(settled.row(y + row)[x / 64], x % 64, bits >> row * lanes::kBlockSide & 0xfu);
         return 0;
     }
 };
@@ -107,7 +113,7 @@ void votedPixels(const MapQuestion& question, bool reasons, const HostContext& h
 void nearestPixels(const MapQuestion& question, const lanes::MapBytes& told, const HostContext& host,
                    std::span<std::uint8_t> bytes, const BitRows& settled, bool byFour)
 {
-    std::fill(settled.words.begin(), settled.words.end(), std::uint64_t{0});
+    std::fill(settled.words.begin(), settled.words.end(), ~std::uint64_t{0}); // blocks that the light does not reach
     answer(question, told, false, host, bytes, [&](const Voting& base) { return Nearest{base, settled, byFour}; });
 }
 
