@@ -1,5 +1,6 @@
 #include "algorithms/maps/map_look.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <glm/common.hpp>
@@ -23,6 +24,9 @@ constexpr double kSlackTexels = 0.125;
 // And the end in parts of the distance of the farthest caster: what maps of thousands of texels or of narrow cones
 // would need is not worth the casters that would be clamped.
 constexpr double kMostNearPerEnd = 1.0 / 128.0;
+// Nor does it leave the lamp: a caster a kilometre away would clear metres around it of shadows. What that costs are
+// texels of slack at casters so far away that a texel is metres wide.
+constexpr double kMostNearWs = 0.1;
 
 float largest(glm::vec3 v)
 {
@@ -70,7 +74,8 @@ void raiseNearEnd(LightFit& fit, std::uint32_t resolution, float limit)
 
     const double texels = static_cast<double>(fit.texelAtOne) / resolution; // width of a texel at 1 m
     const double needed = std::fmin(gpu::DEPTH_ROUNDING / (kSlackTexels * texels), kMostNearPerEnd);
-    const double n = std::fmin(needed * static_cast<double>(fit.endWs), static_cast<double>(limit)), f = fit.farWs;
+    const double n = std::min({needed * static_cast<double>(fit.endWs), static_cast<double>(limit), kMostNearWs});
+    const double f = fit.farWs;
     if (!(n > static_cast<double>(fit.nearWs))) return;
     rows[2] = f / (f - n) * rows[3]; // clip z is linear in clip w
     rows[2].w -= f * n / (f - n);
