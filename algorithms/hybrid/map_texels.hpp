@@ -77,7 +77,8 @@ private:
     }
     bool holds(glm::ivec2 texel) const
     {
-        return static_cast<std::uint32_t>(texel.x) < map_->side && static_cast<std::uint32_t>(texel.y) < map_->side;
+        return static_cast<std::uint32_t>(texel.x) < map_->side && static_cast<std::uint32_t>(texel.y) < map_->side &&
+               !map_->depth[layer_].empty(); // a layer that no receiver was thought to lie in
     }
     std::size_t place(glm::ivec2 texel) const
     {

@@ -10,9 +10,10 @@ namespace gnomon {
 
 namespace {
 
-// An edge whose direction leaves a plane by less than kParallel runs along it; what that hides grows with distance and
-// stays below kSlack of the largest distance, as does the rounding of coordinates of a few thousand metres.
-constexpr float kParallel = 0x1p-14f;
+// An endless edge whose direction leaves a plane by less than kParallel runs along it: that is what rounding leaves of a
+// right angle, and what lies beside the plane by so little is less than a pixel (of a view of a degree it is a hundredth
+// part of one). Coordinates of a few thousand metres are rounded by less than kSlack of the largest distance.
+constexpr float kParallel = 0x1p-20f;
 constexpr float kSlack = 0x1p-12f;
 
 struct Interval {

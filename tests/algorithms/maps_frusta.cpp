@@ -40,6 +40,24 @@ TEST_CASE("a face in which a visible point within range lies is never left out, 
     }
 }
 
+TEST_CASE("a narrow view whose edge enters a face by next to nothing needs it all the same: far away that is metres")
+{
+    // Beside the border of the faces +x and +y, a centimetre from it. Towards it the lower edge runs by 2^-15, a
+    // twentieth of a pixel: it gets there after 330 metres.
+    const glm::vec3 border = glm::normalize(glm::vec3(1, 1, 0)), intoX = glm::normalize(glm::vec3(1, -1, 0));
+    for (const float lower : {0x1p-15f, -0x1p-15f}) {
+        Frustum frustum;
+        frustum.bounded = false;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const glm::vec3 aside(0.0f, 0.0f, i % 3 == 0 ? -0.01f : 0.01f);
+            frustum.corners[i] = -0.01f * intoX + 0.01f * aside;
+            frustum.runs[i] = border + (i < 2 ? -0.02f : lower) * intoX + aside;
+        }
+        CHECK(meetsPyramid(frustum, glm::vec3(0.0f), cubeFaceEdges(0)) == (lower > 0.0f));
+        CHECK(meetsPyramid(frustum, glm::vec3(0.0f), cubeFaceEdges(2)));
+    }
+}
+
 TEST_CASE("a near rectangle that is lost in rounding takes no face from a far eye")
 {
     Random random;
