@@ -16,6 +16,12 @@ struct PlaneReceiver {
     float visibility;
 };
 
+// Of a step to the next pixel, what a surface seen head-on has: for an axis along which there is no other pixel.
+vec3 headOn(vec3 step, vec3 ray)
+{
+    return step - dot(step, ray) / dot(ray, ray) * ray;
+}
+
 // Without normals from the host: the plane through the neighbours that lie closer in depth, turned to the eye.
 vec3 normalFromDepth(ViewConstants view, ivec2 pixel, float w, vec3 ray)
 {
@@ -32,6 +38,8 @@ vec3 normalFromDepth(ViewConstants view, ivec2 pixel, float w, vec3 ray)
     }
     vec3 dx = dot(side[0], side[0]) < dot(side[1], side[1]) ? -side[0] : side[1];
     vec3 dy = dot(side[2], side[2]) < dot(side[3], side[3]) ? -side[2] : side[3];
+    if (first.x == last.x) dx = headOn(view.rayDxWs.xyz, ray);
+    if (first.y == last.y) dy = headOn(view.rayDyWs.xyz, ray);
     vec3 normal = normalize(cross(dx, dy));
     return dot(normal, ray) > 0.0 ? -normal : normal;
 }
