@@ -1,6 +1,7 @@
 #include "algorithms/volumes/angular_spans.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -161,6 +162,12 @@ void answer(const SpanJob& job, const HostContext& host)
     });
 }
 
+std::uint32_t nextInstance()
+{
+    static std::atomic<std::uint32_t> made{0};
+    return made++;
+}
+
 class AngularSpans final : public ShadowAlgorithm {
 public:
     void declare(PassBuilder& passes, const ShadowTask& task) override;
@@ -168,6 +175,7 @@ public:
 
 private:
     LightSpansCache kept_;
+    const std::uint32_t instance_ = nextInstance(); ///< Methods of equal rows have tables of their own.
 };
 
 void AngularSpans::declare(PassBuilder& passes, const ShadowTask& task)
@@ -183,7 +191,9 @@ void AngularSpans::declare(PassBuilder& passes, const ShadowTask& task)
     if (job.spans->stamp() == LightSpans::stampOf(*task.light, job.casters, rows)) {
         passes.kept();
     } else {
-        passes.prepare("angular_spans.table", Scope::light, rows).run([job](HostContext& host) {
+        constexpr std::uint32_t kMostRows = 4096; // of kSettings
+        const std::uint32_t variant = instance_ * (kMostRows + 1) + rows;
+        passes.prepare("angular_spans.table", Scope::light, variant).run([job](HostContext& host) {
             for (std::uint32_t i = job.spans->update(*job.light, job.casters, job.rows, *host.jobs, *host.arena); i > 0;
                  --i)
                 host.countIndexList();

@@ -63,7 +63,7 @@ VkDeviceSize listBytes(std::span<const Caster* const> casters, ListKind kind)
 }
 
 /// Cuts the casters into pieces and lays out the buffer. @return its size in indices; 0: nothing to build.
-std::uint32_t layOut(FrameArena& arena, std::span<const Caster* const> casters, ListBuild& build)
+VkDeviceSize layOut(FrameArena& arena, std::span<const Caster* const> casters, ListBuild& build)
 {
     std::uint32_t pieces = 0, facePieces = 0;
     for (const Caster* caster : casters) {
@@ -74,7 +74,7 @@ std::uint32_t layOut(FrameArena& arena, std::span<const Caster* const> casters, 
     }
     const std::span<VolumePiece> list = arena.array<VolumePiece>(pieces);
     const std::span<VolumePiece> faces = arena.array<VolumePiece>(facePieces);
-    std::uint32_t next = firstIndex(pieces);
+    VkDeviceSize next = firstIndex(pieces);
     std::size_t piece = 0, facePiece = 0;
     for (const Caster* caster : casters) {
         if (!castsVolume(*caster)) continue;
@@ -82,7 +82,7 @@ std::uint32_t layOut(FrameArena& arena, std::span<const Caster* const> casters, 
         const std::uint32_t items = itemCount(topology, build.kind);
         for (std::uint32_t first = 0; first < items; first += kPieceSize) {
             const std::uint32_t count = std::min(kPieceSize, items - first);
-            list[piece++] = {caster, first, count, next, build.faceCount};
+            list[piece++] = {caster, first, count, static_cast<std::uint32_t>(next), build.faceCount};
             next += indexCapacity(topology, build.kind, first, count);
         }
         const auto faceCount = static_cast<std::uint32_t>(topology.facePlanes.size());
@@ -142,21 +142,26 @@ VolumeList declareList(PassBuilder& passes, const ShadowTask& task, std::span<co
     ListBuild* build = passes.arena().make<ListBuild>();
     build->kind = kind;
     build->light = task.light;
-    const std::uint32_t size = layOut(passes.arena(), casters, *build);
+    const VkDeviceSize size = layOut(passes.arena(), casters, *build);
     if (size == 0) return {};
+    if (size > UINT32_MAX) { // commands say where a piece begins in 32 bits
+        passes.fail({GN_ERROR_TOO_MANY, "VolumeIndices",
+                     "the casters in range need " + std::to_string(size) + " indices, above 4294967295"});
+        return {};
+    }
 
     const bool sides = kind == ListKind::sides;
     // Faces: some topology may have come late.
     stamp = Stamp().add(stamp).add(task.light->revision).add(std::uint64_t{build->faceCount}).value();
     if (shader) {
-        build->list.buffer = declareGpuSides(passes, task, *shader, build->list.pieces, size, variant, stamp);
+        build->list.buffer = declareGpuSides(passes, task, *shader, build->list.pieces,
+                                             static_cast<std::uint32_t>(size), variant, stamp);
         return build->list;
     }
-    const KeptList list = passes.keptList(BufferInfo{.name = sides ? "volumes.sides" : "volumes.caps",
-                                                     .scope = scope,
-                                                     .size = VkDeviceSize{4} * size,
-                                                     .variant = variant},
-                                          stamp);
+    const KeptList list = passes.keptList(
+        BufferInfo{
+            .name = sides ? "volumes.sides" : "volumes.caps", .scope = scope, .size = 4 * size, .variant = variant},
+        stamp);
     build->list.buffer = list.buffer;
     if (!list.due) {
         passes.kept();
