@@ -63,6 +63,7 @@ Lens lensOf(const CameraView& view)
 /// Length from `from` until the ray leaves the box; 0 where it starts outside and leads away.
 float wayOut(const Aabb& box, glm::vec3 from, glm::vec3 ray)
 {
+    if (ray == glm::vec3(0.0f)) return 0.0f; // of a light in the caster's middle: it has no direction
     float way = std::numeric_limits<float>::max();
     for (int axis = 0; axis < 3; ++axis) {
         if (std::fabs(ray[axis]) < 1e-6f) continue;

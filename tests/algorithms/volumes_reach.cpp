@@ -291,6 +291,15 @@ TEST_CASE("the pixels of shadow volumes are about those of their outlines")
     away.constants.pixelSize = view.constants.pixelSize;
     CHECK(pixelsOf({&ground, &cube}, away) == 0.0);
     CHECK(pixelsOf({}, view) == 0.0);
+    // A lamp of unlimited range in the middle of its shade.
+    LightView lamp = directionalLight(glm::vec3(0.0f, -1.0f, 0.0f));
+    lamp.type = GN_LIGHT_TYPE_POINT;
+    lamp.constants.positionWs = glm::vec4(0.0f, 3.5f, 0.0f, 1.0f);
+    lamp.constants.range = kUnlimitedRange;
+    const Caster* const shade[] = {&cube};
+    LightCasters lit;
+    lit.all = shade;
+    CHECK(std::isfinite(shadowPixels(lamp, lit, view)));
 }
 
 TEST_CASE("a near rectangle within a penumbra wedge is found to be there")
