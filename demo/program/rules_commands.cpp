@@ -6,20 +6,18 @@
 
 #include "demo/io/number.hpp"
 #include "demo/program/commands.hpp"
-#include "demo/program/session.hpp"
-#include "runtime/select/facts.hpp"
-#ifdef GNOMON_WITH_YAML
 #include "demo/program/rule_support.hpp"
+#include "demo/program/session.hpp"
 #include "demo/replay/trace.hpp"
 #include "rules/engine/explain.hpp"
 #include "rules/engine/lint.hpp"
-#include "rules/yaml/rule_base_reader.hpp"
+#include "runtime/select/facts.hpp"
 #include "runtime/select/frame_plan.hpp"
+#ifdef GNOMON_WITH_YAML
+#include "rules/yaml/rule_base_reader.hpp"
 #endif
 
 namespace gnomon::demo {
-
-#ifdef GNOMON_WITH_YAML
 
 RuleVocabulary runtimeVocabulary()
 {
@@ -48,11 +46,15 @@ bool report(const std::vector<rules::Diagnostic>& diagnostics)
 
 rules::RuleBase parseRules(const std::string& nameOrPath)
 {
+#ifdef GNOMON_WITH_YAML
     const RuleText text = valueOf(findRules(nameOrPath));
     rules::ParseResult parsed = rules::parseRuleBase(text.text, text.name);
     report(parsed.diagnostics);
     if (!parsed) throw HostError(text.name + ": not a usable rule base");
     return std::move(*parsed.base);
+#else
+    throw HostError(nameOrPath + ": this build reads no rule bases (GNOMON_WITH_YAML is off)");
+#endif
 }
 
 namespace {
@@ -138,18 +140,5 @@ int explainCommand(const std::string& nameOrPath, const std::string& facts)
     return 0;
 }
 
-#else
-
-int lintCommand(const std::string&, const std::string&)
-{
-    throw HostError("this build has no rule bases (GNOMON_WITH_YAML is off)");
-}
-
-int explainCommand(const std::string&, const std::string&)
-{
-    throw HostError("this build has no rule bases (GNOMON_WITH_YAML is off)");
-}
-
-#endif
 
 } // namespace gnomon::demo
