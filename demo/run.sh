@@ -17,5 +17,6 @@ say "building"
 cmake --build --preset release --target gnomon_cli -- -j"$(nproc)"
 say "running the scripted scenario"
 # The rule base of the thesis: its scenario visits every one of its methods. Another --rules among the arguments wins.
-case " $* " in *" --rules "* | *" --method "*) ;; *) set -- --rules thesis "$@" ;; esac
-exec "$build/gnomon" run scenario --out "$root/out/run" "$@"
+case " $* " in *" --rules"* | *" --method"*) ;; *) set -- --rules thesis "$@" ;; esac
+case " $* " in *" --out"*) ;; *) set -- --out "$root/out/run" "$@" ;; esac
+exec "$build/gnomon" run scenario "$@"
