@@ -35,11 +35,14 @@ VkDeviceSize largestDeviceHeap(const VkPhysicalDeviceMemoryProperties& memory)
     return largest;
 }
 
-/// Higher is better; negative: unusable.
+/// Higher is better; negative: unusable. Types with other flags (lazily allocated, protected, AMD's device-coherent and
+/// uncached ones) want a feature that the host may not have enabled, or a use that is not ours.
 int rateType(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t type, MemoryUse use)
 {
+    constexpr VkMemoryPropertyFlags kPlain = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
+                                             VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
     const VkMemoryPropertyFlags flags = memory.memoryTypes[type].propertyFlags;
-    if (flags & (VK_MEMORY_PROPERTY_LAZILY_ALLOCATED_BIT | VK_MEMORY_PROPERTY_PROTECTED_BIT)) return -1;
+    if (flags & ~kPlain) return -1;
     const bool local = flags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
     const bool visible = flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
     const bool cached = flags & VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
@@ -52,14 +55,14 @@ int rateType(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t type,
     return (wholeHeap ? 4 : 0) + (local ? 0 : 2) + (cached ? 0 : 1); // uncached: write-combined
 }
 
-/// The type that serves `use` best among those whose bit is set; none: no value.
+/// The type that serves `use` best among those whose bit is set and whose heap could ever hold as much; none: no value.
 std::optional<std::uint32_t> bestType(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t types,
-                                      MemoryUse use)
+                                      MemoryUse use, VkDeviceSize bytes)
 {
     int best = -1;
     std::optional<std::uint32_t> chosen;
     for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
-        if (!(types & (1u << i))) continue;
+        if (!(types & (1u << i)) || memory.memoryHeaps[memory.memoryTypes[i].heapIndex].size < bytes) continue;
         const int rating = rateType(memory, i, use);
         if (rating <= best) continue;
         best = rating;
@@ -71,7 +74,7 @@ std::optional<std::uint32_t> bestType(const VkPhysicalDeviceMemoryProperties& me
 /// Whether buffers of that use lie in the GPU's own memory, as long as there is room.
 bool isLocal(const VkPhysicalDeviceMemoryProperties& memory, MemoryUse use)
 {
-    const std::optional<std::uint32_t> type = bestType(memory, UINT32_MAX, use);
+    const std::optional<std::uint32_t> type = bestType(memory, UINT32_MAX, use, 0);
     return type && (memory.memoryTypes[*type].propertyFlags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0;
 }
 
@@ -108,7 +111,7 @@ VkDeviceSize DeviceMemory::held() const noexcept
 Result<MemorySlice> DeviceMemory::allocate(const VkMemoryRequirements& needs, MemoryUse use, bool linear)
 {
     std::uint32_t types = needs.memoryTypeBits;
-    std::optional<std::uint32_t> type = bestType(vk_.memory, types, use);
+    std::optional<std::uint32_t> type = bestType(vk_.memory, types, use, needs.size);
     if (!type) return Error{GN_ERROR_FEATURE_MISSING, "MemoryType", "memory: no memory type of the device will do"};
 
     const std::lock_guard lock(mutex_);
@@ -116,7 +119,7 @@ Result<MemorySlice> DeviceMemory::allocate(const VkMemoryRequirements& needs, Me
     // The next best type where a heap is full. Where our own limit is reached, no heap helps.
     while (!first && first.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY && limit_ - held_ >= needs.size) {
         types &= ~(1u << *type);
-        type = bestType(vk_.memory, types, use);
+        type = bestType(vk_.memory, types, use, needs.size);
         if (!type) break;
         if (Result<MemorySlice> other = allocateOf(*type, needs, linear)) return other;
     }
