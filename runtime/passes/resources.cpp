@@ -125,13 +125,13 @@ Result<GpuImage> ResourcePool::createImage(const ImageCreate& info)
 
 Result<std::unique_ptr<PooledImage>> ResourcePool::makeImage(const ImageCreate& info)
 {
-    Result<GpuImage> gpu = createImage(info);
-    if (!gpu) return gpu.error();
-    auto image = std::make_unique<PooledImage>();
-    image->gpu = std::move(*gpu);
-    image->serial = ++imagesMade_;
+    auto image = std::make_unique<PooledImage>(); // what may throw comes before what nobody would destroy
     image->layers.resize(info.layers, kFreshSync);
     image->savedLayers.resize(info.layers, kFreshSync);
+    Result<GpuImage> gpu = createImage(info);
+    if (!gpu) return gpu.error();
+    image->gpu = std::move(*gpu);
+    image->serial = ++imagesMade_;
     return image;
 }
 
@@ -152,11 +152,11 @@ Result<std::unique_ptr<PooledImage>> ResourcePool::ownedImage(const ImageCreate&
 
 Result<std::unique_ptr<PooledBuffer>> ResourcePool::makeBuffer(const BufferInfo& info)
 {
+    auto buffer = std::make_unique<PooledBuffer>();
     const VkDeviceSize size = pooledSize(info.size);
     Result<GpuBuffer> gpu = memory_.createBuffer(size, kBufferUsage, memoryUse(info.place), info.name);
     if (!gpu && evict(size)) gpu = memory_.createBuffer(size, kBufferUsage, memoryUse(info.place), info.name);
     if (!gpu) return gpu.error();
-    auto buffer = std::make_unique<PooledBuffer>();
     buffer->gpu = *gpu;
     buffer->place = info.place;
     buffer->sync = buffer->savedSync = kFreshSync;
@@ -289,8 +289,11 @@ Result<void> ResourcePool::replace(BufferRing& ring, const BufferInfo& info)
 {
     if (ring.renewed == frame_) return {};
     PooledBuffer* old = ring.current;
-    Result<void> renewed = renew(ring, info);             // not to the old one, which this frame has touched
-    old->kept.lastUsed = usedBefore(old->kept.savedUsed); // and does not use after all
+    Result<void> renewed = renew(ring, info); // not to the old one, which this frame has touched
+    if (renewed)
+        old->kept.lastUsed = usedBefore(old->kept.savedUsed); // and does not use after all
+    else
+        ring.current = old; // others that share the buffer ask as well
     return renewed;
 }
 
@@ -433,6 +436,7 @@ void ResourcePool::abandon(std::uint64_t frame)
                                 .writeAccess = VK_ACCESS_2_MEMORY_WRITE_BIT};
     for (PooledImage* image : touchedImages_) {
         std::fill(image->savedLayers.begin(), image->savedLayers.end(), unknown);
+        image->serial = ++imagesMade_; // stamps kept elsewhere, of layers that the frame left alone, hold no longer
         image->kept.savedStamp = 0;
         image->kept.savedParts = {};
     }

@@ -95,6 +95,7 @@ Result<void> DepthGrid::declare(PassGraph& graph, const CameraView& view, ImageI
             memory_.createBuffer(size, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::readback, "view.depth_grid");
         if (!made) return made.error();
         free->buffer->gpu = *made;
+        free->buffer->sync = free->buffer->savedSync = kFreshSync;
     }
     free->frame = frame;
     free->stale = false;
