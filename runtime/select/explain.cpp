@@ -181,7 +181,8 @@ std::string passedOverLine(const DecisionRecord& record, const ExplainWords& wor
     if (record.wanted >= record.methods || record.wanted == record.method) return {};
     const Candidate& wanted = record.candidates[record.wanted];
     const std::string name(methodText(record.wanted, words.methods));
-    switch (wanted.why) {
+    const bool served = record.method < record.methods; // else the plan's choice could not be made after all
+    switch (served ? wanted.why : plan::Why::chosen) {
     case plan::Why::budget:
         return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but needs " + changeCostText(wanted);
     case plan::Why::hysteresis:
@@ -314,6 +315,7 @@ void addElimination(const DecisionRecord& record, std::uint32_t method, const Ex
     case plan::Why::hysteresis:
         return lines.add(std::string("held: ") + heldText(record) + "; " + gainText(record));
     case plan::Why::price:
+        if (record.method >= record.methods) return; // the plan's choice could not be made after all
         return lines.add("it suits better (" + fixed(suitabilityOf(candidate), 2) + "), but " +
                          priceText(record, candidate));
     case plan::Why::noOpinion:

@@ -160,6 +160,24 @@ TEST_CASE("what suits better but shows no more is left for its price, with time 
     checkContains(whyNot(desk, record, "shadow_map"), {"worth", "takes 1.00 ms +- 0.10 ms against 3.00 ms"});
 }
 
+TEST_CASE("a light whose method failed when it was to run answers, with nothing in its place to compare with")
+{
+    for (const double budgetMs : {0.0, 100.0}) {
+        CAPTURE(budgetMs);
+        Desk desk = makeDesk();
+        Situation situation;
+        situation.budgetMs = budgetMs;
+        situation.method("stencil_volume").predictedMs = 8.0f;
+        situation.method("pcf_hybrid").predictedMs = 3.0f;
+        DecisionRecord record = desk.decide(situation);
+        record.method = UINT32_MAX;
+        record.reason = GN_REASON_NOTHING_READY;
+        for (const char* method : {"stencil_volume", "pcf_hybrid", "shadow_map"})
+            CHECK(lineCount(whyNot(desk, record, method)) > 1);
+        checkContains(explainWhy(record, desk.words()), {"none, nothing can serve"});
+    }
+}
+
 TEST_CASE("what suits better but is below the near floor is left for the floor, not for the budget")
 {
     Desk desk = makeDesk();
