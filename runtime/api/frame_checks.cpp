@@ -28,8 +28,9 @@ Result<void> Context::takeInput(const GnFrameInfo& info)
         return Error{GN_ERROR_OUT_OF_RANGE, "BudgetNegative",
                      "budgetMs is " + rules::shortestText(double{info.budgetMs})};
     if (info.viewCount && !info.pViews) return Error{GN_ERROR_NULL_ARGUMENT, "ViewsMissing", "pViews is null"};
-    if ((info.waitCount && !info.pWaits) || (info.signalCount && !info.pSignals))
-        return Error{GN_ERROR_NULL_ARGUMENT, "SemaphoresMissing", "pWaits or pSignals is null"};
+    if (info.waitCount && !info.pWaits) return Error{GN_ERROR_NULL_ARGUMENT, "SemaphoresMissing", "pWaits is null"};
+    if (info.signalCount && !info.pSignals)
+        return Error{GN_ERROR_NULL_ARGUMENT, "SemaphoresMissing", "pSignals is null"};
     if (Result<void> ok = acceptViews(info); !ok) return ok;
 
     auto points = [](const GnSemaphorePoint* list, std::uint32_t count, std::vector<VkSemaphoreSubmitInfo>& out) {

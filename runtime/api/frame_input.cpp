@@ -14,6 +14,11 @@ Error wrong(GnResult result, const char* id, const char* viewName, const std::st
     return {result, id, "view '" + std::string(viewName) + "': " + what};
 }
 
+std::string sizeText(VkExtent2D extent)
+{
+    return std::to_string(extent.width) + "x" + std::to_string(extent.height);
+}
+
 template <typename T>
 Result<void> checkFinite(std::span<const T> values, const char* name, const char* viewName)
 {
@@ -29,13 +34,17 @@ Result<void> checkFinite(std::span<const T> values, const char* name, const char
 Result<void> checkProjection(const GnViewFrame& frame, const char* viewName)
 {
     const float* p = frame.projection;
-    const bool perspective = p[3] == 0.0f && p[7] == 0.0f && std::abs(p[11]) == 1.0f && p[15] == 0.0f && p[0] != 0.0f &&
-                             p[5] != 0.0f && p[1] == 0.0f && p[2] == 0.0f && p[4] == 0.0f && p[6] == 0.0f &&
-                             p[14] != 0.0f;
-    if (!perspective)
+    // Clip w is +-view z, rays leave from the eye, nothing is skewed; the frustum may be off centre (8, 9).
+    for (const int i : {0, 1, 2, 3, 4, 5, 6, 7, 11, 12, 13, 14, 15}) {
+        const bool zero = i != 0 && i != 5 && i != 11 && i != 14;
+        if (zero ? p[i] == 0.0f : i == 11 ? std::abs(p[i]) == 1.0f : p[i] != 0.0f) continue;
         return wrong(GN_ERROR_OUT_OF_RANGE, "ProjectionNotPerspective", viewName,
-                     "projection is not a perspective matrix (clip w must be +-view z, no skew; projection[11] is " +
-                         rules::shortestText(double{p[11]}) + ")");
+                     "projection is not a perspective matrix: projection[" + std::to_string(i) + "] is " +
+                         rules::shortestText(double{p[i]}) + ", not " +
+                         (zero      ? "0"
+                          : i == 11 ? "1 or -1"
+                                    : "different from 0"));
+    }
     if (frame.depthConvention < GN_DEPTH_REVERSED_INFINITE || frame.depthConvention > GN_DEPTH_STANDARD)
         return wrong(GN_ERROR_OUT_OF_RANGE, "DepthConvention", viewName,
                      "depthConvention is " + std::to_string(frame.depthConvention) + ", not a GnDepthConvention");
@@ -81,19 +90,20 @@ Result<void> checkImages(const GnViewFrame& frame, const char* viewName, const D
                          " is neither R16G16B16A16_SFLOAT nor R32G32B32A32_SFLOAT");
     const VkExtent2D extent = frame.imageExtent;
     if (extent.width == 0 || extent.height == 0)
-        return wrong(GN_ERROR_EMPTY, "ViewEmpty", viewName,
-                     "imageExtent is " + std::to_string(extent.width) + "x" + std::to_string(extent.height));
+        return wrong(GN_ERROR_EMPTY, "ViewEmpty", viewName, "imageExtent is " + sizeText(extent));
     const std::uint32_t limit = vk.properties.limits.maxImageDimension2D;
     if (extent.width > limit || extent.height > limit)
         return wrong(GN_ERROR_OUT_OF_RANGE, "ViewTooLarge", viewName,
-                     "imageExtent " + std::to_string(extent.width) + "x" + std::to_string(extent.height) +
-                         " is above the device's " + std::to_string(limit));
+                     "imageExtent " + sizeText(extent) + " is above the device's " + std::to_string(limit));
     const VkRect2D area = frame.renderArea;
     const bool inside = area.offset.x >= 0 && area.offset.y >= 0 &&
                         std::uint64_t(area.offset.x) + area.extent.width <= extent.width &&
                         std::uint64_t(area.offset.y) + area.extent.height <= extent.height;
     if (!inside || (area.extent.width == 0) != (area.extent.height == 0))
-        return wrong(GN_ERROR_OUT_OF_RANGE, "RenderArea", viewName, "renderArea does not lie inside imageExtent");
+        return wrong(GN_ERROR_OUT_OF_RANGE, "RenderArea", viewName,
+                     "renderArea, " + sizeText(area.extent) + " at " + std::to_string(area.offset.x) + ", " +
+                         std::to_string(area.offset.y) +
+                         (inside ? ", is empty" : ", does not lie inside imageExtent, " + sizeText(extent)));
     return {};
 }
 
@@ -106,7 +116,8 @@ Result<void> checkViewFrame(const GnViewFrame& frame, const char* viewName, std:
     for (int i = 0; i < 3; ++i)
         if (std::abs(frame.eye[i]) > kLargestMagnitude)
             return wrong(GN_ERROR_OUT_OF_RANGE, "CameraTooFar", viewName,
-                         "eye[" + std::to_string(i) + "] is beyond 1e18 m of the world's zero");
+                         "eye[" + std::to_string(i) + "] is " + rules::shortestText(frame.eye[i]) +
+                             ", beyond 1e18 m of the world's zero");
     if (auto r = checkFinite<float>(frame.viewFromWorld, "viewFromWorld", viewName); !r) return r;
     if (auto r = checkFinite<float>(frame.projection, "projection", viewName); !r) return r;
     if (auto r = checkRotation(frame, viewName); !r) return r;
