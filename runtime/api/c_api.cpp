@@ -3,6 +3,7 @@
 #include <cstring>
 #include <new>
 #include <span>
+#include <utility>
 
 #include "rules/engine/float_mode.hpp"
 #include "runtime/api/context.hpp"
@@ -78,36 +79,49 @@ GnResult status(GnContext context, const Result<GnResult>& result)
     return result ? *result : report(context, result.error());
 }
 
-/// As much of a text as fits, ended by a zero; *pSize becomes the whole size.
-GnResult giveText(GnContext context, const Result<std::string>& text, size_t* pSize, char* pText)
+/// As much of make(context)'s text as fits, ended by a zero; *pSize becomes the whole size, or 0 where it fails.
+template <typename Make>
+GnResult giveText(GnContext context, size_t* pSize, char* pText, Make&& make)
 {
-    if (!text) {
-        *pSize = 0;
-        return report(context, text.error());
-    }
-    const size_t wanted = text->size() + 1, room = *pSize;
-    *pSize = wanted;
-    if (!pText) return GN_SUCCESS;
-    if (room == 0) return GN_INCOMPLETE;
-    const size_t fits = std::min(room, wanted) - 1;
-    std::memcpy(pText, text->data(), fits);
-    pText[fits] = '\0';
-    return room < wanted ? GN_INCOMPLETE : GN_SUCCESS;
+    const size_t room = pSize ? std::exchange(*pSize, 0) : 0;
+    return atBoundary(context, [&](Context& c) {
+        if (!pSize) return nullArgument(context, "pSize");
+        const Result<std::string> text = make(c);
+        if (!text) return report(context, text.error());
+        const size_t wanted = text->size() + 1;
+        *pSize = wanted;
+        if (!pText) return GN_SUCCESS;
+        if (room == 0) return GN_INCOMPLETE;
+        const size_t fits = std::min(room, wanted) - 1;
+        std::memcpy(pText, text->data(), fits);
+        pText[fits] = '\0';
+        return room < wanted ? GN_INCOMPLETE : GN_SUCCESS;
+    });
 }
 
-/// `fill` writes what fits into its span and says how many there are.
+/// fill(context, span) writes what fits into its span and says how many there are; *pCount becomes 0 where it fails.
 template <typename T, typename Fill>
 GnResult list(GnContext context, uint32_t* pCount, T* pOut, Fill&& fill)
 {
-    if (!pCount) return nullArgument(context, "pCount");
-    const uint32_t room = pOut ? *pCount : 0;
-    const Result<uint32_t> all = fill(std::span<T>(pOut, room));
-    if (!all) {
-        *pCount = 0;
-        return report(context, all.error());
-    }
-    *pCount = pOut ? std::min(room, *all) : *all;
-    return pOut && room < *all ? GN_INCOMPLETE : GN_SUCCESS;
+    const uint32_t given = pCount ? std::exchange(*pCount, 0) : 0, room = pOut ? given : 0;
+    return atBoundary(context, [&](Context& c) {
+        if (!pCount) return nullArgument(context, "pCount");
+        const Result<uint32_t> all = fill(c, std::span<T>(pOut, room));
+        if (!all) return report(context, all.error());
+        *pCount = pOut ? std::min(room, *all) : *all;
+        return pOut && room < *all ? GN_INCOMPLETE : GN_SUCCESS;
+    });
+}
+
+/// A value of make(context) into *pOut, which is zero where it fails.
+template <typename Out, typename Make>
+GnResult giveStruct(GnContext context, Out* pOut, const char* name, Make&& make)
+{
+    if (pOut) *pOut = {};
+    return atBoundary(context, [&](Context& c) {
+        if (!pOut) return nullArgument(context, name);
+        return give(context, make(c), pOut);
+    });
 }
 
 } // namespace
@@ -119,8 +133,8 @@ GnResult GN_CALL gnCreateContext(const GnContextCreateInfo* pCreateInfo, GnConte
     if (pContext) *pContext = nullptr;
     if (!pCreateInfo || !pContext) return GN_ERROR_NULL_ARGUMENT;
     const rules::FloatMode mode;
-    const Messages messages(pCreateInfo->pfnMessage, pCreateInfo->pUserData);
     try {
+        const Messages messages(pCreateInfo->pfnMessage, pCreateInfo->pUserData, pCreateInfo->pName);
         Result<std::unique_ptr<Context>> made = Context::create(*pCreateInfo);
         if (!made) {
             messages.error(made.error());
@@ -202,6 +216,18 @@ GnResult GN_CALL gnSetInstanceTransform(GnContext context, GnInstance instance, 
     return atBoundary(context, [&](Context& c) {
         if (!pTransform) return nullArgument(context, "pTransform");
         return status(context, c.scene().setInstanceTransform(instance, *pTransform));
+    });
+}
+
+GnResult GN_CALL gnSetInstanceBounds(GnContext context, GnInstance instance, const float boundsMin[3],
+                                     const float boundsMax[3])
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!boundsMin) return nullArgument(context, "boundsMin");
+        if (!boundsMax) return nullArgument(context, "boundsMax");
+        const float lower[3] = {boundsMin[0], boundsMin[1], boundsMin[2]},
+                    upper[3] = {boundsMax[0], boundsMax[1], boundsMax[2]};
+        return status(context, c.scene().setInstanceBounds(instance, lower, upper));
     });
 }
 
@@ -308,30 +334,20 @@ GnResult GN_CALL gnSubmitShadows(GnContext context, const GnFrameInfo* pFrame)
 
 GnResult GN_CALL gnGetVisibility(GnContext context, GnView view, GnVisibility* pVisibility)
 {
-    return atBoundary(context, [&](Context& c) {
-        if (!pVisibility) return nullArgument(context, "pVisibility");
-        *pVisibility = {};
-        return give(context, c.visibility(view), pVisibility);
-    });
+    return giveStruct(context, pVisibility, "pVisibility", [&](Context& c) { return c.visibility(view); });
 }
 
 GnResult GN_CALL gnGetLightMap(GnContext context, GnLight light, GnLightMap* pMap)
 {
-    return atBoundary(context, [&](Context& c) {
-        if (!pMap) return nullArgument(context, "pMap");
-        *pMap = {};
-        return give(context, c.lightMap(light), pMap);
-    });
+    return giveStruct(context, pMap, "pMap", [&](Context& c) { return c.lightMap(light); });
 }
 
 // --- methods, rules, decisions ---
 
 GnResult GN_CALL gnEnumerateMethods(GnContext context, uint32_t* pCount, GnMethodInfo* pMethods)
 {
-    return atBoundary(context, [&](Context& c) {
-        return list(context, pCount, pMethods,
-                    [&](std::span<GnMethodInfo> out) { return Result<uint32_t>(c.methods(out)); });
-    });
+    return list(context, pCount, pMethods,
+                [](Context& c, std::span<GnMethodInfo> out) { return Result<uint32_t>(c.methods(out)); });
 }
 
 GnResult GN_CALL gnAddMethod(GnContext context, const char* pName, const char* pAlgorithm)
@@ -349,6 +365,7 @@ GnResult GN_CALL gnRegisterAlgorithm(GnContext context, const GnAlgorithmInfo* p
 
 GnResult GN_CALL gnGetPluginInterface(GnContext context, const GnPluginInterface** ppInterface)
 {
+    if (ppInterface) *ppInterface = nullptr;
     return atBoundary(context, [&](Context& c) {
         if (!ppInterface) return nullArgument(context, "ppInterface");
         *ppInterface = c.pluginInterface();
@@ -385,66 +402,46 @@ GnResult GN_CALL gnLoadKnowledge(GnContext context, const char* pText, size_t si
 
 GnResult GN_CALL gnGetLightTiming(GnContext context, GnView view, GnLight light, GnLightTiming* pTiming)
 {
-    return atBoundary(context, [&](Context& c) {
-        if (!pTiming) return nullArgument(context, "pTiming");
-        *pTiming = {};
-        return give(context, c.lightTiming(view, light), pTiming);
-    });
+    return giveStruct(context, pTiming, "pTiming", [&](Context& c) { return c.lightTiming(view, light); });
 }
 
 GnResult GN_CALL gnGetDecision(GnContext context, GnView view, GnLight light, GnDecision* pDecision)
 {
-    return atBoundary(context, [&](Context& c) {
-        if (!pDecision) return nullArgument(context, "pDecision");
-        *pDecision = {};
-        return give(context, c.decision(view, light), pDecision);
-    });
+    return giveStruct(context, pDecision, "pDecision", [&](Context& c) { return c.decision(view, light); });
 }
 
 GnResult GN_CALL gnGetFacts(GnContext context, GnView view, GnLight light, uint32_t* pCount, GnFact* pFacts)
 {
-    return atBoundary(context, [&](Context& c) {
-        return list(context, pCount, pFacts, [&](std::span<GnFact> out) { return c.facts(view, light, out); });
-    });
+    return list(context, pCount, pFacts, [&](Context& c, std::span<GnFact> out) { return c.facts(view, light, out); });
 }
 
 GnResult GN_CALL gnGetCandidates(GnContext context, GnView view, GnLight light, uint32_t* pCount,
                                  GnCandidate* pCandidates)
 {
-    return atBoundary(context, [&](Context& c) {
-        return list(context, pCount, pCandidates,
-                    [&](std::span<GnCandidate> out) { return c.candidates(view, light, out); });
-    });
+    return list(context, pCount, pCandidates,
+                [&](Context& c, std::span<GnCandidate> out) { return c.candidates(view, light, out); });
 }
 
 GnResult GN_CALL gnExplainDecision(GnContext context, GnView view, GnLight light, size_t* pSize, char* pText)
 {
-    return atBoundary(context, [&](Context& c) {
-        if (!pSize) return nullArgument(context, "pSize");
-        return giveText(context, c.explanation(view, light), pSize, pText);
-    });
+    return giveText(context, pSize, pText, [&](Context& c) { return c.explanation(view, light); });
 }
 
 GnResult GN_CALL gnExplain(GnContext context, GnView view, GnLight light, const GnQuestion* pQuestion, size_t* pSize,
                            char* pText)
 {
-    return atBoundary(context, [&](Context& c) {
-        if (!pSize) return nullArgument(context, "pSize");
-        return giveText(context, c.answer(view, light, pQuestion ? *pQuestion : GnQuestion{}), pSize, pText);
-    });
+    return giveText(context, pSize, pText,
+                    [&](Context& c) { return c.answer(view, light, pQuestion ? *pQuestion : GnQuestion{}); });
 }
 
 GnResult GN_CALL gnGetDecisionLog(GnContext context, GnView view, uint64_t firstFrame, uint64_t frameOrigin,
                                   size_t* pSize, void* pData)
 {
+    const size_t room = pSize ? std::exchange(*pSize, 0) : 0;
     return atBoundary(context, [&](Context& c) {
         if (!pSize) return nullArgument(context, "pSize");
         const Result<std::string> log = c.decisionLog(view, firstFrame, frameOrigin);
-        if (!log) {
-            *pSize = 0;
-            return report(context, log.error());
-        }
-        const size_t room = *pSize;
+        if (!log) return report(context, log.error());
         *pSize = log->size();
         if (!pData) return GN_SUCCESS;
         if (room < log->size()) return GN_INCOMPLETE;
@@ -455,30 +452,23 @@ GnResult GN_CALL gnGetDecisionLog(GnContext context, GnView view, uint64_t first
 
 GnResult GN_CALL gnGetPassTimings(GnContext context, uint64_t* pFrame, uint32_t* pCount, GnPassTiming* pTimings)
 {
-    return atBoundary(context, [&](Context& c) {
+    if (pFrame) *pFrame = 0;
+    return list(context, pCount, pTimings, [&](Context& c, std::span<GnPassTiming> out) {
         uint64_t frame = 0;
-        const GnResult result = list(context, pCount, pTimings, [&](std::span<GnPassTiming> out) {
-            return Result<uint32_t>(c.passTimings(frame, out));
-        });
-        if (pFrame && result >= 0) *pFrame = frame;
-        return result;
+        const uint32_t count = c.passTimings(frame, out);
+        if (pFrame) *pFrame = frame;
+        return Result<uint32_t>(count);
     });
 }
 
 GnResult GN_CALL gnGetFramePasses(GnContext context, uint32_t* pCount, GnPassTiming* pPasses)
 {
-    return atBoundary(context, [&](Context& c) {
-        return list(context, pCount, pPasses, [&](std::span<GnPassTiming> out) { return c.framePasses(out); });
-    });
+    return list(context, pCount, pPasses, [](Context& c, std::span<GnPassTiming> out) { return c.framePasses(out); });
 }
 
 GnResult GN_CALL gnGetFrameStats(GnContext context, GnFrameStats* pStats)
 {
-    return atBoundary(context, [&](Context& c) {
-        if (!pStats) return nullArgument(context, "pStats");
-        *pStats = c.stats();
-        return GN_SUCCESS;
-    });
+    return giveStruct(context, pStats, "pStats", [](Context& c) { return Result<GnFrameStats>(c.stats()); });
 }
 
 } // extern "C"

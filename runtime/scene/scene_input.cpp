@@ -10,8 +10,6 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "runtime/scene/scene_view.hpp"
-
 namespace gnomon {
 namespace {
 
@@ -185,6 +183,21 @@ bool sameTransform(const GnTransform& a, const GnTransform& b) noexcept
            std::equal(std::begin(a.translation), std::end(a.translation), std::begin(b.translation));
 }
 
+Result<Aabb> readBounds(Subject what, const float (&lower)[3], const float (&upper)[3])
+{
+    static constexpr const char* kBounds[] = {"boundsMin[0]", "boundsMin[1]", "boundsMin[2]",
+                                              "boundsMax[0]", "boundsMax[1]", "boundsMax[2]"};
+    for (int i = 0; i < 6; ++i)
+        if (Result<void> check = checkNumber(what, {i < 3 ? lower[i] : upper[i - 3], kBounds[i]}); !check)
+            return check.error();
+    for (int i = 0; i < 3; ++i)
+        if (lower[i] > upper[i])
+            return Error{GN_ERROR_OUT_OF_RANGE, "OutOfRange",
+                         what.text() + ": " + kBounds[i] + " is " + text(lower[i]) + ", above " + kBounds[i + 3] +
+                             ", which is " + text(upper[i])};
+    return Aabb{{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
+}
+
 Result<GnInstanceCreateInfo> readInstance(const GnInstanceCreateInfo& info)
 {
     const Subject what{"instance", info.pName};
@@ -201,15 +214,7 @@ Result<GnInstanceCreateInfo> readInstance(const GnInstanceCreateInfo& info)
     if (!info.pfnDrawCasters)
         return Error{GN_ERROR_NULL_ARGUMENT, "InstanceDrawCastersNull",
                      what.text() + " is host-drawn, but pfnDrawCasters is null"};
-    static constexpr const char* kBounds[] = {"boundsMin[0]", "boundsMin[1]", "boundsMin[2]",
-                                              "boundsMax[0]", "boundsMax[1]", "boundsMax[2]"};
-    for (int i = 0; i < 6; ++i) {
-        const float value = i < 3 ? info.boundsMin[i] : info.boundsMax[i - 3];
-        if (Result<void> check = checkNumber(what, {value, kBounds[i]}); !check) return check.error();
-    }
-    for (int i = 0; i < 3; ++i)
-        if (info.boundsMin[i] > info.boundsMax[i])
-            return outOfRange(what, kBounds[i], info.boundsMin[i], "the bounds: it is larger than boundsMax");
+    if (Result<Aabb> bounds = readBounds(what, info.boundsMin, info.boundsMax); !bounds) return bounds.error();
     return result;
 }
 

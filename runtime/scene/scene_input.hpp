@@ -10,6 +10,7 @@
 
 #include "gnomon/gnomon.h"
 #include "runtime/core/result.hpp"
+#include "runtime/scene/scene_view.hpp"
 
 namespace gnomon {
 
@@ -50,6 +51,9 @@ KeptTriangles withoutZeroArea(std::span<const glm::vec3> positions, std::span<co
 /// The transform with an all-zero basis replaced by the identity.
 Result<GnTransform> readTransform(Subject what, const GnTransform& transform);
 bool sameTransform(const GnTransform& a, const GnTransform& b) noexcept;
+
+/// Of a host-drawn instance, in its own space.
+Result<Aabb> readBounds(Subject what, const float (&lower)[3], const float (&upper)[3]);
 
 /// Everything about an instance but its mesh.
 Result<GnInstanceCreateInfo> readInstance(const GnInstanceCreateInfo& info);

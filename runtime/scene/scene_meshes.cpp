@@ -17,6 +17,13 @@ void moveOut(std::vector<T>& list, std::vector<T>& out, Gone&& gone)
 } // namespace
 
 /// Revisions whose jobs are done are seen by the next frame as a whole.
+void SceneRegistry::Impl::adoptMany(std::vector<RevisionPtr>& released)
+{
+    if (building.size() < adoptAt) return;
+    adoptBuilt(released);
+    adoptAt = 64 + 2 * building.size();
+}
+
 void SceneRegistry::Impl::adoptBuilt(std::vector<RevisionPtr>& released)
 {
     if (building.empty()) return;
@@ -62,7 +69,7 @@ Result<GnMesh> SceneRegistry::createMesh(const GnMeshCreateInfo& info)
     std::uint64_t handle = 0;
     {
         const std::lock_guard lock(impl_->mutex);
-        impl_->adoptBuilt(released);
+        impl_->adoptMany(released);
         makeRoom(impl_->building);
         impl_->uploads.reserve(impl_->uploads.size() + uploads.size());
         handle = impl_->meshes.insert(*revision);
@@ -211,13 +218,21 @@ void SceneRegistry::retire(std::uint64_t completedFrame)
 
 void SceneRegistry::finishBackground()
 {
+    std::size_t from = 0; // those before it were done
     while (true) {
         RevisionPtr revision;
         {
             const std::lock_guard lock(impl_->mutex);
-            const auto unfinished = std::find_if(impl_->building.begin(), impl_->building.end(),
-                                                 [](const RevisionPtr& entry) { return !entry->job.done(); });
-            if (unfinished == impl_->building.end()) return;
+            const std::vector<RevisionPtr>& building = impl_->building;
+            const auto first = building.begin() + static_cast<std::ptrdiff_t>(std::min(from, building.size()));
+            const auto unfinished =
+                std::find_if(first, building.end(), [](const RevisionPtr& entry) { return !entry->job.done(); });
+            if (unfinished == building.end()) {
+                if (from == 0) return;
+                from = 0; // others may have come or gone meanwhile
+                continue;
+            }
+            from = static_cast<std::size_t>(unfinished - building.begin());
             revision = *unfinished;
         }
         impl_->jobs.wait(revision->job);

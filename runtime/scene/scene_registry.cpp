@@ -85,9 +85,29 @@ Result<void> SceneRegistry::setInstanceTransform(GnInstance instance, const GnTr
         record.transform = *read;
         if (std::exchange(record.isStatic, false)) moved = *found;
     }
-    if (moved)
-        impl_->messages.warn("StaticInstanceMoved",
-                             moved->what() + " is static but has moved; it counts as moving from now on");
+    if (moved) impl_->reportMoved(*moved);
+    return {};
+}
+
+Result<void> SceneRegistry::setInstanceBounds(GnInstance instance, const float (&lower)[3], const float (&upper)[3])
+{
+    InstancePtr moved;
+    {
+        const std::lock_guard lock(impl_->mutex);
+        const InstancePtr* found = impl_->instances.find(bitsOf(instance));
+        if (!found) return invalidHandle("instance");
+        InstanceRecord& record = **found;
+        if (!record.caster.hostDrawn)
+            return Error{GN_ERROR_INVALID_HANDLE, "InstanceHasMesh",
+                         record.what() + " is not host-drawn, its bounds are its mesh's"};
+        Result<Aabb> read = readBounds({"instance", record.name.c_str()}, lower, upper);
+        if (!read) return read.error();
+        if (record.hostBounds.lower == read->lower && record.hostBounds.upper == read->upper) return {};
+        impl_->mark(record);
+        record.hostBounds = *read;
+        if (std::exchange(record.isStatic, false)) moved = *found;
+    }
+    if (moved) impl_->reportMoved(*moved);
     return {};
 }
 

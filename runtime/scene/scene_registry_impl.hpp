@@ -52,12 +52,20 @@ struct SceneRegistry::Impl {
     // Mutex held.
     RevisionPtr* findMesh(GnMesh mesh) noexcept { return meshes.find(bitsOf(mesh)); }
     void adoptBuilt(std::vector<RevisionPtr>& released);
+    /// The same once there are many: meshes are created by the thousand.
+    void adoptMany(std::vector<RevisionPtr>& released);
     void keepSafe(const RevisionPtr& revision, std::vector<MeshUpload>& made);
     void bury(std::shared_ptr<const void> object) { graves.push_back({lastFrame, std::move(object)}); }
     void release(RevisionPtr revision, std::vector<RevisionPtr>& released);
     /// Not with the mutex held. What no frame has seen goes with its last owner, and so do its uploads.
     void letGo(std::vector<RevisionPtr>& released);
     void mark(InstanceRecord& record);
+    /// A static instance that the host has moved. Not with the mutex held.
+    void reportMoved(const InstanceRecord& record) const
+    {
+        messages.warn("StaticInstanceMoved",
+                      record.what() + " is static but has moved; it counts as moving from now on");
+    }
     void forgetDestroyed();
     void markChangedMeshes();
     void markHostDrawn();
@@ -85,6 +93,7 @@ struct SceneRegistry::Impl {
     bool castersLeft = false;               ///< One of those was in the frame's arrays.
     bool meshesChanged = false;             ///< Since the last frame.
     std::vector<RevisionPtr> building;      ///< Jobs submitted, or about to be.
+    std::size_t adoptAt = 0;                ///< As many of these are many.
     std::vector<MeshUpload> uploads;
     std::vector<RecordedUpload> recorded;
     std::vector<Grave> graves;

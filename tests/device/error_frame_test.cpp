@@ -187,6 +187,18 @@ TEST_CASE_FIXTURE(DeviceTest, "null where something is needed is an error of its
     null("pCount", gnGetPassTimings(c, nullptr, nullptr, nullptr));
     null("pCount", gnGetFramePasses(c, nullptr, nullptr));
     null("pStats", gnGetFrameStats(c, nullptr));
+    // What a call gives back is zero after it failed, for want of a context as well.
+    GnVisibility visibility{};
+    visibility.revision = 7;
+    uint32_t count = 7;
+    size_t size = 7;
+    uint64_t frame = 7;
+    CHECK(gnGetVisibility(nullptr, view, &visibility) == GN_ERROR_NULL_ARGUMENT);
+    CHECK(visibility.revision == 0);
+    CHECK(gnGetPassTimings(nullptr, &frame, &count, nullptr) == GN_ERROR_NULL_ARGUMENT);
+    CHECK(frame + count == 0);
+    CHECK(gnExplainDecision(c, VK_NULL_HANDLE, light, &size, nullptr) == GN_ERROR_INVALID_HANDLE);
+    CHECK(size == 0);
     CHECK(gnWarmUp(nullptr) == GN_ERROR_NULL_ARGUMENT);
     CHECK(std::string(gnGetLastError(nullptr)).size() > 0);
     gnDestroyContext(nullptr);
@@ -219,6 +231,14 @@ TEST_CASE_FIXTURE(DeviceTest, "a context that cannot be is refused with a messag
     create([](GnContextCreateInfo& i) { i.pfnGetInstanceProcAddr = nullptr; }, GN_ERROR_NULL_ARGUMENT,
            "pfnGetInstanceProcAddr");
     create([](GnContextCreateInfo& i) { i.framesInFlight = 9; }, GN_ERROR_OUT_OF_RANGE, "9");
+    static const uint32_t families[] = {0, 77};
+    create(
+        [](GnContextCreateInfo& i) {
+            i.pVisibilityQueueFamilies = families;
+            i.visibilityQueueFamilyCount = 2;
+            i.pName = "the second window";
+        },
+        GN_ERROR_OUT_OF_RANGE, "the second window: pVisibilityQueueFamilies[1] is 77");
     create([](GnContextCreateInfo& i) { i.apiVersion = VK_API_VERSION_1_1; }, GN_ERROR_OUT_OF_RANGE, "apiVersion");
     create([](GnContextCreateInfo& i) { i.pfnLockQueue = [](VkQueue, void*) {}; }, GN_ERROR_NULL_ARGUMENT,
            "pfnUnlockQueue");

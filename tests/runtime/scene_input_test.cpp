@@ -158,6 +158,19 @@ TEST_CASE("a host-drawn instance needs its callback and bounds, and no mesh")
     CHECK(caster.bounds.lower.x == doctest::Approx(10.0f));
     const GnMesh mesh = *scene.registry->createMesh(cube().info("rock"));
     checkRefused(scene.registry->setInstanceMesh(*instance, mesh), GN_ERROR_INVALID_HANDLE, "host-drawn");
+
+    // Its shape is the host's to change.
+    checkRefused(scene.registry->setInstanceBounds(*instance, {0, 0, 0}, {1, kNan, 1}), GN_ERROR_NOT_A_NUMBER,
+                 "boundsMax[1]");
+    checkRefused(scene.registry->setInstanceBounds(*instance, {0, 0, 2}, {1, 1, 1.5f}), GN_ERROR_OUT_OF_RANGE,
+                 "boundsMax[2], which is 1.5");
+    CHECK(scene.begin().casters[0].bounds.upper.y == doctest::Approx(2.0f));
+    CHECK(scene.registry->setInstanceBounds(*instance, {-1, -1, -1}, {1, 5, 1}));
+    CHECK(scene.begin().casters[0].bounds.upper.y == doctest::Approx(5.0f));
+    CHECK(scene.begin().casters[0].bounds.lower.x == doctest::Approx(9.0f));
+    const Result<GnInstance> rock = scene.registry->createInstance(instanceOf(mesh, at(4), 0, "boulder"));
+    REQUIRE(rock);
+    checkRefused(scene.registry->setInstanceBounds(*rock, {0, 0, 0}, {1, 1, 1}), GN_ERROR_INVALID_HANDLE, "boulder");
 }
 
 TEST_CASE("a light with a wrong number is refused by element, and a refused update changes nothing")

@@ -9,11 +9,13 @@ every light and every frame, which *method* (an algorithm with settings) runs, a
     each frame: gnSubmitShadows (or gnCmdRenderShadows into your command buffer), then sample gnGetVisibility()
 
 Conventions. Column vectors, column-major matrices, metres, right-handed world space. Zero the whole structure, then
-set what differs from the defaults; a member that is 0 or null means its default. On failure outputs are null or zero
-and nothing has changed. No C++ exception leaves these functions, and the host's locale and floating-point mode are
-neither read nor changed.
+set what differs from the defaults; a member that is 0 or null means its default. Numbers are finite; positions, lengths
+and factors are at most 1e18 (a light of unlimited range has range 0). On failure outputs are null or zero and nothing has
+changed, unless a call says otherwise. No C++ exception leaves these functions, and the host's locale and floating-point
+mode are neither read nor changed.
 
-Threads: mesh and instance calls from any thread; all other calls one at a time per context.
+Threads: mesh and instance calls from any thread; all other calls one at a time per context. Callbacks must not call
+gnomon.
 */
 #ifndef GNOMON_GNOMON_H
 #define GNOMON_GNOMON_H
@@ -70,7 +72,7 @@ typedef enum GnResult {
     GN_ERROR_INFINITE = -8,         ///< Infinity where a finite value is needed.
     GN_ERROR_OUT_OF_RANGE = -9,     ///< A finite value outside its range, or an index past its array.
     GN_ERROR_EMPTY = -10,           ///< A mesh without triangles, a view of no pixels.
-    GN_ERROR_TOO_MANY = -11,        ///< More lights, views or triangles than agreed or than the device takes.
+    GN_ERROR_TOO_MANY = -11,        ///< More lights, views, methods (32) or triangles than agreed or than fit.
     GN_ERROR_FEATURE_MISSING = -12, ///< The device lacks, or was created without, something required.
     GN_ERROR_RULES = -13,           ///< The rule base has errors; the last good one stays in force.
     GN_ERROR_UNKNOWN_METHOD = -14,  ///< No method, algorithm or setting of that name, or none for this kind of light.
@@ -139,7 +141,7 @@ typedef VkFlags GnContextCreateFlags;
 /** Describes a new #GnContext. */
 typedef struct GnContextCreateInfo {
     GnContextCreateFlags flags;                        ///< Bits of #GnContextCreateFlagBits.
-    const char* pName;                                 ///< Optional, used in messages.
+    const char* pName;                                 ///< Optional. Messages begin with it and a colon.
     VkInstance instance;                               ///< Required. Borrowed until gnDestroyContext().
     VkPhysicalDevice physicalDevice;                   ///< Required.
     VkDevice device;                                   ///< Required. See gnQueryDeviceNeeds().
@@ -154,14 +156,16 @@ typedef struct GnContextCreateInfo {
     PFN_gnQueueLock pfnUnlockQueue;                    ///< Optional, with pfnLockQueue.
     uint32_t visibilityQueueFamilyCount;               ///< Other families that read visibility; 0: only ours.
     const uint32_t* pVisibilityQueueFamilies;
-    uint32_t framesInFlight;                           ///< 0 means 2. [1, 8].
+    uint32_t framesInFlight;                           ///< 0 means 2. [1, 8]. A frame begins when the frame this many
+                                                       ///< before it is completed (GnFrameInfo::completedFrame).
     VkDeviceSize memoryLimit;                          ///< Device bytes, persistent plus transient; 0: half the heap.
-    const VkAllocationCallbacks* pAllocationCallbacks; ///< Optional. Handed to every Vulkan create call.
+    const VkAllocationCallbacks* pAllocationCallbacks; ///< Optional, copied. Handed to every Vulkan create call.
     VkPipelineCache pipelineCache;                     ///< Optional: all pipelines are made with it, on worker threads
                                                        ///< too (not EXTERNALLY_SYNCHRONIZED). Borrowed, the host's
                                                        ///< to fill, save and destroy. Null: one of gnomon's own.
     PFN_gnScheduleJob pfnScheduleJob;                  ///< Optional. Absent: gnomon runs one pool of its own.
-    uint32_t jobThreadCount;                           ///< Threads behind pfnScheduleJob, or of the pool; 0: cores.
+    uint32_t jobThreadCount;                           ///< Threads that may work at once, the calling one counted in;
+                                                       ///< 0: as many as cores. 1: all work in the calls.
     PFN_gnThreadStarted pfnThreadStarted;              ///< Optional. Not called where pfnScheduleJob is given.
     PFN_gnMessage pfnMessage;                          ///< Optional. Absent means silent.
     void* pUserData;                                   ///< Given to all callbacks above.
@@ -172,7 +176,8 @@ GN_API GnResult GN_CALL gnCreateContext(const GnContextCreateInfo* pCreateInfo, 
 
 /** \brief Destroys the context and all that was made from it. Null is allowed.
 
-The one call that waits for the GPU, and for all that is on the context's queue by then. Recorded frames must have been
+The one call that waits for all that is on the context's queue; gnWarmUp(), and frames with round trips, wait for what
+they submitted themselves. Recorded frames must have been
 submitted there or never be; what the host reads of visibility on other queues must be finished. */
 GN_API void GN_CALL gnDestroyContext(GnContext context);
 
@@ -194,130 +199,7 @@ pins its lights need not compile what it never asks for. Fails with GN_ERROR_UNK
 GN_ERROR_FEATURE_MISSING where the device cannot run it. */
 GN_API GnResult GN_CALL gnWarmUpMethod(GnContext context, const char* pMethod);
 
-/* --- geometry -------------------------------------------------------------------------------------------------- */
-
-/** Describes a triangle mesh; arrays are copied before the call returns. */
-typedef struct GnMeshCreateInfo {
-    const char* pName;         ///< Optional.
-    const float* pPositions;   ///< Required. xyz, object space, finite.
-    uint32_t positionCount;    ///< Number of vertices.
-    uint32_t positionStride;   ///< Bytes between vertices; 0 means 12. Multiple of 4.
-    const uint32_t* pIndices;  ///< Three per triangle, counter-clockwise seen from outside; null: 0, 1, 2, ...
-    uint32_t indexCount;       ///< Multiple of 3.
-} GnMeshCreateInfo;
-
-/** \brief Copies a mesh. Topology and ray-tracing trees are built by workers; until then the mesh casts by the methods
-that do not need them. Zero-area triangles are dropped with a warning. Any thread.
-\return #GN_ERROR_EMPTY, #GN_ERROR_OUT_OF_RANGE (index), #GN_ERROR_NOT_A_NUMBER, #GN_ERROR_INFINITE. */
-GN_API GnResult GN_CALL gnCreateMesh(GnContext context, const GnMeshCreateInfo* pCreateInfo, GnMesh* pMesh);
-
-/** \brief Replaces all positions (same count as at creation). Seen from the next frame on. Any thread. */
-GN_API GnResult GN_CALL gnUpdateMeshPositions(GnContext context, GnMesh mesh, const float* pPositions,
-                                              uint32_t positionCount, uint32_t positionStride);
-
-/** \brief Destroys the mesh; instances still using it cast nothing. Memory waits for the GPU by itself. Any thread. */
-GN_API void GN_CALL gnDestroyMesh(GnContext context, GnMesh mesh);
-
-/** Where something stands. Row-major 3x3 (rotation, scale, shear) and a double translation in metres. */
-typedef struct GnTransform {
-    float basis[9];        ///< Rows of the linear part; all zero means identity.
-    double translation[3]; ///< World space, metres.
-} GnTransform;
-
-typedef enum GnInstanceFlagBits {
-    GN_INSTANCE_STATIC_BIT = 0x1,           ///< Will not move. If it does: reported once, moving from then on. Host-drawn:
-                                            ///< nor change its shape; without the bit it is drawn anew in every frame.
-    GN_INSTANCE_ALPHA_TESTED_BIT = 0x2,     ///< Rays ask pfnOpacity. Depth maps draw the whole mesh, unless the host
-                                            ///< draws the instance; volumes, planar shadows and spans refuse a light
-                                            ///< that has it in range.
-    GN_INSTANCE_HOST_DRAWN_BIT = 0x4,       ///< Drawn by pfnDrawCasters; methods that read triangles cannot see it.
-    GN_INSTANCE_MAY_BE_MISSED_BIT = 0x8,    ///< Methods that cannot see this host-drawn or alpha-tested instance serve
-                                            ///< its lights all the same, and leave it out.
-    GN_INSTANCE_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
-} GnInstanceFlagBits;
-typedef VkFlags GnInstanceFlags;
-
-/** How a raster pass looks at casters: what pfnDrawCasters needs to draw into it. */
-typedef struct GnCasterProjection {
-    float clipFromWorld[16];   ///< Column-major; world here means relative to `origin`.
-    double origin[3];          ///< World position of the zero of `clipFromWorld`, metres.
-    VkRect2D area;             ///< Viewport (depth 0 to 1) and scissor, set before each call.
-    VkFormat depthFormat;      ///< The only attachment of the pass.
-    float constantBias;        ///< vkCmdSetDepthBias values, set before each call, for pipelines that enable depth bias
-    float slopeBias;           ///< and take it from dynamic state; others should have the same.
-} GnCasterProjection;
-
-/** Draws the host's casters of this instance, depth only: depth is 0 near the light and 1 far from it, compare LESS, and
-what is nearer than the near end may be clipped: of what lies within the instance's bounds only what is nearer than
-1/10000 of the distance of the farthest caster. Records into `commandBuffer` inside a rendering scope; may bind any
-state. Called where the map is drawn: in every frame, once per pass that the instance's bounds touch, unless the instance
-is #GN_INSTANCE_STATIC_BIT. */
-typedef void(GN_CALL* PFN_gnDrawCasters)(VkCommandBuffer commandBuffer, const GnCasterProjection* pProjection,
-                                         void* pUserData);
-/** Opacity in [0, 1] of a hit; below 0.5 the ray goes on. `triangle` counts as the mesh was given: its corners are
-indices 3 * triangle and the two after. The hit is at (1 - u - v), u and v of the first, second and third corner. Called
-from worker threads, concurrently. */
-typedef float(GN_CALL* PFN_gnOpacity)(uint32_t triangle, float u, float v, void* pUserData);
-
-/** Describes an instance. */
-typedef struct GnInstanceCreateInfo {
-    GnInstanceFlags flags;
-    const char* pName;                ///< Optional.
-    GnMesh mesh;                      ///< Required unless host-drawn.
-    GnTransform transform;
-    uint32_t casterMask;              ///< Casts for a light if (casterMask & light mask) != 0; 0 means all bits.
-    float boundsMin[3], boundsMax[3]; ///< Host-drawn: object-space bounds. Otherwise ignored.
-    PFN_gnDrawCasters pfnDrawCasters; ///< Host-drawn: required.
-    PFN_gnOpacity pfnOpacity;         ///< Alpha-tested: required for methods that trace.
-    void* pUserData;                  ///< For the two callbacks.
-} GnInstanceCreateInfo;
-
-/** \brief Adds an instance. Any thread. */
-GN_API GnResult GN_CALL gnCreateInstance(GnContext context, const GnInstanceCreateInfo* pCreateInfo,
-                                         GnInstance* pInstance);
-/** \brief Moves it. Seen from the next frame on. Any thread. NaN or infinity: an error, the old transform stays. */
-GN_API GnResult GN_CALL gnSetInstanceTransform(GnContext context, GnInstance instance, const GnTransform* pTransform);
-/** \brief Swaps the mesh (level of detail). Any thread. */
-GN_API GnResult GN_CALL gnSetInstanceMesh(GnContext context, GnInstance instance, GnMesh mesh);
-/** \brief Removes it. Any thread. */
-GN_API void GN_CALL gnDestroyInstance(GnContext context, GnInstance instance);
-
-/* --- lights ----------------------------------------------------------------------------------------------------- */
-
-typedef enum GnLightType {
-    GN_LIGHT_TYPE_DIRECTIONAL = 0,
-    GN_LIGHT_TYPE_SPOT = 1,
-    GN_LIGHT_TYPE_POINT = 2,
-    GN_LIGHT_TYPE_MAX_ENUM = 0x7FFFFFFF
-} GnLightType;
-
-typedef enum GnLightFlagBits {
-    GN_LIGHT_STATIC_BIT = 0x1, ///< Will not move. If it does: reported once, moving from then on.
-    GN_LIGHT_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
-} GnLightFlagBits;
-typedef VkFlags GnLightFlags;
-
-/** Describes a light. */
-typedef struct GnLightInfo {
-    GnLightType type;
-    GnLightFlags flags;
-    const char* pName;   ///< Optional; copied at creation, ignored by updates.
-    double position[3];  ///< Spot and point. World space, metres.
-    float direction[3];  ///< Directional and spot: the way light travels. Need not be normalised; not zero.
-    float range;         ///< Metres; 0 means unlimited.
-    float coneAngle;     ///< Spot: half angle in radians, (0, pi/2 - 0.02]; 0 means pi/4.
-    float sourceRadius;  ///< Metres (directional: radians); 0 asks for hard shadows.
-    float importance;    ///< Weight of this light in the plan; 0 means 1.
-    uint32_t casterMask; ///< 0 means all bits.
-} GnLightInfo;
-
-GN_API GnResult GN_CALL gnCreateLight(GnContext context, const GnLightInfo* pInfo, GnLight* pLight);
-/** \brief Replaces everything but the name. An invalid description changes nothing. */
-GN_API GnResult GN_CALL gnUpdateLight(GnContext context, GnLight light, const GnLightInfo* pInfo);
-/** \brief Pins a method, overruling the rules; null hands the light back to them. A method that cannot serve the light
-is refused with the reason. */
-GN_API GnResult GN_CALL gnSetLightMethod(GnContext context, GnLight light, const char* pMethod);
-GN_API void GN_CALL gnDestroyLight(GnContext context, GnLight light);
+#include <gnomon/scene.h>
 
 /* --- views and frames -------------------------------------------------------------------------------------------- */
 
@@ -378,7 +260,8 @@ typedef struct GnSemaphorePoint {
 /** Describes a frame: all views come in one call. */
 typedef struct GnFrameInfo {
     uint64_t frame;          ///< Grows by one from call to call; the first may be any number > 0.
-    uint64_t completedFrame; ///< Newest frame whose GPU work is finished, the host's reads of visibility included.
+    uint64_t completedFrame; ///< Newest frame whose GPU work is finished, the host's reads of visibility included. Before
+                             ///< `frame` by framesInFlight at most, else #GN_ERROR_FRAME_ORDER; 0: none yet.
     GnFrameFlags flags;
     float budgetMs;          ///< For all shadows of this frame, GPU and CPU. 0: that of the rules (`shadowCapMs`, or
                              ///< what `budget: auto` allows), or none. A `shadowCapMs` that is less lowers it.
@@ -494,7 +377,8 @@ typedef struct GnMethodInfo {
 
 /** \brief Lists methods. With null `pMethods` only the count is written. */
 GN_API GnResult GN_CALL gnEnumerateMethods(GnContext context, uint32_t* pCount, GnMethodInfo* pMethods);
-/** \brief Adds a method: a second set of settings for an algorithm, under a name rules can use. */
+/** \brief Adds a method: a second set of settings for an algorithm, under a name rules can use. \return #GN_ERROR_RULES
+where the rules in force use the name for something else, #GN_ERROR_OUT_OF_RANGE where a method has it. */
 GN_API GnResult GN_CALL gnAddMethod(GnContext context, const char* pName, const char* pAlgorithm);
 /** \brief Changes a setting from the next frame on. Out of range: an error naming the range, nothing changes. */
 GN_API GnResult GN_CALL gnSetMethodSetting(GnContext context, const char* pMethod, const char* pSetting, double value);

@@ -1,0 +1,141 @@
+/** \file scene.h
+\brief What casts and what shines: meshes, instances, lights. Included by gnomon.h, not by hosts.
+
+Everything given here is kept until it is destroyed; a handle carries a generation, so that a stale one is an error and
+never another object.
+*/
+#ifndef GNOMON_SCENE_H
+#define GNOMON_SCENE_H
+
+/* --- geometry -------------------------------------------------------------------------------------------------- */
+
+/** Describes a triangle mesh; arrays are copied before the call returns. */
+typedef struct GnMeshCreateInfo {
+    const char* pName;         ///< Optional.
+    const float* pPositions;   ///< Required. xyz, object space, finite.
+    uint32_t positionCount;    ///< Number of vertices.
+    uint32_t positionStride;   ///< Bytes between vertices; 0 means 12. Multiple of 4.
+    const uint32_t* pIndices;  ///< Three per triangle, counter-clockwise seen from outside; null: 0, 1, 2, ...
+    uint32_t indexCount;       ///< Multiple of 3.
+} GnMeshCreateInfo;
+
+/** \brief Copies a mesh. Topology and ray-tracing trees are built by workers; until then the mesh casts by the methods
+that do not need them. Zero-area triangles are dropped with a warning. Any thread.
+\return #GN_ERROR_EMPTY, #GN_ERROR_OUT_OF_RANGE (index), #GN_ERROR_NOT_A_NUMBER, #GN_ERROR_INFINITE, #GN_ERROR_TOO_MANY
+    (more than a storage buffer of the device holds). */
+GN_API GnResult GN_CALL gnCreateMesh(GnContext context, const GnMeshCreateInfo* pCreateInfo, GnMesh* pMesh);
+
+/** \brief Replaces all positions (same count as at creation). Seen from the next frame on. Any thread. */
+GN_API GnResult GN_CALL gnUpdateMeshPositions(GnContext context, GnMesh mesh, const float* pPositions,
+                                              uint32_t positionCount, uint32_t positionStride);
+
+/** \brief Destroys the mesh; instances still using it cast nothing. Memory waits for the GPU by itself. Any thread. */
+GN_API void GN_CALL gnDestroyMesh(GnContext context, GnMesh mesh);
+
+/** Where something stands. Row-major 3x3 (rotation, scale, shear) and a double translation in metres. */
+typedef struct GnTransform {
+    float basis[9];        ///< Rows of the linear part; all zero means identity.
+    double translation[3]; ///< World space, metres.
+} GnTransform;
+
+typedef enum GnInstanceFlagBits {
+    GN_INSTANCE_STATIC_BIT = 0x1,           ///< Will not move. If it does: reported once, moving from then on. Host-drawn:
+                                            ///< nor change its shape; without the bit it is drawn anew in every frame.
+    GN_INSTANCE_ALPHA_TESTED_BIT = 0x2,     ///< Rays ask pfnOpacity. Depth maps draw the whole mesh, unless the host
+                                            ///< draws the instance; volumes, planar shadows and spans refuse a light
+                                            ///< that has it in range.
+    GN_INSTANCE_HOST_DRAWN_BIT = 0x4,       ///< Drawn by pfnDrawCasters; methods that read triangles cannot see it.
+    GN_INSTANCE_MAY_BE_MISSED_BIT = 0x8,    ///< Methods that cannot see this host-drawn or alpha-tested instance serve
+                                            ///< its lights all the same, and leave it out.
+    GN_INSTANCE_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
+} GnInstanceFlagBits;
+typedef VkFlags GnInstanceFlags;
+
+/** How a raster pass looks at casters: what pfnDrawCasters needs to draw into it. */
+typedef struct GnCasterProjection {
+    float clipFromWorld[16];   ///< Column-major; world here means relative to `origin`.
+    double origin[3];          ///< World position of the zero of `clipFromWorld`, metres.
+    VkRect2D area;             ///< Viewport (depth 0 to 1) and scissor, set before each call.
+    VkFormat depthFormat;      ///< The only attachment of the pass.
+    float constantBias;        ///< vkCmdSetDepthBias values, set before each call, for pipelines that enable depth bias
+    float slopeBias;           ///< and take it from dynamic state; others should have the same.
+} GnCasterProjection;
+
+/** Draws the host's casters of this instance, depth only: depth is 0 near the light and 1 far from it, compare LESS, and
+what is nearer than the near end may be clipped: of what lies within the instance's bounds only what is nearer than
+1/10000 of the distance of the farthest caster. Records into `commandBuffer` inside a rendering scope; may bind any
+state. Called where the map is drawn: in every frame, once per pass that the instance's bounds touch, unless the instance
+is #GN_INSTANCE_STATIC_BIT. On the thread of the call that begins the frame, or of its gnFinishShadows(). */
+typedef void(GN_CALL* PFN_gnDrawCasters)(VkCommandBuffer commandBuffer, const GnCasterProjection* pProjection,
+                                         void* pUserData);
+/** Opacity in [0, 1] of a hit; below 0.5 the ray goes on. `triangle` counts as the mesh was given: its corners are
+indices 3 * triangle and the two after. The hit is at (1 - u - v), u and v of the first, second and third corner. Called
+from worker threads, concurrently. */
+typedef float(GN_CALL* PFN_gnOpacity)(uint32_t triangle, float u, float v, void* pUserData);
+
+/** Describes an instance. */
+typedef struct GnInstanceCreateInfo {
+    GnInstanceFlags flags;
+    const char* pName;                ///< Optional.
+    GnMesh mesh;                      ///< Required unless host-drawn.
+    GnTransform transform;
+    uint32_t casterMask;              ///< Casts for a light if (casterMask & light mask) != 0; 0 means all bits.
+    float boundsMin[3], boundsMax[3]; ///< Host-drawn: object-space bounds. Otherwise ignored.
+    PFN_gnDrawCasters pfnDrawCasters; ///< Host-drawn: required.
+    PFN_gnOpacity pfnOpacity;         ///< Alpha-tested: asked by methods that trace. Null: rays stop at all of the mesh.
+    void* pUserData;                  ///< For the two callbacks. What it points to must live until the frame that was
+                                      ///< under way at gnDestroyInstance() is finished.
+} GnInstanceCreateInfo;
+
+/** \brief Adds an instance. Any thread. */
+GN_API GnResult GN_CALL gnCreateInstance(GnContext context, const GnInstanceCreateInfo* pCreateInfo,
+                                         GnInstance* pInstance);
+/** \brief Moves it. Seen from the next frame on. Any thread. NaN or infinity: an error, the old transform stays. */
+GN_API GnResult GN_CALL gnSetInstanceTransform(GnContext context, GnInstance instance, const GnTransform* pTransform);
+/** \brief New object-space bounds of a host-drawn instance, whose shape is the host's to change. Seen from the next frame
+on. Any thread. \return #GN_ERROR_INVALID_HANDLE for an instance with a mesh. */
+GN_API GnResult GN_CALL gnSetInstanceBounds(GnContext context, GnInstance instance, const float boundsMin[3],
+                                            const float boundsMax[3]);
+/** \brief Swaps the mesh (level of detail). Any thread. */
+GN_API GnResult GN_CALL gnSetInstanceMesh(GnContext context, GnInstance instance, GnMesh mesh);
+/** \brief Removes it. Any thread. */
+GN_API void GN_CALL gnDestroyInstance(GnContext context, GnInstance instance);
+
+/* --- lights ----------------------------------------------------------------------------------------------------- */
+
+typedef enum GnLightType {
+    GN_LIGHT_TYPE_DIRECTIONAL = 0,
+    GN_LIGHT_TYPE_SPOT = 1,
+    GN_LIGHT_TYPE_POINT = 2,
+    GN_LIGHT_TYPE_MAX_ENUM = 0x7FFFFFFF
+} GnLightType;
+
+typedef enum GnLightFlagBits {
+    GN_LIGHT_STATIC_BIT = 0x1, ///< Will not move. If it does: reported once, moving from then on.
+    GN_LIGHT_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
+} GnLightFlagBits;
+typedef VkFlags GnLightFlags;
+
+/** Describes a light. */
+typedef struct GnLightInfo {
+    GnLightType type;
+    GnLightFlags flags;
+    const char* pName;   ///< Optional; copied at creation, ignored by updates.
+    double position[3];  ///< Spot and point. World space, metres.
+    float direction[3];  ///< Directional and spot: the way light travels. Need not be normalised; not zero.
+    float range;         ///< Metres; 0 means unlimited.
+    float coneAngle;     ///< Spot: half angle in radians, (0, pi/2 - 0.02]; 0 means pi/4.
+    float sourceRadius;  ///< Metres (directional: radians); 0 asks for hard shadows.
+    float importance;    ///< Weight of this light in the plan; 0 means 1.
+    uint32_t casterMask; ///< 0 means all bits.
+} GnLightInfo;
+
+GN_API GnResult GN_CALL gnCreateLight(GnContext context, const GnLightInfo* pInfo, GnLight* pLight);
+/** \brief Replaces everything but the name. An invalid description changes nothing. */
+GN_API GnResult GN_CALL gnUpdateLight(GnContext context, GnLight light, const GnLightInfo* pInfo);
+/** \brief Pins a method, overruling the rules; null hands the light back to them. A method that cannot serve the light
+is refused with the reason. */
+GN_API GnResult GN_CALL gnSetLightMethod(GnContext context, GnLight light, const char* pMethod);
+GN_API void GN_CALL gnDestroyLight(GnContext context, GnLight light);
+
+#endif /* GNOMON_SCENE_H */
