@@ -97,9 +97,9 @@ GnCandidate publicCandidate(const char* name, const Candidate& candidate, bool c
 } // namespace
 
 Context::Context(const GnContextCreateInfo& info)
-    : messages_(info.pfnMessage, info.pUserData), name_(info.pName ? info.pName : "gnomon"),
+    : messages_(info.pfnMessage, info.pUserData, info.pName),
       background_((info.flags & GN_CONTEXT_NO_BACKGROUND_BIT) == 0),
-      timeEveryFrame_((info.flags & GN_CONTEXT_TIME_EVERY_FRAME_BIT) != 0), info_(info)
+      timeEveryFrame_((info.flags & GN_CONTEXT_TIME_EVERY_FRAME_BIT) != 0)
 {
 }
 
@@ -122,6 +122,12 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     Result<std::unique_ptr<DeviceTable>> vk = loadDeviceTable(info);
     if (!vk) return vk.error();
     vk_ = std::move(*vk);
+    for (std::uint32_t i = 0; i < info.visibilityQueueFamilyCount; ++i)
+        if (info.pVisibilityQueueFamilies[i] >= vk_->queueFamilyCount)
+            return Error{GN_ERROR_OUT_OF_RANGE, "QueueFamily",
+                         "pVisibilityQueueFamilies[" + std::to_string(i) + "] is " +
+                             std::to_string(info.pVisibilityQueueFamilies[i]) + "; the device has " +
+                             std::to_string(vk_->queueFamilyCount) + " families"};
     remarkOnSubpixels(*vk_, messages_);
     pluginInterface_ = makePluginInterface(vk_->device, vk_->vkGetDeviceProcAddr);
     memory_ = std::make_unique<DeviceMemory>(*vk_, info.memoryLimit ? info.memoryLimit : defaultLimit(*vk_),
@@ -137,7 +143,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     if (Result<void> made = samplers_->create(); !made) return made;
     pipelines_ = std::make_unique<PipelineStore>(*vk_, *memory_, *samplers_);
     pipelines_->setTrialBias({kOpenConstantBias, kOpenSlopeBias});
-    methods_ = std::make_unique<MethodTable>(*vk_, *pipelines_, *jobs_, background_);
+    methods_ = std::make_unique<MethodTable>(*vk_, *pipelines_, *jobs_, messages_, background_);
     registry_ = builtinRegistry();
     if (Result<void> added = methods_->addBuiltins(registry_); !added) return added;
     pipelines_->setOwner(kRuntimeOwner);
@@ -169,6 +175,23 @@ Context::~Context()
     pool_.reset();
 }
 
+/// Of the depth grid and of fades. @return whether they are made, and still to be run for the first time
+bool Context::createOwnPipelines()
+{
+    if (gridReady_ || ownFailed_) return false;
+    while (pipelines_->createNext(kRuntimeOwner)) {
+    }
+    const std::string failure = pipelines_->failure(kRuntimeOwner);
+    if (!failure.empty()) failOwnPipelines(failure);
+    return failure.empty();
+}
+
+void Context::failOwnPipelines(const std::string& why)
+{
+    ownFailed_ = true;
+    messages_.warn("RuntimePipelines", "distances to receivers are not measured, and nothing fades: " + why);
+}
+
 Result<void> Context::warmUp()
 {
     return warmUp([](const Method&) { return true; });
@@ -178,7 +201,10 @@ Result<void> Context::warmUpMethod(const char* name)
 {
     const Result<Method*> method = usableMethod(name);
     if (!method) return method.error();
-    return warmUp([&](const Method& each) { return &each == *method || each.has(GN_TRAIT_FALLBACK_BIT); });
+    const auto wanted = [&](const Method& each) { return &each == *method || each.has(GN_TRAIT_FALLBACK_BIT); };
+    if (Result<void> warm = warmUp(wanted); !warm) return warm;
+    if (const Result<Method*> still = usableMethod(name); !still) return still.error();
+    return {};
 }
 
 template <typename Wanted>
@@ -187,26 +213,21 @@ Result<void> Context::warmUp(Wanted&& wanted)
     finishUnderway();
     scene_->finishBackground();
     methods_->finishBackground();
-    while (pipelines_->createNext(kRuntimeOwner)) {
-    }
+    const bool own = createOwnPipelines();
     jobs_->parallelFor(methods_->size(), 1, [&](std::size_t begin, std::size_t end, std::uint32_t) {
         for (std::size_t i = begin; i < end; ++i)
             if (Method& method = (*methods_)[static_cast<std::uint32_t>(i)]; wanted(method))
                 methods_->createNow(method);
     });
     return executor_->once([&](VkCommandBuffer cmd) -> Result<void> {
-        if (!gridReady_) {
+        if (own) {
             if (auto tried = pipelines_->recordTrials(cmd, kRuntimeOwner); !tried) return tried;
-            gridReady_ = pipelines_->failure(kRuntimeOwner).empty();
+            gridReady_ = true;
         }
         for (std::uint32_t i = 0; i < methods_->size(); ++i) {
             Method& method = (*methods_)[i];
             if (method.ready || method.unavailable || !wanted(method)) continue;
-            if (const std::string failure = pipelines_->failure(i); !failure.empty()) {
-                method.unavailable = "its pipelines could not be created";
-                messages_.warn("MethodFailed", "method '" + method.name + "': " + failure);
-                continue;
-            }
+            if (methods_->failed(method)) continue;
             if (auto tried = pipelines_->recordTrials(cmd, i); !tried) return tried;
             method.ready = true;
         }
@@ -296,27 +317,43 @@ Result<void> Context::setLightMethod(GnLight light, const char* name)
                      "method '" + method->name + "' does not serve the kind of light '" + std::string(info->name) +
                          "' is"};
     state.pinned = method->index;
+    views_.forEach([&](std::unique_ptr<View>& view) { // asked for anew, it is tried anew
+        if (const auto known = view->lights.find(info->id); known != view->lights.end())
+            known->second.failures[method->index] = {};
+    });
+    return {};
+}
+
+template <typename Add>
+Result<void> Context::admit(const char* name, GnTraits traits, Add&& add)
+{
+    if (Result<void> admitted = methods_->admits(name); !admitted) return admitted;
+    Result<Selector::BoundRules> rules = selector_->boundWith(name, traits, registry_);
+    if (!rules) return rules.error();
+    if (Result<std::uint32_t> added = add(); !added) return added.error();
+    selector_->adopt(std::move(*rules));
     return {};
 }
 
 Result<void> Context::addMethod(const char* name, const char* algorithm)
 {
     if (!name || !algorithm) return Error{GN_ERROR_NULL_ARGUMENT, "NameMissing", "pName and pAlgorithm are required"};
-    auto added = methods_->addNamed(name, algorithm);
-    if (!added) return added.error();
-    return selector_->rebind(registry_);
+    const Result<const AlgorithmEntry*> entry = methods_->algorithm(algorithm);
+    if (!entry) return entry.error();
+    return admit(name, (*entry)->traits, [&] { return methods_->add(name, **entry); });
 }
 
 Result<void> Context::registerAlgorithm(const GnAlgorithmInfo& info)
 {
     if (Result<void> ok = checkAlgorithmInfo(info); !ok) return ok;
+    foreign_.reserve(foreign_.size() + 1);
     auto foreign = std::make_unique<ForeignAlgorithm>(info);
-    if (auto added = methods_->addEntry(foreign->entry()); !added) {
-        foreign->disown();
-        return added.error();
-    }
+    const AlgorithmEntry& entry = foreign->entry();
+    if (auto admitted = admit(entry.name, entry.traits, [&] { return methods_->addEntry(entry); }); !admitted)
+        return admitted;
+    foreign->own();
     foreign_.push_back(std::move(foreign));
-    return selector_->rebind(registry_);
+    return {};
 }
 
 Result<GnResult> Context::loadPlugin(GnContext self, const char* path)
@@ -325,13 +362,16 @@ Result<GnResult> Context::loadPlugin(GnContext self, const char* path)
     Result<std::unique_ptr<SharedObject>> object = SharedObject::open(path);
     if (!object) return object.error();
     plugins_.push_back(std::move(*object)); // stays even if it fails: it may have registered something
-    return plugins_.back()->pluginMain()(self, &pluginInterface_);
+    const GnResult result = plugins_.back()->pluginMain()(self, &pluginInterface_);
+    if (result >= 0) return result;
+    return Error{result, "PluginMain",
+                 "plug-in '" + std::string(path) + "': gnPluginMain returned " + gnResultName(result)};
 }
 
 Result<void> Context::setMethodSetting(const char* method, const char* setting, double value)
 {
     if (!method || !setting) return Error{GN_ERROR_NULL_ARGUMENT, "NameMissing", "pMethod and pSetting are required"};
-    return methods_->set(method, setting, value);
+    return methods_->set(method, setting, value, frame_);
 }
 
 std::uint32_t Context::methods(std::span<GnMethodInfo> out)
@@ -415,9 +455,10 @@ Result<std::uint32_t> Context::candidates(GnView view, GnLight light, std::span<
 {
     const Result<const LightDecision*> found = findDecision(view, light);
     if (!found) return found.error();
+    const RecordRing& records = findView(view)->records;
+    const bool ruled = records.rules(records.newest()) != nullptr; // by those in force when it was decided
     for (std::uint32_t i = 0; i < std::min<std::size_t>(out.size(), methods_->size()); ++i)
-        out[i] = publicCandidate((*methods_)[i].name.c_str(), (*found)->candidates[i], i == (*found)->method,
-                                 selector_->hasRules());
+        out[i] = publicCandidate((*methods_)[i].name.c_str(), (*found)->candidates[i], i == (*found)->method, ruled);
     return methods_->size();
 }
 

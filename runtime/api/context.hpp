@@ -139,6 +139,11 @@ private:
     template <typename Wanted>
     Result<void> warmUp(Wanted&& wanted); ///< Methods for which wanted(method) holds.
     Result<Method*> usableMethod(const char* name);
+    template <typename Add>
+    Result<void> admit(const char* name, GnTraits traits, Add&& add); ///< Adds a method that the rules bind to.
+    bool createOwnPipelines();
+    void failOwnPipelines(const std::string& why);
+    void settleTrial(std::uint32_t owner);
     /// Whose pipelines this frame runs for the first time, once they are compiled: one method a frame.
     std::uint32_t nextTrial();
     Result<GnResult> runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
@@ -169,6 +174,7 @@ private:
     void declareLight(const PendingLight& pending, FrameMode mode);
     std::optional<Error> declareMethod(const PendingLight& pending, std::uint32_t method, ImageId visibility,
                                        std::uint32_t layer, FrameMode mode);
+    void noteFailure(const PendingLight& pending, const Error& error);
     void declareLit(std::uint32_t viewIndex, std::uint32_t layer);
     const LightCasters& castersOf(const LightView& light);
 
@@ -201,10 +207,8 @@ private:
     double msSince(std::chrono::steady_clock::time_point since) const;
 
     Messages messages_;
-    std::string name_;
     bool background_;
     bool timeEveryFrame_;
-    GnContextCreateInfo info_;
     // Before everything that may call into them.
     std::vector<std::unique_ptr<SharedObject>> plugins_;
     std::vector<std::unique_ptr<ForeignAlgorithm>> foreign_;
@@ -244,6 +248,7 @@ private:
     PipelineId gridPipeline_, mixPipeline_;
     MedianOfFive mixMs_;     ///< Of a light's mix pass.
     bool gridReady_ = false; ///< The runtime's own pipelines have run once.
+    bool ownFailed_ = false; ///< They never will.
     std::vector<View*> acceptedViews_;
     std::vector<ViewFrame> viewFrames_;
     std::vector<LightFrame> lightFrames_;
@@ -307,6 +312,9 @@ CameraView makeCameraView(const GnViewFrame& frame, const std::array<double, 3>&
 constexpr std::uint32_t kOutgoingLayer = 0, kIncomingLayer = 1;
 /// Mixes them (frame_fade.cpp).
 PipelineId fadeMixPipeline(PipelineLibrary& library);
+
+/// One frame in this many carries full barriers and a pair of timestamps around every pass; they cost up to 20 % there.
+constexpr std::uint64_t kTimedPeriod = 8;
 
 /// The pipelines of the runtime itself have an owner of their own in the store.
 constexpr std::uint32_t kRuntimeOwner = kMaxMethods;

@@ -16,8 +16,6 @@ namespace {
 // step from the eye a float resolves 0.015 mm; with steps of 1024 m, rays left from one or two metres before the eye
 // hit the surface they came from. Every step moves all that is kept, so smaller ones are not free either.
 constexpr double kOriginStep = 256.0;
-// One frame in eight carries full barriers and a pair of timestamps around every pass; they cost up to 20 % there.
-constexpr std::uint64_t kTimedPeriod = 8;
 // Nothing fits it, so the plan step returns the cheapest plan.
 constexpr double kNextToNothingMs = 1e-3;
 
@@ -71,11 +69,7 @@ Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, Vk
 
 std::uint32_t Context::nextTrial()
 {
-    if (!gridReady_) {
-        while (pipelines_->createNext(kRuntimeOwner)) {
-        }
-        return kRuntimeOwner;
-    }
+    if (createOwnPipelines()) return kRuntimeOwner;
     MethodDemand demand{.pinned = 0, .others = pending_.empty()};
     for (const PendingLight& pending : pending_) {
         const std::uint32_t pinned = pending.decision->pinned;
@@ -88,6 +82,22 @@ std::uint32_t Context::nextTrial()
         demand.others |= pending.decision->method != pinned && (method.ready || method.unavailable);
     }
     return methods_->nextTrial(demand);
+}
+
+/// Its pipelines have run once. Where memory was short for that, another frame tries again; nobody has asked yet for
+/// what they do.
+void Context::settleTrial(std::uint32_t owner)
+{
+    const Error* const error = executor_->trialError();
+    if (error && error->result == GN_ERROR_OUT_OF_DEVICE_MEMORY) return;
+    if (owner == kRuntimeOwner) {
+        gridReady_ = !error;
+        if (error) failOwnPipelines(error->text);
+    } else if (error) {
+        methods_->fail((*methods_)[owner], error->text);
+    } else {
+        (*methods_)[owner].ready = true;
+    }
 }
 
 Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
@@ -157,10 +167,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
         return ok.error();
     }
     if (trial != UINT32_MAX || stats_.pipelinesCreated) present().disturbed = true;
-    if (trial == kRuntimeOwner)
-        gridReady_ = true;
-    else if (trial != UINT32_MAX)
-        (*methods_)[trial].ready = true;
+    if (trial != UINT32_MAX) settleTrial(trial);
     stats_.callMs = static_cast<float>(msSince(start));
     finishStats();
     return methods_->anyReady() ? GN_SUCCESS : GN_NOT_READY;
@@ -322,7 +329,7 @@ void Context::assessView(std::uint32_t viewIndex, const GnViewFrame& frame, cons
                                    .frameRate = rate,
                                    .importance = light.importance,
                                    .recorded = mode == FrameMode::recorded,
-                                   .still = (state.motion.bits & 1) == 0,
+                                   .still = state.motion.rests(),
                                    .memoryLeft = memory_->limit() - std::min(memory_->used(), memory_->limit()),
                                    .frame = info.frame};
         view.decisions.push_back(selector_->assess(input, memory));

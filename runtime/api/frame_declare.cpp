@@ -16,23 +16,32 @@ void Context::declareLight(const PendingLight& pending, FrameMode mode)
         if (fades) declareMix(pending, pair);
         return;
     }
-    const Method& method = (*methods_)[decision.method];
-    messages_.warn(error->id, "light '" + std::string(pending.light->name) + "', method '" + method.name +
-                                  "': " + error->text + "; lit in this frame");
-    Candidate& candidate = decision.candidates[decision.method];
-    if (error->result == GN_ERROR_OUT_OF_DEVICE_MEMORY) {
-        candidate.exclusion = Exclusion::memory;
-        candidate.detail = method.entry->memoryFor(method.settings, viewFrames_[pending.viewIndex].view->camera.extent,
+    noteFailure(pending, *error);
+    declareLight(pending, mode); // each turn has a candidate less
+}
+
+/// The method's passes cannot be made: it is left alone for a while, and another one serves the light if one can.
+void Context::noteFailure(const PendingLight& pending, const Error& error)
+{
+    LightDecision& decision = *pending.decision;
+    const Method& failed = (*methods_)[decision.method];
+    const bool memory = error.result == GN_ERROR_OUT_OF_DEVICE_MEMORY;
+    Candidate& candidate = decision.candidates[failed.index];
+    candidate.exclusion = memory ? Exclusion::memory : Exclusion::refused;
+    candidate.refusal = memory ? nullptr : kPassesFailed;
+    if (memory)
+        candidate.detail = failed.entry->memoryFor(failed.settings, viewFrames_[pending.viewIndex].view->camera.extent,
                                                    pending.light->type);
-    } else {
-        candidate.exclusion = Exclusion::refused;
-        candidate.refusal = "its passes could not be made in this frame; a message says why";
-    }
-    decision.method = decision.outgoing = decision.probed = UINT32_MAX;
-    decision.fade = 1.0f;
-    decision.reason = GN_REASON_NOTHING_READY;
+    pending.memory->failures[failed.index].note(frame_, memory);
     pending.memory->fade.lose();
-    declareLit(pending.viewIndex, pending.layer);
+    predictedMs_ -= decision.predictedMs;
+    selector_->substitute(decision);
+    selector_->commit(decision, *pending.memory, frame_);
+    predictedMs_ += decision.predictedMs;
+    messages_.warn(error.id,
+                   "light '" + std::string(pending.light->name) + "', method '" + failed.name + "': " + error.text +
+                       (decision.method == UINT32_MAX ? "; lit in this frame"
+                                                      : "; '" + (*methods_)[decision.method].name + "' serves it"));
 }
 
 /// One method's passes for a light. @return why it cannot run.

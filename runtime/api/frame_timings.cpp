@@ -47,6 +47,12 @@ void Context::takeTimings()
         untimedCpuMs_ = past(untimedFrame_).cpuMs;
     }
     const FrameTimings* timed = executor_->newestTimed();
+    // A host that has begun to time every frame leaves none untimed.
+    if (untimedFrame_ != 0 && timed && timed->frame > untimedFrame_ + 2 * kTimedPeriod) {
+        untimedGpuMs_ = timed->totalGpuMs * timedScale_;
+        untimedFrame_ = timed->frame;
+        untimedCpuMs_ = past(untimedFrame_).cpuMs;
+    }
     if (untimedGpuMs_ > 0.0f) {
         stats_.gpuMs = untimedGpuMs_, stats_.gpuFrame = untimedFrame_, stats_.gpuFrameCpuMs = untimedCpuMs_;
     } else if (timed) {
@@ -68,9 +74,11 @@ void Context::takeTimings()
 void Context::noteTimedScale(const FrameTimings& timed)
 {
     const PastFrame &there = past(timed.frame), &here = past(untimedFrame_);
-    if (!(untimedGpuMs_ > 0.0f) || there.methods != here.methods) return;
+    if (!(untimedGpuMs_ > 0.0f) || untimedFrame_ == timed.frame || there.methods != here.methods) return;
+    if (there.disturbed || here.disturbed) return;
     const float ratio = timed.totalGpuMs > untimedGpuMs_ ? untimedGpuMs_ / timed.totalGpuMs : 1.0f;
-    timedRatios_.add(ratio, timed.totalGpuMs);
+    // By the lesser one: a hitch in either must not outweigh the four others.
+    timedRatios_.add(ratio, std::min(timed.totalGpuMs, untimedGpuMs_));
     timedScale_ = timedRatios_.get();
 }
 

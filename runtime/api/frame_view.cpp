@@ -35,6 +35,7 @@ Result<void> Context::prepareView(View& view, const GnViewFrame& frame)
         for (auto& [id, memory] : view.lights) {
             memory.measured = false;
             memory.share.reset();
+            memory.treeLevels.reset();
         }
     }
     view.decisions.clear();

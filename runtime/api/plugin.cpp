@@ -5,17 +5,24 @@
 #include <cmath>
 #include <cstring>
 #include <dlfcn.h>
+#include <optional>
 
+#include "rules/engine/number_text.hpp"
 #include "runtime/api/context.hpp"
 
-// The opaque handles of the C door are the C++ objects themselves.
+// The opaque handles of the C door are pointers to what they stand for.
 namespace {
 
 using namespace gnomon;
 
+/// What one declaration builds with, and what its algorithm may do.
+struct ForeignBuilder {
+    PassBuilder* passes;
+    std::uint32_t roundTrips;
+};
 PassBuilder& builderOf(GnPassBuilder builder)
 {
-    return *reinterpret_cast<PassBuilder*>(builder);
+    return *reinterpret_cast<ForeignBuilder*>(builder)->passes;
 }
 
 /// What a callback sees: one of the two contexts.
@@ -48,13 +55,13 @@ GnBufferRef refOf(BufferId id)
 
 /// No exception may unwind through the plug-in's frames: what fails here is noted in the builder's task.
 template <typename Body>
-auto guarded(GnPassBuilder builder, Body&& body) noexcept -> decltype(body())
+auto guarded(GnPassBuilder builder, Body&& body, decltype(body()) otherwise = {}) noexcept
 {
     try {
         return body();
     } catch (...) { // words so short that they need no memory
         builderOf(builder).fail({GN_ERROR_OUT_OF_HOST_MEMORY, "OutOfHostMemory", "no host memory"});
-        return {};
+        return otherwise;
     }
 }
 
@@ -186,18 +193,60 @@ bool writesImageOtherwise(const GnPassInfo& info)
     });
 }
 
+bool isAttachmentWrite(const GnPassInfo& info, const GnAccess& access)
+{
+    return info.kind == GN_PASS_RASTER && access.image && access.kind == GN_ACCESS_WRITE;
+}
+
+/// What is wrong with a pass, or nothing.
+std::optional<Error> faultOf(const PassBuilder& passes, const GnPassInfo& info, std::uint32_t roundTrips)
+{
+    if (!info.pName) return Error{GN_ERROR_NULL_ARGUMENT, "PassName", "a pass has no pName"};
+    const auto fault = [&](GnResult result, const char* id, const std::string& what) {
+        return Error{result, id, "pass '" + std::string(info.pName) + "': " + what};
+    };
+    const bool cpu = info.kind == GN_PASS_PREPARE || info.kind == GN_PASS_HOST;
+    if (cpu && !info.pfnRun) return fault(GN_ERROR_NULL_ARGUMENT, "PassRun", "pfnRun is null");
+    if (!cpu && !info.pfnRecord) return fault(GN_ERROR_NULL_ARGUMENT, "PassRecord", "pfnRecord is null");
+    if (info.accessCount && !info.pAccesses) return fault(GN_ERROR_NULL_ARGUMENT, "PassAccesses", "pAccesses is null");
+    if (info.userDataSize && !info.pUserData) return fault(GN_ERROR_NULL_ARGUMENT, "PassUserData", "pUserData is null");
+    if (info.userDataSize > kMaxUserData)
+        return fault(GN_ERROR_TOO_MANY, "PassUserData",
+                     "userDataSize is " + std::to_string(info.userDataSize) + ", above " +
+                         std::to_string(kMaxUserData));
+    if (info.kind == GN_PASS_HOST && roundTrips == 0) // recorded frames would run without it
+        return fault(GN_ERROR_UNSUPPORTED, "PassRoundTrips", "a host pass, but the algorithm's roundTrips is 0");
+    std::uint32_t colors = 0;
+    for (std::uint32_t i = 0; i < info.accessCount; ++i) {
+        const GnAccess& access = info.pAccesses[i];
+        const std::uint32_t layers = std::max(access.layerCount, 1u);
+        const bool there = (!access.image || passes.has(imageOf(access.image), access.baseLayer, layers)) &&
+                           (!access.buffer || passes.has(bufferOf(access.buffer)));
+        if (!there)
+            return fault(GN_ERROR_OUT_OF_RANGE, "PassAccess",
+                         "pAccesses[" + std::to_string(i) + "] names image " + std::to_string(access.image) +
+                             ", layers " + std::to_string(access.baseLayer) + " + " + std::to_string(layers) +
+                             ", buffer " + std::to_string(access.buffer) + ", which this frame has not");
+        colors += isAttachmentWrite(info, access) ? 1 : 0;
+    }
+    if (colors > kMaxColorAttachments)
+        return fault(GN_ERROR_TOO_MANY, "PassAttachments",
+                     std::to_string(colors) + " colour attachments, above " + std::to_string(kMaxColorAttachments));
+    if (writesImageOtherwise(info))
+        return fault(GN_ERROR_UNSUPPORTED, "StorageImage",
+                     "it writes an image that is neither its attachment nor what it copies to");
+    return std::nullopt;
+}
+
 GnResult declare(GnPassBuilder builder, const GnPassInfo* info)
 {
-    const bool cpu = info->kind == GN_PASS_PREPARE || info->kind == GN_PASS_HOST;
-    if (!info->pName || (cpu ? !info->pfnRun : !info->pfnRecord)) return GN_ERROR_NULL_ARGUMENT;
-    if (info->userDataSize > kMaxUserData) return GN_ERROR_TOO_MANY;
     PassBuilder& passes = builderOf(builder);
-    if (writesImageOtherwise(*info)) {
-        passes.fail({GN_ERROR_UNSUPPORTED, "StorageImage",
-                     "pass '" + std::string(info->pName) +
-                         "' writes an image that is neither its attachment nor what it copies to"});
-        return GN_ERROR_UNSUPPORTED;
+    if (const std::optional<Error> fault =
+            faultOf(passes, *info, reinterpret_cast<ForeignBuilder*>(builder)->roundTrips)) {
+        passes.fail(*fault);
+        return fault->result;
     }
+    const bool cpu = info->kind == GN_PASS_PREPARE || info->kind == GN_PASS_HOST;
     PassRef pass = openPass(passes, *info);
     for (uint32_t i = 0; i < info->accessCount; ++i)
         addAccess(pass, info->pAccesses[i]);
@@ -226,7 +275,8 @@ GnResult declare(GnPassBuilder builder, const GnPassInfo* info)
 
 GnResult GN_CALL declarePass(GnPassBuilder builder, const GnPassInfo* info)
 {
-    return guarded(builder, [&] { return declare(builder, info); });
+    return guarded(
+        builder, [&] { return declare(builder, info); }, GN_ERROR_OUT_OF_HOST_MEMORY);
 }
 
 VkImage GN_CALL vkImageOf(GnPassContext context, GnImageRef image)
@@ -334,7 +384,9 @@ public:
                          .visibility = refOf(task.visibility),
                          .layer = task.layer,
                          .depth = refOf(task.depth),
-                         .normals = refOf(task.normals)};
+                         .normals = refOf(task.normals),
+                         .frame = passes.frame(),
+                         .completedFrame = passes.completedFrame()};
         for (int i = 0; i < 16; ++i)
             out.clipFromWorld[i] = task.view->constants.clipFromWorld[i / 4][i % 4];
         for (int i = 0; i < 3; ++i) {
@@ -342,7 +394,8 @@ public:
             out.lightPosition[i] = light.positionWs[i];
             out.lightDirection[i] = light.directionWs[i];
         }
-        foreign_.info_.pfnDeclare(foreign_.info_.pAlgorithm, reinterpret_cast<GnPassBuilder>(&passes), &out);
+        ForeignBuilder builder{.passes = &passes, .roundTrips = foreign_.info_.roundTrips};
+        foreign_.info_.pfnDeclare(foreign_.info_.pAlgorithm, reinterpret_cast<GnPassBuilder>(&builder), &out);
     }
 
 private:
@@ -360,9 +413,12 @@ Result<void> checkAlgorithmInfo(const GnAlgorithmInfo& info)
         return Error{GN_ERROR_NULL_ARGUMENT, "AlgorithmSettings", who + "pSettings is null"};
     for (uint32_t i = 0; i < info.settingCount; ++i) {
         const GnSettingInfo& s = info.pSettings[i];
-        if (!s.pName || !(s.minimum <= s.value && s.value <= s.maximum))
+        const std::string which = who + "pSettings[" + std::to_string(i) + "].";
+        if (!s.pName) return Error{GN_ERROR_NULL_ARGUMENT, "AlgorithmSettings", which + "pName is null"};
+        if (!(s.minimum <= s.value && s.value <= s.maximum))
             return Error{GN_ERROR_OUT_OF_RANGE, "AlgorithmSettings",
-                         who + "setting " + std::to_string(i) + " has no name or a default outside its range"};
+                         which + "value, of '" + s.pName + "', is " + rules::shortestText(s.value) + ", outside [" +
+                             rules::shortestText(s.minimum) + ", " + rules::shortestText(s.maximum) + "]"};
     }
     return {};
 }
@@ -392,7 +448,7 @@ ForeignAlgorithm::ForeignAlgorithm(const GnAlgorithmInfo& info)
 
 ForeignAlgorithm::~ForeignAlgorithm()
 {
-    if (info_.pfnDestroy) info_.pfnDestroy(info_.pAlgorithm);
+    if (owned_ && info_.pfnDestroy) info_.pfnDestroy(info_.pAlgorithm);
 }
 
 Result<std::unique_ptr<SharedObject>> SharedObject::open(const char* path)
@@ -404,6 +460,13 @@ Result<std::unique_ptr<SharedObject>> SharedObject::open(const char* path)
     object->main_ = reinterpret_cast<PFN_gnPluginMain>(dlsym(object->handle_, "gnPluginMain"));
     if (!object->main_)
         return Error{GN_ERROR_UNSUPPORTED, "PluginMain", std::string(path) + " exports no gnPluginMain"};
+    const auto* version = static_cast<const uint32_t*>(dlsym(object->handle_, "gnPluginVersion"));
+    if (!version || *version != GN_PLUGIN_VERSION)
+        return Error{GN_ERROR_UNSUPPORTED, "PluginVersion",
+                     std::string(path) +
+                         (version ? " was compiled with GN_PLUGIN_VERSION " + std::to_string(*version)
+                                  : " exports no gnPluginVersion") +
+                         "; this is " + std::to_string(GN_PLUGIN_VERSION)};
     return object;
 }
 

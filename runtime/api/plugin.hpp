@@ -18,8 +18,8 @@ public:
     ForeignAlgorithm& operator=(const ForeignAlgorithm&) = delete;
 
     const AlgorithmEntry& entry() const { return entry_; }
-    /// Registration failed: the algorithm stays the host's.
-    void disown() { info_.pfnDestroy = nullptr; }
+    /// It is registered, and ours from now on: pfnDestroy is called in the end. Until then it is the host's.
+    void own() { owned_ = true; }
 
 private:
     std::string name_, source_;
@@ -27,6 +27,7 @@ private:
     std::vector<SettingSpec> settings_;
     AlgorithmEntry entry_{};
     GnAlgorithmInfo info_;
+    bool owned_ = false;
     friend class ForeignShadow;
 };
 

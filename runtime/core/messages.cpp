@@ -5,7 +5,8 @@ namespace gnomon {
 void Messages::send(GnSeverity severity, GnResult result, const char* id, const std::string& text) const
 {
     if (!callback_) return;
-    const GnMessage message{severity, result, id, text.c_str()};
+    const std::string whole = prefix_ + text;
+    const GnMessage message{severity, result, id, whole.c_str()};
     callback_(&message, userData_);
 }
 

@@ -9,7 +9,11 @@ namespace gnomon {
 /// Where messages go: the host's callback, if any. Safe from several threads.
 class Messages {
 public:
-    Messages(PFN_gnMessage callback, void* userData) : callback_(callback), userData_(userData) {}
+    /// @param name  of the context, which comes before every text; null: none
+    Messages(PFN_gnMessage callback, void* userData, const char* name = nullptr)
+        : callback_(callback), userData_(userData), prefix_(name ? std::string(name) + ": " : std::string())
+    {
+    }
 
     void send(GnSeverity severity, GnResult result, const char* id, const std::string& text) const;
     void warn(const char* id, const std::string& text) const { send(GN_SEVERITY_WARNING, GN_SUCCESS, id, text); }
@@ -19,6 +23,7 @@ public:
 private:
     PFN_gnMessage callback_;
     void* userData_;
+    std::string prefix_;
 };
 
 } // namespace gnomon

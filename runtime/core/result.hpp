@@ -29,6 +29,7 @@ public:
     T* operator->() { return &std::get<0>(state_); }
     const T* operator->() const { return &std::get<0>(state_); }
     const Error& error() const { return std::get<1>(state_); }
+    Error& error() { return std::get<1>(state_); }
 
 private:
     std::variant<T, Error> state_;

@@ -343,6 +343,11 @@ std::uint64_t PassBuilder::frame() const
     return graph_.pool_.frame();
 }
 
+std::uint64_t PassBuilder::completedFrame() const
+{
+    return graph_.pool_.completed();
+}
+
 void PassBuilder::kept(std::uint32_t count)
 {
     graph_.taskKept_ += count;
@@ -351,6 +356,18 @@ void PassBuilder::kept(std::uint32_t count)
 void PassBuilder::fail(const Error& error)
 {
     graph_.fail(error);
+}
+
+bool PassBuilder::has(ImageId image, std::uint32_t firstLayer, std::uint32_t layers) const
+{
+    if (image.index >= graph_.images_.size()) return false;
+    const std::size_t count = graph_.images_[image.index].pooled->layers.size();
+    return firstLayer < count && layers <= count - firstLayer;
+}
+
+bool PassBuilder::has(BufferId buffer) const
+{
+    return buffer.index < graph_.buffers_.size();
 }
 
 FrameArena& PassBuilder::arena()

@@ -27,6 +27,8 @@ enum class PassKind : std::uint8_t {
     host,    ///< CPU work between GPU passes; sees buffers only. Ends a level.
 };
 
+constexpr std::uint32_t kMaxColorAttachments = 4; ///< Of a raster pass; every device has as many.
+
 /// How often a pass or resource exists: once per view (whatever the lights), once per light (whatever the views), once
 /// per (view, light, method), or once (whatever asks: what depends on a mesh alone, with the mesh's id as the variant).
 /// The same scope, name and variant is the same pass or resource.
@@ -189,6 +191,10 @@ public:
     /// have been freed and made anew. 0: there is none.
     std::uint64_t serial(ImageId image) const;
 
+    /// Whether the frame has them: for ids that are not our own.
+    bool has(ImageId image, std::uint32_t firstLayer, std::uint32_t layers) const;
+    bool has(BufferId buffer) const;
+
     // Passes. `variant` as for resources. Names are "algorithm.stage", static storage.
     PassRef raster(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);
     PassRef compute(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);
@@ -198,6 +204,8 @@ public:
 
     /// The frame under declaration: grows from frame to frame.
     std::uint64_t frame() const;
+    /// The newest frame that the GPU has finished.
+    std::uint64_t completedFrame() const;
 
     /// Counts `count` update passes that were not declared because their result was kept.
     void kept(std::uint32_t count = 1);
@@ -207,7 +215,7 @@ public:
     BufferId depthOnHost();   ///< A float a pixel.
     BufferId normalsOnHost(); ///< Raw texels of the normal image (CameraView::normalFormat); none: null id.
 
-    /// The task cannot run; its passes are taken back and the light is lit in this frame.
+    /// The task cannot run; its passes are taken back and another method serves the light, if one can.
     void fail(const Error& error);
 
     /// Memory of this frame for closures to share (counts set by a prepare pass, read while recording).

@@ -114,6 +114,7 @@ Result<void> PassExecutor::begin(const ExecutorFrame& frame)
     counters_.rays = 0;
     counters_.cpuMs = 0.0f;
     later_.clear();
+    trialError_.reset();
     barriers_.clear(); // what a failed frame left
     level_ = 0;
 
@@ -194,6 +195,8 @@ void PassExecutor::giveUp() noexcept
 /// Host passes of the level under way; then, while there are more, the next level.
 Result<GnResult> PassExecutor::finishLevels(std::uint64_t timeoutNs)
 {
+    constexpr std::uint64_t kCentury = 1ull << 61; // ns; what clocks count in is signed
+    if (timeoutNs > kCentury) timeoutNs = UINT64_MAX;
     while (levelHas(level_, PassKind::host)) {
         if (inlineHost_) {
             if (Result<void> waited = hostLevel(timeoutNs); !waited) return waited.error();
@@ -430,9 +433,9 @@ Result<void> PassExecutor::endOnce(VkCommandBuffer cmd)
     const VkSubmitInfo2 submit{
         .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &cmdInfo};
     if (Result<void> submitted = submit2(submit, {}); !submitted) return submitted;
-    waitTimeline();
+    const VkResult waited = waitTimeline();
     oncePool_ = {};
-    return {};
+    return waited == VK_SUCCESS ? Result<void>() : vulkanError(waited, "vkWaitSemaphores");
 }
 
 void PassExecutor::waitQueue() noexcept
@@ -445,22 +448,28 @@ void PassExecutor::waitQueue() noexcept
         submitted = bool(submit2({.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2}, {}));
     } catch (...) { // no memory
     }
-    if (submitted) return waitTimeline();
-    if (lock_) lock_(vk_.queue, userData_);
-    (void)vk_.vkQueueWaitIdle(vk_.queue); // a lost device is as good as an idle one
-    if (unlock_) unlock_(vk_.queue, userData_);
+    (void)(submitted ? waitTimeline() : waitIdle()); // a lost device is as good as an idle one
 }
 
-void PassExecutor::waitTimeline()
+VkResult PassExecutor::waitIdle() noexcept
 {
-    if (!timeline_ || timelineValue_ == 0) return;
+    if (lock_) lock_(vk_.queue, userData_);
+    const VkResult waited = vk_.vkQueueWaitIdle(vk_.queue);
+    if (unlock_) unlock_(vk_.queue, userData_);
+    return waited;
+}
+
+VkResult PassExecutor::waitTimeline() noexcept
+{
+    if (!timeline_ || timelineValue_ == 0) return VK_SUCCESS;
     const VkSemaphore semaphore = timeline_.get();
     const VkSemaphoreWaitInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
                                    .semaphoreCount = 1,
                                    .pSemaphores = &semaphore,
                                    .pValues = &timelineValue_};
-    // A lost device ends the wait as well; there is nothing more to do about it here.
-    (void)vk_.vkWaitSemaphores(vk_.device, &info, UINT64_MAX);
+    const VkResult waited = vk_.vkWaitSemaphores(vk_.device, &info, UINT64_MAX);
+    // It may have failed for want of memory, with the GPU still at work on what is to be freed.
+    return waited == VK_SUCCESS || waited == VK_ERROR_DEVICE_LOST ? waited : waitIdle();
 }
 
 } // namespace gnomon

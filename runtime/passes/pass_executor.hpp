@@ -97,6 +97,8 @@ public:
     /// destruction only.
     void waitQueue() noexcept;
 
+    /// Why the pipelines of ExecutorFrame::trialOwner could not be tried; null: they were. The frame goes on without.
+    const Error* trialError() const { return trialError_ ? &*trialError_ : nullptr; }
     const FrameTimings* newest() const { return published_.frame ? &published_ : nullptr; }
     const FrameTimings* newestTimed() const { return publishedTimed_.frame ? &publishedTimed_ : nullptr; }
     ExecutorCounters& counters() { return counters_; }
@@ -129,7 +131,8 @@ private:
     void runPass(std::uint32_t index);
     Result<void> submitLevel(std::uint32_t level, bool last);
     Result<void> submit2(VkSubmitInfo2 submit, std::span<const VkSemaphoreSubmitInfo> hostSignals);
-    void waitTimeline();
+    VkResult waitTimeline() noexcept;
+    VkResult waitIdle() noexcept;
     Result<GnResult> finishLevels(std::uint64_t timeoutNs);
     void giveUp() noexcept;
     Result<void> hostLevel(std::uint64_t timeoutNs);
@@ -167,6 +170,7 @@ private:
     bool underway_ = false;
     bool inlineHost_ = true;
     JobSystem::Job hostJob_;
+    std::optional<Error> trialError_;
     VkResult hostWait_ = VK_SUCCESS;
     std::exception_ptr hostThrown_; ///< By a host pass on a worker.
     std::mutex laterMutex_;

@@ -7,8 +7,6 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::uint32_t kMaxColorAttachments = 4;
-
 VkRect2D resolveArea(const Rect& rect, VkExtent2D extent)
 {
     if (rect.width == 0) return {{0, 0}, extent};
@@ -45,7 +43,7 @@ Result<void> PassExecutor::recordLevel(VkCommandBuffer cmd, std::uint32_t level,
     if (level == 0 && frame_.uploads && frame_.uploads->uploadsPending())
         frame_.uploads->recordUploads(cmd, frame_.frame);
     if (level == 0 && frame_.trialOwner != UINT32_MAX)
-        if (Result<void> tried = pipelines_.recordTrials(cmd, frame_.trialOwner); !tried) return tried;
+        if (Result<void> tried = pipelines_.recordTrials(cmd, frame_.trialOwner); !tried) trialError_ = tried.error();
 
     const std::uint32_t start = slot_->queriesUsed;
     stamp(cmd);
@@ -133,7 +131,7 @@ VkRect2D PassExecutor::beginRendering(VkCommandBuffer cmd, const Pass& pass)
     VkRenderingAttachmentInfo colors[kMaxColorAttachments];
     VkRenderingAttachmentInfo depth{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
                                     .loadOp = VK_ATTACHMENT_LOAD_OP_LOAD,
-                                    .storeOp = VK_ATTACHMENT_STORE_OP_STORE};
+                                    .storeOp = VK_ATTACHMENT_STORE_OP_NONE};
     VkRenderingAttachmentInfo stencil = depth;
     std::uint32_t colorCount = 0, layerCount = 1;
     Rect rect = pass.area;
@@ -154,6 +152,7 @@ VkRect2D PassExecutor::beginRendering(VkCommandBuffer cmd, const Pass& pass)
             layerCount = access.part.layerCount;
         }
         VkRenderingAttachmentInfo& info = color ? colors[colorCount++] : depthAccess ? depth : stencil;
+        const bool tested = access.kind == AccessKind::depthTest || access.kind == AccessKind::stencilTest;
         const VkAttachmentLoadOp load = access.part.clear                  ? VK_ATTACHMENT_LOAD_OP_CLEAR
                                         : access.kind == AccessKind::color ? VK_ATTACHMENT_LOAD_OP_DONT_CARE
                                                                            : VK_ATTACHMENT_LOAD_OP_LOAD;
@@ -161,7 +160,7 @@ VkRect2D PassExecutor::beginRendering(VkCommandBuffer cmd, const Pass& pass)
                 .imageView = view,
                 .imageLayout = traits.layout,
                 .loadOp = load,
-                .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
+                .storeOp = tested ? VK_ATTACHMENT_STORE_OP_NONE : VK_ATTACHMENT_STORE_OP_STORE, // a store is a write
                 .clearValue = access.part.value};
         if (!color) {
             depthAspects |= aspectsOf(image.format);

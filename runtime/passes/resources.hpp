@@ -129,8 +129,9 @@ public:
     /// and was withdrawn.
     void evictAll();
 
-    /// Forgets what is kept for a destroyed light or view (by the scope part of keys is not possible: by stamp age).
+    /// As begin() was told.
     std::uint64_t frame() const noexcept { return frame_; }
+    std::uint64_t completed() const noexcept { return completed_; }
 
 private:
     struct Retired {

@@ -86,6 +86,8 @@ struct MotionHistory {
 
     void note(std::uint64_t now, const LightView& light, const LightCasters& casters);
     double share() const;
+    /// Nothing has moved for four frames: what moves in every second frame, or in every fourth, does not rest between.
+    bool rests() const { return (bits & 0xf) == 0; }
 };
 
 /// Median of the last five values.

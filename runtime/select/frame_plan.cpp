@@ -233,8 +233,9 @@ std::span<const FramePlan::Cost> FramePlan::predict(const LightMemory& memory, s
     SlotHistory& history = histories_[memory.costSlot];
     const std::span costs = std::span(costs_).subspan(std::size_t{memory.costSlot} * methods, methods);
     const bool due = (frame + memory.costSlot) % kPredictEvery == 0 || frame - history.predictedAt >= kPredictEvery;
-    if (history.predictedAt != kNever && !due && isNear(history.predictedDevice, model_.deviceOctaves()) &&
-        isNear(memory.workload, history.predictedFor))
+    const bool sameSettings = history.predictedAt > methods_.setAt();
+    if (history.predictedAt != kNever && !due && sameSettings &&
+        isNear(history.predictedDevice, model_.deviceOctaves()) && isNear(memory.workload, history.predictedFor))
         return costs;
     for (std::uint32_t m = 0; m < methods; ++m) {
         const cost::Workload workload = workloadOf(methods_[m], memory.workload);
@@ -376,6 +377,7 @@ void FramePlan::explainWithoutPlan(LightDecision& decision, bool hasRules) const
 void FramePlan::observe(LightMemory& memory, std::uint32_t method, const LightTiming& timing, bool disturbed)
 {
     if (method >= methods_.size() || modelMethods_ != methods_.size()) return;
+    if (timing.frame <= methods_[method].setAt) return; // with other settings
     const std::uint32_t slot = slotOf(memory);
     SlotHistory& history = histories_[slot];
     const SlotHistory::Entry& then = history.recent[timing.frame % history.recent.size()];

@@ -17,8 +17,9 @@ Error unknownMethod(std::string_view name)
 
 } // namespace
 
-MethodTable::MethodTable(const DeviceTable& vk, PipelineStore& pipelines, JobSystem& jobs, bool background)
-    : vk_(vk), pipelines_(pipelines), jobs_(jobs), background_(background)
+MethodTable::MethodTable(const DeviceTable& vk, PipelineStore& pipelines, JobSystem& jobs, const Messages& messages,
+                         bool background)
+    : vk_(vk), pipelines_(pipelines), jobs_(jobs), messages_(messages), background_(background)
 {
 }
 
@@ -36,12 +37,13 @@ Result<void> MethodTable::addBuiltins(const AlgorithmRegistry& registry)
 
 Result<std::uint32_t> MethodTable::addEntry(const AlgorithmEntry& entry)
 {
+    entries_.reserve(entries_.size() + 1);
     Result<std::uint32_t> added = add(entry.name, entry);
     if (added) entries_.push_back(&entry);
     return added;
 }
 
-Result<std::uint32_t> MethodTable::add(std::string_view name, const AlgorithmEntry& entry)
+Result<void> MethodTable::admits(std::string_view name) const
 {
     if (find(name))
         return Error{GN_ERROR_OUT_OF_RANGE, "MethodExists",
@@ -49,6 +51,12 @@ Result<std::uint32_t> MethodTable::add(std::string_view name, const AlgorithmEnt
     if (methods_.size() >= kMaxMethods)
         return Error{GN_ERROR_TOO_MANY, "TooManyMethods",
                      "method '" + std::string(name) + "' is one more than " + std::to_string(kMaxMethods)};
+    return {};
+}
+
+Result<std::uint32_t> MethodTable::add(std::string_view name, const AlgorithmEntry& entry)
+{
+    if (Result<void> admitted = admits(name); !admitted) return admitted.error();
     auto method = std::make_unique<Method>();
     method->name = name;
     method->entry = &entry;
@@ -68,14 +76,14 @@ Result<std::uint32_t> MethodTable::add(std::string_view name, const AlgorithmEnt
     return methods_.back()->index;
 }
 
-Result<std::uint32_t> MethodTable::addNamed(std::string_view name, std::string_view algorithm)
+Result<const AlgorithmEntry*> MethodTable::algorithm(std::string_view name) const
 {
     for (const AlgorithmEntry* entry : entries_)
-        if (entry->name == algorithm) return add(name, *entry);
-    return Error{GN_ERROR_UNKNOWN_METHOD, "UnknownAlgorithm", "no algorithm is named '" + std::string(algorithm) + "'"};
+        if (entry->name == name) return entry;
+    return Error{GN_ERROR_UNKNOWN_METHOD, "UnknownAlgorithm", "no algorithm is named '" + std::string(name) + "'"};
 }
 
-Result<void> MethodTable::set(std::string_view name, std::string_view setting, double value)
+Result<void> MethodTable::set(std::string_view name, std::string_view setting, double value, std::uint64_t frame)
 {
     Method* method = find(name);
     if (!method) return unknownMethod(name);
@@ -86,6 +94,7 @@ Result<void> MethodTable::set(std::string_view name, std::string_view setting, d
             return Error{std::isnan(value) ? GN_ERROR_NOT_A_NUMBER : GN_ERROR_OUT_OF_RANGE, "SettingOutOfRange",
                          std::string(name) + "." + spec.name + " is " + rules::shortestText(value) + ", outside [" +
                              rules::shortestText(spec.minimum) + ", " + rules::shortestText(spec.maximum) + "]"};
+        if (method->settings[i] != value) method->setAt = setAt_ = frame;
         method->settings[i] = value;
         method->settingInfos[i].value = value;
         return {};
@@ -94,9 +103,9 @@ Result<void> MethodTable::set(std::string_view name, std::string_view setting, d
                  "method '" + std::string(name) + "' has no setting '" + std::string(setting) + "'"};
 }
 
-Method* MethodTable::find(std::string_view name)
+Method* MethodTable::find(std::string_view name) const
 {
-    for (auto& method : methods_)
+    for (const auto& method : methods_)
         if (method->name == name) return method.get();
     return nullptr;
 }
@@ -106,6 +115,19 @@ void MethodTable::createNow(Method& method)
     if (method.unavailable) return;
     while (pipelines_.createNext(method.index)) {
     }
+}
+
+bool MethodTable::failed(Method& method)
+{
+    const std::string failure = pipelines_.failure(method.index);
+    if (!failure.empty()) fail(method, failure);
+    return !failure.empty();
+}
+
+void MethodTable::fail(Method& method, const std::string& why)
+{
+    method.unavailable = "its pipelines could not be created";
+    messages_.warn("MethodFailed", "method '" + method.name + "': " + why);
 }
 
 MethodTable::Step MethodTable::advance(Method& method)
@@ -126,11 +148,7 @@ MethodTable::Step MethodTable::advance(Method& method)
         createNow(method);
     }
     if (background_ && !method.warmUp.done()) return Step::waits;
-    if (const std::string failure = pipelines_.failure(method.index); !failure.empty()) {
-        method.unavailable = "its pipelines could not be created";
-        return Step::done;
-    }
-    return Step::created;
+    return failed(method) ? Step::done : Step::created;
 }
 
 std::uint32_t MethodTable::nextTrial(const MethodDemand& demand)

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "runtime/algorithm.hpp"
+#include "runtime/core/messages.hpp"
 #include "runtime/registry.hpp"
 #include "runtime/vk/pipeline_store.hpp"
 
@@ -20,6 +21,7 @@ struct Method {
     std::unique_ptr<ShadowAlgorithm> algorithm;
     std::uint32_t index = 0;
     std::vector<double> settings;
+    std::uint64_t setAt = 0; ///< The newest frame that ran with other ones.
     std::vector<GnSettingInfo> settingInfos;
     const char* unavailable = nullptr; ///< The device cannot run it.
     bool ready = false;                ///< Its pipelines have been executed once.
@@ -46,17 +48,22 @@ struct MethodDemand {
 
 class MethodTable {
 public:
-    MethodTable(const DeviceTable& vk, PipelineStore& pipelines, JobSystem& jobs, bool background);
+    MethodTable(const DeviceTable& vk, PipelineStore& pipelines, JobSystem& jobs, const Messages& messages,
+                bool background);
     ~MethodTable();
 
     Result<void> addBuiltins(const AlgorithmRegistry& registry);
+    /// Whether add() would take the name.
+    Result<void> admits(std::string_view name) const;
     Result<std::uint32_t> add(std::string_view name, const AlgorithmEntry& entry);
-    /// An algorithm of the host's or a plug-in's; outlives the table.
+    /// An algorithm of the host's or a plug-in's, as a method of its name; outlives the table.
     Result<std::uint32_t> addEntry(const AlgorithmEntry& entry);
-    Result<std::uint32_t> addNamed(std::string_view name, std::string_view algorithm);
-    Result<void> set(std::string_view method, std::string_view setting, double value);
+    Result<const AlgorithmEntry*> algorithm(std::string_view name) const;
+    /// @param frame  the newest begun: it and those before ran with the old value
+    Result<void> set(std::string_view method, std::string_view setting, double value, std::uint64_t frame);
+    std::uint64_t setAt() const { return setAt_; } ///< The frame of the newest set(); 0: none.
 
-    Method* find(std::string_view name);
+    Method* find(std::string_view name) const;
     Method& operator[](std::uint32_t index) { return *methods_[index]; }
     const Method& operator[](std::uint32_t index) const { return *methods_[index]; }
     std::uint32_t size() const { return static_cast<std::uint32_t>(methods_.size()); }
@@ -66,6 +73,9 @@ public:
     std::uint32_t nextTrial(const MethodDemand& demand);
     /// Creates all pipelines of a method now.
     void createNow(Method& method);
+    /// Whether one of them could not be created. The method is unavailable then, and a message says why.
+    bool failed(Method& method);
+    void fail(Method& method, const std::string& why);
     void finishBackground();
     bool anyReady() const;
     /// Grows when a method is added: rules are bound anew.
@@ -78,9 +88,11 @@ private:
     const DeviceTable& vk_;
     PipelineStore& pipelines_;
     JobSystem& jobs_;
+    const Messages& messages_;
     bool background_;
     std::vector<std::unique_ptr<Method>> methods_;
     std::vector<const AlgorithmEntry*> entries_;
+    std::uint64_t setAt_ = 0;
     std::uint64_t revision_ = 1;
 };
 

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "runtime/select/choice.hpp"
-#include "runtime/select/vocabulary.hpp"
 
 #if GNOMON_WITH_YAML
 #include "rules/yaml/rule_base_reader.hpp"
@@ -13,15 +12,32 @@
 
 namespace gnomon {
 
-std::vector<rules::Diagnostic> Selector::bind(rules::RuleBase base, const AlgorithmRegistry& registry,
-                                              std::optional<rules::Engine>& engine) const
+namespace {
+
+Error refused(std::span<const rules::Diagnostic> findings, std::string_view fileName)
 {
-    RuleVocabulary vocabulary(registry);
+    const auto first = std::find_if(findings.begin(), findings.end(), [](const rules::Diagnostic& finding) {
+        return finding.severity == rules::Severity::Error;
+    });
+    return {GN_ERROR_RULES, "RulesRefused",
+            first != findings.end() ? rules::toText(*first) : std::string(fileName) + ": refused"};
+}
+
+Selector::BoundRules readyToAdopt(rules::Engine engine)
+{
+    Selector::BoundRules bound{.engine = std::make_shared<const rules::Engine>(std::move(engine)), .batch = {}};
+    bound.batch.emplace(*bound.engine);
+    return bound;
+}
+
+} // namespace
+
+RuleVocabulary Selector::vocabulary(const AlgorithmRegistry& registry) const
+{
+    RuleVocabulary words(registry);
     for (std::uint32_t i = 0; i < methods_.size(); ++i)
-        vocabulary.addMethod(methods_[i].name, methods_[i].entry->traits);
-    rules::BindResult bound = rules::Engine::bind(std::move(base), vocabulary.view());
-    engine = std::move(bound.engine);
-    return std::move(bound.diagnostics);
+        words.addMethod(methods_[i].name, methods_[i].entry->traits);
+    return words;
 }
 
 Result<void> Selector::loadRules(std::string_view text, std::string_view fileName, const AlgorithmRegistry& registry,
@@ -30,21 +46,15 @@ Result<void> Selector::loadRules(std::string_view text, std::string_view fileNam
 #if GNOMON_WITH_YAML
     rules::ParseResult parsed = rules::parseRuleBase(text, fileName);
     findings = std::move(parsed.diagnostics);
-    std::optional<rules::Engine> engine;
-    if (parsed.base) {
-        std::vector<rules::Diagnostic> more = bind(std::move(*parsed.base), registry, engine);
-        findings.insert(findings.end(), more.begin(), more.end());
-    }
-    if (!engine) {
-        const auto first = std::find_if(findings.begin(), findings.end(), [](const rules::Diagnostic& finding) {
-            return finding.severity == rules::Severity::Error;
-        });
-        return Error{GN_ERROR_RULES, "RulesRefused",
-                     first != findings.end() ? rules::toText(*first) : std::string(fileName) + ": refused"};
-    }
-    adopt(std::move(*engine));
-    rulesText_ = text;
-    rulesName_ = fileName;
+    if (!parsed.base) return refused(findings, fileName);
+    rules::BindResult bound = rules::Engine::bind(std::move(*parsed.base), vocabulary(registry).view());
+    findings.insert(findings.end(), bound.diagnostics.begin(), bound.diagnostics.end());
+    if (!bound.engine) return refused(findings, fileName);
+    BoundRules rules = readyToAdopt(std::move(*bound.engine));
+    std::string ownText(text), ownName(fileName); // what may throw comes before what changes
+    adopt(std::move(rules));
+    rulesText_ = std::move(ownText);
+    rulesName_ = std::move(ownName);
     return {};
 #else
     (void)text, (void)fileName, (void)registry, (void)findings;
@@ -52,31 +62,29 @@ Result<void> Selector::loadRules(std::string_view text, std::string_view fileNam
 #endif
 }
 
-Result<void> Selector::rebind(const AlgorithmRegistry& registry)
+Result<Selector::BoundRules> Selector::boundWith(const std::string& name, GnTraits traits,
+                                                 const AlgorithmRegistry& registry) const
 {
-    if (!engine_) return {};
-    std::optional<rules::Engine> engine;
-    const std::vector<rules::Diagnostic> findings = bind(engine_->base(), registry, engine);
-    if (!engine)
-        return Error{GN_ERROR_RULES, "RulesRefused",
-                     findings.empty() ? "the rules no longer bind" : rules::toText(findings.front())};
-    adopt(std::move(*engine));
-    return {};
+    if (!engine_) return BoundRules{};
+    RuleVocabulary words = vocabulary(registry);
+    words.addMethod(name, traits);
+    rules::BindResult bound = rules::Engine::bind(engine_->base(), words.view());
+    if (!bound.engine) return refused(bound.diagnostics, rulesName_);
+    return readyToAdopt(std::move(*bound.engine));
 }
 
-void Selector::adopt(rules::Engine engine)
+void Selector::adopt(BoundRules rules) noexcept
 {
-    auto shared = std::make_shared<const rules::Engine>(std::move(engine));
-    rules::BatchEngine batch(*shared); // what may throw comes before what changes
-    engine_ = std::move(shared);
-    batch_ = std::move(batch);
+    engine_ = std::move(rules.engine);
+    batch_ = std::move(rules.batch);
     opinions_ = {};
 }
 
 /// Capability: what no rule can overrule.
 Candidate Selector::examine(const Method& method, const SelectionInput& input, const Unprepared& casters,
-                            std::uint32_t incumbent) const
+                            const LightMemory& memory) const
 {
+    const std::uint32_t incumbent = memory.fade.shows(method.index) ? method.index : memory.incumbent;
     auto out = [](Exclusion exclusion, std::uint64_t detail = 0) {
         return Candidate{.exclusion = exclusion, .detail = detail};
     };
@@ -90,6 +98,9 @@ Candidate Selector::examine(const Method& method, const SelectionInput& input, c
     // What the incumbent holds is in use already; it need not fit twice.
     const VkDeviceSize needs = method.entry->memoryFor(method.settings, input.view->extent, input.light->type);
     if (method.index != incumbent && needs > input.memoryLeft) return out(Exclusion::memory, needs);
+    if (const PassFailure& failure = memory.failures[method.index]; failure.holds(input.frame, method.setAt))
+        return failure.memory ? out(Exclusion::memory, needs)
+                              : Candidate{.exclusion = Exclusion::refused, .refusal = kPassesFailed};
     const ShadowTask task{.view = input.view,
                           .light = input.light,
                           .casters = input.casters,
@@ -119,7 +130,9 @@ void Selector::rank(std::span<LightDecision> decisions)
             const std::size_t place = opinions_.at(m, i);
             candidate.quantised = opinions_.quantised[place];
             candidate.opinion = candidate.quantised >= 0;
-            if (opinions_.vetoRule[place] != rules::kNoRule && candidate.exclusion == Exclusion::none) {
+            // What the host pinned is awaited whatever the rules say of it.
+            const bool awaited = candidate.exclusion == Exclusion::notReady && m != decisions[i].pinned;
+            if (opinions_.vetoRule[place] != rules::kNoRule && (candidate.exclusion == Exclusion::none || awaited)) {
                 candidate.exclusion = Exclusion::vetoed;
                 candidate.detail = opinions_.vetoRule[place];
             }
@@ -166,27 +179,38 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
         unprepared.trees += caster->mesh->rays == nullptr;
     }
     for (std::uint32_t i = 0; i < methods_.size(); ++i)
-        decision.candidates[i] = examine(methods_[i], input, unprepared, memory.fade.shows(i) ? i : memory.incumbent);
+        decision.candidates[i] = examine(methods_[i], input, unprepared, memory);
     return decision;
 }
 
 void Selector::choose(std::span<LightDecision> decisions)
 {
     if (engine_ && !decisions.empty()) rank(decisions);
+    for (LightDecision& decision : decisions) {
+        if (!engine_) rankWithoutRules(decision);
+        settle(decision, decision.incumbent);
+    }
+}
+
+void Selector::settle(LightDecision& decision, std::uint32_t incumbent) const
+{
     std::uint32_t fallbacks = 0;
     for (std::uint32_t i = 0; i < methods_.size(); ++i)
         fallbacks |= methods_[i].has(GN_TRAIT_FALLBACK_BIT) ? 1u << i : 0u;
-    for (LightDecision& decision : decisions) {
-        if (!engine_) rankWithoutRules(decision);
-        const Choice choice = chooseBySuitability(std::span(decision.candidates).first(methods_.size()),
-                                                  {.incumbent = decision.incumbent,
-                                                   .pinned = decision.pinned,
-                                                   .fallbacks = fallbacks,
-                                                   .hasRules = engine_ != nullptr});
-        decision.method = choice.method;
-        decision.wanted = choice.wanted;
-        decision.reason = choice.reason;
-    }
+    const Choice choice = chooseBySuitability(
+        std::span(decision.candidates).first(methods_.size()),
+        {.incumbent = incumbent, .pinned = decision.pinned, .fallbacks = fallbacks, .hasRules = engine_ != nullptr});
+    decision.method = choice.method;
+    decision.wanted = choice.wanted;
+    decision.reason = choice.reason;
+}
+
+void Selector::substitute(LightDecision& decision) const
+{
+    settle(decision, UINT32_MAX);
+    decision.outgoing = decision.probed = UINT32_MAX;
+    decision.fade = 1.0f;
+    decision.predictedMs = decision.method == UINT32_MAX ? 0.0f : decision.candidates[decision.method].predictedMs;
 }
 
 void Selector::commit(LightDecision& decision, LightMemory& memory, std::uint64_t frame) const

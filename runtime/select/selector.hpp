@@ -1,5 +1,6 @@
 #pragma once
 // Facts in, a method per light out, with everything that is needed to say why.
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "runtime/select/facts.hpp"
 #include "runtime/select/fade.hpp"
 #include "runtime/select/methods.hpp"
+#include "runtime/select/vocabulary.hpp"
 
 namespace gnomon {
 
@@ -47,6 +49,9 @@ struct Candidate {
     plan::Why why = plan::Why::outscored; ///< By the plan step, or by the best suitability where there is none.
 };
 
+/// Candidate::refusal of a method that failed when it declared its passes.
+inline constexpr const char* kPassesFailed = "its passes could not be made; a message says why";
+
 /// What was decided for one light in one view, and from what. Fixed size.
 struct LightDecision {
     GnLight light = VK_NULL_HANDLE;
@@ -75,6 +80,22 @@ struct LightDecision {
     std::array<Candidate, kMaxMethods> candidates{};
 };
 
+/// Of a method whose passes could not be made for a light: it is tried again after a second, then after two, four, ...
+struct PassFailure {
+    std::uint64_t at = 0, until = 0; ///< Frames.
+    std::uint32_t times = 0;
+    bool memory = false; ///< For want of it.
+
+    void note(std::uint64_t frame, bool forMemory)
+    {
+        constexpr std::uint64_t kSecond = 60;
+        constexpr std::uint32_t kMostDoublings = 6; // a minute
+        *this = {frame, frame + (kSecond << std::min(times, kMostDoublings)), times + 1, forMemory};
+    }
+    /// @param setAt  of the method's newest setting: with another one it may well go
+    bool holds(std::uint64_t frame, std::uint64_t setAt) const { return frame < until && setAt < at; }
+};
+
 /// What is remembered of a light in a view between frames.
 struct LightMemory {
     std::uint32_t incumbent = UINT32_MAX;
@@ -95,6 +116,7 @@ struct LightMemory {
     std::uint64_t pricedAt = 0;          ///< Frame in which the method last changed for its price.
     std::uint32_t probed = UINT32_MAX;   ///< The newest method that was measured beside it, from probedSince on.
     std::uint64_t probedSince = 0;
+    std::array<PassFailure, kMaxMethods> failures{};
 };
 
 /// A request: everything about one light in one view that the choice may depend on.
@@ -109,7 +131,7 @@ struct SelectionInput {
     double frameRate = 0.0;
     float importance = 1.0f;
     bool recorded = false;
-    bool still = false; ///< Neither the light nor a caster in its range moved since the last frame.
+    bool still = false; ///< Neither the light nor a caster in its range moves (MotionHistory::rests()).
     VkDeviceSize memoryLeft = 0;
     std::uint64_t frame = 0;
 };
@@ -121,8 +143,15 @@ public:
     /// Parses and binds; on any error nothing changes and every finding is in `findings`.
     Result<void> loadRules(std::string_view text, std::string_view fileName, const AlgorithmRegistry& registry,
                            std::vector<rules::Diagnostic>& findings);
-    /// Methods were added: the names the rules may use have grown.
-    Result<void> rebind(const AlgorithmRegistry& registry);
+    /// Rules bound to the methods there are, ready to be put in force.
+    struct BoundRules {
+        std::shared_ptr<const rules::Engine> engine; ///< Null: no rules.
+        std::optional<rules::BatchEngine> batch;
+    };
+    /// The rules in force, bound to one more method, which comes last; an error where its name means something else to
+    /// them. Nothing changes until they are adopted.
+    Result<BoundRules> boundWith(const std::string& name, GnTraits traits, const AlgorithmRegistry& registry) const;
+    void adopt(BoundRules rules) noexcept;
 
     bool hasRules() const { return engine_ != nullptr; }
     const rules::Engine* engine() const { return engine_.get(); }
@@ -137,6 +166,8 @@ public:
     /// What the rules think of all of them, asked together, and the best by suitability. Allocates only for more lights
     /// than ever before.
     void choose(std::span<LightDecision> decisions);
+    /// What serves a light whose method has just been excluded: the best of the others, whatever the plan says.
+    void substitute(LightDecision& decision) const;
     /// The method is settled: what the log says of it, and what the next frame remembers.
     void commit(LightDecision& decision, LightMemory& memory, std::uint64_t frame) const;
 
@@ -144,14 +175,13 @@ public:
     std::string explain(const LightDecision& decision, const rules::Engine* engine) const;
 
 private:
-    std::vector<rules::Diagnostic> bind(rules::RuleBase base, const AlgorithmRegistry& registry,
-                                        std::optional<rules::Engine>& engine) const;
-    void adopt(rules::Engine engine);
+    RuleVocabulary vocabulary(const AlgorithmRegistry& registry) const;
     struct Unprepared { ///< Casters that wait for workers.
         std::uint64_t topology = 0, trees = 0;
     };
     Candidate examine(const Method& method, const SelectionInput& input, const Unprepared& casters,
-                      std::uint32_t incumbent) const;
+                      const LightMemory& memory) const;
+    void settle(LightDecision& decision, std::uint32_t incumbent) const;
     void rank(std::span<LightDecision> decisions);
     void rankWithoutRules(LightDecision& decision) const;
 

@@ -63,6 +63,7 @@ Result<void> readQueueFamily(DeviceTable& table)
 {
     std::uint32_t count = 0;
     table.vkGetPhysicalDeviceQueueFamilyProperties2(table.physicalDevice, &count, nullptr);
+    table.queueFamilyCount = count;
     if (table.queueFamily >= count)
         return Error{GN_ERROR_OUT_OF_RANGE, "QueueFamily",
                      "queueFamilyIndex is " + std::to_string(table.queueFamily) + "; the device has " +
@@ -146,7 +147,10 @@ Result<std::unique_ptr<DeviceTable>> loadDeviceTable(const GnContextCreateInfo& 
     table->device = info.device;
     table->queue = info.queue;
     table->queueFamily = info.queueFamilyIndex;
-    table->hostAllocator = info.pAllocationCallbacks;
+    if (info.pAllocationCallbacks) {
+        table->hostCallbacks = *info.pAllocationCallbacks;
+        table->hostAllocator = &table->hostCallbacks;
+    }
     table->pipelineCache = info.pipelineCache;
     table->enabled = info.pEnabledFeatures->features;
     table->extensions.assign(info.ppEnabledExtensionNames, info.ppEnabledExtensionNames + info.enabledExtensionCount);

@@ -47,6 +47,10 @@ namespace gnomon {
 // clang-format on
 
 struct DeviceTable {
+    DeviceTable() = default;
+    DeviceTable(const DeviceTable&) = delete; // hostAllocator points into it
+    DeviceTable& operator=(const DeviceTable&) = delete;
+
 #define GN_DECLARE(name) PFN_##name name = nullptr;
     GN_INSTANCE_FUNCTIONS(GN_DECLARE)
     GN_DEVICE_FUNCTIONS(GN_DECLARE)
@@ -57,8 +61,9 @@ struct DeviceTable {
     VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
     VkDevice device = VK_NULL_HANDLE;
     VkQueue queue = VK_NULL_HANDLE;
-    std::uint32_t queueFamily = 0;
-    const VkAllocationCallbacks* hostAllocator = nullptr;
+    std::uint32_t queueFamily = 0, queueFamilyCount = 0;
+    const VkAllocationCallbacks* hostAllocator = nullptr; ///< hostCallbacks, or null.
+    VkAllocationCallbacks hostCallbacks{};
     VkPipelineCache pipelineCache = VK_NULL_HANDLE; ///< The host's, or null.
 
     VkPhysicalDeviceProperties properties{};

@@ -112,8 +112,8 @@ bool PipelineStore::createNext(std::uint32_t owner)
         item.pipeline = std::move(*made);
         item.stage = Stage::created;
     } else {
-        item.failure = made.error().text;
         item.stage = Stage::failed;
+        item.failure = std::move(made.error().text); // a copy might find no memory, on a worker
     }
     return true;
 }

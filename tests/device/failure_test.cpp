@@ -1,7 +1,9 @@
 // Frames that fail half-way: for memory, at a submit, in a host pass. The next attempt is as if nothing had been.
+#include <algorithm>
 #include <utility>
 
 #include "device/failing.hpp"
+#include "device/hooks.hpp"
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -22,7 +24,50 @@ void huge(GnFrameInfo&, std::vector<GnViewFrame>& views)
     views[0].imageExtent = {8192, 8192};
 }
 
+bool noCompute = false; ///< No pipeline of that kind is made any more.
+
+VKAPI_ATTR VkResult VKAPI_CALL computeOrNot(VkDevice handle, VkPipelineCache cache, uint32_t count,
+                                            const VkComputePipelineCreateInfo* infos,
+                                            const VkAllocationCallbacks* allocator, VkPipeline* pipelines)
+{
+    if (noCompute) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    return vkCreateComputePipelines(handle, cache, count, infos, allocator, pipelines);
+}
+
+bool anySays(const std::vector<std::string>& messages, const char* words)
+{
+    return std::any_of(messages.begin(), messages.end(),
+                       [words](const std::string& message) { return message.find(words) != std::string::npos; });
+}
+
 } // namespace
+
+TEST_CASE_FIXTURE(DeviceTest,
+                  "frames go on without pipelines that cannot be made, and it is said once of whose they were")
+{
+    for (const bool warmUp : {false, true}) {
+        CAPTURE(warmUp);
+        HostOptions base;
+        base.warmUp = false;
+        Host host(smallScene(), hooked(std::move(base), {hook("vkCreateComputePipelines", &computeOrNot)}));
+        const std::string rules = shippedRules("default");
+        host.require(gnLoadRules(host.context, rules.data(), rules.size(), "default"));
+        noCompute = true;
+        if (warmUp) host.require(gnWarmUp(host.context));
+        const auto methods = static_cast<uint32_t>(availableMethods(host.context).size());
+        host.draw(2 * methods, {});
+        CHECK(host.passCount("view.depth_grid") == 0);
+        CHECK_FALSE(host.decision(0).viewerDistanceMeasured);
+        CHECK(dark(host.pictures()[0]) > 100);
+        const std::vector<std::string> messages = host.takeMessages();
+        CHECK(anySays(messages, "distances to receivers are not measured"));
+        CHECK(anySays(messages, "method 'stencil_volume': ")); // its tiles
+        CHECK(gnWarmUpMethod(host.context, "stencil_volume") == GN_ERROR_FEATURE_MISSING);
+        host.draw(2, {});
+        CHECK(host.takeMessages().size() == 1); // the refusal
+        noCompute = false;
+    }
+}
 
 TEST_CASE_FIXTURE(DeviceTest, "a frame that finds no memory for a larger view finds it when it is tried again")
 {

@@ -99,11 +99,13 @@ TEST_CASE("every object is made and destroyed with the host's allocator")
     const DeviceTest test;
     blocksAlive = blocksMade = strangers = 0;
     HostOptions options{.extent = {96, 54}};
-    options.context = [](GnContextCreateInfo& info) { info.pAllocationCallbacks = &kAllocator; };
+    VkAllocationCallbacks given = kAllocator;
+    options.context = [&given](GnContextCreateInfo& info) { info.pAllocationCallbacks = &given; };
     {
         Scene scene = smallScene();
         scene.lights.push_back(pointLight("bulb", {1.0, 3.0, 1.0}, true));
         Host host(std::move(scene), options);
+        given = {}; // copied
         for (const GnMethodInfo& method : availableMethods(host.context)) {
             CAPTURE(method.pName);
             for (size_t light = 0; light < host.lights.size(); ++light)

@@ -247,6 +247,28 @@ TEST_CASE_FIXTURE(DeviceTest, "a method that does not fit the memory limit is ou
     CHECK(host.decision(0).reason == GN_REASON_PINNED);
 }
 
+TEST_CASE_FIXTURE(DeviceTest,
+                  "a light whose method outgrows the memory limit is served by another, and by it again when it fits")
+{
+    HostOptions options;
+    options.context = [](GnContextCreateInfo& info) { info.memoryLimit = 40u << 20; };
+    Host host(smallScene(), options);
+    host.pinAll("shadow_map");
+    host.draw(2, {});
+    CHECK(std::string(host.decision(0).pMethod) == "shadow_map");
+    host.require(gnSetMethodSetting(host.context, "shadow_map", "resolution", 4096)); // what serves is not asked to fit
+    host.require(gnWarmUp(host.context));
+    host.takeMessages();
+    host.draw(5, {});
+    REQUIRE(host.decision(0).pMethod);
+    CHECK(std::string(host.decision(0).pMethod) != "shadow_map");
+    CHECK(dark(host.pictures()[0]) > 100);
+    CHECK(host.takeMessages().size() == 1); // not one a frame
+    host.require(gnSetMethodSetting(host.context, "shadow_map", "resolution", 512));
+    host.draw(2, {});
+    CHECK(std::string(host.decision(0).pMethod) == "shadow_map");
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "with hardly any memory the frame is lit or refused, never lost")
 {
     for (const VkDeviceSize limit : {VkDeviceSize(1) << 16, VkDeviceSize(1) << 20, VkDeviceSize(3) << 20}) {

@@ -81,6 +81,10 @@ TEST_CASE("a file that is missing and an object that is no plug-in are refused w
     CHECK(gnLoadPlugin(host.context, GNOMON_NO_PLUGIN) == GN_ERROR_UNSUPPORTED);
     CHECK(host.lastError().find("gnPluginMain") != std::string::npos);
     CHECK(gnLoadPlugin(host.context, nullptr) == GN_ERROR_NULL_ARGUMENT);
+    CHECK(gnLoadPlugin(host.context, GNOMON_OLD_PLUGIN) == GN_ERROR_UNSUPPORTED);
+    CHECK(host.lastError().find("GN_PLUGIN_VERSION " + std::to_string(GN_PLUGIN_VERSION + 1)) != std::string::npos);
+    CHECK(gnLoadPlugin(host.context, GNOMON_OTHER_PLUGIN) == GN_ERROR_UNSUPPORTED);
+    CHECK(host.lastError().find("exports no gnPluginVersion") != std::string::npos);
 
     CHECK(test::availableMethods(host.context).size() == before);
     CHECK(host.draw() == GN_SUCCESS);

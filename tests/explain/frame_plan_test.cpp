@@ -60,7 +60,8 @@ private:
     SamplerSet samplers_{vk_};
     PipelineStore pipelines_{vk_, memory_, samplers_};
     JobSystem jobs_{nullptr, nullptr, 1};
-    MethodTable methods_{vk_, pipelines_, jobs_, false};
+    Messages messages_{nullptr, nullptr};
+    MethodTable methods_{vk_, pipelines_, jobs_, messages_, false};
     CameraView view_;
     LightCasters casters_;
 };

@@ -73,7 +73,7 @@ typedef struct GnAccess {
 typedef struct GnImageInfo {
     const char* pName;   ///< "algorithm.what"; static storage.
     GnScope scope;
-    VkFormat format;     ///< The device must sample, copy and render to it; else the task's light is lit.
+    VkFormat format;     ///< The device must sample, copy and render to it; else the task fails (pfnPass).
     VkExtent2D extent;
     uint32_t layers;     ///< 0 means 1.
     uint32_t variant;    ///< Tells settings apart.
@@ -150,6 +150,8 @@ typedef struct GnShadowTask {
     uint32_t layer;
     GnImageRef depth;        ///< The host's; sampled and copied only.
     GnImageRef normals;      ///< The host's geometric normals, or 0.
+    uint64_t frame;          ///< GnFrameInfo's; descriptor sets last used in completedFrame or before may be rewritten.
+    uint64_t completedFrame;
 } GnShadowTask;
 
 /** Declares the passes that write the task's visibility layer. Once per task and frame, on the frame's thread. */
@@ -169,10 +171,15 @@ typedef struct GnAlgorithmInfo {
     void* pAlgorithm;        ///< Handed to the callbacks.
 } GnAlgorithmInfo;
 
-/** \brief Registers an algorithm as a method of the same name. From the next frame on. */
+/** \brief Registers an algorithm as a method of the same name. From the next frame on. Where it fails pfnDestroy is not
+called: the algorithm stays the host's. \return as gnAddMethod(). */
 GN_API GnResult GN_CALL gnRegisterAlgorithm(GnContext context, const GnAlgorithmInfo* pInfo);
 
 struct GnPluginInterface;
+
+/** Of the structures in this header; grows with every change to one of them. A plug-in says which it was compiled with:
+`GN_EXPORT const uint32_t gnPluginVersion = GN_PLUGIN_VERSION;`. */
+#define GN_PLUGIN_VERSION 1
 
 /** What a plug-in exports under the name "gnPluginMain": registers its algorithms and returns the first failure. */
 typedef GnResult(GN_CALL* PFN_gnPluginMain)(GnContext context, const struct GnPluginInterface* pInterface);
@@ -185,8 +192,10 @@ typedef struct GnPluginInterface {
     GnBufferRef(GN_CALL* pfnBuffer)(GnPassBuilder builder, const GnBufferInfo* pInfo);
     VkBool32(GN_CALL* pfnImageStale)(GnPassBuilder builder, GnImageRef image, uint64_t stamp);
     VkBool32(GN_CALL* pfnBufferStale)(GnPassBuilder builder, GnBufferRef buffer, uint64_t stamp);
-    /** An image written by a compute or CPU pass, or updated by any, is #GN_ERROR_UNSUPPORTED; the task's other passes
-    are then taken back, and its light is lit in this frame. */
+    /** After a failure the task's other passes are taken back, another method serves its light, or it is lit where none
+    can, and the algorithm is asked for that light again after a second or more. An image written by a
+    compute or CPU pass, or updated by any, and a host pass of an algorithm whose roundTrips is 0, are
+    #GN_ERROR_UNSUPPORTED. */
     GnResult(GN_CALL* pfnPass)(GnPassBuilder builder, const GnPassInfo* pInfo);
     VkImage(GN_CALL* pfnVkImage)(GnPassContext context, GnImageRef image);
     VkImageView(GN_CALL* pfnVkImageView)(GnPassContext context, GnImageRef image, uint32_t layer);
@@ -200,7 +209,8 @@ typedef struct GnPluginInterface {
 GN_API GnResult GN_CALL gnGetPluginInterface(GnContext context, const GnPluginInterface** ppInterface);
 
 /** \brief Loads a shared object and calls its gnPluginMain. It stays loaded as long as the context.
-\return #GN_ERROR_UNSUPPORTED with the loader's words if it cannot be loaded or exports no gnPluginMain. */
+\return #GN_ERROR_UNSUPPORTED with the loader's words if it cannot be loaded, exports no gnPluginMain or gnPluginVersion,
+    or was compiled with another #GN_PLUGIN_VERSION; what gnPluginMain fails with. What it had registered by then stays. */
 GN_API GnResult GN_CALL gnLoadPlugin(GnContext context, const char* pPath);
 
 #ifdef __cplusplus
