@@ -249,11 +249,9 @@ IdMap declareIdMap(PassBuilder& passes, const IdMapPipelines& pipelines, const S
 
 VkDeviceSize idMapMemory(std::uint32_t resolution, std::uint32_t layers)
 {
-    // Depth on the device, both on the CPU, in as many versions as two frames in flight need where casters move; and
-    // one layer of numbers while they are drawn.
-    constexpr VkDeviceSize kVersions = 3;
+    // Depth on the device, both on the CPU; and one layer of numbers while they are drawn.
     const VkDeviceSize layer = VkDeviceSize{resolution} * resolution * 4;
-    return layers * (layer + 2 * kVersions * pooledSize(layer)) + layer;
+    return layers * (layer + 2 * pooledSize(layer)) + layer;
 }
 
 } // namespace gnomon
