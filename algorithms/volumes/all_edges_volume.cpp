@@ -1,5 +1,6 @@
 #include "algorithms/volumes/all_edges_volume.hpp"
 
+#include "algorithms/common/mesh_numbers.hpp"
 #include "algorithms/volumes/edge_list.hpp"
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "algorithms/volumes/silhouette.hpp"
@@ -53,26 +54,21 @@ BufferId declareEdges(PassBuilder& passes, const MeshView& mesh)
 class MeshLists {
 public:
     MeshLists(PassBuilder& passes, std::size_t most)
-        : passes_(passes), meshes_(passes.arena().array<const MeshView*>(most)),
-          lists_(passes.arena().array<BufferId>(most))
+        : passes_(passes), numbers_(passes.arena(), most), lists_(passes.arena().array<BufferId>(most))
     {
     }
     BufferId find(const MeshView& mesh)
     {
-        // From the newest: casters of one mesh tend to follow each other.
-        for (std::size_t i = count_; i > 0; --i)
-            if (meshes_[i - 1] == &mesh) return lists_[i - 1];
-        meshes_[count_] = &mesh;
-        lists_[count_] = declareEdges(passes_, mesh);
-        return lists_[count_++];
+        const std::uint32_t known = numbers_.count(), number = numbers_.of(mesh);
+        if (number == known) lists_[number] = declareEdges(passes_, mesh);
+        return lists_[number];
     }
-    std::span<const BufferId> all() const { return lists_.first(count_); }
+    std::span<const BufferId> all() const { return lists_.first(numbers_.count()); }
 
 private:
     PassBuilder& passes_;
-    std::span<const MeshView*> meshes_;
+    MeshNumbers numbers_;
     std::span<BufferId> lists_;
-    std::size_t count_ = 0;
 };
 
 // --- the method ---

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "algorithms/common/caster_lists.hpp"
+#include "algorithms/common/mesh_numbers.hpp"
 #include "algorithms/volumes/silhouette.hpp"
 
 #include "shaders/volumes/silhouettes.h"
@@ -32,6 +33,7 @@ struct Layout {
     std::span<gpu::SilhouettePiece> records;
     std::span<MeshPlace> meshes;
     const LightView* light = nullptr;
+    MeshNumbers* numbers = nullptr; ///< Of meshes.
     std::uint32_t groups = 0, words = 0;
     BufferId topology, lights;
 };
@@ -44,9 +46,8 @@ std::uint32_t wordsOf(std::size_t count)
 /// The mesh's place, given one behind all others if it has none yet.
 const MeshPlace& placeOf(const MeshView& mesh, Layout& layout)
 {
-    const auto known = std::find_if(layout.meshes.begin(), layout.meshes.end(),
-                                    [&](const MeshPlace& place) { return place.mesh == &mesh; });
-    if (known != layout.meshes.end()) return *known;
+    if (const std::uint32_t number = layout.numbers->of(mesh); number < layout.meshes.size())
+        return layout.meshes[number];
     const Topology& topology = *mesh.topology;
     MeshPlace place{.mesh = &mesh, .edges = layout.words};
     place.uses = place.edges + gpu::EDGE_WORDS * wordsOf(topology.edges.size());
@@ -77,6 +78,7 @@ void layOut(FrameArena& arena, std::span<const VolumePiece> pieces, Layout& layo
     layout.pieces = pieces;
     layout.records = arena.array<gpu::SilhouettePiece>(pieces.size());
     layout.meshes = arena.array<MeshPlace>(pieces.size()).first(0);
+    layout.numbers = arena.make(MeshNumbers(arena, pieces.size()));
     for (const VolumePiece& piece : pieces)
         layout.groups += (piece.count + gpu::SILHOUETTE_GROUP - 1) / gpu::SILHOUETTE_GROUP;
     layout.words = layout.groups + kPieceWords * wordsOf(pieces.size());
