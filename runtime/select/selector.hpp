@@ -80,7 +80,7 @@ struct LightDecision {
     std::array<Candidate, kMaxMethods> candidates{};
 };
 
-/// Of a method whose passes could not be made for a light: it is tried again after a second, then after two, four, ...
+/// Of a method whose passes could not be made for a light: it is left alone for a while, each time for twice as long.
 struct PassFailure {
     std::uint64_t at = 0, until = 0; ///< Frames.
     std::uint32_t times = 0;
@@ -88,9 +88,10 @@ struct PassFailure {
 
     void note(std::uint64_t frame, bool forMemory)
     {
-        constexpr std::uint64_t kSecond = 60;
-        constexpr std::uint32_t kMostDoublings = 6; // a minute
-        *this = {frame, frame + (kSecond << std::min(times, kMostDoublings)), times + 1, forMemory};
+        // Memory that something else has left is free within a few frames; a refusal may last. A minute at most.
+        constexpr std::uint64_t kForMemory = 4, kElse = 60, kMost = 3600;
+        const std::uint64_t pause = (forMemory ? kForMemory : kElse) << std::min(times, 16u);
+        *this = {frame, frame + std::min(pause, kMost), times + 1, forMemory};
     }
     /// @param setAt  of the method's newest setting: with another one it may well go
     bool holds(std::uint64_t frame, std::uint64_t setAt) const { return frame < until && setAt < at; }

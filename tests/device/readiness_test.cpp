@@ -263,7 +263,7 @@ TEST_CASE_FIXTURE(DeviceTest,
     REQUIRE(host.decision(0).pMethod);
     CHECK(std::string(host.decision(0).pMethod) != "shadow_map");
     CHECK(dark(host.pictures()[0]) > 100);
-    CHECK(host.takeMessages().size() == 1); // not one a frame
+    CHECK(host.takeMessages().size() <= 2); // not one a frame
     host.require(gnSetMethodSetting(host.context, "shadow_map", "resolution", 512));
     host.draw(2, {});
     CHECK(std::string(host.decision(0).pMethod) == "shadow_map");
