@@ -21,6 +21,7 @@
 #include "runtime/select/frame_plan.hpp"
 #include "runtime/select/record.hpp"
 #include "runtime/select/selector.hpp"
+#include "runtime/select/shared_parts.hpp"
 
 namespace gnomon {
 
@@ -267,6 +268,8 @@ private:
     std::uint64_t untimedFrame_ = 0;
     /// What no light is charged with, in frames timed unasked: one in four or more brings a grid.
     SecondOfEight sharedMs_;
+    SecondOfEight unaskedMs_; ///< Of that, what no method asked for.
+    SharedParts sharedParts_; ///< The rest.
     WeightedMedianOfFive timedRatios_;
     float timedScale_ = 1.0f;        ///< From what a pass takes in a timed frame to its share of an untimed one.
     double budgetMs_ = 0.0;          ///< In force; 0: none.
@@ -283,7 +286,8 @@ private:
         bool disturbed = false;    ///< Its timings are not the methods' doing.
         bool timedUnasked = false; ///< Whatever the host asked.
         float cpuMs = 0.0f;
-        double plannedMs = 0.0, cheapestMs = 0.0; ///< PlanReport's.
+        double plannedMs = 0.0, cheapestMs = 0.0; ///< PlanReport's, without shared parts.
+        double pixels = 0.0;                      ///< Of all views.
     };
     std::array<PastFrame, 16> past_{}; ///< A ring; twice the frames that may be in flight.
     PastFrame& present() { return past_[frame_ % past_.size()]; }

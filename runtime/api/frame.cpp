@@ -380,7 +380,8 @@ void Context::planLights(const GnFrameInfo& info)
     const bool cut = cameraCut() || budgetBegins_; // the cheapest plan was to be measured, not to be kept
     planReport_ = plan_->decide(base, {.ms = measuresBudget_ ? kNextToNothingMs : budgetMs_,
                                        .perCheapest = budgetPerCheapest_,
-                                       .sharedMs = stats_.sharedMs,
+                                       .sharedMs = unaskedMs_.get(),
+                                       .parts = sharedParts_.parts(present().pixels),
                                        .measuredMs = measuredMs(),
                                        .cut = cut,
                                        .probe = wantsProbe(base),
@@ -396,7 +397,7 @@ void Context::planLights(const GnFrameInfo& info)
     }
     settleFades();
     settleProbe();
-    present().plannedMs = planReport_.predictedMs;
+    present().plannedMs = planReport_.predictedMs - planReport_.partsMs;
     present().cheapestMs = planReport_.cheapestMs;
     std::uint64_t& methods = present().methods; // FNV-1a
     methods = 0xcbf29ce484222325u;

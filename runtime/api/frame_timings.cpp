@@ -82,17 +82,29 @@ void Context::noteTimedScale(const FrameTimings& timed)
     timedScale_ = timedRatios_.get();
 }
 
-/// Copies for the CPU, the depth grid, moved instances: next to no choice of methods changes them, so that lights may
-/// spend what they leave of a budget. What a method makes once for a mesh is its first frame's. Of frames that the host
-/// has timed seven in eight bring no grid.
+/// The depth grid and moved instances are there whatever the methods, so that lights may spend what they leave of a
+/// budget; copies for the CPU and whatever else methods share within a view, with the first of them. What a method makes
+/// once for a mesh is its first frame's. Of frames that the host has timed seven in eight bring no grid.
 void Context::noteShared(const FrameTimings& timings)
 {
-    if (past(timings.frame).disturbed || !past(timings.frame).timedUnasked) return;
-    float sum = 0.0f;
-    for (const PassTiming& pass : timings.passes)
-        if (pass.owner.light == UINT32_MAX && (pass.owner.view != UINT32_MAX || pass.owner.declarer == UINT32_MAX))
-            sum += pass.gpuMs * timedScale_ + pass.cpuMs;
+    const PastFrame& then = past(timings.frame);
+    if (then.disturbed || !then.timedUnasked) return;
+    float sum = 0.0f, unasked = 0.0f;
+    std::uint32_t ran = 0;
+    for (const PassTiming& pass : timings.passes) {
+        ran |= pass.owner.declarers;
+        if (pass.owner.light != UINT32_MAX) continue;
+        if (pass.owner.view == UINT32_MAX && pass.owner.declarer != UINT32_MAX) continue;
+        const float ms = pass.gpuMs * timedScale_ + pass.cpuMs;
+        sum += ms;
+        if (pass.owner.declarers)
+            sharedParts_.note(pass.name, pass.owner.declarers, ms);
+        else
+            unasked += ms;
+    }
     sharedMs_.add(sum);
+    unaskedMs_.add(unasked);
+    sharedParts_.endFrame(ran, then.pixels);
 }
 
 /// What each light's own passes cost, scaled from the timed frame to the untimed total.

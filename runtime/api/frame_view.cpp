@@ -29,6 +29,7 @@ Result<void> Context::prepareView(View& view, const GnViewFrame& frame)
         ++view.revision;
         view.grid->invalidate();
     }
+    present().pixels += double(extent.width) * double(extent.height);
     view.camera = makeCameraView(frame, origin_, view.id);
     if (frame.cameraCut) {
         view.grid->invalidate();

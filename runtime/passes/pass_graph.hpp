@@ -55,6 +55,7 @@ struct PassOwner {
     std::uint32_t light = UINT32_MAX; ///< LightView::id; max: none.
     std::uint32_t method = UINT32_MAX;
     std::uint32_t declarer = UINT32_MAX; ///< The method that declared it; of a shared pass, the first that did.
+    std::uint32_t declarers = 0;         ///< Bit m: method m did.
 };
 
 struct Pass {

@@ -13,10 +13,10 @@ namespace {
 /// bits never turn a plan that fits into one that does not.
 constexpr double kRounding = 1e-12;
 
-/// Up to so many methods with a fixed part, greedy tries every set of them: 2^6 times 0.1 us a light.
+/// Up to so many parts greedy tries every set of them: 2^6 times 0.1 us a light.
 constexpr int kExhaustiveSets = 6;
-/// Sets tried beyond that. Above kTableLights one solution costs tens of microseconds, and a fixed part is shared by
-/// many lights and matters less.
+/// Sets tried beyond that. Above kTableLights one solution costs tens of microseconds, and a part that many lights
+/// share matters less.
 constexpr uint32_t kSetTrials = 24;
 constexpr uint32_t kSetTrialsMany = 3;
 
@@ -38,15 +38,33 @@ uint32_t usedMethods(std::span<const uint32_t> chosen)
     return used;
 }
 
-double fixedOf(const Problem& problem, uint32_t methods)
+/// Parts that those of `methods` need.
+uint32_t partsOf(const Problem& problem, uint32_t methods)
 {
-    double sum = 0.0;
-    for (size_t m = 0; m < problem.fixedMs.size(); ++m)
-        if (methods >> m & 1) sum += problem.fixedMs[m];
-    return sum;
+    uint32_t parts = 0;
+    for (size_t p = 0; p < problem.parts.size(); ++p)
+        if (problem.parts[p].methods & methods) parts |= 1u << p;
+    return parts;
+}
+
+/// Methods that need nothing but `paid`, and what costs nothing.
+uint32_t methodsWithin(const Problem& problem, uint32_t paid)
+{
+    uint32_t barred = 0;
+    for (size_t p = 0; p < problem.parts.size(); ++p)
+        if (problem.parts[p].ms > 0.0 && !(paid >> p & 1)) barred |= problem.parts[p].methods;
+    return ~barred;
 }
 
 } // namespace
+
+double partsMs(std::span<const SharedPart> parts, uint32_t methods) noexcept
+{
+    double sum = 0.0;
+    for (const SharedPart& part : parts)
+        if (part.methods & methods) sum += part.ms;
+    return sum;
+}
 
 Sums sumOf(const Problem& problem, std::span<const uint32_t> chosen) noexcept
 {
@@ -57,7 +75,7 @@ Sums sumOf(const Problem& problem, std::span<const uint32_t> chosen) noexcept
         sums.value += problem.values[index];
         sums.costMs += problem.costsMs[index];
     }
-    sums.costMs += fixedOf(problem, usedMethods(chosen.first(problem.lights)));
+    sums.costMs += partsMs(problem.parts, usedMethods(chosen.first(problem.lights)));
     return sums;
 }
 
@@ -270,13 +288,15 @@ bool Knapsack::fillTable(const Problem& problem, double limitMs, double known, s
     return true;
 }
 
-/// With the fixed parts of `open` paid in advance the rest is an ordinary knapsack.
-Solution Knapsack::solveOpen(const Problem& problem, Method method, uint32_t open, double known,
-                             std::span<uint32_t> chosen) noexcept
+/// With `paid` paid in advance, and methods that need other parts left out, the rest is an ordinary knapsack.
+Solution Knapsack::solvePaying(const Problem& problem, Method method, uint32_t paid, double known,
+                               std::span<uint32_t> chosen) noexcept
 {
     Solution none{.costMs = std::numeric_limits<double>::infinity()};
-    if (!gatherOptions(problem, open)) return none;
-    const double limitMs = problem.budgetMs * (1.0 - kRounding) - fixedOf(problem, open);
+    if (!gatherOptions(problem, methodsWithin(problem, paid))) return none;
+    double limitMs = problem.budgetMs * (1.0 - kRounding);
+    for (uint32_t rest = paid; rest; rest &= rest - 1)
+        limitMs -= problem.parts[static_cast<size_t>(std::countr_zero(rest))].ms;
     if (method == Method::greedy)
         walkGreedy(problem, limitMs, chosen);
     else if (!fillTable(problem, limitMs, known, chosen))
@@ -285,68 +305,70 @@ Solution Knapsack::solveOpen(const Problem& problem, Method method, uint32_t ope
     return {sums.value, sums.costMs, sums.costMs <= problem.budgetMs};
 }
 
-/// Methods with a fixed part that some light may use.
-uint32_t Knapsack::dearMethods(const Problem& problem) noexcept
+/// Parts that cost something and that some light may need.
+uint32_t Knapsack::dearParts(const Problem& problem) noexcept
 {
     uint32_t dear = 0, allowed = 0;
-    for (uint32_t m = 0; m < problem.fixedMs.size(); ++m)
-        if (problem.fixedMs[m] > 0.0) dear |= 1u << m;
     for (uint32_t light = 0; light < problem.lights; ++light)
         allowed |= problem.allowed[light];
-    return dear & allowed;
+    for (uint32_t p = 0; p < problem.parts.size(); ++p)
+        if (problem.parts[p].ms > 0.0 && (problem.parts[p].methods & allowed)) dear |= 1u << p;
+    return dear;
 }
 
-/// Solves with other fixed parts paid and keeps the better plan.
-bool Knapsack::tryOpen(const Problem& problem, Method method, uint32_t open, Solution& best,
-                       std::span<uint32_t> chosen) noexcept
+/// Solves with other parts paid and keeps the better plan.
+bool Knapsack::tryPaying(const Problem& problem, Method method, uint32_t paid, Solution& best,
+                         std::span<uint32_t> chosen) noexcept
 {
     const std::span<uint32_t> trial = std::span(trial_).first(problem.lights);
-    const Solution solution = solveOpen(problem, method, open, best.fits ? best.value : 0.0, trial);
+    const Solution solution = solvePaying(problem, method, paid, best.fits ? best.value : 0.0, trial);
     if (!better(solution, best)) return false;
     best = solution;
     std::copy(trial.begin(), trial.end(), chosen.begin());
-    open_ = open;
+    paid_ = paid;
     return true;
 }
 
-/// Which fixed parts to pay: every set where they are few, otherwise a descent that drops or adds one method at a time.
+/// Which parts to pay: every set where they are few, otherwise a descent that drops or adds one at a time.
 Solution Knapsack::solveGreedy(const Problem& problem, std::span<uint32_t> chosen) noexcept
 {
-    assert(problem.lights <= masks_.size() && problem.methods <= kMaxMethods);
+    assert(problem.lights <= masks_.size() && problem.methods <= kMaxMethods && problem.parts.size() <= kMaxParts);
     chosen = chosen.first(problem.lights);
-    const uint32_t dear = dearMethods(problem);
+    const uint32_t dear = dearParts(problem);
     const bool few = problem.lights <= kTableLights;
-    open_ = ~0u;
-    Solution best = solveOpen(problem, Method::greedy, open_, 0.0, chosen);
+    paid_ = dear;
+    Solution best = solvePaying(problem, Method::greedy, paid_, 0.0, chosen);
     if (dear == 0) return best;
     if (few && std::popcount(dear) <= kExhaustiveSets) {
-        tryOpen(problem, Method::greedy, ~dear, best, chosen);
+        tryPaying(problem, Method::greedy, 0, best, chosen);
         for (uint32_t set = (dear - 1) & dear; set; set = (set - 1) & dear)
-            tryOpen(problem, Method::greedy, ~dear | set, best, chosen);
+            tryPaying(problem, Method::greedy, set, best, chosen);
         return best;
     }
-    tryOpen(problem, Method::greedy, ~dear | usedMethods(chosen), best, chosen); // what nobody uses need not be paid
+    // What nobody uses need not be paid.
+    tryPaying(problem, Method::greedy, partsOf(problem, usedMethods(chosen)) & dear, best, chosen);
     uint32_t trials = few ? kSetTrials : kSetTrialsMany;
     for (bool improved = true; improved && trials > 0;) {
         improved = false;
-        uint32_t flips = dear & (few ? ~0u : usedMethods(chosen)); // with many lights only closing what is used
+        // With many lights only what is used is dropped.
+        uint32_t flips = dear & (few ? ~0u : partsOf(problem, usedMethods(chosen)));
         for (; flips && trials > 0; flips &= flips - 1, --trials)
-            improved |= tryOpen(problem, Method::greedy, open_ ^ (flips & -flips), best, chosen);
+            improved |= tryPaying(problem, Method::greedy, paid_ ^ (flips & -flips), best, chosen);
     }
     return best;
 }
 
-/// The table for the set of fixed parts that greedy finds best, and for the sets one method away from it.
+/// The table for the set of parts that greedy finds best, and for the sets one part away from it.
 Solution Knapsack::solveTable(const Problem& problem, std::span<uint32_t> chosen) noexcept
 {
     assert(problem.lights <= tableLights_);
     chosen = chosen.first(problem.lights);
     // Greedy knows no bins: now and then it finds the better plan, and it costs a tenth of the table.
     Solution best = solveGreedy(problem, chosen);
-    const uint32_t open = open_;
-    tryOpen(problem, Method::table, open, best, chosen);
-    for (uint32_t flips = dearMethods(problem); flips; flips &= flips - 1)
-        tryOpen(problem, Method::table, open ^ (flips & -flips), best, chosen);
+    const uint32_t paid = paid_;
+    tryPaying(problem, Method::table, paid, best, chosen);
+    for (uint32_t flips = dearParts(problem); flips; flips &= flips - 1)
+        tryPaying(problem, Method::table, paid ^ (flips & -flips), best, chosen);
     return best;
 }
 

@@ -4,7 +4,7 @@
 ///
 /// Up to kTableLights lights a table over the time left is used, above that the greedy walk along the upper hulls of
 /// the lights' options (Sinha and Zoltners 1979; for detail and rendering algorithm per object: Funkhouser and Sequin
-/// 1993). A method may have a *fixed* part, paid once however many lights use it.
+/// 1993). Methods may need *shared parts*: work that is paid once however many lights use however many of them.
 ///
 /// Nothing is allocated after reserve(); the same problem gives the same plan, whatever was solved before.
 
@@ -16,12 +16,21 @@ namespace gnomon::plan {
 
 inline constexpr uint32_t kNone = UINT32_MAX;
 inline constexpr uint32_t kMaxMethods = 32; ///< Bits of a mask.
+inline constexpr uint32_t kMaxParts = 32;   ///< Bits of a mask.
 
 /// Above this many lights greedy loses less than the table's resolution, in less time (README.md, "Which solver").
 inline constexpr uint32_t kTableLights = 8;
 /// The time between the cheapest plan and the budget is cut into so many bins. A plan found by the table is worth at
 /// least the best one of a budget smaller by lights/bins of that time: 8/512 = 1.6 %.
 inline constexpr uint32_t kTableBins = 512;
+
+/// Work for all lights of a view together (a copy of its depth, say), paid once if any light's method needs it.
+struct SharedPart {
+    double ms = 0.0;      ///< >= 0, finite.
+    uint32_t methods = 0; ///< Bit m: method m needs it.
+};
+/// What those of `methods` need together.
+double partsMs(std::span<const SharedPart> parts, uint32_t methods) noexcept;
 
 /// Borrowed. Matrices are light by light: [light * methods + method].
 struct Problem {
@@ -30,14 +39,14 @@ struct Problem {
     std::span<const double> values;    ///< lights x methods, >= 0.
     std::span<const double> costsMs;   ///< lights x methods, >= 0, finite.
     std::span<const uint32_t> allowed; ///< Per light, bit m: method m may be chosen. 0: the light is left out.
-    std::span<const double> fixedMs;   ///< Per method, >= 0; empty: none.
+    std::span<const SharedPart> parts; ///< At most kMaxParts.
     double budgetMs = 0.0;
 };
 
-/// Sums over the chosen methods, in the order of lights, then of methods for the fixed parts.
+/// Sums over the chosen methods, in the order of lights, then of parts.
 struct Sums {
     double value = 0.0;
-    double costMs = 0.0; ///< With fixed parts.
+    double costMs = 0.0; ///< With shared parts.
 };
 Sums sumOf(const Problem& problem, std::span<const uint32_t> chosen) noexcept;
 
@@ -83,11 +92,11 @@ private:
     };
     enum class Method : uint8_t { greedy, table };
 
-    static uint32_t dearMethods(const Problem& problem) noexcept;
-    bool tryOpen(const Problem& problem, Method method, uint32_t open, Solution& best,
-                 std::span<uint32_t> chosen) noexcept;
-    Solution solveOpen(const Problem& problem, Method method, uint32_t open, double known,
-                       std::span<uint32_t> chosen) noexcept;
+    static uint32_t dearParts(const Problem& problem) noexcept;
+    bool tryPaying(const Problem& problem, Method method, uint32_t paid, Solution& best,
+                   std::span<uint32_t> chosen) noexcept;
+    Solution solvePaying(const Problem& problem, Method method, uint32_t paid, double known,
+                         std::span<uint32_t> chosen) noexcept;
     bool gatherOptions(const Problem& problem, uint32_t open) noexcept;
     void walkGreedy(const Problem& problem, double limitMs, std::span<uint32_t> chosen) noexcept;
     void fillSlack(const Problem& problem, double slackMs, std::span<uint32_t> chosen) noexcept;
@@ -98,7 +107,7 @@ private:
     uint32_t tableLights_ = 0;
     std::vector<Option> options_; ///< Per light `methods` slots: undominated options by rising cost.
     std::vector<uint32_t> optionCounts_;
-    std::vector<uint32_t> masks_; ///< allowed, less the methods whose fixed part is not paid.
+    std::vector<uint32_t> masks_; ///< allowed, less the methods that need a part that is not paid.
     std::vector<uint32_t> at_;    ///< Per light, index into its options.
     std::vector<Step> steps_;
     std::vector<State> states_, nextStates_;
@@ -108,7 +117,7 @@ private:
     double dualPerMs_ = 0.0;       ///< Gain per millisecond of the best step that greedy could not afford.
     std::vector<uint32_t> trial_;
     uint32_t methods_ = 0;
-    uint32_t open_ = ~0u; ///< Methods whose fixed parts the best plan so far may use.
+    uint32_t paid_ = 0; ///< Parts that the best plan so far may use.
 };
 
 } // namespace gnomon::plan

@@ -108,30 +108,40 @@ void PlanStep::countUsers() noexcept
     users_.fill(0);
     for (uint32_t light = 0; light < lightCount_; ++light)
         if (current_[light] != kNone) ++users_[current_[light]];
+    used_ = 0;
+    for (uint32_t m = 0; m < methods_; ++m)
+        if (users_[m] > 0) used_ |= 1u << m;
     sums_ = sumOf(problem_, std::span(current_).first(lightCount_));
 }
 
-/// How the plan's cost changes if one light moves, fixed parts included.
+/// The methods of the other lights.
+uint32_t PlanStep::usedWithout(uint32_t light) const noexcept
+{
+    const uint32_t own = current_[light];
+    return own != kNone && users_[own] == 1 ? used_ & ~(1u << own) : used_;
+}
+
+/// How the plan's cost changes if one light moves, shared parts included.
 double PlanStep::moveMs(uint32_t light, uint32_t to) const noexcept
 {
     const uint32_t from = current_[light];
     double change = costsMs_[at(light, to)];
     if (from != kNone) change -= costsMs_[at(light, from)];
-    if (from == to || problem_.fixedMs.empty()) return change;
-    if (users_[to] == 0) change += problem_.fixedMs[to];
-    if (from != kNone && users_[from] == 1) change -= problem_.fixedMs[from];
-    return change;
+    if (from == to || problem_.parts.empty()) return change;
+    return change + partsMs(problem_.parts, usedWithout(light) | 1u << to) - partsMs(problem_.parts, used_);
 }
 
 void PlanStep::move(uint32_t light, uint32_t to) noexcept
 {
     sums_.costMs += moveMs(light, to);
     sums_.value += values_[at(light, to)];
-    ++users_[to];
+    const uint32_t others = usedWithout(light);
     if (const uint32_t from = current_[light]; from != kNone) {
         sums_.value -= values_[at(light, from)];
         --users_[from];
     }
+    ++users_[to];
+    used_ = others | 1u << to;
     current_[light] = to;
 }
 
@@ -190,6 +200,7 @@ Hold PlanStep::tryUpgrade(const PlanInput& input, uint32_t light, double usableM
 {
     const Sums before = sums_;
     const auto users = users_;
+    const uint32_t used = used_;
     std::copy_n(current_.begin(), lightCount_, saved_.begin());
     move(light, best_[light]);
     while (sums_.costMs > usableMs) {
@@ -213,6 +224,7 @@ Hold PlanStep::tryUpgrade(const PlanInput& input, uint32_t light, double usableM
     if (hold == Hold::none) return hold;
     std::copy_n(saved_.begin(), lightCount_, current_.begin());
     users_ = users;
+    used_ = used;
     sums_ = before;
     return hold;
 }
@@ -254,7 +266,6 @@ void PlanStep::improve(const PlanInput& input, PlanReport& report) noexcept
 /// picture. A few lights at a time, and none before its first frame would be earned back.
 void PlanStep::economise(const PlanInput& input, PlanReport& report) noexcept
 {
-    if (!problem_.fixedMs.empty()) return; // what one light saves another may pay
     const rules::Policy::Hysteresis& hysteresis = policyOf(input).hysteresis;
     for (uint32_t light = 0; light < lightCount_ && report.upgrades < hysteresis.upgradesPerFrame; ++light) {
         const uint32_t from = current_[light];
@@ -267,16 +278,19 @@ void PlanStep::economise(const PlanInput& input, PlanReport& report) noexcept
     }
 }
 
-/// The cheapest method that is worth what `from` is and takes clearly less, its first frame spread over the stay.
+/// The cheapest method that is worth what `from` is and takes clearly less, its first frame spread over the stay, and
+/// what of shared parts the light alone would be the reason for, counted with either.
 uint32_t PlanStep::thriftier(const PlanInput& input, uint32_t light, uint32_t from) const noexcept
 {
     const LightMemory& memory = *input.lights[light].memory;
-    double enough = costsMs_[at(light, from)] / (1.0 + 2.0 * kNoDearer);
+    const double othersMs = partsMs(problem_.parts, usedWithout(light));
+    const double ownMs = costsMs_[at(light, from)] + partsMs(problem_.parts, used_) - othersMs;
+    double enough = ownMs / (1.0 + 2.0 * kNoDearer);
     uint32_t best = kNone;
     for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
         const auto m = static_cast<uint32_t>(std::countr_zero(mask));
         const Candidate& candidate = input.candidates[at(light, m)];
-        const double priceMs = changePriceMs(costsMs_[at(light, m)], candidate.firstFrameMs);
+        const double priceMs = changePriceMs(ownMs + moveMs(light, m), candidate.firstFrameMs);
         if (m == from || !(priceMs < enough) || values_[at(light, m)] < values_[at(light, from)]) continue;
         if (!isPriceKnown(candidate.ms, candidate.sigmaMs)) continue;
         if (isBanned(memory, from, m, input.frame) ||
@@ -291,20 +305,25 @@ uint32_t PlanStep::thriftier(const PlanInput& input, uint32_t light, uint32_t fr
 /// and stays with what it has where that is worth as much.
 void PlanStep::settleForLess(const PlanInput& input, std::span<uint32_t> best) const noexcept
 {
+    uint32_t paid = 0;
+    for (const uint32_t method : best)
+        if (method != kNone) paid |= 1u << method;
+    const auto mayUse = [&](uint32_t m) {
+        return partsMs(problem_.parts, paid | 1u << m) <= partsMs(problem_.parts, paid);
+    };
     for (uint32_t light = 0; light < lightCount_; ++light) {
         if (best[light] == kNone) continue;
         const double cheapestMs = costsMs_[at(light, best[light])];
         uint32_t most = best[light];
         for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
             const auto m = static_cast<uint32_t>(std::countr_zero(mask));
-            const bool payable = problem_.fixedMs.empty() || problem_.fixedMs[m] <= problem_.fixedMs[best[light]];
-            if (payable && costsMs_[at(light, m)] <= (1.0 + kNoDearer) * cheapestMs &&
+            if (mayUse(m) && costsMs_[at(light, m)] <= (1.0 + kNoDearer) * cheapestMs &&
                 values_[at(light, m)] > values_[at(light, most)])
                 most = m;
         }
         const uint32_t incumbent = input.lights[light].memory->incumbent;
         const bool stays =
-            incumbent < methods_ && (allowed_[light] >> incumbent & 1) &&
+            incumbent < methods_ && (allowed_[light] >> incumbent & 1) && mayUse(incumbent) &&
             costsMs_[at(light, incumbent)] <= (1.0 + 2.0 * kNoDearer) * cheapestMs &&
             values_[at(light, incumbent)] >= (1.0 - policyOf(input).hysteresis.planGain) * values_[at(light, most)];
         best[light] = stays ? incumbent : most;
@@ -431,6 +450,7 @@ PlanReport PlanStep::step(const PlanInput& whole) noexcept
     countUsers(); // sums in the order of lights, without the rounding of single moves
     report.value = sums_.value;
     report.predictedMs = sums_.costMs;
+    report.partsMs = partsMs(problem_.parts, used_);
     if (report.cause == Cause::unbudgeted) report.bestValue = report.value, report.bestMs = report.predictedMs;
     report.overMs = std::max(0.0, report.predictedMs - input.budgetMs);
     remember(input, report);

@@ -63,13 +63,13 @@ struct PlanInput {
     uint64_t frame = 0;
     std::span<const LightRequest> lights;
     std::span<const Candidate> candidates; ///< lights x methods, light by light.
-    std::span<const double> fixedMs;       ///< Per method, paid once if any light uses it; empty: none.
+    std::span<const SharedPart> parts;     ///< Work that methods share; at most kMaxParts.
     uint32_t methods = 0;
     double budgetMs = 0.0;
     /// The budget as a multiple of what the cheapest plan is foretold to take, by kLeash from budgetMs at most where
     /// that is known; 0: budgetMs itself.
     double perCheapest = 0.0;
-    double sharedMs = 0.0;    ///< Of the budget, and of what was measured, this is spent whatever the plan.
+    double sharedMs = 0.0;    ///< Of the budget, and of what was measured, this is spent whatever the plan: no part.
     double measuredMs = -1.0; ///< Newest measured sum of the shadow passes; < 0: unknown.
     bool cut = false;         ///< Camera cut: all holds are lifted.
     rules::Options::Allocation allocation = rules::Options::Allocation::Budget;
@@ -106,7 +106,7 @@ struct LightPlan {
     uint32_t incumbent = kNone; ///< Before this step.
     uint32_t wanted = kNone;    ///< By the best plan.
     double benefit = 0.0;       ///< importance * worth().
-    double ms = 0.0;            ///< Predicted, without fixed parts.
+    double ms = 0.0;            ///< Predicted, without shared parts.
     Hold hold = Hold::none;
     bool floorUnmet = false; ///< Near, but no method is good enough: the best of them serve.
     bool switched = false;
@@ -124,12 +124,13 @@ enum class Cause : uint8_t {
 
 struct PlanReport {
     Cause cause = Cause::kept;
-    double value = 0.0, predictedMs = 0.0;
+    double value = 0.0, predictedMs = 0.0; ///< Milliseconds with shared parts, here and below.
     double bestValue = 0.0, bestMs = 0.0; ///< The plan without hysteresis.
+    double partsMs = 0.0;                 ///< Of predictedMs, the shared parts.
     double standardErrorMs = 0.0;         ///< Of the predicted sum.
     double budgetMs = 0.0;                ///< In force, shared part included.
     double usableMs = 0.0;                ///< Budget less shared part and headroom.
-    double cheapestMs = 0.0;              ///< Predicted if each light had its cheapest method.
+    double cheapestMs = 0.0;              ///< Predicted if each light had its cheapest method, without shared parts.
     double overMs = 0.0;                  ///< Predicted above the budget; the floor may force it. 0 when within.
     uint32_t switches = 0, upgrades = 0, flips = 0, floorsUnmet = 0;
 };
@@ -175,6 +176,11 @@ public:
     /// Of the newest step: whether pins, vetoes and floor leave the light this method, and importance * worth().
     bool mayServe(uint32_t light, uint32_t method) const noexcept { return (allowed_[light] >> method & 1) != 0; }
     double benefitOf(uint32_t light, uint32_t method) const noexcept { return values_[at(light, method)]; }
+    /// What `method` needs of the shared parts that the newest plan does not pay.
+    double unpaidMs(uint32_t method) const noexcept
+    {
+        return partsMs(problem_.parts, used_ | 1u << method) - partsMs(problem_.parts, used_);
+    }
 
     /// The cheapest plan that keeps pins, vetoes and floors, in milliseconds: what `budget: auto` starts from. Counts
     /// the same input as step(), but changes nothing that step() depends on.
@@ -198,6 +204,7 @@ private:
     Hold holdOf(const PlanInput& input, uint32_t light) const noexcept;
     void explainLight(const PlanInput& input, uint32_t light, double usableMs, double planMs) noexcept;
     void remember(const PlanInput& input, PlanReport& report) noexcept;
+    uint32_t usedWithout(uint32_t light) const noexcept;
     double moveMs(uint32_t light, uint32_t to) const noexcept;
     void move(uint32_t light, uint32_t to) noexcept;
     void countUsers() noexcept;
@@ -211,6 +218,7 @@ private:
     std::vector<LightPlan> plans_;
     std::vector<Why> why_;
     std::array<uint32_t, kMaxMethods> users_{}; ///< Lights of current_ per method.
+    uint32_t used_ = 0;                         ///< Bit m: users_[m] > 0.
     Sums sums_;                                 ///< Of current_.
     uint32_t lightCount_ = 0, methods_ = 0;
     uint32_t calmFrames_ = 0; ///< In a row within the budget.

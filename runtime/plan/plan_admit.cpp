@@ -73,7 +73,7 @@ void PlanStep::admit(const PlanInput& input) noexcept
         plans_[light] = {.incumbent = input.lights[light].memory->incumbent};
         admitLight(input, light);
     }
-    problem_ = {lightCount_, methods_, values_, costsMs_, allowed_, input.fixedMs, 0.0};
+    problem_ = {lightCount_, methods_, values_, costsMs_, allowed_, input.parts, 0.0};
 }
 
 } // namespace gnomon::plan

@@ -302,6 +302,7 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
         const plan::PlanInput input{.frame = budget.frame,
                                     .lights = lights_,
                                     .candidates = candidates_,
+                                    .parts = budget.parts,
                                     .methods = methods_.size(),
                                     .budgetMs = budget.ms,
                                     .perCheapest = budget.perCheapest,

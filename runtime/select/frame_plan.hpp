@@ -38,8 +38,9 @@ public:
 
     struct Budget {
         double ms = 0.0;          ///< 0: none; the best suitability is kept.
-        double perCheapest = 0.0; ///< As PlanInput's three.
+        double perCheapest = 0.0; ///< As PlanInput's four.
         double sharedMs = 0.0;
+        std::span<const plan::SharedPart> parts;
         double measuredMs = -1.0;
         bool cut = false;
         bool probe = false; ///< probe() is wanted.

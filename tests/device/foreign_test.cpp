@@ -127,7 +127,9 @@ TEST_CASE_FIXTURE(DeviceTest, "a foreign pass that cannot be is refused, and ano
         REQUIRE(messages.size() == 1);
         CHECK(messages[0].find("storer.store") != std::string::npos);
         REQUIRE(host.decision(0).pMethod);
-        CHECK(messages[0].find("'" + std::string(host.decision(0).pMethod) + "' serves it") != std::string::npos);
+        std::string serves = "'";
+        serves.append(host.decision(0).pMethod).append("' serves it");
+        CHECK(messages[0].find(serves) != std::string::npos);
         CHECK(dark(host.pictures()[0]) > 100);
         CHECK(host.explanation(0).find("memory") == std::string::npos);
         CHECK(host.explanation(0).find("a message says why") != std::string::npos);

@@ -351,15 +351,78 @@ TEST_CASE("a budget may be a multiple of what the cheapest plan is foretold to t
     CHECK(scene.step().budgetMs == doctest::Approx(12.0));
 }
 
-TEST_CASE("the cheapest plan keeps the floor and charges a fixed part once")
+TEST_CASE("the cheapest plan keeps the floor and charges a shared part once")
 {
     Scene scene(3, cheapAndGood());
     CHECK((scene.step(), scene.plan.cheapestMs(scene.input)) == doctest::Approx(3.0));
     scene.requests[0].floor = true;
     scene.requests[0].minimumQuality = 0.9f;
-    const std::vector<double> fixed{0.5, 0.25};
-    scene.input.fixedMs = fixed;
+    const std::vector<SharedPart> parts{{0.5, 1u << kCheap}, {0.25, 1u << kGood}};
+    scene.input.parts = parts;
     CHECK((scene.step(), scene.plan.cheapestMs(scene.input)) == doctest::Approx(6.75));
+    const std::vector<SharedPart> common{{0.5, 1u << kCheap | 1u << kGood}};
+    scene.input.parts = common;
+    CHECK((scene.step(), scene.plan.cheapestMs(scene.input)) == doctest::Approx(6.5));
+}
+
+TEST_CASE("a method whose shared part breaks the budget is not taken, given up once that is known, and not tried again")
+{
+    Scene scene(2, cheapAndGood()); // 2 ms to 8
+    scene.input.budgetMs = 9.0;
+    CHECK(scene.step().predictedMs == doctest::Approx(8.0));
+    std::vector<SharedPart> parts{{1.5, 1u << kGood}}; // a timed frame has told
+    scene.input.parts = parts;
+    const PlanReport report = scene.step();
+    CHECK(report.cause == Cause::repaired);
+    CHECK(report.predictedMs == doctest::Approx(6.5)); // one of two: the part is paid all the same
+    scene.input.budgetMs = 6.0;
+    CHECK(scene.step().predictedMs == doctest::Approx(2.0));
+    uint32_t switches = 0;
+    for (int frame = 0; frame < 300; ++frame)
+        switches += scene.step().switches;
+    CHECK(switches == 0);
+    scene.input.budgetMs = 9.0;
+    scene.step(100);
+    CHECK(scene.step().predictedMs == doctest::Approx(6.5));
+}
+
+TEST_CASE("of methods that show as much the cheaper one with its shared parts serves, which others may pay for")
+{
+    const uint32_t kPlain = 0, kSharing = 1;
+    const auto known = [](double ms) { return Candidate{.suitability = 3000, .quality = 1.0f, .ms = ms}; };
+    Scene scene(2, {known(4.0), known(2.0)});
+    scene.input.budgetMs = 100.0;
+    const std::vector<SharedPart> parts{{8.0, 1u << kSharing}};
+    scene.input.parts = parts;
+    scene.requests[0].pinned = scene.requests[1].pinned = kPlain;
+    scene.step();
+    scene.requests[0].pinned = scene.requests[1].pinned = kNone;
+    scene.step(700);
+    for (uint32_t light = 0; light < 2; ++light)
+        CHECK(scene.chosen(light) == kPlain); // 8, or 4 + 2 + 8, or 4 + 8
+    scene.requests[0].pinned = kSharing;
+    scene.step(700);
+    CHECK(scene.chosen(1) == kSharing); // its part is paid
+    scene.requests[0].pinned = kNone;
+    scene.step(700);
+    CHECK(scene.chosen(0) == kSharing); // alone neither saves anything by going: a part that both pay is each one's
+    CHECK(scene.chosen(1) == kSharing);
+}
+
+TEST_CASE("where no plan fits nothing that is worth more brings a shared part with it")
+{
+    const uint32_t kPlain = 0, kSharing = 1;
+    Scene scene(2,
+                {{.suitability = 3000, .quality = 0.8f, .ms = 3.0}, {.suitability = 3000, .quality = 1.0f, .ms = 3.1}});
+    const std::vector<SharedPart> parts{{1.0, 1u << kSharing}};
+    scene.input.budgetMs = 2.0;
+    scene.step();
+    CHECK(scene.chosen(0) == kSharing); // no dearer to a tenth
+    scene.input.cut = true;
+    scene.input.parts = parts;
+    scene.step();
+    CHECK(scene.chosen(0) == kPlain);
+    CHECK(scene.chosen(1) == kPlain);
 }
 
 TEST_CASE("where no plan fits the cheapest serves, but what noise calls the cheapest moves nobody")

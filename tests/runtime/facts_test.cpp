@@ -2,9 +2,11 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "runtime/select/facts.hpp"
+#include "runtime/select/shared_parts.hpp"
 
 using namespace gnomon;
 
@@ -145,4 +147,39 @@ TEST_CASE("of five values the one with half of the weight on either side counts"
     for (int i = 0; i < 5; ++i)
         middle.add(0.4f, 0.0f);
     CHECK(middle.get() == 0.0f);
+}
+
+TEST_CASE("work that methods share is known by pass, charged to those that declared it, and scales with the pixels")
+{
+    SharedParts shared;
+    constexpr std::uint32_t kA = 1u << 3, kB = 1u << 5, kC = 1u << 31;
+    CHECK(shared.parts(1000.0).empty());
+    for (int frame = 0; frame < 5; ++frame) {
+        shared.note("view.copy", kA | kB, frame == 2 ? 90.0f : 2.0f); // a spike is none of its
+        shared.note("view.hulls", kA, 1.0f);
+        shared.note("view.hulls", kA, 3.0f); // of another view
+        shared.endFrame(kA | kB, 1000.0);
+    }
+    const auto of = [&](std::uint32_t methods, double pixels) {
+        double ms = 0.0;
+        for (const plan::SharedPart& part : shared.parts(pixels))
+            if (part.methods == methods) ms += part.ms;
+        return ms;
+    };
+    CHECK(shared.parts(1000.0).size() == 2);
+    CHECK(of(kA | kB, 1000.0) == doctest::Approx(2.0));
+    CHECK(of(kA, 1000.0) == doctest::Approx(4.0));
+    CHECK(of(kA, 250.0) == doctest::Approx(1.0));
+
+    shared.endFrame(kC, 1000.0); // neither ran: both are known all the same
+    CHECK(of(kA | kB, 1000.0) == doctest::Approx(2.0));
+    shared.note("view.copy", kC, 2.0f);
+    shared.endFrame(kA | kC, 1000.0); // A ran and needed nothing
+    CHECK(of(kB | kC, 1000.0) == doctest::Approx(2.0));
+    CHECK(shared.parts(1000.0).size() == 1); // nobody needs hulls
+    for (int frame = 0; frame < 3; ++frame) {
+        shared.note(std::string("view.strips").c_str(), kB | kC, 0.5f); // by its text
+        shared.endFrame(kB | kC, 1000.0);
+    }
+    CHECK(of(kB | kC, 1000.0) == doctest::Approx(0.5)); // copies are not needed any more
 }

@@ -1,0 +1,43 @@
+#pragma once
+// What methods share within a view (copies of its depth, receivers' bounds, a stencil buffer): what it takes, and which
+// methods need it, as completed frames have shown.
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "runtime/plan/knapsack.hpp"
+#include "runtime/select/facts.hpp"
+
+namespace gnomon {
+
+/// A frame's plan pays such work once, with the first light that needs it, and saves it with the last. Were it charged
+/// to no light, a method would look affordable until it runs, then not, and be tried again once it has gone.
+///
+/// What no method has shown yet counts as nothing: the first timed frame tells, and nothing is forgotten.
+class SharedParts {
+public:
+    /// A pass of view scope of a timed frame; of several views, one after the other.
+    /// @param pass    Name.
+    /// @param methods Bit m: method m declared it.
+    void note(const char* pass, std::uint32_t methods, float ms);
+    /// @param ran    Bit m: method m had passes in that frame. One that ran without a pass does not need it.
+    /// @param pixels Of all views of that frame, > 0. Such work is done pixel by pixel.
+    void endFrame(std::uint32_t ran, double pixels);
+    /// For a frame with so many pixels; valid until the next call. Passes that the same methods need are one part.
+    std::span<const plan::SharedPart> parts(double pixels);
+
+private:
+    struct Entry {
+        std::uint64_t name = 0; ///< Hash of the text: a pass may come from a library that was loaded anew.
+        std::uint32_t methods = 0;
+        MedianOfFive msPerPixel;
+        // Of the frame that is being noted.
+        std::uint32_t declarers = 0;
+        float ms = 0.0f;
+    };
+    std::vector<Entry> entries_;
+    std::array<plan::SharedPart, plan::kMaxParts> parts_{};
+};
+
+} // namespace gnomon
