@@ -91,7 +91,8 @@ GnCandidate publicCandidate(const char* name, const Candidate& candidate, bool c
             .elimination = eliminationOf(candidate, chosen),
             .quality = candidate.quality,
             .predictedMs = candidate.predictedMs,
-            .sigmaMs = candidate.sigmaMs};
+            .sigmaMs = candidate.sigmaMs,
+            .sharedMs = candidate.sharedMs};
 }
 
 } // namespace

@@ -75,7 +75,8 @@ FadeRequest Context::nextFade(const PendingLight& pending, const rules::RuleBase
 /// The plan has no say in fades, nor they in the plan: what does not fit beside it is shown at once.
 void Context::settleFades()
 {
-    stats_.predictedMs = static_cast<float>(admitFades(fades_, predictedMs_, planReport_.usableMs));
+    stats_.predictedMs =
+        static_cast<float>(admitFades(fades_, predictedMs_, planReport_.usableMs - planReport_.partsMs));
     for (std::size_t i = 0; i < pending_.size(); ++i) {
         LightDecision& decision = *pending_[i].decision;
         if (decision.outgoing == UINT32_MAX || fades_[i].admitted) continue;

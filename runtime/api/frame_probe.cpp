@@ -33,9 +33,10 @@ void Context::settleProbe()
         const bool steady = !decision.switched && decision.outgoing == UINT32_MAX && !view.camera.cut &&
                             decision.method < methods_->size() && decision.method != probe_.method;
         const float ms = decision.candidates[probe_.method].predictedMs;
+        const double usableMs = planReport_.usableMs - planReport_.partsMs;
         const bool tooMuch = frame_ > probe_.since && budgetMs_ > 0.0 && measuredMs() > budgetMs_; // in a frame with it
         if (!steady || tooMuch || !canShareLayer(decision, probe_.method) ||
-            !(double{stats_.predictedMs} + double{ms} <= planReport_.usableMs))
+            !(double{stats_.predictedMs} + double{ms} <= usableMs))
             break;
         decision.probed = probe_.method;
         pending.memory->probed = probe_.method;

@@ -83,8 +83,8 @@ void Context::noteTimedScale(const FrameTimings& timed)
 }
 
 /// The depth grid and moved instances are there whatever the methods, so that lights may spend what they leave of a
-/// budget; copies for the CPU and whatever else methods share within a view, with the first of them. What a method makes
-/// once for a mesh is its first frame's. Of frames that the host has timed seven in eight bring no grid.
+/// budget; copies for the CPU and whatever else methods share within a view, with the first of them. What a method
+/// makes once for a mesh is its first frame's. Of frames that the host has timed seven in eight bring no grid.
 void Context::noteShared(const FrameTimings& timings)
 {
     const PastFrame& then = past(timings.frame);

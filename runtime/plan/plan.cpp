@@ -121,6 +121,12 @@ uint32_t PlanStep::usedWithout(uint32_t light) const noexcept
     return own != kNone && users_[own] == 1 ? used_ & ~(1u << own) : used_;
 }
 
+/// What `method` needs of shared parts beyond those of the `used` ones.
+double PlanStep::addedMs(uint32_t used, uint32_t method) const noexcept
+{
+    return partsMs(problem_.parts, used | 1u << method) - partsMs(problem_.parts, used);
+}
+
 /// How the plan's cost changes if one light moves, shared parts included.
 double PlanStep::moveMs(uint32_t light, uint32_t to) const noexcept
 {
@@ -128,7 +134,8 @@ double PlanStep::moveMs(uint32_t light, uint32_t to) const noexcept
     double change = costsMs_[at(light, to)];
     if (from != kNone) change -= costsMs_[at(light, from)];
     if (from == to || problem_.parts.empty()) return change;
-    return change + partsMs(problem_.parts, usedWithout(light) | 1u << to) - partsMs(problem_.parts, used_);
+    const uint32_t others = usedWithout(light);
+    return change + addedMs(others, to) - (from == kNone ? 0.0 : addedMs(others, from));
 }
 
 void PlanStep::move(uint32_t light, uint32_t to) noexcept
@@ -283,14 +290,13 @@ void PlanStep::economise(const PlanInput& input, PlanReport& report) noexcept
 uint32_t PlanStep::thriftier(const PlanInput& input, uint32_t light, uint32_t from) const noexcept
 {
     const LightMemory& memory = *input.lights[light].memory;
-    const double othersMs = partsMs(problem_.parts, usedWithout(light));
-    const double ownMs = costsMs_[at(light, from)] + partsMs(problem_.parts, used_) - othersMs;
-    double enough = ownMs / (1.0 + 2.0 * kNoDearer);
+    const auto msOf = [&](uint32_t m) { return costsMs_[at(light, m)] + sharedMs(light, m); };
+    double enough = msOf(from) / (1.0 + 2.0 * kNoDearer);
     uint32_t best = kNone;
     for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
         const auto m = static_cast<uint32_t>(std::countr_zero(mask));
         const Candidate& candidate = input.candidates[at(light, m)];
-        const double priceMs = changePriceMs(ownMs + moveMs(light, m), candidate.firstFrameMs);
+        const double priceMs = changePriceMs(msOf(m), candidate.firstFrameMs);
         if (m == from || !(priceMs < enough) || values_[at(light, m)] < values_[at(light, from)]) continue;
         if (!isPriceKnown(candidate.ms, candidate.sigmaMs)) continue;
         if (isBanned(memory, from, m, input.frame) ||
@@ -305,28 +311,29 @@ uint32_t PlanStep::thriftier(const PlanInput& input, uint32_t light, uint32_t fr
 /// and stays with what it has where that is worth as much.
 void PlanStep::settleForLess(const PlanInput& input, std::span<uint32_t> best) const noexcept
 {
-    uint32_t paid = 0;
+    std::array<uint32_t, kMaxMethods> users{};
     for (const uint32_t method : best)
-        if (method != kNone) paid |= 1u << method;
-    const auto mayUse = [&](uint32_t m) {
-        return partsMs(problem_.parts, paid | 1u << m) <= partsMs(problem_.parts, paid);
-    };
+        if (method != kNone) ++users[method];
     for (uint32_t light = 0; light < lightCount_; ++light) {
         if (best[light] == kNone) continue;
-        const double cheapestMs = costsMs_[at(light, best[light])];
+        --users[best[light]];
+        uint32_t others = 0;
+        for (uint32_t m = 0; m < methods_; ++m)
+            if (users[m] > 0) others |= 1u << m;
+        const auto msOf = [&](uint32_t m) { return costsMs_[at(light, m)] + addedMs(others, m); };
+        const double cheapestMs = msOf(best[light]);
         uint32_t most = best[light];
         for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
             const auto m = static_cast<uint32_t>(std::countr_zero(mask));
-            if (mayUse(m) && costsMs_[at(light, m)] <= (1.0 + kNoDearer) * cheapestMs &&
-                values_[at(light, m)] > values_[at(light, most)])
-                most = m;
+            if (msOf(m) <= (1.0 + kNoDearer) * cheapestMs && values_[at(light, m)] > values_[at(light, most)]) most = m;
         }
         const uint32_t incumbent = input.lights[light].memory->incumbent;
         const bool stays =
-            incumbent < methods_ && (allowed_[light] >> incumbent & 1) && mayUse(incumbent) &&
-            costsMs_[at(light, incumbent)] <= (1.0 + 2.0 * kNoDearer) * cheapestMs &&
+            incumbent < methods_ && (allowed_[light] >> incumbent & 1) &&
+            msOf(incumbent) <= (1.0 + 2.0 * kNoDearer) * cheapestMs &&
             values_[at(light, incumbent)] >= (1.0 - policyOf(input).hysteresis.planGain) * values_[at(light, most)];
         best[light] = stays ? incumbent : most;
+        ++users[best[light]];
     }
 }
 

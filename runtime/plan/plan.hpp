@@ -125,13 +125,13 @@ enum class Cause : uint8_t {
 struct PlanReport {
     Cause cause = Cause::kept;
     double value = 0.0, predictedMs = 0.0; ///< Milliseconds with shared parts, here and below.
-    double bestValue = 0.0, bestMs = 0.0; ///< The plan without hysteresis.
-    double partsMs = 0.0;                 ///< Of predictedMs, the shared parts.
-    double standardErrorMs = 0.0;         ///< Of the predicted sum.
-    double budgetMs = 0.0;                ///< In force, shared part included.
-    double usableMs = 0.0;                ///< Budget less shared part and headroom.
-    double cheapestMs = 0.0;              ///< Predicted if each light had its cheapest method, without shared parts.
-    double overMs = 0.0;                  ///< Predicted above the budget; the floor may force it. 0 when within.
+    double bestValue = 0.0, bestMs = 0.0;  ///< The plan without hysteresis.
+    double partsMs = 0.0;                  ///< Of predictedMs, the shared parts.
+    double standardErrorMs = 0.0;          ///< Of the predicted sum.
+    double budgetMs = 0.0;                 ///< In force, shared part included.
+    double usableMs = 0.0;                 ///< Budget less shared part and headroom.
+    double cheapestMs = 0.0;               ///< Predicted if each light had its cheapest method, without shared parts.
+    double overMs = 0.0;                   ///< Predicted above the budget; the floor may force it. 0 when within.
     uint32_t switches = 0, upgrades = 0, flips = 0, floorsUnmet = 0;
 };
 
@@ -176,11 +176,10 @@ public:
     /// Of the newest step: whether pins, vetoes and floor leave the light this method, and importance * worth().
     bool mayServe(uint32_t light, uint32_t method) const noexcept { return (allowed_[light] >> method & 1) != 0; }
     double benefitOf(uint32_t light, uint32_t method) const noexcept { return values_[at(light, method)]; }
+    /// What the light would be the reason for of the shared parts, with that method and the others as they are.
+    double sharedMs(uint32_t light, uint32_t method) const noexcept { return addedMs(usedWithout(light), method); }
     /// What `method` needs of the shared parts that the newest plan does not pay.
-    double unpaidMs(uint32_t method) const noexcept
-    {
-        return partsMs(problem_.parts, used_ | 1u << method) - partsMs(problem_.parts, used_);
-    }
+    double unpaidMs(uint32_t method) const noexcept { return addedMs(used_, method); }
 
     /// The cheapest plan that keeps pins, vetoes and floors, in milliseconds: what `budget: auto` starts from. Counts
     /// the same input as step(), but changes nothing that step() depends on.
@@ -205,6 +204,7 @@ private:
     void explainLight(const PlanInput& input, uint32_t light, double usableMs, double planMs) noexcept;
     void remember(const PlanInput& input, PlanReport& report) noexcept;
     uint32_t usedWithout(uint32_t light) const noexcept;
+    double addedMs(uint32_t used, uint32_t method) const noexcept;
     double moveMs(uint32_t light, uint32_t to) const noexcept;
     void move(uint32_t light, uint32_t to) noexcept;
     void countUsers() noexcept;

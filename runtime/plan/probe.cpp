@@ -31,7 +31,8 @@ Probe chooseProbe(const PlanInput& input, const PlanStep& plan, const PlanReport
             const double needed = sigmasToWin(candidate, own.ms);
             if (needed < 0.0 || needed > sigmas) continue;
             const double extraMs = plan.unpaidMs(m);
-            if (candidate.ms + sigmas * candidate.sigmaMs + extraMs > spareMs || candidate.firstFrameMs > spareMs) continue;
+            if (candidate.ms + sigmas * candidate.sigmaMs + extraMs > spareMs || candidate.firstFrameMs > spareMs)
+                continue;
             if (best.light != kNone && importance == least && needed >= nearest) continue;
             best = {light, m};
             least = importance, nearest = needed;

@@ -245,11 +245,17 @@ std::uint32_t Rechoice::allowed() const noexcept
     return mask;
 }
 
+/// Of the plan, by this light.
+double Rechoice::takenMs(std::uint32_t method) const noexcept
+{
+    if (method >= record_.methods) return 0.0;
+    return double{candidates_[method].predictedMs} + double{candidates_[method].sharedMs};
+}
+
 /// Whether the plan of all lights stays within its budget with that method, less the headroom that it asks for.
 bool Rechoice::fits(std::uint32_t method) const noexcept
 {
     const auto sigma = [&](std::uint32_t m) { return m < record_.methods ? double{candidates_[m].sigmaMs} : 0.0; };
-    const auto spent = [&](std::uint32_t m) { return m < record_.methods ? double{candidates_[m].predictedMs} : 0.0; };
     const double now = sigma(record_.incumbent < record_.methods ? record_.incumbent : record_.method);
     const double error = double{record_.errorMs};
     const double variance = std::max(error * error - now * now + sigma(method) * sigma(method), 0.0);
@@ -257,7 +263,7 @@ bool Rechoice::fits(std::uint32_t method) const noexcept
         std::min(std::max(engine_.base().policy.budget.headroom * double{record_.budgetMs}, std::sqrt(variance)),
                  plan::kMostHeadroom * double{record_.budgetMs});
     const double usable = std::min(double{record_.usableMs}, double{record_.budgetMs} - headroom);
-    return double{record_.planMs} - spent(record_.method) + spent(method) <= usable;
+    return double{record_.planMs} - takenMs(record_.method) + takenMs(method) <= usable;
 }
 
 std::uint32_t Rechoice::chooseInPlan() const noexcept
@@ -268,21 +274,20 @@ std::uint32_t Rechoice::chooseInPlan() const noexcept
     std::uint32_t best = UINT32_MAX, cheapest = UINT32_MAX;
     for (std::uint32_t rest = mask & ~barred_; rest; rest &= rest - 1) {
         const auto m = static_cast<std::uint32_t>(std::countr_zero(rest));
-        const float ms = candidates_[m].predictedMs;
-        if (cheapest == UINT32_MAX || ms < candidates_[cheapest].predictedMs) cheapest = m;
+        const double ms = takenMs(m);
+        if (cheapest == UINT32_MAX || ms < takenMs(cheapest)) cheapest = m;
         if (!fits(m)) continue;
         const double more = best == UINT32_MAX ? 1.0 : valueOf(m) - valueOf(best);
-        if (more > 0.0 || (more == 0.0 && ms < candidates_[best].predictedMs)) best = m;
+        if (more > 0.0 || (more == 0.0 && ms < takenMs(best))) best = m;
     }
     if (!stays && best == UINT32_MAX && cheapest != UINT32_MAX) { // PlanStep::settleForLess
-        const double own = chosen < record_.methods ? double{candidates_[chosen].predictedMs} : 0.0;
-        const double cheapestMs = double{candidates_[cheapest].predictedMs};
-        const bool over = double{record_.planMs} - own + cheapestMs > double{record_.budgetMs};
+        const double cheapestMs = takenMs(cheapest);
+        const bool over = double{record_.planMs} - takenMs(chosen) + cheapestMs > double{record_.budgetMs};
         const double enough = over ? (1.0 + plan::kNoDearer) * cheapestMs : cheapestMs;
         best = cheapest;
         for (std::uint32_t rest = mask & ~barred_; rest; rest &= rest - 1) {
             const auto m = static_cast<std::uint32_t>(std::countr_zero(rest));
-            if (double{candidates_[m].predictedMs} <= enough && valueOf(m) > valueOf(best)) best = m;
+            if (takenMs(m) <= enough && valueOf(m) > valueOf(best)) best = m;
         }
     }
     if (!stays) return best != UINT32_MAX ? best : std::countr_zero(mask);

@@ -90,6 +90,7 @@ private:
     std::uint32_t chooseInPlan() const noexcept;
     std::uint32_t allowed() const noexcept;
     double valueOf(std::uint32_t method) const noexcept;
+    double takenMs(std::uint32_t method) const noexcept;
     bool fits(std::uint32_t method) const noexcept;
 
     const DecisionRecord& record_;

@@ -113,7 +113,9 @@ std::string factsLine(const DecisionRecord& record, const Rules& rules)
 
 std::string costText(const Candidate& candidate)
 {
-    return ms(double{candidate.predictedMs}) + " +- " + ms(double{candidate.sigmaMs});
+    std::string text = ms(double{candidate.predictedMs}) + " +- " + ms(double{candidate.sigmaMs});
+    if (candidate.sharedMs > 0.0f) text += " and " + ms(double{candidate.sharedMs}) + " for its view";
+    return text;
 }
 
 /// Of a method that does not serve: with its first frame, where that is no trifle.
@@ -276,7 +278,8 @@ void addFloor(const DecisionRecord& record, const Candidate& candidate, Explanat
 
 void addBudget(const DecisionRecord& record, const Candidate& candidate, ExplanationLines& lines)
 {
-    const double spent = record.method < record.methods ? double{record.candidates[record.method].predictedMs} : 0.0;
+    const Candidate* const own = record.method < record.methods ? &record.candidates[record.method] : nullptr;
+    const double spent = own ? double{own->predictedMs} + double{own->sharedMs} : 0.0;
     const double room = double{record.usableMs} - double{record.planMs} + spent;
     lines.add("budget: it needs " + costText(candidate) + ", and the other lights leave " + ms(std::max(room, 0.0)) +
               " of " + ms(double{record.usableMs}) + " usable (budget " + ms(double{record.budgetMs}) + ")");

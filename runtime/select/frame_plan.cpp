@@ -285,6 +285,7 @@ void FramePlan::fill(const rules::RuleBase* base, std::uint64_t frame)
             from.predictedMs = static_cast<float>(cost.ms);
             from.sigmaMs = static_cast<float>(cost.sigmaMs);
             from.firstMs = static_cast<float>(costs[m].firstMs);
+            from.sharedMs = 0.0f;
         }
     }
 }
@@ -315,8 +316,11 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
         if (budget.probe) probe_ = plan::chooseProbe(input, plan_, report, base->policy.probing.sigma);
         for (std::size_t i = 0; i < requests_.size(); ++i) {
             LightDecision& decision = *requests_[i].decision;
-            for (std::uint32_t m = 0; m < methods_.size(); ++m)
-                decision.candidates[m].why = plan_.why(static_cast<std::uint32_t>(i))[m];
+            const auto light = static_cast<std::uint32_t>(i);
+            for (std::uint32_t m = 0; m < methods_.size(); ++m) {
+                decision.candidates[m].why = plan_.why(light)[m];
+                decision.candidates[m].sharedMs = static_cast<float>(plan_.sharedMs(light, m));
+            }
             takePlan(plan_.lights()[i], decision);
         }
     } else {

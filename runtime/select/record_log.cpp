@@ -9,7 +9,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::string_view kMagic = "GNDECID2";
+constexpr std::string_view kMagic = "GNDECID3";
 constexpr std::uint8_t kNoMethod = 255;
 constexpr std::uint16_t kNoRefusal = 65535;
 enum : std::uint8_t { kBudgeted = 1, kSwitched = 2, kFloor = 4, kFloorUnmet = 8, kPriced = 16, kGuessed = 32 };
@@ -71,6 +71,7 @@ void writeCandidate(ByteWriter& out, const Candidate& candidate, std::span<const
     out.real(candidate.predictedMs);
     out.real(candidate.sigmaMs);
     out.real(candidate.firstMs);
+    out.real(candidate.sharedMs);
     if (candidate.exclusion == Exclusion::none) return;
     out.integer(candidate.detail);
     const auto refusal =
@@ -277,6 +278,7 @@ private:
         candidate.predictedMs = in_.real32();
         candidate.sigmaMs = in_.real32();
         candidate.firstMs = in_.real32();
+        candidate.sharedMs = in_.real32();
         if (candidate.exclusion != Exclusion::none) {
             candidate.detail = in_.integer<std::uint64_t>();
             const auto refusal = in_.integer<std::uint16_t>();

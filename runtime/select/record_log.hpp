@@ -3,7 +3,7 @@
 //
 // A chunk, little-endian, no padding; a log file is any number of chunks in the order of their frames:
 //
-//     "GNDECID2"                                                     version in the last byte
+//     "GNDECID3"                                                     version in the last byte
 //     u32 size of the chunk in bytes, hash included
 //     u64 frame origin: subtracted from frame numbers when they are shown or asked for
 //     u8 methods x { text name; u32 traits (GnTraits); text why the device cannot run it, or empty }
@@ -21,7 +21,8 @@
 //             plan ms, its standard error, plan value, gain, threshold
 //         facts x f64
 //         u8 fired rules x { u32 rule; u32 limiting variable, term; f32 strength, membership, weight }
-//         methods x { i16 suitability in 1/4096, -1 none; u8 exclusion, why; f32 quality, predicted ms, sigma ms;
+//         methods x { i16 suitability in 1/4096, -1 none; u8 exclusion, why; f32 quality, predicted ms, sigma ms, first
+//         ms, shared ms;
 //                     where excluded: u64 detail, u16 refusal (65535: none) } }
 //     u64 FNV-1a of everything before
 //

@@ -11,7 +11,8 @@ using namespace gnomon::test;
 namespace {
 
 constexpr std::chrono::milliseconds kSleep{12};
-constexpr float kTight = 8.0f, kWide = 200.0f; // ms; shadow_map takes less than the one, all together less than the other
+constexpr float kTight = 8.0f,
+                kWide = 200.0f; // ms; shadow_map takes less than the one, all together less than the other
 
 /// Next to nothing for its light, kSleep for the view.
 struct Sharer {

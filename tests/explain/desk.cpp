@@ -104,12 +104,15 @@ void Desk::plan(const Situation& situation, LightDecision& decision, FrameRecord
     frame.report = plan_.step({.frame = frame_,
                                .lights = lights,
                                .candidates = candidates,
+                               .parts = situation.parts,
                                .methods = methods,
                                .budgetMs = situation.budgetMs,
                                .cut = situation.cut,
                                .policy = &policy});
-    for (std::uint32_t m = 0; m < methods; ++m)
+    for (std::uint32_t m = 0; m < methods; ++m) {
         decision.candidates[m].why = plan_.why(0)[m];
+        decision.candidates[m].sharedMs = static_cast<float>(plan_.sharedMs(0, m));
+    }
     takePlan(plan_.lights()[0], decision);
 }
 

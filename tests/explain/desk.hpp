@@ -26,8 +26,9 @@ struct Situation {
     std::uint32_t incumbent = UINT32_MAX;
     std::uint32_t pinned = UINT32_MAX;
     double importance = 1.0;
-    double budgetMs = 0.0;  ///< 0: no plan.
-    double othersMs = 0.0;  ///< What another light, pinned, takes of it.
+    double budgetMs = 0.0; ///< 0: no plan.
+    double othersMs = 0.0; ///< What another light, pinned, takes of it.
+    std::vector<plan::SharedPart> parts;
     bool cut = false;
 
     Situation();
