@@ -286,7 +286,7 @@ private:
         bool disturbed = false;    ///< Its timings are not the methods' doing.
         bool timedUnasked = false; ///< Whatever the host asked.
         float cpuMs = 0.0f;
-        double plannedMs = 0.0, cheapestMs = 0.0; ///< PlanReport's, without shared parts.
+        double plannedMs = 0.0, cheapestMs = 0.0; ///< PlanReport's.
         double pixels = 0.0;                      ///< Of all views.
     };
     std::array<PastFrame, 16> past_{}; ///< A ring; twice the frames that may be in flight.

@@ -397,7 +397,7 @@ void Context::planLights(const GnFrameInfo& info)
     }
     settleFades();
     settleProbe();
-    present().plannedMs = planReport_.predictedMs - planReport_.partsMs;
+    present().plannedMs = planReport_.predictedMs;
     present().cheapestMs = planReport_.cheapestMs;
     std::uint64_t& methods = present().methods; // FNV-1a
     methods = 0xcbf29ce484222325u;

@@ -47,6 +47,25 @@ uint32_t partsOf(const Problem& problem, uint32_t methods)
     return parts;
 }
 
+/// Parts that cost something and that some light may need.
+uint32_t dearParts(const Problem& problem)
+{
+    uint32_t dear = 0, allowed = 0;
+    for (uint32_t light = 0; light < problem.lights; ++light)
+        allowed |= problem.allowed[light];
+    for (size_t p = 0; p < problem.parts.size(); ++p)
+        if (problem.parts[p].ms > 0.0 && (problem.parts[p].methods & allowed)) dear |= 1u << p;
+    return dear;
+}
+
+double msOf(const Problem& problem, uint32_t parts)
+{
+    double sum = 0.0;
+    for (; parts; parts &= parts - 1)
+        sum += problem.parts[static_cast<size_t>(std::countr_zero(parts))].ms;
+    return sum;
+}
+
 /// Methods that need nothing but `paid`, and what costs nothing.
 uint32_t methodsWithin(const Problem& problem, uint32_t paid)
 {
@@ -56,7 +75,69 @@ uint32_t methodsWithin(const Problem& problem, uint32_t paid)
     return ~barred;
 }
 
+/// The cheapest methods that need nothing but `paid`, and that; infinite where a light is left without any.
+double cheapestPaying(const Problem& problem, uint32_t paid)
+{
+    const uint32_t open = methodsWithin(problem, paid);
+    double sum = msOf(problem, paid);
+    for (uint32_t light = 0; light < problem.lights; ++light) {
+        if (problem.allowed[light] == 0) continue;
+        double least = std::numeric_limits<double>::infinity();
+        for (uint32_t mask = problem.allowed[light] & open; mask; mask &= mask - 1)
+            least = std::min(
+                least, problem.costsMs[size_t{light} * problem.methods + static_cast<size_t>(std::countr_zero(mask))]);
+        sum += least;
+    }
+    return sum;
+}
+
+/// No plan that pays `paid` is worth more, whatever is said to be the price of a millisecond (fillTable()).
+double mostPaying(const Problem& problem, uint32_t paid, double perMs)
+{
+    const uint32_t open = methodsWithin(problem, paid);
+    double sum = perMs * (problem.budgetMs - msOf(problem, paid));
+    for (uint32_t light = 0; light < problem.lights; ++light) {
+        if (problem.allowed[light] == 0) continue;
+        double most = -std::numeric_limits<double>::infinity();
+        for (uint32_t mask = problem.allowed[light] & open; mask; mask &= mask - 1) {
+            const size_t index = size_t{light} * problem.methods + static_cast<size_t>(std::countr_zero(mask));
+            most = std::max(most, problem.values[index] - perMs * problem.costsMs[index]);
+        }
+        sum += most;
+    }
+    return sum;
+}
+
+/// The parts of the cheapest plan: of every set where they are few, otherwise one is dropped as long as that saves.
+uint32_t cheapestParts(const Problem& problem)
+{
+    const uint32_t dear = dearParts(problem);
+    uint32_t best = dear;
+    double least = cheapestPaying(problem, dear);
+    const auto consider = [&](uint32_t paid) {
+        const double ms = cheapestPaying(problem, paid);
+        if (!(ms < least)) return false;
+        least = ms, best = paid;
+        return true;
+    };
+    if (std::popcount(dear) <= kExhaustiveSets) {
+        for (uint32_t set = dear; set;)
+            consider(set = (set - 1) & dear);
+        return best;
+    }
+    for (uint32_t untried = dear; untried;) {
+        const uint32_t part = untried & -untried;
+        untried = consider(best & ~part) ? best : untried & ~part;
+    }
+    return best;
+}
+
 } // namespace
+
+double cheapestMs(const Problem& problem) noexcept
+{
+    return cheapestPaying(problem, cheapestParts(problem));
+}
 
 double partsMs(std::span<const SharedPart> parts, uint32_t methods) noexcept
 {
@@ -294,9 +375,7 @@ Solution Knapsack::solvePaying(const Problem& problem, Method method, uint32_t p
 {
     Solution none{.costMs = std::numeric_limits<double>::infinity()};
     if (!gatherOptions(problem, methodsWithin(problem, paid))) return none;
-    double limitMs = problem.budgetMs * (1.0 - kRounding);
-    for (uint32_t rest = paid; rest; rest &= rest - 1)
-        limitMs -= problem.parts[static_cast<size_t>(std::countr_zero(rest))].ms;
+    const double limitMs = problem.budgetMs * (1.0 - kRounding) - msOf(problem, paid);
     if (method == Method::greedy)
         walkGreedy(problem, limitMs, chosen);
     else if (!fillTable(problem, limitMs, known, chosen))
@@ -305,21 +384,11 @@ Solution Knapsack::solvePaying(const Problem& problem, Method method, uint32_t p
     return {sums.value, sums.costMs, sums.costMs <= problem.budgetMs};
 }
 
-/// Parts that cost something and that some light may need.
-uint32_t Knapsack::dearParts(const Problem& problem) noexcept
-{
-    uint32_t dear = 0, allowed = 0;
-    for (uint32_t light = 0; light < problem.lights; ++light)
-        allowed |= problem.allowed[light];
-    for (uint32_t p = 0; p < problem.parts.size(); ++p)
-        if (problem.parts[p].ms > 0.0 && (problem.parts[p].methods & allowed)) dear |= 1u << p;
-    return dear;
-}
-
 /// Solves with other parts paid and keeps the better plan.
 bool Knapsack::tryPaying(const Problem& problem, Method method, uint32_t paid, Solution& best,
                          std::span<uint32_t> chosen) noexcept
 {
+    if (best.fits && mostPaying(problem, paid, dualPerMs_) < best.value * (1.0 - kRounding)) return false;
     const std::span<uint32_t> trial = std::span(trial_).first(problem.lights);
     const Solution solution = solvePaying(problem, method, paid, best.fits ? best.value : 0.0, trial);
     if (!better(solution, best)) return false;
@@ -345,8 +414,9 @@ Solution Knapsack::solveGreedy(const Problem& problem, std::span<uint32_t> chose
             tryPaying(problem, Method::greedy, set, best, chosen);
         return best;
     }
-    // What nobody uses need not be paid.
-    tryPaying(problem, Method::greedy, partsOf(problem, usedMethods(chosen)) & dear, best, chosen);
+    const uint32_t used = partsOf(problem, usedMethods(chosen)) & dear;
+    if (used != dear) tryPaying(problem, Method::greedy, used, best, chosen); // the rest need not be paid
+    if (!best.fits) tryPaying(problem, Method::greedy, cheapestParts(problem), best, chosen); // fits if anything does
     uint32_t trials = few ? kSetTrials : kSetTrialsMany;
     for (bool improved = true; improved && trials > 0;) {
         improved = false;

@@ -49,6 +49,8 @@ struct Sums {
     double costMs = 0.0; ///< With shared parts.
 };
 Sums sumOf(const Problem& problem, std::span<const uint32_t> chosen) noexcept;
+/// The least that any plan costs, whatever it is worth; beyond six parts that cost something, the least found.
+double cheapestMs(const Problem& problem) noexcept;
 
 struct Solution {
     double value = 0.0;
@@ -92,7 +94,6 @@ private:
     };
     enum class Method : uint8_t { greedy, table };
 
-    static uint32_t dearParts(const Problem& problem) noexcept;
     bool tryPaying(const Problem& problem, Method method, uint32_t paid, Solution& best,
                    std::span<uint32_t> chosen) noexcept;
     Solution solvePaying(const Problem& problem, Method method, uint32_t paid, double known,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -11,13 +10,6 @@
 namespace gnomon::plan {
 
 namespace {
-
-const rules::Policy kDefaultPolicy{};
-
-const rules::Policy& policyOf(const PlanInput& input)
-{
-    return input.policy ? *input.policy : kDefaultPolicy;
-}
 
 bool isBanned(const LightMemory& memory, uint32_t from, uint32_t to, uint64_t frame)
 {
@@ -40,6 +32,12 @@ bool wouldFlip(const LightMemory& memory, uint32_t to, uint64_t frame, uint32_t 
 }
 
 } // namespace
+
+const rules::Policy& PlanInput::inForce() const noexcept
+{
+    static const rules::Policy defaults{};
+    return policy ? *policy : defaults;
+}
 
 void PlanStep::reserve(uint32_t lights, uint32_t methods)
 {
@@ -87,20 +85,8 @@ double PlanStep::headroomMs(const PlanInput& input, std::span<const uint32_t> ch
         if (std::isfinite(sigma)) variance += sigma * sigma;
     }
     errorMs = std::sqrt(variance);
-    return std::min(std::max(policyOf(input).budget.headroom * input.budgetMs, errorMs),
+    return std::min(std::max(input.inForce().budget.headroom * input.budgetMs, errorMs),
                     kMostHeadroom * input.budgetMs);
-}
-
-double PlanStep::sumOfCheapestMs() const noexcept
-{
-    double sum = 0.0;
-    for (uint32_t light = 0; light < lightCount_; ++light) {
-        double least = std::numeric_limits<double>::infinity();
-        for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1)
-            least = std::min(least, costsMs_[at(light, static_cast<uint32_t>(std::countr_zero(mask)))]);
-        if (std::isfinite(least)) sum += least;
-    }
-    return sum;
 }
 
 void PlanStep::countUsers() noexcept
@@ -156,7 +142,7 @@ void PlanStep::move(uint32_t light, uint32_t to) noexcept
 /// again. False if kMostRepairs were not enough.
 bool PlanStep::repair(const PlanInput& input, double usableMs) noexcept
 {
-    const rules::Policy::Hysteresis& hysteresis = policyOf(input).hysteresis;
+    const rules::Policy::Hysteresis& hysteresis = input.inForce().hysteresis;
     for (uint32_t round = 0; sums_.costMs > usableMs; ++round) {
         if (round == kMostRepairs) return false;
         const double excess = sums_.costMs - usableMs;
@@ -185,14 +171,19 @@ bool PlanStep::repair(const PlanInput& input, double usableMs) noexcept
     return true;
 }
 
+/// Whether the light has just left that method, or flipped between it and its own.
+bool PlanStep::isHeld(const PlanInput& input, uint32_t light, uint32_t to) const noexcept
+{
+    const LightMemory& memory = *input.lights[light].memory;
+    return isBanned(memory, current_[light], to, input.frame) ||
+           wouldFlip(memory, to, input.frame, input.inForce().hysteresis.flipWindowFrames);
+}
+
 /// What forbids a light to move to the best plan's method, before prices are compared.
 Hold PlanStep::holdOf(const PlanInput& input, uint32_t light) const noexcept
 {
-    const rules::Policy::Hysteresis& hysteresis = policyOf(input).hysteresis;
-    const LightMemory& memory = *input.lights[light].memory;
     const uint32_t to = best_[light];
-    if (isBanned(memory, current_[light], to, input.frame)) return Hold::ban;
-    if (wouldFlip(memory, to, input.frame, hysteresis.flipWindowFrames)) return Hold::ban;
+    if (isHeld(input, light, to)) return Hold::ban;
     // Worth of the gain in milliseconds, at the plan's average price; the stay must earn the first frame.
     const double gain = values_[at(light, to)] - values_[at(light, current_[light])];
     const double worthMs = sums_.value > 0.0 ? gain / sums_.value * sums_.costMs : input.budgetMs;
@@ -239,7 +230,7 @@ Hold PlanStep::tryUpgrade(const PlanInput& input, uint32_t light, double usableM
 /// Voluntary changes: only if the whole plan gains enough, then few at a time, largest gain first.
 void PlanStep::improve(const PlanInput& input, PlanReport& report) noexcept
 {
-    const rules::Policy::Hysteresis& hysteresis = policyOf(input).hysteresis;
+    const rules::Policy::Hysteresis& hysteresis = input.inForce().hysteresis;
     // A gain below the threshold is taken all the same once what was missed adds up: then it is no passing thing.
     const double missed = report.bestValue - sums_.value;
     missedGain_ = missed > 0.0 && sums_.value > 0.0 ? missedGain_ + missed / sums_.value : 0.0;
@@ -266,74 +257,6 @@ void PlanStep::improve(const PlanInput& input, PlanReport& report) noexcept
         ++report.upgrades;
         report.cause = Cause::gain;
         missedGain_ = 0.0;
-    }
-}
-
-/// What shows as much for clearly less: a plan within its budget saves time too where that takes nothing from the
-/// picture. A few lights at a time, and none before its first frame would be earned back.
-void PlanStep::economise(const PlanInput& input, PlanReport& report) noexcept
-{
-    const rules::Policy::Hysteresis& hysteresis = policyOf(input).hysteresis;
-    for (uint32_t light = 0; light < lightCount_ && report.upgrades < hysteresis.upgradesPerFrame; ++light) {
-        const uint32_t from = current_[light];
-        if (from == kNone || input.lights[light].pinned != kNone) continue;
-        const uint32_t to = thriftier(input, light, from);
-        if (to == kNone) continue;
-        move(light, to);
-        ++report.upgrades;
-        report.cause = Cause::gain;
-    }
-}
-
-/// The cheapest method that is worth what `from` is and takes clearly less, its first frame spread over the stay, and
-/// what of shared parts the light alone would be the reason for, counted with either.
-uint32_t PlanStep::thriftier(const PlanInput& input, uint32_t light, uint32_t from) const noexcept
-{
-    const LightMemory& memory = *input.lights[light].memory;
-    const auto msOf = [&](uint32_t m) { return costsMs_[at(light, m)] + sharedMs(light, m); };
-    double enough = msOf(from) / (1.0 + 2.0 * kNoDearer);
-    uint32_t best = kNone;
-    for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
-        const auto m = static_cast<uint32_t>(std::countr_zero(mask));
-        const Candidate& candidate = input.candidates[at(light, m)];
-        const double priceMs = changePriceMs(msOf(m), candidate.firstFrameMs);
-        if (m == from || !(priceMs < enough) || values_[at(light, m)] < values_[at(light, from)]) continue;
-        if (!isPriceKnown(candidate.ms, candidate.sigmaMs)) continue;
-        if (isBanned(memory, from, m, input.frame) ||
-            wouldFlip(memory, m, input.frame, policyOf(input).hysteresis.flipWindowFrames))
-            continue;
-        best = m, enough = priceMs;
-    }
-    return best;
-}
-
-/// Every plan breaks the budget, and `best` is the cheapest: of what is no dearer, each light takes what is worth most,
-/// and stays with what it has where that is worth as much.
-void PlanStep::settleForLess(const PlanInput& input, std::span<uint32_t> best) const noexcept
-{
-    std::array<uint32_t, kMaxMethods> users{};
-    for (const uint32_t method : best)
-        if (method != kNone) ++users[method];
-    for (uint32_t light = 0; light < lightCount_; ++light) {
-        if (best[light] == kNone) continue;
-        --users[best[light]];
-        uint32_t others = 0;
-        for (uint32_t m = 0; m < methods_; ++m)
-            if (users[m] > 0) others |= 1u << m;
-        const auto msOf = [&](uint32_t m) { return costsMs_[at(light, m)] + addedMs(others, m); };
-        const double cheapestMs = msOf(best[light]);
-        uint32_t most = best[light];
-        for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
-            const auto m = static_cast<uint32_t>(std::countr_zero(mask));
-            if (msOf(m) <= (1.0 + kNoDearer) * cheapestMs && values_[at(light, m)] > values_[at(light, most)]) most = m;
-        }
-        const uint32_t incumbent = input.lights[light].memory->incumbent;
-        const bool stays =
-            incumbent < methods_ && (allowed_[light] >> incumbent & 1) &&
-            msOf(incumbent) <= (1.0 + 2.0 * kNoDearer) * cheapestMs &&
-            values_[at(light, incumbent)] >= (1.0 - policyOf(input).hysteresis.planGain) * values_[at(light, most)];
-        best[light] = stays ? incumbent : most;
-        ++users[best[light]];
     }
 }
 
@@ -391,7 +314,7 @@ void PlanStep::planWithinBudget(const PlanInput& input, PlanReport& report) noex
     report.cause = Cause::repaired;
     // Where no plan fits, noise decides which is the cheapest: only a fair gain, or the budget itself, is worth a
     // change.
-    const double fairMs = (1.0 - policyOf(input).hysteresis.planGain) * sums_.costMs;
+    const double fairMs = (1.0 - input.inForce().hysteresis.planGain) * sums_.costMs;
     const bool helps = solution.fits || solution.costMs < fairMs ||
                        (sums_.costMs > input.budgetMs && solution.costMs <= input.budgetMs);
     if (helps && !(solution.fits && repair(input, report.usableMs))) {
@@ -404,7 +327,7 @@ void PlanStep::planWithinBudget(const PlanInput& input, PlanReport& report) noex
 /// Writes the decision into the lights' memories; finds flips.
 void PlanStep::remember(const PlanInput& input, PlanReport& report) noexcept
 {
-    const rules::Policy::Hysteresis& hysteresis = policyOf(input).hysteresis;
+    const rules::Policy::Hysteresis& hysteresis = input.inForce().hysteresis;
     for (uint32_t light = 0; light < lightCount_; ++light) {
         LightMemory& memory = *input.lights[light].memory;
         LightPlan& plan = plans_[light];
@@ -440,7 +363,7 @@ PlanInput PlanStep::lightsPart(const PlanInput& whole, double budgetMs) noexcept
 PlanReport PlanStep::step(const PlanInput& whole) noexcept
 {
     admit(whole);
-    const double cheapestMs = sumOfCheapestMs();
+    const double cheapestMs = plan::cheapestMs(problem_);
     double budgetMs = whole.perCheapest > 0.0 ? whole.perCheapest * cheapestMs : whole.budgetMs;
     if (whole.budgetMs > 0.0) budgetMs = std::clamp(budgetMs, whole.budgetMs / kLeash, whole.budgetMs * kLeash);
     const PlanInput input = lightsPart(whole, budgetMs);
@@ -464,13 +387,6 @@ PlanReport PlanStep::step(const PlanInput& whole) noexcept
     for (uint32_t light = 0; light < lightCount_; ++light)
         explainLight(input, light, report.usableMs, report.predictedMs);
     return report;
-}
-
-double PlanStep::cheapestMs(const PlanInput& input) noexcept
-{
-    admit(input);
-    problem_.budgetMs = 0.0; // nothing fits, so the cheapest plan found is returned
-    return knapsack_.solveGreedy(problem_, std::span(best_).first(lightCount_)).costMs;
 }
 
 } // namespace gnomon::plan

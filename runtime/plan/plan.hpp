@@ -74,6 +74,7 @@ struct PlanInput {
     bool cut = false;         ///< Camera cut: all holds are lifted.
     rules::Options::Allocation allocation = rules::Options::Allocation::Budget;
     const rules::Policy* policy = nullptr; ///< Null: the defaults.
+    const rules::Policy& inForce() const noexcept;
 };
 
 /// Why a method is, or is not, the one.
@@ -130,7 +131,7 @@ struct PlanReport {
     double standardErrorMs = 0.0;          ///< Of the predicted sum.
     double budgetMs = 0.0;                 ///< In force, shared part included.
     double usableMs = 0.0;                 ///< Budget less shared part and headroom.
-    double cheapestMs = 0.0;               ///< Predicted if each light had its cheapest method, without shared parts.
+    double cheapestMs = 0.0;               ///< Of the cheapest plan that keeps pins, vetoes and floors.
     double overMs = 0.0;                   ///< Predicted above the budget; the floor may force it. 0 when within.
     uint32_t switches = 0, upgrades = 0, flips = 0, floorsUnmet = 0;
 };
@@ -181,10 +182,6 @@ public:
     /// What `method` needs of the shared parts that the newest plan does not pay.
     double unpaidMs(uint32_t method) const noexcept { return addedMs(used_, method); }
 
-    /// The cheapest plan that keeps pins, vetoes and floors, in milliseconds: what `budget: auto` starts from. Counts
-    /// the same input as step(), but changes nothing that step() depends on.
-    double cheapestMs(const PlanInput& input) noexcept;
-
 private:
     void admit(const PlanInput& input) noexcept;
     void admitLight(const PlanInput& input, uint32_t light) noexcept;
@@ -193,13 +190,14 @@ private:
     static PlanInput lightsPart(const PlanInput& whole, double budgetMs) noexcept;
     void planWithinBudget(const PlanInput& input, PlanReport& report) noexcept;
     void settleForLess(const PlanInput& input, std::span<uint32_t> best) const noexcept;
-    double sumOfCheapestMs() const noexcept;
     double headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept;
     bool repair(const PlanInput& input, double usableMs) noexcept;
     void improve(const PlanInput& input, PlanReport& report) noexcept;
+    bool cheaperTogether(const PlanInput& input, const PlanReport& report) const noexcept;
     void economise(const PlanInput& input, PlanReport& report) noexcept;
     uint32_t thriftier(const PlanInput& input, uint32_t light, uint32_t from) const noexcept;
     Hold tryUpgrade(const PlanInput& input, uint32_t light, double usableMs) noexcept;
+    bool isHeld(const PlanInput& input, uint32_t light, uint32_t to) const noexcept;
     Hold holdOf(const PlanInput& input, uint32_t light) const noexcept;
     void explainLight(const PlanInput& input, uint32_t light, double usableMs, double planMs) noexcept;
     void remember(const PlanInput& input, PlanReport& report) noexcept;

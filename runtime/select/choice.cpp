@@ -70,8 +70,8 @@ plan::Merit meritOf(const Candidate& candidate)
 float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::uint32_t incumbent) noexcept
 {
     const Candidate& candidate = candidates[method];
-    if (method == incumbent) return candidate.predictedMs;
-    return static_cast<float>(plan::changePriceMs(double{candidate.predictedMs}, double{candidate.firstMs}));
+    const double ms = double{candidate.predictedMs} + double{candidate.sharedMs};
+    return static_cast<float>(method == incumbent ? ms : plan::changePriceMs(ms, double{candidate.firstMs}));
 }
 
 namespace {

@@ -40,7 +40,7 @@ Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceIn
 /// alone changes nothing.
 inline constexpr float kPriceMargin = 0.1f;
 
-/// What a frame with a method takes, ms: as predicted, and where it does not serve yet, its share of the first frame's
+/// What a frame with a method takes, ms: as predicted with its part of what the view's lights share, and where it does not serve yet, its share of the first frame's
 /// surplus (maps and lists of what stands still), spread over plan::kExpectedStayFrames.
 float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::uint32_t incumbent) noexcept;
 

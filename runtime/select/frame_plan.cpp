@@ -251,7 +251,7 @@ std::span<const FramePlan::Cost> FramePlan::predict(const LightMemory& memory, s
 }
 
 /// Candidates and requests of the plan step, and the prediction of every decision.
-void FramePlan::fill(const rules::RuleBase* base, std::uint64_t frame)
+void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
 {
     const std::uint32_t methods = methods_.size();
     if (modelMethods_ != methods) growModel();
@@ -264,14 +264,14 @@ void FramePlan::fill(const rules::RuleBase* base, std::uint64_t frame)
         LightMemory& memory = *request.memory;
         memory.workload.sharing = static_cast<double>(requests_.size());
         SlotHistory& history = histories_[memory.costSlot];
-        history.recent[frame % history.recent.size()] = {frame, memory.workload};
+        history.recent[budget.frame % history.recent.size()] = {budget.frame, memory.workload};
         memory.plan.incumbent = memory.incumbent;
         lights_[i] = {.memory = &memory.plan, .importance = request.importance, .pinned = request.pinned};
         if (base && request.decision->floorTruth >= base->policy.floor.atStrength && !base->policy.floor.when.empty()) {
             lights_[i].floor = true;
             lights_[i].minimumQuality = static_cast<float>(base->policy.floor.minimumQuality);
         }
-        const std::span<const Cost> costs = predict(memory, frame);
+        const std::span<const Cost> costs = predict(memory, budget.frame);
         for (std::uint32_t m = 0; m < methods; ++m) {
             Candidate& from = request.decision->candidates[m];
             const cost::Prediction& cost = costs[m].steady;
@@ -285,7 +285,8 @@ void FramePlan::fill(const rules::RuleBase* base, std::uint64_t frame)
             from.predictedMs = static_cast<float>(cost.ms);
             from.sigmaMs = static_cast<float>(cost.sigmaMs);
             from.firstMs = static_cast<float>(costs[m].firstMs);
-            from.sharedMs = 0.0f;
+            const double forAll = plan::partsMs(budget.parts, 1u << m); // a plan knows better
+            from.sharedMs = static_cast<float>(forAll / static_cast<double>(requests_.size()));
         }
     }
 }
@@ -294,7 +295,7 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
 {
     probe_ = {};
     if (requests_.empty()) return {};
-    fill(base, budget.frame);
+    fill(base, budget);
     const bool budgeted = countsTime(base) && budget.ms > 0.0;
     plan::PlanReport report;
     if (budgeted) {

@@ -73,7 +73,7 @@ private:
         std::uint32_t pinned;
         float importance;
     };
-    void fill(const rules::RuleBase* base, std::uint64_t frame);
+    void fill(const rules::RuleBase* base, const Budget& budget);
     void economise(const Request& request, const Budget& budget) const;
     void explainWithoutPlan(LightDecision& decision, bool hasRules) const;
     std::uint32_t slotOf(LightMemory& memory);

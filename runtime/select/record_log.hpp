@@ -21,8 +21,8 @@
 //             plan ms, its standard error, plan value, gain, threshold
 //         facts x f64
 //         u8 fired rules x { u32 rule; u32 limiting variable, term; f32 strength, membership, weight }
-//         methods x { i16 suitability in 1/4096, -1 none; u8 exclusion, why; f32 quality, predicted ms, sigma ms, first
-//         ms, shared ms;
+//         methods x { i16 suitability in 1/4096, -1 none; u8 exclusion, why;
+//                     f32 quality, predicted ms, sigma ms, first ms, shared ms;
 //                     where excluded: u64 detail, u16 refusal (65535: none) } }
 //     u64 FNV-1a of everything before
 //

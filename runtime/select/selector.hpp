@@ -46,7 +46,8 @@ struct Candidate {
     float predictedMs = 0.0f;             ///< By the cost model.
     float sigmaMs = 0.0f;                 ///< Standard error of the prediction.
     float firstMs = 0.0f;                 ///< What the first frame takes beyond that, where the light changes to it.
-    float sharedMs = 0.0f;                ///< Work for the whole view that, as planned, no other light needs.
+    float sharedMs = 0.0f;                ///< Work for the whole view: what no other light of the plan needs; without a plan,
+                                          ///< the light's part of it if all had the method.
     plan::Why why = plan::Why::outscored; ///< By the plan step, or by the best suitability where there is none.
 };
 

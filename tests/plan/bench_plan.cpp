@@ -46,7 +46,11 @@ void decision(benchmark::State& state)
     }
     PlanStep plan;
     plan.reserve(lights, kMethods);
-    PlanInput input{.lights = requests, .candidates = candidates, .methods = kMethods, .budgetMs = 0.6 * lights};
+    // A copy of the depth, bounds of receivers, a stencil buffer, strips of it: families of methods need them.
+    constexpr SharedPart kParts[] = {{1.0, 0x03f}, {0.7, 0x003}, {0.8, 0x7c0}, {0.5, 0x1c0}};
+    const std::span parts = std::span<const SharedPart>(kParts).first(static_cast<size_t>(state.range(1)));
+    PlanInput input{
+        .lights = requests, .candidates = candidates, .parts = parts, .methods = kMethods, .budgetMs = 0.6 * lights};
     std::vector<double> times;
     times.reserve(1 << 20);
     uint64_t changed = 0;
@@ -68,7 +72,7 @@ void decision(benchmark::State& state)
     countPercentiles(state, times, lights);
     state.counters["changed"] = static_cast<double>(changed) / static_cast<double>(times.size());
 }
-BENCHMARK(decision)->Arg(4)->Arg(8)->Arg(16)->Arg(64)->UseManualTime();
+BENCHMARK(decision)->ArgNames({"lights", "parts"})->ArgsProduct({{4, 8, 16, 64}, {0, 4}})->UseManualTime();
 
 cost::Workload workloadOf(test::Random& random, uint32_t method)
 {

@@ -147,6 +147,7 @@ TEST_CASE("with parts that methods share the plan is the best of all in 19 of 20
         const Solution found = knapsack.solve(instance.problem, chosen);
         const Exhaustive all(instance.problem, instance.problem.budgetMs);
         CHECK(found.fits <= (all.best >= 0.0));
+        CHECK(cheapestMs(instance.problem) == doctest::Approx(all.cheapest).epsilon(1e-12));
         if (all.best < 0.0) continue;
         REQUIRE(found.fits);
         ++feasible;

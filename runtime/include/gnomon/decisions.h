@@ -81,8 +81,8 @@ typedef struct GnCandidate {
     float quality;             ///< (0, 1]: share of the truth the method keeps.
     float predictedMs;         ///< By the cost model, GPU and CPU.
     float sigmaMs;             ///< Standard error of the prediction.
-    float sharedMs;            ///< Under a budget: work for the whole view (copies of its depth, say) that the method needs
-                               ///< and no other light's does. Beside predictedMs.
+    float sharedMs;            ///< Beside predictedMs: work for the whole view (copies of its depth, say) that the method needs.
+                               ///< Under a budget, what no other light's method needs; else the light's part if all had it.
 } GnCandidate;
 
 /** \brief The facts of the last decision of a light in a view. With null `pFacts` only the count is written.
