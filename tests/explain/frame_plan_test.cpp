@@ -37,7 +37,8 @@ public:
     };
 
     /// Predicts for these lights as in a frame; every method may serve, and the rules like all alike.
-    void predict(FramePlan& plan, std::vector<Lamp>& lamps, std::uint64_t frame)
+    void predict(FramePlan& plan, std::vector<Lamp>& lamps, std::uint64_t frame,
+                 std::span<const plan::SharedPart> parts = {})
     {
         plan.begin();
         for (Lamp& lamp : lamps) {
@@ -47,7 +48,7 @@ public:
             plan.add(lamp.decision, lamp.memory,
                      {.view = &view_, .light = &lamp.light, .casters = &casters_, .frame = frame});
         }
-        report = plan.decide(nullptr, {.frame = frame});
+        report = plan.decide(nullptr, {.parts = parts, .frame = frame});
     }
     plan::PlanReport report; ///< Of the newest predict().
 
@@ -104,6 +105,24 @@ TEST_CASE("without a plan, too, it is known what the cheapest methods would take
         sum += double{cheapestMs(std::span(lamp.decision.candidates).first(table.methods().size()), UINT32_MAX)};
     CHECK(sum > 0.0);
     CHECK(table.report.cheapestMs == sum);
+}
+
+TEST_CASE("without a plan every light carries its share of the view's work, as if all had the method")
+{
+    PlanTable table;
+    FramePlan plan(table.methods(), true);
+    const plan::SharedPart parts[] = {{6.0, 0b101}, {1.5, 0b001}};
+    for (const std::size_t lights : {1u, 3u}) {
+        std::vector<PlanTable::Lamp> lamps(lights);
+        table.predict(plan, lamps, lights, parts);
+        for (const PlanTable::Lamp& lamp : lamps) {
+            CHECK(lamp.decision.candidates[0].sharedMs == doctest::Approx(7.5 / static_cast<double>(lights)));
+            CHECK(lamp.decision.candidates[1].sharedMs == 0.0f);
+            CHECK(lamp.decision.candidates[2].sharedMs == doctest::Approx(6.0 / static_cast<double>(lights)));
+        }
+        for (PlanTable::Lamp& lamp : lamps)
+            plan.forget(lamp.memory);
+    }
 }
 
 TEST_CASE("what the cheapest takes heeds pins, vetoes and silence, and not what serves")

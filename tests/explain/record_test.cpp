@@ -287,6 +287,12 @@ TEST_CASE(
     all[1].sigmaMs = 15.0f; // nobody knows
     CHECK(cheaperEqual(all, 0, UINT32_MAX) == 0);
     all[1].sigmaMs = 1.0f;
+    all[1].sharedMs = 9.0f; // for its view
+    CHECK(cheaperEqual(all, 0, UINT32_MAX) == 0);
+    CHECK(cheaperEqual(all, 0, 1) == 1); // 29 of 30 ms
+    all[0].sharedMs = 9.0f;
+    CHECK(cheaperEqual(all, 0, UINT32_MAX) == 1);
+    all[0].sharedMs = all[1].sharedMs = 0.0f;
     all[1].exclusion = Exclusion::vetoed;
     CHECK(cheaperEqual(all, 0, UINT32_MAX) == 0);
     all[1].exclusion = Exclusion::none;
