@@ -231,6 +231,12 @@ GnResult GN_CALL gnSetInstanceBounds(GnContext context, GnInstance instance, con
     });
 }
 
+GnResult GN_CALL gnSetInstanceCasterMask(GnContext context, GnInstance instance, uint32_t casterMask)
+{
+    return atBoundary(
+        context, [&](Context& c) { return status(context, c.scene().setInstanceCasterMask(instance, casterMask)); });
+}
+
 GnResult GN_CALL gnSetInstanceMesh(GnContext context, GnInstance instance, GnMesh mesh)
 {
     return atBoundary(context, [&](Context& c) { return status(context, c.scene().setInstanceMesh(instance, mesh)); });

@@ -208,7 +208,7 @@ Result<GnInstanceCreateInfo> readInstance(const GnInstanceCreateInfo& info)
     Result<GnTransform> transform = readTransform(what, info.transform);
     if (!transform) return transform.error();
     result.transform = *transform;
-    if (result.casterMask == 0) result.casterMask = 0xffffffffu;
+    if (result.casterMask == 0) result.casterMask = kAllMasks;
     if (!(info.flags & GN_INSTANCE_HOST_DRAWN_BIT)) return result;
 
     if (!info.pfnDrawCasters)
@@ -292,7 +292,7 @@ Result<LightDescription> readLight(Subject what, const GnLightInfo& info)
     }
     light.sourceRadius = info.sourceRadius;
     light.importance = info.importance == 0.0f ? 1.0f : info.importance;
-    light.mask = info.casterMask ? info.casterMask : 0xffffffffu;
+    light.mask = info.casterMask ? info.casterMask : kAllMasks;
     return light;
 }
 

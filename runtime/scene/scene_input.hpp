@@ -68,7 +68,7 @@ struct LightDescription {
     float coneAngle = 0.0f;
     float sourceRadius = 0.0f;
     float importance = 1.0f;
-    std::uint32_t mask = 0xffffffffu;
+    std::uint32_t mask = kAllMasks;
 
     bool samePose(const LightDescription& other) const noexcept;  ///< Where it is and what it reaches.
     bool sameLight(const LightDescription& other) const noexcept; ///< Pose, radius, mask: all that shadows depend on.

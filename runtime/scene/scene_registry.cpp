@@ -111,6 +111,19 @@ Result<void> SceneRegistry::setInstanceBounds(GnInstance instance, const float (
     return {};
 }
 
+Result<void> SceneRegistry::setInstanceCasterMask(GnInstance instance, std::uint32_t mask)
+{
+    const std::lock_guard lock(impl_->mutex);
+    const InstancePtr* found = impl_->instances.find(bitsOf(instance));
+    if (!found) return invalidHandle("instance");
+    InstanceRecord& record = **found;
+    mask = mask ? mask : kAllMasks;
+    if (record.caster.mask == mask) return {};
+    impl_->mark(record);
+    record.caster.mask = mask;
+    return {};
+}
+
 Result<void> SceneRegistry::setInstanceMesh(GnInstance instance, GnMesh mesh)
 {
     const std::lock_guard lock(impl_->mutex);

@@ -40,6 +40,7 @@ public:
     Result<GnInstance> createInstance(const GnInstanceCreateInfo& info);
     Result<void> setInstanceTransform(GnInstance instance, const GnTransform& transform);
     Result<void> setInstanceBounds(GnInstance instance, const float (&lower)[3], const float (&upper)[3]);
+    Result<void> setInstanceCasterMask(GnInstance instance, std::uint32_t mask); ///< 0: all bits.
     Result<void> setInstanceMesh(GnInstance instance, GnMesh mesh);
     void destroyInstance(GnInstance instance);
 

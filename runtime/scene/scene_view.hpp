@@ -45,6 +45,8 @@ struct MeshView {
     std::uint32_t triangleCount() const { return static_cast<std::uint32_t>(indices.size() / 3); }
 };
 
+constexpr std::uint32_t kAllMasks = 0xffffffffu; ///< What 0 means in the API.
+
 /// One instance as a caster.
 struct Caster {
     std::uint32_t index = 0;        ///< Into the frame's table of transforms: firstInstance of its draws.
@@ -54,9 +56,9 @@ struct Caster {
     glm::mat3 basis{1.0f};          ///< world = basis * object + translation
     glm::vec3 translation{0.0f};    ///< Relative to the frame's origin, metres.
     Aabb bounds;                    ///< World, relative to the origin.
-    std::uint64_t revision = 0;     ///< Unique over all instances; changes when transform, mesh or positions do, that
-                                    ///< of a host-drawn one that is not static in every frame.
-    std::uint32_t mask = 0xffffffffu;
+    std::uint64_t revision = 0; ///< Unique over all instances; changes when transform, mesh, mask or positions do, that
+                                ///< of a host-drawn one that is not static in every frame.
+    std::uint32_t mask = kAllMasks;
     bool isStatic = false;
     bool mirrored = false; ///< The basis has a negative determinant: winding is reversed.
     bool closed = false;   ///< mesh->closed; open casters are drawn from both sides with a bias.
@@ -77,7 +79,7 @@ struct LightView {
     const char* name = "";
     gpu::LightConstants constants; ///< Position relative to the origin.
     float coneAngle = 0.0f;        ///< Spot: half angle, radians.
-    std::uint32_t mask = 0xffffffffu;
+    std::uint32_t mask = kAllMasks;
     std::uint64_t revision = 0; ///< Unique over all lights; changes when the description or the origin does.
     bool isStatic = false;      ///< Static flag set and never moved.
     float importance = 1.0f;    ///< Weight in the plan. Changing it alone is no new revision: no map depends on it.

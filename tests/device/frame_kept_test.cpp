@@ -109,6 +109,39 @@ struct StampNoter {
 
 } // namespace
 
+TEST_CASE_FIXTURE(DeviceTest, "a mask that changes takes a standing caster from its lights, and gives it back")
+{
+    for (const char* method : {"shadow_map", "pcf_hybrid", "contour_chain", "conservative_map", "stencil_volume",
+                               "octree_volume", "angular_spans", "ray_traced", "tile_shafts"}) {
+        CAPTURE(std::string(method));
+        Scene scene = smallScene();
+        scene.lights[0].casterMask = 1;
+        Host host(scene);
+        host.pinAll(method);
+        host.draw(3, {});
+        const std::vector<Image8> all = host.pictures();
+        scene.instances[kBall].casterMask = 6;
+        Host without(scene);
+        without.pinAll(method);
+        without.require(without.draw());
+        const std::vector<Image8> fewer = without.pictures();
+        REQUIRE(differences(all, fewer) > 100);
+
+        host.require(gnSetInstanceCasterMask(host.context, host.instances[kBall], 6));
+        host.draw(2, {});
+        CHECK(differences(host.pictures(), fewer) == 0);
+        host.require(gnSetInstanceCasterMask(host.context, host.instances[kBall], 0));
+        host.draw(2, {});
+        CHECK(differences(host.pictures(), all) == 0);
+        host.require(gnSetInstanceCasterMask(host.context, host.instances[kBall], 1)); // as good as all bits here
+        host.require(host.draw());
+        CHECK(differences(host.pictures(), all) == 0);
+        CHECK(host.takeMessages().empty());
+    }
+    Host host(smallScene());
+    CHECK(gnSetInstanceCasterMask(host.context, VK_NULL_HANDLE, 1) == GN_ERROR_INVALID_HANDLE);
+}
+
 TEST_CASE_FIXTURE(DeviceTest,
                   "a static light over standing casters draws its map once, again exactly when one in range moved")
 {

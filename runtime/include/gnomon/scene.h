@@ -96,6 +96,9 @@ GN_API GnResult GN_CALL gnSetInstanceTransform(GnContext context, GnInstance ins
 on. Any thread. \return #GN_ERROR_INVALID_HANDLE for an instance with a mesh. */
 GN_API GnResult GN_CALL gnSetInstanceBounds(GnContext context, GnInstance instance, const float boundsMin[3],
                                             const float boundsMax[3]);
+/** \brief For which lights it casts: those of a mask with a bit in common. 0 means all bits; a bit that no light has, for
+none. Seen from the next frame on; what is static stays so. Any thread. */
+GN_API GnResult GN_CALL gnSetInstanceCasterMask(GnContext context, GnInstance instance, uint32_t casterMask);
 /** \brief Swaps the mesh (level of detail). Any thread. */
 GN_API GnResult GN_CALL gnSetInstanceMesh(GnContext context, GnInstance instance, GnMesh mesh);
 /** \brief Removes it. Any thread. */
