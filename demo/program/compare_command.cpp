@@ -321,7 +321,8 @@ void Comparison::print() const
 void Comparison::plot() const
 {
     const std::string settings = "set title " + gnuplotText(scene_.name) +
-                                 "\nset xlabel 'frame'\nset ylabel 'ms'\nset yrange [0:]\nset grid\nset key left top\n";
+                                 "\nset xlabel 'frame'\nset ylabel 'ms'\nset yrange [0:]\nset grid\n"
+                                 "set key outside top center horizontal maxcols 3\n";
     const auto curve = [](const std::string& title, const std::string& style, const std::vector<double>& ms) {
         PlotCurve made{.title = title, .style = style};
         for (size_t frame = 0; frame < ms.size(); ++frame)
