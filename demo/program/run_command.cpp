@@ -65,6 +65,7 @@ void chooseMethods(ShadowHost& shadows, const RunOptions& options, const std::fi
         if (refused.empty()) return;
     }
     const RuleText rules = valueOf(findRules(options.rules));
+    if (rules.name.empty()) return;
     expect(shadows.loadRules(rules.text, rules.name));
     expect(writeText(out / "rules.yaml", rules.text));
 }

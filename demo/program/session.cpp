@@ -118,14 +118,17 @@ Outcome<RuleText> findRules(const std::string& nameOrPath)
         Outcome<std::string> text = readText(wanted);
         return text ? Outcome<RuleText>(RuleText{std::move(*text), wanted}) : Outcome<RuleText>::failure(text.error());
     }
-    std::string known;
 #ifdef GNOMON_WITH_YAML
+    std::string known;
     for (const rules::ShippedRuleBase& base : rules::shippedRuleBases()) {
         if (base.name == wanted) return RuleText{std::string(base.text), wanted};
         known += (known.empty() ? "" : ", ") + std::string(base.name);
     }
-#endif
     return Outcome<RuleText>::failure("no rule base '" + wanted + "': neither a file nor one of: " + known);
+#else
+    if (nameOrPath.empty()) return RuleText{};
+    return Outcome<RuleText>::failure(wanted + ": this build reads no rule bases (GNOMON_WITH_YAML is off)");
+#endif
 }
 
 Outcome<std::filesystem::path> findKnowledge(const std::string& nameOrPath)

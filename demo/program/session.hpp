@@ -54,9 +54,9 @@ std::vector<std::string> parseNames(const std::string& text);
 
 struct RuleText {
     std::string text;
-    std::string name; ///< For messages: the path, or "default".
+    std::string name; ///< For messages: the path, or "default". Empty: there are no rules.
 };
-/// A rule base by path or by the name of a shipped one; empty: "default".
+/// A rule base by path or by the name of a shipped one; empty: "default", or none in a build that reads none.
 Outcome<RuleText> findRules(const std::string& nameOrPath);
 
 /// A knowledge base by path, or by the name of a shipped one: `lavapipe`.

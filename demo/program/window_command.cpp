@@ -167,7 +167,7 @@ int windowCommand(const RunOptions& options)
     Session session(sessionOptions);
     RuleWatch watch(options.rules); // before they are read: a change from now on is one
     const RuleText rules = valueOf(findRules(options.rules));
-    expect(session.shadows.loadRules(rules.text, rules.name));
+    if (!rules.name.empty()) expect(session.shadows.loadRules(rules.text, rules.name));
     if (!options.method.empty()) expect(session.shadows.pinAll(options.method));
     if (gnWarmUp(session.shadows.context()) < 0)
         throw HostError(std::string("gnWarmUp: ") + gnGetLastError(session.shadows.context()));
