@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <utility>
 
 namespace gnomon::demo {
 namespace {
@@ -80,7 +81,11 @@ public:
             light.resolveGpuMs.push_back(double(timing.resolveGpuMs));
             light.resolveCpuMs.push_back(double(timing.resolveCpuMs));
         }
+        noteShared(keep);
     }
+
+    /// Fastest times of the passes that lights share, as timed: with the barriers of a timed frame.
+    std::vector<cost::KnowledgePart> takeShared() { return std::move(shared_); }
 
     std::vector<LightTimes> take()
     {
@@ -89,8 +94,38 @@ public:
     }
 
 private:
+    void noteShared(bool keep)
+    {
+        const GnContext context = session_.shadows.context();
+        uint64_t frame = 0;
+        uint32_t count = 0;
+        if (gnGetPassTimings(context, &frame, &count, nullptr) < 0) return;
+        passes_.resize(count);
+        if (gnGetPassTimings(context, &frame, &count, passes_.data()) < 0) return;
+        if (frame <= std::exchange(sharedSeen_, std::max(frame, sharedSeen_)) || !keep) return;
+        const VkExtent2D extent = session_.renderer.extent();
+        for (const GnPassTiming& pass : passes_) {
+            if (!pass.shared) continue;
+            auto part = std::find_if(shared_.begin(), shared_.end(),
+                                     [&](const cost::KnowledgePart& known) { return known.pass == pass.pName; });
+            const double gpuMs = double(pass.gpuMs), cpuMs = double(pass.cpuMs);
+            if (part == shared_.end()) {
+                shared_.push_back({.pass = pass.pName,
+                                   .viewPixels = double(extent.width) * double(extent.height),
+                                   .gpuMs = gpuMs,
+                                   .cpuMs = cpuMs});
+            } else {
+                part->gpuMs = std::min(part->gpuMs, gpuMs);
+                part->cpuMs = std::min(part->cpuMs, cpuMs);
+            }
+        }
+    }
+
     Session& session_;
     std::string method_;
+    std::vector<GnPassTiming> passes_;
+    std::vector<cost::KnowledgePart> shared_;
+    uint64_t sharedSeen_ = 0;
     std::vector<LightTimes> lights_;
     std::vector<uint64_t> seen_;
 };
@@ -157,10 +192,38 @@ MomentTimes measureMoment(Session& session, const std::string& method, const Mom
     }
     MomentTimes times;
     times.lights = collector.take();
+    if (!times.lights.empty()) times.shared = collector.takeShared(); // by the method that was asked for
     times.lastTime = moment.time + (plan.frames() - 1) * moment.step;
     times.firstFrameMs =
         std::max(0.0, frameMs.front() - percentile(std::vector<double>(frameMs.begin() + 1, frameMs.end()), 0.5));
     return times;
+}
+
+void addShared(std::vector<cost::KnowledgePart>& sums, const MomentTimes& times)
+{
+    for (const cost::KnowledgePart& point : times.shared) {
+        auto sum = std::find_if(sums.begin(), sums.end(), [&](const auto& known) { return known.pass == point.pass; });
+        if (sum == sums.end()) sum = sums.insert(sum, {.pass = point.pass});
+        sum->viewPixels += point.viewPixels;
+        sum->gpuMs += point.gpuMs;
+        sum->cpuMs += point.cpuMs;
+        ++sum->samples;
+    }
+}
+
+std::vector<cost::KnowledgePart> meansOf(std::vector<cost::KnowledgePart> sums, const std::string& algorithm,
+                                         const Device& device)
+{
+    for (cost::KnowledgePart& part : sums) {
+        part.device = device.properties.deviceName;
+        part.driver = device.driver;
+        part.algorithm = algorithm;
+        part.date = today();
+        for (double* sum : {&part.viewPixels, &part.gpuMs, &part.cpuMs})
+            *sum /= part.samples;
+    }
+    std::erase_if(sums, [](const cost::KnowledgePart& part) { return !(part.gpuMs + part.cpuMs > 0.0); });
+    return sums;
 }
 
 std::vector<cost::KnowledgeRow> rowsOf(const MomentTimes& times, const std::string& algorithm, const Device& device)

@@ -22,9 +22,10 @@ struct LightTimes {
 };
 
 struct MomentTimes {
-    std::vector<LightTimes> lights; ///< Those that the method served, in layer order.
-    double firstFrameMs = 0.0;      ///< By which the first frame took longer than the median of the others.
-    double lastTime = 0.0;          ///< Seconds, of the last frame drawn.
+    std::vector<LightTimes> lights;          ///< Those that the method served, in layer order.
+    std::vector<cost::KnowledgePart> shared; ///< For all of them; names and times alone, the fastest of each.
+    double firstFrameMs = 0.0;               ///< By which the first frame took longer than the median of the others.
+    double lastTime = 0.0;                   ///< Seconds, of the last frame drawn.
 };
 
 struct Moment {
@@ -41,6 +42,12 @@ void useMethod(ShadowHost& shadows, const std::string& method);
 
 /// Draws the moment's frames, timed and untimed ones in turn; the first ones only warm caches up.
 MomentTimes measureMoment(Session& session, const std::string& method, const Moment& moment);
+
+/// Adds what was measured at one more point: sums of pixels, times and points, by pass.
+void addShared(std::vector<cost::KnowledgePart>& sums, const MomentTimes& times);
+/// Means of such sums, with the names of what was measured.
+std::vector<cost::KnowledgePart> meansOf(std::vector<cost::KnowledgePart> sums, const std::string& algorithm,
+                                         const Device& device);
 
 /// Rows of a knowledge base, one per light and pass.
 std::vector<cost::KnowledgeRow> rowsOf(const MomentTimes& times, const std::string& algorithm, const Device& device);

@@ -96,6 +96,7 @@ void Sweeper::proceed(SweepRun& run, const SweepMethod& method, double seconds, 
         // Errors vary slowly over the sweep; every second point tells enough of them.
         if (method.name != kTruthMethod && run.points % 2 == 0) measureErrors(rows, times);
         run.rows.insert(run.rows.end(), rows.begin(), rows.end());
+        addShared(run.shared, times);
         ++run.points;
     }
     run.seconds = before + secondsSince(start);

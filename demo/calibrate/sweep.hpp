@@ -19,6 +19,7 @@ Outcome<std::vector<SweepMethod>> sweepMethods(Device& device, const std::vector
 /// What a method's sweep has measured so far.
 struct SweepRun {
     std::vector<cost::KnowledgeRow> rows;
+    std::vector<cost::KnowledgePart> shared; ///< Sums (addShared()).
     uint32_t points = 0;
     size_t next = 0;      ///< Point of the sweep.
     double seconds = 0.0; ///< Spent.

@@ -67,14 +67,17 @@ int calibrate(const CalibrateOptions& options, Device& device, const std::vector
             progress.show(++done, methods[m].name);
         }
     Rows rows;
+    std::vector<cost::KnowledgePart> parts;
     for (size_t m = 0; m < methods.size(); ++m) {
+        const std::vector<cost::KnowledgePart> shared = meansOf(runs[m].shared, methods[m].algorithm, device);
+        parts.insert(parts.end(), shared.begin(), shared.end());
         std::printf("%-26s %3u points, %4zu rows, %5.1f s\n", methods[m].name.c_str(), runs[m].points,
                     runs[m].rows.size(), runs[m].seconds);
         rows.insert(rows.end(), runs[m].rows.begin(), runs[m].rows.end());
     }
     const std::string out = outputOf(options);
-    expect(writeText(out, cost::writeKnowledge(rows)));
-    std::printf("%zu rows to %s\n", rows.size(), out.c_str());
+    expect(writeText(out, cost::writeKnowledge(rows, parts)));
+    std::printf("%zu rows to %s\n", rows.size() + parts.size(), out.c_str());
     return 0;
 }
 

@@ -505,7 +505,12 @@ Result<GnLightMap> Context::lightMap(GnLight light)
 
 GnPassTiming Context::publicTiming(const PassTiming& timing) const
 {
-    GnPassTiming out{.pName = timing.name, .level = timing.level, .gpuMs = timing.gpuMs, .cpuMs = timing.cpuMs};
+    const bool shared = timing.owner.view != UINT32_MAX && timing.owner.light == UINT32_MAX && timing.owner.declarers;
+    GnPassTiming out{.pName = timing.name,
+                     .level = timing.level,
+                     .gpuMs = timing.gpuMs,
+                     .cpuMs = timing.cpuMs,
+                     .shared = shared ? VK_TRUE : VK_FALSE};
     for (const ViewFrame& viewFrame : viewFrames_)
         if (viewFrame.view->id == timing.owner.view) out.view = viewFrame.view->handle;
     for (const LightFrame& light : lightFrames_)

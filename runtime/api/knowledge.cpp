@@ -15,6 +15,10 @@ Result<void> Context::loadKnowledge(std::string_view text, std::string_view file
         return Error{GN_ERROR_KNOWLEDGE, "KnowledgeRefused",
                      file + ": none of its " + std::to_string(parsed.base->rejected) + " rows can be used"};
     const std::string device = vk_->properties.deviceName;
+    std::vector<std::string> algorithms;
+    for (std::uint32_t m = 0; m < methods_->size(); ++m)
+        algorithms.emplace_back((*methods_)[m].entry->name);
+    sharedParts_.teach(parsed.base->parts, device, algorithms);
     const cost::Learned learned = plan_->teach(std::move(*parsed.base), device);
     if (learned.rows == 0)
         messages_.warn("KnowledgeEmpty",

@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kDigits = 7; // the texels of a cube of 1024 x 1024 faces, and of times more than there is
 constexpr std::string_view kHeading = "# gnomon knowledge ";
+constexpr std::string_view kViewPass = "view:";
 
 enum Column : uint32_t {
     device,
@@ -111,7 +112,7 @@ public:
         for (line_ = 3; !text.empty(); ++line_) {
             const std::string_view line = nextLine(text);
             if (line.empty() || line.front() == '#') continue;
-            if (base_.rows.size() == kMaxKnowledgeRows) return failure("more than 65536 rows");
+            if (base_.rows.size() + base_.parts.size() == kMaxKnowledgeRows) return failure("more than 65536 rows");
             readRow(line);
         }
         return {std::move(base_), {}};
@@ -149,10 +150,13 @@ private:
             numbers[i] = *number;
         }
         const std::string& passName = cells_[places_[pass]];
-        if (passName != "update" && passName != "resolve") return reject("pass is neither update nor resolve");
+        const bool part = passName.starts_with(kViewPass) && passName.size() > kViewPass.size();
+        if (!part && passName != "update" && passName != "resolve")
+            return reject("pass is neither update nor resolve, nor view: and a name");
         if (cells_[places_[algorithm]].empty()) return reject("no algorithm");
         if (cells_[places_[wrongPercent]].empty()) numbers[wrongPercent] = kNotMeasured;
         if (numbers[gpuP50] <= 0.0 && numbers[cpuP50] <= 0.0) return reject("no time was measured");
+        if (part) return readPart(passName.substr(kViewPass.size()), numbers);
         base_.rows.push_back({.device = cells_[places_[device]],
                               .driver = cells_[places_[driver]],
                               .algorithm = cells_[places_[algorithm]],
@@ -182,6 +186,20 @@ private:
                               .wrongPercent = numbers[wrongPercent],
                               .clockMhz = numbers[clockMhz],
                               .date = cells_[places_[date]]});
+    }
+
+    void readPart(std::string name, const std::array<double, kColumns>& numbers)
+    {
+        if (numbers[viewPixels] < 1.0) return reject("view_pixels is not a size");
+        base_.parts.push_back({.device = cells_[places_[device]],
+                               .driver = cells_[places_[driver]],
+                               .algorithm = cells_[places_[algorithm]],
+                               .pass = std::move(name),
+                               .viewPixels = numbers[viewPixels],
+                               .samples = static_cast<uint32_t>(std::min(numbers[samples], 1e9)),
+                               .gpuMs = numbers[gpuP50],
+                               .cpuMs = numbers[cpuP50],
+                               .date = cells_[places_[date]]});
     }
 
     KnowledgeBase base_;
@@ -216,49 +234,71 @@ KnowledgeResult parseKnowledge(std::string_view text)
     return Reader().read(text);
 }
 
-std::string writeKnowledge(std::span<const KnowledgeRow> rows)
+namespace {
+
+void appendRow(std::string& out, const KnowledgeRow& row, std::string_view pass)
+{
+    for (const std::string* text : {&row.device, &row.driver, &row.algorithm}) {
+        appendText(out, *text);
+        out += ',';
+    }
+    appendText(out, pass);
+    const Workload& workload = row.workload;
+    for (const double number : {workload.pixels,
+                                workload.casterTriangles,
+                                workload.mapTexels,
+                                workload.sharing,
+                                workload.still ? 1.0 : 0.0,
+                                workload.drawnTriangles,
+                                workload.casters,
+                                workload.directional ? 1.0 : 0.0,
+                                workload.point ? 1.0 : 0.0,
+                                workload.drawnPixels,
+                                workload.viewPixels,
+                                workload.shadowPixels,
+                                workload.treeLevels,
+                                workload.mapFilled,
+                                workload.mapTouched,
+                                1.0 * row.samples,
+                                row.gpuMsMin,
+                                row.gpuMsP50,
+                                row.gpuMsP95,
+                                row.cpuMsMin,
+                                row.cpuMsP50,
+                                row.firstFrameMs,
+                                row.wrongPercent,
+                                row.clockMhz}) {
+        out += ',';
+        if (number >= 0.0) appendNumber(out, number); // kNotMeasured is an empty cell
+    }
+    out += ',';
+    appendText(out, row.date);
+    out += '\n';
+}
+
+} // namespace
+
+std::string writeKnowledge(std::span<const KnowledgeRow> rows, std::span<const KnowledgePart> parts)
 {
     std::string out(kHeading);
     out += std::to_string(kKnowledgeVersion) + '\n';
     for (uint32_t i = 0; i < kColumns; ++i)
         (out += kNames[i]) += i + 1 < kColumns ? ',' : '\n';
-    for (const KnowledgeRow& row : rows) {
-        for (const std::string* text : {&row.device, &row.driver, &row.algorithm}) {
-            appendText(out, *text);
-            out += ',';
-        }
-        out += row.pass == Pass::update ? "update" : "resolve";
-        const Workload& workload = row.workload;
-        for (const double number : {workload.pixels,
-                                    workload.casterTriangles,
-                                    workload.mapTexels,
-                                    workload.sharing,
-                                    workload.still ? 1.0 : 0.0,
-                                    workload.drawnTriangles,
-                                    workload.casters,
-                                    workload.directional ? 1.0 : 0.0,
-                                    workload.point ? 1.0 : 0.0,
-                                    workload.drawnPixels,
-                                    workload.viewPixels,
-                                    workload.shadowPixels,
-                                    workload.treeLevels,
-                                    workload.mapFilled,
-                                    workload.mapTouched,
-                                    1.0 * row.samples,
-                                    row.gpuMsMin,
-                                    row.gpuMsP50,
-                                    row.gpuMsP95,
-                                    row.cpuMsMin,
-                                    row.cpuMsP50,
-                                    row.firstFrameMs,
-                                    row.wrongPercent,
-                                    row.clockMhz}) {
-            out += ',';
-            if (number >= 0.0) appendNumber(out, number); // kNotMeasured is an empty cell
-        }
-        out += ',';
-        appendText(out, row.date);
-        out += '\n';
+    for (const KnowledgeRow& row : rows)
+        appendRow(out, row, row.pass == Pass::update ? "update" : "resolve");
+    for (const KnowledgePart& part : parts) {
+        const KnowledgeRow row{.device = part.device,
+                               .driver = part.driver,
+                               .algorithm = part.algorithm,
+                               .workload = {.sharing = 0.0, .viewPixels = part.viewPixels},
+                               .samples = part.samples,
+                               .gpuMsMin = part.gpuMs,
+                               .gpuMsP50 = part.gpuMs,
+                               .gpuMsP95 = part.gpuMs,
+                               .cpuMsMin = part.cpuMs,
+                               .cpuMsP50 = part.cpuMs,
+                               .date = part.date};
+        appendRow(out, row, std::string(kViewPass) + part.pass);
     }
     return out;
 }

@@ -41,8 +41,21 @@ struct KnowledgeRow {
     std::string date;
 };
 
+/// What a pass for all lights of a view takes (a copy of its depth, say) that an algorithm needs. In the file its
+/// `pass` is `view:` and the pass's name; view_pixels, samples and the times are set, and every number else is 0.
+struct KnowledgePart {
+    std::string device, driver;
+    std::string algorithm;
+    std::string pass;
+    double viewPixels = 0.0; ///< > 0; the time grows with them.
+    uint32_t samples = 0;
+    double gpuMs = 0.0, cpuMs = 0.0; ///< One is > 0.
+    std::string date;
+};
+
 struct KnowledgeBase {
     std::vector<KnowledgeRow> rows;
+    std::vector<KnowledgePart> parts;
     std::vector<std::string> findings; ///< "line 7: gpu_ms_p50 is not a number"; at most kMaxFindings.
     uint32_t rejected = 0;             ///< Rows left out.
 };
@@ -54,7 +67,7 @@ struct KnowledgeResult {
 };
 
 KnowledgeResult parseKnowledge(std::string_view text);
-std::string writeKnowledge(std::span<const KnowledgeRow> rows);
+std::string writeKnowledge(std::span<const KnowledgeRow> rows, std::span<const KnowledgePart> parts = {});
 
 /// Feeds every row of `base` to all methods of its algorithm (`algorithms[i]` is method i's) and finishes the
 /// calibration. Rows of `device` are used if there are any; otherwise those of the device with most rows, as foreign.

@@ -1,6 +1,7 @@
 #include "runtime/select/shared_parts.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace gnomon {
 
@@ -9,24 +10,43 @@ namespace {
 // More passes of view scope than all modules have together; others count as nothing.
 constexpr std::size_t kMostPasses = 64;
 
-std::uint64_t hashOf(const char* text)
+std::uint64_t hashOf(std::string_view text)
 {
     std::uint64_t hash = 0xcbf29ce484222325ull; // FNV-1a
-    for (; *text; ++text)
-        hash = (hash ^ static_cast<unsigned char>(*text)) * 0x100000001b3ull;
+    for (const char c : text)
+        hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
     return hash;
 }
 
 } // namespace
 
-void SharedParts::note(const char* pass, std::uint32_t methods, float ms)
+/// Null: there are too many.
+SharedParts::Entry* SharedParts::entryOf(std::string_view pass)
 {
     const std::uint64_t name = hashOf(pass);
-    auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.name == name; });
-    if (entry == entries_.end()) {
-        if (entries_.size() == kMostPasses) return;
-        entry = entries_.insert(entry, Entry{.name = name});
+    const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.name == name; });
+    if (entry != entries_.end()) return &*entry;
+    return entries_.size() == kMostPasses ? nullptr : &entries_.emplace_back(Entry{.name = name});
+}
+
+void SharedParts::teach(std::span<const cost::KnowledgePart> parts, std::string_view device,
+                        std::span<const std::string> algorithms)
+{
+    for (Entry& entry : entries_)
+        if (!entry.shown) entry.msPerPixel.reset(), entry.methods = 0; // an earlier base's
+    for (const cost::KnowledgePart& part : parts) {
+        Entry* const entry = part.device == device ? entryOf(part.pass) : nullptr;
+        if (!entry || entry->shown) continue;
+        for (std::size_t m = 0; m < algorithms.size(); ++m)
+            if (algorithms[m] == part.algorithm) entry->methods |= 1u << m;
+        entry->msPerPixel.add(static_cast<float>((part.gpuMs + part.cpuMs) / part.viewPixels));
     }
+}
+
+void SharedParts::note(const char* pass, std::uint32_t methods, float ms)
+{
+    Entry* const entry = entryOf(pass);
+    if (!entry) return;
     entry->declarers |= methods;
     entry->ms += ms;
 }
@@ -35,7 +55,10 @@ void SharedParts::endFrame(std::uint32_t ran, double pixels)
 {
     for (Entry& entry : entries_) {
         entry.methods = (entry.methods & ~ran) | entry.declarers;
-        if (entry.declarers) entry.msPerPixel.add(static_cast<float>(entry.ms / pixels));
+        if (entry.declarers) {
+            if (!std::exchange(entry.shown, true)) entry.msPerPixel.reset();
+            entry.msPerPixel.add(static_cast<float>(entry.ms / pixels));
+        }
         entry.declarers = 0;
         entry.ms = 0.0f;
     }

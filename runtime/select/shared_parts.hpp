@@ -4,8 +4,11 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "runtime/cost/knowledge_base.hpp"
 #include "runtime/plan/knapsack.hpp"
 #include "runtime/select/facts.hpp"
 
@@ -14,9 +17,14 @@ namespace gnomon {
 /// A frame's plan pays such work once, with the first light that needs it, and saves it with the last. Were it charged
 /// to no light, a method would look affordable until it runs, then not, and be tried again once it has gone.
 ///
-/// What no method has shown yet counts as nothing: the first timed frame tells, and nothing is forgotten.
+/// What no method has shown yet, nor a knowledge base told, counts as nothing: the first timed frame tells, and nothing
+/// is forgotten.
 class SharedParts {
 public:
+    /// What a knowledge base has measured on this very device. What frames have shown here stays.
+    /// @param algorithms Of every method, in their order.
+    void teach(std::span<const cost::KnowledgePart> parts, std::string_view device,
+               std::span<const std::string> algorithms);
     /// A pass of view scope of a timed frame; of several views, one after the other.
     /// @param pass    Name.
     /// @param methods Bit m: method m declared it.
@@ -32,10 +40,13 @@ private:
         std::uint64_t name = 0; ///< Hash of the text: a pass may come from a library that was loaded anew.
         std::uint32_t methods = 0;
         MedianOfFive msPerPixel;
+        bool shown = false; ///< By a frame.
         // Of the frame that is being noted.
         std::uint32_t declarers = 0;
         float ms = 0.0f;
     };
+    Entry* entryOf(std::string_view pass);
+
     std::vector<Entry> entries_;
     std::array<plan::SharedPart, plan::kMaxParts> parts_{};
 };

@@ -220,7 +220,8 @@ TEST_CASE("compare runs the rules and every method that serves all lights, and h
     CHECK(wrong.output.find("cube_map") != std::string::npos);
 }
 
-TEST_CASE("calibrate writes a base of both passes of every method, and checks a scene against it")
+TEST_CASE(
+    "calibrate writes a base of both passes of every method and what their lights share, and checks a scene against it")
 {
     const Folder folder("calibrate");
     const fs::path csv = folder.path / "base.csv";
@@ -237,7 +238,9 @@ TEST_CASE("calibrate writes a base of both passes of every method, and checks a 
         REQUIRE(splitCsvLine(table[i], cells));
         seen.insert(cells.at(2) + " " + cells.at(3));
     }
-    CHECK(seen == std::set<std::string>{"ray_traced resolve", "shadow_map resolve", "shadow_map update"});
+    CHECK(seen == std::set<std::string>{"ray_traced resolve", "ray_traced view:view.depth_readback",
+                                        "ray_traced view:view.normals_readback", "shadow_map resolve",
+                                        "shadow_map update"});
     const Ran checked = gnomonProgram("calibrate --check torus_grid --methods shadow_map,ray_traced --size 160x120 "
                                       "--knowledge '" +
                                       csv.string() + "'");

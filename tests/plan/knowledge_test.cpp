@@ -45,6 +45,46 @@ TEST_CASE("a knowledge base reads back as it was written, and teaches the model"
     CHECK_FALSE(learn(elsewhere, *read.base, methods, "another").sameDevice);
 }
 
+TEST_CASE("what lights of a view share is read back too, and teaches no light")
+{
+    const std::vector<KnowledgePart> parts{{.device = "d",
+                                            .driver = "v",
+                                            .algorithm = "stencil_volume",
+                                            .pass = "volumes.strips, all",
+                                            .viewPixels = 921600,
+                                            .samples = 12,
+                                            .gpuMs = 1.5,
+                                            .date = "2026-01-01"},
+                                           {.device = "d",
+                                            .algorithm = "tile_shafts",
+                                            .pass = "view.hulls",
+                                            .viewPixels = 1000,
+                                            .samples = 3,
+                                            .cpuMs = 0.25}};
+    const std::string text = writeKnowledge({}, parts);
+    const KnowledgeResult read = parseKnowledge(text);
+    REQUIRE(read.base);
+    CHECK(read.base->findings.empty());
+    CHECK(read.base->rows.empty());
+    REQUIRE(read.base->parts.size() == 2);
+    CHECK(read.base->parts[0].pass == "volumes.strips, all");
+    CHECK(read.base->parts[0].viewPixels == 921600);
+    CHECK(read.base->parts[0].gpuMs == 1.5);
+    CHECK(read.base->parts[1].cpuMs == 0.25);
+    CHECK(writeKnowledge({}, read.base->parts) == text);
+    CostModel model;
+    model.resize(1, 1);
+    const std::vector<std::string> methods{"stencil_volume"};
+    CHECK(learn(model, *read.base, methods, "d").rows == 0);
+
+    std::string flat = text;
+    flat.replace(flat.find(",921600,"), 8, ",0,");
+    CHECK(parseKnowledge(flat).base->findings.at(0) == "line 3: view_pixels is not a size");
+    std::string nameless = text;
+    nameless.replace(nameless.find("\"view:volumes.strips, all\""), 26, "view:");
+    CHECK(parseKnowledge(nameless).base->rejected == 1);
+}
+
 TEST_CASE("a damaged knowledge base is an error or loses only its damaged rows")
 {
     const std::string head = writeKnowledge({});

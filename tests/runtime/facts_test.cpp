@@ -183,3 +183,34 @@ TEST_CASE("work that methods share is known by pass, charged to those that decla
     }
     CHECK(of(kB | kC, 1000.0) == doctest::Approx(0.5)); // copies are not needed any more
 }
+
+TEST_CASE("work that methods share is known from a knowledge base of this device until a frame has shown it")
+{
+    const std::vector<std::string> algorithms{"map", "stencil", "octree", "stencil"};
+    const auto part = [](const char* device, const char* algorithm, const char* pass, double ms) {
+        return cost::KnowledgePart{
+            .device = device, .algorithm = algorithm, .pass = pass, .viewPixels = 2000.0, .samples = 4, .gpuMs = ms};
+    };
+    const std::vector<cost::KnowledgePart> base{
+        part("here", "stencil", "view.strips", 3.0), part("here", "octree", "view.strips", 3.0),
+        part("here", "unknown", "view.other", 1.0), part("there", "map", "view.copy", 9.0)};
+    SharedParts shared;
+    shared.note("view.copy", 1u << 0, 0.5f);
+    shared.endFrame(1u << 0, 1000.0);
+    shared.teach(base, "here", algorithms);
+    REQUIRE(shared.parts(1000.0).size() == 2);
+    CHECK(shared.parts(1000.0)[0].methods == 1u << 0);
+    CHECK(shared.parts(1000.0)[0].ms == doctest::Approx(0.5)); // what was measured there says nothing here
+    CHECK(shared.parts(1000.0)[1].methods == 0b1110u);
+    CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(1.5));
+    shared.note("view.strips", 1u << 1, 2.5f);
+    shared.endFrame(1u << 1, 1000.0);
+    CHECK(shared.parts(1000.0)[1].methods == 0b1110u);
+    CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(2.5)); // shown: the base has no say any more
+    shared.teach(base, "here", algorithms);
+    CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(2.5));
+    SharedParts another;
+    another.teach(base, "here", algorithms);
+    another.teach({}, "here", algorithms); // another base that says nothing
+    CHECK(another.parts(1000.0).empty());
+}

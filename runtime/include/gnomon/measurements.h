@@ -12,6 +12,7 @@ typedef struct GnPassTiming {
     uint32_t level; ///< Number of CPU round trips before it.
     float gpuMs;    ///< 0 for host work. On software devices GPU time is CPU time.
     float cpuMs;    ///< Host and prepare passes, and recording.
+    VkBool32 shared; ///< For all lights of the view, because a method needs it.
 } GnPassTiming;
 
 /** \brief Timings of the newest completed *timed* frame, two frames late. Timed are one frame in eight, four after a
