@@ -503,45 +503,4 @@ Result<GnLightMap> Context::lightMap(GnLight light)
     return out;
 }
 
-GnPassTiming Context::publicTiming(const PassTiming& timing) const
-{
-    const bool shared = timing.owner.view != UINT32_MAX && timing.owner.light == UINT32_MAX && timing.owner.declarers;
-    GnPassTiming out{.pName = timing.name,
-                     .level = timing.level,
-                     .gpuMs = timing.gpuMs,
-                     .cpuMs = timing.cpuMs,
-                     .shared = shared ? VK_TRUE : VK_FALSE};
-    for (const ViewFrame& viewFrame : viewFrames_)
-        if (viewFrame.view->id == timing.owner.view) out.view = viewFrame.view->handle;
-    for (const LightFrame& light : lightFrames_)
-        if (light.id == timing.owner.light) out.light = light.handle;
-    return out;
-}
-
-std::uint32_t Context::passTimings(std::uint64_t& frame, std::span<GnPassTiming> out)
-{
-    const FrameTimings* timings = executor_->newestTimed();
-    frame = timings ? timings->frame : 0;
-    if (!timings) return 0;
-    for (std::size_t i = 0; i < std::min(timings->passes.size(), out.size()); ++i)
-        out[i] = publicTiming(timings->passes[i]);
-    return static_cast<std::uint32_t>(timings->passes.size());
-}
-
-Result<std::uint32_t> Context::framePasses(std::span<GnPassTiming> out)
-{
-    // A worker runs the host passes in this order, and they may declare others.
-    if (executor_->underway())
-        return Error{GN_ERROR_FRAME_ORDER, "FrameUnderway", "gnGetFramePasses before gnFinishShadows"};
-    std::uint32_t count = 0;
-    for (const std::uint32_t index : graph_->order()) {
-        const Pass& pass = graph_->passes()[index];
-        if (!pass.fn) continue;
-        if (count < out.size())
-            out[count] = publicTiming({.name = pass.name, .owner = pass.owner, .level = pass.level});
-        ++count;
-    }
-    return count;
-}
-
 } // namespace gnomon

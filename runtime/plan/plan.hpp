@@ -73,8 +73,8 @@ struct PlanInput {
     double measuredMs = -1.0; ///< Newest measured sum of the shadow passes; < 0: unknown.
     bool cut = false;         ///< Camera cut: all holds are lifted.
     rules::Options::Allocation allocation = rules::Options::Allocation::Budget;
-    const rules::Policy* policy = nullptr; ///< Null: the defaults.
-    const rules::Policy& inForce() const noexcept;
+    const rules::Policy* policy = nullptr;         ///< Null: the defaults.
+    const rules::Policy& inForce() const noexcept; ///< `policy`, or the defaults.
 };
 
 /// Why a method is, or is not, the one.

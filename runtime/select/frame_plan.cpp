@@ -257,8 +257,11 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
     if (modelMethods_ != methods) growModel();
     lights_.resize(requests_.size());
     candidates_.resize(requests_.size() * methods);
-    for (std::uint32_t m = 0; m < methods; ++m)
+    std::array<float, kMaxMethods> sharesMs; // of a light, if all had the method; a plan knows better
+    for (std::uint32_t m = 0; m < methods; ++m) {
         qualities_[m] = static_cast<float>(measures_[m].quality(mapSide(methods_[m])));
+        sharesMs[m] = static_cast<float>(plan::partsMs(budget.parts, 1u << m) / static_cast<double>(requests_.size()));
+    }
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         const Request& request = requests_[i];
         LightMemory& memory = *request.memory;
@@ -285,8 +288,7 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
             from.predictedMs = static_cast<float>(cost.ms);
             from.sigmaMs = static_cast<float>(cost.sigmaMs);
             from.firstMs = static_cast<float>(costs[m].firstMs);
-            const double forAll = plan::partsMs(budget.parts, 1u << m); // a plan knows better
-            from.sharedMs = static_cast<float>(forAll / static_cast<double>(requests_.size()));
+            from.sharedMs = sharesMs[m];
         }
     }
 }

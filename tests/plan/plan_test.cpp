@@ -5,62 +5,14 @@
 #include <vector>
 
 #include "runtime/plan/worth.hpp"
+#include "tests/plan/plan_scene.hpp"
 #include "tests/plan/random.hpp"
 #include "tests/rules/allocation_count.hpp"
 
 using namespace gnomon;
 using namespace gnomon::plan;
-using test::Random;
-
-namespace {
-
-/// A scene of lights with the same methods; tests turn single knobs.
-struct Scene {
-    uint32_t methods;
-    std::vector<LightMemory> memories;
-    std::vector<LightRequest> requests;
-    std::vector<Candidate> candidates;
-    PlanInput input;
-    PlanStep plan;
-
-    Scene(uint32_t lights, std::vector<Candidate> each) : methods(static_cast<uint32_t>(each.size()))
-    {
-        memories.resize(lights);
-        for (uint32_t i = 0; i < lights; ++i) {
-            requests.push_back({.memory = &memories[i]});
-            candidates.insert(candidates.end(), each.begin(), each.end());
-        }
-        input.methods = methods;
-        input.budgetMs = 10.0;
-        plan.reserve(lights, methods);
-    }
-    Scene(const Scene&) = delete;
-    Candidate& of(uint32_t light, uint32_t method) { return candidates[light * methods + method]; }
-    PlanReport step(uint32_t frames = 1)
-    {
-        PlanReport report;
-        for (; frames > 0; --frames) {
-            input.lights = requests;
-            input.candidates = candidates;
-            report = plan.step(input);
-            ++input.frame;
-            input.cut = false;
-        }
-        return report;
-    }
-    uint32_t chosen(uint32_t light) const { return plan.lights()[light].chosen; }
-    Why why(uint32_t light, uint32_t method) const { return plan.why(light)[method]; }
-};
-
-constexpr uint32_t kCheap = 0, kGood = 1;
-
-/// 0: cheap, suitability 0.5, 1 ms. 1: good, suitability 0.9, 4 ms.
-std::vector<Candidate> cheapAndGood()
-{
-    return {{.suitability = 2048, .quality = 0.7f, .ms = 1.0}, {.suitability = 3686, .quality = 0.95f, .ms = 4.0}};
-}
-
-} // namespace
+using namespace gnomon::plan::test;
+using gnomon::test::Random;
 
 TEST_CASE("what shows as much counts as much, unless the rules like it less than half as well")
 {
@@ -349,104 +301,6 @@ TEST_CASE("a budget may be a multiple of what the cheapest plan is foretold to t
     CHECK(scene.step().budgetMs == doctest::Approx(10.0 / 1.5));
     scene.input.perCheapest = 1.0;
     CHECK(scene.step().budgetMs == doctest::Approx(12.0));
-}
-
-TEST_CASE("the cheapest plan keeps the floor and charges a shared part once")
-{
-    Scene scene(3, cheapAndGood());
-    CHECK(scene.step().cheapestMs == doctest::Approx(3.0));
-    scene.requests[0].floor = true;
-    scene.requests[0].minimumQuality = 0.9f;
-    const std::vector<SharedPart> parts{{0.5, 1u << kCheap}, {0.25, 1u << kGood}};
-    scene.input.parts = parts;
-    CHECK(scene.step().cheapestMs == doctest::Approx(6.75));
-    const std::vector<SharedPart> common{{0.5, 1u << kCheap | 1u << kGood}};
-    scene.input.parts = common;
-    CHECK(scene.step().cheapestMs == doctest::Approx(6.5));
-}
-
-TEST_CASE("a method whose shared part breaks the budget is not taken, given up once that is known, and not tried again")
-{
-    Scene scene(2, cheapAndGood()); // 2 ms to 8
-    scene.input.budgetMs = 9.0;
-    CHECK(scene.step().predictedMs == doctest::Approx(8.0));
-    std::vector<SharedPart> parts{{1.5, 1u << kGood}}; // a timed frame has told
-    scene.input.parts = parts;
-    const PlanReport report = scene.step();
-    CHECK(report.cause == Cause::repaired);
-    CHECK(report.predictedMs == doctest::Approx(6.5)); // one of two: the part is paid all the same
-    scene.input.budgetMs = 6.0;
-    CHECK(scene.step().predictedMs == doctest::Approx(2.0));
-    uint32_t switches = 0;
-    for (int frame = 0; frame < 300; ++frame)
-        switches += scene.step().switches;
-    CHECK(switches == 0);
-    scene.input.budgetMs = 9.0;
-    scene.step(100);
-    CHECK(scene.step().predictedMs == doctest::Approx(6.5));
-}
-
-TEST_CASE("of methods that show as much the cheaper one with its shared parts serves, which others may pay for")
-{
-    const uint32_t kPlain = 0, kSharing = 1;
-    const auto known = [](double ms) { return Candidate{.suitability = 3000, .quality = 1.0f, .ms = ms}; };
-    Scene scene(2, {known(4.0), known(2.0)});
-    scene.input.budgetMs = 100.0;
-    const std::vector<SharedPart> parts{{8.0, 1u << kSharing}};
-    scene.input.parts = parts;
-    scene.requests[0].pinned = scene.requests[1].pinned = kPlain;
-    scene.step();
-    scene.requests[0].pinned = scene.requests[1].pinned = kNone;
-    scene.step(700);
-    for (uint32_t light = 0; light < 2; ++light)
-        CHECK(scene.chosen(light) == kPlain); // 8, or 4 + 2 + 8, or 4 + 8
-    scene.requests[0].pinned = kSharing;
-    scene.step(700);
-    CHECK(scene.chosen(1) == kSharing); // its part is paid
-    scene.requests[0].pinned = kNone;
-    const PlanReport report = scene.step(700);
-    for (uint32_t light = 0; light < 2; ++light)
-        CHECK(scene.chosen(light) == kPlain); // alone neither saves anything by going: together they do
-    CHECK(report.predictedMs == doctest::Approx(8.0));
-}
-
-TEST_CASE("lights that share a part stay with it where leaving saves too little, is not known, or shows less")
-{
-    const uint32_t kPlain = 0, kSharing = 1;
-    const auto known = [](double ms) { return Candidate{.suitability = 3000, .quality = 1.0f, .ms = ms}; };
-    const std::vector<SharedPart> parts{{8.0, 1u << kSharing}};
-    const auto plain = [&](auto&& change) {
-        Scene scene(2, {known(4.0), known(2.0)});
-        scene.input.budgetMs = 100.0;
-        scene.input.parts = parts;
-        scene.requests[0].pinned = scene.requests[1].pinned = kSharing;
-        scene.step();
-        scene.requests[0].pinned = scene.requests[1].pinned = kNone;
-        change(scene);
-        scene.step(5);
-        return (scene.chosen(0) == kPlain) + (scene.chosen(1) == kPlain);
-    };
-    CHECK(plain([](Scene&) {}) == 2);
-    CHECK(plain([](Scene& scene) { scene.of(1, kPlain).ms = 6.5; }) == 0);             // 10.5 of 12 ms
-    CHECK(plain([](Scene& scene) { scene.of(1, kPlain).sigmaMs = 3.0; }) == 0);        // nobody knows
-    CHECK(plain([](Scene& scene) { scene.of(1, kPlain).firstFrameMs = 600.0; }) == 0); // 10 ms a frame of the stay
-    CHECK(plain([](Scene& scene) { scene.of(1, kPlain).quality = 0.5f; }) == 0);
-}
-
-TEST_CASE("where no plan fits nothing that is worth more brings a shared part with it")
-{
-    const uint32_t kPlain = 0, kSharing = 1;
-    Scene scene(2,
-                {{.suitability = 3000, .quality = 0.8f, .ms = 3.0}, {.suitability = 3000, .quality = 1.0f, .ms = 3.1}});
-    const std::vector<SharedPart> parts{{1.0, 1u << kSharing}};
-    scene.input.budgetMs = 2.0;
-    scene.step();
-    CHECK(scene.chosen(0) == kSharing); // no dearer to a tenth
-    scene.input.cut = true;
-    scene.input.parts = parts;
-    scene.step();
-    CHECK(scene.chosen(0) == kPlain);
-    CHECK(scene.chosen(1) == kPlain);
 }
 
 TEST_CASE("where no plan fits the cheapest serves, but what noise calls the cheapest moves nobody")
