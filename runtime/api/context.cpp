@@ -333,6 +333,7 @@ Result<void> Context::admit(const char* name, GnTraits traits, Add&& add)
     if (!rules) return rules.error();
     if (Result<std::uint32_t> added = add(); !added) return added.error();
     selector_->adopt(std::move(*rules));
+    teachShared();
     return {};
 }
 

@@ -142,6 +142,7 @@ private:
     Result<Method*> usableMethod(const char* name);
     template <typename Add>
     Result<void> admit(const char* name, GnTraits traits, Add&& add); ///< Adds a method that the rules bind to.
+    void teachShared();
     bool createOwnPipelines();
     void failOwnPipelines(const std::string& why);
     void settleTrial(std::uint32_t owner);

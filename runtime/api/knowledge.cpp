@@ -15,11 +15,8 @@ Result<void> Context::loadKnowledge(std::string_view text, std::string_view file
         return Error{GN_ERROR_KNOWLEDGE, "KnowledgeRefused",
                      file + ": none of its " + std::to_string(parsed.base->rejected) + " rows can be used"};
     const std::string device = vk_->properties.deviceName;
-    std::vector<std::string> algorithms;
-    for (std::uint32_t m = 0; m < methods_->size(); ++m)
-        algorithms.emplace_back((*methods_)[m].entry->name);
-    sharedParts_.teach(parsed.base->parts, device, algorithms);
     const cost::Learned learned = plan_->teach(std::move(*parsed.base), device);
+    teachShared();
     if (learned.rows == 0)
         messages_.warn("KnowledgeEmpty",
                        file + ": no row of an algorithm of this build; predictions stay as they were");
@@ -27,6 +24,15 @@ Result<void> Context::loadKnowledge(std::string_view text, std::string_view file
         messages_.info("KnowledgeForeign", file + ": measured on " + learned.device + ", not on " + device +
                                                "; the factor between them is learned from the first timed frames");
     return {};
+}
+
+/// What the knowledge base in force says that lights share, to all methods there are.
+void Context::teachShared()
+{
+    std::vector<std::string> algorithms;
+    for (std::uint32_t m = 0; m < methods_->size(); ++m)
+        algorithms.emplace_back((*methods_)[m].entry->name);
+    sharedParts_.teach(plan_->knowledge().parts, vk_->properties.deviceName, algorithms);
 }
 
 Result<GnLightTiming> Context::lightTiming(GnView viewHandle, GnLight light)

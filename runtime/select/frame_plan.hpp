@@ -61,6 +61,8 @@ public:
     /// Starts the cost model anew from what was measured elsewhere; methods added later learn from it too. Without a
     /// row for any method nothing changes. Allocates.
     cost::Learned teach(cost::KnowledgeBase base, std::string_view device);
+    /// As last taught; empty before.
+    const cost::KnowledgeBase& knowledge() const { return knowledge_; }
     /// Grows with every timing that the cost model learns from.
     std::uint64_t knowledgeRevision() const { return model_.samples(); }
     /// Null until a frame with the light was timed.

@@ -36,11 +36,12 @@ void SharedParts::teach(std::span<const cost::KnowledgePart> parts, std::string_
         if (!entry.shown) entry.msPerPixel.reset(), entry.methods = 0; // an earlier base's
     for (const cost::KnowledgePart& part : parts) {
         Entry* const entry = part.device == device ? entryOf(part.pass) : nullptr;
-        if (!entry || entry->shown) continue;
-        for (std::size_t m = 0; m < algorithms.size(); ++m)
+        if (!entry) continue;
+        for (std::size_t m = entry->shown ? taught_ : 0; m < algorithms.size(); ++m)
             if (algorithms[m] == part.algorithm) entry->methods |= 1u << m;
-        entry->msPerPixel.add(static_cast<float>((part.gpuMs + part.cpuMs) / part.viewPixels));
+        if (!entry->shown) entry->msPerPixel.add(static_cast<float>((part.gpuMs + part.cpuMs) / part.viewPixels));
     }
+    taught_ = algorithms.size();
 }
 
 void SharedParts::note(const char* pass, std::uint32_t methods, float ms)

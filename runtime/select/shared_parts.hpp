@@ -21,7 +21,8 @@ namespace gnomon {
 /// is forgotten.
 class SharedParts {
 public:
-    /// What a knowledge base has measured on this very device. What frames have shown here stays.
+    /// What a knowledge base has measured on this very device. What frames have shown here stays; methods that have
+    /// come since the last call need what their algorithm does.
     /// @param algorithms Of every method, in their order.
     void teach(std::span<const cost::KnowledgePart> parts, std::string_view device,
                std::span<const std::string> algorithms);
@@ -48,6 +49,7 @@ private:
     Entry* entryOf(std::string_view pass);
 
     std::vector<Entry> entries_;
+    std::size_t taught_ = 0; ///< Methods.
     std::array<plan::SharedPart, plan::kMaxParts> parts_{};
 };
 

@@ -209,6 +209,11 @@ TEST_CASE("work that methods share is known from a knowledge base of this device
     CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(2.5)); // shown: the base has no say any more
     shared.teach(base, "here", algorithms);
     CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(2.5));
+    shared.endFrame(1u << 3, 1000.0); // the other stencil method ran without it
+    const std::vector<std::string> more{"map", "stencil", "octree", "stencil", "stencil"}; // a host has added one
+    shared.teach(base, "here", more);
+    CHECK(shared.parts(1000.0)[1].methods == 0b10110u);
+    CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(2.5));
     SharedParts another;
     another.teach(base, "here", algorithms);
     another.teach({}, "here", algorithms); // another base that says nothing
