@@ -16,6 +16,21 @@ layout(set = 0, binding = 1, std430) buffer Depths { vec4 depths[]; };
 layout(set = 0, binding = 2) uniform sampler2D normalImage;
 layout(set = 0, binding = 3, std430) writeonly buffer Strips { ReceiverTile strips[]; };
 
+// Four pixels of a row.
+struct Four {
+    vec4 depth;
+    vec3 normal[STRIP_COLUMNS];
+};
+
+Four readRow(ivec2 pixel, uint index, int end)
+{
+    Four four;
+    four.depth = depths[index];
+    for (int i = 0; i < int(STRIP_COLUMNS); ++i)
+        four.normal[i] = texelFetch(normalImage, ivec2(min(pixel.x + i, end - 1), pixel.y), 0).xyz;
+    return four;
+}
+
 void main()
 {
     uint strip = gl_GlobalInvocationID.x;
@@ -28,21 +43,26 @@ void main()
     uint index = uint(pixel.y) * sizes.z + uint(pixel.x) / STRIP_COLUMNS;
     vec3 lower = vec3(1e38), upper = vec3(-1e38), normalLower = vec3(1.0), normalUpper = vec3(-1.0);
     bool gaps = false;
+    Four next = readRow(pixel, index, ends.y);
     for (uint row = 0; row < rows; ++row) {
-        vec4 depth = depths[index], lifted = depth;
+        // A row ahead: rows lie in pages of their own, which no processor reads ahead by itself.
+        Four here = next;
+        bool more = row + 1 < rows;
+        next = readRow(more ? pixel + ivec2(0, 1) : pixel, more ? index + sizes.z : index, ends.y);
+        vec4 lifted = here.depth;
         vec3 ray = firstRay;
         for (int i = 0; i < int(STRIP_COLUMNS); ++i) {
             int x = pixel.x + i;
-            bool inside = x >= ends.x && x < ends.y, exists = inside && depth[i] != view.skyDepth;
-            vec3 receiver = linearDepth(view, depth[i]) * ray;
-            vec3 normal = texelFetch(normalImage, ivec2(min(x, ends.y - 1), pixel.y), 0).xyz;
+            bool inside = x >= ends.x && x < ends.y, exists = inside && here.depth[i] != view.skyDepth;
+            vec3 receiver = linearDepth(view, here.depth[i]) * ray;
+            vec3 normal = here.normal[i];
             lower = min(lower, exists ? receiver : lower);
             upper = max(upper, exists ? receiver : upper);
             normalLower = min(normalLower, exists ? normal : normalLower);
             normalUpper = max(normalUpper, exists ? normal : normalUpper);
             gaps = gaps || (inside && !exists);
             float cosine = view.hasNormals == 0u ? MEAN_LIFT_COSINE : abs(dot(normal, ray));
-            lifted[i] = exists ? liftedDepth(view, depth[i], cosine) : depth[i];
+            lifted[i] = exists ? liftedDepth(view, here.depth[i], cosine) : here.depth[i];
             ray += view.rayDxWs.xyz;
         }
         depths[index] = lifted;
