@@ -12,6 +12,7 @@
 #include "demo/program/measure.hpp"
 #include "demo/program/progress.hpp"
 #include "demo/scene/scene_file.hpp"
+#include "runtime/cost/weighted_median.hpp"
 
 namespace gnomon::demo {
 namespace {
@@ -127,18 +128,19 @@ void alternate(CheckRows& rows, const CalibrateOptions& options, Device& device,
     }
 }
 
-/// The device factor of this hour: by how much longer the sweep's own points take than the knowledge base says, in the
-/// median. The scenes that are to be foretold have no part in it.
+/// The device factor of this hour, as a runtime finds it in a frame: by how much longer the sweep's own points take
+/// than the knowledge base says, in the median, weighted by the time foretold. The scenes that are to be foretold have
+/// no part in it.
 double presentFactor(const CheckRows& rows, const cost::CostModel& model)
 {
-    std::vector<double> ratios;
+    std::vector<cost::Weighted> votes;
     for (uint32_t m = 0; m < rows.sweep.size(); ++m)
         for (const cost::KnowledgeRow& row : rows.sweep[m]) {
             const double predicted = model.predict(UINT32_MAX, m, row.pass, row.workload).ms;
             const double measured = row.gpuMsMin + row.cpuMsMin;
-            if (predicted > 0.0 && measured > 0.0) ratios.push_back(measured / predicted);
+            if (predicted > 0.0 && measured > 0.0) votes.push_back({std::log2(measured / predicted), predicted});
         }
-    return ratios.size() < kFewestTimings ? 1.0 : percentile(std::move(ratios), 0.5);
+    return votes.size() < kFewestTimings ? 1.0 : std::exp2(cost::weightedMedian(votes));
 }
 
 cost::CostModel modelOf(const CalibrateOptions& options, const Device& device, const std::vector<SweepMethod>& methods)
