@@ -20,8 +20,8 @@ struct MethodMeasures {
 };
 
 /// Measurements of every device count for the error: the same algorithm draws the picture everywhere.
-/// `typicalWrongPercent`, what the method's author says, counts as four of them, and the largest twentieth of them
-/// counts as the largest of the others, so that a single scene does not decide. First frames are of `device` alone.
+/// `typicalWrongPercent`, what the method's author says, counts as four of them, so that a single scene does not
+/// decide. First frames are of `device` alone.
 MethodMeasures measuresOf(const KnowledgeBase& base, std::string_view algorithm, double typicalWrongPercent,
                           std::string_view device);
 

@@ -32,8 +32,11 @@ SharedParts::Entry* SharedParts::entryOf(std::string_view pass)
 void SharedParts::teach(std::span<const cost::KnowledgePart> parts, std::string_view device,
                         std::span<const std::string> algorithms)
 {
-    for (Entry& entry : entries_)
-        if (!entry.shown) entry.msPerPixel.reset(), entry.methods = 0; // an earlier base's
+    for (Entry& entry : entries_) {
+        if (entry.shown) continue;
+        entry.msPerPixel.reset(); // an earlier base's
+        entry.methods = 0;
+    }
     for (const cost::KnowledgePart& part : parts) {
         Entry* const entry = part.device == device ? entryOf(part.pass) : nullptr;
         if (!entry) continue;

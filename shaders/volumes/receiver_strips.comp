@@ -45,7 +45,7 @@ void main()
     bool gaps = false;
     Four next = readRow(pixel, index, ends.y);
     for (uint row = 0; row < rows; ++row) {
-        // A row ahead: rows lie in pages of their own, which no processor reads ahead by itself.
+        // A row ahead, so that waiting for it and working on this one overlap.
         Four here = next;
         bool more = row + 1 < rows;
         next = readRow(more ? pixel + ivec2(0, 1) : pixel, more ? index + sizes.z : index, ends.y);

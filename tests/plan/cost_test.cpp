@@ -446,20 +446,3 @@ TEST_CASE("what a method shows wrongly is its author's figure, corrected by ever
     CHECK(unknown.wrongPercent == doctest::Approx(0.25));
     CHECK(unknown.firstFrameMs == 0.0);
 }
-
-TEST_CASE("what a method shows wrongly in a twentieth of the places counts as much as in the worst of the others")
-{
-    const auto wrongOf = [](std::initializer_list<std::pair<int, double>> measured) { // how often, percent
-        KnowledgeBase base;
-        for (const auto& [times, wrong] : measured) {
-            KnowledgeRow row{.device = "here", .driver = "v", .algorithm = "volumes", .pass = Pass::resolve};
-            row.wrongPercent = wrong;
-            base.rows.insert(base.rows.begin(), static_cast<size_t>(times), row); // the largest first
-        }
-        const MethodMeasures measures = measuresOf(base, "volumes", 0.01, "here");
-        return measures.wrongPercent * (4.0 + measures.wrongRows) - 4.0 * 0.01;
-    };
-    CHECK(wrongOf({{18, 0.01}, {1, 9.0}}) == doctest::Approx(18 * 0.01 + 9.0)); // one of nineteen: too many
-    CHECK(wrongOf({{19, 0.01}, {1, 9.0}}) == doctest::Approx(20 * 0.01));
-    CHECK(wrongOf({{37, 0.01}, {1, 2.0}, {1, 7.0}, {1, 9.0}}) == doctest::Approx(37 * 0.01 + 3 * 2.0));
-}
