@@ -76,23 +76,59 @@ float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::
 
 namespace {
 
-/// The method that shows most of those that show more than `wanted` at about its price; `wanted` if there is none.
-std::uint32_t showsMoreForNoMore(std::span<const Candidate> candidates, std::uint32_t wanted,
-                                 std::uint32_t incumbent) noexcept
-{
-    const Candidate& suited = candidates[wanted];
-    if (!plan::isPriceKnown(double{suited.predictedMs}, double{suited.sigmaMs})) return wanted;
-    std::uint32_t most = wanted;
-    for (std::uint32_t m = 0; m < candidates.size(); ++m) {
-        const Candidate& other = candidates[m];
-        const float margin = m == incumbent ? 2.0f * kPriceMargin : kPriceMargin;
-        if (other.exclusion == Exclusion::none && plan::showsAsMuch(meritOf(other), meritOf(suited)) &&
-            other.quality > candidates[most].quality + plan::kSameQuality &&
-            plan::isPriceKnown(double{other.predictedMs}, double{other.sigmaMs}) &&
-            priceOf(candidates, m, incumbent) <= (1.0f + margin) * priceOf(candidates, wanted, incumbent))
-            most = m;
+/// What cheaperEqual() weighs.
+struct Offers {
+    std::span<const Candidate> all;
+    std::uint32_t wanted, incumbent;
+
+    float price(std::uint32_t m) const noexcept { return priceOf(all, m, incumbent); }
+    bool isPriceKnown(std::uint32_t m) const noexcept
+    {
+        return plan::isPriceKnown(double{all[m].predictedMs}, double{all[m].sigmaMs});
     }
+    /// Shows as much as `as`, and the rules do not avoid it where `wanted` is what they like best.
+    bool doesAsWell(std::uint32_t m, std::uint32_t as) const noexcept
+    {
+        const plan::Merit enough{all[wanted].quantised, all[as].quality, true};
+        return all[m].exclusion == Exclusion::none && all[m].quantised >= 0 &&
+               plan::showsAsMuch(meritOf(all[m]), enough) && (m == as || isPriceKnown(m));
+    }
+    std::uint32_t cheapestLike(std::uint32_t suited) const noexcept;
+    std::uint32_t moreForNoMore(std::uint32_t cheapest) const noexcept;
+    bool stays(std::uint32_t cheapest, std::uint32_t best) const noexcept;
+};
+
+std::uint32_t Offers::cheapestLike(std::uint32_t suited) const noexcept
+{
+    std::uint32_t cheapest = suited;
+    for (std::uint32_t m = 0; m < all.size(); ++m)
+        if (doesAsWell(m, suited) && price(m) < price(cheapest)) cheapest = m;
+    return cheapest;
+}
+
+/// What shows most of what shows more than the cheapest like `wanted` at about its price; that if there is none.
+std::uint32_t Offers::moreForNoMore(std::uint32_t cheapest) const noexcept
+{
+    if (!isPriceKnown(cheapest)) return cheapest;
+    std::uint32_t most = cheapest;
+    for (std::uint32_t m = 0; m < all.size(); ++m)
+        if (doesAsWell(m, wanted) && all[m].quality > all[most].quality + plan::kSameQuality && isPriceKnown(m) &&
+            price(m) <= (1.0f + kPriceMargin) * price(cheapest))
+            most = m;
     return most;
+}
+
+/// Whether the incumbent goes on where `best` is what would be chosen without one. But for its first frame, which it has
+/// paid, that does not depend on which method the incumbent is: so methods do not take turns.
+bool Offers::stays(std::uint32_t cheapest, std::uint32_t best) const noexcept
+{
+    if (incumbent >= all.size() || !doesAsWell(incumbent, wanted)) return false;
+    const float own = all[incumbent].quality, its = all[best].quality;
+    if (isPriceKnown(incumbent) && own < its - plan::kSameQuality) return false;
+    if (own > its + plan::kSameQuality && price(incumbent) <= (1.0f + 2.0f * kPriceMargin) * price(cheapest))
+        return true;
+    if (best == wanted && price(best) < price(incumbent)) return false;
+    return price(best) >= (1.0f - kPriceMargin) * price(incumbent);
 }
 
 } // namespace
@@ -100,23 +136,11 @@ std::uint32_t showsMoreForNoMore(std::span<const Candidate> candidates, std::uin
 std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t wanted,
                            std::uint32_t incumbent) noexcept
 {
-    const auto count = static_cast<std::uint32_t>(candidates.size());
-    if (wanted >= count) return wanted;
-    wanted = showsMoreForNoMore(candidates, wanted, incumbent);
-    const Candidate& best = candidates[wanted];
-    const auto doesAsWell = [&](std::uint32_t m) {
-        const Candidate& other = candidates[m];
-        return other.exclusion == Exclusion::none && other.quantised >= 0 &&
-               plan::showsAsMuch(meritOf(other), meritOf(best)) &&
-               plan::isPriceKnown(double{other.predictedMs}, double{other.sigmaMs});
-    };
-    const auto price = [&](std::uint32_t m) { return priceOf(candidates, m, incumbent); };
-    std::uint32_t cheapest = wanted;
-    for (std::uint32_t m = 0; m < count; ++m)
-        if (doesAsWell(m) && price(m) < price(cheapest)) cheapest = m;
-    const bool stays = incumbent < count && doesAsWell(incumbent) && price(incumbent) <= price(wanted);
-    const std::uint32_t from = stays ? incumbent : wanted;
-    return price(cheapest) < (1.0f - kPriceMargin) * price(from) ? cheapest : from;
+    if (wanted >= candidates.size()) return wanted;
+    const Offers offers{candidates, wanted, incumbent};
+    const std::uint32_t cheapest = offers.cheapestLike(wanted), more = offers.moreForNoMore(cheapest);
+    const std::uint32_t best = more == cheapest ? cheapest : offers.cheapestLike(more);
+    return offers.stays(cheapest, best) ? incumbent : best;
 }
 
 Rechoice::Rechoice(const DecisionRecord& record, const rules::Engine& engine)

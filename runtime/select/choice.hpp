@@ -46,9 +46,9 @@ float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::
 
 /// What serves where no budget says what time is worth: then time buys quality and nothing else. Of methods whose time
 /// is known to a half and that the rules like at least half as well as `wanted` (what they avoid is not taken for its
-/// price): first one that shows more than `wanted` and is dearer by no more than kPriceMargin, or twice that where it
-/// serves already; then the cheapest that shows as much as what is wanted by now, which stays wanted unless that saves
-/// kPriceMargin. An incumbent that does as well stays until something is cheaper by kPriceMargin.
+/// price): the cheapest that shows as much as `wanted`; or one that shows more and is dearer than that by no more than
+/// kPriceMargin, or twice that where it serves already, and of those that show as much as it the cheapest. An incumbent
+/// that does as well, and is no dearer than what is wanted, stays until something is cheaper by kPriceMargin.
 std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t wanted,
                            std::uint32_t incumbent) noexcept;
 

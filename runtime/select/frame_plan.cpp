@@ -21,6 +21,9 @@ constexpr std::uint64_t kPredictEvery = 8;
 // The frames timed after a switch, when their timings are known (two frames late), twice: the first change may have
 // been one of many, and those of the same frames are learned from together.
 constexpr std::uint64_t kPriceFrames = 2 * (cost::kLearnFrames + 2);
+// Rounds in which lights ask again what their share makes of a price. Each is a best answer to the others, and where
+// shares are divided evenly those come to rest; where they need longer, the next frame goes on.
+constexpr std::uint32_t kPriceRounds = 4;
 constexpr double kSameShare = 1.0 / 32.0; // 3 %: a time follows by less, and the model's own error is five times that
 
 /// Share of the rectangle around a light that it reaches, by GnLightType, until it is measured: the rest is sky, out of
@@ -103,6 +106,22 @@ bool isNear(const cost::Workload& a, const cost::Workload& b)
            isNear(a.casters, b.casters) && isNear(a.drawnPixels, b.drawnPixels) && isNear(a.viewPixels, b.viewPixels) &&
            isNear(a.shadowPixels, b.shadowPixels) && isNear(a.mapFilled, b.mapFilled) &&
            isNear(a.mapTouched, b.mapTouched) && isNear(a.treeLevels, b.treeLevels);
+}
+
+/// What a method takes of work that a light shares with so many users of each part already.
+float shareMs(std::span<const plan::SharedPart> parts, std::span<const std::int32_t> users, std::uint32_t method)
+{
+    double ms = 0.0;
+    for (std::size_t p = 0; p < parts.size(); ++p)
+        if (parts[p].methods >> method & 1) ms += parts[p].ms / (1.0 + users[p]);
+    return static_cast<float>(ms);
+}
+
+/// Whether the incumbent could go on where `method` serves, and nobody would see a difference.
+bool servesAsWell(std::span<const Candidate> all, std::uint32_t incumbent, std::uint32_t method)
+{
+    return incumbent < all.size() && method < all.size() && all[incumbent].exclusion == Exclusion::none &&
+           all[incumbent].quality >= all[method].quality - plan::kSameQuality;
 }
 
 plan::Eligibility eligibilityOf(Exclusion exclusion)
@@ -330,9 +349,10 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
         for (const Request& request : requests_) {
             const std::span all = std::span<const Candidate>(request.decision->candidates).first(methods_.size());
             report.cheapestMs += double{cheapestMs(all, request.pinned)};
-            if (countsTime(base)) economise(request, budget);
-            explainWithoutPlan(*request.decision, base != nullptr);
         }
+        if (countsTime(base)) economise(budget);
+        for (const Request& request : requests_)
+            explainWithoutPlan(*request.decision, base != nullptr);
     }
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         LightDecision& decision = *requests_[i].decision;
@@ -342,24 +362,63 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
     return report;
 }
 
-/// No budget says what time is worth: of methods that show as much, the cheapest (cheaperEqual). What was changed for
-/// its price stays long enough for its timings to be learned, or two methods of about one price would take turns. A
-/// choice made before it was measured what the light reaches binds nobody.
-void FramePlan::economise(const Request& request, const Budget& budget) const
+/// No budget says what time is worth: of methods that show as much, the cheapest (cheaperEqual). What lights share is
+/// first divided as if all had the method, so that they may leave for it together; who does not find company pays more
+/// of it, and asks again.
+void FramePlan::economise(const Budget& budget)
+{
+    const auto lights = static_cast<std::uint32_t>(requests_.size());
+    priced_.resize(lights);
+    for (std::uint32_t i = 0; i < lights; ++i)
+        priced_[i] = forItsPrice(requests_[i], budget);
+    std::array<std::int32_t, plan::kMaxParts> users{};
+    const auto count = [&](std::uint32_t method, std::int32_t more) {
+        for (std::size_t p = 0; p < budget.parts.size() && method < methods_.size(); ++p)
+            if (budget.parts[p].methods >> method & 1) users[p] += more;
+    };
+    for (const std::uint32_t method : priced_)
+        count(method, 1);
+    const auto shared = std::span(users).first(budget.parts.size());
+    const auto all = static_cast<std::int32_t>(lights);
+    bool asked = std::any_of(shared.begin(), shared.end(), [=](std::int32_t of) { return of != 0 && of != all; });
+    for (std::uint32_t round = 0; asked && round < kPriceRounds; ++round) {
+        asked = false;
+        for (std::uint32_t i = 0; i < lights; ++i) {
+            count(priced_[i], -1);
+            for (std::uint32_t m = 0; m < methods_.size(); ++m)
+                requests_[i].decision->candidates[m].sharedMs = shareMs(budget.parts, users, m);
+            const std::uint32_t method = forItsPrice(requests_[i], budget);
+            asked = asked || method != priced_[i];
+            count(priced_[i] = method, 1);
+        }
+    }
+    for (std::uint32_t i = 0; i < lights; ++i)
+        takePrice(requests_[i], priced_[i], budget);
+}
+
+/// What was changed for its price stays long enough for its timings to be learned, or two methods of about one price
+/// would take turns. A choice made before it was measured what the light reaches binds nobody.
+std::uint32_t FramePlan::forItsPrice(const Request& request, const Budget& budget) const
+{
+    const LightDecision& decision = *request.decision;
+    const LightMemory& memory = *request.memory;
+    if (!isByRules(decision.reason) || decision.method >= methods_.size()) return decision.method;
+    const std::span all = std::span<const Candidate>(decision.candidates).first(methods_.size());
+    const std::uint32_t method = cheaperEqual(all, decision.method, decision.guessed ? UINT32_MAX : memory.incumbent);
+    const bool learning =
+        memory.pricedAt != 0 && budget.frame - memory.pricedAt < kPriceFrames && !budget.cut && !decision.guessed;
+    return learning && servesAsWell(all, memory.incumbent, decision.method) ? memory.incumbent : method;
+}
+
+void FramePlan::takePrice(const Request& request, std::uint32_t method, const Budget& budget) const
 {
     LightDecision& decision = *request.decision;
     LightMemory& memory = *request.memory;
-    if (!isByRules(decision.reason) || decision.method >= methods_.size()) return;
     const std::span all = std::span<const Candidate>(decision.candidates).first(methods_.size());
-    std::uint32_t method = cheaperEqual(all, decision.method, decision.guessed ? UINT32_MAX : memory.incumbent);
-    const bool learning =
-        memory.pricedAt != 0 && budget.frame - memory.pricedAt < kPriceFrames && !budget.cut && !decision.guessed;
-    if (method != memory.incumbent && learning && memory.incumbent < methods_.size() &&
-        all[memory.incumbent].exclusion == Exclusion::none &&
-        all[memory.incumbent].quality >= all[decision.method].quality - plan::kSameQuality)
-        method = memory.incumbent;
+    const bool forPrice =
+        isByRules(decision.reason) && (method != decision.method || servesAsWell(all, memory.incumbent, method));
+    if (forPrice && method != memory.incumbent) memory.pricedAt = budget.frame;
     if (method == decision.method) return;
-    if (method != memory.incumbent) memory.pricedAt = budget.frame;
     decision.wanted = decision.method;
     decision.method = method;
     decision.reason = GN_REASON_PRICE;

@@ -76,7 +76,9 @@ private:
         float importance;
     };
     void fill(const rules::RuleBase* base, const Budget& budget);
-    void economise(const Request& request, const Budget& budget) const;
+    void economise(const Budget& budget);
+    std::uint32_t forItsPrice(const Request& request, const Budget& budget) const;
+    void takePrice(const Request& request, std::uint32_t method, const Budget& budget) const;
     void explainWithoutPlan(LightDecision& decision, bool hasRules) const;
     std::uint32_t slotOf(LightMemory& memory);
     void growModel();
@@ -106,6 +108,7 @@ private:
     plan::PlanStep plan_;
     plan::Probe probe_;
     std::vector<Request> requests_;
+    std::vector<std::uint32_t> priced_; ///< Methods by request, where there is no budget.
     std::vector<plan::LightRequest> lights_;
     std::vector<plan::Candidate> candidates_;
     std::vector<std::uint32_t> freeSlots_;

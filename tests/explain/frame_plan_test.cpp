@@ -34,21 +34,27 @@ public:
         LightView light;
         LightMemory memory;
         LightDecision decision;
+        std::uint32_t able = UINT32_MAX; ///< Bit m: method m may serve.
+        std::uint32_t suited = 0;        ///< By the rules.
     };
 
     /// Predicts for these lights as in a frame; every method may serve, and the rules like all alike.
     void predict(FramePlan& plan, std::vector<Lamp>& lamps, std::uint64_t frame,
-                 std::span<const plan::SharedPart> parts = {})
+                 std::span<const plan::SharedPart> parts = {}, const rules::RuleBase* base = nullptr)
     {
         plan.begin();
         for (Lamp& lamp : lamps) {
             lamp.light.id = static_cast<std::uint32_t>(&lamp - lamps.data()) + 1;
             lamp.decision = {};
             lamp.decision.method = 0;
+            for (std::uint32_t m = 0; base && m < methods_.size(); ++m)
+                lamp.decision.candidates[m] = {.exclusion = lamp.able >> m & 1 ? Exclusion::none : Exclusion::lightKind,
+                                               .quantised = 2000};
+            if (base) lamp.decision.method = lamp.suited;
             plan.add(lamp.decision, lamp.memory,
                      {.view = &view_, .light = &lamp.light, .casters = &casters_, .frame = frame});
         }
-        report = plan.decide(nullptr, {.parts = parts, .frame = frame});
+        report = plan.decide(base, {.parts = parts, .frame = frame});
     }
     plan::PlanReport report; ///< Of the newest predict().
 
@@ -123,6 +129,56 @@ TEST_CASE("without a plan every light carries its share of the view's work, as i
         for (PlanTable::Lamp& lamp : lamps)
             plan.forget(lamp.memory);
     }
+}
+
+TEST_CASE("without a budget lights leave together for what they share, or not at all")
+{
+    PlanTable table;
+    FramePlan plan(table.methods(), true);
+    rules::RuleBase base;
+    base.options.allocation = rules::Options::Allocation::Budget;
+    // Two methods that show the same.
+    const std::uint32_t now = methodNamed("ray_traced"), other = methodNamed("tile_shafts");
+    std::vector<PlanTable::Lamp> lamps(3);
+    std::uint64_t frame = 1;
+    for (PlanTable::Lamp& lamp : lamps)
+        lamp.suited = lamp.memory.incumbent = now, lamp.able = 1u << now;
+    for (; frame < 80; ++frame) { // 10 ms a light by the one, 5 by the other
+        table.predict(plan, lamps, frame, {}, &base);
+        for (PlanTable::Lamp& lamp : lamps) {
+            lamp.memory.incumbent = frame % 40 < 20 ? now : other;
+            plan.observe(lamp.memory, lamp.memory.incumbent,
+                         {.frame = frame, .resolveCpuMs = lamp.memory.incumbent == now ? 10.0f : 5.0f}, false);
+        }
+        plan.endFrame();
+    }
+    const auto serving = [&](std::uint32_t able, double partMs, std::uint32_t incumbent) {
+        const plan::SharedPart parts[] = {{partMs, 1u << other}};
+        for (PlanTable::Lamp& lamp : lamps) {
+            lamp.memory.incumbent = incumbent;
+            lamp.memory.pricedAt = 0;
+            lamp.able = 1u << now | ((able >> (&lamp - lamps.data()) & 1) != 0 ? 1u << other : 0u);
+        }
+        table.predict(plan, lamps, ++frame, parts, &base);
+        std::uint32_t moved = 0;
+        for (const PlanTable::Lamp& lamp : lamps)
+            moved |= lamp.decision.method == other ? 1u << (&lamp - lamps.data()) : 0u;
+        return moved;
+    };
+    const Candidate& by = lamps[0].decision.candidates[other];
+    CHECK(serving(0b111, 0.0, now) == 0b111);
+    REQUIRE(lamps[0].decision.candidates[now].predictedMs == doctest::Approx(10.0).epsilon(0.1));
+    REQUIRE(by.predictedMs == doctest::Approx(5.0).epsilon(0.1));
+    // A part of 7.5 ms: three save 15 ms by it, one or two nothing that is worth it.
+    CHECK(serving(0b111, 7.5, now) == 0b111);
+    CHECK(by.sharedMs == doctest::Approx(2.5));
+    CHECK(serving(0b001, 7.5, now) == 0);
+    CHECK(by.sharedMs == doctest::Approx(7.5)); // it would be alone
+    CHECK(serving(0b101, 6.0, now) == 0b101);
+    CHECK(by.sharedMs == doctest::Approx(3.0));
+    CHECK(serving(0b101, 8.5, now) == 0);
+    // Nor does who serves by it already stay where the others may not follow.
+    CHECK(serving(0b001, 7.5, other) == 0);
 }
 
 TEST_CASE("what the cheapest takes heeds pins, vetoes and silence, and not what serves")

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <cstring>
+#include <random>
 
 #include "explain/desk.hpp"
 #include "plan/random.hpp"
@@ -279,19 +280,24 @@ TEST_CASE(
     set(3, 600, 1.0f, 1.0f);     // avoided by the rules
     CHECK(cheaperEqual(all, 0, UINT32_MAX) == 1);
     all[1].predictedMs = 28.0f; // saves less than a tenth
-    CHECK(cheaperEqual(all, 0, UINT32_MAX) == 0);
-    CHECK(cheaperEqual(all, 0, 1) == 1); // but where it serves already it stays
+    CHECK(cheaperEqual(all, 0, 0) == 0);
+    CHECK(cheaperEqual(all, 0, 1) == 1);          // but where it serves already it stays
+    CHECK(cheaperEqual(all, 0, 2) == 1);          // and where there is a change anyway any saving will do,
+    CHECK(cheaperEqual(all, 0, UINT32_MAX) == 1); // to begin with, too
     all[1].predictedMs = 31.0f;
+    CHECK(cheaperEqual(all, 0, UINT32_MAX) == 0);
     CHECK(cheaperEqual(all, 0, 1) == 0);
     all[1].predictedMs = 20.0f;
     all[1].sigmaMs = 15.0f; // nobody knows
     CHECK(cheaperEqual(all, 0, UINT32_MAX) == 0);
     all[1].sigmaMs = 1.0f;
     all[1].sharedMs = 9.0f; // for its view
-    CHECK(cheaperEqual(all, 0, UINT32_MAX) == 0);
+    CHECK(cheaperEqual(all, 0, 0) == 0);
     CHECK(cheaperEqual(all, 0, 1) == 1); // 29 of 30 ms
+    all[1].sharedMs = 11.0f;
+    CHECK(cheaperEqual(all, 0, 1) == 0);
     all[0].sharedMs = 9.0f;
-    CHECK(cheaperEqual(all, 0, UINT32_MAX) == 1);
+    CHECK(cheaperEqual(all, 0, 0) == 1);
     all[0].sharedMs = all[1].sharedMs = 0.0f;
     all[1].exclusion = Exclusion::vetoed;
     CHECK(cheaperEqual(all, 0, UINT32_MAX) == 0);
@@ -330,6 +336,64 @@ TEST_CASE(
     all[0].sigmaMs = 1.0f;
     set(2, 2000, 0.99f, 8.0f); // shows as much as what is wanted by now, for less
     CHECK(cheaperEqual(all, 0, 0) == 2);
+}
+
+TEST_CASE("without a budget what shows more is held against the cheapest that shows enough, not against what is wanted")
+{
+    std::array<Candidate, 4> all{};
+    const auto set = [&](uint32_t m, int32_t suitability, float quality, float ms) {
+        all[m] = {.quantised = suitability, .quality = quality, .predictedMs = ms, .sigmaMs = 0.2f * ms};
+    };
+    set(0, 3400, 0.95f, 20.0f); // best suited
+    set(1, 2000, 0.97f, 12.0f);
+    set(2, 2000, 1.0f, 21.9f); // a tenth dearer than what is wanted
+    set(3, 2000, 1.0f, 30.0f);
+    for (const uint32_t incumbent : {0u, 1u, 2u, 3u, UINT32_MAX}) {
+        CAPTURE(incumbent);
+        CHECK(cheaperEqual(all, 0, incumbent) == 1);
+    }
+    set(2, 2000, 1.0f, 13.1f);
+    CHECK(cheaperEqual(all, 0, 1) == 2);
+    // Of two that show as much, the cheaper, whichever comes first.
+    set(3, 2000, 1.0f, 12.9f);
+    CHECK(cheaperEqual(all, 0, 1) == 3);
+    CHECK(cheaperEqual(all, 0, UINT32_MAX) == 3);
+    CHECK(cheaperEqual(all, 0, 2) == 2); // where it serves already
+    std::swap(all[2], all[3]);
+    CHECK(cheaperEqual(all, 0, UINT32_MAX) == 2);
+    CHECK(cheaperEqual(all, 0, 3) == 3);
+}
+
+TEST_CASE("without a budget methods do not take turns while nothing changes")
+{
+    std::uint32_t most = 0;
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> share(0.0f, 1.0f);
+    for (int trial = 0; trial < 100000; ++trial) {
+        std::array<Candidate, 6> all{};
+        for (Candidate& candidate : all) {
+            const float ms = 10.0f + 3.0f * share(random); // close, or no margin would matter
+            candidate = {.quantised = 1000 + static_cast<int32_t>(3000.0f * share(random)),
+                         .quality = 0.95f + 0.05f * share(random),
+                         .predictedMs = ms,
+                         .sigmaMs = (share(random) < 0.1f ? 0.6f : 0.2f) * ms,
+                         .firstMs = 30.0f * share(random) * share(random),
+                         .sharedMs = share(random)};
+        }
+        uint32_t wanted = 0;
+        for (uint32_t m = 1; m < all.size(); ++m)
+            if (all[m].quantised > all[wanted].quantised) wanted = m;
+        const auto incumbent = static_cast<uint32_t>(random() % (all.size() + 1));
+        uint32_t chosen = cheaperEqual(all, wanted, incumbent);
+        // "As much" is not transitive: what is as good as the one need not be as good as the other, so there may be
+        // steps in between.
+        std::uint32_t steps = 0;
+        for (std::uint32_t next; (next = cheaperEqual(all, wanted, chosen)) != chosen && steps < all.size(); ++steps)
+            chosen = next;
+        most = std::max(most, steps);
+        REQUIRE(steps < all.size());
+    }
+    MESSAGE("steps until nothing changes, at most: ", most);
 }
 
 TEST_CASE("without a budget a map of what stands still must earn its first frame before it serves for its price")
