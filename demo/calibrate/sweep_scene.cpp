@@ -78,8 +78,11 @@ void addWalls(Scene& scene, uint32_t world)
     addInstance(scene, world, mesh + 2, {5.5, 2.5, 9.0}, false);
 }
 
+// A knot of fewer triangles turns inside out where it bends: three corners round its tube, sixteen along it.
+constexpr double kKnotTriangles = 500.0;
+
 /// A ground with tori, balls and columns on it; a third of them turn. In every other world it is a hall: walls, tall
-/// columns, knots and hilly balls. Triangles grow from world to world.
+/// columns, hilly balls, and knots where there are triangles for them. Triangles grow from world to world.
 void addWorld(Scene& scene, uint32_t world, uint32_t ground)
 {
     const bool hall = world % 2 == 1;
@@ -92,7 +95,7 @@ void addWorld(Scene& scene, uint32_t world, uint32_t ground)
     const auto first = static_cast<uint32_t>(scene.meshes.size());
     const SphereShape ball{.radius = 0.9f, .slices = segments(2.0), .stacks = segments(0.5) + 1};
     scene.meshes.push_back(
-        hall
+        hall && each >= kKnotTriangles
             ? makeTorusKnot({.knotSegments = segments(8.0), .tubeSegments = segments(0.125)})
             : makeTorus({.radius = 1.0f, .tube = 0.35f, .ringSegments = segments(2.0), .tubeSegments = segments(0.5)}));
     scene.meshes.push_back(hall ? makeHilly(ball) : makeSphere(ball));
