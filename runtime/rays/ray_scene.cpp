@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
@@ -54,6 +55,7 @@ struct Placed {
     PFN_gnOpacity opacity = nullptr;
     void* userData = nullptr;
     std::span<const std::uint32_t> givenNumbers; ///< MeshView::givenNumbers
+    float reach = 0.0f;                          ///< reachOf()
     std::uint64_t seen = 0;                      ///< The last update() that brought it.
 
     /// What the host says of a hit; its triangles are numbered as it gave them.
@@ -75,15 +77,37 @@ struct Query {
     RTCIntersectContext context; // first: Embree hands back a pointer to it
     const Placed* placed = nullptr;
     std::uint32_t lightMask = 0;
+    std::uint32_t reach = 0; ///< Bits of RayScene::Impl::reach.
 };
+
+} // namespace
+
+namespace {
+
+// What Embree may be asked with lies within 1.844e18 (its API reference, on vertex buffers), in the space of every
+// caster: where its asserts are on, a single ray beyond ends the program.
+constexpr double kEmbreeReach = 1e18;
+// What every caster leaves to rays, metres.
+constexpr double kLeastReach = 1e9;
+
+/// How far from the frame's origin rays may start so that Embree may be asked in the caster's space, metres; negative:
+/// its basis has no inverse.
+double reachOf(const Caster& caster)
+{
+    if (!std::isfinite(1.0f / glm::determinant(caster.basis))) return -1.0;
+    const glm::dmat3 inverse = glm::inverse(glm::dmat3(caster.basis));
+    double most = 1.0;
+    for (int row = 0; row < 3; ++row)
+        most = std::max(most, std::abs(inverse[0][row]) + std::abs(inverse[1][row]) + std::abs(inverse[2][row]));
+    const glm::vec3 away = glm::abs(caster.translation);
+    return kEmbreeReach / most - double{std::max({away.x, away.y, away.z})};
+}
 
 } // namespace
 
 bool castsRays(const Caster& caster)
 {
-    if (!caster.mesh || !caster.mesh->rays) return false;
-    const float determinant = glm::determinant(caster.basis);
-    return std::isfinite(1.0f / determinant);
+    return caster.mesh && caster.mesh->rays && reachOf(caster) >= kLeastReach;
 }
 
 MeshRays::MeshRays(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -113,6 +137,7 @@ struct RayScene::Impl {
     std::vector<std::uint32_t> lastOrder;                     ///< Places of the last update's casters, in its order.
     std::uint64_t updates = 0;
     std::uint32_t opacityMask = 0; ///< Union of the masks of casters with an opacity.
+    float reach = 0.0f;            ///< Rays may start within, along each axis.
     alignas(64) mutable std::atomic<std::uint64_t> queryNanoseconds{0}; ///< Written by all, beside what all read.
 
     Impl();
@@ -143,6 +168,35 @@ void filterHits(const RTCFilterFunctionNArguments* args)
     }
 }
 
+/// Bits of |x|. Of numbers they are in the numbers' order, and infinities and what is no number come after all.
+std::uint32_t magnitude(float x)
+{
+    return std::bit_cast<std::uint32_t>(x) & 0x7fffffffu;
+}
+
+/// Of a coordinate of a ray's origin and direction and its end.
+bool isAskable(const Query& query, const ShadowRay& ray)
+{
+    std::uint32_t most = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        most = std::max({most, magnitude(ray.origin[axis]), magnitude(ray.direction[axis])});
+    return most <= query.reach && !std::isnan(ray.tfar);
+}
+
+/// Leaves out of a packet what Embree must not be asked: it is lit.
+void leaveOut(const Query& query, RayPacket& packet)
+{
+    std::uint32_t most[RayPacket::kWidth] = {};
+    for (int axis = 0; axis < 3; ++axis)
+        for (std::uint32_t lane = 0; lane < RayPacket::kWidth; ++lane)
+            most[lane] =
+                std::max({most[lane], magnitude(packet.origin[axis][lane]), magnitude(packet.direction[axis][lane])});
+    for (std::uint32_t lane = 0; lane < RayPacket::kWidth; ++lane) {
+        const bool within = (most[lane] <= query.reach) & (magnitude(packet.tfar[lane]) <= 0x7f800000u);
+        packet.there[lane] &= within ? -1 : 0;
+    }
+}
+
 /// 16 rays at a time, for rays that lie close together.
 void traceTiles(RTCScene scene, Query& query, std::span<const ShadowRay> rays, std::span<std::uint8_t> occluded)
 {
@@ -155,7 +209,7 @@ void traceTiles(RTCScene scene, Query& query, std::span<const ShadowRay> rays, s
         const std::size_t count = std::min(width, rays.size() - first);
         for (std::size_t lane = 0; lane < width; ++lane) {
             const ShadowRay& ray = rays[first + std::min(lane, count - 1)];
-            valid[lane] = lane < count ? -1 : 0;
+            valid[lane] = lane < count && isAskable(query, ray) ? -1 : 0;
             packet.org_x[lane] = ray.origin.x;
             packet.org_y[lane] = ray.origin.y;
             packet.org_z[lane] = ray.origin.z;
@@ -166,7 +220,7 @@ void traceTiles(RTCScene scene, Query& query, std::span<const ShadowRay> rays, s
         }
         rtcOccluded16(valid, scene, &query.context, &packet);
         for (std::size_t lane = 0; lane < count; ++lane) // a hit leaves tfar = -infinity
-            occluded[first + lane] = packet.tfar[lane] < 0.0f && rays[first + lane].tfar >= 0.0f;
+            occluded[first + lane] = valid[lane] != 0 && packet.tfar[lane] < 0.0f && rays[first + lane].tfar >= 0.0f;
     }
 }
 
@@ -179,6 +233,7 @@ void tracePackets(RTCScene scene, Query& query, std::span<RayPacket> packets)
     static_assert(offsetof(RayPacket, flags) == offsetof(RTCRay16, flags));
     static_assert(offsetof(RayPacket, there) == sizeof(RTCRay16));
     for (RayPacket& packet : packets) {
+        leaveOut(query, packet);
         std::fill(std::begin(packet.start), std::end(packet.start), 0.0f);
         std::fill(std::begin(packet.time), std::end(packet.time), 0.0f);
         std::fill(std::begin(packet.mask), std::end(packet.mask), query.lightMask);
@@ -188,13 +243,16 @@ void tracePackets(RTCScene scene, Query& query, std::span<RayPacket> packets)
     }
 }
 
+// Ends before it starts: nobody asks.
+constexpr ShadowRay kNoRay{.origin = glm::vec3(0.0f), .tfar = -1.0f, .direction = glm::vec3(1.0f, 0.0f, 0.0f)};
+
 /// 256 rays at a time as a stream, for scattered rays.
 void traceSparse(RTCScene scene, Query& query, std::span<const ShadowRay> rays, std::span<std::uint8_t> occluded)
 {
     constexpr std::size_t width = 256;
     struct alignas(64) Stream {
         float orgX[width], orgY[width], orgZ[width], tnear[width];
-        float dirX[width], dirY[width], dirZ[width], time[width], tfar[width];
+        float dirX[width], dirY[width], dirZ[width], time[width], tfar[width], asked[width];
         unsigned mask[width], id[width], flags[width];
     } s{};
     for (unsigned& mask : s.mask)
@@ -203,18 +261,19 @@ void traceSparse(RTCScene scene, Query& query, std::span<const ShadowRay> rays, 
     for (std::size_t first = 0; first < rays.size(); first += width) {
         const std::size_t count = std::min(width, rays.size() - first);
         for (std::size_t lane = 0; lane < count; ++lane) {
-            const ShadowRay& ray = rays[first + lane];
+            const bool asks = isAskable(query, rays[first + lane]);
+            const ShadowRay ray = asks ? rays[first + lane] : kNoRay;
             s.orgX[lane] = ray.origin.x;
             s.orgY[lane] = ray.origin.y;
             s.orgZ[lane] = ray.origin.z;
             s.dirX[lane] = ray.direction.x;
             s.dirY[lane] = ray.direction.y;
             s.dirZ[lane] = ray.direction.z;
-            s.tfar[lane] = ray.tfar;
+            s.tfar[lane] = s.asked[lane] = ray.tfar;
         }
         rtcOccludedNp(scene, &query.context, &pointers, static_cast<unsigned>(count));
         for (std::size_t lane = 0; lane < count; ++lane)
-            occluded[first + lane] = s.tfar[lane] < 0.0f && rays[first + lane].tfar >= 0.0f;
+            occluded[first + lane] = s.tfar[lane] < 0.0f && s.asked[lane] >= 0.0f;
     }
 }
 
@@ -226,6 +285,7 @@ Query RayScene::Impl::query(std::uint32_t lightMask) const
     rtcInitIntersectContext(&query.context);
     query.placed = placed.data();
     query.lightMask = lightMask;
+    query.reach = std::bit_cast<std::uint32_t>(reach);
     if ((opacityMask & lightMask) != 0 || !hasMasks) query.context.filter = filterHits;
     // Never the coherent flag: with it rtcOccluded16 of Embree 3.13.5 does not return from some packets of diverging
     // rays against several instances (AVX-512; rays_test finds one), and on tiles of a screen it gains nothing: 100
@@ -295,6 +355,7 @@ void RayScene::Impl::place(std::uint32_t index, const Caster& caster, RTCScene t
     entry.meshRevision = caster.mesh->revision;
     entry.basis = caster.basis;
     entry.translation = caster.translation;
+    entry.reach = static_cast<float>(reachOf(caster));
     entry.mask = caster.mask;
     entry.opacity = opacityOf(caster);
     entry.userData = caster.userData;
@@ -369,8 +430,11 @@ bool RayScene::update(std::span<const Caster> casters)
     if (scene.placeOf.size() > position) changed = scene.removeUnseen() || changed;
     if (!changed) return complete;
     scene.opacityMask = 0;
-    for (const Placed& entry : scene.placed)
+    scene.reach = static_cast<float>(kEmbreeReach);
+    for (const Placed& entry : scene.placed) {
         scene.opacityMask |= entry.opacity ? entry.mask : 0u;
+        if (entry.geometry) scene.reach = std::min(scene.reach, entry.reach);
+    }
     commitHere(scene.top);
     scene.whole = rtcGetDeviceError(scene.device) == RTC_ERROR_NONE;
     if (!scene.whole)

@@ -13,7 +13,8 @@ namespace gnomon {
 
 class TriangleTree;
 
-/// Whether rays meet a caster: it has a mesh with a tree, and a basis with an inverse (as a volume it is empty else).
+/// Whether rays meet a caster: it has a mesh with a tree, and a basis with an inverse (as a volume it is empty else)
+/// that takes nothing within 10^9 m of the frame's origin farther away than the ray tracer reaches, 10^18 m.
 bool castsRays(const Caster& caster);
 /// Says which hits of a caster count; null: all.
 inline PFN_gnOpacity opacityOf(const Caster& caster)
@@ -86,7 +87,8 @@ public:
     bool update(std::span<const Caster> casters);
 
     /// Sets occluded[i] to 1 if anything with a matching caster mask blocks ray i, else 0. Several threads may call it
-    /// at once. Ray counts need not be multiples of the packet width.
+    /// at once. Ray counts need not be multiples of the packet width. Nothing blocks rays that are no numbers or start
+    /// beyond the ray tracer's reach.
     /// @param rays in 4x4 pixel tiles for RayCoherence::tiles.
     void occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask, RayCoherence coherence,
                   std::span<std::uint8_t> occluded) const;

@@ -384,6 +384,59 @@ TEST_CASE("instances without an inverse block nothing and harm nothing")
     checkAgainstTruth(scene, casters, randomRays(random, 2000, 6.0f));
 }
 
+TEST_CASE("instances all but flat block nothing and harm nothing, small ones block as others")
+{
+    std::mt19937 random(8);
+    const std::vector<glm::vec3> corners = test::randomTriangles(random, 400, 4.0f, 0.6f);
+    const std::vector<ShadowRay> rays = randomRays(random, 2000, 6.0f);
+    for (const float thin : {1e-3f, 1e-12f, 1e-15f, 1e-19f, 1e-30f}) {
+        CAPTURE(thin);
+        RayScene scene;
+        const TracedMesh mesh(scene, corners);
+        std::vector<glm::vec3> large = corners;
+        for (glm::vec3& corner : large)
+            corner.y /= thin;
+        const glm::mat3 basis(glm::vec3(1.0f, 0.0f, 0.0f), glm::vec3(0.0f, thin, 0.0f), glm::vec3(0.0f, 0.0f, 1.0f));
+        const TracedMesh tall(scene, large);
+        const bool asked = thin > 1e-9f; // times 10^9 m is 10^18 m there
+        const std::vector<Caster> both{casterOf(mesh, 0), casterOf(asked ? tall : mesh, 1, basis)};
+        scene.update(both);
+        CHECK(castsRays(both[1]) == asked);
+        checkAgainstTruth(scene, {casterOf(mesh, 0)}, rays);
+    }
+}
+
+TEST_CASE("nothing blocks rays that start out of reach or are no numbers, and those beside them are answered")
+{
+    std::mt19937 random(9);
+    RayScene scene;
+    const TracedMesh mesh(scene, test::randomTriangles(random, 400, 4.0f, 0.6f));
+    scene.update(std::vector<Caster>{casterOf(mesh, 0)});
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+    const std::vector<ShadowRay> all = randomRays(random, 2048, 6.0f);
+    const std::vector<std::uint8_t> expected = trace(scene, all, RayCoherence::tiles);
+    for (const float wild : {1e19f, -3e38f, infinity, -infinity, nan, 1e18f, 1e17f}) {
+        CAPTURE(wild);
+        std::vector<ShadowRay> rays = all;
+        std::vector<std::uint8_t> answers = expected;
+        for (std::size_t i = 0; i < rays.size(); i += 5) {
+            (i % 2 == 0 ? rays[i].origin : rays[i].direction)[static_cast<int>(i / 5 % 3)] = wild;
+            if (i % 3 == 0) rays[i].tfar = i % 9 == 0 ? nan : infinity;
+            answers[i] = 0;
+        }
+        const auto check = [&](std::vector<std::uint8_t> occluded) {
+            for (std::size_t i = 0; i < occluded.size(); ++i) {
+                const bool within = std::abs(wild) <= 1e18f && i % 5 == 0; // asked, and may be blocked
+                if (occluded[i] != answers[i] && !within) return i;
+            }
+            return occluded.size();
+        };
+        CHECK(check(trace(scene, rays, RayCoherence::tiles)) == rays.size());
+        CHECK(check(trace(scene, rays, RayCoherence::sparse)) == rays.size());
+        CHECK(check(tracePackets(scene, rays, trace(scene, rays, RayCoherence::tiles), 0xffffffffu)) == rays.size());
+    }
+}
+
 #if defined(__SSE2__)
 TEST_CASE("the caller's floating-point mode is neither used nor changed")
 {
