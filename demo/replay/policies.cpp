@@ -237,8 +237,7 @@ double valueOf(const Trace& trace, uint32_t frame, uint32_t slot, uint32_t metho
     }
     if (method >= methods || merits[method].suitability < 0) return 0.0;
     const std::span all = std::span<const plan::Merit>(merits).first(methods);
-    return double{trace.lightStates[trace.cell(frame, slot)].importance} *
-           plan::worth(plan::sharedSuitability(all, method), double{merits[method].quality});
+    return double{trace.lightStates[trace.cell(frame, slot)].importance} * plan::worth(plan::sharedMerit(all, method));
 }
 
 /// The same admission as the plan step's, without pins.

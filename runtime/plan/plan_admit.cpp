@@ -29,7 +29,7 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
     }
     const std::span all = std::span<const Merit>(merits).first(methods_);
     for (uint32_t m = 0; m < methods_; ++m)
-        values_[at(light, m)] = request.importance * worth(sharedSuitability(all, m), double{merits[m].quality});
+        values_[at(light, m)] = request.importance * worth(sharedMerit(all, m));
     const uint32_t pin = request.pinned < methods_ ? able & (1u << request.pinned) : 0;
     uint32_t allowed = able & unvetoed;
     if (allowed & spoken) allowed &= spoken; // where nobody has an opinion, all are equally unloved

@@ -26,15 +26,19 @@ inline bool showsAsMuch(const Merit& own, const Merit& other) noexcept
     return (own.quality >= other.quality - kSameQuality) & (kLikedAtMost * own.suitability >= other.suitability);
 }
 
-/// The suitability that counts for a method, in steps: its own, or that of a better suited one which it shows as much
-/// as. What the rules say for the one then holds for the other, and which of them serves is a matter of time alone.
-/// Otherwise a budget with room would be spent on a dearer way to the same picture.
-inline std::int32_t sharedSuitability(std::span<const Merit> merits, std::size_t method) noexcept
+/// What counts for a method: its own suitability and quality, or those of better ones which it shows as much as. What
+/// the rules say for the one then holds for the other, a difference that nobody sees is none, and which of them serves
+/// is a matter of time alone. Otherwise a budget with room would be spent on a dearer way to the same picture.
+inline Merit sharedMerit(std::span<const Merit> merits, std::size_t method) noexcept
 {
     const Merit& own = merits[method];
-    std::int32_t best = own.suitability > 0 ? own.suitability : 0;
-    for (const Merit& other : merits)
-        best = (other.eligible & (other.suitability > best) & showsAsMuch(own, other)) ? other.suitability : best;
+    Merit best{own.suitability > 0 ? own.suitability : 0, own.quality, own.eligible};
+    for (const Merit& other : merits) {
+        const bool counts = other.eligible & showsAsMuch(own, other);
+        best.suitability = counts & (other.suitability > best.suitability) ? other.suitability : best.suitability;
+        const bool spokenOf = other.suitability >= 0;
+        best.quality = counts & spokenOf & (other.quality > best.quality) ? other.quality : best.quality;
+    }
     return best;
 }
 
@@ -56,9 +60,9 @@ inline bool isPriceKnown(double predictedMs, double sigmaMs) noexcept
 }
 
 /// suitability * quality, [0, 1]; times importance it is what the plan sums up.
-inline double worth(std::int32_t suitability, double quality) noexcept
+inline double worth(const Merit& merit) noexcept
 {
-    return suitability / double{rules::kSuitabilitySteps} * quality;
+    return merit.suitability / double{rules::kSuitabilitySteps} * double{merit.quality};
 }
 
 } // namespace gnomon::plan

@@ -118,8 +118,8 @@ std::uint32_t Offers::moreForNoMore(std::uint32_t cheapest) const noexcept
     return most;
 }
 
-/// Whether the incumbent goes on where `best` is what would be chosen without one. But for its first frame, which it has
-/// paid, that does not depend on which method the incumbent is: so methods do not take turns.
+/// Whether the incumbent goes on where `best` is what would be chosen without one. But for its first frame, which it
+/// has paid, that does not depend on which method the incumbent is: so methods do not take turns.
 bool Offers::stays(std::uint32_t cheapest, std::uint32_t best) const noexcept
 {
     if (incumbent >= all.size() || !doesAsWell(incumbent, wanted)) return false;
@@ -239,8 +239,7 @@ double worthOf(const DecisionRecord& record, std::span<const Candidate> candidat
     for (std::uint32_t m = 0; m < record.methods; ++m)
         merits[m] = meritOf(candidates[m]);
     const std::span all = std::span<const plan::Merit>(merits).first(record.methods);
-    return double{record.importance} *
-           plan::worth(plan::sharedSuitability(all, method), double{candidates[method].quality});
+    return double{record.importance} * plan::worth(plan::sharedMerit(all, method));
 }
 
 double Rechoice::valueOf(std::uint32_t method) const noexcept

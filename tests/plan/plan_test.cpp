@@ -22,8 +22,11 @@ TEST_CASE("what shows as much counts as much, unless the rules like it less than
                                          Merit{2000, 0.9f, true},   // shows less
                                          Merit{4000, 0.5f, false}}; // may not serve
     const std::array<int32_t, 5> suitability = {3400, 3400, 2000, 2000, 4000};
-    for (size_t m = 0; m < merits.size(); ++m)
-        CHECK(sharedSuitability(merits, m) == suitability[m]);
+    const std::array<float, 5> quality = {1.0f, 1.0f, 1.0f, 0.9f, 0.5f};
+    for (size_t m = 0; m < merits.size(); ++m) {
+        CHECK(sharedMerit(merits, m).suitability == suitability[m]);
+        CHECK(sharedMerit(merits, m).quality == quality[m]);
+    }
     // A budget with room for either is spent on neither: the cheaper one serves.
     Scene scene(1, cheapAndGood());
     scene.of(0, kCheap).quality = 0.95f;
@@ -38,6 +41,24 @@ TEST_CASE("what shows as much counts as much, unless the rules like it less than
     CHECK(scene.chosen(0) == kCheap);
     CHECK(scene.why(0, kGood) == Why::outscored);
     scene.of(0, kCheap).suitability = scene.of(0, kGood).suitability / 3;
+    scene.memories[0] = {};
+    scene.step();
+    CHECK(scene.chosen(0) == kGood);
+}
+
+TEST_CASE("of two that show as much but for a wrong pixel in ten thousand, a budget buys the cheaper")
+{
+    Scene scene(1, cheapAndGood());
+    scene.of(0, kGood).quality = 0.995f;
+    scene.of(0, kCheap).quality = 0.99f;
+    for (const uint32_t first : {kNone, kCheap, kGood}) {
+        CAPTURE(first);
+        scene.memories[0] = {.incumbent = first};
+        for (int frame = 0; frame < 500; ++frame) // what is missed a little in every frame does not add up
+            scene.step();
+        CHECK(scene.chosen(0) == kCheap);
+    }
+    scene.of(0, kCheap).quality = 0.98f;
     scene.memories[0] = {};
     scene.step();
     CHECK(scene.chosen(0) == kGood);
