@@ -28,7 +28,7 @@ public:
     {
         for (const Caster* caster : task.casters->all) {
             if (!caster->mesh || !caster->mesh->topology) continue;
-            // Buffers grow to a power of two, and are bound whole.
+            // Buffers grow to a power of two, and are bound up to it.
             const std::uint64_t words = sheetListWords(caster->mesh->topology->edges.size());
             if (std::bit_ceil(words * sizeof(std::uint32_t)) > most_)
                 return "a caster has more edges than a storage buffer";

@@ -157,7 +157,7 @@ ViewStencilPipelines makeViewStencilPipelines(const AlgorithmServices& services)
 
 const char* refusesView(const DeviceTable& vk, const CameraView& view)
 {
-    // The largest of its buffers, bound whole; strips take 64 bytes for 128 pixels.
+    // The largest of its buffers, bound up to a power of two; strips take 64 bytes for 128 pixels.
     return fitsBinding(vk, depthsSize(view.extent)) ? nullptr : "the view has more pixels than a storage buffer holds";
 }
 

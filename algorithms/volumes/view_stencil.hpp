@@ -28,7 +28,7 @@ struct ViewStencil {
 /// Declares all of it for task.view.
 ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& pipelines, const ShadowTask& task);
 
-/// Whether a shader can read a buffer of that size: buffers grow to a power of two and are bound whole.
+/// Whether a shader can read a buffer of that size: buffers grow to a power of two and are bound up to it.
 inline bool fitsBinding(const DeviceTable& vk, VkDeviceSize bytes)
 {
     return pooledSize(bytes) <= vk.properties.limits.maxStorageBufferRange;

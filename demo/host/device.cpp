@@ -43,6 +43,31 @@ uint32_t findQueueFamily(VkPhysicalDevice physicalDevice)
     throw HostError("the device has no queue for graphics and compute");
 }
 
+bool lists(const std::vector<VkExtensionProperties>& extensions, const char* name)
+{
+    return std::any_of(extensions.begin(), extensions.end(),
+                       [name](const auto& extension) { return std::strcmp(extension.extensionName, name) == 0; });
+}
+
+// Drivers that map Vulkan onto another API (MoltenVK, Dozen) are shown only to those who ask for them.
+VkInstanceCreateFlags askForPortability(std::vector<const char*>& extensions)
+{
+    uint32_t count = 0;
+    vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> present(count);
+    vkEnumerateInstanceExtensionProperties(nullptr, &count, present.data());
+    if (!lists(present, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) return 0;
+    extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+    return VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR;
+}
+
+bool hasGeometryShader(VkPhysicalDevice physicalDevice)
+{
+    VkPhysicalDeviceFeatures features{};
+    vkGetPhysicalDeviceFeatures(physicalDevice, &features);
+    return features.geometryShader == VK_TRUE;
+}
+
 std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance)
 {
     uint32_t count = 0;
@@ -86,7 +111,13 @@ bool Device::validationPresent()
 bool Device::nonePresent()
 {
     const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .apiVersion = VK_API_VERSION_1_3};
-    const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, .pApplicationInfo = &application};
+    std::vector<const char*> extensions;
+    const VkInstanceCreateFlags flags = askForPortability(extensions);
+    const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                    .flags = flags,
+                                    .pApplicationInfo = &application,
+                                    .enabledExtensionCount = static_cast<uint32_t>(extensions.size()),
+                                    .ppEnabledExtensionNames = extensions.data()};
     VkInstance instance = VK_NULL_HANDLE;
     if (vkCreateInstance(&info, nullptr, &instance) != VK_SUCCESS) return true;
     uint32_t count = 0;
@@ -131,6 +162,7 @@ void Device::createInstance(const DeviceOptions& options)
 
     std::vector<const char*> extensions = options.instanceExtensions;
     if (options.validation) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    const VkInstanceCreateFlags flags = askForPortability(extensions);
     const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
                                         .pApplicationName = "gnomon demo",
                                         .apiVersion = VK_API_VERSION_1_3};
@@ -142,6 +174,7 @@ void Device::createInstance(const DeviceOptions& options)
                                            .pEnabledValidationFeatures = enables};
     const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
                                     .pNext = options.validation ? &features : nullptr,
+                                    .flags = flags,
                                     .pApplicationInfo = &application,
                                     .enabledLayerCount = options.validation ? 1u : 0u,
                                     .ppEnabledLayerNames = &kValidationLayer,
@@ -170,6 +203,10 @@ void Device::choosePhysicalDevice(const std::string& name)
             seen += std::string(" (") + needs.reason + ")";
             continue;
         }
+        if (!hasGeometryShader(candidate)) { // gnomon would do without, our fragment shader does not
+            seen += " (the device lacks geometryShader, which the demo's normals need)";
+            continue;
+        }
         physicalDevice = candidate;
         properties = all.properties;
         driver = std::string(driverProperties.driverInfo);
@@ -189,6 +226,20 @@ void Device::allowQueries()
     features12_.hostQueryReset = present12.hostQueryReset;
 }
 
+void Device::enablePortability()
+{
+    uint32_t count = 0;
+    vkEnumerateDeviceExtensionProperties(physicalDevice, nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> extensions(count);
+    vkEnumerateDeviceExtensionProperties(physicalDevice, nullptr, &count, extensions.data());
+    if (!lists(extensions, VK_KHR_PORTABILITY_SUBSET_EXTENSION_NAME)) return;
+    extensions_.push_back(VK_KHR_PORTABILITY_SUBSET_EXTENSION_NAME);
+    VkPhysicalDeviceFeatures2 present{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &portability_};
+    vkGetPhysicalDeviceFeatures2(physicalDevice, &present);
+    portability_.pNext = features_.pNext;
+    features_.pNext = &portability_;
+}
+
 void Device::createDevice(bool swapchain)
 {
     GnDeviceNeeds needs{};
@@ -206,6 +257,7 @@ void Device::createDevice(bool swapchain)
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &features12_, .features = needs.optional};
     features_.features.geometryShader = VK_TRUE; // gl_PrimitiveID in our fragment shader: the triangle's normal
     allowQueries();
+    enablePortability();
 
     queueFamily = findQueueFamily(physicalDevice);
     const float priority = 1.0f;

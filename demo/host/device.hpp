@@ -8,8 +8,13 @@
 
 #include "demo/host/vulkan.hpp"
 #include "gnomon/gnomon.h"
+// After vulkan.h, which includes it only with VK_ENABLE_BETA_EXTENSIONS.
+#include <vulkan/vulkan_beta.h>
 
 namespace gnomon::demo {
+
+/// VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PORTABILITY_SUBSET_FEATURES_KHR, which vulkan_core.h names only with the same.
+inline constexpr auto kPortabilitySubsetFeatures = static_cast<VkStructureType>(1000163000);
 
 struct DeviceOptions {
     bool validation = false; ///< Core and synchronization validation, queue submissions included; an error if absent.
@@ -59,12 +64,14 @@ private:
     void createInstance(const DeviceOptions& options);
     void choosePhysicalDevice(const std::string& name);
     void createDevice(bool swapchain);
-    void allowQueries(); ///< What tests count by, where the device has it; gnomon asks for none of it.
+    void allowQueries();      ///< What tests count by, where the device has it; gnomon asks for none of it.
+    void enablePortability(); ///< Where a device lists its subset of Vulkan, that has to be enabled: all it has.
 
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
     // The chain given to vkCreateDevice: gnomon wants to see it, and Vulkan cannot be asked for it afterwards.
     VkPhysicalDeviceVulkan13Features features13_{};
     VkPhysicalDeviceVulkan12Features features12_{};
+    VkPhysicalDevicePortabilitySubsetFeaturesKHR portability_{.sType = kPortabilitySubsetFeatures};
     VkPhysicalDeviceFeatures2 features_{};
     std::vector<const char*> extensions_;
 };

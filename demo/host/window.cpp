@@ -80,7 +80,10 @@ Window::Window(Device& device, VkExtent2D size, const std::string& title, uint32
     VkBool32 supported = VK_FALSE;
     vkGetPhysicalDeviceSurfaceSupportKHR(device.physicalDevice, device.queueFamily, surface_, &supported);
     if (!supported) throw HostError("the device cannot present to this window");
-    for (uint32_t i = 0; i < framesInFlight; ++i)
+    // One more than frames in flight: an image is acquired for frame k before that is drawn, so all that is known to be
+    // finished is what drawing frame k - 1 has waited for, frame k - 1 - framesInFlight and its wait for this
+    // semaphore.
+    for (uint32_t i = 0; i <= framesInFlight; ++i)
         acquired_.push_back(makeBinary(device));
 }
 

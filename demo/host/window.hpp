@@ -25,6 +25,7 @@ public:
 
 class Window {
 public:
+    /// \param framesInFlight as the Renderer's that draws to it, in every frame once.
     Window(Device& device, VkExtent2D size, const std::string& title, uint32_t framesInFlight);
     ~Window();
     Window(const Window&) = delete;
@@ -60,7 +61,7 @@ private:
     VkSurfaceKHR surface_ = VK_NULL_HANDLE;
     UniqueSwapchain swapchain_;
     std::vector<SwapImage> images_;
-    std::vector<UniqueSemaphore> acquired_; ///< One per frame in flight.
+    std::vector<UniqueSemaphore> acquired_; ///< In turns.
     VkExtent2D extent_{};
     uint64_t frames_ = 0;
     bool stale_ = true;

@@ -6,8 +6,8 @@
 
 namespace gnomon {
 
-// Two queries a pass in timed frames; passes beyond go untimed.
-constexpr std::uint32_t kQueriesPerSlot = 2048;
+// Queries come in pools; timed frames take two a pass, however many there are.
+constexpr std::uint32_t kQueriesPerPool = 2048;
 // Uniform memory comes in chunks; a pass needs a few hundred bytes.
 constexpr VkDeviceSize kConstantsChunk = 64 << 10;
 
@@ -34,7 +34,7 @@ struct PassExecutor::Slot {
     VkDeviceSize chunkUsed = 0;
     GpuBuffer transforms;
     std::uint64_t transformsRevision = 0;
-    UniqueQueryPool queries;
+    std::vector<UniqueQueryPool> queries; ///< Query i lies in pool i / kQueriesPerPool.
     std::uint32_t queriesUsed = 0;
     std::vector<Entry> entries;
     std::vector<Span> levels;

@@ -79,6 +79,7 @@ void PassContext::bind(PipelineId id, std::span<const Bound> bindings)
             offsets[offsetCount++] = bound->offset;
         } else if (info.kind == BindingKind::storageBuffer) {
             write.buffer = bound->rawBuffer ? bound->rawBuffer : executor_->graph_.buffer(bound->buffer).gpu.buffer;
+            if (!bound->rawBuffer) write.range = executor_->graph_.boundSize(bound->buffer);
         } else {
             const GpuImage& image = executor_->graph_.image(bound->image).gpu;
             const std::uint32_t layer = bound->layer == VK_REMAINING_ARRAY_LAYERS ? 0 : bound->layer;
@@ -112,6 +113,7 @@ void PassContext::drawCasters(const CasterDraw& draw)
     if (draw.push) pushBytes(draw.push, draw.pushSize);
     const VkDeviceSize zero = 0;
     vk->vkCmdBindVertexBuffers(cmd, kTransformsBinding, 1, &executor_->slot_->transforms.buffer, &zero);
+    if (draw.depthFromOne) setViewport(1.0f, 0.0f);
 
     const MeshView* mesh = nullptr;
     CasterRaster state;
@@ -136,6 +138,7 @@ void PassContext::drawCasters(const CasterDraw& draw)
         }
         vk->vkCmdDrawIndexed(cmd, static_cast<std::uint32_t>(mesh->indices.size()), 1, 0, 0, caster->index);
     }
+    if (draw.depthFromOne) setViewport(0.0f, 1.0f);
     if (!hostDrawn || !draw.hostProjection) return;
     // Last, because the host may leave any state behind: bind() and the first of our casters set all of theirs but
     // viewport and scissor, which are there again for the pass's next draw.
@@ -149,14 +152,19 @@ void PassContext::drawCasters(const CasterDraw& draw)
 
 void PassContext::setArea() const
 {
+    setViewport(0.0f, 1.0f);
+    vk->vkCmdSetScissor(cmd, 0, 1, &area);
+}
+
+void PassContext::setViewport(float first, float last) const
+{
     const VkViewport viewport{static_cast<float>(area.offset.x),
                               static_cast<float>(area.offset.y),
                               static_cast<float>(area.extent.width),
                               static_cast<float>(area.extent.height),
-                              0.0f,
-                              1.0f};
+                              first,
+                              last};
     vk->vkCmdSetViewport(cmd, 0, 1, &viewport);
-    vk->vkCmdSetScissor(cmd, 0, 1, &area);
 }
 
 VkImage PassContext::image(ImageId id) const
@@ -176,7 +184,21 @@ VkBuffer PassContext::buffer(BufferId id) const
     return executor_->graph_.buffer(id).gpu.buffer;
 }
 
+bool PassContext::has(ImageId id, std::uint32_t layer) const
+{
+    return PassBuilder(executor_->graph_).has(id, layer, 1);
+}
+bool PassContext::has(BufferId id) const
+{
+    return PassBuilder(executor_->graph_).has(id);
+}
+
 // --- CPU passes ---
+
+bool HostContext::has(BufferId buffer) const
+{
+    return PassBuilder(executor_->graph_).has(buffer);
+}
 
 std::span<std::byte> HostContext::mapped(BufferId buffer) const
 {

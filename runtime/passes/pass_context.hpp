@@ -31,7 +31,8 @@ struct CasterDraw {
     std::span<const Bound> bindings;
     const void* push = nullptr; ///< Push constants.
     std::uint32_t pushSize = 0;
-    bool biasOpen = true; ///< Open casters get the depth bias of the house's policy (runtime/scene/bias.hpp).
+    bool depthFromOne = false; ///< Depth is 1 - z / w of our own casters' clip space; hosts draw z / w.
+    bool biasOpen = true;      ///< Open casters get the depth bias of the house's policy (runtime/scene/bias.hpp).
     const GnCasterProjection* hostProjection = nullptr; ///< Null: host-drawn casters are left out.
 };
 
@@ -79,10 +80,14 @@ public:
     VkImageView imageView(ImageId id, std::uint32_t layer) const; ///< 2D, one layer, for sampling.
     VkExtent2D extent(ImageId id) const;
     VkBuffer buffer(BufferId id) const;
+    /// Whether the frame has them: for ids that are not our own.
+    bool has(ImageId id, std::uint32_t layer) const;
+    bool has(BufferId id) const;
 
 private:
     friend class PassExecutor;
-    void setArea() const; ///< Viewport and scissor.
+    void setArea() const;                            ///< Viewport and scissor.
+    void setViewport(float first, float last) const; ///< Of the area; depths of z / w = 0 and 1.
     Bound constantsBytes(std::uint32_t binding, const void* data, std::size_t size);
     void pushBytes(const void* data, std::size_t size);
     class PassExecutor* executor_ = nullptr;
@@ -110,6 +115,8 @@ public:
         std::span<std::byte> bytes = mapped(buffer);
         return {reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T)};
     }
+
+    bool has(BufferId buffer) const; ///< As PassContext's.
 
     void countRays(std::uint64_t count) const; ///< Adds to the frame's statistics.
     void countIndexList() const;               ///< A silhouette or index list was built.

@@ -60,16 +60,7 @@ Result<void> PassExecutor::create(std::uint32_t framesInFlight)
         if (VkResult r = vk_.vkCreateCommandPool(vk_.device, &poolInfo, vk_.hostAllocator, &pool); r != VK_SUCCESS)
             return vulkanError(r, "vkCreateCommandPool");
         slot->pool = {vk_, pool};
-        if (vk_.timestampValidBits) {
-            const VkQueryPoolCreateInfo queryInfo{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
-                                                  .queryType = VK_QUERY_TYPE_TIMESTAMP,
-                                                  .queryCount = kQueriesPerSlot};
-            VkQueryPool queries = VK_NULL_HANDLE;
-            if (VkResult r = vk_.vkCreateQueryPool(vk_.device, &queryInfo, vk_.hostAllocator, &queries);
-                r != VK_SUCCESS)
-                return vulkanError(r, "vkCreateQueryPool");
-            slot->queries = {vk_, queries};
-        }
+        if (Result<void> made = makeQueries(*slot, kQueriesPerPool); !made) return made;
         slots_.push_back(std::move(slot));
     }
     return {};
@@ -155,9 +146,11 @@ Result<void> PassExecutor::record(VkCommandBuffer cmd)
 
 void PassExecutor::drop(std::uint64_t frame)
 {
-    if (!slot_ || slot_->frame != frame) return;
-    slot_->timingsPending = false;
-    slot_->frame = 0; // nothing of it is in flight
+    for (auto& slot : slots_) { // not the newest one's where a frame after it has failed
+        if (slot->frame != frame) continue;
+        slot->timingsPending = false;
+        slot->frame = 0; // nothing of it is in flight
+    }
 }
 
 Result<void> PassExecutor::start(bool inlineHost)

@@ -138,7 +138,8 @@ private:
     Result<void> hostLevel(std::uint64_t timeoutNs);
     void hostJob() noexcept;
     void declareLater();
-    void resetQueries(VkCommandBuffer cmd, std::uint32_t level);
+    Result<void> makeQueries(Slot& slot, std::uint32_t count);
+    Result<void> resetQueries(VkCommandBuffer cmd, std::uint32_t level);
     void stamp(VkCommandBuffer cmd);
     void collect(Slot& slot);
     Result<VkCommandBuffer> commandBuffer(Slot& slot, std::uint32_t level);

@@ -37,7 +37,7 @@ bool overlap(const Rect& a, const Rect& b)
 
 bool conflict(const Access& older, const Access& newer, PassKind olderKind, PassKind newerKind)
 {
-    const AccessTraits a = accessTraits(older.kind, olderKind), b = accessTraits(newer.kind, newerKind);
+    const AccessTraits a = accessTraits(older, olderKind), b = accessTraits(newer, newerKind);
     if (!older.isImage) return a.write || b.write;
     const bool layersApart = older.part.layer + older.part.layerCount <= newer.part.layer ||
                              newer.part.layer + newer.part.layerCount <= older.part.layer;
@@ -94,6 +94,14 @@ AccessTraits accessTraits(AccessKind kind, PassKind pass)
         return {VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_WRITE_BIT, true};
     }
     return {};
+}
+
+AccessTraits accessTraits(const Access& access, PassKind pass)
+{
+    AccessTraits traits = accessTraits(access.kind, pass);
+    const bool tested = access.kind == AccessKind::depthTest || access.kind == AccessKind::stencilTest;
+    traits.write |= tested && access.part.clear;
+    return traits;
 }
 
 // --- keys ---
@@ -197,7 +205,7 @@ std::optional<Error> PassGraph::endTask()
         if (pass.owner.light == UINT32_MAX && pass.fn) continue;
         pass.fn = nullptr;
         for (const Access& access : accesses(pass)) {
-            if (!accessTraits(access.kind, pass.kind).write) continue;
+            if (!accessTraits(access, pass.kind).write) continue;
             (access.isImage ? images_[access.resource].pooled->kept : buffers_[access.resource].pooled->kept).lose();
         }
     }
@@ -225,7 +233,8 @@ ImageId PassGraph::addImage(PooledImage& image, const char* name)
 BufferId PassGraph::addBuffer(PooledBuffer& buffer)
 {
     pool_.touch(buffer);
-    buffers_.push_back({.key = 0, .pooled = &buffer, .ring = nullptr, .info = {}, .newest = UINT32_MAX});
+    buffers_.push_back(
+        {.key = 0, .pooled = &buffer, .ring = nullptr, .info = {.size = buffer.gpu.size}, .newest = UINT32_MAX});
     return {static_cast<std::uint32_t>(buffers_.size() - 1)};
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // The frame's passes and resources as declared, and their order: levels (GPU-CPU-GPU round trips) and waves (passes
 // that need no barrier between them).
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -48,6 +49,8 @@ struct Access {
     std::uint32_t next = UINT32_MAX; ///< Older access to the same resource.
     std::uint32_t pass = 0;
 };
+/// The same of an access with its part: what is cleared is written, where it is only tested then, too.
+AccessTraits accessTraits(const Access& access, PassKind pass);
 
 /// Whose pass it is: what the timings and the log say.
 struct PassOwner {
@@ -82,7 +85,7 @@ struct FrameBuffer {
     std::uint64_t key = 0;
     PooledBuffer* pooled = nullptr;
     BufferRing* ring = nullptr; ///< Persistent ones.
-    BufferInfo info;
+    BufferInfo info;            ///< As asked for; of somebody else's, the size alone.
     std::uint32_t newest = UINT32_MAX;
 };
 
@@ -114,6 +117,12 @@ public:
     PooledImage& imageAt(std::uint32_t index) const { return *images_[index].pooled; }
     PooledBuffer& buffer(BufferId id) const { return *buffers_[id.index].pooled; }
     PooledBuffer& bufferAt(std::uint32_t index) const { return *buffers_[index].pooled; }
+    /// Bytes that shaders are given of it: in memory that has held more, as many as this frame asked for.
+    VkDeviceSize boundSize(BufferId id) const
+    {
+        const FrameBuffer& buffer = buffers_[id.index];
+        return std::min(buffer.pooled->gpu.size, pooledSize(buffer.info.size));
+    }
 
     /// Indices into passes(), ordered by level, side (prepare, GPU, host) and wave; valid until the next declaration.
     std::span<const std::uint32_t> order();

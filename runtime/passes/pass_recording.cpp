@@ -20,26 +20,52 @@ bool runsOnGpu(const Pass& pass)
 
 } // namespace
 
+/// So many for the slot, where the queue has any: in new pools, since the frame's earlier levels may be at work with
+/// the others.
+Result<void> PassExecutor::makeQueries(Slot& slot, std::uint32_t count)
+{
+    while (vk_.timestampValidBits && slot.queries.size() * kQueriesPerPool < count) {
+        const VkQueryPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+                                         .queryType = VK_QUERY_TYPE_TIMESTAMP,
+                                         .queryCount = kQueriesPerPool};
+        slot.queries.reserve(slot.queries.size() + 1); // it may throw before there is a pool to lose
+        VkQueryPool pool = VK_NULL_HANDLE;
+        if (VkResult r = vk_.vkCreateQueryPool(vk_.device, &info, vk_.hostAllocator, &pool); r != VK_SUCCESS)
+            return vulkanError(r, "vkCreateQueryPool");
+        ++vk_.objectsMade;
+        slot.queries.emplace_back(vk_, pool);
+    }
+    return {};
+}
+
 void PassExecutor::stamp(VkCommandBuffer cmd)
 {
-    if (!slot_->queries || slot_->queriesUsed >= kQueriesPerSlot) return;
-    vk_.vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, slot_->queries.get(), slot_->queriesUsed++);
+    if (slot_->queries.empty()) return;
+    const std::uint32_t query = slot_->queriesUsed++;
+    vk_.vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, slot_->queries[query / kQueriesPerPool].get(),
+                             query % kQueriesPerPool);
 }
 
 /// Those that the level may write: its own two, and in timed frames two for each of its passes.
-void PassExecutor::resetQueries(VkCommandBuffer cmd, std::uint32_t level)
+Result<void> PassExecutor::resetQueries(VkCommandBuffer cmd, std::uint32_t level)
 {
-    if (!slot_->queries) return;
+    if (slot_->queries.empty()) return {};
     std::uint32_t wanted = 2;
     for (const std::uint32_t index : order_)
         if (slot_->timed && graph_.passes()[index].level == level && runsOnGpu(graph_.passes()[index])) wanted += 2;
-    const std::uint32_t count = std::min(wanted, kQueriesPerSlot - slot_->queriesUsed);
-    if (count > 0) vk_.vkCmdResetQueryPool(cmd, slot_->queries.get(), slot_->queriesUsed, count);
+    const std::uint32_t end = slot_->queriesUsed + wanted;
+    if (Result<void> made = makeQueries(*slot_, end); !made) return made;
+    for (std::uint32_t first = slot_->queriesUsed; first < end;) {
+        const std::uint32_t at = first % kQueriesPerPool, count = std::min(end - first, kQueriesPerPool - at);
+        vk_.vkCmdResetQueryPool(cmd, slot_->queries[first / kQueriesPerPool].get(), at, count);
+        first += count;
+    }
+    return {};
 }
 
 Result<void> PassExecutor::recordLevel(VkCommandBuffer cmd, std::uint32_t level, bool last)
 {
-    resetQueries(cmd, level);
+    if (Result<void> reset = resetQueries(cmd, level); !reset) return reset;
     if (level == 0 && frame_.uploads && frame_.uploads->uploadsPending())
         frame_.uploads->recordUploads(cmd, frame_.frame);
     if (level == 0 && frame_.trialOwner != UINT32_MAX)
@@ -79,7 +105,7 @@ void PassExecutor::recordWaves(VkCommandBuffer cmd, std::uint32_t level)
             if (pass.level != level || !runsOnGpu(pass) || pass.wave != head.wave) break;
             if (!pass.fn) continue;
             for (const Access& access : graph_.accesses(pass)) {
-                const AccessTraits use = accessTraits(access.kind, pass.kind);
+                const AccessTraits use = accessTraits(access, pass.kind);
                 if (access.isImage)
                     barriers_.image(graph_.imageAt(access.resource), access.part.layer, access.part.layerCount, use);
                 else
@@ -96,8 +122,7 @@ void PassExecutor::recordPass(VkCommandBuffer cmd, Pass& pass)
 {
     ++counters_.passesRun;
     Slot::Entry entry{.timing = {.name = pass.name, .owner = pass.owner, .level = pass.level}};
-    const bool timed = slot_->timed && slot_->queriesUsed + 4 <= kQueriesPerSlot;
-    if (timed) {
+    if (slot_->timed) {
         barriers_.full(cmd);
         entry.startQuery = slot_->queriesUsed;
         stamp(cmd);
@@ -118,7 +143,7 @@ void PassExecutor::recordPass(VkCommandBuffer cmd, Pass& pass)
     pass.fn(pass.body, &context, nullptr);
     if (pass.kind == PassKind::raster) vk_.vkCmdEndRendering(cmd);
     if (vk_.vkCmdEndDebugUtilsLabelEXT) vk_.vkCmdEndDebugUtilsLabelEXT(cmd);
-    if (timed) {
+    if (slot_->timed) {
         barriers_.full(cmd);
         entry.endQuery = slot_->queriesUsed;
         stamp(cmd);
@@ -138,7 +163,7 @@ VkRect2D PassExecutor::beginRendering(VkCommandBuffer cmd, const Pass& pass)
     VkExtent2D extent{UINT32_MAX, UINT32_MAX};
     VkImageAspectFlags depthAspects = 0;
     for (const Access& access : graph_.accesses(pass)) {
-        const AccessTraits traits = accessTraits(access.kind, pass.kind);
+        const AccessTraits traits = accessTraits(access, pass.kind);
         const bool color = access.kind == AccessKind::color || access.kind == AccessKind::colorBlend;
         const bool stencilAccess = access.kind == AccessKind::stencilTest || access.kind == AccessKind::stencilWrite;
         const bool depthAccess = access.kind == AccessKind::depthTest || access.kind == AccessKind::depthWrite;
@@ -152,7 +177,6 @@ VkRect2D PassExecutor::beginRendering(VkCommandBuffer cmd, const Pass& pass)
             layerCount = access.part.layerCount;
         }
         VkRenderingAttachmentInfo& info = color ? colors[colorCount++] : depthAccess ? depth : stencil;
-        const bool tested = access.kind == AccessKind::depthTest || access.kind == AccessKind::stencilTest;
         const VkAttachmentLoadOp load = access.part.clear                  ? VK_ATTACHMENT_LOAD_OP_CLEAR
                                         : access.kind == AccessKind::color ? VK_ATTACHMENT_LOAD_OP_DONT_CARE
                                                                            : VK_ATTACHMENT_LOAD_OP_LOAD;
@@ -160,7 +184,7 @@ VkRect2D PassExecutor::beginRendering(VkCommandBuffer cmd, const Pass& pass)
                 .imageView = view,
                 .imageLayout = traits.layout,
                 .loadOp = load,
-                .storeOp = tested ? VK_ATTACHMENT_STORE_OP_NONE : VK_ATTACHMENT_STORE_OP_STORE, // a store is a write
+                .storeOp = traits.write ? VK_ATTACHMENT_STORE_OP_STORE : VK_ATTACHMENT_STORE_OP_NONE, // a store is one
                 .clearValue = access.part.value};
         if (!color) {
             depthAspects |= aspectsOf(image.format);
@@ -212,7 +236,7 @@ void PassExecutor::showReadbacks(std::uint32_t level)
     for (const Pass& pass : graph_.passes()) {
         if (pass.level != level || !pass.fn || !runsOnGpu(pass)) continue;
         for (const Access& access : graph_.accesses(pass)) {
-            if (access.isImage || !accessTraits(access.kind, pass.kind).write) continue;
+            if (access.isImage || !accessTraits(access, pass.kind).write) continue;
             PooledBuffer& buffer = graph_.bufferAt(access.resource);
             if (buffer.place == BufferPlace::readback) barriers_.buffer(buffer, read);
         }
@@ -224,9 +248,10 @@ void PassExecutor::collect(Slot& slot)
 {
     slot.timingsPending = false;
     slot.results.resize(slot.queriesUsed);
-    if (slot.queriesUsed > 0) {
-        const VkResult r = vk_.vkGetQueryPoolResults(vk_.device, slot.queries.get(), 0, slot.queriesUsed,
-                                                     slot.queriesUsed * sizeof(std::uint64_t), slot.results.data(),
+    for (std::uint32_t first = 0; first < slot.queriesUsed; first += kQueriesPerPool) {
+        const std::uint32_t count = std::min(slot.queriesUsed - first, kQueriesPerPool);
+        const VkResult r = vk_.vkGetQueryPoolResults(vk_.device, slot.queries[first / kQueriesPerPool].get(), 0, count,
+                                                     count * sizeof(std::uint64_t), slot.results.data() + first,
                                                      sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
         if (r != VK_SUCCESS) return; // not ready or lost: this frame's timings are missed
     }

@@ -6,6 +6,10 @@ namespace gnomon {
 
 namespace {
 
+// Recorded barriers ran or did not: the next use comes after everything on the queue and takes nothing over.
+constexpr SyncState kUnknownSync{.writeStages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                 .writeAccess = VK_ACCESS_2_MEMORY_WRITE_BIT};
+
 // A resource that no frame of the last second (at 60 Hz) used is given back.
 constexpr std::uint64_t kIdleFrames = 60;
 // Where more than half of what gnomon may have is taken, it goes as soon as no frame in flight can be using it: else
@@ -431,21 +435,40 @@ void ResourcePool::withdraw(std::uint64_t frame)
 void ResourcePool::abandon(std::uint64_t frame)
 {
     if (frame != frame_) return;
-    // Recorded barriers ran or did not: the next use comes after everything on the queue and takes nothing over.
-    constexpr SyncState unknown{.writeStages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                .writeAccess = VK_ACCESS_2_MEMORY_WRITE_BIT};
     for (PooledImage* image : touchedImages_) {
-        std::fill(image->savedLayers.begin(), image->savedLayers.end(), unknown);
+        std::fill(image->savedLayers.begin(), image->savedLayers.end(), kUnknownSync);
         image->serial = ++imagesMade_; // stamps kept elsewhere, of layers that the frame left alone, hold no longer
         image->kept.savedStamp = 0;
         image->kept.savedParts = {};
     }
     for (PooledBuffer* buffer : touchedBuffers_) {
-        buffer->savedSync = unknown;
+        buffer->savedSync = kUnknownSync;
         buffer->kept.savedStamp = 0;
         buffer->kept.savedParts = {};
     }
     withdraw(frame);
+}
+
+void ResourcePool::loseContent(PooledImage& image)
+{
+    std::fill(image.layers.begin(), image.layers.end(), kUnknownSync);
+    image.serial = ++imagesMade_; // as above
+    image.kept.lose();
+}
+
+void ResourcePool::lose(std::uint64_t frame)
+{
+    for (auto& [key, image] : images_)
+        if (image->kept.lastUsed >= frame) loseContent(*image);
+    for (auto& image : transients_)
+        if (image->kept.lastUsed >= frame) loseContent(*image);
+    for (auto* map : {&buffers_, &transientBuffers_})
+        for (auto& [key, ring] : *map)
+            for (auto& version : ring.versions) {
+                if (version->kept.lastUsed < frame) continue;
+                version->sync = kUnknownSync;
+                version->kept.lose();
+            }
 }
 
 } // namespace gnomon

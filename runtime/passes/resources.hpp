@@ -125,6 +125,9 @@ public:
     void withdraw(std::uint64_t frame);
     /// The same for a frame of which a part has run, which the GPU has done with: what touched resources hold is lost.
     void abandon(std::uint64_t frame);
+    /// A frame before the one begun last, which was withdrawn, will not be submitted: nothing is known any more of what
+    /// the pool's resources that it used hold.
+    void lose(std::uint64_t frame);
     /// Gives back all that is kept for later frames, to be free once the GPU is done with it: a frame failed for memory
     /// and was withdrawn.
     void evictAll();
@@ -139,6 +142,7 @@ private:
         GpuImage image;
         GpuBuffer buffer;
     };
+    void loseContent(PooledImage& image);
     /// Destroys it once `frame` is completed; at once if it is.
     void release(GpuImage& image, std::uint64_t frame);
     void release(GpuBuffer& buffer, std::uint64_t frame);

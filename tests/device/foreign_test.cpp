@@ -1,7 +1,7 @@
 // Methods of the host's own, through the C door: what their passes may do, and what they get.
 #include <utility>
 
-#include "device/fixture.hpp"
+#include "device/hooks.hpp"
 #include "gnomon/algorithm.h"
 
 using namespace gnomon;
@@ -90,6 +90,55 @@ struct Looker {
         gn.pfnPass(builder, &pass);
     }
 };
+
+/// A method that clears what it only tests, and tests it again in a pass of its own.
+struct Clearer {
+    const GnPluginInterface* door = nullptr;
+    static void GN_CALL declare(void* self, GnPassBuilder builder, const GnShadowTask* task)
+    {
+        const GnPluginInterface& gn = *static_cast<Clearer*>(self)->door;
+        GnImageInfo info{};
+        info.pName = "clearer.depth";
+        info.scope = GN_SCOPE_TASK;
+        info.format = VK_FORMAT_D32_SFLOAT;
+        info.extent = task->extent;
+        GnAccess accesses[2]{};
+        accesses[0].kind = GN_ACCESS_DEPTH_TEST;
+        accesses[0].image = gn.pfnImage(builder, &info);
+        accesses[0].clear = VK_TRUE;
+        accesses[1].kind = GN_ACCESS_WRITE;
+        accesses[1].image = task->visibility;
+        accesses[1].baseLayer = task->layer;
+        accesses[1].clear = VK_TRUE;
+        GnPassInfo pass{};
+        pass.pName = "clearer.clear";
+        pass.kind = GN_PASS_RASTER;
+        pass.scope = GN_SCOPE_TASK;
+        pass.accessCount = 1;
+        pass.pAccesses = accesses;
+        pass.area = task->area;
+        pass.pfnRecord = [](GnPassContext, VkCommandBuffer, const VkRect2D*, void*) {};
+        gn.pfnPass(builder, &pass);
+        accesses[0].clear = VK_FALSE;
+        pass.pName = "clearer.test";
+        pass.accessCount = 2;
+        gn.pfnPass(builder, &pass);
+    }
+};
+
+// --- depth attachments: those that were cleared, and of these those that were kept ---
+
+uint32_t cleared = 0, clearedAndStored = 0;
+
+VKAPI_ATTR void VKAPI_CALL watchedRendering(VkCommandBuffer cmd, const VkRenderingInfo* info)
+{
+    const VkRenderingAttachmentInfo* depth = info->pDepthAttachment;
+    if (depth && depth->loadOp == VK_ATTACHMENT_LOAD_OP_CLEAR) {
+        ++cleared;
+        clearedAndStored += depth->storeOp == VK_ATTACHMENT_STORE_OP_STORE;
+    }
+    vkCmdBeginRendering(cmd, info);
+}
 
 void serveAll(Host& host, const char* name, PFN_gnDeclare declare, void* self)
 {
@@ -251,4 +300,19 @@ TEST_CASE_FIXTURE(DeviceTest, "a CPU pass sees upload and readback buffers, and 
     CHECK(looker.seen[GN_BUFFER_DEVICE] == nullptr);
     CHECK(looker.seen[GN_BUFFER_UPLOAD] != nullptr);
     CHECK(looker.seen[GN_BUFFER_READBACK] != nullptr);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "what a foreign pass clears to test against is written, and there for the pass after it")
+{
+    Host host(smallScene(), hooked({}, {hook("vkCmdBeginRendering", &watchedRendering)}));
+    Clearer clearer;
+    host.require(gnGetPluginInterface(host.context, &clearer.door));
+    serveAll(host, "clearer", &Clearer::declare, &clearer);
+    host.require(host.draw());
+    CHECK(std::string(host.decision(0).pMethod) == "clearer");
+    cleared = clearedAndStored = 0;
+    host.require(host.draw()); // validation sees whether the second pass waits
+    (void)host.pictures();
+    CHECK(cleared == 1);
+    CHECK(clearedAndStored == 1);
 }

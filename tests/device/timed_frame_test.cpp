@@ -60,14 +60,36 @@ void GN_CALL declare(void*, GnPassBuilder builder, const GnShadowTask* task)
     gn->pfnPass(builder, &raster);
 }
 
-void registerSleeper(const Host& host)
+void registerMethod(const Host& host, const char* name, PFN_gnDeclare declare)
 {
     host.require(gnGetPluginInterface(host.context, &gn));
-    const GnAlgorithmInfo info{.pName = kMethod,
+    const GnAlgorithmInfo info{.pName = name,
                                .pSource = "none",
                                .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT,
                                .pfnDeclare = declare};
     host.require(gnRegisterAlgorithm(host.context, &info));
+}
+
+// --- a method of many passes ---
+
+constexpr const char* kCrowd = "crowd";
+// With two queries each, more than two pools of them.
+constexpr uint32_t kCrowdPasses = 2500;
+
+void GN_CALL declareCrowd(void*, GnPassBuilder builder, const GnShadowTask* task)
+{
+    GnAccess fill{.kind = GN_ACCESS_WRITE, .image = task->visibility, .baseLayer = task->layer, .clear = VK_TRUE};
+    fill.rect = {task->area.offset, {1, 1}};
+    for (uint32_t i = 0; i < kCrowdPasses; ++i) {
+        const GnPassInfo raster{.pName = "crowd.fill",
+                                .kind = GN_PASS_RASTER,
+                                .scope = GN_SCOPE_TASK,
+                                .variant = i,
+                                .accessCount = 1,
+                                .pAccesses = &fill,
+                                .pfnRecord = nothing};
+        gn->pfnPass(builder, &raster);
+    }
 }
 
 // --- a queue without timestamps, and what is reset of queries ---
@@ -134,7 +156,7 @@ TEST_CASE_FIXTURE(DeviceTest, "CPU passes of lights run side by side, but in tur
     Scene scene = demo::valueOf(demo::loadScene("room"));
     demo::limitLights(scene, 4);
     Host host(std::move(scene), {.context = [](GnContextCreateInfo& info) { info.jobThreadCount = 4; }});
-    registerSleeper(host);
+    registerMethod(host, kMethod, declare);
     host.pinAll(kMethod);
     host.draw(4, timed(0)); // the method becomes ready
     REQUIRE(host.decision(0).reason == GN_REASON_PINNED);
@@ -249,4 +271,24 @@ TEST_CASE_FIXTURE(DeviceTest, "a frame resets the queries that it writes, two a 
     CHECK(whole >= 2 * host.stats().levels + 2);
     CHECK(whole < 100);
     CHECK(resetBy(0) == 2 * host.stats().levels);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "no pass of a timed frame is untimed, however many there are")
+{
+    Host host(smallScene());
+    registerMethod(host, kCrowd, declareCrowd);
+    host.pinAll(kCrowd);
+    host.draw(3, timed(GN_FRAME_TIMED_BIT)); // the first's timings come with the third
+    (void)host.pictures();
+    host.require(host.draw(timed(GN_FRAME_TIMED_BIT)));
+    uint64_t frame = 0;
+    uint32_t passes = 0, untimed = 0;
+    for (const GnPassTiming& pass : newestTimings(host, frame)) {
+        if (pass.pName != std::string("crowd.fill")) continue;
+        ++passes;
+        untimed += pass.gpuMs <= 0.0f;
+    }
+    CHECK(frame + 1 == host.frame());
+    CHECK(passes == kCrowdPasses);
+    CHECK(untimed == 0);
 }

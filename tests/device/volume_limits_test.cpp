@@ -19,6 +19,7 @@ struct Lesser {
     bool stencil = true;         ///< D32_SFLOAT_S8_UINT.
     uint32_t range = UINT32_MAX; ///< maxStorageBufferRange.
     VkDeviceSize largest = 0;    ///< Bound so far as a storage buffer.
+    VkDeviceSize memory = 0;     ///< Of the largest buffer of which a part was bound so.
     std::map<VkBuffer, VkDeviceSize> sizes;
 } lesser;
 
@@ -44,8 +45,10 @@ VKAPI_ATTR void VKAPI_CALL watchedUpdateDescriptorSets(VkDevice device, uint32_t
 {
     for (uint32_t i = 0; i < count; ++i)
         if (writes[i].descriptorType == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER)
-            for (uint32_t k = 0; k < writes[i].descriptorCount; ++k)
+            for (uint32_t k = 0; k < writes[i].descriptorCount; ++k) {
                 lesser.largest = std::max(lesser.largest, sizeOf(writes[i].pBufferInfo[k]));
+                lesser.memory = std::max(lesser.memory, lesser.sizes.at(writes[i].pBufferInfo[k].buffer));
+            }
     updateDescriptorSets(device, count, writes, copies, copied);
 }
 
@@ -154,6 +157,32 @@ TEST_CASE_FIXTURE(DeviceTest, "lists that a shader cannot bind are refused by na
     for (const char* method :
          {"stencil_volume", "octree_volume", "all_edges_volume", "chan_durand", "penumbra_wedges", "mccool"})
         CHECK(says(whyNot(large, method), "more pixels than a storage buffer holds"));
+    CHECK(lesser.largest <= kRange);
+    lesser = {};
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a list in memory that has held a larger one is bound as large as it is")
+{
+    Host whole(fineScene(), {.extent = kExtent});
+    lesser = {.range = kRange};
+    Host host(fineScene(), lesserOptions(kExtent));
+    for (Host* each : {&whole, &host}) {
+        std::vector<demo::Instance>& instances = each->scene.instances;
+        const auto drawNext = [each] {
+            (void)each->pictures(); // the memory of the frame before is free
+            each->require(each->draw());
+        };
+        each->pinAll("chan_durand");
+        each->require(each->draw()); // the list of what stands still is too large to be read
+        for (demo::Instance& instance : instances)
+            if (instance.mesh == 1) instance.pose.position.y += 1000.0; // the balls, out of range
+        drawNext();                                                     // a short list, beside the large one
+        instances[2].pose.position.x += 0.1;                            // the box is in the list of what moves
+        drawNext();                                                     // a shorter one, in the large one's memory
+        CHECK(std::string(each->decision(0).pMethod) == "chan_durand");
+    }
+    CHECK(differences(whole.pictures(), host.pictures()) == 0);
+    CHECK(lesser.memory > kRange);
     CHECK(lesser.largest <= kRange);
     lesser = {};
 }
