@@ -93,7 +93,8 @@ void Declaring::draw(const IdMap& map, std::uint32_t layer, std::span<const Cast
         .area({at.x, at.y, extent.width, extent.height})
         .record([=, pipeline = pipelines.casters, side = static_cast<float>(resolution)](PassContext& gpu) {
             if (casters.empty()) return;
-            const VkViewport whole{0.0f, 0.0f, side, side, 0.0f, 1.0f};
+            const float first = DepthCasters::fromOne(push) ? 1.0f : 0.0f;
+            const VkViewport whole{0.0f, 0.0f, side, side, first, 1.0f - first};
             gpu.vk->vkCmdSetViewport(gpu.cmd, 0, 1, &whole);
             const Bound bindings[] = {gpu.storage(0, firsts)};
             gpu.drawCasters({.pipeline = pipeline,

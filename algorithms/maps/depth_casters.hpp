@@ -20,6 +20,8 @@ public:
                  std::uint32_t resolution, FrameArena& arena);
     void uses(PassRef&) const {}
     void operator()(PassContext& gpu, std::span<const Caster* const> casters, bool statics) const;
+    /// Whether clip z is drawn from depth 1 down (CasterDraw::depthFromOne).
+    static bool fromOne(const Push& push) { return push.zeroWs.w != 0.0f; }
     /// Where their bounds fall; every cell where one reaches the light's plane.
     Cells cells(std::span<const Caster* const> casters) const;
 

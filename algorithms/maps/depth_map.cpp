@@ -49,6 +49,7 @@ void DepthCasters::operator()(PassContext& gpu, std::span<const Caster* const> c
                      .casters = casters,
                      .push = &push_,
                      .pushSize = sizeof(push_),
+                     .depthFromOne = DepthCasters::fromOne(push_),
                      .hostProjection = host_});
 }
 

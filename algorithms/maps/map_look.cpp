@@ -57,9 +57,8 @@ MapProjection mapProjection(const LightFit& fit, const LightView& light)
     result.clipFromZero = fit.clipFromWorld;
     if (!positional(light)) return result;
     // The light is the eye of a perspective: there clip x, y and w vanish, and what remains of z is depthScale.
-    const double near = fit.nearWs, far = fit.farWs;
-    result.depthConstant = static_cast<float>(far / (far - near));
-    result.depthScale = static_cast<float>(-far * near / (far - near));
+    result.depthConstant = 1.0f;
+    result.depthScale = -fit.nearWs;
     result.zeroWs = light.position();
     result.clipFromZero[3] = glm::vec4(0.0f, 0.0f, result.depthScale, 0.0f);
     return result;
@@ -75,10 +74,9 @@ void raiseNearEnd(LightFit& fit, std::uint32_t resolution, float limit)
     const double texels = static_cast<double>(fit.texelAtOne) / resolution; // width of a texel at 1 m
     const double needed = std::fmin(gpu::DEPTH_ROUNDING / (kSlackTexels * texels), kMostNearPerEnd);
     const double n = std::min({needed * static_cast<double>(fit.endWs), static_cast<double>(limit), kMostNearWs});
-    const double f = fit.farWs;
     if (!(n > static_cast<double>(fit.nearWs))) return;
-    rows[2] = f / (f - n) * rows[3]; // clip z is linear in clip w
-    rows[2].w -= f * n / (f - n);
+    rows[2] = rows[3]; // clip z is linear in clip w
+    rows[2].w -= n;
     fit.clipFromWorld = glm::mat4(glm::transpose(rows));
     fit.nearWs = static_cast<float>(n);
 }

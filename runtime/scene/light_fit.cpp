@@ -80,12 +80,14 @@ glm::dmat4 lightFromWorld(const Axes& axes, glm::dvec3 zero)
 }
 
 /// Square pyramid of half-angle tangent `slope` along +z: clip w = z, depth 0 at near and 1 at far.
-glm::dmat4 perspective(double slope, double near, double far)
+/// Depth is 1 - near / w: without a far end, where casters are left out by their bounds. So what a vertex contributes to
+/// its depth is a constant beside its w, which no clipping rounds (shaders/maps/caster_clip.glsl).
+glm::dmat4 perspective(double slope, double near)
 {
     glm::dmat4 clip(0.0);
     clip[0][0] = clip[1][1] = 1.0 / slope;
-    clip[2][2] = far / (far - near);
-    clip[3][2] = -far * near / (far - near);
+    clip[2][2] = 1.0;
+    clip[3][2] = -near;
     clip[2][3] = 1.0;
     return clip;
 }
@@ -120,7 +122,7 @@ Depths depthsOf(const LightView& light, double nearest, double farthest)
 
 LightFit perspectiveFit(const Axes& axes, glm::dvec3 eye, double slope, Depths depths)
 {
-    const glm::dmat4 clipFromWorld = perspective(slope, depths.near, depths.far) * lightFromWorld(axes, eye);
+    const glm::dmat4 clipFromWorld = perspective(slope, depths.near) * lightFromWorld(axes, eye);
     LightFit fit;
     fit.clipFromWorld = glm::mat4(clipFromWorld);
     fit.volume = volumeOf(clipFromWorld, {-axes.forward, depths.far + glm::dot(axes.forward, eye)});

@@ -50,10 +50,13 @@ glm::dvec4 clipOf(const LightFit& fit, glm::vec3 point)
 }
 
 /// Smallest distance to a side of clip space, in clip units relative to w; negative outside.
-double clipMargin(glm::dvec4 clip)
+double clipMargin(const LightFit& fit, glm::dvec4 clip)
 {
     const double w = clip.w;
-    return std::min({w + clip.x, w - clip.x, w + clip.y, w - clip.y, clip.z, w - clip.z}) / std::max(std::abs(w), 1e-9);
+    const bool perspective =
+        fit.clipFromWorld[0].w != 0.0f || fit.clipFromWorld[1].w != 0.0f || fit.clipFromWorld[2].w != 0.0f;
+    const double farSide = perspective ? double{fit.farWs} - w : w - clip.z; // a perspective has no far end of its own
+    return std::min({w + clip.x, w - clip.x, w + clip.y, w - clip.y, clip.z, farSide}) / std::max(std::abs(w), 1e-9);
 }
 
 /// Smallest distance to a plane, metres; negative outside.
@@ -72,7 +75,7 @@ int checkVolume(const LightFit& fit, Random& random, float spread)
     int inside = 0;
     for (int i = 0; i < 400; ++i) {
         const glm::vec3 point = random.point(spread);
-        const double clip = clipMargin(clipOf(fit, point)), planes = planeMargin(fit, point);
+        const double clip = clipMargin(fit, clipOf(fit, point)), planes = planeMargin(fit, point);
         if (std::abs(planes) < 1e-3 || std::abs(clip) < 1e-5) continue;
         REQUIRE((clip > 0.0) == (planes > 0.0));
         inside += clip > 0.0;
@@ -112,14 +115,14 @@ TEST_CASE("a spot fit holds every point of the cone between near and range, and 
             const glm::vec3 offset = random.direction() * range * std::sqrt(random.in(0.0f, 1.0f));
             const float along = glm::dot(offset, light.direction());
             if (along < std::cos(cone) * glm::length(offset) || along <= fit.nearWs) continue;
-            REQUIRE(clipMargin(clipOf(fit, light.position() + offset)) > -1e-4);
+            REQUIRE(clipMargin(fit, clipOf(fit, light.position() + offset)) > -1e-4);
         }
         inside += checkVolume(fit, random, 20.0f);
     }
     CHECK(inside > 1000);
 }
 
-TEST_CASE("depth is 0 at near, 1 at far, and grows along the light")
+TEST_CASE("depth is 0 at near and goes to 1 as near over the distance goes to 0")
 {
     const LightView light = lightOf(GN_LIGHT_TYPE_SPOT, {1, 2, 3}, {0, 0, -1}, 10.0f);
     const LightFit fit = fitSpot(light, {{0, 1, -4}, {2, 3, -2}});
@@ -129,8 +132,8 @@ TEST_CASE("depth is 0 at near, 1 at far, and grows along the light")
     };
     CHECK(fit.nearWs == doctest::Approx(5.0f).epsilon(0.01));
     CHECK(depthAt(fit.nearWs) == doctest::Approx(0.0).epsilon(1e-4));
-    CHECK(depthAt(7.0f) > depthAt(6.0f));
-    CHECK(depthAt(10.0f) == doctest::Approx(1.0));
+    CHECK(depthAt(2.0f * fit.nearWs) == doctest::Approx(0.5));
+    CHECK(depthAt(1e6f * fit.nearWs) == doctest::Approx(1.0).epsilon(2e-6));
 }
 
 TEST_CASE("no caster is nearer than near, unless it comes closer to the light than 1/10000 of what is there")
@@ -228,7 +231,7 @@ TEST_CASE("a directional fit holds the scene, little more, and its planes are th
                                    k & 4 ? scene.upper.z : scene.lower.z};
             const glm::dvec4 clip = clipOf(fit, corner);
             REQUIRE(clip.w == doctest::Approx(1.0));
-            REQUIRE(clipMargin(clip) >= 0.0);
+            REQUIRE(clipMargin(fit, clip) >= 0.0);
             lower = glm::min(lower, glm::dvec3(clip));
             upper = glm::max(upper, glm::dvec3(clip));
             const float along = glm::dot(corner, direction);
@@ -251,7 +254,7 @@ TEST_CASE("a directional fit of nothing, of a point and of a flat scene is still
         CHECK(std::isfinite(glm::determinant(fit.clipFromWorld)));
         CHECK(std::abs(glm::determinant(glm::dmat4(fit.clipFromWorld))) > 0.0);
         CHECK(fit.farWs > fit.nearWs);
-        CHECK(clipMargin(clipOf(fit, scene.center())) > 0.0);
+        CHECK(clipMargin(fit, clipOf(fit, scene.center())) > 0.0);
     }
 }
 
@@ -275,7 +278,7 @@ TEST_CASE("six cube faces hold every direction, each its own with the border aro
         const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
         const std::uint32_t face = static_cast<std::uint32_t>(2 * axis + (direction[axis] < 0.0f));
         const glm::dvec4 clip = clipOf(faces[face], light.position() + 10.0f * direction);
-        REQUIRE(clipMargin(clip) > 0.0);
+        REQUIRE(clipMargin(faces[face], clip) > 0.0);
         // Texel coordinate stays `border` texels away from the edge of the map.
         for (const double x : {clip.x / clip.w, clip.y / clip.w}) {
             const double texel = (0.5 + 0.5 * x) * resolution;
