@@ -65,6 +65,7 @@ KeptDraws findDraws(PassBuilder& passes, const ShadowTask& task, const StaticVol
         casters[i] = task.casters->statics[volumes.drawn[i]];
     kept.choice = {.casters = casters, .stamp = volumes.stamp, .variant = variant};
     kept.sides = declareChosenSides(passes, task, kept.choice);
+    if (kept.sides.pieces.empty()) return kept; // it has failed: no list may be that long
 
     const std::span<VolumeDraw> draws = arena.array<VolumeDraw>(count);
     for (std::uint32_t piece = 0, i = 0; piece < kept.sides.pieces.size(); ++i)

@@ -101,6 +101,34 @@ TEST_CASE("a light inside an edge does not make the cutting endless")
     CHECK(signedVolume(fine) == Approx(8.0).epsilon(1e-4));
 }
 
+TEST_CASE("a face that the light all but lies in leaves no piece that spans more than a right angle")
+{
+    const Cube cube({-6, 0, -6}, {6, 1, 6});
+    const std::array<const Caster*, 1> casters{&cube.caster};
+    for (const float off : {0.0f, 1e-6f, -1e-6f, 1e-3f}) {
+        CAPTURE(off);
+        const glm::vec3 lamp(0.37f, -off, 0.71f);
+        FineMesh fine;
+        cutToAngle(casters, lamp, maxEdgeAngle(512), fine);
+        REQUIRE(!fine.indices.empty());
+        for (std::size_t i = 0; i < fine.indices.size(); ++i) {
+            const glm::vec3 a = fine.vertices[fine.indices[i]];
+            const glm::vec3 b = fine.vertices[fine.indices[i % 3 == 2 ? i - 2 : i + 1]];
+            REQUIRE(glm::dot(a - lamp, b - lamp) > 0.0f);
+        }
+    }
+}
+
+TEST_CASE("a long thin triangle close to the light is cut into a bounded number of pieces")
+{
+    const Cube cube({-500, 0, 0}, {500, 0.01f, 0.01f});
+    const std::array<const Caster*, 1> casters{&cube.caster};
+    FineMesh fine;
+    cutToAngle(casters, {0.37f, -0.01f, 0.0f}, maxEdgeAngle(1024), fine);
+    CHECK(fine.indices.size() > 3 * 100'000);
+    CHECK(fine.indices.size() < 3 * 1'100'000);
+}
+
 TEST_CASE("a caster called fine enough has no edge that spans more than the angle")
 {
     Random random;
