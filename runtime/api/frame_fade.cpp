@@ -1,4 +1,7 @@
 // A light whose method changes: for some frames both methods run, and what is shown goes from one to the other.
+#include <algorithm>
+#include <limits>
+
 #include "runtime/api/context.hpp"
 #include "runtime/passes/pass_context.hpp"
 #include "runtime/scene/light_pixels.hpp"
@@ -75,8 +78,9 @@ FadeRequest Context::nextFade(const PendingLight& pending, const rules::RuleBase
 /// The plan has no say in fades, nor they in the plan: what does not fit beside it is shown at once.
 void Context::settleFades()
 {
-    stats_.predictedMs =
-        static_cast<float>(admitFades(fades_, predictedMs_, planReport_.usableMs - planReport_.partsMs));
+    const double usableMs = planReport_.usableMs > 0.0 ? std::max(planReport_.usableMs - planReport_.partsMs, 0.0)
+                                                       : std::numeric_limits<double>::infinity();
+    stats_.predictedMs = static_cast<float>(admitFades(fades_, predictedMs_, usableMs));
     for (std::size_t i = 0; i < pending_.size(); ++i) {
         LightDecision& decision = *pending_[i].decision;
         if (decision.outgoing == UINT32_MAX || fades_[i].admitted) continue;

@@ -43,7 +43,7 @@ double admitFades(std::span<FadeRequest> requests, double plannedMs, double usab
     for (const bool begun : {true, false}) {
         for (FadeRequest& request : requests) {
             if (request.begun != begun) continue;
-            request.admitted = !(usableMs > 0.0) || plannedMs + request.outgoingMs <= usableMs;
+            request.admitted = plannedMs + request.outgoingMs <= usableMs;
             if (request.admitted) plannedMs += request.outgoingMs;
         }
     }

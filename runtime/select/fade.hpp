@@ -54,7 +54,7 @@ struct FadeRequest {
 
 /// Admits what fits: fades that run before those that would begin, then in order.
 /// @param plannedMs What the plan's methods take.
-/// @param usableMs  Limit of all; 0 or less: none.
+/// @param usableMs  Limit of all; infinite: there is none.
 /// @return plannedMs and the outgoing methods of the admitted fades.
 double admitFades(std::span<FadeRequest> requests, double plannedMs, double usableMs);
 

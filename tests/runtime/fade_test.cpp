@@ -1,5 +1,6 @@
 // Cross-fades and `budget: auto` without a device: which methods are mixed, by how much, and what that may cost.
 #include <array>
+#include <limits>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -148,12 +149,13 @@ TEST_CASE("outgoing methods are counted, and only those admitted that fit beside
         CHECK(sum == counted);
         return sum;
     };
-    CHECK(admit(10.0, 0.0, {true, true, true, true}) == 16.0); // no limit
+    CHECK(admit(10.0, std::numeric_limits<double>::infinity(), {true, true, true, true}) == 16.0);
     CHECK(admit(10.0, 16.0, {true, true, true, true}) == 16.0);
     CHECK(admit(10.0, 15.0, {true, true, true, false}) == 15.0);
     CHECK(admit(10.0, 14.5, {false, true, true, true}) == 14.0); // the one that runs goes first
     CHECK(admit(10.0, 12.0, {true, true, false, false}) == 12.0);
     CHECK(admit(10.0, 9.0, {false, false, false, false}) == 10.0); // the plan itself is over
+    CHECK(admit(10.0, 0.0, {false, false, false, false}) == 10.0); // nothing is left beside shared work
 }
 
 TEST_CASE("budget auto is 1.3 times the median of the later half of the first second")
