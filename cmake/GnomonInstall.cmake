@@ -1,6 +1,5 @@
 # find_package(gnomon CONFIG) and pkg-config for installed copies, and the program with its scenes where it is built.
 # Everything is static: the optional parts' libraries are found again on the user's machine.
-include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 install(TARGETS gnomon gnomon_rules gnomon_parts EXPORT gnomonTargets

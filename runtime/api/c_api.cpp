@@ -27,6 +27,16 @@ GnResult report(GnContext context, const Error& error) noexcept
     return error.result;
 }
 
+/// Of what was caught. Where memory is short there may be none for the words either; the code is returned all the same.
+GnResult reportCaught(GnContext context, GnResult result, const char* id, const char* text) noexcept
+{
+    try {
+        return report(context, {result, id, text});
+    } catch (...) {
+    }
+    return result;
+}
+
 /// What every call answers once one of them has noticed the loss; that one alone has told it as a message.
 GnResult refusedAsLost(Context& context) noexcept
 {
@@ -47,11 +57,11 @@ GnResult atBoundary(GnContext context, Body&& body) noexcept
         if (context->impl->lost()) return refusedAsLost(*context->impl);
         return body(*context->impl);
     } catch (const std::bad_alloc&) {
-        return report(context, {GN_ERROR_OUT_OF_HOST_MEMORY, "OutOfHostMemory", "host allocation failed"});
+        return reportCaught(context, GN_ERROR_OUT_OF_HOST_MEMORY, "OutOfHostMemory", "host allocation failed");
     } catch (const std::exception& exception) {
-        return report(context, {GN_ERROR_UNKNOWN, "Unexpected", exception.what()});
+        return reportCaught(context, GN_ERROR_UNKNOWN, "Unexpected", exception.what());
     } catch (...) {
-        return report(context, {GN_ERROR_UNKNOWN, "Unexpected", "unexpected exception"});
+        return reportCaught(context, GN_ERROR_UNKNOWN, "Unexpected", "unexpected exception");
     }
 }
 

@@ -1,7 +1,6 @@
 #include "runtime/api/context.hpp"
 
 #include <algorithm>
-#include <thread>
 
 #include "runtime/scene/bias.hpp"
 
@@ -99,7 +98,7 @@ GnCandidate publicCandidate(const char* name, const Candidate& candidate, bool c
 
 Context::Context(const GnContextCreateInfo& info)
     : messages_(info.pfnMessage, info.pUserData, info.pName),
-      background_((info.flags & GN_CONTEXT_NO_BACKGROUND_BIT) == 0),
+      background_((info.flags & GN_CONTEXT_NO_BACKGROUND_BIT) == 0 && info.jobThreadCount != 1),
       timeEveryFrame_((info.flags & GN_CONTEXT_TIME_EVERY_FRAME_BIT) != 0)
 {
 }
@@ -133,9 +132,8 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     pluginInterface_ = makePluginInterface(vk_->device, vk_->vkGetDeviceProcAddr);
     memory_ = std::make_unique<DeviceMemory>(*vk_, info.memoryLimit ? info.memoryLimit : defaultLimit(*vk_),
                                              sharingFamilies(info));
-    const std::uint32_t threads = info.jobThreadCount ? info.jobThreadCount : std::thread::hardware_concurrency();
     jobs_ =
-        std::make_unique<JobSystem>(info.pfnScheduleJob, info.pUserData, std::max(threads, 1u), info.pfnThreadStarted);
+        std::make_unique<JobSystem>(info.pfnScheduleJob, info.pUserData, info.jobThreadCount, info.pfnThreadStarted);
 #if GNOMON_WITH_EMBREE
     rays_ = std::make_unique<RayScene>();
 #endif

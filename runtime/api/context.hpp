@@ -12,6 +12,7 @@
 
 #include "runtime/api/last_error.hpp"
 #include "runtime/api/plugin.hpp"
+#include "runtime/api/plugin_door.hpp"
 #include "runtime/core/slot_map.hpp"
 #include "runtime/passes/pass_executor.hpp"
 #include "runtime/registry.hpp"
@@ -34,6 +35,8 @@ struct View {
     std::unique_ptr<PooledImage> visibility;
     std::unique_ptr<PooledImage> replaced; ///< Was `visibility` before the newest frame, which may yet be withdrawn.
     bool resized = false;                  ///< The newest frame made `visibility`.
+    std::uint64_t madeIn = 0;              ///< Frame that made `visibility`.
+    std::uint64_t replacedMadeIn = 0;      ///< The same of `replaced`.
     std::uint64_t revision = 0;
     std::unique_ptr<DepthGrid> grid;
     std::unordered_map<std::uint32_t, LightMemory> lights; ///< By light id.
@@ -193,6 +196,7 @@ private:
     void withdrawFades(std::uint64_t frame);
     void withdrawFrame(std::uint64_t frame, bool memoryShort);
     void forgetFrame(std::uint64_t frame, bool memoryShort);
+    void loseFrame(std::uint64_t frame);
 
     // Records of decisions (explain.cpp).
     void recordDecisions();

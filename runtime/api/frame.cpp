@@ -59,7 +59,10 @@ Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, Vk
     };
     try {
         Result<GnResult> run = runFrame(info, mode, cmd, start);
-        if (!run) undo(run.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY);
+        if (run)
+            recorded_ = mode == FrameMode::recorded ? info.frame : 0;
+        else
+            undo(run.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY);
         return run;
     } catch (...) { // no memory; the C API says so
         undo(false);
@@ -116,7 +119,6 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     lastFrameStart_ = start;
     frame_ = info.frame;
     present() = {.frame = frame_};
-    recorded_ = mode == FrameMode::recorded ? info.frame : 0;
 
     scene_->retire(info.completedFrame);
     std::erase_if(retiredGrids_, [&](const RetiredGrid& old) { return old.frame <= info.completedFrame; });
@@ -219,7 +221,11 @@ Result<void> Context::dropFrame(std::uint64_t frame)
     if (frame == 0 || frame != recorded_)
         return frameOrder("frame " + std::to_string(frame) + " is not the one recorded last (" +
                           std::to_string(recorded_) + ")");
-    withdrawFrame(frame, false);
+    if (pool_->frame() == frame)
+        withdrawFrame(frame, false);
+    else
+        loseFrame(frame);
+    recorded_ = 0;
     return {};
 }
 
@@ -229,8 +235,22 @@ void Context::withdrawFrame(std::uint64_t frame, bool memoryShort)
     pool_->withdraw(frame);
     executor_->drop(frame);
     scene_->dropUploads(frame);
-    recorded_ = 0;
     forgetFrame(frame, memoryShort);
+}
+
+/// The same after an attempt at the next frame has failed: what was before this one is not known any more.
+void Context::loseFrame(std::uint64_t frame)
+{
+    pool_->lose(frame);
+    executor_->drop(frame);
+    scene_->dropUploads(frame);
+    maps_.clear();
+    views_.forEach([&](std::unique_ptr<View>& view) {
+        view->grid->drop(frame);
+        if (view->madeIn != frame || !view->visibility) return;
+        pool_->retire(std::move(view->visibility), 0); // nobody has ever read it
+        ++view->revision;
+    });
 }
 
 /// What a frame that nobody will see has noted for others; where memory was short, what is kept goes as well: tried

@@ -12,6 +12,21 @@ Error frameOrder(const std::string& text)
     return {GN_ERROR_FRAME_ORDER, "FrameOrder", text};
 }
 
+namespace {
+
+Result<void> checkSemaphores(const GnSemaphorePoint* points, std::uint32_t count, const char* name)
+{
+    const auto missing = [name](const std::string& what) {
+        return Error{GN_ERROR_NULL_ARGUMENT, "SemaphoresMissing", std::string(name).append(what).append(" is null")};
+    };
+    if (count && !points) return missing("");
+    for (std::uint32_t i = 0; i < count; ++i)
+        if (!points[i].semaphore) return missing(std::string("[") + std::to_string(i) + "].semaphore");
+    return {};
+}
+
+} // namespace
+
 Result<void> Context::takeInput(const GnFrameInfo& info)
 {
     if (executor_->underway()) return frameOrder("gnFinishShadows of frame " + std::to_string(frame_) + " is missing");
@@ -28,9 +43,8 @@ Result<void> Context::takeInput(const GnFrameInfo& info)
         return Error{GN_ERROR_OUT_OF_RANGE, "BudgetNegative",
                      "budgetMs is " + rules::shortestText(double{info.budgetMs})};
     if (info.viewCount && !info.pViews) return Error{GN_ERROR_NULL_ARGUMENT, "ViewsMissing", "pViews is null"};
-    if (info.waitCount && !info.pWaits) return Error{GN_ERROR_NULL_ARGUMENT, "SemaphoresMissing", "pWaits is null"};
-    if (info.signalCount && !info.pSignals)
-        return Error{GN_ERROR_NULL_ARGUMENT, "SemaphoresMissing", "pSignals is null"};
+    if (Result<void> ok = checkSemaphores(info.pWaits, info.waitCount, "pWaits"); !ok) return ok;
+    if (Result<void> ok = checkSemaphores(info.pSignals, info.signalCount, "pSignals"); !ok) return ok;
     if (Result<void> ok = acceptViews(info); !ok) return ok;
 
     auto points = [](const GnSemaphorePoint* list, std::uint32_t count, std::vector<VkSemaphoreSubmitInfo>& out) {

@@ -26,6 +26,7 @@ Result<void> Context::prepareView(View& view, const GnViewFrame& frame)
         view.replaced = std::move(view.visibility);
         view.visibility = std::move(*made);
         view.resized = true;
+        view.replacedMadeIn = std::exchange(view.madeIn, frame_);
         ++view.revision;
         view.grid->invalidate();
     }
@@ -76,6 +77,7 @@ void Context::restoreVisibility(bool memoryShort)
         pool_->retire(std::move(view.visibility), 0); // nobody has ever read it
         if (view.replaced && memoryShort) pool_->retire(std::move(view.replaced), frame_ - 1);
         view.visibility = std::move(view.replaced);
+        view.madeIn = view.replacedMadeIn;
         ++view.revision;
     }
 }

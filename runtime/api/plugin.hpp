@@ -49,6 +49,4 @@ private:
     PFN_gnPluginMain main_ = nullptr;
 };
 
-GnPluginInterface makePluginInterface(VkDevice device, PFN_vkGetDeviceProcAddr getDeviceProcAddr);
-
 } // namespace gnomon

@@ -248,10 +248,10 @@ void JobSystem::Pool::loop()
 JobSystem::JobSystem(PFN_gnScheduleJob schedule, void* userData, std::uint32_t threadCount, PFN_gnThreadStarted started)
     : pool_(std::make_unique<Pool>())
 {
-    pool_->schedule = schedule;
+    pool_->schedule = threadCount == 1 ? nullptr : schedule;
     pool_->userData = userData;
     pool_->threadCount = threadCount ? threadCount : std::max(1u, std::thread::hardware_concurrency());
-    if (schedule) return;
+    if (schedule || threadCount == 1) return;
     const std::uint32_t workers = std::max(1u, pool_->threadCount - 1);
     pool_->threads.reserve(workers);
     try {

@@ -24,8 +24,8 @@ public:
     };
 
     /// `threadCount` counts the caller of parallelFor, so that a pool of our own does not crowd the cores; 0: one a
-    /// core. A pool has at least one thread, else background work would never be done; each calls `started` first, if
-    /// given.
+    /// core, and one more where there is a single one, for work in the background. 1: no thread but the callers'; jobs
+    /// run where they are waited for, or in the destructor. Each thread of the pool calls `started` first, if given.
     JobSystem(PFN_gnScheduleJob schedule, void* userData, std::uint32_t threadCount,
               PFN_gnThreadStarted started = nullptr);
     ~JobSystem(); ///< Runs what is still queued, then waits for the workers.

@@ -31,6 +31,7 @@ public:
     {
         if (free_.empty()) {
             if (slots_.size() == kMaxSlots) return 0;
+            if (free_.capacity() <= slots_.size()) free_.reserve(2 * slots_.size() + 16); // for all: take() adds them
             slots_.emplace_back();
             free_.push_back(static_cast<std::uint32_t>(slots_.size() - 1));
         }
@@ -50,10 +51,12 @@ public:
     }
     const T* find(std::uint64_t handle) const noexcept { return const_cast<SlotMap*>(this)->find(handle); }
 
-    /// Takes the object out. A slot whose generations are used up is never used again.
+    /// Takes the object out, which cannot fail: there is room in the list of free slots. A slot whose generations are
+    /// used up is never used again.
     /// @return a default-constructed T if the handle is wrong.
-    T take(std::uint64_t handle)
+    T take(std::uint64_t handle) noexcept
     {
+        static_assert(std::is_nothrow_default_constructible_v<T> && std::is_nothrow_move_constructible_v<T>);
         Slot* slot = slotOf(handle);
         if (!slot) return T{};
         T value = std::exchange(slot->value, T{});

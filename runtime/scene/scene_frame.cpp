@@ -79,6 +79,16 @@ bool SceneRegistry::Impl::refresh(InstanceRecord& record)
     return switched;
 }
 
+/// All that the frame may need, before anything has changed: what fails for memory is then as if it had not begun.
+void SceneRegistry::Impl::makeRoomForFrame()
+{
+    const std::size_t all = order.capacity(); // grows by doubling
+    changed.reserve(all);
+    casting.reserve(all);
+    makeRoom(reports, order.size());
+    arrays.makeRoom(all);
+}
+
 /// @return whether the set of casters changed.
 bool SceneRegistry::Impl::refreshMarked()
 {
@@ -88,7 +98,6 @@ bool SceneRegistry::Impl::refreshMarked()
         if (refresh(*record)) structural = true;
     dirty.clear();
     if (!structural) return false;
-    changed.reserve(order.capacity());
     casting.clear();
     for (const InstancePtr& record : order) {
         if (!record->casting) continue;
@@ -103,11 +112,12 @@ const SceneRegistry::Snapshot& SceneRegistry::begin(std::uint64_t frame, const s
     Impl& self = *impl_;
     {
         const std::lock_guard lock(self.mutex);
+        self.adoptBuilt(self.releasedRevisions);
+        self.forgetDestroyed();
+        self.makeRoomForFrame(); // the last that may fail
         const bool shifted = self.lastFrame == 0 || origin != self.origin;
         self.lastFrame = frame;
         self.origin = origin;
-        self.adoptBuilt(self.releasedRevisions);
-        self.forgetDestroyed();
         if (std::exchange(self.meshesChanged, false)) self.markChangedMeshes();
         self.markHostDrawn();
         if (shifted)

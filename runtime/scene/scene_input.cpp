@@ -55,12 +55,28 @@ Error outOfRange(Subject what, const char* name, double value, const char* range
             what.text() + ": " + name + " is " + text(value) + ", not in " + range};
 }
 
-double determinant(const float (&m)[9]) noexcept
+/// A basis whose inverse is within the library's numbers as well: rays are brought into the object's space by it. In
+/// double, products of three floats neither vanish nor overflow.
+Result<void> checkInverse(Subject what, const float (&m)[9])
 {
-    const auto minor = [&m](int a, int b, int c, int d) {
-        return static_cast<double>(m[a]) * m[d] - static_cast<double>(m[b]) * m[c];
-    };
-    return m[0] * minor(4, 5, 7, 8) - m[1] * minor(3, 5, 6, 8) + m[2] * minor(3, 4, 6, 7);
+    double cofactors[9]; // of m; those of element (row, column) divide into the inverse's (column, row)
+    for (int i = 0; i < 9; ++i) {
+        const int row1 = (i / 3 + 1) % 3 * 3, row2 = (i / 3 + 2) % 3 * 3, column1 = (i + 1) % 3, column2 = (i + 2) % 3;
+        cofactors[i] = static_cast<double>(m[row1 + column1]) * m[row2 + column2] -
+                       static_cast<double>(m[row1 + column2]) * m[row2 + column1];
+    }
+    const double determinant = m[0] * cofactors[0] + m[1] * cofactors[1] + m[2] * cofactors[2];
+    if (determinant == 0.0)
+        return Error{GN_ERROR_OUT_OF_RANGE, "TransformSingular",
+                     what.text() + ": the basis is singular (determinant 0), it flattens the mesh"};
+    for (int i = 0; i < 9; ++i) {
+        const double element = cofactors[i % 3 * 3 + i / 3] / determinant;
+        if (std::abs(element) <= kLargestMagnitude) continue;
+        return Error{GN_ERROR_OUT_OF_RANGE, "TransformSingular",
+                     what.text() + ": the basis is nearly singular: element [" + std::to_string(i) +
+                         "] of its inverse is " + text(element) + ", larger than 1e18"};
+    }
+    return {};
 }
 
 bool hasArea(glm::vec3 a, glm::vec3 b, glm::vec3 c) noexcept
@@ -171,9 +187,7 @@ Result<GnTransform> readTransform(Subject what, const GnTransform& transform)
     GnTransform result = transform;
     if (std::all_of(std::begin(result.basis), std::end(result.basis), [](float x) { return x == 0.0f; }))
         result.basis[0] = result.basis[4] = result.basis[8] = 1.0f;
-    if (determinant(result.basis) == 0.0)
-        return Error{GN_ERROR_OUT_OF_RANGE, "TransformSingular",
-                     what.text() + ": the basis is singular (determinant 0), it flattens the mesh"};
+    if (Result<void> inverse = checkInverse(what, result.basis); !inverse) return inverse.error();
     return result;
 }
 

@@ -34,6 +34,12 @@ void SceneRegistry::Impl::adoptBuilt(std::vector<RevisionPtr>& released)
     meshesChanged = meshesChanged || released.size() != before;
 }
 
+void SceneRegistry::Impl::makeRoomFor(const std::vector<MeshUpload>& made)
+{
+    makeRoom(building);
+    makeRoom(uploads, made.size() + recorded.size());
+}
+
 /// From here on the revision's job may be submitted: it stays alive until that is done.
 void SceneRegistry::Impl::keepSafe(const RevisionPtr& revision, std::vector<MeshUpload>& made)
 {
@@ -70,8 +76,7 @@ Result<GnMesh> SceneRegistry::createMesh(const GnMeshCreateInfo& info)
     {
         const std::lock_guard lock(impl_->mutex);
         impl_->adoptMany(released);
-        makeRoom(impl_->building);
-        impl_->uploads.reserve(impl_->uploads.size() + uploads.size());
+        impl_->makeRoomFor(uploads);
         handle = impl_->meshes.insert(*revision);
         if (!handle) return tooMany("mesh");
         impl_->keepSafe(*revision, uploads);
@@ -109,7 +114,7 @@ Result<void> SceneRegistry::updateMeshPositions(GnMesh mesh, const float* positi
         impl_->adoptBuilt(released);                // no frame may be there to do it
         makeRoom(released);
         makeRoom(impl_->graves);
-        makeRoom(impl_->building);
+        impl_->makeRoomFor(uploads);
         impl_->keepSafe(*revision, uploads);
         impl_->release(std::exchange(*current, *revision), released);
     }
@@ -121,13 +126,13 @@ Result<void> SceneRegistry::updateMeshPositions(GnMesh mesh, const float* positi
 void SceneRegistry::destroyMesh(GnMesh mesh)
 {
     std::vector<RevisionPtr> released;
-    released.reserve(1);
     {
         const std::lock_guard lock(impl_->mutex);
         if (!impl_->findMesh(mesh)) return;
+        impl_->adoptBuilt(released);
+        makeRoom(released);
         makeRoom(impl_->graves);
         impl_->release(impl_->meshes.take(bitsOf(mesh)), released);
-        impl_->adoptBuilt(released);
     }
     impl_->letGo(released);
 }

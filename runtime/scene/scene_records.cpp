@@ -72,11 +72,19 @@ void CasterArrays::Copy::writeAll(const std::vector<InstanceRecord*>& casting)
 {
     casters.resize(casting.size());
     transforms.resize(casting.size());
-    behind.reserve(casting.capacity()); // all of them may change at once later on
     for (const InstanceRecord* record : casting)
         write(*record);
     behind.clear();
     stale = false;
+}
+
+void CasterArrays::makeRoom(std::size_t casterCount)
+{
+    Copy& next = copies_[current_ ^ 1u];
+    next.casters.reserve(casterCount);
+    next.transforms.reserve(casterCount);
+    for (Copy& copy : copies_)
+        copy.behind.reserve(casterCount); // all of them may change at once
 }
 
 void CasterArrays::publish(const std::vector<InstanceRecord*>& casting, const std::vector<InstanceRecord*>& changed,

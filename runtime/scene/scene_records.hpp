@@ -53,6 +53,8 @@ struct LightRecord {
 /// look at. Only what changed since that copy was current is written.
 class CasterArrays {
 public:
+    /// For publish() with as many casters, which then cannot fail. The current copy stays where it is.
+    void makeRoom(std::size_t casterCount);
     /// @param casting all casters in their order; @param changed those with new content; @param structural the set or
     /// the order changed. Neither: the current copy stays.
     void publish(const std::vector<InstanceRecord*>& casting, const std::vector<InstanceRecord*>& changed,

@@ -1,6 +1,8 @@
 #pragma once
 // State of the SceneRegistry. Its functions are in scene_registry.cpp (instances, lights), scene_meshes.cpp (meshes,
 // uploads, what waits for the GPU) and scene_frame.cpp (what one frame sees).
+#include <algorithm>
+
 #include "runtime/core/slot_map.hpp"
 #include "runtime/scene/mesh_store.hpp"
 #include "runtime/scene/scene_records.hpp"
@@ -12,11 +14,11 @@ using RevisionPtr = std::shared_ptr<MeshRevision>;
 using InstancePtr = std::shared_ptr<InstanceRecord>;
 using LightPtr = std::shared_ptr<LightRecord>;
 
-/// Room for one more, so that the push_back that follows cannot fail half-way through a change.
+/// Room for so many more, so that what follows cannot fail half-way through a change.
 template <typename T>
-void makeRoom(std::vector<T>& list)
+void makeRoom(std::vector<T>& list, std::size_t count = 1)
 {
-    if (list.size() == list.capacity()) list.reserve(2 * list.capacity() + 16);
+    if (list.capacity() - list.size() < count) list.reserve(std::max(2 * list.capacity() + 16, list.size() + count));
 }
 
 inline Error invalidHandle(const char* kind)
@@ -54,6 +56,8 @@ struct SceneRegistry::Impl {
     void adoptBuilt(std::vector<RevisionPtr>& released);
     /// The same once there are many: meshes are created by the thousand.
     void adoptMany(std::vector<RevisionPtr>& released);
+    /// Room for what keepSafe() takes in; for what is recorded as well, which dropUploads() may bring back.
+    void makeRoomFor(const std::vector<MeshUpload>& made);
     void keepSafe(const RevisionPtr& revision, std::vector<MeshUpload>& made);
     void bury(std::shared_ptr<const void> object) { graves.push_back({lastFrame, std::move(object)}); }
     void release(RevisionPtr revision, std::vector<RevisionPtr>& released);
@@ -69,6 +73,7 @@ struct SceneRegistry::Impl {
     void forgetDestroyed();
     void markChangedMeshes();
     void markHostDrawn();
+    void makeRoomForFrame();
     bool refreshMarked();
     bool refresh(InstanceRecord& record);
     void refreshLights(bool shifted);

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
+#include <thread>
 #include <utility>
 
 #include "device/hooks.hpp"
@@ -145,4 +146,29 @@ TEST_CASE("every pipeline is made with the host's cache, which outlives the cont
     CHECK(vkGetPipelineCacheData(device().handle, cache, &size, nullptr) == VK_SUCCESS);
     CHECK(size >= 32); // its header
     vkDestroyPipelineCache(device().handle, cache, nullptr);
+}
+
+TEST_CASE("with one thread to work on, all work is done in the calls: meshes, pipelines and frames")
+{
+    const DeviceTest test;
+    static std::atomic<int> started, elsewhere;
+    static std::thread::id caller;
+    started = elsewhere = 0;
+    caller = std::this_thread::get_id();
+    HostOptions options{.extent = {96, 54}, .flags = 0, .warmUp = false};
+    options.context = [](GnContextCreateInfo& info) {
+        info.jobThreadCount = 1;
+        info.pfnThreadStarted = [](uint32_t, void*) { ++started; };
+        info.pfnMessage = [](const GnMessage*, void*) { elsewhere += std::this_thread::get_id() != caller; };
+    };
+    Host host(smallScene(), options); // its floor is open: whoever makes the topology says so
+    host.pin(0, "ray_traced");
+    std::string serves;
+    for (int frame = 0; frame < 100 && serves != "ray_traced"; ++frame) { // once its turn has come
+        host.require(host.draw());
+        serves = host.decision(0).pMethod ? host.decision(0).pMethod : "";
+    }
+    CHECK(serves == "ray_traced");
+    CHECK(started == 0);
+    CHECK(elsewhere == 0);
 }

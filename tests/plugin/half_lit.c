@@ -59,10 +59,7 @@ static void GN_CALL declare(void* pAlgorithm, GnPassBuilder builder, const GnSha
     gn->pfnPass(builder, &raster);
 }
 
-extern GN_EXPORT const uint32_t gnPluginVersion;
 const uint32_t gnPluginVersion = GN_PLUGIN_VERSION;
-
-GN_EXPORT GnResult GN_CALL gnPluginMain(GnContext context, const GnPluginInterface* pInterface);
 
 GnResult GN_CALL gnPluginMain(GnContext context, const GnPluginInterface* pInterface)
 {

@@ -1,6 +1,7 @@
 #include "runtime/allocation_count.hpp"
 
 #include <atomic>
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 
@@ -15,6 +16,10 @@
 namespace {
 std::atomic<std::size_t> allocations{0};
 std::atomic<std::size_t> returned{0};
+
+constexpr std::size_t kAll = SIZE_MAX;
+thread_local std::size_t toSucceed = kAll; // of NoMemory; kAll: none lives
+thread_local bool anyFailed = false;
 } // namespace
 
 std::size_t gnomon::test::allocationCount() noexcept
@@ -36,6 +41,22 @@ bool gnomon::test::countsOnlyOurs() noexcept
 #endif
 }
 
+gnomon::test::NoMemory::NoMemory(std::size_t first) noexcept
+{
+    toSucceed = first;
+    anyFailed = false;
+}
+
+gnomon::test::NoMemory::~NoMemory()
+{
+    toSucceed = kAll;
+}
+
+bool gnomon::test::NoMemory::struck() const noexcept
+{
+    return anyFailed;
+}
+
 #if defined(GN_TEST_SANITIZED)
 
 // A sanitizer brings its own operator new, linked statically by clang; its hooks see every allocation instead.
@@ -52,6 +73,11 @@ namespace {
 void* operator new(std::size_t size)
 {
     ++allocations;
+    if (toSucceed == 0) {
+        anyFailed = true;
+        throw std::bad_alloc();
+    }
+    if (toSucceed != kAll) --toSucceed;
     if (void* memory = std::malloc(size ? size : 1)) return memory;
     throw std::bad_alloc();
 }

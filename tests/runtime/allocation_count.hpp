@@ -14,4 +14,16 @@ std::int64_t liveAllocationCount() noexcept;
 /// nothing and more than zero is no finding.
 bool countsOnlyOurs() noexcept;
 
+/// While it lives, calls of operator new on its thread fail: from the `first`-th on (0: the very next), all of them.
+/// Where not only ours are counted, none does. One at a time a thread.
+class NoMemory {
+public:
+    explicit NoMemory(std::size_t first) noexcept;
+    ~NoMemory();
+    NoMemory(const NoMemory&) = delete;
+    NoMemory& operator=(const NoMemory&) = delete;
+
+    bool struck() const noexcept; ///< One has failed.
+};
+
 } // namespace gnomon::test

@@ -131,6 +131,20 @@ TEST_CASE("an instance with a wrong number is refused by element, and a refused 
     GnTransform flat = at(4);
     flat.basis[0] = flat.basis[4] = 1.0f;
     refused(flat, GN_ERROR_OUT_OF_RANGE, "singular");
+    GnTransform thin = at(4); // its inverse is no number that the library takes
+    thin.basis[0] = thin.basis[8] = 1.0f;
+    thin.basis[4] = 1e-19f;
+    refused(thin, GN_ERROR_OUT_OF_RANGE, "basis is nearly singular: element [4] of its inverse is 1000000");
+    thin.basis[4] = std::numeric_limits<float>::denorm_min();
+    thin.basis[0] = thin.basis[8] = 1e18f;
+    refused(thin, GN_ERROR_OUT_OF_RANGE, "element [4]");
+    thin.basis[8] = -1e-20f;
+    thin.basis[4] = 1.0f;
+    refused(thin, GN_ERROR_OUT_OF_RANGE, "element [8]");
+    thin.basis[0] = thin.basis[4] = thin.basis[8] = 2e-18f;
+    CHECK(readTransform({"instance", "speck"}, thin));
+    thin.basis[0] = thin.basis[4] = thin.basis[8] = 1e18f;
+    CHECK(readTransform({"instance", "everything"}, thin));
     GnInstanceCreateInfo info = instanceOf(mesh, {}, 0x100, "tower");
     checkRefused(scene.registry->createInstance(info), GN_ERROR_OUT_OF_RANGE, "flags");
     CHECK(scene.begin().casters.size() == 1);

@@ -356,6 +356,32 @@ TEST_CASE("each thread of the pool says once that it starts, on itself and befor
     }
 }
 
+TEST_CASE("one thread is the calling one: no other is started or asked for, and who waits for a job runs it")
+{
+    struct Seen {
+        std::atomic<int> started{0}, scheduled{0};
+        std::thread::id ranOn;
+    } seen;
+    const auto started = [](std::uint32_t, void* data) { ++static_cast<Seen*>(data)->started; };
+    const auto schedule = [](PFN_gnJob job, void* data, void* host) {
+        ++static_cast<Seen*>(host)->scheduled;
+        std::thread(job, data).join();
+    };
+    for (const PFN_gnScheduleJob given : {PFN_gnScheduleJob{nullptr}, PFN_gnScheduleJob{schedule}}) {
+        JobSystem jobs(given, &seen, 1, started);
+        JobSystem::Job job;
+        job.data = &seen;
+        job.run = [](void* data) { static_cast<Seen*>(data)->ranOn = std::this_thread::get_id(); };
+        seen.ranOn = {};
+        jobs.submit(job);
+        checkCoverage(jobs, 100, 1);
+        jobs.wait(job);
+        CHECK(seen.ranOn == std::this_thread::get_id());
+    }
+    CHECK(seen.started == 0);
+    CHECK(seen.scheduled == 0);
+}
+
 TEST_CASE("running jobs and ranges allocates nothing")
 {
     JobSystem jobs(nullptr, nullptr, 3);

@@ -88,9 +88,9 @@ typedef enum GnBufferPlace {
 } GnBufferPlace;
 
 typedef struct GnBufferInfo {
-    const char* pName;
+    const char* pName;   ///< As GnImageInfo's.
     GnScope scope;
-    VkDeviceSize size;
+    VkDeviceSize size;   ///< At most 2 GiB.
     GnBufferPlace place;
     uint32_t variant;
     VkBool32 persistent;
@@ -110,7 +110,7 @@ typedef struct GnPassInfo {
     uint32_t variant;
     uint32_t accessCount;
     const GnAccess* pAccesses;
-    VkRect2D area;      ///< Raster; zero extent: the first attachment's.
+    VkRect2D area;      ///< Raster, which has an attachment; within all of them. Zero extent: the first one's `rect`.
     PFN_gnRecord pfnRecord; ///< GPU passes.
     PFN_gnRun pfnRun;       ///< CPU passes.
     const void* pUserData;
@@ -177,12 +177,16 @@ GN_API GnResult GN_CALL gnRegisterAlgorithm(GnContext context, const GnAlgorithm
 
 struct GnPluginInterface;
 
-/** Of the structures in this header; grows with every change to one of them. A plug-in says which it was compiled with:
-`GN_EXPORT const uint32_t gnPluginVersion = GN_PLUGIN_VERSION;`. */
+/** Of the structures in this header; grows with every change to one of them. A plug-in, in C or in C++, says which it was
+compiled with: `const uint32_t gnPluginVersion = GN_PLUGIN_VERSION;`. */
 #define GN_PLUGIN_VERSION 1
 
 /** What a plug-in exports under the name "gnPluginMain": registers its algorithms and returns the first failure. */
 typedef GnResult(GN_CALL* PFN_gnPluginMain)(GnContext context, const struct GnPluginInterface* pInterface);
+
+/* What a plug-in defines, declared here for C linkage; hosts and gnomon have neither. */
+extern GN_EXPORT const uint32_t gnPluginVersion;
+GN_EXPORT GnResult GN_CALL gnPluginMain(GnContext context, const struct GnPluginInterface* pInterface);
 
 /** gnomon's side of the door, so that a plug-in needs to link nothing. New members go to the end. */
 typedef struct GnPluginInterface {
@@ -195,8 +199,10 @@ typedef struct GnPluginInterface {
     /** After a failure the task's other passes are taken back, another method serves its light, or it is lit where none
     can, and the algorithm is asked for that light again after a second or more. An image written by a
     compute or CPU pass, or updated by any, and a host pass of an algorithm whose roundTrips is 0, are
-    #GN_ERROR_UNSUPPORTED. */
+    #GN_ERROR_UNSUPPORTED. The task fails as well by what the calls above do not take: their references are 0 then, and
+    their stamps stale. */
     GnResult(GN_CALL* pfnPass)(GnPassBuilder builder, const GnPassInfo* pInfo);
+    /** Null for what the frame has not. */
     VkImage(GN_CALL* pfnVkImage)(GnPassContext context, GnImageRef image);
     VkImageView(GN_CALL* pfnVkImageView)(GnPassContext context, GnImageRef image, uint32_t layer);
     VkBuffer(GN_CALL* pfnVkBuffer)(GnPassContext context, GnBufferRef buffer);

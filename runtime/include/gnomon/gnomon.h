@@ -165,7 +165,8 @@ typedef struct GnContextCreateInfo {
                                                        ///< to fill, save and destroy. Null: one of gnomon's own.
     PFN_gnScheduleJob pfnScheduleJob;                  ///< Optional. Absent: gnomon runs one pool of its own.
     uint32_t jobThreadCount;                           ///< Threads that may work at once, the calling one counted in;
-                                                       ///< 0: as many as cores. 1: all work in the calls.
+                                                       ///< 0: as many as cores. 1: all work in the calls, as with
+                                                       ///< #GN_CONTEXT_NO_BACKGROUND_BIT, and no thread is started.
     PFN_gnThreadStarted pfnThreadStarted;              ///< Optional. Not called where pfnScheduleJob is given.
     PFN_gnMessage pfnMessage;                          ///< Optional. Absent means silent.
     void* pUserData;                                   ///< Given to all callbacks above.
@@ -290,7 +291,9 @@ the same frame number: gnGetVisibility() gives the images of the frame before, a
 volumes kept for later frames have been given up, and so has the visibility of a view whose size was to change. */
 GN_API GnResult GN_CALL gnCmdRenderShadows(GnContext context, VkCommandBuffer commandBuffer, const GnFrameInfo* pFrame);
 
-/** \brief The frame last recorded by gnCmdRenderShadows() will not be submitted. Of it only the number counts. */
+/** \brief The frame last recorded by gnCmdRenderShadows() will not be submitted. Of it only the number counts. Where an
+attempt at the next frame has failed by then, a view whose size the dropped one changed has no visibility until its next
+frame. */
 GN_API GnResult GN_CALL gnDropFrame(GnContext context, uint64_t frame);
 
 /** \brief Submits what needs no host result and starts host passes on workers. Pair with gnFinishShadows(). */

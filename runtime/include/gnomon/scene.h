@@ -34,7 +34,8 @@ GN_API void GN_CALL gnDestroyMesh(GnContext context, GnMesh mesh);
 
 /** Where something stands. Row-major 3x3 (rotation, scale, shear) and a double translation in metres. */
 typedef struct GnTransform {
-    float basis[9];        ///< Rows of the linear part; all zero means identity.
+    float basis[9];        ///< Rows of the linear part; all zero means identity. The elements of its inverse are at most
+                           ///< 1e18 as well.
     double translation[3]; ///< World space, metres.
 } GnTransform;
 
@@ -90,7 +91,8 @@ typedef struct GnInstanceCreateInfo {
 /** \brief Adds an instance. Any thread. */
 GN_API GnResult GN_CALL gnCreateInstance(GnContext context, const GnInstanceCreateInfo* pCreateInfo,
                                          GnInstance* pInstance);
-/** \brief Moves it. Seen from the next frame on. Any thread. NaN or infinity: an error, the old transform stays. */
+/** \brief Moves it. Seen from the next frame on. Any thread. What is no transform
+(NaN, infinity, a basis without an inverse): an error, the old one stays. */
 GN_API GnResult GN_CALL gnSetInstanceTransform(GnContext context, GnInstance instance, const GnTransform* pTransform);
 /** \brief New object-space bounds of a host-drawn instance, whose shape is the host's to change. Seen from the next frame
 on. Any thread. \return #GN_ERROR_INVALID_HANDLE for an instance with a mesh. */
