@@ -1,5 +1,6 @@
 #include "demo/io/csv.hpp"
 
+#include "demo/io/file.hpp"
 #include "demo/io/number.hpp"
 
 #include <cmath>
@@ -57,11 +58,7 @@ Status CsvWriter::save(const std::filesystem::path& file) const
 {
     if (!fault_.empty()) return Status::failure(file.string() + ": " + fault_);
     if (cellsInRow_ != 0) return Status::failure(file.string() + ": the last row was not ended");
-    std::ofstream out(file, std::ios::binary);
-    out.write(text_.data(), static_cast<std::streamsize>(text_.size()));
-    out.close();
-    if (!out) return Status::failure(file.string() + ": cannot be written");
-    return Done{};
+    return writeFile(file, text_);
 }
 
 bool splitCsvLine(std::string_view line, std::vector<std::string>& cells)

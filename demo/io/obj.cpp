@@ -1,8 +1,7 @@
 #include "demo/io/obj.hpp"
 
+#include "demo/io/file.hpp"
 #include "demo/io/number.hpp"
-
-#include <fstream>
 
 namespace gnomon::demo {
 
@@ -30,11 +29,7 @@ void ObjWriter::add(const std::string& name, const Mesh& mesh, const Transform& 
 
 Status ObjWriter::save(const std::filesystem::path& file) const
 {
-    std::ofstream out(file, std::ios::binary);
-    out.write(text_.data(), static_cast<std::streamsize>(text_.size()));
-    out.close();
-    if (!out) return Status::failure(file.string() + ": cannot be written");
-    return Done{};
+    return writeFile(file, text_);
 }
 
 } // namespace gnomon::demo

@@ -10,6 +10,9 @@ namespace gnomon::demo {
 /// 8-bit gray or RGB, by the image's channel count.
 Status writePng(const std::filesystem::path& file, const Image8& image);
 
+/// Whether the file starts and ends as a PNG file does; what another program wrote may have been cut short.
+bool isWholePng(const std::filesystem::path& file);
+
 /// \param channels 1 or 3: what the caller wants; the file is converted.
 Outcome<Image8> readPng(const std::filesystem::path& file, uint32_t channels);
 

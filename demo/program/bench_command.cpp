@@ -57,6 +57,14 @@ const GnSettingInfo* sizeSetting(const GnMethodInfo& method)
     return nullptr;
 }
 
+/// As the context has it now; its pointers live as long.
+GnMethodInfo infoOf(const ShadowHost& shadows, const std::string& method)
+{
+    for (const GnMethodInfo& info : shadows.methods())
+        if (method == info.pName) return info;
+    throw HostError("no method '" + method + "'");
+}
+
 /// One scene with one number of lights at one size: the truth is made once for all rows.
 class SceneBench {
 public:
@@ -78,10 +86,9 @@ public:
         return row;
     }
 
-    /// Empty where the first light is no spot light.
-    std::optional<Row> bare(uint32_t map)
+    /// \pre hasBare().
+    Row bare(uint32_t map)
     {
-        if (scene_.lights.empty() || scene_.lights[0].kind != LightKind::Spot) return std::nullopt;
         Scene one = scene_;
         one.lights.resize(1);
         Session session(device_, one, sessionOptions());
@@ -91,19 +98,20 @@ public:
         return row;
     }
 
-    /// Empty where the method serves none of the lights.
-    std::optional<Row> method(const GnMethodInfo& info, std::optional<uint32_t> map)
+    /// \param traits of the method; it serves one of the lights at least. \param map empty: as set, or its default.
+    Row method(const std::string& name, GnTraits traits, std::optional<uint32_t> map)
     {
-        const Scene served = onlyServed(scene_, info.traits);
-        if (served.lights.empty()) return std::nullopt;
+        const Scene served = onlyServed(scene_, traits);
         Session session(device_, served, sessionOptions());
-        if (map) expect(session.shadows.set(info.pName, sizeSetting(info)->pName, *map));
+        const GnMethodInfo info = infoOf(session.shadows, name);
+        if (map) expect(session.shadows.set(name, sizeSetting(info)->pName, *map));
         for (const SettingChoice& choice : choices_)
-            if (hasSetting(info, choice.name))
-                expect(session.shadows.set(info.pName, choice.name.c_str(), choice.value));
-        expect(session.shadows.pinAll(info.pName));
+            if (hasSetting(info, choice.name)) expect(session.shadows.set(name, choice.name, choice.value));
+        expect(session.shadows.pinAll(name));
         settle(session, frameTime(served, 0), options_.recorded);
-        Row row = rowFor(session, info.pName, map.value_or(0));
+        const GnMethodInfo inForce = infoOf(session.shadows, name);
+        const GnSettingInfo* size = sizeSetting(inForce);
+        Row row = rowFor(session, name, size ? static_cast<uint32_t>(size->value) : 0);
         row.times = timePairs(session, options_.repeat, options_.recorded, nullptr);
         const GnFrameStats stats = session.shadows.stats();
         row.rays = stats.rays;
@@ -229,22 +237,81 @@ void print(const Row& row)
 }
 
 /// \param count 0: the scene's own lights. \param named those of them that are measured; empty: all.
-Scene litScene(const std::string& name, uint32_t count, const std::vector<std::string>& named)
+Scene litScene(const std::string& name, uint32_t count, const std::vector<std::string>& named, const SourceSizes& sizes)
 {
     Scene scene = valueOf(loadScene(name));
     if (count > 0) limitLights(scene, count);
     if (!named.empty()) keepLights(scene, named);
+    setSourceSizes(scene, sizes);
     return scene;
 }
 
-/// Whether the method can be measured. \param asked for by name: then a note says why not.
-bool isMeasurable(const GnMethodInfo& method, bool recorded, bool asked)
+/// What is measured on a scene beside its base row.
+struct Job {
+    struct Method {
+        std::string name;
+        GnTraits traits;
+        std::vector<std::optional<uint32_t>> maps; ///< A row for each; empty: as set, or the method's default.
+    };
+    Scene scene;
+    std::vector<uint32_t> bareMaps;
+    std::vector<Method> methods;
+
+    bool empty() const { return bareMaps.empty() && methods.empty(); }
+};
+
+bool hasBare(const Scene& scene)
 {
-    const char* reason = method.pUnavailable                 ? method.pUnavailable
-                         : recorded && method.roundTrips > 0 ? "it cannot be recorded"
-                                                             : nullptr;
-    if (reason && asked) std::fprintf(stderr, "note: %s is left out: %s\n", method.pName, reason);
-    return !reason;
+    return !scene.lights.empty() && scene.lights[0].kind == LightKind::Spot;
+}
+
+/// Null: the method can be measured.
+const char* reasonAgainst(const GnMethodInfo& method, const Scene& scene, bool recorded)
+{
+    if (method.pUnavailable) return method.pUnavailable;
+    if (recorded && method.roundTrips > 0) return "it cannot be recorded";
+    return servesOne(scene, method.traits) ? nullptr : "it serves none of the lights";
+}
+
+/// Notes say why a method that was asked for by name is left out.
+Job plan(Device& device, Scene scene, const BenchOptions& options, const std::vector<std::string>& wanted,
+         const std::vector<uint32_t>& maps)
+{
+    const auto isWanted = [&wanted](const std::string& name) {
+        return wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end();
+    };
+    const auto leaveOut = [&](const std::string& name, const char* reason) {
+        if (wanted.empty()) return;
+        std::fprintf(stderr, "note: %s: %s is left out: %s\n", scene.name.c_str(), name.c_str(), reason);
+    };
+    Job job;
+    if (isWanted(kBareMethod)) {
+        if (hasBare(scene))
+            job.bareMaps = maps.empty() ? std::vector<uint32_t>{kDefaultBareMap} : maps;
+        else
+            leaveOut(kBareMethod, "the first light is no spot light");
+    }
+    Session session(device, scene, {.scene = {}, .size = {16, 16}}); // to list methods; draws nothing
+    for (const GnMethodInfo& info : session.shadows.methods()) {
+        if (!isWanted(info.pName)) continue;
+        if (const char* reason = reasonAgainst(info, scene, options.recorded)) {
+            leaveOut(info.pName, reason);
+            continue;
+        }
+        Job::Method& method = job.methods.emplace_back(Job::Method{info.pName, info.traits, {std::nullopt}});
+        if (sizeSetting(info) && !maps.empty()) method.maps.assign(maps.begin(), maps.end());
+    }
+    job.scene = std::move(scene);
+    return job;
+}
+
+/// Refuses what would count, or be called, something else.
+void requireMeaning(const std::vector<SettingChoice>& choices, const BenchOptions& options)
+{
+    requireNoReasons(choices);
+    for (const SettingChoice& choice : choices)
+        if (!options.maps.empty() && (choice.name == kResolutionSetting || choice.name == kRowsSetting))
+            throw HostError("--map sets '" + choice.name + "' already; it cannot be in --set, too");
 }
 
 } // namespace
@@ -255,45 +322,39 @@ int benchCommand(const BenchOptions& options)
     const std::vector<SettingChoice> choices = parseChoices(options.settings);
     requireMethods(wanted, std::array{kNoneMethod, kBareMethod});
     requireSettings(choices, wanted);
+    requireMeaning(choices, options);
     requireScenes(options.scenes);
     requireWritable(options.csv);
-    const std::unique_ptr<Device> device = Device::create({.validation = options.validation});
-    pinThread(0);
     const std::vector<uint32_t> maps = valueOf(parseCounts(options.maps, 16, 16384));
     std::vector<uint32_t> lightCounts = valueOf(parseCounts(options.lights, 1, 32));
     if (lightCounts.empty()) lightCounts.push_back(0); // the scene's
-    const std::vector<std::string> named = parseNames(options.light);
+    std::vector<Scene> scenes;
     for (const std::string& name : options.scenes) // a misspelt light ends the command before anything is measured
         for (const uint32_t count : lightCounts)
-            if (!named.empty()) (void)litScene(name, count, named);
-    const auto isWanted = [&wanted](const std::string& name) {
-        return wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end();
-    };
+            scenes.push_back(litScene(name, count, parseNames(options.light), options.sources));
+    const std::unique_ptr<Device> device = Device::create({.validation = options.validation});
+    pinThread(0);
+    std::vector<Job> jobs;
+    for (Scene& scene : scenes)
+        jobs.push_back(plan(*device, std::move(scene), options, wanted, maps));
+    const bool onlyBase = std::find(wanted.begin(), wanted.end(), kNoneMethod) != wanted.end();
+    if (!wanted.empty() && !onlyBase &&
+        std::all_of(jobs.begin(), jobs.end(), [](const Job& job) { return job.empty(); }))
+        throw HostError("none of the methods asked for can be measured here");
 
     CsvWriter csv(kColumns);
     const auto keep = [&](const Row& row) {
         print(row);
         write(csv, row, *device);
     };
-    for (const std::string& name : options.scenes) {
-        for (const uint32_t count : lightCounts) {
-            const Scene scene = litScene(name, count, named);
-            SceneBench bench(*device, scene, options, choices);
-            keep(bench.base());
-            if (isWanted(kBareMethod))
-                for (const uint32_t map : maps.empty() ? std::vector<uint32_t>{kDefaultBareMap} : maps)
-                    if (const std::optional<Row> row = bench.bare(map)) keep(*row);
-            Session session(*device, scene, {.scene = {}, .size = {16, 16}}); // to list methods; draws nothing
-            for (const GnMethodInfo& info : session.shadows.methods()) {
-                if (!isWanted(info.pName) || !isMeasurable(info, options.recorded, !wanted.empty())) continue;
-                std::vector<std::optional<uint32_t>> sizes = {std::nullopt};
-                if (const GnSettingInfo* setting = sizeSetting(info))
-                    sizes = maps.empty() ? decltype(sizes){static_cast<uint32_t>(setting->value)}
-                                         : decltype(sizes)(maps.begin(), maps.end());
-                for (const std::optional<uint32_t>& map : sizes)
-                    if (const std::optional<Row> row = bench.method(info, map)) keep(*row);
-            }
-        }
+    for (const Job& job : jobs) {
+        SceneBench bench(*device, job.scene, options, choices);
+        keep(bench.base());
+        for (const uint32_t map : job.bareMaps)
+            keep(bench.bare(map));
+        for (const Job::Method& method : job.methods)
+            for (const std::optional<uint32_t>& map : method.maps)
+                keep(bench.method(method.name, method.traits, map));
     }
     if (options.csv.empty())
         std::printf("%s", csv.text().c_str());

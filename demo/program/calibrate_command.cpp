@@ -7,6 +7,7 @@
 
 #include "demo/calibrate/sweep.hpp"
 #include "demo/host/pin_thread.hpp"
+#include "demo/io/file.hpp"
 #include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/measure.hpp"
@@ -77,7 +78,7 @@ int calibrate(const CalibrateOptions& options, Device& device, const std::vector
         rows.insert(rows.end(), runs[m].rows.begin(), runs[m].rows.end());
     }
     const std::string out = outputOf(options);
-    expect(writeText(out, cost::writeKnowledge(rows, parts)));
+    expect(writeFile(out, cost::writeKnowledge(rows, parts)));
     std::printf("%zu rows to %s\n", rows.size() + parts.size(), out.c_str());
     return 0;
 }
@@ -226,7 +227,7 @@ int check(const CalibrateOptions& options, Device& device, const std::vector<Swe
         printErrors(entry.first.c_str(), entry.second);
     printErrors("all lights and methods", percents);
     printErrors("the same without the device factor", cold);
-    if (!options.out.empty()) expect(writeText(options.out, cost::writeKnowledge(all)));
+    if (!options.out.empty()) expect(writeFile(options.out, cost::writeKnowledge(all)));
     return 0;
 }
 

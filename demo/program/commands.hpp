@@ -28,10 +28,17 @@ struct RunOptions {
 int runCommand(const RunOptions& options);
 int windowCommand(const RunOptions& options);
 
+/// Radii of the sources, in place of what a scene says. Empty: as it says.
+struct SourceSizes {
+    std::optional<double> radius;        ///< Of spot and point lights, metres.
+    std::optional<double> radiusDegrees; ///< Of directional ones, half angle of the disc.
+};
+
 struct BenchOptions {
     std::vector<std::string> scenes;
     std::string methods, lights, maps, settings, size, csv;
-    std::string light;       ///< Names: only these of the lights; empty: all.
+    std::string light; ///< Names: only these of the lights; empty: all.
+    SourceSizes sources;
     std::string figure, out; ///< A figure instead of scenes, and its picture.
     bool still = false;      ///< Of a figure: the model does not turn.
     uint32_t repeat = 15;
@@ -46,6 +53,7 @@ int figureCommand(const BenchOptions& options); ///< `bench --figure`.
 struct ContactOptions {
     std::vector<std::string> scenes;
     std::string methods, size, out = "contact.png";
+    SourceSizes sources;
 };
 int contactCommand(const ContactOptions& options);
 
@@ -65,7 +73,7 @@ struct TablesOptions {
 int tablesCommand(const TablesOptions& options);
 
 struct CompareOptions {
-    std::string scene, rules, methods, size, plot;
+    std::string scene, rules, methods, size, plot, csv;
     uint32_t frames = 0; ///< 0: the scene's.
     uint32_t alternations = 5;
     float budgetMs = 0.0f;

@@ -6,9 +6,11 @@
 #include <numeric>
 
 #include "demo/host/pin_thread.hpp"
+#include "demo/io/csv.hpp"
 #include "demo/io/number.hpp"
 #include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
+#include "demo/program/envelope.hpp"
 #include "demo/program/gnuplot.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/program/other_work.hpp"
@@ -50,9 +52,9 @@ private:
 struct Contestant {
     std::string name;
     std::unique_ptr<Session> session;
-    std::vector<double> ratios;  ///< Of each alternation: its frames' time over its sentinels' time.
-    double frameMs = 0.0;        ///< Mean of the fastest alternation.
-    std::vector<double> fastest; ///< Of each frame, over the alternations, ms.
+    std::vector<double> ratios; ///< Of each alternation: its frames' time over its sentinels' time.
+    double frameMs = 0.0;       ///< Mean of the fastest alternation.
+    RunTimes times, sentinels;  ///< Of each alternation.
     ErrorCount errors;
     uint64_t switches = 0;
 
@@ -122,8 +124,9 @@ private:
     void alternation(Contestant& contestant);
     void countBudget(const std::vector<FrameTime>& frames, const ShadowTimes& shadows);
     void printAgainst(const Contestant& adaptive) const;
-    std::vector<double> envelope(const Contestant& adaptive) const;
+    std::vector<const RunTimes*> asGoodAs(const Contestant& adaptive) const;
     void plot() const;
+    void writeCsv() const;
 
     CompareOptions options_;
     Scene scene_;
@@ -227,11 +230,11 @@ void Comparison::alternation(Contestant& contestant)
         contestant.switches += stats.switches;
     }
     double frameMs = 0.0, sentinelMs = 0.0;
-    contestant.fastest.resize(frames_, std::numeric_limits<double>::infinity());
-    for (uint32_t frame = 0; frame < frames_; ++frame) {
-        frameMs += times[frame].frameMs;
-        sentinelMs += times[frame].sentinelMs;
-        contestant.fastest[frame] = std::min(contestant.fastest[frame], times[frame].frameMs);
+    std::vector<double>& taken = contestant.times.emplace_back();
+    std::vector<double>& sentinels = contestant.sentinels.emplace_back();
+    for (const FrameTime& frame : times) {
+        frameMs += taken.emplace_back(frame.frameMs);
+        sentinelMs += sentinels.emplace_back(frame.sentinelMs);
     }
     contestant.ratios.push_back(frameMs / sentinelMs);
     const double mean = frameMs / double(times.size());
@@ -265,15 +268,13 @@ void Comparison::countBudget(const std::vector<FrameTime>& frames, const ShadowT
     }
 }
 
-/// Of each frame, the fastest of the methods whose error over the run is not above that of the adaptive one.
-std::vector<double> Comparison::envelope(const Contestant& adaptive) const
+/// Times of the methods whose error over the run is not above that of the adaptive one.
+std::vector<const RunTimes*> Comparison::asGoodAs(const Contestant& adaptive) const
 {
-    std::vector<double> lowest(frames_, std::numeric_limits<double>::infinity());
+    std::vector<const RunTimes*> methods;
     for (size_t i = adaptives_; i < contestants_.size(); ++i)
-        if (contestants_[i].errors.wrong() <= adaptive.errors.wrong())
-            for (uint32_t frame = 0; frame < frames_; ++frame)
-                lowest[frame] = std::min(lowest[frame], contestants_[i].fastest[frame]);
-    return lowest;
+        if (contestants_[i].errors.wrong() <= adaptive.errors.wrong()) methods.push_back(&contestants_[i].times);
+    return methods;
 }
 
 void Comparison::printAgainst(const Contestant& adaptive) const
@@ -288,12 +289,16 @@ void Comparison::printAgainst(const Contestant& adaptive) const
         std::printf("%s: no single method that serves every light has an error as low\n", adaptive.name.c_str());
         return;
     }
-    const std::vector<double> lowest = envelope(adaptive);
+    const std::vector<const RunTimes*> methods = asGoodAs(adaptive);
+    const std::vector<double> taken = fastestFrames(adaptive.times), lowest = envelopeOf(methods);
     std::printf("%s / best single method of equal or lower error (%s): %.3f; / envelope of such methods, frame by "
-                "frame: %.3f\n",
+                "frame: %.3f",
                 adaptive.name.c_str(), rival->name.c_str(), adaptive.best() / rival->best(),
-                std::accumulate(adaptive.fastest.begin(), adaptive.fastest.end(), 0.0) /
-                    std::accumulate(lowest.begin(), lowest.end(), 0.0));
+                std::accumulate(taken.begin(), taken.end(), 0.0) / std::accumulate(lowest.begin(), lowest.end(), 0.0));
+    if (adaptive.times.size() > 1)
+        std::printf("; / what was fastest in the other alternations: %.3f",
+                    overChosenElsewhere(adaptive.times, methods));
+    std::printf("\n");
 }
 
 void Comparison::print() const
@@ -315,6 +320,22 @@ void Comparison::print() const
                     budget_.undisturbed, budget_.worst, budget_.undisturbed - budget_.within, budget_.heldUp,
                     budget_.tooLittle);
     if (!options_.plot.empty()) plot();
+    if (!options_.csv.empty()) writeCsv();
+}
+
+/// A row per run and frame.
+void Comparison::writeCsv() const
+{
+    CsvWriter csv({"run", "alternation", "frame", "frame_ms", "sentinel_ms"});
+    for (const Contestant& contestant : contestants_) {
+        for (size_t i = 0; i < contestant.times.size(); ++i) {
+            for (size_t frame = 0; frame < contestant.times[i].size(); ++frame) {
+                csv.cell(contestant.name).cell(i).cell(frame);
+                csv.cell(contestant.times[i][frame], 3).cell(contestant.sentinels[i][frame], 3).endRow();
+            }
+        }
+    }
+    expect(csv.save(options_.csv));
 }
 
 /// Milliseconds of every frame: the methods, what could be had of them, and the adaptive runs.
@@ -333,13 +354,13 @@ void Comparison::plot() const
     for (size_t i = adaptives_; i < contestants_.size(); ++i)
         curves.push_back(curve(contestants_[i].name,
                                "lines lw 1 lc rgb '" + hexOf(methodColour(contestants_[i].name)) + "'",
-                               contestants_[i].fastest));
-    if (const std::vector<double> lowest = envelope(contestants_.front()); std::isfinite(lowest.front()))
-        curves.push_back(curve("envelope of equal error", "lines lw 2 dt 2 lc rgb 'black'", lowest));
+                               fastestFrames(contestants_[i].times)));
+    if (const std::vector<const RunTimes*> methods = asGoodAs(contestants_.front()); !methods.empty())
+        curves.push_back(curve("envelope of equal error", "lines lw 2 dt 2 lc rgb 'black'", envelopeOf(methods)));
     for (size_t i = 0; i < adaptives_; ++i)
         curves.push_back(curve(contestants_[i].name,
                                i == 0 ? "lines lw 2 lc rgb 'black'" : "lines lw 2 lc rgb 'gray50'",
-                               contestants_[i].fastest));
+                               fastestFrames(contestants_[i].times)));
     plotCurves(settings, curves, options_.plot);
 }
 
@@ -349,6 +370,7 @@ int compareCommand(const CompareOptions& options)
 {
     requireMethods(parseNames(options.methods));
     requireWritable(options.plot);
+    requireWritable(options.csv);
     Comparison comparison(options);
     comparison.run();
     comparison.print();

@@ -102,6 +102,8 @@ int contactCommand(const ContactOptions& options)
     requireMethods(parseNames(options.methods));
     requireScenes(options.scenes);
     requireWritable(options.out);
+    const bool asked = !options.methods.empty();
+    bool drawn = false;
     const std::unique_ptr<Device> device = Device::create({});
     std::vector<std::string> scenes = options.scenes;
     if (scenes.empty())
@@ -112,7 +114,8 @@ int contactCommand(const ContactOptions& options)
     uint32_t bandRows = 1;
     Progress progress(static_cast<uint32_t>(scenes.size()));
     for (size_t row = 0; row < scenes.size(); ++row) {
-        const Scene scene = valueOf(loadScene(scenes[row]));
+        Scene scene = valueOf(loadScene(scenes[row]));
+        setSourceSizes(scene, options.sources);
         if (methods.empty()) {
             methods = methodNames(*device, scene, parseNames(options.methods));
             if (methods.empty()) throw HostError("none of the methods asked for is in this build");
@@ -134,6 +137,9 @@ int contactCommand(const ContactOptions& options)
             std::string caption = scenes[row] + "  " + methods[column];
             if (served.lights.empty()) {
                 drawText(sheet, x, y, caption + ": serves none of its lights", kInk);
+                if (asked)
+                    std::fprintf(stderr, "note: %s: %s is left out: it serves none of the lights\n",
+                                 scenes[row].c_str(), methods[column].c_str());
                 continue;
             }
             Session session(*device, served, {.scene = {}, .size = size});
@@ -145,11 +151,13 @@ int contactCommand(const ContactOptions& options)
             appendFixed(caption, frame.errors.percent(frame.errors.wrong()), 4);
             caption += " %, " + std::to_string(served.lights.size()) + " lights";
             drawCell(sheet, x, y, caption, picture, frame);
+            drawn = true;
             std::printf("%s\n", caption.c_str());
             std::fflush(stdout);
         }
         progress.show(static_cast<uint32_t>(row + 1), scenes[row]);
     }
+    if (!drawn) throw HostError("none of the methods asked for serves a light of the scenes: no sheet is written");
     expect(writePng(options.out, sheet));
     std::printf("%s: %ux%u; red is lit by mistake, blue is dark by mistake, crops are 1:1\n", options.out.c_str(),
                 sheet.width, sheet.height);

@@ -4,6 +4,9 @@
 #include <charconv>
 #include <optional>
 
+#include "demo/program/checks.hpp"
+#include "demo/program/measure.hpp"
+#include "demo/scene/scene_file.hpp"
 #include "runtime/select/explain.hpp"
 #include "runtime/select/vocabulary.hpp"
 #ifdef GNOMON_WITH_YAML
@@ -192,6 +195,24 @@ std::vector<WhyQuestion> parseQuestions(const std::vector<std::string>& texts)
     for (const std::string& text : texts)
         questions.push_back(valueOf(parseWhy(text)));
     return questions;
+}
+
+void requireAnswers(const std::vector<WhyQuestion>& questions, const RunOptions& options)
+{
+    if (questions.empty()) return;
+    Scene scene = valueOf(loadScene(options.scene));
+    if (options.lights > 0) limitLights(scene, options.lights);
+    const uint32_t frames = options.frames > 0 ? options.frames : scene.frames;
+    for (const WhyQuestion& question : questions) {
+        const bool isNumber = !question.light.empty() && std::all_of(question.light.begin(), question.light.end(),
+                                                                     [](char c) { return c >= '0' && c <= '9'; });
+        if (!isNumber) requireLight(scene, question.light);
+        if (question.asked == Asked::whyNot) requireMethods({question.method});
+        const bool isEndless = options.window && options.frames == 0;
+        if (!isEndless && question.frame >= frames)
+            throw HostError("--why: frame " + std::to_string(question.frame) + " of a run with frames 0 to " +
+                            std::to_string(frames - 1));
+    }
 }
 
 } // namespace gnomon::demo

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "demo/host/shadow_host.hpp"
+#include "demo/program/commands.hpp"
 #include "runtime/select/record_log.hpp"
 
 namespace gnomon::demo {
@@ -45,5 +46,10 @@ Outcome<std::string> answerFromLog(std::string_view bytes, const WhyQuestion& qu
 Outcome<WhyQuestion> parseWhy(const std::string& text);
 /// Each of them; throws HostError naming the first that is none.
 std::vector<WhyQuestion> parseQuestions(const std::vector<std::string>& texts);
+
+/// Each asks about a light of the run's scene, a method of this build and one of the run's frames; a window's run has
+/// as many as it is given time for. Throws HostError. A light's number in the log is known to the log alone, and
+/// passes.
+void requireAnswers(const std::vector<WhyQuestion>& questions, const RunOptions& options);
 
 } // namespace gnomon::demo

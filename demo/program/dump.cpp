@@ -4,6 +4,7 @@
 
 #include <glm/gtc/matrix_inverse.hpp>
 
+#include "demo/io/file.hpp"
 #include "demo/io/number.hpp"
 #include "demo/io/obj.hpp"
 #include "demo/io/pfm.hpp"
@@ -176,7 +177,7 @@ void dumpFrame(const std::filesystem::path& folder, const Scene& scene, Renderer
     const ImageF normals = renderer.readNormals();
     const std::vector<Image8> visibility = renderer.readVisibility();
 
-    expect(writeText(folder / "frame.json", frameJson(scene, renderer, lines, names)));
+    expect(writeFile(folder / "frame.json", frameJson(scene, renderer, lines, names)));
     expect(writePfm(folder / "depth.pfm", depth, RowOrder::TopDown));
     expect(writePfm(folder / "normals.pfm", normals, RowOrder::TopDown));
     const gpu::ViewConstants view = viewConstants(scene, renderer.camera(), renderer.extent());

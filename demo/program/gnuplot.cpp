@@ -4,6 +4,7 @@
 
 #include "demo/host/vulkan.hpp"
 #include "demo/io/number.hpp"
+#include "demo/io/png.hpp"
 
 namespace gnomon::demo {
 
@@ -44,6 +45,7 @@ void plotCurves(const std::string& settings, const std::vector<PlotCurve>& curve
     if (!pipe) throw HostError("gnuplot could not be started");
     std::fwrite(script.data(), 1, script.size(), pipe);
     if (pclose(pipe) != 0) throw HostError("gnuplot failed; is it installed?");
+    if (!isWholePng(out)) throw HostError(out + ": gnuplot left no whole picture; is the disk full?");
     std::printf("%s\n", out.c_str());
 }
 

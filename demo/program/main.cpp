@@ -4,7 +4,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include "demo/io/number.hpp"
 #include "demo/program/commands.hpp"
+#include "demo/replay/budget.hpp"
 
 namespace {
 
@@ -12,6 +14,32 @@ using namespace gnomon::demo;
 
 constexpr const char* kRulesHelp = "rule base: a path, or `default`, `quality`, `battery` or `thesis`";
 constexpr const char* kSceneHelp = "path of a scene file, or the name of a shipped one (see `gnomon scenes`)";
+
+/// CLI::Range lets NaN pass.
+CLI::Validator numberIn(double low, double high)
+{
+    std::string first, last;
+    appendNumber(first, low);
+    appendNumber(last, high);
+    const auto check = [=](const std::string& text) {
+        const std::optional<double> value = parseNumber(text);
+        if (value && *value >= low && *value <= high) return std::string();
+        return "'" + text + "' is no number from " + first + " to " + last;
+    };
+    return {check, "in [" + first + " - " + last + "]"};
+}
+
+void addSources(CLI::App& command, SourceSizes& sources)
+{
+    command
+        .add_option("--radius", sources.radius,
+                    "of the source of every spot and point light, in metres; default: the scene's")
+        ->check(numberIn(0.0, 1e6));
+    command
+        .add_option("--radius-degrees", sources.radiusDegrees,
+                    "half angle of the disc of every directional light; default: the scene's")
+        ->check(numberIn(0.0, 45.0));
+}
 
 void addRun(CLI::App& app, RunOptions& options, int& exitCode)
 {
@@ -27,7 +55,7 @@ void addRun(CLI::App& app, RunOptions& options, int& exitCode)
     run->add_option("--lights", options.lights, "number of lights; default: the scene's")->check(CLI::Range(1, 32));
     run->add_option("--budget-ms", options.budgetMs,
                     "for all shadows of a frame, GPU and CPU; default: that of the rules, or none")
-        ->check(CLI::NonNegativeNumber);
+        ->check(numberIn(0.0, kMostBudget));
     run->add_option("--out", options.out, "folder for tables and pictures")->capture_default_str();
     auto* dump = run->add_option("--dump", options.dump, "folder for the last frame's data, for independent checks");
     run->add_option("--why", options.why, "FRAME:LIGHT[:METHOD]: print why (not) at the end; may be repeated");
@@ -73,14 +101,18 @@ void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
     bench->add_option("--light", options.light, "NAME,... only these of the lights; default: all");
     bench->add_option("--map", options.maps, "512,1024,... for methods with a resolution; default: theirs");
     bench->add_option("--set", options.settings, "SETTING=NUMBER,... for methods that have the setting");
+    addSources(*bench, options.sources);
     bench->add_option("--size", options.size, "picture size; default: the scene's");
     bench->add_option("--repeat", options.repeat, "interleaved pairs of frames")->check(CLI::Range(3, 10000));
     bench->add_option("--memory", options.memory, "MiB that gnomon may take of the device; default: half of the heap")
         ->check(CLI::Range(1, 1 << 20));
-    bench->add_option("--csv", options.csv, "write the table here as well");
+    bench->add_option("--csv", options.csv, "write the table here instead of printing it");
     bench->add_flag("--recorded", options.recorded, "use gnCmdRenderShadows; methods with round trips are skipped");
     bench->add_flag("--passes", options.passes, "print the fastest time of every pass, from frames with full barriers");
     bench->add_flag("--validate", options.validation, "run under the validation layer (times are then meaningless)");
+    for (const char* other : {"--methods", "--lights", "--light", "--map", "--set", "--radius", "--radius-degrees",
+                              "--memory", "--recorded", "--passes", "--validate"})
+        figure->excludes(bench->get_option(other)); // a figure says these itself
     bench->callback([&, scenes] {
         if (options.figure.empty() && options.scenes.empty()) throw CLI::RequiredError(scenes->get_name());
         exitCode = options.figure.empty() ? benchCommand(options) : figureCommand(options);
@@ -92,6 +124,7 @@ void addContact(CLI::App& app, ContactOptions& options, int& exitCode)
     CLI::App* contact = app.add_subcommand("contact", "contact sheet: methods by scenes, with the largest errors");
     contact->add_option("SCENE", options.scenes, "scenes; default: all shipped ones");
     contact->add_option("--methods", options.methods, "a,b,... default: all");
+    addSources(*contact, options.sources);
     contact->add_option("--size", options.size, "picture size; default: the scene's");
     contact->add_option("--out", options.out, "PNG file")->capture_default_str();
     contact->callback([&] { exitCode = contactCommand(options); });
@@ -104,7 +137,7 @@ void addReasons(CLI::App& app, ReasonsOptions& options, int& exitCode)
     reasons->add_option("SCENE", options.scene, kSceneHelp)->required();
     reasons->add_option("--method", options.method, "one with the setting `reasons`")->required();
     reasons->add_option("--light", options.light, "its name; default: all lights");
-    reasons->add_option("--set", options.settings, "SETTING=NUMBER,...");
+    reasons->add_option("--set", options.settings, "SETTING=NUMBER,... of the method's, but for `reasons`");
     reasons->add_option("--size", options.size, "picture size; default: the scene's");
     reasons->add_option("--frame", options.frame, "of the scene; default: the middle one");
     reasons->add_option("--out", options.out, "PNG file: the reasons as colours over the picture");
@@ -139,8 +172,9 @@ void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
     compare->add_option("--alternations", options.alternations, "runs of each")->check(CLI::Range(1, 1000));
     compare->add_option("--budget-ms", options.budgetMs,
                         "for all shadows of a frame, GPU and CPU; default: that of the rules, or none")
-        ->check(CLI::NonNegativeNumber);
+        ->check(numberIn(0.0, kMostBudget));
     compare->add_option("--plot", options.plot, "PNG file of every frame's time, drawn by gnuplot");
+    compare->add_option("--csv", options.csv, "write every frame's time of every run here");
     compare->callback([&] { exitCode = compareCommand(options); });
 }
 
@@ -150,13 +184,16 @@ void addCalibrate(CLI::App& app, CalibrateOptions& options, int& exitCode)
     calibrate->add_option("--out", options.out,
                           "knowledge base to write; default: knowledge.csv, with --check nothing");
     calibrate->add_option("--methods", options.methods, "a,b,... default: all");
-    calibrate->add_option("--seconds-per-method", options.secondsPerMethod, "as many points as fit")
-        ->check(CLI::Range(1.0, 3600.0))
-        ->capture_default_str();
-    calibrate->add_option("--check", options.check, "scenes to foretell and measure, instead of calibrating");
-    calibrate->add_option("--knowledge", options.knowledge, "with --check: a path, or the name of a shipped one");
-    calibrate->add_option("--size", options.size, "with --check: picture size; default: the scene's");
-    calibrate->add_flag("--verbose", options.verbose, "with --check: a line per light, method and pass");
+    auto* seconds = calibrate->add_option("--seconds-per-method", options.secondsPerMethod, "as many points as fit")
+                        ->check(numberIn(1.0, 3600.0))
+                        ->capture_default_str();
+    auto* check =
+        calibrate->add_option("--check", options.check, "scenes to foretell and measure, instead of calibrating")
+            ->excludes(seconds);
+    calibrate->add_option("--knowledge", options.knowledge, "with --check: a path, or the name of a shipped one")
+        ->needs(check);
+    calibrate->add_option("--size", options.size, "with --check: picture size; default: the scene's")->needs(check);
+    calibrate->add_flag("--verbose", options.verbose, "with --check: a line per light, method and pass")->needs(check);
     calibrate->callback([&] { exitCode = calibrateCommand(options); });
 }
 
@@ -193,9 +230,30 @@ void addReplay(CLI::App& app, ReplayCommandOptions& options, int& exitCode)
     replay->add_option("--calibration", options.calibration, "start from another trace instead")->excludes(knowledge);
     replay->add_option("--seed", options.seed, "of the noise")->capture_default_str();
     replay->add_option("--rate", options.rate, "frames a second, in between what was recorded; 0: as recorded")
-        ->check(CLI::Range(0.0, 1000.0))
+        ->check(numberIn(0.0, 1000.0))
         ->capture_default_str();
     replay->callback([&] { exitCode = replayCommand(options); });
+}
+
+/// The first word is no command. CLI11 would say that one is required, not that this is none.
+bool isUnknownCommand(const CLI::App& app, int argc, char** argv)
+{
+    if (argc < 2 || argv[1][0] == '-') return false;
+    std::string known;
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+        if (command->get_name() == argv[1]) return false;
+        known += (known.empty() ? "" : ", ") + command->get_name();
+    }
+    std::fprintf(stderr, "gnomon: no command '%s'; there are %s\n", argv[1], known.c_str());
+    return true;
+}
+
+/// The exit code, unless what was printed has not arrived, as on a full disk.
+int finish(int exitCode)
+{
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return exitCode;
+    std::fprintf(stderr, "gnomon: standard output: cannot be written\n");
+    return 1;
 }
 
 } // namespace
@@ -240,13 +298,14 @@ int main(int argc, char** argv)
     explain->add_option("--facts", facts, "name=value,...; what is not given is unknown")->required();
     explain->callback([&] { exitCode = explainCommand(rules, facts); });
 
+    if (isUnknownCommand(app, argc, argv)) return 1;
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return app.exit(error);
+        return finish(app.exit(error));
     } catch (const std::exception& error) {
         std::fprintf(stderr, "gnomon: %s\n", error.what());
         return 1;
     }
-    return exitCode;
+    return finish(exitCode);
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include <glm/trigonometric.hpp>
+
 namespace gnomon::demo {
 namespace {
 
@@ -19,29 +21,61 @@ double timedFrame(Session& session, const FrameRequest& request)
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+bool isServed(const Light& light, GnTraits traits)
+{
+    const GnTraits bit = light.kind == LightKind::Directional ? GN_TRAIT_DIRECTIONAL_BIT
+                         : light.kind == LightKind::Spot      ? GN_TRAIT_SPOT_BIT
+                                                              : GN_TRAIT_POINT_BIT;
+    return (traits & bit) != 0;
+}
+
+bool hasLight(const std::vector<Light>& lights, const std::string& name)
+{
+    return std::any_of(lights.begin(), lights.end(), [&](const Light& light) { return light.name == name; });
+}
+
 } // namespace
+
+bool servesOne(const Scene& scene, GnTraits traits)
+{
+    return std::any_of(scene.lights.begin(), scene.lights.end(),
+                       [traits](const Light& light) { return isServed(light, traits); });
+}
 
 Scene onlyServed(const Scene& scene, GnTraits traits)
 {
-    const auto served = [traits](const Light& light) {
-        const GnTraits bit = light.kind == LightKind::Directional ? GN_TRAIT_DIRECTIONAL_BIT
-                             : light.kind == LightKind::Spot      ? GN_TRAIT_SPOT_BIT
-                                                                  : GN_TRAIT_POINT_BIT;
-        return (traits & bit) != 0;
-    };
     Scene out = scene;
-    std::erase_if(out.lights, [&](const Light& light) { return !served(light); });
+    std::erase_if(out.lights, [traits](const Light& light) { return !isServed(light, traits); });
     return out;
+}
+
+void setSourceSizes(Scene& scene, const SourceSizes& sizes)
+{
+    for (Light& light : scene.lights) {
+        const bool isSun = light.kind == LightKind::Directional;
+        if (isSun && sizes.radiusDegrees) light.radius = static_cast<float>(glm::radians(*sizes.radiusDegrees));
+        if (!isSun && sizes.radius) light.radius = static_cast<float>(*sizes.radius);
+    }
+}
+
+void requireLight(const Scene& scene, const std::string& name)
+{
+    if (hasLight(scene.lights, name)) return;
+    std::string known;
+    for (const Light& light : scene.lights)
+        known += (known.empty() ? "" : ", ") + light.name;
+    if (hasLight(scene.spareLights, name))
+        throw HostError("light '" + name + "' of scene '" + scene.name + "' is not among the first " +
+                        std::to_string(scene.lights.size()) + ", which are used: " + known);
+    throw HostError("scene '" + scene.name + "' has no light '" + name + "'; there are " + known);
 }
 
 void keepLights(Scene& scene, const std::vector<std::string>& names)
 {
     for (const std::string& name : names)
-        if (std::none_of(scene.lights.begin(), scene.lights.end(), [&](const Light& l) { return l.name == name; }))
-            throw HostError("scene '" + scene.name + "' has no light '" + name + "'");
-    std::erase_if(scene.lights, [&](const Light& light) {
-        return std::find(names.begin(), names.end(), light.name) == names.end();
-    });
+        requireLight(scene, name);
+    std::erase_if(scene.lights,
+                  [&](const Light& light) { return std::find(names.begin(), names.end(), light.name) == names.end(); });
 }
 
 const Image8* Truth::find(const std::string& light, const std::vector<uint8_t>** countedPixels) const

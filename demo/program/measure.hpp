@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "demo/program/commands.hpp"
 #include "demo/program/error_count.hpp"
 #include "demo/program/session.hpp"
 
@@ -16,10 +17,19 @@ inline constexpr const char* kTruthMethod = "ray_traced";
 inline constexpr const char* kResolutionSetting = "resolution";
 inline constexpr const char* kRowsSetting = "rows"; ///< Of a table: what a map's side is to a map.
 
+/// Whether a method with these traits serves any of the lights.
+bool servesOne(const Scene& scene, GnTraits traits);
+
 /// The scene with only those lights that a method with these traits serves.
 Scene onlyServed(const Scene& scene, GnTraits traits);
 
-/// Leaves the scene the lights of these names alone, in its own order. Throws HostError where it has none of a name.
+/// Gives the lights these radii instead of their own.
+void setSourceSizes(Scene& scene, const SourceSizes& sizes);
+
+/// One of the lights in use has the name; else throws HostError.
+void requireLight(const Scene& scene, const std::string& name);
+
+/// Leaves the scene the lights of these names alone, in its own order. requireLight() each.
 void keepLights(Scene& scene, const std::vector<std::string>& names);
 
 /// What the truth says about the present lights of a scene at one time.

@@ -103,15 +103,19 @@ int reasonsCommand(const ReasonsOptions& options)
     const std::vector<SettingChoice> choices = parseChoices(options.settings);
     requireMethods({options.method});
     requireSettings(choices, {options.method});
+    requireNoReasons(choices);
     requireWritable(options.out);
-    const std::unique_ptr<Device> device = Device::create({});
-    const Scene whole = valueOf(loadScene(options.scene));
+    Scene scene = valueOf(loadScene(options.scene));
     const VkExtent2D size =
-        options.size.empty() ? VkExtent2D{whole.width, whole.height} : valueOf(parseSize(options.size));
-    const double time = frameTime(whole, options.frame.value_or(whole.frames / 2));
-    Scene scene = whole;
+        options.size.empty() ? VkExtent2D{scene.width, scene.height} : valueOf(parseSize(options.size));
+    const uint32_t frame = options.frame.value_or(scene.frames / 2);
+    if (frame >= scene.frames)
+        throw HostError("--frame " + std::to_string(frame) + ": scene '" + scene.name + "' has frames 0 to " +
+                        std::to_string(scene.frames - 1));
+    const double time = frameTime(scene, frame);
     if (!options.light.empty()) keepLights(scene, {options.light});
     if (scene.lights.empty()) throw HostError("scene '" + options.scene + "' has no light");
+    const std::unique_ptr<Device> device = Device::create({});
 
     const std::optional<Truth> truth = measureTruth(*device, scene, size, time);
     if (!truth) throw HostError("reasons are held against the method ray_traced, which this build lacks");

@@ -44,15 +44,17 @@ bool report(const std::vector<rules::Diagnostic>& diagnostics)
     return failed;
 }
 
-rules::RuleBase parseRules(const std::string& nameOrPath)
+rules::RuleBase parseRules(const std::string& nameOrPath, size_t* findings)
 {
 #ifdef GNOMON_WITH_YAML
     const RuleText text = valueOf(findRules(nameOrPath));
     rules::ParseResult parsed = rules::parseRuleBase(text.text, text.name);
     report(parsed.diagnostics);
+    if (findings) *findings = parsed.diagnostics.size();
     if (!parsed) throw HostError(text.name + ": not a usable rule base");
     return std::move(*parsed.base);
 #else
+    (void)findings;
     throw HostError(nameOrPath + ": this build reads no rule bases (GNOMON_WITH_YAML is off)");
 #endif
 }
@@ -118,13 +120,14 @@ std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vo
 int lintCommand(const std::string& nameOrPath, const std::string& trace)
 {
     const RuleVocabulary vocabulary = runtimeVocabulary();
-    const rules::RuleBase base = parseRules(nameOrPath);
+    size_t whileReading = 0;
+    const rules::RuleBase base = parseRules(nameOrPath, &whileReading);
     std::vector<rules::Diagnostic> findings = rules::lint(base, vocabulary.view());
     if (!trace.empty())
         for (rules::Diagnostic& finding : lintAlong(trace, base, vocabulary))
             findings.push_back(std::move(finding));
     const bool failed = report(findings);
-    std::printf("%s: %zu rules, %zu findings\n", base.name.c_str(), base.rules.size(), findings.size());
+    std::printf("%s: %zu rules, %zu findings\n", base.name.c_str(), base.rules.size(), whileReading + findings.size());
     return failed ? 1 : 0;
 }
 
@@ -139,6 +142,5 @@ int explainCommand(const std::string& nameOrPath, const std::string& facts)
     std::printf("%s", rules::explain(*bound.engine, inference, {.because = true}).c_str());
     return 0;
 }
-
 
 } // namespace gnomon::demo

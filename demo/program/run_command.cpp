@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstdio>
 
+#include "demo/io/file.hpp"
 #include "demo/io/number.hpp"
 #include "demo/io/png.hpp"
 #include "demo/program/checks.hpp"
@@ -67,7 +68,7 @@ void chooseMethods(ShadowHost& shadows, const RunOptions& options, const std::fi
     const RuleText rules = valueOf(findRules(options.rules));
     if (rules.name.empty()) return;
     expect(shadows.loadRules(rules.text, rules.name));
-    expect(writeText(out / "rules.yaml", rules.text));
+    expect(writeFile(out / "rules.yaml", rules.text));
 }
 
 // Pictures of an earlier run in the same folder would pass for this one's.
@@ -115,6 +116,7 @@ int runCommand(const RunOptions& options)
     if (!options.method.empty()) requireMethods({options.method});
     if (options.recorded) requireRecordable(options.method);
     const std::vector<WhyQuestion> questions = parseQuestions(options.why);
+    requireAnswers(questions, options);
     const std::filesystem::path out = options.out;
     requireWritableFolder(out);
     if (!options.dump.empty()) requireWritableFolder(options.dump);
@@ -147,7 +149,8 @@ int runCommand(const RunOptions& options)
     FrameClock clock;
     DecisionCollector decisions;
     for (uint32_t frame = 0; frame < frames; ++frame) {
-        rules.poll(session.shadows, [&] { decisions.collect(session.shadows); });
+        const auto keepLog = [&] { decisions.collect(session.shadows); }; // under the rules that made it
+        if (const auto text = rules.poll(session.shadows, keepLog)) expect(writeFile(out / "rules.yaml", *text));
         const double time = frameTime(scene, frame);
         const CameraState camera = session.camera(time);
         session.renderer.draw({.time = time,
@@ -173,7 +176,7 @@ int runCommand(const RunOptions& options)
     }
     log.save(out);
     decisions.collect(session.shadows);
-    expect(writeText(out / "decisions.gnlog", decisions.bytes()));
+    expect(writeFile(out / "decisions.gnlog", decisions.bytes()));
     if (!options.dump.empty()) dumpFrame(options.dump, scene, session.renderer, log.newest());
     requireSilence(session.device);
 

@@ -170,13 +170,6 @@ Outcome<std::string> readText(const std::filesystem::path& file)
     return text.str();
 }
 
-Status writeText(const std::filesystem::path& file, std::string_view text)
-{
-    std::ofstream stream(file, std::ios::binary);
-    stream << text << std::flush;
-    return stream ? Status(Done{}) : Status::failure(file.string() + ": cannot be written");
-}
-
 void requireSilence(const Device& device)
 {
     const std::vector<std::string> messages = device.validation.messages();

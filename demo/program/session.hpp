@@ -65,7 +65,6 @@ Outcome<std::filesystem::path> findKnowledge(const std::string& nameOrPath);
 Status loadKnowledge(const ShadowHost& shadows, const std::string& nameOrPath);
 
 Outcome<std::string> readText(const std::filesystem::path& file);
-Status writeText(const std::filesystem::path& file, std::string_view text);
 
 /// Throws HostError listing what validation found.
 void requireSilence(const Device& device);

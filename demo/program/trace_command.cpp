@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "demo/host/pin_thread.hpp"
+#include "demo/io/file.hpp"
 #include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/measure.hpp"
@@ -340,7 +341,7 @@ int traceCommand(const TraceOptions& options)
     applyRulesAloud(trace, rules);
     setBudgets(trace, budgets);
     const std::string bytes = writeTrace(trace);
-    expect(writeText(options.out, bytes));
+    expect(writeFile(options.out, bytes));
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     std::printf("%s: %u frames of %.3f s, %u lights, %zu methods, %zu bytes, in %.0f s\n", options.out.c_str(),
                 trace.frames, double{trace.frameSeconds}, trace.lights, trace.methods.size(), bytes.size(),

@@ -155,6 +155,7 @@ int windowCommand(const RunOptions& options)
 {
     if (options.recorded) requireRecordable(options.method);
     const std::vector<WhyQuestion> questions = parseQuestions(options.why);
+    requireAnswers(questions, options);
     requireWritable(options.screenshot);
     const WindowSystem system;
     SessionOptions sessionOptions{.scene = options.scene,

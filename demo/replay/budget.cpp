@@ -48,8 +48,9 @@ Outcome<std::vector<BudgetPart>> parseBudgets(std::string_view text)
         const bool relative = word.ends_with('x');
         if (relative) word.remove_suffix(1);
         const std::optional<double> value = parseNumber(word);
-        if (!value || !(*value > 0.0))
-            return Outcome<std::vector<BudgetPart>>::failure(std::string(asked) + ": no budget like 4.5, 1.3x or auto");
+        if (!value || !(*value > 0.0) || *value > kMostBudget)
+            return Outcome<std::vector<BudgetPart>>::failure(std::string(asked) +
+                                                             ": no budget like 4.5, 1.3x or auto, up to 1000000");
         parts.push_back({*value, relative});
         if (comma == std::string_view::npos) return parts;
         text.remove_prefix(comma + 1);

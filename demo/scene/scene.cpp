@@ -182,7 +182,9 @@ void limitLights(Scene& scene, uint32_t count)
 {
     std::vector<Light> originals = scene.lights;
     originals.insert(originals.end(), scene.spareLights.begin(), scene.spareLights.end());
-    scene.lights.assign(originals.begin(), originals.begin() + std::min<ptrdiff_t>(count, std::ssize(originals)));
+    const auto unused = originals.begin() + std::min<ptrdiff_t>(count, std::ssize(originals));
+    scene.lights.assign(originals.begin(), unused);
+    scene.spareLights.assign(unused, originals.end());
     if (originals.empty()) return;
 
     // Multiples of the golden angle never meet again, and spread evenly whatever their number.
@@ -195,6 +197,9 @@ void limitLights(Scene& scene, uint32_t count)
         const auto aim = [&](glm::dvec3& direction) { direction = glm::normalize(turn * direction); };
         copy.name += '+';
         copy.name += std::to_string(round);
+        while (
+            std::any_of(scene.lights.begin(), scene.lights.end(), [&](const Light& l) { return l.name == copy.name; }))
+            copy.name += '+'; // the file has a light of that name
         move(copy.position);
         aim(copy.direction);
         for (LightKey& key : copy.keys) {

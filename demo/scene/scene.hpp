@@ -124,7 +124,7 @@ struct Scene {
     std::vector<Mesh> meshes;
     std::vector<Instance> instances;
     std::vector<Light> lights;
-    std::vector<Light> spareLights; ///< Written in the file beyond its `light_count`; limitLights() uses them first.
+    std::vector<Light> spareLights; ///< Written in the file but not used; limitLights() uses them first.
     std::vector<CameraKey> camera;  ///< Never empty in a loaded scene.
     std::vector<std::string> notes; ///< Remarks of the loader, such as dropped zero-area triangles.
 };
@@ -175,8 +175,9 @@ uint64_t triangleCount(const Scene& scene) noexcept;
 uint32_t lightCountAt(const Scene& scene, double time, bool dynamicOnly) noexcept;
 
 /** \brief Makes the scene have exactly `count` lights.
-Keeps the first ones, then takes `spareLights` in their order, then adds copies of the lights in turn, each turned about
-the vertical axis through `center` by further multiples of the golden angle, so that no two coincide. Deterministic.
+Keeps the first ones, the rest becoming spare, then takes `spareLights` in their order, then adds copies of the lights
+in turn, each turned about the vertical axis through `center` by further multiples of the golden angle, so that no two
+coincide; no two have one name. Deterministic.
 A scene without any light stays without.
 */
 void limitLights(Scene& scene, uint32_t count);

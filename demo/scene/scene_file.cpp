@@ -300,7 +300,7 @@ private:
         for (const YamlNode& node : section->node.children) {
             if (scene_.lights.size() >= kMostLights)
                 raise({section->file, ""}, node, "more than " + std::to_string(kMostLights) + " lights");
-            scene_.lights.push_back(readLight({section->file, ""}, node, scene_.lights.size(), scene_.framesPerSecond));
+            scene_.lights.push_back(readLight({section->file, ""}, node, scene_.lights, scene_.framesPerSecond));
         }
         const Section* count = find("light_count");
         if (count == nullptr) return;

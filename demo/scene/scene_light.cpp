@@ -81,6 +81,17 @@ void readLifetime(MapReader& map, Light& light)
     if (light.disappear <= light.appear) raise(map.context(), *end, "disappear must come after appear");
 }
 
+/// Errors are counted and lights are asked for by name.
+void readName(MapReader& map, Light& light, const std::vector<Light>& before)
+{
+    light.name = map.text("name", "light" + std::to_string(before.size()));
+    const auto first = std::find_if(before.begin(), before.end(), [&](const Light& l) { return l.name == light.name; });
+    if (first == before.end()) return;
+    const YamlNode* node = map.find("name");
+    raise({map.context().file, "light " + std::to_string(before.size())}, node != nullptr ? *node : map.node(),
+          "light " + std::to_string(first - before.begin()) + " is called '" + light.name + "' already");
+}
+
 /// Of the segment from a to b.
 double distanceToOrigin(const glm::dvec3& a, const glm::dvec3& b)
 {
@@ -114,13 +125,13 @@ double readTurnRate(MapReader& map, double framesPerSecond)
                     : toRadians(map.number("degrees_per_second", 0.0));
 }
 
-Light readLight(ReadContext context, const YamlNode& node, size_t number, double framesPerSecond)
+Light readLight(ReadContext context, const YamlNode& node, const std::vector<Light>& before, double framesPerSecond)
 {
     constexpr std::array<std::string_view, 3> kKinds = {"directional", "spot", "point"};
-    context.subject = "light " + std::to_string(number);
+    context.subject = "light " + std::to_string(before.size());
     MapReader map(context, node, "a light");
     Light light;
-    light.name = map.text("name", "light" + std::to_string(number));
+    readName(map, light, before);
     context.subject = "light '" + light.name + "'"; // the reader sees the better name from here on
     light.kind = static_cast<LightKind>(readChoice(context, map.need("kind"), "kind", kKinds));
 

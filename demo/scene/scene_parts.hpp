@@ -18,7 +18,8 @@ inline constexpr uint32_t kMostLights = 4096;
 Mesh readMesh(const ReadContext& context, const std::string& name, const YamlNode& node,
               const std::filesystem::path& folder, const SceneFileOptions& options, std::vector<std::string>& notes);
 
-Light readLight(ReadContext context, const YamlNode& node, size_t number, double framesPerSecond);
+/// \param before the lights read so far, whose names are taken.
+Light readLight(ReadContext context, const YamlNode& node, const std::vector<Light>& before, double framesPerSecond);
 
 std::vector<CameraKey> readCamera(const ReadContext& context, const YamlNode& node);
 

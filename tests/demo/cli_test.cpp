@@ -2,65 +2,17 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <set>
 #include <sstream>
-#include <string>
 
-#include <sys/wait.h>
-
+#include "cli_fixture.hpp"
 #include "demo/io/csv.hpp"
 #include "demo/io/pfm.hpp"
 #include "demo/io/png.hpp"
-#include "demo/program/gnuplot.hpp"
-#include "gnomon/gnomon.h"
+#include "demo/program/session.hpp"
 
 namespace gnomon::demo {
 namespace {
-
-namespace fs = std::filesystem;
-
-struct Ran {
-    int exitCode = -1;
-    std::string output; ///< Both streams.
-};
-
-Ran gnomonProgram(const std::string& arguments, const std::string& before = "")
-{
-    const std::string command = before + " '" GNOMON_PROGRAM "' " + arguments + " 2>&1";
-    Ran ran;
-    FILE* pipe = popen(command.c_str(), "r");
-    REQUIRE(pipe != nullptr);
-    std::array<char, 4096> chunk{};
-    for (size_t got = 0; (got = fread(chunk.data(), 1, chunk.size(), pipe)) > 0;)
-        ran.output.append(chunk.data(), got);
-    const int status = pclose(pipe);
-    ran.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    return ran;
-}
-
-struct Folder {
-    explicit Folder(const std::string& name) : path(fs::temp_directory_path() / ("gnomon_cli_" + name))
-    {
-        fs::remove_all(path);
-        fs::create_directories(path);
-    }
-    ~Folder() { fs::remove_all(path); }
-    fs::path path;
-};
-
-std::vector<std::string> lines(const fs::path& file)
-{
-    std::ifstream stream(file);
-    std::vector<std::string> out;
-    for (std::string line; std::getline(stream, line);)
-        out.push_back(line);
-    return out;
-}
 
 size_t distinctColours(const Image8& image)
 {
@@ -107,9 +59,9 @@ TEST_CASE("the log of a run answers every question without a device, and names w
 {
     const Folder folder("why");
     const Ran ran = gnomonProgram("run room --frames 6 --size 160x90 --out '" + folder.path.string() +
-                                  "' --why 3:" + "no_such_light");
-    CHECK(ran.exitCode == 1);
-    CHECK(ran.output.find("no_such_light") != std::string::npos);
+                                  "' --why 3:spot1 --why 3:spot1:shadow_map");
+    CHECK(ran.exitCode == 0);
+    CHECK(ran.output.find("light 'spot1', frame 3") != std::string::npos);
     const fs::path log = folder.path / "decisions.gnlog";
     REQUIRE(fs::exists(log));
     std::vector<std::string> cells; // frame, light, method of the last row
@@ -165,7 +117,70 @@ TEST_CASE("bench prints exactly the promised columns and a base row first")
         std::vector<std::string> cells;
         REQUIRE(splitCsvLine(table[i], cells));
         CHECK(cells.size() == 21);
+        CHECK(cells.at(5) == std::array{"", "128", "256", "128", "256"}.at(i - 1));
     }
+}
+
+TEST_CASE("the column map says which size was in force where --set set it")
+{
+    const Folder folder("bench_map");
+    const fs::path csv = folder.path / "bench.csv";
+    const Ran ran = gnomonProgram("bench torus_grid --size 96x64 --repeat 3 --set resolution=512,rows=90 --methods "
+                                  "shadow_map,angular_spans,ray_traced --csv '" +
+                                  csv.string() + "'");
+    CAPTURE(ran.output);
+    REQUIRE(ran.exitCode == 0);
+    std::set<std::string> maps;
+    for (const std::string& line : lines(csv)) {
+        std::vector<std::string> cells;
+        REQUIRE(splitCsvLine(line, cells));
+        maps.insert(cells.at(1) + ' ' + cells.at(5));
+    }
+    CHECK(maps == std::set<std::string>{"method map", "none ", "shadow_map 512", "angular_spans 90", "ray_traced "});
+}
+
+TEST_CASE("a method that serves none of the lights is named, and where no other is left nothing is measured")
+{
+    const Folder folder("unserved");
+    const std::string before = "cd '" + folder.path.string() + "' &&", few = " --size 96x64 ";
+    const Ran beside = gnomonProgram("bench torus_grid --repeat 3 --methods cube_map,shadow_map" + few, before);
+    CHECK(beside.exitCode == 0);
+    CHECK(beside.output.find("cube_map is left out: it serves none of the lights") != std::string::npos);
+    CHECK(beside.output.find("torus_grid,shadow_map,1,") != std::string::npos);
+    const Ran alone = gnomonProgram("bench torus_grid --methods cube_map" + few, before);
+    CHECK(alone.exitCode == 1);
+    CHECK_MESSAGE(alone.output.find("none of the methods") != std::string::npos, alone.output);
+    CHECK(alone.output.find("torus_grid,none") == std::string::npos);
+    const Ran bare = gnomonProgram("bench bunny --light sun --methods bare_shadow_map" + few, before);
+    CHECK(bare.exitCode == 1);
+    CHECK_MESSAGE(bare.output.find("the first light is no spot light") != std::string::npos, bare.output);
+    const Ran sheet = gnomonProgram("contact torus_grid --methods cube_map --out x.png" + few, before);
+    CHECK(sheet.exitCode == 1);
+    CHECK(sheet.output.find("cube_map is left out: it serves none of the lights") != std::string::npos);
+    CHECK_FALSE(fs::exists(folder.path / "x.png"));
+}
+
+TEST_CASE("a radius given to bench makes lamps wide, one in degrees suns")
+{
+    /// Rays to all of the source over rays to its centre.
+    const auto rays = [](const std::string& arguments) {
+        const Ran ran =
+            gnomonProgram("bench " + arguments + " --methods ray_traced,coherence_sampling --size 96x64 --repeat 3");
+        CAPTURE(ran.output);
+        REQUIRE(ran.exitCode == 0);
+        std::istringstream output(ran.output);
+        double soft = 0.0, hard = 0.0;
+        for (std::string line; std::getline(output, line);) {
+            std::vector<std::string> cells;
+            if (!splitCsvLine(line, cells) || cells.size() != 21) continue;
+            if (cells[1] == "coherence_sampling") soft = std::stod(cells[13]);
+            if (cells[1] == "ray_traced") hard = std::stod(cells[13]);
+        }
+        return soft / hard;
+    };
+    CHECK(rays("torus_grid --radius 0.6 --radius-degrees 0") > 1.5);
+    CHECK(rays("colonnade --light sun --radius-degrees 3") > 1.5);
+    CHECK(rays("colonnade --light sun --radius 0.6 --radius-degrees 0") == 1.0);
 }
 
 TEST_CASE("bench measures one light alone by its name, whatever its place, and refuses a name that is no light's")
@@ -186,9 +201,11 @@ TEST_CASE("bench measures one light alone by its name, whatever its place, and r
     CHECK(bench("--light still4,still2").starts_with("scenario,ray_traced,2,"));
     const Ran misspelt = gnomonProgram("bench scenario --light still3,lamp");
     CHECK(misspelt.exitCode != 0);
-    CHECK(misspelt.output.find("scene 'scenario' has no light 'lamp'") != std::string::npos);
+    CHECK(misspelt.output.find("scene 'scenario' has no light 'lamp'; there are still1, ") != std::string::npos);
     const Ran beyond = gnomonProgram("bench scenario --lights 2 --light still3");
     CHECK(beyond.exitCode != 0);
+    CHECK(beyond.output.find("'still3' of scene 'scenario' is not among the first 2, which are used: still1, still2") !=
+          std::string::npos);
 }
 
 TEST_CASE("a figure is a row for every number of lights and faces")
@@ -204,6 +221,10 @@ TEST_CASE("a figure is a row for every number of lights and faces")
     CHECK(table[1].starts_with("4.19,shadow_map,600,1,"));
     CHECK(table.back().starts_with("4.19,shadow_map,100000,16,"));
     CHECK(gnomonProgram("bench torus_grid --still").exitCode != 0); // of a figure alone
+    for (const char* other :
+         {"--methods shadow_map", "--lights 2", "--light lamp", "--map 64", "--set resolution=64", "--radius 1",
+          "--radius-degrees 1", "--memory 64", "--recorded", "--passes", "--validate"})
+        CHECK_MESSAGE(gnomonProgram(std::string("bench --figure 4.19 ") + other).exitCode > 1, other);
 }
 
 TEST_CASE("compare runs the rules and every method that serves all lights, and holds them against each other")
@@ -215,6 +236,17 @@ TEST_CASE("compare runs the rules and every method that serves all lights, and h
                              "over sentinel", "switches", "default rules / best single method", "frame by frame"})
         CHECK_MESSAGE(ran.output.find(line) != std::string::npos, ran.output);
     CHECK(ran.output.find("\ncube_map ") == std::string::npos); // serves no spot light
+    const Folder folder("compare");
+    const fs::path csv = folder.path / "times.csv";
+    const Ran twice = gnomonProgram("compare torus_grid --methods ray_traced --size 96x64 --frames 3 --alternations 2 "
+                                    "--csv '" +
+                                    csv.string() + "'");
+    CHECK(twice.exitCode == 0);
+    CHECK_MESSAGE(twice.output.find("fastest in the other alternations: ") != std::string::npos, twice.output);
+    const std::vector<std::string> table = lines(csv);
+    REQUIRE(table.size() == 1 + 2 * 2 * 3);
+    CHECK(table[0] == "run,alternation,frame,frame_ms,sentinel_ms");
+    CHECK(table.back().starts_with("ray_traced,1,2,"));
     const Ran wrong = gnomonProgram("compare torus_grid --methods cube_map");
     CHECK(wrong.exitCode == 1);
     CHECK(wrong.output.find("cube_map") != std::string::npos);
@@ -279,126 +311,28 @@ TEST_CASE("reasons account for every pixel, and what a ray decided is never wron
     CHECK(distinctColours(*drawn) > 50);
 }
 
-TEST_CASE("a comma locale changes no number")
+TEST_CASE("rules edited during a run come into force and into its folder, and are said to be missing when they are")
 {
-    const Ran plain = gnomonProgram("explain thesis --facts dynamicLights=6,viewerDistance=4.5", "LC_ALL=C");
-    const Ran comma = gnomonProgram("explain thesis --facts dynamicLights=6,viewerDistance=4.5", "LC_ALL=de_DE.UTF-8");
-    CHECK(plain.exitCode == 0);
-    CHECK(plain.output == comma.output);
-    CHECK(plain.output.find("rule") != std::string::npos);
-}
-
-TEST_CASE("methods, scenes and lint succeed and name what they are about")
-{
-    CHECK(gnomonProgram("methods").output.find("shadow_map") != std::string::npos);
-    CHECK(gnomonProgram("scenes").output.find("torus_grid") != std::string::npos);
-    for (const char* base : {"default", "thesis"})
-        CHECK(gnomonProgram(std::string("lint ") + base).exitCode == 0);
-}
-
-TEST_CASE("bad input ends with one and a sentence that names it")
-{
-    const Folder folder("bad");
-    std::ofstream(folder.path / "bad.yaml") << "version: 1\nrules: [}\n";
-    const std::pair<std::string, const char*> cases[] = {
-        {"run no_such_scene", "no_such_scene"},
-        {"run room --size 0x9", "0x9"},
-        {"run room --method no_such_method --frames 1", "no_such_method"},
-        {"run room --rules '" + (folder.path / "bad.yaml").string() + "' --frames 1", "bad.yaml"},
-        {"lint '" + (folder.path / "bad.yaml").string() + "'", "bad.yaml:2"},
-        {"explain thesis --facts no_such_fact=1", "no_such_fact"},
-        {"bench room --map 512,x", "'x'"},
-        {"bench --figure 9.9", "9.9"},
-        {"reasons torus_grid --method shadow_map --size 16x16", "reasons"},
-        {"reasons torus_grid --method pcf_hybrid --light no_such_light", "no_such_light"},
-        {"bench torus_grid --methods no_such_method --size 16x16 --repeat 3", "no_such_method"},
-    };
-    for (const auto& bad : cases) {
-        const std::string& arguments = bad.first; // clang 14 cannot capture structured bindings in lambdas
-        const char* word = bad.second;
-        CAPTURE(arguments);
-        const Ran ran = gnomonProgram(arguments, "cd '" + folder.path.string() + "' &&");
-        CHECK(ran.exitCode == 1);
-        CHECK_MESSAGE(ran.output.find(word) != std::string::npos, ran.output);
-    }
-}
-
-TEST_CASE("what can be known before measuring is said before a device is looked for, and leaves nothing behind")
-{
-    const Folder folder("checks");
-    std::ofstream(folder.path / "kept.csv") << "kept";
-    const std::pair<const char*, const char*> cases[] = {
-        {"bench room --set reslution=64", "'reslution'"},
-        {"bench room --methods shadow_map --set rows=64", "'rows'"},
-        {"bench room --set resolution=64,resolution=32", "twice"},
-        {"bench room --methods shadow_map,nosuch", "'nosuch'"},
-        {"bench room no_such_scene", "no_such_scene"},
-        {"bench room --csv none/x.csv", "none/x.csv"},
-        {"bench --figure 4.6 --out none/x.png", "none/x.png"},
-        {"contact room --methods shadow_map,nosuch", "'nosuch'"},
-        {"contact room --out none/x.png", "none/x.png"},
-        {"compare room --methods shadow_map,nosuch", "'nosuch'"},
-        {"compare room --plot none/x.png", "none/x.png"},
-        {"calibrate --out none/x.csv", "none/x.csv"},
-        {"calibrate --methods shadow_map,nosuch", "'nosuch'"},
-        {"trace room --methods shadow_map,nosuch", "'nosuch'"},
-        {"trace room --out none/x", "none/x"},
-        {"trace room --rules nosuch", "'nosuch'"},
-        {"trace room --budget-ms 2x,3y", "3y"},
-        {"tables morais --csv none/x.csv", "none/x.csv"},
-        {"reasons room --method pcf_hybrid --out none/x.png", "none/x.png"},
-        {"reasons room --method pcf_hybrid --set nosuch=1", "'nosuch'"},
-        {"run room --why foo", "'foo'"},
-        {"run room --dump kept.csv/dump", "kept.csv/dump"},
-        {"run room --out kept.csv", "kept.csv"},
-        {"run room --method nosuch", "'nosuch'"},
-        {"run room --recorded --method ray_traced", "cannot be recorded"},
-        {"explain thesis --facts viewerDistance=5,viewerDistance=50", "twice"},
-        {"explain thesis --facts ''", "names no fact"},
-    };
-    const std::string before = "cd '" + folder.path.string() + "' && GNOMON_DEVICE=none";
-    for (const auto& bad : cases) {
-        CAPTURE(bad.first);
-        const Ran ran = gnomonProgram(bad.first, before);
-        CHECK(ran.exitCode == 1);
-        CHECK_MESSAGE(ran.output.find(bad.second) != std::string::npos, ran.output);
-        CHECK(ran.output.find("Vulkan device") == std::string::npos);
-    }
-    fs::remove_all(folder.path / "out"); // of `run`, which makes its folder to see that it can
-    CHECK(lines(folder.path / "kept.csv") == std::vector<std::string>{"kept"});
-    CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 1);
-    const Ran spaced = gnomonProgram("bench room --methods 'shadow_map , cube_map' --csv kept.csv", before);
-    CHECK(spaced.output.find("Vulkan device") != std::string::npos); // nothing else is wrong with it
-    CHECK(lines(folder.path / "kept.csv") == std::vector<std::string>{"kept"});
-    for (const char* flags : {"--screenshot x.png", "--resize-test 3", "--window --dump d"})
-        CHECK(gnomonProgram(std::string("run room ") + flags, before).exitCode > 1);
-}
-
-TEST_CASE("the program says its version, and an error in rules once")
-{
-    const Ran version = gnomonProgram("--version");
-    CHECK(version.exitCode == 0);
-    CHECK(version.output == "gnomon " + std::to_string(GN_VERSION_MAJOR) + "." + std::to_string(GN_VERSION_MINOR) +
-                                "." + std::to_string(GN_VERSION_PATCH) + "\n");
-    const Folder folder("rules_error");
-    std::ofstream(folder.path / "bad.yaml") << "version: 1\nrules: [}\n";
-    const Ran bad = gnomonProgram("run room --rules bad.yaml --frames 1", "cd '" + folder.path.string() + "' &&");
-    CHECK(bad.exitCode == 1);
-    const size_t first = bad.output.find("bad.yaml:2");
-    CHECK(first != std::string::npos);
-    CHECK_MESSAGE(bad.output.find("bad.yaml:2", first + 1) == std::string::npos, bad.output);
-}
-
-TEST_CASE("a plot goes to a file whose name and titles hold quotes")
-{
-    if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) return;
-    const Folder folder("plot");
-    const fs::path file = folder.path / "it's.png";
-    plotCurves("set title " + gnuplotText("Fermat's") + "\n", {{"one's", "lines", {{0.0, 1.0}, {1.0, 2.0}}}},
-               file.string());
-    const Outcome<Image8> picture = readPng(file, 3);
-    REQUIRE_MESSAGE(picture, picture.error());
-    CHECK(picture->width == 640);
+    const Folder folder("reload");
+    std::ofstream(folder.path / "kept.yaml") << valueOf(findRules("default")).text;
+    std::ofstream(folder.path / "new.yaml") << valueOf(findRules("thesis")).text << "# edited\n";
+    fs::copy_file(folder.path / "kept.yaml", folder.path / "rules.yaml");
+    std::ofstream(folder.path / "script.sh") << // waits at most half a minute for each step, and ends the run
+        "until_said() { n=0; until grep -q \"$1\" said; do sleep 0.1; n=$((n + 1)); [ $n -lt 300 ] || break; done; }\n"
+        "'" GNOMON_PROGRAM "' run torus_grid --rules rules.yaml --size 32x24 --frames 1000000 --out out > said 2>&1 &\n"
+        "until_said frames; sleep 0.1; cp new.yaml rules.yaml; until_said 'is in force'\n"
+        "rm rules.yaml; until_said 'cannot be read'\n"
+        "kill $!; wait $!; cat said\n";
+    std::array<char, 4096> chunk{};
+    std::string said;
+    FILE* pipe = popen(("cd '" + folder.path.string() + "' && sh script.sh 2>&1").c_str(), "r");
+    REQUIRE(pipe != nullptr);
+    for (size_t got = 0; (got = fread(chunk.data(), 1, chunk.size(), pipe)) > 0;)
+        said.append(chunk.data(), got);
+    pclose(pipe);
+    CHECK_MESSAGE(said.find("rules: rules.yaml is in force") != std::string::npos, said);
+    CHECK_MESSAGE(said.find("rules.yaml: cannot be read") != std::string::npos, said);
+    CHECK(lines(folder.path / "out" / "rules.yaml") == lines(folder.path / "new.yaml"));
 }
 
 } // namespace gnomon::demo

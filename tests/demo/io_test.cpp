@@ -63,6 +63,25 @@ TEST_CASE("PNG returns every byte of gray and RGB images")
     CHECK_FALSE(readPng("/no/such/folder/x.png", 3));
 }
 
+TEST_CASE("a PNG file is whole from its first byte to its last, and no picture fits a full disk")
+{
+    const fs::path file = temporary("gnomon_whole.png");
+    REQUIRE(writePng(file, Image8(17, 9, 3)));
+    CHECK(isWholePng(file));
+    const std::string bytes = bytesOf(file);
+    for (const std::string& damaged :
+         {bytes.substr(0, bytes.size() - 1), bytes.substr(1), bytes + '\n', bytes.substr(0, 9), std::string()}) {
+        std::ofstream(file, std::ios::binary) << damaged;
+        CHECK_FALSE(isWholePng(file));
+    }
+    fs::remove(file);
+    CHECK_FALSE(isWholePng(file));
+    if (!fs::exists("/dev/full")) return;
+    CHECK_FALSE(isWholePng("/dev/full"));
+    CHECK(writePng("/dev/full", Image8(17, 9, 3)).error() == "/dev/full: cannot be written");
+    CHECK(writePfm("/dev/full", ImageF(17, 9, 3), RowOrder::TopDown).error() == "/dev/full: cannot be written");
+}
+
 TEST_CASE("PFM returns every bit in both row orders, and the orders differ by a flip")
 {
     for (const uint32_t channels : {1u, 3u})

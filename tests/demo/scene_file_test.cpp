@@ -98,6 +98,12 @@ constexpr Malformed kMalformed[] = {
      "2:57: light 's': unknown key 'range'"},
     {"lights:\n  - {name: s, kind: directional, direction: [0, -1, 0], appear: 3, disappear: 3}\n",
      "2:79: light 's': disappear must come after appear"},
+    {"lights:\n  - {name: s, kind: directional, direction: [0, -1, 0]}\n"
+     "  - {name: s, kind: directional, direction: [1, -1, 0]}\n",
+     "3:12: light 1: light 0 is called 's' already"},
+    {"lights:\n  - {name: light1, kind: directional, direction: [0, -1, 0]}\n"
+     "  - {kind: directional, direction: [1, -1, 0]}\n",
+     "3:5: light 1: light 0 is called 'light1' already"},
     {"lights: []\nlight_count: 1\n", "2:14: light_count must be a whole number from 0 to 0, got '1'"},
     {"base: nothing.yaml\n", "1:7: base not found: nothing.yaml"},
     {"base: 3\n", "1:7: base not found: 3"},

@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
+#include <string>
 
 using namespace gnomon::demo;
 using doctest::Approx;
@@ -172,6 +174,7 @@ TEST_CASE("limitLights keeps the first, uses the spare ones, then turns copies a
     limitLights(fewer, 1);
     REQUIRE(fewer.lights.size() == 1);
     CHECK(fewer.lights[0].position == scene.lights[0].position);
+    CHECK(fewer.spareLights.size() == 2);
 
     Scene more = scene;
     limitLights(more, 16);
@@ -188,6 +191,14 @@ TEST_CASE("limitLights keeps the first, uses the spare ones, then turns copies a
     Scene again = scene;
     limitLights(again, 16);
     CHECK(again.lights[15].position == more.lights[15].position);
+    Scene named = scene; // the other one's copy would be called the same
+    named.lights[0].name = std::string("a+1");
+    named.lights[1].name = std::string("a");
+    limitLights(named, 9);
+    std::set<std::string> names;
+    for (const Light& light : named.lights)
+        names.insert(light.name);
+    CHECK(names.size() == 9);
     Scene dark;
     limitLights(dark, 4);
     CHECK(dark.lights.empty());

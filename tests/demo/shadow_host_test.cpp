@@ -129,7 +129,7 @@ TEST_CASE(
     Session session(testDevice(), scene, {});
     int loads = 0;
     const auto poll = [&] {
-        watch.poll(session.shadows, [&] { ++loads; });
+        (void)watch.poll(session.shadows, [&] { ++loads; });
         std::this_thread::sleep_for(510ms); // it looks twice a second
     };
     poll();
@@ -148,6 +148,17 @@ TEST_CASE(
     fs::last_write_time(file, edited);
     poll();
     CHECK(loads == 2);
+    CHECK(watch.fault().empty());
+    fs::remove(file);
+    poll();
+    CHECK(watch.fault().empty()); // an editor may be replacing it
+    poll();
+    CHECK(watch.fault() == file.string() + ": cannot be read");
+    CHECK(loads == 2);
+    std::ofstream(file) << rules;
+    poll();
+    CHECK(loads == 3);
+    CHECK(watch.fault().empty());
     fs::remove(file);
     checkSilence();
 }

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "demo/io/outcome.hpp"
+
+#include <filesystem>
+#include <string_view>
+
+namespace gnomon::demo {
+
+/// Replaces the file. A disk that fills up on the way is a failure like any other.
+Status writeFile(const std::filesystem::path& file, std::string_view bytes);
+
+} // namespace gnomon::demo

@@ -1,0 +1,57 @@
+#pragma once
+// The program from outside: a command line in, exit code, words and files out.
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <sys/wait.h>
+
+namespace gnomon::demo {
+
+namespace fs = std::filesystem;
+
+struct Ran {
+    int exitCode = -1;
+    std::string output; ///< Both streams.
+};
+
+inline Ran gnomonProgram(const std::string& arguments, const std::string& before = "")
+{
+    const std::string command = before + " '" GNOMON_PROGRAM "' " + arguments + " 2>&1";
+    Ran ran;
+    FILE* pipe = popen(command.c_str(), "r");
+    REQUIRE(pipe != nullptr);
+    std::array<char, 4096> chunk{};
+    for (size_t got = 0; (got = fread(chunk.data(), 1, chunk.size(), pipe)) > 0;)
+        ran.output.append(chunk.data(), got);
+    const int status = pclose(pipe);
+    ran.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return ran;
+}
+
+struct Folder {
+    explicit Folder(const std::string& name) : path(fs::temp_directory_path() / ("gnomon_cli_" + name))
+    {
+        fs::remove_all(path);
+        fs::create_directories(path);
+    }
+    ~Folder() { fs::remove_all(path); }
+    fs::path path;
+};
+
+inline std::vector<std::string> lines(const fs::path& file)
+{
+    std::ifstream stream(file);
+    std::vector<std::string> out;
+    for (std::string line; std::getline(stream, line);)
+        out.push_back(line);
+    return out;
+}
+
+} // namespace gnomon::demo

@@ -1,0 +1,191 @@
+// What the gnomon program refuses, what it says then, and where its words and pictures go.
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+
+#include "cli_fixture.hpp"
+#include "demo/io/png.hpp"
+#include "demo/program/gnuplot.hpp"
+#include "demo/program/session.hpp"
+#include "gnomon/gnomon.h"
+
+namespace gnomon::demo {
+
+TEST_CASE("calibrate takes what a check reads with a check alone, and the seconds without one")
+{
+    for (const char* arguments :
+         {"--size 64x48", "--knowledge none", "--verbose", "--check room --seconds-per-method 3"}) {
+        const Ran ran = gnomonProgram(std::string("calibrate --out none/x.csv ") + arguments, "GNOMON_DEVICE=none");
+        CHECK_MESSAGE(ran.exitCode > 1, ran.output);
+        CHECK(ran.output.find("--check") != std::string::npos);
+    }
+}
+
+TEST_CASE("a comma locale changes no number")
+{
+    const Ran plain = gnomonProgram("explain thesis --facts dynamicLights=6,viewerDistance=4.5", "LC_ALL=C");
+    const Ran comma = gnomonProgram("explain thesis --facts dynamicLights=6,viewerDistance=4.5", "LC_ALL=de_DE.UTF-8");
+    CHECK(plain.exitCode == 0);
+    CHECK(plain.output == comma.output);
+    CHECK(plain.output.find("rule") != std::string::npos);
+}
+
+TEST_CASE("methods, scenes and lint succeed and name what they are about")
+{
+    CHECK(gnomonProgram("methods").output.find("shadow_map") != std::string::npos);
+    CHECK(gnomonProgram("scenes").output.find("torus_grid") != std::string::npos);
+    for (const char* base : {"default", "thesis"})
+        CHECK(gnomonProgram(std::string("lint ") + base).exitCode == 0);
+}
+
+TEST_CASE("lint counts what was found while reading, too")
+{
+    const Folder folder("lint");
+    const Outcome<RuleText> thesis = findRules("thesis");
+    REQUIRE(thesis);
+    std::ofstream(folder.path / "idle.yaml")
+        << thesis->text << "\npolicy: {budget: {shadowCapMs: 3}}\n"; // no plan is made
+    const Ran ran = gnomonProgram("lint '" + (folder.path / "idle.yaml").string() + "'");
+    CHECK(ran.exitCode == 0);
+    CHECK_MESSAGE(ran.output.find("L11") != std::string::npos, ran.output);
+    CHECK_MESSAGE(ran.output.find(", 1 findings") != std::string::npos, ran.output);
+}
+
+TEST_CASE("a full disk is a failure, whether it was to hold text or a picture")
+{
+    if (!fs::exists("/dev/full")) return;
+    CHECK(gnomonProgram("scenes > /dev/full").exitCode == 1);
+    CHECK(gnomonProgram("--help > /dev/full").exitCode == 1);
+    CHECK(gnomonProgram("scenes > /dev/null").exitCode == 0);
+    const std::string commands[] = {"bench torus_grid --methods shadow_map --repeat 3 --size 32x24 > /dev/full",
+                                    "reasons torus_grid --method pcf_hybrid --size 32x24 --out /dev/full"};
+    for (const std::string& command : commands)
+        CHECK_MESSAGE(gnomonProgram(command).exitCode == 1, command);
+}
+
+TEST_CASE("bad input ends with one and a sentence that names it")
+{
+    const Folder folder("bad");
+    std::ofstream(folder.path / "bad.yaml") << "version: 1\nrules: [}\n";
+    const std::pair<std::string, const char*> cases[] = {
+        {"run no_such_scene", "no_such_scene"},
+        {"run room --size 0x9", "0x9"},
+        {"run room --method no_such_method --frames 1", "no_such_method"},
+        {"run room --rules '" + (folder.path / "bad.yaml").string() + "' --frames 1", "bad.yaml"},
+        {"lint '" + (folder.path / "bad.yaml").string() + "'", "bad.yaml:2"},
+        {"explain thesis --facts no_such_fact=1", "no_such_fact"},
+        {"bench room --map 512,x", "'x'"},
+        {"bench --figure 9.9", "9.9"},
+        {"reasons torus_grid --method shadow_map --size 16x16", "reasons"},
+        {"reasons torus_grid --method pcf_hybrid --light no_such_light", "no_such_light"},
+        {"bench torus_grid --methods no_such_method --size 16x16 --repeat 3", "no_such_method"},
+    };
+    for (const auto& bad : cases) {
+        const std::string& arguments = bad.first; // clang 14 cannot capture structured bindings in lambdas
+        const char* word = bad.second;
+        CAPTURE(arguments);
+        const Ran ran = gnomonProgram(arguments, "cd '" + folder.path.string() + "' &&");
+        CHECK(ran.exitCode == 1);
+        CHECK_MESSAGE(ran.output.find(word) != std::string::npos, ran.output);
+    }
+}
+
+TEST_CASE("what can be known before measuring is said before a device is looked for, and leaves nothing behind")
+{
+    const Folder folder("checks");
+    std::ofstream(folder.path / "kept.csv") << "kept";
+    const std::pair<const char*, const char*> cases[] = {
+        {"bench room --set reslution=64", "'reslution'"},
+        {"bench room --methods shadow_map --set rows=64", "'rows'"},
+        {"bench room --set resolution=64,resolution=32", "twice"},
+        {"bench room --methods shadow_map,nosuch", "'nosuch'"},
+        {"bench room no_such_scene", "no_such_scene"},
+        {"bench room --light lamp", "'lamp'"},
+        {"bench room --set reasons=1", "'reasons'"},
+        {"bench room --map 64 --set resolution=32", "--map"},
+        {"reasons room --method contour_chain --set reasons=2", "'reasons'"},
+        {"reasons room --method pcf_hybrid --frame 240", "frames 0 to 239"},
+        {"bench room --csv none/x.csv", "none/x.csv"},
+        {"bench --figure 4.6 --out none/x.png", "none/x.png"},
+        {"contact room --methods shadow_map,nosuch", "'nosuch'"},
+        {"contact room --out none/x.png", "none/x.png"},
+        {"compare room --methods shadow_map,nosuch", "'nosuch'"},
+        {"compare room --plot none/x.png", "none/x.png"},
+        {"calibrate --out none/x.csv", "none/x.csv"},
+        {"calibrate --methods shadow_map,nosuch", "'nosuch'"},
+        {"trace room --methods shadow_map,nosuch", "'nosuch'"},
+        {"trace room --out none/x", "none/x"},
+        {"trace room --rules nosuch", "'nosuch'"},
+        {"trace room --budget-ms 2x,3y", "3y"},
+        {"tables morais --csv none/x.csv", "none/x.csv"},
+        {"reasons room --method pcf_hybrid --out none/x.png", "none/x.png"},
+        {"reasons room --method pcf_hybrid --set nosuch=1", "'nosuch'"},
+        {"run room --why foo", "'foo'"},
+        {"run room --why 3:lamp", "'lamp'"},
+        {"run room --lights 1 --why 3:point2", "'point2'"},
+        {"run room --why 3:spot1:nosuch", "'nosuch'"},
+        {"run room --frames 6 --why 6:spot1", "frame 6"},
+        {"nosuch --frames 6", "no command 'nosuch'; there are run, "},
+        {"trace room --budget-ms 1e9", "1e9"},
+        {"run room --dump kept.csv/dump", "kept.csv/dump"},
+        {"run room --out kept.csv", "kept.csv"},
+        {"run room --method nosuch", "'nosuch'"},
+        {"run room --recorded --method ray_traced", "cannot be recorded"},
+        {"explain thesis --facts viewerDistance=5,viewerDistance=50", "twice"},
+        {"explain thesis --facts ''", "names no fact"},
+    };
+    const std::string before = "cd '" + folder.path.string() + "' && GNOMON_DEVICE=none";
+    for (const auto& bad : cases) {
+        CAPTURE(bad.first);
+        const Ran ran = gnomonProgram(bad.first, before);
+        CHECK(ran.exitCode == 1);
+        CHECK_MESSAGE(ran.output.find(bad.second) != std::string::npos, ran.output);
+        CHECK(ran.output.find("Vulkan device") == std::string::npos);
+    }
+    fs::remove_all(folder.path / "out"); // of `run`, which makes its folder to see that it can
+    CHECK(lines(folder.path / "kept.csv") == std::vector<std::string>{"kept"});
+    CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 1);
+    const Ran spaced = gnomonProgram("bench room --methods 'shadow_map , cube_map' --csv kept.csv", before);
+    CHECK(spaced.output.find("Vulkan device") != std::string::npos); // nothing else is wrong with it
+    CHECK(lines(folder.path / "kept.csv") == std::vector<std::string>{"kept"});
+    for (const char* number : {"nan", "inf", "-1", "1e7", "1,5"})
+        for (const char* command : {"run room --budget-ms=", "compare room --budget-ms=", "replay x --rate=",
+                                    "calibrate --seconds-per-method=", "bench room --radius="}) {
+            const Ran ran = gnomonProgram(std::string(command) + number, before);
+            CHECK_MESSAGE(ran.exitCode > 1, command, number);
+            CHECK_MESSAGE(ran.output.find(number + std::string("' is no number from ")) != std::string::npos,
+                          ran.output);
+        }
+    for (const char* flags : {"--screenshot x.png", "--resize-test 3", "--window --dump d"})
+        CHECK(gnomonProgram(std::string("run room ") + flags, before).exitCode > 1);
+}
+
+TEST_CASE("the program says its version, and an error in rules once")
+{
+    const Ran version = gnomonProgram("--version");
+    CHECK(version.exitCode == 0);
+    CHECK(version.output == "gnomon " + std::to_string(GN_VERSION_MAJOR) + "." + std::to_string(GN_VERSION_MINOR) +
+                                "." + std::to_string(GN_VERSION_PATCH) + "\n");
+    const Folder folder("rules_error");
+    std::ofstream(folder.path / "bad.yaml") << "version: 1\nrules: [}\n";
+    const Ran bad = gnomonProgram("run room --rules bad.yaml --frames 1", "cd '" + folder.path.string() + "' &&");
+    CHECK(bad.exitCode == 1);
+    const size_t first = bad.output.find("bad.yaml:2");
+    CHECK(first != std::string::npos);
+    CHECK_MESSAGE(bad.output.find("bad.yaml:2", first + 1) == std::string::npos, bad.output);
+}
+
+TEST_CASE("a plot goes to a file whose name and titles hold quotes")
+{
+    if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) return;
+    const Folder folder("plot");
+    const fs::path file = folder.path / "it's.png";
+    plotCurves("set title " + gnuplotText("Fermat's") + "\n", {{"one's", "lines", {{0.0, 1.0}, {1.0, 2.0}}}},
+               file.string());
+    const Outcome<Image8> picture = readPng(file, 3);
+    REQUIRE_MESSAGE(picture, picture.error());
+    CHECK(picture->width == 640);
+    if (fs::exists("/dev/full")) CHECK_THROWS(plotCurves("", {{"a", "lines", {{0.0, 1.0}, {1.0, 2.0}}}}, "/dev/full"));
+}
+
+} // namespace gnomon::demo
