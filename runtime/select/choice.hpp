@@ -40,8 +40,9 @@ Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceIn
 /// alone changes nothing.
 inline constexpr float kPriceMargin = 0.1f;
 
-/// What a frame with a method takes, ms: as predicted with its part of what the view's lights share, and where it does not serve yet, its share of the first frame's
-/// surplus (maps and lists of what stands still), spread over plan::kExpectedStayFrames.
+/// What a frame with a method takes, ms: as predicted with its part of what the view's lights share, and where it does
+/// not serve yet, its share of the first frame's surplus (maps and lists of what stands still), spread over
+/// plan::kExpectedStayFrames.
 float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::uint32_t incumbent) noexcept;
 
 /// What serves where no budget says what time is worth: then time buys quality and nothing else. Of methods whose time
