@@ -66,20 +66,4 @@ TEST_CASE("a card just under a lamp casts on a plain that reaches a hundred time
     }
 }
 
-TEST_CASE("a plain of two triangles does not shadow itself under a lamp that sees a few metres of them")
-{
-    const test::DeviceTest silence;
-    for (const LightKind kind : {LightKind::Spot, LightKind::Point}) {
-        Scene scene = lampOverPlain(kind, 1);
-        scene.lights[0].range = 25.0f;
-        Stage stage(scene, {320, 180});
-        const bool spot = kind == LightKind::Spot;
-        for (const double side : {512.0, 2048.0}) {
-            CAPTURE(side);
-            CHECK(wrongPercent(stage, spot ? "shadow_map" : "cube_map", {{"resolution", side}}) < 1.0);
-            CHECK(wrongPercent(stage, "pcf_hybrid", {{"resolution", side}}) < 0.05);
-        }
-    }
-}
-
 } // namespace gnomon::exact

@@ -210,11 +210,11 @@ Scene softScene(Caster caster, LightKind kind, double height, float radius)
     return scene;
 }
 
-Scene lampOverPlain(LightKind kind, uint32_t cells)
+Scene lampOverPlain(LightKind kind)
 {
     Scene scene;
     scene.name = "lamp over a plain";
-    place(scene, "plain", makePlane({.width = 1000.0f, .depth = 1000.0f, .columns = cells, .rows = cells}), {});
+    place(scene, "plain", makePlane({.width = 1000.0f, .depth = 1000.0f, .columns = 100, .rows = 100}), {});
     place(scene, "card", makeCard({.width = 0.5f, .height = 0.4f}), {0.3, 3.3, 0.0}).pose.rotation =
         turned(kRight, -70.0);
     place(scene, "crate", makeBox({.size = glm::vec3(1.0f)}), {-1.2, 0.5, 0.6}).pose.rotation = turned(kUp, 30.0);

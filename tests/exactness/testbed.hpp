@@ -25,8 +25,7 @@ demo::Scene oddCasters();
 
 /// A plain of a square kilometre, seen from above, four metres under a lamp that reaches past it all. Just under the
 /// lamp hangs a card, and a crate stands on the plain.
-/// @param cells of the plain, along each side
-demo::Scene lampOverPlain(demo::LightKind kind, uint32_t cells = 100);
+demo::Scene lampOverPlain(demo::LightKind kind);
 
 /// The instances whose mesh is closed, alone.
 demo::Scene onlyClosed(demo::Scene scene);
