@@ -59,7 +59,7 @@ std::span<const Turned> turnedFaces(const LightView& light, const Caster& caster
 {
     const Topology& topology = *caster.mesh->topology;
     const std::span<Turned> turned = arena.array<Turned>(caster.mesh->triangleCount());
-    findTurned(topology, caster.mesh->positions, lightInObjectSpace(light, caster), caster.mirrored, turned);
+    findTurned(topology, caster.mesh->positions, lightInObjectSpace(light, caster).at, caster.mirrored, turned);
     return turned;
 }
 

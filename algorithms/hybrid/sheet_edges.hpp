@@ -18,7 +18,7 @@ enum class Turned : std::uint8_t {
     edgeOn, ///< To within rounding: neither.
 };
 
-/// Of all faces. @param lightOs see lightInObjectSpace() @param mirrored as Caster::mirrored: winding is reversed, and
+/// Of all faces. @param lightOs lightInObjectSpace().at @param mirrored as Caster::mirrored: winding is reversed, and
 /// "towards" is meant of the surface's outside.
 void findTurned(const Topology& topology, std::span<const glm::vec3> positions, const glm::vec4& lightOs, bool mirrored,
                 std::span<Turned> turned);

@@ -23,7 +23,7 @@ const char* nameOf(FacingWidth width) noexcept;
 bool runsHere(FacingWidth width) noexcept;
 FacingWidth widestFacing() noexcept;
 
-/// facing[i] = 1 if face first + i looks towards the light, else 0. @param light see lightInObjectSpace()
+/// facing[i] = 1 if face first + i looks towards the light, else 0. @param light lightInObjectSpace().at
 void findFacing(FacingWidth width, const FacePlanes& planes, const glm::vec4& light, std::uint32_t first,
                 std::span<std::uint8_t> facing);
 

@@ -127,7 +127,7 @@ void writeTopology(const Layout& layout, const HostContext& host)
 
 void writeLights(const Layout& layout, const HostContext& host)
 {
-    const std::span<glm::vec4> lights = host.write<glm::vec4>(layout.lights);
+    const std::span<gpu::FaceLight> lights = host.write<gpu::FaceLight>(layout.lights);
     for (std::size_t i = 0; i < layout.pieces.size(); ++i)
         lights[i] = lightInObjectSpace(*layout.light, *layout.pieces[i].caster);
 }
@@ -195,7 +195,7 @@ BufferId declareGpuSides(PassBuilder& passes, const ShadowTask& task, const GpuS
     declareTopology(passes, layout, variant);
     layout.lights = passes.transient(BufferInfo{.name = "volumes.lights",
                                                 .scope = Scope::light,
-                                                .size = sizeof(glm::vec4) * pieces.size(),
+                                                .size = sizeof(gpu::FaceLight) * pieces.size(),
                                                 .place = BufferPlace::upload,
                                                 .variant = variant});
     const Layout* shared = &layout;

@@ -9,25 +9,32 @@
 #include "runtime/scene/scene_view.hpp"
 #include "runtime/scene/topology.hpp"
 
+#include "shaders/volumes/face_light.h"
+
 namespace gnomon {
 
 /// Whether a caster has a volume: solid triangles with a topology. Volumes cannot see holes that a texture cuts.
 bool castsVolume(const Caster& caster);
 
 /// The light for faces in object space: a face's winding in the world looks towards the light if
-/// dot(facePlane, result) > 0. Homogeneous and without a division, so that flattened (singular) transforms work; for
+/// dot(facePlane, result.at) > 0. Homogeneous and without a division, so that flattened (singular) transforms work; for
 /// mirrored ones the sign follows the world's winding.
-glm::vec4 lightInObjectSpace(const LightView& light, const Caster& caster);
+///
+/// A face touches a light that lies in its plane but for the rounding of coordinates, where no ray that ends short of
+/// the light meets it: taken for one that blocks, it would darken all on its far side, which rounding decides. Of a
+/// closed mesh it counts as one that light enters by; of an open one it counts for nothing.
+gpu::FaceLight lightInObjectSpace(const LightView& light, const Caster& caster);
 
-/// facing[i] = 1 if face first + i looks towards the light, else 0. As wide as the processor can (facing.hpp).
-void findFacing(const Topology& topology, const glm::vec4& lightOs, std::uint32_t first,
+/// facing[i] = way of face first + i (FACE_TOWARDS, ...). As wide as the processor can (facing.hpp).
+void findFacing(const Topology& topology, const gpu::FaceLight& light, std::uint32_t first,
                 std::span<std::uint8_t> facing);
 
 /// Whether a face stops light: of a closed mesh those turned away from it, where light would leave the solid (a lit
-/// surface then never shades itself), of an open one all.
+/// surface then never shades itself), of an open one all but those that it touches.
 inline bool blocksLight(const Topology& topology, std::uint8_t facing, bool mirrored)
 {
-    return !topology.closed || facing == (mirrored ? 1 : 0); // mirroring turns a closed mesh inside out
+    if (!topology.closed) return facing != gpu::FACE_TOUCHED;
+    return facing == (mirrored ? gpu::FACE_TOWARDS : gpu::FACE_AWAY); // mirroring turns a closed mesh inside out
 }
 
 /// Most indices writeSides can write for these edges.
@@ -57,8 +64,7 @@ inline std::uint32_t capCapacity(std::uint32_t faceCount)
     return faceCount * 6;
 }
 
-/// Writes near and far caps that close the sides: of a closed mesh the faces turned away from the light, of an open one
-/// all faces, oriented towards the light.
+/// Writes near and far caps that close the sides: the faces of blocksLight(), oriented towards the light.
 /// @param facing of all faces. @param mirrored as Caster::mirrored. @return indices written.
 std::uint32_t writeCaps(const Topology& topology, std::span<const std::uint8_t> facing, bool mirrored,
                         std::uint32_t firstFace, std::uint32_t count, std::uint32_t* out);

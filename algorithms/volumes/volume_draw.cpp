@@ -110,10 +110,10 @@ void pushCaster(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, con
         return;
     }
     // Caps as writeCaps() chooses them.
-    const std::uint32_t away = caster.mirrored ? 1 : 0;
+    const std::uint32_t away = caster.mirrored ? gpu::FACE_TOWARDS : gpu::FACE_AWAY;
     gpu.push(gpu::AllEdgesPush{.caster = push,
-                               .lightOs = lightInObjectSpace(*plan.light, caster),
-                               .capsFacing = caster.mesh->topology->closed ? away : gpu::ALL_FACES});
+                               .light = lightInObjectSpace(*plan.light, caster),
+                               .capsWay = caster.mesh->topology->closed ? away : gpu::FACE_TOUCHED});
 }
 
 void drawList(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, PipelineId pipeline, const Bound& constants,

@@ -109,7 +109,7 @@ void run(const ListBuild& build, HostContext& host)
     const std::span<std::uint8_t> facing = host.arena->array<std::uint8_t>(build.faceCount);
     host.jobs->parallelFor(build.facePieces.size(), 4, [&](std::size_t begin, std::size_t end, std::uint32_t) {
         for (const VolumePiece& piece : build.facePieces.subspan(begin, end - begin)) {
-            const glm::vec4 light = lightInObjectSpace(*build.light, *piece.caster);
+            const gpu::FaceLight light = lightInObjectSpace(*build.light, *piece.caster);
             findFacing(*piece.caster->mesh->topology, light, piece.first,
                        facing.subspan(piece.facingOffset + piece.first, piece.count));
         }

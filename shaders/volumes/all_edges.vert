@@ -10,21 +10,21 @@ layout(constant_id = 0) const bool CAPS = false;
 layout(set = 0, binding = 3, std430) readonly buffer List { uvec4 slots[]; };
 layout(push_constant, std430) uniform Push { AllEdgesPush push; };
 
-bool facing(uint plane)
+uint wayOf(uint plane)
 {
-    return facesLight(uintBitsToFloat(slots[plane]), push.lightOs);
+    return faceWay(uintBitsToFloat(slots[plane]), push.light);
 }
 
 uint sideVertex(uint index)
 {
     uvec4 edge = slots[index >> 2];
-    return sideCorner(edge, facing(edge.z >> 1), facing(edge.w >> 1), index & 3u);
+    return sideCorner(edge, wayOf(edge.z >> 1), wayOf(edge.w >> 1), uint(gl_InstanceIndex), index & 3u);
 }
 
 uint capVertex(uint index)
 {
     uvec4 face = slots[index >> 3];
-    return capCorner(face, facing(face.w), push.capsFacing, (index >> 2) & 1u, index & 3u);
+    return capCorner(face, wayOf(face.w), push.capsWay, (index >> 2) & 1u, index & 3u);
 }
 
 void main()

@@ -2,12 +2,13 @@
 #extension GL_GOOGLE_include_directive : require
 // Sides of shadow volumes: findSilhouette() and writeSides() of algorithms/volumes/silhouette.cpp, an edge each. The
 // order of the sides is the device's; nothing depends on it.
+#include "face_light.h"
 #include "silhouettes.h"
 
 layout(local_size_x = 64) in; // SILHOUETTE_GROUP
 
 layout(set = 0, binding = 0, std430) readonly buffer Topology { uint words[]; };
-layout(set = 0, binding = 1, std430) readonly buffer Lights { vec4 lights[]; }; // by piece, in object space
+layout(set = 0, binding = 1, std430) readonly buffer Lights { FaceLight lights[]; }; // by piece
 layout(set = 0, binding = 2, std430) buffer List { uint list[]; };              // a command per piece, then indices
 layout(push_constant, std430) uniform Push { SilhouettePush push; };
 
@@ -20,13 +21,10 @@ SilhouettePiece pieceAt(uint index)
                            words[at + 6u], 0u);
 }
 
-// The sum of facing.hpp, operation for operation: both find the same silhouettes.
-bool looksTowards(vec4 light, uint planes, uint face)
+vec4 planeOf(uint planes, uint face)
 {
     uint at = planes + face / SILHOUETTE_BLOCK * (4u * SILHOUETTE_BLOCK) + face % SILHOUETTE_BLOCK;
-    precise float sum = uintBitsToFloat(words[at]) * light.x + uintBitsToFloat(words[at + 16u]) * light.y +
-                        uintBitsToFloat(words[at + 32u]) * light.z + uintBitsToFloat(words[at + 48u]) * light.w;
-    return sum > 0.0;
+    return uintBitsToFloat(uvec4(words[at], words[at + 16u], words[at + 32u], words[at + 48u]));
 }
 
 void main()
@@ -46,11 +44,11 @@ void main()
     if (edge >= piece.edgeCount) return;
 
     uint at = piece.edges + EDGE_WORDS * edge, firstUse = piece.uses + words[at + 2u];
-    vec4 light = lights[index];
+    FaceLight light = lights[index];
     int sum = 0;
     for (uint use = firstUse; use < firstUse + words[at + 3u]; ++use) {
-        bool forward = (words[use] & 1u) != 0u;
-        sum += looksTowards(light, piece.planes, words[use] >> 1) == forward ? 1 : -1;
+        uint way = faceWay(planeOf(piece.planes, words[use] >> 1), light);
+        sum += edgeWay(way, (words[use] & 1u) != 0u);
     }
     if (sum == 0) return;
     uint times = uint(abs(sum)) / piece.halves;

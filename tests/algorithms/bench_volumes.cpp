@@ -29,7 +29,7 @@ constexpr Size kSizes[] = {{20, 15}, {39, 21}, {40, 25}, {151, 32}, {250, 200}};
 struct Work {
     Placed placed;
     LightView light;
-    glm::vec4 lightOs;
+    gpu::FaceLight lightOs;
     std::vector<std::uint8_t> facing, inRange;
     std::vector<SilhouetteEdge> silhouette;
     std::vector<std::uint32_t> caps, sides;
@@ -105,7 +105,7 @@ void facing(benchmark::State& state, FacingWidth width)
     }
     Work work(kSizes[state.range(0)]);
     for (auto _ : state) {
-        findFacing(width, work.placed.topology.facePlanes, work.lightOs, 0, work.facing);
+        findFacing(width, work.placed.topology.facePlanes, work.lightOs.at, 0, work.facing);
         benchmark::DoNotOptimize(work.facing.data());
     }
     state.counters["faces"] = work.faces();
@@ -147,7 +147,7 @@ void printFacing()
         for (const FacingWidth width : kFacingWidths)
             if (runsHere(width))
                 variants.push_back([&work, width] {
-                    findFacing(width, work.placed.topology.facePlanes, work.lightOs, 0, work.facing);
+                    findFacing(width, work.placed.topology.facePlanes, work.lightOs.at, 0, work.facing);
                     benchmark::ClobberMemory();
                 });
         const std::vector<double> least = leastTimes(work.faces(), variants);

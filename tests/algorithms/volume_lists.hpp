@@ -22,7 +22,7 @@ struct Lists {
         const Topology& topology = placed.topology;
         const auto faces = static_cast<std::uint32_t>(topology.facePlanes.size());
         const auto edges = static_cast<std::uint32_t>(topology.edges.size());
-        const glm::vec4 os = lightInObjectSpace(light, placed.caster);
+        const gpu::FaceLight os = lightInObjectSpace(light, placed.caster);
         facing.resize(faces);
         for (std::uint32_t first = 0; first < faces; first += piece)
             findFacing(topology, os, first, std::span(facing).subspan(first, std::min(piece, faces - first)));

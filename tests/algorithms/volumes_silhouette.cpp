@@ -23,7 +23,7 @@ struct DeviceLists {
     std::size_t sidesLookedAt = 0;
 
     DeviceLists(const Placed& placed, const LightView& light)
-        : placed_(placed), lightOs_(lightInObjectSpace(light, placed.caster)),
+        : placed_(placed), light_(lightInObjectSpace(light, placed.caster)),
           words_(edgeListSize(placed.topology).bytes() / 4)
     {
         writeEdgeList(placed.topology, words_);
@@ -40,24 +40,24 @@ private:
         REQUIRE(4 * index + 3 < words_.size());
         return {words_[4 * index], words_[4 * index + 1], words_[4 * index + 2], words_[4 * index + 3]};
     }
-    bool facing(std::uint32_t plane) const
+    std::uint32_t wayOf(std::uint32_t plane) const
     {
         const gpu::uvec4 bits = slot(plane);
         const glm::vec4 values(std::bit_cast<float>(bits.x), std::bit_cast<float>(bits.y), std::bit_cast<float>(bits.z),
                                std::bit_cast<float>(bits.w));
-        return gpu::facesLight(values, lightOs_);
+        return gpu::faceWay(values, light_);
     }
-    std::uint32_t sideAt(std::uint32_t index) const
+    std::uint32_t sideAt(std::uint32_t index, std::uint32_t instance) const
     {
         const gpu::uvec4 edge = slot(index >> 2);
-        return gpu::sideCorner(edge, facing(edge.z >> 1), facing(edge.w >> 1), index & 3);
+        return gpu::sideCorner(edge, wayOf(edge.z >> 1), wayOf(edge.w >> 1), instance, index & 3);
     }
     std::uint32_t capAt(std::uint32_t index) const
     {
-        const std::uint32_t away = placed_.caster.mirrored ? 1 : 0;
+        const std::uint32_t away = placed_.caster.mirrored ? gpu::FACE_TOWARDS : gpu::FACE_AWAY;
         const gpu::uvec4 face = slot(index >> 3);
-        return gpu::capCorner(face, facing(face.w), placed_.topology.closed ? away : gpu::ALL_FACES, (index >> 2) & 1,
-                              index & 3);
+        return gpu::capCorner(face, wayOf(face.w), placed_.topology.closed ? away : gpu::FACE_TOUCHED,
+                              (index >> 2) & 1, index & 3);
     }
     void draw(std::uint32_t command, std::vector<std::uint32_t>& out)
     {
@@ -69,7 +69,7 @@ private:
                 std::array<std::uint32_t, 6> corners{};
                 for (std::uint32_t k = 0; k < 6; ++k) {
                     largest_ = std::max<std::uint64_t>(largest_, words_[i + k]);
-                    corners[k] = command == kCapCommand ? capAt(words_[i + k]) : sideAt(words_[i + k]);
+                    corners[k] = command == kCapCommand ? capAt(words_[i + k]) : sideAt(words_[i + k], instance);
                 }
                 ++looked_;
                 const auto gone = std::count(corners.begin(), corners.end(), gpu::NO_CORNER);
@@ -79,7 +79,7 @@ private:
     }
 
     const Placed& placed_;
-    glm::vec4 lightOs_;
+    gpu::FaceLight light_;
     std::vector<std::uint32_t> words_;
     std::size_t looked_ = 0;
     std::uint64_t largest_ = 0;
@@ -111,6 +111,19 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, int> sums(const std::vector<st
     return sum;
 }
 
+/// Whether as many sides leave every vertex as come to it.
+bool loopsAreClosed(const std::vector<std::uint32_t>& sides)
+{
+    std::map<std::uint32_t, int> balance; // edges out minus edges in, by vertex
+    for (std::size_t i = 0; i < sides.size(); i += 6) {
+        CHECK(sides[i] % 2 == 0);
+        CHECK(sides[i + 5] % 2 == 0);
+        ++balance[sides[i]];
+        --balance[sides[i + 5]];
+    }
+    return std::all_of(balance.begin(), balance.end(), [](const auto& entry) { return entry.second == 0; });
+}
+
 /// A caster's volume as triangles in the world.
 struct Volume {
     std::vector<glm::dvec3> corners; ///< By index: 2 * vertex + copy.
@@ -126,6 +139,15 @@ struct Volume {
             const glm::vec4 moved = gpu::extruded(near, l, plane);
             corners.emplace_back(near);
             corners.emplace_back(glm::dvec3(moved) / static_cast<double>(moved.w));
+        }
+    }
+
+    /// Moved by a length that stands for infinity.
+    Volume(const Placed& placed, glm::dvec3 lamp)
+    {
+        for (std::uint32_t v = 0; v < placed.mesh.positions.size(); ++v) {
+            corners.emplace_back(placed.world(v));
+            corners.emplace_back(lamp + 1e5 * (corners.back() - lamp));
         }
     }
 
@@ -202,6 +224,24 @@ void forAllCases(Body&& body)
             }
 }
 
+/// Under lamps that lie in the middle of one of the caster's faces, but for rounding.
+template <typename Body>
+void forTouchedFaces(Body&& body)
+{
+    for (const Case& c : cases())
+        for (const glm::mat3& basis : bases()) {
+            const Placed placed(c.mesh, basis, kPlace);
+            const std::size_t faces = placed.topology.facePlanes.size();
+            for (std::size_t face = 0; face < faces; face += faces / 5) {
+                CAPTURE(c.name);
+                CAPTURE(glm::determinant(basis));
+                CAPTURE(face);
+                const std::uint32_t* v = &placed.topology.faceVerts[3 * face];
+                body(placed, pointLight((placed.world(v[0]) + placed.world(v[1]) + placed.world(v[2])) / 3.0f), face);
+            }
+        }
+}
+
 const Aabb kBox{kPlace - 5.0f, kPlace + 5.0f};
 
 glm::dvec3 sourceOf(const LightView& light, glm::dvec3 p)
@@ -230,17 +270,7 @@ TEST_CASE("silhouettes form closed loops, whatever the mesh is like")
     forAllCases([](const Placed& placed, const LightView& light) {
         const Lists lists(placed, light);
         CHECK(!lists.sides.empty());
-        std::map<std::uint32_t, int> balance; // edges out minus edges in, by vertex
-        for (std::size_t i = 0; i < lists.sides.size(); i += 6) {
-            CHECK(lists.sides[i] % 2 == 0);
-            CHECK(lists.sides[i + 5] % 2 == 0);
-            ++balance[lists.sides[i]];
-            --balance[lists.sides[i + 5]];
-        }
-        int open = 0;
-        for (const auto& [vertex, sum] : balance)
-            open += sum != 0;
-        CHECK(open == 0);
+        CHECK(loopsAreClosed(lists.sides));
     });
 }
 
@@ -267,6 +297,40 @@ TEST_CASE("a volume winds around a point as often as faces stand between the poi
     });
     CHECK(shadowed > 500);
     CHECK(lit > 500);
+}
+
+TEST_CASE("a face that the light touches stops none of its light")
+{
+    Random random(13);
+    int shadowed = 0, lit = 0;
+    forTouchedFaces([&](const Placed& placed, const LightView& light, std::size_t touched) {
+        const Lists lists(placed, light);
+        CHECK(!blocksLight(placed.topology, lists.facing[touched], placed.caster.mirrored));
+        const Volume volume(placed, glm::dvec3(light.position()));
+        for (int i = 0; i < 40; ++i) {
+            const glm::dvec3 p = random.inBox(kBox.lower, kBox.upper);
+            const glm::dvec3 outside = p + 1e7 * glm::dvec3(random.inBox(glm::vec3(-1.0f), glm::vec3(1.0f)));
+            const int wound = volume.crossings(lists.sides, p, outside) + volume.crossings(lists.caps, p, outside);
+            const int expected = facesBetween(placed, p, glm::dvec3(light.position()), [&](std::uint32_t face) {
+                return blocksLight(placed.topology, lists.facing[face], placed.caster.mirrored);
+            });
+            CHECK(wound == expected);
+            (expected ? shadowed : lit) += 1;
+        }
+    });
+    CHECK(shadowed > 500);
+    CHECK(lit > 500);
+}
+
+TEST_CASE("what the light touches leaves sides in closed loops, the same on the device")
+{
+    forTouchedFaces([](const Placed& placed, const LightView& light, std::size_t) {
+        const Lists lists(placed, light);
+        CHECK(loopsAreClosed(lists.sides));
+        const DeviceLists device(placed, light);
+        CHECK(sums(device.sides) == sums(lists.sides));
+        CHECK(counted(device.caps) == counted(lists.caps));
+    });
 }
 
 TEST_CASE("from a lit point, sides alone count right along any segment that meets no face")

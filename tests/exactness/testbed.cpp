@@ -109,6 +109,37 @@ Scene hangingCaster(LightKind kind, bool closed, DepthConvention convention)
     return scene;
 }
 
+Scene flushLamp(LitFrom held)
+{
+    Scene scene;
+    scene.name = "flush lamp";
+    scene.camera = {{.eye = {0.3, 1.6, 5.0}, .target = {0.0, 0.9, 0.0}}};
+    place(scene, "floor", makePlane({.width = 24.0f, .depth = 24.0f}), {0.0, 0.0, 0.0});
+    place(scene, "crate", makeBox({.size = glm::vec3(0.8f)}), {0.9, 0.4, 0.6}).pose.rotation = turned(kUp, 25.0);
+    place(scene, "ball", makeSphere({.radius = 0.5f}), {-1.3, 1.2, 0.2});
+    glm::dvec3 at(0.1, 2.7, 0.2);
+    switch (held) {
+    case LitFrom::solidCeiling:
+        place(scene, "ceiling", makeBox({.size = glm::vec3(6.0f, 0.3f, 6.0f)}), {0.1, 2.85, 0.0}).pose.rotation =
+            turned(kUp, 20.0);
+        break;
+    case LitFrom::sheetCeiling:
+        place(scene, "ceiling", makePlane({.width = 6.0f, .depth = 6.0f, .columns = 3, .rows = 3}), {0.1, 2.7, 0.0})
+            .pose.rotation = turned(kRight, 180.0);
+        break;
+    case LitFrom::roomCorner: {
+        Mesh room = makeBox({.size = glm::vec3(8.0f, 3.1f, 14.0f)}); // below the floor, so that two surfaces never meet
+        for (size_t i = 0; i < room.indices.size(); i += 3)
+            std::swap(room.indices[i + 1], room.indices[i + 2]); // seen from within
+        place(scene, "room", std::move(room), {0.1, 1.35, 0.2});
+        at = {-3.9, 2.9, -6.8};
+        break;
+    }
+    }
+    scene.lights = {lamp("lamp", LightKind::Point, at, {0.0, 0.0, 0.0})};
+    return scene;
+}
+
 namespace {
 
 /// What every odd caster starts from.

@@ -27,6 +27,12 @@ demo::Scene oddCasters();
 /// lamp hangs a card, and a crate stands on the plain.
 demo::Scene lampOverPlain(demo::LightKind kind);
 
+/// Casters on a floor, and a point lamp that lies in the plane of a face of what holds it: a box for a ceiling, turned
+/// and moved so that its corners are rounded; a sheet for a ceiling, its front side down; or the upper corner of a room
+/// of one mesh, where three of its faces meet.
+enum class LitFrom : uint8_t { solidCeiling, sheetCeiling, roomCorner };
+demo::Scene flushLamp(LitFrom place);
+
 /// The instances whose mesh is closed, alone.
 demo::Scene onlyClosed(demo::Scene scene);
 
