@@ -91,17 +91,21 @@ void Declaring::draw(const IdMap& map, std::uint32_t layer, std::span<const Cast
         .writes(numbers, {.clear = true, .value = none})
         .reads(firsts)
         .area({at.x, at.y, extent.width, extent.height})
-        .record([=, pipeline = pipelines.casters, side = static_cast<float>(resolution)](PassContext& gpu) {
+        .record([=, pipeline = pipelines.casters, light = task.light,
+                 side = static_cast<float>(resolution)](PassContext& gpu) {
             if (casters.empty()) return;
             const float first = DepthCasters::fromOne(push) ? 1.0f : 0.0f;
             const VkViewport whole{0.0f, 0.0f, side, side, first, 1.0f - first};
             gpu.vk->vkCmdSetViewport(gpu.cmd, 0, 1, &whole);
             const Bound bindings[] = {gpu.storage(0, firsts)};
-            gpu.drawCasters({.pipeline = pipeline,
-                             .casters = casters,
-                             .bindings = bindings,
-                             .push = &push,
-                             .pushSize = sizeof(push)});
+            drawAwayFrom(*light, casters, [&](std::span<const Caster* const> run, const glm::vec3& away) {
+                const DepthCasters::Push from = DepthCasters::moved(push, away);
+                gpu.drawCasters({.pipeline = pipeline,
+                                 .casters = run,
+                                 .bindings = bindings,
+                                 .push = &from,
+                                 .pushSize = sizeof(from)});
+            });
         });
 }
 

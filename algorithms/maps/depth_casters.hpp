@@ -1,5 +1,6 @@
 #pragma once
 // Drawing casters through a light's matrix, for every map with straight edges.
+#include "algorithms/common/face_light.hpp"
 #include "algorithms/common/kept_map.hpp"
 #include "algorithms/maps/box_cells.hpp"
 #include "algorithms/maps/depth_map.hpp"
@@ -22,11 +23,18 @@ public:
     void operator()(PassContext& gpu, std::span<const Caster* const> casters, bool statics) const;
     /// Whether clip z is drawn from depth 1 down (CasterDraw::depthFromOne).
     static bool fromOne(const Push& push) { return push.zeroWs.w != 0.0f; }
+    /// For casters that are drawn from a place beside their own (awayFromLight()).
+    static Push moved(Push push, const glm::vec3& away)
+    {
+        push.zeroWs -= glm::vec4(away, 0.0f);
+        return push;
+    }
     /// Where their bounds fall; every cell where one reaches the light's plane.
     Cells cells(std::span<const Caster* const> casters) const;
 
 private:
     PipelineId pipeline_;
+    const LightView* light_;
     Push push_{};
     const GnCasterProjection* host_ = nullptr; ///< In the frame's memory; null without host-drawn casters.
 };

@@ -28,7 +28,7 @@ DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services)
 
 DepthCasters::DepthCasters(const DepthMapPipelines& pipelines, const LightFit& fit, const ShadowTask& task,
                            std::uint32_t resolution, FrameArena& arena)
-    : pipeline_(pipelines.casters)
+    : pipeline_(pipelines.casters), light_(task.light)
 {
     push_ = casterPush(mapProjection(fit, *task.light));
     if (!anyHostDrawn(task.casters->all)) return;
@@ -44,13 +44,15 @@ DepthCasters::DepthCasters(const DepthMapPipelines& pipelines, const LightFit& f
 
 void DepthCasters::operator()(PassContext& gpu, std::span<const Caster* const> casters, bool) const
 {
-    if (casters.empty()) return;
-    gpu.drawCasters({.pipeline = pipeline_,
-                     .casters = casters,
-                     .push = &push_,
-                     .pushSize = sizeof(push_),
-                     .depthFromOne = DepthCasters::fromOne(push_),
-                     .hostProjection = host_});
+    drawAwayFrom(*light_, casters, [&](std::span<const Caster* const> run, const glm::vec3& away) {
+        const Push push = moved(push_, away);
+        gpu.drawCasters({.pipeline = pipeline_,
+                         .casters = run,
+                         .push = &push,
+                         .pushSize = sizeof(push),
+                         .depthFromOne = fromOne(push),
+                         .hostProjection = host_});
+    });
 }
 
 Cells DepthCasters::cells(std::span<const Caster* const> casters) const

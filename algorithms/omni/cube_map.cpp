@@ -28,10 +28,7 @@ public:
         const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         const CubeMap map = declareCubeMap(passes, casters_, task, resolution);
         gpu::MapConstants constants = mapConstants(task, resolution, filterSide(task.settings[kFilter]));
-        const MapProjection face = mapProjection(map.faces[0], *task.light); // all six differ in their axes only
-        constants.map.depthConstant = face.depthConstant;
-        constants.map.depthScale = face.depthScale;
-        constants.map.slope = 0.5f * map.faces[0].texelAtOne;
+        addLightProjection(constants, std::span(map.faces, 6), task);
         resolve_.declare(passes, task, map.image, constants);
 
         map_ = {.image = map.image, .clipFromWorld = {}, .validLayers = map.needed};

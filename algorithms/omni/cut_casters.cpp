@@ -45,7 +45,7 @@ CutCasters CasterCutter::declare(PassBuilder& passes, const LightView& light, st
     const std::uint64_t stamp = Stamp().add(light.revision).add(angle).add(coarse_).value();
     if (kept.stamp != stamp) {
         kept.stamp = 0; // of half a mesh, should there be no memory for all of it
-        cutToAngle(coarse_, light.position(), angle, *kept.mesh);
+        cutToAngle(coarse_, light, angle, *kept.mesh);
         kept.stamp = stamp;
     }
     const FineMesh* mesh = kept.mesh.get();

@@ -6,6 +6,8 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 
+#include "algorithms/common/face_light.hpp"
+
 namespace gnomon {
 
 namespace {
@@ -19,8 +21,8 @@ constexpr std::size_t kMostPieces = std::size_t{1} << 20;
 
 class Cutter {
 public:
-    Cutter(glm::vec3 light, float angle, FineMesh& out)
-        : light_(light), cosine2_(std::cos(angle) * std::cos(angle)), out_(out)
+    Cutter(const LightView& light, float angle, FineMesh& out)
+        : source_(light), light_(light.position()), cosine2_(std::cos(angle) * std::cos(angle)), out_(out)
     {
     }
 
@@ -28,8 +30,9 @@ public:
     {
         const MeshView& mesh = *caster.mesh;
         const std::uint32_t base = static_cast<std::uint32_t>(out_.vertices.size());
+        const glm::vec3 place = caster.translation + awayFromLight(source_, caster);
         for (glm::vec3 p : mesh.positions)
-            out_.vertices.push_back(caster.basis * p + caster.translation);
+            out_.vertices.push_back(caster.basis * p + place);
         for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
             const std::uint32_t a = base + mesh.indices[i];
             const std::uint32_t b = base + mesh.indices[i + (caster.mirrored ? 2 : 1)];
@@ -100,6 +103,7 @@ private:
         triangle(a, y, c, cuts - 1);
     }
 
+    const LightView& source_;
     glm::vec3 light_;
     float cosine2_;
     FineMesh& out_;
@@ -145,7 +149,7 @@ void FineMesh::clear()
     closedIndices = 0;
 }
 
-void cutToAngle(std::span<const Caster* const> casters, glm::vec3 light, float angle, FineMesh& out)
+void cutToAngle(std::span<const Caster* const> casters, const LightView& light, float angle, FineMesh& out)
 {
     out.clear();
     Cutter cutter(light, angle, out);

@@ -45,6 +45,6 @@ struct FineMesh {
 /// Cuts the triangles of `casters` until no edge spans more than `angle` from the light, twenty times and into a
 /// million pieces at most; what then still spans more than a right angle is left out. Edges are cut by their two ends
 /// alone, so that neighbours agree and no gap opens. Winding is that of unmirrored casters.
-void cutToAngle(std::span<const Caster* const> casters, glm::vec3 light, float angle, FineMesh& out);
+void cutToAngle(std::span<const Caster* const> casters, const LightView& light, float angle, FineMesh& out);
 
 } // namespace gnomon

@@ -1,7 +1,11 @@
 #include "algorithms/volumes/mccool.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 
 #include "algorithms/common/caster_lists.hpp"
 #include "algorithms/omni/light_map.hpp"
@@ -62,7 +66,8 @@ struct Plan {
     StencilResolve resolve;
     ImageId map;
     BufferId receiverBounds;
-    float nearWs = 0.0f; ///< Linear depth of the near plane.
+    float nearWs = 0.0f;    ///< Linear depth of the near plane.
+    bool receivers = false; ///< Receivers are asked; no polygon is drawn (nearPlaneWithinCaster()).
     std::uint32_t layerCount = 0;
     Layer layers[kMaps];
 };
@@ -216,6 +221,7 @@ void recordCap(PassContext& gpu, const Plan& plan, const Layer& layer, const Tem
     block.nearDepth = layer.near.depth;
     block.nearWs = plan.nearWs;
     block.always = layer.near.always ? 1.0f : 0.0f;
+    block.receivers = plan.receivers ? 1.0f : 0.0f;
     copyTemplates(block, templates);
     gpu.bind(pipeline,
              {gpu.constants(0, block), gpu.sampled(1, plan.resolve.depth, SamplerKind::nearest, 0),
@@ -232,6 +238,19 @@ void recordPolygons(PassContext& gpu, const Plan& plan, const Layer& layer, Pipe
     const VkBuffer buffer = gpu.buffer(layer.polygons);
     gpu.vk->vkCmdBindIndexBuffer(gpu.cmd, buffer, 0, VK_INDEX_TYPE_UINT32);
     gpu.vk->vkCmdDrawIndexedIndirect(gpu.cmd, buffer, 0, 1, sizeof(VkDrawIndexedIndirectCommand));
+}
+
+/// Whether the eye or the near rectangle may lie in a closed caster. The lit sides of these are not in the map, and
+/// what the near plane cuts off of such a caster no polygon stands for: rays that start in it would be counted wrong.
+bool nearPlaneWithinCaster(const ShadowTask& task)
+{
+    Aabb box{task.view->eye, task.view->eye};
+    for (const glm::vec3& corner : task.view->nearCorners)
+        box = {glm::min(box.lower, corner), glm::max(box.upper, corner)};
+    return std::ranges::any_of(task.casters->all, [&](const Caster* caster) {
+        return caster->closed && glm::all(glm::lessThanEqual(caster->bounds.lower, box.upper)) &&
+               glm::all(glm::lessThanEqual(box.lower, caster->bounds.upper));
+    });
 }
 
 Darkness darknessOf(const ShadowTask& task)
@@ -270,6 +289,7 @@ public:
         plan.map = map.image;
         plan.receiverBounds = stencil.receiverBounds;
         plan.nearWs = gpu::linearDepth(view, task.view->reversed() ? 1.0f : 0.0f);
+        plan.receivers = nearPlaneWithinCaster(task);
         for (std::uint32_t index = 0; index < map.fits.size(); ++index)
             if ((map.needed >> index) & 1u) declareLayer(passes, task, plan, map, index);
         declareStencil(passes, task, plan, stencil);
@@ -356,7 +376,7 @@ private:
         for (std::uint32_t i = 0; i < plan.layerCount; ++i) {
             const Layer& layer = plan.layers[i];
             recordCap(gpu, plan, layer, templates_, pipelines_.caps[layer.index]);
-            recordPolygons(gpu, plan, layer, pipelines_.polygons[reversed][layer.index]);
+            if (!plan.receivers) recordPolygons(gpu, plan, layer, pipelines_.polygons[reversed][layer.index]);
         }
     }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "algorithms/common/face_light.hpp"
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "algorithms/volumes/volume_count.hpp"
 #include "runtime/scene/light_pixels.hpp"
@@ -30,6 +31,7 @@ struct Plan {
     gpu::PlanarConstants constants;
     gpu::VolumeResolve resolve;
     const CameraView* view = nullptr;
+    const LightView* light = nullptr;
     std::span<const Caster* const> casters;
     BufferId tiles, plane;
     ImageId depth, normals;
@@ -113,6 +115,7 @@ Plan* makePlan(PassBuilder& passes, const ShadowTask& task)
 {
     Plan* plan = passes.arena().make<Plan>();
     plan->view = task.view;
+    plan->light = task.light;
     plan->resolve = volumeResolve(*task.view, *task.light);
     plan->choice = planeChoice(*task.view, plan->resolve);
     plan->constants.clipFromEye = clipFromEye(*task.view);
@@ -171,6 +174,9 @@ void drawCasters(PassContext& gpu, const Plan& plan, PipelineId pipeline)
         }
         gpu::PlanarPush push;
         eyeRows(*caster, *plan.view, push.rows);
+        const glm::vec3 away = awayFromLight(*plan.light, *caster);
+        for (int row = 0; row < 3; ++row)
+            push.rows[row].w += away[row];
         gpu.push(push);
         gpu.vk->vkCmdDrawIndexed(gpu.cmd, static_cast<std::uint32_t>(mesh->indices.size()), 1, 0, 0, 0);
     }

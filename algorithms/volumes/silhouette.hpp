@@ -6,24 +6,14 @@
 #include <cstdint>
 #include <span>
 
+#include "algorithms/common/face_light.hpp"
 #include "runtime/scene/scene_view.hpp"
 #include "runtime/scene/topology.hpp"
-
-#include "shaders/volumes/face_light.h"
 
 namespace gnomon {
 
 /// Whether a caster has a volume: solid triangles with a topology. Volumes cannot see holes that a texture cuts.
 bool castsVolume(const Caster& caster);
-
-/// The light for faces in object space: a face's winding in the world looks towards the light if
-/// dot(facePlane, result.at) > 0. Homogeneous and without a division, so that flattened (singular) transforms work; for
-/// mirrored ones the sign follows the world's winding.
-///
-/// A face touches a light that lies in its plane but for the rounding of coordinates, where no ray that ends short of
-/// the light meets it: taken for one that blocks, it would darken all on its far side, which rounding decides. Of a
-/// closed mesh it counts as one that light enters by; of an open one it counts for nothing.
-gpu::FaceLight lightInObjectSpace(const LightView& light, const Caster& caster);
 
 /// facing[i] = way of face first + i (FACE_TOWARDS, ...). As wide as the processor can (facing.hpp).
 void findFacing(const Topology& topology, const gpu::FaceLight& light, std::uint32_t first,

@@ -203,6 +203,12 @@ LightFit fitCubeFace(const LightView& light, const Aabb& scene, std::uint32_t fa
     return perspectiveFit(axesAlong(forward), eye, widening(resolution, borderTexels), depths);
 }
 
+double touchingDistance(const LightView& light, double extent) noexcept
+{
+    const glm::dvec3 position = glm::abs(glm::dvec3(light.position()));
+    return 0x1p-21 * std::max({position.x, position.y, position.z, extent});
+}
+
 float nearestDepth(const LightView& light, const Aabb& box)
 {
     const glm::dvec3 eye(light.position());

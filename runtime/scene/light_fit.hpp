@@ -28,6 +28,13 @@ struct LightFit {
     DepthKind depth = DepthKind::clip;
 };
 
+/// How near a face touches a light, metres. One in the plane of a face, set into a ceiling say, is by rounding before
+/// or behind it, and no ray that ends short of the light meets that face. 2^-21 of the largest coordinate: a few units
+/// in the last place of positions and of where transforms put them, and the share of coordinates in the offset at which
+/// rays end (shaders/shared/receiver.h).
+/// @param extent metres; how far coordinates of casters go, if farther than the light's.
+double touchingDistance(const LightView& light, double extent) noexcept;
+
 /// Spot: the square around the cone, a little wider, so that no receiver that the light reaches lies beside it, and
 /// widened by `borderTexels` at `resolution`, so that filters at the cone's rim stay inside. Near and far from the
 /// casters in range; the far end is the light's range, or reaches past `scene` where the range is unlimited.

@@ -11,7 +11,7 @@
 //   8 * slot + 4 * copy + corner  of the three corners of a cap, near (copy 0) and far (copy 1)
 #ifndef GNOMON_VOLUMES_ALL_EDGES_H
 #define GNOMON_VOLUMES_ALL_EDGES_H
-#include "face_light.h"
+#include "../shared/face_light.h"
 #include "volume.h"
 
 GN_SHARED_BEGIN

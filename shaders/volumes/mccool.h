@@ -52,7 +52,7 @@ struct CapConstants {
     float nearDepth; // greatest map depth on the near rectangle
     float nearWs;    // linear depth of the near plane
     float always;    // 1: the rectangle is not asked texel by texel
-    float padding;
+    float receivers; // 1: the receivers are asked, not the near plane
     uvec4 templates[120]; // TEMPLATE_BLOCK
 };
 GN_SHARED_OFFSET(CapConstants, nearTexels, 496)

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The cap: fragments where the near plane lies behind the map's surface turn the stencil's bit, others are discarded.
-// The surface is the one that is drawn, template by template. Where the polygons did not fit the receiver itself is
-// asked, and no polygon is drawn.
+// The surface is the one that is drawn, template by template. Where the polygons did not fit, or would not be counted
+// right, the receiver itself is asked, and no polygon is drawn.
 #include "mccool.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants { CapConstants constants; };
@@ -55,7 +55,7 @@ void main()
 {
     MapLook look = constants.base.map;
     float w = constants.nearWs;
-    if (command[1] == 0u) {
+    if (constants.receivers != 0.0 || command[1] == 0u) {
         float depth = texelFetch(depthImage, ivec2(gl_FragCoord.xy), 0).x;
         if (depth == constants.base.view.skyDepth) discard;
         w = linearDepth(constants.base.view, depth);

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // One triangle over the area, or none: the near rectangle is capped only if a texel about it lies before it, or if the
-// polygons did not fit and the map has to answer.
+// receivers are asked.
 #include "mccool.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants { CapConstants constants; };
@@ -12,7 +12,7 @@ layout(location = 1) noperspective out vec4 rayClip;
 
 bool wanted()
 {
-    if (constants.always != 0.0 || command[1] == 0u) return true;
+    if (constants.always != 0.0 || constants.receivers != 0.0 || command[1] == 0u) return true;
     bool before = false;
     for (float y = constants.nearTexels.y; y <= constants.nearTexels.w; ++y)
         for (float x = constants.nearTexels.x; x <= constants.nearTexels.z; ++x)

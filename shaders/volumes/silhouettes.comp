@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Sides of shadow volumes: findSilhouette() and writeSides() of algorithms/volumes/silhouette.cpp, an edge each. The
 // order of the sides is the device's; nothing depends on it.
-#include "face_light.h"
+#include "../shared/face_light.h"
 #include "silhouettes.h"
 
 layout(local_size_x = 64) in; // SILHOUETTE_GROUP

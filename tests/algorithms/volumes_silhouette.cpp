@@ -6,6 +6,7 @@
 #include <map>
 
 #include "algorithms/volumes/edge_list.hpp"
+#include "runtime/scene/light_fit.hpp"
 #include "shaders/volumes/all_edges.h"
 #include "shaders/volumes/volume.h"
 #include "tests/algorithms/volume_lists.hpp"
@@ -56,8 +57,8 @@ private:
     {
         const std::uint32_t away = placed_.caster.mirrored ? gpu::FACE_TOWARDS : gpu::FACE_AWAY;
         const gpu::uvec4 face = slot(index >> 3);
-        return gpu::capCorner(face, wayOf(face.w), placed_.topology.closed ? away : gpu::FACE_TOUCHED,
-                              (index >> 2) & 1, index & 3);
+        return gpu::capCorner(face, wayOf(face.w), placed_.topology.closed ? away : gpu::FACE_TOUCHED, (index >> 2) & 1,
+                              index & 3);
     }
     void draw(std::uint32_t command, std::vector<std::uint32_t>& out)
     {
@@ -226,7 +227,7 @@ void forAllCases(Body&& body)
 
 /// Under lamps that lie in the middle of one of the caster's faces, but for rounding.
 template <typename Body>
-void forTouchedFaces(Body&& body)
+void forTouchedCases(Body&& body)
 {
     for (const Case& c : cases())
         for (const glm::mat3& basis : bases()) {
@@ -303,7 +304,7 @@ TEST_CASE("a face that the light touches stops none of its light")
 {
     Random random(13);
     int shadowed = 0, lit = 0;
-    forTouchedFaces([&](const Placed& placed, const LightView& light, std::size_t touched) {
+    forTouchedCases([&](const Placed& placed, const LightView& light, std::size_t touched) {
         const Lists lists(placed, light);
         CHECK(!blocksLight(placed.topology, lists.facing[touched], placed.caster.mirrored));
         const Volume volume(placed, glm::dvec3(light.position()));
@@ -322,9 +323,25 @@ TEST_CASE("a face that the light touches stops none of its light")
     CHECK(lit > 500);
 }
 
+TEST_CASE("a caster steps back until the light is before the faces that it touches, and no farther")
+{
+    forTouchedCases([](const Placed& placed, const LightView& light, std::size_t touched) {
+        const glm::dvec3 away(awayFromLight(light, placed.caster));
+        const std::uint32_t* v = &placed.topology.faceVerts[3 * touched];
+        const glm::dvec3 a = placed.world(v[0]), b = placed.world(v[1]), c = placed.world(v[2]);
+        glm::dvec3 normal = glm::normalize(glm::cross(b - a, c - a));
+        if (placed.topology.closed && placed.caster.mirrored) normal = -normal;
+        const double touch = touchingDistance(light, 0.0); // at least
+        const double before = glm::dot(normal, glm::dvec3(light.position()) - a - away);
+        if (placed.topology.manifold) CHECK(before > 0.5 * touch); // finned and doubled faces may ask for both sides
+        CHECK(glm::length(away) < 20.0 * touch);
+        CHECK(awayFromLight(pointLight(kPlace + glm::vec3(0.0f, 9.0f, 0.0f)), placed.caster) == glm::vec3(0.0f));
+    });
+}
+
 TEST_CASE("what the light touches leaves sides in closed loops, the same on the device")
 {
-    forTouchedFaces([](const Placed& placed, const LightView& light, std::size_t) {
+    forTouchedCases([](const Placed& placed, const LightView& light, std::size_t) {
         const Lists lists(placed, light);
         CHECK(loopsAreClosed(lists.sides));
         const DeviceLists device(placed, light);

@@ -164,4 +164,28 @@ TEST_CASE("mccool is as right at those places as its map looked up, with reverse
     }
 }
 
+// A ray to the near plane passes then where a closed caster's lit side was left out of the map.
+TEST_CASE("mccool is as right as its map looked up with the near plane in a closed caster, and with the eye in one")
+{
+    const test::DeviceTest silence;
+    for (const auto convention : {demo::DepthConvention::ReversedInfinite, demo::DepthConvention::Standard}) {
+        for (const KindOfLight& light : kKinds) {
+            for (const bool aboutEye : {false, true}) {
+                const std::string what = std::string(nameOf(light.kind)) +
+                                         (aboutEye ? ", eye in crate, " : ", cut ball, ") + nameOf(convention) +
+                                         " depth";
+                CAPTURE(what);
+                Stage stage(cutByNearPlane(light.kind, aboutEye, convention), kSize);
+                const Settings fine{{"resolution", 2048.0}};
+                const char* lookUp = light.kind == LightKind::Point ? "cube_map" : "shadow_map";
+                const ErrorCount map = pooled(stage, stage.draw(lookUp, fine));
+                const ErrorCount volumes = pooled(stage, stage.draw("mccool", fine));
+                MESSAGE("mccool, " << what << ": wrong " << inWords(volumes) << "; looked up " << inWords(map));
+                CHECK(volumes.counted > 1000);
+                CHECK(10 * volumes.wrong() <= 11 * map.wrong() + 100);
+            }
+        }
+    }
+}
+
 } // namespace gnomon::exact

@@ -109,7 +109,7 @@ Scene hangingCaster(LightKind kind, bool closed, DepthConvention convention)
     return scene;
 }
 
-Scene flushLamp(LitFrom held)
+Scene flushLamp(LitFrom held, LightKind kind)
 {
     Scene scene;
     scene.name = "flush lamp";
@@ -128,15 +128,27 @@ Scene flushLamp(LitFrom held)
             .pose.rotation = turned(kRight, 180.0);
         break;
     case LitFrom::roomCorner: {
-        Mesh room = makeBox({.size = glm::vec3(8.0f, 3.1f, 14.0f)}); // below the floor, so that two surfaces never meet
+        Mesh room = makeBox({.size = glm::vec3(8.0f, 4.0f, 14.0f)}); // down to below the floor
         for (size_t i = 0; i < room.indices.size(); i += 3)
             std::swap(room.indices[i + 1], room.indices[i + 2]); // seen from within
-        place(scene, "room", std::move(room), {0.1, 1.35, 0.2});
-        at = {-3.9, 2.9, -6.8};
+        place(scene, "room", std::move(room), {0.0, 1.0, 0.0});
+        at = {-4.0, 3.0, -7.0}; // to the bit: behind a wall rays that graze it would be right to call it dark
         break;
     }
     }
-    scene.lights = {lamp("lamp", LightKind::Point, at, {0.0, 0.0, 0.0})};
+    scene.lights = {lamp("lamp", kind, at, {0.1, 0.0, 0.2})};
+    return scene;
+}
+
+Scene cutByNearPlane(LightKind kind, bool aboutEye, DepthConvention convention)
+{
+    Scene scene = hangingCaster(kind, true, convention);
+    scene.camera = {{.eye = {1.0, 1.8, 2.4}, .target = {4.0, 0.2, 0.9}}}; // in the light
+    const glm::dvec3 eye = scene.camera[0].eye, ahead = glm::normalize(scene.camera[0].target - eye);
+    if (aboutEye)
+        place(scene, "crate", makeBox({.size = glm::vec3(1.5f)}), eye);
+    else
+        place(scene, "ball", makeSphere({.radius = 0.15f}), eye + 0.55 * ahead);
     return scene;
 }
 

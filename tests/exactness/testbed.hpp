@@ -13,6 +13,10 @@ demo::Scene testbed(demo::DepthConvention convention);
 /// the left; the shadow falls to the right, towards +x. The near plane is half a metre away, so that it is 0.7 m wide.
 demo::Scene hangingCaster(demo::LightKind kind, bool closed, demo::DepthConvention convention);
 
+/// The same with closed casters, and one more: a ball that the near plane cuts, or a crate about the eye and the near
+/// rectangle.
+demo::Scene cutByNearPlane(demo::LightKind kind, bool aboutEye, demo::DepthConvention convention);
+
 /// One closed caster over a floor in the light of one lamp with a surface, four metres above the floor.
 enum class Caster : uint8_t { box, sphere, cylinder, torus };
 /// \param height Of the caster's centre over the floor; \param radius of the lamp. Metres.
@@ -27,11 +31,11 @@ demo::Scene oddCasters();
 /// lamp hangs a card, and a crate stands on the plain.
 demo::Scene lampOverPlain(demo::LightKind kind);
 
-/// Casters on a floor, and a point lamp that lies in the plane of a face of what holds it: a box for a ceiling, turned
+/// Casters on a floor, and a lamp that lies in the plane of a face of what holds it: a box for a ceiling, turned
 /// and moved so that its corners are rounded; a sheet for a ceiling, its front side down; or the upper corner of a room
-/// of one mesh, where three of its faces meet.
+/// of one mesh, where three of its faces meet. A spot looks straight down.
 enum class LitFrom : uint8_t { solidCeiling, sheetCeiling, roomCorner };
-demo::Scene flushLamp(LitFrom place);
+demo::Scene flushLamp(LitFrom held, demo::LightKind kind);
 
 /// The instances whose mesh is closed, alone.
 demo::Scene onlyClosed(demo::Scene scene);

@@ -1,7 +1,7 @@
 // How a caster's face lies to a light: one arithmetic for the shaders and the CPU, which must agree.
-#ifndef GNOMON_VOLUMES_FACE_LIGHT_H
-#define GNOMON_VOLUMES_FACE_LIGHT_H
-#include "../shared/types.h"
+#ifndef GNOMON_SHARED_FACE_LIGHT_H
+#define GNOMON_SHARED_FACE_LIGHT_H
+#include "types.h"
 
 GN_SHARED_BEGIN
 
