@@ -66,4 +66,20 @@ TEST_CASE("a card just under a lamp casts on a plain that reaches a hundred time
     }
 }
 
+TEST_CASE("triangles that end a kilometre away do not shadow themselves under a lamp close to them")
+{
+    const test::DeviceTest silence;
+    for (const LightKind kind : {LightKind::Spot, LightKind::Point}) {
+        Stage stage(lampsOverLargeTriangles(kind, 12), {320, 240});
+        const bool spot = kind == LightKind::Spot;
+        for (const std::string method : {spot ? "shadow_map" : "cube_map", "pcf_hybrid", "contour_chain"}) {
+            const Pictures pictures = stage.draw(method, {{"resolution", 512.0}});
+            const ErrorCount error = pooled(stage, pictures);
+            MESSAGE(std::string(nameOf(kind)) << ", " << method << ": wrong " << inWords(error));
+            CHECK(error.counted > 50'000);
+            CHECK(error.percent(error.wrong()) < 0.5);
+        }
+    }
+}
+
 } // namespace gnomon::exact

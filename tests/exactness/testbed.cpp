@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <random>
 #include <utility>
 
 #include <glm/gtc/quaternion.hpp>
@@ -264,6 +265,26 @@ Scene lampOverPlain(LightKind kind)
     scene.lights = {lamp("lamp", kind, {0.0, 4.0, 0.0}, {0.3, 0.0, 0.5})};
     scene.lights[0].range = 1e5f;
     scene.camera = {{.eye = {2.0, 7.0, 6.0}, .target = {0.0, 0.5, 0.0}}};
+    return scene;
+}
+
+Scene lampsOverLargeTriangles(LightKind kind, uint32_t count)
+{
+    Scene scene;
+    scene.name = "lamps over large triangles";
+    place(scene, "ground", makePlane({.width = 2000.0f, .depth = 2000.0f}), {});
+    place(scene, "crate", makeBox({.size = glm::vec3(1.0f)}), {2.0, 0.5, 0.0});
+    std::mt19937 random(11);
+    const auto within = [&](double low, double high) { return low + (high - low) * double(random()) / 0x1p32; };
+    for (uint32_t i = 0; i < count; ++i) {
+        const double x = within(-8.0, 8.0), y = within(0.5, 9.0), z = within(-12.0, 4.0);
+        const double aimX = x + within(-4.0, 4.0), aimZ = z + within(-4.0, 4.0);
+        Light& light = scene.lights.emplace_back(lamp("lamp", kind, {x, y, z}, {aimX, 0.0, aimZ}));
+        light.name += std::to_string(i);
+        light.outerAngle = 0.95f;
+        light.innerAngle = 0.9f;
+    }
+    scene.camera = {{.eye = {0.0, 9.0, 16.0}, .target = {0.0, 0.0, -4.0}, .verticalFov = 1.0f}};
     return scene;
 }
 

@@ -37,6 +37,10 @@ demo::Scene lampOverPlain(demo::LightKind kind);
 enum class LitFrom : uint8_t { solidCeiling, sheetCeiling, roomCorner };
 demo::Scene flushLamp(LitFrom held, demo::LightKind kind);
 
+/// A ground of two triangles, 2 km wide, with a crate on it and `count` lamps that reach 25 m thrown over the part that
+/// is seen, half a metre to nine above it.
+demo::Scene lampsOverLargeTriangles(demo::LightKind kind, uint32_t count);
+
 /// The instances whose mesh is closed, alone.
 demo::Scene onlyClosed(demo::Scene scene);
 
