@@ -13,7 +13,7 @@ void Context::declareLight(const PendingLight& pending, FrameMode mode)
     const std::uint32_t layer = fades ? kIncomingLayer : pending.layer;
     const std::optional<Error> error = declareMethod(pending, decision.method, visibility, layer, mode);
     if (!error) {
-        pending.memory->failures[decision.method] = {};
+        pending.memory->failures[decision.method].noteServed(frame_);
         if (fades) declareMix(pending, pair);
         return;
     }

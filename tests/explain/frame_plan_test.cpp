@@ -304,3 +304,26 @@ TEST_CASE("by the knowledge that ships, no rule favours near what the floor keep
                           std::string(registry.entries[output]->name), " ", lacking[output]);
     }
 }
+
+TEST_CASE("a method whose passes fail again after every few frames is tried more and more rarely")
+{
+    // As where a light's first frames find memory that the third lacks.
+    PassFailure failure;
+    int failures = 0;
+    for (std::uint64_t frame = 1, served = 0; frame < 3600; ++frame) {
+        if (failure.holds(frame, 0)) continue;
+        if (++served % 3 != 0) {
+            failure.noteServed(frame);
+            continue;
+        }
+        failure.note(frame, true);
+        ++failures;
+    }
+    CHECK(failures > 4);
+    CHECK(failures < 16); // pauses of 4, 8, 16, ... frames
+
+    // One that served for as long as it was left alone starts anew.
+    for (std::uint64_t frame = failure.until; frame <= 2 * failure.until; ++frame)
+        failure.noteServed(frame);
+    CHECK(failure.times == 0);
+}
