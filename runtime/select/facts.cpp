@@ -214,6 +214,17 @@ void MotionHistory::note(std::uint64_t now, const LightView& light, const LightC
     frame = now;
 }
 
+bool MotionHistory::rests() const
+{
+    constexpr int kShortest = 4, kLongestRhythm = 16;
+    if (bits == 0) return true;
+    const int since = std::countr_zero(bits);
+    if (since < kShortest) return false;
+    const std::uint64_t before = bits >> since >> 1;
+    const int apart = before != 0 ? std::countr_zero(before) + 1 : kLongestRhythm + 1;
+    return apart > kLongestRhythm || since >= apart;
+}
+
 double MotionHistory::share() const
 {
     constexpr std::uint64_t kLast60 = (1ull << 60) - 1;

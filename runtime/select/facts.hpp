@@ -86,8 +86,9 @@ struct MotionHistory {
 
     void note(std::uint64_t now, const LightView& light, const LightCasters& casters);
     double share() const;
-    /// Nothing has moved for four frames: what moves in every second frame, or in every fourth, does not rest between.
-    bool rests() const { return (bits & 0xf) == 0; }
+    /// Nothing has moved for four frames, nor for as long as passed between the last two moves, if these were no more
+    /// than sixteen frames apart: what moves in every so many frames does not rest between.
+    bool rests() const;
 };
 
 /// Median of the last five values.

@@ -1,6 +1,7 @@
 // Levels of trees that rays meet, as the facts estimate them from tiles of receivers.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -111,6 +112,37 @@ TEST_CASE("of very many casters a part is asked, and stands for all")
     for (const Box& box : boxes)
         casters.push_back(&box.caster);
     CHECK(levels(rough, sun(glm::vec3(0.0f, 0.0f, -1.0f)), casters) == doctest::Approx(15000.0).epsilon(0.02));
+}
+
+TEST_CASE("what moves in every so many frames does not rest in between, what has stopped does")
+{
+    const auto moveEvery = [](std::uint64_t frames, int times, MotionHistory& motion, int& rested) {
+        for (int i = 0; i < times; ++i)
+            for (std::uint64_t frame = 0; frame < frames; ++frame) {
+                motion.bits = motion.bits << 1 | (frame == 0 ? 1 : 0);
+                rested += motion.rests();
+            }
+    };
+    for (const std::uint64_t every : {1, 2, 4, 5, 8, 16}) {
+        CAPTURE(every);
+        MotionHistory motion;
+        int rested = 0;
+        CHECK(motion.rests());
+        moveEvery(every, 2, motion, rested); // two moves make a rhythm
+        rested = 0;
+        moveEvery(every, 20, motion, rested);
+        CHECK(rested == 0);
+        int until = 0;
+        while (!motion.rests()) {
+            motion.bits <<= 1;
+            ++until;
+        }
+        CHECK(until <= std::max<int>(4, int(every)) + 1);
+    }
+    MotionHistory rarely;
+    int rested = 0;
+    moveEvery(40, 5, rarely, rested);
+    CHECK(rested == 5 * (40 - 4)); // a move now and then is one of its own
 }
 
 TEST_CASE("of eight values the second largest counts: what recurs, not what stands out once")
