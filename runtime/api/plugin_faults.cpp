@@ -88,6 +88,19 @@ std::optional<Error> faultOfPass(const GnPassInfo& info, std::uint32_t roundTrip
     return std::nullopt;
 }
 
+bool changes(const GnAccess& access)
+{
+    switch (access.kind) {
+    case GN_ACCESS_WRITE:
+    case GN_ACCESS_UPDATE:
+    case GN_ACCESS_DEPTH_WRITE:
+    case GN_ACCESS_STENCIL_WRITE:
+        return true;
+    default:
+        return access.clear != VK_FALSE;
+    }
+}
+
 std::optional<Error> faultOfAccess(const PassBuilder& passes, const GnPassInfo& info, std::uint32_t index)
 {
     const GnAccess& access = info.pAccesses[index];
@@ -97,7 +110,11 @@ std::optional<Error> faultOfAccess(const PassBuilder& passes, const GnPassInfo& 
     const std::uint32_t layers = std::max(access.layerCount, 1u);
     const bool there = (!access.image || passes.has(imageOf(access.image), access.baseLayer, layers)) &&
                        (!access.buffer || passes.has(bufferOf(access.buffer)));
-    if (there) return std::nullopt;
+    if (there) {
+        if (!access.image || !changes(access) || !passes.isHosts(imageOf(access.image))) return std::nullopt;
+        return passFault(info, GN_ERROR_UNSUPPORTED, "HostImage",
+                         accessName(index) + " changes the host's depth or normals, which are to be read only");
+    }
     return passFault(info, GN_ERROR_OUT_OF_RANGE, "PassAccess",
                      accessName(index) + " names image " + std::to_string(access.image) + ", layers " +
                          std::to_string(access.baseLayer) + " + " + std::to_string(layers) + ", buffer " +

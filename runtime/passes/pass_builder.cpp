@@ -370,6 +370,11 @@ bool PassBuilder::has(BufferId buffer) const
     return buffer.index < graph_.buffers_.size();
 }
 
+bool PassBuilder::isHosts(ImageId image) const
+{
+    return graph_.images_[image.index].pooled->imported;
+}
+
 VkExtent2D PassBuilder::extent(ImageId image) const
 {
     return graph_.images_[image.index].pooled->gpu.extent;

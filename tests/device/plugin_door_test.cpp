@@ -155,6 +155,17 @@ TEST_CASE_FIXTURE(DeviceTest, "passes that cannot be are refused by the member a
         access.kind = GN_ACCESS_SAMPLED;
         access.clear = VK_FALSE;
     });
+    for (const GnAccessKind kind : {GN_ACCESS_DEPTH_WRITE, GN_ACCESS_DEPTH_TEST, GN_ACCESS_WRITE}) {
+        test.caller.act = [&](GnPassBuilder builder, const GnShadowTask& task) {
+            test.caller.pass(builder, task, [&](GnPassInfo&, GnAccess& access) {
+                access.image = task.depth;
+                access.kind = kind;
+                access.clear = kind == GN_ACCESS_DEPTH_TEST ? VK_TRUE : VK_FALSE;
+            });
+        };
+        test.says("pAccesses[0] changes the host's depth");
+        CHECK(test.caller.answer == GN_ERROR_UNSUPPORTED);
+    }
     constexpr VkRect2D kBeyond[] = {
         {{0, 0}, {321, 180}}, {{0, 1}, {320, 180}},       {{-1, 0}, {320, 180}},
         {{0, 0}, {320, 0}},   {{INT_MAX, 0}, {320, 180}}, {{1, 0}, {UINT32_MAX, 180}},
