@@ -113,6 +113,10 @@ public:
         const GnSettingInfo* size = sizeSetting(inForce);
         Row row = rowFor(session, name, size ? static_cast<uint32_t>(size->value) : 0);
         row.times = timePairs(session, options_.repeat, options_.recorded, nullptr);
+        if (row.times.unpinned > 0)
+            std::fprintf(stderr,
+                         "note: %s: in %u of %u frames %s did not serve all of its lights: the row is not its own\n",
+                         scene_.name.c_str(), row.times.unpinned, options_.repeat, name.c_str());
         const GnFrameStats stats = session.shadows.stats();
         row.rays = stats.rays;
         row.memoryMib = double(stats.memory) / (1024.0 * 1024.0);

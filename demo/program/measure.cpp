@@ -105,25 +105,32 @@ std::optional<Truth> measureTruth(Device& device, const Scene& scene, VkExtent2D
     return truth;
 }
 
+namespace {
+
+/// In the newest frame.
+bool everyLightPinned(Session& session)
+{
+    for (uint32_t light : session.renderer.state().present) {
+        GnDecision decision{};
+        gnGetDecision(session.shadows.context(), session.shadows.view(0), session.shadows.light(light), &decision);
+        if (decision.reason != GN_REASON_PINNED) return false;
+    }
+    return true;
+}
+
+} // namespace
+
 void settle(Session& session, double time, bool recorded)
 {
     if (gnWarmUp(session.shadows.context()) < 0)
         throw HostError(std::string("gnWarmUp: ") + gnGetLastError(session.shadows.context()));
     const CameraState camera = session.camera(time);
-    const auto everyLightPinned = [&session] {
-        for (uint32_t light : session.renderer.state().present) {
-            GnDecision decision{};
-            gnGetDecision(session.shadows.context(), session.shadows.view(0), session.shadows.light(light), &decision);
-            if (decision.reason != GN_REASON_PINNED) return false;
-        }
-        return true;
-    };
     constexpr uint32_t patience = 200; // frames; workers need far fewer after gnWarmUp
     for (uint32_t i = 0; i < patience; ++i) {
         session.renderer.draw(
             {.time = time, .cameras = {&camera, 1}, .shadows = &session.shadows, .recorded = recorded});
         session.renderer.waitForFrame();
-        if (i + 1 >= kWarmFrames && everyLightPinned()) return;
+        if (i + 1 >= kWarmFrames && everyLightPinned(session)) return;
     }
     throw HostError("a pinned method never became ready");
 }
@@ -148,6 +155,7 @@ PairTimes timePairs(Session& session, uint32_t pairs, bool recorded, OtherShadow
         times.gpuMs.push_back(double(stats.gpuMs));
         times.cpuMs.push_back(double(stats.cpuMs));
         times.raysMs.push_back(double(stats.raysMs));
+        if (!other && !everyLightPinned(session)) ++times.unpinned;
     }
     return times;
 }

@@ -54,6 +54,7 @@ struct PairTimes {
     std::vector<double> withMs, withoutMs; ///< Wall time of each frame of the interleaved pairs.
     std::vector<double> gpuMs, cpuMs;      ///< As gnomon reports them.
     std::vector<double> raysMs;            ///< Inside the ray tracer, all threads.
+    uint32_t unpinned = 0;                 ///< Frames in which a light was served by another method than its own.
 };
 
 /// Alternates frames without and with shadows; both of a pair show the same time. \param shadows false: `other`
