@@ -9,19 +9,29 @@
 
 namespace gnomon {
 
-/// |basis| |inverse basis|: an error of 1 in each coordinate may become this much of each.
+/// |basis| |inverse basis|: an error of 1 in each coordinate may become this much of each. The ray tracer makes the
+/// inverse of cross products and a determinant in single precision; where their terms cancel, as in what is squashed
+/// along two axes aslant to its own, their sizes stand in place of what is left of them.
 inline glm::dmat3 spreadOf(const glm::dmat3& basis)
 {
-    const glm::dmat3 inverse = glm::inverse(basis);
-    glm::dmat3 spread(0.0);
-    for (int column = 0; column < 3; ++column)
-        for (int row = 0; row < 3; ++row)
-            for (int k = 0; k < 3; ++k)
-                spread[column][row] += std::abs(basis[k][row]) * std::abs(inverse[column][k]);
+    const auto termsOf = [](const glm::dvec3& a, const glm::dvec3& b) { // of a cross product, sizes
+        const glm::dvec3 p = glm::abs(a), q = glm::abs(b);
+        return glm::dvec3(p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x);
+    };
+    const double determinant = std::abs(glm::dot(basis[0], glm::cross(basis[1], basis[2])));
+    // An error of the determinant scales the whole inverse, and so what comes back.
+    glm::dmat3 spread(glm::dot(glm::abs(basis[0]), termsOf(basis[1], basis[2])) / determinant - 1.0);
+    for (int k = 0; k < 3; ++k) {
+        const glm::dvec3 &a = basis[(k + 1) % 3], &b = basis[(k + 2) % 3];
+        const glm::dvec3 inverse = termsOf(a, b) / determinant; // its row k
+        for (int column = 0; column < 3; ++column)
+            for (int row = 0; row < 3; ++row)
+                spread[column][row] += std::abs(basis[k][row]) * inverse[column];
+    }
     return spread;
 }
 
-/// The most that a coordinate collects: 1 where axes stay axes, at most 3 for a rotation, more for what is sheared or
+/// The most that a coordinate collects: 1 where axes stay axes, some 3 for a rotation, more for what is sheared or
 /// squashed aslant.
 inline double skewOf(const glm::dmat3& spread)
 {

@@ -10,6 +10,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "algorithms/hybrid/receivers.hpp"
+#include "algorithms/hybrid/spread.hpp"
 #include "algorithms/hybrid/tile_blocks.hpp"
 #include "algorithms/hybrid/tile_search.hpp"
 #include "runtime/ray_fixture.hpp"
@@ -397,6 +398,40 @@ TEST_CASE("what tiles prove is what rays say, for turned, mirrored, flat and hol
     CHECK(tally.lit > 50000);
     CHECK(tally.dark > 50000);
     CHECK(tally.unsure < tally.lit + tally.dark);
+}
+
+TEST_CASE("margins hold what a float inverse makes of points, also where casters are squashed aslant")
+{
+    std::mt19937 random(29);
+    const auto turn = [&random] {
+        const glm::vec3 axis = glm::normalize(randomPoint(random, 1.0f) + glm::vec3(0.0f, 0.0f, 1e-3f));
+        return glm::mat3(glm::rotate(glm::mat4(1.0f), randomPoint(random, 3.0f).x, axis));
+    };
+    for (const float thin : {1.0f, 0.1f, 0.01f, 0.003f, 0.001f}) {
+        CAPTURE(thin);
+        double worst = 0.0;
+        for (int i = 0; i < 2000; ++i) {
+            const glm::mat3 basis = turn() * glm::mat3(1, 0, 0, 0, thin, 0, 0, 0, thin) * turn();
+            const glm::vec3 translation = randomPoint(random, 10.0f), p = randomPoint(random, 30.0f);
+            CasterReach reach{.translation = translation};
+            reach.spread = spreadOf(basis);
+            const glm::dvec3 bound = reach.rounding(glm::abs(glm::dvec3(p)));
+
+            // As ray tracers do it: the adjoint by the determinant, and an affine map.
+            const glm::vec3 rows[3] = {glm::cross(basis[1], basis[2]), glm::cross(basis[2], basis[0]),
+                                       glm::cross(basis[0], basis[1])};
+            const float determinant = glm::dot(basis[0], rows[0]);
+            const glm::mat3 inverse =
+                glm::transpose(glm::mat3(rows[0] / determinant, rows[1] / determinant, rows[2] / determinant));
+            const glm::vec3 inMesh = inverse * p - inverse * translation;
+            const glm::dvec3 back = glm::dmat3(basis) * glm::dvec3(inMesh) + glm::dvec3(translation);
+            const glm::dvec3 off = glm::abs(back - glm::dvec3(p)) / bound;
+            worst = std::max({worst, off.x, off.y, off.z});
+        }
+        MESSAGE(thin << ": " << worst << " of the margin");
+        CHECK(worst < 1.0);
+        CHECK(worst > 0.02); // and they are no wider than that asks for
+    }
 }
 
 TEST_CASE("at the very borders of shadows nothing is proven that rays deny")
