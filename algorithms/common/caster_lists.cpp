@@ -30,7 +30,9 @@ Stamp& Stamp::add(const glm::mat4& matrix)
 
 Stamp& Stamp::add(const Caster& caster)
 {
-    return add((std::uint64_t{caster.id} << 1) | (caster.closed ? 1 : 0)).add(caster.revision);
+    // A topology may come late; with it is known whether the mesh is closed, and which faces a light touches.
+    const bool known = caster.mesh && caster.mesh->topology;
+    return add((std::uint64_t{caster.id} << 2) | (known ? 2 : 0) | (caster.closed ? 1 : 0)).add(caster.revision);
 }
 
 Stamp& Stamp::add(std::span<const Caster* const> casters)
