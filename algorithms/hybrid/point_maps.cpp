@@ -63,9 +63,8 @@ ImageId declarePointMaps(PassBuilder& passes, const DepthMapPipelines& pipelines
                          .layers = kLightPoints});
     const std::array points = lightPoints();
     for (std::uint32_t i = 0; i < kLightPoints; ++i) {
-        const LightView light = lightFrom(*task.light, points[i]);
         ShadowTask from = task;
-        from.light = &light;
+        from.light = arena.make(lightFrom(*task.light, points[i])); // casters are drawn by it later in the frame
         const LightFit& fit = *fitDepthMap(pipelines.clamped, from, resolution, arena);
         const LayerContent content =
             layerContent(*task.light, castersIn(task.casters->statics, fit.volume, arena),

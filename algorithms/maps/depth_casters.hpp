@@ -17,6 +17,7 @@ public:
         glm::vec4 zeroWs;
     };
 
+    /// @param task its light lives as long as the frame's memory
     DepthCasters(const DepthMapPipelines& pipelines, const LightFit& fit, const ShadowTask& task,
                  std::uint32_t resolution, FrameArena& arena);
     void uses(PassRef&) const {}
