@@ -95,8 +95,8 @@ struct PassFailure {
         const std::uint64_t pause = (forMemory ? kForMemory : kElse) << std::min(times, 16u);
         *this = {frame, frame + std::min(pause, kMost), times + 1, forMemory};
     }
-    /// Its passes were made. Forgotten when they have been for as long as it was left alone: what fails again and again,
-    /// each time a little later, would else come and go forever.
+    /// Its passes were made. Forgotten when they have been for as long as it was left alone: what fails again every few
+    /// frames would else come and go forever.
     void noteServed(std::uint64_t frame)
     {
         if (times != 0 && frame >= until + (until - at)) *this = {};

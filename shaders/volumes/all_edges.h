@@ -30,7 +30,7 @@ GN_SHARED_SIZE(AllEdgesPush, 112)
 GN_SHARED_CONST uint NO_CORNER = 0xffffffffu; // of an edge or face that is not drawn
 
 // Corner 0 to 3 of the side at an edge, as 2 * vertex + copy: counter-clockwise from outside in the order 0 1 2, 0 2 3.
-// NO_CORNER where the two faces look the same way and the side cancels out, and in an instance beyond what they ask for:
+// NO_CORNER where the two faces look the same way and the side cancels out, and in instances beyond what they ask for:
 // of a pair one face alone counts if the light touches the other.
 GN_SHARED_FN uint sideCorner(uvec4 edge, uint way0, uint way1, uint instance, uint corner)
 {
