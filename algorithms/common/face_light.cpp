@@ -30,14 +30,23 @@ double touchAt(const LightView& light, const Caster& caster)
     return static_cast<double>(std::max({outside.x, outside.y, outside.z})) <= touch ? touch : 0.0;
 }
 
-/// Whether the light is within the bounds of a face, and a little around them.
-bool isBeside(const glm::dvec3& light, const Topology& topology, std::span<const glm::vec3> positions, std::size_t face)
+/// A face in the world, in double precision.
+struct WorldFace {
+    glm::dvec3 normal{0.0}; ///< Unit, of its winding; zero: it has no area.
+    glm::dvec3 corners[3];
+};
+
+WorldFace worldFace(const Caster& caster, std::uint32_t face)
 {
-    const std::uint32_t* v = &topology.faceVerts[3 * face];
-    const glm::vec3 a = positions[v[0]], b = positions[v[1]], c = positions[v[2]];
-    const glm::dvec3 lower(glm::min(a, glm::min(b, c))), upper(glm::max(a, glm::max(b, c)));
-    const glm::dvec3 outside = glm::max(lower - light, light - upper), size = upper - lower;
-    return std::max({outside.x, outside.y, outside.z}) <= 1e-3 * std::max({size.x, size.y, size.z});
+    const glm::dmat3 basis(caster.basis);
+    const std::uint32_t* v = &caster.mesh->topology->faceVerts[3 * std::size_t{face}];
+    WorldFace result;
+    for (int i = 0; i < 3; ++i)
+        result.corners[i] = basis * glm::dvec3(caster.mesh->positions[v[i]]) + glm::dvec3(caster.translation);
+    const glm::dvec3 normal = glm::cross(result.corners[1] - result.corners[0], result.corners[2] - result.corners[0]);
+    const double length = glm::length(normal);
+    if (length > 0.0) result.normal = normal / length;
+    return result;
 }
 
 } // namespace
@@ -79,31 +88,35 @@ bool touchesAny(const FaceBlock& block, const gpu::FaceLight& light)
     return touched != 0;
 }
 
-glm::vec3 awayFromLight(const LightView& light, const Caster& caster)
+bool mayTouch(const LightView& light, const Caster& caster)
+{
+    return touchAt(light, caster) > 0.0 && !caster.hostDrawn && caster.mesh && caster.mesh->topology;
+}
+
+bool isAtLight(const LightView& light, const Caster& caster, std::uint32_t face)
 {
     const double touch = touchAt(light, caster);
-    if (touch == 0.0 || caster.hostDrawn || !caster.mesh || !caster.mesh->topology) return glm::vec3(0.0f);
-    const Topology& topology = *caster.mesh->topology;
-    const gpu::FaceLight inObject = lightInObjectSpace(light, caster);
-    if (inObject.at.w == 0.0f) return glm::vec3(0.0f); // flattened: faces have no side
-    const glm::dvec3 lightOs = glm::dvec3(inObject.at) / static_cast<double>(inObject.at.w);
-    const glm::dmat3 cofactors = glm::transpose(adjugate(glm::dmat3(caster.basis)));
-    // The side that light enters by: mirroring turns a closed mesh inside out.
-    const double outwards = topology.closed && caster.mirrored ? -1.0 : 1.0;
-    const std::span<const glm::vec3> positions = caster.mesh->positions;
+    const WorldFace at = worldFace(caster, face);
+    const glm::dvec3 position(light.position());
+    if (at.normal == glm::dvec3(0.0) || std::abs(glm::dot(at.normal, position - at.corners[0])) > touch) return false;
+    const glm::dvec3 lower = glm::min(at.corners[0], glm::min(at.corners[1], at.corners[2]));
+    const glm::dvec3 upper = glm::max(at.corners[0], glm::max(at.corners[1], at.corners[2]));
+    const glm::dvec3 outside = glm::max(lower - position, position - upper), size = upper - lower;
+    // A little around it: as seen from a light so near its plane, what begins a thousandth of its size away is a line.
+    return std::max({outside.x, outside.y, outside.z}) <= touch + 1e-3 * std::max({size.x, size.y, size.z});
+}
+
+glm::vec3 awayFromLight(const LightView& light, const Caster& caster)
+{
     glm::dvec3 away(0.0);
-    const auto faces = static_cast<std::uint32_t>(topology.facePlanes.size());
-    forTouchedFaces(topology.facePlanes, inObject, 0, faces, [&](std::uint32_t face) {
-        if (!isBeside(lightOs, topology, positions, face)) return;
-        const glm::dvec3 normal = outwards * cofactors * glm::dvec3(topology.facePlanes[face]);
-        const double length = glm::length(normal);
-        if (!(length > 0.0)) return;
-        const glm::dvec3 n = normal / length;
-        const glm::dvec3 corner = glm::dmat3(caster.basis) * glm::dvec3(positions[topology.faceVerts[3 * face]]) +
-                                  glm::dvec3(caster.translation);
-        const double before =
-            glm::dot(n, glm::dvec3(light.position()) - corner - away); // of the light, where it is now
-        away -= std::max(2.0 * touch - before, 0.0) * n;
+    if (!mayTouch(light, caster)) return glm::vec3(away);
+    const double touch = touchAt(light, caster);
+    forFacesAtLight(light, caster, [&](std::uint32_t face) {
+        const WorldFace at = worldFace(caster, face);
+        // The winding's side is that which light enters by; mirroring turns a closed mesh inside out.
+        const glm::dvec3 outwards = caster.mirrored ? -at.normal : at.normal;
+        const double before = glm::dot(outwards, glm::dvec3(light.position()) - at.corners[0] - away);
+        away -= std::max(2.0 * touch - before, 0.0) * outwards;
     });
     return glm::vec3(away);
 }

@@ -22,11 +22,6 @@ namespace gnomon {
 /// that light enters by; of an open one it counts for nothing.
 gpu::FaceLight lightInObjectSpace(const LightView& light, const Caster& caster);
 
-/// How far a caster has to move so that no face that the light touches reaches past it, world space, for maps and
-/// projections that can leave no face out: along the touched faces' normals, some 2^-20 of the coordinates. Zero for
-/// all but the rare caster that the light touches, and for those without a topology.
-glm::vec3 awayFromLight(const LightView& light, const Caster& caster);
-
 /// Whether the light touches any face of a block: all asked at once, in a third of the time.
 bool touchesAny(const FaceBlock& block, const gpu::FaceLight& light);
 
@@ -44,21 +39,65 @@ void forTouchedFaces(const FacePlanes& planes, const gpu::FaceLight& light, std:
     }
 }
 
-/// Calls draw(run, away) with the casters in their order, cut into runs that are moved alike: nearly always one.
+/// What of a caster is drawn, and where, for maps and projections in which a face that the light touches would cover
+/// all that lies on its far side.
+struct DrawnPart {
+    glm::vec3 away{0.0f}; ///< Added to its place, world space.
+    std::uint32_t firstFace = 0, faceCount = UINT32_MAX;
+
+    std::uint32_t firstIndex() const { return 3 * firstFace; }
+    std::uint32_t indexCount() const { return faceCount == UINT32_MAX ? UINT32_MAX : 3 * faceCount; }
+};
+
+/// Whether the light is so near to the bounds of a caster with a topology that it may touch a face.
+bool mayTouch(const LightView& light, const Caster& caster);
+
+/// How far a closed caster has to move so that no face that the light touches reaches past it: along these faces'
+/// normals, some 2^-20 of the coordinates; what it then covers lies within it. Zero where it has no such face.
+glm::vec3 awayFromLight(const LightView& light, const Caster& caster);
+
+/// Whether the light lies on a face, and not only in its plane.
+bool isAtLight(const LightView& light, const Caster& caster, std::uint32_t face);
+
+/// Calls visit(face) with the faces that the light lies on, in their order. @pre mayTouch()
+template <typename Visit>
+void forFacesAtLight(const LightView& light, const Caster& caster, const Visit& visit)
+{
+    const FacePlanes& planes = caster.mesh->topology->facePlanes;
+    forTouchedFaces(planes, lightInObjectSpace(light, caster), 0, static_cast<std::uint32_t>(planes.size()),
+                    [&](std::uint32_t face) {
+                        if (isAtLight(light, caster, face)) visit(face);
+                    });
+}
+
+/// Calls visit(part) with what is drawn of a caster: all of a closed one, moved away from the light; of an open one,
+/// both sides of which are lit, what is left without the faces at the light.
+template <typename Visit>
+void forDrawnParts(const LightView& light, const Caster& caster, const Visit& visit)
+{
+    if (!mayTouch(light, caster)) return visit(DrawnPart{});
+    if (caster.closed) return visit(DrawnPart{.away = awayFromLight(light, caster)});
+    std::uint32_t next = 0;
+    forFacesAtLight(light, caster, [&](std::uint32_t face) {
+        if (face > next) visit(DrawnPart{.firstFace = next, .faceCount = face - next});
+        next = face + 1;
+    });
+    if (const std::uint32_t all = caster.mesh->triangleCount(); next < all)
+        visit(DrawnPart{.firstFace = next, .faceCount = all - next});
+}
+
+/// Calls draw(run, part) with the casters in their order, cut where one is drawn in another way: nearly always one run.
 template <typename Draw>
-void drawAwayFrom(const LightView& light, std::span<const Caster* const> casters, const Draw& draw)
+void drawInParts(const LightView& light, std::span<const Caster* const> casters, const Draw& draw)
 {
     std::size_t begin = 0;
-    glm::vec3 away(0.0f);
     for (std::size_t i = 0; i < casters.size(); ++i) {
-        const glm::vec3 own = awayFromLight(light, *casters[i]);
-        if (own != away) {
-            if (i > begin) draw(casters.subspan(begin, i - begin), away);
-            begin = i;
-            away = own;
-        }
+        if (!mayTouch(light, *casters[i])) continue;
+        if (i > begin) draw(casters.subspan(begin, i - begin), DrawnPart{});
+        forDrawnParts(light, *casters[i], [&](const DrawnPart& part) { draw(casters.subspan(i, 1), part); });
+        begin = i + 1;
     }
-    if (begin < casters.size()) draw(casters.subspan(begin), away);
+    if (begin < casters.size()) draw(casters.subspan(begin), DrawnPart{});
 }
 
 } // namespace gnomon

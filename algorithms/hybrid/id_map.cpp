@@ -98,13 +98,15 @@ void Declaring::draw(const IdMap& map, std::uint32_t layer, std::span<const Cast
             const VkViewport whole{0.0f, 0.0f, side, side, first, 1.0f - first};
             gpu.vk->vkCmdSetViewport(gpu.cmd, 0, 1, &whole);
             const Bound bindings[] = {gpu.storage(0, firsts)};
-            drawAwayFrom(*light, casters, [&](std::span<const Caster* const> run, const glm::vec3& away) {
-                const DepthCasters::Push from = DepthCasters::moved(push, away);
+            drawInParts(*light, casters, [&](std::span<const Caster* const> run, const DrawnPart& part) {
+                const DepthCasters::Push from = DepthCasters::moved(push, part.away);
                 gpu.drawCasters({.pipeline = pipeline,
                                  .casters = run,
                                  .bindings = bindings,
                                  .push = &from,
-                                 .pushSize = sizeof(from)});
+                                 .pushSize = sizeof(from),
+                                 .firstIndex = part.firstIndex(),
+                                 .indexCount = part.indexCount()});
             });
         });
 }

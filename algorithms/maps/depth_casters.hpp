@@ -24,7 +24,7 @@ public:
     void operator()(PassContext& gpu, std::span<const Caster* const> casters, bool statics) const;
     /// Whether clip z is drawn from depth 1 down (CasterDraw::depthFromOne).
     static bool fromOne(const Push& push) { return push.zeroWs.w != 0.0f; }
-    /// For casters that are drawn from a place beside their own (awayFromLight()).
+    /// For casters that are drawn from a place beside their own (DrawnPart::away).
     static Push moved(Push push, const glm::vec3& away)
     {
         push.zeroWs -= glm::vec4(away, 0.0f);

@@ -44,13 +44,15 @@ DepthCasters::DepthCasters(const DepthMapPipelines& pipelines, const LightFit& f
 
 void DepthCasters::operator()(PassContext& gpu, std::span<const Caster* const> casters, bool) const
 {
-    drawAwayFrom(*light_, casters, [&](std::span<const Caster* const> run, const glm::vec3& away) {
-        const Push push = moved(push_, away);
+    drawInParts(*light_, casters, [&](std::span<const Caster* const> run, const DrawnPart& part) {
+        const Push push = moved(push_, part.away);
         gpu.drawCasters({.pipeline = pipeline_,
                          .casters = run,
                          .push = &push,
                          .pushSize = sizeof(push),
                          .depthFromOne = fromOne(push),
+                         .firstIndex = part.firstIndex(),
+                         .indexCount = part.indexCount(),
                          .hostProjection = host_});
     });
 }

@@ -30,18 +30,23 @@ public:
     {
         const MeshView& mesh = *caster.mesh;
         const std::uint32_t base = static_cast<std::uint32_t>(out_.vertices.size());
-        const glm::vec3 place = caster.translation + awayFromLight(source_, caster);
+        const glm::vec3 away = caster.closed ? awayFromLight(source_, caster) : glm::vec3(0.0f);
+        const glm::vec3 place = caster.translation + away;
         for (glm::vec3 p : mesh.positions)
             out_.vertices.push_back(caster.basis * p + place);
-        for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-            const std::uint32_t a = base + mesh.indices[i];
-            const std::uint32_t b = base + mesh.indices[i + (caster.mirrored ? 2 : 1)];
-            const std::uint32_t c = base + mesh.indices[i + (caster.mirrored ? 1 : 2)];
-            triangle(a, b, c, kMaxCuts);
-        }
+        forDrawnParts(source_, caster, [&](const DrawnPart& part) {
+            const std::uint32_t end = part.firstFace + std::min(part.faceCount, mesh.triangleCount() - part.firstFace);
+            for (std::uint32_t face = part.firstFace; face < end; ++face)
+                cut(mesh.indices.subspan(3 * std::size_t{face}, 3), base, caster.mirrored);
+        });
     }
 
 private:
+    void cut(std::span<const std::uint32_t> corners, std::uint32_t base, bool mirrored)
+    {
+        triangle(base + corners[0], base + corners[mirrored ? 2 : 1], base + corners[mirrored ? 1 : 2], kMaxCuts);
+    }
+
     bool tooWide(std::uint32_t a, std::uint32_t b) const
     {
         const glm::vec3 u = out_.vertices[a] - light_, v = out_.vertices[b] - light_;

@@ -1,5 +1,6 @@
 #include "algorithms/volumes/projected_planar.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "algorithms/common/face_light.hpp"
@@ -172,13 +173,15 @@ void drawCasters(PassContext& gpu, const Plan& plan, PipelineId pipeline)
             gpu.bind(pipeline, {constants, gpu.storage(1, mesh->vertexBuffer), gpu.storage(2, plan.plane)});
             gpu.vk->vkCmdBindIndexBuffer(gpu.cmd, mesh->indexBuffer, 0, VK_INDEX_TYPE_UINT32);
         }
-        gpu::PlanarPush push;
-        eyeRows(*caster, *plan.view, push.rows);
-        const glm::vec3 away = awayFromLight(*plan.light, *caster);
-        for (int row = 0; row < 3; ++row)
-            push.rows[row].w += away[row];
-        gpu.push(push);
-        gpu.vk->vkCmdDrawIndexed(gpu.cmd, static_cast<std::uint32_t>(mesh->indices.size()), 1, 0, 0, 0);
+        const auto all = static_cast<std::uint32_t>(mesh->indices.size());
+        forDrawnParts(*plan.light, *caster, [&](const DrawnPart& part) {
+            gpu::PlanarPush push;
+            eyeRows(*caster, *plan.view, push.rows);
+            for (int row = 0; row < 3; ++row)
+                push.rows[row].w += part.away[row];
+            gpu.push(push);
+            gpu.vk->vkCmdDrawIndexed(gpu.cmd, std::min(all, part.indexCount()), 1, part.firstIndex(), 0, 0);
+        });
     }
 }
 

@@ -136,7 +136,8 @@ void PassContext::drawCasters(const CasterDraw& draw)
             vk->vkCmdBindVertexBuffers(cmd, 0, 1, &mesh->vertexBuffer, &zero);
             vk->vkCmdBindIndexBuffer(cmd, mesh->indexBuffer, 0, VK_INDEX_TYPE_UINT32);
         }
-        vk->vkCmdDrawIndexed(cmd, static_cast<std::uint32_t>(mesh->indices.size()), 1, 0, 0, caster->index);
+        const auto indices = std::min(static_cast<std::uint32_t>(mesh->indices.size()), draw.indexCount);
+        vk->vkCmdDrawIndexed(cmd, indices, 1, draw.firstIndex, 0, caster->index);
     }
     if (draw.depthFromOne) setViewport(0.0f, 1.0f);
     if (!hostDrawn || !draw.hostProjection) return;

@@ -32,6 +32,7 @@ struct CasterDraw {
     const void* push = nullptr; ///< Push constants.
     std::uint32_t pushSize = 0;
     bool depthFromOne = false; ///< Depth is 1 - z / w of our own casters' clip space; hosts draw z / w.
+    std::uint32_t firstIndex = 0, indexCount = UINT32_MAX; ///< Of their meshes: for a part of one caster.
     bool biasOpen = true;      ///< Open casters get the depth bias of the house's policy (runtime/scene/bias.hpp).
     const GnCasterProjection* hostProjection = nullptr; ///< Null: host-drawn casters are left out.
 };

@@ -100,6 +100,20 @@ TEST_CASE("every method is right under a lamp in the plane of a ceiling of one s
     checkPlace(LitFrom::sheetCeiling, LightKind::Spot);
 }
 
+TEST_CASE("it is so where the sheet's front side looks up, and where a solid is squashed into shape")
+{
+    const test::DeviceTest silence;
+    checkPlace(LitFrom::sheetTurnedUp, LightKind::Point);
+    checkPlace(LitFrom::sheetTurnedUp, LightKind::Spot);
+    checkPlace(LitFrom::squashedCeiling, LightKind::Point);
+}
+
+TEST_CASE("every method is right on both sides of a card that holds the lamp")
+{
+    const test::DeviceTest silence;
+    checkPlace(LitFrom::card, LightKind::Point);
+}
+
 TEST_CASE("every method is right with a lamp in the corner under the ceiling of a room of one mesh")
 {
     const test::DeviceTest silence;

@@ -128,6 +128,22 @@ Scene flushLamp(LitFrom held, LightKind kind)
         place(scene, "ceiling", makePlane({.width = 6.0f, .depth = 6.0f, .columns = 3, .rows = 3}), {0.1, 2.7, 0.0})
             .pose.rotation = turned(kRight, 180.0);
         break;
+    case LitFrom::squashedCeiling: {
+        Instance& ceiling =
+            place(scene, "ceiling", makeBox({.size = glm::vec3(0.01f, 500.0f, 0.02f)}), {0.1, 2.85, 0.0});
+        ceiling.pose.scale = {600.0, 0.0006, 300.0};
+        break;
+    }
+    case LitFrom::sheetTurnedUp:
+        place(scene, "ceiling", makePlane({.width = 6.0f, .depth = 6.0f}), {0.1, 2.7, 0.0}).pose.rotation =
+            turned(kUp, 20.0);
+        break;
+    case LitFrom::card:
+        at = {0.1, 1.2, 0.0};
+        place(scene, "card", makeCard({.width = 1.2f, .height = 2.0f}), {0.0, 1.1, 0.0}).pose.rotation =
+            turned(kUp, 90.0);
+        at = {0.0, 1.2, 0.0};
+        break;
     case LitFrom::roomCorner: {
         Mesh room = makeBox({.size = glm::vec3(8.0f, 4.0f, 14.0f)}); // down to below the floor
         for (size_t i = 0; i < room.indices.size(); i += 3)

@@ -32,9 +32,9 @@ demo::Scene oddCasters();
 demo::Scene lampOverPlain(demo::LightKind kind);
 
 /// Casters on a floor, and a lamp that lies in the plane of a face of what holds it: a box for a ceiling, turned
-/// and moved so that its corners are rounded; a sheet for a ceiling, its front side down; or the upper corner of a room
-/// of one mesh, where three of its faces meet. A spot looks straight down.
-enum class LitFrom : uint8_t { solidCeiling, sheetCeiling, roomCorner };
+/// and moved so that its corners are rounded; a sheet for a ceiling, its front side down or up; an upright card of
+/// which both sides are seen; a ceiling whose mesh is squashed into shape; or the upper corner of a room of one mesh, where three of its faces meet. A spot looks straight down.
+enum class LitFrom : uint8_t { solidCeiling, squashedCeiling, sheetCeiling, sheetTurnedUp, card, roomCorner };
 demo::Scene flushLamp(LitFrom held, demo::LightKind kind);
 
 /// A ground of two triangles, 2 km wide, with a crate on it and `count` lamps that reach 25 m thrown over the part that
