@@ -109,7 +109,7 @@ bool isAtLight(const LightView& light, const Caster& caster, std::uint32_t face)
 glm::vec3 awayFromLight(const LightView& light, const Caster& caster)
 {
     glm::dvec3 away(0.0);
-    if (!mayTouch(light, caster)) return glm::vec3(away);
+    if (!caster.closed || !mayTouch(light, caster)) return glm::vec3(away);
     const double touch = touchAt(light, caster);
     forFacesAtLight(light, caster, [&](std::uint32_t face) {
         const WorldFace at = worldFace(caster, face);

@@ -53,7 +53,8 @@ struct DrawnPart {
 bool mayTouch(const LightView& light, const Caster& caster);
 
 /// How far a closed caster has to move so that no face that the light touches reaches past it: along these faces'
-/// normals, some 2^-20 of the coordinates; what it then covers lies within it. Zero where it has no such face.
+/// normals, some 2^-20 of the coordinates; what it then covers lies within it. Zero where it has no such face, and for
+/// open ones.
 glm::vec3 awayFromLight(const LightView& light, const Caster& caster);
 
 /// Whether the light lies on a face, and not only in its plane.

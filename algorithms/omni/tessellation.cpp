@@ -30,8 +30,7 @@ public:
     {
         const MeshView& mesh = *caster.mesh;
         const std::uint32_t base = static_cast<std::uint32_t>(out_.vertices.size());
-        const glm::vec3 away = caster.closed ? awayFromLight(source_, caster) : glm::vec3(0.0f);
-        const glm::vec3 place = caster.translation + away;
+        const glm::vec3 place = caster.translation + awayFromLight(source_, caster);
         for (glm::vec3 p : mesh.positions)
             out_.vertices.push_back(caster.basis * p + place);
         forDrawnParts(source_, caster, [&](const DrawnPart& part) {
