@@ -240,13 +240,14 @@ void print(const Row& row)
     std::fflush(stdout);
 }
 
-/// \param count 0: the scene's own lights. \param named those of them that are measured; empty: all.
-Scene litScene(const std::string& name, uint32_t count, const std::vector<std::string>& named, const SourceSizes& sizes)
+/// \param count 0: the scene's own lights.
+Scene sceneFor(const BenchOptions& options, const std::string& name, uint32_t count)
 {
     Scene scene = valueOf(loadScene(name));
     if (count > 0) limitLights(scene, count);
-    if (!named.empty()) keepLights(scene, named);
-    setSourceSizes(scene, sizes);
+    if (const std::vector<std::string> named = parseNames(options.light); !named.empty()) keepLights(scene, named);
+    setSourceSizes(scene, options.sources);
+    if (options.merged) mergeStatics(scene);
     return scene;
 }
 
@@ -335,7 +336,7 @@ int benchCommand(const BenchOptions& options)
     std::vector<Scene> scenes;
     for (const std::string& name : options.scenes) // a misspelt light ends the command before anything is measured
         for (const uint32_t count : lightCounts)
-            scenes.push_back(litScene(name, count, parseNames(options.light), options.sources));
+            scenes.push_back(sceneFor(options, name, count));
     const std::unique_ptr<Device> device = Device::create({.validation = options.validation});
     pinThread(0);
     std::vector<Job> jobs;

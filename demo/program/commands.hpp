@@ -41,6 +41,7 @@ struct BenchOptions {
     SourceSizes sources;
     std::string figure, out; ///< A figure instead of scenes, and its picture.
     bool still = false;      ///< Of a figure: the model does not turn.
+    bool merged = false;     ///< What stands still is one mesh.
     uint32_t repeat = 15;
     uint32_t memory = 0; ///< MiB; 0: gnomon's default.
     bool validation = false;

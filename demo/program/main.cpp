@@ -102,6 +102,7 @@ void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
     bench->add_option("--map", options.maps, "512,1024,... for methods with a resolution; default: theirs");
     bench->add_option("--set", options.settings, "SETTING=NUMBER,... for methods that have the setting");
     addSources(*bench, options.sources);
+    bench->add_flag("--merged", options.merged, "what stands still is one mesh, as exporters write buildings");
     bench->add_option("--size", options.size, "picture size; default: the scene's");
     bench->add_option("--repeat", options.repeat, "interleaved pairs of frames")->check(CLI::Range(3, 10000));
     bench->add_option("--memory", options.memory, "MiB that gnomon may take of the device; default: half of the heap")
@@ -111,7 +112,7 @@ void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
     bench->add_flag("--passes", options.passes, "print the fastest time of every pass, from frames with full barriers");
     bench->add_flag("--validate", options.validation, "run under the validation layer (times are then meaningless)");
     for (const char* other : {"--methods", "--lights", "--light", "--map", "--set", "--radius", "--radius-degrees",
-                              "--memory", "--recorded", "--passes", "--validate"})
+                              "--merged", "--memory", "--recorded", "--passes", "--validate"})
         figure->excludes(bench->get_option(other)); // a figure says these itself
     bench->callback([&, scenes] {
         if (options.figure.empty() && options.scenes.empty()) throw CLI::RequiredError(scenes->get_name());

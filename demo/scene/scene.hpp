@@ -182,6 +182,10 @@ A scene without any light stays without.
 */
 void limitLights(Scene& scene, uint32_t count);
 
+/// Makes one mesh in world space, and one instance of it, of all instances that stand still: what programs that export
+/// buildings tend to write. Alpha-tested and host-drawn ones stay, and those that lights may leave out.
+void mergeStatics(Scene& scene);
+
 /// World to view space: x right, y up, looking along -z. Translate by -eye first where precision matters.
 glm::dmat4 viewFromWorld(const CameraState& camera);
 

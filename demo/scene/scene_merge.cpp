@@ -1,0 +1,70 @@
+#include "demo/scene/scene.hpp"
+
+#include <algorithm>
+
+namespace gnomon::demo {
+namespace {
+
+constexpr const char* kMergedName = "merged";
+
+bool canMerge(const Instance& instance)
+{
+    return instance.isStatic && !instance.alphaTested && !instance.hostDrawn && instance.casterMask == 0xffffffffu;
+}
+
+void append(const Mesh& mesh, const Transform& transform, Mesh& merged)
+{
+    const auto first = static_cast<uint32_t>(merged.positions.size());
+    for (const glm::vec3& position : mesh.positions)
+        merged.positions.emplace_back(transform.apply(position));
+    for (const uint32_t index : mesh.indices)
+        merged.indices.push_back(first + index);
+}
+
+/// Keeps the meshes that instances use, in their order.
+void dropUnusedMeshes(Scene& scene)
+{
+    std::vector<uint32_t> number(scene.meshes.size(), UINT32_MAX);
+    for (const Instance& instance : scene.instances)
+        number[instance.mesh] = 0;
+    std::vector<Mesh> kept;
+    for (size_t i = 0; i < number.size(); ++i) {
+        if (number[i] == UINT32_MAX) continue;
+        number[i] = static_cast<uint32_t>(kept.size());
+        kept.push_back(std::move(scene.meshes[i]));
+    }
+    for (Instance& instance : scene.instances)
+        instance.mesh = number[instance.mesh];
+    scene.meshes = std::move(kept);
+}
+
+} // namespace
+
+void mergeStatics(Scene& scene)
+{
+    Mesh merged;
+    merged.name = kMergedName;
+    glm::vec3 albedo(0.0f);
+    std::vector<Instance> kept;
+    for (const Instance& instance : scene.instances) {
+        if (!canMerge(instance)) {
+            kept.push_back(instance);
+            continue;
+        }
+        const size_t before = merged.triangleCount();
+        append(scene.meshes[instance.mesh], instanceAt(instance, 0.0), merged);
+        albedo += instance.albedo * static_cast<float>(merged.triangleCount() - before);
+    }
+    if (merged.indices.empty()) return;
+    Instance whole;
+    whole.name = kMergedName;
+    whole.mesh = static_cast<uint32_t>(scene.meshes.size());
+    whole.isStatic = true;
+    whole.albedo = albedo / static_cast<float>(merged.triangleCount());
+    kept.insert(kept.begin(), whole);
+    scene.meshes.push_back(std::move(merged));
+    scene.instances = std::move(kept);
+    dropUnusedMeshes(scene);
+}
+
+} // namespace gnomon::demo
