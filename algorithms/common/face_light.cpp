@@ -76,7 +76,7 @@ gpu::FaceLight lightInObjectSpace(const LightView& light, const Caster& caster)
     const double touch = touchAt(light, caster) / largest;
     result.touch = static_cast<float>(square * touch * touch);
     const bool closed = caster.mesh && caster.mesh->topology && caster.mesh->topology->closed;
-    result.touched = !closed ? gpu::FACE_TOUCHED : caster.mirrored ? gpu::FACE_AWAY : gpu::FACE_TOWARDS;
+    result.touched = touchedWay(closed, caster.mirrored);
     return result;
 }
 

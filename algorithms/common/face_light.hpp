@@ -22,6 +22,12 @@ namespace gnomon {
 /// that light enters by; of an open one it counts for nothing.
 gpu::FaceLight lightInObjectSpace(const LightView& light, const Caster& caster);
 
+/// The way of a face that touches the light. @param closed its mesh, or its cluster where clusters count for themselves
+inline std::uint32_t touchedWay(bool closed, bool mirrored)
+{
+    return !closed ? gpu::FACE_TOUCHED : mirrored ? gpu::FACE_AWAY : gpu::FACE_TOWARDS;
+}
+
 /// Whether the light touches any face of a block: all asked at once, in a third of the time.
 bool touchesAny(const FaceBlock& block, const gpu::FaceLight& light);
 

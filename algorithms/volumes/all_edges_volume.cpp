@@ -78,16 +78,23 @@ VolumePlan* planEdges(PassBuilder& passes, const ShadowTask& task, const ViewSte
     VolumePlan* plan = emptyPlan(passes, task, stencil, task.settings[kBounded] != 0.0);
     const bool zFailForAll = task.settings[kZFail] != 0.0;
     MeshLists lists(passes, task.casters->all.size());
+    const auto seen = [&](const Aabb& box) { return shadowTouches(box, *task.light, task.view->frustum); };
     for (const Caster* caster : task.casters->all) {
-        if (!castsVolume(*caster) || !shadowTouches(caster->bounds, *task.light, task.view->frustum)) continue;
+        if (!castsVolume(*caster) || !seen(caster->bounds)) continue;
         const BufferId list = lists.find(*caster->mesh);
-        VolumeDraw draw{.caster = caster, .list = list, .commands = list, .firstCommand = kPairCommand};
-        draw.commandCount = caster->mesh->topology->closed ? 1 : 2; // a closed mesh has no borders
-        const bool fails = zFailForAll || needsZFail(*plan, *caster);
-        append(fails ? plan->zFail : plan->zPass, draw);
-        draw.firstCommand = kCapCommand;
-        draw.commandCount = 1;
-        if (fails) append(plan->caps, draw);
+        const auto clusters = static_cast<std::uint32_t>(caster->mesh->topology->clusters.size());
+        for (std::uint32_t cluster = 0; cluster < clusters; ++cluster) {
+            const VolumeSource source{caster, cluster};
+            VolumeDraw draw{.source = source, .bounds = source.bounds(), .list = list, .commands = list};
+            if (!seen(draw.bounds)) continue;
+            draw.firstCommand = commandOf(cluster, kPairCommand);
+            draw.commandCount = source.shape().closed ? 1 : 2; // a closed cluster has no borders
+            const bool fails = zFailForAll || needsZFail(*plan, draw.bounds);
+            append(fails ? plan->zFail : plan->zPass, draw);
+            draw.firstCommand = commandOf(cluster, kCapCommand);
+            draw.commandCount = 1;
+            if (fails) append(plan->caps, draw);
+        }
     }
     plan->meshLists = lists.all();
     return plan;

@@ -46,7 +46,8 @@ struct Pipelines {
 
 /// A command of one of the plan's lists, and whose it is.
 struct CullSource {
-    const Caster* caster = nullptr;
+    VolumeSource volume;
+    Aabb bounds;
     std::uint32_t list = 0, command = 0; ///< As gpu::CullItem.
 };
 
@@ -149,7 +150,7 @@ void redirectCommands(FrameArena& arena, Plan& plan)
                 ++list;
             const std::uint32_t first = next;
             for (std::uint32_t i = 0; i < draw.commandCount; ++i)
-                plan.sources[next++] = {draw.caster, list, draw.firstCommand + i};
+                plan.sources[next++] = {draw.source, draw.bounds, list, draw.firstCommand + i};
             draw.firstCommand = first;
         }
     }
@@ -162,7 +163,9 @@ std::uint64_t itemStamp(const Plan& plan, std::uint32_t resolution)
     for (const LightFit& fit : plan.map.fits)
         stamp.add(fit.clipFromWorld);
     for (const CullSource& source : plan.sources)
-        stamp.add(*source.caster).add((std::uint64_t{source.list} << 32) | source.command);
+        stamp.add(*source.volume.caster)
+            .add(std::uint64_t{source.volume.cluster})
+            .add((std::uint64_t{source.list} << 32) | source.command);
     return stamp.value();
 }
 
@@ -172,7 +175,7 @@ void writeItems(const Plan& plan, const LightView& light, const HostContext& hos
     for (std::size_t i = 0; i < plan.sources.size(); ++i) {
         const CullSource& source = plan.sources[i];
         gpu::CullItem item{.list = source.list, .command = source.command};
-        item.footprintCount = cellFootprints(plan.map.fits, light, resolution, source.caster->bounds, item.footprints);
+        item.footprintCount = cellFootprints(plan.map.fits, light, resolution, source.bounds, item.footprints);
         items[i] = item;
     }
 }

@@ -11,7 +11,6 @@ namespace gnomon {
 namespace {
 
 constexpr std::uint64_t kWordsPerCommand = 5; // VkDrawIndexedIndirectCommand
-constexpr std::uint64_t kCommandWords = kEdgeCommands * kWordsPerCommand;
 
 /// Takes the uses of an edge one after another, by direction.
 class UseTaker {
@@ -48,10 +47,10 @@ private:
 class ListWriter {
 public:
     ListWriter(std::span<std::uint32_t> out, const EdgeListSize& size, std::size_t faces)
-        : out_(out), nextIndex_(static_cast<std::uint32_t>(kCommandWords)),
-          nextSlot_(static_cast<std::uint32_t>(size.firstSlot())), nextCommand_(0)
+        : out_(out), nextIndex_(static_cast<std::uint32_t>(size.commandWords())),
+          nextSlot_(static_cast<std::uint32_t>(size.firstSlot())),
+          firstPlane_(static_cast<std::uint32_t>(size.firstSlot() + size.slots() - faces)), firstIndex_(nextIndex_)
     {
-        firstPlane_ = static_cast<std::uint32_t>(size.firstSlot() + size.slots() - faces);
     }
 
     void side(const Topology::Edge& edge, const Topology::EdgeUse& a, const Topology::EdgeUse& b)
@@ -97,31 +96,16 @@ private:
     }
 
     std::span<std::uint32_t> out_;
-    std::uint32_t nextIndex_, nextSlot_, firstPlane_ = 0;
-    std::size_t nextCommand_;
-    std::uint32_t firstIndex_ = static_cast<std::uint32_t>(kCommandWords);
+    std::uint32_t nextIndex_, nextSlot_, firstPlane_;
+    std::size_t nextCommand_ = 0;
+    std::uint32_t firstIndex_;
 };
 
-} // namespace
-
-std::uint64_t EdgeListSize::firstSlot() const
+void writeCluster(const Topology& topology, const Topology::Cluster& cluster, ListWriter& writer)
 {
-    return (kCommandWords + indices() + 3) / 4;
-}
-
-EdgeListSize edgeListSize(const Topology& topology)
-{
-    // Every edge makes half as many records as it has uses, rounded up.
-    const std::uint64_t uses = topology.uses.size(), edges = topology.edges.size();
-    return {.records = topology.closed ? uses / 2 : (uses + edges) / 2, .faces = topology.facePlanes.size()};
-}
-
-void writeEdgeList(const Topology& topology, std::span<std::uint32_t> out)
-{
-    const std::size_t faces = topology.facePlanes.size();
-    ListWriter writer(out, edgeListSize(topology), faces);
+    const std::span<const Topology::Edge> edges = edgesOf(topology, cluster);
     // Faces that run the edge in opposite directions first: of those that look the same way nothing is drawn.
-    for (const Topology::Edge& edge : topology.edges) {
+    for (const Topology::Edge& edge : edges) {
         UseTaker uses(topology, edge);
         for (std::uint32_t left = edge.useCount; left >= 2; left -= 2) {
             const Topology::EdgeUse* first = uses.take(true);
@@ -129,8 +113,8 @@ void writeEdgeList(const Topology& topology, std::span<std::uint32_t> out)
         }
     }
     // Both faces of an open mesh count, those of a closed one by half.
-    writer.command(topology.closed ? 1 : 2);
-    for (const Topology::Edge& edge : topology.edges) {
+    writer.command(cluster.closed ? 1 : 2);
+    for (const Topology::Edge& edge : edges) {
         if (edge.useCount % 2 == 0) continue;
         UseTaker uses(topology, edge);
         const Topology::EdgeUse* last = nullptr;
@@ -139,9 +123,40 @@ void writeEdgeList(const Topology& topology, std::span<std::uint32_t> out)
         writer.side(edge, *last, *last);
     }
     writer.command(1);
-    for (std::uint32_t face = 0; face < faces; ++face)
+    for (std::uint32_t place = cluster.firstFace; place < cluster.firstFace + cluster.faceCount; ++place) {
+        const std::uint32_t face = topology.faceAt(place);
         writer.cap(&topology.faceVerts[std::size_t{3} * face], face);
+    }
     writer.command(1);
+}
+
+} // namespace
+
+std::uint64_t EdgeListSize::commandWords() const
+{
+    return clusters * kEdgeCommands * kWordsPerCommand;
+}
+
+std::uint64_t EdgeListSize::firstSlot() const
+{
+    return (commandWords() + indices() + 3) / 4;
+}
+
+EdgeListSize edgeListSize(const Topology& topology)
+{
+    // Every edge makes half as many records as it has uses, rounded up.
+    const std::uint64_t uses = topology.uses.size(), edges = topology.edges.size();
+    return {.records = topology.closed ? uses / 2 : (uses + edges) / 2,
+            .faces = topology.facePlanes.size(),
+            .clusters = topology.clusters.size()};
+}
+
+void writeEdgeList(const Topology& topology, std::span<std::uint32_t> out)
+{
+    const std::size_t faces = topology.facePlanes.size();
+    ListWriter writer(out, edgeListSize(topology), faces);
+    for (const Topology::Cluster& cluster : topology.clusters)
+        writeCluster(topology, cluster, writer);
     writer.startPlanes();
     for (std::size_t face = 0; face < faces; ++face)
         writer.plane(topology.facePlanes[face]);

@@ -65,8 +65,8 @@ VkDeviceSize topologyBytes(std::span<const Caster* const> casters)
     for (const Caster* caster : casters) {
         if (!castsVolume(*caster)) continue;
         const Topology& topology = *caster->mesh->topology;
-        // Pieces are long: what they and their workgroups take is less than a word for 32 edges, and once the rest.
-        words += topology.edges.size() / 32 + kPieceWords + 2;
+        // Of long pieces, what they and their workgroups take is less than a word for 32 edges, and once the rest.
+        words += topology.edges.size() / 32 + (kPieceWords + 2) * topology.clusters.size();
         words += gpu::EDGE_WORDS * topology.edges.size() + topology.uses.size();
         words += 4 * topology.facePlanes.size() + 2 * kBlockWords;
     }
@@ -85,14 +85,14 @@ void layOut(FrameArena& arena, std::span<const VolumePiece> pieces, Layout& layo
     std::uint32_t group = 0;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const VolumePiece& piece = pieces[i];
-        const MeshPlace& place = placeOf(*piece.caster->mesh, layout);
+        const MeshPlace& place = placeOf(*piece.source.caster->mesh, layout);
         layout.records[i] = {.edges = place.edges + gpu::EDGE_WORDS * piece.first,
                              .edgeCount = piece.count,
                              .uses = place.uses,
                              .planes = place.planes,
                              .firstGroup = group,
                              .firstIndex = piece.firstIndex,
-                             .halves = piece.caster->mesh->topology->closed ? 2u : 1u,
+                             .halves = piece.source.shape().closed ? 2u : 1u,
                              .padding = 0};
         group += (piece.count + gpu::SILHOUETTE_GROUP - 1) / gpu::SILHOUETTE_GROUP;
     }
@@ -128,15 +128,18 @@ void writeTopology(const Layout& layout, const HostContext& host)
 void writeLights(const Layout& layout, const HostContext& host)
 {
     const std::span<gpu::FaceLight> lights = host.write<gpu::FaceLight>(layout.lights);
-    for (std::size_t i = 0; i < layout.pieces.size(); ++i)
-        lights[i] = lightInObjectSpace(*layout.light, *layout.pieces[i].caster);
+    for (std::size_t i = 0; i < layout.pieces.size(); ++i) {
+        const VolumeSource& source = layout.pieces[i].source;
+        lights[i] = lightInObjectSpace(*layout.light, *source.caster);
+        lights[i].touched = touchedWay(source.shape().closed, source.caster->mirrored);
+    }
 }
 
 std::uint64_t topologyStamp(const Layout& layout)
 {
     Stamp stamp;
     for (std::size_t i = 0; i < layout.pieces.size(); ++i)
-        stamp.add(layout.pieces[i].caster->mesh->revision)
+        stamp.add(layout.pieces[i].source.caster->mesh->revision)
             .add(std::uint64_t{layout.records[i].edges} << 32 | layout.records[i].firstIndex);
     return stamp.value();
 }

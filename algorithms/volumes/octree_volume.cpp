@@ -60,10 +60,10 @@ KeptDraws findDraws(PassBuilder& passes, const ShadowTask& task, const StaticVol
     KeptDraws kept{.volumes = &volumes};
     FrameArena& arena = passes.arena();
     const std::size_t count = volumes.drawn.size();
-    const std::span<const Caster*> casters = arena.array<const Caster*>(count);
+    const std::span<VolumeSource> sources = arena.array<VolumeSource>(count);
     for (std::size_t i = 0; i < count; ++i)
-        casters[i] = task.casters->statics[volumes.drawn[i]];
-    kept.choice = {.casters = casters, .stamp = volumes.stamp, .variant = variant};
+        sources[i] = {task.casters->statics[volumes.drawn[i].caster], volumes.drawn[i].cluster};
+    kept.choice = {.volumes = sources, .stamp = volumes.stamp, .variant = variant};
     kept.sides = declareChosenSides(passes, task, kept.choice);
     if (kept.sides.pieces.empty()) return kept; // it has failed: no list may be that long
 
@@ -91,7 +91,7 @@ VolumeList addKeptCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& 
     std::size_t failing = 0;
     for (const std::uint32_t position : kept.candidates) {
         if (failing == plan.zFail.size()) break;
-        if (plan.zFail[failing].caster != kept.drawOf[position].caster) continue;
+        if (plan.zFail[failing].source != kept.drawOf[position].source) continue;
         append(plan.caps, draws[position]);
         ++failing;
     }
@@ -103,7 +103,7 @@ void planStatics(PassBuilder& passes, const ShadowTask& task, const KeptDraws& k
 {
     for (const std::uint32_t position : kept.candidates) {
         const VolumeDraw& draw = kept.drawOf[position];
-        const bool fails = task.settings[kZFail] != 0.0 || needsZFail(plan, *draw.caster);
+        const bool fails = task.settings[kZFail] != 0.0 || needsZFail(plan, draw.bounds);
         append(fails ? plan.zFail : plan.zPass, draw);
     }
     plan.lists[0] = kept.sides;

@@ -83,6 +83,7 @@ bool shadowsNearRectangle(const Aabb& caster, const LightView& light, const std:
 
 bool shadowTouches(const Aabb& box, const LightView& light, std::span<const Plane> frustum, float sourceRadius)
 {
+    if (!reaches(light, box)) return false;
     const glm::vec3 center = box.center(), half = box.halfExtent();
     const float size = glm::length(glm::abs(center)) + glm::length(half);
     for (const Plane& plane : frustum) {

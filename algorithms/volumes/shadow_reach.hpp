@@ -15,7 +15,7 @@ namespace gnomon {
 bool shadowsNearRectangle(const Aabb& box, const LightView& light, const std::array<glm::vec3, 4>& nearCorners,
                           float sourceRadius = 0.0f);
 
-/// Whether the shadow of the box can meet the view frustum. "True" may be wrong, "false" never is.
+/// Whether the light reaches the box, and its shadow can meet the view frustum. "True" may be wrong, "false" never is.
 /// @param sourceRadius of a light with a position: the penumbra counts as shadow; 0: what the light's centre does not
 /// see
 bool shadowTouches(const Aabb& box, const LightView& light, std::span<const Plane> frustum, float sourceRadius = 0.0f);

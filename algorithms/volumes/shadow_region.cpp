@@ -70,16 +70,18 @@ struct WorldMesh {
     double size = 0.0;
 };
 
-WorldMesh worldMesh(const Caster& caster)
+WorldMesh worldMesh(const Caster& caster, const Topology::Cluster& cluster)
 {
     WorldMesh mesh;
-    const std::vector<std::uint32_t>& corners = caster.mesh->topology->faceVerts;
-    mesh.positions.reserve(corners.size());
-    for (const std::uint32_t vertex : corners) {
+    const Topology& topology = *caster.mesh->topology;
+    mesh.positions.reserve(std::size_t{3} * cluster.faceCount);
+    for (std::uint32_t i = 0; i < 3 * cluster.faceCount; ++i) {
+        const std::size_t face = topology.faceAt(cluster.firstFace + i / 3);
         const glm::dvec3 p =
-            glm::dmat3(caster.basis) * glm::dvec3(caster.mesh->positions[vertex]) + glm::dvec3(caster.translation);
+            glm::dmat3(caster.basis) * glm::dvec3(caster.mesh->positions[topology.faceVerts[3 * face + i % 3]]) +
+            glm::dvec3(caster.translation);
         mesh.positions.push_back(p);
-        mesh.center += p / static_cast<double>(corners.size());
+        mesh.center += p / (3.0 * cluster.faceCount);
     }
     for (const glm::dvec3& p : mesh.positions)
         mesh.size = std::max(mesh.size, glm::length(p - mesh.center));
@@ -111,7 +113,8 @@ void addOnce(std::vector<glm::vec4>& planes, const glm::vec4& plane)
     if (!known) planes.push_back(plane);
 }
 
-/// Sorts the planes of the faces by whether they look towards the light. False: the mesh is not convex.
+/// Sorts the planes of the faces, in their order in the cluster, by whether they look towards the light. False: it is
+/// not convex.
 bool sortFaces(const WorldMesh& mesh, const LightView& light, Umbra& umbra, std::vector<bool>& lit)
 {
     for (std::size_t face = 0; face < mesh.positions.size() / 3; ++face) {
@@ -131,13 +134,19 @@ bool sortFaces(const WorldMesh& mesh, const LightView& light, Umbra& umbra, std:
 }
 
 /// The planes through the light and the edges between lit and unlit faces. False: an edge says nothing.
-bool addSilhouette(const Caster& caster, const WorldMesh& mesh, const LightView& light, const std::vector<bool>& lit,
-                   Umbra& umbra)
+bool addSilhouette(const Caster& caster, const Topology::Cluster& cluster, const WorldMesh& mesh,
+                   const LightView& light, const std::vector<bool>& lit, Umbra& umbra)
 {
     const Topology& topology = *caster.mesh->topology;
-    for (const Topology::Edge& edge : topology.edges) {
+    const auto isLit = [&](const Topology::EdgeUse& use) {
+        std::uint32_t place = 0;
+        while (topology.faceAt(cluster.firstFace + place) != use.face)
+            ++place;
+        return lit[place];
+    };
+    for (const Topology::Edge& edge : edgesOf(topology, cluster)) {
         if (edge.useCount != 2) return false;
-        if (lit[topology.uses[edge.firstUse].face] == lit[topology.uses[edge.firstUse + 1].face]) continue;
+        if (isLit(topology.uses[edge.firstUse]) == isLit(topology.uses[edge.firstUse + 1])) continue;
         const auto world = [&](std::uint32_t vertex) {
             return glm::dmat3(caster.basis) * glm::dvec3(caster.mesh->positions[vertex]) +
                    glm::dvec3(caster.translation);
@@ -177,18 +186,17 @@ BoxShadow boxShadow(const Aabb& box, const LightView& light)
     return shadow;
 }
 
-std::optional<Umbra> umbraOf(const Caster& caster, const LightView& light)
+std::optional<Umbra> umbraOf(const Caster& caster, std::uint32_t number, const LightView& light)
 {
     if (!caster.mesh || !caster.mesh->topology || caster.hostDrawn || caster.alphaTested) return std::nullopt;
-    const Topology& topology = *caster.mesh->topology;
-    const std::size_t faces = topology.facePlanes.size();
-    if (!topology.closed || faces == 0 || faces > kMostFaces) return std::nullopt;
-    const WorldMesh mesh = worldMesh(caster);
+    const Topology::Cluster& cluster = caster.mesh->topology->clusters[number];
+    if (!cluster.closed || cluster.faceCount == 0 || cluster.faceCount > kMostFaces) return std::nullopt;
+    const WorldMesh mesh = worldMesh(caster, cluster);
     Umbra umbra;
-    std::vector<bool> lit(faces);
+    std::vector<bool> lit(cluster.faceCount);
     if (!sortFaces(mesh, light, umbra, lit)) return std::nullopt;
     if (umbra.planes.empty() || umbra.away.empty()) return std::nullopt;
-    if (!addSilhouette(caster, mesh, light, lit, umbra)) return std::nullopt;
+    if (!addSilhouette(caster, cluster, mesh, light, lit, umbra)) return std::nullopt;
     if (umbra.planes.size() > gpu::UMBRA_PLANES) return std::nullopt;
     return umbra;
 }

@@ -21,14 +21,15 @@ struct BoxShadow {
 };
 BoxShadow boxShadow(const Aabb& box, const LightView& light);
 
-/// Everything behind the lit faces of a closed convex caster, as seen from the light.
+/// Everything behind the lit faces of a closed convex cluster, as seen from the light.
 struct Umbra {
     std::vector<glm::vec4> planes; ///< At most gpu::UMBRA_PLANES.
     std::vector<glm::vec4> away;   ///< Planes of the faces turned away from the light.
 };
 
-/// Empty where the caster is not known to be opaque, closed and convex, has too many faces, or holds the light.
-std::optional<Umbra> umbraOf(const Caster& caster, const LightView& light);
+/// Of a cluster of the caster's mesh. Empty where it is not known to be opaque, closed and convex, has too many faces,
+/// or holds the light.
+std::optional<Umbra> umbraOf(const Caster& caster, std::uint32_t cluster, const LightView& light);
 
 /// How far inside an umbra something has to lie, in metres: the rasteriser puts the umbra's border within 1/256 pixel
 /// of the true one, which at 1/700 radian a pixel is 5 mm at 900 m.

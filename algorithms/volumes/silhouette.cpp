@@ -10,7 +10,7 @@ namespace gnomon {
 namespace {
 
 /// The signed multiplicity: +1 per face that, turned towards the light, runs v0 -> v1, -1 per face that runs v1 -> v0.
-/// Faces of a closed mesh are never FACE_TOUCHED, and not asked: that is a tenth of the time.
+/// Faces of a closed cluster are never FACE_TOUCHED, and not asked: that is a tenth of the time.
 template <bool Closed>
 int multiplicity(const Topology& topology, const Topology::Edge& edge, const std::uint8_t* facing)
 {
@@ -67,20 +67,32 @@ void findFacing(const Topology& topology, const gpu::FaceLight& light, std::uint
                     [&](std::uint32_t face) { facing[face - first] = static_cast<std::uint8_t>(light.touched); });
 }
 
-std::uint32_t sideCapacity(const Topology& topology, std::uint32_t firstEdge, std::uint32_t count)
+void faceByCluster(const Topology& topology, bool mirrored, std::uint32_t first, std::span<std::uint8_t> facing)
+{
+    if (topology.closed || topology.clusters.size() == 1) return;
+    for (std::size_t i = 0; i < facing.size(); ++i)
+        if (facing[i] == gpu::FACE_TOUCHED) {
+            const bool closed = topology.clusterOf(first + static_cast<std::uint32_t>(i)).closed;
+            facing[i] = static_cast<std::uint8_t>(touchedWay(closed, mirrored));
+        }
+}
+
+std::uint32_t sideCapacity(const Topology& topology, const Topology::Cluster& cluster, std::uint32_t firstEdge,
+                           std::uint32_t count)
 {
     if (count == 0) return 0;
     const Topology::Edge& last = topology.edges[firstEdge + count - 1];
     const std::uint32_t uses = last.firstUse + last.useCount - topology.edges[firstEdge].firstUse;
-    return 6 * (topology.closed ? uses / 2 : uses);
+    return 6 * (cluster.closed ? uses / 2 : uses);
 }
 
-std::uint32_t findSilhouette(const Topology& topology, std::span<const std::uint8_t> facing, std::uint32_t firstEdge,
-                             std::uint32_t count, SilhouetteEdge* out)
+std::uint32_t findSilhouette(const Topology& topology, const Topology::Cluster& cluster,
+                             std::span<const std::uint8_t> facing, std::uint32_t firstEdge, std::uint32_t count,
+                             SilhouetteEdge* out)
 {
     const std::span<const Topology::Edge> edges = std::span(topology.edges).subspan(firstEdge, count);
-    SilhouetteEdge* end = topology.closed ? findAmong<true>(edges, topology, facing.data(), out)
-                                          : findAmong<false>(edges, topology, facing.data(), out);
+    SilhouetteEdge* end = cluster.closed ? findAmong<true>(edges, topology, facing.data(), out)
+                                         : findAmong<false>(edges, topology, facing.data(), out);
     return static_cast<std::uint32_t>(end - out);
 }
 
@@ -93,25 +105,28 @@ std::uint32_t writeSides(std::span<const SilhouetteEdge> edges, std::uint32_t* o
     return static_cast<std::uint32_t>(end - out);
 }
 
-std::uint32_t writeSides(const Topology& topology, std::span<const std::uint8_t> facing, std::uint32_t firstEdge,
-                         std::uint32_t count, std::uint32_t* out)
+std::uint32_t writeSides(const Topology& topology, const Topology::Cluster& cluster,
+                         std::span<const std::uint8_t> facing, std::uint32_t firstEdge, std::uint32_t count,
+                         std::uint32_t* out)
 {
     std::uint32_t written = 0;
     SilhouetteEdge found[kChunk];
     for (std::uint32_t done = 0; done < count; done += kChunk) {
         const std::uint32_t edges =
-            findSilhouette(topology, facing, firstEdge + done, std::min(kChunk, count - done), found);
+            findSilhouette(topology, cluster, facing, firstEdge + done, std::min(kChunk, count - done), found);
         written += writeSides(std::span(found, edges), out + written);
     }
     return written;
 }
 
-std::uint32_t writeCaps(const Topology& topology, std::span<const std::uint8_t> facing, bool mirrored,
-                        std::uint32_t firstFace, std::uint32_t count, std::uint32_t* out)
+std::uint32_t writeCaps(const Topology& topology, const Topology::Cluster& cluster,
+                        std::span<const std::uint8_t> facing, bool mirrored, std::uint32_t firstPlace,
+                        std::uint32_t count, std::uint32_t* out)
 {
     std::uint32_t* end = out;
-    for (std::uint32_t face = firstFace; face < firstFace + count; ++face) {
-        if (!blocksLight(topology, facing[face], mirrored)) continue;
+    for (std::uint32_t place = firstPlace; place < firstPlace + count; ++place) {
+        const std::uint32_t face = topology.faceAt(place);
+        if (!blocksLight(cluster.closed, facing[face], mirrored)) continue;
         const std::uint32_t* corner = &topology.faceVerts[3 * face];
         const std::uint32_t a = 2 * corner[0];
         const std::uint32_t b = 2 * corner[facing[face] ? 1 : 2], c = 2 * corner[facing[face] ? 2 : 1];

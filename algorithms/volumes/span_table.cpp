@@ -150,7 +150,7 @@ void findFaces(const SpanSpace& space, const LightView& light, const Caster& cas
     rows.first = std::numeric_limits<double>::max();
     rows.last = -rows.first;
     for (std::uint32_t i = 0; i < facing.size(); ++i) {
-        if (!blocksLight(topology, facing[i], caster.mirrored)) continue;
+        if (!blocksLight(topology.closed, facing[i], caster.mirrored)) continue;
         Face face{};
         std::copy_n(&topology.faceVerts[3 * std::size_t{i}], 3, face.corner);
         const glm::dvec3 a = vertices[face.corner[0]], b = vertices[face.corner[1]], c = vertices[face.corner[2]];

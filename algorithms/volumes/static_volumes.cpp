@@ -7,19 +7,20 @@
 
 #include "algorithms/common/caster_lists.hpp"
 #include "algorithms/volumes/silhouette.hpp"
+#include "algorithms/volumes/volume_list.hpp"
 
 namespace gnomon {
 
 namespace {
 
-// Casters tried as concealers of others: those that look largest from the light. Testing all pairs of a thousand would
+// Volumes tried as concealers of others: those that look largest from the light. Testing all pairs of a thousand would
 // take tens of milliseconds in the frame in which something changes, and small ones conceal little.
 constexpr std::size_t kMostConcealers = 64;
 
 // Entries not asked for in this many questions are forgotten: some hundred frames of many lights.
 constexpr std::uint64_t kForgetAfter = 4096;
 
-/// How large a caster looks from the light: squared size over squared distance.
+/// How large a box looks from the light: squared size over squared distance.
 float prominence(const Aabb& box, const LightView& light)
 {
     const glm::vec3 half = box.halfExtent();
@@ -31,29 +32,43 @@ float prominence(const Aabb& box, const LightView& light)
 }
 
 struct Concealer {
-    std::uint32_t caster = 0; ///< Index into the statics.
+    StaticVolumes::Volume volume;
+    Aabb bounds;
     float prominence = 0.0f;
     Umbra umbra;
 };
 
+/// Calls visit(volume, source) with the volumes of the casters.
+template <typename Visit>
+void forVolumes(std::span<const Caster* const> statics, const Visit& visit)
+{
+    for (std::uint32_t caster = 0; caster < statics.size(); ++caster) {
+        if (!castsVolume(*statics[caster])) continue;
+        const std::size_t clusters = statics[caster]->mesh->topology->clusters.size();
+        for (std::uint32_t cluster = 0; cluster < clusters; ++cluster)
+            visit(StaticVolumes::Volume{caster, cluster}, VolumeSource{statics[caster], cluster});
+    }
+}
+
 std::vector<Concealer> findConcealers(const LightView& light, std::span<const Caster* const> statics)
 {
     std::vector<Concealer> found;
-    for (std::uint32_t i = 0; i < statics.size(); ++i) {
-        if (!castsVolume(*statics[i])) continue;
-        if (std::optional<Umbra> umbra = umbraOf(*statics[i], light))
-            found.push_back({i, prominence(statics[i]->bounds, light), std::move(*umbra)});
-    }
+    forVolumes(statics, [&](const StaticVolumes::Volume& volume, const VolumeSource& source) {
+        std::optional<Umbra> umbra = umbraOf(*source.caster, source.cluster, light);
+        if (!umbra) return;
+        const Aabb bounds = source.bounds();
+        found.push_back({volume, bounds, prominence(bounds, light), std::move(*umbra)});
+    });
     std::stable_sort(found.begin(), found.end(),
                      [](const Concealer& a, const Concealer& b) { return a.prominence > b.prominence; });
     if (found.size() > kMostConcealers) found.resize(kMostConcealers);
     return found;
 }
 
-bool isConcealed(std::uint32_t caster, std::span<const Caster* const> statics, const std::vector<Concealer>& concealers)
+bool isConcealed(const StaticVolumes::Volume& volume, const Aabb& bounds, const std::vector<Concealer>& concealers)
 {
     return std::any_of(concealers.begin(), concealers.end(), [&](const Concealer& concealer) {
-        return concealer.caster != caster && conceals(concealer.umbra, statics[caster]->bounds);
+        return concealer.volume != volume && conceals(concealer.umbra, bounds);
     });
 }
 
@@ -66,21 +81,21 @@ void chooseVolumes(const LightView& light, std::span<const Caster* const> static
     out.concealed = 0;
     const std::vector<Concealer> concealers = conceal ? findConcealers(light, statics) : std::vector<Concealer>{};
     std::vector<Aabb> bounds;
-    for (std::uint32_t i = 0; i < statics.size(); ++i) {
-        if (!castsVolume(*statics[i])) continue;
-        if (isConcealed(i, statics, concealers)) {
+    forVolumes(statics, [&](const StaticVolumes::Volume& volume, const VolumeSource& source) {
+        const Aabb box = source.bounds();
+        if (isConcealed(volume, box, concealers)) {
             ++out.concealed;
-            continue;
+            return;
         }
-        out.drawn.push_back(i);
-        bounds.push_back(statics[i]->bounds);
-    }
+        out.drawn.push_back(volume);
+        bounds.push_back(box);
+    });
     out.tree.build(bounds);
     for (const Concealer& concealer : concealers) {
-        const auto drawn = std::lower_bound(out.drawn.begin(), out.drawn.end(), concealer.caster);
-        if (drawn == out.drawn.end() || *drawn != concealer.caster) continue; // concealed itself
-        out.occluders.push_back({static_cast<std::uint32_t>(drawn - out.drawn.begin()),
-                                 statics[concealer.caster]->bounds, concealer.umbra});
+        const auto drawn = std::lower_bound(out.drawn.begin(), out.drawn.end(), concealer.volume);
+        if (drawn == out.drawn.end() || *drawn != concealer.volume) continue; // concealed itself
+        out.occluders.push_back(
+            {static_cast<std::uint32_t>(drawn - out.drawn.begin()), concealer.bounds, concealer.umbra});
         if (out.occluders.size() == gpu::UMBRAE) break;
     }
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What is worked out once for a light and casters that both stand still: which casters others conceal, an octree over
+// What is worked out once for a light and casters that both stand still: which volumes others conceal, an octree over
 // the rest, and where some of their shadows must be. Plain CPU code without Vulkan.
 #include <cstdint>
 #include <memory>
@@ -12,8 +12,14 @@
 namespace gnomon {
 
 struct StaticVolumes {
-    std::vector<std::uint32_t> drawn; ///< Indices into LightCasters::statics, in their order; the rest is concealed.
-    VolumeTree tree;                  ///< Over the bounds of `drawn`, by position there.
+    /// A cluster of a caster.
+    struct Volume {
+        std::uint32_t caster = 0; ///< Into LightCasters::statics.
+        std::uint32_t cluster = 0;
+        auto operator<=>(const Volume&) const = default;
+    };
+    std::vector<Volume> drawn; ///< In the order of casters, then of clusters; the rest is concealed.
+    VolumeTree tree;           ///< Over the bounds of `drawn`, by position there.
 
     struct Occluder {
         std::uint32_t position = 0; ///< In `drawn`.
@@ -21,11 +27,11 @@ struct StaticVolumes {
         Umbra umbra;
     };
     std::vector<Occluder> occluders; ///< Those that hide most, at most gpu::UMBRAE.
-    std::uint32_t concealed = 0;     ///< Casters left out.
+    std::uint32_t concealed = 0;     ///< Volumes left out.
     std::uint64_t stamp = 0;         ///< Of light and casters; 0: not from a cache.
 };
 
-/// Works it out. @param conceal false: every caster that casts a volume is drawn.
+/// Works it out. @param conceal false: every volume is drawn.
 void chooseVolumes(const LightView& light, std::span<const Caster* const> statics, bool conceal, StaticVolumes& out);
 
 /// Keeps a StaticVolumes per light until the light, its static casters or their topologies change; found again by ids

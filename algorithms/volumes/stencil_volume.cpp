@@ -51,7 +51,7 @@ std::uint64_t stampOf(const LightView& light, const VolumeList& list)
     Stamp stamp;
     stamp.add(light.revision);
     for (const VolumePiece& piece : list.pieces)
-        stamp.add(*piece.caster);
+        stamp.add(*piece.source.caster);
     return stamp.value();
 }
 

@@ -58,7 +58,7 @@ struct RegionBuild {
     const LightView* light = nullptr;
     std::span<const VolumePiece> pieces;
     std::span<const StaticVolumes::Occluder> occluders;
-    std::size_t count = 0; ///< Casters of the pieces.
+    std::size_t count = 0; ///< Volumes of the pieces.
     BufferId buffer;
 };
 
@@ -75,12 +75,12 @@ void writeRegions(const RegionBuild& build, HostContext& host)
     const std::span<std::byte> bytes = host.write<std::byte>(build.buffer).subspan(kUmbraeSize);
     const std::span<gpu::VolumeRegion> regions(reinterpret_cast<gpu::VolumeRegion*>(bytes.data()), build.count);
     std::size_t next = 0;
-    const Caster* caster = nullptr;
+    VolumeSource source;
     for (const VolumePiece& piece : build.pieces) {
-        if (piece.caster == caster) continue;
-        caster = piece.caster;
+        if (piece.source == source) continue;
+        source = piece.source;
         gpu::VolumeRegion region{};
-        std::copy_n(boxShadow(caster->bounds, *build.light).planes, gpu::SHADOW_PLANES, region.shadow);
+        std::copy_n(boxShadow(source.bounds(), *build.light).planes, gpu::SHADOW_PLANES, region.shadow);
         region.umbra = gpu::NO_UMBRA;
         regions[next++] = region;
     }
@@ -88,7 +88,7 @@ void writeRegions(const RegionBuild& build, HostContext& host)
         regions[build.occluders[i].position].umbra = static_cast<std::uint32_t>(i);
 }
 
-/// Made again when the light or one of the casters changes. @param count casters of the pieces
+/// Made again when the light or one of the casters changes. @param count volumes of the pieces
 BufferId declareRegions(PassBuilder& passes, const LightView& light, const CulledList& list,
                         std::span<const VolumePiece> pieces, std::size_t count)
 {
@@ -161,13 +161,13 @@ BufferId declareReached(PassBuilder& passes, PipelineId pipeline, const ShadowTa
     return reached;
 }
 
-/// Which caster of the list each of its pieces is of.
-std::span<const std::uint32_t> casterPositions(FrameArena& arena, std::span<const VolumePiece> pieces)
+/// Which volume of the list each of its pieces is of.
+std::span<const std::uint32_t> volumePositions(FrameArena& arena, std::span<const VolumePiece> pieces)
 {
     const std::span<std::uint32_t> positions = arena.array<std::uint32_t>(pieces.size());
     std::uint32_t position = 0;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
-        if (i > 0 && pieces[i].caster != pieces[i - 1].caster) ++position;
+        if (i > 0 && pieces[i].source != pieces[i - 1].source) ++position;
         positions[i] = position;
     }
     return positions;
@@ -178,7 +178,7 @@ bool comesFrom(const VolumeDraw& draw, const VolumeList& list)
     return draw.list.index == list.buffer.index;
 }
 
-/// The plan's draws of a list of sides. @param positions casterPositions() of it
+/// The plan's draws of a list of sides. @param positions volumePositions() of it
 std::span<const gpu::CullCandidate> candidatesOf(FrameArena& arena, const VolumePlan& plan, const VolumeList& sides,
                                                  std::span<const std::uint32_t> positions)
 {
@@ -260,7 +260,7 @@ void declareCull(PassBuilder& passes, const VolumeCullPipelines& pipelines, cons
     BufferId reached;
     for (const CulledList& list : lists) {
         const VolumeList &sides = plan.lists[list.index], &caps = plan.lists[2 + list.index];
-        const std::span<const std::uint32_t> positions = casterPositions(passes.arena(), sides.pieces);
+        const std::span<const std::uint32_t> positions = volumePositions(passes.arena(), sides.pieces);
         const std::span<const gpu::CullCandidate> candidates = candidatesOf(passes.arena(), plan, sides, positions);
         if (candidates.size() < kLeastCandidates) continue;
         const BufferId regions = declareRegions(passes, *task.light, list, sides.pieces, positions.back() + 1);

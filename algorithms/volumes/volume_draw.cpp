@@ -82,38 +82,38 @@ PipelineId makePipeline(const AlgorithmServices& services, const char* name, con
 
 // --- what is drawn ---
 
-/// Calls choose() with one draw per caster of the list whose shadow the view can see.
+/// Calls choose() with one draw per volume of the list that the view can see.
 template <typename Choose>
-void collectDraws(const VolumePlan& plan, const VolumeList& list, Choose&& choose)
+void collectDraws(const VolumePlan& plan, const VolumeList& list, const Choose& choose)
 {
-    for (std::uint32_t piece = 0; piece < list.pieces.size();) {
-        const VolumeDraw draw = drawAt(list, piece);
-        if (shadowTouches(draw.caster->bounds, *plan.light, plan.view->frustum)) choose(draw);
-    }
+    forDraws(
+        list, [&](const Aabb& box) { return shadowTouches(box, *plan.light, plan.view->frustum); }, choose);
 }
 
 // --- recording ---
 
-gpu::VolumePush volumePush(const VolumePlan& plan, const Caster& caster, float clipZ)
+gpu::VolumePush volumePush(const VolumePlan& plan, const VolumeDraw& draw, float clipZ)
 {
     gpu::VolumePush push;
-    eyeRows(caster, *plan.view, push.rows);
-    push.reach = glm::vec4(casterReach(caster.bounds, *plan.light, plan.view->eye), clipZ);
+    eyeRows(*draw.source.caster, *plan.view, push.rows);
+    push.reach = glm::vec4(casterReach(draw.bounds, *plan.light, plan.view->eye), clipZ);
     return push;
 }
 
-void pushCaster(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, const Caster& caster, float clipZ)
+void pushVolume(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, const VolumeDraw& draw, float clipZ)
 {
-    const gpu::VolumePush push = volumePush(plan, caster, clipZ);
+    const gpu::VolumePush push = volumePush(plan, draw, clipZ);
     if (shape == VolumeShape::lists) {
         gpu.push(push);
         return;
     }
+    const Caster& caster = *draw.source.caster;
+    const bool closed = draw.source.shape().closed;
+    gpu::FaceLight light = lightInObjectSpace(*plan.light, caster);
+    light.touched = touchedWay(closed, caster.mirrored);
     // Caps as writeCaps() chooses them.
     const std::uint32_t away = caster.mirrored ? gpu::FACE_TOWARDS : gpu::FACE_AWAY;
-    gpu.push(gpu::AllEdgesPush{.caster = push,
-                               .light = lightInObjectSpace(*plan.light, caster),
-                               .capsWay = caster.mesh->topology->closed ? away : gpu::FACE_TOUCHED});
+    gpu.push(gpu::AllEdgesPush{.caster = push, .light = light, .capsWay = closed ? away : gpu::FACE_TOUCHED});
 }
 
 void drawList(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, PipelineId pipeline, const Bound& constants,
@@ -122,8 +122,8 @@ void drawList(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, Pipel
     const MeshView* mesh = nullptr;
     BufferId list;
     for (const VolumeDraw& draw : draws) {
-        if (draw.caster->mesh != mesh) {
-            mesh = draw.caster->mesh;
+        if (draw.source.caster->mesh != mesh) {
+            mesh = draw.source.caster->mesh;
             gpu.bind(pipeline, {constants, gpu.storage(1, mesh->vertexBuffer), gpu.storage(2, plan.receiverBounds),
                                 gpu.storage(3, draw.list)}); // a mesh's own, where the shape has it
         }
@@ -131,7 +131,7 @@ void drawList(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, Pipel
             list = draw.list;
             gpu.vk->vkCmdBindIndexBuffer(gpu.cmd, gpu.buffer(list), 0, VK_INDEX_TYPE_UINT32);
         }
-        pushCaster(gpu, plan, shape, *draw.caster, clipZ);
+        pushVolume(gpu, plan, shape, draw, clipZ);
         // One by one: more than one at a time needs a device feature, and here a draw costs 0.6 us.
         constexpr std::uint32_t size = sizeof(VkDrawIndexedIndirectCommand);
         for (std::uint32_t i = 0; i < draw.commandCount; ++i)
@@ -172,7 +172,7 @@ VolumePlan* emptyPlan(PassBuilder& passes, const ShadowTask& task, const ViewSte
     plan->receiverBounds = stencil.receiverBounds;
     plan->bounded = bounded;
     plan->pixels = lightPixels(*task.light, *task.view);
-    const std::size_t count = task.casters->all.size();
+    const std::size_t count = volumeCount(task.casters->all);
     for (std::span<VolumeDraw>* draws : {&plan->zPass, &plan->zFail, &plan->caps})
         *draws = passes.arena().array<VolumeDraw>(count).first(0);
     return plan;
@@ -180,23 +180,27 @@ VolumePlan* emptyPlan(PassBuilder& passes, const ShadowTask& task, const ViewSte
 
 VolumeDraw drawAt(const VolumeList& list, std::uint32_t& piece)
 {
-    const Caster* caster = list.pieces[piece].caster;
-    VolumeDraw draw{.caster = caster, .list = list.buffer, .commands = list.buffer, .firstCommand = piece};
-    while (piece < list.pieces.size() && list.pieces[piece].caster == caster)
+    const VolumeSource source = list.pieces[piece].source;
+    VolumeDraw draw{.source = source,
+                    .bounds = source.bounds(),
+                    .list = list.buffer,
+                    .commands = list.buffer,
+                    .firstCommand = piece};
+    while (piece < list.pieces.size() && list.pieces[piece].source == source)
         ++piece;
     draw.commandCount = piece - draw.firstCommand;
     return draw;
 }
 
-bool needsZFail(const VolumePlan& plan, const Caster& caster)
+bool needsZFail(const VolumePlan& plan, const Aabb& bounds)
 {
-    return shadowsNearRectangle(caster.bounds, *plan.light, plan.view->nearCorners);
+    return shadowsNearRectangle(bounds, *plan.light, plan.view->nearCorners);
 }
 
 void addSides(VolumePlan& plan, const VolumeList& sides, bool zFailForAll)
 {
     collectDraws(plan, sides, [&](const VolumeDraw& draw) {
-        append(zFailForAll || needsZFail(plan, *draw.caster) ? plan.zFail : plan.zPass, draw);
+        append(zFailForAll || needsZFail(plan, draw.bounds) ? plan.zFail : plan.zPass, draw);
     });
 }
 
@@ -204,10 +208,10 @@ VolumeList addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan
                    std::uint32_t variant)
 {
     const std::span<const VolumeDraw> failing = plan.zFail.subspan(firstFailing);
-    const std::span<const Caster*> casters = passes.arena().array<const Caster*>(failing.size());
+    const std::span<VolumeSource> volumes = passes.arena().array<VolumeSource>(failing.size());
     for (std::size_t i = 0; i < failing.size(); ++i)
-        casters[i] = failing[i].caster;
-    const VolumeList caps = declareCaps(passes, task, casters, variant);
+        volumes[i] = failing[i].source;
+    const VolumeList caps = declareCaps(passes, task, volumes, variant);
     collectDraws(plan, caps, [&](const VolumeDraw& draw) { append(plan.caps, draw); });
     return caps;
 }

@@ -33,9 +33,10 @@ struct VolumePipelines {
 VolumePipelines makeVolumePipelines(const AlgorithmServices& services, const VolumePipelineNames& names,
                                     const VolumeCounting& counting, VolumeShape shape = VolumeShape::lists);
 
-/// A run of indirect commands for one caster.
+/// A run of indirect commands for one volume.
 struct VolumeDraw {
-    const Caster* caster = nullptr;
+    VolumeSource source;
+    Aabb bounds;       ///< Of the source, world.
     BufferId list;     ///< Indices.
     BufferId commands; ///< Of the list itself, unless the method has others made of them.
     std::uint32_t firstCommand = 0, commandCount = 0;
@@ -54,8 +55,8 @@ struct VolumePlan {
     VkRect2D pixels{};   ///< Where the light can reach.
 };
 
-/// Declares the lists and picks the casters whose shadow the view can see. z-pass counts those that cannot shadow the
-/// near rectangle, z-fail the others, or all.
+/// Declares the lists and picks the volumes that the view can see. z-pass counts those that cannot hold any of the near
+/// rectangle, z-fail the others, or all.
 /// @param shader null: silhouettes are found on the CPU
 VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded,
                         bool zFailForAll, const GpuSilhouettes* shader = nullptr);
@@ -63,15 +64,33 @@ VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewS
 VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil,
                         std::span<const VolumeList, 2> sides, bool bounded, bool zFailForAll);
 
-// What planVolumes() is made of, for methods that choose among the casters themselves.
+// What planVolumes() is made of, for methods that choose among the volumes themselves.
 
-/// A plan without draws yet, with room for all casters of the task.
+/// A plan without draws yet, with room for all volumes of the task.
 VolumePlan* emptyPlan(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded);
-/// The draw of the caster whose pieces start here; moves `piece` to the next caster's.
+/// The draw of the volume whose pieces start here; moves `piece` to the next volume's.
 VolumeDraw drawAt(const VolumeList& list, std::uint32_t& piece);
-/// Whether z-fail has to count the caster.
-bool needsZFail(const VolumePlan& plan, const Caster& caster);
-/// Adds those casters of a list of sides that the view can see.
+/// Calls choose() with one draw per volume of the list that `wanted(bounds)` of the volume, and of its whole caster,
+/// is true of.
+template <typename Wanted, typename Choose>
+void forDraws(const VolumeList& list, const Wanted& wanted, const Choose& choose)
+{
+    const Caster* refused = nullptr;
+    for (std::uint32_t piece = 0; piece < list.pieces.size();) {
+        const Caster* caster = list.pieces[piece].source.caster;
+        const bool first = piece == 0 || list.pieces[piece - 1].source.caster != caster;
+        if (first && !wanted(caster->bounds)) refused = caster;
+        if (caster == refused) {
+            ++piece;
+            continue;
+        }
+        const VolumeDraw draw = drawAt(list, piece);
+        if (wanted(draw.bounds)) choose(draw);
+    }
+}
+/// Whether z-fail has to count a volume of a source with these bounds.
+bool needsZFail(const VolumePlan& plan, const Aabb& bounds);
+/// Adds those volumes of a list of sides that the view can see.
 void addSides(VolumePlan& plan, const VolumeList& sides, bool zFailForAll);
 /// Adds the caps, in task scope, of the draws from `firstFailing` on that z-fail counts. @return their list
 VolumeList addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, std::size_t firstFailing,

@@ -32,9 +32,13 @@ std::uint32_t pieceCount(std::size_t items)
     return static_cast<std::uint32_t>((items + kPieceSize - 1) / kPieceSize);
 }
 
-std::uint32_t itemCount(const Topology& topology, ListKind kind)
+std::uint32_t itemCount(const Topology::Cluster& cluster, ListKind kind)
 {
-    return static_cast<std::uint32_t>(kind == ListKind::sides ? topology.edges.size() : topology.facePlanes.size());
+    return kind == ListKind::sides ? cluster.edgeCount : cluster.faceCount;
+}
+std::uint32_t firstItem(const Topology::Cluster& cluster, ListKind kind)
+{
+    return kind == ListKind::sides ? cluster.firstEdge : cluster.firstFace;
 }
 
 /// Where the first piece starts, in indices: behind the commands.
@@ -44,9 +48,10 @@ std::uint32_t firstIndex(std::uint32_t pieces)
     return (commands + kIndicesPerSide - 1) / kIndicesPerSide * kIndicesPerSide;
 }
 
-std::uint32_t indexCapacity(const Topology& topology, ListKind kind, std::uint32_t first, std::uint32_t count)
+std::uint32_t indexCapacity(const Topology& topology, const Topology::Cluster& cluster, ListKind kind,
+                            std::uint32_t first, std::uint32_t count)
 {
-    return kind == ListKind::sides ? sideCapacity(topology, first, count) : capCapacity(count);
+    return kind == ListKind::sides ? sideCapacity(topology, cluster, first, count) : capCapacity(count);
 }
 
 VkDeviceSize listBytes(std::span<const Caster* const> casters, ListKind kind)
@@ -56,42 +61,68 @@ VkDeviceSize listBytes(std::span<const Caster* const> casters, ListKind kind)
     for (const Caster* caster : casters) {
         if (!castsVolume(*caster)) continue;
         const Topology& topology = *caster->mesh->topology;
-        pieces += pieceCount(itemCount(topology, kind));
-        indices += indexCapacity(topology, kind, 0, itemCount(topology, kind));
+        for (const Topology::Cluster& cluster : topology.clusters) {
+            const std::uint32_t items = itemCount(cluster, kind);
+            pieces += pieceCount(items);
+            indices += indexCapacity(topology, cluster, kind, firstItem(cluster, kind), items);
+        }
     }
     return pieces ? 4 * (firstIndex(pieces) + indices) : 0;
 }
 
-/// Cuts the casters into pieces and lays out the buffer. @return its size in indices; 0: nothing to build.
-VkDeviceSize layOut(FrameArena& arena, std::span<const Caster* const> casters, ListBuild& build)
+/// Calls visit(caster) with the casters of the volumes, once for volumes of one that follow each other.
+template <typename Visit>
+void forCasters(std::span<const VolumeSource> volumes, const Visit& visit)
 {
-    std::uint32_t pieces = 0, facePieces = 0;
-    for (const Caster* caster : casters) {
-        if (!castsVolume(*caster)) continue;
-        pieces += pieceCount(itemCount(*caster->mesh->topology, build.kind));
-        facePieces += pieceCount(caster->mesh->topology->facePlanes.size());
+    const Caster* last = nullptr;
+    for (const VolumeSource& volume : volumes)
+        if (volume.caster != last) visit(*(last = volume.caster));
+}
+
+/// Pieces of all faces of the volumes' casters: which way they face is found for whole casters.
+void layOutFaces(FrameArena& arena, std::span<const VolumeSource> volumes, ListBuild& build)
+{
+    std::uint32_t count = 0;
+    forCasters(volumes, [&](const Caster& caster) {
+        count += pieceCount(caster.mesh->topology->facePlanes.size());
         ++build.casterCount;
-    }
+    });
+    const std::span<VolumePiece> pieces = arena.array<VolumePiece>(count);
+    std::size_t piece = 0;
+    forCasters(volumes, [&](const Caster& caster) {
+        const auto faces = static_cast<std::uint32_t>(caster.mesh->topology->facePlanes.size());
+        for (std::uint32_t first = 0; first < faces; first += kPieceSize)
+            pieces[piece++] = {{&caster, 0}, first, std::min(kPieceSize, faces - first), 0, build.faceCount};
+        build.faceCount += faces;
+    });
+    build.facePieces = pieces;
+}
+
+/// Cuts the volumes into pieces and lays out the buffer. @return its size in indices; 0: nothing to build.
+VkDeviceSize layOut(FrameArena& arena, std::span<const VolumeSource> volumes, ListBuild& build)
+{
+    layOutFaces(arena, volumes, build);
+    std::uint32_t pieces = 0;
+    for (const VolumeSource& volume : volumes)
+        pieces += pieceCount(itemCount(volume.shape(), build.kind));
     const std::span<VolumePiece> list = arena.array<VolumePiece>(pieces);
-    const std::span<VolumePiece> faces = arena.array<VolumePiece>(facePieces);
     VkDeviceSize next = firstIndex(pieces);
-    std::size_t piece = 0, facePiece = 0;
-    for (const Caster* caster : casters) {
-        if (!castsVolume(*caster)) continue;
-        const Topology& topology = *caster->mesh->topology;
-        const std::uint32_t items = itemCount(topology, build.kind);
-        for (std::uint32_t first = 0; first < items; first += kPieceSize) {
-            const std::uint32_t count = std::min(kPieceSize, items - first);
-            list[piece++] = {caster, first, count, static_cast<std::uint32_t>(next), build.faceCount};
-            next += indexCapacity(topology, build.kind, first, count);
+    std::size_t piece = 0;
+    std::uint32_t facingOffset = 0;
+    for (std::size_t i = 0; i < volumes.size(); ++i) {
+        const VolumeSource& volume = volumes[i];
+        const Topology& topology = *volume.caster->mesh->topology;
+        const Topology::Cluster& cluster = volume.shape();
+        const std::uint32_t begin = firstItem(cluster, build.kind), end = begin + itemCount(cluster, build.kind);
+        for (std::uint32_t first = begin; first < end; first += kPieceSize) {
+            const std::uint32_t count = std::min(kPieceSize, end - first);
+            list[piece++] = {volume, first, count, static_cast<std::uint32_t>(next), facingOffset};
+            next += indexCapacity(topology, cluster, build.kind, first, count);
         }
-        const auto faceCount = static_cast<std::uint32_t>(topology.facePlanes.size());
-        for (std::uint32_t first = 0; first < faceCount; first += kPieceSize)
-            faces[facePiece++] = {caster, first, std::min(kPieceSize, faceCount - first), 0, build.faceCount};
-        build.faceCount += faceCount;
+        if (i + 1 < volumes.size() && volumes[i + 1].caster != volume.caster)
+            facingOffset += static_cast<std::uint32_t>(topology.facePlanes.size());
     }
     build.list.pieces = list;
-    build.facePieces = faces;
     return pieces ? next : 0;
 }
 
@@ -109,9 +140,11 @@ void run(const ListBuild& build, HostContext& host)
     const std::span<std::uint8_t> facing = host.arena->array<std::uint8_t>(build.faceCount);
     host.jobs->parallelFor(build.facePieces.size(), 4, [&](std::size_t begin, std::size_t end, std::uint32_t) {
         for (const VolumePiece& piece : build.facePieces.subspan(begin, end - begin)) {
-            const gpu::FaceLight light = lightInObjectSpace(*build.light, *piece.caster);
-            findFacing(*piece.caster->mesh->topology, light, piece.first,
-                       facing.subspan(piece.facingOffset + piece.first, piece.count));
+            const Caster& caster = *piece.source.caster;
+            const gpu::FaceLight light = lightInObjectSpace(*build.light, caster);
+            const auto out = facing.subspan(piece.facingOffset + piece.first, piece.count);
+            findFacing(*caster.mesh->topology, light, piece.first, out);
+            if (light.touch > 0.0f) faceByCluster(*caster.mesh->topology, caster.mirrored, piece.first, out);
         }
     });
 
@@ -120,14 +153,16 @@ void run(const ListBuild& build, HostContext& host)
     host.jobs->parallelFor(build.list.pieces.size(), 4, [&](std::size_t begin, std::size_t end, std::uint32_t) {
         for (std::size_t i = begin; i < end; ++i) {
             const VolumePiece& piece = build.list.pieces[i];
-            const Topology& topology = *piece.caster->mesh->topology;
+            const Caster& caster = *piece.source.caster;
+            const Topology& topology = *caster.mesh->topology;
+            const Topology::Cluster& cluster = piece.source.shape();
             const auto faces =
                 std::span<const std::uint8_t>(facing).subspan(piece.facingOffset, topology.facePlanes.size());
             std::uint32_t* indices = out.data() + piece.firstIndex;
             const std::uint32_t count =
                 build.kind == ListKind::sides
-                    ? writeSides(topology, faces, piece.first, piece.count, indices)
-                    : writeCaps(topology, faces, piece.caster->mirrored, piece.first, piece.count, indices);
+                    ? writeSides(topology, cluster, faces, piece.first, piece.count, indices)
+                    : writeCaps(topology, cluster, faces, caster.mirrored, piece.first, piece.count, indices);
             commands[i] = {.indexCount = count, .instanceCount = 1, .firstIndex = piece.firstIndex};
         }
     });
@@ -135,14 +170,14 @@ void run(const ListBuild& build, HostContext& host)
         host.countIndexList();
 }
 
-VolumeList declareList(PassBuilder& passes, const ShadowTask& task, std::span<const Caster* const> casters,
+VolumeList declareList(PassBuilder& passes, const ShadowTask& task, std::span<const VolumeSource> volumes,
                        ListKind kind, Scope scope, std::uint32_t variant, std::uint64_t stamp,
                        const GpuSilhouettes* shader = nullptr)
 {
     ListBuild* build = passes.arena().make<ListBuild>();
     build->kind = kind;
     build->light = task.light;
-    const VkDeviceSize size = layOut(passes.arena(), casters, *build);
+    const VkDeviceSize size = layOut(passes.arena(), volumes, *build);
     if (size == 0) return {};
     if (size > UINT32_MAX) { // commands say where a piece begins in 32 bits
         passes.fail({GN_ERROR_TOO_MANY, "VolumeIndices",
@@ -175,6 +210,34 @@ VolumeList declareList(PassBuilder& passes, const ShadowTask& task, std::span<co
 
 } // namespace
 
+Aabb VolumeSource::bounds() const
+{
+    const Topology& topology = *caster->mesh->topology;
+    if (topology.clusters.size() == 1) return caster->bounds;
+    return transformed(shape().bounds, caster->basis, caster->translation);
+}
+
+std::uint32_t volumeCount(std::span<const Caster* const> casters)
+{
+    std::size_t count = 0;
+    for (const Caster* caster : casters)
+        if (castsVolume(*caster)) count += caster->mesh->topology->clusters.size();
+    return static_cast<std::uint32_t>(count);
+}
+
+std::span<const VolumeSource> volumesOf(FrameArena& arena, std::span<const Caster* const> casters)
+{
+    const std::span<VolumeSource> volumes = arena.array<VolumeSource>(volumeCount(casters));
+    std::size_t next = 0;
+    for (const Caster* caster : casters) {
+        if (!castsVolume(*caster)) continue;
+        const auto clusters = static_cast<std::uint32_t>(caster->mesh->topology->clusters.size());
+        for (std::uint32_t cluster = 0; cluster < clusters; ++cluster)
+            volumes[next++] = {caster, cluster};
+    }
+    return volumes;
+}
+
 VkDeviceSize sidesBytes(std::span<const Caster* const> casters)
 {
     return listBytes(casters, ListKind::sides);
@@ -189,7 +252,8 @@ VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool static
 {
     const std::span<const Caster* const> casters = statics ? task.casters->statics : task.casters->movings;
     const std::uint64_t stamp = statics ? task.casters->staticStamp : listedStamp(casters);
-    return declareList(passes, task, casters, ListKind::sides, Scope::light, statics ? 0 : 1, stamp, shader);
+    return declareList(passes, task, volumesOf(passes.arena(), casters), ListKind::sides, Scope::light, statics ? 0 : 1,
+                       stamp, shader);
 }
 
 // Variants 0 and 1 are all static and all moving casters.
@@ -197,23 +261,23 @@ constexpr std::uint32_t kChosenVariant = 2;
 
 VolumeList declareChosenSides(PassBuilder& passes, const ShadowTask& task, const VolumeChoice& choice)
 {
-    return declareList(passes, task, choice.casters, ListKind::sides, Scope::light, kChosenVariant + choice.variant,
+    return declareList(passes, task, choice.volumes, ListKind::sides, Scope::light, kChosenVariant + choice.variant,
                        choice.stamp);
 }
 
 VolumeList declareChosenCaps(PassBuilder& passes, const ShadowTask& task, const VolumeChoice& choice)
 {
-    return declareList(passes, task, choice.casters, ListKind::caps, Scope::light, kChosenVariant + choice.variant,
+    return declareList(passes, task, choice.volumes, ListKind::caps, Scope::light, kChosenVariant + choice.variant,
                        choice.stamp);
 }
 
-VolumeList declareCaps(PassBuilder& passes, const ShadowTask& task, std::span<const Caster* const> casters,
+VolumeList declareCaps(PassBuilder& passes, const ShadowTask& task, std::span<const VolumeSource> volumes,
                        std::uint32_t variant)
 {
     Stamp stamp;
-    for (const Caster* caster : casters)
-        stamp.add(caster->revision);
-    return declareList(passes, task, casters, ListKind::caps, Scope::task, variant, stamp.value());
+    for (const VolumeSource& volume : volumes)
+        stamp.add(volume.caster->revision).add(std::uint64_t{volume.cluster});
+    return declareList(passes, task, volumes, ListKind::caps, Scope::task, variant, stamp.value());
 }
 
 } // namespace gnomon

@@ -8,20 +8,35 @@
 #include <span>
 
 #include "runtime/algorithm.hpp"
+#include "runtime/scene/topology.hpp"
 
 namespace gnomon {
 
-/// A range of a caster's edges (sides) or faces (caps), small enough to share the work among threads.
-struct VolumePiece {
+/// What has a volume of its own: a cluster of a caster's mesh.
+struct VolumeSource {
     const Caster* caster = nullptr;
-    std::uint32_t first = 0, count = 0; ///< Edges or faces.
+    std::uint32_t cluster = 0;
+
+    const Topology::Cluster& shape() const { return caster->mesh->topology->clusters[cluster]; }
+    Aabb bounds() const; ///< World.
+    bool operator==(const VolumeSource&) const = default;
+};
+
+/// Of these casters: in their order, and in that of their clusters.
+std::uint32_t volumeCount(std::span<const Caster* const> casters);
+std::span<const VolumeSource> volumesOf(FrameArena& arena, std::span<const Caster* const> casters);
+
+/// A range of a cluster's edges (sides) or faces (caps), small enough to share the work among threads.
+struct VolumePiece {
+    VolumeSource source;
+    std::uint32_t first = 0, count = 0; ///< Edges, or places of faces.
     std::uint32_t firstIndex = 0;       ///< In the buffer, in units of indices.
     std::uint32_t facingOffset = 0;     ///< Of the caster's faces in the builder's scratch.
 };
 
 struct VolumeList {
     BufferId buffer;                     ///< Null id: no pieces.
-    std::span<const VolumePiece> pieces; ///< In the order of the casters; piece i has the i-th command.
+    std::span<const VolumePiece> pieces; ///< In the order of the volumes; piece i has the i-th command.
 };
 
 /// Bytes of a list that holds the sides, or the caps, of these casters, before it grows to a power of two.
@@ -36,18 +51,18 @@ struct GpuSilhouettes; // gpu_silhouettes.hpp
 VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics,
                         const GpuSilhouettes* shader = nullptr);
 
-/// What a method draws of a light's static casters whatever the view: sides, or caps, of those it has chosen once for
-/// this light and these casters. Once per light and choice; built if `stamp` or the light changed, else kept.
+/// What a method draws of a light's static casters whatever the view: sides, or caps, of the volumes it has chosen once
+/// for this light and these casters. Once per light and choice; built if `stamp` or the light changed, else kept.
 struct VolumeChoice {
-    std::span<const Caster* const> casters;
+    std::span<const VolumeSource> volumes;
     std::uint64_t stamp = 0;   ///< Of everything the choice depends on besides the light.
     std::uint32_t variant = 0; ///< Tells choices apart.
 };
 VolumeList declareChosenSides(PassBuilder& passes, const ShadowTask& task, const VolumeChoice& choice);
 VolumeList declareChosenCaps(PassBuilder& passes, const ShadowTask& task, const VolumeChoice& choice);
 
-/// The caps of the given casters, which depend on the view by their choice only.
-VolumeList declareCaps(PassBuilder& passes, const ShadowTask& task, std::span<const Caster* const> casters,
+/// The caps of the given volumes, which depend on the view by their choice only.
+VolumeList declareCaps(PassBuilder& passes, const ShadowTask& task, std::span<const VolumeSource> volumes,
                        std::uint32_t variant);
 
 } // namespace gnomon

@@ -36,20 +36,18 @@ PipelineId makePipeline(const AlgorithmServices& services, const char* name, boo
     return services.pipelines->graphics(info);
 }
 
-/// Whether a wedge of a caster may touch the near rectangle.
-bool mayHoldEye(const WedgePlan& plan, const Caster& caster)
+/// Whether a wedge of a source with these bounds may touch the near rectangle.
+bool mayHoldEye(const WedgePlan& plan, const Aabb& bounds)
 {
-    return shadowsNearRectangle(caster.bounds, *plan.light, plan.view->nearCorners, plan.light->constants.sourceRadius);
+    return shadowsNearRectangle(bounds, *plan.light, plan.view->nearCorners, plan.light->constants.sourceRadius);
 }
 
 void collectDraws(WedgePlan& plan, const VolumeList& list)
 {
     const float radius = plan.light->constants.sourceRadius;
-    for (std::uint32_t piece = 0; piece < list.pieces.size();) {
-        const VolumeDraw draw = drawAt(list, piece);
-        if (!shadowTouches(draw.caster->bounds, *plan.light, plan.view->frustum, radius)) continue;
-        append(mayHoldEye(plan, *draw.caster) ? plan.around : plan.before, draw);
-    }
+    forDraws(
+        list, [&](const Aabb& box) { return shadowTouches(box, *plan.light, plan.view->frustum, radius); },
+        [&](const VolumeDraw& draw) { append(mayHoldEye(plan, draw.bounds) ? plan.around : plan.before, draw); });
 }
 
 gpu::WedgeConstants wedgeConstants(const WedgePlan& plan)
@@ -69,8 +67,8 @@ void drawParts(PassContext& gpu, const WedgePlan& plan, const VolumeDraw& draw, 
                       offsetof(VkDrawIndirectCommand, firstInstance));
     constexpr std::uint32_t stride = sizeof(VkDrawIndexedIndirectCommand);
     gpu::WedgePush push{};
-    eyeRows(*draw.caster, *plan.view, push.caster.rows);
-    push.caster.reach = glm::vec4(casterReach(draw.caster->bounds, *plan.light, plan.view->eye), 0.0f);
+    eyeRows(*draw.source.caster, *plan.view, push.caster.rows);
+    push.caster.reach = glm::vec4(casterReach(draw.bounds, *plan.light, plan.view->eye), 0.0f);
     push.before = before ? 1 : 0;
     push.mirrored = mirrors(*plan.view) ? 1 : 0;
     for (push.part = 0; push.part < gpu::WEDGE_PARTS; ++push.part) {
@@ -93,8 +91,8 @@ void recordWedges(PassContext& gpu, const WedgePlan& plan, const WedgePipelines&
         const MeshView* mesh = nullptr;
         BufferId list;
         for (const VolumeDraw& draw : before ? plan.before : plan.around) {
-            if (draw.caster->mesh != mesh || draw.list.index != list.index) {
-                mesh = draw.caster->mesh;
+            if (draw.source.caster->mesh != mesh || draw.list.index != list.index) {
+                mesh = draw.source.caster->mesh;
                 list = draw.list;
                 gpu.bind(pipeline, {constants, gpu.storage(1, mesh->vertexBuffer), gpu.storage(2, plan.receiverBounds),
                                     gpu.storage(3, list), wedges, gpu.storage(5, plan.depths)});
@@ -141,7 +139,7 @@ WedgePlan* planWedges(PassBuilder& passes, const ShadowTask& task, const ViewSte
     plan->bounded = bounded;
     plan->pixels = lightPixels(*task.light, *task.view);
     for (std::span<VolumeDraw>* draws : {&plan->before, &plan->around})
-        *draws = passes.arena().array<VolumeDraw>(task.casters->all.size()).first(0);
+        *draws = passes.arena().array<VolumeDraw>(volumeCount(task.casters->all)).first(0);
     for (std::size_t i = 0; i < 2; ++i) {
         collectDraws(*plan, sides[i]);
         plan->lists[i] = sides[i].buffer;

@@ -33,7 +33,7 @@ std::shared_ptr<const Topology> topologyOf(MeshFaces& faces, std::span<const glm
     std::shared_ptr<Topology> topology;
     if (known && weldsHold(*known, positions, *faces.indices)) {
         topology = std::make_shared<Topology>(*known);
-        updateFacePlanes(*topology, positions);
+        updatePositions(*topology, positions);
     } else {
         topology = std::make_shared<Topology>(buildTopology(positions, *faces.indices));
     }
@@ -194,20 +194,18 @@ void MeshBuilder::remarkOn(const MeshRevision& revision) const
     const Topology& topology = *revision.topology;
     if (topology.closed && topology.manifold && topology.orientable) return;
     if (revision.identity->remarked.exchange(true)) return;
-    const auto borders = std::count_if(topology.edges.begin(), topology.edges.end(),
-                                       [](const Topology::Edge& edge) { return edge.useCount == 1; });
-    const std::string open = "open: " + std::to_string(borders) + " border edges";
+    const std::string open = "open: " + std::to_string(topology.borderEdges) + " border edges";
     const char* asItIs = topology.closed ? "; it casts as it is" : "; it casts with both sides of its triangles";
     const std::string what = revision.identity->what() + " is ";
     if (topology.manifold && topology.orientable) { // floors, leaves, cards: meant so as a rule
         messages_.info("MeshOpen", what + open + asItIs);
         return;
     }
-    const bool crowded = std::any_of(topology.edges.begin(), topology.edges.end(),
-                                     [](const Topology::Edge& edge) { return edge.useCount > 2; });
-    const char* fault =
-        crowded || topology.orientable ? "no manifold surface" : "a surface whose triangles disagree about the outside";
-    messages_.warn("MeshNotManifold", what + fault + (borders > 0 ? ", and " + open : std::string()) + asItIs);
+    const char* fault = topology.crowded || topology.orientable
+                            ? "no manifold surface"
+                            : "a surface whose triangles disagree about the outside";
+    messages_.warn("MeshNotManifold",
+                   what + fault + (topology.borderEdges > 0 ? ", and " + open : std::string()) + asItIs);
 }
 
 } // namespace gnomon

@@ -11,6 +11,7 @@
 #include <glm/vec3.hpp>
 
 #include "gnomon/gnomon.h"
+#include "runtime/scene/aabb.hpp"
 #include "shaders/shared/receiver.h"
 
 namespace gnomon {
@@ -20,12 +21,6 @@ inline constexpr float kUnlimitedRange = std::numeric_limits<float>::max() / 4.0
 
 struct Topology;
 class MeshRays; // runtime/rays: the tree of one mesh
-
-struct Aabb {
-    glm::vec3 lower{0.0f}, upper{0.0f};
-    glm::vec3 center() const { return 0.5f * (lower + upper); }
-    glm::vec3 halfExtent() const { return 0.5f * (upper - lower); }
-};
 
 /// A mesh as the frame sees it. Alive while any frame that saw it is in flight.
 struct MeshView {

@@ -7,13 +7,15 @@
 
 #include <glm/geometric.hpp>
 
+#include "runtime/scene/mesh_clusters.hpp"
+
 #ifdef GNOMON_WITH_OPENMESH
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #endif
 
 namespace gnomon {
 
-void updateFacePlanes(Topology& topology, std::span<const glm::vec3> positions)
+void updatePositions(Topology& topology, std::span<const glm::vec3> positions)
 {
     topology.facePlanes.resize(topology.faceVerts.size() / 3);
     for (std::size_t face = 0; face < topology.facePlanes.size(); ++face) {
@@ -21,6 +23,16 @@ void updateFacePlanes(Topology& topology, std::span<const glm::vec3> positions)
         const glm::vec3 a = positions[corner[0]];
         const glm::vec3 normal = glm::cross(positions[corner[1]] - a, positions[corner[2]] - a);
         topology.facePlanes.set(face, glm::vec4(normal, -glm::dot(normal, a)));
+    }
+    for (Topology::Cluster& cluster : topology.clusters) {
+        if (cluster.faceCount == 0) continue; // of nothing
+        const glm::vec3 any = positions[topology.faceVerts[std::size_t{3} * topology.faceAt(cluster.firstFace)]];
+        cluster.bounds = {any, any};
+        for (std::uint32_t place = cluster.firstFace; place < cluster.firstFace + cluster.faceCount; ++place) {
+            const std::uint32_t* corner = &topology.faceVerts[std::size_t{3} * topology.faceAt(place)];
+            for (int i = 0; i < 3; ++i)
+                cluster.bounds = unionOf(cluster.bounds, {positions[corner[i]], positions[corner[i]]});
+        }
     }
 }
 
@@ -218,17 +230,24 @@ void collectLoose(const Faces& faces, std::span<const std::uint32_t> verts, Coll
     }
 }
 
-void judge(const Faces& faces, Topology& topology)
+/// How often faces run an edge v0 -> v1.
+std::uint32_t forwardUses(const Topology& topology, const Topology::Edge& edge)
 {
-    topology.closed = !topology.edges.empty();
+    std::uint32_t forward = 0;
+    for (std::uint32_t i = 0; i < edge.useCount; ++i)
+        forward += topology.uses[edge.firstUse + i].sign > 0.0f;
+    return forward;
+}
+
+/// Of the mesh as a whole: clusters that touch do not share an edge any more.
+void judgeMesh(const Faces& faces, Topology& topology)
+{
     topology.orientable = true;
     for (const Topology::Edge& edge : topology.edges) {
-        std::uint32_t forward = 0;
-        for (std::uint32_t i = 0; i < edge.useCount; ++i)
-            forward += topology.uses[edge.firstUse + i].sign > 0.0f;
-        const std::uint32_t backward = edge.useCount - forward;
-        topology.closed = topology.closed && forward == backward;
-        topology.orientable = topology.orientable && forward <= 1 && backward <= 1;
+        const std::uint32_t forward = forwardUses(topology, edge);
+        topology.orientable = topology.orientable && forward <= 1 && edge.useCount - forward <= 1;
+        topology.crowded = topology.crowded || edge.useCount > 2;
+        topology.borderEdges += edge.useCount == 1;
     }
     topology.looseFaces = static_cast<std::uint32_t>(faces.loose.size());
     topology.manifold = faces.loose.empty();
@@ -236,10 +255,22 @@ void judge(const Faces& faces, Topology& topology)
         topology.manifold = topology.manifold && faces.mesh.is_manifold(vertex);
 }
 
+void judgeClusters(Topology& topology)
+{
+    topology.closed = !topology.edges.empty();
+    for (Topology::Cluster& cluster : topology.clusters) {
+        const std::span<const Topology::Edge> edges = edgesOf(topology, cluster);
+        cluster.closed = std::all_of(edges.begin(), edges.end(), [&](const Topology::Edge& edge) {
+            return 2 * forwardUses(topology, edge) == edge.useCount;
+        });
+        topology.closed = topology.closed && cluster.closed;
+    }
+}
+
 /// How often an edge is a side. A plane with a random normal parts the normals of two faces with the probability angle
 /// / pi: so often does a distant light see one from the front and the other from behind. A side of a closed mesh is
 /// drawn once, of an open one twice, a border's once whatever the light; of more than two uses half are taken.
-double meanSides(const Topology& topology, const Topology::Edge& edge)
+double meanSides(const Topology& topology, const Topology::Edge& edge, bool closed)
 {
     constexpr double kPi = 3.14159265358979323846;
     if (edge.useCount != 2) return 0.5 * (edge.useCount + edge.useCount % 2);
@@ -249,16 +280,18 @@ double meanSides(const Topology& topology, const Topology::Edge& edge)
     if (lengths == 0.0) return 0.0;                           // faces no light
     const double agree = one.sign == other.sign ? -1.0 : 1.0; // both running it the same way: one is flipped
     const double angle = std::acos(std::clamp(agree * glm::dot(a, b) / lengths, -1.0, 1.0));
-    return (topology.closed ? 1.0 : 2.0) * angle / kPi;
+    return (closed ? 1.0 : 2.0) * angle / kPi;
 }
 
 void noteSides(Topology& topology, std::span<const glm::vec3> positions)
 {
     double count = 0.0, length = 0.0;
-    for (const Topology::Edge& edge : topology.edges) {
-        const double sides = meanSides(topology, edge);
-        count += sides;
-        length += sides * static_cast<double>(glm::distance(positions[edge.v0], positions[edge.v1]));
+    for (const Topology::Cluster& cluster : topology.clusters) {
+        for (const Topology::Edge& edge : edgesOf(topology, cluster)) {
+            const double sides = meanSides(topology, edge, cluster.closed);
+            count += sides;
+            length += sides * static_cast<double>(glm::distance(positions[edge.v0], positions[edge.v1]));
+        }
     }
     topology.meanSides = static_cast<float>(count);
     topology.meanSideLength = static_cast<float>(length);
@@ -280,8 +313,10 @@ Topology buildTopology(std::span<const glm::vec3> positions, std::span<const std
     collectHalfEdges(faces, collector);
     collectLoose(faces, topology.faceVerts, collector);
     collector.finish(topology);
-    judge(faces, topology);
-    updateFacePlanes(topology, positions);
+    judgeMesh(faces, topology);
+    makeClusters(topology, positions);
+    judgeClusters(topology);
+    updatePositions(topology, positions);
     noteSides(topology, positions);
     return topology;
 }

@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include "runtime/scene/aabb.hpp"
 #include "runtime/scene/face_block.hpp"
 
 namespace gnomon {
@@ -62,23 +63,49 @@ struct Topology {
         std::uint32_t useCount; ///< 1 border, 2 manifold, more: non-manifold.
     };
 
-    std::vector<Edge> edges;
+    /// Faces that share no vertex with others (mesh_clusters.hpp), and the edges between them. A building in one mesh
+    /// has a volume for each of its clusters: lamps and the eye are within the bounds of the whole.
+    struct Cluster {
+        std::uint32_t firstEdge = 0, edgeCount = 0;
+        std::uint32_t firstFace = 0, faceCount = 0; ///< Places, for faceAt().
+        Aabb bounds;                                ///< Object space.
+        bool closed = false; ///< Every edge is used equally often in both directions: a volume without holes.
+    };
+
+    std::vector<Edge> edges; ///< In the order of clusters, and `uses` in that of edges.
     std::vector<EdgeUse> uses;
     FacePlanes facePlanes;
-    std::vector<std::uint32_t> faceVerts; ///< Three per face: welded representatives, in the mesh's order.
-    bool closed = false;          ///< Every edge is used equally often in both directions: a volume without holes.
-    bool orientable = false;      ///< No two faces run an edge the same way.
+    std::vector<std::uint32_t> faceVerts;    ///< Three per face: welded representatives, in the mesh's order.
+    std::vector<Cluster> clusters;           ///< One at least.
+    std::vector<std::uint8_t> clusterOfFace; ///< Empty: there is only one.
+    std::vector<std::uint32_t> facesInOrder; ///< In the order of clusters; empty: in the mesh's.
+    bool closed = false;                     ///< All clusters are.
+    bool orientable = false;                 ///< No two faces run an edge of the mesh the same way.
+    bool crowded = false;                    ///< Some edge of the mesh has more than two faces.
+    std::uint32_t borderEdges = 0;           ///< Edges of the mesh with one face.
     bool manifold = false;        ///< No edge has more than two faces, every vertex one fan (as OpenMesh sees it).
     float meanSides = 0.0f;       ///< Sides of its shadow volumes, on average over all directions of light; as built.
     float meanSideLength = 0.0f;  ///< And the lengths of their edges together, object space.
     std::uint32_t looseFaces = 0; ///< Faces OpenMesh refused (third face on an edge, flipped neighbour), kept here.
+
+    /// The face at a place in the order of clusters.
+    std::uint32_t faceAt(std::uint32_t place) const { return facesInOrder.empty() ? place : facesInOrder[place]; }
+    const Cluster& clusterOf(std::uint32_t face) const
+    {
+        return clusters[clusterOfFace.empty() ? 0 : clusterOfFace[face]];
+    }
 };
+
+inline std::span<const Topology::Edge> edgesOf(const Topology& topology, const Topology::Cluster& cluster)
+{
+    return std::span(topology.edges).subspan(cluster.firstEdge, cluster.edgeCount);
+}
 
 /// Builds the topology. Positions with equal bits (-0 equals 0) are one vertex. Indices are in range.
 /// Nothing is printed, whatever the mesh is like.
 Topology buildTopology(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices);
 
-/// Same connectivity, new positions: recomputes `facePlanes` only.
-void updateFacePlanes(Topology& topology, std::span<const glm::vec3> positions);
+/// Same connectivity, new positions: recomputes planes and bounds only.
+void updatePositions(Topology& topology, std::span<const glm::vec3> positions);
 
 } // namespace gnomon

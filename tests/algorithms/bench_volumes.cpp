@@ -47,20 +47,24 @@ struct Work {
         silhouette.resize(edgeCount);
         culled_.resize(edgeCount);
         caps.resize(capCapacity(static_cast<std::uint32_t>(facing.size())));
-        sides.resize(sideCapacity(topology, 0, edgeCount));
+        sides.resize(sideCapacity(topology, whole(), 0, edgeCount));
         light.constants.range = 3.4f; // about half of the torus
         facingPhase();
         cullPhase();
         silhouettePhase();
     }
     std::uint32_t faces() const { return static_cast<std::uint32_t>(facing.size()); }
+    const Topology::Cluster& whole() const { return placed.topology.clusters[0]; }
 
     void facingPhase() { findFacing(placed.topology, lightOs, 0, facing); }
     void silhouettePhase()
     {
-        silhouetteCount = findSilhouette(placed.topology, facing, 0, edgeCount, silhouette.data());
+        silhouetteCount = findSilhouette(placed.topology, whole(), facing, 0, edgeCount, silhouette.data());
     }
-    void capsPhase() { benchmark::DoNotOptimize(writeCaps(placed.topology, facing, false, 0, faces(), caps.data())); }
+    void capsPhase()
+    {
+        benchmark::DoNotOptimize(writeCaps(placed.topology, whole(), facing, false, 0, faces(), caps.data()));
+    }
     void volumePhase()
     {
         benchmark::DoNotOptimize(writeSides(std::span(silhouette).first(silhouetteCount), sides.data()));

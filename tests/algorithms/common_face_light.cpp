@@ -37,15 +37,14 @@ TEST_CASE("a face that the light touches stops none of its light")
     int shadowed = 0, lit = 0;
     forTouchedCases([&](const Placed& placed, const LightView& light, std::size_t touched) {
         const Lists lists(placed, light);
-        CHECK(!blocksLight(placed.topology, lists.facing[touched], placed.caster.mirrored));
+        CHECK(!lists.blocks(placed, static_cast<std::uint32_t>(touched)));
         const Volume volume(placed, glm::dvec3(light.position()));
         for (int i = 0; i < 40; ++i) {
             const glm::dvec3 p = random.inBox(kBox.lower, kBox.upper);
             const glm::dvec3 outside = p + 1e7 * glm::dvec3(random.inBox(glm::vec3(-1.0f), glm::vec3(1.0f)));
             const int wound = volume.crossings(lists.sides, p, outside) + volume.crossings(lists.caps, p, outside);
-            const int expected = facesBetween(placed, p, glm::dvec3(light.position()), [&](std::uint32_t face) {
-                return blocksLight(placed.topology, lists.facing[face], placed.caster.mirrored);
-            });
+            const int expected = facesBetween(placed, p, glm::dvec3(light.position()),
+                                              [&](std::uint32_t face) { return lists.blocks(placed, face); });
             CHECK(wound == expected);
             (expected ? shadowed : lit) += 1;
         }

@@ -29,10 +29,15 @@ struct DeviceLists {
           words_(edgeListSize(placed.topology).bytes() / 4)
     {
         writeEdgeList(placed.topology, words_);
-        for (const std::uint32_t command : {kPairCommand, kBorderCommand})
-            draw(command, sides);
-        sidesLookedAt = looked_;
-        draw(kCapCommand, caps);
+        for (std::uint32_t cluster = 0; cluster < placed.topology.clusters.size(); ++cluster) {
+            closed_ = placed.topology.clusters[cluster].closed;
+            light_.touched = touchedWay(closed_, placed.caster.mirrored);
+            const std::size_t before = looked_;
+            for (const EdgeCommand command : {kPairCommand, kBorderCommand})
+                draw(cluster, command, sides);
+            sidesLookedAt += looked_ - before;
+            draw(cluster, kCapCommand, caps);
+        }
         REQUIRE(largest_ < edgeListSize(placed.topology).largestIndex());
     }
 
@@ -58,13 +63,12 @@ private:
     {
         const std::uint32_t away = placed_.caster.mirrored ? gpu::FACE_TOWARDS : gpu::FACE_AWAY;
         const gpu::uvec4 face = slot(index >> 3);
-        return gpu::capCorner(face, wayOf(face.w), placed_.topology.closed ? away : gpu::FACE_TOUCHED, (index >> 2) & 1,
-                              index & 3);
+        return gpu::capCorner(face, wayOf(face.w), closed_ ? away : gpu::FACE_TOUCHED, (index >> 2) & 1, index & 3);
     }
-    void draw(std::uint32_t command, std::vector<std::uint32_t>& out)
+    void draw(std::uint32_t cluster, EdgeCommand command, std::vector<std::uint32_t>& out)
     {
-        const std::uint32_t count = words_[5 * command], instances = words_[5 * command + 1];
-        const std::uint32_t first = words_[5 * command + 2];
+        const std::uint32_t* words = &words_[std::size_t{5} * commandOf(cluster, command)];
+        const std::uint32_t count = words[0], instances = words[1], first = words[2];
         REQUIRE(first + count <= words_.size());
         for (std::uint32_t instance = 0; instance < instances; ++instance)
             for (std::uint32_t i = first; i < first + count; i += 6) {
@@ -82,6 +86,7 @@ private:
 
     const Placed& placed_;
     gpu::FaceLight light_;
+    bool closed_ = false; ///< The cluster that is drawn.
     std::vector<std::uint32_t> words_;
     std::size_t looked_ = 0;
     std::uint64_t largest_ = 0;
@@ -135,7 +140,9 @@ struct Volume {
     {
         const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
         const glm::vec4 l = directional ? glm::vec4(light.direction(), 0.0f) : glm::vec4(light.position(), 1.0f);
-        plane = gpu::extrusionPlane(l, casterReach(placed.caster.bounds, light, glm::vec3(0.0f)), box.lower, box.upper);
+        constexpr float beyond = 1e-3f; // points of the box may lie on its sides
+        plane = gpu::extrusionPlane(l, casterReach(placed.caster.bounds, light, glm::vec3(0.0f)), box.lower - beyond,
+                                    box.upper + beyond);
         for (std::uint32_t v = 0; v < placed.mesh.positions.size(); ++v) {
             const glm::vec3 near = placed.world(v);
             const glm::vec4 moved = gpu::extruded(near, l, plane);
@@ -193,7 +200,9 @@ inline std::vector<Case> cases()
             {"torus with flipped faces", flipped(ring, 7), false},
             {"torus with fins", finned(ring, 11), false},
             {"sheet", sheet(8, 0.3f), false},
-            {"sheet with flipped faces and fins", finned(flipped(sheet(8, 0.3f), 3), 9), false}};
+            {"sheet with flipped faces and fins", finned(flipped(sheet(8, 0.3f), 3), 9), false},
+            {"two tori apart", joined(ring, ring, {0.2f, 1.1f, 0.1f}), true},
+            {"torus over a sheet", joined(sheet(8, 0.3f), ring, {0.1f, 1.0f, 0.2f}), false}};
 }
 
 inline std::vector<glm::mat3> bases()
@@ -217,7 +226,7 @@ void forAllCases(Body&& body)
     for (const Case& c : cases())
         for (const glm::mat3& basis : bases())
             for (const LightView& light : lights()) {
-                CAPTURE(c.name);
+                CAPTURE(std::string(c.name));
                 CAPTURE(glm::determinant(basis));
                 CAPTURE(static_cast<int>(light.type));
                 const Placed placed(c.mesh, basis, kPlace);

@@ -18,26 +18,45 @@ struct Lists {
 
     Lists(const Placed& placed, const LightView& light)
     {
-        constexpr std::uint32_t piece = 37;
         const Topology& topology = placed.topology;
         const auto faces = static_cast<std::uint32_t>(topology.facePlanes.size());
-        const auto edges = static_cast<std::uint32_t>(topology.edges.size());
         const gpu::FaceLight os = lightInObjectSpace(light, placed.caster);
         facing.resize(faces);
-        for (std::uint32_t first = 0; first < faces; first += piece)
-            findFacing(topology, os, first, std::span(facing).subspan(first, std::min(piece, faces - first)));
+        for (std::uint32_t first = 0; first < faces; first += kPiece) {
+            const std::span<std::uint8_t> out = std::span(facing).subspan(first, std::min(kPiece, faces - first));
+            findFacing(topology, os, first, out);
+            faceByCluster(topology, placed.caster.mirrored, first, out);
+        }
+        for (const Topology::Cluster& cluster : topology.clusters)
+            append(placed, cluster);
+    }
+    /// Whether the volume of its cluster counts the face.
+    bool blocks(const Placed& placed, std::uint32_t face) const
+    {
+        return blocksLight(placed.topology.clusterOf(face).closed, facing[face], placed.caster.mirrored);
+    }
+
+private:
+    static constexpr std::uint32_t kPiece = 37;
+
+    void append(const Placed& placed, const Topology::Cluster& cluster)
+    {
+        const Topology& topology = placed.topology;
         std::vector<std::uint32_t> out;
-        for (std::uint32_t first = 0; first < edges; first += piece) {
-            const std::uint32_t count = std::min(piece, edges - first);
-            out.assign(sideCapacity(topology, first, count), 0);
-            const std::uint32_t written = writeSides(topology, facing, first, count, out.data());
+        const std::uint32_t edgesEnd = cluster.firstEdge + cluster.edgeCount;
+        for (std::uint32_t first = cluster.firstEdge; first < edgesEnd; first += kPiece) {
+            const std::uint32_t count = std::min(kPiece, edgesEnd - first);
+            out.assign(sideCapacity(topology, cluster, first, count), 0);
+            const std::uint32_t written = writeSides(topology, cluster, facing, first, count, out.data());
             REQUIRE(written <= out.size());
             sides.insert(sides.end(), out.begin(), out.begin() + written);
         }
-        for (std::uint32_t first = 0; first < faces; first += piece) {
-            const std::uint32_t count = std::min(piece, faces - first);
+        const std::uint32_t facesEnd = cluster.firstFace + cluster.faceCount;
+        for (std::uint32_t first = cluster.firstFace; first < facesEnd; first += kPiece) {
+            const std::uint32_t count = std::min(kPiece, facesEnd - first);
             out.assign(capCapacity(count), 0);
-            const std::uint32_t written = writeCaps(topology, facing, placed.caster.mirrored, first, count, out.data());
+            const std::uint32_t written =
+                writeCaps(topology, cluster, facing, placed.caster.mirrored, first, count, out.data());
             REQUIRE(written <= out.size());
             caps.insert(caps.end(), out.begin(), out.begin() + written);
         }

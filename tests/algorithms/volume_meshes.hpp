@@ -89,6 +89,17 @@ inline Mesh finned(Mesh mesh, std::size_t every)
     return mesh;
 }
 
+/// Both in one mesh, the second one moved; vertices in one place are welded by the topology.
+inline Mesh joined(Mesh mesh, const Mesh& second, glm::vec3 by)
+{
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const glm::vec3& position : second.positions)
+        mesh.positions.push_back(position + by);
+    for (const std::uint32_t index : second.indices)
+        mesh.indices.push_back(first + index);
+    return mesh;
+}
+
 /// A mesh with its topology as a caster, at a place.
 struct Placed {
     Mesh mesh;

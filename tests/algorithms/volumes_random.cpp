@@ -206,7 +206,7 @@ TEST_CASE("faces of random meshes look towards the light where double precision 
                 const double off = std::abs(truth.towards);
                 if (off > truth.slack && off + truth.slack < 0.99 * truth.touch) {
                     ++touched;
-                    wrongTouched += blocksLight(placed.topology, lists.facing[face], placed.caster.mirrored);
+                    wrongTouched += lists.blocks(placed, face);
                     continue;
                 }
                 if (off <= truth.slack + 1.01 * truth.touch) {

@@ -105,6 +105,15 @@ struct Stage {
     }
 };
 
+/// Of casters that are one cluster.
+std::vector<StaticVolumes::Volume> volumesOf(std::initializer_list<std::uint32_t> casters)
+{
+    std::vector<StaticVolumes::Volume> volumes;
+    for (const std::uint32_t caster : casters)
+        volumes.push_back({caster, 0});
+    return volumes;
+}
+
 const Mesh kWall = boxMesh({2.0f, 1.5f, 0.1f}), kCrate = boxMesh(glm::vec3(0.3f));
 
 } // namespace
@@ -169,7 +178,7 @@ TEST_CASE("every point of an umbra is shadowed by its caster, and hardly a shado
         const Placed box(boxMesh(glm::vec3(1.0f)), randomBasis(random),
                          random.inBox(glm::vec3(-3.0f), glm::vec3(3.0f)));
         const LightView light = randomLight(random);
-        const std::optional<Umbra> umbra = umbraOf(box.caster, light);
+        const std::optional<Umbra> umbra = umbraOf(box.caster, 0, light);
         if (!umbra) continue; // the light is inside, or an edge points at it
         ++umbrae;
         CHECK(umbra->planes.size() <= 9);
@@ -194,22 +203,22 @@ TEST_CASE("what is not known to be closed, convex, opaque and before the light h
 {
     const LightView light = pointLight({0, 4, 0});
     const auto place = [](Mesh mesh) { return Placed(std::move(mesh), glm::mat3(1.0f), glm::vec3(0.0f)); };
-    CHECK(umbraOf(place(kCrate).caster, light));
-    CHECK_FALSE(umbraOf(place(torus(1.0f, 0.3f, 5, 4)).caster, light));
-    CHECK_FALSE(umbraOf(place(torus(1.0f, 0.3f, 24, 12)).caster, light));
-    CHECK_FALSE(umbraOf(place(sheet(1, 0.0f)).caster, light));
-    CHECK_FALSE(umbraOf(place(holed(kCrate, 12)).caster, light));
-    CHECK_FALSE(umbraOf(place(flipped(kCrate, 5)).caster, light));
-    CHECK_FALSE(umbraOf(place(kCrate).caster, pointLight({0, 0, 0})));
+    CHECK(umbraOf(place(kCrate).caster, 0, light));
+    CHECK_FALSE(umbraOf(place(torus(1.0f, 0.3f, 5, 4)).caster, 0, light));
+    CHECK_FALSE(umbraOf(place(torus(1.0f, 0.3f, 24, 12)).caster, 0, light));
+    CHECK_FALSE(umbraOf(place(sheet(1, 0.0f)).caster, 0, light));
+    CHECK_FALSE(umbraOf(place(holed(kCrate, 12)).caster, 0, light));
+    CHECK_FALSE(umbraOf(place(flipped(kCrate, 5)).caster, 0, light));
+    CHECK_FALSE(umbraOf(place(kCrate).caster, 0, pointLight({0, 0, 0})));
 
     Placed leaf(kCrate, glm::mat3(1.0f), glm::vec3(0.0f));
     leaf.caster.alphaTested = true;
-    CHECK_FALSE(umbraOf(leaf.caster, light));
+    CHECK_FALSE(umbraOf(leaf.caster, 0, light));
     leaf.caster.alphaTested = false;
     leaf.view.topology = nullptr;
-    CHECK_FALSE(umbraOf(leaf.caster, light));
+    CHECK_FALSE(umbraOf(leaf.caster, 0, light));
     const Placed flat(kCrate, glm::mat3({1, 0, 0}, {0, 0, 0}, {0, 0, 1}), glm::vec3(0.0f));
-    CHECK_FALSE(umbraOf(flat.caster, light));
+    CHECK_FALSE(umbraOf(flat.caster, 0, light));
 }
 
 TEST_CASE("a concealed box and all of its shadow lie in the concealer's umbra")
@@ -219,7 +228,7 @@ TEST_CASE("a concealed box and all of its shadow lie in the concealer's umbra")
     for (int trial = 0; trial < 4000; ++trial) {
         const Placed wall(boxMesh({2.0f, 2.0f, 0.2f}), randomBasis(random), glm::vec3(0.0f));
         const LightView light = randomLight(random);
-        const std::optional<Umbra> umbra = umbraOf(wall.caster, light);
+        const std::optional<Umbra> umbra = umbraOf(wall.caster, 0, light);
         const glm::vec3 corner = random.inBox(glm::vec3(-4.0f), glm::vec3(4.0f));
         const Aabb box{corner, corner + random.inBox(glm::vec3(0.02f), glm::vec3(0.8f))};
         if (!umbra || !conceals(*umbra, box)) continue;
@@ -248,7 +257,7 @@ TEST_CASE("what stands behind a wall is dropped; what looks out, stands before i
     stage.add(kWall, {0, 1.5f, 9}, glm::mat3(0.5f));   // 7: a smaller wall far behind
     stage.add(kCrate, {0, 1.5f, 12}, glm::mat3(0.2f)); // 8: behind both
     const StaticVolumes volumes = stage.choose();
-    CHECK(volumes.drawn == std::vector<std::uint32_t>{0, 3, 4, 5, 6});
+    CHECK(volumes.drawn == volumesOf({0, 3, 4, 5, 6}));
     CHECK(volumes.concealed == 4);
     REQUIRE(!volumes.occluders.empty());
     for (const StaticVolumes::Occluder& occluder : volumes.occluders)
@@ -288,7 +297,7 @@ TEST_CASE("the volumes of a light are chosen anew exactly when it, its casters o
     CHECK(built() == 1);
     std::swap(stage.statics[0], stage.statics[1]);
     CHECK(built() == 1);
-    CHECK(cache.find(stage.light, stage.statics, true).drawn == std::vector<std::uint32_t>{1, 2});
+    CHECK(cache.find(stage.light, stage.statics, true).drawn == volumesOf({1, 2}));
     stage.statics.pop_back();
     CHECK(built() == 1);
     CHECK(built() == 0);
@@ -312,9 +321,9 @@ TEST_CASE("a topology that comes late is seen")
     stage.add(sheet(2, 0.1f), {0.2f, 1.5f, 5});
     wall.view.topology = nullptr;
     StaticVolumesCache cache;
-    CHECK(cache.find(stage.light, stage.statics, true).drawn == std::vector<std::uint32_t>{1});
+    CHECK(cache.find(stage.light, stage.statics, true).drawn == volumesOf({1}));
     wall.view.topology = &wall.topology;
-    CHECK(cache.find(stage.light, stage.statics, true).drawn == std::vector<std::uint32_t>{0});
+    CHECK(cache.find(stage.light, stage.statics, true).drawn == volumesOf({0}));
 }
 
 TEST_CASE("the octree visits every wanted box once, front to back within each node")
