@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <glm/vector_relational.hpp>
+
 #include "runtime/scene/topology.hpp"
 
 namespace gnomon {
@@ -30,12 +32,17 @@ struct Sides {
     float length = 0.0f; ///< Of the edges together, metres.
 };
 
+/// Of lengths, on average over directions.
+float scaleOf(const Caster& caster)
+{
+    return std::cbrt(std::fabs(glm::determinant(caster.basis)));
+}
+
 Sides sidesOf(const Caster& caster)
 {
     if (!caster.mesh) return {};
-    const float scale = std::cbrt(std::fabs(glm::determinant(caster.basis)));
     if (const Topology* topology = caster.mesh->topology)
-        return {topology->meanSides, scale * topology->meanSideLength};
+        return {topology->meanSides, scaleOf(caster) * topology->meanSideLength};
     const float rows = std::sqrt(static_cast<float>(caster.mesh->triangleCount()));
     const float edge = glm::distance(caster.bounds.lower, caster.bounds.upper) / std::max(rows, 1.0f);
     return {kEdges * rows, kEdges * rows * edge};
@@ -111,35 +118,62 @@ float pixelsOf(const Lens& lens, glm::vec3 at, glm::vec3 ray, float length, glm:
     return way * (kAlong * sides.count + scale * sides.length) + kSide * share * sides.count;
 }
 
+/// The box around all casters, and the light.
+struct Volumes {
+    const LightView& light;
+    const Lens& lens;
+    Aabb end;
+
+    /// Pixels of the volume of what has these bounds and sides.
+    double pixels(const Aabb& bounds, const Sides& sides) const
+    {
+        const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
+        const glm::vec3 centre = bounds.center(), halfSize = bounds.halfExtent();
+        const glm::vec3 toCaster = directional ? light.direction() : centre - light.position();
+        const float away = directional ? 1.0f : std::max(glm::length(toCaster), 1e-3f);
+        const glm::vec3 ray = toCaster / away;
+        float way = wayOut(end, centre, ray);
+        if (!light.unlimited() && !directional) way = std::min(way, std::max(light.constants.range - away, 0.0f));
+        double sum = 0.0;
+        for (int piece = 0; piece < kPieces; ++piece) {
+            const float t = way * (static_cast<float>(piece) + 0.5f) / kPieces;
+            const float spread = directional ? 1.0f : 1.0f + t / away;
+            const Sides spreadOut{sides.count, spread * sides.length};
+            sum +=
+                static_cast<double>(pixelsOf(lens, centre + t * ray, ray, way / kPieces, spread * halfSize, spreadOut));
+        }
+        return sum;
+    }
+};
+
+/// Whether the light shines out of the caster, on all sides of it: then its clusters are looked at one by one.
+bool isWithin(const LightView& light, const Aabb& box)
+{
+    if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) return false;
+    return glm::all(glm::greaterThan(light.position(), box.lower)) &&
+           glm::all(glm::lessThan(light.position(), box.upper));
+}
+
 } // namespace
 
 double shadowPixels(const LightView& light, const LightCasters& casters, const CameraView& view)
 {
     if (casters.all.empty()) return 0.0;
-    Aabb all = casters.all.front()->bounds;
-    for (const Caster* caster : casters.all) {
-        all.lower = glm::min(all.lower, caster->bounds.lower);
-        all.upper = glm::max(all.upper, caster->bounds.upper);
-    }
     const Lens lens = lensOf(view);
-    const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
+    Volumes volumes{light, lens, casters.all.front()->bounds};
+    for (const Caster* caster : casters.all)
+        volumes.end = unionOf(volumes.end, caster->bounds);
     double pixels = 0.0;
     for (const Caster* caster : casters.all) {
-        const glm::vec3 centre = 0.5f * (caster->bounds.lower + caster->bounds.upper);
-        const glm::vec3 halfSize = 0.5f * (caster->bounds.upper - caster->bounds.lower);
-        const glm::vec3 toCaster = directional ? light.direction() : centre - light.position();
-        const float away = directional ? 1.0f : std::max(glm::length(toCaster), 1e-3f);
-        const glm::vec3 ray = toCaster / away;
-        float way = wayOut(all, centre, ray);
-        if (!light.unlimited() && !directional) way = std::min(way, std::max(light.constants.range - away, 0.0f));
-        const Sides sides = sidesOf(*caster);
-        for (int piece = 0; piece < kPieces; ++piece) {
-            const float t = way * (static_cast<float>(piece) + 0.5f) / kPieces;
-            const float spread = directional ? 1.0f : 1.0f + t / away;
-            const Sides spreadOut{sides.count, spread * sides.length};
-            pixels +=
-                static_cast<double>(pixelsOf(lens, centre + t * ray, ray, way / kPieces, spread * halfSize, spreadOut));
+        const Topology* topology = caster->mesh ? caster->mesh->topology : nullptr;
+        if (!topology || topology->clusters.size() < 2 || !isWithin(light, caster->bounds)) {
+            pixels += volumes.pixels(caster->bounds, sidesOf(*caster));
+            continue;
         }
+        const float scale = scaleOf(*caster);
+        for (const Topology::Cluster& cluster : topology->clusters)
+            pixels += volumes.pixels(transformed(cluster.bounds, caster->basis, caster->translation),
+                                     {cluster.meanSides, scale * cluster.meanSideLength});
     }
     return pixels;
 }

@@ -285,16 +285,21 @@ double meanSides(const Topology& topology, const Topology::Edge& edge, bool clos
 
 void noteSides(Topology& topology, std::span<const glm::vec3> positions)
 {
-    double count = 0.0, length = 0.0;
-    for (const Topology::Cluster& cluster : topology.clusters) {
+    double allCount = 0.0, allLength = 0.0;
+    for (Topology::Cluster& cluster : topology.clusters) {
+        double count = 0.0, length = 0.0;
         for (const Topology::Edge& edge : edgesOf(topology, cluster)) {
             const double sides = meanSides(topology, edge, cluster.closed);
             count += sides;
             length += sides * static_cast<double>(glm::distance(positions[edge.v0], positions[edge.v1]));
         }
+        cluster.meanSides = static_cast<float>(count);
+        cluster.meanSideLength = static_cast<float>(length);
+        allCount += count;
+        allLength += length;
     }
-    topology.meanSides = static_cast<float>(count);
-    topology.meanSideLength = static_cast<float>(length);
+    topology.meanSides = static_cast<float>(allCount);
+    topology.meanSideLength = static_cast<float>(allLength);
 }
 
 } // namespace

@@ -63,13 +63,15 @@ struct Topology {
         std::uint32_t useCount; ///< 1 border, 2 manifold, more: non-manifold.
     };
 
-    /// Faces that share no vertex with others (mesh_clusters.hpp), and the edges between them. A building in one mesh
-    /// has a volume for each of its clusters: lamps and the eye are within the bounds of the whole.
+    /// Faces that hang together or lie side by side (mesh_clusters.hpp), and the edges between them. A building in one
+    /// mesh has a volume for each of its clusters: lamps and the eye are within the bounds of the whole.
     struct Cluster {
         std::uint32_t firstEdge = 0, edgeCount = 0;
         std::uint32_t firstFace = 0, faceCount = 0; ///< Places, for faceAt().
         Aabb bounds;                                ///< Object space.
-        bool closed = false; ///< Every edge is used equally often in both directions: a volume without holes.
+        bool closed = false;    ///< Every edge is used equally often in both directions: a volume without holes.
+        float meanSides = 0.0f; ///< As the mesh's below.
+        float meanSideLength = 0.0f;
     };
 
     std::vector<Edge> edges; ///< In the order of clusters, and `uses` in that of edges.

@@ -40,6 +40,17 @@ inline Mesh torus(float ring, float tube, std::uint32_t ringSegments, std::uint3
     return mesh;
 }
 
+/// Around the origin.
+inline Mesh boxMesh(glm::vec3 half)
+{
+    Mesh mesh;
+    for (int i = 0; i < 8; ++i)
+        mesh.positions.push_back(half * glm::vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
+    mesh.indices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
+                    2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
+    return mesh;
+}
+
 /// A sheet of triangles over [-1, 1]^2, waved by `height`.
 inline Mesh sheet(std::uint32_t cells, float height)
 {

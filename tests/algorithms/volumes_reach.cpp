@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <memory>
 
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "runtime/scene/light_pixels.hpp"
@@ -300,6 +301,32 @@ TEST_CASE("the pixels of shadow volumes are about those of their outlines")
     LightCasters lit;
     lit.all = shade;
     CHECK(std::isfinite(shadowPixels(lamp, lit, view)));
+}
+
+TEST_CASE("a lamp within a building in one mesh is foretold the pixels of its pieces")
+{
+    CameraView view = camera(glm::vec3(0.0f, 2.0f, 12.0f), glm::vec3(0.0f, 2.0f, 0.0f));
+    view.constants.pixelSize = 0.004f;
+    const Mesh crate = boxMesh(glm::vec3(0.5f));
+    const glm::vec3 places[] = {{-3, 1, 0}, {3, 1, 0}, {0, 1, -3}, {0, 5, 1}};
+    const glm::mat3 doubled(2.0f);
+    Mesh all;
+    std::vector<std::unique_ptr<Placed>> apart;
+    LightCasters lit;
+    std::vector<const Caster*> pieces;
+    for (const glm::vec3& place : places) {
+        all = joined(all, crate, place);
+        pieces.push_back(&apart.emplace_back(std::make_unique<Placed>(crate, doubled, 2.0f * place))->caster);
+    }
+    const Placed whole(all, doubled, glm::vec3(0.0f));
+    REQUIRE(whole.topology.clusters.size() == 4);
+    const LightView lamp = pointLight({0.3f, 2.5f, 0.2f});
+    lit.all = pieces;
+    const double expected = shadowPixels(lamp, lit, view);
+    const Caster* const building[] = {&whole.caster};
+    lit.all = building;
+    CHECK(expected > 1e4);
+    CHECK(shadowPixels(lamp, lit, view) == doctest::Approx(expected).epsilon(1e-3));
 }
 
 TEST_CASE("a near rectangle within a penumbra wedge is found to be there")

@@ -14,16 +14,6 @@ using namespace gnomon::test;
 
 namespace {
 
-Mesh boxMesh(glm::vec3 half)
-{
-    Mesh mesh;
-    for (int i = 0; i < 8; ++i)
-        mesh.positions.push_back(half * glm::vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
-    mesh.indices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
-                    2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
-    return mesh;
-}
-
 /// Where light comes from, as seen from p: far away for a directional light.
 glm::dvec3 source(const LightView& light, glm::dvec3 p)
 {

@@ -49,6 +49,29 @@ TEST_CASE("methods that answer by geometry are as exact once everything has move
     }
 }
 
+TEST_CASE("they are as exact where a building is one mesh, with its lamps and the eye within its bounds")
+{
+    constexpr GnTraits kExact = GN_TRAIT_EXACT_BIT | GN_TRAIT_HARD_BIT;
+    const test::DeviceTest silence;
+    for (const std::string name : {"room", "rooms", "colonnade"}) {
+        CAPTURE(name);
+        Scene scene = shippedScene(name);
+        demo::mergeStatics(scene);
+        Stage stage(std::move(scene), testSize(), 1.7);
+        uint32_t methods = 0;
+        for (const GnMethodInfo& info : stage.methods()) {
+            const std::string method = info.pName;
+            if ((info.traits & kExact) != kExact || method == demo::kTruthMethod) continue;
+            ++methods;
+            CAPTURE(method);
+            const FrameError now = errorOf(stage, method);
+            CHECK(now.error.percent(now.error.wrong()) <= 0.005);
+            CHECK(now.clear <= 2);
+        }
+        CHECK(methods >= 6);
+    }
+}
+
 // octree_volume and all_edges_volume show the same picture bit by bit (device tests).
 TEST_CASE("stencil_volume is clearly wrong on at most two pixels of a frame with one light and with eight")
 {
