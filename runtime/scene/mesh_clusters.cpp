@@ -15,11 +15,12 @@ namespace gnomon {
 
 namespace {
 
-// What a cluster costs, in faces: a volume's draw takes as long as three of its triangles (0.6 and 0.26 us on a
-// software device), and of a small mesh's faces one in four or five has one.
-constexpr double kFacesPerDraw = 4.0;
+// What a cluster costs, in sides: a draw takes 0.6 us on a software device, a side, two triangles, 0.5 us, and as much
+// is allowed for choosing. With 8 many boxes of `rooms`, merged into one mesh, stay in pairs, of which none can conceal
+// another.
+constexpr double kSidesPerDraw = 2.0;
 
-constexpr int kBins = 16;
+constexpr int kBins = 16; // of centres along an axis; a group is cut between two of them
 
 // Edges with more uses keep all their faces together: telling them apart takes the square of their number.
 constexpr std::uint32_t kMostUses = 64;
@@ -27,21 +28,21 @@ constexpr std::uint32_t kMostUses = 64;
 /// Faces that hang together.
 struct Shell {
     Aabb bounds;
-    std::uint32_t faces = 0;
+    double sides = 0.0; ///< Of its volume, on average.
 };
 
 /// A run of shells that is, or may become, a cluster.
 struct Group {
     std::uint32_t first = 0, count = 0;
     Aabb bounds;
-    double faces = 0.0;
+    double sides = 0.0;
 };
 
 /// Where a group is cut in two: shells with centres below `at` go to the left.
 struct Cut {
     int axis = 0;
     float at = 0.0f;
-    double gain = 0.0; ///< Square metres times faces.
+    double gain = 0.0; ///< Square metres times sides.
 };
 
 /// Disjoint sets of faces, each known by the first of them.
@@ -162,15 +163,16 @@ std::vector<Shell> findShells(const Topology& topology, std::span<const glm::vec
         const std::uint32_t first = sets.find(face);
         if (first == face) {
             shellOf[face] = static_cast<std::uint32_t>(shells.size());
-            shells.push_back({{positions[*corner], positions[*corner]}, 0});
+            shells.push_back({{positions[*corner], positions[*corner]}, 0.0});
         } else {
             shellOf[face] = shellOf[first];
         }
         Shell& shell = shells[shellOf[face]];
-        ++shell.faces;
         for (int i = 0; i < 3; ++i)
             shell.bounds = unionOf(shell.bounds, {positions[corner[i]], positions[corner[i]]});
     }
+    for (const Topology::Edge& edge : topology.edges)
+        shells[shellOf[topology.uses[edge.firstUse].face]].sides += meanSides(topology, edge, true);
     return shells;
 }
 
@@ -180,21 +182,25 @@ Group groupOf(std::span<const Shell> shells, std::span<const std::uint32_t> orde
     Group group{first, count, shells[order[first]].bounds, 0.0};
     for (const std::uint32_t shell : order.subspan(first, count)) {
         group.bounds = unionOf(group.bounds, shells[shell].bounds);
-        group.faces += shells[shell].faces;
+        group.sides += shells[shell].sides;
     }
     return group;
 }
 
+/// Shells side by side.
 struct Bin {
-    std::optional<Aabb> bounds;
-    double faces = 0.0;
+    std::uint32_t shells = 0;
+    Aabb bounds;
+    double sides = 0.0;
 
-    void add(const std::optional<Aabb>& box, double count)
+    void add(const Bin& other)
     {
-        if (box) bounds = bounds ? unionOf(*bounds, *box) : *box;
-        faces += count;
+        if (other.shells == 0) return;
+        bounds = shells == 0 ? other.bounds : unionOf(bounds, other.bounds);
+        shells += other.shells;
+        sides += other.sides;
     }
-    double cost() const { return bounds ? surfaceArea(*bounds) * faces : 0.0; }
+    double cost() const { return surfaceArea(bounds) * sides; }
 };
 
 /// The best of kBins - 1 cuts across the axis along which centres are farthest apart; none: no cut gains anything.
@@ -219,21 +225,21 @@ std::optional<Cut> bestCut(std::span<const Shell> shells, std::span<const std::u
     for (const std::uint32_t shell : members) {
         const float center = shells[shell].bounds.center()[axis];
         const auto above = std::upper_bound(border.begin() + 1, border.end() - 1, center);
-        bins[static_cast<std::size_t>(above - border.begin() - 1)].add(shells[shell].bounds, shells[shell].faces);
+        bins[static_cast<std::size_t>(above - border.begin() - 1)].add({1, shells[shell].bounds, shells[shell].sides});
     }
     std::array<double, kBins> after{}; // of bins i and above
     Bin right;
     for (std::size_t i = kBins; i-- > 1;) {
-        right.add(bins[i].bounds, bins[i].faces);
+        right.add(bins[i]);
         after[i] = right.cost();
     }
-    const double whole = surfaceArea(group.bounds) * (group.faces - kFacesPerDraw);
+    const double whole = surfaceArea(group.bounds) * (group.sides - kSidesPerDraw);
     Cut best{.axis = axis};
     Bin left;
     for (std::size_t i = 1; i < kBins; ++i) {
-        left.add(bins[i - 1].bounds, bins[i - 1].faces);
+        left.add(bins[i - 1]);
         const double gain = whole - left.cost() - after[i];
-        if (left.faces == 0.0 || left.faces == group.faces || gain <= best.gain) continue;
+        if (left.shells == 0 || left.shells == group.count || gain <= best.gain) continue;
         best.at = border[i];
         best.gain = gain;
     }

@@ -11,14 +11,14 @@ namespace gnomon {
 inline constexpr std::uint32_t kMostClusters = 256;
 
 /// Cuts a mesh into its clusters, but for their bounds, and puts edges and faces in their order. Shells, faces that
-/// hang together, are never cut; they are in one cluster unless boxes around two halves, weighted by their faces, are
+/// hang together, are never cut; they are in one cluster unless boxes around two halves, weighted by their mean sides, are
 /// that much smaller than the box around both (the surface area heuristic: MacDonald and Booth, "Heuristics for ray
 /// tracing using space subdivision", Visual Computer 6, 1990), the greatest gains first. Clusters come in the order of
 /// their first faces.
 ///
 /// Faces hang together by an edge that two of them use. Where more meet, as where boxes touch, each solid is a shell,
 /// and the edge is there once for each cluster.
-/// @pre edges, uses and faceVerts are there
+/// @pre edges, uses, faceVerts and facePlanes are there
 void makeClusters(Topology& topology, std::span<const glm::vec3> positions);
 
 } // namespace gnomon

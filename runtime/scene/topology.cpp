@@ -15,7 +15,9 @@
 
 namespace gnomon {
 
-void updatePositions(Topology& topology, std::span<const glm::vec3> positions)
+namespace {
+
+void updatePlanes(Topology& topology, std::span<const glm::vec3> positions)
 {
     topology.facePlanes.resize(topology.faceVerts.size() / 3);
     for (std::size_t face = 0; face < topology.facePlanes.size(); ++face) {
@@ -24,6 +26,10 @@ void updatePositions(Topology& topology, std::span<const glm::vec3> positions)
         const glm::vec3 normal = glm::cross(positions[corner[1]] - a, positions[corner[2]] - a);
         topology.facePlanes.set(face, glm::vec4(normal, -glm::dot(normal, a)));
     }
+}
+
+void updateBounds(Topology& topology, std::span<const glm::vec3> positions)
+{
     for (Topology::Cluster& cluster : topology.clusters) {
         if (cluster.faceCount == 0) continue; // of nothing
         const glm::vec3 any = positions[topology.faceVerts[std::size_t{3} * topology.faceAt(cluster.firstFace)]];
@@ -34,6 +40,14 @@ void updatePositions(Topology& topology, std::span<const glm::vec3> positions)
                 cluster.bounds = unionOf(cluster.bounds, {positions[corner[i]], positions[corner[i]]});
         }
     }
+}
+
+} // namespace
+
+void updatePositions(Topology& topology, std::span<const glm::vec3> positions)
+{
+    updatePlanes(topology, positions);
+    updateBounds(topology, positions);
 }
 
 #ifdef GNOMON_WITH_OPENMESH
@@ -267,22 +281,6 @@ void judgeClusters(Topology& topology)
     }
 }
 
-/// How often an edge is a side. A plane with a random normal parts the normals of two faces with the probability angle
-/// / pi: so often does a distant light see one from the front and the other from behind. A side of a closed mesh is
-/// drawn once, of an open one twice, a border's once whatever the light; of more than two uses half are taken.
-double meanSides(const Topology& topology, const Topology::Edge& edge, bool closed)
-{
-    constexpr double kPi = 3.14159265358979323846;
-    if (edge.useCount != 2) return 0.5 * (edge.useCount + edge.useCount % 2);
-    const Topology::EdgeUse &one = topology.uses[edge.firstUse], &other = topology.uses[edge.firstUse + 1];
-    const glm::dvec3 a(topology.facePlanes[one.face]), b(topology.facePlanes[other.face]);
-    const double lengths = std::sqrt(glm::dot(a, a) * glm::dot(b, b));
-    if (lengths == 0.0) return 0.0;                           // faces no light
-    const double agree = one.sign == other.sign ? -1.0 : 1.0; // both running it the same way: one is flipped
-    const double angle = std::acos(std::clamp(agree * glm::dot(a, b) / lengths, -1.0, 1.0));
-    return (closed ? 1.0 : 2.0) * angle / kPi;
-}
-
 void noteSides(Topology& topology, std::span<const glm::vec3> positions)
 {
     double allCount = 0.0, allLength = 0.0;
@@ -304,6 +302,22 @@ void noteSides(Topology& topology, std::span<const glm::vec3> positions)
 
 } // namespace
 
+/// A plane with a random normal parts the normals of two faces with the probability angle
+/// / pi: so often does a distant light see one from the front and the other from behind. A side of a closed mesh is
+/// drawn once, of an open one twice, a border's once whatever the light; of more than two uses half are taken.
+double meanSides(const Topology& topology, const Topology::Edge& edge, bool closed)
+{
+    constexpr double kPi = 3.14159265358979323846;
+    if (edge.useCount != 2) return 0.5 * (edge.useCount + edge.useCount % 2);
+    const Topology::EdgeUse &one = topology.uses[edge.firstUse], &other = topology.uses[edge.firstUse + 1];
+    const glm::dvec3 a(topology.facePlanes[one.face]), b(topology.facePlanes[other.face]);
+    const double lengths = std::sqrt(glm::dot(a, a) * glm::dot(b, b));
+    if (lengths == 0.0) return 0.0;                           // faces no light
+    const double agree = one.sign == other.sign ? -1.0 : 1.0; // both running it the same way: one is flipped
+    const double angle = std::acos(std::clamp(agree * glm::dot(a, b) / lengths, -1.0, 1.0));
+    return (closed ? 1.0 : 2.0) * angle / kPi;
+}
+
 Topology buildTopology(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices)
 {
     Topology topology;
@@ -319,9 +333,10 @@ Topology buildTopology(std::span<const glm::vec3> positions, std::span<const std
     collectLoose(faces, topology.faceVerts, collector);
     collector.finish(topology);
     judgeMesh(faces, topology);
+    updatePlanes(topology, positions);
     makeClusters(topology, positions);
     judgeClusters(topology);
-    updatePositions(topology, positions);
+    updateBounds(topology, positions);
     noteSides(topology, positions);
     return topology;
 }

@@ -103,6 +103,9 @@ inline std::span<const Topology::Edge> edgesOf(const Topology& topology, const T
     return std::span(topology.edges).subspan(cluster.firstEdge, cluster.edgeCount);
 }
 
+/// How often an edge is a side of a shadow volume, on average over all directions of light. @param closed its cluster
+double meanSides(const Topology& topology, const Topology::Edge& edge, bool closed);
+
 /// Builds the topology. Positions with equal bits (-0 equals 0) are one vertex. Indices are in range.
 /// Nothing is printed, whatever the mesh is like.
 Topology buildTopology(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices);
