@@ -1,5 +1,7 @@
 #include "algorithms/volumes/all_edges_volume.hpp"
 
+#include <algorithm>
+
 #include "algorithms/common/mesh_numbers.hpp"
 #include "algorithms/volumes/edge_list.hpp"
 #include "algorithms/volumes/shadow_reach.hpp"
@@ -79,20 +81,20 @@ VolumePlan* planEdges(PassBuilder& passes, const ShadowTask& task, const ViewSte
     const bool zFailForAll = task.settings[kZFail] != 0.0;
     MeshLists lists(passes, task.casters->all.size());
     const auto seen = [&](const Aabb& box) { return shadowTouches(box, *task.light, task.view->frustum); };
-    for (const Caster* caster : task.casters->all) {
-        if (!castsVolume(*caster) || !seen(caster->bounds)) continue;
-        const BufferId list = lists.find(*caster->mesh);
-        const auto clusters = static_cast<std::uint32_t>(caster->mesh->topology->clusters.size());
-        for (std::uint32_t cluster = 0; cluster < clusters; ++cluster) {
-            const VolumeSource source{caster, cluster};
-            VolumeDraw draw{.source = source, .bounds = source.bounds(), .list = list, .commands = list};
+    for (const std::span<const Caster* const> casters : {task.casters->statics, task.casters->movings}) {
+        for (const VolumeSource& source : volumesOf(passes.arena(), casters, *task.light)) {
+            VolumeDraw draw{.source = source, .bounds = source.bounds()};
             if (!seen(draw.bounds)) continue;
+            const bool fails = zFailForAll || needsZFail(*plan, draw.bounds);
+            if (fails) draw = asFailing(*plan, draw);
+            draw.list = draw.commands = lists.find(*source.caster->mesh);
+            const auto whole = static_cast<std::uint32_t>(source.caster->mesh->topology->clusters.size());
+            const std::uint32_t cluster = std::min(source.cluster, whole);
             draw.firstCommand = commandOf(cluster, kPairCommand);
             draw.commandCount = source.shape().closed ? 1 : 2; // a closed cluster has no borders
-            const bool fails = zFailForAll || needsZFail(*plan, draw.bounds);
             append(fails ? plan->zFail : plan->zPass, draw);
             draw.firstCommand = commandOf(cluster, kCapCommand);
-            draw.commandCount = 1;
+            draw.commandCount = draw.times = 1;
             if (fails) append(plan->caps, draw);
         }
     }

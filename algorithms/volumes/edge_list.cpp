@@ -49,7 +49,7 @@ public:
     ListWriter(std::span<std::uint32_t> out, const EdgeListSize& size, std::size_t faces)
         : out_(out), nextIndex_(static_cast<std::uint32_t>(size.commandWords())),
           nextSlot_(static_cast<std::uint32_t>(size.firstSlot())),
-          firstPlane_(static_cast<std::uint32_t>(size.firstSlot() + size.slots() - faces)), firstIndex_(nextIndex_)
+          firstPlane_(static_cast<std::uint32_t>(size.firstSlot() + size.slots() - faces))
     {
     }
 
@@ -75,13 +75,13 @@ public:
     /// Planes start at a place of their own.
     void startPlanes() { nextSlot_ = firstPlane_; }
 
-    /// Ends a command: it draws the indices written since the last one.
-    void command(std::uint32_t instances)
+    /// Where the next index goes.
+    std::uint32_t written() const { return nextIndex_; }
+    /// Draws the indices written from `first` on.
+    void command(std::uint32_t number, std::uint32_t first, std::uint32_t instances)
     {
-        const std::uint32_t words[kWordsPerCommand] = {nextIndex_ - firstIndex_, instances, firstIndex_, 0, 0};
-        std::copy_n(words, kWordsPerCommand, &out_[nextCommand_]);
-        nextCommand_ += kWordsPerCommand;
-        firstIndex_ = nextIndex_;
+        const std::uint32_t words[kWordsPerCommand] = {nextIndex_ - first, instances, first, 0, 0};
+        std::copy_n(words, kWordsPerCommand, &out_[number * kWordsPerCommand]);
     }
 
 private:
@@ -97,24 +97,23 @@ private:
 
     std::span<std::uint32_t> out_;
     std::uint32_t nextIndex_, nextSlot_, firstPlane_;
-    std::size_t nextCommand_ = 0;
-    std::uint32_t firstIndex_;
 };
 
-void writeCluster(const Topology& topology, const Topology::Cluster& cluster, ListWriter& writer)
+void writePairs(const Topology& topology, const Topology::Cluster& cluster, ListWriter& writer)
 {
-    const std::span<const Topology::Edge> edges = edgesOf(topology, cluster);
     // Faces that run the edge in opposite directions first: of those that look the same way nothing is drawn.
-    for (const Topology::Edge& edge : edges) {
+    for (const Topology::Edge& edge : edgesOf(topology, cluster)) {
         UseTaker uses(topology, edge);
         for (std::uint32_t left = edge.useCount; left >= 2; left -= 2) {
             const Topology::EdgeUse* first = uses.take(true);
             writer.side(edge, *first, *uses.take(false));
         }
     }
-    // Both faces of an open mesh count, those of a closed one by half.
-    writer.command(cluster.closed ? 1 : 2);
-    for (const Topology::Edge& edge : edges) {
+}
+
+void writeBorders(const Topology& topology, const Topology::Cluster& cluster, ListWriter& writer)
+{
+    for (const Topology::Edge& edge : edgesOf(topology, cluster)) {
         if (edge.useCount % 2 == 0) continue;
         UseTaker uses(topology, edge);
         const Topology::EdgeUse* last = nullptr;
@@ -122,19 +121,27 @@ void writeCluster(const Topology& topology, const Topology::Cluster& cluster, Li
             last = uses.take(i % 2 == 0);
         writer.side(edge, *last, *last);
     }
-    writer.command(1);
+}
+
+void writeFaces(const Topology& topology, const Topology::Cluster& cluster, ListWriter& writer)
+{
     for (std::uint32_t place = cluster.firstFace; place < cluster.firstFace + cluster.faceCount; ++place) {
         const std::uint32_t face = topology.faceAt(place);
         writer.cap(&topology.faceVerts[std::size_t{3} * face], face);
     }
-    writer.command(1);
+}
+
+/// Both faces of an open mesh count, those of a closed one by half.
+std::uint32_t timesDrawn(EdgeCommand command, const Topology::Cluster& cluster)
+{
+    return command == kPairCommand && !cluster.closed ? 2 : 1;
 }
 
 } // namespace
 
 std::uint64_t EdgeListSize::commandWords() const
 {
-    return clusters * kEdgeCommands * kWordsPerCommand;
+    return (clusters + 1) * kEdgeCommands * kWordsPerCommand;
 }
 
 std::uint64_t EdgeListSize::firstSlot() const
@@ -155,8 +162,18 @@ void writeEdgeList(const Topology& topology, std::span<std::uint32_t> out)
 {
     const std::size_t faces = topology.facePlanes.size();
     ListWriter writer(out, edgeListSize(topology), faces);
-    for (const Topology::Cluster& cluster : topology.clusters)
-        writeCluster(topology, cluster, writer);
+    using Write = void (*)(const Topology&, const Topology::Cluster&, ListWriter&);
+    constexpr Write write[kEdgeCommands] = {writePairs, writeBorders, writeFaces};
+    const auto whole = static_cast<std::uint32_t>(topology.clusters.size());
+    for (const EdgeCommand command : {kPairCommand, kBorderCommand, kCapCommand}) {
+        const std::uint32_t begin = writer.written();
+        for (std::uint32_t cluster = 0; cluster < whole; ++cluster) {
+            const std::uint32_t first = writer.written();
+            write[command](topology, topology.clusters[cluster], writer);
+            writer.command(commandOf(cluster, command), first, timesDrawn(command, topology.clusters[cluster]));
+        }
+        writer.command(commandOf(whole, command), begin, timesDrawn(command, topology.whole));
+    }
     writer.startPlanes();
     for (std::size_t face = 0; face < faces; ++face)
         writer.plane(topology.facePlanes[face]);

@@ -8,10 +8,10 @@
 
 namespace gnomon {
 
-/// Commands of each cluster: pairs of faces at an edge, faces that are alone at one, caps.
+/// Commands of each cluster, and of the whole mesh: pairs of faces at an edge, faces that are alone at one, caps.
 enum EdgeCommand : std::uint32_t { kPairCommand, kBorderCommand, kCapCommand, kEdgeCommands };
 
-/// Where a command of a cluster is in the list.
+/// Where a command of a cluster is in the list; those of the whole mesh come last.
 inline std::uint32_t commandOf(std::uint32_t cluster, EdgeCommand command)
 {
     return kEdgeCommands * cluster + command;

@@ -1,5 +1,7 @@
 #include "algorithms/volumes/octree_volume.hpp"
 
+#include <algorithm>
+
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "algorithms/volumes/static_volumes.hpp"
 #include "algorithms/volumes/volume_count.hpp"
@@ -25,6 +27,9 @@ constexpr VolumeCountNames kNames{
 
 // Regions of all static casters, and of chosen ones, beside stencil_volume's of static and of moving ones.
 constexpr std::uint32_t kRegionsVariant = 2;
+
+// Of caps that are counted with both sides; 0 and 1 tell whether volumes are concealed.
+constexpr std::uint32_t kBothSidesVariant = 2;
 
 class OctreeVolume final : public ShadowAlgorithm {
 public:
@@ -55,14 +60,15 @@ struct KeptDraws {
     std::span<std::uint32_t> candidates; ///< Positions, front to back.
 };
 
-KeptDraws findDraws(PassBuilder& passes, const ShadowTask& task, const StaticVolumes& volumes, std::uint32_t variant)
+KeptDraws findDraws(PassBuilder& passes, const ShadowTask& task, std::span<const VolumeSource> all,
+                    const StaticVolumes& volumes, std::uint32_t variant)
 {
     KeptDraws kept{.volumes = &volumes};
     FrameArena& arena = passes.arena();
     const std::size_t count = volumes.drawn.size();
     const std::span<VolumeSource> sources = arena.array<VolumeSource>(count);
     for (std::size_t i = 0; i < count; ++i)
-        sources[i] = {task.casters->statics[volumes.drawn[i].caster], volumes.drawn[i].cluster};
+        sources[i] = all[volumes.drawn[i]];
     kept.choice = {.volumes = sources, .stamp = volumes.stamp, .variant = variant};
     kept.sides = declareChosenSides(passes, task, kept.choice);
     if (kept.sides.pieces.empty()) return kept; // it has failed: no list may be that long
@@ -81,10 +87,32 @@ KeptDraws findDraws(PassBuilder& passes, const ShadowTask& task, const StaticVol
     return kept;
 }
 
-/// Caps of the candidates that z-fail counts; the list is of all kept casters, so that it is built once.
+/// The choice whose caps are kept. Where light or eye are within a closed cluster of an open mesh (asFailing()) all
+/// such clusters count with both sides, from a list of its own: neither list depends on where the eye is.
+VolumeChoice capsChoice(FrameArena& arena, const KeptDraws& kept, VolumePlan& plan)
+{
+    VolumeChoice choice = kept.choice;
+    if (std::none_of(plan.zFail.begin(), plan.zFail.end(),
+                     [&](const VolumeDraw& draw) { return asFailing(plan, draw).source.bothSides; }))
+        return choice;
+    const auto castsBoth = [](const VolumeSource& source) {
+        return source.shape().closed && !source.caster->mesh->topology->closed;
+    };
+    for (VolumeDraw& draw : plan.zFail)
+        draw.times = castsBoth(draw.source) ? 2 : 1;
+    const std::span<VolumeSource> volumes = arena.array<VolumeSource>(choice.volumes.size());
+    std::copy(choice.volumes.begin(), choice.volumes.end(), volumes.begin());
+    for (VolumeSource& source : volumes)
+        source.bothSides = castsBoth(source);
+    choice.volumes = volumes;
+    choice.variant += kBothSidesVariant;
+    return choice;
+}
+
+/// Caps of the candidates that z-fail counts; the list is of all kept volumes, so that it is built once.
 VolumeList addKeptCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, const KeptDraws& kept)
 {
-    const VolumeList caps = declareChosenCaps(passes, task, kept.choice);
+    const VolumeList caps = declareChosenCaps(passes, task, capsChoice(passes.arena(), kept, plan));
     const std::span<VolumeDraw> draws = passes.arena().array<VolumeDraw>(kept.drawOf.size());
     for (std::uint32_t piece = 0, i = 0; piece < caps.pieces.size(); ++i)
         draws[i] = drawAt(caps, piece);
@@ -121,8 +149,9 @@ void OctreeVolume::declare(PassBuilder& passes, const ShadowTask& task)
         return;
     }
     const bool conceal = task.settings[kConceal] != 0.0;
-    const StaticVolumes& volumes = kept_.find(*task.light, task.casters->statics, conceal);
-    const KeptDraws kept = findDraws(passes, task, volumes, conceal ? 1 : 0);
+    const std::span<const VolumeSource> all = volumesOf(passes.arena(), task.casters->statics, *task.light);
+    const StaticVolumes& volumes = kept_.find(*task.light, all, conceal);
+    const KeptDraws kept = findDraws(passes, task, all, volumes, conceal ? 1 : 0);
     VolumePlan* plan = emptyPlan(passes, task, stencil, bounded);
     planStatics(passes, task, kept, *plan);
 

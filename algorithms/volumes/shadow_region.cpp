@@ -186,10 +186,11 @@ BoxShadow boxShadow(const Aabb& box, const LightView& light)
     return shadow;
 }
 
-std::optional<Umbra> umbraOf(const Caster& caster, std::uint32_t number, const LightView& light)
+std::optional<Umbra> umbraOf(const VolumeSource& source, const LightView& light)
 {
+    const Caster& caster = *source.caster;
     if (!caster.mesh || !caster.mesh->topology || caster.hostDrawn || caster.alphaTested) return std::nullopt;
-    const Topology::Cluster& cluster = caster.mesh->topology->clusters[number];
+    const Topology::Cluster& cluster = source.shape();
     if (!cluster.closed || cluster.faceCount == 0 || cluster.faceCount > kMostFaces) return std::nullopt;
     const WorldMesh mesh = worldMesh(caster, cluster);
     Umbra umbra;

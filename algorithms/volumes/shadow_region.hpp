@@ -7,6 +7,7 @@
 
 #include <glm/vec4.hpp>
 
+#include "algorithms/volumes/volume_list.hpp"
 #include "runtime/scene/scene_view.hpp"
 #include "shaders/volumes/cull.h"
 
@@ -27,9 +28,8 @@ struct Umbra {
     std::vector<glm::vec4> away;   ///< Planes of the faces turned away from the light.
 };
 
-/// Of a cluster of the caster's mesh. Empty where it is not known to be opaque, closed and convex, has too many faces,
-/// or holds the light.
-std::optional<Umbra> umbraOf(const Caster& caster, std::uint32_t cluster, const LightView& light);
+/// Empty where the source is not known to be opaque, closed and convex, has too many faces, or holds the light.
+std::optional<Umbra> umbraOf(const VolumeSource& source, const LightView& light);
 
 /// How far inside an umbra something has to lie, in metres: the rasteriser puts the umbra's border within 1/256 pixel
 /// of the true one, which at 1/700 radian a pixel is 5 mm at 900 m.

@@ -119,14 +119,13 @@ std::uint32_t writeSides(const Topology& topology, const Topology::Cluster& clus
     return written;
 }
 
-std::uint32_t writeCaps(const Topology& topology, const Topology::Cluster& cluster,
-                        std::span<const std::uint8_t> facing, bool mirrored, std::uint32_t firstPlace,
-                        std::uint32_t count, std::uint32_t* out)
+std::uint32_t writeCaps(const Topology& topology, bool closed, std::span<const std::uint8_t> facing, bool mirrored,
+                        std::uint32_t firstPlace, std::uint32_t count, std::uint32_t* out)
 {
     std::uint32_t* end = out;
     for (std::uint32_t place = firstPlace; place < firstPlace + count; ++place) {
         const std::uint32_t face = topology.faceAt(place);
-        if (!blocksLight(cluster.closed, facing[face], mirrored)) continue;
+        if (!blocksLight(closed, facing[face], mirrored)) continue;
         const std::uint32_t* corner = &topology.faceVerts[3 * face];
         const std::uint32_t a = 2 * corner[0];
         const std::uint32_t b = 2 * corner[facing[face] ? 1 : 2], c = 2 * corner[facing[face] ? 2 : 1];

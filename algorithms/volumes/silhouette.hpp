@@ -64,10 +64,9 @@ inline std::uint32_t capCapacity(std::uint32_t faceCount)
 }
 
 /// Writes near and far caps that close the sides: the faces of blocksLight(), oriented towards the light.
-/// @param facing of all faces. @param mirrored as Caster::mirrored. @param firstPlace for Topology::faceAt()
-/// @return indices written.
-std::uint32_t writeCaps(const Topology& topology, const Topology::Cluster& cluster,
-                        std::span<const std::uint8_t> facing, bool mirrored, std::uint32_t firstPlace,
-                        std::uint32_t count, std::uint32_t* out);
+/// @param closed as blocksLight(). @param facing of all faces. @param mirrored as Caster::mirrored. @param firstPlace
+/// for Topology::faceAt() @return indices written.
+std::uint32_t writeCaps(const Topology& topology, bool closed, std::span<const std::uint8_t> facing, bool mirrored,
+                        std::uint32_t firstPlace, std::uint32_t count, std::uint32_t* out);
 
 } // namespace gnomon

@@ -6,7 +6,6 @@
 #include <glm/geometric.hpp>
 
 #include "algorithms/common/caster_lists.hpp"
-#include "algorithms/volumes/silhouette.hpp"
 #include "algorithms/volumes/volume_list.hpp"
 
 namespace gnomon {
@@ -32,40 +31,28 @@ float prominence(const Aabb& box, const LightView& light)
 }
 
 struct Concealer {
-    StaticVolumes::Volume volume;
+    std::uint32_t volume = 0; ///< Among all.
     Aabb bounds;
     float prominence = 0.0f;
     Umbra umbra;
 };
 
-/// Calls visit(volume, source) with the volumes of the casters.
-template <typename Visit>
-void forVolumes(std::span<const Caster* const> statics, const Visit& visit)
-{
-    for (std::uint32_t caster = 0; caster < statics.size(); ++caster) {
-        if (!castsVolume(*statics[caster])) continue;
-        const std::size_t clusters = statics[caster]->mesh->topology->clusters.size();
-        for (std::uint32_t cluster = 0; cluster < clusters; ++cluster)
-            visit(StaticVolumes::Volume{caster, cluster}, VolumeSource{statics[caster], cluster});
-    }
-}
-
-std::vector<Concealer> findConcealers(const LightView& light, std::span<const Caster* const> statics)
+std::vector<Concealer> findConcealers(const LightView& light, std::span<const VolumeSource> volumes)
 {
     std::vector<Concealer> found;
-    forVolumes(statics, [&](const StaticVolumes::Volume& volume, const VolumeSource& source) {
-        std::optional<Umbra> umbra = umbraOf(*source.caster, source.cluster, light);
-        if (!umbra) return;
-        const Aabb bounds = source.bounds();
-        found.push_back({volume, bounds, prominence(bounds, light), std::move(*umbra)});
-    });
+    for (std::uint32_t i = 0; i < volumes.size(); ++i) {
+        std::optional<Umbra> umbra = umbraOf(volumes[i], light);
+        if (!umbra) continue;
+        const Aabb bounds = volumes[i].bounds();
+        found.push_back({i, bounds, prominence(bounds, light), std::move(*umbra)});
+    }
     std::stable_sort(found.begin(), found.end(),
                      [](const Concealer& a, const Concealer& b) { return a.prominence > b.prominence; });
     if (found.size() > kMostConcealers) found.resize(kMostConcealers);
     return found;
 }
 
-bool isConcealed(const StaticVolumes::Volume& volume, const Aabb& bounds, const std::vector<Concealer>& concealers)
+bool isConcealed(std::uint32_t volume, const Aabb& bounds, const std::vector<Concealer>& concealers)
 {
     return std::any_of(concealers.begin(), concealers.end(), [&](const Concealer& concealer) {
         return concealer.volume != volume && conceals(concealer.umbra, bounds);
@@ -74,22 +61,22 @@ bool isConcealed(const StaticVolumes::Volume& volume, const Aabb& bounds, const 
 
 } // namespace
 
-void chooseVolumes(const LightView& light, std::span<const Caster* const> statics, bool conceal, StaticVolumes& out)
+void chooseVolumes(const LightView& light, std::span<const VolumeSource> volumes, bool conceal, StaticVolumes& out)
 {
     out.drawn.clear();
     out.occluders.clear();
     out.concealed = 0;
-    const std::vector<Concealer> concealers = conceal ? findConcealers(light, statics) : std::vector<Concealer>{};
+    const std::vector<Concealer> concealers = conceal ? findConcealers(light, volumes) : std::vector<Concealer>{};
     std::vector<Aabb> bounds;
-    forVolumes(statics, [&](const StaticVolumes::Volume& volume, const VolumeSource& source) {
-        const Aabb box = source.bounds();
-        if (isConcealed(volume, box, concealers)) {
+    for (std::uint32_t i = 0; i < volumes.size(); ++i) {
+        const Aabb box = volumes[i].bounds();
+        if (isConcealed(i, box, concealers)) {
             ++out.concealed;
-            return;
+            continue;
         }
-        out.drawn.push_back(volume);
+        out.drawn.push_back(i);
         bounds.push_back(box);
-    });
+    }
     out.tree.build(bounds);
     for (const Concealer& concealer : concealers) {
         const auto drawn = std::lower_bound(out.drawn.begin(), out.drawn.end(), concealer.volume);
@@ -100,14 +87,14 @@ void chooseVolumes(const LightView& light, std::span<const Caster* const> static
     }
 }
 
-const StaticVolumes& StaticVolumesCache::find(const LightView& light, std::span<const Caster* const> statics,
+const StaticVolumes& StaticVolumesCache::find(const LightView& light, std::span<const VolumeSource> volumes,
                                               bool conceal)
 {
-    // The order of the casters counts, too: what is kept are indices.
+    // The order counts, too: what is kept are indices.
     Stamp stamp;
-    stamp.add(statics).add(light.revision);
-    for (const Caster* caster : statics) // topologies may come late
-        stamp.add(std::uint64_t{castsVolume(*caster)});
+    stamp.add(light.revision);
+    for (const VolumeSource& volume : volumes)
+        stamp.add(*volume.caster).add(std::uint64_t{volume.cluster});
 
     ++asked_;
     const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const std::unique_ptr<Entry>& entry) {
@@ -122,7 +109,7 @@ const StaticVolumes& StaticVolumesCache::find(const LightView& light, std::span<
     }
     entry->used = asked_;
     if (entry->volumes.stamp != stamp.value()) {
-        chooseVolumes(light, statics, conceal, entry->volumes);
+        chooseVolumes(light, volumes, conceal, entry->volumes);
         entry->volumes.stamp = stamp.value();
         ++built_;
     }

@@ -12,14 +12,8 @@
 namespace gnomon {
 
 struct StaticVolumes {
-    /// A cluster of a caster.
-    struct Volume {
-        std::uint32_t caster = 0; ///< Into LightCasters::statics.
-        std::uint32_t cluster = 0;
-        auto operator<=>(const Volume&) const = default;
-    };
-    std::vector<Volume> drawn; ///< In the order of casters, then of clusters; the rest is concealed.
-    VolumeTree tree;           ///< Over the bounds of `drawn`, by position there.
+    std::vector<std::uint32_t> drawn; ///< Indices into all volumes, in their order; the rest is concealed.
+    VolumeTree tree;                  ///< Over the bounds of `drawn`, by position there.
 
     struct Occluder {
         std::uint32_t position = 0; ///< In `drawn`.
@@ -32,14 +26,14 @@ struct StaticVolumes {
 };
 
 /// Works it out. @param conceal false: every volume is drawn.
-void chooseVolumes(const LightView& light, std::span<const Caster* const> statics, bool conceal, StaticVolumes& out);
+void chooseVolumes(const LightView& light, std::span<const VolumeSource> volumes, bool conceal, StaticVolumes& out);
 
 /// Keeps a StaticVolumes per light until the light, its static casters or their topologies change; found again by ids
 /// and revisions. One thread.
 class StaticVolumesCache {
 public:
     /// Valid until a find() for the same light and choice finds it outdated.
-    const StaticVolumes& find(const LightView& light, std::span<const Caster* const> statics, bool conceal);
+    const StaticVolumes& find(const LightView& light, std::span<const VolumeSource> volumes, bool conceal);
 
     std::uint64_t built() const { return built_; } ///< How often anything was worked out.
 

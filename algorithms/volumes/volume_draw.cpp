@@ -109,11 +109,12 @@ void pushVolume(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, con
     }
     const Caster& caster = *draw.source.caster;
     const bool closed = draw.source.shape().closed;
+    const bool capsClosed = closed && !draw.source.bothSides;
     gpu::FaceLight light = lightInObjectSpace(*plan.light, caster);
     light.touched = touchedWay(closed, caster.mirrored);
     // Caps as writeCaps() chooses them.
     const std::uint32_t away = caster.mirrored ? gpu::FACE_TOWARDS : gpu::FACE_AWAY;
-    gpu.push(gpu::AllEdgesPush{.caster = push, .light = light, .capsWay = closed ? away : gpu::FACE_TOUCHED});
+    gpu.push(gpu::AllEdgesPush{.caster = push, .light = light, .capsWay = capsClosed ? away : gpu::FACE_TOUCHED});
 }
 
 void drawList(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, PipelineId pipeline, const Bound& constants,
@@ -134,9 +135,9 @@ void drawList(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, Pipel
         pushVolume(gpu, plan, shape, draw, clipZ);
         // One by one: more than one at a time needs a device feature, and here a draw costs 0.6 us.
         constexpr std::uint32_t size = sizeof(VkDrawIndexedIndirectCommand);
-        for (std::uint32_t i = 0; i < draw.commandCount; ++i)
+        for (std::uint32_t i = 0; i < draw.times * draw.commandCount; ++i)
             gpu.vk->vkCmdDrawIndexedIndirect(gpu.cmd, gpu.buffer(draw.commands),
-                                             VkDeviceSize{size} * (draw.firstCommand + i), 1, size);
+                                             VkDeviceSize{size} * (draw.firstCommand + i % draw.commandCount), 1, size);
     }
 }
 
@@ -172,7 +173,7 @@ VolumePlan* emptyPlan(PassBuilder& passes, const ShadowTask& task, const ViewSte
     plan->receiverBounds = stencil.receiverBounds;
     plan->bounded = bounded;
     plan->pixels = lightPixels(*task.light, *task.view);
-    const std::size_t count = volumeCount(task.casters->all);
+    const std::size_t count = mostVolumes(task.casters->all);
     for (std::span<VolumeDraw>* draws : {&plan->zPass, &plan->zFail, &plan->caps})
         *draws = passes.arena().array<VolumeDraw>(count).first(0);
     return plan;
@@ -197,10 +198,26 @@ bool needsZFail(const VolumePlan& plan, const Aabb& bounds)
     return shadowsNearRectangle(bounds, *plan.light, plan.view->nearCorners);
 }
 
+VolumeDraw asFailing(const VolumePlan& plan, VolumeDraw draw)
+{
+    if (draw.source.caster->mesh->topology->closed || !draw.source.shape().closed) return draw;
+    Aabb eye{plan.view->eye, plan.view->eye};
+    for (const glm::vec3& corner : plan.view->nearCorners)
+        eye = unionOf(eye, {corner, corner});
+    const bool eyeOutside = glm::any(glm::lessThan(eye.upper, draw.bounds.lower)) ||
+                            glm::any(glm::greaterThan(eye.lower, draw.bounds.upper));
+    draw.source.bothSides = !eyeOutside || holdsLight(draw.bounds, *plan.light);
+    draw.times = draw.source.bothSides ? 2 : 1;
+    return draw;
+}
+
 void addSides(VolumePlan& plan, const VolumeList& sides, bool zFailForAll)
 {
     collectDraws(plan, sides, [&](const VolumeDraw& draw) {
-        append(zFailForAll || needsZFail(plan, draw.bounds) ? plan.zFail : plan.zPass, draw);
+        if (zFailForAll || needsZFail(plan, draw.bounds))
+            append(plan.zFail, asFailing(plan, draw));
+        else
+            append(plan.zPass, draw);
     });
 }
 

@@ -40,6 +40,7 @@ struct VolumeDraw {
     BufferId list;     ///< Indices.
     BufferId commands; ///< Of the list itself, unless the method has others made of them.
     std::uint32_t firstCommand = 0, commandCount = 0;
+    std::uint32_t times = 1; ///< Drawn so often.
 };
 
 /// What is drawn for one light in one view; in the frame's arena.
@@ -90,6 +91,12 @@ void forDraws(const VolumeList& list, const Wanted& wanted, const Choose& choose
 }
 /// Whether z-fail has to count a volume of a source with these bounds.
 bool needsZFail(const VolumePlan& plan, const Aabb& bounds);
+/// The draw as z-fail counts it.
+///
+/// An open mesh casts with both sides of its faces, and the host draws both. Before a closed cluster of one, with light
+/// and eye outside, that is the same: as many of its faces look towards the light as away. From within it is not, nor
+/// where it is turned inside out: then all faces count, and every side twice.
+VolumeDraw asFailing(const VolumePlan& plan, VolumeDraw draw);
 /// Adds those volumes of a list of sides that the view can see.
 void addSides(VolumePlan& plan, const VolumeList& sides, bool zFailForAll);
 /// Adds the caps, in task scope, of the draws from `firstFailing` on that z-fail counts. @return their list

@@ -139,7 +139,7 @@ WedgePlan* planWedges(PassBuilder& passes, const ShadowTask& task, const ViewSte
     plan->bounded = bounded;
     plan->pixels = lightPixels(*task.light, *task.view);
     for (std::span<VolumeDraw>* draws : {&plan->before, &plan->around})
-        *draws = passes.arena().array<VolumeDraw>(volumeCount(task.casters->all)).first(0);
+        *draws = passes.arena().array<VolumeDraw>(mostVolumes(task.casters->all)).first(0);
     for (std::size_t i = 0; i < 2; ++i) {
         collectDraws(*plan, sides[i]);
         plan->lists[i] = sides[i].buffer;

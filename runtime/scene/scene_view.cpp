@@ -83,6 +83,13 @@ bool reaches(const LightView& light, const Aabb& box)
     return !besideCone(b, apex, axis, static_cast<double>(light.coneAngle), radius + slack);
 }
 
+bool holdsLight(const Aabb& box, const LightView& light)
+{
+    if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) return false;
+    const glm::vec3 at = light.position();
+    return glm::all(glm::greaterThanEqual(at, box.lower)) && glm::all(glm::lessThanEqual(at, box.upper));
+}
+
 Aabb transformed(const Aabb& box, const glm::mat3& basis, glm::vec3 translation)
 {
     const Box b = boxOf(box);

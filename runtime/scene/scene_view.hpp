@@ -129,6 +129,9 @@ bool touches(const Aabb& box, std::span<const Plane> volume);
 bool touches(const Aabb& box, glm::vec3 center, float radius);
 /// Whether anything of the box can lie between the light, source radius included, and what it reaches.
 bool reaches(const LightView& light, const Aabb& box);
+
+/// Whether a light with a position lies within the box.
+bool holdsLight(const Aabb& box, const LightView& light);
 /// World bounds of an object-space box.
 Aabb transformed(const Aabb& box, const glm::mat3& basis, glm::vec3 translation);
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <glm/vector_relational.hpp>
-
 #include "runtime/scene/topology.hpp"
 
 namespace gnomon {
@@ -42,7 +40,7 @@ Sides sidesOf(const Caster& caster)
 {
     if (!caster.mesh) return {};
     if (const Topology* topology = caster.mesh->topology)
-        return {topology->meanSides, scaleOf(caster) * topology->meanSideLength};
+        return {topology->whole.meanSides, scaleOf(caster) * topology->whole.meanSideLength};
     const float rows = std::sqrt(static_cast<float>(caster.mesh->triangleCount()));
     const float edge = glm::distance(caster.bounds.lower, caster.bounds.upper) / std::max(rows, 1.0f);
     return {kEdges * rows, kEdges * rows * edge};
@@ -146,14 +144,6 @@ struct Volumes {
     }
 };
 
-/// Whether the light shines out of the caster, on all sides of it: then its clusters are looked at one by one.
-bool isWithin(const LightView& light, const Aabb& box)
-{
-    if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) return false;
-    return glm::all(glm::greaterThan(light.position(), box.lower)) &&
-           glm::all(glm::lessThan(light.position(), box.upper));
-}
-
 } // namespace
 
 double shadowPixels(const LightView& light, const LightCasters& casters, const CameraView& view)
@@ -166,7 +156,7 @@ double shadowPixels(const LightView& light, const LightCasters& casters, const C
     double pixels = 0.0;
     for (const Caster* caster : casters.all) {
         const Topology* topology = caster->mesh ? caster->mesh->topology : nullptr;
-        if (!topology || topology->clusters.size() < 2 || !isWithin(light, caster->bounds)) {
+        if (!topology || topology->clusters.size() < 2 || !holdsLight(caster->bounds, light)) {
             pixels += volumes.pixels(caster->bounds, sidesOf(*caster));
             continue;
         }

@@ -40,6 +40,9 @@ void updateBounds(Topology& topology, std::span<const glm::vec3> positions)
                 cluster.bounds = unionOf(cluster.bounds, {positions[corner[i]], positions[corner[i]]});
         }
     }
+    topology.whole.bounds = topology.clusters.empty() ? Aabb{} : topology.clusters[0].bounds;
+    for (const Topology::Cluster& cluster : topology.clusters)
+        topology.whole.bounds = unionOf(topology.whole.bounds, cluster.bounds);
 }
 
 } // namespace
@@ -279,6 +282,9 @@ void judgeClusters(Topology& topology)
         });
         topology.closed = topology.closed && cluster.closed;
     }
+    topology.whole.edgeCount = static_cast<std::uint32_t>(topology.edges.size());
+    topology.whole.faceCount = static_cast<std::uint32_t>(topology.faceVerts.size() / 3);
+    topology.whole.closed = topology.closed;
 }
 
 void noteSides(Topology& topology, std::span<const glm::vec3> positions)
@@ -296,8 +302,8 @@ void noteSides(Topology& topology, std::span<const glm::vec3> positions)
         allCount += count;
         allLength += length;
     }
-    topology.meanSides = static_cast<float>(allCount);
-    topology.meanSideLength = static_cast<float>(allLength);
+    topology.whole.meanSides = static_cast<float>(allCount);
+    topology.whole.meanSideLength = static_cast<float>(allLength);
 }
 
 } // namespace

@@ -69,9 +69,9 @@ struct Topology {
         std::uint32_t firstEdge = 0, edgeCount = 0;
         std::uint32_t firstFace = 0, faceCount = 0; ///< Places, for faceAt().
         Aabb bounds;                                ///< Object space.
-        bool closed = false;    ///< Every edge is used equally often in both directions: a volume without holes.
-        float meanSides = 0.0f; ///< As the mesh's below.
-        float meanSideLength = 0.0f;
+        bool closed = false;         ///< Every edge is used equally often in both directions: a volume without holes.
+        float meanSides = 0.0f;      ///< Sides of its volumes, on average over all directions of light; as built.
+        float meanSideLength = 0.0f; ///< And the lengths of their edges together, object space.
     };
 
     std::vector<Edge> edges; ///< In the order of clusters, and `uses` in that of edges.
@@ -79,6 +79,7 @@ struct Topology {
     FacePlanes facePlanes;
     std::vector<std::uint32_t> faceVerts;    ///< Three per face: welded representatives, in the mesh's order.
     std::vector<Cluster> clusters;           ///< One at least.
+    Cluster whole;                           ///< The mesh as if it were one.
     std::vector<std::uint8_t> clusterOfFace; ///< Empty: there is only one.
     std::vector<std::uint32_t> facesInOrder; ///< In the order of clusters; empty: in the mesh's.
     bool closed = false;                     ///< All clusters are.
@@ -86,8 +87,6 @@ struct Topology {
     bool crowded = false;                    ///< Some edge of the mesh has more than two faces.
     std::uint32_t borderEdges = 0;           ///< Edges of the mesh with one face.
     bool manifold = false;        ///< No edge has more than two faces, every vertex one fan (as OpenMesh sees it).
-    float meanSides = 0.0f;       ///< Sides of its shadow volumes, on average over all directions of light; as built.
-    float meanSideLength = 0.0f;  ///< And the lengths of their edges together, object space.
     std::uint32_t looseFaces = 0; ///< Faces OpenMesh refused (third face on an edge, flipped neighbour), kept here.
 
     /// The face at a place in the order of clusters.

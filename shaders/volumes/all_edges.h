@@ -1,7 +1,7 @@
 // All edges and faces of a mesh as the device reads them, and which of them bound the volume of a caster: found out per
 // corner, so that nothing depends on light or place but constants.
 //
-// The list of a mesh is one buffer: three indirect commands a cluster, the indices they draw, then slots of 16 bytes. A slot is
+// The list of a mesh is one buffer: three indirect commands for each cluster and for the mesh, the indices they draw, then slots of 16 bytes. A slot is
 //   a pair    v0, v1, use, use    two faces at an edge v0 -> v1
 //   a border  v0, v1, use, use    one face at an edge: the same use twice
 //   a face    v0, v1, v2, slot of its plane

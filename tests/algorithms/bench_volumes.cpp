@@ -63,7 +63,7 @@ struct Work {
     }
     void capsPhase()
     {
-        benchmark::DoNotOptimize(writeCaps(placed.topology, whole(), facing, false, 0, faces(), caps.data()));
+        benchmark::DoNotOptimize(writeCaps(placed.topology, true, facing, false, 0, faces(), caps.data()));
     }
     void volumePhase()
     {

@@ -56,7 +56,7 @@ private:
             const std::uint32_t count = std::min(kPiece, facesEnd - first);
             out.assign(capCapacity(count), 0);
             const std::uint32_t written =
-                writeCaps(topology, cluster, facing, placed.caster.mirrored, first, count, out.data());
+                writeCaps(topology, cluster.closed, facing, placed.caster.mirrored, first, count, out.data());
             REQUIRE(written <= out.size());
             caps.insert(caps.end(), out.begin(), out.begin() + written);
         }

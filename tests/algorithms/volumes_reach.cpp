@@ -263,8 +263,8 @@ TEST_CASE("the pixels of shadow volumes are about those of their outlines")
     const LightView sun = directionalLight(glm::vec3(0.0f, -1.0f, 0.0f));
     Caster ground, cube;
     Topology topology; // a box's silhouette of six edges of half a metre, as a mesh that its instance doubles in size
-    topology.meanSides = 6.0f;
-    topology.meanSideLength = 3.0f;
+    topology.whole.meanSides = 6.0f;
+    topology.whole.meanSideLength = 3.0f;
     MeshView mesh;
     mesh.topology = &topology;
     cube.mesh = &mesh;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "algorithms/volumes/silhouette.hpp"
 #include "algorithms/volumes/static_volumes.hpp"
 #include "tests/algorithms/volume_meshes.hpp"
 
@@ -87,22 +88,21 @@ struct Stage {
         statics.push_back(&caster);
         return *placed.back();
     }
+    /// All are one cluster.
+    std::vector<VolumeSource> sources() const
+    {
+        std::vector<VolumeSource> all;
+        for (const Caster* caster : statics)
+            if (castsVolume(*caster)) all.push_back({caster});
+        return all;
+    }
     StaticVolumes choose(bool conceal = true) const
     {
         StaticVolumes volumes;
-        chooseVolumes(light, statics, conceal, volumes);
+        chooseVolumes(light, sources(), conceal, volumes);
         return volumes;
     }
 };
-
-/// Of casters that are one cluster.
-std::vector<StaticVolumes::Volume> volumesOf(std::initializer_list<std::uint32_t> casters)
-{
-    std::vector<StaticVolumes::Volume> volumes;
-    for (const std::uint32_t caster : casters)
-        volumes.push_back({caster, 0});
-    return volumes;
-}
 
 const Mesh kWall = boxMesh({2.0f, 1.5f, 0.1f}), kCrate = boxMesh(glm::vec3(0.3f));
 
@@ -168,7 +168,7 @@ TEST_CASE("every point of an umbra is shadowed by its caster, and hardly a shado
         const Placed box(boxMesh(glm::vec3(1.0f)), randomBasis(random),
                          random.inBox(glm::vec3(-3.0f), glm::vec3(3.0f)));
         const LightView light = randomLight(random);
-        const std::optional<Umbra> umbra = umbraOf(box.caster, 0, light);
+        const std::optional<Umbra> umbra = umbraOf({&box.caster}, light);
         if (!umbra) continue; // the light is inside, or an edge points at it
         ++umbrae;
         CHECK(umbra->planes.size() <= 9);
@@ -192,23 +192,26 @@ TEST_CASE("every point of an umbra is shadowed by its caster, and hardly a shado
 TEST_CASE("what is not known to be closed, convex, opaque and before the light has no umbra")
 {
     const LightView light = pointLight({0, 4, 0});
-    const auto place = [](Mesh mesh) { return Placed(std::move(mesh), glm::mat3(1.0f), glm::vec3(0.0f)); };
-    CHECK(umbraOf(place(kCrate).caster, 0, light));
-    CHECK_FALSE(umbraOf(place(torus(1.0f, 0.3f, 5, 4)).caster, 0, light));
-    CHECK_FALSE(umbraOf(place(torus(1.0f, 0.3f, 24, 12)).caster, 0, light));
-    CHECK_FALSE(umbraOf(place(sheet(1, 0.0f)).caster, 0, light));
-    CHECK_FALSE(umbraOf(place(holed(kCrate, 12)).caster, 0, light));
-    CHECK_FALSE(umbraOf(place(flipped(kCrate, 5)).caster, 0, light));
-    CHECK_FALSE(umbraOf(place(kCrate).caster, 0, pointLight({0, 0, 0})));
+    const auto hasUmbra = [](Mesh mesh, const LightView& lamp) {
+        const Placed placed(std::move(mesh), glm::mat3(1.0f), glm::vec3(0.0f));
+        return umbraOf({&placed.caster}, lamp).has_value();
+    };
+    CHECK(hasUmbra(kCrate, light));
+    CHECK_FALSE(hasUmbra(torus(1.0f, 0.3f, 5, 4), light));
+    CHECK_FALSE(hasUmbra(torus(1.0f, 0.3f, 24, 12), light));
+    CHECK_FALSE(hasUmbra(sheet(1, 0.0f), light));
+    CHECK_FALSE(hasUmbra(holed(kCrate, 12), light));
+    CHECK_FALSE(hasUmbra(flipped(kCrate, 5), light));
+    CHECK_FALSE(hasUmbra(kCrate, pointLight({0, 0, 0})));
 
     Placed leaf(kCrate, glm::mat3(1.0f), glm::vec3(0.0f));
     leaf.caster.alphaTested = true;
-    CHECK_FALSE(umbraOf(leaf.caster, 0, light));
+    CHECK_FALSE(umbraOf({&leaf.caster}, light));
     leaf.caster.alphaTested = false;
     leaf.view.topology = nullptr;
-    CHECK_FALSE(umbraOf(leaf.caster, 0, light));
+    CHECK_FALSE(umbraOf({&leaf.caster}, light));
     const Placed flat(kCrate, glm::mat3({1, 0, 0}, {0, 0, 0}, {0, 0, 1}), glm::vec3(0.0f));
-    CHECK_FALSE(umbraOf(flat.caster, 0, light));
+    CHECK_FALSE(umbraOf({&flat.caster}, light));
 }
 
 TEST_CASE("a concealed box and all of its shadow lie in the concealer's umbra")
@@ -218,7 +221,7 @@ TEST_CASE("a concealed box and all of its shadow lie in the concealer's umbra")
     for (int trial = 0; trial < 4000; ++trial) {
         const Placed wall(boxMesh({2.0f, 2.0f, 0.2f}), randomBasis(random), glm::vec3(0.0f));
         const LightView light = randomLight(random);
-        const std::optional<Umbra> umbra = umbraOf(wall.caster, 0, light);
+        const std::optional<Umbra> umbra = umbraOf({&wall.caster}, light);
         const glm::vec3 corner = random.inBox(glm::vec3(-4.0f), glm::vec3(4.0f));
         const Aabb box{corner, corner + random.inBox(glm::vec3(0.02f), glm::vec3(0.8f))};
         if (!umbra || !conceals(*umbra, box)) continue;
@@ -247,7 +250,7 @@ TEST_CASE("what stands behind a wall is dropped; what looks out, stands before i
     stage.add(kWall, {0, 1.5f, 9}, glm::mat3(0.5f));   // 7: a smaller wall far behind
     stage.add(kCrate, {0, 1.5f, 12}, glm::mat3(0.2f)); // 8: behind both
     const StaticVolumes volumes = stage.choose();
-    CHECK(volumes.drawn == volumesOf({0, 3, 4, 5, 6}));
+    CHECK(volumes.drawn == std::vector<std::uint32_t>{0, 3, 4, 5, 6});
     CHECK(volumes.concealed == 4);
     REQUIRE(!volumes.occluders.empty());
     for (const StaticVolumes::Occluder& occluder : volumes.occluders)
@@ -275,7 +278,7 @@ TEST_CASE("the volumes of a light are chosen anew exactly when it, its casters o
     StaticVolumesCache cache;
     const auto built = [&] {
         const std::uint64_t before = cache.built();
-        cache.find(stage.light, stage.statics, true);
+        cache.find(stage.light, stage.sources(), true);
         return cache.built() - before;
     };
     CHECK(built() == 1);
@@ -287,7 +290,7 @@ TEST_CASE("the volumes of a light are chosen anew exactly when it, its casters o
     CHECK(built() == 1);
     std::swap(stage.statics[0], stage.statics[1]);
     CHECK(built() == 1);
-    CHECK(cache.find(stage.light, stage.statics, true).drawn == volumesOf({1, 2}));
+    CHECK(cache.find(stage.light, stage.sources(), true).drawn == std::vector<std::uint32_t>{1, 2});
     stage.statics.pop_back();
     CHECK(built() == 1);
     CHECK(built() == 0);
@@ -299,8 +302,8 @@ TEST_CASE("the volumes of a light are chosen anew exactly when it, its casters o
 
     LightView other = stage.light;
     other.id = 2;
-    CHECK(&cache.find(other, stage.statics, true) != &cache.find(stage.light, stage.statics, true));
-    CHECK(cache.find(stage.light, stage.statics, false).drawn.size() == 2);
+    CHECK(&cache.find(other, stage.sources(), true) != &cache.find(stage.light, stage.sources(), true));
+    CHECK(cache.find(stage.light, stage.sources(), false).drawn.size() == 2);
     CHECK(built() == 0);
 }
 
@@ -311,9 +314,43 @@ TEST_CASE("a topology that comes late is seen")
     stage.add(sheet(2, 0.1f), {0.2f, 1.5f, 5});
     wall.view.topology = nullptr;
     StaticVolumesCache cache;
-    CHECK(cache.find(stage.light, stage.statics, true).drawn == volumesOf({1}));
+    const std::vector<std::uint32_t> first{0};
+    CHECK(cache.find(stage.light, stage.sources(), true).drawn == first); // the sheet, alone
     wall.view.topology = &wall.topology;
-    CHECK(cache.find(stage.light, stage.statics, true).drawn == volumesOf({0}));
+    CHECK(cache.find(stage.light, stage.sources(), true).drawn == first); // the wall, which conceals it
+    CHECK(cache.built() == 2);
+}
+
+TEST_CASE("of too many clusters the meshes that the light is in have theirs, then the largest")
+{
+    Stage stage;
+    Mesh row; // 100 boxes side by side
+    for (int i = 0; i < 100; ++i)
+        row = joined(row, kCrate, {3.0f * static_cast<float>(i), 0, 0});
+    const auto scaled = [](float scale) { return glm::mat3(scale); };
+    for (int i = 0; i < 12; ++i)
+        stage.add(row, {0, 10, 4.0f * static_cast<float>(i)}, scaled(0.1f + 0.01f * static_cast<float>(i)));
+    stage.add(kWall, {0, 1, 9});
+    stage.add(row, {-1, 1.5f, 0}, scaled(0.05f)); // about the light
+    FrameArena arena;
+    const auto cutOf = [&] {
+        std::vector<std::uint32_t> volumes(stage.statics.size());
+        for (const VolumeSource& volume : volumesOf(arena, stage.statics, stage.light)) {
+            const auto caster = std::find(stage.statics.begin(), stage.statics.end(), volume.caster);
+            ++volumes[static_cast<std::size_t>(caster - stage.statics.begin())];
+            CHECK(volume.shape().faceCount == (volume.cluster == VolumeSource::kWhole ? 1200 : 12));
+        }
+        return volumes;
+    };
+    REQUIRE(stage.placed[0]->topology.clusters.size() == 100);
+    std::vector<std::uint32_t> expected(12, 100);
+    expected[0] = expected[1] = expected[2] = 1; // 1 024 are enough for ten rows, one of which is about the light
+    expected.insert(expected.end(), {1, 100});
+    CHECK(cutOf() == expected);
+    CHECK(volumesOf(arena, stage.statics, stage.light).size() <= mostVolumes(stage.statics));
+    stage.statics.resize(10);
+    expected.assign(10, 100); // all that there are
+    CHECK(cutOf() == expected);
 }
 
 TEST_CASE("the octree visits every wanted box once, front to back within each node")

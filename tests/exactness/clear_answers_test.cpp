@@ -2,6 +2,7 @@
 // once everything has moved, and with other numbers of lights. MESSAGE prints what is measured.
 #include "demo/program/measure.hpp"
 #include "exactness/stage.hpp"
+#include "exactness/testbed.hpp"
 
 namespace gnomon::exact {
 namespace {
@@ -12,9 +13,9 @@ struct FrameError {
     uint64_t clear = 0; ///< Wrong pixels with a clear answer, all lights together.
 };
 
-FrameError errorOf(Stage& stage, const std::string& method)
+FrameError errorOf(Stage& stage, const std::string& method, const Settings& settings = {})
 {
-    const Pictures pictures = stage.draw(method);
+    const Pictures pictures = stage.draw(method, settings);
     FrameError frame{.error = pooled(stage, pictures)};
     for (size_t layer = 0; layer < pictures.size(); ++layer)
         frame.clear += clearlyWrong(stage.scene(), stage, pictures[layer], layer);
@@ -69,6 +70,23 @@ TEST_CASE("they are as exact where a building is one mesh, with its lamps and th
             CHECK(now.clear <= 2);
         }
         CHECK(methods >= 6);
+    }
+}
+
+TEST_CASE("solids of an open mesh cast with both sides, from within and turned inside out")
+{
+    const test::DeviceTest silence;
+    for (const bool inCrate : {false, true}) {
+        Stage stage(solidsOfOpenMesh(inCrate), testSize());
+        for (const std::string method : {"stencil_volume", "octree_volume", "all_edges_volume"}) {
+            for (const double zFail : {0.0, 1.0}) {
+                CAPTURE(method);
+                CAPTURE(zFail);
+                const FrameError now = errorOf(stage, method, {{"z_fail", zFail}});
+                CHECK(now.error.percent(now.error.wrong()) <= 0.005);
+                CHECK(now.clear <= 2);
+            }
+        }
     }
 }
 

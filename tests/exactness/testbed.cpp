@@ -242,6 +242,27 @@ Scene oddCasters()
     return scene;
 }
 
+Scene solidsOfOpenMesh(bool inCrate)
+{
+    Scene scene;
+    scene.name = inCrate ? "solids of an open mesh, from within" : "solids of an open mesh";
+    scene.camera = {{.eye = {0.5, 6.0, 8.0}, .target = {0.0, 0.4, 0.0}}};
+    if (inCrate) scene.camera = {{.eye = {-2.2, 0.9, 1.5}, .target = {-4.0, -0.3, 1.2}}};
+    place(scene, "floor", makePlane({.width = 30.0f, .depth = 30.0f}), {0.0, 0.0, 0.0});
+    for (const glm::dvec3& at : {glm::dvec3(-2.5, 0.8, 1.5), glm::dvec3(0.6, 0.8, 2.4), glm::dvec3(3.0, 0.8, 1.0)})
+        place(scene, "crate", makeBox({.size = glm::vec3(1.4f, 1.2f, 1.3f)}), at).pose.rotation = turned(kUp, 25.0);
+    Mesh chamber = makeBox({.size = glm::vec3(3.0f, 2.0f, 2.5f)});
+    for (size_t i = 0; i < chamber.indices.size(); i += 3)
+        std::swap(chamber.indices[i], chamber.indices[i + 1]);
+    place(scene, "chamber", std::move(chamber), {0.0, 1.5, -2.0});
+    for (Instance& instance : scene.instances)
+        instance.isStatic = true;
+    mergeStatics(scene);
+    scene.lights = {lamp("sun", LightKind::Directional, {4.0, 6.0, 3.0}, {0.0, 0.0, 0.0}),
+                    lamp("inside", LightKind::Point, {0.3, 1.6, -2.1}, {0.0, 0.0, 0.0})};
+    return scene;
+}
+
 Scene softScene(Caster caster, LightKind kind, double height, float radius)
 {
     Scene scene;

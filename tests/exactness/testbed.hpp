@@ -27,6 +27,10 @@ demo::Scene softScene(Caster caster, demo::LightKind kind, double height, float 
 /// out. Layer 0 sun, 1 spot, 2 point.
 demo::Scene oddCasters();
 
+/// In one mesh, which is open: a sheet for a floor, crates, and a chamber whose faces look inwards. Layer 0 sun, 1 a lamp
+/// in the chamber. \param inCrate the eye is in a crate, else it looks down from outside.
+demo::Scene solidsOfOpenMesh(bool inCrate);
+
 /// A plain of a square kilometre, seen from above, four metres under a lamp that reaches past it all. Just under the
 /// lamp hangs a card, and a crate stands on the plain.
 demo::Scene lampOverPlain(demo::LightKind kind);

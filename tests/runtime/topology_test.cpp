@@ -310,11 +310,11 @@ TEST_CASE("the mean number of sides is what random directions of light find")
                 length += sides * double(glm::distance(mesh.positions[edge.v0], mesh.positions[edge.v1]));
             }
         }
-        CHECK(double(topology.meanSides) == doctest::Approx(found / kDirections).epsilon(0.01));
-        CHECK(double(topology.meanSideLength) == doctest::Approx(length / kDirections).epsilon(0.01));
+        CHECK(double(topology.whole.meanSides) == doctest::Approx(found / kDirections).epsilon(0.01));
+        CHECK(double(topology.whole.meanSideLength) == doctest::Approx(length / kDirections).epsilon(0.01));
     }
-    CHECK(cube().topology().meanSides == doctest::Approx(6.0));       // twelve edges at right angles, half of them seen
-    CHECK(cube().topology().meanSideLength == doctest::Approx(12.0)); // two metres each
+    CHECK(cube().topology().whole.meanSides == doctest::Approx(6.0));       // twelve edges at right angles, half of them seen
+    CHECK(cube().topology().whole.meanSideLength == doctest::Approx(12.0)); // two metres each
 }
 
 TEST_CASE("nothing is a topology too")
