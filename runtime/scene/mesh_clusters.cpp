@@ -261,7 +261,8 @@ std::vector<Group> cutGroups(std::span<const Shell> shells, std::span<std::uint3
     };
     consider(0);
     while (!candidates.empty() && groups.size() < kMostClusters) {
-        const auto [cut, index] = candidates.top();
+        const Cut cut = candidates.top().cut;
+        const std::size_t index = candidates.top().group;
         candidates.pop();
         const Group whole = groups[index];
         const auto begin = order.begin() + whole.first;
