@@ -203,3 +203,43 @@ TEST_CASE("limitLights keeps the first, uses the spare ones, then turns copies a
     limitLights(dark, 4);
     CHECK(dark.lights.empty());
 }
+
+TEST_CASE("what stands still becomes one mesh in the world, the rest stays as it is")
+{
+    Scene scene;
+    const auto triangle = [](const char* name, float size) {
+        return Mesh{name, {{0, 0, 0}, {size, 0, 0}, {0, size, 0}}, {0, 1, 2}};
+    };
+    scene.meshes = {triangle("unused", 1.0f), triangle("still", 1.0f), triangle("leaf", 2.0f), triangle("top", 3.0f)};
+    const auto place = [&](uint32_t mesh, const glm::dvec3& at, bool still) -> Instance& {
+        Instance& instance = scene.instances.emplace_back();
+        instance.mesh = mesh;
+        instance.pose.position = at;
+        instance.isStatic = still;
+        return instance;
+    };
+    place(1, {10, 0, 0}, true).pose.scale = glm::dvec3(2.0);
+    place(3, {0, 5, 0}, false);
+    place(1, {0, 0, 7}, true);
+    place(2, {1, 1, 1}, true).alphaTested = true;
+    const Scene before = scene;
+    mergeStatics(scene);
+    REQUIRE(scene.instances.size() == 3);
+    REQUIRE(scene.meshes.size() == 3); // what nobody uses is gone
+    const Mesh& merged = scene.meshes[scene.instances[0].mesh];
+    CHECK(scene.instances[0].isStatic);
+    CHECK(instanceAt(scene.instances[0], 0.0).translation == glm::dvec3(0.0));
+    CHECK(merged.indices == std::vector<uint32_t>{0, 1, 2, 3, 4, 5});
+    CHECK(merged.positions[1] == glm::vec3(12, 0, 0));
+    CHECK(merged.positions[5] == glm::vec3(0, 1, 7));
+    CHECK(scene.meshes[scene.instances[1].mesh].name == "top");
+    CHECK(scene.meshes[scene.instances[2].mesh].name == "leaf");
+    CHECK(triangleCount(scene) == triangleCount(before));
+
+    Scene moving = before;
+    for (Instance& instance : moving.instances)
+        instance.isStatic = false;
+    mergeStatics(moving);
+    CHECK(moving.instances.size() == 4);
+    CHECK(moving.meshes.size() == 4); // untouched
+}
