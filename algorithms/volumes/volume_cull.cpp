@@ -1,7 +1,6 @@
 #include "algorithms/volumes/volume_cull.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 #include "shaders/volumes/cull.h"
@@ -195,7 +194,8 @@ std::span<const gpu::CullCandidate> candidatesOf(FrameArena& arena, const Volume
     };
     for (const VolumeDraw& draw : plan.zPass)
         add(draw, {});
-    assert(plan.caps.size() == plan.zFail.size()); // each has its caps, in the same order
+    // Each has its caps, in the same order, but where their list has failed, and the frame with it.
+    if (plan.caps.size() != plan.zFail.size()) return candidates.first(count);
     for (std::size_t i = 0; i < plan.zFail.size(); ++i)
         add(plan.zFail[i], plan.caps[i]);
     return candidates.first(count);
