@@ -10,6 +10,7 @@
 #include "algorithms/common/caster_lists.hpp"
 #include "algorithms/omni/light_map.hpp"
 #include "algorithms/volumes/depth_surface.hpp"
+#include "algorithms/volumes/shadow_reach.hpp"
 #include "algorithms/volumes/stencil_resolve.hpp"
 
 #include "shaders/volumes_mccool_cap_frag.h"
@@ -244,13 +245,9 @@ void recordPolygons(PassContext& gpu, const Plan& plan, const Layer& layer, Pipe
 /// what the near plane cuts off of such a caster no polygon stands for: rays that start in it would be counted wrong.
 bool nearPlaneWithinCaster(const ShadowTask& task)
 {
-    Aabb box{task.view->eye, task.view->eye};
-    for (const glm::vec3& corner : task.view->nearCorners)
-        box = {glm::min(box.lower, corner), glm::max(box.upper, corner)};
-    return std::ranges::any_of(task.casters->all, [&](const Caster* caster) {
-        return caster->closed && glm::all(glm::lessThanEqual(caster->bounds.lower, box.upper)) &&
-               glm::all(glm::lessThanEqual(box.lower, caster->bounds.upper));
-    });
+    const Aabb box = eyeBounds(*task.view);
+    return std::ranges::any_of(task.casters->all,
+                               [&](const Caster* caster) { return caster->closed && overlap(caster->bounds, box); });
 }
 
 Darkness darknessOf(const ShadowTask& task)

@@ -95,15 +95,12 @@ VolumeChoice capsChoice(FrameArena& arena, const KeptDraws& kept, VolumePlan& pl
     if (std::none_of(plan.zFail.begin(), plan.zFail.end(),
                      [&](const VolumeDraw& draw) { return asFailing(plan, draw).source.bothSides; }))
         return choice;
-    const auto castsBoth = [](const VolumeSource& source) {
-        return source.shape().closed && !source.caster->mesh->topology->closed;
-    };
     for (VolumeDraw& draw : plan.zFail)
-        draw.times = castsBoth(draw.source) ? 2 : 1;
+        draw.times = draw.source.closedInOpenMesh() ? 2 : 1;
     const std::span<VolumeSource> volumes = arena.array<VolumeSource>(choice.volumes.size());
     std::copy(choice.volumes.begin(), choice.volumes.end(), volumes.begin());
     for (VolumeSource& source : volumes)
-        source.bothSides = castsBoth(source);
+        source.bothSides = source.closedInOpenMesh();
     choice.volumes = volumes;
     choice.variant += kBothSidesVariant;
     return choice;

@@ -114,4 +114,12 @@ glm::vec3 casterReach(const Aabb& box, const LightView& light, glm::vec3 eye)
     return reach;
 }
 
+Aabb eyeBounds(const CameraView& view)
+{
+    Aabb box{view.eye, view.eye};
+    for (const glm::vec3& corner : view.nearCorners)
+        box = unionOf(box, {corner, corner});
+    return box;
+}
+
 } // namespace gnomon

@@ -23,4 +23,7 @@ bool shadowTouches(const Aabb& box, const LightView& light, std::span<const Plan
 /// `reach` of VolumePush for a caster with these bounds, relative to the eye.
 glm::vec3 casterReach(const Aabb& box, const LightView& light, glm::vec3 eye);
 
+/// Bounds of the eye and the near rectangle.
+Aabb eyeBounds(const CameraView& view);
+
 } // namespace gnomon

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "algorithms/volumes/shadow_reach.hpp"
+
 #include "shaders/volumes/cull.h"
 #include "shaders/volumes_cull_volumes_comp.h"
 #include "shaders/volumes_reached_tiles_comp.h"
@@ -112,15 +114,11 @@ BufferId declareRegions(PassBuilder& passes, const LightView& light, const Culle
 /// Umbrae are of use while nobody can look out of the caster's inside.
 std::uint32_t usableUmbrae(std::span<const StaticVolumes::Occluder> occluders, const CameraView& view)
 {
-    Aabb near{view.eye, view.eye};
-    for (const glm::vec3& corner : view.nearCorners)
-        near = {glm::min(near.lower, corner), glm::max(near.upper, corner)};
+    const Aabb near = eyeBounds(view);
     std::uint32_t mask = 0;
     for (std::size_t i = 0; i < occluders.size(); ++i) {
         const Aabb& box = occluders[i].bounds;
-        const bool apart = glm::any(glm::greaterThan(near.lower, box.upper + kUmbraMargin)) ||
-                           glm::any(glm::lessThan(near.upper, box.lower - kUmbraMargin));
-        if (apart) mask |= 1u << i;
+        if (!overlap(near, {box.lower - kUmbraMargin, box.upper + kUmbraMargin})) mask |= 1u << i;
     }
     return mask;
 }

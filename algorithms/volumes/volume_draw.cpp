@@ -200,13 +200,8 @@ bool needsZFail(const VolumePlan& plan, const Aabb& bounds)
 
 VolumeDraw asFailing(const VolumePlan& plan, VolumeDraw draw)
 {
-    if (draw.source.caster->mesh->topology->closed || !draw.source.shape().closed) return draw;
-    Aabb eye{plan.view->eye, plan.view->eye};
-    for (const glm::vec3& corner : plan.view->nearCorners)
-        eye = unionOf(eye, {corner, corner});
-    const bool eyeOutside = glm::any(glm::lessThan(eye.upper, draw.bounds.lower)) ||
-                            glm::any(glm::greaterThan(eye.lower, draw.bounds.upper));
-    draw.source.bothSides = !eyeOutside || holdsLight(draw.bounds, *plan.light);
+    if (!draw.source.closedInOpenMesh()) return draw;
+    draw.source.bothSides = overlap(eyeBounds(*plan.view), draw.bounds) || holdsLight(draw.bounds, *plan.light);
     draw.times = draw.source.bothSides ? 2 : 1;
     return draw;
 }

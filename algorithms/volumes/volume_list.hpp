@@ -25,6 +25,8 @@ struct VolumeSource {
         const Topology& topology = *caster->mesh->topology;
         return cluster == kWhole ? topology.whole : topology.clusters[cluster];
     }
+    /// A solid whose faces cast with both sides, as those of the rest of its mesh.
+    bool closedInOpenMesh() const { return shape().closed && !caster->mesh->topology->closed; }
     Aabb bounds() const; ///< World.
     bool operator==(const VolumeSource&) const = default;
 };

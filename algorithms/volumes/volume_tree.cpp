@@ -13,11 +13,6 @@ namespace {
 constexpr std::uint32_t kLeafSize = 8; // boxes; testing one costs about what testing a node does
 constexpr int kMostLevels = 12;        // a cell is then 1/4096 of the whole: boxes at one place stay together
 
-Aabb merged(const Aabb& a, const Aabb& b)
-{
-    return {glm::min(a.lower, b.lower), glm::max(a.upper, b.upper)};
-}
-
 std::uint32_t octant(glm::vec3 point, glm::vec3 middle)
 {
     return (point.x >= middle.x ? 1u : 0u) | (point.y >= middle.y ? 2u : 0u) | (point.z >= middle.z ? 4u : 0u);
@@ -47,7 +42,7 @@ void VolumeTree::build(std::span<const Aabb> boxes)
     std::iota(items_.begin(), items_.end(), 0u);
     nodes_.clear();
     if (boxes.empty()) return;
-    const Aabb whole = std::accumulate(boxes.begin(), boxes.end(), boxes.front(), merged);
+    const Aabb whole = std::accumulate(boxes.begin(), boxes.end(), boxes.front(), unionOf);
     buildNode(0, static_cast<std::uint32_t>(boxes.size()), whole, 0);
 }
 
@@ -57,7 +52,7 @@ std::int32_t VolumeTree::buildNode(std::uint32_t first, std::uint32_t count, con
     Node node{.bounds = boxes_[items_[first]], .children = {}, .first = first, .count = count};
     node.children.fill(-1);
     for (std::uint32_t i = first; i < first + count; ++i)
-        node.bounds = merged(node.bounds, boxes_[items_[i]]);
+        node.bounds = unionOf(node.bounds, boxes_[items_[i]]);
     node.leaf = count <= kLeafSize || depth == kMostLevels;
     nodes_.push_back(node);
     if (node.leaf) return index;

@@ -1,6 +1,7 @@
 #pragma once
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vector_relational.hpp>
 
 namespace gnomon {
 
@@ -15,6 +16,12 @@ struct Aabb {
 inline Aabb unionOf(const Aabb& a, const Aabb& b)
 {
     return {glm::min(a.lower, b.lower), glm::max(a.upper, b.upper)};
+}
+
+/// Whether they have a point in common; sides count.
+inline bool overlap(const Aabb& a, const Aabb& b)
+{
+    return glm::all(glm::lessThanEqual(a.lower, b.upper)) && glm::all(glm::lessThanEqual(b.lower, a.upper));
 }
 
 } // namespace gnomon

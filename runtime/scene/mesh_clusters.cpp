@@ -114,7 +114,8 @@ void uniteSolidsAt(const Topology& topology, std::span<const glm::vec3> position
         for (std::size_t j = 0; j < uses.size(); ++j) {
             if (uses[j].sign > 0.0f || taken[j]) continue;
             double turn = angles[i] - angles[j];
-            if (turn < kSame) turn += kTurn;
+            while (turn < kSame) // twice where one angle is just above -pi and the other just below pi
+                turn += kTurn;
             if (turn >= nearest) continue;
             best = j;
             nearest = turn;
