@@ -37,7 +37,6 @@ DepthCasters::DepthCasters(const DepthMapPipelines& pipelines, const LightFit& f
     std::memcpy(host.origin, task.view->origin, sizeof(host.origin));
     host.area = {{0, 0}, {resolution, resolution}};
     host.depthFormat = kMapFormat;
-    host.constantBias = kOpenConstantBias;
     host.slopeBias = kOpenSlopeBias;
     host_ = arena.make(host);
 }

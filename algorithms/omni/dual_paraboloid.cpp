@@ -83,7 +83,7 @@ struct HalfDraw {
             const CasterRaster raster = casterRaster(like);
             gpu.vk->vkCmdSetCullMode(gpu.cmd, raster.cullMode);
             gpu.vk->vkCmdSetFrontFace(gpu.cmd, raster.frontFace);
-            gpu.vk->vkCmdSetDepthBias(gpu.cmd, raster.constantBias, 0.0f, raster.slopeBias);
+            gpu.vk->vkCmdSetDepthBias(gpu.cmd, 0.0f, 0.0f, raster.slopeBias);
             if (counts[open]) gpu.vk->vkCmdDrawIndexed(gpu.cmd, counts[open], 1, first, 0, 0);
             first += counts[open];
         }

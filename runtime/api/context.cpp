@@ -141,7 +141,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     samplers_ = std::make_unique<SamplerSet>(*vk_);
     if (Result<void> made = samplers_->create(); !made) return made;
     pipelines_ = std::make_unique<PipelineStore>(*vk_, *memory_, *samplers_);
-    pipelines_->setTrialBias({kOpenConstantBias, kOpenSlopeBias});
+    pipelines_->setTrialSlopeBias(kOpenSlopeBias);
     methods_ = std::make_unique<MethodTable>(*vk_, *pipelines_, *jobs_, messages_, background_);
     registry_ = builtinRegistry();
     if (Result<void> added = methods_->addBuiltins(registry_); !added) return added;

@@ -127,8 +127,7 @@ void PassContext::drawCasters(const CasterDraw& draw)
         const CasterRaster wanted = casterRaster(*caster, draw.biasOpen);
         if (first || wanted.cullMode != state.cullMode) vk->vkCmdSetCullMode(cmd, wanted.cullMode);
         if (first || wanted.frontFace != state.frontFace) vk->vkCmdSetFrontFace(cmd, wanted.frontFace);
-        if (first || wanted.constantBias != state.constantBias || wanted.slopeBias != state.slopeBias)
-            vk->vkCmdSetDepthBias(cmd, wanted.constantBias, 0.0f, wanted.slopeBias);
+        if (first || wanted.slopeBias != state.slopeBias) vk->vkCmdSetDepthBias(cmd, 0.0f, 0.0f, wanted.slopeBias);
         state = wanted;
         first = false;
         if (caster->mesh != mesh) {
@@ -145,7 +144,7 @@ void PassContext::drawCasters(const CasterDraw& draw)
     // viewport and scissor, which are there again for the pass's next draw.
     for (const Caster* caster : draw.casters) {
         if (!caster->hostDrawn || !touches(caster->bounds, draw.volume)) continue;
-        vk->vkCmdSetDepthBias(cmd, draw.hostProjection->constantBias, 0.0f, draw.hostProjection->slopeBias);
+        vk->vkCmdSetDepthBias(cmd, 0.0f, 0.0f, draw.hostProjection->slopeBias);
         caster->drawCasters(cmd, draw.hostProjection, caster->userData);
         setArea();
     }

@@ -5,6 +5,11 @@
 //                   caster, so that it cannot shade itself, and no bias is needed
 //   open caster     both faces, pushed away from the light in proportion to their slope; the resolve compares at the
 //                   texel's own place on the receiver's plane (shaders/maps/map_receiver.glsl)
+//
+// There is no constant bias. Its unit is the last place of the largest depth of the whole primitive (Vulkan, Depth Bias
+// Computation), and where depths are clamped instead of clipped a triangle that reaches the plane through the light has
+// no largest: with a factor of 2 an NVIDIA driver pushes it past the far end of the map. By how much coplanar sheets (a
+// cloth on a table) are rounded apart is in what receivers allow for, DEPTH_ROUNDING (shaders/maps/map_look.h).
 #include "runtime/scene/scene_view.hpp"
 
 namespace gnomon {
@@ -13,16 +18,13 @@ namespace gnomon {
 struct CasterRaster {
     VkCullModeFlags cullMode = VK_CULL_MODE_NONE;
     VkFrontFace frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
-    float constantBias = 0.0f; ///< vkCmdSetDepthBias, first and third value.
-    float slopeBias = 0.0f;
+    float slopeBias = 0.0f; ///< vkCmdSetDepthBias, third value; the first is 0.
 };
 
 /// Where two facets of an open surface meet in a valley, the plane of one runs below the other: at a texel's corner, half
 /// a texel from the receiver in x and in y, by at most (|dz/dx| + |dz/dy|) / 2 <= max(|dz/dx|, |dz/dy|) of the steeper
 /// one, which is what Vulkan multiplies with the slope factor.
 inline constexpr float kOpenSlopeBias = 1.0f;
-/// In units of the depth format's last place. Coplanar sheets (a cloth on a table) differ by rounding alone.
-inline constexpr float kOpenConstantBias = 2.0f;
 
 /// Projections keep the winding (LightFit), meshes are counter-clockwise seen from outside.
 inline CasterRaster casterRaster(const Caster& caster, bool biasOpen = true)
@@ -32,7 +34,6 @@ inline CasterRaster casterRaster(const Caster& caster, bool biasOpen = true)
     if (caster.closed) {
         raster.cullMode = VK_CULL_MODE_FRONT_BIT;
     } else if (biasOpen) {
-        raster.constantBias = kOpenConstantBias;
         raster.slopeBias = kOpenSlopeBias;
     }
     return raster;

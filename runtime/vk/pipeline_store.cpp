@@ -74,10 +74,10 @@ void PipelineStore::setOwner(std::uint32_t owner)
     owner_ = owner;
 }
 
-void PipelineStore::setTrialBias(DepthBias bias)
+void PipelineStore::setTrialSlopeBias(float bias)
 {
     const std::lock_guard lock(mutex_);
-    trialBias_ = bias;
+    trialSlopeBias_ = bias;
 }
 
 /// The host's, or one of our own: pipelines of one source share compiled parts. Without a cache everything works, so a
@@ -136,7 +136,7 @@ Result<void> PipelineStore::recordTrials(VkCommandBuffer cmd, std::uint32_t owne
         untried.push_back(item.get());
         candidates.push_back({&item->description, &item->pipeline});
     }
-    if (Result<void> recorded = trials_.record(cmd, candidates, trialBias_); !recorded) return recorded;
+    if (Result<void> recorded = trials_.record(cmd, candidates, trialSlopeBias_); !recorded) return recorded;
     for (Item* item : untried)
         item->stage = Stage::tried;
     return {};

@@ -23,8 +23,8 @@ public:
 
     /// Pipelines described from now on belong to `owner` (a method's index); a shared one belongs to all who asked.
     void setOwner(std::uint32_t owner);
-    /// Bias of open casters: caster pipelines are tried with it as well as without.
-    void setTrialBias(DepthBias bias);
+    /// Slope factor of the bias of open casters: caster pipelines are tried with it as well as without.
+    void setTrialSlopeBias(float bias);
 
     /// Creates one described pipeline of `owner`; thread-safe against the rest. False: none left to create.
     /// A failure marks the pipeline failed (see failure()).
@@ -50,7 +50,7 @@ private:
     mutable std::mutex mutex_;
     std::vector<std::unique_ptr<Item>> items_; ///< Stable addresses: workers create outside the lock.
     PipelineTrials trials_;
-    DepthBias trialBias_;
+    float trialSlopeBias_ = 0.0f;
     VkPipelineCache ownCache_ = VK_NULL_HANDLE;
     bool cacheAsked_ = false;
     std::uint32_t owner_ = 0;

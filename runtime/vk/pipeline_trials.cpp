@@ -62,7 +62,7 @@ PipelineTrials::~PipelineTrials()
         memory_.destroy(standIn->image);
 }
 
-Result<void> PipelineTrials::record(VkCommandBuffer cmd, std::span<const Candidate> candidates, DepthBias casterBias)
+Result<void> PipelineTrials::record(VkCommandBuffer cmd, std::span<const Candidate> candidates, float slopeBias)
 {
     if (candidates.empty()) return {};
     if (Result<void> made = makeBuffers(); !made) return made;
@@ -80,7 +80,7 @@ Result<void> PipelineTrials::record(VkCommandBuffer cmd, std::span<const Candida
         if (trial.candidate.description->isCompute)
             recordDispatch(cmd, trial);
         else
-            recordDraw(cmd, trial, casterBias);
+            recordDraw(cmd, trial, slopeBias);
         fullBarrier(vk_, cmd);
     }
     return {};
@@ -244,7 +244,7 @@ void PipelineTrials::recordDispatch(VkCommandBuffer cmd, const Trial& trial) con
     vk_.vkCmdDispatch(cmd, 1, 1, 1);
 }
 
-void PipelineTrials::recordDraw(VkCommandBuffer cmd, const Trial& trial, DepthBias casterBias) const
+void PipelineTrials::recordDraw(VkCommandBuffer cmd, const Trial& trial, float slopeBias) const
 {
     VkRenderingAttachmentInfo color{};
     color.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO;
@@ -280,8 +280,8 @@ void PipelineTrials::recordDraw(VkCommandBuffer cmd, const Trial& trial, DepthBi
         vk_.vkCmdBindIndexBuffer(cmd, zeros_.buffer, 0, VK_INDEX_TYPE_UINT32);
         vk_.vkCmdSetCullMode(cmd, VK_CULL_MODE_NONE);
         vk_.vkCmdSetFrontFace(cmd, VK_FRONT_FACE_COUNTER_CLOCKWISE);
-        for (const DepthBias bias : {DepthBias{}, casterBias}) { // triangle set-up is compiled for the values
-            vk_.vkCmdSetDepthBias(cmd, bias.constant, 0.0f, bias.slope);
+        for (const float bias : {0.0f, slopeBias}) { // triangle set-up is compiled for the values
+            vk_.vkCmdSetDepthBias(cmd, 0.0f, 0.0f, bias);
             vk_.vkCmdDrawIndexed(cmd, 3, 1, 0, 0, 0);
         }
     } else {

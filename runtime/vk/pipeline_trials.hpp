@@ -9,11 +9,6 @@
 
 namespace gnomon {
 
-struct DepthBias {
-    float constant = 0.0f;
-    float slope = 0.0f;
-};
-
 class PipelineTrials {
 public:
     PipelineTrials(const DeviceTable& vk, DeviceMemory& memory, const SamplerSet& samplers);
@@ -27,7 +22,7 @@ public:
     };
     /// Records each candidate's draw or dispatch with barriers of its own. Stand-ins are made on demand and kept, for
     /// the recording may run any time later. On failure nothing has been recorded.
-    Result<void> record(VkCommandBuffer cmd, std::span<const Candidate> candidates, DepthBias casterBias);
+    Result<void> record(VkCommandBuffer cmd, std::span<const Candidate> candidates, float slopeBias);
 
 private:
     struct StandIn {
@@ -51,7 +46,7 @@ private:
     void clearStandIns(VkCommandBuffer cmd) const;
     void clearStorage(VkCommandBuffer cmd) const;
     void recordDispatch(VkCommandBuffer cmd, const Trial& trial) const;
-    void recordDraw(VkCommandBuffer cmd, const Trial& trial, DepthBias casterBias) const;
+    void recordDraw(VkCommandBuffer cmd, const Trial& trial, float slopeBias) const;
     void bind(VkCommandBuffer cmd, const Trial& trial) const;
 
     const DeviceTable& vk_;

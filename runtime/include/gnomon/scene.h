@@ -58,8 +58,9 @@ typedef struct GnCasterProjection {
     double origin[3];          ///< World position of the zero of `clipFromWorld`, metres.
     VkRect2D area;             ///< Viewport (depth 0 to 1) and scissor, set before each call.
     VkFormat depthFormat;      ///< The only attachment of the pass.
-    float constantBias;        ///< vkCmdSetDepthBias values, set before each call, for pipelines that enable depth bias
-    float slopeBias;           ///< and take it from dynamic state; others should have the same.
+    float slopeBias;           ///< Third value of vkCmdSetDepthBias, the others being 0. Set before each call, for
+                               ///< pipelines that enable depth bias and take it from dynamic state; others should have
+                               ///< the same.
 } GnCasterProjection;
 
 /** Draws the host's casters of this instance, depth only: depth is 0 near the light and 1 far from it, compare LESS, and
