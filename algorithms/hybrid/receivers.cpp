@@ -18,10 +18,21 @@ float fromHalf(std::uint16_t bits)
     return std::bit_cast<float>((special ? magnitude | 0x7f800000u : std::bit_cast<std::uint32_t>(value)) | sign);
 }
 
+NeighbourDepths neighbourDepths(std::span<const float> depth, std::uint32_t width, const VkRect2D& area, float skyDepth,
+                                std::uint32_t x, std::uint32_t y)
+{
+    const auto left = static_cast<std::uint32_t>(area.offset.x), top = static_cast<std::uint32_t>(area.offset.y);
+    const std::size_t pixel = static_cast<std::size_t>(y) * width + x;
+    return {.left = x > left ? depth[pixel - 1] : skyDepth,
+            .right = x + 1 < left + area.extent.width ? depth[pixel + 1] : skyDepth,
+            .above = y > top ? depth[pixel - width] : skyDepth,
+            .below = y + 1 < top + area.extent.height ? depth[pixel + width] : skyDepth};
+}
+
 Receivers::Receivers(const CameraView& view, const LightView& light, std::span<const float> depth,
                      std::span<const std::byte> normals)
-    : view_(view.constants), light_(light.constants), width_(view.extent.width), depth_(depth), normals_(normals),
-      halfNormals_(view.normalFormat == VK_FORMAT_R16G16B16A16_SFLOAT)
+    : view_(view.constants), light_(light.constants), area_(view.area), width_(view.extent.width), depth_(depth),
+      normals_(normals), halfNormals_(view.normalFormat == VK_FORMAT_R16G16B16A16_SFLOAT)
 {
 }
 
@@ -38,6 +49,18 @@ glm::vec3 Receivers::normalAt(std::size_t pixel) const
         normal = {texel[0], texel[1], texel[2]};
     }
     return normal * (1.0f / gpu::max(gpu::length(normal), 1e-20f)); // halves are unit length to 1e-3 only
+}
+
+/// As shaders have it (shaders/shared/seen_normal.glsl), but that what lies beside the area is as far as sky.
+glm::vec3 Receivers::seenNormalAt(std::uint32_t x, std::uint32_t y, float w, const glm::vec3& viewRay) const
+{
+    const NeighbourDepths beside = neighbourDepths(depth_, width_, area_, view_.skyDepth, x, y);
+    const glm::vec2 centre(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+    const auto step = [&](float dx, float dy, float depth) {
+        return gpu::stepWs(view_, centre + glm::vec2(dx, dy), depth, w, viewRay);
+    };
+    return gpu::seenNormalWs(step(-1.0f, 0.0f, beside.left), step(1.0f, 0.0f, beside.right),
+                             step(0.0f, -1.0f, beside.above), step(0.0f, 1.0f, beside.below), viewRay);
 }
 
 void Receivers::prefetch(std::uint32_t x, std::uint32_t y) const
@@ -61,11 +84,12 @@ Asked Receivers::at(std::uint32_t x, std::uint32_t y, ShadowRay& ray, Receiver& 
     if (!gpu::lightReaches(light_, receiver)) return Asked::lit;
 
     const glm::vec3 toLight = gpu::towardsLightWs(light_, receiver);
-    glm::vec3 normal = viewRay / gpu::length(viewRay), away = toLight; // without normals: the longest offset there is
-    if (!normals_.empty()) {
-        normal = normalAt(pixel);
+    glm::vec3 normal = viewRay / gpu::length(viewRay), away; // without normals: the longest offset there is
+    if (normals_.empty()) {
+        away = gpu::startDirectionWs(seenNormalAt(x, y, surface.w, viewRay), toLight);
+    } else {
+        normal = away = normalAt(pixel);
         if (!(gpu::dot(normal, toLight) > 0.0f)) return Asked::dark;
-        away = normal;
     }
     surface.normal = normal;
     const float offset = gpu::receiverOffset(view_, light_, depth, viewRay, receiver, normal);

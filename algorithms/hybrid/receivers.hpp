@@ -32,6 +32,14 @@ struct Receiver {
     glm::vec3 normal;  ///< Unit; without normals from the host, the direction of the view ray.
 };
 
+/// Depth values beside a pixel; sky where the view draws none.
+struct NeighbourDepths {
+    float left, right, above, below;
+};
+/// Of the pixel at image coordinates within `area`. @param depth row by row, `width` to a row
+NeighbourDepths neighbourDepths(std::span<const float> depth, std::uint32_t width, const VkRect2D& area, float skyDepth,
+                                std::uint32_t x, std::uint32_t y);
+
 /// A view's receivers for one light.
 class Receivers {
 public:
@@ -53,9 +61,11 @@ public:
 
 private:
     glm::vec3 normalAt(std::size_t pixel) const;
+    glm::vec3 seenNormalAt(std::uint32_t x, std::uint32_t y, float w, const glm::vec3& viewRay) const;
 
     gpu::ViewConstants view_;
     gpu::LightConstants light_;
+    VkRect2D area_;
     std::uint32_t width_;
     std::span<const float> depth_;
     std::span<const std::byte> normals_;

@@ -163,6 +163,33 @@ void BlockReader::texels(std::uint32_t x, std::uint32_t y, Texels& texels) const
         whole(std::size_t(top) * width_ + left, texels);
     else
         part(x, y, texels);
+    if (normals_.empty()) beside(left, top, texels);
+}
+
+/// What is beside the pixels of a block, by image coordinates.
+void BlockReader::beside(std::uint32_t left, std::uint32_t top, Texels& texels) const
+{
+    const auto areaLeft = static_cast<std::uint32_t>(area_.offset.x),
+               areaTop = static_cast<std::uint32_t>(area_.offset.y);
+    const std::uint32_t right = areaLeft + area_.extent.width, bottom = areaTop + area_.extent.height;
+    if (left > areaLeft && top > areaTop && left + kBlockSide < right && top + kBlockSide < bottom) {
+        const std::size_t pixel = std::size_t(top) * width_ + left;
+        const std::size_t from[4] = {pixel - 1, pixel + 1, pixel - width_, pixel + width_};
+        for (std::uint32_t side = 0; side < 4; ++side)
+            for (std::uint32_t row = 0; row < kBlockSide; ++row)
+                std::memcpy(texels.beside[side] + row * kBlockSide,
+                            depth_.data() + from[side] + row * std::size_t(width_), kBlockSide * sizeof(float));
+        return;
+    }
+    for (std::uint32_t i = 0; i < kLanes; ++i) {
+        const std::uint32_t x = left + i % kBlockSide, y = top + i / kBlockSide;
+        NeighbourDepths found{constants_.skyDepth, constants_.skyDepth, constants_.skyDepth, constants_.skyDepth};
+        if (x < right && y < bottom) found = neighbourDepths(depth_, width_, area_, constants_.skyDepth, x, y);
+        texels.beside[0][i] = found.left;
+        texels.beside[1][i] = found.right;
+        texels.beside[2][i] = found.above;
+        texels.beside[3][i] = found.below;
+    }
 }
 
 void BlockReader::read(std::uint32_t x, std::uint32_t y, Block& block) const

@@ -47,6 +47,7 @@ private:
     void whole(std::size_t pixel, lanes::Texels& texels) const;
     void part(std::uint32_t x, std::uint32_t y, lanes::Texels& texels) const;
     void normal(const std::byte* texel, lanes::Texels& texels, std::uint32_t lane) const;
+    void beside(std::uint32_t left, std::uint32_t top, lanes::Texels& texels) const;
 
     const lanes::Kernels& kernels_;
     lanes::Constants constants_{};

@@ -35,11 +35,12 @@ layout(location = 0) out float visibility;
 layout(constant_id = 0) const bool HAS_NORMALS = true;
 
 #include "decided.glsl"
+#include "../shared/seen_normal.glsl"
 
 // The start of a pixel's ray, relative to the eye, as algorithms/hybrid/receivers.cpp has it.
 struct RayStart {
     vec3 fromEye;
-    vec3 behind;  // as far on the other side of the receiver, where there are no normals
+    vec3 behind;  // as far away from the light, for where there are no normals
     float offset; // from the receiver
     float errorWs;
     bool reached; // by the light
@@ -51,23 +52,25 @@ RayStart rayStart(ViewConstants view, float depth, ivec2 pixel)
     vec3 ray = viewRayWs(view, vec2(pixel) + 0.5);
     vec3 fromEye = linearDepth(view, depth) * ray;
     vec3 receiver = view.eyeWs.xyz + fromEye;
-    vec3 normal, away;
+    vec3 normal, away, toLight; // with normals of any length
     RayStart start;
     if (HAS_NORMALS) {
         normal = texelFetch(normalImage, pixel, 0).xyz;
         normal *= 1.0 / max(length(normal), 1e-20); // one division, as on the CPU
         away = normal;
-        vec3 toLight = light.type == LIGHT_DIRECTIONAL ? -light.directionWs.xyz : light.positionWs.xyz - receiver;
+        toLight = light.type == LIGHT_DIRECTIONAL ? -light.directionWs.xyz : light.positionWs.xyz - receiver;
         start.facing = dot(normal, toLight) > 0.0;
     } else {
         normal = ray / length(ray);
-        away = towardsLightWs(light, receiver);
+        toLight = towardsLightWs(light, receiver);
+        vec3 seen = seenNormal(view, constants.map.area, pixel, linearDepth(view, depth), ray);
+        away = startDirectionWs(seen, toLight);
         start.facing = true;
     }
     start.reached = lightReaches(light, receiver);
     start.offset = receiverOffset(view, light, depth, ray, receiver, normal);
     start.fromEye = fromEye + start.offset * away;
-    start.behind = fromEye - start.offset * away;
+    start.behind = fromEye - start.offset * toLight;
     // What the ray tracer's receiver may differ by: a unit in the last place of the depth, and of coordinates.
     start.errorWs = depthUlpWs(view, depth, ray) + largestCoordinate(view, light, receiver) * ULPS_21;
     return start;

@@ -107,5 +107,30 @@ GN_SHARED_FN float receiverOffset(ViewConstants view, LightConstants light, floa
     return view.offsetFactor * (u + f / 256.0f + c * (1.0f / 2097152.0f));
 }
 
+// From a receiver at linear depth w to what a pixel beside it sees, metres. Sky is far away.
+GN_SHARED_FN vec3 stepWs(ViewConstants view, vec2 besidePixel, float besideDepth, float w, vec3 ray)
+{
+    return min(linearDepth(view, besideDepth), 1e15f) * viewRayWs(view, besidePixel) - w * ray;
+}
+
+// Where the host gives no normals: of the plane through a receiver and the closer one of either two beside it. Unit, turned
+// to the eye; wrong at edges, so that it may say where a ray starts and how depths slope, but not what faces the light.
+GN_SHARED_FN vec3 seenNormalWs(vec3 left, vec3 right, vec3 above, vec3 below, vec3 ray)
+{
+    vec3 dx = dot(left, left) < dot(right, right) ? -left : right;
+    vec3 dy = dot(above, above) < dot(below, below) ? -above : below;
+    vec3 normal = cross(dx, dy);
+    float scale = 1.0f / max(length(normal), 1e-20f);
+    return dot(normal, ray) > 0.0f ? -scale * normal : scale * normal;
+}
+
+// Where a ray starts without normals from the host: between the seen normal and the light, so that neither light that falls
+// flat nor an edge, at which that normal is another surface's, leaves the start within what depths are rounded by. Unit.
+GN_SHARED_FN vec3 startDirectionWs(vec3 seenNormal, vec3 toLight)
+{
+    vec3 between = seenNormal + toLight;
+    return dot(seenNormal, toLight) > 0.0f ? between * (1.0f / length(between)) : toLight;
+}
+
 GN_SHARED_END
 #endif

@@ -38,7 +38,7 @@ Tally tallyOf(const Stage& stage, size_t layer, const brute::Light& light, const
             const auto px = static_cast<uint32_t>(x), py = static_cast<uint32_t>(y);
             const glm::dvec3 normal = drawnNormal(stage, px, py);
             const brute::Answer answer =
-                brute::answerAt(view, light, casters, x, y, *stage.surfaces.depth.at(px, py), &normal);
+                brute::answerAt(view, light, casters, x, y, *stage.surfaces.depth.at(px, py), normal);
             tally.add(answer, *stage.truth[layer].at(px, py) >= 128);
         }
     }

@@ -59,7 +59,7 @@ SoftTruth softTruth(const Stage& stage, size_t layer, const brute::Scene& caster
             const auto px = static_cast<uint32_t>(x), py = static_cast<uint32_t>(y);
             const glm::dvec3 normal = drawnNormal(stage, px, py);
             const brute::Answer answer =
-                brute::answerAt(view, light, casters, x, y, *stage.surfaces.depth.at(px, py), &normal);
+                brute::answerAt(view, light, casters, x, y, *stage.surfaces.depth.at(px, py), normal);
             const bool asked = answer.state == brute::State::asked;
             const glm::dvec3 origin = answer.receiver + normal * (answer.offset / glm::length(normal));
             truth.asked.push_back(asked && !answer.grazing);

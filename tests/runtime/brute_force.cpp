@@ -124,10 +124,17 @@ struct Receiver {
         const double k = view.convention == GN_DEPTH_STANDARD ? 3.0 : 1.0;
         return k * (u * slope + f / 256.0 + std::ldexp(c, -21));
     }
+    /// Which way rays are moved that go towards l.
+    glm::dvec3 away(const glm::dvec3& l) const
+    {
+        if (hasNormal) return normal;
+        const glm::dvec3 seen = glm::dot(normal, relative) > 0.0 ? -normal : normal;
+        return glm::dot(seen, l) > 0.0 ? glm::normalize(seen + l) : l;
+    }
     bool lit(const glm::dvec3& from, double delta) const
     {
         const glm::dvec3 l = towardsLight(from);
-        const glm::dvec3 start = from + delta * (hasNormal ? normal : l);
+        const glm::dvec3 start = from + delta * away(l);
         if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) return !scene.blocked(view.eye + start, l, kInfinity);
         const double distance = glm::length(lightRelative() - start);
         return !scene.blocked(view.eye + start, towardsLight(start), distance - delta);
@@ -215,15 +222,14 @@ std::vector<Triangle> trianglesOf(std::span<const Caster> casters, std::uint32_t
 }
 
 Answer answerAt(const View& view, const Light& light, const Scene& scene, int x, int y, float depth,
-                const glm::dvec3* normal)
+                const glm::dvec3& normal, bool given)
 {
     Answer answer;
     if (depth == (view.convention == GN_DEPTH_STANDARD ? 1.0f : 0.0f)) return answer;
 
     const Camera camera(view);
     const glm::dvec3 relative = camera.relative(x + 0.5, y + 0.5, static_cast<double>(depth));
-    const Receiver r{
-        camera, view, light, scene, relative, normal != nullptr, normal ? glm::normalize(*normal) : glm::dvec3(0.0)};
+    const Receiver r{camera, view, light, scene, relative, given, glm::normalize(normal)};
     answer.receiver = view.eye + relative;
     answer.state = State::unreached;
     if (!r.reached()) return answer;

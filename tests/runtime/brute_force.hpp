@@ -65,9 +65,9 @@ struct Answer {
     glm::dvec3 receiver{0.0};
 };
 
-/// One pixel. `normal` null: the host gives none, every reached pixel is asked.
+/// One pixel. Where the host has not `given` the normal, every reached pixel is asked: it only says where rays start.
 Answer answerAt(const View& view, const Light& light, const Scene& scene, int x, int y, float depth,
-                const glm::dvec3* normal);
+                const glm::dvec3& normal, bool given = true);
 
 /// The depth value and the normal that a rasteriser would leave at a pixel centre: nearest triangle along the view ray.
 /// The normal is the one the triangle's winding names, whichever side is seen.
