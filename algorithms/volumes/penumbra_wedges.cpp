@@ -127,7 +127,7 @@ void PenumbraWedges::declare(PassBuilder& passes, const ShadowTask& task)
 
 VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent, GnLightType)
 {
-    return viewStencilMemory(extent) + VkDeviceSize{4} * extent.width * extent.height; // coverage
+    return viewStencilMemory(extent) + storedImageSize(extent, 4); // coverage
 }
 
 std::unique_ptr<ShadowAlgorithm> create(const AlgorithmServices& services)

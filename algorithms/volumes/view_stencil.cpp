@@ -237,9 +237,8 @@ VkDeviceSize viewStencilMemory(VkExtent2D extent)
 {
     // Depth and stencil take 8 bytes a pixel on many devices.
     const VkRect2D whole{{0, 0}, extent};
-    return VkDeviceSize{8} * extent.width * extent.height + pooledSize(depthsSize(extent)) +
-           pooledSize(sizeof(gpu::ReceiverBounds)) + pooledSize(sizeOf(stripExtent(whole))) +
-           pooledSize(sizeOf(tileExtent(whole)));
+    return storedImageSize(extent, 8) + pooledSize(depthsSize(extent)) + pooledSize(sizeof(gpu::ReceiverBounds)) +
+           pooledSize(sizeOf(stripExtent(whole))) + pooledSize(sizeOf(tileExtent(whole)));
 }
 
 } // namespace gnomon

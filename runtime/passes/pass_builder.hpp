@@ -84,6 +84,14 @@ constexpr VkDeviceSize pooledSize(VkDeviceSize size)
     return std::bit_ceil(std::max<VkDeviceSize>(size, 256));
 }
 
+/// And of an image, at most: devices may store whole tiles. Of NVIDIA's 580.159 (H100) they are 64 bytes wide and 128
+/// rows high, whatever the format, so that 1280x720 takes what 1280x768 does; lavapipe has none.
+constexpr VkDeviceSize storedImageSize(VkExtent2D extent, VkDeviceSize texelBytes)
+{
+    const VkDeviceSize row = (texelBytes * extent.width + 63) / 64 * 64, rows = (extent.height + 127u) / 128 * 128;
+    return row * rows;
+}
+
 struct Rect {
     std::int32_t x = 0, y = 0;
     std::uint32_t width = 0, height = 0; ///< 0: everything.

@@ -19,7 +19,7 @@ using namespace gnomon::test;
 
 namespace {
 
-constexpr VkExtent2D kExtent{328, 180}; // no multiple of a strip or a tile
+constexpr VkExtent2D kExtent{328, 244}; // no multiple of a strip or a tile, ours or the device's
 
 /// Buffers are rounded up to a power of two.
 VkDeviceSize rounded(VkDeviceSize bytes)
