@@ -96,6 +96,12 @@ DiscreteBooks& discreteBooks()
     return books;
 }
 
+bool canShowDiscrete()
+{
+    const VkPhysicalDeviceMemoryProperties& memory = device().memory;
+    return memory.memoryTypeCount == 1 && (memory.memoryTypes[0].propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT);
+}
+
 HostOptions discrete(HostOptions base)
 {
     return hooked(std::move(base), {hook("vkGetPhysicalDeviceMemoryProperties2", &threeTypes),

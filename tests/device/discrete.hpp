@@ -16,6 +16,10 @@ struct DiscreteBooks {
 };
 DiscreteBooks& discreteBooks();
 
+/// Whether the device can be shown so: it has one memory type, which stands for all three. One that has memory of its
+/// own shows what a discrete GPU shows without this.
+bool canShowDiscrete();
+
 /// Options of a host on such a device.
 HostOptions discrete(HostOptions base = {});
 

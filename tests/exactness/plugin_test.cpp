@@ -1,6 +1,7 @@
 // A method that comes as a shared object: it is listed, can be pinned, has settings, and what is no plug-in is refused
 // with words.
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "device/fixture.hpp"
@@ -54,7 +55,7 @@ TEST_CASE("a light pinned to the plug-in is half lit everywhere, and its setting
     REQUIRE(host.draw() == GN_SUCCESS);
     CHECK(std::string(host.decision(0).pMethod) == kMethod);
     CHECK(host.decision(0).reason == GN_REASON_PINNED);
-    CHECK(everywhere(host.pictures()[0]) == 128);
+    CHECK(std::abs(everywhere(host.pictures()[0]) - 127.5) < 1.0); // Vulkan leaves it to the device which way halves go
 
     host.require(gnSetMethodSetting(host.context, kMethod, "shade", 0.25));
     REQUIRE(host.draw() == GN_SUCCESS);
