@@ -147,7 +147,7 @@ double presentFactor(const CheckRows& rows, const cost::CostModel& model)
 cost::CostModel modelOf(const CalibrateOptions& options, const Device& device, const std::vector<SweepMethod>& methods)
 {
     const std::filesystem::path file =
-        valueOf(findKnowledge(options.knowledge.empty() ? "lavapipe" : options.knowledge));
+        valueOf(findKnowledge(options.knowledge.empty() ? knowledgeFor(device) : options.knowledge));
     const cost::KnowledgeResult knowledge = cost::parseKnowledge(valueOf(readText(file)));
     if (!knowledge.base) throw HostError(file.string() + ": " + knowledge.error);
     std::vector<std::string> algorithms;

@@ -66,7 +66,7 @@ Session::Session(const SessionOptions& options)
       shadows(device, scene, geometry, shadowOptions(scene, options)),
       renderer(device, scene, geometry, rendererOptions(scene, options))
 {
-    expect(loadKnowledge(shadows, options.knowledge));
+    expect(loadKnowledge(shadows, device, options.knowledge));
 }
 
 Session::Session(Device& sharedDevice, const Scene& sharedScene, const SessionOptions& options)
@@ -74,7 +74,7 @@ Session::Session(Device& sharedDevice, const Scene& sharedScene, const SessionOp
       shadows(device, scene, geometry, shadowOptions(scene, options)),
       renderer(device, scene, geometry, rendererOptions(scene, options))
 {
-    expect(loadKnowledge(shadows, options.knowledge));
+    expect(loadKnowledge(shadows, device, options.knowledge));
 }
 
 Outcome<VkExtent2D> parseSize(const std::string& text)
@@ -149,10 +149,15 @@ Outcome<std::filesystem::path> findKnowledge(const std::string& nameOrPath)
     return Outcome<fs::path>::failure("no knowledge base '" + nameOrPath + "': neither a file nor a shipped one");
 }
 
-Status loadKnowledge(const ShadowHost& shadows, const std::string& nameOrPath)
+const char* knowledgeFor(const Device& device)
+{
+    return device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU ? "lavapipe" : "h100";
+}
+
+Status loadKnowledge(const ShadowHost& shadows, const Device& device, const std::string& nameOrPath)
 {
     if (nameOrPath == "none") return Done{};
-    const Outcome<std::filesystem::path> file = findKnowledge(nameOrPath.empty() ? "lavapipe" : nameOrPath);
+    const Outcome<std::filesystem::path> file = findKnowledge(nameOrPath.empty() ? knowledgeFor(device) : nameOrPath);
     if (!file) return nameOrPath.empty() ? Status(Done{}) : Status::failure(file.error());
     const Outcome<std::string> text = readText(*file);
     if (!text) return Status::failure(text.error());

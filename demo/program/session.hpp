@@ -59,10 +59,12 @@ struct RuleText {
 /// A rule base by path or by the name of a shipped one; empty: "default", or none in a build that reads none.
 Outcome<RuleText> findRules(const std::string& nameOrPath);
 
-/// A knowledge base by path, or by the name of a shipped one: `lavapipe`.
+/// A knowledge base by path, or by the name of a shipped one: `lavapipe`, `h100`.
 Outcome<std::filesystem::path> findKnowledge(const std::string& nameOrPath);
-/// Teaches the cost model; an empty name means the shipped knowledge base, if it is installed, `none` nothing.
-Status loadKnowledge(const ShadowHost& shadows, const std::string& nameOrPath);
+/// The shipped one that is closest to the device: of one without memory and cores of its own, or of a graphics card.
+const char* knowledgeFor(const Device& device);
+/// Teaches the cost model; an empty name means knowledgeFor(), if it is installed, `none` nothing.
+Status loadKnowledge(const ShadowHost& shadows, const Device& device, const std::string& nameOrPath);
 
 Outcome<std::string> readText(const std::filesystem::path& file);
 
