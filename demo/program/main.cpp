@@ -48,7 +48,8 @@ void addRun(CLI::App& app, RunOptions& options, int& exitCode)
     auto* rules = run->add_option("--rules", options.rules, kRulesHelp);
     run->add_option("--method", options.method, "this method for every light it serves, instead of rules")
         ->excludes(rules);
-    run->add_option("--knowledge", options.knowledge, "what the cost model starts from: a path, `lavapipe`, `h100`, or `none`; default: by the device");
+    run->add_option("--knowledge", options.knowledge,
+                    "what the cost model starts from: a path, `lavapipe`, `h100`, or `none`; default: by the device");
     run->add_option("--size", options.size, "picture size, such as 1280x720; default: the scene's");
     run->add_option("--frames", options.frames, "number of frames; default: the scene's")
         ->check(CLI::Range(1, 1000000));
