@@ -38,60 +38,10 @@ void remarkOnSubpixels(const DeviceTable& vk, const Messages& messages)
                                            " pixel; methods allow for 1/256, and are less exact than they say");
 }
 
-Error invalidHandle(const char* kind)
-{
-    return {GN_ERROR_INVALID_HANDLE, "InvalidHandle", std::string("not a live ") + kind + " of this context"};
-}
-
 template <typename Handle>
 std::uint64_t bits(Handle handle)
 {
     return (std::uint64_t)handle; // a pointer or a 64-bit number, as the platform has it
-}
-
-GnElimination eliminationOf(const Candidate& candidate, bool chosen)
-{
-    if (chosen) return GN_ELIMINATION_NONE;
-    if (candidate.exclusion == Exclusion::notReady) return GN_ELIMINATION_NOT_READY;
-    if (candidate.exclusion == Exclusion::vetoed) return GN_ELIMINATION_NEVER;
-    if (candidate.exclusion != Exclusion::none) return GN_ELIMINATION_UNABLE;
-    switch (candidate.why) {
-    case plan::Why::trait:
-        return GN_ELIMINATION_UNABLE;
-    case plan::Why::pinned:
-        return GN_ELIMINATION_PINNED;
-    case plan::Why::never:
-        return GN_ELIMINATION_NEVER;
-    case plan::Why::noOpinion:
-        return GN_ELIMINATION_NO_OPINION;
-    case plan::Why::floor:
-        return GN_ELIMINATION_FLOOR;
-    case plan::Why::budget:
-        return GN_ELIMINATION_BUDGET;
-    case plan::Why::hysteresis:
-        return GN_ELIMINATION_HYSTERESIS;
-    case plan::Why::price:
-        return GN_ELIMINATION_PRICE;
-    case plan::Why::chosen: // by the plan, but the fallback had to serve
-    case plan::Why::outscored:
-        break;
-    }
-    return GN_ELIMINATION_OUTSCORED;
-}
-
-GnCandidate publicCandidate(const char* name, const Candidate& candidate, bool chosen, bool hasRules)
-{
-    const bool able = candidate.exclusion == Exclusion::none || candidate.exclusion == Exclusion::vetoed;
-    return {.pMethod = name,
-            .suitability = !able                                      ? GN_SUITABILITY_UNABLE
-                           : candidate.exclusion == Exclusion::vetoed ? GN_SUITABILITY_NEVER
-                           : hasRules                                 ? candidate.quantised
-                                                                      : GN_SUITABILITY_NO_OPINION,
-            .elimination = eliminationOf(candidate, chosen),
-            .quality = candidate.quality,
-            .predictedMs = candidate.predictedMs,
-            .sigmaMs = candidate.sigmaMs,
-            .sharedMs = candidate.sharedMs};
 }
 
 } // namespace
@@ -401,65 +351,6 @@ Result<void> Context::loadRules(std::string_view text, std::string_view fileName
                        error ? "RuleError" : "RuleWarning", rules::toText(finding));
     }
     return loaded;
-}
-
-// --- what is known of the last frame ---
-
-Result<const LightDecision*> Context::findDecision(GnView viewHandle, GnLight light)
-{
-    const View* view = findView(viewHandle);
-    if (!view) return invalidHandle("view");
-    for (const LightDecision& d : view->decisions)
-        if (d.light == light) return &d;
-    return Error{GN_ERROR_INVALID_HANDLE, "LightNotInFrame",
-                 "the light was not in the last frame of view '" + view->name + "'"};
-}
-
-Result<GnDecision> Context::decision(GnView view, GnLight light)
-{
-    const Result<const LightDecision*> found = findDecision(view, light);
-    if (!found) return found.error();
-    const LightDecision& d = **found;
-    return GnDecision{.pMethod = d.method == UINT32_MAX ? nullptr : (*methods_)[d.method].name.c_str(),
-                      .reason = d.reason,
-                      .suitability = d.suitability,
-                      .predictedMs = d.predictedMs,
-                      .measuredMs = d.measuredMs,
-                      .viewerDistance = d.viewerDistance,
-                      .viewerDistanceMeasured = d.distanceMeasured ? VK_TRUE : VK_FALSE,
-                      .switched = d.switched ? VK_TRUE : VK_FALSE,
-                      .pRule = ruleBehind(*findView(view), d),
-                      .pOutgoing = d.outgoing == UINT32_MAX ? nullptr : (*methods_)[d.outgoing].name.c_str(),
-                      .fade = d.fade,
-                      .pProbed = d.probed == UINT32_MAX ? nullptr : (*methods_)[d.probed].name.c_str()};
-}
-
-Result<std::string> Context::explanation(GnView view, GnLight light)
-{
-    const Result<const LightDecision*> found = findDecision(view, light);
-    if (!found) return found.error();
-    const RecordRing& records = findView(view)->records;
-    return selector_->explain(**found, records.rules(records.newest()).get());
-}
-
-Result<std::uint32_t> Context::facts(GnView view, GnLight light, std::span<GnFact> out)
-{
-    const Result<const LightDecision*> found = findDecision(view, light);
-    if (!found) return found.error();
-    for (std::size_t i = 0; i < std::min(out.size(), kFactCount); ++i)
-        out[i] = {.pName = kFactNames[i].name, .pUnit = kFactNames[i].unit, .value = (*found)->facts[i]};
-    return static_cast<std::uint32_t>(kFactCount);
-}
-
-Result<std::uint32_t> Context::candidates(GnView view, GnLight light, std::span<GnCandidate> out)
-{
-    const Result<const LightDecision*> found = findDecision(view, light);
-    if (!found) return found.error();
-    const RecordRing& records = findView(view)->records;
-    const bool ruled = records.rules(records.newest()) != nullptr; // by those in force when it was decided
-    for (std::uint32_t i = 0; i < std::min<std::size_t>(out.size(), methods_->size()); ++i)
-        out[i] = publicCandidate((*methods_)[i].name.c_str(), (*found)->candidates[i], i == (*found)->method, ruled);
-    return methods_->size();
 }
 
 /// Maps of the frame's methods, each once.

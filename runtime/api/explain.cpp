@@ -51,7 +51,7 @@ void Context::noteMeasured(const FrameTimings& timings)
 Result<DecisionRecord> Context::recordOf(const View& view, GnLight light, std::uint64_t frame)
 {
     const std::optional<SceneRegistry::LightInfo> info = scene_->lightInfo(light);
-    if (!info) return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle", "not a live light of this context"};
+    if (!info) return invalidHandle("light");
     if (view.records.newest() == 0)
         return Error{GN_ERROR_FRAME_ORDER, "NoFrameYet", "view '" + view.name + "' has been in no frame yet"};
     const std::uint64_t wanted = frame ? frame : view.records.newest();
@@ -86,7 +86,7 @@ const char* Context::ruleBehind(const View& view, const LightDecision& decision)
 Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQuestion& question)
 {
     const View* view = findView(viewHandle);
-    if (!view) return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle", "not a live view of this context"};
+    if (!view) return invalidHandle("view");
     const Result<DecisionRecord> record = recordOf(*view, light, question.frame);
     if (!record) return record.error();
     std::vector<MethodWords> methods;
@@ -125,7 +125,7 @@ Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQu
 Result<std::string> Context::decisionLog(GnView viewHandle, std::uint64_t firstFrame, std::uint64_t frameOrigin)
 {
     const View* view = findView(viewHandle);
-    if (!view) return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle", "not a live view of this context"};
+    if (!view) return invalidHandle("view");
     const RecordRing& records = view->records;
     const std::uint64_t first = std::max(firstFrame, records.oldest());
     if (records.newest() == 0 || first > records.newest())

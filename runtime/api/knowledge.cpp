@@ -38,9 +38,9 @@ void Context::teachShared()
 Result<GnLightTiming> Context::lightTiming(GnView viewHandle, GnLight light)
 {
     const View* view = findView(viewHandle);
-    if (!view) return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle", "not a live view of this context"};
+    if (!view) return invalidHandle("view");
     const std::optional<SceneRegistry::LightInfo> info = scene_->lightInfo(light);
-    if (!info) return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle", "not a live light of this context"};
+    if (!info) return invalidHandle("light");
     const auto memory = view->lights.find(info->id);
     const TimedLight* timed = memory == view->lights.end() ? nullptr : plan_->timed(memory->second);
     if (!timed) return GnLightTiming{};

@@ -15,6 +15,13 @@ struct Error {
     std::string text;
 };
 
+/// @param kind "mesh", "instance", "light" or "view"
+inline Error invalidHandle(const char* kind)
+{
+    return {GN_ERROR_INVALID_HANDLE, "InvalidHandle",
+            std::string("the ") + kind + " is null, was destroyed or belongs to another context"};
+}
+
 /// A value, or why there is none. What can fail because of the host's input or the device returns this; an assertion
 /// guards our own mistakes.
 template <typename T>

@@ -35,9 +35,9 @@ inline Merit sharedMerit(std::span<const Merit> merits, std::size_t method) noex
     Merit best{own.suitability > 0 ? own.suitability : 0, own.quality, own.eligible};
     for (const Merit& other : merits) {
         const bool counts = other.eligible & showsAsMuch(own, other);
-        best.suitability = counts & (other.suitability > best.suitability) ? other.suitability : best.suitability;
+        best.suitability = (counts & (other.suitability > best.suitability)) ? other.suitability : best.suitability;
         const bool spokenOf = other.suitability >= 0;
-        best.quality = counts & spokenOf & (other.quality > best.quality) ? other.quality : best.quality;
+        best.quality = (counts & spokenOf & (other.quality > best.quality)) ? other.quality : best.quality;
     }
     return best;
 }

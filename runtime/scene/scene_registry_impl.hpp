@@ -21,12 +21,6 @@ void makeRoom(std::vector<T>& list, std::size_t count = 1)
     if (list.capacity() - list.size() < count) list.reserve(std::max(2 * list.capacity() + 16, list.size() + count));
 }
 
-inline Error invalidHandle(const char* kind)
-{
-    return {GN_ERROR_INVALID_HANDLE, "InvalidHandle",
-            std::string("the ") + kind + " is null, was destroyed or belongs to another context"};
-}
-
 inline Error tooMany(const char* kind)
 {
     return {GN_ERROR_TOO_MANY, "TooManyHandles", std::string("more than 16777216 objects of kind ") + kind};
