@@ -76,4 +76,24 @@ inline std::vector<glm::vec3> randomTriangles(std::mt19937& random, std::size_t 
     return corners;
 }
 
+/// From anywhere in a cube to anywhere in it.
+inline std::vector<ShadowRay> randomRays(std::mt19937& random, std::size_t count, float halfSize)
+{
+    std::vector<ShadowRay> rays(count);
+    for (ShadowRay& ray : rays) {
+        ray.origin = randomPoint(random, halfSize);
+        ray.direction = randomPoint(random, halfSize) - ray.origin;
+        ray.tfar = 1.0f;
+    }
+    return rays;
+}
+
+inline std::vector<std::uint8_t> trace(const RayScene& scene, const std::vector<ShadowRay>& rays,
+                                       RayCoherence coherence, std::uint32_t mask = 0xffffffffu)
+{
+    std::vector<std::uint8_t> occluded(rays.size(), 0xcc);
+    scene.occluded(rays, mask, coherence, occluded);
+    return occluded;
+}
+
 } // namespace gnomon::test
