@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "runtime/scene/light_pixels.hpp"
 
@@ -18,15 +19,20 @@ float fromHalf(std::uint16_t bits)
     return std::bit_cast<float>((special ? magnitude | 0x7f800000u : std::bit_cast<std::uint32_t>(value)) | sign);
 }
 
-NeighbourDepths neighbourDepths(std::span<const float> depth, std::uint32_t width, const VkRect2D& area, float skyDepth,
+NeighbourDepths neighbourDepths(std::span<const float> depth, std::uint32_t width, const VkRect2D& area,
                                 std::uint32_t x, std::uint32_t y)
 {
+    const float* at = depth.data() + static_cast<std::size_t>(y) * width + x;
+    // @param step from the pixel to the next one, @param before @param after whether those are drawn
+    const auto beside = [&](std::ptrdiff_t step, bool before, bool after) {
+        const float back = before ? at[-step] : after ? 2.0f * *at - at[step] : *at;
+        const float on = after ? at[step] : before ? 2.0f * *at - at[-step] : *at;
+        return std::pair(back, on);
+    };
     const auto left = static_cast<std::uint32_t>(area.offset.x), top = static_cast<std::uint32_t>(area.offset.y);
-    const std::size_t pixel = static_cast<std::size_t>(y) * width + x;
-    return {.left = x > left ? depth[pixel - 1] : skyDepth,
-            .right = x + 1 < left + area.extent.width ? depth[pixel + 1] : skyDepth,
-            .above = y > top ? depth[pixel - width] : skyDepth,
-            .below = y + 1 < top + area.extent.height ? depth[pixel + width] : skyDepth};
+    const auto [back, on] = beside(1, x > left, x + 1 < left + area.extent.width);
+    const auto [above, below] = beside(static_cast<std::ptrdiff_t>(width), y > top, y + 1 < top + area.extent.height);
+    return {back, on, above, below};
 }
 
 Receivers::Receivers(const CameraView& view, const LightView& light, std::span<const float> depth,
@@ -51,16 +57,14 @@ glm::vec3 Receivers::normalAt(std::size_t pixel) const
     return normal * (1.0f / gpu::max(gpu::length(normal), 1e-20f)); // halves are unit length to 1e-3 only
 }
 
-/// As shaders have it (shaders/shared/seen_normal.glsl), but that what lies beside the area is as far as sky.
+/// As shaders have it (shaders/shared/seen_normal.glsl).
 glm::vec3 Receivers::seenNormalAt(std::uint32_t x, std::uint32_t y, float w, const glm::vec3& viewRay) const
 {
-    const NeighbourDepths beside = neighbourDepths(depth_, width_, area_, view_.skyDepth, x, y);
+    const NeighbourDepths beside = neighbourDepths(depth_, width_, area_, x, y);
     const glm::vec2 centre(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-    const auto step = [&](float dx, float dy, float depth) {
-        return gpu::stepWs(view_, centre + glm::vec2(dx, dy), depth, w, viewRay);
-    };
-    return gpu::seenNormalWs(step(-1.0f, 0.0f, beside.left), step(1.0f, 0.0f, beside.right),
-                             step(0.0f, -1.0f, beside.above), step(0.0f, 1.0f, beside.below), viewRay);
+    return gpu::seenNormalWs(gpu::seenStepWs(view_, centre, {1.0f, 0.0f}, beside.left, beside.right, w, viewRay),
+                             gpu::seenStepWs(view_, centre, {0.0f, 1.0f}, beside.above, beside.below, w, viewRay),
+                             viewRay);
 }
 
 void Receivers::prefetch(std::uint32_t x, std::uint32_t y) const
@@ -86,7 +90,7 @@ Asked Receivers::at(std::uint32_t x, std::uint32_t y, ShadowRay& ray, Receiver& 
     const glm::vec3 toLight = gpu::towardsLightWs(light_, receiver);
     glm::vec3 normal = viewRay / gpu::length(viewRay), away; // without normals: the longest offset there is
     if (normals_.empty()) {
-        away = gpu::startDirectionWs(seenNormalAt(x, y, surface.w, viewRay), toLight);
+        away = gpu::startDirectionWs(seenNormalAt(x, y, surface.w, viewRay), normal);
     } else {
         normal = away = normalAt(pixel);
         if (!(gpu::dot(normal, toLight) > 0.0f)) return Asked::dark;

@@ -32,12 +32,12 @@ struct Receiver {
     glm::vec3 normal;  ///< Unit; without normals from the host, the direction of the view ray.
 };
 
-/// Depth values beside a pixel; sky where the view draws none.
+/// Depth values beside a pixel. Beyond what the view draws the plane goes on (shaders/shared/seen_normal.glsl).
 struct NeighbourDepths {
     float left, right, above, below;
 };
 /// Of the pixel at image coordinates within `area`. @param depth row by row, `width` to a row
-NeighbourDepths neighbourDepths(std::span<const float> depth, std::uint32_t width, const VkRect2D& area, float skyDepth,
+NeighbourDepths neighbourDepths(std::span<const float> depth, std::uint32_t width, const VkRect2D& area,
                                 std::uint32_t x, std::uint32_t y);
 
 /// A view's receivers for one light.

@@ -183,8 +183,8 @@ void BlockReader::beside(std::uint32_t left, std::uint32_t top, Texels& texels) 
     }
     for (std::uint32_t i = 0; i < kLanes; ++i) {
         const std::uint32_t x = left + i % kBlockSide, y = top + i / kBlockSide;
-        NeighbourDepths found{constants_.skyDepth, constants_.skyDepth, constants_.skyDepth, constants_.skyDepth};
-        if (x < right && y < bottom) found = neighbourDepths(depth_, width_, area_, constants_.skyDepth, x, y);
+        NeighbourDepths found{}; // of nobody: what lies beyond the area is sky
+        if (x < right && y < bottom) found = neighbourDepths(depth_, width_, area_, x, y);
         texels.beside[0][i] = found.left;
         texels.beside[1][i] = found.right;
         texels.beside[2][i] = found.above;

@@ -63,8 +63,8 @@ RayStart rayStart(ViewConstants view, float depth, ivec2 pixel)
     } else {
         normal = ray / length(ray);
         toLight = towardsLightWs(light, receiver);
-        vec3 seen = seenNormal(view, constants.map.area, pixel, linearDepth(view, depth), ray);
-        away = startDirectionWs(seen, toLight);
+        vec3 seen = seenNormal(view, constants.map.area, pixel, depth, linearDepth(view, depth), ray);
+        away = startDirectionWs(seen, normal);
         start.facing = true;
     }
     start.reached = lightReaches(light, receiver);
@@ -98,8 +98,8 @@ MapPoint mapPoint(vec4 clip, float errorWs)
                       errorWs);
 }
 
-// Whether a face that looks away from the light may be the receiver itself. Only a normal says that it is not: the ray
-// of one starts inside the solid, whose far side alone is in the map.
+// Whether a face that looks away from the light may be the receiver itself. Only a normal says that it is not: without
+// one the ray may start inside the solid, whose far side alone is in the map.
 bool maybeInside(RayStart start, float nearest)
 {
     float layer;

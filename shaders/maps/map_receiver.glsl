@@ -25,7 +25,7 @@ PlaneReceiver fetchPlaneReceiver(ViewConstants view, MapLook look, vec3 rayWs)
     bool exists = depth != view.skyDepth;
     r.w = exists ? linearDepth(view, depth) : 1.0;
     r.fromLight = look.eyeFromLight.xyz + r.w * rayWs;
-    r.normalWs = HAS_NORMALS ? texelFetch(normalImage, pixel, 0).xyz : seenNormal(view, look.area, pixel, r.w, rayWs);
+    r.normalWs = HAS_NORMALS ? texelFetch(normalImage, pixel, 0).xyz : seenNormal(view, look.area, pixel, depth, r.w, rayWs);
     r.offset = look.offset.x + r.w * (look.offset.y + r.w * look.offset.z);
     r.facing = dot(r.normalWs, r.fromLight * look.positional + look.axisWs.xyz);
     bool reached = exists && reaches(r.fromLight, look.cone, look.eyeFromLight.w);

@@ -107,29 +107,40 @@ GN_SHARED_FN float receiverOffset(ViewConstants view, LightConstants light, floa
     return view.offsetFactor * (u + f / 256.0f + c * (1.0f / 2097152.0f));
 }
 
-// From a receiver at linear depth w to what a pixel beside it sees, metres. Sky is far away.
-GN_SHARED_FN vec3 stepWs(ViewConstants view, vec2 besidePixel, float besideDepth, float w, vec3 ray)
+// Where the host gives no normals: along an axis of the image, the step from a receiver to what is seen beside it. Of the
+// pixels to either side the closer one counts; where both are behind by more than a pixel's width, the receiver's surface is
+// a pole or a ridge and neither is of it: the step is then one across the view.
+//   pixel, step    the receiver's centre, and from there to the next pixel
+//   back, on       depth values of the pixels before and after it
+//   w, ray         the receiver's linear depth and view ray
+GN_SHARED_FN vec3 seenStepWs(ViewConstants view, vec2 pixel, vec2 step, float back, float on, float w, vec3 ray)
 {
-    return min(linearDepth(view, besideDepth), 1e15f) * viewRayWs(view, besidePixel) - w * ray;
+    float backW = min(linearDepth(view, back), 1e15f);
+    float onW = min(linearDepth(view, on), 1e15f);
+    vec3 onRay = viewRayWs(view, pixel + step);
+    vec3 backward = w * ray - backW * viewRayWs(view, pixel - step);
+    vec3 onward = onW * onRay - w * ray;
+    float nearest = w + w * view.pixelSize;
+    if (backW > nearest && onW > nearest) return w * (onRay - ray);
+    return dot(backward, backward) < dot(onward, onward) ? backward : onward;
 }
 
-// Where the host gives no normals: of the plane through a receiver and the closer one of either two beside it. Unit, turned
-// to the eye; wrong at edges, so that it may say where a ray starts and how depths slope, but not what faces the light.
-GN_SHARED_FN vec3 seenNormalWs(vec3 left, vec3 right, vec3 above, vec3 below, vec3 ray)
+// The normal of the plane of two such steps: unit, turned to the eye; wrong at edges, so that it may say where a ray starts and
+// how depths slope, but not what faces the light.
+GN_SHARED_FN vec3 seenNormalWs(vec3 dx, vec3 dy, vec3 ray)
 {
-    vec3 dx = dot(left, left) < dot(right, right) ? -left : right;
-    vec3 dy = dot(above, above) < dot(below, below) ? -above : below;
     vec3 normal = cross(dx, dy);
     float scale = 1.0f / max(length(normal), 1e-20f);
     return dot(normal, ray) > 0.0f ? -scale * normal : scale * normal;
 }
 
-// Where a ray starts without normals from the host: between the seen normal and the light, so that neither light that falls
-// flat nor an edge, at which that normal is another surface's, leaves the start within what depths are rounded by. Unit.
-GN_SHARED_FN vec3 startDirectionWs(vec3 seenNormal, vec3 toLight)
+// Where a ray starts then: between that normal and the eye, which is on the side that is seen whatever the normal. What is
+// seen from its dark side is so behind itself, and neither light that falls flat nor a normal of another surface leaves the
+// start within what depths are rounded by. Unit; awayFromEye: unit, along the view ray.
+GN_SHARED_FN vec3 startDirectionWs(vec3 seenNormal, vec3 awayFromEye)
 {
-    vec3 between = seenNormal + toLight;
-    return dot(seenNormal, toLight) > 0.0f ? between * (1.0f / length(between)) : toLight;
+    vec3 between = seenNormal - awayFromEye;
+    return between * (1.0f / length(between));
 }
 
 GN_SHARED_END

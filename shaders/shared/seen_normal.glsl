@@ -3,26 +3,28 @@
 #define GNOMON_SHARED_SEEN_NORMAL_GLSL
 #include "receiver.h"
 
-// Of a step to the next pixel, what a surface seen head-on has: for an axis along which there is no other pixel.
-vec3 headOn(vec3 step, vec3 ray)
+bool isDrawn(vec4 area, ivec2 pixel)
 {
-    return step - dot(step, ray) / dot(ray, ray) * ray;
+    return all(greaterThanEqual(pixel, ivec2(area.xy))) && all(lessThan(pixel, ivec2(area.xy + area.zw)));
 }
 
-vec3 stepTo(ViewConstants view, vec4 area, ivec2 beside, float w, vec3 ray)
+// Depth beside a pixel. Beyond what is drawn the plane goes on, which in depth values is linear.
+float besideDepth(vec4 area, ivec2 pixel, ivec2 step, float depth)
 {
-    bool drawn = all(greaterThanEqual(beside, ivec2(area.xy))) && all(lessThan(beside, ivec2(area.xy + area.zw)));
-    float depth = drawn ? texelFetch(depthImage, beside, 0).x : view.skyDepth;
-    return drawn ? stepWs(view, vec2(beside) + 0.5, depth, w, ray) : vec3(1e15);
+    if (isDrawn(area, pixel + step)) return texelFetch(depthImage, pixel + step, 0).x;
+    return isDrawn(area, pixel - step) ? 2.0 * depth - texelFetch(depthImage, pixel - step, 0).x : depth;
 }
 
-// area: pixels drawn, as in MapLook. w: the receiver's linear depth. ray: its view ray.
-vec3 seenNormal(ViewConstants view, vec4 area, ivec2 pixel, float w, vec3 ray)
+vec3 seenStep(ViewConstants view, vec4 area, ivec2 pixel, ivec2 step, float depth, float w, vec3 ray)
 {
-    vec3 left = stepTo(view, area, pixel - ivec2(1, 0), w, ray), right = stepTo(view, area, pixel + ivec2(1, 0), w, ray);
-    vec3 above = stepTo(view, area, pixel - ivec2(0, 1), w, ray), below = stepTo(view, area, pixel + ivec2(0, 1), w, ray);
-    if (area.z == 1.0) right = headOn(view.rayDxWs.xyz, ray);
-    if (area.w == 1.0) below = headOn(view.rayDyWs.xyz, ray);
-    return seenNormalWs(left, right, above, below, ray);
+    float back = besideDepth(area, pixel, -step, depth), on = besideDepth(area, pixel, step, depth);
+    return seenStepWs(view, vec2(pixel) + 0.5, vec2(step), back, on, w, ray);
+}
+
+// area: pixels drawn, as in MapLook. depth, w, ray: the receiver's.
+vec3 seenNormal(ViewConstants view, vec4 area, ivec2 pixel, float depth, float w, vec3 ray)
+{
+    return seenNormalWs(seenStep(view, area, pixel, ivec2(1, 0), depth, w, ray),
+                        seenStep(view, area, pixel, ivec2(0, 1), depth, w, ray), ray);
 }
 #endif

@@ -124,17 +124,17 @@ struct Receiver {
         const double k = view.convention == GN_DEPTH_STANDARD ? 3.0 : 1.0;
         return k * (u * slope + f / 256.0 + std::ldexp(c, -21));
     }
-    /// Which way rays are moved that go towards l.
-    glm::dvec3 away(const glm::dvec3& l) const
+    /// Which way rays' starts are moved: without a normal between the one that is seen and the eye.
+    glm::dvec3 away() const
     {
         if (hasNormal) return normal;
         const glm::dvec3 seen = glm::dot(normal, relative) > 0.0 ? -normal : normal;
-        return glm::dot(seen, l) > 0.0 ? glm::normalize(seen + l) : l;
+        return glm::normalize(seen - glm::normalize(relative));
     }
     bool lit(const glm::dvec3& from, double delta) const
     {
         const glm::dvec3 l = towardsLight(from);
-        const glm::dvec3 start = from + delta * away(l);
+        const glm::dvec3 start = from + delta * away();
         if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) return !scene.blocked(view.eye + start, l, kInfinity);
         const double distance = glm::length(lightRelative() - start);
         return !scene.blocked(view.eye + start, towardsLight(start), distance - delta);
