@@ -1,4 +1,5 @@
 // Knowledge bases through the C API: what is accepted, what is refused, and what predictions make of it.
+#include <algorithm>
 #include <cmath>
 
 #include "device/fixture.hpp"
@@ -164,9 +165,16 @@ TEST_CASE_FIXTURE(DeviceTest, "a foreign knowledge base is corrected by one fact
     REQUIRE(load(host, knowledge("another device", 1000.0)) == GN_SUCCESS);
     CHECK(predicted(host) > 500.0f);
     host.draw(40, {});
-    const GnDecision decision = host.decision(0);
-    CHECK(decision.measuredMs > 0.0f);
-    CHECK(std::fabs(std::log2(decision.predictedMs / decision.measuredMs)) < 1.5);
+    // Of several frames the middle one: a single frame may be held up by whatever else runs.
+    std::vector<float> octavesOff;
+    for (int frame = 0; frame < 15; ++frame) {
+        host.require(host.draw());
+        const GnDecision decision = host.decision(0);
+        REQUIRE(decision.measuredMs > 0.0f);
+        octavesOff.push_back(std::log2(decision.predictedMs / decision.measuredMs));
+    }
+    std::nth_element(octavesOff.begin(), octavesOff.begin() + 7, octavesOff.end());
+    CHECK(std::fabs(octavesOff[7]) < 1.5f);
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a timed light tells what it cost and what that depends on")
