@@ -27,7 +27,7 @@ struct Texels {
     float left, top; ///< Centre of the first pixel, image coordinates.
     float depth[kLanes];
     float normal[3][kLanes]; ///< As stored: not unit length.
-    float beside[4][kLanes]; ///< Without normals: depths to the left, right, above and below; sky beyond the area.
+    float beside[4][kLanes]; ///< Without normals: NeighbourDepths, left, right, above and below.
 };
 
 /// Asked (receivers.hpp) as a word.

@@ -183,7 +183,7 @@ void BlockReader::beside(std::uint32_t left, std::uint32_t top, Texels& texels) 
     }
     for (std::uint32_t i = 0; i < kLanes; ++i) {
         const std::uint32_t x = left + i % kBlockSide, y = top + i / kBlockSide;
-        NeighbourDepths found{}; // of nobody: what lies beyond the area is sky
+        NeighbourDepths found{}; // a lane beyond the area is sky itself, and asks nothing
         if (x < right && y < bottom) found = neighbourDepths(depth_, width_, area_, x, y);
         texels.beside[0][i] = found.left;
         texels.beside[1][i] = found.right;
