@@ -19,8 +19,8 @@ using namespace gnomon::test;
 
 namespace {
 
-// No multiple of a strip or a tile, ours or a device's; but nearly of the 128 rows that storedImageSize() counts by, which
-// of 180 rows would claim two fifths more than a device takes that has no tiles.
+// No multiple of a strip or a tile, ours or a device's; but nearly of the 128 rows that storedImageSize() counts by,
+// which of 180 rows would claim two fifths more than a device takes that has no tiles.
 constexpr VkExtent2D kExtent{328, 244};
 
 /// Buffers are rounded up to a power of two.
