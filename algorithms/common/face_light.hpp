@@ -50,9 +50,6 @@ void forTouchedFaces(const FacePlanes& planes, const gpu::FaceLight& light, std:
 struct DrawnPart {
     glm::vec3 away{0.0f}; ///< Added to its place, world space.
     std::uint32_t firstFace = 0, faceCount = UINT32_MAX;
-
-    std::uint32_t firstIndex() const { return 3 * firstFace; }
-    std::uint32_t indexCount() const { return faceCount == UINT32_MAX ? UINT32_MAX : 3 * faceCount; }
 };
 
 /// Whether the light is so near to the bounds of a caster with a topology that it may touch a face.

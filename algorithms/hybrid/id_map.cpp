@@ -92,6 +92,7 @@ void Declaring::draw(const IdMap& map, std::uint32_t layer, std::span<const Cast
         .reads(firsts)
         .area({at.x, at.y, extent.width, extent.height})
         .record([=, pipeline = pipelines.casters, light = task.light,
+                 volume = std::span<const Plane>(map.fits[layer].volume),
                  side = static_cast<float>(resolution)](PassContext& gpu) {
             if (casters.empty()) return;
             const float first = DepthCasters::fromOne(push) ? 1.0f : 0.0f;
@@ -102,11 +103,13 @@ void Declaring::draw(const IdMap& map, std::uint32_t layer, std::span<const Cast
                 const DepthCasters::Push from = DepthCasters::moved(push, part.away);
                 gpu.drawCasters({.pipeline = pipeline,
                                  .casters = run,
+                                 .volume = volume,
                                  .bindings = bindings,
                                  .push = &from,
                                  .pushSize = sizeof(from),
-                                 .firstIndex = part.firstIndex(),
-                                 .indexCount = part.indexCount()});
+                                 .firstFace = part.firstFace,
+                                 .faceCount = part.faceCount,
+                                 .numbered = true});
             });
         });
 }
@@ -193,7 +196,7 @@ IdMapPipelines makeIdMapPipelines(const AlgorithmServices& services)
     info.vertex.code = k_hybrid_id_map_vert;
     info.fragment.code = k_hybrid_id_map_frag;
     info.bindings = kBindings;
-    info.pushBytes = sizeof(DepthCasters::Push);
+    info.pushBytes = sizeof(DepthCasters::Push) + sizeof(std::uint32_t); // CasterDraw::numbered
     info.vertexStride = sizeof(glm::vec3);
     info.casters = info.transforms = true;
     info.depthTest = info.depthWrite = true;

@@ -17,7 +17,7 @@ public:
         glm::vec4 zeroWs;
     };
 
-    /// @param task its light lives as long as the frame's memory
+    /// @param fit, task the fit and the light live as long as the frame's memory
     DepthCasters(const DepthMapPipelines& pipelines, const LightFit& fit, const ShadowTask& task,
                  std::uint32_t resolution, FrameArena& arena);
     void uses(PassRef&) const {}
@@ -36,6 +36,7 @@ public:
 private:
     PipelineId pipeline_;
     const LightView* light_;
+    std::span<const Plane> volume_; ///< Of the fit.
     Push push_{};
     const GnCasterProjection* host_ = nullptr; ///< In the frame's memory; null without host-drawn casters.
 };

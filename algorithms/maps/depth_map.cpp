@@ -28,7 +28,7 @@ DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services)
 
 DepthCasters::DepthCasters(const DepthMapPipelines& pipelines, const LightFit& fit, const ShadowTask& task,
                            std::uint32_t resolution, FrameArena& arena)
-    : pipeline_(pipelines.casters), light_(task.light)
+    : pipeline_(pipelines.casters), light_(task.light), volume_(fit.volume)
 {
     push_ = casterPush(mapProjection(fit, *task.light));
     if (!anyHostDrawn(task.casters->all)) return;
@@ -47,11 +47,12 @@ void DepthCasters::operator()(PassContext& gpu, std::span<const Caster* const> c
         const Push push = moved(push_, part.away);
         gpu.drawCasters({.pipeline = pipeline_,
                          .casters = run,
+                         .volume = volume_,
                          .push = &push,
                          .pushSize = sizeof(push),
                          .depthFromOne = fromOne(push),
-                         .firstIndex = part.firstIndex(),
-                         .indexCount = part.indexCount(),
+                         .firstFace = part.firstFace,
+                         .faceCount = part.faceCount,
                          .hostProjection = host_});
     });
 }

@@ -173,14 +173,14 @@ void drawCasters(PassContext& gpu, const Plan& plan, PipelineId pipeline)
             gpu.bind(pipeline, {constants, gpu.storage(1, mesh->vertexBuffer), gpu.storage(2, plan.plane)});
             gpu.vk->vkCmdBindIndexBuffer(gpu.cmd, mesh->indexBuffer, 0, VK_INDEX_TYPE_UINT32);
         }
-        const auto all = static_cast<std::uint32_t>(mesh->indices.size());
+        const std::uint32_t all = mesh->triangleCount();
         forDrawnParts(*plan.light, *caster, [&](const DrawnPart& part) {
             gpu::PlanarPush push;
             eyeRows(*caster, *plan.view, push.rows);
             for (int row = 0; row < 3; ++row)
                 push.rows[row].w += part.away[row];
             gpu.push(push);
-            gpu.vk->vkCmdDrawIndexed(gpu.cmd, std::min(all, part.indexCount()), 1, part.firstIndex(), 0, 0);
+            gpu.vk->vkCmdDrawIndexed(gpu.cmd, 3 * std::min(all, part.faceCount), 1, 3 * part.firstFace, 0, 0);
         });
     }
 }

@@ -4,6 +4,7 @@
 
 #include "runtime/passes/frame_slot.hpp"
 #include "runtime/scene/bias.hpp"
+#include "runtime/scene/mesh_chunks.hpp"
 #include "runtime/vk/pipeline_create.hpp"
 
 namespace gnomon {
@@ -96,10 +97,11 @@ void PassContext::bind(PipelineId id, std::span<const Bound> bindings)
     vk->vkCmdBindDescriptorSets(cmd, pipeline.bindPoint, pipeline.layout, 0, 1, &handle, offsetCount, offsets);
 }
 
-void PassContext::pushBytes(const void* data, std::size_t size)
+void PassContext::pushBytes(const void* data, std::size_t size, std::size_t offset)
 {
     const Pipeline& pipeline = executor_->pipelines_.get(bound_);
-    vk->vkCmdPushConstants(cmd, pipeline.layout, pipeline.pushStages, 0, static_cast<std::uint32_t>(size), data);
+    vk->vkCmdPushConstants(cmd, pipeline.layout, pipeline.pushStages, static_cast<std::uint32_t>(offset),
+                           static_cast<std::uint32_t>(size), data);
 }
 
 void PassContext::drawFullscreen()
@@ -135,8 +137,7 @@ void PassContext::drawCasters(const CasterDraw& draw)
             vk->vkCmdBindVertexBuffers(cmd, 0, 1, &mesh->vertexBuffer, &zero);
             vk->vkCmdBindIndexBuffer(cmd, mesh->indexBuffer, 0, VK_INDEX_TYPE_UINT32);
         }
-        const auto indices = std::min(static_cast<std::uint32_t>(mesh->indices.size()), draw.indexCount);
-        vk->vkCmdDrawIndexed(cmd, indices, 1, draw.firstIndex, 0, caster->index);
+        drawFaces(draw, *caster);
     }
     if (draw.depthFromOne) setViewport(0.0f, 1.0f);
     if (!hostDrawn || !draw.hostProjection) return;
@@ -148,6 +149,16 @@ void PassContext::drawCasters(const CasterDraw& draw)
         caster->drawCasters(cmd, draw.hostProjection, caster->userData);
         setArea();
     }
+}
+
+/// @pre the mesh is bound
+void PassContext::drawFaces(const CasterDraw& draw, const Caster& caster)
+{
+    const std::uint32_t end = draw.firstFace + std::min(draw.faceCount, UINT32_MAX - draw.firstFace);
+    forFacesIn(draw.volume, caster, {draw.firstFace, end}, [&](const FaceRange& faces) {
+        if (draw.numbered) pushBytes(&faces.first, sizeof(faces.first), draw.pushSize);
+        vk->vkCmdDrawIndexed(cmd, 3 * (faces.end - faces.first), 1, 3 * faces.first, 0, caster.index);
+    });
 }
 
 void PassContext::setArea() const

@@ -27,13 +27,14 @@ struct Bound {
 struct CasterDraw {
     PipelineId pipeline;
     std::span<const Caster* const> casters;
-    std::span<const Plane> volume; ///< Casters whose bounds lie outside any plane are skipped.
+    std::span<const Plane> volume; ///< Casters, and chunks of them, whose bounds lie outside any plane are skipped.
     std::span<const Bound> bindings;
     const void* push = nullptr; ///< Push constants.
     std::uint32_t pushSize = 0;
     bool depthFromOne = false; ///< Depth is 1 - z / w of our own casters' clip space; hosts draw z / w.
-    std::uint32_t firstIndex = 0, indexCount = UINT32_MAX; ///< Of their meshes: for a part of one caster.
-    bool biasOpen = true;      ///< Open casters get the depth bias of the house's policy (runtime/scene/bias.hpp).
+    std::uint32_t firstFace = 0, faceCount = UINT32_MAX; ///< Of their meshes: for a part of one caster.
+    bool numbered = false; ///< Behind `push` the pipeline is told each draw's first triangle, a uint.
+    bool biasOpen = true;  ///< Open casters get the depth bias of the house's policy (runtime/scene/bias.hpp).
     const GnCasterProjection* hostProjection = nullptr; ///< Null: host-drawn casters are left out.
 };
 
@@ -90,7 +91,8 @@ private:
     void setArea() const;                            ///< Viewport and scissor.
     void setViewport(float first, float last) const; ///< Of the area; depths of z / w = 0 and 1.
     Bound constantsBytes(std::uint32_t binding, const void* data, std::size_t size);
-    void pushBytes(const void* data, std::size_t size);
+    void pushBytes(const void* data, std::size_t size, std::size_t offset = 0);
+    void drawFaces(const CasterDraw& draw, const Caster& caster);
     class PassExecutor* executor_ = nullptr;
     PipelineId bound_;
 };

@@ -2,20 +2,16 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 
-#include <glm/common.hpp>
+#include "runtime/scene/mesh_chunks.hpp"
 
 namespace gnomon {
 namespace {
 
-Aabb boundsOf(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices)
+Aabb boundsOf(std::span<const Aabb> chunks)
 {
-    Aabb box{positions[indices.front()], positions[indices.front()]};
-    for (const std::uint32_t index : indices) {
-        box.lower = glm::min(box.lower, positions[index]);
-        box.upper = glm::max(box.upper, positions[index]);
-    }
-    return box;
+    return std::accumulate(chunks.begin() + 1, chunks.end(), chunks.front(), unionOf);
 }
 
 #ifdef GNOMON_WITH_OPENMESH
@@ -144,7 +140,9 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::finish(std::shared_ptr<MeshRe
     view.positions = positions;
     view.indices = *revision->faces->indices;
     view.givenNumbers = revision->faces->givenNumbers;
-    view.bounds = boundsOf(positions, view.indices);
+    revision->chunks = chunkBounds(positions, view.indices);
+    view.chunks = revision->chunks;
+    view.bounds = boundsOf(view.chunks);
     view.vertexBuffer = revision->vertices.get().buffer;
     view.indexBuffer = revision->faces->buffer.get().buffer;
     view.revision = revisions_.fetch_add(1, std::memory_order_relaxed) + 1;

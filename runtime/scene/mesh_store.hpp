@@ -92,6 +92,7 @@ struct MeshRevision {
     std::shared_ptr<MeshIdentity> identity;
     std::shared_ptr<MeshFaces> faces;
     std::vector<glm::vec3> positions; ///< Padded.
+    std::vector<Aabb> chunks;         ///< MeshView::chunks.
     OwnedBuffer vertices;
     std::shared_ptr<const Topology> topology;
     std::shared_ptr<const MeshRays>

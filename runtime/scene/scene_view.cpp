@@ -60,6 +60,14 @@ bool touches(const Aabb& box, std::span<const Plane> volume)
     });
 }
 
+bool holds(std::span<const Plane> volume, const Aabb& box)
+{
+    const Box b = boxOf(box);
+    return std::all_of(volume.begin(), volume.end(), [&b](const Plane& plane) {
+        return leastAlong(b, glm::dvec3(plane.normal)) + static_cast<double>(plane.distance) >= 0.0;
+    });
+}
+
 bool touches(const Aabb& box, glm::vec3 center, float radius)
 {
     return touchesBall(boxOf(box), glm::dvec3(center), radius);

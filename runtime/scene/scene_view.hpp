@@ -30,12 +30,13 @@ struct MeshView {
     std::span<const std::uint32_t> indices;      ///< Three per triangle, zero-area triangles removed.
     std::span<const std::uint32_t> givenNumbers; ///< The host's number of each triangle; empty: none was removed.
     Aabb bounds;                                 ///< Object space.
-    VkBuffer vertexBuffer = VK_NULL_HANDLE;      ///< Positions, 12 bytes each. Also a storage buffer.
-    VkBuffer indexBuffer = VK_NULL_HANDLE;       ///< uint32. Also a storage buffer.
-    const Topology* topology = nullptr;          ///< Null until a worker has built it, or without OpenMesh.
-    const MeshRays* rays = nullptr;              ///< Null until a worker has built it, or without Embree.
-    std::uint64_t revision = 0;                  ///< Unique over all meshes; changes with the positions.
-    bool closed = false;                         ///< Known from the topology; false until it is there.
+    std::span<const Aabb> chunks;           ///< Of every kChunkFaces triangles (mesh_chunks.hpp); empty: not known.
+    VkBuffer vertexBuffer = VK_NULL_HANDLE; ///< Positions, 12 bytes each. Also a storage buffer.
+    VkBuffer indexBuffer = VK_NULL_HANDLE;  ///< uint32. Also a storage buffer.
+    const Topology* topology = nullptr;     ///< Null until a worker has built it, or without OpenMesh.
+    const MeshRays* rays = nullptr;         ///< Null until a worker has built it, or without Embree.
+    std::uint64_t revision = 0;             ///< Unique over all meshes; changes with the positions.
+    bool closed = false;                    ///< Known from the topology; false until it is there.
 
     std::uint32_t triangleCount() const { return static_cast<std::uint32_t>(indices.size() / 3); }
 };
@@ -125,6 +126,8 @@ struct CameraView {
 // --- culling helpers, conservative: "true" may be wrong, "false" never is ---
 
 bool touches(const Aabb& box, std::span<const Plane> volume);
+/// Whether all of the box lies in the volume; here "false" may be wrong.
+bool holds(std::span<const Plane> volume, const Aabb& box);
 /// Box against sphere.
 bool touches(const Aabb& box, glm::vec3 center, float radius);
 /// Whether anything of the box can lie between the light, source radius included, and what it reaches.

@@ -1,6 +1,7 @@
 #version 460
 // Casters into a map of depth and triangle numbers: as maps/depth_map.vert, and the number of the caster's first triangle.
 #extension GL_GOOGLE_include_directive : require
+#define GNOMON_NUMBERED_DRAWS // gl_PrimitiveID starts from 0 with every draw
 #include "../maps/caster_clip.glsl"
 
 layout(set = 0, binding = 0, std430) readonly buffer Firsts {
@@ -11,5 +12,5 @@ layout(location = 0) flat out uint first;
 void main()
 {
     gl_Position = casterClip();
-    first = firsts[gl_InstanceIndex];
+    first = firsts[gl_InstanceIndex] + firstFace;
 }

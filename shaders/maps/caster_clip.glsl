@@ -9,6 +9,9 @@
 layout(push_constant) uniform Push {
     mat4 clipFromZero;
     vec4 zeroWs; // w: with a perspective 1, else 0
+#ifdef GNOMON_NUMBERED_DRAWS
+    uint firstFace; // of the draw
+#endif
 };
 
 vec4 casterClip()

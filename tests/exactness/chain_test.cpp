@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "algorithms/hybrid/bit_rows.hpp"
+#include "exactness/testbed.hpp"
 #include "exactness/thrown.hpp"
 #include "shaders/hybrid/reasons.h"
 
@@ -148,6 +149,28 @@ TEST_CASE("in its contour the chain is wrong only where agreeing texels are, and
             if (mode != kModeTcOnly) CHECK(neighbours > 100);
             if (mode != kModeTcOnly) CHECK(rings > 0);
         }
+    }
+}
+
+// gl_PrimitiveID starts from 0 with every draw. A mesh is drawn in several where a part of it lies out of the light's
+// sight, or a lamp on one of its faces.
+TEST_CASE("texels name the right triangles of meshes that are drawn in parts")
+{
+    const test::DeviceTest silence;
+    Scene room = shippedScene("room");
+    demo::mergeStatics(room);
+    const Scene lamp = flushLamp(LitFrom::sheetCeiling, LightKind::Point);
+    const Scene both[][2] = {{shippedScene("room"), room},
+                             {lamp, flushLamp(LitFrom::sheetOfOpenMesh, LightKind::Point)}};
+    for (const auto& [apart, whole] : both) {
+        uint64_t traced[2]{};
+        for (const bool merged : {false, true}) {
+            Stage stage(merged ? whole : apart, kSize);
+            traced[merged] = inContour(stage.truth, stage.draw(kChain, with(kModeChain, 4, true))).traced();
+        }
+        MESSAGE(apart.name << ": " << traced[0] << " rays, in one mesh " << traced[1]);
+        CHECK(traced[0] > 100);
+        CHECK(traced[1] < traced[0] + traced[0] / 4);
     }
 }
 

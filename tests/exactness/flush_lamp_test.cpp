@@ -108,6 +108,13 @@ TEST_CASE("it is so where the sheet's front side looks up, and where a solid is 
     checkPlace(LitFrom::squashedCeiling, LightKind::Point);
 }
 
+TEST_CASE("every method is right under a lamp in a sheet of the mesh that is all else as well")
+{
+    const test::DeviceTest silence;
+    checkPlace(LitFrom::sheetOfOpenMesh, LightKind::Point);
+    checkPlace(LitFrom::sheetOfOpenMesh, LightKind::Spot);
+}
+
 TEST_CASE("every method is right on both sides of a card that holds the lamp")
 {
     const test::DeviceTest silence;

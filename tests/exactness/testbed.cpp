@@ -125,6 +125,7 @@ Scene flushLamp(LitFrom held, LightKind kind)
             turned(kUp, 20.0);
         break;
     case LitFrom::sheetCeiling:
+    case LitFrom::sheetOfOpenMesh:
         place(scene, "ceiling", makePlane({.width = 6.0f, .depth = 6.0f, .columns = 3, .rows = 3}), {0.1, 2.7, 0.0})
             .pose.rotation = turned(kRight, 180.0);
         break;
@@ -154,6 +155,12 @@ Scene flushLamp(LitFrom held, LightKind kind)
     }
     }
     scene.lights = {lamp("lamp", kind, at, {0.1, 0.0, 0.2})};
+    if (held == LitFrom::sheetOfOpenMesh) {
+        std::ranges::reverse(scene.instances); // its faces come first: the others' numbers are not their places
+        for (Instance& instance : scene.instances)
+            instance.isStatic = true;
+        demo::mergeStatics(scene);
+    }
     return scene;
 }
 

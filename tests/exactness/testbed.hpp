@@ -27,8 +27,8 @@ demo::Scene softScene(Caster caster, demo::LightKind kind, double height, float 
 /// out. Layer 0 sun, 1 spot, 2 point.
 demo::Scene oddCasters();
 
-/// In one mesh, which is open: a sheet for a floor, crates, and a chamber whose faces look inwards. Layer 0 sun, 1 a lamp
-/// in the chamber. \param inCrate the eye is in a crate, else it looks down from outside.
+/// In one mesh, which is open: a sheet for a floor, crates, and a chamber whose faces look inwards. Layer 0 sun, 1 a
+/// lamp in the chamber. \param inCrate the eye is in a crate, else it looks down from outside.
 demo::Scene solidsOfOpenMesh(bool inCrate);
 
 /// A plain of a square kilometre, seen from above, four metres under a lamp that reaches past it all. Just under the
@@ -37,8 +37,17 @@ demo::Scene lampOverPlain(demo::LightKind kind);
 
 /// Casters on a floor, and a lamp that lies in the plane of a face of what holds it: a box for a ceiling, turned
 /// and moved so that its corners are rounded; a sheet for a ceiling, its front side down or up; an upright card of
-/// which both sides are seen; a ceiling whose mesh is squashed into shape; or the upper corner of a room of one mesh, where three of its faces meet. A spot looks straight down.
-enum class LitFrom : uint8_t { solidCeiling, squashedCeiling, sheetCeiling, sheetTurnedUp, card, roomCorner };
+/// which both sides are seen; a ceiling whose mesh is squashed into shape; the upper corner of a room of one mesh,
+/// where three of its faces meet; or the sheet again, all in one mesh with it. A spot looks straight down.
+enum class LitFrom : uint8_t {
+    solidCeiling,
+    squashedCeiling,
+    sheetCeiling,
+    sheetTurnedUp,
+    card,
+    roomCorner,
+    sheetOfOpenMesh
+};
 demo::Scene flushLamp(LitFrom held, demo::LightKind kind);
 
 /// A ground of two triangles, 2 km wide, with a crate on it and `count` lamps that reach 25 m thrown over the part that

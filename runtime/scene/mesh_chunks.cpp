@@ -1,0 +1,23 @@
+#include "runtime/scene/mesh_chunks.hpp"
+
+#include <glm/common.hpp>
+
+namespace gnomon {
+
+std::vector<Aabb> chunkBounds(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices)
+{
+    constexpr std::size_t kStep = std::size_t{3} * kChunkFaces;
+    std::vector<Aabb> chunks;
+    chunks.reserve((indices.size() + kStep - 1) / kStep);
+    for (std::size_t first = 0; first < indices.size(); first += kStep) {
+        Aabb box{positions[indices[first]], positions[indices[first]]};
+        for (const std::uint32_t index : indices.subspan(first, std::min(kStep, indices.size() - first))) {
+            box.lower = glm::min(box.lower, positions[index]);
+            box.upper = glm::max(box.upper, positions[index]);
+        }
+        chunks.push_back(box);
+    }
+    return chunks;
+}
+
+} // namespace gnomon
