@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "runtime/api/plugin_door.hpp"
+#include "runtime/vk/memory.hpp"
 
 namespace gnomon {
 namespace {
@@ -41,12 +42,51 @@ bool isColor(const GnAccess& access)
     return access.image && access.kind == GN_ACCESS_WRITE;
 }
 
-/// Of a raster pass.
+/// What an attachment's format has to have; of a raster pass. 0: it is none.
+VkImageAspectFlags attachedAspect(const GnAccess& access)
+{
+    switch (access.kind) {
+    case GN_ACCESS_WRITE:
+        return access.image ? VK_IMAGE_ASPECT_COLOR_BIT : 0;
+    case GN_ACCESS_DEPTH_TEST:
+    case GN_ACCESS_DEPTH_WRITE:
+        return access.image ? VK_IMAGE_ASPECT_DEPTH_BIT : 0;
+    case GN_ACCESS_STENCIL_TEST:
+    case GN_ACCESS_STENCIL_WRITE:
+        return access.image ? VK_IMAGE_ASPECT_STENCIL_BIT : 0;
+    default:
+        return 0;
+    }
+}
+
 bool isAttachment(const GnAccess& access)
 {
-    const bool depth = access.kind == GN_ACCESS_DEPTH_TEST || access.kind == GN_ACCESS_DEPTH_WRITE;
-    const bool stencil = access.kind == GN_ACCESS_STENCIL_TEST || access.kind == GN_ACCESS_STENCIL_WRITE;
-    return isColor(access) || (access.image && (depth || stencil));
+    return attachedAspect(access) != 0;
+}
+
+bool isOfBuffers(GnAccessKind kind)
+{
+    return kind == GN_ACCESS_READ || kind == GN_ACCESS_VERTICES || kind == GN_ACCESS_INDICES ||
+           kind == GN_ACCESS_INDIRECT;
+}
+
+/// What an access of this kind, in this pass, cannot be of; empty: nothing.
+std::string misnamed(const GnPassInfo& info, const GnAccess& access)
+{
+    const bool either = access.kind == GN_ACCESS_WRITE || access.kind == GN_ACCESS_UPDATE;
+    const bool cpu = info.kind == GN_PASS_PREPARE || info.kind == GN_PASS_HOST;
+    if (access.image && access.buffer) return "names an image and a buffer";
+    if (access.image && cpu) return "names an image in a pass of the CPU, which sees buffers only";
+    if (access.image && isOfBuffers(access.kind)) return "names an image, but is of a kind for buffers";
+    if (access.buffer && !either && !isOfBuffers(access.kind)) return "names a buffer, but is of a kind for images";
+    if (info.kind != GN_PASS_RASTER && access.kind != GN_ACCESS_WRITE && isAttachment(access))
+        return "is of a kind for attachments, which raster passes alone have";
+    return {};
+}
+
+std::uint32_t layersOf(const GnAccess& access)
+{
+    return std::max(access.layerCount, 1u);
 }
 
 /// Part of the image, or nothing at all: everything.
@@ -107,10 +147,13 @@ std::optional<Error> faultOfAccess(const PassBuilder& passes, const GnPassInfo& 
     if (access.kind < GN_ACCESS_SAMPLED || access.kind > GN_ACCESS_INDIRECT)
         return passFault(info, GN_ERROR_OUT_OF_RANGE, "PassAccess",
                          accessName(index) + ".kind is " + std::to_string(access.kind) + ", no GnAccessKind");
-    const std::uint32_t layers = std::max(access.layerCount, 1u);
+    const std::uint32_t layers = layersOf(access);
     const bool there = (!access.image || passes.has(imageOf(access.image), access.baseLayer, layers)) &&
                        (!access.buffer || passes.has(bufferOf(access.buffer)));
     if (there) {
+        if (const std::string what = misnamed(info, access); !what.empty())
+            return passFault(info, GN_ERROR_UNSUPPORTED, "PassAccess",
+                             accessName(index) + ", of kind " + std::to_string(access.kind) + ", " + what);
         if (!access.image || !changes(access) || !passes.isHosts(imageOf(access.image))) return std::nullopt;
         return passFault(info, GN_ERROR_UNSUPPORTED, "HostImage",
                          accessName(index) + " changes the host's depth or normals, which are to be read only");
@@ -121,25 +164,48 @@ std::optional<Error> faultOfAccess(const PassBuilder& passes, const GnPassInfo& 
                          std::to_string(access.buffer) + ", which this frame has not");
 }
 
+/// Of an attachment that is there. @param first what the pass's first one is
+std::optional<Error> faultOfAttachment(const PassBuilder& passes, const GnPassInfo& info, std::uint32_t index,
+                                       const GnAccess& first)
+{
+    const GnAccess& access = info.pAccesses[index];
+    if (!isWithin(access.rect, passes.extent(imageOf(access.image))))
+        return passFault(info, GN_ERROR_OUT_OF_RANGE, "PassArea",
+                         accessName(index) + ".rect is " + text(access.rect) + ", not within the image");
+    const VkFormat format = passes.format(imageOf(access.image));
+    if ((aspectsOf(format) & attachedAspect(access)) == 0)
+        return passFault(info, GN_ERROR_UNSUPPORTED, "PassAttachmentFormat",
+                         accessName(index) + ", of kind " + std::to_string(access.kind) +
+                             ", names an image of VkFormat " + std::to_string(format) +
+                             ", which cannot be attached so");
+    if (layersOf(access) > 1 && access.baseLayer != 0) // its view is that of the whole image
+        return passFault(info, GN_ERROR_UNSUPPORTED, "PassAttachmentLayers",
+                         accessName(index) + " attaches layers " + std::to_string(access.baseLayer) + " + " +
+                             std::to_string(access.layerCount) + "; several are attached from 0 on");
+    if (layersOf(access) == layersOf(first)) return std::nullopt;
+    return passFault(info, GN_ERROR_UNSUPPORTED, "PassAttachmentLayers",
+                     accessName(index) + " attaches " + std::to_string(layersOf(access)) + " layers, another one " +
+                         std::to_string(layersOf(first)));
+}
+
 /// Of a raster pass whose accesses are all there.
 std::optional<Error> faultOfAttachments(const PassBuilder& passes, const GnPassInfo& info)
 {
-    std::uint32_t attachments = 0, colors = 0;
+    const GnAccess* first = nullptr;
+    std::uint32_t colors = 0;
     VkRect2D area = info.area;
     VkExtent2D common{UINT32_MAX, UINT32_MAX}; // of all attachments, the part that each of them has
     for (std::uint32_t i = 0; i < info.accessCount; ++i) {
         const GnAccess& access = info.pAccesses[i];
         if (!isAttachment(access)) continue;
-        ++attachments;
+        if (!first) first = &access;
+        if (std::optional<Error> fault = faultOfAttachment(passes, info, i, *first)) return fault;
         colors += isColor(access);
         const VkExtent2D extent = passes.extent(imageOf(access.image));
         common = {std::min(common.width, extent.width), std::min(common.height, extent.height)};
-        if (!isWithin(access.rect, extent))
-            return passFault(info, GN_ERROR_OUT_OF_RANGE, "PassArea",
-                             accessName(i) + ".rect is " + text(access.rect) + ", not within the image");
         if (area.extent.width == 0 && area.extent.height == 0) area = access.rect;
     }
-    if (attachments == 0) return passFault(info, GN_ERROR_EMPTY, "PassAttachments", "a raster pass has no attachment");
+    if (!first) return passFault(info, GN_ERROR_EMPTY, "PassAttachments", "a raster pass has no attachment");
     if (colors > kMaxColorAttachments)
         return passFault(info, GN_ERROR_TOO_MANY, "PassAttachments",
                          std::to_string(colors) + " colour attachments, above " + std::to_string(kMaxColorAttachments));

@@ -380,6 +380,11 @@ VkExtent2D PassBuilder::extent(ImageId image) const
     return graph_.images_[image.index].pooled->gpu.extent;
 }
 
+VkFormat PassBuilder::format(ImageId image) const
+{
+    return graph_.images_[image.index].pooled->gpu.format;
+}
+
 FrameArena& PassBuilder::arena()
 {
     return graph_.arena_;

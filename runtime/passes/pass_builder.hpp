@@ -203,6 +203,7 @@ public:
     bool has(ImageId image, std::uint32_t firstLayer, std::uint32_t layers) const;
     bool has(BufferId buffer) const;
     VkExtent2D extent(ImageId image) const; ///< Of an image that the frame has.
+    VkFormat format(ImageId image) const;   ///< Of an image that the frame has.
     bool isHosts(ImageId image) const;      ///< The host's depth or normals, of images that the frame has.
 
     // Passes. `variant` as for resources. Names are "algorithm.stage", static storage.

@@ -166,6 +166,38 @@ TEST_CASE_FIXTURE(DeviceTest, "passes that cannot be are refused by the member a
         test.says("pAccesses[0] changes the host's depth");
         CHECK(test.caller.answer == GN_ERROR_UNSUPPORTED);
     }
+    test.caller.act = [&](GnPassBuilder builder, const GnShadowTask& task) {
+        test.caller.pass(builder, task, [&](GnPassInfo&, GnAccess& access) {
+            access.image = task.depth;
+            access.kind = GN_ACCESS_READ; // of buffers: nothing would be waited for
+        });
+    };
+    test.says("pAccesses[0], of kind 1, names an image, but is of a kind for buffers");
+    for (const bool both : {true, false}) {
+        test.caller.act = [&](GnPassBuilder builder, const GnShadowTask& task) {
+            GnBufferInfo some{};
+            some.pName = "caller.some";
+            some.scope = GN_SCOPE_TASK;
+            some.size = 4;
+            test.caller.pass(builder, task, [&](GnPassInfo&, GnAccess& access) {
+                access.buffer = test.caller.gn->pfnBuffer(builder, &some);
+                access.kind = GN_ACCESS_SAMPLED;
+                if (!both) access.image = 0;
+            });
+        };
+        test.says(both ? "names an image and a buffer" : "names a buffer, but is of a kind for images");
+        CHECK(test.caller.answer == GN_ERROR_UNSUPPORTED);
+    }
+    test.passSays(GN_ERROR_UNSUPPORTED, "sees buffers only", [](GnPassInfo& info, GnAccess&) {
+        info.kind = GN_PASS_PREPARE;
+        info.pfnRun = [](GnPassContext, void*) {};
+    });
+    test.passSays(GN_ERROR_UNSUPPORTED, "raster passes alone", [](GnPassInfo& info, GnAccess& access) {
+        info.kind = GN_PASS_COMPUTE;
+        access.kind = GN_ACCESS_DEPTH_TEST;
+    });
+    for (const GnAccessKind kind : {GN_ACCESS_DEPTH_WRITE, GN_ACCESS_STENCIL_WRITE}) // visibility is R8_UNORM
+        test.passSays(GN_ERROR_UNSUPPORTED, "VkFormat 9", [&](GnPassInfo&, GnAccess& access) { access.kind = kind; });
     constexpr VkRect2D kBeyond[] = {
         {{0, 0}, {321, 180}}, {{0, 1}, {320, 180}},       {{-1, 0}, {320, 180}},
         {{0, 0}, {320, 0}},   {{INT_MAX, 0}, {320, 180}}, {{1, 0}, {UINT32_MAX, 180}},
@@ -177,6 +209,41 @@ TEST_CASE_FIXTURE(DeviceTest, "passes that cannot be are refused by the member a
             access.rect = area;
         });
     }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "layers are attached one by one, or from the first on and as many of each image")
+{
+    Refusing test;
+    GnAccess accesses[2]{};
+    const auto attaches = [&](uint32_t base, uint32_t count, VkFormat format) {
+        test.caller.act = [&, base, count, format](GnPassBuilder builder, const GnShadowTask& task) {
+            GnImageInfo image{};
+            image.pName = "caller.layers";
+            image.scope = GN_SCOPE_TASK;
+            image.format = format;
+            image.extent = task.extent;
+            image.layers = 4;
+            test.caller.pass(builder, task, [&](GnPassInfo& info, GnAccess& access) {
+                accesses[0] = accesses[1] = access;
+                accesses[1].image = test.caller.gn->pfnImage(builder, &image);
+                accesses[1].kind = format == VK_FORMAT_R8_UNORM ? GN_ACCESS_WRITE : GN_ACCESS_DEPTH_WRITE;
+                accesses[1].baseLayer = base;
+                accesses[1].layerCount = count;
+                info.pAccesses = accesses;
+                info.accessCount = 2;
+            });
+        };
+    };
+    attaches(2, 2, VK_FORMAT_R8_UNORM);
+    test.says("pAccesses[1] attaches layers 2 + 2; several are attached from 0 on");
+    CHECK(test.caller.answer == GN_ERROR_UNSUPPORTED);
+    attaches(0, 4, VK_FORMAT_D32_SFLOAT);
+    test.says("pAccesses[1] attaches 4 layers, another one 1");
+    CHECK(test.caller.answer == GN_ERROR_UNSUPPORTED);
+    attaches(3, 1, VK_FORMAT_D32_SFLOAT);
+    test.host.pinAll("caller");
+    test.host.require(test.host.draw());
+    CHECK(test.caller.answer == GN_SUCCESS);
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a pass asks for the handles of what the frame has not, and gets none")

@@ -61,9 +61,9 @@ typedef enum GnAccessKind {
 typedef struct GnAccess {
     GnAccessKind kind;
     GnImageRef image;     ///< Either this ...
-    GnBufferRef buffer;   ///< ... or this.
+    GnBufferRef buffer;   ///< ... or this; with neither the access is none.
     uint32_t baseLayer;
-    uint32_t layerCount;  ///< 0 means 1.
+    uint32_t layerCount;  ///< 0 means 1. Attachments: the same for all of a pass, and several begin with layer 0.
     VkRect2D rect;        ///< Zero extent: everything.
     VkBool32 clear;       ///< Attachments: cleared to `clearValue` first.
     VkBool32 load;        ///< Attachments: what is there is read as well.
