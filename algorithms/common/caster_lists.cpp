@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <bit>
 
+#include "runtime/core/hash.hpp"
+
 namespace gnomon {
 
 Stamp& Stamp::add(std::uint64_t value)
 {
-    // splitmix64's finaliser over a running sum.
-    hash_ += value + 0x9e3779b97f4a7c15ull;
-    hash_ = (hash_ ^ (hash_ >> 30)) * 0xbf58476d1ce4e5b9ull;
-    hash_ = (hash_ ^ (hash_ >> 27)) * 0x94d049bb133111ebull;
-    hash_ ^= hash_ >> 31;
+    hash_ = mixed(hash_, value);
     return *this;
 }
 

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "runtime/core/bytes.hpp"
+#include "runtime/core/hash.hpp"
 #include "runtime/cost/exponent.hpp"
 
 namespace gnomon::demo {

@@ -65,6 +65,14 @@ GnResult atBoundary(GnContext context, Body&& body) noexcept
     }
 }
 
+/// Told the host at once, since there is no context that could be asked; needs no memory.
+GnResult failedContext(const GnContextCreateInfo& info, GnResult result, const char* id, const char* text) noexcept
+{
+    const GnMessage message{GN_SEVERITY_ERROR, result, id, text};
+    if (info.pfnMessage) info.pfnMessage(&message, info.pUserData);
+    return result;
+}
+
 GnResult nullArgument(GnContext context, const char* name)
 {
     return report(context, {GN_ERROR_NULL_ARGUMENT, "NullArgument", std::string(name) + " is null"});
@@ -153,9 +161,11 @@ GnResult GN_CALL gnCreateContext(const GnContextCreateInfo* pCreateInfo, GnConte
         *pContext = new GnContext_T{std::move(*made)};
         return GN_SUCCESS;
     } catch (const std::bad_alloc&) {
-        return GN_ERROR_OUT_OF_HOST_MEMORY;
+        return failedContext(*pCreateInfo, GN_ERROR_OUT_OF_HOST_MEMORY, "OutOfHostMemory", "host allocation failed");
+    } catch (const std::exception& exception) { // no thread was to be had, for instance
+        return failedContext(*pCreateInfo, GN_ERROR_UNKNOWN, "Unexpected", exception.what());
     } catch (...) {
-        return GN_ERROR_UNKNOWN;
+        return failedContext(*pCreateInfo, GN_ERROR_UNKNOWN, "Unexpected", "unexpected exception");
     }
 }
 
@@ -405,6 +415,14 @@ GnResult GN_CALL gnLoadRules(GnContext context, const char* pText, size_t size, 
     return atBoundary(context, [&](Context& c) {
         if (!pText) return nullArgument(context, "pText");
         return status(context, c.loadRules({pText, size}, pFileName ? pFileName : "rules"));
+    });
+}
+
+GnResult GN_CALL gnLoadShippedRules(GnContext context, const char* pName)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pName) return nullArgument(context, "pName");
+        return status(context, c.loadShippedRules(pName));
     });
 }
 

@@ -3,6 +3,9 @@
 #include <algorithm>
 
 #include "runtime/scene/bias.hpp"
+#if GNOMON_WITH_YAML
+#include "rules/yaml/shipped.hpp"
+#endif
 
 namespace gnomon {
 
@@ -55,6 +58,9 @@ Context::Context(const GnContextCreateInfo& info)
 
 Result<std::unique_ptr<Context>> Context::create(const GnContextCreateInfo& info)
 {
+    if (const GnContextCreateFlags other =
+            info.flags & ~(GN_CONTEXT_TIME_EVERY_FRAME_BIT | GN_CONTEXT_NO_BACKGROUND_BIT))
+        return unknownFlags("GnContextCreateInfo::flags", other, "GnContextCreateFlagBits");
     if (info.framesInFlight > kMaxFramesInFlight)
         return Error{GN_ERROR_OUT_OF_RANGE, "FramesInFlight",
                      "framesInFlight is " + std::to_string(info.framesInFlight) + ", outside [1, 8]"};
@@ -351,6 +357,20 @@ Result<void> Context::loadRules(std::string_view text, std::string_view fileName
                        error ? "RuleError" : "RuleWarning", rules::toText(finding));
     }
     return loaded;
+}
+
+Result<void> Context::loadShippedRules(std::string_view name)
+{
+#if GNOMON_WITH_YAML
+    if (const std::string_view text = rules::shippedRuleBase(name); !text.empty()) return loadRules(text, name);
+    std::string known;
+    for (const rules::ShippedRuleBase& base : rules::shippedRuleBases())
+        known += (known.empty() ? "" : ", ") + std::string(base.name);
+    return Error{GN_ERROR_OUT_OF_RANGE, "RulesUnknown",
+                 "no rule base '" + std::string(name) + "' comes with the library, but " + known};
+#else
+    return loadRules({}, name);
+#endif
 }
 
 /// Maps of the frame's methods, each once.

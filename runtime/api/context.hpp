@@ -78,6 +78,7 @@ public:
     const GnPluginInterface* pluginInterface() const { return &pluginInterface_; }
     std::uint32_t methods(std::span<GnMethodInfo> out);
     Result<void> loadRules(std::string_view text, std::string_view fileName);
+    Result<void> loadShippedRules(std::string_view name);
     Result<void> loadKnowledge(std::string_view text, std::string_view fileName);
 
     Result<GnResult> recordFrame(VkCommandBuffer cmd, const GnFrameInfo& info);
@@ -145,7 +146,7 @@ private:
     Result<Method*> usableMethod(const char* name);
     template <typename Add>
     Result<void> admit(const char* name, GnTraits traits, Add&& add); ///< Adds a method that the rules bind to.
-    void teachShared();
+    void teachShared() noexcept;
     bool createOwnPipelines();
     void failOwnPipelines(const std::string& why);
     void settleTrial(std::uint32_t owner);

@@ -96,6 +96,8 @@ Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQu
     }
     const std::shared_ptr<const rules::Engine> engine = view->records.rules(record->frame);
     const ExplainWords words{.methods = methods, .engine = engine.get(), .light = scene_->lightInfo(light)->name};
+    if (const GnQuestionFlags other = question.flags & ~GN_QUESTION_SINCE_SWITCH_BIT)
+        return unknownFlags("GnQuestion::flags", other, "GnQuestionFlagBits");
     switch (question.kind) {
     case GN_QUESTION_WHY:
         return explainWhy(*record, words);

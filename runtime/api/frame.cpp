@@ -7,6 +7,7 @@
 
 #include "rules/engine/number_text.hpp"
 #include "runtime/api/context.hpp"
+#include "runtime/core/hash.hpp"
 
 namespace gnomon {
 
@@ -278,13 +279,16 @@ void Context::openGraph(const GnFrameInfo& info)
     for (View* view : acceptedViews_)
         viewFrames_.push_back({.view = view});
     if (info.viewCount == 0) return;
-    bool moved = !originSet_;
-    for (int i = 0; i < 3; ++i) {
-        // Followed with a quarter step of slack, so that a camera on a boundary does not flip it every frame.
-        const double eye = info.pViews[0].eye[i];
-        if (std::abs(eye - origin_[i]) > 0.75 * kOriginStep || moved)
-            origin_[i] = std::round(eye / kOriginStep) * kOriginStep;
-    }
+    // Followed with a quarter step of slack, so that a camera on a boundary does not flip it every frame; and only
+    // where no view is left near it, so that views far from one another do not, in whatever order they come.
+    const auto near = [this](const GnViewFrame& view) {
+        for (int i = 0; i < 3; ++i)
+            if (std::abs(view.eye[i] - origin_[i]) > 0.75 * kOriginStep) return false;
+        return true;
+    };
+    if (originSet_ && std::any_of(info.pViews, info.pViews + info.viewCount, near)) return;
+    for (int i = 0; i < 3; ++i)
+        origin_[i] = std::round(info.pViews[0].eye[i] / kOriginStep) * kOriginStep;
     originSet_ = true;
 }
 
@@ -419,13 +423,13 @@ void Context::planLights(const GnFrameInfo& info)
     settleProbe();
     present().plannedMs = planReport_.predictedMs;
     present().cheapestMs = planReport_.cheapestMs;
-    std::uint64_t& methods = present().methods; // FNV-1a
-    methods = 0xcbf29ce484222325u;
+    std::uint64_t& methods = present().methods;
+    methods = kEmptyHash;
     for (const PendingLight& pending : pending_) {
         const LightDecision& decision = *pending.decision;
         for (const std::uint32_t part :
              {pending.viewIndex, pending.light->id, decision.method, decision.outgoing, decision.probed})
-            methods = (methods ^ part) * 0x100000001b3u;
+            methods = hashWith(methods, part);
         present().beside |= decision.outgoing != UINT32_MAX || decision.probed != UINT32_MAX;
     }
     if (countsTime(base)) noteChanges(info.frame);

@@ -33,6 +33,8 @@ Result<void> Context::takeInput(const GnFrameInfo& info)
     if (info.frame == 0) return frameOrder("frame is 0; the first frame is at least 1");
     if (frame_ != 0 && info.frame != frame_ + 1)
         return frameOrder("frame is " + std::to_string(info.frame) + " after " + std::to_string(frame_));
+    if (const GnFrameFlags other = info.flags & ~(GN_FRAME_PRESUBMIT_BIT | GN_FRAME_TIMED_BIT))
+        return unknownFlags("GnFrameInfo::flags", other, "GnFrameFlagBits");
     if (info.completedFrame >= info.frame)
         return frameOrder("completedFrame " + std::to_string(info.completedFrame) + " is not before frame " +
                           std::to_string(info.frame));

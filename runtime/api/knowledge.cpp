@@ -1,4 +1,6 @@
 // What is known of times from outside: a knowledge base that somebody measured, and timings for who measures one.
+#include <array>
+
 #include "runtime/api/context.hpp"
 #include "runtime/cost/knowledge_base.hpp"
 
@@ -27,12 +29,12 @@ Result<void> Context::loadKnowledge(std::string_view text, std::string_view file
 }
 
 /// What the knowledge base in force says that lights share, to all methods there are.
-void Context::teachShared()
+void Context::teachShared() noexcept
 {
-    std::vector<std::string> algorithms;
+    std::array<std::string_view, kMaxMethods> algorithms; // no memory is asked for: methods have just been added
     for (std::uint32_t m = 0; m < methods_->size(); ++m)
-        algorithms.emplace_back((*methods_)[m].entry->name);
-    sharedParts_.teach(plan_->knowledge().parts, vk_->properties.deviceName, algorithms);
+        algorithms[m] = (*methods_)[m].entry->name;
+    sharedParts_.teach(plan_->knowledge().parts, vk_->properties.deviceName, {algorithms.data(), methods_->size()});
 }
 
 Result<GnLightTiming> Context::lightTiming(GnView viewHandle, GnLight light)

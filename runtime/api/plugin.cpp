@@ -6,19 +6,11 @@
 
 #include "rules/engine/number_text.hpp"
 #include "runtime/api/plugin_door.hpp"
+#include "runtime/core/hash.hpp"
 
 namespace {
 
 using namespace gnomon;
-
-/// Adds 64 bits to a running hash: a round of splitmix64.
-std::uint64_t mixed(std::uint64_t hash, std::uint64_t value)
-{
-    hash += value + 0x9e3779b97f4a7c15ull;
-    hash = (hash ^ hash >> 30) * 0xbf58476d1ce4e5b9ull;
-    hash = (hash ^ hash >> 27) * 0x94d049bb133111ebull;
-    return hash ^ hash >> 31;
-}
 
 /// GnShadowTask::casterStamp. Of casters that the host draws, which a plug-in cannot draw, it tells where they are:
 /// they may have another shape in every frame.

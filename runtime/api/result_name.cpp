@@ -1,5 +1,10 @@
 #include "gnomon/gnomon.h"
 
+uint32_t GN_CALL gnGetVersion(void)
+{
+    return GN_VERSION;
+}
+
 const char* GN_CALL gnResultName(GnResult result)
 {
     switch (result) {

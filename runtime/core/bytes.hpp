@@ -7,15 +7,6 @@
 
 namespace gnomon {
 
-/// FNV-1a.
-inline std::uint64_t hashOfBytes(std::string_view bytes) noexcept
-{
-    std::uint64_t hash = 0xcbf29ce484222325u;
-    for (const char c : bytes)
-        hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-    return hash;
-}
-
 class ByteWriter {
 public:
     template <typename Integer>

@@ -22,6 +22,13 @@ inline Error invalidHandle(const char* kind)
             std::string("the ") + kind + " is null, was destroyed or belongs to another context"};
 }
 
+/// @param member where the bits were given, `bits` the type that has the known ones
+inline Error unknownFlags(const char* member, VkFlags unknown, const char* bits)
+{
+    return {GN_ERROR_OUT_OF_RANGE, "UnknownFlags",
+            std::string(member) + " has the bits " + std::to_string(unknown) + ", which are none of " + bits};
+}
+
 /// A value, or why there is none. What can fail because of the host's input or the device returns this; an assertion
 /// guards our own mistakes.
 template <typename T>

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "runtime/core/hash.hpp"
+
 namespace gnomon {
 
 namespace {
@@ -11,15 +13,6 @@ constexpr VkPipelineStageFlags2 kShaderStages =
     VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
 constexpr VkPipelineStageFlags2 kFragmentTests =
     VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT;
-
-std::uint64_t mix(std::uint64_t hash, std::uint64_t value)
-{
-    // splitmix64's finaliser over a running sum: 64-bit keys of a few thousand names collide with odds below 1e-12.
-    hash += value + 0x9e3779b97f4a7c15ull;
-    hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9ull;
-    hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebull;
-    return hash ^ (hash >> 31);
-}
 
 bool isCpu(PassKind kind)
 {
@@ -108,21 +101,19 @@ AccessTraits accessTraits(const Access& access, PassKind pass)
 
 std::uint64_t PassGraph::key(Scope scope, const char* name, std::uint32_t variant, std::uint64_t salt) const
 {
-    std::uint64_t hash = mix(salt, variant);
-    for (const char* c = name; *c; ++c)
-        hash = (hash ^ static_cast<unsigned char>(*c)) * 0x100000001b3ull; // FNV-1a
+    const std::uint64_t hash = hashOfBytes(name, mixed(salt, variant));
     const std::uint64_t view = view_ ? view_->id : UINT32_MAX;
     switch (scope) {
     case Scope::view:
-        return mix(mix(hash, 1), view);
+        return mixed(mixed(hash, 1), view);
     case Scope::light:
-        return mix(mix(hash, 2), owner_.light);
+        return mixed(mixed(hash, 2), owner_.light);
     case Scope::scene:
-        return mix(hash, 4);
+        return mixed(hash, 4);
     case Scope::task:
         break;
     }
-    return mix(mix(mix(mix(hash, 3), view), owner_.light), owner_.method);
+    return mixed(mixed(mixed(mixed(hash, 3), view), owner_.light), owner_.method);
 }
 
 std::uint32_t PassGraph::find(std::uint64_t key) const

@@ -84,10 +84,10 @@ Result<void> DepthGrid::declare(PassGraph& graph, const CameraView& view, ImageI
     for (Measurement& measurement : measurements_)
         if (measurement.frame == 0) free = &measurement; // the GPU has done with it
     if (!free) {
-        measurements_.emplace_back();
-        free = &measurements_.back();
-        free->buffer = std::make_unique<PooledBuffer>();
-        free->buffer->place = BufferPlace::readback;
+        Measurement another;
+        another.buffer = std::make_unique<PooledBuffer>();
+        another.buffer->place = BufferPlace::readback;
+        free = &measurements_.emplace_back(std::move(another));
     }
     if (free->buffer->gpu.size < size) {
         memory_.destroy(free->buffer->gpu);

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "runtime/core/bytes.hpp"
+#include "runtime/core/hash.hpp"
 
 namespace gnomon {
 

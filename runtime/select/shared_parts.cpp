@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "runtime/core/hash.hpp"
+
 namespace gnomon {
 
 namespace {
@@ -10,27 +12,24 @@ namespace {
 // More passes of view scope than all modules have together; others count as nothing.
 constexpr std::size_t kMostPasses = 64;
 
-std::uint64_t hashOf(std::string_view text)
-{
-    std::uint64_t hash = 0xcbf29ce484222325ull; // FNV-1a
-    for (const char c : text)
-        hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
-    return hash;
-}
-
 } // namespace
+
+SharedParts::SharedParts()
+{
+    entries_.reserve(kMostPasses); // once and for all
+}
 
 /// Null: there are too many.
 SharedParts::Entry* SharedParts::entryOf(std::string_view pass)
 {
-    const std::uint64_t name = hashOf(pass);
+    const std::uint64_t name = hashOfBytes(pass);
     const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.name == name; });
     if (entry != entries_.end()) return &*entry;
     return entries_.size() == kMostPasses ? nullptr : &entries_.emplace_back(Entry{.name = name});
 }
 
 void SharedParts::teach(std::span<const cost::KnowledgePart> parts, std::string_view device,
-                        std::span<const std::string> algorithms)
+                        std::span<const std::string_view> algorithms) noexcept
 {
     for (Entry& entry : entries_) {
         if (entry.shown) continue;

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -21,11 +20,13 @@ namespace gnomon {
 /// is forgotten.
 class SharedParts {
 public:
+    SharedParts();
+
     /// What a knowledge base has measured on this very device. What frames have shown here stays; methods that have
     /// come since the last call need what their algorithm does.
     /// @param algorithms Of every method, in their order.
     void teach(std::span<const cost::KnowledgePart> parts, std::string_view device,
-               std::span<const std::string> algorithms);
+               std::span<const std::string_view> algorithms) noexcept;
     /// A pass of view scope of a timed frame; of several views, one after the other.
     /// @param pass    Name.
     /// @param methods Bit m: method m declared it.

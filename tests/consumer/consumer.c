@@ -11,5 +11,6 @@ int main(void)
     memset(&info, 0, sizeof info);
     const GnResult result = gnCreateContext(&info, &context);
     printf("gnCreateContext without a device: %s\n", gnResultName(result));
+    if (gnGetVersion() != GN_VERSION) return 1;
     return result == GN_ERROR_NULL_ARGUMENT && context == VK_NULL_HANDLE ? 0 : 1;
 }

@@ -36,6 +36,8 @@ const FrameCase kFrameCases[] = {
     {"budget NaN", [](GnFrameInfo& f, Views&) { f.budgetMs = kNaN; }, GN_ERROR_NOT_A_NUMBER, "budgetMs"},
     {"budget infinite", [](GnFrameInfo& f, Views&) { f.budgetMs = kInf; }, GN_ERROR_INFINITE, "budgetMs"},
     {"budget negative", [](GnFrameInfo& f, Views&) { f.budgetMs = -1.5f; }, GN_ERROR_OUT_OF_RANGE, "-1.5"},
+    {"a flag that is none", [](GnFrameInfo& f, Views&) { f.flags = GN_FRAME_TIMED_BIT | 0x40; }, GN_ERROR_OUT_OF_RANGE,
+     "GnFrameInfo::flags has the bits 64"},
     {"views null", [](GnFrameInfo& f, Views&) { f.pViews = nullptr; }, GN_ERROR_NULL_ARGUMENT, "pViews"},
     {"waits null", [](GnFrameInfo& f, Views&) { f.waitCount = 1; }, GN_ERROR_NULL_ARGUMENT, "pWaits"},
     {"signals null", [](GnFrameInfo& f, Views&) { f.signalCount = 1; }, GN_ERROR_NULL_ARGUMENT, "pSignals"},
@@ -245,6 +247,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a context that cannot be is refused with a messag
     create([](GnContextCreateInfo& i) { i.pfnGetInstanceProcAddr = nullptr; }, GN_ERROR_NULL_ARGUMENT,
            "pfnGetInstanceProcAddr");
     create([](GnContextCreateInfo& i) { i.framesInFlight = 9; }, GN_ERROR_OUT_OF_RANGE, "9");
+    create([](GnContextCreateInfo& i) { i.flags = 0x100; }, GN_ERROR_OUT_OF_RANGE, "flags has the bits 256");
     static const uint32_t families[] = {0, 77};
     create(
         [](GnContextCreateInfo& i) {

@@ -182,6 +182,21 @@ TEST_CASE_FIXTURE(DeviceTest, "malformed rules are refused with line and column,
     }
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "the bases that the library carries are loaded by name, and others are not")
+{
+    Host host(smallScene());
+    host.pinAll(nullptr);
+    host.require(gnLoadShippedRules(host.context, "thesis"));
+    host.draw(4, {});
+    CHECK(decisionText(host).find("octree_volume 0") == 0); // one static light: by the rules
+    for (const char* name : {"default", "quality", "battery", "thesis"})
+        CHECK(gnLoadShippedRules(host.context, name) == GN_SUCCESS);
+    CHECK(gnLoadShippedRules(host.context, "defaults") == GN_ERROR_OUT_OF_RANGE);
+    CHECK(host.lastError().find("'defaults'") != std::string::npos);
+    CHECK(gnLoadShippedRules(host.context, nullptr) == GN_ERROR_NULL_ARGUMENT);
+    host.require(host.draw()); // by the last good one
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "in a locale with a decimal comma rules, decisions, pictures and messages are the same")
 {
     const auto run = [](std::string& words) {

@@ -1,5 +1,6 @@
 // No memory on the host, from some allocation on and for good: the call says so, and what was there is still there.
 #include "device/fixture.hpp"
+#include "gnomon/algorithm.h"
 #include "runtime/allocation_count.hpp"
 
 using namespace gnomon;
@@ -61,6 +62,65 @@ TEST_CASE_FIXTURE(DeviceTest, "a call without memory, nor any for the words abou
           GN_ERROR_OUT_OF_HOST_MEMORY);
     host.pinAll("shadow_map");
     host.require(host.draw());
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "an algorithm or a method that found no memory on its way in is not there at all")
+{
+    if (!countsOnlyOurs()) return;
+    const auto methods = [](const Host& host) {
+        uint32_t count = 0;
+        host.require(gnEnumerateMethods(host.context, &count, nullptr));
+        return count;
+    };
+    GnAlgorithmInfo info{};
+    info.pName = "one that shines through everything, and is called so";
+    info.traits = GN_TRAIT_SPOT_BIT;
+    info.pfnDeclare = [](void*, GnPassBuilder, const GnShadowTask*) {};
+    const auto struckAt = [&](std::size_t first) {
+        CAPTURE(first);
+        Host host(smallScene());
+        host.require(gnLoadShippedRules(host.context, "default"));
+        const uint32_t before = methods(host);
+        const Outcome made = without(first, [&] { return gnRegisterAlgorithm(host.context, &info); });
+        const Outcome added =
+            without(first, [&] { return gnAddMethod(host.context, "another shadow map", "shadow_map"); });
+        CHECK((made.result == GN_SUCCESS) == !made.struck);
+        CHECK((added.result == GN_SUCCESS) == !added.struck);
+        CHECK(methods(host) == before + !made.struck + !added.struck);
+        host.draw(2, {}); // all of them are asked
+        return made.struck || added.struck;
+    };
+    std::size_t last = 0, none = 1; // the last allocation that both make is between them
+    for (; struckAt(none); none *= 2)
+        last = none;
+    while (none - last > 1) {
+        const std::size_t middle = (last + none) / 2;
+        (struckAt(middle) ? last : none) = middle;
+    }
+    CHECK(last > 20);
+    for (std::size_t first = last - 12; first <= last; ++first) // around what changes the context
+        CHECK(struckAt(first));
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a context that finds no memory says so")
+{
+    if (!countsOnlyOurs()) return;
+    bool struck = true, told = false;
+    for (std::size_t first = 0; struck; first += 1 + first / 8) {
+        CAPTURE(first);
+        told = false;
+        GnContextCreateInfo info = device().contextInfo();
+        info.pUserData = &told;
+        info.pfnMessage = [](const GnMessage* message, void* user) {
+            *static_cast<bool*>(user) = message->result == GN_ERROR_OUT_OF_HOST_MEMORY && message->pText[0] != '\0';
+        };
+        GnContext context = VK_NULL_HANDLE;
+        const Outcome made = without(first, [&] { return gnCreateContext(&info, &context); });
+        struck = made.struck;
+        CHECK((made.result == GN_SUCCESS) == !struck);
+        CHECK(told == struck);
+        gnDestroyContext(context);
+    }
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a mesh whose destruction found no memory is there or gone, never half")

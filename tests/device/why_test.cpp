@@ -78,6 +78,8 @@ TEST_CASE_FIXTURE(DeviceTest, "all four questions are answered, for the newest f
     CHECK(contains(host.lastError(), "'no_such'"));
     CHECK(askInVain(host, {.kind = GN_QUESTION_WHY_NOT}) == GN_ERROR_NULL_ARGUMENT);
     CHECK(askInVain(host, {.kind = static_cast<GnQuestionKind>(9)}) == GN_ERROR_OUT_OF_RANGE);
+    CHECK(askInVain(host, {.kind = GN_QUESTION_WHAT_CHANGED, .flags = 0x2}) == GN_ERROR_OUT_OF_RANGE);
+    CHECK(contains(host.lastError(), "GnQuestion::flags has the bits 2"));
 
     size_t size = 0;
     host.require(gnGetDecisionLog(host.context, host.views[0], 0, 1, &size, nullptr));

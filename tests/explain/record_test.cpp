@@ -8,6 +8,7 @@
 #include "plan/random.hpp"
 #include "runtime/allocation_count.hpp"
 #include "runtime/core/bytes.hpp"
+#include "runtime/core/hash.hpp"
 #include "runtime/select/choice.hpp"
 #include "runtime/select/record_log.hpp"
 

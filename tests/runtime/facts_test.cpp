@@ -218,7 +218,7 @@ TEST_CASE("work that methods share is known by pass, charged to those that decla
 
 TEST_CASE("work that methods share is known from a knowledge base of this device until a frame has shown it")
 {
-    const std::vector<std::string> algorithms{"map", "stencil", "octree", "stencil"};
+    const std::vector<std::string_view> algorithms{"map", "stencil", "octree", "stencil"};
     const auto part = [](const char* device, const char* algorithm, const char* pass, double ms) {
         return cost::KnowledgePart{
             .device = device, .algorithm = algorithm, .pass = pass, .viewPixels = 2000.0, .samples = 4, .gpuMs = ms};
@@ -242,7 +242,7 @@ TEST_CASE("work that methods share is known from a knowledge base of this device
     shared.teach(base, "here", algorithms);
     CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(2.5));
     shared.endFrame(1u << 3, 1000.0); // the other stencil method ran without it
-    const std::vector<std::string> more{"map", "stencil", "octree", "stencil", "stencil"}; // a host has added one
+    const std::vector<std::string_view> more{"map", "stencil", "octree", "stencil", "stencil"}; // a host has added one
     shared.teach(base, "here", more);
     CHECK(shared.parts(1000.0)[1].methods == 0b10110u);
     CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(2.5));

@@ -43,6 +43,8 @@ typedef struct GnDecision {
     const char* pProbed;           ///< A method that runs unseen to be measured (`policy.probing`); null: there is none.
 } GnDecision;
 
+/** \brief What was decided for a light in a view in its last frame. \return #GN_ERROR_INVALID_HANDLE if the light was not
+in that. */
 GN_API GnResult GN_CALL gnGetDecision(GnContext context, GnView view, GnLight light, GnDecision* pDecision);
 
 /** What a decision rested on. Strings are static. */

@@ -8,7 +8,8 @@ every light and every frame, which *method* (an algorithm with settings) runs, a
     gnCreateContext -> gnLoadRules -> gnCreateMesh, gnCreateInstance, gnCreateLight, gnCreateView
     each frame: gnSubmitShadows (or gnCmdRenderShadows into your command buffer), then sample gnGetVisibility()
 
-Conventions. Column vectors, column-major matrices, metres, right-handed world space. Zero the whole structure, then
+Conventions. Column vectors, metres, right-handed world space; 4x4 matrices are column-major, rotations and bases of 9 or
+12 numbers row-major, as each says. Zero the whole structure, then
 set what differs from the defaults; a member that is 0 or null means its default. Numbers are finite; positions, lengths
 and factors are at most 1e18 (a light of unlimited range has range 0). On failure outputs are null or zero and nothing has
 changed, unless a call says otherwise. No C++ exception leaves these functions, and the host's locale and floating-point
@@ -42,6 +43,8 @@ extern "C" {
 #define GN_VERSION_MAJOR 0
 #define GN_VERSION_MINOR 1
 #define GN_VERSION_PATCH 0
+/** Of this header. */
+#define GN_VERSION VK_MAKE_API_VERSION(0, GN_VERSION_MAJOR, GN_VERSION_MINOR, GN_VERSION_PATCH)
 
 /** One library instance on one device. */
 VK_DEFINE_HANDLE(GnContext)
@@ -99,6 +102,10 @@ typedef struct GnMessage {
 
 /** Called on the thread that caused the message; a worker thread for background work. Must not call gnomon. */
 typedef void(GN_CALL* PFN_gnMessage)(const GnMessage* pMessage, void* pUserData);
+
+/** \brief #GN_VERSION of the library. Structures are those of one version: a host that may meet another library than the
+one it was compiled with compares the two before it creates a context. Any thread. */
+GN_API uint32_t GN_CALL gnGetVersion(void);
 
 /* --- device and context --------------------------------------------------------------------------------------- */
 
@@ -172,7 +179,7 @@ typedef struct GnContextCreateInfo {
     void* pUserData;                                   ///< Given to all callbacks above.
 } GnContextCreateInfo;
 
-/** \brief Creates a context. No method is ready at first; see gnWarmUp(). */
+/** \brief Creates a context. No method is ready at first; see gnWarmUp(). What went wrong is told to `pfnMessage` alone. */
 GN_API GnResult GN_CALL gnCreateContext(const GnContextCreateInfo* pCreateInfo, GnContext* pContext);
 
 /** \brief Destroys the context and all that was made from it. Null is allowed.
@@ -210,7 +217,10 @@ typedef struct GnViewCreateInfo {
     uint32_t maxLights; ///< Layers of the visibility image; 0 means 16. [1, 256] and the device's maximum.
 } GnViewCreateInfo;
 
+/** \brief Creates a view. It has no visibility until it has been in a frame. */
 GN_API GnResult GN_CALL gnCreateView(GnContext context, const GnViewCreateInfo* pCreateInfo, GnView* pView);
+/** \brief Destroys a view, and finishes a frame under way first. Its visibility image stays until the frames that were
+begun before are completed (GnFrameInfo::completedFrame): what reads it must have been submitted by then. */
 GN_API void GN_CALL gnDestroyView(GnContext context, GnView view);
 
 typedef enum GnDepthConvention {
@@ -229,7 +239,9 @@ typedef struct GnViewFrame {
     GnView view;              ///< Required.
     double eye[3];            ///< World position of the camera.
     float viewFromWorld[9];   ///< Row-major rotation; the translation is `eye`.
-    float projection[16];     ///< Column-major clipFromView as it drew the depth, jitter included; perspective.
+    float projection[16];     ///< Column-major clipFromView as it drew the depth, jitter included; perspective. Clip y
+                              ///< goes down the image, as in a viewport of positive height: hosts that draw with a
+                              ///< negative one negate [1], [5], [9] and [13] here.
     GnDepthConvention depthConvention;
     VkImage depthImage;       ///< Required. Single sample, SAMPLED and TRANSFER_SRC; its stencil is left alone.
     VkImageView depthView;    ///< Required. Depth aspect, 2D.
@@ -267,7 +279,8 @@ typedef struct GnFrameInfo {
     float budgetMs;          ///< For all shadows of this frame, GPU and CPU. 0: that of the rules (`shadowCapMs`, or
                              ///< what `budget: auto` allows), or none. A `shadowCapMs` that is less lowers it.
     uint32_t viewCount;
-    const GnViewFrame* pViews;
+    const GnViewFrame* pViews; ///< Coordinates are computed in float about a point near an eye of one of them: of views
+                               ///< kilometres apart, the others' shadows are as coarse as floats are so far out.
     uint32_t waitCount;      ///< Waited for before the first pass. Not for gnCmdRenderShadows.
     const GnSemaphorePoint* pWaits;
     uint32_t signalCount;    ///< Signalled after the last pass. Not for gnCmdRenderShadows.
@@ -320,6 +333,9 @@ typedef struct GnVisibility {
     uint64_t revision;     ///< Grows when image or view handle change (resize): refresh descriptors.
 } GnVisibility;
 
+/** \brief The newest visibility of a view; the same image from frame to frame, until the size of its views changes. The one
+before stays until the frame that replaced it is completed.
+\return #GN_ERROR_FRAME_ORDER before the view's first frame. */
 GN_API GnResult GN_CALL gnGetVisibility(GnContext context, GnView view, GnVisibility* pVisibility);
 
 /** A method's map, for hosts with uses of their own (volumetric light, particles). Valid until the next frame call. As
@@ -390,6 +406,10 @@ GN_API GnResult GN_CALL gnSetMethodSetting(GnContext context, const char* pMetho
 column, #GN_ERROR_RULES is returned and the rules in force stay. Without any rules the first eligible exact method, or
 else the fallback, serves each light. */
 GN_API GnResult GN_CALL gnLoadRules(GnContext context, const char* pText, size_t size, const char* pFileName);
+
+/** \brief gnLoadRules() with one of the bases that the library carries: "default", "quality", "battery", "thesis".
+\return #GN_ERROR_OUT_OF_RANGE for another name, #GN_ERROR_UNSUPPORTED where the library was built without YAML. */
+GN_API GnResult GN_CALL gnLoadShippedRules(GnContext context, const char* pName);
 
 /** \brief Starts the cost model anew from a knowledge base: the CSV text that `gnomon calibrate` writes.
 

@@ -80,6 +80,7 @@ typedef struct GnFrameStats {
     float raysMs;               ///< Inside the ray tracer's queries, wall time of every thread added up.
 } GnFrameStats;
 
+/** \brief Of the newest frame, which may be one that failed (see gnSubmitShadows()); all zero before the first. */
 GN_API GnResult GN_CALL gnGetFrameStats(GnContext context, GnFrameStats* pStats);
 
 #endif /* GNOMON_MEASUREMENTS_H */

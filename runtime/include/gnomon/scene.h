@@ -136,12 +136,14 @@ typedef struct GnLightInfo {
     uint32_t casterMask; ///< 0 means all bits.
 } GnLightInfo;
 
+/** \brief Adds a light; views name it in their frames. */
 GN_API GnResult GN_CALL gnCreateLight(GnContext context, const GnLightInfo* pInfo, GnLight* pLight);
 /** \brief Replaces everything but the name. An invalid description changes nothing. */
 GN_API GnResult GN_CALL gnUpdateLight(GnContext context, GnLight light, const GnLightInfo* pInfo);
 /** \brief Pins a method, overruling the rules; null hands the light back to them. A method that cannot serve the light
 is refused with the reason. */
 GN_API GnResult GN_CALL gnSetLightMethod(GnContext context, GnLight light, const char* pMethod);
+/** \brief Removes it, its pin, and what was kept and learned of it. Frames begun before end with it. */
 GN_API void GN_CALL gnDestroyLight(GnContext context, GnLight light);
 
 #endif /* GNOMON_SCENE_H */
