@@ -18,7 +18,7 @@ struct Constants {
     float lightPosition[3], lightDirection[3];
     float cone; ///< Cosine of the cone's half angle times its absolute value.
     float rangeSquared;
-    float lightLargest; ///< The light's largest coordinate in receiverOffset(); 0 for directional lights.
+    float leastCoordinate; ///< c in receiverOffset(), but for what the receiver adds.
     uint32_t directional, hasNormals;
 };
 

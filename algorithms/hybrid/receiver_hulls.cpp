@@ -208,14 +208,15 @@ void SquareMaker::row(std::uint32_t top) const
 
 SquareAnswers::SquareAnswers(const CameraView& view, const LightView& light)
     : view_(view), light_(light), position_(light.position()), axis_(light.direction()), range_(light.constants.range),
-      cosine_(-1.0), sine_(0.0), offset_(0.0), cone_(light.type == GN_LIGHT_TYPE_SPOT)
+      cosine_(-1.0), sine_(0.0),
+      // receiverOffset() (shaders/shared/receiver.h)
+      offset_(double(view.constants.offsetFactor) * double(leastCoordinate(view, light)) / 2097152.0),
+      cone_(light.type == GN_LIGHT_TYPE_SPOT)
 {
     if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) {
         axis_ = -axis_;
         return;
     }
-    // receiverOffset() (shaders/shared/receiver.h)
-    offset_ = double(view.constants.offsetFactor) * double(lightLargest(view, light)) / 2097152.0;
     if (!cone_) return;
     cosine_ = light.constants.directionWs.w;
     sine_ = std::sqrt(std::max(1.0 - cosine_ * cosine_, 0.0));
@@ -227,7 +228,7 @@ struct SquareAnswers::Prism {
     static constexpr int kCorners = 8;
     glm::dvec3 corner[kCorners]; ///< World, from the eye.
     glm::dvec3 rounding;         ///< By which a receiver or a ray's start may lie elsewhere than its depth says.
-    double offset[2];            ///< Least and largest for a directional light.
+    double offset[2];            ///< Least and largest, but for what a light's place and far corners add.
 };
 
 SquareAnswers::Prism SquareAnswers::prismOf(const ReceiverSquare& square) const

@@ -86,7 +86,7 @@ private:
     const LightView& light_;
     glm::dvec3 position_, axis_; ///< The light's; directional: axis_ is the direction towards it.
     double range_, cosine_, sine_;
-    double offset_; ///< What a light with a position adds to a directional one's offsets, at most.
+    double offset_; ///< What the light's place and far corners of triangles add to offsets, at most.
     bool cone_;
 };
 

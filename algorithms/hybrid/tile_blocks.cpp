@@ -50,9 +50,10 @@ const Kernels& widestKernels()
     return *kernelsHere().back();
 }
 
-float lightLargest(const CameraView& view, const LightView& light)
+float leastCoordinate(const CameraView& view, const LightView& light)
 {
-    float largest = 0.0f;
+    float largest = view.constants.corners;
+    if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) return largest;
     for (int i = 0; i < 3; ++i) {
         const float at = light.constants.positionWs[i];
         largest = std::max({largest, std::abs(at - view.constants.eyeWs[i]), std::abs(at)});
@@ -87,7 +88,7 @@ BlockReader::BlockReader(const Kernels& kernels, const CameraView& view, const L
     constants_.cone = l.directionWs.w * std::abs(l.directionWs.w);
     constants_.rangeSquared = l.range * l.range;
     constants_.directional = l.type == gpu::LIGHT_DIRECTIONAL;
-    if (l.type != gpu::LIGHT_DIRECTIONAL) constants_.lightLargest = lightLargest(view, light);
+    constants_.leastCoordinate = leastCoordinate(view, light);
 }
 
 void BlockReader::normal(const std::byte* texel, Texels& texels, std::uint32_t lane) const

@@ -20,8 +20,8 @@ inline ShadowRay rayOf(const lanes::Block& block, std::uint32_t lane, const Ligh
     return {origin, block.tfar[lane], directional ? -light.direction() : light.position() - origin};
 }
 
-/// What receiverOffset() (shaders/shared/receiver.h) knows of a light with a position.
-float lightLargest(const CameraView& view, const LightView& light);
+/// What c of receiverOffset() (shaders/shared/receiver.h) is at least, wherever the receiver is.
+float leastCoordinate(const CameraView& view, const LightView& light);
 
 /// Reads blocks of a view for one light.
 class BlockReader {

@@ -41,7 +41,8 @@ glm::vec4 receiverOffset(const CameraView& view, const LightView& light)
 {
     const gpu::ViewConstants& c = view.constants;
     const float ray = glm::length(glm::vec3(c.rayCornerWs));
-    const float where = std::fmax(largest(view.eye), positional(light) ? largest(light.position()) : 0.0f);
+    const float lamp = positional(light) ? largest(light.position()) : 0.0f;
+    const float where = std::fmax(largest(view.eye), std::fmax(lamp, c.corners));
     const float coordinate = 0x1p-21f;
     // One unit in the last place of a depth: reversed, a constant share of w; standard, w^2 of the unit near 1.
     const float ulp = view.reversed() ? ray * 0x1p-23f : 0.0f;

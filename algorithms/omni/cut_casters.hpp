@@ -28,7 +28,7 @@ public:
 
     bool isFine(const Caster& caster, const LightView& light, std::uint32_t resolution)
     {
-        return fineEnough(caster, light.position(), maxEdgeAngle(resolution), longest_);
+        return fineEnough(caster, light.position(), maxEdgeAngle(resolution));
     }
 
 private:
@@ -40,7 +40,6 @@ private:
     };
     Kept& keptFor(std::uint32_t light, std::uint32_t group);
 
-    LongestEdges longest_;
     std::vector<Kept> kept_;
     std::vector<const Caster*> coarse_; ///< Scratch.
     std::uint64_t calls_ = 0;

@@ -120,30 +120,10 @@ float maxEdgeAngle(std::uint32_t resolution)
     return std::fmin(2.0f / std::sqrt(static_cast<float>(resolution)), 0.2617994f); // 15 degrees
 }
 
-float LongestEdges::of(const MeshView& mesh)
+bool fineEnough(const Caster& caster, glm::vec3 light, float angle)
 {
-    Entry& entry = entries_[mesh.revision % kEntries];
-    if (entry.revision == mesh.revision) return entry.length;
-    float longest = 0.0f;
-    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-        const glm::vec3 a = mesh.positions[mesh.indices[i]], b = mesh.positions[mesh.indices[i + 1]],
-                        c = mesh.positions[mesh.indices[i + 2]];
-        longest = std::max({longest, glm::dot(b - a, b - a), glm::dot(c - b, c - b), glm::dot(a - c, a - c)});
-    }
-    entry = {mesh.revision, std::sqrt(longest)};
-    return entry.length;
-}
-
-bool fineEnough(const Caster& caster, glm::vec3 light, float angle, LongestEdges& longest)
-{
-    if (!caster.mesh) return true;
-    // The Frobenius norm bounds how much longer a basis makes a vector.
-    float scale = 0.0f;
-    for (int column = 0; column < 3; ++column)
-        scale += glm::dot(caster.basis[column], caster.basis[column]);
-    const float edge = longest.of(*caster.mesh) * std::sqrt(scale);
     // A chord of length e whose nearest point is at distance d or more spans at most 2 atan(e / 2d) < e / d.
-    return !touches(caster.bounds, light, edge / angle);
+    return !caster.mesh || !touches(caster.bounds, light, caster.longestEdge / angle);
 }
 
 void FineMesh::clear()

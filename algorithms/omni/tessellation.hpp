@@ -16,22 +16,8 @@ namespace gnomon {
 /// is then off by a^2 / 8 = 0.9 % at most, towards far, which leaks and does not shade.
 float maxEdgeAngle(std::uint32_t resolution);
 
-/// Longest edge of a mesh in object space; computed once per mesh revision.
-class LongestEdges {
-public:
-    float of(const MeshView& mesh);
-
-private:
-    struct Entry {
-        std::uint64_t revision = 0;
-        float length = 0.0f;
-    };
-    static constexpr std::size_t kEntries = 256; ///< Direct-mapped: a collision costs a recount, never an answer.
-    Entry entries_[kEntries];
-};
-
 /// Whether no edge of the caster can span more than `angle` from the light. Conservative: by bounds and longest edge.
-bool fineEnough(const Caster& caster, glm::vec3 light, float angle, LongestEdges& longest);
+bool fineEnough(const Caster& caster, glm::vec3 light, float angle);
 
 /// Triangles in world space, ready to be drawn: those of closed casters first, then those of open ones.
 struct FineMesh {

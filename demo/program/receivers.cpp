@@ -1,8 +1,42 @@
 #include "demo/program/receivers.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include <glm/geometric.hpp>
 
 namespace gnomon::demo {
+
+namespace {
+
+/// Of a triangle, in the world but for its rotation.
+double longestEdge(const Mesh& mesh, const glm::dvec3& scale)
+{
+    double longest = 0.0;
+    for (size_t i = 0; i < mesh.indices.size(); ++i) {
+        const size_t next = i % 3 == 2 ? i - 2 : i + 1;
+        const glm::dvec3 from(mesh.positions[mesh.indices[i]]), to(mesh.positions[mesh.indices[next]]);
+        longest = std::max(longest, glm::length(scale * (to - from)));
+    }
+    return longest;
+}
+
+/// Of all triangles that gnomon knows, at any time, metres.
+double longestEdge(const Scene& scene)
+{
+    double longest = 0.0;
+    for (const Instance& instance : scene.instances) {
+        if (instance.hostDrawn) continue;
+        glm::dvec3 scale = instance.keys.empty() ? instance.pose.scale : glm::dvec3(0.0);
+        for (const PoseKey& key : instance.keys)
+            scale = glm::max(scale, key.pose.scale);
+        longest = std::max(longest, longestEdge(scene.meshes[instance.mesh], scale));
+    }
+    return longest;
+}
+
+} // namespace
 
 gpu::ViewConstants viewConstants(const Scene& scene, const CameraMatrices& camera, VkExtent2D extent)
 {
@@ -18,6 +52,7 @@ gpu::ViewConstants viewConstants(const Scene& scene, const CameraMatrices& camer
     view.offsetFactor = scene.depth.convention == DepthConvention::Standard ? 3.0f : 1.0f;
     view.pixelSize = 2.0f / (std::abs(camera.projection[1][1]) * static_cast<float>(extent.height));
     view.hasNormals = 1;
+    view.corners = static_cast<float>(0.25 * longestEdge(scene));
     return view;
 }
 

@@ -150,6 +150,7 @@ private:
     bool createOwnPipelines();
     void failOwnPipelines(const std::string& why);
     void settleTrial(std::uint32_t owner);
+    void setReady(std::uint32_t owner, bool ready);
     /// Whose pipelines this frame runs for the first time, once they are compiled: one method a frame.
     std::uint32_t nextTrial();
     Result<GnResult> runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
@@ -291,6 +292,7 @@ private:
         bool beside = false;       ///< Methods ran beside those of the plan: fades, a probe.
         bool disturbed = false;    ///< Its timings are not the methods' doing.
         bool timedUnasked = false; ///< Whatever the host asked.
+        std::uint32_t trial = UINT32_MAX; ///< Whose pipelines it ran for the first time; that they did not fail is known.
         float cpuMs = 0.0f;
         double plannedMs = 0.0, cheapestMs = 0.0; ///< PlanReport's.
         double pixels = 0.0;                      ///< Of all views.
@@ -316,7 +318,9 @@ Error frameOrder(const std::string& text);
 Result<void> checkViewFrame(const GnViewFrame& frame, const char* viewName, std::uint32_t maxLights,
                             const DeviceTable& vk);
 /// The camera relative to `origin`; the frame has been checked.
-CameraView makeCameraView(const GnViewFrame& frame, const std::array<double, 3>& origin, std::uint32_t id);
+/// @param longestEdge of triangles that may be seen, metres
+CameraView makeCameraView(const GnViewFrame& frame, const std::array<double, 3>& origin, std::uint32_t id,
+                          float longestEdge = 0.0f);
 
 // A fading light's two methods write these layers of one image.
 constexpr std::uint32_t kOutgoingLayer = 0, kIncomingLayer = 1;

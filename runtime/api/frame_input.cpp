@@ -131,7 +131,8 @@ Result<void> checkViewFrame(const GnViewFrame& frame, const char* viewName, std:
     return {};
 }
 
-CameraView makeCameraView(const GnViewFrame& frame, const std::array<double, 3>& origin, std::uint32_t id)
+CameraView makeCameraView(const GnViewFrame& frame, const std::array<double, 3>& origin, std::uint32_t id,
+                          float longestEdge)
 {
     CameraView view;
     view.id = id;
@@ -181,6 +182,7 @@ CameraView makeCameraView(const GnViewFrame& frame, const std::array<double, 3>&
     c.offsetFactor = view.reversed() ? 1.0f : 3.0f;
     c.pixelSize = glm::length(glm::vec3(c.rayDyWs));
     c.hasNormals = frame.normalImage != VK_NULL_HANDLE;
+    c.corners = 0.25f * longestEdge;
 
     // Frustum from the corner rays; the near plane from depth 1 (reversed) or 0.
     const auto left = static_cast<double>(view.area.offset.x), top = static_cast<double>(view.area.offset.y);

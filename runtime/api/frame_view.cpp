@@ -31,7 +31,7 @@ Result<void> Context::prepareView(View& view, const GnViewFrame& frame)
         view.grid->invalidate();
     }
     present().pixels += double(extent.width) * double(extent.height);
-    view.camera = makeCameraView(frame, origin_, view.id);
+    view.camera = makeCameraView(frame, origin_, view.id, scene_->longestEdge());
     if (frame.cameraCut) {
         view.grid->invalidate();
         for (auto& [id, memory] : view.lights) {

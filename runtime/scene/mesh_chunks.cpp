@@ -20,4 +20,14 @@ std::vector<Aabb> chunkBounds(std::span<const glm::vec3> positions, std::span<co
     return chunks;
 }
 
+glm::vec3 edgeSpan(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices)
+{
+    glm::vec3 span(0.0f);
+    for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
+        const glm::vec3 a = positions[indices[i]], b = positions[indices[i + 1]], c = positions[indices[i + 2]];
+        span = glm::max(span, glm::max(a, glm::max(b, c)) - glm::min(a, glm::min(b, c)));
+    }
+    return span;
+}
+
 } // namespace gnomon

@@ -20,6 +20,9 @@ inline constexpr std::uint32_t kChunkFaces = 512;
 /// @param indices three a triangle, in range
 std::vector<Aabb> chunkBounds(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices);
 
+/// The most that an edge of any triangle goes along each axis, object space.
+glm::vec3 edgeSpan(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices);
+
 /// Triangles of a mesh, by their order.
 struct FaceRange {
     std::uint32_t first = 0, end = 0; ///< `end` is none of them.

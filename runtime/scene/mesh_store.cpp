@@ -143,6 +143,7 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::finish(std::shared_ptr<MeshRe
     revision->chunks = chunkBounds(positions, view.indices);
     view.chunks = revision->chunks;
     view.bounds = boundsOf(view.chunks);
+    view.edgeSpan = edgeSpan(positions, view.indices);
     view.vertexBuffer = revision->vertices.get().buffer;
     view.indexBuffer = revision->faces->buffer.get().buffer;
     view.revision = revisions_.fetch_add(1, std::memory_order_relaxed) + 1;

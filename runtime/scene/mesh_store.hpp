@@ -121,7 +121,10 @@ public:
     Result<std::shared_ptr<MeshRevision>> rewrite(const MeshRevision& old, std::vector<glm::vec3> positions,
                                                   std::vector<MeshUpload>& uploads) const;
 
-    std::uint64_t largestBuffer() const noexcept { return vk_.properties.limits.maxStorageBufferRange; }
+    MeshLimits limits() const noexcept
+    {
+        return {vk_.properties.limits.maxStorageBufferRange, vk_.properties.limits.maxDrawIndexedIndexValue};
+    }
 
 private:
     Result<std::shared_ptr<MeshRevision>> finish(std::shared_ptr<MeshRevision> revision,

@@ -136,17 +136,21 @@ Result<std::vector<glm::vec3>> readPositions(Subject what, const float* position
     return result;
 }
 
-Result<MeshInput> readMesh(const GnMeshCreateInfo& info, std::uint64_t largestBuffer)
+Result<MeshInput> readMesh(const GnMeshCreateInfo& info, const MeshLimits& limits)
 {
     const Subject what{"mesh", info.pName};
     if (!info.pPositions)
         return Error{GN_ERROR_NULL_ARGUMENT, "MeshPositionsNull", what.text() + ": pPositions is null"};
     if (info.positionCount == 0) return Error{GN_ERROR_EMPTY, "MeshEmpty", what.text() + " has no vertices"};
     const std::uint64_t bytes = std::max(std::uint64_t{12} * info.positionCount, std::uint64_t{4} * info.indexCount);
-    if (bytes > largestBuffer)
+    if (bytes > limits.bufferBytes)
         return Error{GN_ERROR_TOO_MANY, "MeshTooLarge",
                      what.text() + " needs a buffer of " + std::to_string(bytes) + " bytes; the device takes " +
-                         std::to_string(largestBuffer)};
+                         std::to_string(limits.bufferBytes)};
+    if (info.positionCount - 1 > limits.index)
+        return Error{GN_ERROR_TOO_MANY, "MeshTooLarge",
+                     what.text() + " has " + std::to_string(info.positionCount) +
+                         " vertices; the largest index that the device draws is " + std::to_string(limits.index)};
     Result<std::vector<std::uint32_t>> indices = readIndices(what, info);
     if (!indices) return indices.error();
     Result<std::vector<glm::vec3>> positions =

@@ -35,8 +35,13 @@ struct MeshInput {
 /// Positions kept past the last one, so that 16-byte loads of any position stay inside the array (Embree).
 inline constexpr std::size_t kPositionPadding = 2;
 
-/// @param largestBuffer bytes that one storage buffer may hold; more is GN_ERROR_TOO_MANY.
-Result<MeshInput> readMesh(const GnMeshCreateInfo& info, std::uint64_t largestBuffer);
+/// What a device takes of a mesh; more is GN_ERROR_TOO_MANY.
+struct MeshLimits {
+    std::uint64_t bufferBytes; ///< Of one storage buffer.
+    std::uint32_t index;       ///< The largest in an indexed draw.
+};
+
+Result<MeshInput> readMesh(const GnMeshCreateInfo& info, const MeshLimits& limits);
 /// Finite positions, packed and padded.
 Result<std::vector<glm::vec3>> readPositions(Subject what, const float* positions, std::uint32_t count,
                                              std::uint32_t stride);

@@ -66,7 +66,7 @@ void SceneRegistry::Impl::letGo(std::vector<RevisionPtr>& released)
 
 Result<GnMesh> SceneRegistry::createMesh(const GnMeshCreateInfo& info)
 {
-    Result<MeshInput> input = readMesh(info, impl_->builder.largestBuffer());
+    Result<MeshInput> input = readMesh(info, impl_->builder.limits());
     if (!input) return input.error();
     std::vector<MeshUpload> uploads;
     Result<RevisionPtr> revision = impl_->builder.create(std::move(*input), uploads);

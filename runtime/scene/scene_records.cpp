@@ -1,7 +1,9 @@
 #include "runtime/scene/scene_records.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 namespace gnomon {
@@ -14,6 +16,15 @@ glm::vec3 relative(const double (&position)[3], const std::array<double, 3>& ori
 }
 
 } // namespace
+
+/// No edge is longer than the box around all edges, turned, nor than the one around the caster.
+float longestEdgeOf(const Caster& caster, const MeshView& mesh)
+{
+    glm::vec3 span(0.0f);
+    for (int column = 0; column < 3; ++column)
+        span += glm::abs(caster.basis[column]) * mesh.edgeSpan[column];
+    return std::min(glm::length(span), glm::distance(caster.bounds.lower, caster.bounds.upper));
+}
 
 void updateCaster(InstanceRecord& record, const MeshView* view, const std::array<double, 3>& origin,
                   std::uint64_t revision)
@@ -30,6 +41,7 @@ void updateCaster(InstanceRecord& record, const MeshView* view, const std::array
     caster.bounds = transformed(view ? view->bounds : record.hostBounds, caster.basis, caster.translation);
     caster.mirrored = glm::determinant(glm::dmat3(caster.basis)) < 0.0;
     caster.closed = view && view->closed;
+    caster.longestEdge = view ? longestEdgeOf(caster, *view) : 0.0f;
     caster.isStatic = record.isStatic;
     caster.revision = revision;
 }
@@ -106,7 +118,10 @@ void CasterArrays::publish(const std::vector<InstanceRecord*>& casting, const st
             next.write(*record);
         next.behind.clear();
     }
-    next.snapshot = {next.casters, next.transforms, ++revision_};
+    float longest = 0.0f;
+    for (const Caster& caster : next.casters)
+        longest = std::max(longest, caster.longestEdge);
+    next.snapshot = {next.casters, next.transforms, ++revision_, longest};
     shown.stale = structural;
     shown.behind.clear();
     if (!structural) shown.behind.assign(changed.begin(), changed.end());

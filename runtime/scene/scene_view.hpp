@@ -38,6 +38,8 @@ struct MeshView {
     std::uint64_t revision = 0;             ///< Unique over all meshes; changes with the positions.
     bool closed = false;                    ///< Known from the topology; false until it is there.
 
+    glm::vec3 edgeSpan{0.0f}; ///< The most that an edge goes along each axis, object space.
+
     std::uint32_t triangleCount() const { return static_cast<std::uint32_t>(indices.size() / 3); }
 };
 
@@ -55,6 +57,7 @@ struct Caster {
     std::uint64_t revision = 0; ///< Unique over all instances; changes when transform, mesh, mask or positions do, that
                                 ///< of a host-drawn one that is not static in every frame.
     std::uint32_t mask = kAllMasks;
+    float longestEdge = 0.0f; ///< At most: of its triangles in the world, metres; 0 where the host draws it.
     bool isStatic = false;
     bool mirrored = false; ///< The basis has a negative determinant: winding is reversed.
     bool closed = false;   ///< mesh->closed; open casters are drawn from both sides with a bias.

@@ -19,7 +19,7 @@ struct ViewConstants {
     float offsetFactor; // k of the offset: 1 for reversed-Z, 3 for standard depth
     float pixelSize;    // width of a pixel at linear depth 1, metres
     uint hasNormals;    // 0: the host gives no geometric normals
-    uint padding;
+    float corners;      // what coordinates of corners of seen triangles count as in largestCoordinate(), metres
 };
 GN_SHARED_OFFSET(ViewConstants, eyeWs, 64)
 GN_SHARED_OFFSET(ViewConstants, depthScale, 128)
@@ -82,14 +82,16 @@ GN_SHARED_FN float depthUlpWs(ViewConstants view, float depth, vec3 ray)
 }
 
 // Largest coordinate of receiver or light, relative to the eye and to the frame's origin: in the one the receiver is
-// unprojected, in the other rays meet casters.
+// unprojected, in the other rays meet casters. Depths are those of triangles whose corners were rounded where they are, be
+// it a kilometre away: a quarter of the length of the longest edge there is counts as well. Receivers on grounds of two
+// triangles lay deeper than they should by up to 2^-24.2 of that length (4 km, lavapipe); the quarter of 2^-21 is twice it.
 GN_SHARED_FN float largestCoordinate(ViewConstants view, LightConstants light, vec3 receiverWs)
 {
     vec3 r = max(abs(receiverWs - vec3(view.eyeWs)), abs(receiverWs));
     vec3 l = max(abs(vec3(light.positionWs) - vec3(view.eyeWs)), abs(vec3(light.positionWs)));
     float c = max(r.x, max(r.y, r.z));
     float cl = light.type == LIGHT_DIRECTIONAL ? 0.0f : max(l.x, max(l.y, l.z));
-    return max(c, cl);
+    return max(max(c, cl), view.corners);
 }
 
 // Offset of a ray's start along the geometric normal towards the light, metres:

@@ -94,6 +94,8 @@ public:
     {
         if (stub.table.properties.limits.maxStorageBufferRange == 0)
             stub.table.properties.limits.maxStorageBufferRange = 1u << 27;
+        if (stub.table.properties.limits.maxDrawIndexedIndexValue == 0)
+            stub.table.properties.limits.maxDrawIndexedIndexValue = (1u << 24) - 1;
         constexpr VkMemoryPropertyFlags kHost =
             VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
         if (options.discrete)

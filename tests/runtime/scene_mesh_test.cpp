@@ -70,6 +70,10 @@ TEST_CASE("a mesh that cannot be is refused with its own code and the value at f
     refused(with(&GnMeshCreateInfo::positionCount, 7u), GN_ERROR_OUT_OF_RANGE, "index 7 at position 10");
     refused(with(&GnMeshCreateInfo::pIndices, nullptr), GN_ERROR_OUT_OF_RANGE, "index 8 at position 8");
     refused(with(&GnMeshCreateInfo::positionCount, 1u << 28), GN_ERROR_TOO_MANY, "3221225472 bytes");
+    std::uint32_t& largestIndex = scene.stub.table.properties.limits.maxDrawIndexedIndexValue;
+    const std::uint32_t before = std::exchange(largestIndex, 6u);
+    refused(info, GN_ERROR_TOO_MANY, "8 vertices; the largest index that the device draws is 6");
+    largestIndex = before;
     const auto withValue = [&](float value) {
         shape.positions[3 * 5 + 1] = value;
         return shape.info("");
