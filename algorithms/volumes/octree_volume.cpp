@@ -189,7 +189,7 @@ const AlgorithmEntry kOctreeVolume{
     .memoryPerLight = memoryPerLight,
     .missing = missingForStencil,
     .create = create,
-    .typicalWrongPercent = 0.004f, // README.md, table of methods
+    .typicalWrongPercent = 0.004f, // an upper bound of README.md's tables
 };
 
 } // namespace gnomon

@@ -5,8 +5,8 @@
 
 namespace gnomon {
 
-/// Coverage beyond the stencil's count, and how many edges may have it off by one: see coverageSum(). Hundreds of edges
-/// of a fine mesh add up at a pixel; in sixteen bits that came out wrong by up to a 25th.
+/// Coverage beyond the stencil's count, and how many edges may have it off by one (wedge.frag, wedge_resolve.frag).
+/// Hundreds of edges of a fine mesh add up at a pixel; in sixteen bits that came out wrong by up to a 25th.
 inline constexpr VkFormat kCoverageFormat = VK_FORMAT_R32_SFLOAT;
 
 struct WedgePipelines {

@@ -62,9 +62,6 @@ struct PrintedHints {
 };
 /// Tables 7 and 8: by four and by nine texels.
 inline constexpr PrintedHints kPrintedHints[] = {{58.30, 58.52, 57.96, 0.55, 0.12}, {43.02, 42.76, 43.15, 0.28, 0.02}};
-/// Of the rightly dark pixels that nine texels prove nothing of, what the vertex ring proves (from tables 13 and 16
-/// ff.).
-inline constexpr double kPrintedRingProves = 73.8;
 /// What no hint leaves of a contour, by map and contour: from the counts of tables 16 ff.
 inline constexpr double kPrintedStrictLeft[2][3] = {{54.75, 54.39, 53.98}, {52.64, 52.30, 52.12}};
 

@@ -94,14 +94,19 @@ void Context::settleTrial(std::uint32_t owner)
 {
     const Error* const error = executor_->trialError();
     if (error && error->result == GN_ERROR_OUT_OF_DEVICE_MEMORY) return;
-    if (owner == kRuntimeOwner) {
-        gridReady_ = !error;
-        if (error) failOwnPipelines(error->text);
-    } else if (error) {
-        methods_->fail((*methods_)[owner], error->text);
+    if (!error) {
+        setReady(owner, true);
+        present().trial = owner;
+    } else if (owner == kRuntimeOwner) {
+        failOwnPipelines(error->text);
     } else {
-        (*methods_)[owner].ready = true;
+        methods_->fail((*methods_)[owner], error->text);
     }
+}
+
+void Context::setReady(std::uint32_t owner, bool ready)
+{
+    (owner == kRuntimeOwner ? gridReady_ : (*methods_)[owner].ready) = ready;
 }
 
 Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
@@ -222,6 +227,7 @@ Result<void> Context::dropFrame(std::uint64_t frame)
     if (frame == 0 || frame != recorded_)
         return frameOrder("frame " + std::to_string(frame) + " is not the one recorded last (" +
                           std::to_string(recorded_) + ")");
+    if (const std::uint32_t trial = past(frame).trial; trial != UINT32_MAX) setReady(trial, false); // it has not run
     if (pool_->frame() == frame)
         withdrawFrame(frame, false);
     else

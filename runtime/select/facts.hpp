@@ -78,6 +78,9 @@ Reach measureReach(const CameraView& view, std::span<const ReceiverTile> tiles, 
 /// Distance below which no receiver of the light can lie: to its range.
 float reachLowerBound(const CameraView& view, const LightView& light);
 
+/// Share of the picture that a light is taken to reach until that is measured.
+double guessedShare(const CameraView& view, const LightView& light);
+
 /// One bit per frame, newest first.
 struct MotionHistory {
     std::uint64_t bits = 0;

@@ -26,11 +26,7 @@ constexpr std::uint64_t kPriceFrames = 2 * (cost::kLearnFrames + 2);
 constexpr std::uint32_t kPriceRounds = 4;
 constexpr double kSameShare = 1.0 / 32.0; // 3 %: a time follows by less, and the model's own error is five times that
 
-/// Share of the rectangle around a light that it reaches, by GnLightType, until it is measured: the rest is sky, out of
-/// its range or beside its cone. Medians of the moments in rules/knowledge/lavapipe.csv, a matter of scenes, not of
-/// devices.
-constexpr double kReachedShare[] = {0.82, 0.31, 0.72};
-/// Likewise of Reach::treeLevels.
+/// Reach::treeLevels until it is measured: the median of the moments in rules/knowledge/lavapipe.csv.
 constexpr double kTreeLevels = 5.4;
 
 /// Octaves by which the device may drift before everything is foretold anew: 1 %, a third of kSameShare.
@@ -229,8 +225,7 @@ void FramePlan::add(LightDecision& decision, LightMemory& memory, const Selectio
     const double all = 1.0 * drawn.width * drawn.height;
     const VkExtent2D around = lightPixels(*input.light, *input.view).extent;
     const double rectangle = 1.0 * around.width * around.height;
-    cost::Workload workload{.pixels = memory.measured ? memory.share.get() * all
-                                                      : kReachedShare[input.light->type] * rectangle,
+    cost::Workload workload{.pixels = shareOf(memory, *input.view, *input.light) * all,
                             .casterTriangles = static_cast<double>(input.casters->triangles),
                             .still = input.still,
                             .drawnTriangles = drawnTriangles(input),

@@ -149,6 +149,11 @@ void Selector::rankWithoutRules(LightDecision& decision) const
     }
 }
 
+double shareOf(const LightMemory& memory, const CameraView& view, const LightView& light)
+{
+    return memory.measured ? double{memory.share.get()} : guessedShare(view, light);
+}
+
 LightDecision Selector::assess(const SelectionInput& input, const LightMemory& memory) const
 {
     LightDecision decision;
@@ -165,7 +170,7 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     fact(Fact::dynamicLights) = input.dynamicLights;
     fact(Fact::lightMotion) = input.lightMotion;
     fact(Fact::viewerDistance) = decision.viewerDistance;
-    fact(Fact::screenShare) = memory.measured ? memory.share.get() : 1.0;
+    fact(Fact::screenShare) = shareOf(memory, *input.view, *input.light);
     fact(Fact::casterTriangles) = trianglesFact(static_cast<double>(input.casters->triangles));
     fact(Fact::lightRadius) = input.light->constants.sourceRadius;
     fact(Fact::receiverPlanarity) = memory.measured ? memory.planarity : std::numeric_limits<double>::quiet_NaN();

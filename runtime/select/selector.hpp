@@ -128,6 +128,9 @@ struct LightMemory {
     std::array<PassFailure, kMaxMethods> failures{};
 };
 
+/// Share of the picture that a light reaches: as measured, or as guessed until then.
+double shareOf(const LightMemory& memory, const CameraView& view, const LightView& light);
+
 /// A request: everything about one light in one view that the choice may depend on.
 struct SelectionInput {
     const CameraView* view = nullptr;

@@ -17,11 +17,11 @@ namespace gnomon {
 #define GN_INSTANCE_FUNCTIONS(X) \
     X(vkGetPhysicalDeviceProperties2) X(vkGetPhysicalDeviceMemoryProperties2) X(vkGetPhysicalDeviceFeatures2) \
     X(vkGetPhysicalDeviceQueueFamilyProperties2) X(vkGetPhysicalDeviceFormatProperties2) \
-    X(vkEnumerateDeviceExtensionProperties) X(vkGetDeviceProcAddr)
+    X(vkGetDeviceProcAddr)
 
 #define GN_DEVICE_FUNCTIONS(X) \
-    X(vkAllocateMemory) X(vkFreeMemory) X(vkMapMemory) X(vkUnmapMemory) X(vkFlushMappedMemoryRanges) \
-    X(vkInvalidateMappedMemoryRanges) \
+    X(vkAllocateMemory) X(vkFreeMemory) X(vkMapMemory) \
+    \
     X(vkCreateBuffer) X(vkDestroyBuffer) X(vkBindBufferMemory2) X(vkGetBufferMemoryRequirements2) \
     X(vkCreateImage) X(vkDestroyImage) X(vkBindImageMemory2) X(vkGetImageMemoryRequirements2) \
     X(vkCreateImageView) X(vkDestroyImageView) X(vkCreateSampler) X(vkDestroySampler) \
@@ -31,14 +31,14 @@ namespace gnomon {
     X(vkDestroyDescriptorPool) X(vkAllocateDescriptorSets) X(vkUpdateDescriptorSets) \
     X(vkCreateCommandPool) X(vkDestroyCommandPool) X(vkResetCommandPool) X(vkAllocateCommandBuffers) \
     X(vkBeginCommandBuffer) X(vkEndCommandBuffer) X(vkQueueSubmit2) X(vkQueueWaitIdle) \
-    X(vkCreateSemaphore) X(vkDestroySemaphore) X(vkWaitSemaphores) X(vkSignalSemaphore) X(vkGetSemaphoreCounterValue) \
+    X(vkCreateSemaphore) X(vkDestroySemaphore) X(vkWaitSemaphores) \
     X(vkCreateQueryPool) X(vkDestroyQueryPool) X(vkGetQueryPoolResults) X(vkCmdResetQueryPool) X(vkCmdWriteTimestamp2) \
     X(vkCmdPipelineBarrier2) X(vkCmdBeginRendering) X(vkCmdEndRendering) X(vkCmdBindPipeline) \
     X(vkCmdBindDescriptorSets) X(vkCmdBindVertexBuffers) X(vkCmdBindIndexBuffer) X(vkCmdPushConstants) \
     X(vkCmdSetViewport) X(vkCmdSetScissor) X(vkCmdSetCullMode) X(vkCmdSetFrontFace) X(vkCmdSetDepthBias) \
-    X(vkCmdSetStencilReference) X(vkCmdDraw) X(vkCmdDrawIndexed) X(vkCmdDrawIndirect) X(vkCmdDrawIndexedIndirect) \
-    X(vkCmdDispatch) X(vkCmdDispatchIndirect) X(vkCmdClearColorImage) X(vkCmdClearDepthStencilImage) \
-    X(vkCmdClearAttachments) X(vkCmdCopyImage2) X(vkCmdCopyBuffer2) X(vkCmdCopyBufferToImage2) \
+    X(vkCmdDraw) X(vkCmdDrawIndexed) X(vkCmdDrawIndirect) X(vkCmdDrawIndexedIndirect) \
+    X(vkCmdDispatch) X(vkCmdClearColorImage) X(vkCmdClearDepthStencilImage) \
+    X(vkCmdCopyImage2) X(vkCmdCopyBuffer2) X(vkCmdCopyBufferToImage2) \
     X(vkCmdCopyImageToBuffer2) X(vkCmdFillBuffer) X(vkCmdUpdateBuffer)
 
 /// Null where the extension is not enabled.

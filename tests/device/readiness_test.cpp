@@ -138,6 +138,29 @@ TEST_CASE_FIXTURE(DeviceTest, "without warm-up nothing is ready and all is lit, 
     }
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "what ran for the first time in a frame that was dropped has not run")
+{
+    Host host(smallScene(), {.flags = GN_CONTEXT_NO_BACKGROUND_BIT, .warmUp = false});
+    host.pinAll("shadow_map");
+    const auto readyOnes = [&] {
+        uint32_t count = 0;
+        for (const GnMethodInfo& method : availableMethods(host.context))
+            count += method.ready;
+        return count;
+    };
+    bool served = false;
+    for (int frame = 0; frame < 40 && !served; ++frame) {
+        const uint32_t before = readyOnes();
+        REQUIRE(host.draw({.call = Call::record, .drop = true}) >= 0);
+        CHECK(readyOnes() == before);
+        REQUIRE(host.draw({.call = Call::record}) >= 0);
+        CHECK(readyOnes() <= before + 1);
+        served = host.decision(0).reason == GN_REASON_PINNED;
+    }
+    CHECK(served);
+    CHECK(differences(host.pictures(), submitted(smallScene(), "shadow_map")) == 0);
+}
+
 TEST_CASE_FIXTURE(DeviceTest,
                   "a method warmed up alone serves in the first frame, and only what stands in for it is compiled")
 {

@@ -22,7 +22,7 @@ typedef struct GnMeshCreateInfo {
 /** \brief Copies a mesh. Topology and ray-tracing trees are built by workers; until then the mesh casts by the methods
 that do not need them. Zero-area triangles are dropped with a warning. Any thread.
 \return #GN_ERROR_EMPTY, #GN_ERROR_OUT_OF_RANGE (index), #GN_ERROR_NOT_A_NUMBER, #GN_ERROR_INFINITE, #GN_ERROR_TOO_MANY
-    (more than a storage buffer of the device holds). */
+    (more than a storage buffer of the device holds, or an index that it does not draw). */
 GN_API GnResult GN_CALL gnCreateMesh(GnContext context, const GnMeshCreateInfo* pCreateInfo, GnMesh* pMesh);
 
 /** \brief Replaces all positions (same count as at creation). Seen from the next frame on. Any thread. */
@@ -35,7 +35,8 @@ GN_API void GN_CALL gnDestroyMesh(GnContext context, GnMesh mesh);
 /** Where something stands. Row-major 3x3 (rotation, scale, shear) and a double translation in metres. */
 typedef struct GnTransform {
     float basis[9];        ///< Rows of the linear part; all zero means identity. The elements of its inverse are at most
-                           ///< 1e18 as well.
+                           ///< 1e18 as well. Rays and volumes work in the mesh's own units: scales within 1e-7 and 1e7
+                           ///< are safe.
     double translation[3]; ///< World space, metres.
 } GnTransform;
 
