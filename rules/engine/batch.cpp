@@ -110,125 +110,185 @@ private:
 
 } // namespace
 
+/// What comes of a compiled rule base, table by table.
+class BatchEngine::TableMaker {
+public:
+    TableMaker(const Engine& engine, Tables& tables)
+        : engine_(engine), compiled_(engine.compiled()), options_(engine.base().options), t_(tables)
+    {
+    }
+
+    void addVariables();
+    void addRules();
+    void addOutputs();
+    void addConcepts();
+    void addSpeakers();
+    void addCuts();
+    batch::Program program() const;
+
+private:
+    void addSubject(std::vector<batch::Entry> entries, std::vector<batch::Subject>& list);
+
+    const Engine& engine_;
+    const CompiledRules& compiled_;
+    const Options& options_;
+    Tables& t_;
+    uint32_t firstFloorStep_ = 0;
+};
+
+void BatchEngine::TableMaker::addVariables()
+{
+    for (const CompiledVariable& v : compiled_.variables)
+        t_.axes.push_back({v.fact, v.firstTerm, v.termCount, v.low, v.high});
+    for (const Flanks& f : compiled_.flanks)
+        t_.shapes.push_back({f.a, f.perRise, f.d, f.perFall});
+}
+
+void BatchEngine::TableMaker::addRules()
+{
+    for (const CompiledRule& rule : compiled_.rules) {
+        const auto first = static_cast<uint32_t>(t_.steps.size());
+        appendSteps(compiled_.opsOf(rule), t_.steps);
+        auto count = static_cast<uint32_t>(t_.steps.size()) - first;
+        auto shape = rule.isChain ? batch::Antecedent::Chain : batch::Antecedent::Any;
+        if (rule.isChain && count <= 4 && options_.conjunction == Options::And::Min) {
+            shape = batch::Antecedent::Four;
+            for (; count < 4; ++count)
+                t_.steps.push_back(t_.steps.back());
+        }
+        t_.rules.push_back({first, count, rule.weight, rule.effectCount != 0, shape});
+    }
+    firstFloorStep_ = static_cast<uint32_t>(t_.steps.size());
+    appendSteps(compiled_.floor, t_.steps);
+}
+
+/// @param entries what rules say of it, in the order of the rules
+void BatchEngine::TableMaker::addSubject(std::vector<batch::Entry> entries, std::vector<batch::Subject>& list)
+{
+    const auto higher = [](const batch::Entry& x, const batch::Entry& y) { return x.priority > y.priority; };
+    std::stable_sort(entries.begin(), entries.end(), higher);
+    batch::Subject subject{};
+    subject.ranked = !entries.empty() && entries.front().priority != entries.back().priority;
+    subject.firstEntry = static_cast<uint32_t>(t_.entries.size());
+    subject.entryCount = static_cast<uint32_t>(entries.size());
+    t_.entries.insert(t_.entries.end(), entries.begin(), entries.end());
+    list.push_back(subject);
+}
+
+void BatchEngine::TableMaker::addOutputs()
+{
+    std::vector<std::vector<batch::Entry>> spoken(compiled_.outputCount);
+    std::vector<std::vector<uint32_t>> vetoes(compiled_.outputCount);
+    for (uint32_t r = 0; r < compiled_.rules.size(); ++r) {
+        for (const uint32_t slot : compiled_.effectsOf(compiled_.rules[r]))
+            spoken[slot / compiled_.suitabilityTerms].push_back(
+                {r, slot % compiled_.suitabilityTerms, compiled_.rules[r].priority});
+        for (const uint32_t output : compiled_.vetoesOf(compiled_.rules[r]))
+            vetoes[output].push_back(r);
+    }
+    for (uint32_t o = 0; o < compiled_.outputCount; ++o) {
+        addSubject(std::move(spoken[o]), t_.outputs);
+        t_.outputs.back().termCount = compiled_.suitabilityTerms;
+        t_.outputs.back().firstVeto = static_cast<uint32_t>(t_.vetoes.size());
+        t_.outputs.back().vetoCount = static_cast<uint32_t>(vetoes[o].size());
+        t_.vetoes.insert(t_.vetoes.end(), vetoes[o].rbegin(), vetoes[o].rend()); // the first rule has the last word
+    }
+}
+
+void BatchEngine::TableMaker::addConcepts()
+{
+    for (const CompiledConcept& concept_ : compiled_.concepts) {
+        std::vector<batch::Entry> entries;
+        for (uint32_t a = concept_.firstAssertion; a < concept_.firstAssertion + concept_.assertionCount; ++a) {
+            const CompiledAssertion& assertion = compiled_.assertions[a];
+            entries.push_back({assertion.rule, assertion.term, compiled_.rules[assertion.rule].priority});
+        }
+        addSubject(std::move(entries), t_.concepts);
+        t_.concepts.back().termCount = concept_.termCount;
+        t_.concepts.back().membership = concept_.firstMembership;
+    }
+}
+
+/// For each output and term the rules that say it, where all of them count alike.
+void BatchEngine::TableMaker::addSpeakers()
+{
+    for (const batch::Subject& output : t_.outputs) {
+        for (uint32_t term = 0; term < compiled_.suitabilityTerms; ++term) {
+            const auto firstSpoken = static_cast<uint32_t>(t_.spoken.size());
+            for (uint32_t e = output.firstEntry; !output.ranked && e < output.firstEntry + output.entryCount; ++e) {
+                if (t_.entries[e].term == term) t_.spoken.push_back(t_.entries[e].rule * kLanes);
+            }
+            while ((t_.spoken.size() - firstSpoken) % batch::kSpokenStep != 0)
+                t_.spoken.push_back(static_cast<uint32_t>(compiled_.rules.size()) * kLanes);
+            t_.speakers.push_back({firstSpoken, static_cast<uint32_t>(t_.spoken.size()) - firstSpoken});
+        }
+    }
+}
+
+void BatchEngine::TableMaker::addCuts()
+{
+    const CentroidTerms& suitability = engine_.suitability();
+    if (!suitability.isNeighbourForm() || options_.samples != 0) return;
+    for (const CentroidTerms::Cut& cut : suitability.cuts())
+        t_.cuts.push_back(toCut(cut));
+    for (const CentroidTerms::Cut& cut : suitability.overlaps())
+        t_.overlaps.push_back(toCut(cut));
+}
+
+batch::Program BatchEngine::TableMaker::program() const
+{
+    const Variable& universe = engine_.base().suitability;
+    return {.axes = t_.axes.data(),
+            .shapes = t_.shapes.data(),
+            .steps = t_.steps.data(),
+            .rules = t_.rules.data(),
+            .speakers = t_.speakers.data(),
+            .spoken = t_.spoken.data(),
+            .order = t_.order.data(),
+            .entries = t_.entries.data(),
+            .vetoes = t_.vetoes.data(),
+            .outputs = t_.outputs.data(),
+            .concepts = t_.concepts.data(),
+            .cuts = t_.cuts.empty() ? nullptr : t_.cuts.data(),
+            .overlaps = t_.overlaps.data(),
+            .axisCount = static_cast<uint32_t>(t_.axes.size()),
+            .ruleCount = static_cast<uint32_t>(t_.rules.size()),
+            .orderCount = static_cast<uint32_t>(t_.order.size()),
+            .outputCount = compiled_.outputCount,
+            .termCount = compiled_.suitabilityTerms,
+            .firstFloorStep = firstFloorStep_,
+            .floorStepCount = static_cast<uint32_t>(t_.steps.size()) - firstFloorStep_,
+            .threshold = std::max(options_.minimumStrength, kNegligibleStrength),
+            .vetoAt = options_.vetoAt,
+            .low = universe.low,
+            .high = universe.high,
+            .width = universe.high - universe.low,
+            .quantum = kSuitabilitySteps,
+            .product = options_.conjunction == Options::And::Product,
+            .sum = options_.aggregation == Options::Aggregation::Sum,
+            .hasOtherwise = compiled_.hasOtherwise};
+}
+
 BatchEngine::~BatchEngine() = default;
 BatchEngine::BatchEngine(BatchEngine&&) noexcept = default;
 BatchEngine& BatchEngine::operator=(BatchEngine&&) noexcept = default;
 
 BatchEngine::BatchEngine(const Engine& engine, InstructionSet set) : engine_(&engine)
 {
-    const CompiledRules& compiled = engine.compiled();
-    const Options& options = engine.base().options;
     auto made = std::make_unique<Tables>();
-    Tables& t = *made;
-    t.kernel = kernelFor(set);
-    t.membershipCount = compiled.membershipCount;
-    t.stackDepth = compiled.stackDepth + 1;
-    t.factCount = static_cast<uint32_t>(engine.facts().size());
-    t.order = compiled.steps;
-    for (const CompiledVariable& v : compiled.variables)
-        t.axes.push_back({v.fact, v.firstTerm, v.termCount, v.low, v.high});
-    for (const Flanks& f : compiled.flanks)
-        t.shapes.push_back({f.a, f.perRise, f.d, f.perFall});
-    for (const CompiledRule& rule : compiled.rules) {
-        const auto first = static_cast<uint32_t>(t.steps.size());
-        appendSteps(compiled.opsOf(rule), t.steps);
-        auto count = static_cast<uint32_t>(t.steps.size()) - first;
-        auto shape = rule.isChain ? batch::Antecedent::Chain : batch::Antecedent::Any;
-        if (rule.isChain && count <= 4 && options.conjunction == Options::And::Min) {
-            shape = batch::Antecedent::Four;
-            for (; count < 4; ++count)
-                t.steps.push_back(t.steps.back());
-        }
-        t.rules.push_back({first, count, rule.weight, rule.effectCount != 0, shape});
-    }
-    const auto firstFloorStep = static_cast<uint32_t>(t.steps.size());
-    appendSteps(compiled.floor, t.steps);
-
-    const auto addSubject = [&](std::vector<batch::Entry> entries, std::vector<batch::Subject>& list) {
-        const auto higher = [](const batch::Entry& x, const batch::Entry& y) { return x.priority > y.priority; };
-        std::stable_sort(entries.begin(), entries.end(), higher);
-        const bool ranked = !entries.empty() && entries.front().priority != entries.back().priority;
-        batch::Subject subject{};
-        subject.ranked = ranked;
-        subject.firstEntry = static_cast<uint32_t>(t.entries.size());
-        subject.entryCount = static_cast<uint32_t>(entries.size());
-        t.entries.insert(t.entries.end(), entries.begin(), entries.end());
-        list.push_back(subject);
-    };
-    std::vector<std::vector<batch::Entry>> spoken(compiled.outputCount);
-    std::vector<std::vector<uint32_t>> vetoes(compiled.outputCount);
-    for (uint32_t r = 0; r < compiled.rules.size(); ++r) {
-        for (const uint32_t slot : compiled.effectsOf(compiled.rules[r]))
-            spoken[slot / compiled.suitabilityTerms].push_back(
-                {r, slot % compiled.suitabilityTerms, compiled.rules[r].priority});
-        for (const uint32_t output : compiled.vetoesOf(compiled.rules[r]))
-            vetoes[output].push_back(r);
-    }
-    for (uint32_t o = 0; o < compiled.outputCount; ++o) {
-        addSubject(std::move(spoken[o]), t.outputs);
-        t.outputs.back().termCount = compiled.suitabilityTerms;
-        t.outputs.back().firstVeto = static_cast<uint32_t>(t.vetoes.size());
-        t.outputs.back().vetoCount = static_cast<uint32_t>(vetoes[o].size());
-        t.vetoes.insert(t.vetoes.end(), vetoes[o].rbegin(), vetoes[o].rend()); // the first rule has the last word
-    }
-    for (const CompiledConcept& concept_ : compiled.concepts) {
-        std::vector<batch::Entry> entries;
-        for (uint32_t a = concept_.firstAssertion; a < concept_.firstAssertion + concept_.assertionCount; ++a) {
-            const CompiledAssertion& assertion = compiled.assertions[a];
-            entries.push_back({assertion.rule, assertion.term, compiled.rules[assertion.rule].priority});
-        }
-        addSubject(std::move(entries), t.concepts);
-        t.concepts.back().termCount = concept_.termCount;
-        t.concepts.back().membership = concept_.firstMembership;
-    }
-    for (const batch::Subject& output : t.outputs) {
-        for (uint32_t term = 0; term < compiled.suitabilityTerms; ++term) {
-            const auto firstSpoken = static_cast<uint32_t>(t.spoken.size());
-            for (uint32_t e = output.firstEntry; !output.ranked && e < output.firstEntry + output.entryCount; ++e) {
-                if (t.entries[e].term == term) t.spoken.push_back(t.entries[e].rule * kLanes);
-            }
-            while ((t.spoken.size() - firstSpoken) % batch::kSpokenStep != 0)
-                t.spoken.push_back(static_cast<uint32_t>(compiled.rules.size()) * kLanes);
-            t.speakers.push_back({firstSpoken, static_cast<uint32_t>(t.spoken.size()) - firstSpoken});
-        }
-    }
-    const CentroidTerms& suitability = engine.suitability();
-    if (suitability.isNeighbourForm() && options.samples == 0) {
-        for (const CentroidTerms::Cut& cut : suitability.cuts())
-            t.cuts.push_back(toCut(cut));
-        for (const CentroidTerms::Cut& cut : suitability.overlaps())
-            t.overlaps.push_back(toCut(cut));
-    }
-    const Variable& universe = engine.base().suitability;
-    t.program = {.axes = t.axes.data(),
-                 .shapes = t.shapes.data(),
-                 .steps = t.steps.data(),
-                 .rules = t.rules.data(),
-                 .speakers = t.speakers.data(),
-                 .spoken = t.spoken.data(),
-                 .order = t.order.data(),
-                 .entries = t.entries.data(),
-                 .vetoes = t.vetoes.data(),
-                 .outputs = t.outputs.data(),
-                 .concepts = t.concepts.data(),
-                 .cuts = t.cuts.empty() ? nullptr : t.cuts.data(),
-                 .overlaps = t.overlaps.data(),
-                 .axisCount = static_cast<uint32_t>(t.axes.size()),
-                 .ruleCount = static_cast<uint32_t>(t.rules.size()),
-                 .orderCount = static_cast<uint32_t>(t.order.size()),
-                 .outputCount = compiled.outputCount,
-                 .termCount = compiled.suitabilityTerms,
-                 .firstFloorStep = firstFloorStep,
-                 .floorStepCount = static_cast<uint32_t>(t.steps.size()) - firstFloorStep,
-                 .threshold = std::max(options.minimumStrength, kNegligibleStrength),
-                 .vetoAt = options.vetoAt,
-                 .low = universe.low,
-                 .high = universe.high,
-                 .width = universe.high - universe.low,
-                 .quantum = kSuitabilitySteps,
-                 .product = options.conjunction == Options::And::Product,
-                 .sum = options.aggregation == Options::Aggregation::Sum,
-                 .hasOtherwise = compiled.hasOtherwise};
+    made->kernel = kernelFor(set);
+    made->membershipCount = engine.compiled().membershipCount;
+    made->stackDepth = engine.compiled().stackDepth + 1;
+    made->factCount = static_cast<uint32_t>(engine.facts().size());
+    made->order = engine.compiled().steps;
+    TableMaker maker(engine, *made);
+    maker.addVariables();
+    maker.addRules();
+    maker.addOutputs();
+    maker.addConcepts();
+    maker.addSpeakers();
+    maker.addCuts();
+    made->program = maker.program();
     tables_ = std::move(made);
 }
 

@@ -52,6 +52,7 @@ public:
 
 private:
     struct Tables;
+    class TableMaker;
     void evaluateInMode(std::span<const double> facts, uint32_t count, BatchInference& out) const noexcept;
     void takeCentroids(const double* terms, uint32_t output, BatchInference& out, uint32_t begin) const noexcept;
 
