@@ -106,12 +106,16 @@ bool isAtLight(const LightView& light, const Caster& caster, std::uint32_t face)
     return std::max({outside.x, outside.y, outside.z}) <= touch + 1e-3 * std::max({size.x, size.y, size.z});
 }
 
-glm::vec3 awayFromLight(const LightView& light, const Caster& caster)
+namespace {
+
+/// @pre mayTouch(), and the faces that are chosen are those of closed surfaces
+template <typename Chosen>
+glm::vec3 awayFromFaces(const LightView& light, const Caster& caster, const Chosen& chosen)
 {
     glm::dvec3 away(0.0);
-    if (!caster.closed || !mayTouch(light, caster)) return glm::vec3(away);
     const double touch = touchAt(light, caster);
     forFacesAtLight(light, caster, [&](std::uint32_t face) {
+        if (!chosen(face)) return;
         const WorldFace at = worldFace(caster, face);
         // The winding's side is that which light enters by; mirroring turns a closed mesh inside out.
         const glm::dvec3 outwards = caster.mirrored ? -at.normal : at.normal;
@@ -119,6 +123,22 @@ glm::vec3 awayFromLight(const LightView& light, const Caster& caster)
         away -= std::max(2.0 * touch - before, 0.0) * outwards;
     });
     return glm::vec3(away);
+}
+
+} // namespace
+
+glm::vec3 awayFromLight(const LightView& light, const Caster& caster)
+{
+    if (!caster.closed || !mayTouch(light, caster)) return glm::vec3(0.0f);
+    return awayFromFaces(light, caster, [](std::uint32_t) { return true; });
+}
+
+glm::vec3 awayFromLight(const LightView& light, const Caster& caster, std::uint32_t cluster)
+{
+    if (!mayTouch(light, caster)) return glm::vec3(0.0f);
+    const Topology& topology = *caster.mesh->topology;
+    return awayFromFaces(light, caster,
+                         [&](std::uint32_t face) { return &topology.clusterOf(face) == &topology.clusters[cluster]; });
 }
 
 } // namespace gnomon

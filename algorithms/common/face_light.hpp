@@ -59,6 +59,8 @@ bool mayTouch(const LightView& light, const Caster& caster);
 /// normals, some 2^-20 of the coordinates; what it then covers lies within it. Zero where it has no such face, and for
 /// open ones.
 glm::vec3 awayFromLight(const LightView& light, const Caster& caster);
+/// The same for one closed cluster of a mesh. @pre the caster has a topology
+glm::vec3 awayFromLight(const LightView& light, const Caster& caster, std::uint32_t cluster);
 
 /// Whether the light lies on a face, and not only in its plane.
 bool isAtLight(const LightView& light, const Caster& caster, std::uint32_t face);

@@ -41,7 +41,8 @@ struct Tile {
     std::uint32_t pixels[kTile * kTile];  ///< Into the rows of the tile.
     std::uint8_t mayBlock[kTile * kTile]; ///< An open mesh may: a ray has to say.
 
-    SpanPoint lower{}, upper{}; ///< Theta relative to the first pixel's, within half a turn.
+    float base = 0.0f;          ///< Theta of the pixel that was the first when they were bounded.
+    SpanPoint lower{}, upper{}; ///< Theta relative to that, within half a turn.
 
     void bound(bool round);
     bool meets(const CasterSpans::Extent& extent, bool round) const;
@@ -59,8 +60,9 @@ void Tile::bound(bool round)
     constexpr float infinity = std::numeric_limits<float>::infinity();
     lower = {infinity, infinity, infinity};
     upper = {-infinity, -infinity, -infinity};
+    base = count > 0 ? at[0].theta : 0.0f;
     for (std::uint32_t i = 0; i < count; ++i) {
-        const float theta = wrapped(at[i].theta - at[0].theta, round);
+        const float theta = wrapped(at[i].theta - base, round);
         lower = {std::min(lower.theta, theta), std::min(lower.phi, at[i].phi), std::min(lower.r, at[i].r)};
         upper = {std::max(upper.theta, theta), std::max(upper.phi, at[i].phi), std::max(upper.r, at[i].r)};
     }
@@ -70,7 +72,7 @@ bool Tile::meets(const CasterSpans::Extent& extent, bool round) const
 {
     if (extent.thetaWidth < 0.0f) return false;
     if (extent.phiLast < lower.phi || extent.phiFirst > upper.phi || extent.nearest > upper.r) return false;
-    const float middle = at[0].theta + 0.5f * (lower.theta + upper.theta);
+    const float middle = base + 0.5f * (lower.theta + upper.theta);
     const float apart = std::abs(wrapped(extent.thetaFirst + 0.5f * extent.thetaWidth - middle, round));
     // A millionth of the numbers themselves for rounding.
     const float slack = 1e-6f * (std::abs(extent.thetaFirst) + extent.thetaWidth + std::abs(middle));

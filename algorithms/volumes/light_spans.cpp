@@ -26,6 +26,8 @@ std::uint64_t LightSpans::stampOf(const LightView& light, std::span<const Caster
 std::uint32_t LightSpans::update(const LightView& light, std::span<const Caster* const> casters, std::uint32_t rows,
                                  JobSystem& jobs, FrameArena& arena)
 {
+    stamp_ = 0; // of half of them, should this fail
+    old_.clear();
     if (light.revision != revision_ || rows != rows_) {
         for (const std::unique_ptr<Entry>& entry : entries_)
             entry->revision = 0; // no caster's: its memory is used again

@@ -21,7 +21,8 @@ struct Pyramid {
 };
 
 /// Whether projections on the axis lie apart. The axis need not have unit length; a zero one separates nothing.
-bool separates(const glm::vec3& axis, const Pyramid& pyramid, const Aabb& box)
+/// @param drift along the axis that counts as none, of the direction without an end
+bool separates(const glm::vec3& axis, const Pyramid& pyramid, const Aabb& box, float drift)
 {
     const float length = glm::length(axis);
     if (!(length > 0.0f)) return false;
@@ -36,10 +37,9 @@ bool separates(const glm::vec3& axis, const Pyramid& pyramid, const Aabb& box)
         high = std::max(high, p);
         size = std::max(size, std::abs(p));
     }
-    // Side planes hold the direction by construction, so up to rounding the set ends there.
     const float endless = glm::dot(unit, pyramid.endless);
-    if (endless > 1e-5f) high = kNoEnd;
-    if (endless < -1e-5f) low = -kNoEnd;
+    if (endless > drift) high = kNoEnd;
+    if (endless < -drift) low = -kNoEnd;
     const float margin = 4e-6f * size; // 32 ulp of the largest coordinate
     return centre + radius + margin < low || high + margin < centre - radius;
 }
@@ -70,14 +70,18 @@ bool shadowsNearRectangle(const Aabb& caster, const LightView& light, const std:
     edges[4] = nearCorners[1] - nearCorners[0];
     edges[5] = nearCorners[2] - nearCorners[1];
 
+    // What is made with a way towards the light is at right angles to it, so up to rounding the set ends there. Of
+    // other axes the least drift counts: over a caster's height a thousandth of a degree is as wide as a near
+    // rectangle.
+    constexpr float kRounding = 1e-5f, kNone = 0.0f;
     for (const glm::vec3& unit : kUnits)
-        if (separates(unit, pyramid, box)) return false;
-    if (separates(glm::cross(edges[4], edges[5]), pyramid, box)) return false;
+        if (separates(unit, pyramid, box, kNone)) return false;
+    if (separates(glm::cross(edges[4], edges[5]), pyramid, box, kNone)) return false;
     for (std::size_t i = 0; i < 4; ++i)
-        if (separates(glm::cross(edges[i], edges[4 + i % 2]), pyramid, box)) return false;
-    for (const glm::vec3& edge : edges)
+        if (separates(glm::cross(edges[i], edges[4 + i % 2]), pyramid, box, kRounding)) return false;
+    for (std::size_t i = 0; i < edges.size(); ++i)
         for (const glm::vec3& unit : kUnits)
-            if (separates(glm::cross(edge, unit), pyramid, box)) return false;
+            if (separates(glm::cross(edges[i], unit), pyramid, box, i < 4 ? kRounding : kNone)) return false;
     return true;
 }
 

@@ -109,6 +109,7 @@ const StaticVolumes& StaticVolumesCache::find(const LightView& light, std::span<
     }
     entry->used = asked_;
     if (entry->volumes.stamp != stamp.value()) {
+        entry->volumes.stamp = 0; // of half of them, should this fail
         chooseVolumes(light, volumes, conceal, entry->volumes);
         entry->volumes.stamp = stamp.value();
         ++built_;

@@ -96,6 +96,13 @@ gpu::VolumePush volumePush(const VolumePlan& plan, const VolumeDraw& draw, float
 {
     gpu::VolumePush push;
     eyeRows(*draw.source.caster, *plan.view, push.rows);
+    // Counted with both sides (asFailing()), a face that the light touches has caps: by rounding behind it, the light
+    // would be shut out of all that lies before it.
+    if (draw.source.closedInOpenMesh()) {
+        const glm::vec3 away = awayFromLight(*plan.light, *draw.source.caster, draw.source.cluster);
+        for (int row = 0; row < 3; ++row)
+            push.rows[row].w += away[row];
+    }
     push.reach = glm::vec4(casterReach(draw.bounds, *plan.light, plan.view->eye), clipZ);
     return push;
 }

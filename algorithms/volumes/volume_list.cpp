@@ -145,7 +145,8 @@ void run(const ListBuild& build, HostContext& host)
             const gpu::FaceLight light = lightInObjectSpace(*build.light, caster);
             const auto out = facing.subspan(piece.facingOffset + piece.first, piece.count);
             findFacing(*caster.mesh->topology, light, piece.first, out);
-            if (light.touch > 0.0f) faceByCluster(*caster.mesh->topology, caster.mirrored, piece.first, out);
+            if (light.touch > 0.0f && piece.source.cluster != VolumeSource::kWhole)
+                faceByCluster(*caster.mesh->topology, caster.mirrored, piece.first, out);
         }
     });
 

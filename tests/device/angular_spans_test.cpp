@@ -1,6 +1,7 @@
 // angular_spans: right but for rows for every kind of light, its tables kept while nothing moves.
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "device/fixture.hpp"
 
@@ -47,6 +48,37 @@ TEST_CASE_FIXTURE(DeviceTest, "with finer rows angular_spans comes near ray_trac
         MESSAGE("wrong at 50 rows " << wrong[0] << ", at 800 " << wrong[1]);
         CHECK(wrong[0] > 4 * wrong[1]); // four doublings, 1.4 each
         CHECK(wrong[1] < 640 * 360 / 1000);
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "where shadows of many casters overlap within a tile of pixels, none is passed over")
+{
+    for (const demo::LightKind kind : kKinds) {
+        CAPTURE(static_cast<int>(kind));
+        Scene scene = litBy(kind);
+        std::mt19937 random(3);
+        std::uniform_real_distribution<double> unit(-1.0, 1.0);
+        for (int i = 0; i < 60; ++i) {
+            demo::Instance crate = scene.instances[1];
+            crate.name = "crate" + std::to_string(i);
+            crate.pose.position = {1.8 * unit(random), 1.6 + 0.8 * unit(random), 1.8 * unit(random)};
+            crate.pose.scale = glm::dvec3(0.15 + 0.1 * unit(random), 0.05, 0.15 + 0.1 * unit(random));
+            scene.instances.push_back(crate);
+        }
+        Host traced(scene), spans(scene);
+        traced.pinAll("ray_traced");
+        spans.pinAll(kSpans);
+        spans.require(gnSetMethodSetting(spans.context, kSpans, "rows", 800.0));
+        traced.require(traced.draw());
+        spans.require(spans.draw());
+        REQUIRE(std::string(spans.decision(0).pMethod) == kSpans);
+        const std::vector<Image8> truth = traced.pictures(), seen = spans.pictures();
+        size_t falseLit = 0;
+        for (size_t i = 0; i < truth[0].texels.size(); ++i)
+            falseLit += truth[0].texels[i] < 128 && seen[0].texels[i] >= 128;
+        MESSAGE("of " << dark(truth[0]) << " dark pixels " << falseLit << " lit");
+        CHECK(dark(truth[0]) > 2000);
+        CHECK(falseLit <= 5);
     }
 }
 

@@ -115,6 +115,13 @@ TEST_CASE("every method is right under a lamp in a sheet of the mesh that is all
     checkPlace(LitFrom::sheetOfOpenMesh, LightKind::Spot);
 }
 
+TEST_CASE("every method is right under a lamp in the underside of a solid of a mesh that is open elsewhere")
+{
+    const test::DeviceTest silence;
+    checkPlace(LitFrom::solidOfOpenMesh, LightKind::Point);
+    checkPlace(LitFrom::solidOfOpenMesh, LightKind::Spot);
+}
+
 TEST_CASE("every method is right on both sides of a card that holds the lamp")
 {
     const test::DeviceTest silence;

@@ -120,6 +120,9 @@ Scene flushLamp(LitFrom held, LightKind kind)
     place(scene, "ball", makeSphere({.radius = 0.5f}), {-1.3, 1.2, 0.2});
     glm::dvec3 at(0.1, 2.7, 0.2);
     switch (held) {
+    case LitFrom::solidOfOpenMesh:
+        at.y = std::nextafter(std::nextafter(2.7f, 3.0f), 3.0f);
+        [[fallthrough]];
     case LitFrom::solidCeiling:
         place(scene, "ceiling", makeBox({.size = glm::vec3(6.0f, 0.3f, 6.0f)}), {0.1, 2.85, 0.0}).pose.rotation =
             turned(kUp, 20.0);
@@ -155,7 +158,7 @@ Scene flushLamp(LitFrom held, LightKind kind)
     }
     }
     scene.lights = {lamp("lamp", kind, at, {0.1, 0.0, 0.2})};
-    if (held == LitFrom::sheetOfOpenMesh) {
+    if (held == LitFrom::sheetOfOpenMesh || held == LitFrom::solidOfOpenMesh) {
         std::ranges::reverse(scene.instances); // its faces come first: the others' numbers are not their places
         for (Instance& instance : scene.instances)
             instance.isStatic = true;

@@ -38,7 +38,8 @@ demo::Scene lampOverPlain(demo::LightKind kind);
 /// Casters on a floor, and a lamp that lies in the plane of a face of what holds it: a box for a ceiling, turned
 /// and moved so that its corners are rounded; a sheet for a ceiling, its front side down or up; an upright card of
 /// which both sides are seen; a ceiling whose mesh is squashed into shape; the upper corner of a room of one mesh,
-/// where three of its faces meet; or the sheet again, all in one mesh with it. A spot looks straight down.
+/// where three of its faces meet; or the sheet or the box again, all in one mesh with it, the lamp a
+/// hair's breadth within the box. A spot looks straight down.
 enum class LitFrom : uint8_t {
     solidCeiling,
     squashedCeiling,
@@ -46,7 +47,8 @@ enum class LitFrom : uint8_t {
     sheetTurnedUp,
     card,
     roomCorner,
-    sheetOfOpenMesh
+    sheetOfOpenMesh,
+    solidOfOpenMesh
 };
 demo::Scene flushLamp(LitFrom held, demo::LightKind kind);
 
