@@ -10,7 +10,12 @@ namespace gnomon::demo {
 
 namespace {
 
-/// Of a triangle, in the world but for its rotation.
+double largest(const glm::dvec3& v)
+{
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+/// Longest edge of a triangle, in the world but for its rotation.
 double longestEdge(const Mesh& mesh, const glm::dvec3& scale)
 {
     double longest = 0.0;
@@ -22,18 +27,31 @@ double longestEdge(const Mesh& mesh, const glm::dvec3& scale)
     return longest;
 }
 
-/// Of all triangles that gnomon knows, at any time, metres.
-double longestEdge(const Scene& scene)
+/// Largest coordinate of a mesh from its own zero, likewise.
+double reach(const Mesh& mesh, const glm::dvec3& scale)
 {
-    double longest = 0.0;
+    double most = 0.0;
+    for (const glm::vec3& position : mesh.positions)
+        most = std::max(most, largest(scale * glm::dvec3(position)));
+    return most;
+}
+
+/// gpu::ViewConstants::corners, by the scene's own numbers: for all times, and as if nothing were turned.
+double corners(const Scene& scene, const glm::dvec3& eye)
+{
+    double edge = 0.0, away = 0.0;
     for (const Instance& instance : scene.instances) {
         if (instance.hostDrawn) continue;
-        glm::dvec3 scale = instance.keys.empty() ? instance.pose.scale : glm::dvec3(0.0);
+        const bool moves = !instance.keys.empty();
+        glm::dvec3 scale = moves ? glm::dvec3(0.0) : instance.pose.scale;
         for (const PoseKey& key : instance.keys)
             scale = glm::max(scale, key.pose.scale);
-        longest = std::max(longest, longestEdge(scene.meshes[instance.mesh], scale));
+        const Mesh& mesh = scene.meshes[instance.mesh];
+        edge = std::max(edge, longestEdge(mesh, scale));
+        const double most = reach(mesh, scale);
+        away = std::max(away, moves ? most : std::min(most, largest(eye - instance.pose.position)));
     }
-    return longest;
+    return std::max(0.25 * edge, 0.5 * away);
 }
 
 } // namespace
@@ -52,7 +70,7 @@ gpu::ViewConstants viewConstants(const Scene& scene, const CameraMatrices& camer
     view.offsetFactor = scene.depth.convention == DepthConvention::Standard ? 3.0f : 1.0f;
     view.pixelSize = 2.0f / (std::abs(camera.projection[1][1]) * static_cast<float>(extent.height));
     view.hasNormals = 1;
-    view.corners = static_cast<float>(0.25 * longestEdge(scene));
+    view.corners = static_cast<float>(corners(scene, camera.eye));
     return view;
 }
 

@@ -153,13 +153,15 @@ private:
     void setReady(std::uint32_t owner, bool ready);
     /// Whose pipelines this frame runs for the first time, once they are compiled: one method a frame.
     std::uint32_t nextTrial();
+    void openStats(std::uint64_t frame, std::chrono::steady_clock::time_point start);
+    Result<void> decide(const GnFrameInfo& info, FrameMode mode, std::span<const Caster> casters);
     Result<GnResult> runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
                               std::chrono::steady_clock::time_point start);
     Result<void> takeInput(const GnFrameInfo& info);
     void collectLightMaps();
     Result<void> acceptViews(const GnFrameInfo& info);
     Result<void> checkSharedImages(const GnFrameInfo& info, std::uint32_t index, const std::string& name) const;
-    Result<void> prepareView(View& view, const GnViewFrame& frame); // frame_view.cpp
+    Result<void> prepareView(View& view, const GnViewFrame& frame, std::span<const Caster> casters); // frame_view.cpp
     void keepVisibility();
     void restoreVisibility(bool memoryShort);
     void takeTimings();
@@ -292,7 +294,8 @@ private:
         bool beside = false;       ///< Methods ran beside those of the plan: fades, a probe.
         bool disturbed = false;    ///< Its timings are not the methods' doing.
         bool timedUnasked = false; ///< Whatever the host asked.
-        std::uint32_t trial = UINT32_MAX; ///< Whose pipelines it ran for the first time; that they did not fail is known.
+        std::uint32_t trial =
+            UINT32_MAX; ///< Whose pipelines it ran for the first time; that they did not fail is known.
         float cpuMs = 0.0f;
         double plannedMs = 0.0, cheapestMs = 0.0; ///< PlanReport's.
         double pixels = 0.0;                      ///< Of all views.
@@ -318,9 +321,9 @@ Error frameOrder(const std::string& text);
 Result<void> checkViewFrame(const GnViewFrame& frame, const char* viewName, std::uint32_t maxLights,
                             const DeviceTable& vk);
 /// The camera relative to `origin`; the frame has been checked.
-/// @param longestEdge of triangles that may be seen, metres
+/// @param casters that may be seen
 CameraView makeCameraView(const GnViewFrame& frame, const std::array<double, 3>& origin, std::uint32_t id,
-                          float longestEdge = 0.0f);
+                          std::span<const Caster> casters = {});
 
 // A fading light's two methods write these layers of one image.
 constexpr std::uint32_t kOutgoingLayer = 0, kIncomingLayer = 1;

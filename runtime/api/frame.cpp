@@ -109,11 +109,10 @@ void Context::setReady(std::uint32_t owner, bool ready)
     (owner == kRuntimeOwner ? gridReady_ : (*methods_)[owner].ready) = ready;
 }
 
-Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
-                                   std::chrono::steady_clock::time_point start)
+void Context::openStats(std::uint64_t frame, std::chrono::steady_clock::time_point start)
 {
     stats_ = {};
-    stats_.frame = info.frame;
+    stats_.frame = frame;
     stats_.sharedMs = sharedMs_.get();
     objectsBefore_ = vk_->objectsMade;
     queriesBefore_ = rays_ ? rays_->queryNanoseconds() : 0;
@@ -123,17 +122,16 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
         frameTimes_[frameTimeCount_++ % frameTimes_.size()] = ms;
     }
     lastFrameStart_ = start;
-    frame_ = info.frame;
+    frame_ = frame;
     present() = {.frame = frame_};
+}
 
-    scene_->retire(info.completedFrame);
-    std::erase_if(retiredGrids_, [&](const RetiredGrid& old) { return old.frame <= info.completedFrame; });
-    openGraph(info);
-    const SceneRegistry::Snapshot& snapshot = scene_->begin(info.frame, origin_);
-
-    const auto decideStart = std::chrono::steady_clock::now();
+/// What serves each light of each view.
+Result<void> Context::decide(const GnFrameInfo& info, FrameMode mode, std::span<const Caster> casters)
+{
+    const auto start = std::chrono::steady_clock::now();
     for (std::uint32_t i = 0; i < info.viewCount; ++i)
-        if (Result<void> ok = prepareView(*viewFrames_[i].view, info.pViews[i]); !ok) return ok.error();
+        if (Result<void> ok = prepareView(*viewFrames_[i].view, info.pViews[i], casters); !ok) return ok;
     raysNeeded_ = false;
     predictedMs_ = 0.0;
     pending_.clear();
@@ -142,7 +140,19 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     for (std::uint32_t i = 0; i < info.viewCount; ++i)
         assessView(i, info.pViews[i], info, mode);
     planLights(info);
-    stats_.decideUs = static_cast<float>(msSince(decideStart) * 1000.0);
+    stats_.decideUs = static_cast<float>(msSince(start) * 1000.0);
+    return {};
+}
+
+Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
+                                   std::chrono::steady_clock::time_point start)
+{
+    openStats(info.frame, start);
+    scene_->retire(info.completedFrame);
+    std::erase_if(retiredGrids_, [&](const RetiredGrid& old) { return old.frame <= info.completedFrame; });
+    openGraph(info);
+    const SceneRegistry::Snapshot& snapshot = scene_->begin(info.frame, origin_);
+    if (Result<void> ok = decide(info, mode, snapshot.casters); !ok) return ok.error();
     const std::uint32_t trial = nextTrial();
     for (const PendingLight& pending : pending_)
         declareLight(pending, mode);

@@ -6,7 +6,7 @@
 
 namespace gnomon {
 
-Result<void> Context::prepareView(View& view, const GnViewFrame& frame)
+Result<void> Context::prepareView(View& view, const GnViewFrame& frame, std::span<const Caster> casters)
 {
     const VkExtent2D extent = frame.imageExtent;
     const bool resized = !view.visibility || view.visibility->gpu.extent.width != extent.width ||
@@ -31,7 +31,7 @@ Result<void> Context::prepareView(View& view, const GnViewFrame& frame)
         view.grid->invalidate();
     }
     present().pixels += double(extent.width) * double(extent.height);
-    view.camera = makeCameraView(frame, origin_, view.id, scene_->longestEdge());
+    view.camera = makeCameraView(frame, origin_, view.id, casters);
     if (frame.cameraCut) {
         view.grid->invalidate();
         for (auto& [id, memory] : view.lights) {

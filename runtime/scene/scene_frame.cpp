@@ -136,11 +136,6 @@ const SceneRegistry::Snapshot& SceneRegistry::begin(std::uint64_t frame, const s
     return self.arrays.current();
 }
 
-float SceneRegistry::longestEdge() const
-{
-    return impl_->arrays.current().longestEdge;
-}
-
 LightCasters SceneRegistry::castersOf(const LightView& light, FrameArena& arena) const
 {
     const Snapshot& snapshot = impl_->arrays.current();

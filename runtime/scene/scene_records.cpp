@@ -17,6 +17,11 @@ glm::vec3 relative(const double (&position)[3], const std::array<double, 3>& ori
 
 } // namespace
 
+float largestOf(const glm::vec3& v)
+{
+    return std::max({v.x, v.y, v.z});
+}
+
 /// No edge is longer than the box around all edges, turned, nor than the one around the caster.
 float longestEdgeOf(const Caster& caster, const MeshView& mesh)
 {
@@ -42,6 +47,9 @@ void updateCaster(InstanceRecord& record, const MeshView* view, const std::array
     caster.mirrored = glm::determinant(glm::dmat3(caster.basis)) < 0.0;
     caster.closed = view && view->closed;
     caster.longestEdge = view ? longestEdgeOf(caster, *view) : 0.0f;
+    caster.meshReach = view ? largestOf(glm::max(glm::abs(caster.bounds.lower - caster.translation),
+                                                 glm::abs(caster.bounds.upper - caster.translation)))
+                            : 0.0f;
     caster.isStatic = record.isStatic;
     caster.revision = revision;
 }
@@ -118,10 +126,7 @@ void CasterArrays::publish(const std::vector<InstanceRecord*>& casting, const st
             next.write(*record);
         next.behind.clear();
     }
-    float longest = 0.0f;
-    for (const Caster& caster : next.casters)
-        longest = std::max(longest, caster.longestEdge);
-    next.snapshot = {next.casters, next.transforms, ++revision_, longest};
+    next.snapshot = {next.casters, next.transforms, ++revision_};
     shown.stale = structural;
     shown.behind.clear();
     if (!structural) shown.behind.assign(changed.begin(), changed.end());

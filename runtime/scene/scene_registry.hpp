@@ -64,11 +64,9 @@ public:
         std::span<const Caster> casters;               ///< All instances that can cast (mesh alive or host-drawn).
         std::span<const InstanceTransform> transforms; ///< One per caster, by Caster::index.
         std::uint64_t revision = 0;                    ///< Changes when any caster does.
-        float longestEdge = 0.0f;                      ///< Of them all, Caster::longestEdge.
     };
     const Snapshot& begin(std::uint64_t frame, const std::array<double, 3>& origin);
 
-    float longestEdge() const; ///< Of the newest snapshot.
 
     /// A light as this frame sees it; null if destroyed, or created after begin().
     const LightView* light(GnLight light) const;

@@ -51,6 +51,18 @@ bool besideCone(const Box& box, glm::dvec3 apex, glm::dvec3 axis, double halfAng
 
 } // namespace
 
+float cornersOf(std::span<const Caster> casters, const glm::vec3& eye)
+{
+    float edge = 0.0f, reach = 0.0f;
+    for (const Caster& caster : casters) {
+        edge = std::max(edge, caster.longestEdge);
+        if (caster.meshReach <= reach) continue; // nearly all
+        const glm::vec3 away = glm::abs(eye - caster.translation);
+        reach = std::max(reach, std::min(caster.meshReach, std::max({away.x, away.y, away.z})));
+    }
+    return std::max(0.25f * edge, 0.5f * reach);
+}
+
 bool touches(const Aabb& box, std::span<const Plane> volume)
 {
     const Box b = boxOf(box);

@@ -58,6 +58,7 @@ struct Caster {
                                 ///< of a host-drawn one that is not static in every frame.
     std::uint32_t mask = kAllMasks;
     float longestEdge = 0.0f; ///< At most: of its triangles in the world, metres; 0 where the host draws it.
+    float meshReach = 0.0f;   ///< Largest coordinate of its triangles from the zero of their mesh, metres; 0 likewise.
     bool isStatic = false;
     bool mirrored = false; ///< The basis has a negative determinant: winding is reversed.
     bool closed = false;   ///< mesh->closed; open casters are drawn from both sides with a bias.
@@ -125,6 +126,18 @@ struct CameraView {
 
     bool reversed() const { return convention != GN_DEPTH_STANDARD; }
 };
+
+/// ViewConstants::corners: what receivers on any of the casters are rounded by, beside their own coordinates, as a
+/// share of 2^-21 (largestCoordinate(), shaders/shared/receiver.h). Metres.
+///
+/// A quarter of the longest edge: depths are those of triangles whose corners were rounded where they are, be it a
+/// kilometre away. Receivers on grounds of two triangles lay deeper by up to 2^-24.2 of it (4 km, lavapipe).
+///
+/// Half of how far the eye is from the zero of a mesh that goes as far: rays meet triangles in mesh space, and a
+/// building in world coordinates has its zero kilometres away. There a ray's start is rounded by 2^-24 of each
+/// coordinate, three times where the mesh is turned. What receivers are farther away than the eye is in their own
+/// coordinates.
+float cornersOf(std::span<const Caster> casters, const glm::vec3& eye);
 
 // --- culling helpers, conservative: "true" may be wrong, "false" never is ---
 

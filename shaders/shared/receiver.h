@@ -82,9 +82,7 @@ GN_SHARED_FN float depthUlpWs(ViewConstants view, float depth, vec3 ray)
 }
 
 // Largest coordinate of receiver or light, relative to the eye and to the frame's origin: in the one the receiver is
-// unprojected, in the other rays meet casters. Depths are those of triangles whose corners were rounded where they are, be
-// it a kilometre away: a quarter of the length of the longest edge there is counts as well. Receivers on grounds of two
-// triangles lay deeper than they should by up to 2^-24.2 of that length (4 km, lavapipe); the quarter of 2^-21 is twice it.
+// unprojected, in the other rays meet casters; or what the corners of these triangles are rounded by (cornersOf(), scene_view.hpp).
 GN_SHARED_FN float largestCoordinate(ViewConstants view, LightConstants light, vec3 receiverWs)
 {
     vec3 r = max(abs(receiverWs - vec3(view.eyeWs)), abs(receiverWs));

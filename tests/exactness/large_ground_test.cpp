@@ -42,6 +42,43 @@ Scene bareGround(const Ground& ground)
     return scene;
 }
 
+/// A slope of small triangles whose vertices are in world coordinates, `away` metres from their zero, and an eye beside
+/// it.
+Scene slopeFarFromZero(double away, int place)
+{
+    Scene scene = bareGround({20.0, 0.0, 0});
+    const double k = place;
+    const glm::dvec3 at(away + 1.37 * k, 0.3 * away, 0.7 * away - 0.77 * k);
+    const glm::dquat turn = glm::angleAxis(0.5, glm::normalize(glm::dvec3(1.0, 0.2, 0.3)));
+    scene.meshes[0] = demo::makePlane({.width = 20.0f, .depth = 20.0f, .columns = 20, .rows = 20});
+    for (glm::vec3& position : scene.meshes[0].positions)
+        position = glm::vec3(turn * glm::dvec3(position) + at);
+    scene.instances[0].pose = {};
+    scene.lights[1].position += at;
+    scene.camera = {{.eye = at + turn * glm::dvec3(0.1 * k, 1.5, 3.0), .target = at, .verticalFov = 0.8f}};
+    return scene;
+}
+
+/// All that sees a light is lit, by every method that traces.
+void checkAllLit(Stage& stage)
+{
+    size_t asked = 0;
+    for (const GnMethodInfo& method : stage.methods()) {
+        if ((method.traits & GN_TRAIT_RAYS_BIT) == 0 || method.pUnavailable) continue;
+        CAPTURE(std::string(method.pName));
+        const Pictures pictures = stage.draw(method.pName);
+        size_t dark = 0;
+        for (size_t layer = 0; layer < pictures.size(); ++layer)
+            for (size_t i = 0; i < pictures[layer].texels.size(); ++i)
+                dark += stage.counted[layer][i] == 1 && pictures[layer].texels[i] < 128;
+        CHECK(dark == 0);
+        ++asked;
+    }
+    CHECK(asked >= 6);
+    for (const std::vector<uint8_t>& counted : stage.counted)
+        CHECK(std::count(counted.begin(), counted.end(), uint8_t{1}) > 10'000);
+}
+
 } // namespace
 
 TEST_CASE("no method that traces finds a bare ground of any size in its own shadow")
@@ -52,22 +89,20 @@ TEST_CASE("no method that traces finds a bare ground of any size in its own shad
         CAPTURE(ground.tilt);
         CAPTURE(ground.place);
         Stage stage(bareGround(ground), {320, 180});
-        size_t asked = 0;
-        for (const GnMethodInfo& method : stage.methods()) {
-            if ((method.traits & GN_TRAIT_RAYS_BIT) == 0 || method.pUnavailable) continue;
-            CAPTURE(std::string(method.pName));
-            const Pictures pictures = stage.draw(method.pName);
-            size_t dark = 0;
-            for (size_t layer = 0; layer < pictures.size(); ++layer)
-                for (size_t i = 0; i < pictures[layer].texels.size(); ++i)
-                    dark += stage.counted[layer][i] == 1 && pictures[layer].texels[i] < 128;
-            CHECK(dark == 0);
-            ++asked;
-        }
-        CHECK(asked >= 6);
-        for (const std::vector<uint8_t>& counted : stage.counted)
-            CHECK(std::count(counted.begin(), counted.end(), uint8_t{1}) > 10'000);
+        checkAllLit(stage);
     }
+}
+
+TEST_CASE("nor a slope in world coordinates, however far from their zero")
+{
+    const test::DeviceTest silence;
+    for (const double away : {1000.0, 3000.0, 10000.0})
+        for (const int place : {1, 6, 11}) {
+            CAPTURE(away);
+            CAPTURE(place);
+            Stage stage(slopeFarFromZero(away, place), {640, 360});
+            checkAllLit(stage);
+        }
 }
 
 } // namespace gnomon::exact
