@@ -32,12 +32,6 @@ float stretchOf(const glm::mat3& basis)
     return static_cast<float>(std::max(1.0, norm(forward) * norm(glm::inverse(forward)) / 3.0));
 }
 
-/// As RayScene::update has it.
-bool traced(const Caster& caster)
-{
-    return caster.mesh && caster.mesh->rays && std::isfinite(1.0f / glm::determinant(caster.basis));
-}
-
 } // namespace
 
 Witness witnessOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c)
@@ -87,7 +81,7 @@ NumberedTriangles::NumberedTriangles(std::span<const Caster* const> casters, Rin
                              .rings = cache ? cache->find(*caster->mesh) : nullptr,
                              .first = next,
                              .stretch = stretchOf(caster->basis),
-                             .testifies = opaque && traced(*caster)};
+                             .testifies = opaque && castsRays(*caster)};
         stamp.add(std::uint64_t{caster->id}).add(std::uint64_t{caster->mesh->triangleCount()});
         next += caster->mesh->triangleCount();
     }

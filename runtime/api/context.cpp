@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "runtime/core/make_room.hpp"
 #include "runtime/scene/bias.hpp"
 #if GNOMON_WITH_YAML
 #include "rules/yaml/shipped.hpp"
@@ -219,14 +220,16 @@ Result<GnView> Context::createView(const GnViewCreateInfo& info)
 
 void Context::destroyView(GnView handle)
 {
-    if (!findView(handle)) return;
+    View* const gone = findView(handle);
+    if (!gone) return;
     finishUnderway();
-    std::unique_ptr<View> view = views_.take(bits(handle));
+    makeRoom(retiredGrids_); // what may throw comes before what changes
+    for (std::unique_ptr<PooledImage>* image : {&gone->visibility, &gone->replaced})
+        if (*image) pool_->retire(std::exchange(*image, nullptr));
+    std::erase_if(viewFrames_, [&](const ViewFrame& viewFrame) { return viewFrame.view == gone; });
+    const std::unique_ptr<View> view = views_.take(bits(handle));
     for (auto& [id, memory] : view->lights)
         plan_->forget(memory);
-    for (std::unique_ptr<PooledImage>* image : {&view->visibility, &view->replaced})
-        if (*image) pool_->retire(std::move(*image));
-    std::erase_if(viewFrames_, [&](const ViewFrame& viewFrame) { return viewFrame.view == view.get(); });
     // The grid's buffers may be in flight for as long as the frames that wrote them.
     retiredGrids_.push_back({frame_, std::move(view->grid)});
 }

@@ -150,6 +150,7 @@ private:
     bool createOwnPipelines();
     void failOwnPipelines(const std::string& why);
     void settleTrial(std::uint32_t owner);
+    void noteTrial(std::uint32_t owner) noexcept;
     void setReady(std::uint32_t owner, bool ready);
     /// Whose pipelines this frame runs for the first time, once they are compiled: one method a frame.
     std::uint32_t nextTrial();
@@ -255,6 +256,7 @@ private:
     std::uint64_t changedAt_ = 0; ///< Frame of the switches whose methods are timed next.
     std::array<double, 3> origin_{};
     bool originSet_ = false;
+    std::uint64_t originMovedIn_ = 0; ///< Frame; 0: it has not.
     PipelineId gridPipeline_, mixPipeline_;
     MedianOfFive mixMs_;     ///< Of a light's mix pass.
     bool gridReady_ = false; ///< The runtime's own pipelines have run once.

@@ -104,6 +104,15 @@ void Context::settleTrial(std::uint32_t owner)
     }
 }
 
+/// After passes have been submitted, so nothing may fail any more.
+void Context::noteTrial(std::uint32_t owner) noexcept
+{
+    try {
+        settleTrial(owner);
+    } catch (...) { // no memory for the words about it: another frame tries again
+    }
+}
+
 void Context::setReady(std::uint32_t owner, bool ready)
 {
     (owner == kRuntimeOwner ? gridReady_ : (*methods_)[owner].ready) = ready;
@@ -185,7 +194,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
         return ok.error();
     }
     if (trial != UINT32_MAX || stats_.pipelinesCreated) present().disturbed = true;
-    if (trial != UINT32_MAX) settleTrial(trial);
+    if (trial != UINT32_MAX) noteTrial(trial);
     stats_.callMs = static_cast<float>(msSince(start));
     finishStats();
     return methods_->anyReady() ? GN_SUCCESS : GN_NOT_READY;
@@ -306,6 +315,9 @@ void Context::openGraph(const GnFrameInfo& info)
     for (int i = 0; i < 3; ++i)
         origin_[i] = std::round(info.pViews[0].eye[i] / kOriginStep) * kOriginStep;
     originSet_ = true;
+    // All revisions are others now, though nothing has moved; and depth grids know receivers about the old one.
+    originMovedIn_ = info.frame;
+    views_.forEach([](std::unique_ptr<View>& view) { view->grid->invalidate(); });
 }
 
 // --- decisions and passes ---
@@ -343,7 +355,7 @@ void Context::assessView(std::uint32_t viewIndex, const GnViewFrame& frame, cons
         const LightView& light = *scene_->light(frame.pLights[i]);
         const LightCasters& casters = *arena_.make(castersOf(light));
         LightState& state = lights_[light.id];
-        state.motion.note(info.frame, light, casters);
+        state.motion.note(info.frame, light, casters, originMovedIn_ == info.frame);
         state.lastFrame = info.frame;
         LightMemory& memory = view.lights[light.id];
         // Lights take turns, so that no frame looks all of them up.

@@ -107,6 +107,7 @@ ImageId Context::declareBeside(const PendingLight& pending, FrameMode mode)
     if (!error) error = declareMethod(pending, beside, pair, kOutgoingLayer, mode);
     if (!error) return pair;
     pending.memory->fade.skip();
+    pending.memory->failures[beside].note(frame_, error->result == GN_ERROR_OUT_OF_DEVICE_MEMORY);
     if (decision.outgoing != UINT32_MAX) decision.noFade = kCannotServe;
     decision.outgoing = decision.probed = UINT32_MAX;
     decision.fade = 1.0f;

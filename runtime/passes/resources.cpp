@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "runtime/core/make_room.hpp"
+
 namespace gnomon {
 
 namespace {
@@ -67,6 +69,7 @@ ResourcePool::~ResourcePool()
 void ResourcePool::release(GpuImage& image, std::uint64_t frame)
 {
     if (frame <= completed_) return memory_.destroy(image);
+    makeRoom(retired_); // before the image is moved: it would be lost
     Retired entry{.frame = frame, .image = std::move(image), .buffer = {}};
     retired_.push_back(std::move(entry));
 }
@@ -74,6 +77,7 @@ void ResourcePool::release(GpuImage& image, std::uint64_t frame)
 void ResourcePool::release(GpuBuffer& buffer, std::uint64_t frame)
 {
     if (frame <= completed_) return memory_.destroy(buffer);
+    makeRoom(retired_);
     Retired entry{.frame = frame, .image = {}, .buffer = std::move(buffer)};
     retired_.push_back(std::move(entry));
 }

@@ -67,6 +67,11 @@ void EmbreeTree::swap(EmbreeTree& other) noexcept
 MeshRaysHistory::MeshRaysHistory() : impl_(std::make_shared<Impl>()) {}
 MeshRaysHistory::~MeshRaysHistory() = default;
 
+MeshRaysHistory::Impl::Impl()
+{
+    spares_.reserve(kSpares); // trees are given back where nothing may be thrown
+}
+
 MeshRaysHistory::Impl::Latest MeshRaysHistory::Impl::latest() const
 {
     const std::lock_guard lock(mutex_);

@@ -53,6 +53,7 @@ private:
 /// Any thread.
 class MeshRaysHistory::Impl {
 public:
+    Impl();
     struct Latest {
         std::shared_ptr<const TriangleTree> tree; ///< Of the revision that was made last; null: there is none.
         std::uint32_t generation = 0;             ///< Counts the times that trees were built from nothing.

@@ -13,6 +13,7 @@
 
 #include <glm/matrix.hpp>
 
+#include "runtime/core/make_room.hpp"
 #include "runtime/rays/mesh_rays.hpp"
 
 namespace gnomon {
@@ -333,18 +334,24 @@ std::uint32_t RayScene::Impl::find(std::size_t position, std::uint32_t id) const
 
 std::uint32_t RayScene::Impl::add(std::uint32_t id)
 {
+    makeRoom(placed); // Embree's ids are the least that are free; what may throw comes before what changes
+    const auto known = placeOf.try_emplace(id, UINT32_MAX).first;
     const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-    if (!geometry) return UINT32_MAX;
+    if (!geometry) {
+        placeOf.erase(known);
+        return UINT32_MAX;
+    }
     const std::uint32_t index = rtcAttachGeometry(top, geometry);
     if (index == RTC_INVALID_GEOMETRY_ID) {
         rtcReleaseGeometry(geometry);
+        placeOf.erase(known);
         return UINT32_MAX;
     }
     if (index >= placed.size()) placed.resize(index + 1);
     placed[index] = {};
     placed[index].geometry = geometry;
     placed[index].id = id;
-    placeOf[id] = index;
+    known->second = index;
     return index;
 }
 
@@ -410,24 +417,29 @@ bool RayScene::update(std::span<const Caster> casters)
     static_cast<void>(rtcGetDeviceError(scene.device)); // of this thread; clears what an earlier call left
     bool changed = !scene.whole, complete = true;
     std::size_t position = 0;
+    if (scene.lastOrder.capacity() < casters.size()) scene.lastOrder.reserve(2 * casters.size());
     for (const Caster& caster : casters) {
         if (!castsRays(caster)) continue;
         std::uint32_t index = scene.find(position, caster.id);
         if (index == UINT32_MAX || !unchanged(scene.placed[index], caster)) {
+            scene.whole = false; // until it is committed
+            changed = true;
             if (index == UINT32_MAX) index = scene.add(caster.id);
             if (index == UINT32_MAX) { // no memory for it: tried again with the next frame
                 complete = false;
                 continue;
             }
             scene.place(index, caster, caster.mesh->rays->impl_->embree.scene());
-            changed = true;
         }
         scene.placed[index].seen = scene.updates;
         if (position == scene.lastOrder.size()) scene.lastOrder.push_back(index);
         scene.lastOrder[position++] = index;
     }
     scene.lastOrder.resize(position);
-    if (scene.placeOf.size() > position) changed = scene.removeUnseen() || changed;
+    if (scene.placeOf.size() > position && scene.removeUnseen()) {
+        scene.whole = false;
+        changed = true;
+    }
     if (!changed) return complete;
     scene.opacityMask = 0;
     scene.reach = static_cast<float>(kEmbreeReach);

@@ -3,6 +3,7 @@
 // uploads, what waits for the GPU) and scene_frame.cpp (what one frame sees).
 #include <algorithm>
 
+#include "runtime/core/make_room.hpp"
 #include "runtime/core/slot_map.hpp"
 #include "runtime/scene/mesh_store.hpp"
 #include "runtime/scene/scene_records.hpp"
@@ -13,13 +14,6 @@ namespace gnomon {
 using RevisionPtr = std::shared_ptr<MeshRevision>;
 using InstancePtr = std::shared_ptr<InstanceRecord>;
 using LightPtr = std::shared_ptr<LightRecord>;
-
-/// Room for so many more, so that what follows cannot fail half-way through a change.
-template <typename T>
-void makeRoom(std::vector<T>& list, std::size_t count = 1)
-{
-    if (list.capacity() - list.size() < count) list.reserve(std::max(2 * list.capacity() + 16, list.size() + count));
-}
 
 inline Error tooMany(const char* kind)
 {

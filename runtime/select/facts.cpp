@@ -211,13 +211,13 @@ double guessedShare(const CameraView& view, const LightView& light)
     return kReached[light.type] * around.width * around.height / (double(all.width) * double(all.height));
 }
 
-void MotionHistory::note(std::uint64_t now, const LightView& light, const LightCasters& casters)
+void MotionHistory::note(std::uint64_t now, const LightView& light, const LightCasters& casters, bool shifted)
 {
     if (frame == now) return; // several views
     const bool first = frame == 0;
     const bool moved =
         lightRevision != light.revision || movingStamp != casters.movingStamp || staticStamp != casters.staticStamp;
-    bits = (bits << 1) | (moved && !first ? 1u : 0u);
+    bits = (bits << 1) | (shifted ? bits & 1u : moved && !first ? 1u : 0u);
     lightRevision = light.revision;
     movingStamp = casters.movingStamp;
     staticStamp = casters.staticStamp;

@@ -87,7 +87,8 @@ struct MotionHistory {
     std::uint64_t lightRevision = 0, movingStamp = 0, staticStamp = 0;
     std::uint64_t frame = 0;
 
-    void note(std::uint64_t now, const LightView& light, const LightCasters& casters);
+    /// @param shifted the frame's origin has moved: revisions are others, whatever has moved besides is not told
+    void note(std::uint64_t now, const LightView& light, const LightCasters& casters, bool shifted = false);
     double share() const;
     /// Nothing has moved for four frames, nor for as long as passed between the last two moves, if these were no more
     /// than sixteen frames apart: what moves in every so many frames does not rest between.

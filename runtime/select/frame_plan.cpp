@@ -143,10 +143,7 @@ std::uint32_t FramePlan::slotOf(LightMemory& memory)
 {
     if (memory.costSlot != UINT32_MAX) return memory.costSlot;
     if (freeSlots_.empty()) {
-        if (slotsUsed_ == slots_) {
-            slots_ = std::max(16u, slots_ * 2);
-            growModel();
-        }
+        if (slotsUsed_ == slots_) growModel(std::max(16u, slots_ * 2));
         memory.costSlot = slotsUsed_++;
     } else {
         memory.costSlot = freeSlots_.back();
@@ -156,26 +153,29 @@ std::uint32_t FramePlan::slotOf(LightMemory& memory)
     return memory.costSlot;
 }
 
-/// To the methods and slots there are; new methods learn from the knowledge base.
-void FramePlan::growModel()
+/// To the methods there are and so many slots; new methods learn from the knowledge base.
+void FramePlan::growModel(std::uint32_t slots)
 {
-    model_.resize(methods_.size(), slots_);
-    histories_.resize(slots_);
-    measure();
+    freeSlots_.reserve(slots); // so that forget() needs no memory
+    model_.resize(methods_.size(), slots);
+    histories_.resize(slots);
+    measure(slots);
+    slots_ = slots; // last: where memory ends before, the next light tries again
     if (modelMethods_ < methods_.size() && !knowledge_.rows.empty())
         cost::learn(model_, knowledge_, algorithms(), device_, modelMethods_);
     modelMethods_ = methods_.size();
 }
 
 /// Quality and first frame of every method, by the knowledge base; all predictions are out of date.
-void FramePlan::measure()
+void FramePlan::measure(std::uint32_t slots)
 {
-    measures_.clear();
+    std::vector<cost::MethodMeasures> measures;
     for (std::uint32_t i = 0; i < methods_.size(); ++i)
-        measures_.push_back(cost::measuresOf(knowledge_, methods_[i].entry->name,
-                                             double{methods_[i].entry->typicalWrongPercent}, device_));
+        measures.push_back(cost::measuresOf(knowledge_, methods_[i].entry->name,
+                                            double{methods_[i].entry->typicalWrongPercent}, device_));
     qualities_.resize(methods_.size());
-    costs_.assign(std::size_t{slots_} * methods_.size(), {});
+    costs_.assign(std::size_t{slots} * methods_.size(), {});
+    measures_ = std::move(measures);
     for (SlotHistory& history : histories_)
         history.predictedAt = kNever;
 }
@@ -200,7 +200,7 @@ cost::Learned FramePlan::teach(cost::KnowledgeBase base, std::string_view device
     device_ = device;
     modelMethods_ = methods_.size();
     histories_.resize(slots_);
-    measure();
+    measure(slots_);
     return learned;
 }
 
@@ -268,7 +268,7 @@ std::span<const FramePlan::Cost> FramePlan::predict(const LightMemory& memory, s
 void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
 {
     const std::uint32_t methods = methods_.size();
-    if (modelMethods_ != methods) growModel();
+    if (modelMethods_ != methods) growModel(slots_);
     lights_.resize(requests_.size());
     candidates_.resize(requests_.size() * methods);
     std::array<float, kMaxMethods> sharesMs; // of a light, if all had the method; a plan knows better

@@ -81,8 +81,8 @@ private:
     void takePrice(const Request& request, std::uint32_t method, const Budget& budget) const;
     void explainWithoutPlan(LightDecision& decision, bool hasRules) const;
     std::uint32_t slotOf(LightMemory& memory);
-    void growModel();
-    void measure();
+    void growModel(std::uint32_t slots);
+    void measure(std::uint32_t slots);
     struct Cost {
         cost::Prediction steady;
         double firstMs = 0.0; ///< What the first frame takes beyond that.
@@ -97,7 +97,8 @@ private:
             std::uint64_t frame = 0;
             cost::Workload workload;
         };
-        std::array<Entry, 8> recent{}; ///< By frame; at most eight are in flight.
+        /// By frame. Eight may be in flight, and the timing of the oldest comes in after the newest is noted.
+        std::array<Entry, 16> recent{};
         TimedLight timed;
         std::uint64_t predictedAt = kNever;      ///< Frame.
         std::array<double, 2> predictedDevice{}; ///< Device factors at that time.

@@ -124,12 +124,12 @@ std::string writeDecisionLog(const DecisionLog& log)
     out.integer(static_cast<std::uint8_t>(kFactCount));
     for (const FactName& fact : kFactNames)
         out.text(fact.name);
-    out.text(log.rulesName);
+    out.text(std::string_view(log.rulesName).substr(0, kMaxLogNameBytes));
     out.text(log.rulesText);
     out.integer(static_cast<std::uint32_t>(log.lights.size()));
     for (const LoggedLight& light : log.lights) {
         out.integer(light.id);
-        out.text(light.name);
+        out.text(std::string_view(light.name).substr(0, kMaxLogNameBytes));
     }
     const std::vector<std::string_view> refusals = refusalsOf(log);
     out.integer(static_cast<std::uint16_t>(refusals.size()));

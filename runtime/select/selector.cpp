@@ -226,7 +226,8 @@ void Selector::commit(LightDecision& decision, LightMemory& memory, std::uint64_
             engine_ ? static_cast<float>(std::max(quantised, 0)) / static_cast<float>(rules::kSuitabilitySteps) : 1.0f;
         decision.measuredMs = memory.measuredMs[decision.method];
     }
-    decision.switched = memory.incumbent != UINT32_MAX && decision.method != memory.incumbent;
+    // Settled anew where passes could not be made: what served before counts, not what was to serve.
+    decision.switched = decision.incumbent != UINT32_MAX && decision.method != decision.incumbent;
     if (decision.method != memory.incumbent) memory.methodSince = frame;
     memory.incumbent = decision.method;
     memory.guessed = !memory.measured;

@@ -95,6 +95,46 @@ TEST_CASE_FIXTURE(DeviceTest,
     }
 }
 
+// Coordinates count from a point that follows the eye in steps of 256 m; nothing moves when that does.
+TEST_CASE_FIXTURE(DeviceTest, "lights keep what was measured of them when the origin of all coordinates moves")
+{
+    Scene scene = smallScene();
+    const glm::dvec3 away(192.0, 0.0, 0.0);
+    for (demo::Instance& instance : scene.instances) {
+        instance.pose.position += away;
+        instance.isStatic = true;
+    }
+    for (demo::Light& light : scene.lights) {
+        light.position += away;
+        light.isStatic = true;
+        light.range = 20.0f; // it reaches nothing where it would be seen from a grid about another origin
+    }
+    const glm::dvec3 eye = scene.camera[0].eye, target = scene.camera[0].target;
+    double farthest = 0.0, least = 1.0, motion = 0.0;
+    for (int phase = 0; phase < 8; ++phase) { // lights are measured in turns of eight frames
+        Host host(scene);
+        load(host, "default");
+        for (int frame = 0; frame < 40; ++frame) {
+            const double x = frame == 0 ? -80.0 : 0.1 * (frame - 16 - phase); // the first sets the origin: it is 0
+            const glm::dvec3 at = away + glm::dvec3(x, 0.0, 0.0);
+            const std::vector<demo::CameraState> cameras{{.eye = eye + at, .target = target + at}};
+            FrameOptions options;
+            options.cameras = &cameras;
+            options.adjust = [&](GnFrameInfo&, std::vector<GnViewFrame>& views) { views[0].cameraCut = frame == 1; };
+            host.require(host.draw(options));
+            if (frame < 12) continue; // something has been measured by then
+            const std::vector<GnFact> facts = factsOf(host, 0);
+            farthest = std::max(farthest, factNamed(facts, "viewerDistance"));
+            least = std::min(least, factNamed(facts, "screenShare"));
+            motion = std::max(motion, factNamed(facts, "lightMotion"));
+        }
+    }
+    MESSAGE("viewer distance at most " << farthest << ", share at least " << least << ", motion " << motion);
+    CHECK(farthest < 20.0);
+    CHECK(least > 0.05);
+    CHECK(motion == 0.0);
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "candidates name the chosen method, and why each of the others is not it")
 {
     Host host(smallScene());
