@@ -137,8 +137,11 @@ glm::vec3 awayFromLight(const LightView& light, const Caster& caster, std::uint3
 {
     if (!mayTouch(light, caster)) return glm::vec3(0.0f);
     const Topology& topology = *caster.mesh->topology;
-    return awayFromFaces(light, caster,
-                         [&](std::uint32_t face) { return &topology.clusterOf(face) == &topology.clusters[cluster]; });
+    const Topology::Cluster& own = topology.clusters[cluster];
+    const Aabb bounds = transformed(own.bounds, caster.basis, caster.translation);
+    const glm::vec3 outside = glm::max(bounds.lower - light.position(), light.position() - bounds.upper);
+    if (std::max({outside.x, outside.y, outside.z}) > touchAt(light, caster)) return glm::vec3(0.0f); // nearly all
+    return awayFromFaces(light, caster, [&](std::uint32_t face) { return &topology.clusterOf(face) == &own; });
 }
 
 } // namespace gnomon
