@@ -218,7 +218,7 @@ typedef struct GnViewCreateInfo {
 } GnViewCreateInfo;
 
 /** \brief Creates a view. It has no visibility until it has been in a frame. Its decisions of 256 frames are kept for
-gnExplain(): 15 kB of the host's memory for every light and method, some 280 kB a light with all that are built in. */
+gnExplain(): some 50 kB of the host's memory a light and 12 kB a method more, 280 kB with all that are built in. */
 GN_API GnResult GN_CALL gnCreateView(GnContext context, const GnViewCreateInfo* pCreateInfo, GnView* pView);
 /** \brief Destroys a view, and finishes a frame under way first. Its visibility image stays until the frames that were
 begun before are completed (GnFrameInfo::completedFrame): what reads it must have been submitted by then. */
@@ -249,8 +249,8 @@ typedef struct GnViewFrame {
     VkFormat depthFormat;     ///< D32_SFLOAT or D32_SFLOAT_S8_UINT.
     VkExtent2D imageExtent;   ///< Of the depth image, and of the visibility image.
     VkRect2D renderArea;      ///< Pixels drawn: the viewport of `projection`; a zero extent means the whole image.
-    VkImage normalImage;      ///< Optional. Geometric normals, world space, xyz, finite, of any length up to 1e4; one of
-                              ///< length 0 faces away from every light. SAMPLED and TRANSFER_SRC.
+    VkImage normalImage;      ///< Optional. Geometric normals, world space, xyz, finite; they need not be of unit
+                              ///< length, and one of length 0 faces away from every light. SAMPLED and TRANSFER_SRC.
     VkImageView normalView;
     VkFormat normalFormat;    ///< R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT.
     uint32_t lightCount;      ///< At most the view's maxLights.

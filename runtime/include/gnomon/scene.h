@@ -35,8 +35,8 @@ GN_API void GN_CALL gnDestroyMesh(GnContext context, GnMesh mesh);
 /** Where something stands. Row-major 3x3 (rotation, scale, shear) and a double translation in metres. */
 typedef struct GnTransform {
     float basis[9];        ///< Rows of the linear part; all zero means identity. The elements of its inverse are at most
-                           ///< 1e18 as well. Rays and volumes work in the mesh's own units: scales within 1e-7 and 1e7
-                           ///< are safe.
+                           ///< 1e18 as well. Rays and volumes work in the mesh's own units: at a scale of 1e-9 (none
+                           ///< at 1e-8) rays have been seen to lose a caster.
     double translation[3]; ///< World space, metres.
 } GnTransform;
 
