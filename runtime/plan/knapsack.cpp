@@ -91,7 +91,7 @@ double cheapestPaying(const Problem& problem, uint32_t paid)
     return sum;
 }
 
-/// No plan that pays `paid` is worth more, whatever is said to be the price of a millisecond (fillTable()).
+/// No plan that pays `paid` is worth more, whatever is said to be the price of a millisecond (boundRest()).
 double mostPaying(const Problem& problem, uint32_t paid, double perMs)
 {
     const uint32_t open = methodsWithin(problem, paid);
@@ -290,83 +290,98 @@ void Knapsack::fillSlack(const Problem& problem, double slackMs, std::span<uint3
     }
 }
 
-/// Dynamic programming over lights. A bin keeps the most valuable state whose extra cost falls into it, with its exact
-/// cost: rounding never adds up, and no plan found is dearer than it looks. By induction a state (value, cost) that is
-/// lost at one light has a keeper of no less value that costs less than one bin more.
-///
-/// Only plans worth more than `known`, or as much for less, are looked for; false: there are none. At a price p for a
-/// millisecond no plan is worth more than p * budget + the sum over the lights of max (value - p * cost), whatever p is
-/// (Lagrange); the price at which greedy stopped makes that bound tight, and most states fall below `known` at once.
-bool Knapsack::fillTable(const Problem& problem, double limitMs, double known, std::span<uint32_t> chosen) noexcept
+/// At a price p for a millisecond no plan is worth more than p * budget + the sum over the lights of max (value - p *
+/// cost), whatever p is (Lagrange). restOver_[i]: that of the lights from i on.
+void Knapsack::boundRest(uint32_t lights, double slackMs) noexcept
 {
-    double cheapestMs = 0.0;
-    for (uint32_t light = 0; light < problem.lights; ++light)
-        if (const auto options = optionsOf(light); !options.empty()) cheapestMs += options[0].costMs;
-    const double slackMs = std::max(0.0, limitMs - cheapestMs);
-    const double binsPerMs = slackMs > 0.0 ? bins_ / slackMs : 0.0;
-    const double hopeless = known * (1.0 - kRounding);
-    restOver_[problem.lights] = dualPerMs_ * slackMs;
-    for (uint32_t light = problem.lights; light-- > 0;) {
+    restOver_[lights] = dualPerMs_ * slackMs;
+    for (uint32_t light = lights; light-- > 0;) {
         double most = 0.0; // a light that may have nothing adds nothing
         const std::span<const Option> options = optionsOf(light);
         for (const Option& option : options)
             most = std::max(most, option.value - dualPerMs_ * (option.costMs - options[0].costMs));
         restOver_[light] = restOver_[light + 1] + most;
     }
+}
 
+/// From the states of the lights before `light` to those with it. Leaves out what can be worth no more than `hopeless`.
+void Knapsack::addLight(uint32_t light, double slackMs, double hopeless) noexcept
+{
+    const std::span<const Option> options = optionsOf(light);
+    Origin* const origins = &origins_[size_t{light} * (bins_ + 1)];
+    if (options.empty()) {
+        for (uint32_t bin = 0; bin <= bins_; ++bin)
+            origins[bin] = {static_cast<uint16_t>(bin), 0};
+        return;
+    }
+    const double binsPerMs = slackMs > 0.0 ? bins_ / slackMs : 0.0;
     const auto words = static_cast<uint32_t>(inUse_.size());
-    std::fill(inUse_.begin(), inUse_.end(), uint64_t{0});
-    std::fill(nextInUse_.begin(), nextInUse_.end(), uint64_t{0});
-    states_[0] = {0.0, 0.0};
-    inUse_[0] = 1;
-    for (uint32_t light = 0; light < problem.lights; ++light) {
-        const std::span<const Option> options = optionsOf(light);
-        Origin* const origins = &origins_[size_t{light} * (bins_ + 1)];
-        if (options.empty()) {
-            for (uint32_t bin = 0; bin <= bins_; ++bin)
-                origins[bin] = {static_cast<uint16_t>(bin), 0};
+    double dearest = -1.0; // a state worth no more than a cheaper one is not carried on
+    for (uint32_t word = 0; word < words;) {
+        if (inUse_[word] == 0) {
+            ++word;
             continue;
         }
-        double dearest = -1.0; // a state worth no more than a cheaper one is not carried on
-        for (uint32_t word = 0; word < words;) {
-            if (inUse_[word] == 0) {
-                ++word;
-                continue;
-            }
-            const uint32_t bin = word * 64 + static_cast<uint32_t>(std::countr_zero(inUse_[word]));
-            inUse_[word] &= inUse_[word] - 1;
-            const State state = states_[bin];
-            if (state.value <= dearest) continue;
-            dearest = state.value;
-            for (uint32_t i = 0; i < options.size(); ++i) {
-                const double extraMs = state.extraMs + (options[i].costMs - options[0].costMs);
-                if (extraMs > slackMs) break;
-                const double value = state.value + options[i].value;
-                if (value - dualPerMs_ * extraMs + restOver_[light + 1] < hopeless) continue;
-                const uint32_t to = std::min(bins_, static_cast<uint32_t>(extraMs * binsPerMs));
-                State& target = nextStates_[to];
-                const uint64_t bit = uint64_t{1} << (to % 64);
-                const bool taken = nextInUse_[to / 64] & bit;
-                if (taken && (value < target.value || (value == target.value && extraMs >= target.extraMs))) continue;
-                target = {value, extraMs};
-                nextInUse_[to / 64] |= bit;
-                origins[to] = {static_cast<uint16_t>(bin), static_cast<uint8_t>(i)};
-            }
+        const uint32_t bin = word * 64 + static_cast<uint32_t>(std::countr_zero(inUse_[word]));
+        inUse_[word] &= inUse_[word] - 1;
+        const State state = states_[bin];
+        if (state.value <= dearest) continue;
+        dearest = state.value;
+        for (uint32_t i = 0; i < options.size(); ++i) {
+            const double extraMs = state.extraMs + (options[i].costMs - options[0].costMs);
+            if (extraMs > slackMs) break;
+            const double value = state.value + options[i].value;
+            if (value - dualPerMs_ * extraMs + restOver_[light + 1] < hopeless) continue;
+            const uint32_t to = std::min(bins_, static_cast<uint32_t>(extraMs * binsPerMs));
+            State& target = nextStates_[to];
+            const uint64_t bit = uint64_t{1} << (to % 64);
+            const bool taken = nextInUse_[to / 64] & bit;
+            if (taken && (value < target.value || (value == target.value && extraMs >= target.extraMs))) continue;
+            target = {value, extraMs};
+            nextInUse_[to / 64] |= bit;
+            origins[to] = {static_cast<uint16_t>(bin), static_cast<uint8_t>(i)};
         }
-        std::swap(states_, nextStates_);
-        std::swap(inUse_, nextInUse_); // the one behind is all zero again
     }
+    std::swap(states_, nextStates_);
+    std::swap(inUse_, nextInUse_); // the one behind is all zero again
+}
+
+/// The plan behind the most valuable state of all lights; false: there is none.
+bool Knapsack::readTable(uint32_t lights, std::span<uint32_t> chosen) const noexcept
+{
     uint32_t bin = UINT32_MAX;
     for (uint32_t i = 0; i <= bins_; ++i)
         if ((inUse_[i / 64] >> (i % 64) & 1) && (bin == UINT32_MAX || states_[i].value > states_[bin].value)) bin = i;
     if (bin == UINT32_MAX) return false;
-    for (uint32_t light = problem.lights; light-- > 0;) {
+    for (uint32_t light = lights; light-- > 0;) {
         const Origin origin = origins_[size_t{light} * (bins_ + 1) + bin];
         const std::span<const Option> options = optionsOf(light);
         chosen[light] = options.empty() ? kNone : options[origin.option].method;
         bin = origin.bin;
     }
     return true;
+}
+
+/// Dynamic programming over lights. A bin keeps the most valuable state whose extra cost falls into it, with its exact
+/// cost: rounding never adds up, and no plan found is dearer than it looks. By induction a state (value, cost) that is
+/// lost at one light has a keeper of no less value that costs less than one bin more.
+///
+/// Only plans worth more than `known`, or as much for less, are looked for; false: there are none. The price at which
+/// greedy stopped makes the bound of boundRest() tight, and most states fall below `known` at once.
+bool Knapsack::fillTable(const Problem& problem, double limitMs, double known, std::span<uint32_t> chosen) noexcept
+{
+    double cheapestMs = 0.0;
+    for (uint32_t light = 0; light < problem.lights; ++light)
+        if (const auto options = optionsOf(light); !options.empty()) cheapestMs += options[0].costMs;
+    const double slackMs = std::max(0.0, limitMs - cheapestMs);
+    boundRest(problem.lights, slackMs);
+    std::fill(inUse_.begin(), inUse_.end(), uint64_t{0});
+    std::fill(nextInUse_.begin(), nextInUse_.end(), uint64_t{0});
+    states_[0] = {0.0, 0.0};
+    inUse_[0] = 1;
+    for (uint32_t light = 0; light < problem.lights; ++light)
+        addLight(light, slackMs, known * (1.0 - kRounding));
+    return readTable(problem.lights, chosen);
 }
 
 /// With `paid` paid in advance, and methods that need other parts left out, the rest is an ordinary knapsack.

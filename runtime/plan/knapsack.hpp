@@ -101,6 +101,9 @@ private:
     bool gatherOptions(const Problem& problem, uint32_t open) noexcept;
     void walkGreedy(const Problem& problem, double limitMs, std::span<uint32_t> chosen) noexcept;
     void fillSlack(const Problem& problem, double slackMs, std::span<uint32_t> chosen) noexcept;
+    void boundRest(uint32_t lights, double slackMs) noexcept;
+    void addLight(uint32_t light, double slackMs, double hopeless) noexcept;
+    bool readTable(uint32_t lights, std::span<uint32_t> chosen) const noexcept;
     bool fillTable(const Problem& problem, double limitMs, double known, std::span<uint32_t> chosen) noexcept;
     std::span<const Option> optionsOf(uint32_t light) const noexcept;
 

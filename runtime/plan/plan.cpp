@@ -260,22 +260,25 @@ void PlanStep::improve(const PlanInput& input, PlanReport& report) noexcept
     }
 }
 
-void PlanStep::planWithinBudget(const PlanInput& input, PlanReport& report) noexcept
+/// What the lights have, as far as they may keep it.
+void PlanStep::keepIncumbents(const PlanInput& input) noexcept
 {
     for (uint32_t light = 0; light < lightCount_; ++light) {
         const uint32_t incumbent = input.lights[light].memory->incumbent;
         const bool holds = incumbent < methods_ && (allowed_[light] >> incumbent & 1);
         current_[light] = holds ? incumbent : kNone;
     }
-    const auto current = std::span(current_).first(lightCount_);
+}
+
+/// The best plan for the budget less `headroom` (ms), or for what its own methods need as headroom.
+Solution PlanStep::solveWithin(const PlanInput& input, double headroom, PlanReport& report) noexcept
+{
     const auto best = std::span(best_).first(lightCount_);
-    const double headroom = headroomMs(input, current, report.standardErrorMs);
-    report.usableMs = input.budgetMs - headroom;
-    problem_.budgetMs = report.usableMs;
+    report.usableMs = problem_.budgetMs = input.budgetMs - headroom;
     Solution solution = knapsack_.solve(problem_, best);
     // Methods that the lights have not shown yet are less sure than the incumbents: once more with their own headroom.
-    double bestErrorMs = 0.0;
-    const double bestHeadroom = headroomMs(input, best, bestErrorMs);
+    double errorMs = 0.0;
+    const double bestHeadroom = headroomMs(input, best, errorMs);
     if (solution.fits && solution.costMs > input.budgetMs - bestHeadroom) {
         report.usableMs = problem_.budgetMs = input.budgetMs - bestHeadroom;
         solution = knapsack_.solve(problem_, best);
@@ -288,18 +291,30 @@ void PlanStep::planWithinBudget(const PlanInput& input, PlanReport& report) noex
     }
     report.bestValue = solution.value;
     report.bestMs = solution.costMs;
+    return solution;
+}
 
-    const bool fresh = input.cut || !started_;
-    if (fresh) {
-        std::copy(best.begin(), best.end(), current.begin());
-        countUsers();
+void PlanStep::takeBest() noexcept
+{
+    std::copy_n(best_.begin(), lightCount_, current_.begin());
+    countUsers();
+}
+
+void PlanStep::planWithinBudget(const PlanInput& input, PlanReport& report) noexcept
+{
+    keepIncumbents(input);
+    const auto current = std::span(current_).first(lightCount_);
+    const double headroom = headroomMs(input, current, report.standardErrorMs);
+    const Solution solution = solveWithin(input, headroom, report);
+    if (input.cut || !started_) {
+        takeBest();
         calmFrames_ = kSpareFrames;
         report.cause = Cause::fresh;
         return;
     }
     for (uint32_t light = 0; light < lightCount_; ++light)
-        if (current[light] == kNone && best[light] != kNone) {
-            current[light] = best[light];
+        if (current[light] == kNone && best_[light] != kNone) {
+            current[light] = best_[light];
             report.cause = Cause::forced;
         }
     countUsers();
@@ -317,11 +332,7 @@ void PlanStep::planWithinBudget(const PlanInput& input, PlanReport& report) noex
     const double fairMs = (1.0 - input.inForce().hysteresis.planGain) * sums_.costMs;
     const bool helps = solution.fits || solution.costMs < fairMs ||
                        (sums_.costMs > input.budgetMs && solution.costMs <= input.budgetMs);
-    if (helps && !(solution.fits && repair(input, report.usableMs))) {
-        std::copy(best.begin(), best.end(), current.begin());
-        countUsers();
-    }
-    return;
+    if (helps && !(solution.fits && repair(input, report.usableMs))) takeBest();
 }
 
 /// Writes the decision into the lights' memories; finds flips.

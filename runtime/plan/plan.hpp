@@ -188,6 +188,9 @@ private:
     void applyFloor(const PlanInput& input, uint32_t light) noexcept;
     void chooseBySuitability(const PlanInput& input) noexcept;
     static PlanInput lightsPart(const PlanInput& whole, double budgetMs) noexcept;
+    void keepIncumbents(const PlanInput& input) noexcept;
+    Solution solveWithin(const PlanInput& input, double headroom, PlanReport& report) noexcept;
+    void takeBest() noexcept;
     void planWithinBudget(const PlanInput& input, PlanReport& report) noexcept;
     void settleForLess(const PlanInput& input, std::span<uint32_t> best) const noexcept;
     double headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept;
