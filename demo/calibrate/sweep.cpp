@@ -36,12 +36,6 @@ SessionOptions measuring(VkExtent2D size, uint32_t maxLights = 0)
             .knowledge = "none"};
 }
 
-void warmUp(const Session& session)
-{
-    if (gnWarmUp(session.shadows.context()) < 0)
-        throw HostError(std::string("gnWarmUp: ") + gnGetLastError(session.shadows.context()));
-}
-
 } // namespace
 
 Outcome<std::vector<SweepMethod>> sweepMethods(Device& device, const std::vector<std::string>& wanted)
@@ -68,7 +62,7 @@ Sweeper::Sweeper(Device& device)
     : device_(device), sweep_(makeSweep(kPointsPerKind)),
       session_(device, sweep_.scene, measuring({640, 360}, kSweepLights))
 {
-    warmUp(session_);
+    expect(session_.shadows.warmUp());
 }
 
 void Sweeper::proceed(SweepRun& run, const SweepMethod& method, double seconds, uint32_t leastPoints)
@@ -137,7 +131,7 @@ std::vector<cost::KnowledgeRow> measureScene(Device& device, const Scene& scene,
     const Scene served = onlyServed(scene, method.traits);
     if (served.lights.empty()) return rows;
     Session session(device, served, measuring(size));
-    warmUp(session);
+    expect(session.shadows.warmUp());
     useMethod(session.shadows, method.name);
     const double step = 1.0 / scene.framesPerSecond;
     for (uint32_t i = 0; i < moments; ++i) {

@@ -175,6 +175,11 @@ std::vector<GnLight> ShadowHost::present(const SceneState& state) const
     return out;
 }
 
+Status ShadowHost::warmUp()
+{
+    return statusOf(gnWarmUp(context_));
+}
+
 Status ShadowHost::loadRules(const std::string& text, const std::string& fileName)
 {
     if (gnLoadRules(context_, text.data(), text.size(), fileName.c_str()) >= 0) return Done{};

@@ -19,7 +19,7 @@ struct ShadowHostOptions {
     uint32_t maxLights = 16;
     GnContextCreateFlags flags = 0;
     VkDeviceSize memoryLimit = 0; ///< As GnContextCreateInfo's.
-    bool pinnedThreads = false; ///< gnomon's workers stay on the second processor, the third, ...
+    bool pinnedThreads = false;   ///< gnomon's workers stay on the second processor, the third, ...
 };
 
 class ShadowHost {
@@ -39,6 +39,9 @@ public:
 
     /// The lights of a state in the order of their layers.
     std::vector<GnLight> present(const SceneState& state) const;
+
+    /// All methods are ready afterwards.
+    Status warmUp();
 
     Status loadRules(const std::string& text, const std::string& fileName);
     Status loadKnowledge(const std::string& text, const std::string& fileName) const;

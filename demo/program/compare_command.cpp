@@ -190,8 +190,7 @@ void Comparison::drawFrame(Session& session, uint32_t frame)
 void Comparison::countErrors(Contestant& contestant)
 {
     Session& session = *contestant.session;
-    if (gnWarmUp(session.shadows.context()) < 0)
-        throw HostError(std::string("gnWarmUp: ") + gnGetLastError(session.shadows.context()));
+    expect(session.shadows.warmUp());
     const uint32_t step = std::max(1u, frames_ / kErrorFrames);
     for (uint32_t frame = 0; frame < frames_; ++frame) {
         drawFrame(session, frame);

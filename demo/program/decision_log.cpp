@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
 #include <optional>
 
 #include "demo/program/checks.hpp"
@@ -174,6 +175,12 @@ Outcome<std::string> answerFromLog(std::string_view bytes, const WhyQuestion& qu
         return Answer::failure("no decision about light '" + question.light + "' in frame " +
                                std::to_string(question.frame) + "; the log has " + frameRange(logs));
     return answer(logs, *place, question);
+}
+
+void printAnswers(const DecisionCollector& decisions, const std::vector<WhyQuestion>& questions)
+{
+    for (const WhyQuestion& question : questions)
+        std::printf("%s", valueOf(answerFromLog(decisions.bytes(), question)).c_str());
 }
 
 Outcome<WhyQuestion> parseWhy(const std::string& text)

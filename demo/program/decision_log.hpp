@@ -42,6 +42,9 @@ struct WhyQuestion {
 /// Answers from a log's bytes; what is wrong with the log or the question is an error that names it.
 Outcome<std::string> answerFromLog(std::string_view bytes, const WhyQuestion& question);
 
+/// Prints the answers of what was collected; throws HostError at the first question that has none.
+void printAnswers(const DecisionCollector& decisions, const std::vector<WhyQuestion>& questions);
+
 /// "FRAME:LIGHT[:METHOD]".
 Outcome<WhyQuestion> parseWhy(const std::string& text);
 /// Each of them; throws HostError naming the first that is none.

@@ -108,84 +108,124 @@ void printMessages(ShadowHost& shadows)
         std::fprintf(stderr, "gnomon: %s\n", message.c_str());
 }
 
-} // namespace
+/// The scene from its first frame to its last, and what that leaves in the folder of the run.
+class Run {
+public:
+    Run(const RunOptions& options, Session& session, RuleWatch& rules, uint32_t frames)
+        : options_(options), session_(session), rules_(rules), frames_(frames), out_(options.out), log_(session.scene),
+          pictures_(out_, frames), progress_(frames), lastTime_(frameTime(session.scene, 0))
+    {
+    }
 
-int runCommand(const RunOptions& options)
+    void frame(uint32_t frame)
+    {
+        const auto keepLog = [&] { decisions_.collect(session_.shadows); }; // under the rules that made it
+        if (const auto text = rules_.poll(session_.shadows, keepLog)) expect(writeFile(out_ / "rules.yaml", *text));
+        draw(frame);
+        const bool picture = pictures_.wants(frame, log_.newestSwitched());
+        // One frame stays in flight while the next is prepared, except before pictures and at the end.
+        clock_.finish(session_.renderer, picture || frame + 1 == frames_ ? frame + 1 : frame, log_);
+        if (picture) {
+            pictures_.take(frame, session_.scene, session_.renderer, log_);
+            clock_.restart();
+        }
+        std::string text;
+        appendFixed(text, clock_.lastMs() > 0.0 ? 1000.0 / clock_.lastMs() : 0.0, 1);
+        progress_.show(frame + 1, text + " fps");
+        printMessages(session_.shadows);
+    }
+
+    void save()
+    {
+        log_.save(out_);
+        decisions_.collect(session_.shadows);
+        expect(writeFile(out_ / "decisions.gnlog", decisions_.bytes()));
+        if (!options_.dump.empty()) dumpFrame(options_.dump, session_.scene, session_.renderer, log_.newest());
+    }
+
+    void print(const std::vector<WhyQuestion>& questions) const
+    {
+        printAnswers(decisions_, questions);
+        std::printf("%s", log_.summaryText().c_str());
+        std::printf(
+            "files               %s: frames.csv, lights.csv, decisions.gnlog, frame_*.png, frame_*_methods.png%s\n",
+            std::filesystem::absolute(out_).lexically_normal().c_str(),
+            std::filesystem::exists(out_ / "rules.yaml") ? ", rules.yaml" : "");
+    }
+
+private:
+    void draw(uint32_t frame)
+    {
+        const double time = frameTime(session_.scene, frame);
+        const CameraState camera = session_.camera(time);
+        session_.renderer.draw({.time = time,
+                                .cameras = {&camera, 1},
+                                .shadows = &session_.shadows,
+                                .recorded = options_.recorded,
+                                .budgetMs = options_.budgetMs,
+                                .cameraCut = frame > 0 && cameraCutsBetween(session_.scene, lastTime_, time)});
+        lastTime_ = time;
+        log_.add(frame, time, session_.renderer.state(), session_.shadows);
+        decisions_.frame(session_.shadows, session_.shadows.stats().frame);
+    }
+
+    const RunOptions& options_;
+    Session& session_;
+    RuleWatch& rules_;
+    uint32_t frames_;
+    std::filesystem::path out_;
+    FrameLog log_;
+    PictureTaker pictures_;
+    Progress progress_;
+    double lastTime_;
+    FrameClock clock_;
+    DecisionCollector decisions_;
+};
+
+/// Before anything is made: a misspelt name shall not cost the making.
+void check(const RunOptions& options)
 {
     requireScenes({options.scene});
     if (!options.method.empty()) requireMethods({options.method});
     if (options.recorded) requireRecordable(options.method);
-    const std::vector<WhyQuestion> questions = parseQuestions(options.why);
-    requireAnswers(questions, options);
-    const std::filesystem::path out = options.out;
-    requireWritableFolder(out);
+    requireWritableFolder(options.out);
     if (!options.dump.empty()) requireWritableFolder(options.dump);
-    SessionOptions sessionOptions{
-        .scene = options.scene, .framesInFlight = options.framesInFlight, .validation = options.validation};
-    if (!options.size.empty()) sessionOptions.size = valueOf(parseSize(options.size));
-    if (options.lights > 0) sessionOptions.lights = options.lights;
-    sessionOptions.knowledge = options.knowledge;
-    Session session(sessionOptions);
-    const Scene& scene = session.scene;
-    for (const std::string& note : scene.notes)
-        std::fprintf(stderr, "note: %s\n", note.c_str());
+}
 
-    removeOldPictures(out);
-    RuleWatch rules(options.rules); // before they are read: a change from now on is one
-    chooseMethods(session.shadows, options, out);
-    if (gnWarmUp(session.shadows.context()) < 0)
-        throw HostError(std::string("gnWarmUp: ") + gnGetLastError(session.shadows.context()));
-
-    const uint32_t frames = options.frames > 0 ? options.frames : scene.frames;
-    std::printf("%s: %ux%u, %u frames, %zu lights, %llu triangles, on %s, %s\n", scene.name.c_str(),
-                session.renderer.extent().width, session.renderer.extent().height, frames, scene.lights.size(),
-                static_cast<unsigned long long>(triangleCount(scene)), session.device.properties.deviceName,
+void printStart(const Session& session, uint32_t frames)
+{
+    const VkExtent2D extent = session.renderer.extent();
+    std::printf("%s: %ux%u, %u frames, %zu lights, %llu triangles, on %s, %s\n", session.scene.name.c_str(),
+                extent.width, extent.height, frames, session.scene.lights.size(),
+                static_cast<unsigned long long>(triangleCount(session.scene)), session.device.properties.deviceName,
                 session.device.driver.c_str());
     std::fflush(stdout);
-    FrameLog log(scene);
-    PictureTaker pictures(out, frames);
-    Progress progress(frames);
-    double lastTime = frameTime(scene, 0);
-    FrameClock clock;
-    DecisionCollector decisions;
-    for (uint32_t frame = 0; frame < frames; ++frame) {
-        const auto keepLog = [&] { decisions.collect(session.shadows); }; // under the rules that made it
-        if (const auto text = rules.poll(session.shadows, keepLog)) expect(writeFile(out / "rules.yaml", *text));
-        const double time = frameTime(scene, frame);
-        const CameraState camera = session.camera(time);
-        session.renderer.draw({.time = time,
-                               .cameras = {&camera, 1},
-                               .shadows = &session.shadows,
-                               .recorded = options.recorded,
-                               .budgetMs = options.budgetMs,
-                               .cameraCut = frame > 0 && cameraCutsBetween(scene, lastTime, time)});
-        lastTime = time;
-        log.add(frame, time, session.renderer.state(), session.shadows);
-        decisions.frame(session.shadows, session.shadows.stats().frame);
-        const bool picture = pictures.wants(frame, log.newestSwitched());
-        // One frame stays in flight while the next is prepared, except before pictures and at the end.
-        clock.finish(session.renderer, picture || frame + 1 == frames ? frame + 1 : frame, log);
-        if (picture) {
-            pictures.take(frame, scene, session.renderer, log);
-            clock.restart();
-        }
-        std::string text;
-        appendFixed(text, clock.lastMs() > 0.0 ? 1000.0 / clock.lastMs() : 0.0, 1);
-        progress.show(frame + 1, text + " fps");
-        printMessages(session.shadows);
-    }
-    log.save(out);
-    decisions.collect(session.shadows);
-    expect(writeFile(out / "decisions.gnlog", decisions.bytes()));
-    if (!options.dump.empty()) dumpFrame(options.dump, scene, session.renderer, log.newest());
-    requireSilence(session.device);
+}
 
-    for (const WhyQuestion& question : questions)
-        std::printf("%s", valueOf(answerFromLog(decisions.bytes(), question)).c_str());
-    std::printf("%s", log.summaryText().c_str());
-    std::printf("files               %s: frames.csv, lights.csv, decisions.gnlog, frame_*.png, frame_*_methods.png%s\n",
-                std::filesystem::absolute(out).lexically_normal().c_str(),
-                std::filesystem::exists(out / "rules.yaml") ? ", rules.yaml" : "");
+} // namespace
+
+int runCommand(const RunOptions& options)
+{
+    const std::vector<WhyQuestion> questions = parseQuestions(options.why);
+    check(options);
+    requireAnswers(questions, options);
+    Session session(sessionOptions(options));
+    for (const std::string& note : session.scene.notes)
+        std::fprintf(stderr, "note: %s\n", note.c_str());
+
+    removeOldPictures(options.out);
+    RuleWatch rules(options.rules); // before they are read: a change from now on is one
+    chooseMethods(session.shadows, options, options.out);
+    expect(session.shadows.warmUp());
+
+    const uint32_t frames = options.frames > 0 ? options.frames : session.scene.frames;
+    printStart(session, frames);
+    Run run(options, session, rules, frames);
+    for (uint32_t frame = 0; frame < frames; ++frame)
+        run.frame(frame);
+    run.save();
+    requireSilence(session.device);
+    run.print(questions);
     return 0;
 }
 

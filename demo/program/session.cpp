@@ -59,6 +59,17 @@ bool parseUnsigned(std::string_view text, uint32_t low, uint32_t high, uint32_t&
 
 } // namespace
 
+SessionOptions sessionOptions(const RunOptions& options)
+{
+    SessionOptions session{.scene = options.scene,
+                           .framesInFlight = options.framesInFlight,
+                           .validation = options.validation,
+                           .knowledge = options.knowledge};
+    if (!options.size.empty()) session.size = valueOf(parseSize(options.size));
+    if (options.lights > 0) session.lights = options.lights;
+    return session;
+}
+
 Session::Session(const SessionOptions& options)
     : ownScene(load(options)),
       ownDevice(Device::create({.validation = options.validation, .instanceExtensions = options.instanceExtensions})),

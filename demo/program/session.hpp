@@ -8,6 +8,7 @@
 #include <string>
 
 #include "demo/host/renderer.hpp"
+#include "demo/program/commands.hpp"
 #include "demo/scene/scene.hpp"
 
 namespace gnomon::demo {
@@ -26,6 +27,9 @@ struct SessionOptions {
     std::string knowledge; ///< loadKnowledge().
     std::vector<const char*> instanceExtensions;
 };
+
+/// Those that `gnomon run` is given, with or without a window; throws HostError if a size is none.
+SessionOptions sessionOptions(const RunOptions& options);
 
 struct Session {
     explicit Session(const SessionOptions& options);

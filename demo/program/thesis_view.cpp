@@ -51,8 +51,7 @@ ThesisView::ThesisView(Device& device, const ViewScene& view, uint32_t side)
     : scene_(squareScene(view)), view_(view),
       session_(device, scene_, {.scene = {}, .size = {side, side}, .contextFlags = GN_CONTEXT_NO_BACKGROUND_BIT})
 {
-    if (gnWarmUp(session_.shadows.context()) < 0)
-        throw HostError(std::string("gnWarmUp: ") + gnGetLastError(session_.shadows.context()));
+    expect(session_.shadows.warmUp());
     look(Look::side);
 }
 

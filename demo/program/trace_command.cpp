@@ -33,8 +33,7 @@ public:
                     .contextFlags = GN_CONTEXT_TIME_EVERY_FRAME_BIT | GN_CONTEXT_NO_BACKGROUND_BIT,
                     .pinnedThreads = true})
     {
-        GnContext context = session_.shadows.context();
-        if (gnWarmUp(context) < 0) throw HostError(std::string("gnWarmUp: ") + gnGetLastError(context));
+        expect(session_.shadows.warmUp());
         chooseMethods();
         trace_.frames = options.frames;
         trace_.lights = static_cast<uint32_t>(scene.lights.size());

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -149,6 +150,104 @@ VkExtent2D testSize(uint32_t step)
     return {160 + step * 53 % 480, step == 7 ? 33 : 120 + step * 37 % 360};
 }
 
+/// What the window shows, frame by frame, and what its keys do.
+class WindowRun {
+public:
+    WindowRun(const RunOptions& options, Session& session, RuleWatch& rules)
+        : options_(options), session_(session), rules_(rules),
+          window_(session.device, session.renderer.extent(), "gnomon", options.framesInFlight), keys_(session),
+          log_(session.scene), duration_(frameTime(session.scene, session.scene.frames))
+    {
+        if (options.frames > 0)
+            lastFrame_ = options.frames;
+        else if (options.resizeTest > 0)
+            lastFrame_ = options.resizeTest * 3 + 12;
+    }
+
+    void untilClosed()
+    {
+        while (!window_.closed()) {
+            window_.pollEvents();
+            rules_.poll(session_.shadows, [&] { decisions_.collect(session_.shadows); }); // under those that made them
+            const Clock::time_point now = Clock::now();
+            const double seconds = std::chrono::duration<double>(now - last_).count();
+            last_ = now;
+            takeKeys();
+            if (draw(seconds)) afterFrame(seconds);
+        }
+        if (!options_.screenshot.empty()) expect(writePng(options_.screenshot, session_.renderer.readColour()));
+        window_.finish();
+    }
+
+    void print(const std::vector<WhyQuestion>& questions)
+    {
+        decisions_.collect(session_.shadows);
+        printAnswers(decisions_, questions);
+        std::printf("%s", log_.summaryText().c_str());
+    }
+
+private:
+    void takeKeys()
+    {
+        for (const int key : window_.takePressedKeys()) {
+            keys_.press(key);
+            if (key == GLFW_KEY_ESCAPE) window_.close();
+            if (key == GLFW_KEY_P) paused_ = !paused_;
+            if (key == GLFW_KEY_F12) screenshot_ = true;
+            if (key == GLFW_KEY_C) fly_.followScript();
+        }
+    }
+
+    /// False: the window has nothing to draw to.
+    bool draw(double seconds)
+    {
+        const double before = time_;
+        if (!paused_) time_ = std::fmod(time_ + seconds, duration_);
+        const CameraState camera = fly_.update(window_, session_.camera(time_), seconds);
+        const bool cut = !fly_.flying() && (time_ < before || cameraCutsBetween(session_.scene, before, time_));
+        return window_.frame([&](const PresentTarget& target) {
+            session_.renderer.resize(target.extent);
+            session_.renderer.draw({.time = time_,
+                                    .cameras = {&camera, 1},
+                                    .shadows = &session_.shadows,
+                                    .recorded = options_.recorded,
+                                    .budgetMs = options_.budgetMs,
+                                    .cameraCut = cut,
+                                    .present = &target});
+        });
+    }
+
+    void afterFrame(double seconds)
+    {
+        log_.add(frame_, time_, session_.renderer.state(), session_.shadows);
+        decisions_.frame(session_.shadows, session_.shadows.stats().frame);
+        log_.finish(seconds * 1000.0);
+        smoothedMs_ = frame_ < 2 ? seconds * 1000.0 : 0.9 * smoothedMs_ + 0.1 * seconds * 1000.0; // some ten frames
+        if (frame_++ % 10 == 0)
+            window_.setTitle(titleFor(session_, log_, smoothedMs_ > 0.0 ? 1000.0 / smoothedMs_ : 0.0, keys_.light()));
+        if (std::exchange(screenshot_, false)) expect(writePng("screenshot.png", session_.renderer.readColour()));
+        for (const std::string& message : session_.shadows.takeMessages())
+            std::fprintf(stderr, "gnomon: %s\n", message.c_str());
+        if (options_.resizeTest > 0 && frame_ % 3 == 0 && resizes_++ < options_.resizeTest)
+            window_.setSize(resizes_ < options_.resizeTest ? testSize(resizes_) : VkExtent2D{640, 360});
+        if (lastFrame_ > 0 && frame_ >= lastFrame_) window_.close();
+    }
+
+    const RunOptions& options_;
+    Session& session_;
+    RuleWatch& rules_;
+    Window window_;
+    MethodKeys keys_;
+    FlyCamera fly_;
+    FrameLog log_;
+    DecisionCollector decisions_;
+    double duration_, time_ = 0.0, smoothedMs_ = 0.0; ///< Seconds of the scene, twice.
+    bool paused_ = false, screenshot_ = false;
+    uint32_t frame_ = 0, resizes_ = 0;
+    uint32_t lastFrame_ = 0; ///< 0: none but the user's.
+    Clock::time_point last_ = Clock::now();
+};
+
 } // namespace
 
 int windowCommand(const RunOptions& options)
@@ -158,84 +257,20 @@ int windowCommand(const RunOptions& options)
     requireAnswers(questions, options);
     requireWritable(options.screenshot);
     const WindowSystem system;
-    SessionOptions sessionOptions{.scene = options.scene,
-                                  .framesInFlight = options.framesInFlight,
-                                  .validation = options.validation,
-                                  .knowledge = options.knowledge,
-                                  .instanceExtensions = system.instanceExtensions()};
-    if (!options.size.empty()) sessionOptions.size = valueOf(parseSize(options.size));
-    if (options.lights > 0) sessionOptions.lights = options.lights;
+    SessionOptions sessionOptions = demo::sessionOptions(options);
+    sessionOptions.instanceExtensions = system.instanceExtensions();
     Session session(sessionOptions);
     RuleWatch watch(options.rules); // before they are read: a change from now on is one
     const RuleText rules = valueOf(findRules(options.rules));
     if (!rules.name.empty()) expect(session.shadows.loadRules(rules.text, rules.name));
     if (!options.method.empty()) expect(session.shadows.pinAll(options.method));
-    if (gnWarmUp(session.shadows.context()) < 0)
-        throw HostError(std::string("gnWarmUp: ") + gnGetLastError(session.shadows.context()));
+    expect(session.shadows.warmUp());
 
-    Window window(session.device, session.renderer.extent(), "gnomon", options.framesInFlight);
     std::printf("%s", kHelp);
-    MethodKeys keys(session);
-    FlyCamera fly;
-    FrameLog log(session.scene);
-    const double duration = frameTime(session.scene, session.scene.frames);
-    double time = 0.0, smoothedMs = 0.0;
-    bool paused = false;
-    uint32_t frame = 0, resizes = 0;
-    Clock::time_point last = Clock::now();
-    DecisionCollector decisions;
-    while (!window.closed()) {
-        window.pollEvents();
-        watch.poll(session.shadows, [&] { decisions.collect(session.shadows); }); // under the rules that made them
-        const Clock::time_point now = Clock::now();
-        const double seconds = std::chrono::duration<double>(now - last).count();
-        last = now;
-        bool screenshot = false;
-        for (const int key : window.takePressedKeys()) {
-            keys.press(key);
-            if (key == GLFW_KEY_ESCAPE) window.close();
-            paused = key == GLFW_KEY_P ? !paused : paused;
-            screenshot = screenshot || key == GLFW_KEY_F12;
-            if (key == GLFW_KEY_C) fly.followScript();
-        }
-        const double before = time;
-        if (!paused) time = std::fmod(time + seconds, duration);
-        const CameraState camera = fly.update(window, session.camera(time), seconds);
-        const bool cut = !fly.flying() && (time < before || cameraCutsBetween(session.scene, before, time));
-        const bool drawn = window.frame([&](const PresentTarget& target) {
-            session.renderer.resize(target.extent);
-            session.renderer.draw({.time = time,
-                                   .cameras = {&camera, 1},
-                                   .shadows = &session.shadows,
-                                   .recorded = options.recorded,
-                                   .budgetMs = options.budgetMs,
-                                   .cameraCut = cut,
-                                   .present = &target});
-        });
-        if (!drawn) continue;
-        log.add(frame, time, session.renderer.state(), session.shadows);
-        decisions.frame(session.shadows, session.shadows.stats().frame);
-        log.finish(seconds * 1000.0);
-        smoothedMs = frame < 2 ? seconds * 1000.0 : 0.9 * smoothedMs + 0.1 * seconds * 1000.0; // some ten frames
-        if (frame++ % 10 == 0)
-            window.setTitle(titleFor(session, log, smoothedMs > 0.0 ? 1000.0 / smoothedMs : 0.0, keys.light()));
-        if (screenshot) expect(writePng("screenshot.png", session.renderer.readColour()));
-        for (const std::string& message : session.shadows.takeMessages())
-            std::fprintf(stderr, "gnomon: %s\n", message.c_str());
-        if (options.resizeTest > 0 && frame % 3 == 0 && resizes++ < options.resizeTest)
-            window.setSize(resizes < options.resizeTest ? testSize(resizes) : VkExtent2D{640, 360});
-        const uint32_t testFrames = options.frames > 0       ? options.frames
-                                    : options.resizeTest > 0 ? options.resizeTest * 3 + 12
-                                                             : 0;
-        if (testFrames > 0 && frame >= testFrames) window.close();
-    }
-    if (!options.screenshot.empty()) expect(writePng(options.screenshot, session.renderer.readColour()));
-    window.finish();
+    WindowRun run(options, session, watch);
+    run.untilClosed();
     requireSilence(session.device);
-    decisions.collect(session.shadows);
-    for (const WhyQuestion& question : questions)
-        std::printf("%s", valueOf(answerFromLog(decisions.bytes(), question)).c_str());
-    std::printf("%s", log.summaryText().c_str());
+    run.print(questions);
     return 0;
 }
 
