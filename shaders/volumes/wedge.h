@@ -108,8 +108,9 @@ GN_SHARED_FN uint drawnCorner(uint part, uint index, bool mirrored)
 }
 
 // Of all edges at a pixel one number is kept: the sum of their shares, and DOUBT for each that may be off by a disc.
-// Shares add up to far less than half of it; of what is left behind it a float keeps 2^-18 while fewer than two doubt.
-GN_SHARED_CONST float DOUBT = 64.0f;
+// Shares add up to half a disc a caster, so to less than half of it under five hundred; of what is left behind it a
+// float keeps 2^-14 while one edge is in doubt, 2^-11 while eight are: less than a byte of visibility tells apart.
+GN_SHARED_CONST float DOUBT = 512.0f;
 
 GN_SHARED_FN float sharesOf(float sum)
 {

@@ -19,11 +19,12 @@ vec3 vertexEs(uint vertex)
     return vec3(dot(push.caster.rows[0], os), dot(push.caster.rows[1], os), dot(push.caster.rows[2], os));
 }
 
-// All rays of a wedge end on the plane behind the receivers, or all go on to infinity.
+// All rays of a wedge end on the plane behind the receivers, or all go on to infinity: also where the edge itself lies
+// beyond it with an end, whose rays would run back.
 vec4 endPlane(Wedge wedge)
 {
     vec4 plane = receiverPlane(push.caster.reach.xyz);
-    bool ends = true;
+    bool ends = max(dot(plane.xyz, fromEs), dot(plane.xyz, toEs)) <= plane.w;
     for (int i = 0; i < 4; ++i)
         ends = ends && dot(plane.xyz, wedge.rays[i]) > 1e-3 * length(wedge.rays[i]);
     return ends ? plane : vec4(0.0);

@@ -11,12 +11,13 @@ layout(set = 0, binding = 4) uniform sampler2D coverageImage; // sharesOf(), dou
 layout(location = 0) noperspective in vec3 rayWs;
 layout(location = 0) out vec4 visibility;
 
-// Covered discs at a pixel. Counts are kept modulo 256, negative in a view that mirrors; rounding along a border may
-// leave one of the other sign.
+// Covered discs at a pixel. Counts are kept modulo 256, negative in a view that mirrors; rounding along borders may
+// leave a few of the other sign.
 float coveredAt(ivec2 pixel)
 {
     int count = int(texelFetch(stencilImage, pixel, 0).x);
-    count = wedges.entered * (count < 128 ? count : count - 256);
+    count = (wedges.entered * count) & 255;
+    if (count >= 248) count -= 256;
     return float(count) + sharesOf(texelFetch(coverageImage, pixel, 0).x);
 }
 
@@ -40,7 +41,9 @@ float settled(VolumeResolve resolve, ivec2 pixel, float covered, float w, bool i
         sum += usable ? coveredAt(at) : 0.0;
         neighbours += usable ? 1.0 : 0.0;
     }
-    return neighbours > 0.0 ? covered + clamp(round(sum / neighbours - covered), -1.0, 1.0) : covered;
+    float settled = neighbours > 0.0 ? covered + clamp(round(sum / neighbours - covered), -1.0, 1.0) : covered;
+    // Less than nothing is covered nowhere, whatever neighbours say of a penumbra a pixel wide.
+    return inDoubt && settled < -0.25 ? settled + 1.0 : settled;
 }
 
 void main()

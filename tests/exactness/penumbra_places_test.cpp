@@ -2,9 +2,14 @@
 // where count and wedges meet, casters that overlap.
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include <glm/gtc/quaternion.hpp>
+
+#include "demo/scene/primitives.hpp"
 #include "exactness/soft_reference.hpp"
 #include "exactness/testbed.hpp"
+#include "plan/random.hpp"
 
 namespace gnomon::exact {
 namespace {
@@ -199,6 +204,105 @@ TEST_CASE("shadows of two casters that overlap stay dark, and nothing is lit mor
     CHECK(error.wrong == 0);
     CHECK(error.mean() <= 0.06);
     CHECK(error.outsideSum <= 0.01 * double(error.outside)); // over-dark where penumbrae add up
+}
+
+namespace {
+
+void put(Scene& scene, demo::Mesh mesh, const glm::dvec3& position, const glm::dquat& rotation = {1.0, 0.0, 0.0, 0.0})
+{
+    mesh.name = "mesh" + std::to_string(scene.meshes.size());
+    scene.meshes.push_back(std::move(mesh));
+    scene.instances.push_back({.name = scene.meshes.back().name, .mesh = uint32_t(scene.meshes.size() - 1)});
+    scene.instances.back().pose.position = position;
+    scene.instances.back().pose.rotation = rotation;
+}
+
+demo::Light lampAt(const glm::dvec3& position, float radius)
+{
+    demo::Light lamp;
+    lamp.name = "lamp";
+    lamp.kind = LightKind::Point;
+    lamp.position = position;
+    lamp.range = 60.0f;
+    lamp.radius = radius;
+    return lamp;
+}
+
+/// Columns that stand beside a platform and go on below all that is seen: the plane that volumes end on cuts them.
+Scene columnBesidePlatform(test::Random& random)
+{
+    Scene scene;
+    scene.name = "columns";
+    put(scene, demo::makeBox({.size = glm::vec3(6.0f, 0.2f, 6.0f)}), {3.0, -0.1, 0.0});
+    const glm::vec3 size(random.between(0.3, 1.5), random.between(3.0, 9.0), random.between(0.3, 1.5));
+    const double top = random.between(0.5, 2.5);
+    put(scene, demo::makeBox({.size = size}), {-0.2 - double(size.x), top - double(size.y) / 2, 0.0},
+        glm::angleAxis(random.between(0.0, 1.5), glm::dvec3(0.0, 1.0, 0.0)));
+    scene.lights = {lampAt({random.between(-5.0, -2.5), random.between(1.5, 4.5), random.between(-1.5, 1.5)},
+                           float(random.between(0.1, 0.6)))};
+    scene.camera = {{.eye = {random.between(-0.5, 1.5), random.between(0.3, 1.5), random.between(-1.5, 1.5)},
+                     .target = {random.between(1.0, 5.0), 0.0, random.between(-2.0, 2.0)},
+                     .verticalFov = float(random.between(0.6, 1.3))}};
+    return scene;
+}
+
+/// Sheets of a metre, one over the other, the lowest at this height.
+Scene stackOfSheets(int count, double height, double apart, const glm::dvec3& eye)
+{
+    Scene scene;
+    scene.name = "stack";
+    put(scene, demo::makeBox({.size = glm::vec3(30.0f, 0.2f, 30.0f)}), {0.0, -0.1, 0.0});
+    put(scene, demo::makeBox({.size = glm::vec3(1.0f, float(0.4 * apart), 1.0f)}), {0.0, height, 0.0});
+    for (int i = 1; i < count; ++i) {
+        scene.instances.push_back(scene.instances[1]);
+        scene.instances.back().name += std::to_string(i);
+        scene.instances.back().pose.position.y += apart * i;
+    }
+    scene.lights = {lampAt({-1.2, 4.0, 1.0}, 0.3f)};
+    scene.camera = {{.eye = eye, .target = {0.4, 0.3, -0.4}}};
+    return scene;
+}
+
+} // namespace
+
+TEST_CASE("where volumes end does not show, though casters reach beyond")
+{
+    const test::DeviceTest silence;
+    test::Random random(7);
+    uint64_t shaded = 0, apart = 0;
+    for (int i = 0; i < 40; ++i) {
+        Stage stage(columnBesidePlatform(random), {80, 60});
+        const Pictures ended = stage.draw(kWedges), endless = stage.draw(kWedges, {{"bounded", 0.0}});
+        shaded += pixelsBetween(endless[0]);
+        for (size_t pixel = 0; pixel < ended[0].texels.size(); ++pixel)
+            apart += std::abs(ended[0].texels[pixel] - endless[0].texels[pixel]) > 2;
+    }
+    MESSAGE(apart << " pixels apart, " << shaded << " in penumbrae");
+    CHECK(shaded > 5000);
+    CHECK(apart == 0);
+}
+
+TEST_CASE("under two hundred casters it is dark, and their penumbrae are no lighter than one's")
+{
+    const test::DeviceTest silence;
+    Stage many(stackOfSheets(200, 0.5, 0.005, {0.8, 3.2, 4.2}), {60, 45});
+    const std::vector<SoftTruth> truths = softTruths(many);
+    const SoftError error = compareSoft(many.draw(kWedges), truths);
+    MESSAGE("200 sheets: " << inWords(error));
+    CHECK(error.wrong <= 20); // seams between sheets; 71 when counts from 128 on were taken for negative
+
+    Stage thin(stackOfSheets(120, 1.5, 0.0005, {1.2, 1.5, 1.6}), {80, 60});
+    const SoftTruth truth = softTruths(thin)[0];
+    const Pictures pictures = thin.draw(kWedges);
+    uint64_t lighter = 0, between = 0;
+    for (size_t pixel = 0; pixel < truth.visibility.size(); ++pixel) {
+        if (!truth.asked[pixel]) continue;
+        between += truth.visibility[pixel] > 0.02 && truth.visibility[pixel] < 0.98;
+        lighter += double(pictures[0].texels[pixel]) / 255.0 > truth.visibility[pixel] + 0.3;
+    }
+    MESSAGE("120 sheets: " << lighter << " pixels lighter, " << between << " in the penumbra");
+    CHECK(between > 100);
+    CHECK(lighter == 0);
 }
 
 } // namespace gnomon::exact
