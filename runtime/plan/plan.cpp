@@ -20,9 +20,12 @@ bool isBanned(const LightMemory& memory, uint32_t from, uint32_t to, uint64_t fr
 
 void ban(LightMemory& memory, uint32_t a, uint32_t b, uint64_t until)
 {
+    const auto same = std::find_if(memory.bans.begin(), memory.bans.end(), [&](const LightMemory::Ban& held) {
+        return (held.a == a && held.b == b) || (held.a == b && held.b == a);
+    });
     auto oldest = std::min_element(memory.bans.begin(), memory.bans.end(),
                                    [](const auto& x, const auto& y) { return x.until < y.until; });
-    *oldest = {a, b, until};
+    *(same != memory.bans.end() ? same : oldest) = {a, b, until};
 }
 
 /// True if going back to `to` now would be the last step of an A-B-A.
@@ -249,7 +252,7 @@ void PlanStep::improve(const PlanInput& input, PlanReport& report) noexcept
             else if (gain > bestGain)
                 bestGain = gain, next = light;
         }
-        if (next == kNone) return;
+        if (next == kNone) break;
         Hold hold = holdOf(input, next);
         if (hold == Hold::none) hold = tryUpgrade(input, next, report.usableMs);
         plans_[next].hold = hold;
@@ -258,6 +261,43 @@ void PlanStep::improve(const PlanInput& input, PlanReport& report) noexcept
         report.cause = Cause::gain;
         missedGain_ = 0.0;
     }
+    // Many change at once: not while the budget is kept and broken in turn.
+    if (report.upgrades > 0 || calmFrames_ < kSpareFrames || !isStuck()) return;
+    if (!takeTogether(input, report.usableMs, hysteresis.planGain)) return;
+    report.upgrades = hysteresis.upgradesPerFrame;
+    report.cause = Cause::gain;
+    missedGain_ = 0.0;
+}
+
+/// Whether a light would change if others paid for it.
+bool PlanStep::isStuck() const noexcept
+{
+    const auto lights = std::span(plans_).first(lightCount_);
+    return std::any_of(lights.begin(), lights.end(), [](const LightPlan& plan) { return plan.hold == Hold::payers; });
+}
+
+/// The best plan's methods at once, for all lights that nothing holds. So lights leave a part that they share, where
+/// none of them saves it alone, and so a plan is reached to which no single step leads. All stays as it was if that
+/// takes more than `limitMs`, or gains no more than `enough` of the plan's value.
+bool PlanStep::takeTogether(const PlanInput& input, double limitMs, double enough) noexcept
+{
+    const double least = (1.0 + enough) * sums_.value;
+    std::copy_n(current_.begin(), lightCount_, saved_.begin());
+    for (uint32_t light = 0; light < lightCount_; ++light) {
+        const uint32_t from = saved_[light], to = best_[light];
+        if (from == to || from == kNone || to == kNone) continue;
+        const Hold hold = holdOf(input, light);
+        const bool gains = values_[at(light, to)] > values_[at(light, from)];
+        if (hold == Hold::ban || (gains && hold == Hold::firstFrame))
+            plans_[light].hold = hold;
+        else
+            current_[light] = to;
+    }
+    countUsers();
+    if (sums_.costMs <= limitMs && sums_.value > least) return true;
+    std::copy_n(saved_.begin(), lightCount_, current_.begin());
+    countUsers();
+    return false;
 }
 
 /// What the lights have, as far as they may keep it.
@@ -294,10 +334,32 @@ Solution PlanStep::solveWithin(const PlanInput& input, double headroom, PlanRepo
     return solution;
 }
 
-void PlanStep::takeBest() noexcept
+/// False if it was the plan already.
+bool PlanStep::takeBest() noexcept
 {
+    if (std::equal(best_.begin(), best_.begin() + lightCount_, current_.begin())) return false;
     std::copy_n(best_.begin(), lightCount_, current_.begin());
     countUsers();
+    return true;
+}
+
+/// A plan over its budget: repaired where one fits, else for what is cheaper, or worth more and no dearer.
+void PlanStep::relieve(const PlanInput& input, const Solution& best, PlanReport& report) noexcept
+{
+    // Where no plan fits, noise decides which is the cheapest: only a fair gain, or the budget itself, is worth a
+    // change.
+    const double planGain = input.inForce().hysteresis.planGain;
+    const bool saves = best.fits || best.costMs < (1.0 - planGain) * sums_.costMs ||
+                       (sums_.costMs > input.budgetMs && best.costMs <= input.budgetMs);
+    if (saves) {
+        if ((best.fits && repair(input, report.usableMs)) || takeBest()) report.cause = Cause::repaired;
+    } else if (takeTogether(input, (1.0 + kNoDearer) * sums_.costMs, planGain)) {
+        report.cause = Cause::gain;
+    } else {
+        for (uint32_t light = 0; light < lightCount_; ++light)
+            if (best_[light] != current_[light] && plans_[light].hold == Hold::none)
+                plans_[light].hold = Hold::threshold;
+    }
 }
 
 void PlanStep::planWithinBudget(const PlanInput& input, PlanReport& report) noexcept
@@ -321,18 +383,9 @@ void PlanStep::planWithinBudget(const PlanInput& input, PlanReport& report) noex
     const double keepMs = input.budgetMs - (1.0 - kKeepShare) * headroom;
     const bool over = sums_.costMs > keepMs;
     calmFrames_ = over || input.measuredMs > input.budgetMs ? 0 : std::min(calmFrames_ + 1, kSpareFrames);
-    if (!over) {
-        improve(input, report);
-        economise(input, report);
-        return;
-    }
-    report.cause = Cause::repaired;
-    // Where no plan fits, noise decides which is the cheapest: only a fair gain, or the budget itself, is worth a
-    // change.
-    const double fairMs = (1.0 - input.inForce().hysteresis.planGain) * sums_.costMs;
-    const bool helps = solution.fits || solution.costMs < fairMs ||
-                       (sums_.costMs > input.budgetMs && solution.costMs <= input.budgetMs);
-    if (helps && !(solution.fits && repair(input, report.usableMs))) takeBest();
+    if (over) return relieve(input, solution, report);
+    improve(input, report);
+    economise(input, report);
 }
 
 /// Writes the decision into the lights' memories; finds flips.

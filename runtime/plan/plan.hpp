@@ -48,6 +48,8 @@ struct LightMemory {
     uint32_t previous = kNone; ///< Before the incumbent.
     uint64_t switchedAt = 0;   ///< Frame.
     std::array<Ban, 4> bans{}; ///< The newest ones; a light that flips among more than four pairs frees the oldest.
+    uint64_t nearUntil = 0;    ///< Frame: the floor holds until then, though it is no longer asked for.
+    float nearQuality = 0.0f;  ///< What it asks.
 };
 
 struct LightRequest {
@@ -109,6 +111,7 @@ struct LightPlan {
     double benefit = 0.0;       ///< importance * worth().
     double ms = 0.0;            ///< Predicted, without shared parts.
     Hold hold = Hold::none;
+    bool floor = false;      ///< Near, or was within the frames of a flip.
     bool floorUnmet = false; ///< Near, but no method is good enough: the best of them serve.
     bool switched = false;
     bool flipped = false;
@@ -117,7 +120,7 @@ struct LightPlan {
 enum class Cause : uint8_t {
     kept,       ///< Nothing changed.
     forced,     ///< Only lights that were new or had lost their method changed.
-    repaired,   ///< Over the budget.
+    repaired,   ///< Over the budget, and changed for it.
     gain,       ///< Voluntary.
     fresh,      ///< First step, or a camera cut: the best plan as it is.
     unbudgeted, ///< Allocation::None.
@@ -185,12 +188,15 @@ public:
 private:
     void admit(const PlanInput& input) noexcept;
     void admitLight(const PlanInput& input, uint32_t light) noexcept;
-    void applyFloor(const PlanInput& input, uint32_t light) noexcept;
+    void applyFloor(const PlanInput& input, uint32_t light, float minimum) noexcept;
     void chooseBySuitability(const PlanInput& input) noexcept;
     static PlanInput lightsPart(const PlanInput& whole, double budgetMs) noexcept;
     void keepIncumbents(const PlanInput& input) noexcept;
     Solution solveWithin(const PlanInput& input, double headroom, PlanReport& report) noexcept;
-    void takeBest() noexcept;
+    bool takeBest() noexcept;
+    bool takeTogether(const PlanInput& input, double limitMs, double enough) noexcept;
+    bool isStuck() const noexcept;
+    void relieve(const PlanInput& input, const Solution& best, PlanReport& report) noexcept;
     void planWithinBudget(const PlanInput& input, PlanReport& report) noexcept;
     void settleForLess(const PlanInput& input, std::span<uint32_t> best) const noexcept;
     double headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept;

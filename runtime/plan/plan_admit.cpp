@@ -10,6 +10,15 @@
 
 namespace gnomon::plan {
 
+namespace {
+
+float qualityOf(const Candidate& candidate) noexcept
+{
+    return std::isfinite(candidate.quality) ? std::clamp(candidate.quality, 0.0f, 1.0f) : 0.0f;
+}
+
+} // namespace
+
 /// Capability, pin, never, opinion: which methods a light may have before quality is looked at.
 void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
 {
@@ -19,8 +28,7 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
     for (uint32_t m = 0; m < methods_; ++m) {
         const Candidate& candidate = input.candidates[at(light, m)];
         const uint32_t bit = 1u << m;
-        const float quality = std::isfinite(candidate.quality) ? std::clamp(candidate.quality, 0.0f, 1.0f) : 0.0f;
-        merits[m] = {candidate.suitability, quality, candidate.eligibility == Eligibility::eligible};
+        merits[m] = {candidate.suitability, qualityOf(candidate), candidate.eligibility == Eligibility::eligible};
         const bool known = std::isfinite(candidate.ms) && candidate.ms >= 0.0;
         costsMs_[at(light, m)] = known ? candidate.ms : 0.0;
         if (candidate.eligibility != Eligibility::trait && known) able |= bit;
@@ -44,21 +52,28 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
                                                    : Why::outscored;
     }
     allowed_[light] = allowed;
-    if (request.floor && !pin) applyFloor(input, light);
+    if (pin) return;
+    LightMemory& memory = *request.memory;
+    if (request.floor)
+        memory.nearUntil = input.frame + input.inForce().hysteresis.flipWindowFrames,
+        memory.nearQuality = request.minimumQuality;
+    // A condition that hovers about its threshold would change the method with every crossing.
+    if (request.floor || (input.frame < memory.nearUntil && !input.cut)) applyFloor(input, light, memory.nearQuality);
 }
 
-/// Near lights get nothing below the floor. Where nothing reaches it, the best there is, and the plan says so.
-void PlanStep::applyFloor(const PlanInput& input, uint32_t light) noexcept
+/// Lights that are near, or were a moment ago, get nothing below the floor. Where nothing reaches it, the best there
+/// is, and the plan says so.
+void PlanStep::applyFloor(const PlanInput& input, uint32_t light, float minimum) noexcept
 {
-    const float minimum = input.lights[light].minimumQuality;
+    plans_[light].floor = true;
     float best = 0.0f;
     for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1)
-        best = std::max(best, input.candidates[at(light, std::countr_zero(mask))].quality);
+        best = std::max(best, qualityOf(input.candidates[at(light, std::countr_zero(mask))]));
     plans_[light].floorUnmet = allowed_[light] != 0 && best < minimum;
     const float limit = std::min(minimum, best);
     for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
         const auto m = static_cast<uint32_t>(std::countr_zero(mask));
-        if (input.candidates[at(light, m)].quality >= limit) continue;
+        if (qualityOf(input.candidates[at(light, m)]) >= limit) continue;
         allowed_[light] &= ~(1u << m);
         why_[at(light, m)] = Why::floor;
     }

@@ -223,6 +223,7 @@ GnReason reasonOf(const plan::LightPlan& plan, std::uint32_t bestSuited, plan::W
 
 void takePlan(const plan::LightPlan& plan, LightDecision& decision) noexcept
 {
+    decision.floor = plan.floor;
     decision.floorUnmet = plan.floorUnmet;
     decision.hold = plan.hold;
     if (plan.chosen == plan::kNone || plan.chosen == decision.method) return;
@@ -258,7 +259,8 @@ std::uint32_t Rechoice::allowed() const noexcept
     }
     if (mask & spoken) mask &= spoken;
     const rules::Policy::Floor& floor = engine_.base().policy.floor;
-    if (floor.when.empty() || inference_.floorTruth < floor.atStrength) return mask;
+    const bool heldOn = record_.floor && record_.floorTruth < record_.floorStrength;
+    if (floor.when.empty() || (inference_.floorTruth < floor.atStrength && !heldOn)) return mask;
     float best = 0.0f;
     for (std::uint32_t rest = mask; rest; rest &= rest - 1)
         best = std::max(best, candidates_[std::countr_zero(rest)].quality);

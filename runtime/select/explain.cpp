@@ -270,10 +270,11 @@ namespace {
 
 void addFloor(const DecisionRecord& record, const Candidate& candidate, ExplanationLines& lines)
 {
+    const bool heldOn = record.floorTruth < record.floorStrength;
     lines.add("near floor: its quality " + fixed(double{candidate.quality}, 2) + " is below " +
               fixed(double{record.minimumQuality}, 2) + "; the floor holds because its condition is " +
               fixed(double{record.floorTruth}, 2) + " true, and " + fixed(double{record.floorStrength}, 2) +
-              " is enough");
+              (heldOn ? " is enough and was reached a moment ago" : " is enough"));
 }
 
 void addBudget(const DecisionRecord& record, const Candidate& candidate, ExplanationLines& lines)

@@ -59,7 +59,8 @@ struct RecordHead {
     bool switched = false;
     bool floor = false; ///< The near-quality floor held.
     bool floorUnmet = false;
-    float floorTruth = 0.0f, floorStrength = 0.0f; ///< The floor holds while the first reaches the second; 0: none.
+    /// The floor holds while the first reaches the second, and for the frames of a flip after; 0: none.
+    float floorTruth = 0.0f, floorStrength = 0.0f;
     float minimumQuality = 0.0f;
     float importance = 1.0f;
     float suitability = 0.0f;

@@ -73,6 +73,7 @@ struct LightDecision {
     float fade = 1.0f;                   ///< Share of `method` in what is shown.
     std::uint32_t probed = UINT32_MAX;   ///< Runs as well, to be measured; what it shows nobody sees.
     const char* noFade = nullptr;        ///< Why a fade was not begun, or cut short. Static storage.
+    bool floor = false;                  ///< Near, or was within the frames of a flip, and a plan decided.
     bool floorUnmet = false;             ///< Near, but no eligible method is good enough.
     double floorTruth = 0.0;             ///< How true the rule base's condition for near quality is.
     std::uint32_t pinned = UINT32_MAX;

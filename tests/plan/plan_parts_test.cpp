@@ -104,3 +104,29 @@ TEST_CASE("where no plan fits nothing that is worth more brings a shared part wi
     CHECK(scene.chosen(0) == kPlain);
     CHECK(scene.chosen(1) == kPlain);
 }
+
+TEST_CASE("lights that share a part leave it together for what is worth more, though none of them could pay alone")
+{
+    const uint32_t kNow = 0, kBetter = 1; // each needs a part of its own, and there is room for one
+    Scene scene(3,
+                {{.suitability = 3600, .quality = 1.0f, .ms = 0.3}, {.suitability = 400, .quality = 1.0f, .ms = 0.4}});
+    const std::vector<SharedPart> parts = {{2.0, 1u << kNow}, {2.0, 1u << kBetter}};
+    scene.input.parts = parts;
+    scene.input.budgetMs = 3.6;
+    scene.step(60);
+    for (uint32_t light = 0; light < 3; ++light) {
+        REQUIRE(scene.chosen(light) == kNow);
+        scene.of(light, kNow).suitability = 1600, scene.of(light, kBetter).suitability = 3600;
+    }
+    const PlanReport report = scene.step();
+    CHECK(report.cause == Cause::gain);
+    CHECK(report.predictedMs <= report.usableMs);
+    for (uint32_t light = 0; light < 3; ++light)
+        CHECK(scene.chosen(light) == kBetter);
+
+    // What has just been left is not taken back, however much it is worth.
+    for (uint32_t light = 0; light < 3; ++light)
+        scene.of(light, kNow).suitability = 4096, scene.of(light, kBetter).suitability = 400;
+    CHECK(scene.step().switches == 0);
+    CHECK(scene.plan.lights()[0].hold == Hold::ban);
+}

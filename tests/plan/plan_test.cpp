@@ -2,6 +2,7 @@
 
 #include <array>
 #include <doctest/doctest.h>
+#include <limits>
 #include <vector>
 
 #include "runtime/plan/worth.hpp"
@@ -349,6 +350,64 @@ TEST_CASE("where no plan fits the cheapest serves, but what noise calls the chea
     scene.step(30);
     for (uint32_t light = 0; light < 6; ++light)
         CHECK(scene.chosen(light) == kAvoided);
+}
+
+TEST_CASE(
+    "where no plan fits, what has become worth more and takes no more serves, and a plan left alone is not repaired")
+{
+    Scene scene(
+        1, {{.suitability = 3600, .quality = 1.0f, .ms = 4.50}, {.suitability = 400, .quality = 1.0f, .ms = 4.55}});
+    scene.input.budgetMs = 1.6;
+    CHECK(scene.step(60).cause == Cause::kept);
+    REQUIRE(scene.chosen(0) == 0);
+    scene.of(0, 0).suitability = 400, scene.of(0, 1).suitability = 3600;
+    CHECK(scene.step().cause == Cause::gain);
+    CHECK(scene.chosen(0) == 1);
+    CHECK(scene.step().cause == Cause::kept);
+
+    scene.of(0, 0).suitability = 3650; // by less than the threshold: nothing moves, and the light says what holds it
+    scene.of(0, 0).ms = 4.47;
+    scene.step(40);
+    CHECK(scene.chosen(0) == 1);
+}
+
+TEST_CASE("a floor whose condition hovers about its threshold holds on, and lets go of who has left")
+{
+    Scene scene(1, cheapAndGood());
+    scene.input.budgetMs = 3.0; // the good one does not fit
+    scene.requests[0].minimumQuality = 0.8f;
+    Random random(1);
+    uint32_t switches = 0;
+    for (int frame = 0; frame < 600; ++frame) {
+        scene.requests[0].floor = frame == 0 || random.unit() < 0.5;
+        switches += scene.step().switches;
+        CHECK(scene.plan.lights()[0].floor);
+    }
+    CHECK(switches == 0);
+    CHECK(scene.chosen(0) == kGood);
+    scene.requests[0] = {.memory = &scene.memories[0]}; // far, and nothing is asked
+    scene.step(rules::Policy{}.hysteresis.flipWindowFrames + 1);
+    CHECK(!scene.plan.lights()[0].floor);
+    CHECK(scene.chosen(0) == kCheap);
+
+    scene.requests[0].floor = true, scene.requests[0].minimumQuality = 0.8f;
+    scene.step();
+    CHECK(scene.chosen(0) == kGood);
+    scene.requests[0].floor = false;
+    scene.input.cut = true; // another place: nothing is left of the old one
+    scene.step();
+    CHECK(scene.chosen(0) == kCheap);
+}
+
+TEST_CASE("qualities that are no numbers leave a near light the methods that it has")
+{
+    Scene scene(1, cheapAndGood());
+    for (uint32_t method : {kCheap, kGood})
+        scene.of(0, method).quality = std::numeric_limits<float>::quiet_NaN();
+    scene.requests[0].floor = true, scene.requests[0].minimumQuality = 0.8f;
+    scene.step();
+    CHECK(scene.chosen(0) != kNone);
+    CHECK(scene.plan.lights()[0].floorUnmet);
 }
 
 TEST_CASE("what fits the budget but not its headroom is not given up for a better suited method that fits neither")
