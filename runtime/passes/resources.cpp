@@ -9,8 +9,7 @@ namespace gnomon {
 namespace {
 
 // Recorded barriers ran or did not: the next use comes after everything on the queue and takes nothing over.
-constexpr SyncState kUnknownSync{.writeStages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                 .writeAccess = VK_ACCESS_2_MEMORY_WRITE_BIT};
+constexpr SyncState kUnknownSync = kFreshSync;
 
 // A resource that no frame of the last second (at 60 Hz) used is given back.
 constexpr std::uint64_t kIdleFrames = 60;

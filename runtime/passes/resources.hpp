@@ -27,8 +27,9 @@ struct SyncState {
 };
 
 /// Of fresh memory: another resource may have lain there. The CPU knows that the GPU has done with it; a first use
-/// after everything on the queue says so to the queue as well, once.
-inline constexpr SyncState kFreshSync{.writeStages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+/// after everything on the queue, and after its writes, says so to the queue and to validation as well, once.
+inline constexpr SyncState kFreshSync{.writeStages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                      .writeAccess = VK_ACCESS_2_MEMORY_WRITE_BIT};
 
 /// Content kept from frame to frame, and how to take a withdrawn frame back.
 struct KeptState {
