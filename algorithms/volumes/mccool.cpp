@@ -309,8 +309,9 @@ private:
                       std::uint32_t index) const
     {
         const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-        const std::uint32_t capacity = resolution * static_cast<std::uint32_t>(task.settings[kEdges]);
-        const std::uint32_t variant = resolution * kMaps + index;
+        const auto edges = static_cast<std::uint32_t>(task.settings[kEdges]);
+        const std::uint32_t capacity = resolution * edges;
+        const std::uint32_t variant = (edges * kMaps + index) << 16 | resolution;
         Layer& layer = plan.layers[plan.layerCount++];
         layer.index = index;
         layer.surface = depthSurface(map.fits[index], *task.light, task.view->eye, resolution);

@@ -134,6 +134,17 @@ TEST_CASE_FIXTURE(DeviceTest, "every frame of a fade shows the mix of both metho
     checkWholeFade(host, "shadow_map", "ray_traced", {});
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "methods that differ in one setting alone share nothing that depends on it")
+{
+    Scene scene = smallScene();
+    scene.meshes[1] = demo::makeLeaves({.size = glm::vec3(2.5f), .count = 300}); // more edges than `few` has room for
+    Host host(scene, {.extent = {640, 360}});
+    host.require(gnAddMethod(host.context, "few", "mccool"));
+    host.require(gnSetMethodSetting(host.context, "few", "edges", 1));
+    checkWholeFade(host, "mccool", "few", {});
+    checkWholeFade(host, "few", "mccool", {});
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "several lights in several views fade at once, each from its own picture")
 {
     Scene scene = smallScene();
