@@ -76,7 +76,8 @@ indices 3 * triangle and the two after. The hit is at (1 - u - v), u and v of th
 from worker threads, concurrently. */
 typedef float(GN_CALL* PFN_gnOpacity)(uint32_t triangle, float u, float v, void* pUserData);
 
-/** Describes an instance. */
+/** Describes an instance. The host is taken to draw what it registers, from both sides where a mesh is open: where it does
+not, methods that count volumes take the outline of what is missing for a shadow, unless their setting `z_fail` is 1. */
 typedef struct GnInstanceCreateInfo {
     GnInstanceFlags flags;
     const char* pName;                ///< Optional.
