@@ -28,19 +28,33 @@ struct PositionHash {
     }
 };
 
-bool appendSubMesh(Mesh& mesh, const aiMesh& part)
+/// Readers of some formats hand on indices as the file has them.
+Status appendFace(Mesh& mesh, const aiMesh& part, uint32_t firstVertex, unsigned face)
+{
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        const unsigned vertex = part.mFaces[face].mIndices[corner];
+        if (vertex >= part.mNumVertices)
+            return Status::failure("face " + std::to_string(face) + " names vertex " + std::to_string(vertex) + " of " +
+                                   std::to_string(part.mNumVertices) + ", counted from 0");
+        mesh.indices.push_back(firstVertex + vertex);
+    }
+    return Done{};
+}
+
+Status appendSubMesh(Mesh& mesh, const aiMesh& part)
 {
     const auto first = static_cast<uint32_t>(mesh.positions.size());
     for (unsigned v = 0; v < part.mNumVertices; ++v) {
         const aiVector3D& p = part.mVertices[v];
-        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return false;
+        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+            return Status::failure("a vertex position is not a finite number");
         mesh.positions.emplace_back(p.x, p.y, p.z);
     }
-    for (unsigned f = 0; f < part.mNumFaces; ++f)
-        if (part.mFaces[f].mNumIndices == 3)
-            for (unsigned corner = 0; corner < 3; ++corner)
-                mesh.indices.push_back(first + part.mFaces[f].mIndices[corner]);
-    return true;
+    for (unsigned face = 0; face < part.mNumFaces; ++face) {
+        if (part.mFaces[face].mNumIndices != 3) continue;
+        if (const Status appended = appendFace(mesh, part, first, face); !appended) return appended;
+    }
+    return Done{};
 }
 
 void fitToHeight(Mesh& mesh, float height)
@@ -129,7 +143,8 @@ Outcome<ImportedMesh> importMesh(const fs::path& file, const MeshFileOptions& op
 
     ImportedMesh result;
     for (unsigned m = 0; m < scene->mNumMeshes; ++m)
-        if (!appendSubMesh(result.mesh, *scene->mMeshes[m])) return fail("a vertex position is not a finite number");
+        if (const Status appended = appendSubMesh(result.mesh, *scene->mMeshes[m]); !appended)
+            return fail(appended.error());
     const float turn = options.up == UpAxis::Z ? 1.0f : -1.0f; // a quarter turn about x, either way
     if (options.up != UpAxis::Y)
         for (glm::vec3& p : result.mesh.positions)
