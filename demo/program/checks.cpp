@@ -28,6 +28,23 @@ bool hasSetting(const AlgorithmEntry& entry, const std::string& name)
                        [&](const SettingSpec& setting) { return setting.name == name; });
 }
 
+std::string ownersOf(const std::string& setting)
+{
+    std::string owners;
+    for (const AlgorithmEntry* entry : builtinAlgorithms())
+        if (hasSetting(*entry, setting)) owners += std::string(owners.empty() ? "" : ", ") + entry->name;
+    return owners;
+}
+
+/// \param methods empty: all of this build.
+bool isSettingOf(const std::vector<std::string>& methods, const std::string& setting)
+{
+    const auto entries = builtinAlgorithms();
+    return std::any_of(entries.begin(), entries.end(), [&](const AlgorithmEntry* entry) {
+        return hasSetting(*entry, setting) && (methods.empty() || contains(methods, entry->name));
+    });
+}
+
 } // namespace
 
 void requireScenes(const std::vector<std::string>& scenes)
@@ -52,18 +69,18 @@ void requireMethods(const std::vector<std::string>& names, std::span<const char*
 void requireSettings(const std::vector<SettingChoice>& choices, const std::vector<std::string>& methods)
 {
     for (const SettingChoice& choice : choices) {
-        std::string owners;
-        bool used = false;
-        for (const AlgorithmEntry* entry : builtinAlgorithms()) {
-            if (!hasSetting(*entry, choice.name)) continue;
-            owners += std::string(owners.empty() ? "" : ", ") + entry->name;
-            used = used || methods.empty() || contains(methods, entry->name);
-        }
-        if (used) continue;
+        if (isSettingOf(methods, choice.name)) continue;
+        const std::string owners = ownersOf(choice.name);
         if (owners.empty()) throw HostError("--set: no method has a setting '" + choice.name + "'");
         throw HostError("--set: no method that is measured has a setting '" + choice.name + "'; it belongs to " +
                         owners);
     }
+}
+
+void requireSetting(const std::string& method, const std::string& setting)
+{
+    if (!isSettingOf({method}, setting))
+        throw HostError("'" + method + "' has no setting '" + setting + "'; it belongs to " + ownersOf(setting));
 }
 
 void requireNoReasons(const std::vector<SettingChoice>& choices)

@@ -20,6 +20,9 @@ void requireMethods(const std::vector<std::string>& names, std::span<const char*
 /// Each setting is one of at least one of the methods. \param methods empty: all of this build.
 void requireSettings(const std::vector<SettingChoice>& choices, const std::vector<std::string>& methods);
 
+/// The method has the setting.
+void requireSetting(const std::string& method, const std::string& setting);
+
 /// None of the settings puts reason codes in place of visibility: whoever counts errors would count codes.
 void requireNoReasons(const std::vector<SettingChoice>& choices);
 

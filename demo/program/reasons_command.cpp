@@ -102,6 +102,7 @@ int reasonsCommand(const ReasonsOptions& options)
 {
     const std::vector<SettingChoice> choices = parseChoices(options.settings);
     requireMethods({options.method});
+    requireSetting(options.method, "reasons");
     requireSettings(choices, {options.method});
     requireNoReasons(choices);
     requireWritable(options.out);
@@ -115,6 +116,7 @@ int reasonsCommand(const ReasonsOptions& options)
     const double time = frameTime(scene, frame);
     if (!options.light.empty()) keepLights(scene, {options.light});
     if (scene.lights.empty()) throw HostError("scene '" + options.scene + "' has no light");
+    if (lightCountAt(scene, time, false) == 0) throw HostError("no light is there in frame " + std::to_string(frame));
     const std::unique_ptr<Device> device = Device::create({});
 
     const std::optional<Truth> truth = measureTruth(*device, scene, size, time);

@@ -76,7 +76,6 @@ TEST_CASE("bad input ends with one and a sentence that names it")
         {"explain thesis --facts no_such_fact=1", "no_such_fact"},
         {"bench room --map 512,x", "'x'"},
         {"bench --figure 9.9", "9.9"},
-        {"reasons torus_grid --method shadow_map --size 16x16", "reasons"},
         {"reasons torus_grid --method pcf_hybrid --light no_such_light", "no_such_light"},
         {"bench torus_grid --methods no_such_method --size 16x16 --repeat 3", "no_such_method"},
     };
@@ -105,6 +104,8 @@ TEST_CASE("what can be known before measuring is said before a device is looked 
         {"bench room --map 64 --set resolution=32", "--map"},
         {"reasons room --method contour_chain --set reasons=2", "'reasons'"},
         {"reasons room --method pcf_hybrid --frame 240", "frames 0 to 239"},
+        {"reasons room --method shadow_map", "'shadow_map' has no setting 'reasons'"},
+        {"reasons scenario --method pcf_hybrid --light moving7 --frame 0", "no light is there in frame 0"},
         {"bench room --csv none/x.csv", "none/x.csv"},
         {"bench --figure 4.6 --out none/x.png", "none/x.png"},
         {"contact room --methods shadow_map,nosuch", "'nosuch'"},
