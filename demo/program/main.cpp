@@ -29,6 +29,25 @@ CLI::Validator numberIn(double low, double high)
     return {check, "in [" + first + " - " + last + "]"};
 }
 
+/// CLI11 takes -1 for the largest number of 64 bits.
+CLI::Validator notNegative()
+{
+    return {[](const std::string& text) {
+        return text.starts_with('-') ? "'" + text + "' is below 0" : std::string();
+    }, ""};
+}
+
+/// Where a name is wanted, blanks and commas alone are none; the default would take their place unsaid.
+void refuseNothing(CLI::App& app)
+{
+    const CLI::Validator hasWord([](const std::string& text) {
+        return text.find_first_not_of(" \t,") == std::string::npos ? "'" + text + "' names nothing" : std::string();
+    }, "");
+    for (CLI::App* command : app.get_subcommands({}))
+        for (CLI::Option* option : command->get_options())
+            if (option->get_type_name() == "TEXT") option->check(hasWord);
+}
+
 void addSources(CLI::App& command, SourceSizes& sources)
 {
     command
@@ -230,7 +249,7 @@ void addReplay(CLI::App& app, ReplayCommandOptions& options, int& exitCode)
     auto* knowledge = replay->add_option("--knowledge", options.knowledge,
                                          "where the cost model starts: a path, or `none`; default: the shipped one");
     replay->add_option("--calibration", options.calibration, "start from another trace instead")->excludes(knowledge);
-    replay->add_option("--seed", options.seed, "of the noise")->capture_default_str();
+    replay->add_option("--seed", options.seed, "of the noise")->check(notNegative())->capture_default_str();
     replay->add_option("--rate", options.rate, "frames a second, in between what was recorded; 0: as recorded")
         ->check(numberIn(0.0, 1000.0))
         ->capture_default_str();
@@ -300,6 +319,7 @@ int main(int argc, char** argv)
     explain->add_option("--facts", facts, "name=value,...; what is not given is unknown")->required();
     explain->callback([&] { exitCode = explainCommand(rules, facts); });
 
+    refuseNothing(app);
     if (isUnknownCommand(app, argc, argv)) return 1;
     try {
         app.parse(argc, argv);

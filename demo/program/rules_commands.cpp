@@ -93,7 +93,6 @@ std::vector<rules::Diagnostic> lintAlong(const std::string& file, const rules::R
 std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vocabulary)
 {
     std::vector<double> values(vocabulary.facts.size(), std::numeric_limits<double>::quiet_NaN());
-    if (parseNames(text).empty()) throw HostError("--facts: '" + text + "' names no fact; name=number,... is wanted");
     for (const std::string& item : parseNames(text)) {
         const size_t equals = item.find('=');
         const std::string name = item.substr(0, equals);

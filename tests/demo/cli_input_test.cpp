@@ -133,7 +133,6 @@ TEST_CASE("what can be known before measuring is said before a device is looked 
         {"run room --method nosuch", "'nosuch'"},
         {"run room --recorded --method ray_traced", "cannot be recorded"},
         {"explain thesis --facts viewerDistance=5,viewerDistance=50", "twice"},
-        {"explain thesis --facts ''", "names no fact"},
     };
     const std::string before = "cd '" + folder.path.string() + "' && GNOMON_DEVICE=none";
     for (const auto& bad : cases) {
@@ -157,6 +156,13 @@ TEST_CASE("what can be known before measuring is said before a device is looked 
             CHECK_MESSAGE(ran.output.find(number + std::string("' is no number from ")) != std::string::npos,
                           ran.output);
         }
+    for (const char* nothing : {"compare room --rules ,", "compare room --methods ' , '", "bench room --methods ''",
+                                "run room --method ''", "explain thesis --facts ''", "lint ''"}) {
+        const Ran ran = gnomonProgram(nothing, before);
+        CHECK_MESSAGE(ran.exitCode > 1, nothing);
+        CHECK_MESSAGE(ran.output.find("' names nothing") != std::string::npos, ran.output);
+    }
+    CHECK(gnomonProgram("replay x --seed -1", before).output.find("'-1' is below 0") != std::string::npos);
     for (const char* flags : {"--screenshot x.png", "--resize-test 3", "--window --dump d"})
         CHECK(gnomonProgram(std::string("run room ") + flags, before).exitCode > 1);
 }
