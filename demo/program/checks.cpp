@@ -1,6 +1,7 @@
 #include "demo/program/checks.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 
 #include "algorithms/registry.hpp"
@@ -106,6 +107,12 @@ void requireWritable(const std::filesystem::path& file)
     const bool existed = std::filesystem::exists(file, ignored);
     if (!std::ofstream(file, std::ios::app)) throw HostError(file.string() + ": cannot be written");
     if (!existed) std::filesystem::remove(file, ignored);
+}
+
+void requireGnuplot(const std::filesystem::path& picture)
+{
+    if (picture.empty() || std::system("gnuplot --version >/dev/null 2>&1") == 0) return; // NOLINT: fixed words
+    throw HostError(picture.string() + ": gnuplot draws it, and cannot be run; is it installed?");
 }
 
 void requireWritableFolder(const std::filesystem::path& folder)

@@ -32,6 +32,9 @@ void requireRecordable(const std::string& method);
 /// The file can be written, whether it exists or not; afterwards it is as it was. An empty path passes.
 void requireWritable(const std::filesystem::path& file);
 
+/// Where a picture is wanted, `gnuplot` can be run.
+void requireGnuplot(const std::filesystem::path& picture);
+
 /// Makes the folder where it is missing, and sees that files can be written there.
 void requireWritableFolder(const std::filesystem::path& folder);
 

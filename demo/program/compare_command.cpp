@@ -103,6 +103,7 @@ public:
     }
 
     void print() const;
+    void save() const;
     void requireSilentDevice() const { requireSilence(*device_); }
 
 private:
@@ -318,8 +319,13 @@ void Comparison::print() const
                     budget_.leastMs, budget_.mostMs, 100.0 * budget_.within / std::max(1u, budget_.undisturbed),
                     budget_.undisturbed, budget_.worst, budget_.undisturbed - budget_.within, budget_.heldUp,
                     budget_.tooLittle);
-    if (!options_.plot.empty()) plot();
+}
+
+/// The table first: drawing may fail.
+void Comparison::save() const
+{
     if (!options_.csv.empty()) writeCsv();
+    if (!options_.plot.empty()) plot();
 }
 
 /// A row per run and frame.
@@ -369,10 +375,12 @@ int compareCommand(const CompareOptions& options)
 {
     requireMethods(parseNames(options.methods));
     requireWritable(options.plot);
+    requireGnuplot(options.plot);
     requireWritable(options.csv);
     Comparison comparison(options);
     comparison.run();
     comparison.print();
+    comparison.save();
     comparison.requireSilentDevice();
     return 0;
 }

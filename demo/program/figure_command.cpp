@@ -149,6 +149,7 @@ int figureCommand(const BenchOptions& options)
     }
     requireWritable(options.csv);
     requireWritable(options.out);
+    requireGnuplot(options.out);
     const std::unique_ptr<Device> device = Device::create({});
     pinThread(0);
     const Scene room = valueOf(loadScene("views/cube_room"));

@@ -1,5 +1,6 @@
 #include "demo/program/gnuplot.hpp"
 
+#include <csignal>
 #include <cstdio>
 
 #include "demo/host/vulkan.hpp"
@@ -23,6 +24,22 @@ std::string gnuplotText(std::string_view text)
     return quoted + "'";
 }
 
+namespace {
+
+/// A reader that ends early makes writing fail in place of ending the program.
+class NoPipeSignal {
+public:
+    NoPipeSignal() : before_(std::signal(SIGPIPE, SIG_IGN)) {}
+    ~NoPipeSignal() { std::signal(SIGPIPE, before_); }
+    NoPipeSignal(const NoPipeSignal&) = delete;
+    NoPipeSignal& operator=(const NoPipeSignal&) = delete;
+
+private:
+    void (*before_)(int);
+};
+
+} // namespace
+
 void plotCurves(const std::string& settings, const std::vector<PlotCurve>& curves, const std::string& out)
 {
     std::string script =
@@ -43,6 +60,7 @@ void plotCurves(const std::string& settings, const std::vector<PlotCurve>& curve
     }
     FILE* pipe = popen("gnuplot", "w"); // NOLINT: a fixed word, no input of anyone's
     if (!pipe) throw HostError("gnuplot could not be started");
+    const NoPipeSignal whileWriting; // after popen(): gnuplot shall not inherit it
     std::fwrite(script.data(), 1, script.size(), pipe);
     if (pclose(pipe) != 0) throw HostError("gnuplot failed; is it installed?");
     if (!isWholePng(out)) throw HostError(out + ": gnuplot left no whole picture; is the disk full?");

@@ -167,6 +167,23 @@ TEST_CASE("what can be known before measuring is said before a device is looked 
         CHECK(gnomonProgram(std::string("run room ") + flags, before).exitCode > 1);
 }
 
+TEST_CASE("a picture that gnuplot would draw is refused where gnuplot is missing, before anything is measured")
+{
+    const Folder folder("no_gnuplot");
+    const std::string before = "cd '" + folder.path.string() + "' && PATH=/none GNOMON_DEVICE=none";
+    for (const char* arguments : {"compare room --plot x.png", "bench --figure 4.6 --out x.png"}) {
+        const Ran ran = gnomonProgram(arguments, before);
+        CHECK(ran.exitCode == 1);
+        CHECK_MESSAGE(ran.output.find("x.png: gnuplot draws it, and cannot be run") != std::string::npos, ran.output);
+    }
+    const char* path = std::getenv("PATH");
+    const std::string kept = path ? path : "";
+    setenv("PATH", "/none", 1);
+    const std::vector<std::pair<double, double>> more(20000, {1.0, 2.0}); // than a pipe holds
+    CHECK_THROWS(plotCurves("", {{"long", "lines", more}}, (folder.path / "x.png").string()));
+    setenv("PATH", kept.c_str(), 1);
+}
+
 TEST_CASE("the program says its version, and an error in rules once")
 {
     const Ran version = gnomonProgram("--version");
