@@ -73,7 +73,7 @@ public:
         : device_(device), scene_(scene), options_(options), choices_(choices)
     {
         size_ = options.size.empty() ? VkExtent2D{scene.width, scene.height} : valueOf(parseSize(options.size));
-        // The error is judged in the last measured frame, where whatever moves has moved.
+        // The error is judged in this frame, near the last measured one, where whatever moves has moved.
         truthTime_ = frameTime(scene, options.repeat);
     }
 
@@ -86,7 +86,7 @@ public:
         return row;
     }
 
-    /// \pre hasBare().
+    /// \pre reasonAgainstBare() is null.
     Row bare(uint32_t map)
     {
         Scene one = scene_;
@@ -265,9 +265,14 @@ struct Job {
     bool empty() const { return bareMaps.empty() && methods.empty(); }
 };
 
-bool hasBare(const Scene& scene)
+/// Null: the bare map can be measured.
+const char* reasonAgainstBare(const Scene& scene, uint32_t repeat)
 {
-    return !scene.lights.empty() && scene.lights[0].kind == LightKind::Spot;
+    if (scene.lights.empty() || scene.lights[0].kind != LightKind::Spot) return "the first light is no spot light";
+    for (const uint32_t frame : {0u, kWarmFrames + repeat - 1}) // lights come once and go once
+        if (!lightAt(scene.lights[0], frameTime(scene, frame)).present)
+            return "the first light is not there in all frames that are measured";
+    return nullptr;
 }
 
 /// Null: the method can be measured.
@@ -278,9 +283,34 @@ const char* reasonAgainst(const GnMethodInfo& method, const Scene& scene, bool r
     return servesOne(scene, method.traits) ? nullptr : "it serves none of the lights";
 }
 
+/// Those of the sizes that the method takes; a note names the others. Empty optional: as set, or its default.
+std::vector<std::optional<uint32_t>> mapsOf(const Scene& scene, const GnMethodInfo& method,
+                                            const std::vector<uint32_t>& maps)
+{
+    const GnSettingInfo* size = sizeSetting(method);
+    if (!size || maps.empty()) return {std::nullopt};
+    std::vector<std::optional<uint32_t>> taken;
+    for (const uint32_t map : maps) {
+        if (map >= size->minimum && map <= size->maximum)
+            taken.emplace_back(map);
+        else
+            std::fprintf(stderr, "note: %s: %s with map %u is left out: its %s is from %.0f to %.0f\n",
+                         scene.name.c_str(), method.pName, map, size->pName, size->minimum, size->maximum);
+    }
+    return taken;
+}
+
+void noteAbsent(const Scene& scene, uint32_t frame)
+{
+    const std::string absent = absentLights(scene, frameTime(scene, frame));
+    if (!absent.empty())
+        std::fprintf(stderr, "note: %s: not there in frame %u, in which errors are counted: %s\n", scene.name.c_str(),
+                     frame, absent.c_str());
+}
+
 /// Notes say why a method that was asked for by name is left out.
 Job plan(Device& device, Scene scene, const BenchOptions& options, const std::vector<std::string>& wanted,
-         const std::vector<uint32_t>& maps)
+         const std::vector<uint32_t>& maps, const std::vector<SettingChoice>& choices)
 {
     const auto isWanted = [&wanted](const std::string& name) {
         return wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end();
@@ -291,10 +321,10 @@ Job plan(Device& device, Scene scene, const BenchOptions& options, const std::ve
     };
     Job job;
     if (isWanted(kBareMethod)) {
-        if (hasBare(scene))
-            job.bareMaps = maps.empty() ? std::vector<uint32_t>{kDefaultBareMap} : maps;
+        if (const char* reason = reasonAgainstBare(scene, options.repeat))
+            leaveOut(kBareMethod, reason);
         else
-            leaveOut(kBareMethod, "the first light is no spot light");
+            job.bareMaps = maps.empty() ? std::vector<uint32_t>{kDefaultBareMap} : maps;
     }
     Session session(device, scene, {.scene = {}, .size = {16, 16}}); // to list methods; draws nothing
     for (const GnMethodInfo& info : session.shadows.methods()) {
@@ -303,9 +333,12 @@ Job plan(Device& device, Scene scene, const BenchOptions& options, const std::ve
             leaveOut(info.pName, reason);
             continue;
         }
-        Job::Method& method = job.methods.emplace_back(Job::Method{info.pName, info.traits, {std::nullopt}});
-        if (sizeSetting(info) && !maps.empty()) method.maps.assign(maps.begin(), maps.end());
+        Job::Method method{info.pName, info.traits, mapsOf(scene, info, maps)};
+        if (!method.maps.empty()) job.methods.push_back(std::move(method));
     }
+    for (const Job::Method& method : job.methods)
+        requireRanges(choices, {method.name});
+    noteAbsent(scene, options.repeat);
     job.scene = std::move(scene);
     return job;
 }
@@ -341,7 +374,7 @@ int benchCommand(const BenchOptions& options)
     pinThread(0);
     std::vector<Job> jobs;
     for (Scene& scene : scenes)
-        jobs.push_back(plan(*device, std::move(scene), options, wanted, maps));
+        jobs.push_back(plan(*device, std::move(scene), options, wanted, maps, choices));
     const bool onlyBase = std::find(wanted.begin(), wanted.end(), kNoneMethod) != wanted.end();
     if (!wanted.empty() && !onlyBase &&
         std::all_of(jobs.begin(), jobs.end(), [](const Job& job) { return job.empty(); }))
@@ -351,6 +384,7 @@ int benchCommand(const BenchOptions& options)
     const auto keep = [&](const Row& row) {
         print(row);
         write(csv, row, *device);
+        if (!options.csv.empty()) expect(csv.save(options.csv)); // what ends the command later shall not take it along
     };
     for (const Job& job : jobs) {
         SceneBench bench(*device, job.scene, options, choices);
@@ -361,10 +395,7 @@ int benchCommand(const BenchOptions& options)
             for (const std::optional<uint32_t>& map : method.maps)
                 keep(bench.method(method.name, method.traits, map));
     }
-    if (options.csv.empty())
-        std::printf("%s", csv.text().c_str());
-    else
-        expect(csv.save(options.csv));
+    if (options.csv.empty()) std::printf("%s", csv.text().c_str());
     requireSilence(*device);
     return 0;
 }

@@ -23,17 +23,26 @@ const AlgorithmEntry* entryOf(std::string_view method)
     return nullptr;
 }
 
-bool hasSetting(const AlgorithmEntry& entry, const std::string& name)
+/// Null: the method has none of this name.
+const SettingSpec* settingOf(const AlgorithmEntry& entry, const std::string& name)
 {
-    return std::any_of(entry.settings.begin(), entry.settings.end(),
-                       [&](const SettingSpec& setting) { return setting.name == name; });
+    for (const SettingSpec& setting : entry.settings)
+        if (setting.name == name) return &setting;
+    return nullptr;
+}
+
+std::string numberText(double value)
+{
+    std::string text;
+    appendNumber(text, value);
+    return text;
 }
 
 std::string ownersOf(const std::string& setting)
 {
     std::string owners;
     for (const AlgorithmEntry* entry : builtinAlgorithms())
-        if (hasSetting(*entry, setting)) owners += std::string(owners.empty() ? "" : ", ") + entry->name;
+        if (settingOf(*entry, setting)) owners += std::string(owners.empty() ? "" : ", ") + entry->name;
     return owners;
 }
 
@@ -42,7 +51,7 @@ bool isSettingOf(const std::vector<std::string>& methods, const std::string& set
 {
     const auto entries = builtinAlgorithms();
     return std::any_of(entries.begin(), entries.end(), [&](const AlgorithmEntry* entry) {
-        return hasSetting(*entry, setting) && (methods.empty() || contains(methods, entry->name));
+        return settingOf(*entry, setting) && (methods.empty() || contains(methods, entry->name));
     });
 }
 
@@ -82,6 +91,18 @@ void requireSetting(const std::string& method, const std::string& setting)
 {
     if (!isSettingOf({method}, setting))
         throw HostError("'" + method + "' has no setting '" + setting + "'; it belongs to " + ownersOf(setting));
+}
+
+void requireRanges(const std::vector<SettingChoice>& choices, const std::vector<std::string>& methods)
+{
+    for (const SettingChoice& choice : choices)
+        for (const std::string& method : methods) {
+            const AlgorithmEntry* entry = entryOf(method);
+            const SettingSpec* setting = entry ? settingOf(*entry, choice.name) : nullptr;
+            if (!setting || (choice.value >= setting->minimum && choice.value <= setting->maximum)) continue;
+            throw HostError("--set: " + method + " takes '" + choice.name + "' from " + numberText(setting->minimum) +
+                            " to " + numberText(setting->maximum) + ", not " + numberText(choice.value));
+        }
 }
 
 void requireNoReasons(const std::vector<SettingChoice>& choices)

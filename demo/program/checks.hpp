@@ -23,6 +23,9 @@ void requireSettings(const std::vector<SettingChoice>& choices, const std::vecto
 /// The method has the setting.
 void requireSetting(const std::string& method, const std::string& setting);
 
+/// Each value is one that each of the methods that have the setting takes.
+void requireRanges(const std::vector<SettingChoice>& choices, const std::vector<std::string>& methods);
+
 /// None of the settings puts reason codes in place of visibility: whoever counts errors would count codes.
 void requireNoReasons(const std::vector<SettingChoice>& choices);
 

@@ -10,9 +10,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Frames before the first measured pair: pipelines and their shaders, pools and lists reach their final size.
-constexpr uint32_t kWarmFrames = 3;
-
 double timedFrame(Session& session, const FrameRequest& request)
 {
     const Clock::time_point start = Clock::now();
@@ -68,6 +65,14 @@ void requireLight(const Scene& scene, const std::string& name)
         throw HostError("light '" + name + "' of scene '" + scene.name + "' is not among the first " +
                         std::to_string(scene.lights.size()) + ", which are used: " + known);
     throw HostError("scene '" + scene.name + "' has no light '" + name + "'; there are " + known);
+}
+
+std::string absentLights(const Scene& scene, double time)
+{
+    std::string names;
+    for (const Light& light : scene.lights)
+        if (!lightAt(light, time).present) names += (names.empty() ? "" : ", ") + light.name;
+    return names;
 }
 
 void keepLights(Scene& scene, const std::vector<std::string>& names)

@@ -17,6 +17,9 @@ inline constexpr const char* kTruthMethod = "ray_traced";
 inline constexpr const char* kResolutionSetting = "resolution";
 inline constexpr const char* kRowsSetting = "rows"; ///< Of a table: what a map's side is to a map.
 
+/// Frames before the first measured pair: pipelines and their shaders, pools and lists reach their final size.
+inline constexpr uint32_t kWarmFrames = 3;
+
 /// Whether a method with these traits serves any of the lights.
 bool servesOne(const Scene& scene, GnTraits traits);
 
@@ -28,6 +31,9 @@ void setSourceSizes(Scene& scene, const SourceSizes& sizes);
 
 /// One of the lights in use has the name; else throws HostError.
 void requireLight(const Scene& scene, const std::string& name);
+
+/// Names of the lights that are not there at the time, with commas between them.
+std::string absentLights(const Scene& scene, double time);
 
 /// Leaves the scene the lights of these names alone, in its own order. requireLight() each.
 void keepLights(Scene& scene, const std::vector<std::string>& names);

@@ -104,6 +104,7 @@ int reasonsCommand(const ReasonsOptions& options)
     requireMethods({options.method});
     requireSetting(options.method, "reasons");
     requireSettings(choices, {options.method});
+    requireRanges(choices, {options.method});
     requireNoReasons(choices);
     requireWritable(options.out);
     Scene scene = valueOf(loadScene(options.scene));

@@ -121,6 +121,7 @@ TEST_CASE("what can be known before measuring is said before a device is looked 
         {"tables morais --csv none/x.csv", "none/x.csv"},
         {"reasons room --method pcf_hybrid --out none/x.png", "none/x.png"},
         {"reasons room --method pcf_hybrid --set nosuch=1", "'nosuch'"},
+        {"reasons room --method pcf_hybrid --set resolution=1e9", "takes 'resolution' from"},
         {"run room --why foo", "'foo'"},
         {"run room --why 3:lamp", "'lamp'"},
         {"run room --lights 1 --why 3:point2", "'point2'"},

@@ -139,6 +139,27 @@ TEST_CASE("the column map says which size was in force where --set set it")
     CHECK(maps == std::set<std::string>{"method map", "none ", "shadow_map 512", "angular_spans 90", "ray_traced "});
 }
 
+TEST_CASE("bench leaves out what a method does not take before it measures, and names lights that are not there")
+{
+    const Folder folder("bench_range");
+    const std::string csv = "--csv '" + (folder.path / "bench.csv").string() + "'", few = " --size 96x64 --repeat 3 ";
+    const Ran beyond = gnomonProgram("bench torus_grid --methods shadow_map --map 128,16384" + few + csv);
+    CHECK(beyond.exitCode == 0);
+    CHECK_MESSAGE(beyond.output.find("shadow_map with map 16384 is left out: its resolution is from ") !=
+                      std::string::npos,
+                  beyond.output);
+    CHECK(lines(folder.path / "bench.csv").size() == 3); // header, none, shadow_map
+    const Ran set = gnomonProgram("bench torus_grid --methods ray_traced,shadow_map --set resolution=1e9" + few);
+    CHECK(set.exitCode == 1);
+    CHECK_MESSAGE(set.output.find("--set: shadow_map takes 'resolution' from ") != std::string::npos, set.output);
+    CHECK(set.output.find("increment") == std::string::npos);
+    const Ran bare = gnomonProgram("bench scenario --light moving1 --methods bare_shadow_map,ray_traced" + few);
+    CHECK(bare.exitCode == 0);
+    CHECK_MESSAGE(bare.output.find("the first light is not there in all frames") != std::string::npos, bare.output);
+    CHECK_MESSAGE(bare.output.find("not there in frame 3, in which errors are counted: moving1") != std::string::npos,
+                  bare.output);
+}
+
 TEST_CASE("a method that serves none of the lights is named, and where no other is left nothing is measured")
 {
     const Folder folder("unserved");
