@@ -18,7 +18,7 @@ public:
 
     /// After a frame was submitted: what was decided, and what gnomon says it cost.
     void add(uint32_t frame, double timeSeconds, const SceneState& state, const ShadowHost& shadows);
-    /// When the oldest frame without a time is finished. \param frameMs Wall time since the frame before it was.
+    /// Once for every frame, in their order. \param frameMs Wall time since it was called for the frame before.
     void finish(double frameMs);
 
     struct LightLine {

@@ -79,26 +79,28 @@ void removeOldPictures(const std::filesystem::path& folder)
             std::filesystem::remove(entry.path());
 }
 
-/// Times frames from the end of one to the end of the next, so that their sum is the run's length without pictures.
+/// Times turns of the loop from the end of one to the end of the next: their sum is the run's length without pictures.
 class FrameClock {
 public:
-    /// Waits for all frames up to `count` (counted from 1) and logs the time of each that is new.
-    void finish(Renderer& renderer, uint64_t count, FrameLog& log)
+    void endTurn(FrameLog& log)
     {
-        for (; finished_ < count; ++finished_) {
-            renderer.waitForFrame(finished_ + 1);
-            const Clock::time_point now = Clock::now();
-            lastMs_ = milliseconds(now - last_);
-            log.finish(lastMs_);
-            last_ = now;
-        }
+        const Clock::time_point now = Clock::now();
+        lastMs_ = milliseconds(now - last_);
+        log.finish(lastMs_);
+        last_ = now;
     }
-    void restart() { last_ = Clock::now(); }
+    /// What the work takes counts for no turn.
+    template <typename Work>
+    void leaveOut(Work&& work)
+    {
+        const Clock::time_point start = Clock::now();
+        work();
+        last_ += Clock::now() - start;
+    }
     double lastMs() const { return lastMs_; }
 
 private:
     Clock::time_point last_ = Clock::now();
-    uint64_t finished_ = 0;
     double lastMs_ = 0.0;
 };
 
@@ -122,12 +124,12 @@ public:
         const auto keepLog = [&] { decisions_.collect(session_.shadows); }; // under the rules that made it
         if (const auto text = rules_.poll(session_.shadows, keepLog)) expect(writeFile(out_ / "rules.yaml", *text));
         draw(frame);
-        const bool picture = pictures_.wants(frame, log_.newestSwitched());
         // One frame stays in flight while the next is prepared, except before pictures and at the end.
-        clock_.finish(session_.renderer, picture || frame + 1 == frames_ ? frame + 1 : frame, log_);
-        if (picture) {
-            pictures_.take(frame, session_.scene, session_.renderer, log_);
-            clock_.restart();
+        session_.renderer.waitForFrame(frame + 1 == frames_ ? frame + 1 : frame);
+        clock_.endTurn(log_);
+        if (pictures_.wants(frame, log_.newestSwitched())) {
+            session_.renderer.waitForFrame(frame + 1); // the next turn would have waited as long
+            clock_.leaveOut([&] { pictures_.take(frame, session_.scene, session_.renderer, log_); });
         }
         std::string text;
         appendFixed(text, clock_.lastMs() > 0.0 ? 1000.0 / clock_.lastMs() : 0.0, 1);

@@ -55,6 +55,26 @@ TEST_CASE("run leaves both tables, pictures, the rules used and a dump, and its 
     CHECK(depth->width == 160);
 }
 
+TEST_CASE("a row of frames.csv takes as long as others where a picture is taken")
+{
+    const Folder folder("frame_ms");
+    const Ran ran =
+        gnomonProgram("run room --method ray_traced --frames 33 --size 320x180 --out '" + folder.path.string() + "'");
+    CAPTURE(ran.output);
+    REQUIRE(ran.exitCode == 0);
+    std::vector<double> ms;
+    for (const std::string& line : lines(folder.path / "frames.csv")) {
+        std::vector<std::string> cells;
+        REQUIRE(splitCsvLine(line, cells));
+        if (cells[0] != "frame") ms.push_back(std::stod(cells[2]));
+    }
+    REQUIRE(ms.size() == 33);
+    std::vector<double> sorted = ms;
+    std::sort(sorted.begin(), sorted.end());
+    for (const size_t picture : {8, 16, 24})
+        CHECK_MESSAGE(ms[picture] > 0.3 * sorted[16], ms[picture] << " of " << sorted[16]);
+}
+
 TEST_CASE("the log of a run answers every question without a device, and names what it does not have")
 {
     const Folder folder("why");
