@@ -93,11 +93,8 @@ CsvWriter FrameLog::framesTable() const
         const double ms = frameMs_[i];
         table.cell(row.frame).cell(row.timeSeconds, 4).cell(ms, 3).cell(ms > 0.0 ? 1000.0 / ms : 0.0, 2);
         table.cell(double(row.stats.gpuMs), 3).cell(double(row.stats.cpuMs), 3).cell(double(row.stats.decideUs), 1);
-        table.cell(row.lights)
-            .cell(row.stats.switches)
-            .cell(double(row.stats.budgetMs), 2)
-            .cell(overBudget(row))
-            .endRow();
+        table.cell(row.lights).cell(row.stats.switches).cell(double(row.stats.budgetMs), 4);
+        table.cell(overBudget(row)).endRow();
     }
     return table;
 }
@@ -113,16 +110,30 @@ void FrameLog::save(const std::filesystem::path& folder) const
     expect(lights_.save(folder / "lights.csv"));
 }
 
+/// Of the frames whose time is known; that of the last ones never is. 0 where none is.
+double FrameLog::meanGpuMs() const
+{
+    double sum = 0.0;
+    uint64_t known = 0, newest = 0;
+    for (const FrameRow& row : rows_) {
+        if (row.stats.gpuFrame <= newest) continue; // told already, or nothing is known yet
+        newest = row.stats.gpuFrame;
+        sum += double(row.stats.gpuMs);
+        ++known;
+    }
+    return known > 0 ? sum / double(known) : 0.0;
+}
+
 FrameLog::Summary FrameLog::summary() const
 {
     Summary out;
     out.frames = static_cast<uint32_t>(frameMs_.size());
     out.lightFrames = lightFrames_;
     if (frameMs_.empty()) return out;
+    out.shadowGpuMs = meanGpuMs();
     for (const FrameRow& row : rows_) {
         out.switches += row.stats.switches;
         out.overBudget += overBudget(row);
-        out.shadowGpuMs += double(row.stats.gpuMs) / double(rows_.size());
         out.shadowCpuMs += double(row.stats.cpuMs) / double(rows_.size());
     }
     std::vector<double> sorted = frameMs_;

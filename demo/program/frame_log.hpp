@@ -37,7 +37,7 @@ public:
         uint32_t frames = 0;
         double averageFps = 0.0;
         double onePercentLowFps = 0.0;               ///< Of the slowest hundredth of the frames, at least one.
-        double shadowGpuMs = 0.0, shadowCpuMs = 0.0; ///< Mean per frame.
+        double shadowGpuMs = 0.0, shadowCpuMs = 0.0; ///< Mean per frame; the GPU's of those whose time is known.
         uint64_t switches = 0;
         uint32_t overBudget = 0;
         std::map<std::string, uint64_t> lightFrames; ///< By method.
@@ -54,6 +54,7 @@ private:
     };
     bool overBudget(const FrameRow& row) const;
     CsvWriter framesTable() const;
+    double meanGpuMs() const;
 
     const Scene& scene_;
     std::vector<FrameRow> rows_;
