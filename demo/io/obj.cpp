@@ -9,7 +9,10 @@ void ObjWriter::add(const std::string& name, const Mesh& mesh, const Transform& 
 {
     // Nine significant digits tell any two floats apart (std::numeric_limits<float>::max_digits10).
     constexpr int kDigits = 9;
-    text_ += "o " + name + "\n";
+    text_ += "o ";
+    for (const char c : name) // a line break would end the line
+        text_ += c == '\n' || c == '\r' ? ' ' : c;
+    text_ += '\n';
     for (const glm::vec3& positionOs : mesh.positions) {
         const glm::dvec3 positionWs = transform.apply(positionOs);
         text_ += 'v';

@@ -1,5 +1,7 @@
 #include "demo/program/dump.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <set>
 
 #include <glm/gtc/matrix_inverse.hpp>
@@ -14,6 +16,9 @@
 
 namespace gnomon::demo {
 namespace {
+
+// Of a dump, beside those of its lights.
+constexpr std::string_view kFixedNames[] = {"frame.json", "depth.pfm", "normals.pfm", "offset.pfm", "casters.obj"};
 
 /// JSON, as much of it as frame.json needs.
 class JsonWriter {
@@ -50,10 +55,8 @@ public:
     {
         separate();
         text_ += '"';
-        for (char c : string) {
-            if (c == '"' || c == '\\') text_ += '\\';
-            text_ += c;
-        }
+        for (const char c : string)
+            character(c);
         text_ += '"';
         return *this;
     }
@@ -68,6 +71,15 @@ public:
     const std::string& text() const { return text_; }
 
 private:
+    void character(char c)
+    {
+        constexpr std::string_view hexadecimal = "0123456789abcdef";
+        if (c == '"' || c == '\\') text_ += '\\';
+        if (const auto code = static_cast<uint8_t>(c); code < 0x20)
+            text_.append("\\u00").append({hexadecimal[code >> 4], hexadecimal[code & 15]});
+        else
+            text_ += c;
+    }
     void separate()
     {
         if (!first_ && !afterKey_) text_ += ",\n";
@@ -95,12 +107,13 @@ std::array<double, 16> toArray(const glm::dmat4& m)
 std::vector<std::string> fileNames(const Scene& scene, const SceneState& state)
 {
     std::vector<std::string> names;
-    std::set<std::string> used;
+    std::set<std::string> used{""};
     for (size_t layer = 0; layer < state.present.size(); ++layer) {
         std::string name = scene.lights[state.present[layer]].name;
         for (char& c : name)
             if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-')) c = '_';
-        if (name.empty() || !used.insert(name).second) name.append("_").append(std::to_string(layer));
+        while (!used.insert(name).second)
+            name.append("_").append(std::to_string(layer));
         names.push_back(name);
     }
     return names;
@@ -166,6 +179,21 @@ ImageF offsets(const gpu::ViewConstants& view, const gpu::LightConstants& light,
 }
 
 } // namespace
+
+void removeOldDump(const std::filesystem::path& folder)
+{
+    const Outcome<std::string> json = readText(folder / "frame.json");
+    if (!json) return;
+    std::vector<std::filesystem::path> old;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        const bool isFixed = std::find(std::begin(kFixedNames), std::end(kFixedNames), name) != std::end(kFixedNames);
+        const bool isLights = name.starts_with("visibility_") || name.starts_with("offset_");
+        if (isFixed || (isLights && json->find('"' + name + '"') != std::string::npos)) old.push_back(entry.path());
+    }
+    for (const std::filesystem::path& file : old)
+        std::filesystem::remove(file);
+}
 
 void dumpFrame(const std::filesystem::path& folder, const Scene& scene, Renderer& renderer,
                const std::vector<FrameLog::LightLine>& lines)

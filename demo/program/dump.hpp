@@ -13,4 +13,7 @@ namespace gnomon::demo {
 void dumpFrame(const std::filesystem::path& folder, const Scene& scene, Renderer& renderer,
                const std::vector<FrameLog::LightLine>& lines);
 
+/// What an earlier dump left in the folder; its frame.json says which files of lights are its own.
+void removeOldDump(const std::filesystem::path& folder);
+
 } // namespace gnomon::demo

@@ -71,12 +71,30 @@ void chooseMethods(ShadowHost& shadows, const RunOptions& options, const std::fi
     expect(writeFile(out / "rules.yaml", rules.text));
 }
 
-// Pictures of an earlier run in the same folder would pass for this one's.
-void removeOldPictures(const std::filesystem::path& folder)
+/// What PictureTaker::take() calls its pictures.
+bool isPictureName(std::string_view name)
 {
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-        if (entry.path().extension() == ".png" && entry.path().filename().string().starts_with("frame_"))
-            std::filesystem::remove(entry.path());
+    constexpr std::string_view head = "frame_", methods = "_methods", end = ".png";
+    if (!name.starts_with(head) || !name.ends_with(end)) return false;
+    name = name.substr(head.size(), name.size() - head.size() - end.size());
+    if (name.ends_with(methods)) name.remove_suffix(methods.size());
+    return name.size() >= 5 && name.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+/// What an earlier run left in the folder would pass for this one's. The rules that this run reads stay.
+void removeOldFiles(const std::filesystem::path& folder, const std::string& rules)
+{
+    constexpr std::string_view tables[] = {"frames.csv", "lights.csv", "decisions.gnlog", "rules.yaml"};
+    std::vector<std::filesystem::path> old;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        std::error_code ignored; // a name of a shipped base is no file
+        if (std::filesystem::equivalent(entry.path(), rules, ignored)) continue;
+        if (isPictureName(name) || std::find(std::begin(tables), std::end(tables), name) != std::end(tables))
+            old.push_back(entry.path());
+    }
+    for (const std::filesystem::path& file : old)
+        std::filesystem::remove(file);
 }
 
 /// Times turns of the loop from the end of one to the end of the next: their sum is the run's length without pictures.
@@ -147,12 +165,12 @@ public:
 
     void print(const std::vector<WhyQuestion>& questions) const
     {
-        printAnswers(decisions_, questions);
         std::printf("%s", log_.summaryText().c_str());
         std::printf(
             "files               %s: frames.csv, lights.csv, decisions.gnlog, frame_*.png, frame_*_methods.png%s\n",
             std::filesystem::absolute(out_).lexically_normal().c_str(),
             std::filesystem::exists(out_ / "rules.yaml") ? ", rules.yaml" : "");
+        printAnswers(decisions_, questions); // a number may be no light's, and the rest is said then
     }
 
 private:
@@ -211,11 +229,13 @@ int runCommand(const RunOptions& options)
     const std::vector<WhyQuestion> questions = parseQuestions(options.why);
     check(options);
     requireAnswers(questions, options);
-    Session session(sessionOptions(options));
+    const SessionOptions forSession = sessionOptions(options);
+    removeOldFiles(options.out, options.rules);
+    if (!options.dump.empty()) removeOldDump(options.dump);
+    Session session(forSession);
     for (const std::string& note : session.scene.notes)
         std::fprintf(stderr, "note: %s\n", note.c_str());
 
-    removeOldPictures(options.out);
     RuleWatch rules(options.rules); // before they are read: a change from now on is one
     chooseMethods(session.shadows, options, options.out);
     expect(session.shadows.warmUp());

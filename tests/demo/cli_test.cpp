@@ -10,6 +10,7 @@
 #include "demo/io/pfm.hpp"
 #include "demo/io/png.hpp"
 #include "demo/program/session.hpp"
+#include "demo/scene/scene_file.hpp"
 
 namespace gnomon::demo {
 namespace {
@@ -116,6 +117,60 @@ TEST_CASE("the log of a run answers every question without a device, and names w
         CHECK(failed.exitCode == 1);
         CHECK_MESSAGE(failed.output.find(word) != std::string::npos, failed.output);
     }
+}
+
+TEST_CASE("lights are told apart whatever their names: by why, in the files of a dump and in its JSON")
+{
+    const Folder folder("names");
+    std::ofstream scene(folder.path / "names.yaml");
+    scene << "name: names\nbase: " << fs::absolute(valueOf(findScene("torus_grid"))).string() << "\nlights:\n";
+    for (const char* name : {"2", "1", "a b", "a_b", "a_b_3", "two\\nlines"})
+        scene << "  - {name: \"" << name
+              << "\", kind: spot, at: [6, 8, 5], aim: [0, 0, 0], cone: {outer: 40}, range: 20}\n";
+    scene.close();
+    const Ran ran = gnomonProgram("run names.yaml --frames 1 --size 32x24 --out out --dump dump --why 0:1 --why 0:77",
+                                  "cd '" + folder.path.string() + "' &&");
+    CAPTURE(ran.output);
+    CHECK(ran.exitCode == 1); // of the last question
+    CHECK(ran.output.find("light '1', frame 0") != std::string::npos);
+    CHECK(ran.output.find("no light '77'") != std::string::npos);
+    CHECK(ran.output.find("switches") != std::string::npos);
+    std::set<std::string> pictures;
+    for (const auto& file : fs::directory_iterator(folder.path / "dump"))
+        if (file.path().extension() == ".png") pictures.insert(file.path().filename().string());
+    CHECK(pictures.size() == 6);
+    bool escaped = false;
+    for (const std::string& line : lines(folder.path / "dump" / "frame.json"))
+        escaped = escaped || line.find("\"two\\u000alines\"") != std::string::npos;
+    CHECK(escaped);
+}
+
+TEST_CASE("a run that fails leaves nothing of an earlier one in its folders, and everything else")
+{
+    const Folder folder("stale");
+    const fs::path out = folder.path / "out", dump = folder.path / "dump";
+    fs::create_directories(out);
+    fs::create_directories(dump);
+    const auto write = [](const fs::path& file, const char* text = "x") { std::ofstream(file) << text; };
+    for (const char* name : {"frames.csv", "lights.csv", "decisions.gnlog", "rules.yaml", "frame_00003.png",
+                             "frame_123456_methods.png", "frame_mine.png", "frame_0003.png", "frame_00003_mine.png"})
+        write(out / name);
+    write(dump / "frame.json", "{\"visibility\": \"visibility_sun.png\"}");
+    for (const char* name : {"depth.pfm", "visibility_sun.png", "visibility_mine.png"})
+        write(dump / name);
+    const auto names = [](const fs::path& path) {
+        std::set<std::string> found;
+        for (const auto& file : fs::directory_iterator(path))
+            found.insert(file.path().filename().string());
+        return found;
+    };
+    const std::string before = "cd '" + folder.path.string() + "' && GNOMON_DEVICE=none";
+    CHECK(gnomonProgram("run room --rules out/rules.yaml --out out --dump dump", before).exitCode == 1);
+    CHECK(names(out) ==
+          std::set<std::string>{"frame_0003.png", "frame_00003_mine.png", "frame_mine.png", "rules.yaml"});
+    CHECK(names(dump) == std::set<std::string>{"visibility_mine.png"});
+    CHECK(gnomonProgram("run room --out out", before).exitCode == 1);
+    CHECK(names(out).count("rules.yaml") == 0);
 }
 
 TEST_CASE("bench prints exactly the promised columns and a base row first")
