@@ -92,16 +92,18 @@ std::string frameRange(const std::vector<DecisionLog>& logs)
     return low > high ? "no frame" : "frames " + std::to_string(low) + " to " + std::to_string(high);
 }
 
-/// The light a name or a number stands for.
+/// The light that has the name, or else the number.
 Outcome<uint32_t> lightIn(const std::vector<DecisionLog>& logs, const std::string& wanted)
 {
     std::string known;
+    for (const bool byName : {true, false}) // a light may have another one's number for its name
+        for (const DecisionLog& log : logs)
+            for (const LoggedLight& light : log.lights)
+                if (wanted == (byName ? light.name : std::to_string(light.id))) return light.id;
     for (const DecisionLog& log : logs)
-        for (const LoggedLight& light : log.lights) {
-            if (light.name == wanted || std::to_string(light.id) == wanted) return light.id;
+        for (const LoggedLight& light : log.lights)
             if (known.find("'" + light.name + "'") == std::string::npos)
                 known += (known.empty() ? "'" : ", '") + light.name + "'";
-        }
     return Outcome<uint32_t>::failure("no light '" + wanted + "' in the log; there are " + known);
 }
 

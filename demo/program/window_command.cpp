@@ -182,8 +182,8 @@ public:
     void print(const std::vector<WhyQuestion>& questions)
     {
         decisions_.collect(session_.shadows);
-        printAnswers(decisions_, questions);
         std::printf("%s", log_.summaryText().c_str());
+        printAnswers(decisions_, questions);
     }
 
 private:
@@ -225,12 +225,19 @@ private:
         smoothedMs_ = frame_ < 2 ? seconds * 1000.0 : 0.9 * smoothedMs_ + 0.1 * seconds * 1000.0; // some ten frames
         if (frame_++ % 10 == 0)
             window_.setTitle(titleFor(session_, log_, smoothedMs_ > 0.0 ? 1000.0 / smoothedMs_ : 0.0, keys_.light()));
-        if (std::exchange(screenshot_, false)) expect(writePng("screenshot.png", session_.renderer.readColour()));
+        if (std::exchange(screenshot_, false)) takeScreenshot();
         for (const std::string& message : session_.shadows.takeMessages())
             std::fprintf(stderr, "gnomon: %s\n", message.c_str());
         if (options_.resizeTest > 0 && frame_ % 3 == 0 && resizes_++ < options_.resizeTest)
             window_.setSize(resizes_ < options_.resizeTest ? testSize(resizes_) : VkExtent2D{640, 360});
         if (lastFrame_ > 0 && frame_ >= lastFrame_) window_.close();
+    }
+
+    /// A folder that cannot be written ends no run.
+    void takeScreenshot()
+    {
+        if (const Status saved = writePng("screenshot.png", session_.renderer.readColour()); !saved)
+            std::fprintf(stderr, "gnomon: %s\n", saved.error().c_str());
     }
 
     const RunOptions& options_;
