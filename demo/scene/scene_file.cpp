@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A base of a base is already hard to read; this also ends a file that names itself.
+// A base of a base is already hard to read; this also ends files that name each other in a circle.
 constexpr uint32_t kDeepestBase = 4;
 
 /// The value of a top-level key and the file it came from: a derived scene replaces its base's sections one by one.
@@ -44,8 +44,9 @@ void collectSections(std::string_view text, const fs::path& file, uint32_t depth
         if (parsed->children[i].text != "base") continue;
         const YamlNode& node = parsed->children[i + 1];
         const fs::path baseFile = file.parent_path() / readText(context, node, "base");
-        if (depth >= kDeepestBase) raise(context, node, "too many bases, one on the other");
         std::error_code ignored; // unreadable counts as absent
+        if (fs::equivalent(baseFile, file, ignored)) raise(context, node, "the scene is based on itself");
+        if (depth >= kDeepestBase) raise(context, node, "too many bases, one on the other");
         if (!fs::is_regular_file(baseFile, ignored)) raise(context, node, "base not found: " + baseFile.string());
         collectSections(readWholeFile(baseFile), baseFile, depth + 1, sections);
     }
