@@ -76,10 +76,11 @@ void addRun(CLI::App& app, RunOptions& options, int& exitCode)
     run->add_option("--budget-ms", options.budgetMs,
                     "for all shadows of a frame, GPU and CPU; default: that of the rules, or none")
         ->check(numberIn(0.0, kMostBudget));
-    run->add_option("--out", options.out, "folder for tables and pictures")->capture_default_str();
+    auto* out = run->add_option("--out", options.out, "folder for tables and pictures")->capture_default_str();
     auto* dump = run->add_option("--dump", options.dump, "folder for the last frame's data, for independent checks");
     run->add_option("--why", options.why, "FRAME:LIGHT[:METHOD]: print why (not) at the end; may be repeated");
-    auto* window = run->add_flag("--window", options.window, "in a window, with a fly camera")->excludes(dump);
+    auto* window = run->add_flag("--window", options.window, "in a window, with a fly camera")->excludes(dump)
+                       ->excludes(out);
     run->add_flag("--recorded", options.recorded, "use gnCmdRenderShadows instead of gnSubmitShadows");
     run->add_option("--in-flight", options.framesInFlight, "frames in flight")->check(CLI::Range(1, 8));
     run->add_flag("--validate", options.validation, "run under the validation layer; a message is a failure");
@@ -244,7 +245,7 @@ void addReplay(CLI::App& app, ReplayCommandOptions& options, int& exitCode)
 {
     CLI::App* replay = app.add_subcommand("replay", "what the plan and others make of a trace");
     replay->add_option("TRACE", options.trace, "a file of `gnomon trace`")->required();
-    replay->add_option("--rules", options.rules, "rule base to ask anew; default: as recorded");
+    replay->add_option("--rules", options.rules, "rule base to ask anew; default: what `trace` asked; policy and allocation as `default` says");
     replay->add_option("--budget-ms", options.budget, "as for `trace`; default: as recorded");
     auto* knowledge = replay->add_option("--knowledge", options.knowledge,
                                          "where the cost model starts: a path, or `none`; default: the shipped one");
