@@ -95,7 +95,7 @@ std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vo
     std::vector<double> values(vocabulary.facts.size(), std::numeric_limits<double>::quiet_NaN());
     for (const std::string& item : parseNames(text)) {
         const size_t equals = item.find('=');
-        const std::string name = item.substr(0, equals);
+        const std::string name(trimmed(std::string_view(item).substr(0, equals)));
         const auto found = std::find_if(vocabulary.facts.begin(), vocabulary.facts.end(),
                                         [&name](const rules::FactInfo& fact) { return fact.name == name; });
         if (found == vocabulary.facts.end()) {
@@ -104,8 +104,9 @@ std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vo
                 known += (known.empty() ? "" : ", ") + fact.name;
             throw HostError("--facts: no fact '" + name + "'; there are " + known);
         }
-        const std::optional<double> value =
-            equals == std::string::npos ? std::nullopt : parseNumber(std::string_view(item).substr(equals + 1));
+        const std::optional<double> value = equals == std::string::npos
+                                                ? std::nullopt
+                                                : parseNumber(trimmed(std::string_view(item).substr(equals + 1)));
         if (!value) throw HostError("--facts: '" + item + "' is not name=number");
         const auto fact = static_cast<size_t>(found - vocabulary.facts.begin());
         if (!std::isnan(values[fact])) throw HostError("--facts: '" + name + "' is given twice");

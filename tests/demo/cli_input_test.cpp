@@ -7,6 +7,7 @@
 #include "demo/io/png.hpp"
 #include "demo/program/gnuplot.hpp"
 #include "demo/program/session.hpp"
+#include "demo/program/setting_choices.hpp"
 #include "gnomon/gnomon.h"
 
 namespace gnomon::demo {
@@ -19,6 +20,16 @@ TEST_CASE("calibrate takes what a check reads with a check alone, and the second
         CHECK_MESSAGE(ran.exitCode > 1, ran.output);
         CHECK(ran.output.find("--check") != std::string::npos);
     }
+}
+
+TEST_CASE("blanks beside the = of a fact or a setting do not count")
+{
+    CHECK(gnomonProgram("explain thesis --facts 'viewerDistance = 4.5'").output ==
+          gnomonProgram("explain thesis --facts viewerDistance=4.5").output);
+    const std::vector<SettingChoice> choices = parseChoices("rows = 90 , resolution=\t64");
+    REQUIRE(choices.size() == 2);
+    CHECK(choices[0].name == "rows");
+    CHECK(choices[1].value == 64.0);
 }
 
 TEST_CASE("a comma locale changes no number")
@@ -164,7 +175,7 @@ TEST_CASE("what can be known before measuring is said before a device is looked 
         CHECK_MESSAGE(ran.output.find("' names nothing") != std::string::npos, ran.output);
     }
     CHECK(gnomonProgram("replay x --seed -1", before).output.find("'-1' is below 0") != std::string::npos);
-    for (const char* flags : {"--screenshot x.png", "--resize-test 3", "--window --dump d"})
+    for (const char* flags : {"--screenshot x.png", "--resize-test 3", "--window --dump d", "--window --out d"})
         CHECK(gnomonProgram(std::string("run room ") + flags, before).exitCode > 1);
 }
 
