@@ -191,12 +191,21 @@ std::vector<Foretold> foretell(const cost::CostModel& model, double factor, uint
     return lights;
 }
 
+/// At one of the moments that measureScene() looks at.
+void requireLit(const Scene& scene)
+{
+    for (uint32_t i = 0; i < kCheckMoments; ++i)
+        if (lightCountAt(scene, frameTime(scene, scene.frames * i / kCheckMoments), false) > 0) return;
+    throw HostError("scene '" + scene.name + "' has no light at any of the " + std::to_string(kCheckMoments) +
+                    " moments that are measured");
+}
+
 int check(const CalibrateOptions& options, Device& device, const std::vector<SweepMethod>& methods)
 {
     const cost::CostModel model = modelOf(options, device, methods);
     std::vector<Scene> scenes;
     for (const std::string& name : options.check)
-        scenes.push_back(valueOf(loadScene(name)));
+        requireLit(scenes.emplace_back(valueOf(loadScene(name))));
     CheckRows measured{std::vector<Rows>(methods.size()),
                        std::vector<std::vector<Rows>>(scenes.size(), std::vector<Rows>(methods.size()))};
     Progress progress(kAlternations * static_cast<uint32_t>(scenes.size() * methods.size()));
@@ -221,6 +230,7 @@ int check(const CalibrateOptions& options, Device& device, const std::vector<Swe
                 cold.push_back(light.percent());
             }
         }
+    if (percents.empty()) throw HostError("no light that the methods serve was timed: nothing to hold predictions to");
     for (const auto& entry : byScene)
         printErrors(("scene " + entry.first).c_str(), entry.second);
     for (const auto& entry : byMethod)

@@ -135,11 +135,14 @@ int contactCommand(const ContactOptions& options)
             Session probe(*device, scene, {.scene = {}, .size = {16, 16}});
             const Scene served = onlyServed(scene, traitsOf(probe.shadows, methods[column]));
             std::string caption = scenes[row] + "  " + methods[column];
-            if (served.lights.empty()) {
-                drawText(sheet, x, y, caption + ": serves none of its lights", kInk);
+            const uint32_t lights = lightCountAt(served, time, false);
+            if (lights == 0) {
+                const char* reason =
+                    served.lights.empty() ? "serves none of the lights" : "none of its lights is there";
+                drawText(sheet, x, y, caption + ": " + reason, kInk);
                 if (asked)
-                    std::fprintf(stderr, "note: %s: %s is left out: it serves none of the lights\n",
-                                 scenes[row].c_str(), methods[column].c_str());
+                    std::fprintf(stderr, "note: %s: %s is left out: %s\n", scenes[row].c_str(), methods[column].c_str(),
+                                 reason);
                 continue;
             }
             Session session(*device, served, {.scene = {}, .size = size});
@@ -149,7 +152,7 @@ int contactCommand(const ContactOptions& options)
             const MarkedFrame frame = markErrors(session, *truth, picture, session.renderer.readVisibility());
             caption += "  wrong ";
             appendFixed(caption, frame.errors.percent(frame.errors.wrong()), 4);
-            caption += " %, " + std::to_string(served.lights.size()) + " lights";
+            caption += " %, " + std::to_string(lights) + " lights";
             drawCell(sheet, x, y, caption, picture, frame);
             drawn = true;
             std::printf("%s\n", caption.c_str());
@@ -157,7 +160,7 @@ int contactCommand(const ContactOptions& options)
         }
         progress.show(static_cast<uint32_t>(row + 1), scenes[row]);
     }
-    if (!drawn) throw HostError("none of the methods asked for serves a light of the scenes: no sheet is written");
+    if (!drawn) throw HostError("none of the methods asked for serves a light that is there: no sheet is written");
     expect(writePng(options.out, sheet));
     std::printf("%s: %ux%u; red is lit by mistake, blue is dark by mistake, crops are 1:1\n", options.out.c_str(),
                 sheet.width, sheet.height);

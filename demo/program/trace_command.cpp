@@ -22,16 +22,30 @@ constexpr uint32_t kFlushFrames = 3;
 // What the runtime smooths is full by then: five looks at the depth grid, one in eight frames.
 constexpr uint32_t kSettleFrames = 41;
 
+double secondsPerFrame(const Scene& scene, uint32_t frames)
+{
+    return static_cast<double>(scene.frames) / scene.framesPerSecond / frames;
+}
+
+/// The first of the trace's frames in which a light is there.
+uint32_t firstLit(const Scene& scene, uint32_t frames)
+{
+    for (uint32_t frame = 0; frame < frames; ++frame)
+        if (lightCountAt(scene, frame * secondsPerFrame(scene, frames), false) > 0) return frame;
+    throw HostError("scene '" + scene.name + "' has no light in any frame of the trace");
+}
+
 /// Runs a scene again and again, and fills in a trace.
 class Tracer {
 public:
-    Tracer(const TraceOptions& options, const Scene& scene, Device& device, VkExtent2D size)
-        : options_(options), scene_(scene),
-          secondsPerFrame_(static_cast<double>(scene.frames) / scene.framesPerSecond / options.frames),
+    /// \param firstLit of the frames.
+    Tracer(const TraceOptions& options, const Scene& scene, uint32_t firstLit, Device& device, VkExtent2D size)
+        : options_(options), scene_(scene), secondsPerFrame_(secondsPerFrame(scene, options.frames)),
           session_(device, scene,
                    {.size = size,
                     .contextFlags = GN_CONTEXT_TIME_EVERY_FRAME_BIT | GN_CONTEXT_NO_BACKGROUND_BIT,
-                    .pinnedThreads = true})
+                    .pinnedThreads = true}),
+          firstLit_(firstLit)
     {
         expect(session_.shadows.warmUp());
         chooseMethods();
@@ -59,8 +73,14 @@ private:
         const std::vector<std::string> asked = parseNames(options_.methods);
         for (const GnMethodInfo& info : session_.shadows.methods()) {
             const bool wanted = asked.empty() || std::find(asked.begin(), asked.end(), info.pName) != asked.end();
-            if (!wanted || info.pUnavailable) continue;
-            if (!session_.shadows.pinAll(info.pName)) continue; // serves none of these lights
+            if (!wanted) continue;
+            const Status pinned = session_.shadows.pinAll(info.pName); // fails where it serves none of these lights
+            if (info.pUnavailable || !pinned) {
+                if (!asked.empty())
+                    std::fprintf(stderr, "note: %s is left out: %s\n", info.pName,
+                                 info.pUnavailable ? info.pUnavailable : pinned.error().c_str());
+                continue;
+            }
             trace_.methods.emplace_back(info.pName);
             double side = 0.0;
             for (uint32_t i = 0; i < info.settingCount; ++i)
@@ -109,11 +129,11 @@ private:
         expect(session_.shadows.loadRules(rules.text, rules.name));
         pinAll({});
         for (uint32_t i = 0; i < kSettleFrames; ++i)
-            draw(0);
+            draw(firstLit_);
+        nameFacts();
         FrameNumbers numbers;
         for (uint32_t frame = 0; frame < trace_.frames; ++frame) {
             numbers.emplace_back(draw(frame), frame);
-            if (frame == 0) nameFacts();
             takeWorkloads(numbers);
             trace_.cuts[frame] = frame == 0 || cutBefore(frame);
             for (const uint32_t light : session_.renderer.state().present)
@@ -156,11 +176,15 @@ private:
         gnGetFacts(context, session_.shadows.view(0), session_.shadows.light(light), &count, facts.data());
         return facts;
     }
+    /// Of the newest frame, in which a light is there: the same for all.
     void nameFacts()
     {
-        if (session_.renderer.state().present.empty()) throw HostError("the scene's first frame has no light");
         for (const GnFact& fact : factsOf(session_.renderer.state().present.front()))
             trace_.facts.emplace_back(fact.pName);
+        if (!fitsTrace(trace_.frames, trace_.lights, trace_.methods.size(), trace_.facts.size()))
+            throw HostError(std::to_string(trace_.frames) + " frames of " + std::to_string(trace_.lights) +
+                            " lights by " + std::to_string(trace_.methods.size()) +
+                            " methods are more than a trace may hold; take fewer frames");
         trace_.allocate();
     }
 
@@ -317,6 +341,7 @@ private:
     const Scene& scene_;
     double secondsPerFrame_;
     Session session_;
+    uint32_t firstLit_;
     Trace trace_;
     std::vector<GnPassTiming> passes_;
     uint64_t taken_ = 0;
@@ -331,12 +356,13 @@ int traceCommand(const TraceOptions& options)
     if (options.lights > 0) limitLights(scene, options.lights);
     const VkExtent2D size = valueOf(parseSize(options.size));
     requireMethods(parseNames(options.methods));
+    const uint32_t lit = firstLit(scene, options.frames);
     const rules::RuleBase rules = parseRules(options.rules);
     const std::vector<BudgetPart> budgets = valueOf(parseBudgets(options.budget));
     requireWritable(options.out);
     const std::unique_ptr<Device> device = Device::create({});
     pinThread(0);
-    Trace trace = Tracer(options, scene, *device, size).run();
+    Trace trace = Tracer(options, scene, lit, *device, size).run();
     applyRulesAloud(trace, rules);
     setBudgets(trace, budgets);
     const std::string bytes = writeTrace(trace);

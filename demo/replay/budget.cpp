@@ -10,11 +10,12 @@ namespace gnomon::demo {
 
 namespace {
 
+/// Of the frames in which a light takes any time.
 double medianCheapestMs(const Trace& trace)
 {
     std::vector<double> sums;
     for (uint32_t frame = 0; frame < trace.frames; ++frame)
-        sums.push_back(cheapestMs(trace, frame));
+        if (const double ms = cheapestMs(trace, frame); ms > 0.0) sums.push_back(ms);
     if (sums.empty()) return 0.0;
     const auto middle = sums.begin() + static_cast<std::ptrdiff_t>(sums.size() / 2);
     std::nth_element(sums.begin(), middle, sums.end());

@@ -126,6 +126,12 @@ void Trace::allocate()
     measures.resize(cells * methods.size());
 }
 
+bool fitsTrace(uint32_t frames, uint32_t lights, size_t methods, size_t facts) noexcept
+{
+    return frames <= kTraceMostFrames && lights <= kTraceMostLights && methods <= kTraceMostMethods &&
+           facts <= kTraceMostFacts && size_t{frames} * lights * (methods + facts + 1) <= kMostCells;
+}
+
 std::string writeTrace(const Trace& trace)
 {
     Writer out;
@@ -164,13 +170,11 @@ Outcome<Trace> readTrace(std::string_view bytes)
     trace.lights = in.integer<uint32_t>();
     const auto methods = in.integer<uint32_t>(), facts = in.integer<uint32_t>();
     trace.frameSeconds = in.measure();
-    if (trace.frames > kTraceMostFrames || trace.lights > kTraceMostLights || methods > kTraceMostMethods ||
-        facts > kTraceMostFacts || !(trace.frameSeconds > 0.0f))
+    // Before anything is allocated: no more cells than memory is meant for, and a frame takes at least its head.
+    if (!fitsTrace(trace.frames, trace.lights, methods, facts) || !(trace.frameSeconds > 0.0f))
         return failure("the trace's header is out of bounds");
-    // Before anything is allocated: a frame takes at least its head, and no more cells than memory is meant for.
-    if (in.left() < size_t{trace.frames} * (5 + trace.lights) ||
-        size_t{trace.frames} * trace.lights * (methods + facts + 1) > kMostCells)
-        return failure("the trace is shorter than its header says, or too large");
+    if (in.left() < size_t{trace.frames} * (5 + trace.lights))
+        return failure("the trace is shorter than its header says");
     std::vector<float> texels;
     std::vector<uint8_t> volumes, traces;
     for (uint32_t m = 0; m < methods && !in.failed; ++m) {

@@ -100,6 +100,9 @@ struct Trace {
     }
 };
 
+/// Whether readTrace() takes as much.
+bool fitsTrace(uint32_t frames, uint32_t lights, size_t methods, size_t facts) noexcept;
+
 std::string writeTrace(const Trace& trace);
 /// Any bytes may come in: what is no trace, was cut short or damaged is an error that names the place.
 Outcome<Trace> readTrace(std::string_view bytes);

@@ -256,6 +256,38 @@ TEST_CASE("a method that serves none of the lights is named, and where no other 
     CHECK_FALSE(fs::exists(folder.path / "x.png"));
 }
 
+TEST_CASE("a light that is there for a part of the scene is traced, and missed aloud where it is not there")
+{
+    const Folder folder("late");
+    const auto write = [&](const char* file, const char* until) {
+        std::ofstream(folder.path / file)
+            << "name: late\nframes: 60\nbase: " << fs::absolute(valueOf(findScene("torus_grid"))).string()
+            << "\nlights:\n  - {name: lamp, kind: spot, at: [6, 14, 6], aim: [0, 0, 0], cone: {outer: 50}, range: 60, "
+            << "appear: 0.4, disappear: " << until << "}\n";
+    };
+    write("late.yaml", "0.9");
+    write("short.yaml", "0.45");
+    const std::string before = "cd '" + folder.path.string() + "' &&";
+    const Ran traced = gnomonProgram(
+        "trace late.yaml --frames 10 --sweeps 1 --size 64x48 --methods shadow_map,ray_traced,cube_map", before);
+    CHECK_MESSAGE(traced.exitCode == 0, traced.output);
+    CHECK(traced.output.find("note: cube_map is left out: ") != std::string::npos);
+    const Ran replayed = gnomonProgram("replay scene.gntrace", before);
+    CHECK_MESSAGE(replayed.exitCode == 0, replayed.output);
+    CHECK(replayed.output.find("budget 0 to 0 ms") == std::string::npos);
+    const std::pair<const char*, const char*> refused[] = {
+        {"trace short.yaml --frames 3", "has no light in any frame"},
+        {"trace scenario --frames 65536 --lights 32 --methods shadow_map", "more than a trace may hold"},
+        {"contact short.yaml --methods shadow_map --size 64x48", "shadow_map is left out: none of its lights is there"},
+        {"calibrate --check short.yaml --methods shadow_map", "has no light at any of the 3 moments"},
+    };
+    for (const auto& entry : refused) {
+        const Ran ran = gnomonProgram(entry.first, before);
+        CHECK_MESSAGE(ran.exitCode == 1, entry.first);
+        CHECK_MESSAGE(ran.output.find(entry.second) != std::string::npos, ran.output);
+    }
+}
+
 TEST_CASE("a radius given to bench makes lamps wide, one in degrees suns")
 {
     /// Rays to all of the source over rays to its centre.
