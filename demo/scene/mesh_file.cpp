@@ -28,33 +28,30 @@ struct PositionHash {
     }
 };
 
-/// Readers of some formats hand on indices as the file has them.
-Status appendFace(Mesh& mesh, const aiMesh& part, uint32_t firstVertex, unsigned face)
+/// Readers of some formats hand on indices as the file has them, and post-processing looks the vertices up.
+Status checkIndices(const aiMesh& part)
 {
-    for (unsigned corner = 0; corner < 3; ++corner) {
-        const unsigned vertex = part.mFaces[face].mIndices[corner];
-        if (vertex >= part.mNumVertices)
-            return Status::failure("face " + std::to_string(face) + " names vertex " + std::to_string(vertex) + " of " +
-                                   std::to_string(part.mNumVertices) + ", counted from 0");
-        mesh.indices.push_back(firstVertex + vertex);
-    }
+    for (unsigned f = 0; f < part.mNumFaces; ++f)
+        for (unsigned corner = 0; corner < part.mFaces[f].mNumIndices; ++corner)
+            if (const unsigned vertex = part.mFaces[f].mIndices[corner]; vertex >= part.mNumVertices)
+                return Status::failure("face " + std::to_string(f) + " names vertex " + std::to_string(vertex) +
+                                       " of " + std::to_string(part.mNumVertices) + ", counted from 0");
     return Done{};
 }
 
-Status appendSubMesh(Mesh& mesh, const aiMesh& part)
+bool appendSubMesh(Mesh& mesh, const aiMesh& part)
 {
     const auto first = static_cast<uint32_t>(mesh.positions.size());
     for (unsigned v = 0; v < part.mNumVertices; ++v) {
         const aiVector3D& p = part.mVertices[v];
-        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-            return Status::failure("a vertex position is not a finite number");
+        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return false;
         mesh.positions.emplace_back(p.x, p.y, p.z);
     }
-    for (unsigned face = 0; face < part.mNumFaces; ++face) {
-        if (part.mFaces[face].mNumIndices != 3) continue;
-        if (const Status appended = appendFace(mesh, part, first, face); !appended) return appended;
-    }
-    return Done{};
+    for (unsigned f = 0; f < part.mNumFaces; ++f)
+        if (part.mFaces[f].mNumIndices == 3)
+            for (unsigned corner = 0; corner < 3; ++corner)
+                mesh.indices.push_back(first + part.mFaces[f].mIndices[corner]);
+    return true;
 }
 
 void fitToHeight(Mesh& mesh, float height)
@@ -137,14 +134,17 @@ Outcome<ImportedMesh> importMesh(const fs::path& file, const MeshFileOptions& op
                                                             aiComponent_COLORS | aiComponent_TEXCOORDS |
                                                             aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    const aiScene* scene = importer.ReadFile(file.string(), aiProcess_RemoveComponent | aiProcess_Triangulate |
-                                                                aiProcess_SortByPType | aiProcess_PreTransformVertices);
+    const aiScene* scene = importer.ReadFile(file.string(), 0);
+    for (unsigned m = 0; scene != nullptr && m < scene->mNumMeshes; ++m)
+        if (const Status checked = checkIndices(*scene->mMeshes[m]); !checked) return fail(checked.error());
+    if (scene != nullptr)
+        scene = importer.ApplyPostProcessing(aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_SortByPType |
+                                             aiProcess_PreTransformVertices);
     if (scene == nullptr) return fail(importer.GetErrorString());
 
     ImportedMesh result;
     for (unsigned m = 0; m < scene->mNumMeshes; ++m)
-        if (const Status appended = appendSubMesh(result.mesh, *scene->mMeshes[m]); !appended)
-            return fail(appended.error());
+        if (!appendSubMesh(result.mesh, *scene->mMeshes[m])) return fail("a vertex position is not a finite number");
     const float turn = options.up == UpAxis::Z ? 1.0f : -1.0f; // a quarter turn about x, either way
     if (options.up != UpAxis::Y)
         for (glm::vec3& p : result.mesh.positions)

@@ -99,14 +99,19 @@ TEST_CASE("files that are no meshes are refused by name")
         CHECK(imported.error().starts_with(file.string() + ": "));
         fs::remove(file);
     }
-    const fs::path far = writeText("gnomon_far.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
-                                                     "property float y\nproperty float z\nelement face 1\n"
-                                                     "property list uchar int vertex_indices\nend_header\n"
-                                                     "0 0 0\n1 0 0\n0 1 0\n3 0 1 700000000\n");
-    const auto beyond = importMesh(far);
-    CHECK_FALSE(beyond);
-    CHECK_MESSAGE(beyond.error().find("vertex 700000000 of 3") != std::string::npos, beyond.error());
-    fs::remove(far);
+    for (const char* face : {"3 0 1 700000000", "4 0 1 2 700000000", "2 0 700000000"}) {
+        const fs::path file = writeText("gnomon_far.ply", std::string("ply\nformat ascii 1.0\nelement vertex 3\n"
+                                                                      "property float x\nproperty float y\n"
+                                                                      "property float z\nelement face 1\n"
+                                                                      "property list uchar int vertex_indices\n"
+                                                                      "end_header\n0 0 0\n1 0 0\n0 1 0\n") +
+                                                              face + "\n");
+        const auto imported = importMesh(file);
+        CHECK_FALSE(imported);
+        CHECK_MESSAGE(imported.error().find("face 0 names vertex 700000000 of 3") != std::string::npos,
+                      imported.error());
+        fs::remove(file);
+    }
     const auto missing = findMeshFile("no/such.obj", "/some/folder");
     CHECK_FALSE(missing);
     CHECK(missing.error().find("/some/folder/no/such.obj") != std::string::npos);
