@@ -137,12 +137,12 @@ int contactCommand(const ContactOptions& options)
             std::string caption = scenes[row] + "  " + methods[column];
             const uint32_t lights = lightCountAt(served, time, false);
             if (lights == 0) {
-                const char* reason =
-                    served.lights.empty() ? "serves none of the lights" : "none of its lights is there";
-                drawText(sheet, x, y, caption + ": " + reason, kInk);
+                const bool serves = !served.lights.empty();
+                drawText(sheet, x, y,
+                         caption + (serves ? ": none of its lights is there" : ": serves none of its lights"), kInk);
                 if (asked)
                     std::fprintf(stderr, "note: %s: %s is left out: %s\n", scenes[row].c_str(), methods[column].c_str(),
-                                 reason);
+                                 serves ? "none of its lights is there" : "it serves none of the lights");
                 continue;
             }
             Session session(*device, served, {.scene = {}, .size = size});
