@@ -1,6 +1,7 @@
 #include "demo/program/frame_log.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "demo/io/number.hpp"
@@ -110,7 +111,7 @@ void FrameLog::save(const std::filesystem::path& folder) const
     expect(lights_.save(folder / "lights.csv"));
 }
 
-/// Of the frames whose time is known; that of the last ones never is. 0 where none is.
+/// Of the frames whose time is known; that of the last ones never is. NaN where none is.
 double FrameLog::meanGpuMs() const
 {
     double sum = 0.0;
@@ -121,7 +122,7 @@ double FrameLog::meanGpuMs() const
         sum += double(row.stats.gpuMs);
         ++known;
     }
-    return known > 0 ? sum / double(known) : 0.0;
+    return sum / double(known);
 }
 
 FrameLog::Summary FrameLog::summary() const
@@ -159,7 +160,10 @@ std::string FrameLog::summaryText() const
     line("frames              ", s.frames, 0, "");
     line("frame rate          ", s.averageFps, 2, " fps on average");
     line("1 %-low             ", s.onePercentLowFps, 2, " fps");
-    line("shadows, GPU        ", s.shadowGpuMs, 2, " ms a frame");
+    if (std::isnan(s.shadowGpuMs))
+        out += "shadows, GPU        known of no frame yet\n";
+    else
+        line("shadows, GPU        ", s.shadowGpuMs, 2, " ms a frame");
     line("shadows, CPU        ", s.shadowCpuMs, 2, " ms a frame");
     uint64_t all = 0;
     for (const auto& [method, count] : s.lightFrames)

@@ -36,8 +36,9 @@ public:
     struct Summary {
         uint32_t frames = 0;
         double averageFps = 0.0;
-        double onePercentLowFps = 0.0;               ///< Of the slowest hundredth of the frames, at least one.
-        double shadowGpuMs = 0.0, shadowCpuMs = 0.0; ///< Mean per frame; the GPU's of those whose time is known.
+        double onePercentLowFps = 0.0; ///< Of the slowest hundredth of the frames, at least one.
+        double shadowGpuMs = 0.0;      ///< Mean of the frames whose time is known; NaN where none is.
+        double shadowCpuMs = 0.0;      ///< Mean per frame.
         uint64_t switches = 0;
         uint32_t overBudget = 0;
         std::map<std::string, uint64_t> lightFrames; ///< By method.
