@@ -46,6 +46,89 @@ const Term* conclusionFor(const Engine& engine, uint32_t rule, uint32_t output)
     return nullptr;
 }
 
+/// Calls `visit(rule, slot, counts, yieldsTo)` for every conclusion about an output of every rule that fired, by
+/// falling priority: with what it counts as beside higher priorities (as in Engine::conclude()) and the rule it yields
+/// to.
+template <typename Visit>
+void forEachConclusion(const Engine& engine, const Inference& inference, Visit&& visit)
+{
+    struct Claim {
+        double strength = 0.0;
+        uint32_t rule = kNoRule;
+    };
+    const CompiledRules& compiled = engine.compiled();
+    const uint32_t terms = compiled.suitabilityTerms;
+    std::vector<Claim> claimed(inference.termStrength.size()), claiming = claimed;
+    std::vector<uint32_t> order = compiled.byPriority;
+    if (order.empty()) {
+        order.resize(compiled.writtenRules());
+        std::iota(order.begin(), order.end(), 0u);
+    }
+    if (compiled.hasOtherwise) order.push_back(compiled.writtenRules()); // it has what the strongest leaves in any case
+    uint32_t priority = kHighestPriority;
+    for (const uint32_t rule : order) {
+        const double fired = inference.rules[rule].strength;
+        if (fired == 0.0) continue;
+        if (compiled.rules[rule].priority != priority) {
+            priority = compiled.rules[rule].priority;
+            claimed = claiming;
+        }
+        for (const uint32_t slot : compiled.effectsOf(compiled.rules[rule])) {
+            Claim contrary;
+            for (uint32_t other = slot / terms * terms; other < slot / terms * terms + terms; ++other)
+                if (other != slot && claimed[other].strength > contrary.strength) contrary = claimed[other];
+            const double counts = std::min(fired, 1.0 - contrary.strength);
+            visit(rule, slot, counts, counts < fired ? contrary.rule : kNoRule);
+            if (fired > claiming[slot].strength) claiming[slot] = {fired, rule};
+        }
+    }
+}
+
+/// What a rule that fired counts as for one output, and the rule of a higher priority that it yields to.
+struct Voice {
+    uint32_t rule = kNoRule;
+    double counts = 0.0;
+    uint32_t yieldsTo = kNoRule;
+};
+
+/// Strongest first, then by falling priority, then as written: the first is OutputState::strongestRule.
+std::vector<Voice> voicesOf(const Engine& engine, const Inference& inference, uint32_t output)
+{
+    std::vector<Voice> voices;
+    forEachConclusion(engine, inference, [&](uint32_t rule, uint32_t slot, double counts, uint32_t yieldsTo) {
+        if (slot / engine.compiled().suitabilityTerms != output) return;
+        if (voices.empty() || voices.back().rule != rule)
+            voices.push_back({rule, counts, yieldsTo});
+        else if (counts > voices.back().counts) // a second conclusion about it
+            voices.back() = {rule, counts, yieldsTo};
+    });
+    std::stable_sort(voices.begin(), voices.end(), [](const Voice& x, const Voice& y) { return x.counts > y.counts; });
+    return voices;
+}
+
+std::string yieldText(const Engine& engine, const Voice& voice)
+{
+    if (voice.yieldsTo == kNoRule) return {};
+    return ", yields to " + std::string(engine.ruleId(voice.yieldsTo)) + ", counts " + fixedText(voice.counts, 2);
+}
+
+/// What an assertion counts as beside those of other terms and of a higher priority, as in settleConcept().
+Voice voiceOf(const Engine& engine, const Inference& inference, std::span<const CompiledAssertion> all,
+              const CompiledAssertion& assertion)
+{
+    const auto& rules = engine.compiled().rules;
+    double contrary = 0.0;
+    uint32_t strongest = kNoRule;
+    for (const CompiledAssertion& other : all) { // by falling priority
+        if (rules[other.rule].priority <= rules[assertion.rule].priority) break;
+        const double strength = inference.strengths[other.rule].high;
+        if (other.term != assertion.term && strength > contrary) contrary = strength, strongest = other.rule;
+    }
+    const double fired = inference.rules[assertion.rule].strength;
+    const double counts = std::min(fired, 1.0 - contrary);
+    return {assertion.rule, counts, counts < fired ? strongest : kNoRule};
+}
+
 /// One line per asserted term of every concept, with the rule that asserts it most strongly:
 /// "concept scene overlyComplex 0.62: rule C1: ...".
 std::string conceptLines(const Engine& engine, const Inference& inference)
@@ -54,18 +137,19 @@ std::string conceptLines(const Engine& engine, const Inference& inference)
     std::string text;
     for (std::size_t i = 0; i < compiled.concepts.size(); ++i) {
         const CompiledConcept& concept_ = compiled.concepts[i];
+        const auto all = std::span(compiled.assertions).subspan(concept_.firstAssertion, concept_.assertionCount);
         for (uint32_t term = 0; term < concept_.termCount; ++term) {
             const double truth = inference.memberships[concept_.firstMembership + term].low;
             if (truth == 0.0) continue;
-            uint32_t strongest = kNoRule;
-            for (uint32_t a = concept_.firstAssertion; a < concept_.firstAssertion + concept_.assertionCount; ++a) {
-                const CompiledAssertion& assertion = compiled.assertions[a];
-                if (assertion.term == term && (strongest == kNoRule || inference.rules[assertion.rule].strength >
-                                                                           inference.rules[strongest].strength))
-                    strongest = assertion.rule;
+            Voice strongest;
+            for (const CompiledAssertion& assertion : all) {
+                if (assertion.term != term) continue;
+                const Voice voice = voiceOf(engine, inference, all, assertion);
+                if (strongest.rule == kNoRule || voice.counts > strongest.counts) strongest = voice;
             }
             text += "concept " + engine.base().concepts[i].name + " " + engine.base().concepts[i].terms[term].name +
-                    " " + fixedText(truth, 2) + ": " + explainRule(engine, inference, strongest) + "\n";
+                    " " + fixedText(truth, 2) + ": " + explainRule(engine, inference, strongest.rule) +
+                    yieldText(engine, strongest) + "\n";
         }
     }
     return text;
@@ -98,13 +182,32 @@ std::vector<bool> negatedOps(std::span<const CompiledOp> ops)
 
 std::vector<uint32_t> rulesBehind(const Engine& engine, const Inference& inference, uint32_t output)
 {
-    std::vector<uint32_t> fired;
-    for (uint32_t i = 0; i < inference.rules.size(); ++i) {
-        if (inference.rules[i].strength > 0.0 && conclusionFor(engine, i, output)) fired.push_back(i);
+    std::vector<uint32_t> behind;
+    for (const Voice& voice : voicesOf(engine, inference, output))
+        behind.push_back(voice.rule);
+    return behind;
+}
+
+std::string yieldText(const Engine& engine, const Inference& inference, uint32_t rule, uint32_t output)
+{
+    for (const Voice& voice : voicesOf(engine, inference, output)) {
+        if (voice.rule == rule) return yieldText(engine, voice);
     }
-    std::stable_sort(fired.begin(), fired.end(),
-                     [&](uint32_t x, uint32_t y) { return inference.rules[x].strength > inference.rules[y].strength; });
-    return fired;
+    return {};
+}
+
+std::vector<double> countedStrengths(const Engine& engine, const Inference& inference)
+{
+    const CompiledRules& compiled = engine.compiled();
+    std::vector<double> counted(compiled.rules.size());
+    for (std::size_t i = 0; i < counted.size(); ++i)
+        counted[i] =
+            compiled.byPriority.empty() || compiled.rules[i].effectCount == 0 ? inference.rules[i].strength : 0.0;
+    if (compiled.byPriority.empty()) return counted;
+    forEachConclusion(engine, inference, [&](uint32_t rule, uint32_t, double counts, uint32_t) {
+        counted[rule] = std::max(counted[rule], counts);
+    });
+    return counted;
 }
 
 std::string explainRuleFor(const Engine& engine, const Inference& inference, uint32_t rule, uint32_t output)
@@ -190,7 +293,8 @@ std::string reasonFor(const Engine& engine, const Inference& inference, uint32_t
     const OutputState& state = inference.outputs[output];
     if (state.vetoed) return "vetoed by " + explainRule(engine, inference, state.vetoRule);
     if (!state.hasOpinion) return "no rule that fires speaks of it";
-    return explainRuleFor(engine, inference, state.strongestRule, output);
+    return explainRuleFor(engine, inference, state.strongestRule, output) +
+           yieldText(engine, inference, state.strongestRule, output);
 }
 
 std::string explain(const Engine& engine, const Inference& inference, const ExplainOptions& options)
@@ -211,7 +315,9 @@ std::string explain(const Engine& engine, const Inference& inference, const Expl
         for (const uint32_t rule : rules) {
             const bool isVeto = state.vetoed && rule == state.vetoRule;
             text += line;
-            text += isVeto ? explainRule(engine, inference, rule) : explainRuleFor(engine, inference, rule, output);
+            text += isVeto
+                        ? explainRule(engine, inference, rule)
+                        : explainRuleFor(engine, inference, rule, output) + yieldText(engine, inference, rule, output);
             text += '\n';
             if (options.because) text += because(engine, rule, indent);
             line.assign(indent, ' ');

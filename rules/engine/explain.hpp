@@ -21,15 +21,24 @@ struct ExplainOptions {
 ///     stencil_volume      0.16   rule T3 (avoided): dynamicLights few 1.00, viewerDistance far 1.00
 ///     cube_map      no opinion
 ///
-/// The conclusion is named where it is not the highest term of suitability. Unknown facts are listed at the end.
+/// The conclusion is named where it is not the highest term of suitability, and what a rule yields to. Unknown facts
+/// are listed at the end.
 std::string explain(const Engine& engine, const Inference& inference, const ExplainOptions& options = {});
 
 /// What fired one rule: "rule S1: lightRadius narrow 0.25, frameBudget tight 0.10*, weight 0.8". Every clause with its
 /// truth, except alternatives under `or` that were false; '*' marks the limiting one where there are several.
 std::string explainRule(const Engine& engine, const Inference& inference, uint32_t rule);
 
-/// Rules that fired and conclude something about an output, strongest first, then as written; vetoes are none of them.
+/// Rules that fired and conclude something about an output, first what counts most beside rules of a higher priority,
+/// then by falling priority, then as written; vetoes are none of them.
 std::vector<uint32_t> rulesBehind(const Engine& engine, const Inference& inference, uint32_t output);
+
+/// ", yields to EX, counts 0.10" where a rule of a higher priority that says otherwise about the output leaves less of
+/// a rule than it fired with; else empty.
+std::string yieldText(const Engine& engine, const Inference& inference, uint32_t rule, uint32_t output);
+
+/// Per rule the most that it counts as for any output; what it fired with where it speaks of none.
+std::vector<double> countedStrengths(const Engine& engine, const Inference& inference);
 
 /// explainRule() with what the rule concludes about the output, where that is not the highest term of suitability:
 /// "rule T3 (avoided): dynamicLights few 1.00".

@@ -86,7 +86,8 @@ void addRulesBehind(const Rules& rules, std::uint32_t method, std::size_t most, 
     if (behind.empty()) lines.add("no rule that fires speaks of it");
     for (const std::uint32_t rule : std::span(behind).first(std::min(behind.size(), most))) {
         lines.add("  " + explainRuleFor(*rules.engine, rules.inference, rule, method) + " -> strength " +
-                  fixed(rules.inference.rules[rule].strength, 2));
+                  fixed(rules.inference.rules[rule].strength, 2) +
+                  yieldText(*rules.engine, rules.inference, rule, method));
         lines.add(because(*rules.engine, rule));
     }
 }

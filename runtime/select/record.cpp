@@ -4,6 +4,8 @@
 #include <bit>
 #include <utility>
 
+#include "rules/engine/explain.hpp"
+
 namespace gnomon {
 
 namespace {
@@ -35,9 +37,10 @@ Replan replanOf(const LightDecision& decision, const FrameRecord& frame)
 FiredRules strongestRules(const rules::Engine& engine, const rules::Inference& inference)
 {
     FiredRules strongest{};
+    const std::vector<double> counted = countedStrengths(engine, inference);
     for (std::uint32_t i = 0; i < inference.rules.size(); ++i) {
         const rules::RuleState& state = inference.rules[i];
-        const auto strength = static_cast<float>(state.strength);
+        const auto strength = static_cast<float>(counted[i]);
         if (!(strength > strongest.back().strength)) continue;
         FiredRule entry{.rule = i,
                         .variable = state.limitingVariable,

@@ -25,12 +25,12 @@ enum class Replan : std::uint8_t {
     count
 };
 
-/// One of the rules that fired most strongly.
+/// One of the rules that count most.
 struct FiredRule {
     std::uint32_t rule = rules::kNoRule;
     std::uint32_t variable = rules::kNoRule; ///< Of the limiting antecedent, as rules::RuleState counts.
     std::uint32_t term = 0;
-    float strength = 0.0f;   ///< Weight included.
+    float strength = 0.0f;   ///< What counts of it: weight included, less what it yields to higher priorities.
     float membership = 0.0f; ///< Of the limiting term.
     float weight = 1.0f;
 };

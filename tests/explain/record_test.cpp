@@ -162,6 +162,24 @@ TEST_CASE("a record keeps the strongest rules, strongest first, with what limits
     CHECK(record.fired[3].rule == rules::kNoRule);
 }
 
+TEST_CASE("a record keeps what counts of a rule, and its explanation says what the rule yields to")
+{
+    std::string text(deskRules());
+    const std::string_view policy = "policy:";
+    text.insert(text.find(policy), "  - {id: EX, priority: 1, rule: \"if viewerDistance is near then stencil_volume is "
+                                   "avoided with 0.9\"}\n");
+    std::optional<rules::Engine> engine = bindRules(text);
+    REQUIRE(engine.has_value());
+    Desk desk(std::move(*engine));
+    const DecisionRecord record = desk.decide({}); // near 1: A1 fires with 1, and counts fully for other methods
+    CHECK(std::string(desk.engine().ruleId(record.fired[0].rule)) == "A1");
+    CHECK(std::string(desk.engine().ruleId(record.fired[1].rule)) == "EX");
+    const std::string why = explainWhyNot(record, methodNamed("stencil_volume"), desk.words());
+    INFO(why);
+    CHECK(why.find("EX (avoided)") < why.find("rule A1"));
+    CHECK(contains(why, "-> strength 1.00, yields to EX, counts 0.10\n"));
+}
+
 TEST_CASE("a record is explained by the rules it was decided by, whatever was loaded since")
 {
     Desk desk = makeDesk();

@@ -329,6 +329,45 @@ TEST_CASE("an explanation shows suitability, rules by strength, the limiting cla
     CHECK(reasonFor(engine, inference, 2) == "no rule that fires speaks of it");
 }
 
+TEST_CASE("an explanation names what decided first, and says what a rule yields to")
+{
+    RuleBase base = baseOf({ramp("p"), ramp("q")},
+                           {"if p is high then left is favoured", "if not p is low then left is favoured",
+                            "if p is high then left is avoided with 0.9", "if p is high then right is acceptable",
+                            "if q is high then scene is busy", "if p is high then scene is calm with 0.75"});
+    base.concepts = {{"scene", {{"calm", {}}, {"busy", {}}}, {}}};
+    base.rules[2].id = "EX";
+    base.rules[2].priority = base.rules[5].priority = 1;
+    const Engine engine = engineOf(base, {{"left", {}}, {"right", {}}});
+    const Inference inference = inferenceOf(engine, {1.0, 1.0});
+    CHECK(explain(engine, inference, {.rulesPerOutput = 2}) ==
+          "right  0.50         rule R4 (acceptable): p high 1.00\n"
+          "left   0.24         rule EX (avoided): p high 1.00, weight 0.9\n"
+          "                    rule R1: p high 1.00, yields to EX, counts 0.10\n"
+          "concept scene calm 0.75: rule R6: p high 1.00, weight 0.75\n"
+          "concept scene busy 0.25: rule R5: q high 1.00, yields to R6, counts 0.25\n");
+    CHECK(rulesBehind(engine, inference, 0) == std::vector<uint32_t>{2, 0, 1});
+    CHECK(rulesBehind(engine, inference, 0).front() == inference.outputs[0].strongestRule);
+    CHECK(countedStrengths(engine, inference)[0] == 1.0 - 0.9);
+    CHECK(countedStrengths(engine, inference)[4] == 1.0); // speaks of no output
+}
+
+TEST_CASE("of the rules behind an output the strongest is the one that the engine names")
+{
+    Random random(17);
+    for (int round = 0; round < 200; ++round) {
+        const Engine engine = engineOf(anyBase(random, 12), kFourWithTrait);
+        Inference inference = engine.makeInference();
+        engine.evaluate(randomFacts(random), inference);
+        for (uint32_t output = 0; output < inference.outputs.size(); ++output) {
+            const std::vector<uint32_t> behind = rulesBehind(engine, inference, output);
+            const OutputState& state = inference.outputs[output];
+            CHECK((behind.empty() ? kNoRule : behind.front()) == state.strongestRule);
+            if (!behind.empty()) CHECK(countedStrengths(engine, inference)[behind.front()] >= state.strongestStrength);
+        }
+    }
+}
+
 TEST_CASE("a negated group is explained by what it says: not a and not b, each with its own truth")
 {
     const auto explained = [](const char* sentence, std::initializer_list<double> facts) {
