@@ -24,6 +24,7 @@ struct Truth {
 struct Limited {
     Truth truth;
     uint32_t clause = 0; ///< Index into CompiledRules::ops.
+    double least = 0.0;  ///< Lower bound of the operand with that clause: a product is lower than each of them.
 };
 
 struct CompiledVariable {

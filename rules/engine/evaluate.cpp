@@ -34,24 +34,28 @@ Limited evaluateAntecedent(std::span<const CompiledOp> ops, std::span<const Trut
     for (std::size_t i = 0; i < ops.size(); ++i) {
         const CompiledOp& op = ops[i];
         if (op.kind == Clause::Kind::Is) {
-            stack[depth++] = {memberships[op.membership], static_cast<uint32_t>(i)};
+            const Truth& truth = memberships[op.membership];
+            stack[depth++] = {truth, static_cast<uint32_t>(i), truth.low};
             continue;
         }
         if (op.kind == Clause::Kind::Not) {
-            Truth& top = stack[depth - 1].truth;
-            top = {1.0 - top.high, 1.0 - top.low};
+            Limited& top = stack[depth - 1];
+            top.truth = {1.0 - top.truth.high, 1.0 - top.truth.low};
+            top.least = top.truth.low;
             continue;
         }
         const Limited right = stack[--depth];
         Limited& left = stack[depth - 1];
         const bool isAnd = op.kind == Clause::Kind::And;
-        if (isAnd ? right.truth.low < left.truth.low : right.truth.low > left.truth.low) left.clause = right.clause;
+        const bool rightLimits = isAnd ? right.least < left.least : right.truth.low > left.truth.low;
+        if (rightLimits) left.clause = right.clause;
         if (isAnd && conjunction == Options::And::Product)
             left.truth = {left.truth.low * right.truth.low, left.truth.high * right.truth.high};
         else if (isAnd)
             left.truth = {std::min(left.truth.low, right.truth.low), std::min(left.truth.high, right.truth.high)};
         else
             left.truth = {std::max(left.truth.low, right.truth.low), std::max(left.truth.high, right.truth.high)};
+        left.least = isAnd ? std::min(left.least, right.least) : left.truth.low;
     }
     return stack[0];
 }
@@ -62,14 +66,16 @@ namespace {
 Limited evaluateChain(std::span<const CompiledOp> ops, const Truth* memberships, Options::And conjunction) noexcept
 {
     double truth = memberships[ops[0].membership].low;
+    double least = truth; // of the clauses, which their product is below
     uint32_t clause = 0;
     for (uint32_t i = 1; i < ops.size(); i += 2) {
         const double next = memberships[ops[i].membership].low;
-        const bool lower = next < truth;
+        const bool lower = next < least;
         clause = lower ? i : clause;
-        truth = conjunction == Options::And::Product ? truth * next : lower ? next : truth;
+        least = lower ? next : least;
+        truth = conjunction == Options::And::Product ? truth * next : least;
     }
-    return {{truth, truth}, clause};
+    return {{truth, truth}, clause, least};
 }
 
 } // namespace

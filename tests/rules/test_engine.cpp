@@ -130,6 +130,19 @@ TEST_CASE("and is the minimum or the product, or the maximum, and the limiting c
     CHECK(inferenceOf(engineOf(base, kTwo), {0.7, 0.4}).rules[0].strength == doctest::Approx(0.28));
 }
 
+TEST_CASE("the product, too, is limited by its smallest operand")
+{
+    const auto limiting = [](const char* sentence) {
+        RuleBase base = baseOf({ramp("x"), ramp("y"), ramp("z")}, {sentence});
+        base.options.conjunction = Options::And::Product;
+        const Engine engine = engineOf(base, kTwo);
+        return std::string(engine.variableName(inferenceOf(engine, {0.5, 0.5, 0.3}).rules[0].limitingVariable));
+    };
+    CHECK(limiting("if x is high and y is high and z is high then left is favoured") == "z"); // 0.3 is above 0.25
+    CHECK(limiting("if x is high and y is high and not z is low then left is favoured") == "z");
+    CHECK(limiting("if (x is high and z is high) and (y is high and y is high) then left is favoured") == "z");
+}
+
 TEST_CASE("an unknown fact belongs to no term, its negation neither, and it vetoes nothing")
 {
     const RuleBase base = baseOf({ramp("x"), ramp("y")},
