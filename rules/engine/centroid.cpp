@@ -67,6 +67,14 @@ void addEnvelope(std::span<const Segment> lines, double left, double right, Inte
 
 } // namespace
 
+Trapezoid withinUniverse(const Trapezoid& shape, double low, double high) noexcept
+{
+    Trapezoid within = shape; // what lies beyond the edges carries no weight
+    if (within.b <= low && within.c >= low) within.a = within.b = low;
+    if (within.c >= high && within.b <= high) within.c = within.d = high;
+    return within;
+}
+
 CentroidTerms::Cut CentroidTerms::cutOf(double a, double p, double q, double d, double height) noexcept
 {
     Cut cut;
@@ -81,15 +89,17 @@ CentroidTerms::Cut CentroidTerms::cutOf(double a, double p, double q, double d, 
 
 CentroidTerms::CentroidTerms(const Variable& variable) : low_(variable.low), high_(variable.high)
 {
-    for (const Term& term : variable.terms) {
-        Trapezoid shape = term.shape;
-        // A core that reaches past an edge of the universe ends there; what lies beyond carries no weight.
-        if (shape.b <= low_ && shape.c >= low_) shape.a = shape.b = low_;
-        if (shape.c >= high_ && shape.b <= high_) shape.c = shape.d = high_;
-        shapes_.push_back(shape);
-    }
-    neighbourForm_ = fitsNeighbourForm();
+    for (const Term& term : variable.terms)
+        shapes_.push_back(withinUniverse(term.shape, low_, high_));
+    points_ = std::all_of(shapes_.begin(), shapes_.end(), [](const Trapezoid& shape) { return shape.a == shape.d; });
+    neighbourForm_ = points_ || fitsNeighbourForm();
     if (!neighbourForm_) return;
+    if (points_) {
+        for (const Trapezoid& shape : shapes_)
+            cuts_.push_back({.area1 = 1.0, .moment1 = shape.a});
+        overlaps_.assign(shapes_.size() - 1, Cut{.height = 0.0});
+        return;
+    }
     for (std::size_t i = 0; i < shapes_.size(); ++i) {
         const Trapezoid& here = shapes_[i];
         cuts_.push_back(cutOf(here.a, here.b - here.a, here.d - here.c, here.d, 1.0));
@@ -141,6 +151,7 @@ Centroid CentroidTerms::exact(std::span<const double> strengths) const noexcept
 
 Centroid CentroidTerms::exactGeneral(std::span<const double> strengths) const noexcept
 {
+    if (points_) return exact(strengths); // they have no envelope
     std::array<double, 6 * kMaxTerms + 2> breaks;
     std::size_t breakCount = 0;
     const auto breakAt = [&](double x) { breaks[breakCount++] = std::clamp(x, low_, high_); };
@@ -171,6 +182,7 @@ Centroid CentroidTerms::exactGeneral(std::span<const double> strengths) const no
 
 Centroid CentroidTerms::sampled(std::span<const double> strengths, uint32_t samples) const noexcept
 {
+    if (points_) return exact(strengths); // no sample would meet them
     const double step = (high_ - low_) / samples;
     double area = 0.0;
     double moment = 0.0;

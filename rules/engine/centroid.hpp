@@ -17,6 +17,9 @@ struct Centroid {
     bool hasOpinion = false;
 };
 
+/// A term as far as it lies in the universe: a core that reaches past an edge ends there.
+Trapezoid withinUniverse(const Trapezoid& shape, double low, double high) noexcept;
+
 /// The terms of an output variable, with everything that does not depend on strengths computed once.
 ///
 /// **Neighbour form.** At height y a trapezoid reaches from a + p y to d - q y, where p = b - a and q = d - c. Cut at
@@ -29,6 +32,11 @@ struct Centroid {
 /// kind with feet a', d and its apex at the crossing, height (d - a') / (p' + q), cut at the lower strength. So a
 /// centroid is one polynomial pair per term and per overlap, without a branch per sample.
 /// It needs terms in ascending order of which only neighbours overlap, and flat shoulders at the edges of the universe.
+///
+/// **Points.** Terms without width (a = b = c = d) have a weight at their place and no area: where all are such, the
+/// result is their weighted mean, sum(s x) / sum(s), whether exact or `sampled`. That is the neighbour form with
+/// area(s) = s, moment(s) = s x and nothing to subtract. A weight and an area have no common measure: validate()
+/// refuses a mixture.
 ///
 /// **General form.** Any other set of terms is integrated exactly too, piece by piece along the upper envelope of its
 /// straight segments; slower, no less exact. L06 says when a base has slipped into it.
@@ -46,6 +54,7 @@ public:
 
     std::size_t termCount() const noexcept { return shapes_.size(); }
     bool isNeighbourForm() const noexcept { return neighbourForm_; }
+    bool arePoints() const noexcept { return points_; }
 
     /// Exact centre of gravity. `strengths` holds one value in [0, 1] per term.
     Centroid exact(std::span<const double> strengths) const noexcept;
@@ -72,6 +81,7 @@ private:
     double low_ = 0.0;
     double high_ = 1.0;
     bool neighbourForm_ = false;
+    bool points_ = false;           ///< No term has a width.
     std::vector<Trapezoid> shapes_; ///< Shoulders end at the universe's edges.
     std::vector<Cut> cuts_;         ///< One per term.
     std::vector<Cut> overlaps_;     ///< One per pair of neighbours; height 0 where they do not overlap.

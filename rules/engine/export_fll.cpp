@@ -30,6 +30,7 @@ public:
     FllResult write()
     {
         checkNames();
+        if (engine_.suitability().arePoints()) miss("terms of suitability without width");
         text_ = "Engine: " + (base_.name.empty() ? "unnamed" : base_.name) + "\n";
         for (const Variable& variable : base_.variables)
             inputVariable(variable);

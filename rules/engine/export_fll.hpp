@@ -8,7 +8,8 @@
 ///     priorities                 one such variable per rule, and `not` of the contrary ones
 ///     `not (...)`                pushed inwards; FLL negates single terms only
 ///
-/// Not written: vetoes, which are no terms, and the policy.
+/// Not written: vetoes, which are no terms, and the policy. Bases whose suitability has terms without width are not
+/// written at all.
 
 #include <cstdint>
 #include <string>

@@ -148,6 +148,8 @@ void checkPartitions(const Engine& engine, DiagnosticSink& sink)
 {
     for (const Variable& variable : engine.base().variables)
         checkVariable(variable, sink);
+    if (engine.suitability().arePoints()) // weights at places, with nothing between them
+        return checkTerms(engine.base().suitability, probes(engine.base().suitability), sink);
     checkVariable(engine.base().suitability, sink);
     if (!engine.suitability().isNeighbourForm())
         sink.warning("L06", engine.base().suitability.at,

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "rules/engine/centroid.hpp"
 #include "rules/engine/concepts.hpp"
 #include "rules/engine/number_text.hpp"
 
@@ -63,6 +64,27 @@ void checkVariable(const Variable& variable, DiagnosticSink& sink)
         if (const std::string fault = cornerFault(term.shape, width); !fault.empty())
             sink.error("R05", term.at, "term " + quoted(term.name) + ": " + fault);
     }
+}
+
+/// A term without width has a weight, one with width an area, and there is no measure for both: all have one, or none.
+void checkWidths(const Variable& suitability, DiagnosticSink& sink)
+{
+    const Term* wide = nullptr;
+    const Term* point = nullptr;
+    for (const Term& term : suitability.terms) {
+        const Trapezoid shape = withinUniverse(term.shape, suitability.low, suitability.high);
+        if (shape.a < shape.d) {
+            wide = &term;
+        } else if (shape.a >= suitability.low && shape.a <= suitability.high) {
+            point = &term;
+        } else {
+            sink.error("R05", term.at, "term " + quoted(term.name) + " lies outside the universe");
+        }
+    }
+    if (wide && point)
+        sink.error("R05", point->at,
+                   "term " + quoted(point->name) + " of suitability has no width, so no weight beside the area of " +
+                       quoted(wide->name) + "; give all terms a width, or none");
 }
 
 void checkConcept(const Concept& concept_, DiagnosticSink& sink)
@@ -210,6 +232,7 @@ bool validate(const RuleBase& base, DiagnosticSink& sink)
             sink.error("R05", concept_.at, "two variables or concepts are called " + quoted(concept_.name));
     }
     checkVariable(base.suitability, sink);
+    checkWidths(base.suitability, sink);
     std::unordered_set<std::string_view> ids;
     for (const Rule& rule : base.rules) {
         if (!ids.insert(rule.id).second) sink.error("R05", rule.at, "two rules are called " + quoted(rule.id));

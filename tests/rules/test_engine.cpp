@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "allocation_count.hpp"
+#include "rules/engine/batch.hpp"
 #include "rules/engine/explain.hpp"
 
 using namespace gnomon::rules;
@@ -141,6 +142,49 @@ TEST_CASE("the product, too, is limited by its smallest operand")
     CHECK(limiting("if x is high and y is high and z is high then left is favoured") == "z"); // 0.3 is above 0.25
     CHECK(limiting("if x is high and y is high and not z is low then left is favoured") == "z");
     CHECK(limiting("if (x is high and z is high) and (y is high and y is high) then left is favoured") == "z");
+}
+
+TEST_CASE("terms of suitability without width are weights at their places, the same in every form")
+{
+    RuleBase base = baseOf({ramp("x"), ramp("y")}, {"if x is high then left is favoured",
+                                                    "if y is high then left is avoided and right is favoured"});
+    base.suitability.terms = {{"avoided", {0.1, 0.1, 0.1, 0.1}, {}}, {"favoured", {0.9, 0.9, 0.9, 0.9}, {}}};
+    for (const uint32_t samples : {0u, 100u}) {
+        base.options.samples = samples;
+        const Engine engine = engineOf(base, kTwo);
+        const Inference inference = inferenceOf(engine, {0.25, 0.75});
+        CHECK(inference.outputs[0].suitability == (0.75 * 0.1 + 0.25 * 0.9) / (0.75 + 0.25));
+        CHECK(inference.outputs[1].suitability == doctest::Approx(0.9));
+        CHECK(inference.outputs[1].quantised > 0);
+        for (const InstructionSet set : {InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512}) {
+            if (!isSupported(set)) continue;
+            const BatchEngine batch(engine, set);
+            BatchInference all = batch.makeInference(1);
+            batch.evaluateBatch(std::vector<double>{0.25, 0.75}, 1, all);
+            for (uint32_t o = 0; o < 2; ++o) {
+                CHECK(all.suitability[all.at(o, 0)] == inference.outputs[o].suitability);
+                CHECK(all.quantised[all.at(o, 0)] == inference.outputs[o].quantised);
+            }
+        }
+        CHECK_FALSE(inferenceOf(engine, {0.0, 0.0}).outputs[0].hasOpinion);
+    }
+    CHECK(engineOf(base, kTwo).suitability().exactGeneral(std::array{0.5, 0.5}).value == doctest::Approx(0.5));
+}
+
+TEST_CASE("a term of suitability without width is refused beside one with, as is one outside the universe")
+{
+    const auto errorOf = [](Trapezoid shape) {
+        RuleBase base = baseOf({ramp("x")}, {"if x is high then left is favoured"});
+        base.suitability.terms.back().shape = shape;
+        DiagnosticSink sink("test");
+        if (validate(base, sink)) return std::string("none");
+        return sink.all()[0].id + " " + sink.all()[0].message;
+    };
+    CHECK(errorOf({0.9, 0.9, 0.9, 0.9}) == "R05 term 'favoured' of suitability has no width, so no weight beside the "
+                                           "area of 'acceptable'; give all terms a width, or none");
+    CHECK(contains(errorOf({1.0, 1.0, kInf, kInf}), "has no width")); // within the universe
+    CHECK(errorOf({1.5, 1.5, 1.5, 1.5}) == "R05 term 'favoured' lies outside the universe");
+    CHECK(errorOf({0.8, 0.9, 0.9, 1.0}) == "none");
 }
 
 TEST_CASE("an unknown fact belongs to no term, its negation neither, and it vetoes nothing")
