@@ -136,33 +136,59 @@ public:
     explicit TextBuffer(std::string& text) { setg(text.data(), text.data(), text.data() + text.size()); }
 };
 
-/// Bytes that UTF-8 text cannot hold, or that yaml-cpp would take for the end of the input or for UTF-16.
-const char* findForeignByte(const std::string& text)
+/// How many bytes the character at the start of `text` has; 0 where it is none (Unicode 15, table 3-7), or a control
+/// character, which yaml-cpp would take for the end of the input or for UTF-16.
+std::size_t characterLength(std::string_view text)
 {
-    const auto found = std::find_if(text.begin(), text.end(), [](char c) {
-        const auto byte = static_cast<unsigned char>(c);
-        return (byte < 0x20 && c != '\t' && c != '\n' && c != '\r') || byte == 0x7f || byte >= 0xf8;
-    });
-    return found == text.end() ? nullptr : &*found;
-}
-
-SourceSpot spotAt(std::string_view text, std::size_t offset)
-{
-    const std::string_view before = text.substr(0, offset);
-    const std::size_t lineStart = before.rfind('\n') == std::string_view::npos ? 0 : before.rfind('\n') + 1;
-    return {static_cast<uint32_t>(1 + std::count(before.begin(), before.end(), '\n')),
-            static_cast<uint32_t>(offset - lineStart + 1)};
-}
-
-std::size_t offsetAt(std::string_view text, SourceSpot spot)
-{
-    std::size_t offset = 0;
-    for (uint32_t line = 1; line < spot.line; ++line) {
-        const std::size_t end = text.find('\n', offset);
-        if (end == std::string_view::npos) return text.size();
-        offset = end + 1;
+    const auto byteAt = [text](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+    const unsigned first = byteAt(0);
+    if (first < 0x80) {
+        const bool isSpace = first == '\t' || first == '\n' || first == '\r';
+        return (first >= 0x20 || isSpace) && first != 0x7f ? 1 : 0;
     }
-    return std::min(text.size(), offset + spot.column - 1);
+    const std::size_t length = first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
+    // Of the second byte: nothing that fits fewer bytes, no surrogate, nothing above U+10FFFF.
+    const unsigned low = first == 0xe0 ? 0xa0 : first == 0xf0 ? 0x90 : 0x80;
+    const unsigned high = first == 0xed ? 0x9f : first == 0xf4 ? 0x8f : 0xbf;
+    for (std::size_t i = 1; i < length; ++i) {
+        if (byteAt(i) < (i == 1 ? low : 0x80) || byteAt(i) > (i == 1 ? high : 0xbf)) return 0;
+    }
+    return length;
+}
+
+/// Offset of the first byte that belongs to no character, or the size of the text.
+std::size_t findForeignByte(std::string_view text)
+{
+    std::size_t at = 0;
+    while (at < text.size()) {
+        const std::size_t length = characterLength(text.substr(at));
+        if (length == 0) break;
+        at += length;
+    }
+    return at;
+}
+
+std::vector<std::size_t> lineStartsOf(std::string_view text)
+{
+    std::vector<std::size_t> starts = {0};
+    for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n', end + 1))
+        starts.push_back(end + 1);
+    return starts;
+}
+
+SourceSpot spotAt(const Document& document, std::size_t offset)
+{
+    const auto& starts = document.lineStarts;
+    const auto line = std::upper_bound(starts.begin(), starts.end(), offset) - starts.begin();
+    return {static_cast<uint32_t>(line),
+            static_cast<uint32_t>(offset - starts[static_cast<std::size_t>(line - 1)] + 1)};
+}
+
+std::size_t offsetAt(const Document& document, SourceSpot spot)
+{
+    const std::size_t size = document.source.size();
+    if (spot.line == 0 || spot.line > document.lineStarts.size()) return size;
+    return std::min(size, document.lineStarts[spot.line - 1] + spot.column - 1);
 }
 
 bool parseEvents(std::string& source, TreeBuilder& builder, DiagnosticSink& sink)
@@ -211,9 +237,9 @@ std::optional<Document> parse(std::string_view text, const Limits& limits, Diagn
     if (text.substr(0, 3) == "\xef\xbb\xbf") text.remove_prefix(3);
     Document document;
     document.source = std::string(text);
-    if (const char* foreign = findForeignByte(document.source)) {
-        const auto offset = static_cast<std::size_t>(foreign - document.source.data());
-        sink.error("R01", spotAt(text, offset), "not UTF-8 text: a control character or a foreign byte");
+    document.lineStarts = lineStartsOf(document.source);
+    if (const std::size_t foreign = findForeignByte(document.source); foreign != document.source.size()) {
+        sink.error("R01", spotAt(document, foreign), "not UTF-8 text: a control character or a foreign byte");
         return std::nullopt;
     }
     TreeBuilder builder(limits);
@@ -224,22 +250,38 @@ std::optional<Document> parse(std::string_view text, const Limits& limits, Diagn
 
 SourceSpot Document::spotInside(const Node& scalar, std::size_t offset) const
 {
-    const std::string_view text = source;
-    std::size_t at = offsetAt(text, scalar.at);
-    if (at < text.size() && (text[at] == '>' || text[at] == '|') && !scalar.plain)
-        at = std::min(text.size(), text.find('\n', at)); // a block scalar starts on the next line
+    return SpotFinder(*this, scalar).spotOf(offset);
+}
+
+SpotFinder::SpotFinder(const Document& document, const Node& scalar)
+    : document_(document), scalar_(scalar), start_(offsetAt(document, scalar.at))
+{
+    const std::string_view text = document.source;
+    const bool isBlock = start_ < text.size() && (text[start_] == '>' || text[start_] == '|') && !scalar.plain;
+    if (isBlock) start_ = std::min(text.size(), text.find('\n', start_)); // it starts on the next line
+    at_ = start_;
+}
+
+SourceSpot SpotFinder::spotOf(std::size_t offset)
+{
+    if (offset < next_) next_ = 0, at_ = start_;
+    return advanceTo(offset) ? spotAt(document_, at_) : scalar_.at;
+}
+
+/// False at an escape that cannot be followed, such as \x41.
+bool SpotFinder::advanceTo(std::size_t offset)
+{
+    const std::string_view text = document_.source;
     // What may stand in the file between two characters of the value: quotes, escapes, line folding and indentation.
     const auto mayBeLeftOut = [](char c) { return std::string_view("\"'\\ \t\r\n").find(c) != std::string_view::npos; };
-    for (std::size_t i = 0; i <= offset; ++i) {
-        const char wanted = i < scalar.text.size() ? scalar.text[i] : '\0';
+    for (;; ++next_, ++at_) {
+        const char wanted = next_ < scalar_.text.size() ? scalar_.text[next_] : '\0';
         const auto matches = [wanted](char c) { return c == wanted || (wanted == ' ' && c == '\n'); };
-        while (at < text.size() && !matches(text[at]) && mayBeLeftOut(text[at]) && wanted != '\0')
-            ++at;
-        if (at == text.size() || (wanted != '\0' && !matches(text[at])))
-            return scalar.at; // an escape we cannot follow, such as \x41
-        if (i < offset) ++at;
+        while (at_ < text.size() && !matches(text[at_]) && mayBeLeftOut(text[at_]) && wanted != '\0')
+            ++at_;
+        if (at_ == text.size() || (wanted != '\0' && !matches(text[at_]))) return false;
+        if (next_ == offset) return true;
     }
-    return spotAt(text, at);
 }
 
 std::optional<double> numberOf(const Node& node) noexcept

@@ -52,9 +52,26 @@ struct Entry {
 struct Document {
     Node root;
     std::string source;
+    std::vector<std::size_t> lineStarts; ///< Offsets in `source`; the first is 0.
 
     /// Where the byte `offset` of a scalar's text stands in the file, through quotes, escapes and folded lines.
     SourceSpot spotInside(const Node& scalar, std::size_t offset) const;
+};
+
+/// Document::spotInside() for many places of one scalar: ascending offsets go through its text once. Both must outlive
+/// it.
+class SpotFinder {
+public:
+    SpotFinder(const Document& document, const Node& scalar);
+    SourceSpot spotOf(std::size_t offset);
+
+private:
+    bool advanceTo(std::size_t offset);
+
+    const Document& document_;
+    const Node& scalar_;
+    std::size_t start_ = 0;         ///< Where the text of the scalar begins in the file.
+    std::size_t next_ = 0, at_ = 0; ///< What comes next: a byte of the text, and a place that is not before it.
 };
 
 /// Reads a text. On an error reports R01 (not YAML, not UTF-8), R02 (anchor, alias, tag), R03 (key twice) or R07

@@ -203,7 +203,8 @@ private:
             sink_.error("R04", node.at, "a sentence must be a text, found " + std::string(kindText(node)));
             return false;
         }
-        return parse(SentenceText{node.text, [&](std::size_t offset) { return document_.spotInside(node, offset); }});
+        yaml::SpotFinder finder(document_, node);
+        return parse(SentenceText{node.text, [&](std::size_t offset) { return finder.spotOf(offset); }});
     }
 
     void readRules(const Node& node, std::vector<Rule>& rules)

@@ -42,6 +42,18 @@ TEST_CASE("a text that is not one plain YAML document is refused with a place")
                   "a: 1\n") == ""); // UTF-8 with a mark
 }
 
+TEST_CASE("what is not UTF-8 is refused at the byte: lone bytes, overlong forms, surrogates, beyond U+10FFFF")
+{
+    for (const char* good : {"\xc2\x80", "\xdf\xbf", "\xe0\xa0\x80", "\xed\x9f\xbf", "\xee\x80\x80", "\xf0\x90\x80\x80",
+                             "\xf4\x8f\xbf\xbf"})
+        CHECK(refusal("a: \"" + std::string(good) + "\"\n") == "");
+    for (const char* bad : {"\x80", "\xc3", "\xc0\xaf", "\xc1\xbf", "\xe0\x9f\xbf", "\xed\xa0\x80", "\xe2\x82",
+                            "\xf0\x8f\xbf\xbf", "\xf4\x90\x80\x80", "\xf5\x80\x80\x80", "\xff"}) {
+        CHECK(refusal("a: 1\nb: \"x" + std::string(bad) + "\"\n") == "R01 2:6");
+        CHECK(refusal("a: " + std::string(bad)) == "R01 1:4"); // cut off by the end, too
+    }
+}
+
 TEST_CASE("size, depth and number of values are bounded")
 {
     CHECK(refusal(std::string(101, ' '), {.bytes = 100}).substr(0, 3) == "R07");
@@ -98,6 +110,21 @@ TEST_CASE("a place inside a scalar is found through quotes, escapes, folding and
     CHECK(spotOfTwo("literal") == SourceSpot{11, 3});
     const yaml::Node& plain = *document->root.find("plain");
     CHECK(document->spotInside(plain, plain.text.size()) == SourceSpot{1, 15}); // just behind the end
+}
+
+TEST_CASE("a finder goes back where it must, and tells the same places as from the beginning")
+{
+    DiagnosticSink sink("doc.yaml");
+    const auto document = yaml::parse("a: 1\nb: \"one \\x41 two\"\nc: 'it''s\n  two'\n", {}, sink);
+    REQUIRE(document.has_value());
+    for (const char* key : {"b", "c"}) {
+        const yaml::Node& scalar = *document->root.find(key);
+        yaml::SpotFinder finder(*document, scalar);
+        for (const std::size_t offset : {0, 2, 2, 5, 8, 6, 1, 7})
+            CHECK(finder.spotOf(offset) == document->spotInside(scalar, offset));
+    }
+    CHECK(document->spotInside(*document->root.find("b"), 2) == SourceSpot{2, 7});
+    CHECK(document->spotInside(*document->root.find("b"), 6) == SourceSpot{2, 4}); // behind \x41: the scalar's own
 }
 
 TEST_CASE("a map reader reports unknown keys, missing ones and wrong kinds at their places")

@@ -1,6 +1,7 @@
 #include "yaml_support.hpp"
 
 #include <clocale>
+#include <ctime>
 #include <locale>
 
 #include "rules/engine/explain.hpp"
@@ -278,6 +279,25 @@ TEST_CASE("every limit on a rule file is where the page says: what reaches it is
     };
     CHECK(errorsOf(nested(31)) == "2:7: error R04: 'name' must be a text, found a list\n");
     CHECK(errorsOf(nested(32)) == "2:38: error R07: nested deeper than 32\n");
+}
+
+TEST_CASE("a text as long as may be takes a time in proportion, however its names are laid out")
+{
+    const std::string head = "version: 1\nvariables:\n  x: {universe: [0, 1], terms: {low: [0, 0, 1, 1]}}\nrules: [";
+    const auto secondsFor = [&](std::size_t bytes, std::string_view between) {
+        std::string sentence = "{rule: \"if x is low";
+        for (int i = 0; i < 480; ++i)
+            sentence += " or low";
+        sentence += " then o is favoured\"},";
+        std::string text = head;
+        while (text.size() < bytes)
+            text.append(sentence).append(between);
+        const std::clock_t start = std::clock();
+        CHECK(errorsOf(text + "]\n") == "");
+        return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    };
+    for (const char* between : {"", "\n "})          // one line, or many
+        CHECK(secondsFor(1'000'000, between) < 5.0); // half a second; it used to be a minute
 }
 
 TEST_CASE("NaN is no number anywhere in a rule file")
