@@ -129,9 +129,8 @@ std::string changeCostText(const Candidate& candidate)
 }
 
 /// What GN_REASON_PRICE holds against a better suited method.
-std::string priceText(const DecisionRecord& record, const Candidate& candidate)
+std::string priceText(const Candidate& chosen, const Candidate& candidate)
 {
-    const Candidate& chosen = record.candidates[record.method];
     const bool showsLess = chosen.quality > candidate.quality + plan::kSameQuality;
     return showsLess ? "shows less (quality " + fixed(double{candidate.quality}, 2) + " against " +
                            fixed(double{chosen.quality}, 2) + ") and takes " + changeCostText(candidate)
@@ -172,10 +171,9 @@ std::string gainText(const DecisionRecord& record)
            percent(double{record.threshold});
 }
 
-const char* heldText(const DecisionRecord& record)
+const char* heldText(plan::Hold hold)
 {
-    return record.hold == plan::Hold::none ? "worth more and affordable, but not by the best plan"
-                                           : holdText(record.hold);
+    return hold == plan::Hold::none ? "worth more and affordable, but not by the best plan" : holdText(hold);
 }
 
 /// What the plan put aside that the rules like better, and why.
@@ -189,12 +187,13 @@ std::string passedOverLine(const DecisionRecord& record, const ExplainWords& wor
     case plan::Why::budget:
         return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but needs " + changeCostText(wanted);
     case plan::Why::hysteresis:
-        return name + " would be better, but is held: " + heldText(record) + "; " + gainText(record);
+        return name + " would be better, but is held: " + heldText(record.hold) + "; " + gainText(record);
     case plan::Why::floor:
         return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but its quality " +
                fixed(double{wanted.quality}, 2) + " is below the near floor";
     case plan::Why::price:
-        return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but " + priceText(record, wanted);
+        return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but " +
+               priceText(record.candidates[record.method], wanted);
     case plan::Why::outscored:
         if (record.budgeted)
             return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but with its quality " +
@@ -318,11 +317,11 @@ void addElimination(const DecisionRecord& record, std::uint32_t method, const Ex
     case plan::Why::budget:
         return addBudget(record, candidate, lines);
     case plan::Why::hysteresis:
-        return lines.add(std::string("held: ") + heldText(record) + "; " + gainText(record));
+        return lines.add(std::string("held: ") + heldText(record.hold) + "; " + gainText(record));
     case plan::Why::price:
         if (record.method >= record.methods) return; // the plan's choice could not be made after all
         return lines.add("it suits better (" + fixed(suitabilityOf(candidate), 2) + "), but " +
-                         priceText(record, candidate));
+                         priceText(record.candidates[record.method], candidate));
     case plan::Why::noOpinion:
         return lines.add("no rule that fires speaks of it, and rules speak of others");
     case plan::Why::trait:
@@ -383,6 +382,31 @@ std::string explainWhyNot(const DecisionRecord& record, std::uint32_t method, co
 
 // --- the long form of the newest frame ---
 
+std::string passedOverText(const LightDecision& decision, const Candidate& candidate)
+{
+    switch (decision.reason == GN_REASON_PINNED ? plan::Why::pinned : candidate.why) {
+    case plan::Why::pinned:
+        return "the host pinned another one";
+    case plan::Why::floor:
+        return "its quality " + fixed(double{candidate.quality}, 2) + " is below the near floor";
+    case plan::Why::budget:
+        return "does not fit the budget: needs " + changeCostText(candidate);
+    case plan::Why::hysteresis:
+        return std::string("held: ") + heldText(decision.hold);
+    case plan::Why::price:
+        if (decision.method == UINT32_MAX) break; // the plan's choice could not be made after all
+        return priceText(decision.candidates[decision.method], candidate);
+    case plan::Why::trait:
+        return "its predicted time is not a number";
+    case plan::Why::chosen: // by the plan, but something else serves
+    case plan::Why::never:
+    case plan::Why::noOpinion:
+    case plan::Why::outscored:
+        break;
+    }
+    return candidate.quantised < 0 ? "no opinion" : "outscored";
+}
+
 std::string Selector::explain(const LightDecision& decision, const rules::Engine* engine) const
 {
     std::string text = "method: ";
@@ -417,10 +441,8 @@ std::string Selector::explain(const LightDecision& decision, const rules::Engine
             text += "chosen, " + fixed(decision.predictedMs, 2) + " ms";
         else if (candidate.exclusion != Exclusion::none)
             text += "out, " + exclusionText(candidate, unavailable ? unavailable : "", engine);
-        else if (candidate.quantised < 0)
-            text += "no opinion";
         else
-            text += "outscored";
+            text += passedOverText(decision, candidate);
         text += '\n';
     }
     return text;

@@ -41,6 +41,9 @@ std::string explainWhatChanged(const DecisionRecord& record, const DecisionRecor
 std::optional<DecisionRecord> earlierRecord(const DecisionRecord& record, std::uint64_t oldest, bool otherMethod,
                                             const std::function<bool(std::uint64_t, DecisionRecord&)>& find);
 
+/// Why a method that is able to serve the light does not, in the long explanation of the newest frame: "outscored".
+std::string passedOverText(const LightDecision& decision, const Candidate& candidate);
+
 // Words for single things (explain_words.cpp), also used by the long explanation of the newest frame.
 const char* reasonText(GnReason reason);
 std::string exclusionText(const Candidate& candidate, std::string_view unavailable, const rules::Engine* engine);

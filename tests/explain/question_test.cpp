@@ -192,6 +192,29 @@ TEST_CASE("what suits better but is below the near floor is left for the floor, 
                    "stencil_volume suits better (0.84), but its quality 0.70 is below the near floor"});
 }
 
+TEST_CASE("the long explanation says of every method that could serve what kept it from it")
+{
+    LightDecision decision;
+    decision.method = 0;
+    decision.hold = plan::Hold::ban;
+    decision.candidates[0].quality = 1.0f;
+    const auto textFor = [&](plan::Why why, std::int32_t quantised = 100) {
+        const Candidate candidate{
+            .quantised = quantised, .quality = 0.5f, .predictedMs = 2.0f, .sigmaMs = 0.5f, .why = why};
+        return passedOverText(decision, candidate);
+    };
+    CHECK(textFor(plan::Why::floor) == "its quality 0.50 is below the near floor");
+    CHECK(textFor(plan::Why::budget) == "does not fit the budget: needs 2.00 ms +- 0.50 ms");
+    CHECK(textFor(plan::Why::hysteresis) == "held: the light flipped between the two, or would");
+    CHECK(textFor(plan::Why::price) == "shows less (quality 0.50 against 1.00) and takes 2.00 ms +- 0.50 ms");
+    CHECK(textFor(plan::Why::outscored) == "outscored");
+    CHECK(textFor(plan::Why::noOpinion, -1) == "no opinion");
+    decision.method = UINT32_MAX;
+    CHECK(textFor(plan::Why::price) == "outscored");
+    decision.reason = GN_REASON_PINNED;
+    CHECK(textFor(plan::Why::outscored) == "the host pinned another one");
+}
+
 TEST_CASE("what suits better but is worth no more with its quality says so")
 {
     Desk desk = makeDesk();
