@@ -58,15 +58,19 @@ struct Place {
     size_t index;
 };
 
-/// The rule base of a chunk, bound to the methods that it names.
-std::optional<rules::Engine> engineOf(const DecisionLog& log)
+/// The rule base of a chunk, bound to the first `methods` that it names: those there were at a decision.
+std::optional<rules::Engine> engineOf(const DecisionLog& log, size_t methods)
 {
 #ifdef GNOMON_WITH_YAML
     if (log.rulesText.empty()) return std::nullopt;
     const AlgorithmRegistry registry = builtinRegistry();
     RuleVocabulary vocabulary(registry);
-    for (const LoggedMethod& method : log.methods)
-        vocabulary.addMethod(method.name, method.traits);
+    for (size_t m = 0; m < log.methods.size(); ++m) {
+        if (m < methods)
+            vocabulary.addMethod(log.methods[m].name, log.methods[m].traits);
+        else
+            vocabulary.absent.push_back({log.methods[m].name, {}});
+    }
     for (const AlgorithmEntry* entry : registry.entries) { // of this build, but not of the one that wrote the log
         const bool logged = std::any_of(log.methods.begin(), log.methods.end(),
                                         [&](const LoggedMethod& method) { return method.name == entry->name; });
@@ -76,7 +80,7 @@ std::optional<rules::Engine> engineOf(const DecisionLog& log)
     if (!parsed) return std::nullopt;
     return std::move(rules::Engine::bind(std::move(*parsed.base), vocabulary.view()).engine);
 #else
-    (void)log;
+    (void)log, (void)methods;
     return std::nullopt;
 #endif
 }
@@ -139,7 +143,7 @@ Answer answer(const std::vector<DecisionLog>& logs, const Place& place, const Wh
     std::string light = "number " + std::to_string(record.lightId);
     for (const LoggedLight& named : log.lights)
         if (named.id == record.lightId) light = named.name;
-    const std::optional<rules::Engine> engine = engineOf(log);
+    const std::optional<rules::Engine> engine = engineOf(log, record.methods);
     const bool same = engine && engine->base().textHash == record.ruleHash;
     const ExplainWords words{
         .methods = methods, .engine = same ? &*engine : nullptr, .light = light, .frameOrigin = log.frameOrigin};

@@ -145,10 +145,8 @@ Result<std::string> Context::decisionLog(GnView viewHandle, std::uint64_t firstF
     log.rulesName = selector_->rulesName();
     log.rulesText = selector_->rulesText();
     for (std::uint64_t frame = first; frame <= records.newest(); ++frame)
-        for (std::uint32_t i = 0; i < records.lights(frame); ++i) {
+        for (std::uint32_t i = 0; i < records.lights(frame); ++i)
             log.add(records.at(frame, i));
-            log.heads.back().methods = methods_->size(); // older ones knew fewer
-        }
     for (const LightDecision& decision : view->decisions) // lights that are gone keep their number
         if (const auto info = scene_->lightInfo(decision.light))
             log.lights.push_back({info->id, std::string(info->name)});

@@ -106,8 +106,11 @@ Result<std::uint32_t> Context::candidates(GnView view, GnLight light, std::span<
     if (!found) return found.error();
     const RecordRing& records = findView(view)->records;
     const bool ruled = records.rules(records.newest()) != nullptr; // by those in force when it was decided
-    for (std::uint32_t i = 0; i < std::min<std::size_t>(out.size(), methods_->size()); ++i)
-        out[i] = publicCandidate((*methods_)[i].name.c_str(), (*found)->candidates[i], i == (*found)->method, ruled);
+    const Candidate later{.exclusion = Exclusion::notReady};       // it was no candidate then
+    for (std::uint32_t i = 0; i < std::min<std::size_t>(out.size(), methods_->size()); ++i) {
+        const Candidate& candidate = i < records.methods(records.newest()) ? (*found)->candidates[i] : later;
+        out[i] = publicCandidate((*methods_)[i].name.c_str(), candidate, i == (*found)->method, ruled);
+    }
     return methods_->size();
 }
 

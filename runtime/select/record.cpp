@@ -121,7 +121,7 @@ void RecordRing::begin(std::uint64_t frame, std::uint32_t lights, std::uint32_t 
                        std::shared_ptr<const rules::Engine> rules)
 {
     if (lights > lights_ || methods > methods_) grow(lights, methods);
-    slots_[frame % kFrames] = {.frame = frame, .count = 0, .rules = std::move(rules)};
+    slots_[frame % kFrames] = {.frame = frame, .count = 0, .methods = methods, .rules = std::move(rules)};
     newest_ = frame;
 }
 
@@ -160,6 +160,11 @@ bool RecordRing::has(std::uint64_t frame) const
 std::uint32_t RecordRing::lights(std::uint64_t frame) const
 {
     return has(frame) ? slots_[frame % kFrames].count : 0;
+}
+
+std::uint32_t RecordRing::methods(std::uint64_t frame) const
+{
+    return has(frame) ? slots_[frame % kFrames].methods : 0;
 }
 
 std::shared_ptr<const rules::Engine> RecordRing::rules(std::uint64_t frame) const

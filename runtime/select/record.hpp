@@ -119,6 +119,8 @@ public:
     bool has(std::uint64_t frame) const;
     /// Lights of a frame; 0 for one that is not in the ring.
     std::uint32_t lights(std::uint64_t frame) const;
+    /// How many methods a frame was decided among; 0 for one that is not in the ring.
+    std::uint32_t methods(std::uint64_t frame) const;
     /// The rules a frame was decided by, whatever was loaded since; null: none, or the frame is not in the ring.
     std::shared_ptr<const rules::Engine> rules(std::uint64_t frame) const;
     DecisionRecord at(std::uint64_t frame, std::uint32_t index) const;
@@ -128,7 +130,7 @@ public:
 private:
     struct Slot {
         std::uint64_t frame = 0;
-        std::uint32_t count = 0;
+        std::uint32_t count = 0, methods = 0;
         std::shared_ptr<const rules::Engine> rules;
     };
     std::size_t cell(std::uint64_t frame, std::uint32_t index) const { return frame % kFrames * lights_ + index; }

@@ -10,7 +10,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::string_view kMagic = "GNDECID3";
+constexpr std::string_view kMagic = "GNDECID4";
 constexpr std::uint8_t kNoMethod = 255;
 constexpr std::uint16_t kNoRefusal = 65535;
 enum : std::uint8_t { kBudgeted = 1, kSwitched = 2, kFloor = 4, kFloorUnmet = 8, kPriced = 16, kGuessed = 32 };
@@ -35,6 +35,7 @@ void writeHead(ByteWriter& out, const ReasonedHead& head)
     out.integer(head.ruleHash);
     out.integer(head.knowledge);
     out.integer(head.lightId);
+    out.integer(static_cast<std::uint8_t>(head.methods));
     for (const std::uint32_t method : {head.method, head.wanted, head.incumbent, head.pinned})
         out.integer(packMethod(method));
     out.integer(head.fallbacks);
@@ -138,7 +139,7 @@ std::string writeDecisionLog(const DecisionLog& log)
     out.integer(static_cast<std::uint32_t>(log.heads.size()));
     for (std::size_t i = 0; i < log.heads.size(); ++i) {
         writeHead(out, log.heads[i]);
-        for (std::size_t m = 0; m < log.methods.size(); ++m)
+        for (std::size_t m = 0; m < log.heads[i].methods; ++m)
             writeCandidate(out, log.candidates[i * log.methods.size() + m], refusals);
     }
     ByteWriter size;
@@ -211,11 +212,11 @@ private:
             log_.refusals.push_back(text(kMaxLogNameBytes));
     }
 
-    std::uint32_t readMethod()
+    std::uint32_t readMethod(std::uint32_t methods)
     {
         const auto method = in_.integer<std::uint8_t>();
         if (method == kNoMethod) return UINT32_MAX;
-        if (method >= log_.methods.size()) fault("names method " + std::to_string(method) + ", which it does not have");
+        if (method >= methods) fault("names method " + std::to_string(method) + ", which it does not have");
         return method;
     }
 
@@ -231,14 +232,16 @@ private:
     void readRecord()
     {
         ReasonedHead head;
-        head.methods = static_cast<std::uint32_t>(log_.methods.size());
         head.frame = in_.integer<std::uint64_t>();
         if (head.frame < log_.frameOrigin) fault("has a frame before its origin");
         head.ruleHash = in_.integer<std::uint64_t>();
         head.knowledge = in_.integer<std::uint64_t>();
         head.lightId = in_.integer<std::uint32_t>();
+        head.methods = in_.integer<std::uint8_t>();
+        if (head.methods > log_.methods.size())
+            fault("has " + std::to_string(head.methods) + " methods in a record, more than it names");
         for (std::uint32_t* method : {&head.method, &head.wanted, &head.incumbent, &head.pinned})
-            *method = readMethod();
+            *method = readMethod(head.methods);
         head.fallbacks = in_.integer<std::uint32_t>();
         head.distanceAge = in_.integer<std::uint32_t>();
         head.reason = readEnum(GN_REASON_WORTH, "reason");
@@ -264,6 +267,7 @@ private:
         for (std::uint32_t m = 0; m < head.methods && good(); ++m)
             readCandidate();
         log_.heads.push_back(head);
+        log_.candidates.resize(log_.heads.size() * log_.methods.size()); // those added later
     }
 
     void readCandidate()

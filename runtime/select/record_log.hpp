@@ -3,7 +3,7 @@
 //
 // A chunk, little-endian, no padding; a log file is any number of chunks in the order of their frames:
 //
-//     "GNDECID3"                                                     version in the last byte
+//     "GNDECID4"                                                     version in the last byte
 //     u32 size of the chunk in bytes, hash included
 //     u64 frame origin: subtracted from frame numbers when they are shown or asked for
 //     u8 methods x { text name; u32 traits (GnTraits); text why the device cannot run it, or empty }
@@ -13,7 +13,7 @@
 //     u16 refusals x text: reasons of methods that refused a light
 //     u32 records x {
 //         u64 frame, rule base hash, timings the cost model had learned from
-//         u32 light id; u8 method, wanted, incumbent, pinned (255: none)
+//         u32 light id; u8 how many of the methods there were then; u8 method, wanted, incumbent, pinned (255: none)
 //         u32 fallbacks (a bit per method), frames since the distance was measured (2^32 - 1: never)
 //         u8 reason (GnReason), cause of the re-planning (Replan), hold (plan::Hold)
 //         u8 flags: 1 budgeted, 2 switched, 4 near floor, 8 floor unmet
@@ -21,7 +21,7 @@
 //             plan ms, its standard error, plan value, gain, threshold
 //         facts x f64
 //         u8 fired rules x { u32 rule; u32 limiting variable, term; f32 strength, membership, weight }
-//         methods x { i16 suitability in 1/4096, -1 none; u8 exclusion, why;
+//         methods of then x { i16 suitability in 1/4096, -1 none; u8 exclusion, why;
 //                     f32 quality, predicted ms, sigma ms, first ms, shared ms;
 //                     where excluded: u64 detail, u16 refusal (65535: none) } }
 //     u64 FNV-1a of everything before
@@ -56,8 +56,8 @@ struct DecisionLog {
     std::vector<LoggedMethod> methods;
     std::string rulesName, rulesText;
     std::vector<LoggedLight> lights;
-    std::vector<ReasonedHead> heads;   ///< By frame; every one has as many methods as there are above.
-    std::vector<Candidate> candidates; ///< heads x methods
+    std::vector<ReasonedHead> heads;   ///< By frame; each has as many of the methods above as there were then.
+    std::vector<Candidate> candidates; ///< heads x methods; those of methods added later mean nothing.
     std::deque<std::string> refusals;  ///< Candidate::refusal points here after reading.
 
     void add(const DecisionRecord& record);

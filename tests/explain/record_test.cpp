@@ -230,6 +230,39 @@ TEST_CASE("a log read back answers every question with the same words")
     MESSAGE("bytes a record: " << (bytes.size() - deskRules().size()) / log.heads.size());
 }
 
+TEST_CASE("a method that was added later is that in a log, too, and among the methods of the frame no more")
+{
+    Desk desk = makeDesk();
+    DecisionLog log = walk(desk);
+    const auto later = static_cast<std::uint32_t>(log.methods.size());
+    log.methods.push_back({"later", GN_TRAIT_SPOT_BIT, ""});
+    std::vector<Candidate> wider;
+    for (std::size_t i = 0; i < log.heads.size(); ++i) {
+        wider.insert(wider.end(), log.candidates.begin() + static_cast<std::ptrdiff_t>(i * later),
+                     log.candidates.begin() + static_cast<std::ptrdiff_t>((i + 1) * later));
+        wider.emplace_back();
+    }
+    log.candidates = std::move(wider);
+    std::vector<MethodWords> methods = methodWords();
+    methods.push_back({"later", ""});
+    const ExplainWords words{.methods = methods, .engine = &desk.engine(), .light = "lamp"};
+    const std::string bytes = writeDecisionLog(log);
+    std::string_view rest = bytes;
+    const Result<DecisionLog> read = readDecisionLog(rest);
+    REQUIRE(bool(read));
+    for (std::size_t i = 0; i < log.heads.size(); ++i) {
+        CHECK(read->heads[i].methods == later);
+        CHECK(answers(read->record(i), words) == answers(log.record(i), words));
+        CHECK(contains(explainWhyNot(read->record(i), later, words), "later was added later"));
+    }
+    RecordRing ring;
+    ring.begin(1, 1, 3, nullptr);
+    ring.begin(2, 1, 4, nullptr);
+    CHECK(ring.methods(1) == 3);
+    CHECK(ring.methods(2) == 4);
+    CHECK(ring.methods(3) == 0);
+}
+
 TEST_CASE("a log that is cut short, damaged, foreign or of another version is an error that says so")
 {
     Desk desk = makeDesk();

@@ -58,7 +58,7 @@ typedef struct GnFact {
 typedef enum GnElimination {
     GN_ELIMINATION_NONE = 0,       ///< It is the one.
     GN_ELIMINATION_UNABLE = 1,     ///< Cannot serve: kind of light, device, casters, memory.
-    GN_ELIMINATION_NOT_READY = 2,  ///< Its pipelines have not run yet.
+    GN_ELIMINATION_NOT_READY = 2,  ///< Its pipelines have not run yet, or it was added after the frame.
     GN_ELIMINATION_PINNED = 3,     ///< The host pinned another one.
     GN_ELIMINATION_NEVER = 4,      ///< Vetoed by a rule.
     GN_ELIMINATION_NO_OPINION = 5, ///< No rule speaks about it, but rules speak about others.
