@@ -178,6 +178,18 @@ void checkConsequents(const Rule& rule, bool isOtherwise, const RuleBase& base, 
         sink.error("R06", others->nameAt, "'others' needs a conclusion about an output; this sentence has none");
 }
 
+/// An id stands in messages and logs of one line, and "otherwise" there is the rule of that name.
+void checkId(const Rule& rule, DiagnosticSink& sink)
+{
+    const auto isControl = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; };
+    if (std::any_of(rule.id.begin(), rule.id.end(), isControl))
+        sink.error("R05", rule.at, "the id of a rule holds a control character");
+    else if (rule.id.size() > kMaxNameBytes)
+        sink.error("R05", rule.at, "the id of a rule is longer than " + std::to_string(kMaxNameBytes) + " bytes");
+    else if (rule.id == "otherwise")
+        sink.error("R05", rule.at, "'otherwise' cannot be the id of a rule");
+}
+
 void checkRule(const Rule& rule, bool isOtherwise, const RuleBase& base, const Names& names, DiagnosticSink& sink)
 {
     if (!isOtherwise && !isWellFormed(rule.antecedent))
@@ -236,6 +248,7 @@ bool validate(const RuleBase& base, DiagnosticSink& sink)
     std::unordered_set<std::string_view> ids;
     for (const Rule& rule : base.rules) {
         if (!ids.insert(rule.id).second) sink.error("R05", rule.at, "two rules are called " + quoted(rule.id));
+        checkId(rule, sink);
         checkRule(rule, false, base, names, sink);
     }
     if (base.otherwise) checkRule(*base.otherwise, true, base, names, sink);

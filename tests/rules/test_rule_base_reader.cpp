@@ -194,6 +194,14 @@ TEST_CASE("a faulty rule base is refused with the place of each fault")
           "2:43: error R05: term 'a': corners must ascend: a <= b <= c <= d\n");
     CHECK(errorsOf(head + "rules: [{id: A, rule: if x is low then p is favoured}, {id: A, rule: if x is high then p is "
                           "favoured}]\n") == "4:70: error R05: two rules are called 'A'\n");
+    const auto errorOfId = [&](std::string_view id) {
+        return errorsOf(head + "rules: [{id: \"" + std::string(id) + "\", rule: if x is low then p is favoured}]\n");
+    };
+    for (const char* id : {"x\\ny", "x\\0y", "x\\ty", "\\x7f"})
+        CHECK(contains(errorOfId(id), "error R05: the id of a rule holds a control character"));
+    CHECK(contains(errorOfId("otherwise"), "error R05: 'otherwise' cannot be the id of a rule"));
+    CHECK(errorOfId(std::string(64, 'i')) == "");
+    CHECK(contains(errorOfId(std::string(65, 'i')), "error R05: the id of a rule is longer than 64 bytes"));
 }
 
 TEST_CASE("concepts and priorities arrive, and a circle is reported at the word that closes it")
