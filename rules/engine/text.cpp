@@ -9,7 +9,7 @@ namespace gnomon::rules {
 
 std::optional<double> parseNumber(std::string_view text) noexcept
 {
-    if (!text.empty() && text.front() == '+') text.remove_prefix(1); // from_chars knows no plus sign
+    if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1); // from_chars knows no plus sign
     // from_chars would also take "inf" and "nan"; a rule base spells infinity ".inf" and has no use for NaN.
     if (text.empty() || text.find_first_not_of("0123456789.eE+-") != std::string_view::npos) return std::nullopt;
     double value = 0.0;

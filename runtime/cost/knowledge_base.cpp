@@ -100,6 +100,7 @@ public:
     KnowledgeResult read(std::string_view text)
     {
         if (text.size() > kMaxKnowledgeBytes) return failure("the knowledge base is larger than 4 MiB");
+        if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3); // as editors mark UTF-8
         std::string_view heading = nextLine(text);
         if (!heading.starts_with(kHeading)) return failure("the first line is not '# gnomon knowledge VERSION'");
         heading.remove_prefix(kHeading.size());

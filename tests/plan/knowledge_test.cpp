@@ -29,6 +29,7 @@ TEST_CASE("a knowledge base reads back as it was written, and teaches the model"
     REQUIRE(read.base);
     CHECK(read.base->rejected == 0);
     CHECK(writeKnowledge(read.base->rows) == text);
+    CHECK(parseKnowledge("\xef\xbb\xbf" + text).base); // as editors mark UTF-8
     CHECK(read.base->rows[7].gpuMsP50 == doctest::Approx(rows[7].gpuMsP50).epsilon(1e-6));
     CHECK(read.base->rows[7].device == rows[7].device);
 

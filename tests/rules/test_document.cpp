@@ -66,8 +66,8 @@ TEST_CASE("size, depth and number of values are bounded")
 TEST_CASE("numbers are plain scalars in one spelling, infinities included")
 {
     DiagnosticSink sink("doc.yaml");
-    const auto document =
-        yaml::parse("[1, -0.5, +2, 1e3, .inf, -.inf, '1', nan, inf, .nan, 0x10, 1_000, 1., ~, 1 2]", {}, sink);
+    const auto document = yaml::parse(
+        "[1, -0.5, +2, 1e3, .inf, -.inf, '1', nan, inf, .nan, 0x10, +-5, ++5, -+5, 1_000, 1., ~, 1 2]", {}, sink);
     REQUIRE(document.has_value());
     const double expected[] = {1, -0.5, 2, 1000, kInf, -kInf};
     const auto& items = document->root.items;
