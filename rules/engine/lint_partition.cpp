@@ -23,17 +23,6 @@ std::size_t termsAt(const Variable& variable, double x)
                                                   [x](const Term& t) { return t.shape.membership(x) > 0.0; }));
 }
 
-/// The whole numbers of a count variable; its terms mean nothing between them.
-std::vector<double> wholeNumbers(const Variable& variable)
-{
-    constexpr double kMost = 4096;
-    std::vector<double> numbers;
-    const double first = std::ceil(variable.low);
-    for (double x = first; x <= variable.high && x - first < kMost; x += 1.0)
-        numbers.push_back(x);
-    return numbers;
-}
-
 /// A flank as a line through (foot, 0) and (shoulder, 1).
 struct Flank {
     double foot, shoulder;
@@ -61,6 +50,21 @@ std::vector<double> bends(const Variable& variable)
     std::sort(xs.begin(), xs.end());
     xs.erase(std::unique(xs.begin(), xs.end()), xs.end());
     return xs;
+}
+
+/// Of the whole numbers of a count variable those beside its bends, where they are extreme; its terms mean nothing
+/// between them.
+std::vector<double> wholeNumbers(const Variable& variable)
+{
+    std::vector<double> numbers;
+    for (const double x : bends(variable)) {
+        const double below = std::floor(x), above = std::ceil(x);
+        numbers.insert(numbers.end(), {below - 1.0, below, above, above + 1.0});
+    }
+    std::erase_if(numbers, [&](double x) { return !(x >= variable.low && x <= variable.high); });
+    std::sort(numbers.begin(), numbers.end());
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    return numbers;
 }
 
 struct Lowest {

@@ -159,6 +159,19 @@ TEST_CASE("L06: holes, piles, empty terms, cut flanks and disorder of terms are 
         "contains no value");
 }
 
+TEST_CASE("L06: of counts beyond thousands every whole number matters, and nothing between them")
+{
+    const auto l06 = [](double low, double high, std::vector<Term> terms) {
+        return findingsIn(variable("v", low, high, std::move(terms), "count"), "L06");
+    };
+    const Term few{"few", {-kInf, -kInf, 9000, 9000}, {}};
+    CHECK(l06(0, 1e12, {few, {"many", {9001, 9001, kInf, kInf}, {}}}).empty());
+    const auto found = l06(0, 1e12, {few, {"many", {9002, 9002, kInf, kInf}, {}}});
+    REQUIRE(found.size() == 1);
+    CHECK(contains(found[0], "leave a hole at 9001"));
+    CHECK(l06(-1e12, 1e12, {{"few", {-kInf, -kInf, 1e6, 3e6}, {}}, {"many", {1e6, 3e6, kInf, kInf}, {}}}).empty());
+}
+
 TEST_CASE("L06: suitability terms outside the closed form are reported")
 {
     RuleBase base = soundBase();
