@@ -53,29 +53,39 @@ Comparable comparableOf(const Engine& engine, uint32_t index)
     return made;
 }
 
+struct PairFindings {
+    CappedFindings same, superfluous;
+};
+
 void comparePair(const Engine& engine, const std::vector<Comparable>& rules, std::size_t first, std::size_t second,
-                 DiagnosticSink& sink)
+                 PairFindings& found)
 {
     const Comparable& a = rules[first];
     const Comparable& b = rules[second];
     const auto& base = engine.base();
+    const bool isSum = base.options.aggregation == Options::Aggregation::Sum;
     const auto name = [&](std::size_t i) { return "rule '" + base.rules[i].id + "'"; };
-    if (a.effects == b.effects && a.vetoes == b.vetoes && *a.form == *b.form) {
-        const bool isSum = base.options.aggregation == Options::Aggregation::Sum;
-        sink.warning("L05", base.rules[second].at,
-                     name(second) + " says the same as " + name(first) + (isSum ? "; under 'sum' both count" : ""));
+    const bool counts = a.weight == b.weight && a.priority == b.priority; // alike
+    if (a.effects == b.effects && a.vetoes == b.vetoes && *a.form == *b.form && (isSum || counts)) {
+        found.same.warning(base.rules[second].at, [&] {
+            return name(second) + " says the same as " + name(first) + (isSum ? "; under 'sum' both count" : "");
+        });
         return;
     }
-    if (base.options.aggregation == Options::Aggregation::Sum) return; // every further rule adds strength
+    if (isSum) return; // every further rule adds strength
+    const auto report = [&](std::size_t weak, std::size_t strong) {
+        found.superfluous.warning(base.rules[weak].at,
+                                  [&] { return name(weak) + " changes nothing: " + name(strong) + " covers it"; });
+    };
     const auto superfluous = [](const Comparable& weak, const Comparable& strong) {
         return weak.weight <= strong.weight && weak.priority <= strong.priority &&
                includes(strong.effects, weak.effects) && includes(strong.vetoes, weak.vetoes) &&
                isWeaker(*weak.form, *strong.form);
     };
     if (superfluous(b, a))
-        sink.warning("L03", base.rules[second].at, name(second) + " changes nothing: " + name(first) + " covers it");
+        report(second, first);
     else if (superfluous(a, b))
-        sink.warning("L03", base.rules[first].at, name(first) + " changes nothing: " + name(second) + " covers it");
+        report(first, second);
 }
 
 } // namespace
@@ -85,14 +95,17 @@ void checkRedundancy(const Engine& engine, DiagnosticSink& sink)
     std::vector<Comparable> rules;
     for (std::size_t i = 0; i < engine.base().rules.size(); ++i)
         rules.push_back(comparableOf(engine, static_cast<uint32_t>(i)));
+    PairFindings found{{"L05", sink}, {"L03", sink}};
     for (std::size_t second = 1; second < rules.size(); ++second) {
         for (std::size_t first = 0; first < second; ++first) {
             // A rule about absent outputs only is silent in this build, not wrong.
             if (rules[first].form && rules[second].form && !rules[first].concludesNothing() &&
                 !rules[second].concludesNothing())
-                comparePair(engine, rules, first, second, sink);
+                comparePair(engine, rules, first, second, found);
         }
     }
+    found.same.finish();
+    found.superfluous.finish();
 }
 
 std::vector<Diagnostic> lint(const Engine& engine)

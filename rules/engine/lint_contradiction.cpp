@@ -187,6 +187,7 @@ void checkContradictions(const Engine& engine, DiagnosticSink& sink)
     std::vector<std::optional<NormalForm>> forms;
     for (uint32_t i = 0; i < compiled.writtenRules(); ++i)
         forms.push_back(normalFormOf(compiled.opsOf(compiled.rules[i]), engine.base().options.conjunction));
+    CappedFindings found("L04", sink);
     for (uint32_t second = 1; second < forms.size(); ++second) {
         for (uint32_t first = 0; first < second; ++first) {
             const CompiledRule &a = compiled.rules[first], &b = compiled.rules[second];
@@ -197,12 +198,14 @@ void checkContradictions(const Engine& engine, DiagnosticSink& sink)
             if (names.empty()) continue;
             const double height = std::min(weight, heights.together(*forms[first], *forms[second]));
             if (height < kContradiction) continue;
-            sink.warning("L04", engine.base().rules[second].at,
-                         "rules " + quoted(engine.ruleId(first)) + " and " + quoted(engine.ruleId(second)) +
-                             " favour and avoid " + names + " at once, with strength " + fixedText(height, 2) +
-                             "; give the exception a priority");
+            found.warning(engine.base().rules[second].at, [&] {
+                return "rules " + quoted(engine.ruleId(first)) + " and " + quoted(engine.ruleId(second)) +
+                       " favour and avoid " + names + " at once, with strength " + fixedText(height, 2) +
+                       "; give the exception a priority";
+            });
         }
     }
+    found.finish();
 }
 
 } // namespace gnomon::rules

@@ -371,20 +371,23 @@ void checkCoverage(const Engine& engine, DiagnosticSink& sink)
 void checkDeadRules(const Engine& engine, DiagnosticSink& sink)
 {
     Search search(engine);
+    CappedFindings found("L03", sink);
     for (uint32_t i = 0; i < engine.base().rules.size(); ++i) {
         const Rule& rule = engine.base().rules[i];
         if (rule.weight < engine.base().options.minimumStrength) {
-            sink.warning("L03", rule.at, "rule '" + rule.id + "' can never fire: its weight is below minimumStrength");
+            found.warning(rule.at,
+                          [&] { return "rule '" + rule.id + "' can never fire: its weight is below minimumStrength"; });
             continue;
         }
         Question question;
         question.rules = {i};
         if (!search.holdsSomewhere(question) && !search.gaveUp())
-            sink.warning("L03", rule.at,
-                         "rule '" + rule.id +
-                             "' can never fire: its conditions exclude each other or ask for a "
-                             "concept that no rule asserts");
+            found.warning(rule.at, [&] {
+                return "rule '" + rule.id +
+                       "' can never fire: its conditions exclude each other or ask for a concept that no rule asserts";
+            });
     }
+    found.finish();
 }
 
 } // namespace gnomon::rules

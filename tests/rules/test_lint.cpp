@@ -126,6 +126,14 @@ TEST_CASE("L05: rules that say the same in other words are found")
     const auto found = findings(lintOf(with(base, "if y is not low and x is not low then left is acceptable")), "L05");
     REQUIRE(found.size() == 1);
     CHECK(contains(found[0], "rule 'added' says the same as rule 'first'"));
+    const RuleBase weaker =
+        with(base, "if y is not low and x is not low then left is acceptable with 0.5"); // less, so not the same
+    CHECK(findings(lintOf(weaker), "L05").empty());
+    CHECK(contains(findings(lintOf(weaker), "L03").at(0), "rule 'added' changes nothing: rule 'first' covers it"));
+    RuleBase exception = weaker;
+    exception.rules.back().priority = 1; // weaker, yet first to claim
+    CHECK(findings(lintOf(exception), "L05").empty());
+    CHECK(findings(lintOf(exception), "L03").empty());
     CHECK(findings(lintOf(with(base, "if y is not low and x is not low then left is favoured")), "L05").empty());
     CHECK(findings(lintOf(with(base, "if y is not low or x is not low then left is acceptable")), "L05").empty());
     CHECK(findings(
@@ -170,6 +178,22 @@ TEST_CASE("L06: of counts beyond thousands every whole number matters, and nothi
     REQUIRE(found.size() == 1);
     CHECK(contains(found[0], "leave a hole at 9001"));
     CHECK(l06(-1e12, 1e12, {{"few", {-kInf, -kInf, 1e6, 3e6}, {}}, {"many", {1e6, 3e6, kInf, kInf}, {}}}).empty());
+}
+
+TEST_CASE("findings that every pair of rules may give are counted beyond the first ones")
+{
+    std::string_view same = "if x is high then left is favoured", other = "if x is high then left is avoided";
+    RuleBase base = soundBase();
+    for (std::size_t i = 0; i < 40; ++i)
+        base = with(with(base, same), other);
+    for (std::size_t i = 0; i < base.rules.size(); ++i)
+        base.rules[i].id = numbered("R", i);
+    for (const char* id : {"L04", "L05"}) {
+        const auto found = findings(lintOf(base), id);
+        REQUIRE(found.size() == 65);
+        CHECK(contains(found.back(), " more findings of this kind"));
+    }
+    CHECK(contains(findings(lintOf(base), "L05").back(), "1496 more")); // 2 x 780 pairs
 }
 
 TEST_CASE("L06: suitability terms outside the closed form are reported")
