@@ -27,8 +27,8 @@
 /// 0.034 %. spread = 32 * log2(slowest sweep / fastest), so that raw times can be drawn again. error = 65535 * share of
 /// wrong pixels in that frame. quality = 65535 * the share of the truth that the plan counts the method as keeping;
 /// what it goes by, however wrong this one frame is. suitability is in steps of 1/4096, -1 without opinion, -2 unable,
-/// -3 vetoed, as the rules in force saw it; a replay may ask other rules, from the facts. What casters fill and touch of
-/// maps (cost::Workload::mapFilled, mapTouched) is not recorded: a replay takes maps for full.
+/// -3 vetoed, as the rules in force saw it; a replay may ask other rules, from the facts. What casters fill and touch
+/// of maps (cost::Workload::mapFilled, mapTouched) is not recorded: a replay takes maps for full.
 
 #include <cstdint>
 #include <string>
