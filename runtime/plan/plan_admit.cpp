@@ -54,11 +54,13 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
     allowed_[light] = allowed;
     if (pin) return;
     LightMemory& memory = *request.memory;
-    if (request.floor)
-        memory.nearUntil = input.frame + input.inForce().hysteresis.flipWindowFrames,
+    if (input.cut) memory.nearUntil = 0;
+    if (request.floor) {
+        memory.nearUntil = input.frame + input.inForce().hysteresis.flipWindowFrames;
         memory.nearQuality = request.minimumQuality;
+    }
     // A condition that hovers about its threshold would change the method with every crossing.
-    if (request.floor || (input.frame < memory.nearUntil && !input.cut)) applyFloor(input, light, memory.nearQuality);
+    if (request.floor || input.frame < memory.nearUntil) applyFloor(input, light, memory.nearQuality);
 }
 
 /// Lights that are near, or were a moment ago, get nothing below the floor. Where nothing reaches it, the best there

@@ -395,8 +395,11 @@ TEST_CASE("a floor whose condition hovers about its threshold holds on, and lets
     CHECK(scene.chosen(0) == kGood);
     scene.requests[0].floor = false;
     scene.input.cut = true; // another place: nothing is left of the old one
-    scene.step();
-    CHECK(scene.chosen(0) == kCheap);
+    for (int frame = 0; frame < 3; ++frame) {
+        scene.step();
+        CHECK(!scene.plan.lights()[0].floor);
+        CHECK(scene.chosen(0) == kCheap);
+    }
 }
 
 TEST_CASE("qualities that are no numbers leave a near light the methods that it has")
