@@ -28,7 +28,7 @@ KeptMap::KeptMap(PassBuilder& passes, const KeptMapInfo& info) : passes_(passes)
                                          .format = info.format,
                                          .extent = {info.resolution, info.resolution},
                                          .layers = info.layers,
-                                         .variant = info.resolution});
+                                         .variant = info.variant()});
 }
 
 ImageInfo KeptMap::staticsInfo() const
@@ -38,7 +38,7 @@ ImageInfo KeptMap::staticsInfo() const
             .format = info_.format,
             .extent = {info_.resolution, info_.resolution},
             .layers = info_.layers,
-            .variant = info_.resolution};
+            .variant = info_.variant()};
 }
 
 bool KeptMap::keepsApart(const LayerContent& content) const
@@ -51,10 +51,8 @@ bool KeptMap::keepsApart(const LayerContent& content) const
 BufferId KeptMap::carrier(std::uint32_t layer, ImageId image)
 {
     const std::uint32_t slot = layer + (image.index == image_.index ? 0 : kMaxLayers);
-    return passes_.persistent(BufferInfo{.name = info_.stampName,
-                                         .scope = Scope::light,
-                                         .size = 4,
-                                         .variant = info_.resolution * 2 * kMaxLayers + slot});
+    return passes_.persistent(BufferInfo{
+        .name = info_.stampName, .scope = Scope::light, .size = 4, .variant = info_.variant() * 2 * kMaxLayers + slot});
 }
 
 // It may outlive the image, so the stamp is of this very image.
@@ -67,7 +65,7 @@ void KeptMap::copyStatics(const char* name, std::uint32_t layer, Cells cells)
 {
     const ImageId from = statics_, to = image_;
     const VkImageAspectFlags aspect = aspectsOf(info_.format);
-    passes_.transfer(name, Scope::light, info_.resolution)
+    passes_.transfer(name, Scope::light, info_.variant())
         .copies(from, {.layer = layer})
         .writes(to, {.layer = layer})
         .record([=, side = info_.resolution](PassContext& gpu) {

@@ -15,8 +15,12 @@ struct KeptMapInfo {
     const char* staticsName = ""; ///< Of the static casters' image.
     const char* stampName = "";   ///< Of the stamps.
     VkFormat format = VK_FORMAT_D32_SFLOAT;
-    std::uint32_t resolution = 0; ///< Square; also the variant of all resources and passes.
+    std::uint32_t resolution = 0; ///< Square; below 2^16.
     std::uint32_t layers = 1;     ///< At most 8.
+    std::uint32_t form = 0;       ///< Which of maps that differ in more than their resolution; below 2^8.
+
+    /// Of all resources and passes: two methods may ask for a light's map in one frame, each in its own way.
+    std::uint32_t variant() const { return form << 16 | resolution; }
 };
 
 /// Pass names of one layer.
@@ -105,7 +109,7 @@ KeptParts KeptMap::update(std::uint32_t layer, const LayerNames& names, const La
         passes_.kept();
         return passes_.parts(whole);
     }
-    const std::uint32_t variant = info_.resolution;
+    const std::uint32_t variant = info_.variant();
     if (!keepsApart(content)) {
         const Draw both = preparedDraw(draw, passes_, content.statics, content.movings);
         PassRef all = passes_.raster(names.casters, Scope::light, variant);

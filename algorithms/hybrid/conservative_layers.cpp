@@ -112,6 +112,11 @@ LayerContent conservativeContent(const ShadowTask& task, const ConservativeMapVi
                         meshesIn(task.casters->movings, fit.volume, arena), projection);
 }
 
+std::uint32_t formOf(const ConservativeMapView& view)
+{
+    return static_cast<std::uint32_t>(view.offset);
+}
+
 // --- layers ---
 
 ConservativeMaps::ConservativeMaps(const AlgorithmServices& services)
@@ -132,7 +137,8 @@ ConservativeImage ConservativeMaps::declareLayer(PassBuilder& passes, const Shad
                          .stampName = kind.stamp,
                          .format = kMapFormat,
                          .resolution = view.resolution,
-                         .layers = layers});
+                         .layers = layers,
+                         .form = formOf(view)});
     const std::span<std::uint64_t> stamps = passes.arena().array<std::uint64_t>(layers);
     const std::span<KeptParts> parts = passes.arena().array<KeptParts>(layers);
     for (std::uint32_t layer = 0; layer < layers; ++layer) {
@@ -142,7 +148,9 @@ ConservativeImage ConservativeMaps::declareLayer(PassBuilder& passes, const Shad
         parts[layer] = map.update(layer, kind.passes[layers == 1 ? kAlone : layer], content, casters);
         stamps[layer] = content.stamp;
     }
-    return {map.image(), stamps, kind.copy, parts};
+    HostMapNames copy = kind.copy;
+    copy.form = formOf(view);
+    return {map.image(), stamps, copy, parts};
 }
 
 ConservativeImage ConservativeMaps::declareNearest(PassBuilder& passes, const ShadowTask& task,
@@ -214,9 +222,9 @@ ConservativeMethod::ConservativeMethod(const AlgorithmServices& services, const 
 void ConservativeMethod::declare(PassBuilder& passes, const ShadowTask& task)
 {
     const bool thesis = task.settings[kMode] != 0.0;
-    const ConservativeMapView view =
-        conservativeView(task, static_cast<std::uint32_t>(task.settings[kResolution]),
-                         static_cast<ThesisOffset>(static_cast<std::uint32_t>(task.settings[kLambda])), passes.arena());
+    const auto offset = static_cast<ThesisOffset>(static_cast<std::uint32_t>(task.settings[kLambda]));
+    const ConservativeMapView view = conservativeView(task, static_cast<std::uint32_t>(task.settings[kResolution]),
+                                                      thesis ? offset : ThesisOffset::halfDiagonal, passes.arena());
     const ConservativeImages images{.nearest = maps_.declareNearest(passes, task, view, thesis),
                                     .covered = declareCovered(passes, task, view, maps_, thesis)};
     const bool reasons = task.settings[kReasons] != 0.0;

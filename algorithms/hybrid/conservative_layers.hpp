@@ -17,10 +17,13 @@ struct ConservativeMapView {
     std::span<const ConservativeProjection> projections; ///< Of each fit.
     std::uint32_t resolution = 0;
     std::uint32_t needed = 0;                         ///< Bit i: a receiver of task.view can lie in layer i.
-    ThesisOffset offset = ThesisOffset::halfDiagonal; ///< Of the thesis's layers.
+    ThesisOffset offset = ThesisOffset::halfDiagonal; ///< Of the thesis's layers; the others need none.
 };
 ConservativeMapView conservativeView(const ShadowTask& task, std::uint32_t resolution, ThesisOffset offset,
                                      FrameArena& arena);
+
+/// KeptMapInfo's, of its layers.
+std::uint32_t formOf(const ConservativeMapView& view);
 
 /// What goes into one of its layers. @param salt whatever else its content depends on.
 LayerContent conservativeContent(const ShadowTask& task, const ConservativeMapView& view, std::uint32_t layer,

@@ -269,7 +269,9 @@ ConservativeImage declareLayers(PassBuilder& passes, const ShadowTask& task, con
         map.update(layer, names[info.layers == 1 ? 6 : layer], content, drawing(layer));
         stamps[layer] = content.stamp;
     }
-    return {map.image(), stamps, copy, {}};
+    HostMapNames copyOf = copy;
+    copyOf.form = info.form;
+    return {map.image(), stamps, copyOf, {}};
 }
 
 } // namespace
@@ -304,7 +306,8 @@ ConservativeImage ConservativeSheets::declareCovered(PassBuilder& passes, const 
                            .stampName = "sheets.stamp",
                            .format = kMapFormat,
                            .resolution = view.resolution,
-                           .layers = static_cast<std::uint32_t>(view.fits.size())};
+                           .layers = static_cast<std::uint32_t>(view.fits.size()),
+                           .form = formOf(view)};
     return declareLayers(passes, task, view, info, kLayers, {"sheets.map_on_host", "sheets.copy_map"},
                          [&](std::uint32_t layer) {
                              const ConservativeCasters covered(maps.coveredPipeline(false), ConservativeLayer::covered,
@@ -321,7 +324,8 @@ ConservativeImage ConservativeSheets::declareThesis(PassBuilder& passes, const S
                            .stampName = "sheets.thesis_stamp",
                            .format = kMapFormat,
                            .resolution = view.resolution,
-                           .layers = static_cast<std::uint32_t>(view.fits.size())};
+                           .layers = static_cast<std::uint32_t>(view.fits.size()),
+                           .form = formOf(view)};
     return declareLayers(passes, task, view, info, kThesisLayers,
                          {"sheets.thesis_map_on_host", "sheets.copy_thesis_map"}, [&](std::uint32_t layer) {
                              const ConservativeCasters covered(maps.coveredPipeline(true),

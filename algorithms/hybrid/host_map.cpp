@@ -44,9 +44,9 @@ void declareLayerCopy(PassBuilder& passes, const LayerCopy& copy)
 
 namespace {
 
-std::uint32_t variantOf(std::uint32_t resolution, std::uint32_t layer)
+std::uint32_t variantOf(std::uint32_t resolution, std::uint32_t layer, const HostMapNames& names)
 {
-    return resolution * 8 + layer;
+    return names.form << 19 | (resolution * 8 + layer);
 }
 
 BufferInfo bufferOf(std::uint32_t resolution, std::uint32_t layer, const HostMapNames& names)
@@ -55,7 +55,7 @@ BufferInfo bufferOf(std::uint32_t resolution, std::uint32_t layer, const HostMap
             .scope = Scope::light,
             .size = kTexelBytes * resolution * resolution,
             .place = BufferPlace::readback,
-            .variant = variantOf(resolution, layer)};
+            .variant = variantOf(resolution, layer, names)};
 }
 
 } // namespace
@@ -83,7 +83,7 @@ HostMapCopy declareHostMap(PassBuilder& passes, const LightMap& map, std::uint32
                                   .layer = layer,
                                   .to = result.depth[layer],
                                   .side = resolution,
-                                  .variant = variantOf(resolution, layer),
+                                  .variant = variantOf(resolution, layer, names),
                                   .cells = cells});
     }
     return result;

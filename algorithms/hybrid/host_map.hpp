@@ -49,6 +49,7 @@ struct HostMapCopy {
 /// What a map's copies and the passes that make them are called: what they copy is known by these.
 struct HostMapNames {
     const char *buffer = "light_map.on_host", *pass = "light_map.copy_to_host";
+    std::uint32_t form = 0; ///< KeptMapInfo's.
 };
 HostMapCopy declareHostMap(PassBuilder& passes, const LightMap& map, std::uint32_t resolution,
                            const HostMapNames& names = {});

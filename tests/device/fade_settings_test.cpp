@@ -1,0 +1,91 @@
+// Methods of one algorithm that differ in one setting are two methods: while one fades into the other, both are drawn
+// in one frame, and neither may find what the other made with its own setting.
+#include <algorithm>
+#include <vector>
+
+#include "device/fade_support.hpp"
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+Scene lightOf(demo::LightKind kind)
+{
+    Scene scene = smallScene();
+    if (kind == demo::LightKind::Point) scene.lights[0] = pointLight("bulb", {1.0, 5.0, 2.0}, true);
+    scene.lights[0].radius = 0.3f;
+    scene.instances[1].isStatic = false; // some of a map is kept, some drawn anew
+    return scene;
+}
+
+/// Both ends of its range, maps and tables of a size that a test can afford.
+std::vector<double> othersOf(const GnSettingInfo& setting)
+{
+    std::vector<double> values{setting.minimum, std::min(setting.maximum, 512.0)};
+    std::erase(values, setting.value);
+    return values;
+}
+
+/// Each fades into the other, or is shown at once where both are exact, while some of a map is kept.
+void checkMixed(Host& host, const char* a, const char* b)
+{
+    const Image8 own[] = {alone(host, a)[0], alone(host, b)[0]};
+    const char* const names[] = {a, b};
+    favour(host, a);
+    host.pinAll(nullptr);
+    host.draw(kFadeFrames + 2, {});
+    CHECK(differences(host.pictures()[0], own[0]) == 0);
+    for (const int to : {1, 0}) {
+        favour(host, names[to]);
+        for (uint32_t step = 1; step <= kFadeFrames + 1; ++step) {
+            host.require(host.draw());
+            const GnDecision decision = host.decision(0);
+            REQUIRE(std::string(decision.pMethod) == names[to]);
+            CHECK((decision.pOutgoing != nullptr) == (decision.fade < 1.0f));
+            CHECK(worstMix(host.pictures()[0], own[1 - to], own[to], double(decision.fade)) <= 0.51);
+        }
+        CHECK(host.decision(0).fade == 1.0f);
+    }
+}
+
+/// Of one method and one kind of light: how many pairs of settings were tried.
+uint32_t checkMethod(const GnMethodInfo& method, demo::LightKind kind)
+{
+    Host host(lightOf(kind));
+    const char* const names[] = {method.pName, "other"};
+    host.require(gnAddMethod(host.context, "other", method.pName));
+    const std::vector<GnSettingInfo> settings(method.pSettings, method.pSettings + method.settingCount);
+    const auto mode = std::ranges::find_if(settings, [](auto& s) { return s.pName == std::string("mode"); });
+    uint32_t pairs = 0;
+    for (const bool lastMode : {false, true}) {
+        if (lastMode && mode == settings.end()) continue;
+        for (const char* name : names)
+            if (lastMode) host.require(gnSetMethodSetting(host.context, name, "mode", mode->maximum));
+        for (const GnSettingInfo& setting : settings) {
+            if (lastMode && setting.pName == std::string("mode")) continue;
+            for (const double value : othersOf(setting)) {
+                CAPTURE(std::string(method.pName) + (lastMode ? ", last mode, " : ", ") + setting.pName + " = " +
+                        std::to_string(value));
+                host.require(gnSetMethodSetting(host.context, "other", setting.pName, value));
+                checkMixed(host, names[0], names[1]);
+                ++pairs;
+            }
+            host.require(gnSetMethodSetting(host.context, "other", setting.pName, setting.value));
+        }
+    }
+    return pairs;
+}
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "any two settings of a method fade into each other as two methods do")
+{
+    const Host asked(lightOf(demo::LightKind::Point));
+    uint32_t pairs = 0;
+    for (const GnMethodInfo& method : availableMethods(asked.context)) {
+        const bool point = serves(method, demo::LightKind::Point);
+        pairs += checkMethod(method, point ? demo::LightKind::Point : demo::LightKind::Spot);
+    }
+    CHECK(pairs > 80);
+}
