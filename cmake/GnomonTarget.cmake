@@ -6,9 +6,8 @@ target_compile_options(gnomon_flags INTERFACE
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wno-missing-field-initializers # Vulkan structs: what is not named is zero
     $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor>
     -ffp-contract=off
-    $<$<BOOL:${GNOMON_WARNINGS_AS_ERRORS}>:-Werror>)
-target_compile_definitions(gnomon_flags INTERFACE
-    $<$<BOOL:${GNOMON_ASSERTIONS}>:GNOMON_ASSERTIONS=1>)
+    $<$<BOOL:${GNOMON_WARNINGS_AS_ERRORS}>:-Werror>
+    $<$<BOOL:${GNOMON_ASSERTIONS}>:-UNDEBUG>) # after the build type's -DNDEBUG
 
 # Applies the shared flags to a target of ours and hides its symbols.
 function(gnomon_target name)

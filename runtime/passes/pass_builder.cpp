@@ -1,5 +1,7 @@
 #include "runtime/passes/pass_builder.hpp"
 
+#include <cassert>
+
 #include "runtime/passes/area_copy.hpp"
 #include "runtime/passes/pass_context.hpp"
 #include "runtime/passes/pass_graph.hpp"
@@ -167,7 +169,10 @@ std::uint64_t PassGraph::key(const ImageInfo& info, bool persistent) const
 ImageId PassGraph::findOrMake(const ImageInfo& info, bool persistent)
 {
     const std::uint64_t key = this->key(info, persistent);
-    if (const std::uint32_t found = find(key); found != UINT32_MAX) return {found};
+    if (const std::uint32_t found = find(key); found != UINT32_MAX) {
+        assert(fits(images_[found].pooled->gpu, info));
+        return {found};
+    }
     auto image = persistent ? pool_.persistentImage(key, info) : pool_.transientImage(key, info);
     if (!image) {
         fail(image.error());
@@ -181,7 +186,10 @@ ImageId PassGraph::findOrMake(const ImageInfo& info, bool persistent)
 BufferId PassGraph::findOrMake(const BufferInfo& info, bool persistent)
 {
     const std::uint64_t key = this->key(info, persistent);
-    if (const std::uint32_t found = find(key); found != UINT32_MAX) return {found};
+    if (const std::uint32_t found = find(key); found != UINT32_MAX) {
+        assert(buffers_[found].info.size >= info.size && buffers_[found].info.place == info.place);
+        return {found};
+    }
     auto ring = persistent ? pool_.persistentBuffer(key, info) : pool_.transientBuffer(key, info);
     if (!ring) {
         fail(ring.error());

@@ -41,13 +41,13 @@ MemoryUse memoryUse(BufferPlace place)
     return MemoryUse::device;
 }
 
-bool fits(const GpuImage& image, const ImageInfo& info)
+} // namespace
+
+bool fits(const GpuImage& image, const ImageInfo& info) noexcept
 {
     return image.format == info.format && image.extent.width == info.extent.width &&
            image.extent.height == info.extent.height && image.layers == info.layers;
 }
-
-} // namespace
 
 ResourcePool::~ResourcePool()
 {

@@ -73,6 +73,9 @@ struct BufferRing {
     std::uint64_t renewed = 0;   ///< Frame that chose `current`.
 };
 
+/// Whether the image can stand for one of this kind.
+bool fits(const GpuImage& image, const ImageInfo& info) noexcept;
+
 /// Owns all pooled images and buffers of a context. One thread (the frame's).
 class ResourcePool {
 public:
