@@ -63,6 +63,7 @@ Sweeper::Sweeper(Device& device)
       session_(device, sweep_.scene, measuring({640, 360}, kSweepLights))
 {
     expect(session_.shadows.warmUp());
+    session_.wakeDevice(0.0);
 }
 
 void Sweeper::proceed(SweepRun& run, const SweepMethod& method, double seconds, uint32_t leastPoints)
@@ -133,6 +134,7 @@ std::vector<cost::KnowledgeRow> measureScene(Device& device, const Scene& scene,
     Session session(device, served, measuring(size));
     expect(session.shadows.warmUp());
     useMethod(session.shadows, method.name);
+    session.wakeDevice(frameTime(scene, 0));
     const double step = 1.0 / scene.framesPerSecond;
     for (uint32_t i = 0; i < moments; ++i) {
         const double time = frameTime(scene, scene.frames * i / moments);

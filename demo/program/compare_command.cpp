@@ -94,6 +94,7 @@ public:
             countErrors(contestant);
             progress.show(++done, "errors");
         }
+        if (!contestants_.empty()) contestants_[0].session->wakeDevice(0.0);
         for (uint32_t i = 0; i < options_.alternations; ++i) {
             for (Contestant& contestant : contestants_) {
                 alternation(contestant);

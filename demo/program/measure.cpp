@@ -143,6 +143,7 @@ void settle(Session& session, double time, bool recorded)
 PairTimes timePairs(Session& session, uint32_t pairs, bool recorded, OtherShadows* other)
 {
     PairTimes times;
+    session.wakeDevice(frameTime(session.scene, 0));
     for (uint32_t i = 0; i < kWarmFrames + pairs; ++i) {
         const double time = frameTime(session.scene, i);
         const CameraState camera = session.camera(time);

@@ -45,6 +45,9 @@ struct Session {
     Renderer renderer;
 
     CameraState camera(double time) const { return cameraAt(scene, time); }
+
+    /// Before anything is timed: keeps a GPU busy until its clock is up. Does nothing on a CPU.
+    void wakeDevice(double time);
 };
 
 /// "1280x720" as an extent; fails naming what is wrong. Sides in [1, 16384].

@@ -58,6 +58,7 @@ public:
     {
         readFacts();
         countErrors();
+        session_.wakeDevice(0.0);
         for (uint32_t sweep = 0; sweep < options_.sweeps; ++sweep)
             for (uint32_t m = 0; m < trace_.methods.size(); ++m)
                 time(m);
