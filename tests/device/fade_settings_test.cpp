@@ -30,11 +30,12 @@ std::vector<double> othersOf(const GnSettingInfo& setting)
 /// Each fades into the other, or is shown at once where both are exact, while some of a map is kept.
 void checkMixed(Host& host, const char* a, const char* b)
 {
-    const Image8 own[] = {alone(host, a)[0], alone(host, b)[0]};
+    const Image8 ofB = alone(host, b)[0], ofA = alone(host, a)[0]; // `a` last: no fade back to it
+    const Image8 own[] = {ofA, ofB};
     const char* const names[] = {a, b};
     favour(host, a);
     host.pinAll(nullptr);
-    host.draw(kFadeFrames + 2, {});
+    host.require(host.draw());
     CHECK(differences(host.pictures()[0], own[0]) == 0);
     for (const int to : {1, 0}) {
         favour(host, names[to]);
