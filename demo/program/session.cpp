@@ -16,8 +16,8 @@ namespace gnomon::demo {
 namespace {
 
 /// A GPU that has idled may be slow at first. On an H100, where frames followed seconds of the CPU alone (a truth), the
-/// median of cube_map's GPU time was 5.6 and 5.9 times what a frame grew by at least (colonnade, bunny), over 20 pairs of
-/// frames, some 0.1 s. Several times that; chosen, not measured.
+/// median of cube_map's GPU time was 5.6 and 5.9 times what a frame grew by at least (colonnade, bunny), over 20 pairs
+/// of frames, some 0.1 s. Several times that; chosen, not measured.
 constexpr std::chrono::milliseconds kWakeTime{1000};
 
 std::unique_ptr<Scene> load(const SessionOptions& options)
