@@ -8,16 +8,16 @@ ChainStages stagesOf(ChainMode mode)
 {
     switch (mode) {
     case ChainMode::chain:
-        return {.hintLit = true, .hintShadow = true, .witnesses = true};
+        return {.hintLit = true, .hintShadow = true, .witnesses = Witnessing::chain};
     case ChainMode::tcOnly:
     case ChainMode::wholeTc:
         return {.hintLit = true, .hintShadow = true};
     case ChainMode::tcLit:
-        return {.hintLit = true, .witnesses = true, .hintsLast = true};
+        return {.hintLit = true, .clearly = true, .witnesses = Witnessing::blocks};
     case ChainMode::strict:
-        return {.witnesses = true};
+        return {.witnesses = Witnessing::chain};
     case ChainMode::noRay:
-        return {.hintLit = true, .hintShadow = true, .witnesses = true, .rays = false};
+        return {.hintLit = true, .hintShadow = true, .witnesses = Witnessing::chain, .rays = false};
     }
     return {};
 }
@@ -54,14 +54,14 @@ std::uint32_t chainReason(const ChainScene& scene, const ChainStages& stages, bo
                           const MapTexels& texels, const ShadowRay& ray)
 {
     const bool hints = normals && (lit ? stages.hintLit : stages.hintShadow);
-    if (hints && !stages.hintsLast && texels.agree(lit, TexelBlock::four))
+    if (hints && (stages.clearly ? texels.clearlyLit() : texels.agree(lit, TexelBlock::four)))
         return lit ? gpu::REASON_TC_LIT : gpu::REASON_TC_SHADOW;
-    if (stages.witnesses) {
+    if (stages.witnesses != Witnessing::none) {
         if (blockBlocks(scene, texels, TexelBlock::nine, ray))
             return lit ? gpu::REASON_NB_CORRECTED : gpu::REASON_NB_CONFIRMED;
-        if (!lit && ringBlocks(scene, texels, 1, false, ray)) return gpu::REASON_AG_CONFIRMED;
+        if (stages.witnesses == Witnessing::chain && !lit && ringBlocks(scene, texels, 1, false, ray))
+            return gpu::REASON_AG_CONFIRMED;
     }
-    if (hints && stages.hintsLast && texels.clearlyLit()) return gpu::REASON_TC_LIT;
     // No ray sees what the host draws by itself: there the map is all there is.
     if (!lit && texels.foreign()) return gpu::REASON_MAP_SHADOW;
     return stages.rays ? gpu::REASON_RT_LIT : gpu::REASON_FALLBACK_LIT;

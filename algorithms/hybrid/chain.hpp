@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "algorithms/hybrid/map_texels.hpp"
+#include "algorithms/hybrid/map_votes.hpp"
 #include "algorithms/hybrid/witness.hpp"
 #include "shaders/hybrid/reasons.h"
 
@@ -13,20 +14,32 @@ namespace gnomon {
 enum class ChainMode : std::uint8_t {
     chain,   ///< Texels that agree are believed, then witnesses, then rays: the thesis's.
     tcOnly,  ///< No witnesses.
-    tcLit,   ///< Texels that agree are believed only where they say lit, and no witness says otherwise.
+    tcLit,   ///< Texels that agree are believed only where they say lit, by more than depths may be off.
     strict,  ///< Texels are not believed at all.
     noRay,   ///< As `chain`, but what is left over is lit.
     wholeTc, ///< As `tcOnly`, on the whole image.
 };
 
+/// Which triangles are asked before rays.
+enum class Witnessing : std::uint8_t {
+    none,
+    blocks, ///< Those that own texels name, for sixteen pixels at once; pixel by pixel: that nine texels name.
+    chain,  ///< NB and AG: that nine texels name, and those around the own one's.
+};
+
 /// The stages a mode has.
 struct ChainStages {
     bool hintLit = false, hintShadow = false; ///< Agreeing texels are believed where they say so.
-    bool witnesses = false;
-    bool hintsLast = false; ///< Witnesses come first, and texels must agree by more than depths may be off.
+    bool clearly = false;                     ///< Only by more than depths may be off; of texels that say lit.
+    Witnessing witnesses = Witnessing::none;
     bool rays = true;
 
-    bool hintsFirst() const { return hintLit && hintShadow && !hintsLast; } ///< Whatever they say.
+    /// Of what the four texels say before anything else is asked.
+    Believed believed() const
+    {
+        if (clearly) return Believed::clearlyLit;
+        return hintLit && hintShadow ? Believed::agreeing : Believed::never;
+    }
 };
 ChainStages stagesOf(ChainMode mode);
 

@@ -26,17 +26,19 @@ struct ChainJob {
     IdMap map;
     BufferId depth, normals; ///< Of the view, read back; normals may be null.
     BufferId status;         ///< A byte a pixel of the area; bit 0: the map says lit.
-    BufferId settled;        ///< Of nearestPixels(), with `byFour` where hints come first; or null.
+    BufferId settled;        ///< Of nearestPixels(), with the hints that the stages ask for; or null.
     BufferId rows;           ///< Written: the same bytes, but for the pixels that the map is not believed.
     ChainStages stages;
     std::uint32_t contour = 0; ///< Width in pixels; 0: every pixel is asked.
     ChainTells tells = ChainTells::visibility;
     bool foreign = false; ///< The map may hold what no ray sees: casters that the host draws.
 
-    /// Nothing is left to ask but rays: hints were asked before, and there are no witnesses.
-    bool raysAlone() const
+    /// Pixels are answered sixteen at a time: without the thesis's witnesses, which each has of its own, and without
+    /// what only the map knows.
+    bool byBlocks() const
     {
-        return settled && stages.rays && !stages.witnesses && !stages.hintLit && !stages.hintShadow && !foreign;
+        return normals && !foreign && stages.rays && stages.witnesses != Witnessing::chain &&
+               tells <= ChainTells::reason;
     }
 };
 

@@ -62,7 +62,7 @@ public:
     {
         const auto mode = static_cast<ChainMode>(task.settings[kMode]);
         ChainJob job = makeJob(passes, task, mode);
-        if (job.stages.witnesses) declareRings(passes, *job.triangles);
+        if (job.stages.witnesses == Witnessing::chain) declareRings(passes, *job.triangles);
         if (classifiesOnHost(task.settings[kClassify], vk_, task))
             declareHostStatus(passes, job);
         else
@@ -103,8 +103,8 @@ ChainJob ContourChain::makeJob(PassBuilder& passes, const ShadowTask& task, Chai
     const auto tells = static_cast<ChainTells>(task.settings[kReasons]);
     const ChainStages stages = stagesOf(tellsAll(tells) ? ChainMode::strict : mode);
     rings_.begin(passes.frame());
-    const NumberedTriangles* triangles =
-        arena.make(NumberedTriangles(task.casters->all, stages.witnesses ? &rings_ : nullptr, arena));
+    const NumberedTriangles* triangles = arena.make(
+        NumberedTriangles(task.casters->all, stages.witnesses == Witnessing::chain ? &rings_ : nullptr, arena));
     gpu::HybridConstants* constants = arena.make<gpu::HybridConstants>();
     const IdMap map = declareIdMap(passes, map_, task, resolution, *triangles);
     constants->base = mapConstants(task, resolution, 1);
@@ -174,8 +174,8 @@ void ContourChain::declareHostStatus(PassBuilder& passes, ChainJob& job)
                                 .lit = reasons ? gpu::REASON_MAP_LIT : 255,
                                 .dark = reasons ? gpu::REASON_MAP_SHADOW : 0,
                                 .unsure = gpu::MAP_UNSURE};
-    const bool byFour = job.settled && job.stages.hintsFirst();
-    if (byFour) job.stages.hintLit = job.stages.hintShadow = false; // asked here
+    const Believed believed = job.settled ? job.stages.believed() : Believed::never;
+    if (believed != Believed::never) job.stages.hintLit = job.stages.hintShadow = false; // asked here
     PassRef host = passes.host("contour_chain.status");
     question.uses(host);
     host.writes(job.status);
@@ -184,7 +184,7 @@ void ContourChain::declareHostStatus(PassBuilder& passes, ChainJob& job)
         const std::span<std::uint64_t> rows =
             settled ? context.write<std::uint64_t>(settled) : context.arena->array<std::uint64_t>(words);
         nearestPixels(question, bytes, context, context.write<std::uint8_t>(status),
-                      {extent.width, extent.height, rows}, byFour);
+                      {extent.width, extent.height, rows}, believed);
     });
 }
 

@@ -170,6 +170,21 @@ struct VolumeBits {
     uint16_t block, bits;
 };
 
+/// A triangle in the world as sixteen rays are asked against it: Witness of witness.hpp, rounded.
+struct WitnessTriangle {
+    float corner[3][3], edge[3][3]; ///< Edges from each corner to the next.
+    float normal[3];                ///< As long as twice the area.
+    float length[3];                ///< Of the edges, as sums of coordinates.
+    float size, stretch;            ///< Witness's.
+};
+
+/// Which lanes ask a map, and what the four texels around them say, bits; the latter of lanes that ask.
+struct MapLanes {
+    uint32_t asks;
+    uint32_t agree;      ///< All four the same: MapTexels::agree().
+    uint32_t clearlyLit; ///< MapTexels::clearlyLit().
+};
+
 /// What is known of a block's lanes, bits.
 struct LaneStates {
     uint32_t inside = 0; ///< Of a volume that is certain.
@@ -188,11 +203,7 @@ struct Kernels {
     /// @return bit i: lane i wants a ray, and its byte is undefined
     uint32_t (*vote)(const MapLook& map, const MapPlaces& places, const MapBytes& bytes, uint8_t* answers);
     /// What each receiver's own texel says (nearestVisibility() of shaders/maps/filter.glsl).
-    /// @param agreed set to bits of the lanes that ask and of which the four texels around say the same, as
-    /// MapTexels::agree() has it
-    /// @return bits of the lanes that ask
-    uint32_t (*nearest)(const MapLook& map, const MapPlaces& places, const MapBytes& bytes, uint8_t* answers,
-                        uint32_t& agreed);
+    MapLanes (*nearest)(const MapLook& map, const MapPlaces& places, const MapBytes& bytes, uint8_t* answers);
     /// Finds rays' starts in a conservative map and calls for their texels; there are normals.
     void (*placeStarts)(const Constants& constants, const Texels& texels, const ConservativeLook& look,
                         LayerPlaces& places);
@@ -216,6 +227,8 @@ struct Kernels {
     /// What the volumes of a list say of the lanes of a block that ask.
     LaneStates (*classify)(const LightFrame& frame, const Block& block, const ShadowVolumes* volumes,
                            const VolumeBits* list, uint32_t count);
+    /// Which lanes that ask the triangle surely blocks, bits: blocks() of witness.hpp, with more room for rounding.
+    uint32_t (*blocked)(const Constants& constants, const Block& block, const WitnessTriangle& triangle);
 };
 
 extern const Kernels kBaseline;

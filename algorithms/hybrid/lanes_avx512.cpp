@@ -11,6 +11,8 @@ namespace gnomon::lanes {
 
 #include "algorithms/hybrid/lanes_map.inc" // of the kernel
 
+#include "algorithms/hybrid/lanes_witness.inc" // of the kernel
+
 #include "algorithms/hybrid/lanes_conservative.inc" // and of all
 
 constinit const Kernels kAvx512 = kKernels;

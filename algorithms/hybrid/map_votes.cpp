@@ -34,14 +34,15 @@ void put(std::uint64_t& word, std::uint32_t first, std::uint32_t bits)
 /// And by their own texel alone.
 struct Nearest : Voting {
     const BitRows& settled;
-    bool byFour;
+    Believed believed;
 
     std::uint32_t answer(const Places& places, std::uint32_t x, std::uint32_t y,
                          std::uint8_t (&answers)[lanes::kLanes]) const
     {
-        std::uint32_t agreed = 0;
-        const std::uint32_t asks = reader.kernels().nearest(map, places, bytes, answers, agreed);
-        const std::uint32_t bits = byFour ? ~asks | agreed : ~asks;
+        const lanes::MapLanes told = reader.kernels().nearest(map, places, bytes, answers);
+        const std::uint32_t bits = ~told.asks | (believed == Believed::agreeing     ? told.agree
+                                                 : believed == Believed::clearlyLit ? told.clearlyLit
+                                                                                    : 0u);
         // Of a thread's own: blocks of one row of them are asked by one.
         for (std::uint32_t row = 0; row < std::min(lanes::kBlockSide, settled.height - y); ++row)
             put(settled.row(y + row)[x / 64], x % 64, bits >> row * lanes::kBlockSide & 0xfu);
@@ -111,10 +112,10 @@ void votedPixels(const MapQuestion& question, bool reasons, const HostContext& h
 }
 
 void nearestPixels(const MapQuestion& question, const lanes::MapBytes& told, const HostContext& host,
-                   std::span<std::uint8_t> bytes, const BitRows& settled, bool byFour)
+                   std::span<std::uint8_t> bytes, const BitRows& settled, Believed believed)
 {
     std::fill(settled.words.begin(), settled.words.end(), ~std::uint64_t{0}); // blocks that the light does not reach
-    answer(question, told, false, host, bytes, [&](const Voting& base) { return Nearest{base, settled, byFour}; });
+    answer(question, told, false, host, bytes, [&](const Voting& base) { return Nearest{base, settled, believed}; });
 }
 
 } // namespace gnomon

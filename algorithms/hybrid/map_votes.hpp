@@ -35,10 +35,17 @@ void declareMapVotes(PassBuilder& passes, const ShadowTask& task, const VoteName
 
 /// What the four texels around every pixel say, and what rays say where they differ.
 void votedPixels(const MapQuestion& question, bool reasons, const HostContext& host, std::span<std::uint8_t> bytes);
+/// When the four texels around a pixel are believed without a further question.
+enum class Believed : std::uint8_t {
+    never,
+    agreeing,   ///< They say the same as the own one.
+    clearlyLit, ///< They say lit by more than depths may be off.
+};
+
 /// What every pixel's own texel says.
-/// @param settled of the area's size: set where nothing is left to ask, at pixels that do not ask the map and, with
-/// `byFour`, at those of which the four texels around say the same as the own one
+/// @param settled of the area's size: set where nothing is left to ask, at pixels that do not ask the map and at those
+/// of which the four texels around are believed
 void nearestPixels(const MapQuestion& question, const lanes::MapBytes& told, const HostContext& host,
-                   std::span<std::uint8_t> bytes, const BitRows& settled, bool byFour);
+                   std::span<std::uint8_t> bytes, const BitRows& settled, Believed believed);
 
 } // namespace gnomon

@@ -38,6 +38,11 @@ public:
     /// The rays of a block that was read: rayOf() of the lanes that ask.
     void pack(const lanes::Block& block, RayPacket& packet) const { kernels_.pack(constants_, block, packet); }
     void place(std::uint32_t x, std::uint32_t y, const lanes::ConservativeLook& look, lanes::LayerPlaces& places) const;
+    /// Which lanes of a block that was read the triangle surely blocks.
+    std::uint32_t blocked(const lanes::Block& block, const lanes::WitnessTriangle& triangle) const
+    {
+        return kernels_.blocked(constants_, block, triangle);
+    }
     const lanes::Kernels& kernels() const { return kernels_; }
     /// Calls for what read() will read there, which may be beyond the area.
     void prefetch(std::uint32_t x, std::uint32_t y) const;

@@ -96,12 +96,16 @@ const NumberedTriangles::Entry& NumberedTriangles::of(std::uint32_t number) cons
     return *(after - 1);
 }
 
-void Witnesses::fetch(std::uint32_t number, Kept& kept) const
+const std::uint32_t* NumberedTriangles::corners(std::uint32_t number) const
 {
-    const NumberedTriangles::Entry& entry = triangles_.of(number);
-    kept.number = number;
-    kept.testifies = entry.testifies;
-    if (!entry.testifies) return;
+    const Entry& entry = of(number);
+    return entry.caster->mesh->indices.data() + std::size_t{3} * (number - entry.first);
+}
+
+std::optional<Witness> NumberedTriangles::witness(std::uint32_t number) const
+{
+    const Entry& entry = of(number);
+    if (!entry.testifies) return std::nullopt;
     const Caster& caster = *entry.caster;
     const std::uint32_t* corners = caster.mesh->indices.data() + std::size_t{3} * (number - entry.first);
     const glm::dmat3 basis(caster.basis);
@@ -109,16 +113,17 @@ void Witnesses::fetch(std::uint32_t number, Kept& kept) const
     const auto world = [&](std::uint32_t corner) {
         return basis * glm::dvec3(caster.mesh->positions[corner]) + translation;
     };
-    kept.witness = witnessOf(world(corners[0]), world(corners[1]), world(corners[2]));
-    kept.witness.size += size1(translation);
-    kept.witness.stretch = static_cast<double>(entry.stretch);
+    Witness witness = witnessOf(world(corners[0]), world(corners[1]), world(corners[2]));
+    witness.size += size1(translation);
+    witness.stretch = static_cast<double>(entry.stretch);
+    return witness;
 }
 
 bool Witnesses::blocks(std::uint32_t number, const ShadowRay& ray)
 {
     Kept& kept = kept_[number % kPlaces];
-    if (kept.number != number) fetch(number, kept);
-    return kept.testifies && gnomon::blocks(kept.witness, ray);
+    if (kept.number != number) kept = {number, triangles_.witness(number)};
+    return kept.witness && gnomon::blocks(*kept.witness, ray);
 }
 
 } // namespace gnomon

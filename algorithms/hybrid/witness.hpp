@@ -2,6 +2,7 @@
 // Whether one triangle that a map names blocks one ray: what a single witness proves. A hit proves shadow, a miss
 // nothing. Source: Moderno, 3.2.
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include <glm/mat3x3.hpp>
@@ -15,6 +16,19 @@ namespace gnomon {
 
 /// What a texel holds where no triangle was drawn.
 inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
+
+/// A triangle in the world, as something to ask rays against.
+struct Witness {
+    glm::dvec3 a, b, c, normal;
+    double lengths[3]; ///< Of the edges ab, bc, ca, as sums of coordinates: bounds that cost no root.
+    double size;       ///< Of the coordinates that the tracer rounds.
+    double stretch;    ///< Of its rounding, by the transform.
+};
+Witness witnessOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
+
+/// Whether the triangle blocks the ray, well inside its edges and between the ray's ends. "True" is what the tracer
+/// says too; "false" says nothing.
+bool blocks(const Witness& witness, const ShadowRay& ray);
 
 /// The triangles of a light's casters, numbered one caster after the other.
 class NumberedTriangles {
@@ -35,24 +49,15 @@ public:
     std::uint64_t stamp() const { return stamp_; }
 
     const Entry& of(std::uint32_t number) const;
+    /// The triangle's three, in its mesh.
+    const std::uint32_t* corners(std::uint32_t number) const;
+    /// Where the triangle is; nothing if it does not testify.
+    std::optional<Witness> witness(std::uint32_t number) const;
 
 private:
     std::span<Entry> entries_;
     std::uint64_t stamp_ = 0;
 };
-
-/// A triangle in the world, as something to ask rays against.
-struct Witness {
-    glm::dvec3 a, b, c, normal;
-    double lengths[3]; ///< Of the edges ab, bc, ca, as sums of coordinates: bounds that cost no root.
-    double size;       ///< Of the coordinates that the tracer rounds.
-    double stretch;    ///< Of its rounding, by the transform.
-};
-Witness witnessOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
-
-/// Whether the triangle blocks the ray, well inside its edges and between the ray's ends. "True" is what the tracer
-/// says too; "false" says nothing.
-bool blocks(const Witness& witness, const ShadowRay& ray);
 
 /// Triangles by number, remembered for the next ray: neighbouring pixels ask the same ones. Of one thread.
 class Witnesses {
@@ -68,10 +73,8 @@ public:
 private:
     struct Kept {
         std::uint32_t number;
-        bool testifies;
-        Witness witness;
+        std::optional<Witness> witness;
     };
-    void fetch(std::uint32_t number, Kept& kept) const;
 
     const NumberedTriangles& triangles_;
     // What four rows of pixels meet: a few dozen triangles at a time. 37 kB.
