@@ -349,6 +349,16 @@ void Host::pin(size_t light, const char* method)
     if (warmUp_ && warm_.insert(method).second) require(gnWarmUpMethod(context, method));
 }
 
+void Host::renewLights()
+{
+    pinned_.clear();
+    for (size_t i = 0; i < lights.size(); ++i) {
+        gnDestroyLight(context, lights[i]);
+        const GnLightInfo info = toGnLight(scene.lights[i], lastLights_[i]);
+        require(gnCreateLight(context, &info, &lights[i]));
+    }
+}
+
 /// A frame with lights that no method is pinned to may ask for any.
 void Host::warmUpFor(const std::vector<GnLight>& lit)
 {

@@ -93,6 +93,8 @@ public:
 
     void pin(size_t light, const char* method); ///< Null: the rules decide.
     void pinAll(const char* method);
+    /// New ones in place of all lights, pinned to nothing: what is kept for a light starts anew.
+    void renewLights();
     void require(GnResult result) const;
 
     /// Of the newest frame, one layer per light; waits for it.
