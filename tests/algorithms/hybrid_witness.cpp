@@ -1,8 +1,10 @@
 // Single witnesses against the tracer, rings against a search through all pairs.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <random>
 #include <set>
+#include <utility>
 
 #include "algorithms/hybrid/block_witnesses.hpp"
 #include "algorithms/hybrid/witness.hpp"
@@ -18,28 +20,45 @@ struct Told {
     int clear = 0, clearWitnessed = 0; ///< Blocked well inside the triangle and between the ray's ends.
 };
 
-/// One triangle at a time under a transform, rays at its corners, edges and inside, from all around.
+/// A triangle somewhere, under a transform.
+struct OneTriangle {
+    RayScene rays;
+    glm::mat3 basis;
+    glm::vec3 translation;
+    TracedMesh mesh;
+    std::vector<Caster> casters;
+    FrameArena arena;
+    NumberedTriangles triangles;
+
+    OneTriangle(std::mt19937& random, const glm::mat3& basis_, glm::vec3 translation_)
+        : basis(basis_), translation(translation_),
+          mesh(rays, randomTriangles(random, 1, 2.0f, 0.7f)), casters{casterOf(mesh, 0, basis, translation)},
+          triangles(std::array{&std::as_const(casters[0])}, nullptr, arena)
+    {
+        rays.update(casters);
+    }
+    /// In the world; inside where u, v and 1 - u - v are positive.
+    glm::vec3 at(float u, float v) const
+    {
+        const glm::vec3 a = mesh.positions[0];
+        return basis * (a + u * (mesh.positions[1] - a) + v * (mesh.positions[2] - a)) + translation;
+    }
+};
+
+/// One triangle at a time, rays at its corners, edges and inside, from all around.
 Told tell(const glm::mat3& basis, glm::vec3 translation, bool finite, unsigned seed)
 {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> share(-0.1f, 1.1f);
     Told told;
     for (int i = 0; i < 300; ++i) {
-        RayScene rays;
-        const TracedMesh mesh(rays, randomTriangles(random, 1, 2.0f, 0.7f));
-        const std::vector<Caster> casters{casterOf(mesh, 0, basis, translation)};
-        const Caster* const pointers[] = {&casters[0]};
-        rays.update(casters);
-        FrameArena arena;
-        const NumberedTriangles triangles(pointers, nullptr, arena);
-        Witnesses witnesses(triangles);
+        OneTriangle one(random, basis, translation);
+        Witnesses witnesses(one.triangles);
         for (int k = 0; k < 100; ++k) {
             // Every fourth through a corner or along an edge, as exactly as floats go.
             const float u = k % 4 == 0 ? static_cast<float>(k % 3 == 0) : share(random);
             const float v = k % 8 == 0 ? 0.0f : share(random);
-            const glm::vec3 p = mesh.positions[0] + u * (mesh.positions[1] - mesh.positions[0]) +
-                                v * (mesh.positions[2] - mesh.positions[0]);
-            const glm::vec3 target = basis * p + translation;
+            const glm::vec3 target = one.at(u, v);
             ShadowRay ray;
             ray.origin = target + randomPoint(random, k % 5 == 0 ? 1e-5f : 3.0f);
             ray.direction = target - ray.origin;
@@ -49,7 +68,7 @@ Told tell(const glm::mat3& basis, glm::vec3 translation, bool finite, unsigned s
                 ray.tfar = 1.0f;
             }
             std::uint8_t occluded = 0;
-            rays.occluded({&ray, 1}, 1u, RayCoherence::sparse, {&occluded, 1});
+            one.rays.occluded({&ray, 1}, 1u, RayCoherence::sparse, {&occluded, 1});
             const bool witnessed = witnesses.blocks(0, ray);
             const bool middle = std::min({u, v, 1.0f - u - v}) > 0.1f && k % 5 != 0 && (!finite || k % 3 != 0);
             told.blocked += occluded;
@@ -68,14 +87,8 @@ Told tellBlocks(const glm::mat3& basis, glm::vec3 translation, bool directional,
     std::uniform_real_distribution<float> share(-0.1f, 1.1f);
     Told told;
     for (int i = 0; i < 300; ++i) {
-        RayScene rays;
-        const TracedMesh mesh(rays, randomTriangles(random, 1, 2.0f, 0.7f));
-        const std::vector<Caster> casters{casterOf(mesh, 0, basis, translation)};
-        const Caster* const pointers[] = {&casters[0]};
-        rays.update(casters);
-        FrameArena arena;
-        const NumberedTriangles triangles(pointers, nullptr, arena);
-        const std::optional<Witness> witness = triangles.witness(0);
+        OneTriangle one(random, basis, translation);
+        const std::optional<Witness> witness = one.triangles.witness(0);
         REQUIRE(witness);
         for (int of = 0; of < 6; ++of) {
             const glm::vec3 light = translation + randomPoint(random, 9.0f), along = randomPoint(random, 1.0f);
@@ -93,9 +106,7 @@ Told tellBlocks(const glm::mat3& basis, glm::vec3 translation, bool directional,
                 // Every other one close to an edge, every eighth to a corner.
                 const float close = std::ldexp(share(random) - 0.5f, -8 - of * 3);
                 const float u = k % 2 == 0 ? close : share(random), v = k % 8 == 0 ? close : share(random);
-                const glm::vec3 p = mesh.positions[0] + u * (mesh.positions[1] - mesh.positions[0]) +
-                                    v * (mesh.positions[2] - mesh.positions[0]);
-                const glm::vec3 target = basis * p + translation;
+                const glm::vec3 target = one.at(u, v);
                 const float behind = k % 5 == 0 ? 1e-5f * share(random) : share(random);
                 ShadowRay& ray = asked[k];
                 ray.origin = directional ? target - behind * along : target + behind * (target - light);
@@ -107,7 +118,7 @@ Told tellBlocks(const glm::mat3& basis, glm::vec3 translation, bool directional,
                 block.asked[k] = k == 13 ? lanes::kDark : lanes::kRay;
                 middle[k] = k % 5 != 0 && k % 7 != 0 && k != 13 ? std::min({u, v, 1.0f - u - v}) : 0.0f;
             }
-            rays.occluded(asked, 1u, RayCoherence::sparse, occluded);
+            one.rays.occluded(asked, 1u, RayCoherence::sparse, occluded);
             const std::uint32_t hits = kernelsHere().front()->blocked(constants, block, rounded(*witness));
             for (const lanes::Kernels* kernels : kernelsHere())
                 CHECK(kernels->blocked(constants, block, rounded(*witness)) == hits);

@@ -37,7 +37,7 @@ double depthOfPlane(const LightFit& fit, glm::dvec2 texel, double side, glm::dve
 
 struct Look {
     CameraView view;
-    LightView light;
+    LightView light{};
     LightCasters casters;
     LightFit fit;
     gpu::MapConstants constants;

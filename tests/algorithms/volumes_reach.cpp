@@ -32,7 +32,7 @@ bool meets(const Aabb& box, glm::dvec3 from, glm::dvec3 to)
 
 struct Setting {
     Aabb box;
-    LightView light;
+    LightView light{};
     std::array<glm::vec3, 4> nearCorners;
 
     explicit Setting(Random& random)

@@ -31,7 +31,7 @@ public:
     }
 
     struct Lamp {
-        LightView light;
+        LightView light{};
         LightMemory memory;
         LightDecision decision;
         std::uint32_t able = UINT32_MAX; ///< Bit m: method m may serve.

@@ -44,7 +44,7 @@ std::vector<ReceiverTile> wall(float flatness)
 
 LightView sun(glm::vec3 direction)
 {
-    LightView light;
+    LightView light{};
     light.type = GN_LIGHT_TYPE_DIRECTIONAL;
     light.constants.directionWs = glm::vec4(direction, -2.0f);
     return light;
@@ -85,9 +85,10 @@ TEST_CASE("a ray counts the levels of every tree whose box it meets, and only th
     CHECK(levels(rough, ahead, {&all.caster, &left.caster, &behind.caster}) == doctest::Approx(9.0).epsilon(0.1));
 
     // Towards a light with a position the way ends there.
-    LightView lamp;
+    LightView lamp{};
     lamp.type = GN_LIGHT_TYPE_POINT;
     lamp.constants.positionWs = glm::vec4(0.0f, 0.0f, -4.5f, 1.0f);
+    lamp.constants.directionWs = {0.0f, 0.0f, -1.0f, -2.0f};
     lamp.constants.range = 100.0f;
     CHECK(levels(rough, lamp, {&all.caster}) == 0.0f);
     CHECK(levels(rough, lamp, {&all.caster, &left.caster}) == doctest::Approx(4.0).epsilon(0.1));

@@ -11,7 +11,7 @@ namespace gnomon::test {
 /// @param range metres @param cone half angle of spot lights, radians
 inline LightView lightOf(GnLightType type, glm::vec3 position, glm::vec3 direction, float range, float cone)
 {
-    LightView light;
+    LightView light{};
     light.type = type;
     const bool directional = type == GN_LIGHT_TYPE_DIRECTIONAL;
     light.constants.positionWs = glm::vec4(position, directional ? 0.0f : 1.0f);

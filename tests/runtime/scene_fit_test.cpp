@@ -35,7 +35,7 @@ struct Random {
 
 LightView lightOf(GnLightType type, glm::vec3 position, glm::vec3 direction, float range, float cone = kPi / 4)
 {
-    LightView light;
+    LightView light{};
     light.type = type;
     light.constants.positionWs = glm::vec4(position, 1.0f);
     light.constants.directionWs = glm::vec4(direction, -2.0f);

@@ -38,7 +38,7 @@ struct Random {
 
 LightView lightOf(GnLightType type, glm::vec3 position, glm::vec3 direction, float range, float cone)
 {
-    LightView light;
+    LightView light{};
     light.type = type;
     light.constants.positionWs = glm::vec4(position, 1.0f);
     light.constants.directionWs = glm::vec4(direction, type == GN_LIGHT_TYPE_SPOT ? std::cos(cone) : -2.0f);
