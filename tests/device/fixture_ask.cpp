@@ -182,4 +182,22 @@ bool serves(const GnMethodInfo& method, LightKind kind)
     return (method.traits & bit) != 0;
 }
 
+GnInstance addHostDrawn(Host& host, GnInstanceFlags extra, double x, uint32_t mask)
+{
+    GnInstanceCreateInfo info{};
+    info.flags = GN_INSTANCE_HOST_DRAWN_BIT | extra;
+    info.pName = "grass";
+    info.transform.translation[0] = x;
+    info.transform.translation[1] = 1.0;
+    info.casterMask = mask;
+    for (int i = 0; i < 3; ++i) {
+        info.boundsMin[i] = -0.5f;
+        info.boundsMax[i] = 0.5f;
+    }
+    info.pfnDrawCasters = [](VkCommandBuffer, const GnCasterProjection*, void*) {};
+    GnInstance instance = VK_NULL_HANDLE;
+    host.require(gnCreateInstance(host.context, &info, &instance));
+    return instance;
+}
+
 } // namespace gnomon::test
