@@ -1,7 +1,5 @@
 #include "algorithms/common/kept_map.hpp"
 
-#include <array>
-
 #include "runtime/vk/memory.hpp"
 
 namespace gnomon {
@@ -63,33 +61,15 @@ bool KeptMap::due(BufferId carrier, std::uint64_t stamp, ImageId image)
 
 void KeptMap::copyStatics(const char* name, std::uint32_t layer, Cells cells)
 {
-    const ImageId from = statics_, to = image_;
-    const VkImageAspectFlags aspect = aspectsOf(info_.format);
-    passes_.transfer(name, Scope::light, info_.variant())
-        .copies(from, {.layer = layer})
-        .writes(to, {.layer = layer})
-        .record([=, side = info_.resolution](PassContext& gpu) {
-            std::array<VkRect2D, 32> room;
-            std::array<VkImageCopy2, 32> regions;
-            std::uint32_t count = 0;
-            for (const VkRect2D& rect : cellRegions(cells, side, room)) {
-                const VkOffset3D at{rect.offset.x, rect.offset.y, 0};
-                regions[count++] = {.sType = VK_STRUCTURE_TYPE_IMAGE_COPY_2,
-                                    .srcSubresource = {aspect, 0, layer, 1},
-                                    .srcOffset = at,
-                                    .dstSubresource = {aspect, 0, layer, 1},
-                                    .dstOffset = at,
-                                    .extent = {rect.extent.width, rect.extent.height, 1}};
-            }
-            const VkCopyImageInfo2 info{.sType = VK_STRUCTURE_TYPE_COPY_IMAGE_INFO_2,
-                                        .srcImage = gpu.image(from),
-                                        .srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                                        .dstImage = gpu.image(to),
-                                        .dstImageLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                                        .regionCount = count,
-                                        .pRegions = regions.data()};
-            gpu.vk->vkCmdCopyImage2(gpu.cmd, &info);
-        });
+    declareCellCopy(passes_, {.name = name,
+                              .variant = info_.variant(),
+                              .from = statics_,
+                              .to = image_,
+                              .fromLayer = layer,
+                              .toLayer = layer,
+                              .aspect = aspectsOf(info_.format),
+                              .side = info_.resolution,
+                              .cells = cells});
 }
 
 } // namespace gnomon

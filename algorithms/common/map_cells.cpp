@@ -1,7 +1,10 @@
 #include "algorithms/common/map_cells.hpp"
 
+#include <array>
 #include <bit>
 #include <utility>
+
+#include "runtime/passes/pass_context.hpp"
 
 namespace gnomon {
 
@@ -69,6 +72,35 @@ VkRect2D cellBounds(Cells cells, std::uint32_t resolution)
     const auto rowsEnd = kSide - static_cast<std::uint32_t>(std::countl_zero(cells)) / kSide;
     return texelsOf(static_cast<std::uint32_t>(std::countr_zero(columns)),
                     static_cast<std::uint32_t>(std::bit_width(columns)), firstRow, rowsEnd, resolution);
+}
+
+void declareCellCopy(PassBuilder& passes, const CellCopy& copy)
+{
+    passes.transfer(copy.name, Scope::light, copy.variant)
+        .copies(copy.from, {.layer = copy.fromLayer})
+        .writes(copy.to, {.layer = copy.toLayer})
+        .record([copy](PassContext& gpu) {
+            std::array<VkRect2D, 32> room;
+            std::array<VkImageCopy2, 32> regions;
+            std::uint32_t count = 0;
+            for (const VkRect2D& rect : cellRegions(copy.cells, copy.side, room)) {
+                const VkOffset3D at{rect.offset.x, rect.offset.y, 0};
+                regions[count++] = {.sType = VK_STRUCTURE_TYPE_IMAGE_COPY_2,
+                                    .srcSubresource = {copy.aspect, 0, copy.fromLayer, 1},
+                                    .srcOffset = at,
+                                    .dstSubresource = {copy.aspect, 0, copy.toLayer, 1},
+                                    .dstOffset = at,
+                                    .extent = {rect.extent.width, rect.extent.height, 1}};
+            }
+            const VkCopyImageInfo2 info{.sType = VK_STRUCTURE_TYPE_COPY_IMAGE_INFO_2,
+                                        .srcImage = gpu.image(copy.from),
+                                        .srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                        .dstImage = gpu.image(copy.to),
+                                        .dstImageLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                                        .regionCount = count,
+                                        .pRegions = regions.data()};
+            gpu.vk->vkCmdCopyImage2(gpu.cmd, &info);
+        });
 }
 
 } // namespace gnomon

@@ -23,4 +23,17 @@ std::span<const VkRect2D> cellRegions(Cells cells, std::uint32_t resolution, std
 /// The smallest one that holds them all; of no cells it is empty.
 VkRect2D cellBounds(Cells cells, std::uint32_t resolution);
 
+/// Cells of one square image into the same place of another one of its size and format.
+struct CellCopy {
+    const char* name = ""; ///< Of the pass, with the variant.
+    std::uint32_t variant = 0;
+    ImageId from, to;
+    std::uint32_t fromLayer = 0, toLayer = 0;
+    VkImageAspectFlags aspect = VK_IMAGE_ASPECT_DEPTH_BIT;
+    std::uint32_t side = 0; ///< Of both, texels.
+    Cells cells = kAllCells;
+};
+/// Of a light's images, once however many tasks declare it.
+void declareCellCopy(PassBuilder& passes, const CellCopy& copy);
+
 } // namespace gnomon

@@ -15,6 +15,13 @@ namespace {
 
 constexpr VkFormat kNumberFormat = VK_FORMAT_R32_UINT;
 
+/// Where one layer's casters are drawn.
+struct Target {
+    ImageId depth, numbers;
+    std::uint32_t layer = 0; ///< Of depth; numbers have one.
+    bool clearsDepth = true, clearsNumbers = true;
+};
+
 /// One map, while it is declared.
 struct Declaring {
     PassBuilder& passes;
@@ -31,12 +38,35 @@ struct Declaring {
                                             .place = BufferPlace::readback,
                                             .variant = variant(layer)});
     }
+    BufferId carrier(const char* name, std::uint32_t layer) const
+    {
+        return passes.persistent(BufferInfo{.name = name, .scope = Scope::light, .size = 4, .variant = variant(layer)});
+    }
+    ImageInfo staticDepths(const IdMap& map) const
+    {
+        return {.name = "contour_chain.static_depth",
+                .scope = Scope::light,
+                .format = kMapFormat,
+                .extent = {resolution, resolution},
+                .layers = static_cast<std::uint32_t>(map.fits.size()),
+                .variant = resolution};
+    }
+    ImageInfo staticNumbers(std::uint32_t layer) const
+    {
+        return {.name = "contour_chain.static_numbers",
+                .scope = Scope::light,
+                .format = kNumberFormat,
+                .extent = {resolution, resolution},
+                .variant = variant(layer)};
+    }
     Cells due(const IdMap& map, std::uint32_t layer, std::uint64_t stamp, const KeptParts& parts) const;
     void drawDepthOnly(const IdMap& map, std::uint32_t layer, std::span<const Caster* const> casters) const;
-    void draw(const IdMap& map, std::uint32_t layer, std::span<const Caster* const> casters, bool over, Cells cells,
-              ImageId numbers, BufferId firsts) const;
-    void copy(std::uint32_t layer, ImageId from, std::uint32_t fromLayer, BufferId to, VkImageAspectFlags aspect,
-              Cells cells, const char* name) const;
+    void draw(const char* name, const LightFit& fit, const Target& target, std::span<const Caster* const> casters,
+              Cells cells, BufferId firsts) const;
+    void copyStatics(const IdMap& map, std::uint32_t layer, std::span<const Caster* const> statics, std::uint64_t stamp,
+                     Cells cells, ImageId numbers, BufferId firsts) const;
+    void copyToHost(std::uint32_t layer, ImageId from, std::uint32_t fromLayer, BufferId to, VkImageAspectFlags aspect,
+                    Cells cells, const char* name) const;
 };
 
 /// The casters that the host draws come last of the two lists, the first of which is returned.
@@ -69,8 +99,7 @@ Cells Declaring::due(const IdMap& map, std::uint32_t layer, std::uint64_t stamp,
     ask(map.depths[layer], stamp, parts);
     ask(map.numbers[layer], stamp, parts);
     // The image's are kept beside it, and are of this very image.
-    const BufferId image = passes.persistent(
-        BufferInfo{.name = "contour_chain.stamp", .scope = Scope::light, .size = 4, .variant = variant(layer)});
+    const BufferId image = carrier("contour_chain.stamp", layer);
     const std::uint64_t serial = passes.serial(map.depth);
     const std::uint64_t ground = parts.ground != 0 ? Stamp().add(parts.ground).add(serial).value() : 0;
     ask(image, Stamp().add(stamp).add(serial).value(), {ground, parts.covered});
@@ -78,21 +107,21 @@ Cells Declaring::due(const IdMap& map, std::uint32_t layer, std::uint64_t stamp,
 }
 
 /// @param cells what is drawn anew, and what lies between
-void Declaring::draw(const IdMap& map, std::uint32_t layer, std::span<const Caster* const> casters, bool over,
-                     Cells cells, ImageId numbers, BufferId firsts) const
+void Declaring::draw(const char* name, const LightFit& fit, const Target& target,
+                     std::span<const Caster* const> casters, Cells cells, BufferId firsts) const
 {
-    const MapProjection projection = mapProjection(map.fits[layer], *task.light);
+    const MapProjection projection = mapProjection(fit, *task.light);
     const DepthCasters::Push push = casterPush(projection);
     const auto [at, extent] = cellBounds(cells, resolution);
     VkClearValue none{};
     none.color.uint32[0] = kNoTriangle;
-    passes.raster("contour_chain.casters", Scope::light, variant(layer))
-        .depthWrite(map.depth, {.layer = layer, .clear = !over, .value = {.depthStencil = {1.0f, 0}}})
-        .writes(numbers, {.clear = true, .value = none})
+    passes.raster(name, Scope::light, variant(target.layer))
+        .depthWrite(target.depth,
+                    {.layer = target.layer, .clear = target.clearsDepth, .value = {.depthStencil = {1.0f, 0}}})
+        .writes(target.numbers, {.clear = target.clearsNumbers, .value = none})
         .reads(firsts)
         .area({at.x, at.y, extent.width, extent.height})
-        .record([=, pipeline = pipelines.casters, light = task.light,
-                 volume = std::span<const Plane>(map.fits[layer].volume),
+        .record([=, pipeline = pipelines.casters, light = task.light, volume = std::span<const Plane>(fit.volume),
                  side = static_cast<float>(resolution)](PassContext& gpu) {
             if (casters.empty()) return;
             const float first = DepthCasters::fromOne(push) ? 1.0f : 0.0f;
@@ -114,8 +143,37 @@ void Declaring::draw(const IdMap& map, std::uint32_t layer, std::span<const Cast
         });
 }
 
-void Declaring::copy(std::uint32_t layer, ImageId from, std::uint32_t fromLayer, BufferId to, VkImageAspectFlags aspect,
-                     Cells cells, const char* name) const
+/// Static casters are drawn once, by themselves, and copied under the moving ones.
+/// @param stamp of what they draw
+void Declaring::copyStatics(const IdMap& map, std::uint32_t layer, std::span<const Caster* const> statics,
+                            std::uint64_t stamp, Cells cells, ImageId numbers, BufferId firsts) const
+{
+    const ImageId depths = passes.persistent(staticDepths(map)), apart = passes.persistent(staticNumbers(layer));
+    const std::uint64_t drawn = Stamp().add(stamp).add(passes.serial(depths)).add(passes.serial(apart)).value();
+    if (passes.stale(carrier("contour_chain.static_stamp", layer), drawn))
+        draw("contour_chain.statics", map.fits[layer], {depths, apart, layer}, statics, kAllCells, firsts);
+    else
+        passes.kept();
+    CellCopy copy{.name = "contour_chain.copy_static_depth",
+                  .variant = variant(layer),
+                  .from = depths,
+                  .to = map.depth,
+                  .fromLayer = layer,
+                  .toLayer = layer,
+                  .aspect = VK_IMAGE_ASPECT_DEPTH_BIT,
+                  .side = resolution,
+                  .cells = cells};
+    declareCellCopy(passes, copy);
+    copy.name = "contour_chain.copy_static_numbers";
+    copy.from = apart;
+    copy.to = numbers;
+    copy.fromLayer = copy.toLayer = 0;
+    copy.aspect = VK_IMAGE_ASPECT_COLOR_BIT;
+    declareCellCopy(passes, copy);
+}
+
+void Declaring::copyToHost(std::uint32_t layer, ImageId from, std::uint32_t fromLayer, BufferId to,
+                           VkImageAspectFlags aspect, Cells cells, const char* name) const
 {
     declareLayerCopy(passes, {.name = name,
                               .from = from,
@@ -147,7 +205,7 @@ BufferId declareFirsts(PassBuilder& passes, const NumberedTriangles& triangles)
     return firsts;
 }
 
-/// Moving casters are drawn with what stands behind them, within the cells that they cover or covered.
+/// What is drawn anew is what lies in the cells that moving casters cover or covered.
 void declareLayer(const Declaring& declaring, const IdMap& map, std::uint32_t layer, const NumberedTriangles& triangles)
 {
     PassBuilder& passes = declaring.passes;
@@ -155,15 +213,18 @@ void declareLayer(const Declaring& declaring, const IdMap& map, std::uint32_t la
     const LightFit& fit = map.fits[layer];
     FrameArena& arena = passes.arena();
     const std::span<const Caster* const> casters = castersIn(task.casters->all, fit.volume, arena);
-    Stamp stamp;
-    stamp.add(task.light->revision).add(fit.clipFromWorld).add(triangles.stamp());
+    const std::span<const Caster* const> statics = castersIn(task.casters->statics, fit.volume, arena);
+    const std::span<const Caster* const> movings = castersIn(task.casters->movings, fit.volume, arena);
+    const std::uint64_t projected = Stamp().add(task.light->revision).add(fit.clipFromWorld).value();
     KeptParts parts;
-    if (!anyHostDrawn(casters)) { // a host draws into whole layers
+    const bool inParts = !anyHostDrawn(casters); // a host draws into whole layers
+    if (inParts) {
         const DepthCasters depth(declaring.pipelines.depth, fit, task, declaring.resolution, arena);
-        parts = {Stamp(stamp).add(castersIn(task.casters->statics, fit.volume, arena)).value(),
-                 depth.cells(castersIn(task.casters->movings, fit.volume, arena))};
+        // All static casters, also those beside the layer: they are numbered before the others.
+        parts = {Stamp().add(projected).add(task.casters->staticStamp).value(), depth.cells(movings)};
     }
-    const Cells cells = declaring.due(map, layer, stamp.add(casters).value(), parts);
+    const std::uint64_t whole = Stamp().add(projected).add(triangles.stamp()).add(casters).value();
+    const Cells cells = declaring.due(map, layer, whole, parts);
     if (cells == 0) {
         passes.kept();
         return;
@@ -174,15 +235,25 @@ void declareLayer(const Declaring& declaring, const IdMap& map, std::uint32_t la
                                                        .format = kNumberFormat,
                                                        .extent = {declaring.resolution, declaring.resolution},
                                                        .variant = declaring.resolution});
-    const std::span<const Caster*> sorted = arena.array<const Caster*>(casters.size());
-    const std::size_t own = splitHostDrawn(casters, sorted);
-    const bool over = own < sorted.size();
-    if (over) declaring.drawDepthOnly(map, layer, sorted.subspan(own));
-    declaring.draw(map, layer, sorted.first(own), over, cells, numbers, declareFirsts(passes, triangles));
-    declaring.copy(layer, map.depth, layer, map.depths[layer], VK_IMAGE_ASPECT_DEPTH_BIT, cells,
-                   "contour_chain.copy_depth");
-    declaring.copy(layer, numbers, 0, map.numbers[layer], VK_IMAGE_ASPECT_COLOR_BIT, cells,
-                   "contour_chain.copy_numbers");
+    const BufferId firsts = declareFirsts(passes, triangles);
+    const bool apart = inParts && task.light->isStatic && !statics.empty() && !movings.empty() &&
+                       passes.hasRoomFor(passes.missing(declaring.staticDepths(map), map.depth) +
+                                         passes.missing(declaring.staticNumbers(layer), numbers));
+    if (apart) {
+        declaring.copyStatics(map, layer, statics, parts.ground, cells, numbers, firsts);
+        declaring.draw("contour_chain.movings", fit, {map.depth, numbers, layer, false, false}, movings, cells, firsts);
+    } else {
+        const std::span<const Caster*> sorted = arena.array<const Caster*>(casters.size());
+        const std::size_t own = splitHostDrawn(casters, sorted);
+        const bool over = own < sorted.size();
+        if (over) declaring.drawDepthOnly(map, layer, sorted.subspan(own));
+        declaring.draw("contour_chain.casters", fit, {map.depth, numbers, layer, !over}, sorted.first(own), cells,
+                       firsts);
+    }
+    declaring.copyToHost(layer, map.depth, layer, map.depths[layer], VK_IMAGE_ASPECT_DEPTH_BIT, cells,
+                         "contour_chain.copy_depth");
+    declaring.copyToHost(layer, numbers, 0, map.numbers[layer], VK_IMAGE_ASPECT_COLOR_BIT, cells,
+                         "contour_chain.copy_numbers");
 }
 
 } // namespace
