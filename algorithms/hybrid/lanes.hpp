@@ -83,17 +83,19 @@ struct MapLook {
     const float* depth[6]; ///< Of one map or six, row by row. Null: no receiver should lie there.
 };
 
-/// Sixteen receivers in a map.
+/// Sixteen receivers in a map. Words of bits have one of every lane.
 struct alignas(64) MapPlaces {
-    uint32_t asked[kLanes];
     float x[kLanes], y[kLanes];             ///< Texels, at most four beyond the map.
-    int32_t left[kLanes], top[kLanes];      ///< The first of the four around.
-    float depth[kLanes];                    ///< Of the receiver's plane there, ...
+    float left[kLanes], top[kLanes];        ///< The first of the four around: whole numbers.
+    int32_t texel[kLanes];                  ///< Place of that one in the layer, where `together` is set.
+    float depth[kLanes];                    ///< Of the receiver's plane at x, y, ...
     float depthDx[kLanes], depthDy[kLanes]; ///< ... how it changes a texel, ...
     float slack[kLanes];                    ///< ... and what it is already nearer by.
     uint32_t layer[kLanes];
-    uint32_t turned[kLanes]; ///< Away from the light, by the map's rounding.
-    uint32_t asks;           ///< Any lane does.
+    uint32_t asks;      ///< Lanes that ask the map, ...
+    uint32_t facesAway; ///< ... and of the others those that are dark.
+    uint32_t turned;    ///< Lanes that face away from the light by the map's rounding.
+    uint32_t together;  ///< Not 0: the four texels around all lanes that ask lie in one layer that is there.
 };
 
 /// What a conservative map's constants add (gpu::ConservativeConstants), and its second layer.

@@ -9,7 +9,7 @@ namespace gnomon::lanes {
 
 #include "algorithms/hybrid/lanes_volumes.inc" // of both
 
-#include "algorithms/hybrid/lanes_map.inc" // of the kernel
+#include "algorithms/hybrid/lanes_map.inc" // of both
 
 #include "algorithms/hybrid/lanes_witness.inc" // of the kernel
 
