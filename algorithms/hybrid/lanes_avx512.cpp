@@ -3,9 +3,9 @@
 #include "algorithms/hybrid/lanes.hpp"
 
 namespace gnomon::lanes {
-#include "algorithms/hybrid/lanes_kernel.inc"
+#include "algorithms/hybrid/lanes_wide.inc"
 
-#include "algorithms/hybrid/lanes_wide.inc" // of what the kernel has
+#include "algorithms/hybrid/lanes_kernel.inc" // of sixteens
 
 #include "algorithms/hybrid/lanes_volumes.inc" // of both
 

@@ -78,7 +78,7 @@ struct Query {
     RTCIntersectContext context; // first: Embree hands back a pointer to it
     const Placed* placed = nullptr;
     std::uint32_t lightMask = 0;
-    std::uint32_t reach = 0; ///< Bits of RayScene::Impl::reach.
+    std::int32_t reach = 0; ///< Bits of RayScene::Impl::reach.
 };
 
 } // namespace
@@ -169,16 +169,17 @@ void filterHits(const RTCFilterFunctionNArguments* args)
     }
 }
 
-/// Bits of |x|. Of numbers they are in the numbers' order, and infinities and what is no number come after all.
-std::uint32_t magnitude(float x)
+/// Bits of |x|. Of numbers they are in the numbers' order, and infinities and what is no number come after all. Signed,
+/// though never below 0: SSE2 compares no others.
+std::int32_t magnitude(float x)
 {
-    return std::bit_cast<std::uint32_t>(x) & 0x7fffffffu;
+    return std::bit_cast<std::int32_t>(x) & 0x7fffffff;
 }
 
 /// Of a coordinate of a ray's origin and direction and its end.
 bool isAskable(const Query& query, const ShadowRay& ray)
 {
-    std::uint32_t most = 0;
+    std::int32_t most = 0;
     for (int axis = 0; axis < 3; ++axis)
         most = std::max({most, magnitude(ray.origin[axis]), magnitude(ray.direction[axis])});
     return most <= query.reach && !std::isnan(ray.tfar);
@@ -187,13 +188,13 @@ bool isAskable(const Query& query, const ShadowRay& ray)
 /// Leaves out of a packet what Embree must not be asked: it is lit.
 void leaveOut(const Query& query, RayPacket& packet)
 {
-    std::uint32_t most[RayPacket::kWidth] = {};
+    std::int32_t most[RayPacket::kWidth] = {};
     for (int axis = 0; axis < 3; ++axis)
         for (std::uint32_t lane = 0; lane < RayPacket::kWidth; ++lane)
             most[lane] =
                 std::max({most[lane], magnitude(packet.origin[axis][lane]), magnitude(packet.direction[axis][lane])});
     for (std::uint32_t lane = 0; lane < RayPacket::kWidth; ++lane) {
-        const bool within = (most[lane] <= query.reach) & (magnitude(packet.tfar[lane]) <= 0x7f800000u);
+        const bool within = (most[lane] <= query.reach) & (magnitude(packet.tfar[lane]) <= 0x7f800000);
         packet.there[lane] &= within ? -1 : 0;
     }
 }
@@ -286,7 +287,7 @@ Query RayScene::Impl::query(std::uint32_t lightMask) const
     rtcInitIntersectContext(&query.context);
     query.placed = placed.data();
     query.lightMask = lightMask;
-    query.reach = std::bit_cast<std::uint32_t>(reach);
+    query.reach = std::bit_cast<std::int32_t>(reach);
     if ((opacityMask & lightMask) != 0 || !hasMasks) query.context.filter = filterHits;
     // Never the coherent flag: with it rtcOccluded16 of Embree 3.13.5 does not return from some packets of diverging
     // rays against several instances (AVX-512; rays_test finds one), and on tiles of a screen it gains nothing: 100
