@@ -330,9 +330,9 @@ IdMap declareIdMap(PassBuilder& passes, const IdMapPipelines& pipelines, const S
 
 VkDeviceSize idMapMemory(std::uint32_t resolution, std::uint32_t layers)
 {
-    // Depth on the device, both on the CPU; and one layer of numbers while they are drawn.
+    // Depth on the device, both on the CPU, both of the static casters; and one layer of numbers while they are drawn.
     const VkDeviceSize layer = VkDeviceSize{resolution} * resolution * 4;
-    return layers * (layer + 2 * pooledSize(layer)) + layer;
+    return layers * (3 * layer + 2 * pooledSize(layer)) + layer;
 }
 
 } // namespace gnomon

@@ -36,7 +36,7 @@ struct IdMap {
 IdMap declareIdMap(PassBuilder& passes, const IdMapPipelines& pipelines, const ShadowTask& task,
                    std::uint32_t resolution, const NumberedTriangles& triangles);
 
-/// Device and host-visible bytes of one map.
+/// Device and host-visible bytes of one map under which casters move and stand still.
 VkDeviceSize idMapMemory(std::uint32_t resolution, std::uint32_t layers);
 
 } // namespace gnomon
