@@ -77,8 +77,8 @@ struct LightView {
     GnLight handle = VK_NULL_HANDLE;
     GnLightType type = GN_LIGHT_TYPE_DIRECTIONAL;
     const char* name = "";
-    gpu::LightConstants constants; ///< Position relative to the origin.
-    float coneAngle = 0.0f;        ///< Spot: half angle, radians.
+    gpu::LightConstants constants{}; ///< Position relative to the origin.
+    float coneAngle = 0.0f;          ///< Spot: half angle, radians.
     std::uint32_t mask = kAllMasks;
     std::uint64_t revision = 0; ///< Unique over all lights; changes when the description or the origin does.
     bool isStatic = false;      ///< Static flag set and never moved.
@@ -109,12 +109,12 @@ struct Plane {
 
 /// A camera as the frame sees it.
 struct CameraView {
-    gpu::ViewConstants constants;
-    glm::mat3 viewFromWorld{1.0f};        ///< Rotation.
-    glm::mat4 projection{1.0f};           ///< clipFromView as given.
-    glm::vec3 eye{0.0f};                  ///< Relative to the origin.
-    std::array<Plane, 6> frustum;         ///< World, inward; the far one is (0, 0, 0), 1 for infinite projections.
-    std::array<glm::vec3, 4> nearCorners; ///< World corners of the near rectangle of the render area, in ring order.
+    gpu::ViewConstants constants{};
+    glm::mat3 viewFromWorld{1.0f};          ///< Rotation.
+    glm::mat4 projection{1.0f};             ///< clipFromView as given.
+    glm::vec3 eye{0.0f};                    ///< Relative to the origin.
+    std::array<Plane, 6> frustum{};         ///< World, inward; the far one is (0, 0, 0), 1 for infinite projections.
+    std::array<glm::vec3, 4> nearCorners{}; ///< World corners of the near rectangle of the render area, in ring order.
     GnDepthConvention convention = GN_DEPTH_REVERSED_INFINITE;
     VkFormat depthFormat = VK_FORMAT_D32_SFLOAT;
     VkFormat normalFormat = VK_FORMAT_UNDEFINED; ///< Undefined: no normals.

@@ -21,6 +21,9 @@ constexpr std::uint64_t kPredictEvery = 8;
 // The frames timed after a switch, when their timings are known (two frames late), twice: the first change may have
 // been one of many, and those of the same frames are learned from together.
 constexpr std::uint64_t kPriceFrames = 2 * (cost::kLearnFrames + 2);
+// Beyond this nothing has to be learned: foretold prices are off by a third at most but for one in twenty
+// (cost/README.md). A light that turns out to move paid for its maps 18 frames long (2.4 times the price; scenario).
+constexpr float kNotOnePrice = 1.5f;
 // Rounds in which lights ask again what their share makes of a price. Each is a best answer to the others, and where
 // shares are divided evenly those come to rest; where they need longer, the next frame goes on.
 constexpr std::uint32_t kPriceRounds = 4;
@@ -391,8 +394,10 @@ void FramePlan::economise(const Budget& budget)
         takePrice(requests_[i], priced_[i], budget);
 }
 
-/// What was changed for its price stays long enough for its timings to be learned, or two methods of about one price
-/// would take turns. A choice made before it was measured what the light reaches binds nobody.
+/// What was changed for its price stays long enough for its timings to be learned, unless it is dearer by far, or two
+/// methods of about one price would take turns. A choice made before it was measured what the light reaches, when it
+/// may not even be known that it moves, is not worth learning from and binds nobody once that is known; until then it
+/// has the incumbent's margin, or guesses of about one price would take turns.
 std::uint32_t FramePlan::forItsPrice(const Request& request, const Budget& budget) const
 {
     const LightDecision& decision = *request.decision;
@@ -401,8 +406,10 @@ std::uint32_t FramePlan::forItsPrice(const Request& request, const Budget& budge
     const std::span all = std::span<const Candidate>(decision.candidates).first(methods_.size());
     const std::uint32_t method = cheaperEqual(all, decision.method, decision.guessed ? UINT32_MAX : memory.incumbent);
     const bool learning =
-        memory.pricedAt != 0 && budget.frame - memory.pricedAt < kPriceFrames && !budget.cut && !decision.guessed;
-    return learning && servesAsWell(all, memory.incumbent, decision.method) ? memory.incumbent : method;
+        memory.pricedAt != 0 && budget.frame - memory.pricedAt < kPriceFrames && !budget.cut && !memory.guessed;
+    if (!learning || !servesAsWell(all, memory.incumbent, decision.method)) return method;
+    const float own = priceOf(all, memory.incumbent, memory.incumbent), other = priceOf(all, method, memory.incumbent);
+    return own > kNotOnePrice * other ? method : memory.incumbent;
 }
 
 void FramePlan::takePrice(const Request& request, std::uint32_t method, const Budget& budget) const

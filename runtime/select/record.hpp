@@ -55,7 +55,7 @@ struct RecordHead {
     plan::Hold hold = plan::Hold::none;
     bool budgeted = false; ///< A plan decided; the members from budgetMs on are set.
     bool priced = false;   ///< No budget, but the rule base lets predicted times choose among equals.
-    bool guessed = false;  ///< The incumbent was chosen before its receivers were measured; it has no advantage.
+    bool guessed = false;  ///< LightDecision::guessed: the incumbent has no advantage.
     bool switched = false;
     bool floor = false; ///< The near-quality floor held.
     bool floorUnmet = false;

@@ -160,7 +160,7 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     decision.light = input.light->handle;
     decision.lightId = input.light->id;
     decision.incumbent = memory.incumbent;
-    decision.guessed = memory.guessed;
+    decision.guessed = memory.guessed && memory.measured;
     decision.pinned = input.pinned;
     decision.importance = input.importance;
     decision.distanceMeasured = memory.measured;

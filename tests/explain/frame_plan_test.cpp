@@ -58,7 +58,12 @@ public:
     }
     plan::PlanReport report; ///< Of the newest predict().
 
-    const MethodTable& methods() const { return methods_; }
+    MethodTable& methods() { return methods_; }
+    /// What a lamp is asked with.
+    SelectionInput input(const Lamp& lamp) const
+    {
+        return {.view = &view_, .light = &lamp.light, .casters = &casters_};
+    }
 
 private:
     std::vector<AlgorithmEntry> entries_;
@@ -152,11 +157,11 @@ TEST_CASE("without a budget lights leave together for what they share, or not at
         }
         plan.endFrame();
     }
-    const auto serving = [&](std::uint32_t able, double partMs, std::uint32_t incumbent) {
+    const auto serving = [&](std::uint32_t able, double partMs, std::uint32_t incumbent, bool isNew = false) {
         const plan::SharedPart parts[] = {{partMs, 1u << other}};
         for (PlanTable::Lamp& lamp : lamps) {
             lamp.memory.incumbent = incumbent;
-            lamp.memory.pricedAt = 0;
+            lamp.memory.pricedAt = isNew ? frame : 0;
             lamp.able = 1u << now | ((able >> (&lamp - lamps.data()) & 1) != 0 ? 1u << other : 0u);
         }
         table.predict(plan, lamps, ++frame, parts, &base);
@@ -179,6 +184,31 @@ TEST_CASE("without a budget lights leave together for what they share, or not at
     CHECK(serving(0b101, 8.5, now) == 0);
     // Nor does who serves by it already stay where the others may not follow.
     CHECK(serving(0b001, 7.5, other) == 0);
+    // What has just been changed to is given time for its timings, but not where these would have to be wrong by half.
+    CHECK(serving(0b001, 7.5, other, true) == 0b001);
+    CHECK(serving(0b001, 14.0, other, true) == 0);
+}
+
+TEST_CASE("what was chosen before a light was measured holds until it is, and binds nobody then")
+{
+    PlanTable table;
+    const Selector selector(table.methods());
+    PlanTable::Lamp lamp;
+    lamp.memory.measured = true;
+    const auto next = [&](std::uint64_t frame) {
+        LightDecision decision = selector.assess(table.input(lamp), lamp.memory);
+        decision.method = 1;
+        selector.commit(decision, lamp.memory, frame);
+        return decision.guessed;
+    };
+    CHECK_FALSE(next(1));
+    CHECK_FALSE(next(2));
+    lamp.memory.measured = false; // a camera cut
+    CHECK_FALSE(next(3));         // chosen by what was measured
+    CHECK_FALSE(next(4));         // guessed, as this one is
+    lamp.memory.measured = true;
+    CHECK(next(5));
+    CHECK_FALSE(next(6));
 }
 
 TEST_CASE("what the cheapest takes heeds pins, vetoes and silence, and not what serves")
