@@ -212,18 +212,17 @@ void declareLayer(const Declaring& declaring, const IdMap& map, std::uint32_t la
     const ShadowTask& task = declaring.task;
     const LightFit& fit = map.fits[layer];
     FrameArena& arena = passes.arena();
-    const std::span<const Caster* const> casters = castersIn(task.casters->all, fit.volume, arena);
     const std::span<const Caster* const> statics = castersIn(task.casters->statics, fit.volume, arena);
     const std::span<const Caster* const> movings = castersIn(task.casters->movings, fit.volume, arena);
     const std::uint64_t projected = Stamp().add(task.light->revision).add(fit.clipFromWorld).value();
     KeptParts parts;
-    const bool inParts = !anyHostDrawn(casters); // a host draws into whole layers
+    const bool inParts = !anyHostDrawn(statics) && !anyHostDrawn(movings); // a host draws into whole layers
     if (inParts) {
         const DepthCasters depth(declaring.pipelines.depth, fit, task, declaring.resolution, arena);
         // All static casters, also those beside the layer: they are numbered before the others.
         parts = {Stamp().add(projected).add(task.casters->staticStamp).value(), depth.cells(movings)};
     }
-    const std::uint64_t whole = Stamp().add(projected).add(triangles.stamp()).add(casters).value();
+    const std::uint64_t whole = Stamp().add(projected).add(triangles.stamp()).add(statics).add(movings).value();
     const Cells cells = declaring.due(map, layer, whole, parts);
     if (cells == 0) {
         passes.kept();
@@ -243,6 +242,7 @@ void declareLayer(const Declaring& declaring, const IdMap& map, std::uint32_t la
         declaring.copyStatics(map, layer, statics, parts.ground, cells, numbers, firsts);
         declaring.draw("contour_chain.movings", fit, {map.depth, numbers, layer, false, false}, movings, cells, firsts);
     } else {
+        const std::span<const Caster* const> casters = castersIn(task.casters->all, fit.volume, arena);
         const std::span<const Caster*> sorted = arena.array<const Caster*>(casters.size());
         const std::size_t own = splitHostDrawn(casters, sorted);
         const bool over = own < sorted.size();
