@@ -26,7 +26,7 @@ std::uint32_t roundedUp(std::uint32_t value, std::uint32_t unit)
 /// Pixels in a row of the buffer: strips are read and written whole.
 std::uint32_t bufferWidth(VkExtent2D extent)
 {
-    return roundedUp(extent.width, gpu::STRIP_COLUMNS);
+    return roundedUp(extent.width, gpu::FOUR);
 }
 
 VkDeviceSize depthsSize(VkExtent2D extent)
@@ -83,15 +83,15 @@ constexpr BindingInfo kTileBindings[] = {{.binding = 0, .kind = BindingKind::con
 /// Column where the first strip of a row begins.
 std::uint32_t firstColumn(const VkRect2D& area)
 {
-    return static_cast<std::uint32_t>(area.offset.x) / gpu::STRIP_COLUMNS * gpu::STRIP_COLUMNS;
+    return static_cast<std::uint32_t>(area.offset.x) / gpu::FOUR * gpu::FOUR;
 }
 
-/// Strips in a row of an area, and rows of them.
+/// Tiles in a row of an area, and rows of strips.
 VkExtent2D stripExtent(const VkRect2D& area)
 {
     const std::uint32_t columns = static_cast<std::uint32_t>(area.offset.x) + area.extent.width - firstColumn(area);
-    return {roundedUp(columns, gpu::STRIP_COLUMNS) / gpu::STRIP_COLUMNS,
-            roundedUp(area.extent.height, gpu::TILE_ROWS) / gpu::TILE_ROWS};
+    return {roundedUp(columns, gpu::TILE_COLUMNS) / gpu::TILE_COLUMNS,
+            roundedUp(area.extent.height, gpu::STRIP_ROWS) / gpu::STRIP_ROWS};
 }
 
 VkDeviceSize sizeOf(VkExtent2D tiles)
@@ -113,13 +113,13 @@ void declareStrips(PassBuilder& passes, PipelineId pipeline, const ShadowTask& t
     pass.samples(normals).updates(depths).writes(strips).record([=](PassContext& gpu) {
         const VkRect2D& area = view->area;
         const VkExtent2D count = stripExtent(area);
-        const StripConstants block{
-            .view = view->constants,
-            .area = {area.offset.x, area.offset.y, area.extent.width, area.extent.height},
-            .sizes = {firstColumn(area), count.width, bufferWidth(view->extent) / gpu::STRIP_COLUMNS, 0}};
+        const StripConstants block{.view = view->constants,
+                                   .area = {area.offset.x, area.offset.y, area.extent.width, area.extent.height},
+                                   .sizes = {firstColumn(area), count.width, count.width * count.height,
+                                             bufferWidth(view->extent) / gpu::FOUR}};
         gpu.bind(pipeline, {gpu.constants(0, block), gpu.storage(1, depths),
                             gpu.sampled(2, normals, SamplerKind::nearest, 0), gpu.storage(3, strips)});
-        gpu.vk->vkCmdDispatch(gpu.cmd, groups(count.width), count.height, 1);
+        gpu.vk->vkCmdDispatch(gpu.cmd, groups(block.sizes.z), 1, 1);
     });
 }
 
@@ -129,7 +129,7 @@ void declareTiles(PassBuilder& passes, PipelineId pipeline, const CameraView* vi
     PassRef pass = passes.compute("volumes.receiver_tiles", Scope::view);
     pass.reads(strips).writes(tiles).updates(bounds).record([=](PassContext& gpu) {
         const VkExtent2D extent = tileExtent(view->area);
-        const glm::uvec4 size(stripExtent(view->area).width, extent.width, extent.width * extent.height, 0);
+        const glm::uvec4 size(extent.width, stripExtent(view->area).height, extent.width * extent.height, 0);
         gpu.bind(pipeline,
                  {gpu.constants(0, size), gpu.storage(1, strips), gpu.storage(2, tiles), gpu.storage(3, bounds)});
         gpu.vk->vkCmdDispatch(gpu.cmd, groups(size.z), 1, 1);
@@ -164,7 +164,7 @@ const char* refusesView(const DeviceTable& vk, const CameraView& view)
 VkExtent2D tileExtent(const VkRect2D& area)
 {
     const VkExtent2D strips = stripExtent(area);
-    return {roundedUp(strips.width, gpu::STRIPS_A_TILE) / gpu::STRIPS_A_TILE, strips.height};
+    return {strips.width, roundedUp(strips.height, gpu::STRIPS_A_TILE) / gpu::STRIPS_A_TILE};
 }
 
 ViewStencil declareViewStencil(PassBuilder& passes, const ViewStencilPipelines& pipelines, const ShadowTask& task)

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Depths that volumes are counted against, from the host's, and what every strip of STRIP_COLUMNS x TILE_ROWS pixels
-// shows: once per view, whatever the lights.
+// Depths that volumes are counted against, from the host's, and what every strip of TILE_COLUMNS x STRIP_ROWS pixels
+// shows: once per view, whatever the lights. Strips are wide, since rows of an image lie in pages of their own, which
+// no processor reads ahead.
 #include "receiver_tile.h"
 
 layout(local_size_x = 64) in; // STRIP_GROUP
@@ -9,67 +10,72 @@ layout(local_size_x = 64) in; // STRIP_GROUP
 layout(set = 0, binding = 0, std140) uniform Constants {
     ViewConstants view;
     uvec4 area;  // x, y, width, height of the pixels drawn
-    uvec4 sizes; // column of the first strip; strips in a row; vec4s in a row of the buffer
+    uvec4 sizes; // column of the first strip; strips in a row, in all; fours in a row of the buffer
 };
 // The host's depths, four columns each; lifted afterwards.
 layout(set = 0, binding = 1, std430) buffer Depths { vec4 depths[]; };
 layout(set = 0, binding = 2) uniform sampler2D normalImage;
 layout(set = 0, binding = 3, std430) writeonly buffer Strips { ReceiverTile strips[]; };
 
-// Four pixels of a row.
-struct Four {
-    vec4 depth;
-    vec3 normal[STRIP_COLUMNS];
-};
-
-Four readRow(ivec2 pixel, uint index, int end)
+// Adds the pixels of a row that begin at `pixel`, and lifts their depths.
+//   ray     the view ray of the first
+//   normal  of the receiver that was added last, before and after
+vec4 addFour(ViewConstants here, DepthLift lift, inout ReceiverTile strip, inout vec3 normal, vec4 depth, ivec2 pixel,
+             vec3 ray)
 {
-    Four four;
-    four.depth = depths[index];
-    for (int i = 0; i < int(STRIP_COLUMNS); ++i)
-        four.normal[i] = texelFetch(normalImage, ivec2(min(pixel.x + i, end - 1), pixel.y), 0).xyz;
-    return four;
+    int begin = int(area.x), end = int(area.x + area.z);
+    vec3 left = ray, right = ray + float(FOUR - 1u) * here.rayDxWs.xyz;
+    vec4 lifted = depth;
+    vec3 normals[FOUR];
+    for (int i = 0; i < int(FOUR); ++i)
+        normals[i] = texelFetch(normalImage, ivec2(min(pixel.x + i, end - 1), pixel.y), 0).xyz;
+    float near = 1e38, far = -1e38;
+    for (int i = 0; i < int(FOUR); ++i) {
+        int x = pixel.x + i;
+        bool inside = x >= begin && x < end, exists = inside && depth[i] != here.skyDepth;
+        float linear = linearDepth(here, depth[i]);
+        near = min(near, exists ? linear : near);
+        far = max(far, exists ? linear : far);
+        normal = exists ? normals[i] : normal;
+        strip.normalLower.xyz = min(strip.normalLower.xyz, normal);
+        strip.normalUpper.xyz = max(strip.normalUpper.xyz, normal);
+        strip.lower.w = inside && !exists ? 1.0 : strip.lower.w;
+        float cosine = here.hasNormals == 0u ? MEAN_LIFT_COSINE : abs(dot(normal, ray));
+        lifted[i] = exists ? liftedDepth(lift, depth[i], cosine) : depth[i];
+        ray += here.rayDxWs.xyz;
+    }
+    // All depths at both ends: a box of four pixels is not smaller by much.
+    bool any = near <= far;
+    vec3 lower = min(min(near * left, near * right), min(far * left, far * right));
+    vec3 upper = max(max(near * left, near * right), max(far * left, far * right));
+    strip.lower.xyz = min(strip.lower.xyz, any ? lower : strip.lower.xyz);
+    strip.upper.xyz = max(strip.upper.xyz, any ? upper : strip.upper.xyz);
+    return lifted;
 }
 
 void main()
 {
-    uint strip = gl_GlobalInvocationID.x;
-    if (strip >= sizes.y) return;
-    uint firstRow = gl_WorkGroupID.y * TILE_ROWS;
-    uint rows = min(TILE_ROWS, area.w - firstRow);
-    ivec2 pixel = ivec2(sizes.x + STRIP_COLUMNS * strip, area.y + firstRow);
-    ivec2 ends = ivec2(area.x, area.x + area.z);
+    uint place = gl_GlobalInvocationID.x;
+    if (place >= sizes.z) return;
+    uint firstRow = place / sizes.y * STRIP_ROWS, rows = min(STRIP_ROWS, area.w - firstRow);
+    ivec2 pixel = ivec2(sizes.x + TILE_COLUMNS * (place % sizes.y), area.y + firstRow);
+    uint fours = min(TILE_COLUMNS / FOUR, (area.x + area.z - uint(pixel.x) + FOUR - 1u) / FOUR);
+    uint first = uint(pixel.y) * sizes.w + uint(pixel.x) / FOUR;
     vec3 firstRay = viewRayWs(view, vec2(pixel) + 0.5);
-    uint index = uint(pixel.y) * sizes.z + uint(pixel.x) / STRIP_COLUMNS;
-    vec3 lower = vec3(1e38), upper = vec3(-1e38), normalLower = vec3(1.0), normalUpper = vec3(-1.0);
-    bool gaps = false;
-    Four next = readRow(pixel, index, ends.y);
+    ViewConstants here = view; // read once, not again after each store
+    DepthLift lift = depthLift(here);
+    ReceiverTile strip =
+        ReceiverTile(vec4(vec3(1e38), 0.0), vec4(vec3(-1e38), 0.0), vec4(vec3(1.0), 0.0), vec4(vec3(-1.0), 0.0));
+    // Where sky comes first this is taken in: a tile that may face away, as far as anybody knows.
+    vec3 normal = vec3(0.0);
     for (uint row = 0; row < rows; ++row) {
-        // A row ahead, so that waiting for it and working on this one overlap.
-        Four here = next;
-        bool more = row + 1 < rows;
-        next = readRow(more ? pixel + ivec2(0, 1) : pixel, more ? index + sizes.z : index, ends.y);
-        vec4 lifted = here.depth;
         vec3 ray = firstRay;
-        for (int i = 0; i < int(STRIP_COLUMNS); ++i) {
-            int x = pixel.x + i;
-            bool inside = x >= ends.x && x < ends.y, exists = inside && here.depth[i] != view.skyDepth;
-            vec3 receiver = linearDepth(view, here.depth[i]) * ray;
-            vec3 normal = here.normal[i];
-            lower = min(lower, exists ? receiver : lower);
-            upper = max(upper, exists ? receiver : upper);
-            normalLower = min(normalLower, exists ? normal : normalLower);
-            normalUpper = max(normalUpper, exists ? normal : normalUpper);
-            gaps = gaps || (inside && !exists);
-            float cosine = view.hasNormals == 0u ? MEAN_LIFT_COSINE : abs(dot(normal, ray));
-            lifted[i] = exists ? liftedDepth(view, here.depth[i], cosine) : here.depth[i];
-            ray += view.rayDxWs.xyz;
+        for (uint i = 0; i < fours; ++i) {
+            depths[first + i] = addFour(here, lift, strip, normal, depths[first + i], pixel + ivec2(FOUR * i, row), ray);
+            ray += float(FOUR) * here.rayDxWs.xyz;
         }
-        depths[index] = lifted;
-        firstRay += view.rayDyWs.xyz;
-        index += sizes.z;
-        ++pixel.y;
+        firstRay += here.rayDyWs.xyz;
+        first += sizes.w;
     }
-    strips[gl_WorkGroupID.y * sizes.y + strip] =
-        ReceiverTile(vec4(lower, gaps ? 1.0 : 0.0), vec4(upper, 0.0), vec4(normalLower, 0.0), vec4(normalUpper, 0.0));
+    strips[place] = strip;
 }

@@ -9,12 +9,13 @@
 GN_SHARED_BEGIN
 
 // A tile's pixels. Its strips are what one invocation of receiver_strips.comp looks at; a workgroup has STRIP_GROUP.
-// The first of a row begins at a multiple of STRIP_COLUMNS, not right of the area's first pixel.
+// The first of a row begins at a multiple of FOUR, as many as are read at once, not right of the area's first pixel.
 GN_SHARED_CONST uint TILE_ROWS = 32u;
 GN_SHARED_CONST uint TILE_COLUMNS = 32u;
-GN_SHARED_CONST uint STRIP_COLUMNS = 4u;
-GN_SHARED_CONST uint STRIPS_A_TILE = TILE_COLUMNS / STRIP_COLUMNS;
+GN_SHARED_CONST uint STRIP_ROWS = 4u;
+GN_SHARED_CONST uint STRIPS_A_TILE = TILE_ROWS / STRIP_ROWS;
 GN_SHARED_CONST uint STRIP_GROUP = 64u;
+GN_SHARED_CONST uint FOUR = 4u;
 
 // Receivers of a tile, or of one of its strips. lower.x > upper.x: none.
 struct ReceiverTile {
@@ -48,12 +49,24 @@ GN_SHARED_CONST float MEAN_LIFT_COSINE = 2.0f / 3.0f;
 // 1 / |n.v| of the offset: of its terms that of the footprint, times LIFT. The depth's ulp is left out, because volumes
 // are rasterised with the same ulp as receivers, and so is the rounding of rays.
 //
-//   cosine  |n.ray|, the ray of linear depth 1
-GN_SHARED_FN float liftedDepth(ViewConstants view, float depth, float cosine)
+struct DepthLift {
+    float share; // of `inverse` at a cosine of 1
+    float back;  // depth + back: in proportion to 1 / linear depth
+};
+
+GN_SHARED_FN DepthLift depthLift(ViewConstants view)
 {
-    float share = view.offsetFactor * LIFT / 256.0f * view.pixelSize / max(cosine, LEAST_LIFT_COSINE);
-    float inverse = depth + view.depthAdd / view.depthMul; // in proportion to 1 / linear depth
-    return min(max(depth + inverse * share, 0.0f), 1.0f);
+    DepthLift lift;
+    lift.share = view.offsetFactor * LIFT / 256.0f * view.pixelSize;
+    lift.back = view.depthAdd / view.depthMul;
+    return lift;
+}
+
+//   cosine  |n.ray|, the ray of linear depth 1
+GN_SHARED_FN float liftedDepth(DepthLift lift, float depth, float cosine)
+{
+    float inverse = depth + lift.back;
+    return min(max(depth + inverse * (lift.share / max(cosine, LEAST_LIFT_COSINE)), 0.0f), 1.0f);
 }
 
 // What a light is to a tile, bits. TILE_REACHED alone: all of its pixels show receivers that the light reaches and that

@@ -1,12 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// STRIPS_A_TILE strips beside each other become a tile, and all tiles the bounds of what the camera sees:
+// STRIPS_A_TILE strips above each other become a tile, and all tiles the bounds of what the camera sees:
 // once per view, whatever the lights.
 #include "receiver_tile.h"
 
 layout(local_size_x = 64) in; // STRIP_GROUP
 
-layout(set = 0, binding = 0, std140) uniform Constants { uvec4 size; }; // strips and tiles a row, tiles
+layout(set = 0, binding = 0, std140) uniform Constants { uvec4 size; }; // tiles a row, rows of strips, tiles
 layout(set = 0, binding = 1, std430) readonly buffer Strips { ReceiverTile strips[]; };
 layout(set = 0, binding = 2, std430) writeonly buffer Tiles { ReceiverTile tiles[]; };
 layout(set = 0, binding = 3, std430) coherent buffer Bounds { ReceiverBounds bounds; };
@@ -25,10 +25,10 @@ void main()
 {
     uint tile = gl_GlobalInvocationID.x;
     if (tile >= size.z) return;
-    uint row = tile / size.y, first = (tile % size.y) * STRIPS_A_TILE;
-    uint last = min(first + STRIPS_A_TILE, size.x);
-    ReceiverTile all = strips[row * size.x + first];
-    for (uint strip = row * size.x + first + 1; strip < row * size.x + last; ++strip) {
+    uint row = tile / size.x, column = tile % size.x;
+    uint first = row * STRIPS_A_TILE, last = min(first + STRIPS_A_TILE, size.y);
+    ReceiverTile all = strips[first * size.x + column];
+    for (uint strip = (first + 1) * size.x + column; strip < last * size.x; strip += size.x) {
         all.lower = min(all.lower, vec4(strips[strip].lower.xyz, 1.0));
         all.lower.w = max(all.lower.w, strips[strip].lower.w);
         all.upper = max(all.upper, strips[strip].upper);

@@ -15,7 +15,7 @@ void main()
     uint tile = uint(gl_VertexIndex) / 6u, corner = uint(gl_VertexIndex) % 6u; // of a quad: 0 1 2, 2 1 3
     corner = corner < 3u ? corner : corner == 3u ? 2u : corner == 4u ? 1u : 3u;
     uvec2 place = uvec2(tile % resolve.tileColumns, tile / resolve.tileColumns) + uvec2(corner & 1u, corner >> 1);
-    vec2 first = vec2(uint(resolve.area.x) / STRIP_COLUMNS * STRIP_COLUMNS, resolve.area.y);
+    vec2 first = vec2(uint(resolve.area.x) / FOUR * FOUR, resolve.area.y);
     vec2 pixel = first + vec2(place * uvec2(TILE_COLUMNS, TILE_ROWS));
     pixel = clamp(pixel, resolve.area.xy, resolve.area.xy + resolve.area.zw);
     rayWs = viewRayWs(resolve.view, pixel);

@@ -210,7 +210,7 @@ TEST_CASE("a lifted receiver lies LIFT of the offset's footprint term above its 
         for (int i = 0; i < 2000; ++i) {
             const float depth = reversed ? std::exp(random(-6.0f, -0.1f)) : random(0.5f, 0.97f); // 0.1 to 40 m; 6 m
             const float cosine = random(0.0f, 1.0f), w = gpu::linearDepth(view, depth);
-            const float lifted = gpu::liftedDepth(view, depth, cosine);
+            const float lifted = gpu::liftedDepth(gpu::depthLift(view), depth, cosine);
             const float ulps = 2.0f * std::abs(view.depthMul / view.depthScale) * w * w * 6e-8f; // of rounding
             const float above = (w - gpu::linearDepth(view, lifted)) * std::max(cosine, gpu::LEAST_LIFT_COSINE);
             const float wanted = gpu::LIFT * view.offsetFactor * w * view.pixelSize / 256.0f;
