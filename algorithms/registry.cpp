@@ -15,6 +15,7 @@
 #include "algorithms/maps/shadow_map.hpp"
 #include "algorithms/omni/cube_map.hpp"
 #include "algorithms/omni/dual_paraboloid.hpp"
+#include "algorithms/revectorized/rbsm.hpp"
 #include "algorithms/volumes/mccool.hpp"
 #if defined(GNOMON_WITH_EMBREE) && defined(GNOMON_WITH_OPENMESH)
 #include "algorithms/hybrid/conservative_map_adjacency.hpp"
@@ -37,6 +38,7 @@ constexpr std::array kAlgorithms = {
     &kShadowMap,
     &kCubeMap,
     &kDualParaboloid,
+    &kRbsm,
 #ifdef GNOMON_WITH_OPENMESH
     &kStencilVolume,
     &kChanDurand,

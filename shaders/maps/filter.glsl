@@ -4,11 +4,9 @@
 //   vec4 mapGather(Tap tap, vec2 corner)  the four texels around a corner, in textureGather's order
 // Nothing is nearer to the light than depth 1 in a texel without casters, wherever the receiver lies.
 
-float nearestVisibility(Tap tap, vec2 at)
-{
-    vec2 centre = floor(at) + 0.5;
-    return min(tapDepth(tap, centre), 1.0) <= mapTexel(tap, centre) ? 1.0 : 0.0;
-}
+bool texelLit(Tap tap, vec2 centre) { return min(tapDepth(tap, centre), 1.0) <= mapTexel(tap, centre); }
+
+float nearestVisibility(Tap tap, vec2 at) { return texelLit(tap, floor(at) + 0.5) ? 1.0 : 0.0; }
 
 // Percentage-closer filtering (Reeves, Salesin and Cook 1987) over a box of `side` (odd) texels that slides with the
 // receiver: (side + 1)^2 texels, those at the border weighted by what of them lies in the box.

@@ -26,6 +26,11 @@ Tap planarTap(MapLook look, PlaneReceiver r, vec4 clip, vec2 normalPerTexel, flo
     return tap;
 }
 
+bool texelExists(Tap tap, vec2 centre)
+{
+    return min(centre.x, centre.y) > 0.0 && max(centre.x, centre.y) * tap.inverseSide < 1.0;
+}
+
 float tapDepth(Tap tap, vec2 texel) { return tap.depth + dot(tap.depthPerTexel, texel - tap.at); }
 
 #ifdef MAP_LAYERS

@@ -8,9 +8,9 @@ using namespace gnomon::test;
 
 namespace {
 
-constexpr const char* kRecorded[] = {"shadow_map",    "cube_map",         "dual_paraboloid",  "stencil_volume",
-                                     "octree_volume", "all_edges_volume", "projected_planar", "chan_durand",
-                                     "mccool",        "penumbra_wedges"};
+constexpr const char* kRecorded[] = {
+    "shadow_map",       "cube_map",    "dual_paraboloid", "stencil_volume",  "octree_volume", "all_edges_volume",
+    "projected_planar", "chan_durand", "mccool",          "penumbra_wedges", "rbsm"};
 
 const GnMethodInfo& methodNamed(const std::vector<GnMethodInfo>& methods, const std::string& name)
 {

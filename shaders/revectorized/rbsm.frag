@@ -1,0 +1,35 @@
+#version 460
+// Visibility from the depth map of a light, its edges revectorized. With MAP_LAYERS the map is the six faces around a
+// point light; a stair is not followed past a face's border.
+#extension GL_GOOGLE_include_directive : require
+#include "rbsm.h"
+
+layout(set = 0, binding = 0, std140) uniform Constants {
+    MapConstants constants;
+    uint mode;
+    uint longest;
+};
+layout(set = 0, binding = 2) uniform sampler2D depthImage;
+layout(set = 0, binding = 3) uniform sampler2D normalImage;
+#ifdef MAP_LAYERS
+layout(set = 0, binding = 4) uniform sampler2DArray map;
+#else
+layout(set = 0, binding = 4) uniform sampler2D map;
+#endif
+layout(location = 0) noperspective in vec3 rayWs;
+layout(location = 1) noperspective in vec4 rayClip;
+layout(location = 0) out float visibility;
+
+#include "../maps/agreement.glsl"
+#include "../maps/filter.glsl"
+#include "revectorize.h"
+
+void main()
+{
+    PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.map, rayWs);
+    float layer;
+    vec4 clip = mapClipOf(r, layer);
+    Tap tap = tapOf(r, clip, layer);
+    float lit = revectorizedVisibility(tap, tap.at, mode, r.decided ? 0u : longest);
+    visibility = r.decided ? r.visibility : lit;
+}
