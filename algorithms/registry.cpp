@@ -12,6 +12,7 @@
 #include "algorithms/hybrid/ray_traced.hpp"
 #include "algorithms/hybrid/tile_shafts.hpp"
 #endif
+#include "algorithms/maps/cascades.hpp"
 #include "algorithms/maps/shadow_map.hpp"
 #include "algorithms/omni/cube_map.hpp"
 #include "algorithms/omni/dual_paraboloid.hpp"
@@ -39,6 +40,7 @@ constexpr std::array kAlgorithms = {
     &kCubeMap,
     &kDualParaboloid,
     &kRbsm,
+    &kCascades,
 #ifdef GNOMON_WITH_OPENMESH
     &kStencilVolume,
     &kChanDurand,

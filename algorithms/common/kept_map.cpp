@@ -22,7 +22,7 @@ LayerContent layerContent(const LightView& light, std::span<const Caster* const>
 KeptMap::KeptMap(PassBuilder& passes, const KeptMapInfo& info) : passes_(passes), info_(info)
 {
     image_ = passes.persistent(ImageInfo{.name = info.name,
-                                         .scope = Scope::light,
+                                         .scope = info.scope,
                                          .format = info.format,
                                          .extent = {info.resolution, info.resolution},
                                          .layers = info.layers,
@@ -32,7 +32,7 @@ KeptMap::KeptMap(PassBuilder& passes, const KeptMapInfo& info) : passes_(passes)
 ImageInfo KeptMap::staticsInfo() const
 {
     return {.name = info_.staticsName,
-            .scope = Scope::light,
+            .scope = info_.scope,
             .format = info_.format,
             .extent = {info_.resolution, info_.resolution},
             .layers = info_.layers,
@@ -50,7 +50,7 @@ BufferId KeptMap::carrier(std::uint32_t layer, ImageId image)
 {
     const std::uint32_t slot = layer + (image.index == image_.index ? 0 : kMaxLayers);
     return passes_.persistent(BufferInfo{
-        .name = info_.stampName, .scope = Scope::light, .size = 4, .variant = info_.variant() * 2 * kMaxLayers + slot});
+        .name = info_.stampName, .scope = info_.scope, .size = 4, .variant = info_.variant() * 2 * kMaxLayers + slot});
 }
 
 // It may outlive the image, so the stamp is of this very image.
@@ -62,6 +62,7 @@ bool KeptMap::due(BufferId carrier, std::uint64_t stamp, ImageId image)
 void KeptMap::copyStatics(const char* name, std::uint32_t layer, Cells cells)
 {
     declareCellCopy(passes_, {.name = name,
+                              .scope = info_.scope,
                               .variant = info_.variant(),
                               .from = statics_,
                               .to = image_,

@@ -18,6 +18,7 @@ struct KeptMapInfo {
     std::uint32_t resolution = 0; ///< Square; below 2^16.
     std::uint32_t layers = 1;     ///< At most 8.
     std::uint32_t form = 0;       ///< Which of maps that differ in more than their resolution; below 2^8.
+    Scope scope = Scope::light;   ///< Task: the map depends on the view.
 
     /// Of all resources and passes: two methods may ask for a light's map in one frame, each in its own way.
     std::uint32_t variant() const { return form << 16 | resolution; }
@@ -44,8 +45,8 @@ struct LayerContent {
 LayerContent layerContent(const LightView& light, std::span<const Caster* const> statics,
                           std::span<const Caster* const> movings, std::uint64_t projectionStamp);
 
-/// Declared per task and frame; the light-scope resources and passes behind it exist once per light. The image of the
-/// static casters only saves time: where nothing would have room for it, all casters are drawn together.
+/// Declared per task and frame; the resources and passes behind it exist once per light, or once per task. The image of
+/// the static casters only saves time: where nothing would have room for it, all casters are drawn together.
 class KeptMap {
 public:
     KeptMap(PassBuilder& passes, const KeptMapInfo& info);
@@ -112,7 +113,7 @@ KeptParts KeptMap::update(std::uint32_t layer, const LayerNames& names, const La
     const std::uint32_t variant = info_.variant();
     if (!keepsApart(content)) {
         const Draw both = preparedDraw(draw, passes_, content.statics, content.movings);
-        PassRef all = passes_.raster(names.casters, Scope::light, variant);
+        PassRef all = passes_.raster(names.casters, info_.scope, variant);
         both.uses(all.depthWrite(image_, cleared));
         all.record([=, statics = content.statics, movings = content.movings](PassContext& gpu) {
             both(gpu, statics, true);
@@ -123,7 +124,7 @@ KeptParts KeptMap::update(std::uint32_t layer, const LayerNames& names, const La
     if (!statics_) statics_ = passes_.persistent(staticsInfo());
     if (due(carrier(layer, statics_), content.staticsStamp, statics_)) {
         const Draw first = preparedDraw(draw, passes_, content.statics, {});
-        PassRef still = passes_.raster(names.statics, Scope::light, variant);
+        PassRef still = passes_.raster(names.statics, info_.scope, variant);
         first.uses(still.depthWrite(statics_, cleared));
         still.record([=, statics = content.statics](PassContext& gpu) { first(gpu, statics, true); });
     } else {
@@ -135,7 +136,7 @@ KeptParts KeptMap::update(std::uint32_t layer, const LayerNames& names, const La
         copyStatics(names.copyStatics, layer, cells);
     passes_.keepParts(whole, parts);
     const Draw second = preparedDraw(draw, passes_, {}, content.movings);
-    PassRef over = passes_.raster(names.casters, Scope::light, variant | kOverCopy);
+    PassRef over = passes_.raster(names.casters, info_.scope, variant | kOverCopy);
     second.uses(over.depthWrite(image_, {.layer = layer}));
     over.record([=, movings = content.movings](PassContext& gpu) { second(gpu, movings, false); });
     return parts;

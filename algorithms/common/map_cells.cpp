@@ -76,7 +76,7 @@ VkRect2D cellBounds(Cells cells, std::uint32_t resolution)
 
 void declareCellCopy(PassBuilder& passes, const CellCopy& copy)
 {
-    passes.transfer(copy.name, Scope::light, copy.variant)
+    passes.transfer(copy.name, copy.scope, copy.variant)
         .copies(copy.from, {.layer = copy.fromLayer})
         .writes(copy.to, {.layer = copy.toLayer})
         .record([copy](PassContext& gpu) {

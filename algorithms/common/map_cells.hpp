@@ -26,6 +26,7 @@ VkRect2D cellBounds(Cells cells, std::uint32_t resolution);
 /// Cells of one square image into the same place of another one of its size and format.
 struct CellCopy {
     const char* name = ""; ///< Of the pass, with the variant.
+    Scope scope = Scope::light;
     std::uint32_t variant = 0;
     ImageId from, to;
     std::uint32_t fromLayer = 0, toLayer = 0;
@@ -33,7 +34,7 @@ struct CellCopy {
     std::uint32_t side = 0; ///< Of both, texels.
     Cells cells = kAllCells;
 };
-/// Of a light's images, once however many tasks declare it.
+/// Once however many tasks declare it.
 void declareCellCopy(PassBuilder& passes, const CellCopy& copy);
 
 } // namespace gnomon

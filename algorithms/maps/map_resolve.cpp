@@ -47,28 +47,16 @@ MapResolve::MapResolve(const AlgorithmServices& services, const MapResolveInfo& 
     pipeline.name = info.name;
     pipeline.vertex.code = k_maps_map_resolve_vert;
     pipeline.fragment.code = info.fragment;
-    pipeline.fragment.specializationCount = 2;
+    pipeline.fragment.specializationCount = info.filters ? 2 : 1;
     pipeline.bindings = bindings;
     pipeline.colorFormat = VK_FORMAT_R8_UNORM;
     for (std::uint32_t normals = 0; normals < 2; ++normals) {
         for (std::uint32_t filtered = 0; filtered < 2; ++filtered) {
             pipeline.fragment.specialization[0] = normals;
-            pipeline.fragment.specialization[1] = filtered;
-            pipelines_[normals][filtered] = services.pipelines->graphics(pipeline);
+            pipeline.fragment.specialization[1] = info.filters ? filtered : 0;
+            pipelines_[normals][filtered] = services.pipelines->graphics(pipeline); // equal ones are one
         }
     }
-}
-
-void MapResolve::declare(PassBuilder& passes, const ShadowTask& task, ImageId map,
-                         const gpu::MapConstants& constants) const
-{
-    const LookImages look(task, map);
-    const PipelineId pipeline = pipelines_[look.hasNormals][constants.map.filterSide > 1.0f];
-    const gpu::MapConstants* block = passes.arena().make(constants);
-    LookPass(passes, task, info_.name, look).record([=](PassContext& gpu) {
-        gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                            gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
-    });
 }
 
 std::uint32_t filterSide(double setting)

@@ -48,14 +48,30 @@ struct MapResolveInfo {
     const char* name = "";                   ///< Pass and pipelines.
     std::span<const std::uint32_t> fragment; ///< Specialization: 0 has normals, 1 filtered.
     bool layers = false;                     ///< The map is a 2D array.
+    bool filters = true;                     ///< The shader looks at 1.
 };
 
 class MapResolve {
 public:
     MapResolve(const AlgorithmServices& services, const MapResolveInfo& info);
 
-    /// Writes the task's layer of visibility. `constants` as from mapConstants().
-    void declare(PassBuilder& passes, const ShadowTask& task, ImageId map, const gpu::MapConstants& constants) const;
+    /// Writes the task's layer of visibility. `constants`: those of mapConstants(), or a block that begins with them.
+    template <typename Constants>
+    void declare(PassBuilder& passes, const ShadowTask& task, ImageId map, const Constants& constants,
+                 bool filtered) const
+    {
+        const LookImages look(task, map);
+        const PipelineId pipeline = pipelines_[look.hasNormals][filtered];
+        const Constants* block = passes.arena().make(constants);
+        LookPass(passes, task, info_.name, look).record([=](PassContext& gpu) {
+            gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
+        });
+    }
+    void declare(PassBuilder& passes, const ShadowTask& task, ImageId map, const gpu::MapConstants& constants) const
+    {
+        declare(passes, task, map, constants, constants.map.filterSide > 1.0f);
+    }
 
 private:
     MapResolveInfo info_;

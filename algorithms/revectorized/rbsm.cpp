@@ -2,7 +2,6 @@
 
 #include "algorithms/maps/map_resolve.hpp"
 #include "algorithms/omni/light_map.hpp"
-#include "shaders/maps_map_resolve_vert.h"
 #include "shaders/revectorized/rbsm.h"
 #include "shaders/revectorized_rbsm_cube_frag.h"
 #include "shaders/revectorized_rbsm_frag.h"
@@ -24,34 +23,21 @@ constexpr SettingSpec kSettings[] = {
     {"longest", "Texels that a stair is followed to each side.", 8, 32, 16},
 };
 
-PipelineId makePipeline(const AlgorithmServices& services, bool cube, bool normals)
-{
-    const std::array bindings = lookBindings(cube);
-    GraphicsPipelineInfo pipeline;
-    pipeline.name = "rbsm.resolve";
-    pipeline.vertex.code = k_maps_map_resolve_vert;
-    pipeline.fragment.code = cube ? std::span<const std::uint32_t>(k_revectorized_rbsm_cube_frag)
-                                  : std::span<const std::uint32_t>(k_revectorized_rbsm_frag);
-    pipeline.fragment.specializationCount = 1;
-    pipeline.fragment.specialization[0] = normals;
-    pipeline.bindings = bindings;
-    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
-    return services.pipelines->graphics(pipeline);
-}
-
 class Rbsm final : public ShadowAlgorithm {
 public:
-    explicit Rbsm(const AlgorithmServices& services) : casters_(makeDepthMapPipelines(services))
+    explicit Rbsm(const AlgorithmServices& services)
+        : casters_(makeDepthMapPipelines(services)),
+          resolve_(services, {.name = "rbsm.resolve", .fragment = k_revectorized_rbsm_frag, .filters = false}),
+          resolveCube_(
+              services,
+              {.name = "rbsm.resolve", .fragment = k_revectorized_rbsm_cube_frag, .layers = true, .filters = false})
     {
-        for (const bool cube : {false, true})
-            for (const bool normals : {false, true})
-                pipelines_[cube][normals] = makePipeline(services, cube, normals);
     }
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
         const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-        gpu::RbsmConstants& constants = *passes.arena().make<gpu::RbsmConstants>();
+        gpu::RbsmConstants constants{};
         constants.base = mapConstants(task, resolution, 1);
         constants.mode = static_cast<std::uint32_t>(task.settings[kMode]);
         constants.longest = static_cast<std::uint32_t>(task.settings[kLongest]);
@@ -61,13 +47,8 @@ public:
         for (std::size_t i = 0; i < map.fits.size(); ++i)
             map_.clipFromWorld[i] = map.fits[i].clipFromWorld;
 
-        const LookImages look(task, map.image);
-        const PipelineId pipeline = pipelines_[task.light->type == GN_LIGHT_TYPE_POINT][look.hasNormals];
-        const gpu::RbsmConstants* block = &constants;
-        LookPass(passes, task, "rbsm.resolve", look).record([=](PassContext& gpu) {
-            gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
-        });
+        const MapResolve& resolve = task.light->type == GN_LIGHT_TYPE_POINT ? resolveCube_ : resolve_;
+        resolve.declare(passes, task, map.image, constants, false);
     }
 
     const Map* lightMap() const override { return &map_; }
@@ -75,7 +56,7 @@ public:
 private:
     DepthMapPipelines casters_;
     Map map_;
-    PipelineId pipelines_[2][2]; ///< [cube][has normals]
+    MapResolve resolve_, resolveCube_;
 };
 
 } // namespace

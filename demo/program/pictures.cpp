@@ -12,7 +12,7 @@ namespace {
 constexpr Rgb8 kInk{16, 16, 16};
 
 // Okabe and Ito's eight colours, told apart by most colour-blind people as well; yellow-green added for a ninth.
-constexpr std::array<std::pair<std::string_view, Rgb8>, 20> kNamed = {
+constexpr std::array<std::pair<std::string_view, Rgb8>, 21> kNamed = {
     {{"ray_traced", {240, 228, 66}},
      {"shadow_map", {86, 180, 233}},
      {"stencil_volume", {230, 159, 0}},
@@ -32,7 +32,8 @@ constexpr std::array<std::pair<std::string_view, Rgb8>, 20> kNamed = {
      {"conservative_map_adjacency", {120, 220, 220}},
      {"coherence_sampling", {255, 105, 180}},
      {"eight_point_hybrid", {219, 161, 203}},
-     {"rbsm", {0, 60, 200}}}};
+     {"rbsm", {0, 60, 200}},
+     {"cascades", {64, 200, 255}}}};
 
 } // namespace
 

@@ -190,6 +190,22 @@ LightFit fitDirectional(const LightView& light, const Aabb& scene)
     return fit;
 }
 
+LightFit fitWindow(const LightFit& whole, glm::dvec2 middle, glm::dvec2 half)
+{
+    glm::dmat4 rows = glm::transpose(glm::dmat4(whole.clipFromWorld));
+    for (int axis = 0; axis < 2; ++axis) {
+        const glm::dvec3 direction = glm::normalize(glm::dvec3(rows[axis]));
+        rows[axis] = glm::dvec4(direction, -middle[axis]) / half[axis];
+    }
+    const glm::dmat4 clipFromWorld = glm::transpose(rows);
+    LightFit fit = whole;
+    fit.clipFromWorld = glm::mat4(clipFromWorld);
+    const Plane& end = whole.volume[5];
+    fit.volume = volumeOf(clipFromWorld, glm::dvec4(glm::dvec3(end.normal), static_cast<double>(end.distance)));
+    fit.texelAtOne = static_cast<float>(2.0 * std::max(half.x, half.y));
+    return fit;
+}
+
 LightFit fitCubeFace(const LightView& light, const Aabb& scene, std::uint32_t face, std::uint32_t resolution,
                      float borderTexels)
 {

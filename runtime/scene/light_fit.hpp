@@ -42,6 +42,10 @@ LightFit fitSpot(const LightView& light, const Aabb& scene, std::uint32_t resolu
 /// Directional: the scene's bounds seen along the light, texel-independent. `scene` bounds all casters, so that none is
 /// in front of the near end.
 LightFit fitDirectional(const LightView& light, const Aabb& scene);
+/// A part of what fitDirectional() gives, with its depths.
+/// @param middle metres from the origin along the map's sides, to the right and down
+/// @param half   metres, half the length of either side
+LightFit fitWindow(const LightFit& whole, glm::dvec2 middle, glm::dvec2 half);
 /// Point: face +X, -X, +Y, -Y, +Z, -Z in world axes, widened by `borderTexels` at `resolution` so that filtering near a
 /// face border stays inside the face. Near and far are those of all six faces.
 LightFit fitCubeFace(const LightView& light, const Aabb& scene, std::uint32_t face, std::uint32_t resolution,

@@ -12,18 +12,27 @@ struct Tap {
     float layer;
 };
 
-// clip: the receiver in the map's clip space, x and y in texels.
-Tap planarTap(MapLook look, PlaneReceiver r, vec4 clip, vec2 normalPerTexel, float layer)
+// plane: the receiver's, in the texels of this layer; at: where the receiver is in it.
+Tap tapAt(MapLook look, PlanarDepth plane, vec2 at, float layer)
 {
     Tap tap;
-    float inverseW = 1.0 / clip.w;
-    PlanarDepth plane = planarDepth(look, mapDepth(look, clip), inverseW, r.facing, r.offset, normalPerTexel);
-    tap.at = clip.xy * inverseW;
+    tap.at = at;
     tap.depthPerTexel = plane.perTexel;
     tap.depth = plane.at - DEPTH_ROUNDING - SNAP_TEXELS * (abs(plane.perTexel.x) + abs(plane.perTexel.y));
     tap.inverseSide = 1.0 / look.side;
     tap.layer = layer;
     return tap;
+}
+
+// clip: the receiver in the map's clip space, x and y in texels.
+PlanarDepth planeOf(MapLook look, PlaneReceiver r, vec4 clip, vec2 normalPerTexel)
+{
+    return planarDepth(look, mapDepth(look, clip), 1.0 / clip.w, r.facing, r.offset, normalPerTexel);
+}
+
+Tap planarTap(MapLook look, PlaneReceiver r, vec4 clip, vec2 normalPerTexel, float layer)
+{
+    return tapAt(look, planeOf(look, r, clip, normalPerTexel), clip.xy / clip.w, layer);
 }
 
 bool texelExists(Tap tap, vec2 centre)

@@ -48,7 +48,6 @@ GN_SHARED_CONST float MEAN_LIFT_COSINE = 2.0f / 3.0f;
 // receiver's own mesh are closer than depths are exact. Along the view ray, so that it stays in its pixel, that is
 // 1 / |n.v| of the offset: of its terms that of the footprint, times LIFT. The depth's ulp is left out, because volumes
 // are rasterised with the same ulp as receivers, and so is the rounding of rays.
-//
 struct DepthLift {
     float share; // of `inverse` at a cosine of 1
     float back;  // depth + back: in proportion to 1 / linear depth

@@ -58,6 +58,10 @@ Scene churnScene(const char* method)
     const bool point = std::string(method) == "cube_map" || std::string(method) == "dual_paraboloid";
     if (point) scene.lights = {pointLight("bulb", {1.0, 5.0, 2.0}, true)};
     if (soft(method)) scene.lights[0].radius = 0.2f;
+    if (std::string(method) == "cascades") {
+        scene.lights[0].kind = demo::LightKind::Directional;
+        scene.lights[0].direction = glm::normalize(glm::dvec3(0.4, -1.0, 0.3));
+    }
     return scene;
 }
 
@@ -121,11 +125,27 @@ TEST_CASE_FIXTURE(
     DeviceTest,
     "100 frames of destroyed meshes, rewritten positions, new sizes and dropped buffers show the right shadows")
 {
-    for (const char* method : {"shadow_map",     "cube_map",        "dual_paraboloid",    "rbsm",
-                               "stencil_volume", "octree_volume",   "all_edges_volume",   "projected_planar",
-                               "chan_durand",    "mccool",          "pcf_hybrid",         "ray_traced",
-                               "angular_spans",  "contour_chain",   "conservative_map",   "conservative_map_adjacency",
-                               "tile_shafts",    "penumbra_wedges", "coherence_sampling", "eight_point_hybrid"})
+    for (const char* method : {"shadow_map",
+                               "cube_map",
+                               "dual_paraboloid",
+                               "rbsm",
+                               "cascades",
+                               "stencil_volume",
+                               "octree_volume",
+                               "all_edges_volume",
+                               "projected_planar",
+                               "chan_durand",
+                               "mccool",
+                               "pcf_hybrid",
+                               "ray_traced",
+                               "angular_spans",
+                               "contour_chain",
+                               "conservative_map",
+                               "conservative_map_adjacency",
+                               "tile_shafts",
+                               "penumbra_wedges",
+                               "coherence_sampling",
+                               "eight_point_hybrid"})
         churn(method);
 }
 

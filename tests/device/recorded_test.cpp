@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kRecorded[] = {
     "shadow_map",       "cube_map",    "dual_paraboloid", "stencil_volume",  "octree_volume", "all_edges_volume",
-    "projected_planar", "chan_durand", "mccool",          "penumbra_wedges", "rbsm"};
+    "projected_planar", "chan_durand", "mccool",          "penumbra_wedges", "rbsm",          "cascades"};
 
 const GnMethodInfo& methodNamed(const std::vector<GnMethodInfo>& methods, const std::string& name)
 {

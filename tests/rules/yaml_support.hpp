@@ -21,6 +21,7 @@ inline const std::vector<OutputInfo> kMethods = {
     {"pcf_hybrid", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}},
     {"cube_map", {"point", "hard", "fixedPenumbra"}},
     {"dual_paraboloid", {"point", "hard", "fixedPenumbra", "cpuGeometry"}},
+    {"cascades", {"directional", "hard", "fixedPenumbra"}},
     {"rbsm", {"directional", "spot", "point", "hard", "fixedPenumbra"}},
     {"chan_durand", {"directional", "spot", "point", "hard", "cpuGeometry"}},
     {"octree_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}},

@@ -351,7 +351,9 @@ typedef struct GnLightMap {
     float clipFromWorld[6][16]; ///< One per layer, relative to `origin`; zero where a layer has no matrix.
     double origin[3];
     uint32_t validLayers;       ///< Bit i: layer i holds this frame's casters. Layers that no receiver in a view
-                                ///< can lie in are not drawn and may hold anything.
+                                ///< can lie in are not drawn and may hold anything. Several layers of a
+                                ///< directional light lie about slices of a view, finest first, the last one
+                                ///< about all casters: look a receiver up in the first valid one that holds it.
 } GnLightMap;
 
 /** \brief The map the light's method kept after the last frame. \return #GN_ERROR_UNKNOWN_METHOD where it has none. */
