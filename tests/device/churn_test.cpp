@@ -58,10 +58,7 @@ Scene churnScene(const char* method)
     const bool point = std::string(method) == "cube_map" || std::string(method) == "dual_paraboloid";
     if (point) scene.lights = {pointLight("bulb", {1.0, 5.0, 2.0}, true)};
     if (soft(method)) scene.lights[0].radius = 0.2f;
-    if (std::string(method) == "cascades") {
-        scene.lights[0].kind = demo::LightKind::Directional;
-        scene.lights[0].direction = glm::normalize(glm::dvec3(0.4, -1.0, 0.3));
-    }
+    if (std::string(method) == "cascades") scene.lights[0].kind = demo::LightKind::Directional;
     return scene;
 }
 

@@ -12,7 +12,8 @@ Scene sceneFor(const GnMethodInfo& method)
 {
     Scene scene = smallScene();
     scene.instances[kBall].isStatic = false;
-    if (!serves(method, demo::LightKind::Spot)) scene.lights[0].kind = demo::LightKind::Point;
+    for (const demo::LightKind kind : {demo::LightKind::Directional, demo::LightKind::Point, demo::LightKind::Spot})
+        if (serves(method, kind)) scene.lights[0].kind = kind;
     if (!(method.traits & GN_TRAIT_HARD_BIT)) scene.lights[0].radius = 0.2f;
     return scene;
 }

@@ -21,8 +21,6 @@ inline const std::vector<OutputInfo> kMethods = {
     {"pcf_hybrid", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}},
     {"cube_map", {"point", "hard", "fixedPenumbra"}},
     {"dual_paraboloid", {"point", "hard", "fixedPenumbra", "cpuGeometry"}},
-    {"cascades", {"directional", "hard", "fixedPenumbra"}},
-    {"rbsm", {"directional", "spot", "point", "hard", "fixedPenumbra"}},
     {"chan_durand", {"directional", "spot", "point", "hard", "cpuGeometry"}},
     {"octree_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}},
     {"all_edges_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}},
@@ -35,7 +33,9 @@ inline const std::vector<OutputInfo> kMethods = {
     {"conservative_map", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}},
     {"conservative_map_adjacency", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}},
     {"coherence_sampling", {"directional", "spot", "point", "hard", "softPenumbra", "cpuGeometry", "rays"}},
-    {"eight_point_hybrid", {"directional", "spot", "hard", "softPenumbra", "cpuGeometry", "rays"}}};
+    {"eight_point_hybrid", {"directional", "spot", "hard", "softPenumbra", "cpuGeometry", "rays"}},
+    {"rbsm", {"directional", "spot", "point", "hard", "fixedPenumbra"}},
+    {"cascades", {"directional", "hard", "fixedPenumbra"}}};
 
 inline const std::vector<std::string> kTraits = {"directional",  "spot",  "point",       "hard", "fixedPenumbra",
                                                  "softPenumbra", "exact", "cpuGeometry", "rays", "planar"};
