@@ -98,7 +98,7 @@ TEST_CASE("in a plan of two lights, what-ifs come true once the plan has settled
     std::uint32_t flips = 0, agree = 0;
     const std::optional<rules::Engine> engine = bindRules(deskRules());
     REQUIRE(engine.has_value());
-    for (int i = 0; i < 400; ++i) {
+    for (int i = 0; i < 600; ++i) {
         Situation situation = randomSituation(random, *engine, true);
         situation.cut = false;
         situation.pinned = situation.incumbent = UINT32_MAX;
