@@ -31,12 +31,6 @@ std::array<glm::dvec3, 4> cornerRays(const CameraView& view)
     return rays;
 }
 
-double distanceTo(const Aabb& box, glm::dvec3 point)
-{
-    const glm::dvec3 beside = glm::max(glm::dvec3(box.lower) - point, point - glm::dvec3(box.upper));
-    return glm::length(glm::max(beside, 0.0));
-}
-
 double roundedUp(double value, double unit)
 {
     return std::ceil(value / unit) * unit;
@@ -71,7 +65,7 @@ struct Slices {
 Slices slicesOf(const CameraView& view, const std::array<glm::dvec3, 4>& rays, const Aabb& casters)
 {
     const double diagonal = glm::length(glm::dvec3(casters.upper) - glm::dvec3(casters.lower));
-    const double distance = distanceTo(casters, glm::dvec3(view.eye));
+    const double distance = nearestDistance(casters, glm::dvec3(view.eye));
     double longest = 1.0; // of the rays: what is that far away is no nearer in linear depth than its share of them
     for (const glm::dvec3& ray : rays)
         longest = std::max(longest, glm::length(ray));

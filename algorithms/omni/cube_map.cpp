@@ -2,6 +2,7 @@
 
 #include "algorithms/maps/map_resolve.hpp"
 #include "algorithms/omni/cube_faces.hpp"
+#include "algorithms/omni/light_map.hpp"
 #include "shaders/omni_cube_map_frag.h"
 
 namespace gnomon {
@@ -31,9 +32,7 @@ public:
         addLightProjection(constants, std::span(map.faces, 6), task);
         resolve_.declare(passes, task, map.image, constants);
 
-        map_ = {.image = map.image, .clipFromWorld = {}, .validLayers = map.needed};
-        for (std::uint32_t i = 0; i < 6; ++i)
-            map_.clipFromWorld[i] = map.faces[i].clipFromWorld;
+        map_ = handedOut(map.image, std::span(map.faces, 6), map.needed);
     }
 
     const Map* lightMap() const override { return &map_; }

@@ -32,4 +32,12 @@ LightMap declareLightMap(PassBuilder& passes, const DepthMapPipelines& pipelines
     return result;
 }
 
+ShadowAlgorithm::Map handedOut(ImageId image, std::span<const LightFit> fits, std::uint32_t validLayers)
+{
+    ShadowAlgorithm::Map map{.image = image, .clipFromWorld = {}, .validLayers = validLayers};
+    for (std::size_t i = 0; i < fits.size(); ++i)
+        map.clipFromWorld[i] = fits[i].clipFromWorld;
+    return map;
+}
+
 } // namespace gnomon

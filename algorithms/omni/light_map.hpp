@@ -28,4 +28,7 @@ std::uint32_t neededLayers(const ShadowTask& task);
 LightMap declareLightMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
                          std::uint32_t resolution, gpu::MapConstants& constants);
 
+/// What gnGetLightMap() is to hand out of a map with a layer per fit.
+ShadowAlgorithm::Map handedOut(ImageId image, std::span<const LightFit> fits, std::uint32_t validLayers);
+
 } // namespace gnomon

@@ -43,10 +43,7 @@ public:
         constants.longest = static_cast<std::uint32_t>(task.settings[kLongest]);
         const LightMap map = declareLightMap(passes, casters_, task, resolution, constants.base);
 
-        map_ = {.image = map.image, .clipFromWorld = {}, .validLayers = map.needed};
-        for (std::size_t i = 0; i < map.fits.size(); ++i)
-            map_.clipFromWorld[i] = map.fits[i].clipFromWorld;
-
+        map_ = handedOut(map.image, map.fits, map.needed);
         const MapResolve& resolve = task.light->type == GN_LIGHT_TYPE_POINT ? resolveCube_ : resolve_;
         resolve.declare(passes, task, map.image, constants, false);
     }

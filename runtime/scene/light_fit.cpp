@@ -43,12 +43,6 @@ glm::dvec3 corner(const Aabb& box, int i)
     return {i & 1 ? box.upper.x : box.lower.x, i & 2 ? box.upper.y : box.lower.y, i & 4 ? box.upper.z : box.lower.z};
 }
 
-double nearestDistance(const Aabb& box, glm::dvec3 point)
-{
-    const glm::dvec3 beside = glm::max(glm::max(glm::dvec3(box.lower) - point, point - glm::dvec3(box.upper)), 0.0);
-    return glm::length(beside);
-}
-
 /// Least depth of the box along an axis from `point`.
 double nearestAlong(const Aabb& box, glm::dvec3 point, glm::dvec3 forward)
 {
@@ -149,6 +143,12 @@ double coneSlope(double halfAngle)
 }
 
 } // namespace
+
+double nearestDistance(const Aabb& box, glm::dvec3 point)
+{
+    const glm::dvec3 beside = glm::max(glm::max(glm::dvec3(box.lower) - point, point - glm::dvec3(box.upper)), 0.0);
+    return glm::length(beside);
+}
 
 LightFit fitSpot(const LightView& light, const Aabb& scene, std::uint32_t resolution, float borderTexels)
 {

@@ -35,6 +35,9 @@ struct LightFit {
 /// @param extent metres; how far coordinates of casters go, if farther than the light's.
 double touchingDistance(const LightView& light, double extent) noexcept;
 
+/// From a point to a box, metres; 0 inside.
+double nearestDistance(const Aabb& box, glm::dvec3 point);
+
 /// Spot: the square around the cone, a little wider, so that no receiver that the light reaches lies beside it, and
 /// widened by `borderTexels` at `resolution`, so that filters at the cone's rim stay inside. Near and far from the
 /// casters in range; the far end is the light's range, or reaches past `scene` where the range is unlimited.

@@ -66,7 +66,7 @@ void main()
     DepthLift lift = depthLift(here);
     ReceiverTile strip =
         ReceiverTile(vec4(vec3(1e38), 0.0), vec4(vec3(-1e38), 0.0), vec4(vec3(1.0), 0.0), vec4(vec3(-1.0), 0.0));
-    // Where sky comes first, or what is left of the area, this is taken in: a tile that may face away for all we know.
+    // Where a strip begins with sky, or before the area, this is taken in: its tile may face away for all that is known.
     vec3 normal = vec3(0.0);
     for (uint row = 0; row < rows; ++row) {
         vec3 ray = firstRay;

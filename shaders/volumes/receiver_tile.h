@@ -43,13 +43,9 @@ GN_SHARED_CONST float LEAST_LIFT_COSINE = 1.0f / 64.0f;
 // Where the host gives no normals: the mean between a pixel's ray and a surface without a favoured direction.
 GN_SHARED_CONST float MEAN_LIFT_COSINE = 2.0f / 3.0f;
 
-// The depth value of a receiver moved towards the eye until it is the offset of receiver.h above its surface. There
-// rays start, and there counts have to be asked for; on the surface itself, sheets that rise from a concave edge of the
-// receiver's own mesh are closer than depths are exact. Along the view ray, so that it stays in its pixel, that is
-// 1 / |n.v| of the offset: of its terms that of the footprint, times LIFT. The depth's ulp is left out, because volumes
-// are rasterised with the same ulp as receivers, and so is the rounding of rays.
+// What liftedDepth() asks of a view.
 struct DepthLift {
-    float share; // of `inverse` at a cosine of 1
+    float share; // of depth + back that a receiver is moved by, seen straight on
     float back;  // depth + back: in proportion to 1 / linear depth
 };
 
@@ -61,6 +57,12 @@ GN_SHARED_FN DepthLift depthLift(ViewConstants view)
     return lift;
 }
 
+// The depth value of a receiver moved towards the eye until it is the offset of receiver.h above its surface. There
+// rays start, and there counts have to be asked for; on the surface itself, sheets that rise from a concave edge of the
+// receiver's own mesh are closer than depths are exact. Along the view ray, so that it stays in its pixel, that is
+// 1 / |n.v| of the offset: of its terms that of the footprint, times LIFT. The depth's ulp is left out, because volumes
+// are rasterised with the same ulp as receivers, and so is the rounding of rays.
+//
 //   cosine  |n.ray|, the ray of linear depth 1
 GN_SHARED_FN float liftedDepth(DepthLift lift, float depth, float cosine)
 {

@@ -39,6 +39,7 @@ void forCounted(const Stage& stage, const Pictures& first, const Pictures& secon
 struct Bound {
     const char* scene;
     double better; ///< At least, errors of the map over those of lines, at every resolution.
+    bool finer;    ///< Lines of half the texels to a side are as exact as the map: asked where edges are long.
 };
 
 } // namespace
@@ -49,7 +50,8 @@ TEST_CASE(
     "lines through the middles of stairs halve a map's error where edges are long, and replace the next finer map")
 {
     const test::DeviceTest silence;
-    for (const Bound& bound : {Bound{"torus_grid", 2.0}, {"room", 1.5}, {"bunny", 1.5}, {"colonnade", 1.2}}) {
+    for (const Bound& bound :
+         {Bound{"torus_grid", 2.0, true}, {"room", 1.5, false}, {"bunny", 1.5, false}, {"colonnade", 1.2, false}}) {
         CAPTURE(bound.scene);
         Stage stage(shippedScene(bound.scene), testSize());
         uint64_t last = 0;
@@ -61,7 +63,7 @@ TEST_CASE(
                                 << ", ratio " << double(map.wrong()) / double(line.wrong()));
             CHECK(map.counted == line.counted);
             CHECK(double(map.wrong()) >= bound.better * double(line.wrong()));
-            if (last > 0 && bound.better >= 2.0) CHECK(last <= map.wrong()); // half as many texels to a side
+            if (last > 0 && bound.finer) CHECK(last <= map.wrong());
             last = line.wrong();
         }
     }
