@@ -31,6 +31,10 @@ GnResult GN_CALL gnCreateContext(const GnContextCreateInfo* pCreateInfo, GnConte
 void GN_CALL gnDestroyContext(GnContext context)
 {
     const rules::FloatMode mode;
+    if (context && context->impl && !context->impl->drain()) {
+        context->impl->abandon();
+        static_cast<void>(context->impl.release());
+    }
     delete context;
 }
 

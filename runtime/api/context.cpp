@@ -113,15 +113,27 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     return executor_->create(info.framesInFlight ? info.framesInFlight : 2);
 }
 
-Context::~Context()
+/// The one place that waits for all that is on the queue. @return false where the device may still use what is ours
+bool Context::drain() noexcept
 {
-    // The one place that waits for the GPU.
     if (executor_) {
         finishUnderway();
-        if (!lost_) executor_->waitQueue();
+        if (!lost_ || executor_->hung()) executor_->waitQueue();
     }
     if (methods_) methods_->finishBackground();
     if (scene_) scene_->finishBackground();
+    return !executor_ || !executor_->hung();
+}
+
+void Context::abandon() noexcept
+{
+    messages_.warn("ContextAbandoned", "the device hangs; what it may still use is not destroyed");
+    jobs_.reset();
+}
+
+Context::~Context()
+{
+    drain();
     views_.forEach([&](std::unique_ptr<View>& view) {
         for (const std::unique_ptr<PooledImage>* image : {&view->visibility, &view->replaced})
             if (*image) memory_->destroy((*image)->gpu);
@@ -167,6 +179,7 @@ template <typename Wanted>
 Result<void> Context::warmUp(Wanted&& wanted)
 {
     finishUnderway();
+    if (lost_) return Error{GN_ERROR_DEVICE_LOST, "DeviceLost", "the device is lost"};
     scene_->finishBackground();
     methods_->finishBackground();
     const bool own = createOwnPipelines();
@@ -223,6 +236,7 @@ void Context::destroyView(GnView handle)
     View* const gone = findView(handle);
     if (!gone) return;
     finishUnderway();
+    if (lost_) return;
     makeRoom(retiredGrids_); // what may throw comes before what changes
     for (std::unique_ptr<PooledImage>* image : {&gone->visibility, &gone->replaced})
         if (*image) pool_->retire(std::exchange(*image, nullptr));

@@ -63,6 +63,12 @@ public:
     Context(const Context&) = delete;
     Context& operator=(const Context&) = delete;
 
+    /// Waits for everything; before destruction. @return false where the device hangs: then abandon() takes the place
+    /// of destruction
+    bool drain() noexcept;
+    /// Ends the threads. All else is left as it is, for the device may still use it.
+    void abandon() noexcept;
+
     Result<void> warmUp();
     Result<void> warmUpMethod(const char* name);
     Result<GnView> createView(const GnViewCreateInfo& info);

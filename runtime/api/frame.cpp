@@ -236,6 +236,9 @@ void Context::finishUnderway() noexcept
     if (!executor_->underway()) return;
     try {
         finishedEarly_ = finishFrame(UINT64_MAX);
+        if (*finishedEarly_ || finishedEarly_->error().result != GN_ERROR_DEVICE_LOST) return;
+        lost_ = true; // nothing may follow, and nobody else tells
+        messages_.error(finishedEarly_->error());
     } catch (...) {
         thrownEarly_ = std::current_exception();
     }

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "runtime/passes/pass_executor.hpp"
+#include "runtime/vk/progress_marks.hpp"
 
 namespace gnomon {
 
@@ -37,6 +38,7 @@ struct PassExecutor::Slot {
     std::vector<UniqueQueryPool> queries; ///< Query i lies in pool i / kQueriesPerPool.
     std::uint32_t queriesUsed = 0;
     std::vector<Entry> entries;
+    ProgressMarks marks; ///< By index into `entries`.
     std::vector<Span> levels;
     std::vector<std::uint64_t> results;
 };

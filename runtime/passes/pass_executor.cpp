@@ -16,21 +16,13 @@ float elapsedMs(std::chrono::steady_clock::time_point since)
     return std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - since).count();
 }
 
-VkSemaphoreSubmitInfo timelinePoint(VkSemaphore semaphore, std::uint64_t value)
-{
-    return {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
-            .semaphore = semaphore,
-            .value = value,
-            .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
-}
-
 } // namespace
 
 PassExecutor::PassExecutor(const DeviceTable& vk, DeviceMemory& memory, PipelineStore& pipelines,
                            const SamplerSet& samplers, JobSystem& jobs, ResourcePool& pool, PassGraph& graph,
                            const GnContextCreateInfo& info)
     : vk_(vk), memory_(memory), pipelines_(pipelines), samplers_(samplers), jobs_(jobs), pool_(pool), graph_(graph),
-      lock_(info.pfnLockQueue), unlock_(info.pfnUnlockQueue), userData_(info.pUserData), barriers_(vk)
+      timeline_(vk, info), barriers_(vk)
 {
 }
 
@@ -40,18 +32,13 @@ PassExecutor::~PassExecutor()
         for (GpuBuffer& chunk : slot->constants)
             memory_.destroy(chunk);
         memory_.destroy(slot->transforms);
+        slot->marks.destroy(memory_);
     }
 }
 
 Result<void> PassExecutor::create(std::uint32_t framesInFlight)
 {
-    const VkSemaphoreTypeCreateInfo type{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO,
-                                         .semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE};
-    const VkSemaphoreCreateInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, .pNext = &type};
-    VkSemaphore semaphore = VK_NULL_HANDLE;
-    if (VkResult r = vk_.vkCreateSemaphore(vk_.device, &info, vk_.hostAllocator, &semaphore); r != VK_SUCCESS)
-        return vulkanError(r, "vkCreateSemaphore");
-    timeline_ = {vk_, semaphore};
+    if (Result<void> made = timeline_.create(); !made) return made;
     for (std::uint32_t i = 0; i < framesInFlight; ++i) {
         auto slot = std::make_unique<Slot>(vk_);
         const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
@@ -61,6 +48,7 @@ Result<void> PassExecutor::create(std::uint32_t framesInFlight)
             return vulkanError(r, "vkCreateCommandPool");
         slot->pool = {vk_, pool};
         if (Result<void> made = makeQueries(*slot, kQueriesPerPool); !made) return made;
+        if (Result<void> made = slot->marks.create(memory_, "frame.progress"); !made) return made;
         slots_.push_back(std::move(slot));
     }
     return {};
@@ -93,6 +81,7 @@ Result<void> PassExecutor::begin(const ExecutorFrame& frame)
     slot.queriesUsed = 0;
     slot.entries.clear();
     slot.levels.clear();
+    slot.marks.clear();
     slot_ = &slot;
     frame_ = frame;
     waits_.assign(frame.waits.begin(), frame.waits.end());
@@ -100,6 +89,7 @@ Result<void> PassExecutor::begin(const ExecutorFrame& frame)
     visibilities_.assign(frame.visibilities, frame.visibilities + frame.visibilityCount);
     imports_.assign(frame.imports, frame.imports + frame.importCount);
     lightMaps_.assign(frame.lightMaps.begin(), frame.lightMaps.end());
+    trialsBefore_ = pipelines_.trialMarks().begun();
     counters_.submits = counters_.hostWaits = counters_.passesRun = 0;
     counters_.indexListsBuilt = 0;
     counters_.rays = 0;
@@ -180,7 +170,9 @@ Result<GnResult> PassExecutor::finish(std::uint64_t timeoutNs)
 void PassExecutor::giveUp() noexcept
 {
     underway_ = false;
+    if (hung()) return;                       // the device may still touch it
     if (hostWait_ != VK_SUCCESS) waitQueue(); // else what was submitted was waited for, before its host passes
+    if (hung()) return;
     pool_.abandon(frame_.frame);
     drop(frame_.frame);
 }
@@ -204,7 +196,7 @@ Result<GnResult> PassExecutor::finishLevels(std::uint64_t timeoutNs)
             }
         }
         if (hostThrown_) std::rethrow_exception(std::exchange(hostThrown_, nullptr));
-        if (hostWait_ != VK_SUCCESS) return vulkanError(hostWait_, "vkWaitSemaphores");
+        if (hostWait_ != VK_SUCCESS) return waitError(hostWait_);
         declareLater();
         order_ = graph_.order();
         ++level_;
@@ -217,15 +209,10 @@ Result<GnResult> PassExecutor::finishLevels(std::uint64_t timeoutNs)
 /// Waits for the level's GPU work and runs its host passes.
 Result<void> PassExecutor::hostLevel(std::uint64_t timeoutNs)
 {
-    const VkSemaphore semaphore = timeline_.get();
-    const VkSemaphoreWaitInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
-                                   .semaphoreCount = 1,
-                                   .pSemaphores = &semaphore,
-                                   .pValues = &timelineValue_};
-    hostWait_ = vk_.vkWaitSemaphores(vk_.device, &info, timeoutNs);
+    hostWait_ = timeline_.wait(timeoutNs, &progress, this);
     if (hostWait_ == VK_TIMEOUT) return {};
     ++counters_.hostWaits;
-    if (hostWait_ != VK_SUCCESS) return vulkanError(hostWait_, "vkWaitSemaphores");
+    if (hostWait_ != VK_SUCCESS) return waitError(hostWait_);
     runCpuPasses(level_, PassKind::host);
     return {};
 }
@@ -253,21 +240,6 @@ void PassExecutor::declareLater()
     later_.clear();
 }
 
-/// Signals the next value of the timeline as well, which counts only once it is sure to come.
-Result<void> PassExecutor::submit2(VkSubmitInfo2 submit, std::span<const VkSemaphoreSubmitInfo> hostSignals)
-{
-    submitSignals_.assign(hostSignals.begin(), hostSignals.end());
-    submitSignals_.push_back(timelinePoint(timeline_.get(), timelineValue_ + 1));
-    submit.signalSemaphoreInfoCount = static_cast<std::uint32_t>(submitSignals_.size());
-    submit.pSignalSemaphoreInfos = submitSignals_.data();
-    if (lock_) lock_(vk_.queue, userData_);
-    const VkResult result = vk_.vkQueueSubmit2(vk_.queue, 1, &submit, VK_NULL_HANDLE);
-    if (unlock_) unlock_(vk_.queue, userData_);
-    if (result != VK_SUCCESS) return vulkanError(result, "vkQueueSubmit2");
-    ++timelineValue_;
-    return {};
-}
-
 Result<void> PassExecutor::submitLevel(std::uint32_t level, bool last)
 {
     runCpuPasses(level, PassKind::prepare);
@@ -290,7 +262,7 @@ Result<void> PassExecutor::submitLevel(std::uint32_t level, bool last)
     // The host's signals belong to the last submit; ours marks every level.
     const std::span<const VkSemaphoreSubmitInfo> hostSignals =
         last ? std::span(signals_) : std::span(signals_).first(0);
-    if (Result<void> submitted = submit2(submit, hostSignals); !submitted) return submitted;
+    if (Result<void> submitted = timeline_.submit(submit, hostSignals); !submitted) return submitted;
     ++counters_.submits;
     slot_->timingsPending = true;
 
@@ -404,6 +376,7 @@ Result<VkCommandBuffer> PassExecutor::beginOnce()
     if (VkResult r = vk_.vkCreateCommandPool(vk_.device, &poolInfo, vk_.hostAllocator, &pool); r != VK_SUCCESS)
         return vulkanError(r, "vkCreateCommandPool");
     oncePool_ = {vk_, pool};
+    trialsBefore_ = pipelines_.trialMarks().begun();
     const VkCommandBufferAllocateInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
                                            .commandPool = pool,
                                            .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
@@ -425,44 +398,47 @@ Result<void> PassExecutor::endOnce(VkCommandBuffer cmd)
                                             .commandBuffer = cmd};
     const VkSubmitInfo2 submit{
         .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &cmdInfo};
-    if (Result<void> submitted = submit2(submit, {}); !submitted) return submitted;
-    const VkResult waited = waitTimeline();
+    if (Result<void> submitted = timeline_.submit(submit, {}); !submitted) return submitted;
+    if (const VkResult waited = timeline_.wait(UINT64_MAX, &progress, this); waited != VK_SUCCESS)
+        return waitError(waited);
     oncePool_ = {};
-    return waited == VK_SUCCESS ? Result<void>() : vulkanError(waited, "vkWaitSemaphores");
+    return {};
 }
 
 void PassExecutor::waitQueue() noexcept
 {
-    if (!slot_ && timelineValue_ == 0) return; // nothing of ours was ever on the queue
-    bool submitted = false;
-    try {
-        // A signal comes after all that was submitted to the queue before it. To wait for an idle device, every queue
-        // of the host's would have to be locked.
-        submitted = bool(submit2({.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2}, {}));
-    } catch (...) { // no memory
-    }
-    (void)(submitted ? waitTimeline() : waitIdle()); // a lost device is as good as an idle one
+    if (!slot_ && !timeline_.used()) return;                 // nothing of ours was ever on the queue
+    static_cast<void>(timeline_.waitQueue(&progress, this)); // a lost device is as good as an idle one
 }
 
-VkResult PassExecutor::waitIdle() noexcept
+std::uint64_t PassExecutor::progress(const void* self) noexcept
 {
-    if (lock_) lock_(vk_.queue, userData_);
-    const VkResult waited = vk_.vkQueueWaitIdle(vk_.queue);
-    if (unlock_) unlock_(vk_.queue, userData_);
-    return waited;
+    const auto& executor = *static_cast<const PassExecutor*>(self);
+    const std::uint64_t passes = executor.slot_ ? executor.slot_->marks.begun() : 0;
+    return passes << 32 | executor.pipelines_.trialMarks().begun();
 }
 
-VkResult PassExecutor::waitTimeline() noexcept
+Error PassExecutor::waitError(VkResult waited) const
 {
-    if (!timeline_ || timelineValue_ == 0) return VK_SUCCESS;
-    const VkSemaphore semaphore = timeline_.get();
-    const VkSemaphoreWaitInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
-                                   .semaphoreCount = 1,
-                                   .pSemaphores = &semaphore,
-                                   .pValues = &timelineValue_};
-    const VkResult waited = vk_.vkWaitSemaphores(vk_.device, &info, UINT64_MAX);
-    // It may have failed for want of memory, with the GPU still at work on what is to be freed.
-    return waited == VK_SUCCESS || waited == VK_ERROR_DEVICE_LOST ? waited : waitIdle();
+    if (!hung()) return vulkanError(waited, "vkWaitSemaphores");
+    return {GN_ERROR_DEVICE_LOST, "DeviceHung",
+            "the device made no progress for " + std::to_string(timeline_.limitMs()) +
+                " ms (GnContextCreateInfo::waitLimitMs); " + lastBegun() + "; the context counts as lost"};
+}
+
+/// What the device began last. Where passes of a level are not marked one by one, those that it may have been.
+std::string PassExecutor::lastBegun() const
+{
+    const std::uint32_t begun = oncePool_ || !slot_ ? 0 : slot_->marks.begun();
+    if (begun == 0 && pipelines_.trialMarks().begun() > trialsBefore_)
+        return "last begun: the first run of pipeline '" + pipelines_.lastTrial() + "'";
+    if (begun == 0) return "nothing that it waits for has begun";
+    const std::vector<Slot::Entry>& entries = slot_->entries;
+    const PassTiming& first = entries[begun - 1].timing;
+    std::string text = "last begun in frame " + std::to_string(slot_->frame) + ": pass '" + first.name + "'";
+    for (std::size_t i = begun; !marksPasses() && i < entries.size(); ++i)
+        text += std::string(i == begun ? ", or after it '" : ", '") + entries[i].timing.name + "'";
+    return text;
 }
 
 } // namespace gnomon

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "runtime/passes/barriers.hpp"
+#include "runtime/passes/device_timeline.hpp"
 #include "runtime/passes/pass_context.hpp"
 #include "runtime/passes/pass_graph.hpp"
 #include "runtime/scene/scene_registry.hpp"
@@ -84,7 +85,8 @@ public:
     /// The frame will not run: its timings never come. Does nothing if it has claimed no slot.
     void drop(std::uint64_t frame);
 
-    /// Submits `body`'s commands on their own and waits for them: warm-up only.
+    /// Submits `body`'s commands on their own and waits for them: warm-up only. GN_ERROR_DEVICE_LOST where the device
+    /// hangs; hung() then says so.
     template <typename Body>
     Result<void> once(Body&& body)
     {
@@ -93,9 +95,11 @@ public:
         if (Result<void> recorded = body(*cmd); !recorded) return recorded;
         return endOnce(*cmd);
     }
-    /// Blocks until all that was submitted to the queue is done, recorded frames of the host's submits included:
-    /// destruction only.
+    /// Blocks until all that was submitted to the queue is done, recorded frames of the host's submits included, or
+    /// the device hangs: destruction only.
     void waitQueue() noexcept;
+    /// A wait ended without the device's work being done: nothing that it touches may be destroyed.
+    bool hung() const noexcept { return timeline_.hung(); }
 
     /// Why the pipelines of ExecutorFrame::trialOwner could not be tried; null: they were. The frame goes on without.
     const Error* trialError() const { return trialError_ ? &*trialError_ : nullptr; }
@@ -130,9 +134,11 @@ private:
     void runWave(std::span<const std::uint32_t> wave);
     void runPass(std::uint32_t index);
     Result<void> submitLevel(std::uint32_t level, bool last);
-    Result<void> submit2(VkSubmitInfo2 submit, std::span<const VkSemaphoreSubmitInfo> hostSignals);
-    VkResult waitTimeline() noexcept;
-    VkResult waitIdle() noexcept;
+    static std::uint64_t progress(const void* self) noexcept;
+    Error waitError(VkResult waited) const;
+    std::string lastBegun() const;
+    bool marksPasses() const;
+    void markBegun(VkCommandBuffer cmd);
     Result<GnResult> finishLevels(std::uint64_t timeoutNs);
     void giveUp() noexcept;
     Result<void> hostLevel(std::uint64_t timeoutNs);
@@ -154,16 +160,14 @@ private:
     JobSystem& jobs_;
     ResourcePool& pool_;
     PassGraph& graph_;
-    PFN_gnQueueLock lock_, unlock_;
-    void* userData_;
 
-    UniqueSemaphore timeline_;
-    std::uint64_t timelineValue_ = 0; ///< That the newest submit signals.
-    UniqueCommandPool oncePool_;      ///< Of the one-off submit under way.
+    DeviceTimeline timeline_;
+    UniqueCommandPool oncePool_;     ///< Of the one-off submit under way.
+    std::uint32_t trialsBefore_ = 0; ///< Trials begun before the submits that are waited for.
     std::vector<std::unique_ptr<Slot>> slots_;
     Slot* slot_ = nullptr;
     ExecutorFrame frame_;
-    std::vector<VkSemaphoreSubmitInfo> waits_, signals_, submitSignals_;
+    std::vector<VkSemaphoreSubmitInfo> waits_, signals_;
     std::vector<PooledImage*> visibilities_, imports_, lightMaps_;
     BarrierBatch barriers_;
     std::span<const std::uint32_t> order_;

@@ -1,5 +1,6 @@
 // Recording of levels: waves, barriers, rendering scopes, timestamps; and what is read back of them.
 #include <algorithm>
+#include <utility>
 
 #include "runtime/passes/frame_slot.hpp"
 
@@ -19,6 +20,19 @@ bool runsOnGpu(const Pass& pass)
 }
 
 } // namespace
+
+/// A mark is a command between passes. Where full barriers stand there anyway, or a CPU executes it, it costs nothing;
+/// elsewhere a level has one, for a GPU may have to switch engines for it.
+bool PassExecutor::marksPasses() const
+{
+    return slot_->timed || vk_.software;
+}
+
+/// Of the pass whose entry comes next.
+void PassExecutor::markBegun(VkCommandBuffer cmd)
+{
+    slot_->marks.mark(vk_, cmd, static_cast<std::uint32_t>(slot_->entries.size()));
+}
 
 /// So many for the slot, where the queue has any: in new pools, since the frame's earlier levels may be at work with
 /// the others.
@@ -93,6 +107,7 @@ Result<void> PassExecutor::recordLevel(VkCommandBuffer cmd, std::uint32_t level,
 
 void PassExecutor::recordWaves(VkCommandBuffer cmd, std::uint32_t level)
 {
+    bool begun = false;
     for (std::size_t i = 0; i < order_.size();) {
         const Pass& head = graph_.passes()[order_[i]];
         if (head.level != level || !runsOnGpu(head)) {
@@ -113,8 +128,11 @@ void PassExecutor::recordWaves(VkCommandBuffer cmd, std::uint32_t level)
             }
         }
         barriers_.record(cmd);
-        for (; i < end; ++i)
-            if (graph_.passes()[order_[i]].fn) recordPass(cmd, graph_.passes()[order_[i]]);
+        for (; i < end; ++i) {
+            if (!graph_.passes()[order_[i]].fn) continue;
+            if (!std::exchange(begun, true) || marksPasses()) markBegun(cmd);
+            recordPass(cmd, graph_.passes()[order_[i]]);
+        }
     }
 }
 

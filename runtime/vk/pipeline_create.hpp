@@ -38,8 +38,9 @@ struct PipelineDescription {
 /// of one: three rows of vec4, at locations 1 to 3.
 inline constexpr std::uint32_t kTransformsBinding = 1, kTransformBytes = 48;
 
-/// Bytes of a uniform block that `constants` bindings may see; a fixed range keeps descriptor sets alike.
-inline constexpr VkDeviceSize kConstantsRange = 4096;
+/// Bytes of a uniform block that `constants` bindings of trials see: what every device allows a block (Vulkan 1.3, table
+/// of required limits, maxUniformBufferRange), so that none is larger.
+inline constexpr VkDeviceSize kConstantsRange = 16384;
 
 Result<Pipeline> createPipeline(const DeviceTable& vk, VkPipelineCache cache, const PipelineDescription& description);
 void destroyPipeline(const DeviceTable& vk, Pipeline& pipeline) noexcept;

@@ -39,6 +39,10 @@ public:
     /// Why the owner's pipelines cannot be made, or empty.
     std::string failure(std::uint32_t owner) const;
 
+    /// Of the trials that the device has begun.
+    const ProgressMarks& trialMarks() const noexcept { return trials_.marks(); }
+    std::string lastTrial() const { return trials_.lastBegun(); }
+
     const Pipeline& get(PipelineId id) const; ///< Must be created. The reference lives as long as the store.
 
 private:

@@ -60,6 +60,7 @@ PipelineTrials::~PipelineTrials()
         memory_.destroy(buffer);
     for (const std::unique_ptr<StandIn>& standIn : standIns_)
         memory_.destroy(standIn->image);
+    marks_.destroy(memory_);
 }
 
 Result<void> PipelineTrials::record(VkCommandBuffer cmd, std::span<const Candidate> candidates, float slopeBias)
@@ -74,7 +75,10 @@ Result<void> PipelineTrials::record(VkCommandBuffer cmd, std::span<const Candida
         trials.push_back(*trial);
     }
     clearStandIns(cmd);
+    names_.reserve(names_.size() + trials.size());
     for (const Trial& trial : trials) {
+        marks_.mark(vk_, cmd, static_cast<std::uint32_t>(names_.size()));
+        names_.push_back(trial.candidate.description->name());
         clearStorage(cmd);
         fullBarrier(vk_, cmd);
         if (trial.candidate.description->isCompute)
@@ -86,9 +90,16 @@ Result<void> PipelineTrials::record(VkCommandBuffer cmd, std::span<const Candida
     return {};
 }
 
+std::string PipelineTrials::lastBegun() const
+{
+    const std::uint32_t begun = marks_.begun();
+    return begun ? names_[begun - 1] : "";
+}
+
 Result<void> PipelineTrials::makeBuffers()
 {
     if (zeros_.buffer) return {};
+    if (Result<void> marks = marks_.create(memory_, "trial.progress"); !marks) return marks;
     constexpr VkBufferUsageFlags kUsage =
         VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
     Result<GpuBuffer> made = memory_.createBuffer(kBufferSize, kUsage, MemoryUse::upload, "trial.zeros");

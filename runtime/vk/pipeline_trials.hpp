@@ -3,9 +3,11 @@
 // a pipeline on tiny stand-ins of what it will meet, so that the first real frame does not wait for the compiler.
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "runtime/vk/pipeline_create.hpp"
+#include "runtime/vk/progress_marks.hpp"
 
 namespace gnomon {
 
@@ -23,6 +25,8 @@ public:
     /// Records each candidate's draw or dispatch with barriers of its own. Stand-ins are made on demand and kept, for
     /// the recording may run any time later. On failure nothing has been recorded.
     Result<void> record(VkCommandBuffer cmd, std::span<const Candidate> candidates, float slopeBias);
+    const ProgressMarks& marks() const noexcept { return marks_; } ///< Of all trials recorded so far.
+    std::string lastBegun() const;                                 ///< Its pipeline's name; empty: none has.
 
 private:
     struct StandIn {
@@ -56,6 +60,8 @@ private:
     GpuBuffer zeros_;                ///< Constants, vertices and indices; never written.
     std::vector<GpuBuffer> storage_; ///< One per storage binding: shaders may write, and an alias would feed it back.
     std::vector<std::unique_ptr<StandIn>> standIns_;
+    ProgressMarks marks_;
+    std::vector<const char*> names_; ///< By mark.
 };
 
 } // namespace gnomon

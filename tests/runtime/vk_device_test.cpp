@@ -194,7 +194,8 @@ void execute(const DeviceTable& vk, Body&& body)
     submit.commandBufferInfoCount = 1;
     submit.pCommandBufferInfos = &buffer;
     REQUIRE(vk.vkQueueSubmit2(vk.queue, 1, &submit, VK_NULL_HANDLE) == VK_SUCCESS);
-    REQUIRE(vk.vkQueueWaitIdle(vk.queue) == VK_SUCCESS);
+    const auto waitIdle = reinterpret_cast<PFN_vkQueueWaitIdle>(vk.vkGetDeviceProcAddr(vk.device, "vkQueueWaitIdle"));
+    REQUIRE(waitIdle(vk.queue) == VK_SUCCESS);
     vk.vkDestroyCommandPool(vk.device, pool, nullptr);
 }
 

@@ -68,7 +68,8 @@ typedef enum GnResult {
     GN_ERROR_UNKNOWN = -1,
     GN_ERROR_OUT_OF_HOST_MEMORY = -2,
     GN_ERROR_OUT_OF_DEVICE_MEMORY = -3,
-    GN_ERROR_DEVICE_LOST = -4,      ///< Every call but destruction returns it from then on.
+    GN_ERROR_DEVICE_LOST = -4,      ///< Vulkan said so, or the device hangs (GnContextCreateInfo::waitLimitMs). Every
+                                    ///< call but destruction returns it from then on.
     GN_ERROR_INVALID_HANDLE = -5,   ///< A handle of an object is null, foreign or already destroyed.
     GN_ERROR_NULL_ARGUMENT = -6,    ///< A required pointer, or the context, is null.
     GN_ERROR_NOT_A_NUMBER = -7,     ///< NaN in the input.
@@ -177,6 +178,9 @@ typedef struct GnContextCreateInfo {
     PFN_gnThreadStarted pfnThreadStarted;              ///< Optional. Not called where pfnScheduleJob is given.
     PFN_gnMessage pfnMessage;                          ///< Optional. Absent means silent.
     void* pUserData;                                   ///< Given to all callbacks above.
+    uint32_t waitLimitMs;                              ///< 0 means 10 000. A call that waits for the device ends with
+                                                       ///< #GN_ERROR_DEVICE_LOST once the device has made no progress
+                                                       ///< for so long. What a submitted frame's pWaits delay counts.
 } GnContextCreateInfo;
 
 /** \brief Creates a context. No method is ready at first; see gnWarmUp(). What went wrong is told to `pfnMessage` alone. */
@@ -186,7 +190,9 @@ GN_API GnResult GN_CALL gnCreateContext(const GnContextCreateInfo* pCreateInfo, 
 
 The one call that waits for all that is on the context's queue; gnWarmUp(), and frames with round trips, wait for what
 they submitted themselves. Recorded frames must have been
-submitted there or never be; what the host reads of visibility on other queues must be finished. */
+submitted there or never be; what the host reads of visibility on other queues must be finished. Where the device makes no
+progress for GnContextCreateInfo::waitLimitMs, the context's Vulkan objects are left undestroyed, since it may still use
+them; a message says so. */
 GN_API void GN_CALL gnDestroyContext(GnContext context);
 
 /** \brief Name of a result, such as "GN_ERROR_EMPTY". Never null. */
