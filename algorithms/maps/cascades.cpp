@@ -16,7 +16,7 @@ constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of each map.", 64, 8192, 1024},
     {"cascades", "Maps, the one of all casters included.", 2, gpu::MAX_CASCADES, 4},
     {"blend", "Where slices end: 0 evenly, 1 each by the same factor farther than the one before.", 0, 1, 1},
-    {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, 7, 1},
+    {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
 };
 
 /// Texels that filters reach beside a receiver: half of 7 and the fraction.

@@ -12,7 +12,7 @@ enum Setting { kResolution, kFilter };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map.", 64, 8192, 1024},
-    {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, 7, 1},
+    {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
 };
 
 class ShadowMap final : public ShadowAlgorithm {

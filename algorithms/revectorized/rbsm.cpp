@@ -20,7 +20,7 @@ constexpr SettingSpec kSettings[] = {
      0, 2, 1},
     // 16: the thesis's listings A.3 and B.2. Half-planes at any angle are wrong by 0.096, 0.089 and 0.084 texels per
     // texel of edge with 8, 16 and 32 (revectorized_test prints it).
-    {"longest", "Texels that a stair is followed to each side.", 8, 32, 16},
+    {"longest", "Texels that a stair is followed to each side.", 8, gpu::MAX_STAIR, 16},
 };
 
 class Rbsm final : public ShadowAlgorithm {

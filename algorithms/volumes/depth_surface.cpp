@@ -14,10 +14,6 @@ namespace gnomon {
 
 namespace {
 
-/// Texels that a vertex shader may ask one by one: 0.02 ms on a software device, and the near plane of a camera that
-/// stands beside things meets a few dozen.
-constexpr double kMostNearTexels = 1024.0;
-
 bool jumps(std::uint32_t mask, std::uint32_t side)
 {
     return (mask >> (side & 3u)) & 1u;
@@ -211,7 +207,7 @@ NearTexels nearTexels(const LightFit& fit, const std::array<glm::vec3, 4>& nearC
     const glm::dvec2 last(texelOf(most.x) + 1.0, texelOf(most.y) + 1.0);
     const glm::dvec2 from = glm::max(first, glm::dvec2(0.0)), to = glm::min(last, glm::dvec2(side - 1.0));
     if (from.x > to.x || from.y > to.y) return result; // beside the map
-    result.always = (to.x - from.x + 1.0) * (to.y - from.y + 1.0) > kMostNearTexels;
+    result.always = (to.x - from.x + 1.0) * (to.y - from.y + 1.0) > gpu::MAX_NEAR_TEXELS;
     if (!result.always) result.texels = glm::vec4(glm::vec2(from), glm::vec2(to));
     return result;
 }

@@ -46,7 +46,8 @@ void main()
     vec3 n = normalAndInstance.xyz;
     vec3 position = ray * (view.depthScale / (depth + view.depthAdd));
     vec3 light = mix(kAmbientDown, kAmbientUp, 0.5 + 0.5 * n.y);
-    for (uint i = 0; i < view.lightCount; ++i) {
+    uint lightCount = min(view.lightCount, MAX_DEMO_LIGHTS);
+    for (uint i = 0; i < lightCount; ++i) { // bound: MAX_DEMO_LIGHTS
         vec3 fromLight = position - view.lights[i].positionEye.xyz;
         vec3 towards = view.lights[i].type == LIGHT_DIRECTIONAL ? -view.lights[i].direction.xyz : -normalize(fromLight);
         float lambert = max(dot(n, towards), 0.0) * attenuation(view.lights[i], fromLight, towards);

@@ -30,9 +30,10 @@ void main()
     vec2 normalPerTexel = vec2(dot(r.normalWs, look.texelDx.xyz), dot(r.normalWs, look.texelDy.xyz));
     PlanarDepth plane = planeOf(look, r, clip, normalPerTexel);
     // The last map is all casters': beside it nothing is in shadow.
-    vec4 part = parts[count - 1u];
+    uint last = clamp(count, 1u, MAX_CASCADES) - 1u;
+    vec4 part = parts[last];
     float layer = lastLayer;
-    for (uint i = count - 1u; i > 0u; --i) {
+    for (uint i = last; i > 0u; --i) { // bound: MAX_CASCADES
         vec4 finer = parts[i - 1u];
         vec2 at = clip.xy * finer.xy + finer.zw;
         bool inside = min(at.x, at.y) >= border && max(at.x, at.y) <= look.side - border;

@@ -29,6 +29,11 @@ struct MapLook {
 GN_SHARED_OFFSET(MapLook, depthConstant, 192)
 GN_SHARED_SIZE(MapLook, 224)
 
+// Most texels per side of the box that a map is filtered with: the greatest value of the setting `filter`.
+GN_SHARED_CONST uint MAX_FILTER_SIDE = 7u;
+// Most texels by which the texels that vote are widened: the greatest value of the setting `widen`.
+GN_SHARED_CONST int MAX_WIDEN = 3;
+
 struct MapConstants {
     ViewConstants view;
     MapLook map;

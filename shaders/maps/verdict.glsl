@@ -12,8 +12,9 @@ float verdict(Tap tap, int widen)
     float slack = DEPTH_ROUNDING + SNAP_TEXELS * (abs(tap.depthPerTexel.x) + abs(tap.depthPerTexel.y));
     vec2 centre = floor(tap.at - 0.5) + 1.0;
     bool lit = true, dark = true;
-    for (int y = -widen; y <= widen; y += 2) {
-        for (int x = -widen; x <= widen; x += 2) {
+    widen = clamp(widen, 0, MAX_WIDEN);
+    for (int y = -widen; y <= widen; y += 2) {     // bound: MAX_WIDEN
+        for (int x = -widen; x <= widen; x += 2) { // bound: MAX_WIDEN
             vec2 corner = centre + vec2(x, y);
             vec4 nearest = vec4(tapDepth(tap, corner + vec2(-0.5, 0.5)), tapDepth(tap, corner + vec2(0.5, 0.5)),
                                 tapDepth(tap, corner + vec2(0.5, -0.5)), tapDepth(tap, corner + vec2(-0.5, -0.5)));

@@ -5,6 +5,9 @@
 
 GN_SHARED_BEGIN
 
+// Most texels that a stair is followed to each side: the greatest value of the setting `longest`.
+GN_SHARED_CONST uint MAX_STAIR = 32u;
+
 // std140.
 struct RbsmConstants {
     MapConstants base;

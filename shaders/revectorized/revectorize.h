@@ -7,7 +7,7 @@
 //   bool texelExists(Tap tap, vec2 centre)      whether the map has it; what it has not ends no shadow and no stair
 #ifndef GNOMON_REVECTORIZED_REVECTORIZE_H
 #define GNOMON_REVECTORIZED_REVECTORIZE_H
-#include "../shared/types.h"
+#include "rbsm.h"
 
 GN_SHARED_BEGIN
 
@@ -55,7 +55,8 @@ GN_SHARED_FN StairEnds stairEnds(Tap tap, vec2 centre, bool lit, uint edges, vec
     ends.closed = 0u;
     float steps = 0.0f;
     uint way = edges == 0u ? 4u : 0u;
-    while (way < 4u) {
+    longest = min(longest, MAX_STAIR);
+    while (way < 4u) { // bound: 4 MAX_STAIR
         float to = (way & 1u) == 0u ? -1.0f : 1.0f;
         bool alongX = way < 2u;
         vec2 across = alongX ? vec2(0.0f, 1.0f) : vec2(1.0f, 0.0f);

@@ -20,8 +20,9 @@ layout(push_constant, std430) uniform Push { uint count; };
 
 bool holdsReceivers(CellFootprint footprint)
 {
-    for (uint y = footprint.lowerY; y <= footprint.upperY; ++y)
-        for (uint x = footprint.lowerX; x <= footprint.upperX; ++x)
+    uint lastX = min(footprint.upperX, CELLS - 1u), lastY = min(footprint.upperY, CELLS - 1u);
+    for (uint y = footprint.lowerY; y <= lastY; ++y)     // bound: CELLS
+        for (uint x = footprint.lowerX; x <= lastX; ++x) // bound: CELLS
             if (cells[(footprint.layer * CELLS + y) * CELLS + x] >= footprint.nearestKey) return true;
     return false;
 }
@@ -38,7 +39,8 @@ void main()
     uint i = gl_GlobalInvocationID.x;
     if (i >= count) return;
     bool wanted = false;
-    for (uint f = 0u; f < items[i].footprintCount && !wanted; ++f)
+    uint footprints = min(items[i].footprintCount, MAX_LAYERS);
+    for (uint f = 0u; f < footprints && !wanted; ++f) // bound: MAX_LAYERS
         wanted = holdsReceivers(items[i].footprints[f]);
     uint list = items[i].list, from = COMMAND_WORDS * items[i].command, to = COMMAND_WORDS * i;
     for (uint word = 0u; word < COMMAND_WORDS; ++word) {

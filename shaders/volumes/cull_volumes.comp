@@ -38,7 +38,8 @@ void findReached(uint region)
     vec4 planes[SHADOW_PLANES];
     for (uint p = 0; p < SHADOW_PLANES; ++p)
         planes[p] = regions[region].shadow[p];
-    for (uint i = gl_LocalInvocationIndex; i < count && atomicOr(found, 0u) == 0u; i += CULL_GROUP) {
+    uint listed = min(count, uint(reached.length()));
+    for (uint i = gl_LocalInvocationIndex; i < listed && atomicOr(found, 0u) == 0u; i += CULL_GROUP) { // bound: reached
         vec3 center = reached[i].center.xyz, halfExtent = reached[i].halfExtent.xyz;
         bool beyond = false;
         for (uint p = 0; p < SHADOW_PLANES; ++p)
@@ -56,9 +57,10 @@ void main()
     findReached(candidate.region);
     barrier();
     uint instances = found;
-    uint endSide = candidate.firstSide + candidate.sideCount, endCap = candidate.firstCap + candidate.capCount;
-    for (uint i = candidate.firstSide + gl_LocalInvocationIndex; i < endSide; i += CULL_GROUP)
+    uint endSide = min(candidate.firstSide + candidate.sideCount, uint(sides.length()));
+    uint endCap = min(candidate.firstCap + candidate.capCount, uint(caps.length()));
+    for (uint i = candidate.firstSide + gl_LocalInvocationIndex; i < endSide; i += CULL_GROUP) // bound: sides
         culledSides[i] = Command(sides[i].indexCount, instances, sides[i].firstIndex, 0, 0u);
-    for (uint i = candidate.firstCap + gl_LocalInvocationIndex; i < endCap; i += CULL_GROUP)
+    for (uint i = candidate.firstCap + gl_LocalInvocationIndex; i < endCap; i += CULL_GROUP) // bound: caps
         culledCaps[i] = Command(caps[i].indexCount, instances, caps[i].firstIndex, 0, 0u);
 }

@@ -35,7 +35,7 @@ float surfaceDepth(vec2 at)
                  (uint(jumpsBetween(cell, down, depths[0], depths[3])) << 3);
     uint first = templateOf(jumps, depths) * TEMPLATE_TRIANGLES, last = first + triangleCountOf(jumps);
     float found = NOWHERE, margin = -1e30; // the triangle that the place lies in most clearly
-    for (uint i = first; i < last; ++i) {
+    for (uint i = first; i < last; ++i) { // bound: TEMPLATE_TRIANGLES
         uint triangle = constants.templates[i >> 2][i & 3u];
         uint a = vertexOf(triangle, 0u), b = vertexOf(triangle, 1u), c = vertexOf(triangle, 2u);
         float area = side(placeOf(a), placeOf(b), placeOf(c));

@@ -13,11 +13,13 @@ layout(location = 1) noperspective out vec4 rayClip;
 bool wanted()
 {
     if (constants.always != 0.0 || constants.receivers != 0.0 || command[1] == 0u) return true;
+    vec2 first = constants.nearTexels.xy, size = max(constants.nearTexels.zw - first + 1.0, vec2(0.0));
+    uint columns = max(uint(size.x), 1u), count = min(uint(size.x * size.y), MAX_NEAR_TEXELS);
     bool before = false;
-    for (float y = constants.nearTexels.y; y <= constants.nearTexels.w; ++y)
-        for (float x = constants.nearTexels.x; x <= constants.nearTexels.z; ++x)
-            before = before || textureLod(map, (vec2(x, y) + 0.5) / float(constants.surface.side), 0.0).x <
-                                   constants.nearDepth;
+    for (uint i = 0u; i < count && !before; ++i) { // bound: MAX_NEAR_TEXELS
+        vec2 texel = first + vec2(i % columns, i / columns);
+        before = textureLod(map, (texel + 0.5) / float(constants.surface.side), 0.0).x < constants.nearDepth;
+    }
     return before;
 }
 

@@ -31,7 +31,7 @@ void main()
     int firstRow = int(gl_WorkGroupID.y * EDGE_ROWS) - 1, lastRow = min(firstRow + int(EDGE_ROWS), side);
     vec4 above = texelRow(x, firstRow - 1), upper = texelRow(x, firstRow), lower = texelRow(x, firstRow + 1);
     bool top = depthJumps(surface, upper.x, upper.y, upper.z, upper.w);
-    for (int y = firstRow; y < lastRow; ++y) {
+    for (int y = firstRow; y < lastRow; ++y) { // bound: EDGE_ROWS
         vec4 below = texelRow(x, y + 2);
         bool bottom = depthJumps(surface, lower.x, lower.y, lower.z, lower.w);
         bool left = depthJumps(surface, above.y, upper.y, lower.y, below.y);

@@ -36,7 +36,7 @@ void emit(int x, int y, uint jumps)
     int last = int(constants.surface.side) - 1;
     bool rim = x < 0 || y < 0 || x == last || y == last;
     uint first = templateOf(jumps, depths) * TEMPLATE_TRIANGLES, end = first + triangleCountOf(jumps), count = 0u;
-    for (uint i = first; i < end; ++i)
+    for (uint i = first; i < end; ++i) // bound: TEMPLATE_TRIANGLES
         count += uint(isDrawn(triangleAt(i), beyond, casters, rim));
     uint place = atomicAdd(asked, 3u * count);
     bool fits = place + 3u * count <= constants.surface.indexCapacity;
@@ -44,7 +44,7 @@ void emit(int x, int y, uint jumps)
         atomicMax(indexCount, place + 3u * count);
     else
         instanceCount = 0u; // the count stays within the buffer all the same
-    for (uint i = first; i < end && fits; ++i) {
+    for (uint i = first; i < end && fits; ++i) { // bound: TEMPLATE_TRIANGLES
         uint triangle = triangleAt(i);
         if (!isDrawn(triangle, beyond, casters, rim)) continue;
         for (uint v = 0u; v < 3u; ++v)
@@ -55,8 +55,8 @@ void emit(int x, int y, uint jumps)
 
 void main()
 {
-    uint listed = min(cellCount, constants.surface.cellCapacity);
+    uint listed = min(cellCount, min(constants.surface.cellCapacity, uint(cells.length())));
     if (cellCount > listed) instanceCount = 0u;
-    for (uint i = gl_GlobalInvocationID.x; i < listed; i += POLYGON_GROUPS * POLYGON_GROUP)
+    for (uint i = gl_GlobalInvocationID.x; i < listed; i += POLYGON_GROUPS * POLYGON_GROUP) // bound: cells
         emit(cellX(cells[i]), cellY(cells[i]), cells[i] >> 28);
 }

@@ -20,6 +20,8 @@ shared uint candidates[CANDIDATES]; // tiles
 shared TilePlane fitted; // in the middle of the area
 shared float sums[9 * 64];
 
+uint tileCount() { return clamp(choice.grid.z, 1u, uint(tiles.length())); }
+
 // Of the tile's middle, from the middle of the area.
 vec2 tileMiddle(uint tile)
 {
@@ -30,7 +32,8 @@ vec2 tileMiddle(uint tile)
 // The i-th of tiles spread evenly, by a golden section.
 uint spreadTile(uint i, float step)
 {
-    return min(uint(fract((float(i) + 0.5) * step) * float(choice.grid.z)), choice.grid.z - 1u);
+    uint count = tileCount();
+    return min(uint(fract((float(i) + 0.5) * step) * float(count)), count - 1u);
 }
 
 // Whether the light reaches what the tile shows.
@@ -86,7 +89,8 @@ void vote()
 void accumulate(bool loose)
 {
     float sum[9] = float[9](0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-    for (uint tile = gl_LocalInvocationIndex; tile < choice.grid.z; tile += 64u) {
+    uint count = tileCount();
+    for (uint tile = gl_LocalInvocationIndex; tile < count; tile += 64u) { // bound: tiles
         vec2 away = tileMiddle(tile);
         TilePlane plane = tiles[tile];
         if (!counts(tile) || !showsPlane(plane, fitted, away, loose)) continue;

@@ -68,9 +68,9 @@ void main()
         ReceiverTile(vec4(vec3(1e38), 0.0), vec4(vec3(-1e38), 0.0), vec4(vec3(1.0), 0.0), vec4(vec3(-1.0), 0.0));
     // Where a strip begins with sky, or before the area, this is taken in: its tile may face away for all that is known.
     vec3 normal = vec3(0.0);
-    for (uint row = 0; row < rows; ++row) {
+    for (uint row = 0; row < rows; ++row) { // bound: STRIP_ROWS
         vec3 ray = firstRay;
-        for (uint i = 0; i < fours; ++i) {
+        for (uint i = 0; i < fours; ++i) { // bound: TILE_COLUMNS
             depths[first + i] = addFour(here, lift, strip, normal, depths[first + i], pixel + ivec2(FOUR * i, row), ray);
             ray += float(FOUR) * here.rayDxWs.xyz;
         }

@@ -28,7 +28,8 @@ void main()
     uint row = tile / size.x, column = tile % size.x;
     uint first = row * STRIPS_A_TILE, last = min(first + STRIPS_A_TILE, size.y);
     ReceiverTile all = strips[first * size.x + column];
-    for (uint strip = (first + 1) * size.x + column; strip < last * size.x; strip += size.x) {
+    for (uint i = first + 1; i < last; ++i) { // bound: STRIPS_A_TILE
+        uint strip = i * size.x + column;
         all.lower = min(all.lower, vec4(strips[strip].lower.xyz, 1.0));
         all.lower.w = max(all.lower.w, strips[strip].lower.w);
         all.upper = max(all.upper, strips[strip].upper);

@@ -46,15 +46,17 @@ void main()
     uint at = piece.edges + EDGE_WORDS * edge, firstUse = piece.uses + words[at + 2u];
     FaceLight light = lights[index];
     int sum = 0;
-    for (uint use = firstUse; use < firstUse + words[at + 3u]; ++use) {
+    uint uses = min(words[at + 3u], uint(words.length()));
+    for (uint i = 0u; i < uses; ++i) { // bound: words
+        uint use = firstUse + i;
         uint way = faceWay(planeOf(piece.planes, words[use] >> 1), light);
         sum += edgeWay(way, (words[use] & 1u) != 0u);
     }
     if (sum == 0) return;
-    uint times = uint(abs(sum)) / piece.halves;
+    uint times = min(uint(abs(sum)) / max(piece.halves, 1u), uint(list.length()));
     uint a = 2u * words[sum > 0 ? at : at + 1u], b = 2u * words[sum > 0 ? at + 1u : at];
     uint next = piece.firstIndex + atomicAdd(list[command], 6u * times);
-    for (uint i = 0u; i < times; ++i, next += 6u) {
+    for (uint i = 0u; i < times; ++i, next += 6u) { // bound: list
         list[next] = a;
         list[next + 1u] = a + 1u;
         list[next + 2u] = b + 1u;

@@ -25,11 +25,12 @@ float coveredAt(ivec2 pixel)
 // surface. Along such a border coverage is continuous: neighbours differ by less than the half that is at stake.
 // inDoubt: whether they may. Few pixels are; a loop of no rounds costs the others nothing on any device, where a branch
 // around it costs a software device all eight rounds at every pixel.
+const int NEIGHBOURS = 8;
 float settled(VolumeResolve resolve, ivec2 pixel, float covered, float w, bool inDoubt)
 {
     float sum = 0.0, neighbours = 0.0;
-    int rounds = inDoubt ? 8 : 0;
-    for (int i = 0; i < rounds; ++i) {
+    int rounds = inDoubt ? NEIGHBOURS : 0;
+    for (int i = 0; i < rounds; ++i) { // bound: NEIGHBOURS
         int place = i < 4 ? i : i + 1;
         ivec2 at = pixel + ivec2(place % 3 - 1, place / 3 - 1);
         vec2 inside = vec2(at) + 0.5 - resolve.area.xy;
