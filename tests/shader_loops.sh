@@ -5,8 +5,8 @@
 # number, or with an unsigned counter, up to a constant (a number or an upper-case name) in steps of a constant; or its
 # line ends with the comment
 #     // bound: NAME
-# where NAME is the constant, or the array by whose length() its count is clamped, and stands elsewhere in the file.
-# `while` and `do` always need the comment.
+# where NAME is the constant, or the array by whose length(), that its count is clamped to: by min(), clamp() or ?: on
+# another line of the file. `while` and `do` always need the comment.
 set -uo pipefail
 cd "$1" || exit 1
 mapfile -t files < <(find shaders runtime/include tests -name '*.frag' -o -name '*.vert' -o -name '*.comp' -o -name '*.geom' \
@@ -22,10 +22,9 @@ for file in "${files[@]}"; do
         [[ "$code" =~ $counted ]] && continue
         if [[ "$text" =~ //\ bound:.*[^A-Za-z_]([A-Za-z][A-Za-z0-9_]*) ]]; then
             name="${BASH_REMATCH[1]}"
-            uses="$(sed 's|//.*||' "$file" | grep -cw "$name")"
-            [[ "$name" =~ ^[A-Z] ]] || uses="$(sed 's|//.*||' "$file" | grep -c "\b$name\.length()")"
-            [ "$uses" -gt 0 ] && continue
-            echo "$file:$line: '$name' bounds nothing in this file"
+            [[ "$name" =~ ^[A-Z] ]] || name="$name\.length\(\)"
+            grep -qE "((min|clamp)\(|\?).*\b$name" <<<"$(sed 's|//.*||' "$file")" && continue
+            echo "$file:$line: nothing is clamped to '$name' in this file"
         else
             echo "$file:$line: a loop without a bound: ${code#"${code%%[![:space:]]*}"}"
         fi

@@ -33,7 +33,7 @@ float surfaceDepth(vec2 at)
                  (uint(jumpsBetween(cell + right, down, depths[1], depths[2])) << 1) |
                  (uint(jumpsBetween(cell + down, right, depths[3], depths[2])) << 2) |
                  (uint(jumpsBetween(cell, down, depths[0], depths[3])) << 3);
-    uint first = templateOf(jumps, depths) * TEMPLATE_TRIANGLES, last = first + triangleCountOf(jumps);
+    uint first = templateOf(jumps, depths) * TEMPLATE_TRIANGLES, last = first + min(triangleCountOf(jumps), TEMPLATE_TRIANGLES);
     float found = NOWHERE, margin = -1e30; // the triangle that the place lies in most clearly
     for (uint i = first; i < last; ++i) { // bound: TEMPLATE_TRIANGLES
         uint triangle = constants.templates[i >> 2][i & 3u];

@@ -35,7 +35,8 @@ void emit(int x, int y, uint jumps)
     uint beyond = beyondJumps(jumps, depths);
     int last = int(constants.surface.side) - 1;
     bool rim = x < 0 || y < 0 || x == last || y == last;
-    uint first = templateOf(jumps, depths) * TEMPLATE_TRIANGLES, end = first + triangleCountOf(jumps), count = 0u;
+    uint first = templateOf(jumps, depths) * TEMPLATE_TRIANGLES, count = 0u;
+    uint end = first + min(triangleCountOf(jumps), TEMPLATE_TRIANGLES);
     for (uint i = first; i < end; ++i) // bound: TEMPLATE_TRIANGLES
         count += uint(isDrawn(triangleAt(i), beyond, casters, rim));
     uint place = atomicAdd(asked, 3u * count);
