@@ -5,16 +5,8 @@ set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 source "$root/cmake/setup.sh"
 
-install_packages
-use_build release
-say "configuring"
-cd "$root"
-cmake --preset release -DGNOMON_BUILD_TESTS=ON >"$build/configure.log" 2>&1 || {
-    cat "$build/configure.log" >&2
-    exit 1
-}
-say "building"
-cmake --build --preset release --target gnomon_cli -- -j"$(nproc)"
+install_packages demo
+build_release OFF gnomon_cli
 say "running the scripted scenario"
 # The rule base of the thesis: its scenario visits every one of its methods. Another --rules among the arguments wins.
 case " $* " in *" --rules"* | *" --method"*) ;; *) set -- --rules thesis "$@" ;; esac

@@ -5,7 +5,7 @@
 set -uo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 source "$root/cmake/setup.sh"
-install_packages || exit 1
+install_packages tests || exit 1
 cd "$root"
 
 # Drivers and layers are not instrumented; what they keep to themselves is no finding about gnomon.

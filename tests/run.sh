@@ -5,16 +5,8 @@ set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 source "$root/cmake/setup.sh"
 
-install_packages
-use_build release
-say "configuring"
-cd "$root"
-cmake --preset release -DGNOMON_BUILD_TESTS=ON >"$build/configure.log" 2>&1 || {
-    cat "$build/configure.log" >&2
-    exit 1
-}
-say "building"
-cmake --build --preset release -- -j"$(nproc)"
+install_packages tests
+build_release ON
 say "testing"
 # Two at a time: the device uses every core, but half of a test is one thread's work: ten minutes on two
 # cores.

@@ -126,7 +126,8 @@ int main(int argc, char** argv)
         std::string command = "GNOMON_WINDOW_TEST=1 xvfb-run -a -s '-screen 0 1280x1024x24'";
         for (int i = 0; i < argc; ++i)
             command += std::string(" '") + argv[i] + "'";
-        const bool haveServer = std::system("command -v xvfb-run >/dev/null 2>&1") == 0;
+        const bool haveServer =
+            std::system("command -v xvfb-run >/dev/null 2>&1 && command -v xauth >/dev/null 2>&1") == 0;
         return haveServer ? WEXITSTATUS(std::system(command.c_str())) : 77;
     }
     if (gnomon::demo::Device::nonePresent() || !gnomon::demo::Device::validationPresent()) return 77;
