@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "runtime/cost/exponent.hpp"
 #include "runtime/scene/light_pixels.hpp"
@@ -246,7 +247,8 @@ float MedianOfFive::get() const
     const std::uint32_t n = std::min(count, 5u);
     if (n == 0) return 0.0f;
     std::array<float, 5> sorted = values;
-    std::sort(sorted.begin(), sorted.begin() + n);
+    std::fill(sorted.begin() + n, sorted.end(), std::numeric_limits<float>::infinity()); // places not yet used, last
+    std::sort(sorted.begin(), sorted.end());
     return sorted[n / 2];
 }
 
