@@ -46,7 +46,7 @@ foreach(dir LIBDIR INCLUDEDIR DATADIR) # each may be given as an absolute path
 endforeach()
 set(GNOMON_PC_PRIVATE "-l${GNOMON_CXX_RUNTIME} -lm -ldl -lpthread")
 if(GNOMON_WITH_EMBREE)
-    string(PREPEND GNOMON_PC_PRIVATE "-lembree3 -ltbb ")
+    string(PREPEND GNOMON_PC_PRIVATE "-lembree${embree_VERSION_MAJOR} -ltbb ")
 endif()
 if(GNOMON_WITH_OPENMESH)
     string(PREPEND GNOMON_PC_PRIVATE "-lOpenMeshCore ")

@@ -27,6 +27,7 @@ EmbreeTree::EmbreeTree(RTCDevice device, std::span<const glm::vec3> positions, s
     setPositions(geometry, positions);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0,
                                3 * sizeof(std::uint32_t), indices.size() / 3);
+    rtcSetGeometryMask(geometry, ~0u); // masks are the instances'; Embree 4 gives a geometry the mask 1
     // Embree moves a geometry's own tree only, which there is in dynamic scenes.
     if (movable) rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
     rtcCommitGeometry(geometry);

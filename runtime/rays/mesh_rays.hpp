@@ -6,13 +6,13 @@
 #include <mutex>
 #include <vector>
 
-#include "runtime/rays/embree_thread.hpp"
+#include "runtime/rays/embree.hpp"
 #include "runtime/rays/ray_scene.hpp"
 #include "runtime/rays/triangle_tree.hpp"
 
 namespace gnomon {
 
-inline const RTCSceneFlags kSceneFlags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+inline const RTCSceneFlags kSceneFlags = RTC_SCENE_FLAG_ROBUST | EmbreeQuery::kSceneFlag;
 
 /// What Embree took on this thread, as its device reports it; trees are built by one thread each.
 inline thread_local std::ptrdiff_t embreeBytesHere = 0;

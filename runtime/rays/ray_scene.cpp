@@ -75,7 +75,7 @@ bool unchanged(const Placed& placed, const Caster& caster)
 
 /// What the filter finds behind Embree's context.
 struct Query {
-    RTCIntersectContext context; // first: Embree hands back a pointer to it
+    EmbreeQuery embree; // first, since Embree hands back a pointer to it
     const Placed* placed = nullptr;
     std::uint32_t lightMask = 0;
     std::int32_t reach = 0; ///< Bits of RayScene::Impl::reach.
@@ -220,7 +220,7 @@ void traceTiles(RTCScene scene, Query& query, std::span<const ShadowRay> rays, s
             packet.dir_z[lane] = ray.direction.z;
             packet.tfar[lane] = ray.tfar;
         }
-        rtcOccluded16(valid, scene, &query.context, &packet);
+        query.embree.occluded(valid, scene, packet);
         for (std::size_t lane = 0; lane < count; ++lane) // a hit leaves tfar = -infinity
             occluded[first + lane] = valid[lane] != 0 && packet.tfar[lane] < 0.0f && rays[first + lane].tfar >= 0.0f;
     }
@@ -241,10 +241,11 @@ void tracePackets(RTCScene scene, Query& query, std::span<RayPacket> packets)
         std::fill(std::begin(packet.mask), std::end(packet.mask), query.lightMask);
         std::fill(std::begin(packet.id), std::end(packet.id), 0u);
         std::fill(std::begin(packet.flags), std::end(packet.flags), 0u);
-        rtcOccluded16(packet.there, scene, &query.context, reinterpret_cast<RTCRay16*>(&packet));
+        query.embree.occluded(packet.there, scene, reinterpret_cast<RTCRay16&>(packet));
     }
 }
 
+#if GNOMON_EMBREE_MAJOR == 3
 // Ends before it starts: nobody asks.
 constexpr ShadowRay kNoRay{.origin = glm::vec3(0.0f), .tfar = -1.0f, .direction = glm::vec3(1.0f, 0.0f, 0.0f)};
 
@@ -273,26 +274,24 @@ void traceSparse(RTCScene scene, Query& query, std::span<const ShadowRay> rays, 
             s.dirZ[lane] = ray.direction.z;
             s.tfar[lane] = s.asked[lane] = ray.tfar;
         }
-        rtcOccludedNp(scene, &query.context, &pointers, static_cast<unsigned>(count));
+        query.embree.occluded(scene, pointers, static_cast<unsigned>(count));
         for (std::size_t lane = 0; lane < count; ++lane)
             occluded[first + lane] = s.tfar[lane] < 0.0f && s.asked[lane] >= 0.0f;
     }
 }
+#else // has no streams
+constexpr auto traceSparse = traceTiles;
+#endif
 
 } // namespace
 
 Query RayScene::Impl::query(std::uint32_t lightMask) const
 {
     Query query{};
-    rtcInitIntersectContext(&query.context);
     query.placed = placed.data();
     query.lightMask = lightMask;
     query.reach = std::bit_cast<std::int32_t>(reach);
-    if ((opacityMask & lightMask) != 0 || !hasMasks) query.context.filter = filterHits;
-    // Never the coherent flag: with it rtcOccluded16 of Embree 3.13.5 does not return from some packets of diverging
-    // rays against several instances (AVX-512; rays_test finds one), and on tiles of a screen it gains nothing: 100
-    // million rays a second with and without.
-    query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    if ((opacityMask & lightMask) != 0 || !hasMasks) query.embree.setFilter(filterHits);
     return query;
 }
 

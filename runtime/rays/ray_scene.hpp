@@ -1,5 +1,5 @@
 #pragma once
-// Shadow rays against the frame's casters (Embree 3.13, two-level, robust). The files of this folder are the
+// Shadow rays against the frame's casters (Embree, two-level, robust). The files of this folder are the
 // only ones that include Embree's headers.
 #include <cstdint>
 #include <memory>

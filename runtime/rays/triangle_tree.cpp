@@ -5,7 +5,7 @@
 
 #include <glm/common.hpp>
 
-#include "runtime/rays/embree_thread.hpp"
+#include "runtime/rays/embree.hpp"
 
 namespace gnomon {
 namespace {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <embree3/rtcore.h>
 #include <limits>
 #include <span>
 #include <tbb/parallel_for.h>
@@ -16,6 +15,7 @@
 
 #include "demo/program/measure.hpp"
 #include "demo/program/receivers.hpp"
+#include "runtime/rays/embree.hpp"
 
 using namespace gnomon;
 using namespace gnomon::demo;
@@ -132,15 +132,14 @@ bool addRay(const View& view, const gpu::LightConstants& light, uint32_t x, uint
     return true;
 }
 
-/// Answers a packet and empties it. The coherent flag stays out, as runtime/rays/ray_scene.cpp says.
+/// Answers a packet and empties it.
 void ask(RTCScene scene, Packet& packet, std::span<uint8_t> visibility)
 {
     if (packet.count == 0) return;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    EmbreeQuery query;
     for (uint32_t i = 0; i < 16; ++i)
         packet.valid[i] = i < packet.count ? -1 : 0;
-    rtcOccluded16(packet.valid, scene, &context, &packet.rays);
+    query.occluded(packet.valid, scene, packet.rays);
     for (uint32_t i = 0; i < packet.count; ++i)
         visibility[packet.pixels[i]] = packet.rays.tfar[i] < 0.0f ? 0 : 255;
     packet.count = 0;

@@ -1,10 +1,11 @@
 #include "device/failing.hpp"
 
 #include <dlfcn.h>
-#include <embree3/rtcore.h>
 
 #include <cstring>
 #include <new>
+
+#include "runtime/rays/embree.hpp"
 
 namespace gnomon::test {
 

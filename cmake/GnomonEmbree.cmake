@@ -1,0 +1,23 @@
+# Embree 3.13 or a later 3, or 4: one source serves both (runtime/rays/embree.hpp). Both call their CMake package and its
+# target `embree`. Sets GNOMON_EMBREE_VERSION, major and minor: what users of the installed library need too.
+set(GNOMON_EMBREE_MAJOR "" CACHE STRING "Major version of Embree, 3 or 4; empty: 4 if there is one, else 3")
+set(wanted 4.0 3.13)
+if(GNOMON_EMBREE_MAJOR)
+    if(NOT GNOMON_EMBREE_MAJOR MATCHES "^[34]$")
+        message(FATAL_ERROR "GNOMON_EMBREE_MAJOR is ${GNOMON_EMBREE_MAJOR}; gnomon is built with Embree 3 or 4")
+    endif()
+    list(FILTER wanted INCLUDE REGEX "^${GNOMON_EMBREE_MAJOR}")
+endif()
+foreach(version IN LISTS wanted)
+    find_package(embree ${version} QUIET)
+    if(embree_FOUND)
+        break()
+    endif()
+endforeach()
+if(NOT embree_FOUND)
+    list(JOIN wanted " or " wanted)
+    message(FATAL_ERROR "Embree ${wanted} is not found (package libembree-dev); embree_DIR may say where it is, and "
+        "-DGNOMON_WITH_EMBREE=OFF builds without rays on the CPU")
+endif()
+set(GNOMON_EMBREE_VERSION "${embree_VERSION_MAJOR}.${embree_VERSION_MINOR}")
+message(STATUS "Embree ${embree_VERSION}")
