@@ -1,6 +1,7 @@
 // Silhouette revectorization on maps that are pictures of shadows: no device, and the receiver lies in one plane.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>

@@ -5,8 +5,10 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <map>
+#include <string_view>
 
 using namespace gnomon::demo;
 using doctest::Approx;
@@ -14,12 +16,12 @@ using doctest::Approx;
 namespace {
 
 /// Loading reads real mesh files: once for all test cases.
-const Scene& shipped(const std::string& name)
+const Scene& shipped(std::string_view name)
 {
-    static std::map<std::string, Scene> loaded;
+    static std::map<std::string, Scene, std::less<>> loaded;
     const auto found = loaded.find(name);
     if (found != loaded.end()) return found->second;
-    auto scene = loadScene(name);
+    auto scene = loadScene(std::string(name));
     REQUIRE_MESSAGE(scene, scene.error());
     return loaded.emplace(name, std::move(*scene)).first->second;
 }
