@@ -9,7 +9,9 @@ set -uo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 source "$root/cmake/setup.sh"
 machines="$root/build/machines"
-mirror="http://deb.debian.org/debian"
+# Where this system's own packages come from.
+mirror="$(apt-get indextargets --format '$(REPO_URI) $(RELEASE)' 'Created-By: Packages' 2>/dev/null |
+    awk '$2 !~ /security/ { print $1; exit }')"
 result="$(mktemp)"
 trap 'rm -f "$result"' EXIT
 
@@ -122,6 +124,7 @@ unmount_below() {
 row_debian13() {
     local at="$machines/debian13" script
     [ "$(id -u)" -eq 0 ] || skipped "a chroot can only be made by root"
+    [ -n "$mirror" ] || skipped "apt knows no archive"
     command -v git >/dev/null || skipped "git is not installed"
     if ! command -v debootstrap >/dev/null; then
         apt_get update
