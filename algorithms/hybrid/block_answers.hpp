@@ -74,8 +74,7 @@ void answerByBlocks(const BlockAsking& asking, const Map& map, std::span<std::ui
                                .light = asking.light,
                                .lit = asking.rayLit,
                                .dark = asking.rayDark,
-                               .together = kTogether,
-                               .coherence = RayCoherence::sparse};
+                               .together = kTogether};
     auto piece = [&](std::size_t begin, std::size_t end, std::uint32_t) {
         const std::span<std::uint8_t> rows = asking.host.arena->array<std::uint8_t>((end - begin) * side * stride);
         std::fill(rows.begin(), rows.end(), static_cast<std::uint8_t>(asking.bytes.outside));

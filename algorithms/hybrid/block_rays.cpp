@@ -15,7 +15,7 @@ void BlockRays::flush()
 
 void BlockRays::flushSingles()
 {
-    batch_.flush(info_.host, info_.light.mask, info_.coherence,
+    batch_.flush(info_.host, info_.light.mask,
                  [&](std::uint32_t at, bool occluded) { bytes_[at] = occluded ? info_.dark : info_.lit; });
 }
 

@@ -20,7 +20,6 @@ public:
         const LightView& light;
         std::uint8_t lit, dark; ///< Bytes of the answers.
         int together;           ///< A block with so many lanes that ask is a packet of its own.
-        RayCoherence coherence; ///< Of the others.
     };
     /// @param bytes where answers go @param stride from a row of pixels to the next
     BlockRays(const Info& info, std::span<std::uint8_t> bytes, std::size_t stride)

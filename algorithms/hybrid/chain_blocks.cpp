@@ -59,8 +59,7 @@ BlockRays::Info Blocks::raysOf(const ChainPicture& picture)
             .light = *picture.job.light,
             .lit = reasons ? std::uint8_t{gpu::REASON_RT_LIT} : std::uint8_t{255},
             .dark = reasons ? std::uint8_t{gpu::REASON_RT_SHADOW} : std::uint8_t{0},
-            .together = block_answers::kTogether,
-            .coherence = RayCoherence::sparse};
+            .together = block_answers::kTogether};
 }
 
 /// What the map says of a block.

@@ -109,10 +109,9 @@ private:
 
 void Pixels::flush()
 {
-    batch_.flush(
-        picture_.host, picture_.job.light->mask, RayCoherence::sparse, [&](std::uint32_t pixel, bool occluded) {
-            show(gpu::pixelX(pixel), gpu::pixelY(pixel), occluded ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT);
-        });
+    batch_.flush(picture_.host, picture_.job.light->mask, [&](std::uint32_t pixel, bool occluded) {
+        show(gpu::pixelX(pixel), gpu::pixelY(pixel), occluded ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT);
+    });
 }
 
 void Pixels::call(std::uint32_t x, std::uint32_t y)

@@ -91,10 +91,10 @@ void CoherenceTile::askRims(std::uint32_t left, std::uint32_t top)
             for (std::uint32_t set = 0; set < (pixel.beside == kAround ? 1u : 4u); ++set)
                 pixel.cells.known |= light_.grid.rim(first + 4 * set);
             ask(pixel, pixel.cells.known, y * kSide + x);
-            if (batch_.count + kCells > kBatch) batch_.flush(host_, light_.mask, RayCoherence::tiles, answer);
+            if (batch_.count + kCells > kBatch) batch_.flush(host_, light_.mask, answer);
         }
     }
-    batch_.flush(host_, light_.mask, RayCoherence::tiles, answer);
+    batch_.flush(host_, light_.mask, answer);
 }
 
 /// On the way forward: what is seen from the left, or from above, is believed to be seen from here. @return what it
@@ -137,7 +137,7 @@ void CoherenceTile::follow(std::span<Following> pixels)
 {
     while (!(pixels = askNext(pixels)).empty()) {
         CellMask answers[kSide] = {};
-        batch_.flush(host_, light_.mask, RayCoherence::tiles, [&](std::uint32_t tag, bool occluded) {
+        batch_.flush(host_, light_.mask, [&](std::uint32_t tag, bool occluded) {
             if (!occluded) answers[tag / kCells] |= CellMask{1} << tag % kCells;
         });
         for (std::size_t i = 0; i < pixels.size(); ++i)

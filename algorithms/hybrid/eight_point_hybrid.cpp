@@ -63,9 +63,9 @@ void tracePoints(const UndecidedSource& source, std::span<const std::uint32_t> p
             batch.rays[batch.count] = disc.ray(centre, point);
             batch.tags[batch.count++] = i;
         }
-        if (batch.full()) batch.flush(source.host, light.mask, RayCoherence::tiles, answer);
+        if (batch.full()) batch.flush(source.host, light.mask, answer);
     }
-    batch.flush(source.host, light.mask, RayCoherence::tiles, answer);
+    batch.flush(source.host, light.mask, answer);
     for (std::uint8_t& byte : bytes)
         byte = static_cast<std::uint8_t>((510u * byte + kLightPoints) / (2u * kLightPoints)); // nearest of 255
 }

@@ -95,10 +95,10 @@ struct RayBatch {
     bool full() const { return count == Capacity; }
     /// Answers what is there and calls `answer(tag, occluded)`; the batch is empty afterwards.
     template <typename Answer>
-    void flush(const HostContext& host, std::uint32_t lightMask, RayCoherence coherence, Answer&& answer)
+    void flush(const HostContext& host, std::uint32_t lightMask, Answer&& answer)
     {
         if (count == 0) return;
-        host.rays->occluded(std::span<const ShadowRay>(rays, count), lightMask, coherence,
+        host.rays->occluded(std::span<const ShadowRay>(rays, count), lightMask,
                             std::span<std::uint8_t>(occluded, count));
         host.countRays(count);
         for (std::size_t i = 0; i < count; ++i)

@@ -83,8 +83,7 @@ public:
                                                                        .light = *job.light,
                                                                        .lit = bytes_.of[gpu::REASON_RT_LIT],
                                                                        .dark = bytes_.of[gpu::REASON_RT_SHADOW],
-                                                                       .together = kTogether,
-                                                                       .coherence = RayCoherence::tiles},
+                                                                       .together = kTogether},
                                                                       rows_, stride_)
     {
         fillOutside();

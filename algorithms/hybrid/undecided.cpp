@@ -127,7 +127,7 @@ std::uint32_t HardRays::tileOf(std::uint32_t pixel) const
 
 void HardRays::flush()
 {
-    batch_.flush(source_.host, source_.light.mask, RayCoherence::sparse,
+    batch_.flush(source_.host, source_.light.mask,
                  [&](std::uint32_t i, bool occluded) { bytes_[i] = occluded ? dark_ : lit_; });
 }
 

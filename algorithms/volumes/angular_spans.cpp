@@ -140,10 +140,10 @@ void answerTileRow(const SpanJob& job, const HostContext& host, const Receivers&
             if (!tile.mayBlock[i]) continue;
             batch.rays[batch.count] = tile.rays[i];
             batch.tags[batch.count++] = tile.pixels[i];
-            if (batch.full()) batch.flush(host, job.light->mask, RayCoherence::sparse, answer);
+            if (batch.full()) batch.flush(host, job.light->mask, answer);
         }
     }
-    batch.flush(host, job.light->mask, RayCoherence::sparse, answer);
+    batch.flush(host, job.light->mask, answer);
 }
 
 void answer(const SpanJob& job, const HostContext& host)

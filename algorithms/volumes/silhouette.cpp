@@ -60,7 +60,7 @@ bool castsVolume(const Caster& caster)
 void findFacing(const Topology& topology, const gpu::FaceLight& light, std::uint32_t first,
                 std::span<std::uint8_t> facing)
 {
-    static const FacingWidth widest = widestFacing();
+    const FacingWidth widest = widestFacing();
     findFacing(widest, topology.facePlanes, light.at, first, facing);
     const std::uint32_t end = first + static_cast<std::uint32_t>(facing.size());
     forTouchedFaces(topology.facePlanes, light, first, end,

@@ -93,7 +93,7 @@ std::vector<uint8_t> ambiguousPixels(const Scene& scene, const SceneState& state
             pixels.push_back(i);
         }
         occluded.resize(rays.size());
-        flat.rays.occluded(rays, ~0u, RayCoherence::sparse, occluded);
+        flat.rays.occluded(rays, ~0u, occluded);
         for (size_t k = 0; k < pixels.size(); ++k)
             for (size_t variant = 1; variant < kVariants; ++variant)
                 out[pixels[k]] |= occluded[k * kVariants + variant] != occluded[k * kVariants];

@@ -1,6 +1,6 @@
 #pragma once
-// Embree 3.13 or 4, whichever cmake/GnomonEmbree.cmake found: what differs between them, and how a thread has to be when
-// it calls Embree. The library includes it in this folder only.
+// Embree 3.13 or 4, whichever cmake/GnomonEmbree.cmake found: what differs between them, and how a thread has to be
+// when it calls Embree. The library includes it in this folder only.
 #if GNOMON_EMBREE_MAJOR == 3
 #include <embree3/rtcore.h>
 #else
@@ -23,16 +23,26 @@ public:
 #if GNOMON_EMBREE_MAJOR == 3
     static constexpr RTCSceneFlags kSceneFlag = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION; ///< Of scenes that filter.
 
-    EmbreeQuery() { rtcInitIntersectContext(&context_); }
-    void setFilter(RTCFilterFunctionN filter) { context_.filter = filter; }
+    EmbreeQuery()
+    {
+        rtcInitIntersectContext(&context_);
+    }
+    void setFilter(RTCFilterFunctionN filter)
+    {
+        context_.filter = filter;
+    }
     /// @param valid -1: a ray, 0: none
     void occluded(const int* valid, RTCScene scene, RTCRay16& rays)
     {
         rtcOccluded16(valid, scene, &context_, &rays);
     }
-    void occluded(RTCScene scene, const RTCRayNp& rays, unsigned count)
+    void occluded(const int* valid, RTCScene scene, RTCRay8& rays)
     {
-        rtcOccludedNp(scene, &context_, &rays, count);
+        rtcOccluded8(valid, scene, &context_, &rays);
+    }
+    void occluded(const int* valid, RTCScene scene, RTCRay4& rays)
+    {
+        rtcOccluded4(valid, scene, &context_, &rays);
     }
 
 private:
@@ -52,11 +62,23 @@ private:
     }
     void occluded(const int* valid, RTCScene scene, RTCRay16& rays)
     {
-        arguments_.context = &context_;
-        rtcOccluded16(valid, scene, &rays, &arguments_);
+        rtcOccluded16(valid, scene, &rays, arguments());
+    }
+    void occluded(const int* valid, RTCScene scene, RTCRay8& rays)
+    {
+        rtcOccluded8(valid, scene, &rays, arguments());
+    }
+    void occluded(const int* valid, RTCScene scene, RTCRay4& rays)
+    {
+        rtcOccluded4(valid, scene, &rays, arguments());
     }
 
 private:
+    RTCOccludedArguments* arguments() // may have been copied since
+    {
+        arguments_.context = &context_;
+        return &arguments_;
+    }
     RTCRayQueryContext context_;
     RTCOccludedArguments arguments_;
 #endif

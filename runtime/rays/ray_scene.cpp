@@ -7,12 +7,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <limits>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
 #include <glm/matrix.hpp>
 
+#include "rules/engine/instruction_set.hpp"
 #include "runtime/core/make_room.hpp"
 #include "runtime/rays/mesh_rays.hpp"
 
@@ -81,9 +82,82 @@ struct Query {
     std::int32_t reach = 0; ///< Bits of RayScene::Impl::reach.
 };
 
-} // namespace
+/// Bits of |x|. Of numbers they are in the numbers' order, and infinities and what is no number come after all. Signed,
+/// though never below 0: SSE2 compares no others.
+std::int32_t magnitude(float x)
+{
+    return std::bit_cast<std::int32_t>(x) & 0x7fffffff;
+}
 
-namespace {
+/// Leaves out of a packet what Embree must not be asked: it is lit.
+void leaveOut(const Query& query, RayPacket& packet)
+{
+    std::int32_t most[RayPacket::kWidth] = {};
+    for (int axis = 0; axis < 3; ++axis)
+        for (std::uint32_t lane = 0; lane < RayPacket::kWidth; ++lane)
+            most[lane] =
+                std::max({most[lane], magnitude(packet.origin[axis][lane]), magnitude(packet.direction[axis][lane])});
+    for (std::uint32_t lane = 0; lane < RayPacket::kWidth; ++lane) {
+        const bool within = (most[lane] <= query.reach) & (magnitude(packet.tfar[lane]) <= 0x7f800000);
+        packet.there[lane] &= within ? -1 : 0;
+    }
+}
+
+/// Asks for what is there of a packet, as many lanes at a time as Rays has.
+template <typename Rays>
+void traceLanes(RTCScene scene, Query& query, RayPacket& packet)
+{
+    constexpr std::uint32_t width = std::size(decltype(Rays::tfar){});
+    for (std::uint32_t first = 0; first < RayPacket::kWidth; first += width) {
+        alignas(64) int valid[width];
+        std::copy_n(packet.there + first, width, valid);
+        if (std::all_of(valid, valid + width, [](int there) { return there == 0; })) continue;
+        Rays rays;
+        std::copy_n(packet.origin[0] + first, width, rays.org_x);
+        std::copy_n(packet.origin[1] + first, width, rays.org_y);
+        std::copy_n(packet.origin[2] + first, width, rays.org_z);
+        std::copy_n(packet.direction[0] + first, width, rays.dir_x);
+        std::copy_n(packet.direction[1] + first, width, rays.dir_y);
+        std::copy_n(packet.direction[2] + first, width, rays.dir_z);
+        std::copy_n(packet.tfar + first, width, rays.tfar);
+        std::fill_n(rays.tnear, width, 0.0f);
+        std::fill_n(rays.time, width, 0.0f);
+        std::fill_n(rays.mask, width, query.lightMask);
+        std::fill_n(rays.id, width, 0u);
+        std::fill_n(rays.flags, width, 0u);
+        query.embree.occluded(valid, scene, rays);
+        std::copy_n(rays.tfar, width, packet.tfar + first);
+    }
+}
+
+/// A packet as it is.
+template <>
+void traceLanes<RTCRay16>(RTCScene scene, Query& query, RayPacket& packet)
+{
+    static_assert(offsetof(RayPacket, start) == offsetof(RTCRay16, tnear));
+    static_assert(offsetof(RayPacket, direction) == offsetof(RTCRay16, dir_x));
+    static_assert(offsetof(RayPacket, tfar) == offsetof(RTCRay16, tfar));
+    static_assert(offsetof(RayPacket, flags) == offsetof(RTCRay16, flags));
+    static_assert(offsetof(RayPacket, there) == sizeof(RTCRay16));
+    std::fill(std::begin(packet.start), std::end(packet.start), 0.0f);
+    std::fill(std::begin(packet.time), std::end(packet.time), 0.0f);
+    std::fill(std::begin(packet.mask), std::end(packet.mask), query.lightMask);
+    std::fill(std::begin(packet.id), std::end(packet.id), 0u);
+    std::fill(std::begin(packet.flags), std::end(packet.flags), 0u);
+    query.embree.occluded(packet.there, scene, reinterpret_cast<RTCRay16&>(packet));
+}
+
+using Tracer = void (*)(RTCScene, Query&, RayPacket&);
+
+/// The widest packets that Embree has kernels for with the processor's instruction set (and within the limit that it
+/// was told), and they alone: wider ones it takes apart, and Embree 3.13 then looks into lanes that are masked out, too
+/// (where its asserts are on, NaN in them ends the program). They are also the fastest; bench_rays has figures.
+Tracer tracerOf(RTCDevice device)
+{
+    if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0) return traceLanes<RTCRay16>;
+    if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0) return traceLanes<RTCRay8>;
+    return traceLanes<RTCRay4>;
+}
 
 // What Embree may be asked with lies within 1.844e18 (its API reference, on vertex buffers), in the space of every
 // caster: where its asserts are on, a single ray beyond ends the program.
@@ -131,8 +205,9 @@ struct RayScene::Impl {
     std::shared_ptr<std::atomic<std::ptrdiff_t>> treeBytes = std::make_shared<std::atomic<std::ptrdiff_t>>(0);
     RTCDevice device = nullptr;
     RTCScene top = nullptr;
-    bool whole = false;    ///< The top level is committed.
-    bool hasMasks = false; ///< Embree was built with ray masks; otherwise the filter tests them.
+    Tracer trace = nullptr; ///< tracerOf()
+    bool whole = false;     ///< The top level is committed.
+    bool hasMasks = false;  ///< Embree was built with ray masks; otherwise the filter tests them.
     std::vector<Placed> placed;
     std::unordered_map<std::uint32_t, std::uint32_t> placeOf; ///< Caster::id -> index into `placed`.
     std::vector<std::uint32_t> lastOrder;                     ///< Places of the last update's casters, in its order.
@@ -150,6 +225,11 @@ struct RayScene::Impl {
     std::uint32_t add(std::uint32_t id);
     bool removeUnseen();
     Query query(std::uint32_t lightMask) const;
+    void ask(Query& query, RayPacket& packet) const
+    {
+        leaveOut(query, packet);
+        trace(top, query, packet);
+    }
 };
 
 namespace {
@@ -169,120 +249,6 @@ void filterHits(const RTCFilterFunctionNArguments* args)
     }
 }
 
-/// Bits of |x|. Of numbers they are in the numbers' order, and infinities and what is no number come after all. Signed,
-/// though never below 0: SSE2 compares no others.
-std::int32_t magnitude(float x)
-{
-    return std::bit_cast<std::int32_t>(x) & 0x7fffffff;
-}
-
-/// Of a coordinate of a ray's origin and direction and its end.
-bool isAskable(const Query& query, const ShadowRay& ray)
-{
-    std::int32_t most = 0;
-    for (int axis = 0; axis < 3; ++axis)
-        most = std::max({most, magnitude(ray.origin[axis]), magnitude(ray.direction[axis])});
-    return most <= query.reach && !std::isnan(ray.tfar);
-}
-
-/// Leaves out of a packet what Embree must not be asked: it is lit.
-void leaveOut(const Query& query, RayPacket& packet)
-{
-    std::int32_t most[RayPacket::kWidth] = {};
-    for (int axis = 0; axis < 3; ++axis)
-        for (std::uint32_t lane = 0; lane < RayPacket::kWidth; ++lane)
-            most[lane] =
-                std::max({most[lane], magnitude(packet.origin[axis][lane]), magnitude(packet.direction[axis][lane])});
-    for (std::uint32_t lane = 0; lane < RayPacket::kWidth; ++lane) {
-        const bool within = (most[lane] <= query.reach) & (magnitude(packet.tfar[lane]) <= 0x7f800000);
-        packet.there[lane] &= within ? -1 : 0;
-    }
-}
-
-/// 16 rays at a time, for rays that lie close together.
-void traceTiles(RTCScene scene, Query& query, std::span<const ShadowRay> rays, std::span<std::uint8_t> occluded)
-{
-    constexpr std::size_t width = 16;
-    RTCRay16 packet{};
-    alignas(64) int valid[width];
-    for (std::size_t lane = 0; lane < width; ++lane)
-        packet.mask[lane] = query.lightMask;
-    for (std::size_t first = 0; first < rays.size(); first += width) {
-        const std::size_t count = std::min(width, rays.size() - first);
-        for (std::size_t lane = 0; lane < width; ++lane) {
-            const ShadowRay& ray = rays[first + std::min(lane, count - 1)];
-            valid[lane] = lane < count && isAskable(query, ray) ? -1 : 0;
-            packet.org_x[lane] = ray.origin.x;
-            packet.org_y[lane] = ray.origin.y;
-            packet.org_z[lane] = ray.origin.z;
-            packet.dir_x[lane] = ray.direction.x;
-            packet.dir_y[lane] = ray.direction.y;
-            packet.dir_z[lane] = ray.direction.z;
-            packet.tfar[lane] = ray.tfar;
-        }
-        query.embree.occluded(valid, scene, packet);
-        for (std::size_t lane = 0; lane < count; ++lane) // a hit leaves tfar = -infinity
-            occluded[first + lane] = valid[lane] != 0 && packet.tfar[lane] < 0.0f && rays[first + lane].tfar >= 0.0f;
-    }
-}
-
-/// Packets as they are.
-void tracePackets(RTCScene scene, Query& query, std::span<RayPacket> packets)
-{
-    static_assert(offsetof(RayPacket, start) == offsetof(RTCRay16, tnear));
-    static_assert(offsetof(RayPacket, direction) == offsetof(RTCRay16, dir_x));
-    static_assert(offsetof(RayPacket, tfar) == offsetof(RTCRay16, tfar));
-    static_assert(offsetof(RayPacket, flags) == offsetof(RTCRay16, flags));
-    static_assert(offsetof(RayPacket, there) == sizeof(RTCRay16));
-    for (RayPacket& packet : packets) {
-        leaveOut(query, packet);
-        std::fill(std::begin(packet.start), std::end(packet.start), 0.0f);
-        std::fill(std::begin(packet.time), std::end(packet.time), 0.0f);
-        std::fill(std::begin(packet.mask), std::end(packet.mask), query.lightMask);
-        std::fill(std::begin(packet.id), std::end(packet.id), 0u);
-        std::fill(std::begin(packet.flags), std::end(packet.flags), 0u);
-        query.embree.occluded(packet.there, scene, reinterpret_cast<RTCRay16&>(packet));
-    }
-}
-
-#if GNOMON_EMBREE_MAJOR == 3
-// Ends before it starts: nobody asks.
-constexpr ShadowRay kNoRay{.origin = glm::vec3(0.0f), .tfar = -1.0f, .direction = glm::vec3(1.0f, 0.0f, 0.0f)};
-
-/// 256 rays at a time as a stream, for scattered rays.
-void traceSparse(RTCScene scene, Query& query, std::span<const ShadowRay> rays, std::span<std::uint8_t> occluded)
-{
-    constexpr std::size_t width = 256;
-    struct alignas(64) Stream {
-        float orgX[width], orgY[width], orgZ[width], tnear[width];
-        float dirX[width], dirY[width], dirZ[width], time[width], tfar[width], asked[width];
-        unsigned mask[width], id[width], flags[width];
-    } s{};
-    for (unsigned& mask : s.mask)
-        mask = query.lightMask;
-    RTCRayNp pointers{s.orgX, s.orgY, s.orgZ, s.tnear, s.dirX, s.dirY, s.dirZ, s.time, s.tfar, s.mask, s.id, s.flags};
-    for (std::size_t first = 0; first < rays.size(); first += width) {
-        const std::size_t count = std::min(width, rays.size() - first);
-        for (std::size_t lane = 0; lane < count; ++lane) {
-            const bool asks = isAskable(query, rays[first + lane]);
-            const ShadowRay ray = asks ? rays[first + lane] : kNoRay;
-            s.orgX[lane] = ray.origin.x;
-            s.orgY[lane] = ray.origin.y;
-            s.orgZ[lane] = ray.origin.z;
-            s.dirX[lane] = ray.direction.x;
-            s.dirY[lane] = ray.direction.y;
-            s.dirZ[lane] = ray.direction.z;
-            s.tfar[lane] = s.asked[lane] = ray.tfar;
-        }
-        query.embree.occluded(scene, pointers, static_cast<unsigned>(count));
-        for (std::size_t lane = 0; lane < count; ++lane)
-            occluded[first + lane] = s.tfar[lane] < 0.0f && s.asked[lane] >= 0.0f;
-    }
-}
-#else // has no streams
-constexpr auto traceSparse = traceTiles;
-#endif
-
 } // namespace
 
 Query RayScene::Impl::query(std::uint32_t lightMask) const
@@ -298,8 +264,12 @@ Query RayScene::Impl::query(std::uint32_t lightMask) const
 RayScene::Impl::Impl()
 {
     const FloatMode mode;
-    device = rtcNewDevice("ignore_config_files=1,verbose=0,set_affinity=0,start_threads=0");
+    std::string config = "ignore_config_files=1,verbose=0,set_affinity=0,start_threads=0";
+    if (const rules::InstructionSet limit = rules::instructionSetLimit(); limit != rules::InstructionSet::Avx512)
+        config += std::string(",max_isa=") + rules::nameOf(limit);
+    device = rtcNewDevice(config.c_str());
     if (!device) return;
+    trace = tracerOf(device);
     rtcSetDeviceMemoryMonitorFunction(device, countBytes, &bytes);
     hasMasks = rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) != 0;
     top = rtcNewScene(device);
@@ -455,20 +425,31 @@ bool RayScene::update(std::span<const Caster> casters)
     return scene.whole && complete;
 }
 
-void RayScene::occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask, RayCoherence coherence,
+void RayScene::occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask,
                         std::span<std::uint8_t> occluded) const
 {
-    if (!impl_->whole) {
-        std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
-        return;
-    }
+    constexpr std::size_t width = RayPacket::kWidth;
+    std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
+    if (!impl_->whole) return;
     const QueryTimer timer(impl_->queryNanoseconds);
     const FloatMode mode;
     Query query = impl_->query(lightMask);
-    if (coherence == RayCoherence::tiles)
-        traceTiles(impl_->top, query, rays, occluded);
-    else
-        traceSparse(impl_->top, query, rays, occluded);
+    RayPacket packet{};
+    for (std::size_t first = 0; first < rays.size(); first += width) {
+        const std::size_t count = std::min(width, rays.size() - first);
+        for (std::size_t lane = 0; lane < width; ++lane) {
+            const ShadowRay& ray = rays[first + std::min(lane, count - 1)];
+            for (int axis = 0; axis < 3; ++axis) {
+                packet.origin[axis][lane] = ray.origin[axis];
+                packet.direction[axis][lane] = ray.direction[axis];
+            }
+            packet.tfar[lane] = ray.tfar;
+            packet.there[lane] = lane < count && ray.tfar >= 0.0f ? -1 : 0;
+        }
+        impl_->ask(query, packet);
+        for (std::size_t lane = 0; lane < count; ++lane) // a hit leaves tfar = -infinity
+            occluded[first + lane] = packet.there[lane] != 0 && packet.tfar[lane] < 0.0f;
+    }
 }
 
 void RayScene::occluded(std::span<RayPacket> packets, std::uint32_t lightMask) const
@@ -477,7 +458,8 @@ void RayScene::occluded(std::span<RayPacket> packets, std::uint32_t lightMask) c
     const QueryTimer timer(impl_->queryNanoseconds);
     const FloatMode mode;
     Query query = impl_->query(lightMask);
-    tracePackets(impl_->top, query, packets);
+    for (RayPacket& packet : packets)
+        impl_->ask(query, packet);
 }
 
 std::uint64_t RayScene::queryNanoseconds() const noexcept

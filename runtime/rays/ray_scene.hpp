@@ -63,9 +63,6 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// Which rays lie close together: Embree's coherent flag pays on dense tiles and costs on sparse lists.
-enum class RayCoherence { tiles, sparse };
-
 /// The casters of one frame as something to ask for occlusion.
 class RayScene {
 public:
@@ -89,11 +86,10 @@ public:
     /// Sets occluded[i] to 1 if anything with a matching caster mask blocks ray i, else 0. Several threads may call it
     /// at once. Ray counts need not be multiples of the packet width. Nothing blocks rays that are no numbers or start
     /// beyond the ray tracer's reach.
-    /// @param rays in 4x4 pixel tiles for RayCoherence::tiles.
-    void occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask, RayCoherence coherence,
-                  std::span<std::uint8_t> occluded) const;
+    /// @param rays any sixteen that come one after the other, such as 4x4 pixels, are faster the closer they lie
+    void occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask, std::span<std::uint8_t> occluded) const;
 
-    /// The same for rays that lie in packets, those of a packet close together. What blocked a ray is in its tfar.
+    /// The same for rays that lie in packets. What blocked a ray is in its tfar.
     void occluded(std::span<RayPacket> packets, std::uint32_t lightMask) const;
 
     std::size_t memoryBytes() const noexcept;

@@ -44,7 +44,7 @@ bool RayScene::update(std::span<const Caster>)
 {
     return true;
 }
-void RayScene::occluded(std::span<const ShadowRay>, std::uint32_t, RayCoherence, std::span<std::uint8_t> occluded) const
+void RayScene::occluded(std::span<const ShadowRay>, std::uint32_t, std::span<std::uint8_t> occluded) const
 {
     std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
 }

@@ -176,7 +176,7 @@ inline std::vector<Expected> expect(const Asking& asking)
         std::tie(pixel.texelTriangles, pixel.ringTriangles) = candidates(triangles, texels);
         pixel.traced = pixel.reason == gpu::REASON_RT_LIT;
         std::uint8_t occluded = 0;
-        world().rays.occluded({&ray, 1}, 1u, RayCoherence::sparse, {&occluded, 1});
+        world().rays.occluded({&ray, 1}, 1u, {&occluded, 1});
         if (pixel.traced && occluded) pixel.reason = gpu::REASON_RT_SHADOW;
     }
     return pixels;

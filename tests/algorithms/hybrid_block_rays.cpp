@@ -37,7 +37,7 @@ std::vector<std::uint8_t> oneByOne(const Lot& lot, const Receivers& receivers, c
             ShadowRay ray;
             if ((wanted[block] >> lane & 1) == 0 || receivers.at(x, y, ray) != Asked::ray) continue;
             std::uint8_t occluded = 0;
-            if (!(ray.tfar < 0.0f)) lot.rays.occluded({&ray, 1}, light.view.mask, RayCoherence::sparse, {&occluded, 1});
+            if (!(ray.tfar < 0.0f)) lot.rays.occluded({&ray, 1}, light.view.mask, {&occluded, 1});
             bytes[kFirst + y * kStride + x] = occluded ? kDarkByte : kLitByte;
             ++rays;
         }
@@ -85,8 +85,7 @@ TEST_CASE("every lane that is asked for has its own ray's answer, whether its bl
                                       .light = light.view,
                                       .lit = kLitByte,
                                       .dark = kDarkByte,
-                                      .together = together,
-                                      .coherence = RayCoherence::sparse},
+                                      .together = together},
                                      bytes, kStride);
                     for (std::uint32_t y = 0; y < kHeight; y += 4) {
                         for (std::uint32_t x = 0; x < kWidth; x += 4) {

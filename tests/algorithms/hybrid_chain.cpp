@@ -148,7 +148,7 @@ Pixel pixelAt(const Asking& asking, std::uint32_t x, std::uint32_t y)
         p.reason[i] = chainReason(asking.scene, stagesOf(kModes[i]), p.lit, true, texels, ray);
     p.unfiltered = unfilteredAt(asking.world, asking.map, asking.light, asking.constants, receiver);
     std::uint8_t occluded = 0;
-    asking.world.rays.occluded({&ray, 1}, 1u, RayCoherence::sparse, {&occluded, 1});
+    asking.world.rays.occluded({&ray, 1}, 1u, {&occluded, 1});
     p.blocked = occluded != 0;
     return p;
 }

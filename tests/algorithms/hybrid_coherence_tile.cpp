@@ -94,7 +94,7 @@ std::vector<Truth> traceAll(const Yard& yard, const Lamp& lamp, const Tile& tile
                 rays.push_back(
                     disc.ray(centre, lamp.cells.grid.at(static_cast<std::uint32_t>(std::countr_zero(left)))));
             std::vector<std::uint8_t> occluded(rays.size());
-            yard.rays.occluded(rays, lamp.cells.mask, RayCoherence::sparse, occluded);
+            yard.rays.occluded(rays, lamp.cells.mask, occluded);
             const auto seen = static_cast<double>(std::count(occluded.begin(), occluded.end(), 0));
             truth.share = static_cast<std::uint8_t>(std::lround(255.0 * seen / static_cast<double>(rays.size())));
         }

@@ -79,7 +79,7 @@ std::uint32_t expectedVote(const Case& of, const Receivers& receivers, std::uint
     if (texels.clearlyLit()) return gpu::REASON_TC_LIT;
     if (texels.agree(false, TexelBlock::four)) return gpu::REASON_TC_SHADOW;
     std::uint8_t occluded = 0;
-    world().rays.occluded({&ray, 1}, 1u, RayCoherence::sparse, {&occluded, 1});
+    world().rays.occluded({&ray, 1}, 1u, {&occluded, 1});
     return occluded ? gpu::REASON_RT_SHADOW : gpu::REASON_RT_LIT;
 }
 

@@ -54,7 +54,7 @@ Tally compare(const Seen& seen, const LightPair& light, const brute::Scene& trut
             tally.grazing += answer.grazing;
             tally.lit += answer.lit;
             std::uint8_t occluded = 2;
-            rays.occluded({&ray, 1}, 1u, RayCoherence::sparse, {&occluded, 1});
+            rays.occluded({&ray, 1}, 1u, {&occluded, 1});
             const bool wrong = (occluded == 0) != answer.lit;
             if (answer.grazing) continue;
             tally.ambiguous += answer.ambiguous;
@@ -169,7 +169,7 @@ TEST_CASE(
                 ShadowRay ray;
                 if (receivers.at(i % kWidth, i / kWidth, ray) != Asked::ray) continue;
                 std::uint8_t occluded = 2;
-                rays.occluded({&ray, 1}, 1u, RayCoherence::sparse, {&occluded, 1});
+                rays.occluded({&ray, 1}, 1u, {&occluded, 1});
                 ++asked;
                 blocked += occluded;
             }

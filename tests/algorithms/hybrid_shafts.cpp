@@ -375,7 +375,7 @@ void compare(const std::vector<lanes::Block>& blocks, const LightView& light, co
                 continue;
             }
             std::uint8_t occluded = 2;
-            world.rays.occluded({&ray, 1}, 1u, RayCoherence::sparse, {&occluded, 1});
+            world.rays.occluded({&ray, 1}, 1u, {&occluded, 1});
             tally.wrong += inside != (occluded == 1);
             tally.lit += occluded == 0;
             tally.dark += occluded == 1;

@@ -68,7 +68,7 @@ Told tell(const glm::mat3& basis, glm::vec3 translation, bool finite, unsigned s
                 ray.tfar = 1.0f;
             }
             std::uint8_t occluded = 0;
-            one.rays.occluded({&ray, 1}, 1u, RayCoherence::sparse, {&occluded, 1});
+            one.rays.occluded({&ray, 1}, 1u, {&occluded, 1});
             const bool witnessed = witnesses.blocks(0, ray);
             const bool middle = std::min({u, v, 1.0f - u - v}) > 0.1f && k % 5 != 0 && (!finite || k % 3 != 0);
             told.blocked += occluded;
@@ -118,7 +118,7 @@ Told tellBlocks(const glm::mat3& basis, glm::vec3 translation, bool directional,
                 block.asked[k] = k == 13 ? lanes::kDark : lanes::kRay;
                 middle[k] = k % 5 != 0 && k % 7 != 0 && k != 13 ? std::min({u, v, 1.0f - u - v}) : 0.0f;
             }
-            one.rays.occluded(asked, 1u, RayCoherence::sparse, occluded);
+            one.rays.occluded(asked, 1u, occluded);
             const std::uint32_t hits = kernelsHere().front()->blocked(constants, block, rounded(*witness));
             for (const lanes::Kernels* kernels : kernelsHere())
                 CHECK(kernels->blocked(constants, block, rounded(*witness)) == hits);

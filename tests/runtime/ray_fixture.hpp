@@ -89,10 +89,10 @@ inline std::vector<ShadowRay> randomRays(std::mt19937& random, std::size_t count
 }
 
 inline std::vector<std::uint8_t> trace(const RayScene& scene, const std::vector<ShadowRay>& rays,
-                                       RayCoherence coherence, std::uint32_t mask = 0xffffffffu)
+                                       std::uint32_t mask = 0xffffffffu)
 {
     std::vector<std::uint8_t> occluded(rays.size(), 0xcc);
-    scene.occluded(rays, mask, coherence, occluded);
+    scene.occluded(rays, mask, occluded);
     return occluded;
 }
 

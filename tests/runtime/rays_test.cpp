@@ -93,21 +93,19 @@ Tally compare(const brute::Scene& truth, const std::vector<ShadowRay>& rays, con
     return tally;
 }
 
-/// Both packet forms agree with the truth, and the rays are a mixture that could tell.
+/// Rays one by one and in packets agree with the truth, and the rays are a mixture that could tell.
 void checkAgainstTruth(const RayScene& scene, const std::vector<Caster>& casters, const std::vector<ShadowRay>& rays,
                        std::uint32_t mask = 0xffffffffu)
 {
     const brute::Scene truth(brute::trianglesOf(casters, mask));
-    for (const RayCoherence coherence : {RayCoherence::tiles, RayCoherence::sparse}) {
-        const std::vector<std::uint8_t> answers = trace(scene, rays, coherence, mask);
-        CHECK(tracePackets(scene, rays, answers, mask) == answers);
-        const Tally tally = compare(truth, rays, answers);
-        CAPTURE(tally.close);
-        CHECK(tally.wrong == 0);
-        CHECK(tally.free > static_cast<int>(rays.size()) / 20);
-        CHECK(tally.blocked > static_cast<int>(rays.size()) / 20);
-        CHECK(tally.close < static_cast<int>(rays.size()) / 50);
-    }
+    const std::vector<std::uint8_t> answers = trace(scene, rays, mask);
+    CHECK(tracePackets(scene, rays, answers, mask) == answers);
+    const Tally tally = compare(truth, rays, answers);
+    CAPTURE(tally.close);
+    CHECK(tally.wrong == 0);
+    CHECK(tally.free > static_cast<int>(rays.size()) / 20);
+    CHECK(tally.blocked > static_cast<int>(rays.size()) / 20);
+    CHECK(tally.close < static_cast<int>(rays.size()) / 50);
 }
 
 glm::mat3 randomBasis(std::mt19937& random, bool mirrored)
@@ -153,12 +151,11 @@ TEST_CASE("every count of rays, full packets or not, is answered ray by ray")
     const TracedMesh mesh(scene, test::randomTriangles(random, 300, 5.0f, 1.0f));
     scene.update(std::vector<Caster>{casterOf(mesh, 0)});
     const std::vector<ShadowRay> all = randomRays(random, 600, 6.0f);
-    const std::vector<std::uint8_t> expected = trace(scene, all, RayCoherence::tiles);
+    const std::vector<std::uint8_t> expected = trace(scene, all);
     for (const std::size_t count : {0u, 1u, 15u, 16u, 17u, 31u, 255u, 256u, 257u, 511u, 600u}) {
         const std::vector<ShadowRay> some(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count));
         const std::vector<std::uint8_t> head(expected.begin(), expected.begin() + static_cast<std::ptrdiff_t>(count));
-        CHECK(trace(scene, some, RayCoherence::tiles) == head);
-        CHECK(trace(scene, some, RayCoherence::sparse) == head);
+        CHECK(trace(scene, some) == head);
     }
 }
 
@@ -178,8 +175,7 @@ TEST_CASE("a ray ends at tfar and starts at its origin")
         {{0, 0, 1}, -1.0f, {0, 0, -1}},     // an offset longer than the way to the light: nothing between
         {{3, 0, 1}, infinity, {0, 0, -1}}}; // beside it
     const std::vector<std::uint8_t> expected{1, 0, 1, 1, 0, 1, 0, 0};
-    CHECK(trace(scene, rays, RayCoherence::tiles) == expected);
-    CHECK(trace(scene, rays, RayCoherence::sparse) == expected);
+    CHECK(trace(scene, rays) == expected);
 }
 
 TEST_CASE("a caster blocks the lights whose mask it shares, and no others")
@@ -197,7 +193,7 @@ TEST_CASE("a caster blocks the lights whose mask it shares, and no others")
     const std::vector<ShadowRay> rays = randomRays(random, 2000, 7.0f);
     for (const std::uint32_t mask : {0x1u, 0x6u, 0x80000000u, 0xffffffffu})
         checkAgainstTruth(scene, casters, rays, mask);
-    for (const std::uint8_t occluded : trace(scene, rays, RayCoherence::sparse, 0x100u))
+    for (const std::uint8_t occluded : trace(scene, rays, 0x100u))
         REQUIRE(occluded == 0);
 }
 
@@ -239,7 +235,7 @@ TEST_CASE("update follows casters that move, come, go and change their mesh")
     checkAgainstTruth(scene, casters, rays);
 
     scene.update({});
-    for (const std::uint8_t occluded : trace(scene, rays, RayCoherence::tiles))
+    for (const std::uint8_t occluded : trace(scene, rays))
         REQUIRE(occluded == 0);
 }
 
@@ -264,8 +260,7 @@ TEST_CASE("trees handed on from revision to revision answer like built ones, and
         const std::vector<Caster> casters{casterOf(*inFlight.back(), 1)}, same{casterOf(built, 1)};
         scene.update(casters);
         fresh.update(same);
-        for (const RayCoherence coherence : {RayCoherence::tiles, RayCoherence::sparse})
-            CHECK(trace(scene, rays, coherence) == trace(fresh, rays, coherence));
+        CHECK(trace(scene, rays) == trace(fresh, rays));
         if (revision == 0) checkAgainstTruth(scene, casters, rays);
         if (revision == 12) settled = scene.memoryBytes();
         if (revision > 12) CHECK(scene.memoryBytes() == settled);
@@ -317,9 +312,7 @@ TEST_CASE("an alpha-tested caster blocks where its opacity is at least one half,
     scene.update(casters);
     const auto blockedAt = [&](float x, float y) {
         const std::vector<ShadowRay> ray{{{x, y, 1}, 10.0f, {0, 0, -1}}};
-        const std::uint8_t tiles = trace(scene, ray, RayCoherence::tiles)[0];
-        CHECK(trace(scene, ray, RayCoherence::sparse)[0] == tiles);
-        return tiles == 1;
+        return trace(scene, ray)[0] == 1;
     };
     CHECK(blockedAt(0.3f, 0.2f));
     CHECK(last.triangle == 0);
@@ -391,7 +384,7 @@ TEST_CASE("nothing blocks rays that start out of reach or are no numbers, and th
     scene.update(std::vector<Caster>{casterOf(mesh, 0)});
     constexpr float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
     const std::vector<ShadowRay> all = randomRays(random, 2048, 6.0f);
-    const std::vector<std::uint8_t> expected = trace(scene, all, RayCoherence::tiles);
+    const std::vector<std::uint8_t> expected = trace(scene, all);
     for (const float wild : {1e19f, -3e38f, infinity, -infinity, nan, 1e18f, 1e17f}) {
         CAPTURE(wild);
         std::vector<ShadowRay> rays = all;
@@ -408,8 +401,7 @@ TEST_CASE("nothing blocks rays that start out of reach or are no numbers, and th
             }
             return occluded.size();
         };
-        CHECK(check(trace(scene, rays, RayCoherence::tiles)) == rays.size());
-        CHECK(check(trace(scene, rays, RayCoherence::sparse)) == rays.size());
-        CHECK(check(tracePackets(scene, rays, trace(scene, rays, RayCoherence::tiles), 0xffffffffu)) == rays.size());
+        CHECK(check(trace(scene, rays)) == rays.size());
+        CHECK(check(tracePackets(scene, rays, trace(scene, rays), 0xffffffffu)) == rays.size());
     }
 }

@@ -27,7 +27,7 @@ TEST_CASE("the caller's floating-point mode is neither used nor changed")
     const std::vector<ShadowRay> rays = randomRays(random, 2000, 6.0f);
     const TracedMesh mesh(scene, corners);
     scene.update(std::vector<Caster>{casterOf(mesh, 0)});
-    const std::vector<std::uint8_t> expected = trace(scene, rays, RayCoherence::tiles);
+    const std::vector<std::uint8_t> expected = trace(scene, rays);
 
     const unsigned saved = _mm_getcsr();
     const unsigned upwards = 0x1f80u | _MM_ROUND_UP;
@@ -35,7 +35,7 @@ TEST_CASE("the caller's floating-point mode is neither used nor changed")
     RayScene other;
     const TracedMesh same(other, corners);
     other.update(std::vector<Caster>{casterOf(same, 0)});
-    const std::vector<std::uint8_t> actual = trace(other, rays, RayCoherence::tiles);
+    const std::vector<std::uint8_t> actual = trace(other, rays);
     const unsigned after = _mm_getcsr();
     _mm_setcsr(saved);
     CHECK((after & ~0x3fu) == upwards); // the low bits only say which exceptions have occurred
@@ -52,7 +52,7 @@ TEST_CASE("building, updating and tracing start no threads")
     RayScene scene;
     const TracedMesh mesh(scene, test::randomTriangles(random, 200000, 40.0f, 0.6f));
     scene.update(std::vector<Caster>{casterOf(mesh, 0)});
-    trace(scene, randomRays(random, 4000, 40.0f), RayCoherence::sparse);
+    trace(scene, randomRays(random, 4000, 40.0f));
     CHECK(threads() == before);
     CHECK(mesh.rays->memoryBytes() > 200000 * 12);          // the tree is counted,
     CHECK(scene.memoryBytes() >= mesh.rays->memoryBytes()); // and the scene's total holds it
@@ -78,12 +78,11 @@ TEST_CASE("several threads build and trace at once and get the answers of one")
     const TracedMesh mesh(scene, corners);
     scene.update(std::vector<Caster>{casterOf(mesh, 0)});
     const std::vector<ShadowRay> rays = randomRays(random, 20000, 9.0f);
-    const std::vector<std::uint8_t> expected = trace(scene, rays, RayCoherence::tiles);
+    const std::vector<std::uint8_t> expected = trace(scene, rays);
     std::array<std::vector<std::uint8_t>, 4> answers;
     std::vector<std::thread> tracers;
     for (std::size_t i = 0; i < answers.size(); ++i)
-        tracers.emplace_back(
-            [&, i] { answers[i] = trace(scene, rays, i % 2 ? RayCoherence::tiles : RayCoherence::sparse); });
+        tracers.emplace_back([&, i] { answers[i] = trace(scene, rays); });
     for (std::thread& tracer : tracers)
         tracer.join();
     for (const auto& answer : answers)
