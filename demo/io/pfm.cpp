@@ -41,14 +41,9 @@ uint32_t swapIfNeeded(uint32_t word, bool fileIsLittle)
     return (word >> 24) | ((word >> 8) & 0xff00u) | ((word << 8) & 0xff0000u) | (word << 24);
 }
 
-size_t fileRow(uint32_t row, uint32_t height, RowOrder order)
-{
-    return order == RowOrder::TopDown ? row : height - 1 - row;
-}
-
 } // namespace
 
-Status writePfm(const std::filesystem::path& file, const ImageF& image, RowOrder order)
+Status writePfm(const std::filesystem::path& file, const ImageF& image)
 {
     const std::string header = std::string(image.channels == 3 ? "PF\n" : "Pf\n") + std::to_string(image.width) + " " +
                                std::to_string(image.height) + "\n-1.0\n"; // a negative scale says little-endian
@@ -56,7 +51,7 @@ Status writePfm(const std::filesystem::path& file, const ImageF& image, RowOrder
     std::vector<uint32_t> words(rowWords * image.height);
     for (uint32_t y = 0; y < image.height; ++y)
         for (size_t i = 0; i < rowWords; ++i)
-            words[fileRow(y, image.height, order) * rowWords + i] =
+            words[size_t(image.height - 1 - y) * rowWords + i] =
                 swapIfNeeded(std::bit_cast<uint32_t>(image.texels[y * rowWords + i]), true);
     std::ofstream out(file, std::ios::binary);
     out.write(header.data(), static_cast<std::streamsize>(header.size()));
@@ -66,7 +61,7 @@ Status writePfm(const std::filesystem::path& file, const ImageF& image, RowOrder
     return Done{};
 }
 
-Outcome<ImageF> readPfm(const std::filesystem::path& file, RowOrder order)
+Outcome<ImageF> readPfm(const std::filesystem::path& file)
 {
     const auto fail = [&file](const char* why) { return Outcome<ImageF>::failure(file.string() + ": " + why); };
     std::ifstream in(file, std::ios::binary);
@@ -88,7 +83,7 @@ Outcome<ImageF> readPfm(const std::filesystem::path& file, RowOrder order)
     for (uint32_t y = 0; y < height; ++y)
         for (size_t i = 0; i < rowWords; ++i) {
             uint32_t word = 0;
-            std::memcpy(&word, rest.data() + (fileRow(y, height, order) * rowWords + i) * 4, 4);
+            std::memcpy(&word, rest.data() + (size_t(height - 1 - y) * rowWords + i) * 4, 4);
             image.texels[y * rowWords + i] = std::bit_cast<float>(swapIfNeeded(word, *scale < 0.0));
         }
     return image;

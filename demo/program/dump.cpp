@@ -119,6 +119,12 @@ std::vector<std::string> fileNames(const Scene& scene, const SceneState& state)
     return names;
 }
 
+/// As gnomon takes it: 0 means all bits.
+double maskOf(uint32_t mask)
+{
+    return mask == 0 ? double(UINT32_MAX) : double(mask);
+}
+
 std::string frameJson(const Scene& scene, Renderer& renderer, const std::vector<FrameLog::LightLine>& lines,
                       const std::vector<std::string>& names)
 {
@@ -130,6 +136,7 @@ std::string frameJson(const Scene& scene, Renderer& renderer, const std::vector<
     JsonWriter json;
     json.open('{');
     json.key("width").value(renderer.extent().width).key("height").value(renderer.extent().height);
+    // Of the PNG files; PFM has the bottom row first.
     json.key("first_row").value("top");
     json.key("eye").array(toArray(camera.eye));
     json.key("view_projection").array(toArray(viewProjection));
@@ -148,12 +155,19 @@ std::string frameJson(const Scene& scene, Renderer& renderer, const std::vector<
         json.open('{');
         json.key("name").value(light.name).key("kind").value(nameOf(light.kind));
         json.key("position").array(toArray(at.position)).key("direction").array(toArray(at.direction));
+        json.key("caster_mask").value(maskOf(light.casterMask));
         // Half angle; 0 where there is no cone. Range 0: unlimited.
         json.key("cone_radians").value(light.kind == LightKind::Spot ? double(light.outerAngle) : 0.0);
         json.key("range").value(double(light.range));
         json.key("method").value(layer < lines.size() ? lines[layer].method : std::string("none"));
         json.key("visibility").value("visibility_" + names[layer] + ".png");
         json.key("offset").value("offset_" + names[layer] + ".pfm");
+        json.close('}');
+    }
+    // In the order of the groups of casters.obj. One casts for a light if their masks have a bit in common.
+    json.close(']').key("casters").open('[');
+    for (const Instance& instance : scene.instances) {
+        json.open('{').key("name").value(instance.name).key("caster_mask").value(maskOf(instance.casterMask));
         json.close('}');
     }
     json.close(']').close('}');
@@ -206,16 +220,16 @@ void dumpFrame(const std::filesystem::path& folder, const Scene& scene, Renderer
     const std::vector<Image8> visibility = renderer.readVisibility();
 
     expect(writeFile(folder / "frame.json", frameJson(scene, renderer, lines, names)));
-    expect(writePfm(folder / "depth.pfm", depth, RowOrder::TopDown));
-    expect(writePfm(folder / "normals.pfm", normals, RowOrder::TopDown));
+    expect(writePfm(folder / "depth.pfm", depth));
+    expect(writePfm(folder / "normals.pfm", normals));
     const gpu::ViewConstants view = viewConstants(scene, renderer.camera(), renderer.extent());
     for (size_t layer = 0; layer < state.present.size(); ++layer) {
         const Light& light = scene.lights[state.present[layer]];
         const gpu::LightConstants constants =
             lightConstants(light, state.lights[state.present[layer]], renderer.camera().eye);
         const ImageF offset = offsets(view, constants, depth, normals);
-        if (layer == 0) expect(writePfm(folder / "offset.pfm", offset, RowOrder::TopDown));
-        expect(writePfm(folder / ("offset_" + names[layer] + ".pfm"), offset, RowOrder::TopDown));
+        if (layer == 0) expect(writePfm(folder / "offset.pfm", offset));
+        expect(writePfm(folder / ("offset_" + names[layer] + ".pfm"), offset));
         expect(writePng(folder / ("visibility_" + names[layer] + ".png"), visibility[layer]));
     }
     ObjWriter casters;

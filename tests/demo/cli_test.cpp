@@ -51,7 +51,7 @@ TEST_CASE("run leaves both tables, pictures, the rules used and a dump, and its 
 
     for (const char* file : {"frame.json", "casters.obj", "normals.pfm", "offset.pfm"})
         CHECK(fs::exists(folder.path / "dump" / file));
-    const Outcome<ImageF> depth = readPfm(folder.path / "dump" / "depth.pfm", RowOrder::TopDown);
+    const Outcome<ImageF> depth = readPfm(folder.path / "dump" / "depth.pfm");
     REQUIRE(depth);
     CHECK(depth->width == 160);
 }
