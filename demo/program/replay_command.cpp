@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "demo/host/vulkan.hpp" // HostError
+#include "demo/io/file.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/rule_support.hpp"
 #include "demo/program/session.hpp"

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "demo/io/file.hpp"
 #include "demo/program/session.hpp"
 
 namespace gnomon::demo {

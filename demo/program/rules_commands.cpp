@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "demo/io/file.hpp"
 #include "demo/io/number.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/rule_support.hpp"

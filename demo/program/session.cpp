@@ -3,9 +3,8 @@
 #include <charconv>
 #include <chrono>
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 
+#include "demo/io/file.hpp"
 #include "demo/io/number.hpp"
 #include "demo/scene/scene_file.hpp"
 #ifdef GNOMON_WITH_YAML
@@ -189,17 +188,6 @@ Status loadKnowledge(const ShadowHost& shadows, const Device& device, const std:
     const Outcome<std::string> text = readText(*file);
     if (!text) return Status::failure(text.error());
     return shadows.loadKnowledge(*text, file->string());
-}
-
-Outcome<std::string> readText(const std::filesystem::path& file)
-{
-    std::ifstream stream(file, std::ios::binary);
-    std::ostringstream text;
-    std::error_code ignored; // a folder opens like a file and reads as empty
-    if (!std::filesystem::is_directory(file, ignored)) text << stream.rdbuf();
-    if (!stream || std::filesystem::is_directory(file, ignored))
-        return Outcome<std::string>::failure(file.string() + ": cannot be read");
-    return text.str();
 }
 
 void requireSilence(const Device& device)

@@ -73,8 +73,6 @@ const char* knowledgeFor(const Device& device);
 /// Teaches the cost model; an empty name means knowledgeFor(), if it is installed, `none` nothing.
 Status loadKnowledge(const ShadowHost& shadows, const Device& device, const std::string& nameOrPath);
 
-Outcome<std::string> readText(const std::filesystem::path& file);
-
 /// Throws HostError listing what validation found.
 void requireSilence(const Device& device);
 

@@ -1,6 +1,7 @@
 // `gnomon why`: questions to the log of a run, no device needed.
 #include <cstdio>
 
+#include "demo/io/file.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/decision_log.hpp"
 #include "demo/program/session.hpp"

@@ -1,6 +1,10 @@
 #include "demo/scene/mesh_file.hpp"
 
+#include "demo/scene/gltf_indices.hpp"
+
+#include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
+#include <assimp/LogStream.hpp>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -34,23 +38,67 @@ Status checkIndices(const aiMesh& part)
     for (unsigned f = 0; f < part.mNumFaces; ++f)
         for (unsigned corner = 0; corner < part.mFaces[f].mNumIndices; ++corner)
             if (const unsigned vertex = part.mFaces[f].mIndices[corner]; vertex >= part.mNumVertices)
-                return Status::failure("face " + std::to_string(f) + " names vertex " + std::to_string(vertex) +
-                                       " of " + std::to_string(part.mNumVertices) + ", counted from 0");
+                return Status::failure("mesh '" + std::string(part.mName.C_Str()) + "': face " + std::to_string(f) +
+                                       " names vertex " + std::to_string(vertex) + " of " +
+                                       std::to_string(part.mNumVertices) + ", counted from 0");
     return Done{};
 }
 
-bool appendSubMesh(Mesh& mesh, const aiMesh& part)
+/// Listens to Assimp while it lives: some readers put another vertex in place of one that is not there, or leave the
+/// face out, and only say so.
+class VertexComplaints final : public Assimp::LogStream {
+public:
+    VertexComplaints()
+    {
+        Assimp::DefaultLogger::create(nullptr, Assimp::Logger::NORMAL, 0);
+        Assimp::DefaultLogger::get()->attachStream(this, Assimp::Logger::Warn | Assimp::Logger::Err);
+    }
+    ~VertexComplaints() override
+    {
+        Assimp::DefaultLogger::get()->detachStream(this, Assimp::Logger::Warn | Assimp::Logger::Err);
+        Assimp::DefaultLogger::kill();
+    }
+    VertexComplaints(const VertexComplaints&) = delete;
+    VertexComplaints& operator=(const VertexComplaints&) = delete;
+
+    void write(const char* message) override
+    {
+        const std::string_view line(message);
+        if (first_.empty() && line.find("ertex index") != std::string_view::npos)
+            first_ =
+                line.substr(line.find(": ") + 2, line.find_last_not_of("\r\n") - line.find(": ") - 1); // "Warn, T0: "
+    }
+    const std::string& first() const { return first_; } ///< Empty: none.
+
+private:
+    std::string first_;
+};
+
+bool appendSubMesh(Mesh& mesh, const aiMesh& part, const aiMatrix4x4& worldFromPart)
 {
     const auto first = static_cast<uint32_t>(mesh.positions.size());
     for (unsigned v = 0; v < part.mNumVertices; ++v) {
-        const aiVector3D& p = part.mVertices[v];
+        const aiVector3D p = worldFromPart * part.mVertices[v];
         if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return false;
         mesh.positions.emplace_back(p.x, p.y, p.z);
     }
+    // A mirror turns the order of corners round: the outside stays outside.
+    const bool mirrors = worldFromPart.Determinant() < 0.0f;
     for (unsigned f = 0; f < part.mNumFaces; ++f)
         if (part.mFaces[f].mNumIndices == 3)
             for (unsigned corner = 0; corner < 3; ++corner)
-                mesh.indices.push_back(first + part.mFaces[f].mIndices[corner]);
+                mesh.indices.push_back(first + part.mFaces[f].mIndices[mirrors ? 2 - corner : corner]);
+    return true;
+}
+
+/// All meshes of a node and of those below it, in world space. False: a position is not finite.
+bool appendNode(Mesh& mesh, const aiScene& scene, const aiNode& node, const aiMatrix4x4& worldFromParent)
+{
+    const aiMatrix4x4 worldFromNode = worldFromParent * node.mTransformation;
+    for (unsigned m = 0; m < node.mNumMeshes; ++m)
+        if (!appendSubMesh(mesh, *scene.mMeshes[node.mMeshes[m]], worldFromNode)) return false;
+    for (unsigned child = 0; child < node.mNumChildren; ++child)
+        if (!appendNode(mesh, scene, *node.mChildren[child], worldFromNode)) return false;
     return true;
 }
 
@@ -128,6 +176,8 @@ Outcome<ImportedMesh> importMesh(const fs::path& file, const MeshFileOptions& op
     const auto fail = [&file](const std::string& why) {
         return Outcome<ImportedMesh>::failure(file.string() + ": " + why);
     };
+    if (const Status checked = checkGltfIndices(file); !checked) return fail(checked.error());
+    const VertexComplaints complaints;
     Assimp::Importer importer;
     // Only positions and faces matter; the rest would merely split vertices. Points and lines are dropped.
     importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
@@ -138,13 +188,13 @@ Outcome<ImportedMesh> importMesh(const fs::path& file, const MeshFileOptions& op
     for (unsigned m = 0; scene != nullptr && m < scene->mNumMeshes; ++m)
         if (const Status checked = checkIndices(*scene->mMeshes[m]); !checked) return fail(checked.error());
     if (scene != nullptr)
-        scene = importer.ApplyPostProcessing(aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_SortByPType |
-                                             aiProcess_PreTransformVertices);
+        scene = importer.ApplyPostProcessing(aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_SortByPType);
     if (scene == nullptr) return fail(importer.GetErrorString());
+    if (!complaints.first().empty()) return fail(complaints.first());
 
     ImportedMesh result;
-    for (unsigned m = 0; m < scene->mNumMeshes; ++m)
-        if (!appendSubMesh(result.mesh, *scene->mMeshes[m])) return fail("a vertex position is not a finite number");
+    if (!appendNode(result.mesh, *scene, *scene->mRootNode, aiMatrix4x4()))
+        return fail("a vertex position is not a finite number");
     const float turn = options.up == UpAxis::Z ? 1.0f : -1.0f; // a quarter turn about x, either way
     if (options.up != UpAxis::Y)
         for (glm::vec3& p : result.mesh.positions)

@@ -22,7 +22,9 @@ struct ImportedMesh {
     uint32_t droppedTriangles = 0; ///< Zero-area ones, before or after welding.
 };
 
-/// All sub-meshes as one, node transforms applied, vertices with equal positions welded, zero-area triangles dropped.
+/// All sub-meshes as one, node transforms applied (where one mirrors, triangles are turned round: their fronts stay
+/// fronts), vertices with equal positions welded, zero-area triangles dropped. An index that names no vertex is an
+/// error. One call at a time: the log of Assimp is the process's.
 Outcome<ImportedMesh> importMesh(const std::filesystem::path& file, const MeshFileOptions& options = {});
 
 /** \brief Finds the file a scene speaks of.

@@ -5,7 +5,9 @@
 
 #include <doctest/doctest.h>
 
+#include <bit>
 #include <fstream>
+#include <initializer_list>
 
 using namespace gnomon::demo;
 namespace fs = std::filesystem;
@@ -115,4 +117,127 @@ TEST_CASE("files that are no meshes are refused by name")
     const auto missing = findMeshFile("no/such.obj", "/some/folder");
     CHECK_FALSE(missing);
     CHECK(missing.error().find("/some/folder/no/such.obj") != std::string::npos);
+}
+
+namespace {
+
+// Four float triples, then twelve 16-bit indices of which the last is 3, or 61.
+constexpr const char* kTetrahedron = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/"
+                                     "AAACAAEAAAABAAMAAAADAAIAAQACAAMA";
+constexpr const char* kBadTetrahedron = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/"
+                                        "AAACAAEAAAABAAMAAAADAAIAAQACAD0A";
+
+/// A glTF file of one tetrahedron. \param buffer JSON
+std::string gltf(const std::string& nodes, const std::string& buffer)
+{
+    return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":)" + nodes +
+           R"(,"meshes":[{"name":"f\ud83c\udf32ur","primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
+           R"("accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,1]},)"
+           R"({"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}],)"
+           R"("bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":24}],)"
+           R"("buffers":[)" +
+           buffer + "]}";
+}
+
+std::string inBase64(const char* bytes)
+{
+    return std::string(R"({"byteLength":72,"uri":"data:application/octet-stream;base64,)") + bytes + "\"}";
+}
+
+std::string word(uint32_t value)
+{
+    std::string bytes;
+    for (int i = 0; i < 4; ++i)
+        bytes += static_cast<char>(value >> (8 * i) & 0xffu);
+    return bytes;
+}
+
+/// Chunk of a .3ds file: its kind, its length and all of it.
+std::string chunk3ds(uint32_t kind, const std::string& content)
+{
+    return word(kind).substr(0, 2) + word(static_cast<uint32_t>(6 + content.size())) + content;
+}
+
+/// A tetrahedron. \param last index
+std::string tetrahedron3ds(uint32_t last)
+{
+    const auto floats = [](std::initializer_list<float> values) {
+        std::string bytes;
+        for (const float value : values)
+            bytes += word(std::bit_cast<uint32_t>(value));
+        return bytes;
+    };
+    std::string faces = word(4).substr(0, 2);
+    for (const uint32_t index :
+         {0u, 2u, 1u, 0u, 0u, 1u, 3u, 0u, 0u, 3u, 2u, 0u, 1u, 2u, last, 0u}) // flags every fourth
+        faces += word(index).substr(0, 2);
+    const std::string mesh =
+        chunk3ds(0x4110, word(4).substr(0, 2) + floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1})) + chunk3ds(0x4120, faces);
+    return chunk3ds(0x4d4d, chunk3ds(0x3d3d, chunk3ds(0x4000, std::string("four", 5) + chunk3ds(0x4100, mesh))));
+}
+
+} // namespace
+
+TEST_CASE("a node that mirrors leaves the outside of its mesh outside, one in a mirror that mirrors again too")
+{
+    for (const char* nodes :
+         {R"([{"mesh":0}])", R"([{"mesh":0,"scale":[-1,1,1]}])", R"([{"mesh":0,"scale":[-2,-3,-1]}])",
+          R"([{"scale":[1,-1,1],"children":[1]},{"mesh":0,"rotation":[0.6,0,0,0.8],"scale":[1,1,-2]}])",
+          R"([{"scale":[1,-1,1],"children":[1]},{"mesh":0,"rotation":[0.6,0,0,0.8],"scale":[1,2,1]}])"}) {
+        CAPTURE(nodes);
+        const fs::path file = writeText("gnomon_mirror.gltf", gltf(nodes, inBase64(kTetrahedron)));
+        const auto imported = importMesh(file);
+        REQUIRE_MESSAGE(imported, imported.error());
+        CHECK(imported->mesh.triangleCount() == 4);
+        CHECK(signedVolume(imported->mesh) > 0.1);
+        fs::remove(file);
+    }
+    const fs::path file =
+        writeText("gnomon_twice.gltf",
+                  gltf(R"([{"mesh":0,"children":[1]},{"mesh":0,"scale":[-1,1,1]}])", inBase64(kTetrahedron)));
+    const auto twice = importMesh(file);
+    REQUIRE_MESSAGE(twice, twice.error());
+    CHECK(twice->mesh.triangleCount() == 8);
+    CHECK(signedVolume(twice->mesh) == doctest::Approx(2.0 / 6.0));
+    fs::remove(file);
+}
+
+TEST_CASE("an index past the end of a glTF file's vertices is an error that names it and its bound")
+{
+    constexpr const char* kSays =
+        "mesh 0 'f__d83c__df32ur', primitive 0: index 11 (of triangle 3) names vertex 61 of 4";
+    const auto check = [&](const fs::path& file) {
+        const auto imported = importMesh(file);
+        CHECK_FALSE(imported);
+        CHECK_MESSAGE(imported.error().find(kSays) != std::string::npos, imported.error());
+        CHECK(imported.error().starts_with(file.string() + ": "));
+        fs::remove(file);
+    };
+    check(writeText("gnomon_far.gltf", gltf(R"([{"mesh":0}])", inBase64(kBadTetrahedron))));
+
+    std::string binary(72, '\0');
+    binary[70] = 61; // the last index; the others are 0
+    const fs::path bytes = writeText("gnomon_far.bin", binary);
+    check(writeText("gnomon_far.gltf", gltf(R"([{"mesh":0}])", R"({"byteLength":72,"uri":"gnomon_far.bin"})")));
+    fs::remove(bytes);
+
+    std::string json = gltf(R"([{"mesh":0}])", R"({"byteLength":72})");
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    const auto size = static_cast<uint32_t>(json.size());
+    check(writeText("gnomon_far.glb", "glTF" + word(2) + word(28 + size + 72) + word(size) + "JSON" + json + word(72) +
+                                          std::string("BIN\0", 4) + binary));
+}
+
+TEST_CASE("a .3ds face that names no vertex is an error, not another face")
+{
+    const fs::path good = writeText("gnomon_good.3ds", tetrahedron3ds(3));
+    const auto imported = importMesh(good);
+    REQUIRE_MESSAGE(imported, imported.error());
+    CHECK(imported->mesh.triangleCount() == 4);
+    fs::remove(good);
+    const fs::path file = writeText("gnomon_far.3ds", tetrahedron3ds(61));
+    const auto far = importMesh(file);
+    CHECK_FALSE(far);
+    CHECK_MESSAGE(far.error().find("ertex index") != std::string::npos, far.error());
+    fs::remove(file);
 }
