@@ -85,7 +85,7 @@ VolumePlan* planEdges(PassBuilder& passes, const ShadowTask& task, const ViewSte
         for (const VolumeSource& source : volumesOf(passes.arena(), casters, *task.light)) {
             VolumeDraw draw{.source = source, .bounds = source.bounds()};
             if (!seen(draw.bounds)) continue;
-            const bool fails = zFailForAll || needsZFail(*plan, draw.bounds);
+            const bool fails = zFailForAll || needsZFail(*plan, draw);
             if (fails) draw = asFailing(*plan, draw);
             draw.list = draw.commands = lists.find(*source.caster->mesh);
             const auto whole = static_cast<std::uint32_t>(source.caster->mesh->topology->clusters.size());

@@ -68,7 +68,7 @@ struct Plan {
     ImageId map;
     BufferId receiverBounds;
     float nearWs = 0.0f;    ///< Linear depth of the near plane.
-    bool receivers = false; ///< Receivers are asked; no polygon is drawn (nearPlaneWithinCaster()).
+    bool receivers = false; ///< Receivers are asked; no polygon is drawn (mayCrossUnseen()).
     std::uint32_t layerCount = 0;
     Layer layers[kMaps];
 };
@@ -241,13 +241,16 @@ void recordPolygons(PassContext& gpu, const Plan& plan, const Layer& layer, Pipe
     gpu.vk->vkCmdDrawIndexedIndirect(gpu.cmd, buffer, 0, 1, sizeof(VkDrawIndexedIndirectCommand));
 }
 
-/// Whether the eye or the near rectangle may lie in a closed caster. The lit sides of these are not in the map, and
-/// what the near plane cuts off of such a caster no polygon stands for: rays that start in it would be counted wrong.
-bool nearPlaneWithinCaster(const ShadowTask& task)
+/// Whether rays from the eye may cross the surface where no polygon stands for it. Polygons are left out along faces,
+/// which end a ray: not where the picture lacks such a face (VolumeSource::mayBeUnseen(), here of a whole caster), nor
+/// where the eye or the near rectangle may lie in a closed caster, whose lit sides are not in the map.
+bool mayCrossUnseen(const ShadowTask& task)
 {
     const Aabb box = eyeBounds(*task.view);
-    return std::ranges::any_of(task.casters->all,
-                               [&](const Caster* caster) { return caster->closed && overlap(caster->bounds, box); });
+    return std::ranges::any_of(task.casters->all, [&](const Caster* caster) {
+        if (caster->closed) return overlap(caster->bounds, box);
+        return caster->singleSided || (caster->mesh && caster->mesh->insideOut);
+    });
 }
 
 Darkness darknessOf(const ShadowTask& task)
@@ -286,7 +289,7 @@ public:
         plan.map = map.image;
         plan.receiverBounds = stencil.receiverBounds;
         plan.nearWs = gpu::linearDepth(view, task.view->reversed() ? 1.0f : 0.0f);
-        plan.receivers = nearPlaneWithinCaster(task);
+        plan.receivers = mayCrossUnseen(task);
         for (std::uint32_t index = 0; index < map.fits.size(); ++index)
             if ((map.needed >> index) & 1u) declareLayer(passes, task, plan, map, index);
         declareStencil(passes, task, plan, stencil);

@@ -128,7 +128,7 @@ void planStatics(PassBuilder& passes, const ShadowTask& task, const KeptDraws& k
 {
     for (const std::uint32_t position : kept.candidates) {
         const VolumeDraw& draw = kept.drawOf[position];
-        const bool fails = task.settings[kZFail] != 0.0 || needsZFail(plan, draw.bounds);
+        const bool fails = task.settings[kZFail] != 0.0 || needsZFail(plan, draw);
         append(fails ? plan.zFail : plan.zPass, draw);
     }
     plan.lists[0] = kept.sides;

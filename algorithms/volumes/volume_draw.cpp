@@ -18,6 +18,12 @@ namespace {
 /// nothing visible can lie in between, because the surface hides it.
 constexpr float kCapPush = 1.0f / 1024.0f;
 
+/// Of caps whose surface the host may not have drawn (VolumeSource::mayBeUnseen()): where one runs past an edge into a
+/// surface that is drawn, what is pushed beyond that is counted behind it. A box drawn from within was wrong on 0.023 %
+/// of the pixels with 2^-10, on 0.004 % with 2^-13, which is enough for surfaces that are drawn up to 85 degrees of
+/// slope at 640x360, and 87.6 at 1280x720.
+constexpr float kUnseenCapPush = 1.0f / 8192.0f;
+
 /// What is added to clip z to move a volume away from the eye by this share of the distance. That scales clip x, y and
 /// w alike and leaves z, but for the eye's own clip z (the projection's last column): the same as lowering z by e / (1
 /// + e) of it.
@@ -107,9 +113,10 @@ gpu::VolumePush volumePush(const VolumePlan& plan, const VolumeDraw& draw, float
     return push;
 }
 
-void pushVolume(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, const VolumeDraw& draw, float clipZ)
+void pushVolume(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, const VolumeDraw& draw, bool caps)
 {
-    const gpu::VolumePush push = volumePush(plan, draw, clipZ);
+    const float share = !caps ? 0.0f : draw.source.mayBeUnseen() ? kUnseenCapPush : kCapPush;
+    const gpu::VolumePush push = volumePush(plan, draw, pushBy(*plan.view, share));
     if (shape == VolumeShape::lists) {
         gpu.push(push);
         return;
@@ -125,7 +132,7 @@ void pushVolume(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, con
 }
 
 void drawList(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, PipelineId pipeline, const Bound& constants,
-              std::span<const VolumeDraw> draws, float clipZ)
+              std::span<const VolumeDraw> draws, bool caps)
 {
     const MeshView* mesh = nullptr;
     BufferId list;
@@ -139,7 +146,7 @@ void drawList(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, Pipel
             list = draw.list;
             gpu.vk->vkCmdBindIndexBuffer(gpu.cmd, gpu.buffer(list), 0, VK_INDEX_TYPE_UINT32);
         }
-        pushVolume(gpu, plan, shape, draw, clipZ);
+        pushVolume(gpu, plan, shape, draw, caps);
         // One by one: more than one at a time needs a device feature, and here a draw costs 0.6 us.
         constexpr std::uint32_t size = sizeof(VkDrawIndexedIndirectCommand);
         for (std::uint32_t i = 0; i < draw.times * draw.commandCount; ++i)
@@ -200,9 +207,9 @@ VolumeDraw drawAt(const VolumeList& list, std::uint32_t& piece)
     return draw;
 }
 
-bool needsZFail(const VolumePlan& plan, const Aabb& bounds)
+bool needsZFail(const VolumePlan& plan, const VolumeDraw& draw)
 {
-    return shadowsNearRectangle(bounds, *plan.light, plan.view->nearCorners);
+    return draw.source.mayBeUnseen() || shadowsNearRectangle(draw.bounds, *plan.light, plan.view->nearCorners);
 }
 
 VolumeDraw asFailing(const VolumePlan& plan, VolumeDraw draw)
@@ -216,7 +223,7 @@ VolumeDraw asFailing(const VolumePlan& plan, VolumeDraw draw)
 void addSides(VolumePlan& plan, const VolumeList& sides, bool zFailForAll)
 {
     collectDraws(plan, sides, [&](const VolumeDraw& draw) {
-        if (zFailForAll || needsZFail(plan, draw.bounds))
+        if (zFailForAll || needsZFail(plan, draw))
             append(plan.zFail, asFailing(plan, draw));
         else
             append(plan.zPass, draw);
@@ -270,10 +277,9 @@ void drawVolumes(PassContext& gpu, const VolumePlan& plan, const VolumePipelines
 {
     const Bound constants = gpu.constants(0, volumeConstants(*plan.view, *plan.light, plan.bounded));
     const std::size_t reversed = plan.view->reversed() ? 1 : 0;
-    const float caps = pushBy(*plan.view, kCapPush);
-    drawList(gpu, plan, pipelines.shape, pipelines.zPass[reversed], constants, plan.zPass, 0.0f);
-    drawList(gpu, plan, pipelines.shape, pipelines.zFail[reversed], constants, plan.zFail, 0.0f);
-    drawList(gpu, plan, pipelines.shape, pipelines.caps[reversed], constants, plan.caps, caps);
+    drawList(gpu, plan, pipelines.shape, pipelines.zPass[reversed], constants, plan.zPass, false);
+    drawList(gpu, plan, pipelines.shape, pipelines.zFail[reversed], constants, plan.zFail, false);
+    drawList(gpu, plan, pipelines.shape, pipelines.caps[reversed], constants, plan.caps, true);
 }
 
 const char* refusesReadSides(const DeviceTable& vk, const ShadowTask& task)

@@ -89,8 +89,8 @@ void forDraws(const VolumeList& list, const Wanted& wanted, const Choose& choose
         if (wanted(draw.bounds)) choose(draw);
     }
 }
-/// Whether z-fail has to count a volume of a source with these bounds.
-bool needsZFail(const VolumePlan& plan, const Aabb& bounds);
+/// Whether z-fail has to count a volume.
+bool needsZFail(const VolumePlan& plan, const VolumeDraw& draw);
 /// The draw as z-fail counts it.
 ///
 /// An open mesh casts with both sides of its faces, and the host draws both. Before a closed cluster of one, with light

@@ -28,6 +28,9 @@ struct VolumeSource {
     /// A solid whose faces cast with both sides, as those of the rest of its mesh.
     bool closedInOpenMesh() const { return shape().closed && !caster->mesh->topology->closed; }
     Aabb bounds() const; ///< World.
+    /// Faces that the picture does not show may lie before what it shows. A host that draws one side of all leaves
+    /// those out which look away from the eye: near ones, where a solid is inside out.
+    bool mayBeUnseen() const { return shape().insideOut || (caster->singleSided && !shape().closed); }
     bool operator==(const VolumeSource&) const = default;
 };
 

@@ -109,6 +109,17 @@ CameraMatrices cameraMatrices(const Scene& scene, const CameraState& camera, VkE
     return out;
 }
 
+bool drawsBothSides(const Instance& instance, const MeshRange& mesh)
+{
+    if (instance.sides == Sides::ByMesh) return !mesh.closed || instance.alphaTested;
+    return instance.sides == Sides::Both;
+}
+
+VkFrontFace frontFaceOf(const Transform& transform)
+{
+    return transform.mirrors() ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE;
+}
+
 bool onScreen(const CameraMatrices& camera, const MeshRange& mesh, const Transform& transform)
 {
     glm::bvec4 outsideAll(true); // left, right, top, bottom

@@ -50,6 +50,12 @@ struct CameraMatrices {
 
 CameraMatrices cameraMatrices(const Scene& scene, const CameraState& camera, VkExtent2D extent);
 
+/// Whether the host draws both sides of an instance. Through the holes of an alpha-tested mesh its back is seen.
+bool drawsBothSides(const Instance& instance, const MeshRange& mesh);
+
+/// Triangles of an instance that mirrors go round the other way; their fronts stay fronts.
+VkFrontFace frontFaceOf(const Transform& transform);
+
 /// Conservative: false only where no point of the box can be on the screen.
 bool onScreen(const CameraMatrices& camera, const MeshRange& mesh, const Transform& transform);
 

@@ -68,10 +68,12 @@ UniquePipeline makeGraphicsPipeline(const Device& device, const GraphicsDescript
     const VkPipelineColorBlendStateCreateInfo blend{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
                                                     .attachmentCount = hasColour ? 1u : 0u,
                                                     .pAttachments = &attachment};
-    const VkDynamicState dynamics[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
-                                       VK_DYNAMIC_STATE_DEPTH_BIAS};
+    VkDynamicState dynamics[4] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+    uint32_t dynamicCount = 2;
+    if (description.dynamicDepthBias) dynamics[dynamicCount++] = VK_DYNAMIC_STATE_DEPTH_BIAS;
+    if (description.dynamicFrontFace) dynamics[dynamicCount++] = VK_DYNAMIC_STATE_FRONT_FACE;
     const VkPipelineDynamicStateCreateInfo dynamic{.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
-                                                   .dynamicStateCount = description.dynamicDepthBias ? 3u : 2u,
+                                                   .dynamicStateCount = dynamicCount,
                                                    .pDynamicStates = dynamics};
     const bool stencilToo = description.depth == VK_FORMAT_D32_SFLOAT_S8_UINT;
     const VkPipelineRenderingCreateInfo rendering{.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,

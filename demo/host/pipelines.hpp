@@ -16,7 +16,8 @@ struct GraphicsDescription {
     VkCompareOp depthCompare = VK_COMPARE_OP_LESS_OR_EQUAL;
     VkCullModeFlags cull = VK_CULL_MODE_NONE;
     bool dynamicDepthBias = false;
-    bool constant0 = false; ///< Value of specialization constant 0 in the fragment shader.
+    bool dynamicFrontFace = false; ///< Else counter-clockwise.
+    bool constant0 = false;        ///< Value of specialization constant 0 in the fragment shader.
 };
 
 UniquePipeline makeGraphicsPipeline(const Device& device, const GraphicsDescription& description);

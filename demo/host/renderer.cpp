@@ -34,7 +34,9 @@ gpu::DemoInstance instanceData(const Instance& instance, const MeshRange& mesh, 
     gpu::DemoInstance out{};
     const glm::dmat3& m = transform.linear;
     const glm::dvec3 translation = transform.translation - eye;
-    const glm::dvec3 cofactorColumns[3] = {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
+    const double side = transform.mirrors() ? -1.0 : 1.0; // normals stay on the front
+    const glm::dvec3 cofactorColumns[3] = {side * glm::cross(m[1], m[2]), side * glm::cross(m[2], m[0]),
+                                           side * glm::cross(m[0], m[1])};
     for (int row = 0; row < 3; ++row) {
         out.worldFromObject[row] = glm::vec4(m[0][row], m[1][row], m[2][row], translation[row]);
         out.cofactors[row] = glm::vec4(cofactorColumns[0][row], cofactorColumns[1][row], cofactorColumns[2][row], 0.0);
@@ -169,6 +171,7 @@ void Renderer::createPipelines()
                       .depth = kDepthFormat,
                       .depthCompare = standard ? VK_COMPARE_OP_LESS : VK_COMPARE_OP_GREATER,
                       .cull = i & 1u ? VkCullModeFlags(VK_CULL_MODE_NONE) : VkCullModeFlags(VK_CULL_MODE_BACK_BIT),
+                      .dynamicFrontFace = true,
                       .constant0 = (i & 2u) != 0});
     lighting_ = makeGraphicsPipeline(device_, {.vertex = k_demo_lighting_vert,
                                                .fragment = k_demo_lighting_frag,

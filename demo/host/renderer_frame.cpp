@@ -180,11 +180,11 @@ void Renderer::drawInstances(VkCommandBuffer cmd, const View& view)
         for (uint32_t i = 0; i < scene_.instances.size(); ++i) {
             const Instance& instance = scene_.instances[i];
             const MeshRange& mesh = geometry_.meshes[instance.mesh];
-            // Through the holes of an alpha-tested mesh its back is seen.
-            const uint32_t wanted = (mesh.closed && !instance.alphaTested ? 0u : 1u) | (instance.alphaTested ? 2u : 0u);
+            const uint32_t wanted = (drawsBothSides(instance, mesh) ? 1u : 0u) | (instance.alphaTested ? 2u : 0u);
             if (wanted != pipeline || !onScreen(view.camera, mesh, state_.instances[i])) continue;
             if (!std::exchange(bound, true))
                 vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, prepass_[pipeline].get());
+            vkCmdSetFrontFace(cmd, frontFaceOf(state_.instances[i]));
             vkCmdDrawIndexed(cmd, mesh.indexCount, 1, mesh.firstIndex, mesh.vertexOffset, i);
         }
     }

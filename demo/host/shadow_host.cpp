@@ -17,6 +17,7 @@ GnInstanceFlags flagsOf(const Instance& instance)
     if (instance.isStatic) flags |= GN_INSTANCE_STATIC_BIT;
     if (instance.alphaTested) flags |= GN_INSTANCE_ALPHA_TESTED_BIT;
     if (instance.hostDrawn) flags |= GN_INSTANCE_HOST_DRAWN_BIT;
+    if (instance.sides == Sides::Front) flags |= GN_INSTANCE_SINGLE_SIDED_BIT;
     return flags;
 }
 

@@ -24,7 +24,7 @@ void ObjWriter::add(const std::string& name, const Mesh& mesh, const Transform& 
     }
     for (size_t i = 0; i < mesh.indices.size(); ++i) {
         text_ += i % 3 == 0 ? "f " : " ";
-        text_ += std::to_string(vertexCount_ + mesh.indices[i] + 1); // the format counts from one
+        text_ += std::to_string(vertexCount_ + mesh.indices[transform.cornerOf(i)] + 1); // the format counts from one
         if (i % 3 == 2) text_ += '\n';
     }
     vertexCount_ += mesh.positions.size();

@@ -74,6 +74,7 @@ BareShadowMap::BareShadowMap(const Device& device, const Scene& scene, const Sce
     open_ = makeGraphicsPipeline(device, map);
     // The light's image keeps left and right as a camera's does, so front faces stay counter-clockwise.
     map.cull = VK_CULL_MODE_FRONT_BIT;
+    map.dynamicFrontFace = true;
     closed_ = makeGraphicsPipeline(device, map);
     resolve_ = makeGraphicsPipeline(device, {.vertex = k_demo_bare_resolve_vert,
                                              .fragment = k_demo_bare_resolve_frag,
@@ -145,8 +146,9 @@ void BareShadowMap::drawMap(VkCommandBuffer cmd, const ViewInputs& inputs, const
         frustum.clipFromEye = lightClipFromEye;
         for (uint32_t i = 0; i < scene_.instances.size(); ++i) {
             const MeshRange& mesh = geometry_.meshes[scene_.instances[i].mesh];
-            if (mesh.closed == closed && onScreen(frustum, mesh, inputs.state->instances[i]))
-                vkCmdDrawIndexed(cmd, mesh.indexCount, 1, mesh.firstIndex, mesh.vertexOffset, i);
+            if (mesh.closed != closed || !onScreen(frustum, mesh, inputs.state->instances[i])) continue;
+            if (closed) vkCmdSetFrontFace(cmd, frontFaceOf(inputs.state->instances[i]));
+            vkCmdDrawIndexed(cmd, mesh.indexCount, 1, mesh.firstIndex, mesh.vertexOffset, i);
         }
     }
     vkCmdEndRendering(cmd);

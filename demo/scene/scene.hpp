@@ -3,6 +3,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
 #include <glm/vec3.hpp>
 
 #include <array>
@@ -27,7 +28,14 @@ struct Mesh {
 struct Pose {
     glm::dvec3 position{0.0};
     glm::dquat rotation{1.0, 0.0, 0.0, 0.0};
-    glm::dvec3 scale{1.0}; ///< Components > 0, so that no transform turns a mesh inside out.
+    glm::dvec3 scale{1.0}; ///< No component is 0; negative ones mirror. Of keys, every one has the same signs.
+};
+
+/// Which sides of its triangles the host draws. The front is counter-clockwise in object space, mirrored or not.
+enum class Sides : uint8_t {
+    ByMesh, ///< The front of closed meshes, both sides of open ones.
+    Front,
+    Both,
 };
 
 struct PoseKey {
@@ -50,6 +58,7 @@ struct Instance {
     bool isStatic = false;    ///< A promise: neither keys nor spin.
     bool alphaTested = false; ///< The host cuts holes; the pattern is the host's.
     bool hostDrawn = false;   ///< Drawn into shadow maps by the host's own callback.
+    Sides sides = Sides::ByMesh;
     uint32_t casterMask = 0xffffffffu;
     glm::vec3 albedo{0.8f}; ///< Linear RGB, for pictures only.
 };
@@ -135,6 +144,10 @@ struct Transform {
     glm::dvec3 translation{0.0};
 
     glm::dvec3 apply(const glm::vec3& positionOs) const { return linear * glm::dvec3(positionOs) + translation; }
+    /// Whether triangles go round the other way in the world.
+    bool mirrors() const { return glm::determinant(linear) < 0.0; }
+    /// Where in a triangle list of the mesh the i-th index of the same list in the world stands.
+    size_t cornerOf(size_t i) const { return mirrors() ? i + 2 - 2 * (i % 3) : i; }
     /// Rows of the 3x3 part, row-major, in float: what a 3x4 shadow or GPU transform wants beside the translation.
     std::array<float, 9> linearRowMajor() const;
 };

@@ -2,7 +2,9 @@
 
 #include "demo/scene/scene_parts.hpp"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <array>
@@ -82,11 +84,14 @@ Pose readPose(MapReader& map)
     Pose pose;
     pose.position = map.vector("at", pose.position);
     if (const YamlNode* rotate = map.find("rotate")) pose.rotation = readRotation(map.context(), *rotate);
-    if (const YamlNode* scale = map.find("scale"))
-        // Thinner than this, a float matrix no longer inverts.
+    if (const YamlNode* scale = map.find("scale")) {
         pose.scale = scale->kind == YamlNode::Kind::Sequence
-                         ? readVector(map.context(), *scale, "scale", {.low = 1e-6})
-                         : glm::dvec3(readNumber(map.context(), *scale, "scale", {.low = 1e-6}));
+                         ? readVector(map.context(), *scale, "scale")
+                         : glm::dvec3(readNumber(map.context(), *scale, "scale", kAny));
+        // Thinner than this, a float matrix no longer inverts.
+        if (glm::any(glm::lessThan(glm::abs(pose.scale), glm::dvec3(1e-6))))
+            raise(map.context(), *scale, "scale must be 1e-6 at least, or -1e-6 at most where it mirrors");
+    }
     return pose;
 }
 
@@ -101,6 +106,8 @@ void readInstanceKeys(MapReader& map, Instance& instance)
         const double time = readNumber(map.context(), key.need("time"), "time", kNotNegative);
         requireLater(map.context(), node, instance.keys, time);
         instance.keys.push_back({time, readPose(key)});
+        if (glm::sign(instance.keys.back().pose.scale) != glm::sign(instance.keys.front().pose.scale))
+            raise(map.context(), node, "scale must have the same signs in all keys: between them it would be 0");
         key.finish();
     }
     instance.pose = instance.keys.front().pose;
@@ -162,6 +169,9 @@ void readInstance(ReadContext context, const YamlNode& node, Scene& scene)
     instance.isStatic = map.boolean("static", false);
     instance.alphaTested = map.boolean("alpha_tested", false);
     instance.hostDrawn = map.boolean("host_drawn", false);
+    constexpr std::array<std::string_view, 3> kSides = {"by_mesh", "front", "both"};
+    if (const YamlNode* sides = map.find("sides"))
+        instance.sides = static_cast<Sides>(readChoice(context, *sides, "sides", kSides));
     instance.casterMask = map.integer("mask", instance.casterMask, 0, 0xffffffffu);
     instance.albedo = glm::vec3(map.vector("albedo", glm::dvec3(instance.albedo), {.low = 0.0, .high = 1.0}));
     const std::vector<glm::dvec3> offsets = readRepeat(map);

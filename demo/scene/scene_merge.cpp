@@ -9,7 +9,8 @@ constexpr const char* kMergedName = "merged";
 
 bool canMerge(const Instance& instance)
 {
-    return instance.isStatic && !instance.alphaTested && !instance.hostDrawn && instance.casterMask == 0xffffffffu;
+    return instance.isStatic && !instance.alphaTested && !instance.hostDrawn && instance.casterMask == 0xffffffffu &&
+           instance.sides == Sides::ByMesh;
 }
 
 void append(const Mesh& mesh, const Transform& transform, Mesh& merged)
@@ -17,8 +18,8 @@ void append(const Mesh& mesh, const Transform& transform, Mesh& merged)
     const auto first = static_cast<uint32_t>(merged.positions.size());
     for (const glm::vec3& position : mesh.positions)
         merged.positions.emplace_back(transform.apply(position));
-    for (const uint32_t index : mesh.indices)
-        merged.indices.push_back(first + index);
+    for (size_t i = 0; i < mesh.indices.size(); ++i)
+        merged.indices.push_back(first + mesh.indices[transform.cornerOf(i)]);
 }
 
 /// Keeps the meshes that instances use, in their order.

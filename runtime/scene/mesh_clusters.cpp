@@ -22,9 +22,6 @@ constexpr double kSidesPerDraw = 2.0;
 
 constexpr int kBins = 16; // of centres along an axis; a group is cut between two of them
 
-// Edges with more uses keep all their faces together: telling them apart takes the square of their number.
-constexpr std::uint32_t kMostUses = 64;
-
 /// Faces that hang together.
 struct Shell {
     Aabb bounds;
@@ -69,11 +66,6 @@ double surfaceArea(const Aabb& box)
 {
     const glm::dvec3 size(box.upper - box.lower);
     return 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
-}
-
-std::span<const Topology::EdgeUse> usesOf(const Topology& topology, const Topology::Edge& edge)
-{
-    return std::span(topology.uses).subspan(edge.firstUse, edge.useCount);
 }
 
 // --- crowded edges: more than two faces ---
@@ -280,11 +272,15 @@ std::vector<Group> cutGroups(std::span<const Shell> shells, std::span<std::uint3
 }
 
 /// The cluster of every face; empty: there is only one.
-std::vector<std::uint8_t> findClusters(const Topology& topology, std::span<const glm::vec3> positions)
+std::vector<std::uint8_t> findClusters(Topology& topology, std::span<const glm::vec3> positions)
 {
-    std::vector<std::uint32_t> shellOf;
+    std::vector<std::uint32_t>& shellOf = topology.shellOfFace;
     const std::vector<Shell> shells = findShells(topology, positions, shellOf);
-    if (shells.size() < 2) return {};
+    topology.shellCount = static_cast<std::uint32_t>(shells.size());
+    if (shells.size() < 2) {
+        shellOf = {};
+        return {};
+    }
     std::vector<std::uint32_t> order(shells.size());
     std::iota(order.begin(), order.end(), 0u);
     const std::vector<Group> groups = cutGroups(shells, order);

@@ -10,6 +10,9 @@ namespace gnomon {
 
 inline constexpr std::uint32_t kMostClusters = 256;
 
+/// Edges with more uses keep all their faces together: telling them apart takes the square of their number.
+inline constexpr std::uint32_t kMostUses = 64;
+
 /// Cuts a mesh into its clusters, but for their bounds, and puts edges and faces in their order. Shells, faces that
 /// hang together, are never cut; they are in one cluster unless boxes around two halves, weighted by their mean sides, are
 /// that much smaller than the box around both (the surface area heuristic: MacDonald and Booth, "Heuristics for ray

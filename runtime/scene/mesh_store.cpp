@@ -175,6 +175,7 @@ void MeshBuilder::derive(MeshRevision& revision) const noexcept
         revision.topology = topologyOf(*revision.faces, view.positions);
         view.topology = revision.topology.get();
         view.closed = revision.topology->closed;
+        view.insideOut = revision.topology->whole.insideOut;
         remarkOn(revision);
 #endif
         if (rays_) revision.rays = rays_->build(view.positions, view.indices, &revision.faces->rays);
@@ -196,6 +197,12 @@ void MeshBuilder::remarkOn(const MeshRevision& revision) const
     const std::string open = "open: " + std::to_string(topology.borderEdges) + " border edges";
     const char* asItIs = topology.closed ? "; it casts as it is" : "; it casts with both sides of its triangles";
     const std::string what = revision.identity->what() + " is ";
+    if (topology.whole.insideOut) { // rooms seen from within, and mistakes
+        messages_.info("MeshInsideOut",
+                       what + "inside out: it has a closed shell whose triangles are clockwise seen from outside" +
+                           asItIs);
+        return;
+    }
     if (topology.manifold && topology.orientable) { // floors, leaves, cards: meant so as a rule
         messages_.info("MeshOpen", what + open + asItIs);
         return;

@@ -220,7 +220,8 @@ Result<GnInstanceCreateInfo> readInstance(const GnInstanceCreateInfo& info)
 {
     const Subject what{"instance", info.pName};
     constexpr GnInstanceFlags kKnown = GN_INSTANCE_STATIC_BIT | GN_INSTANCE_ALPHA_TESTED_BIT |
-                                       GN_INSTANCE_HOST_DRAWN_BIT | GN_INSTANCE_MAY_BE_MISSED_BIT;
+                                       GN_INSTANCE_HOST_DRAWN_BIT | GN_INSTANCE_MAY_BE_MISSED_BIT |
+                                       GN_INSTANCE_SINGLE_SIDED_BIT;
     if (info.flags & ~kKnown) return outOfRange(what, "flags", info.flags, "the bits of GnInstanceFlagBits");
     GnInstanceCreateInfo result = info;
     Result<GnTransform> transform = readTransform(what, info.transform);

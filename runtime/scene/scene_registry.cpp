@@ -41,6 +41,7 @@ Result<GnInstance> SceneRegistry::createInstance(const GnInstanceCreateInfo& inf
     caster.alphaTested = (info.flags & GN_INSTANCE_ALPHA_TESTED_BIT) != 0;
     caster.hostDrawn = (info.flags & GN_INSTANCE_HOST_DRAWN_BIT) != 0;
     caster.mayBeMissed = (info.flags & GN_INSTANCE_MAY_BE_MISSED_BIT) != 0;
+    caster.singleSided = (info.flags & GN_INSTANCE_SINGLE_SIDED_BIT) != 0;
     caster.drawCasters = info.pfnDrawCasters;
     caster.opacity = info.pfnOpacity;
     caster.userData = info.pUserData;

@@ -37,6 +37,7 @@ struct MeshView {
     const MeshRays* rays = nullptr;         ///< Null until a worker has built it, or without Embree.
     std::uint64_t revision = 0;             ///< Unique over all meshes; changes with the positions.
     bool closed = false;                    ///< Known from the topology; false until it is there.
+    bool insideOut = false;                 ///< Likewise: some watertight shell is.
 
     glm::vec3 edgeSpan{0.0f}; ///< The most that an edge goes along each axis, object space.
 
@@ -65,6 +66,7 @@ struct Caster {
     bool alphaTested = false;
     bool hostDrawn = false;
     bool mayBeMissed = false;
+    bool singleSided = false; ///< The host draws the front of its triangles only.
     PFN_gnDrawCasters drawCasters = nullptr;
     PFN_gnOpacity opacity = nullptr;
     void* userData = nullptr;

@@ -7,6 +7,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "runtime/scene/inside_out.hpp"
 #include "runtime/scene/mesh_clusters.hpp"
 
 #ifdef GNOMON_WITH_OPENMESH
@@ -51,6 +52,7 @@ void updatePositions(Topology& topology, std::span<const glm::vec3> positions)
 {
     updatePlanes(topology, positions);
     updateBounds(topology, positions);
+    judgeOrientation(topology, positions);
 }
 
 #ifdef GNOMON_WITH_OPENMESH
@@ -274,17 +276,14 @@ void judgeMesh(const Faces& faces, Topology& topology)
 
 void judgeClusters(Topology& topology)
 {
-    topology.closed = !topology.edges.empty();
     for (Topology::Cluster& cluster : topology.clusters) {
         const std::span<const Topology::Edge> edges = edgesOf(topology, cluster);
-        cluster.closed = std::all_of(edges.begin(), edges.end(), [&](const Topology::Edge& edge) {
+        cluster.watertight = std::all_of(edges.begin(), edges.end(), [&](const Topology::Edge& edge) {
             return 2 * forwardUses(topology, edge) == edge.useCount;
         });
-        topology.closed = topology.closed && cluster.closed;
     }
     topology.whole.edgeCount = static_cast<std::uint32_t>(topology.edges.size());
     topology.whole.faceCount = static_cast<std::uint32_t>(topology.faceVerts.size() / 3);
-    topology.whole.closed = topology.closed;
 }
 
 void noteSides(Topology& topology, std::span<const glm::vec3> positions)
@@ -342,6 +341,7 @@ Topology buildTopology(std::span<const glm::vec3> positions, std::span<const std
     updatePlanes(topology, positions);
     makeClusters(topology, positions);
     judgeClusters(topology);
+    judgeOrientation(topology, positions);
     updateBounds(topology, positions);
     noteSides(topology, positions);
     return topology;

@@ -69,7 +69,9 @@ struct Topology {
         std::uint32_t firstEdge = 0, edgeCount = 0;
         std::uint32_t firstFace = 0, faceCount = 0; ///< Places, for faceAt().
         Aabb bounds;                                ///< Object space.
-        bool closed = false;         ///< Every edge is used equally often in both directions: a volume without holes.
+        bool watertight = false;                    ///< Every edge is used equally often in both directions: no holes.
+        bool insideOut = false;                     ///< Some watertight shell of it is (inside_out.hpp).
+        bool closed = false;                        ///< Watertight and not inside out: a solid.
         float meanSides = 0.0f;      ///< Sides of its volumes, on average over all directions of light; as built.
         float meanSideLength = 0.0f; ///< And the lengths of their edges together, object space.
     };
@@ -81,8 +83,10 @@ struct Topology {
     std::vector<Cluster> clusters;           ///< One at least.
     Cluster whole;                           ///< The mesh as if it were one.
     std::vector<std::uint8_t> clusterOfFace; ///< Empty: there is only one.
+    std::vector<std::uint32_t> shellOfFace;  ///< Faces that hang together; empty: all do.
+    std::uint32_t shellCount = 1;
     std::vector<std::uint32_t> facesInOrder; ///< In the order of clusters; empty: in the mesh's.
-    bool closed = false;                     ///< All clusters are.
+    bool closed = false;                     ///< All clusters are. Others cast with both sides of their triangles.
     bool orientable = false;                 ///< No two faces run an edge of the mesh the same way.
     bool crowded = false;                    ///< Some edge of the mesh has more than two faces.
     std::uint32_t borderEdges = 0;           ///< Edges of the mesh with one face.
@@ -100,6 +104,11 @@ struct Topology {
 inline std::span<const Topology::Edge> edgesOf(const Topology& topology, const Topology::Cluster& cluster)
 {
     return std::span(topology.edges).subspan(cluster.firstEdge, cluster.edgeCount);
+}
+
+inline std::span<const Topology::EdgeUse> usesOf(const Topology& topology, const Topology::Edge& edge)
+{
+    return std::span(topology.uses).subspan(edge.firstUse, edge.useCount);
 }
 
 /// How often an edge is a side of a shadow volume, on average over all directions of light. @param closed its cluster

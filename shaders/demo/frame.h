@@ -9,7 +9,7 @@ GN_SHARED_CONST uint MAX_DEMO_LIGHTS = 32u;
 
 struct DemoInstance {
     vec4 worldFromObject[3]; // rows; translation relative to the eye, metres
-    vec4 cofactors[3];       // rows of the cofactor matrix, which carries normals; w unused
+    vec4 cofactors[3];       // rows of the cofactor matrix, negated where it mirrors: carries normals; w unused
     vec4 albedo;             // linear RGB; w unused
     uint firstTriangle;      // of its mesh, in the table of normals
     uint padding[3];

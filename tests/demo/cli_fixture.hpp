@@ -21,11 +21,10 @@ struct Ran {
     std::string output; ///< Both streams.
 };
 
-inline Ran gnomonProgram(const std::string& arguments, const std::string& before = "")
+inline Ran run(const std::string& command)
 {
-    const std::string command = before + " '" GNOMON_PROGRAM "' " + arguments + " 2>&1";
     Ran ran;
-    FILE* pipe = popen(command.c_str(), "r");
+    FILE* pipe = popen((command + " 2>&1").c_str(), "r");
     REQUIRE(pipe != nullptr);
     std::array<char, 4096> chunk{};
     for (size_t got = 0; (got = fread(chunk.data(), 1, chunk.size(), pipe)) > 0;)
@@ -33,6 +32,11 @@ inline Ran gnomonProgram(const std::string& arguments, const std::string& before
     const int status = pclose(pipe);
     ran.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     return ran;
+}
+
+inline Ran gnomonProgram(const std::string& arguments, const std::string& before = "")
+{
+    return run(before + " '" GNOMON_PROGRAM "' " + arguments);
 }
 
 struct Folder {

@@ -316,6 +316,22 @@ TEST_CASE("an open mesh is remarked upon once, with its border edges")
     CHECK(said[0].text.find("mesh 'leaf' is open: 3 border edges") == 0);
 }
 
+TEST_CASE("a mesh that is inside out is remarked upon once, and is no closed caster")
+{
+    SceneFixture scene;
+    Shape inverted = cube();
+    for (std::size_t i = 0; i < inverted.indices.size(); i += 3)
+        std::swap(inverted.indices[i], inverted.indices[i + 1]);
+    const GnMesh mesh = make(scene, inverted, "crate");
+    REQUIRE(rewrite(scene, mesh, inverted.scaled(2.0f)));
+    const auto said = scene.said();
+    REQUIRE(said.size() == 1);
+    CHECK(said[0].severity == GN_SEVERITY_INFO);
+    CHECK(said[0].id == "MeshInsideOut");
+    CHECK(said[0].text.find("mesh 'crate' is inside out: ") == 0);
+    CHECK(said[0].text.ends_with("; it casts with both sides of its triangles"));
+}
+
 TEST_CASE("a mesh that is no manifold surface, or turned against itself, is warned of once, by its name")
 {
     SceneFixture scene;

@@ -9,13 +9,28 @@ never another object.
 
 /* --- geometry -------------------------------------------------------------------------------------------------- */
 
+/** \name Sides
+The front of a triangle is the side from which its corners go counter-clockwise, in object space. All triangles stop
+light from both sides, whichever of them the host draws.
+- A mesh is *closed* where every edge is used equally often in both directions; its fronts are the outside. The host may
+  cull its backs or draw both sides.
+- An *open* mesh is taken to be drawn from both sides. Of a host that draws fronts only, #GN_INSTANCE_SINGLE_SIDED_BIT
+  says so: methods that count volumes would otherwise take the outline of what is missing for a shadow. The same is true
+  of whatever is registered and not drawn at all.
+- A transform with a negative determinant *mirrors*: triangles go round the other way in the world, and the front stays
+  the front. A host that culls turns its front face for such an instance; gnomon does so by itself.
+- A closed shell of negative volume is *inside out*, unless it is a cavity in a solid of the same mesh: a room whose
+  walls look inwards, or an exporter's mistake. It is told of once by name (message MeshInsideOut) and served like an
+  open mesh of which the host draws either the fronts or both sides: right for either host, and dearer than a solid.
+- Normals that the host gives (GnViewFrame::normalImage) belong to the side that is seen, and look towards the eye. */
+
 /** Describes a triangle mesh; arrays are copied before the call returns. */
 typedef struct GnMeshCreateInfo {
     const char* pName;         ///< Optional.
     const float* pPositions;   ///< Required. xyz, object space, finite.
     uint32_t positionCount;    ///< Number of vertices.
     uint32_t positionStride;   ///< Bytes between vertices; 0 means 12. Multiple of 4.
-    const uint32_t* pIndices;  ///< Three per triangle, counter-clockwise seen from outside; null: 0, 1, 2, ...
+    const uint32_t* pIndices;  ///< Three per triangle, counter-clockwise seen from the front; null: 0, 1, 2, ...
     uint32_t indexCount;       ///< Multiple of 3.
 } GnMeshCreateInfo;
 
@@ -49,6 +64,7 @@ typedef enum GnInstanceFlagBits {
     GN_INSTANCE_HOST_DRAWN_BIT = 0x4,       ///< Drawn by pfnDrawCasters; methods that read triangles cannot see it.
     GN_INSTANCE_MAY_BE_MISSED_BIT = 0x8,    ///< Methods that cannot see this host-drawn or alpha-tested instance serve
                                             ///< its lights all the same, and leave it out.
+    GN_INSTANCE_SINGLE_SIDED_BIT = 0x10,    ///< The host draws the front of an open mesh only: see "Sides" above.
     GN_INSTANCE_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
 } GnInstanceFlagBits;
 typedef VkFlags GnInstanceFlags;
@@ -76,8 +92,7 @@ indices 3 * triangle and the two after. The hit is at (1 - u - v), u and v of th
 from worker threads, concurrently. */
 typedef float(GN_CALL* PFN_gnOpacity)(uint32_t triangle, float u, float v, void* pUserData);
 
-/** Describes an instance. The host is taken to draw what it registers, from both sides where a mesh is open: where it does
-not, methods that count volumes take the outline of what is missing for a shadow, unless their setting `z_fail` is 1. */
+/** Describes an instance. The host is taken to draw what it registers; "Sides" above says which sides. */
 typedef struct GnInstanceCreateInfo {
     GnInstanceFlags flags;
     const char* pName;                ///< Optional.
