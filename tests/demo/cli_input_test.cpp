@@ -98,6 +98,9 @@ TEST_CASE("bad input ends with one and a sentence that names it")
         CHECK(ran.exitCode == 1);
         CHECK_MESSAGE(ran.output.find(word) != std::string::npos, ran.output);
     }
+    const Ran ran = gnomonProgram("scenes", "GNOMON_MAX_ISA=avx3");
+    CHECK(ran.exitCode == 1);
+    CHECK_MESSAGE(ran.output.find("'avx3'") != std::string::npos, ran.output);
 }
 
 TEST_CASE("what can be known before measuring is said before a device is looked for, and leaves nothing behind")
