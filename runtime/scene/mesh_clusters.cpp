@@ -278,7 +278,7 @@ std::vector<std::uint8_t> findClusters(Topology& topology, std::span<const glm::
     const std::vector<Shell> shells = findShells(topology, positions, shellOf);
     topology.shellCount = static_cast<std::uint32_t>(shells.size());
     if (shells.size() < 2) {
-        shellOf = {};
+        shellOf = std::vector<std::uint32_t>(); // and its memory
         return {};
     }
     std::vector<std::uint32_t> order(shells.size());

@@ -166,7 +166,7 @@ TEST_CASE("random meshes are closed and of the genus that was asked for")
         CAPTURE(i);
         const RandomMesh made = randomMesh(random);
         const Topology topology = buildTopology(made.mesh.positions, made.mesh.indices);
-        REQUIRE(topology.closed);
+        REQUIRE(topology.whole.watertight); // one may be inside out
         const std::size_t vertices = usedVertices(topology), faces = made.mesh.indices.size() / 3;
         if (vertices == made.vertices) {
             REQUIRE(topology.manifold);
@@ -237,7 +237,7 @@ TEST_CASE("silhouettes of random meshes are loops, and sides and caps enclose a 
     for (std::uint32_t i = 0; i < kMeshes; ++i) {
         CAPTURE(i);
         const Placed placed = randomPlaced(random);
-        REQUIRE(placed.topology.closed);
+        REQUIRE(placed.topology.whole.watertight);
         for (std::uint32_t j = 0; j < kLights; ++j) {
             CAPTURE(j);
             const Lists lists(placed, randomLight(random, placed));

@@ -78,7 +78,8 @@ void checkClusters(const Soup& soup, const Topology& topology)
             }
             closed = closed && sum == 0.0f;
         }
-        CHECK(cluster.closed == closed);
+        CHECK(cluster.watertight == closed);
+        CHECK(cluster.closed == (closed && !cluster.insideOut));
     }
     CHECK(nextFace == faces);
     CHECK(nextEdge == topology.edges.size());
