@@ -6,6 +6,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "runtime/scene/long_edges.hpp"
+
 namespace gnomon::demo {
 
 namespace {
@@ -51,7 +53,7 @@ double corners(const Scene& scene, const glm::dvec3& eye)
         const double most = reach(mesh, scale);
         away = std::max(away, moves ? most : std::min(most, largest(eye - instance.pose.position)));
     }
-    return std::max(0.25 * edge, 0.5 * away);
+    return std::max(0.25 * std::min(edge, double{kLongEdge}), 0.5 * away);
 }
 
 } // namespace

@@ -1,7 +1,10 @@
 #include "runtime/rays/mesh_rays.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
+
+#include "runtime/scene/long_edges.hpp"
 
 namespace gnomon {
 namespace {
@@ -13,6 +16,16 @@ void setPositions(RTCGeometry geometry, std::span<const glm::vec3> positions)
 {
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0,
                                sizeof(glm::vec3), positions.size());
+}
+
+float longestOf(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices)
+{
+    double longest = 0.0;
+    for (std::size_t i = 0; i + 2 < indices.size(); i += 3)
+        longest =
+            std::max(longest, effectiveLength(glm::dvec3(positions[indices[i]]), glm::dvec3(positions[indices[i + 1]]),
+                                              glm::dvec3(positions[indices[i + 2]])));
+    return static_cast<float>(longest);
 }
 
 } // namespace
@@ -132,6 +145,7 @@ std::unique_ptr<MeshRays::Impl> makeMeshRays(RTCDevice device, std::span<const g
     else
         mesh->embree = EmbreeTree(device, positions, indices, before.tree != nullptr);
     if (rtcGetDeviceError(device) != RTC_ERROR_NONE) return nullptr; // out of memory: the mesh casts no rays
+    mesh->longest = longestOf(positions, indices);
     mesh->history = std::move(history);
     return mesh;
 }

@@ -80,6 +80,7 @@ struct MeshRays::Impl {
     std::shared_ptr<MeshRaysHistory::Impl> history;         ///< Gets `embree` in the end; null: nobody does.
     std::uint32_t generation = 0;
     bool moved = false;
+    float longest = 0.0f; ///< effectiveLength() of its triangles, the largest; object space.
 
     Impl() = default;
     Impl(const Impl&) = delete;

@@ -11,11 +11,13 @@
 #include <unordered_map>
 #include <vector>
 
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 #include "rules/engine/instruction_set.hpp"
 #include "runtime/core/make_room.hpp"
 #include "runtime/rays/mesh_rays.hpp"
+#include "runtime/scene/long_edges.hpp"
 
 namespace gnomon {
 namespace {
@@ -57,15 +59,39 @@ struct Placed {
     PFN_gnOpacity opacity = nullptr;
     void* userData = nullptr;
     std::span<const std::uint32_t> givenNumbers; ///< MeshView::givenNumbers
-    float reach = 0.0f;                          ///< reachOf()
-    std::uint64_t seen = 0;                      ///< The last update() that brought it.
+    std::span<const glm::vec3> positions;        ///< MeshView's, as are the indices.
+    std::span<const std::uint32_t> indices;
+    bool isLong = false;    ///< May have triangles for which startsOn() matters (long_edges.hpp).
+    float reach = 0.0f;     ///< reachOf()
+    std::uint64_t seen = 0; ///< The last update() that brought it.
 
     /// What the host says of a hit; its triangles are numbered as it gave them.
     float opacityAt(std::uint32_t triangle, float u, float v) const
     {
         return opacity(givenNumbers.empty() ? triangle : givenNumbers[triangle], u, v, userData);
     }
+    /// startsOn(), of a ray in object space.
+    bool isStartedOn(std::uint32_t triangle, const glm::dvec3& start) const
+    {
+        const glm::dmat3 toWorld(basis);
+        glm::dvec3 corners[3];
+        for (std::size_t i = 0; i < 3; ++i)
+            corners[i] = toWorld * glm::dvec3(positions[indices[3 * std::size_t(triangle) + i]]);
+        return startsOn(corners, toWorld * start);
+    }
 };
+
+/// Whether a caster's triangles may count as longer than kLongEdge. L^2 / h grows by the square of the largest stretch
+/// over the least at most.
+bool isLong(const Caster& caster, float longest)
+{
+    const glm::dmat3 forward(caster.basis), back = glm::inverse(forward);
+    const auto stretch = [](const glm::dmat3& m) { // an upper bound
+        return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
+    };
+    // Both bounds are root 3 of what a rotation stretches by.
+    return stretch(forward) * stretch(forward) * stretch(back) * double{longest} > 5.2 * double{kLongEdge};
+}
 
 bool unchanged(const Placed& placed, const Caster& caster)
 {
@@ -212,8 +238,8 @@ struct RayScene::Impl {
     std::unordered_map<std::uint32_t, std::uint32_t> placeOf; ///< Caster::id -> index into `placed`.
     std::vector<std::uint32_t> lastOrder;                     ///< Places of the last update's casters, in its order.
     std::uint64_t updates = 0;
-    std::uint32_t opacityMask = 0; ///< Union of the masks of casters with an opacity.
-    float reach = 0.0f;            ///< Rays may start within, along each axis.
+    std::uint32_t filterMask = 0; ///< Union of the masks of casters with an opacity or long edges.
+    float reach = 0.0f;           ///< Rays may start within, along each axis.
     alignas(64) mutable std::atomic<std::uint64_t> queryNanoseconds{0}; ///< Written by all, beside what all read.
 
     Impl();
@@ -245,6 +271,10 @@ void filterHits(const RTCFilterFunctionNArguments* args)
         if (blocks && caster.opacity)
             blocks = caster.opacityAt(RTCHitN_primID(args->hit, args->N, i), RTCHitN_u(args->hit, args->N, i),
                                       RTCHitN_v(args->hit, args->N, i)) >= 0.5f;
+        if (blocks && caster.isLong)
+            blocks = !caster.isStartedOn(RTCHitN_primID(args->hit, args->N, i),
+                                         {RTCRayN_org_x(args->ray, args->N, i), RTCRayN_org_y(args->ray, args->N, i),
+                                          RTCRayN_org_z(args->ray, args->N, i)});
         if (!blocks) args->valid[i] = 0;
     }
 }
@@ -257,7 +287,7 @@ Query RayScene::Impl::query(std::uint32_t lightMask) const
     query.placed = placed.data();
     query.lightMask = lightMask;
     query.reach = std::bit_cast<std::int32_t>(reach);
-    if ((opacityMask & lightMask) != 0 || !hasMasks) query.embree.setFilter(filterHits);
+    if ((filterMask & lightMask) != 0 || !hasMasks) query.embree.setFilter(filterHits);
     return query;
 }
 
@@ -337,6 +367,9 @@ void RayScene::Impl::place(std::uint32_t index, const Caster& caster, RTCScene t
     entry.opacity = opacityOf(caster);
     entry.userData = caster.userData;
     entry.givenNumbers = caster.mesh->givenNumbers;
+    entry.positions = caster.mesh->positions;
+    entry.indices = caster.mesh->indices;
+    entry.isLong = isLong(caster, caster.mesh->rays->impl_->longest);
 
     // glm's mat4x3 is four columns of vec3: Embree's 3x4 column-major.
     const glm::mat4x3 worldFromObject(caster.basis[0], caster.basis[1], caster.basis[2], caster.translation);
@@ -411,10 +444,10 @@ bool RayScene::update(std::span<const Caster> casters)
         changed = true;
     }
     if (!changed) return complete;
-    scene.opacityMask = 0;
+    scene.filterMask = 0;
     scene.reach = static_cast<float>(kEmbreeReach);
     for (const Placed& entry : scene.placed) {
-        scene.opacityMask |= entry.opacity ? entry.mask : 0u;
+        scene.filterMask |= entry.opacity || entry.isLong ? entry.mask : 0u;
         if (entry.geometry) scene.reach = std::min(scene.reach, entry.reach);
     }
     commitHere(scene.top);

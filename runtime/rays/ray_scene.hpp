@@ -85,7 +85,7 @@ public:
 
     /// Sets occluded[i] to 1 if anything with a matching caster mask blocks ray i, else 0. Several threads may call it
     /// at once. Ray counts need not be multiples of the packet width. Nothing blocks rays that are no numbers or start
-    /// beyond the ray tracer's reach.
+    /// beyond the ray tracer's reach. Long and thin triangles do not block rays that start on them (long_edges.hpp).
     /// @param rays any sixteen that come one after the other, such as 4x4 pixels, are faster the closer they lie
     void occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask, std::span<std::uint8_t> occluded) const;
 

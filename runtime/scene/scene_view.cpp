@@ -6,6 +6,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "runtime/scene/long_edges.hpp"
+
 // All tests run in double: differences and products of floats are then exact or nearly so, and "false" needs no margin
 // beyond those that stand in the functions.
 namespace gnomon {
@@ -60,7 +62,7 @@ float cornersOf(std::span<const Caster> casters, const glm::vec3& eye)
         const glm::vec3 away = glm::abs(eye - caster.translation);
         reach = std::max(reach, std::min(caster.meshReach, std::max({away.x, away.y, away.z})));
     }
-    return std::max(0.25f * edge, 0.5f * reach);
+    return std::max(0.25f * std::min(edge, kLongEdge), 0.5f * reach);
 }
 
 bool touches(const Aabb& box, std::span<const Plane> volume)

@@ -132,8 +132,8 @@ struct CameraView {
 /// ViewConstants::corners: what receivers on any of the casters are rounded by, beside their own coordinates, as a
 /// share of 2^-21 (largestCoordinate(), shaders/shared/receiver.h). Metres.
 ///
-/// A quarter of the longest edge: depths are those of triangles whose corners were rounded where they are, be it a
-/// kilometre away. Receivers on grounds of two triangles lay deeper by up to 2^-24.2 of it (4 km, lavapipe).
+/// A quarter of the longest edge, 64 m at most (long_edges.hpp): depths are those of triangles whose corners were
+/// rounded where they are. Receivers on grounds of two triangles lay deeper by up to 2^-24.2 of it (4 km, lavapipe).
 ///
 /// Half of how far the eye is from the zero of a mesh that goes as far: rays meet triangles in mesh space, and a
 /// building in world coordinates has its zero kilometres away. There a ray's start is rounded by 2^-24 of each

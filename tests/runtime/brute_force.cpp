@@ -33,6 +33,18 @@ double hit(const Triangle& t, const glm::dvec3& origin, const glm::dvec3& direct
     return distance >= 0.0 ? distance : kInfinity;
 }
 
+/// Whether a ray starts on the triangle itself, whose depths and corners are rounded: long and thin ones only. Metres.
+bool ownTriangle(const Triangle& t, const glm::dvec3& origin)
+{
+    const double longest = std::sqrt(
+        std::max({glm::dot(t.b - t.a, t.b - t.a), glm::dot(t.c - t.b, t.c - t.b), glm::dot(t.a - t.c, t.a - t.c)}));
+    const glm::dvec3 normal = glm::cross(t.b - t.a, t.c - t.a);
+    const double height = glm::length(normal) / longest, off = std::abs(glm::dot(normal, origin - t.a));
+    const double shortened = std::min(longest, 64.0);
+    const double thin = std::min(std::ldexp(shortened * shortened / height, -22), height / 4.0);
+    return off <= glm::length(normal) * std::max(std::ldexp(longest, -22), thin);
+}
+
 bool entersBox(const glm::dvec3& lower, const glm::dvec3& upper, const glm::dvec3& origin, const glm::dvec3& direction,
                double tEnd)
 {
@@ -199,7 +211,7 @@ bool Scene::blocked(const glm::dvec3& origin, const glm::dvec3& direction, doubl
         }
         for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
             const double t = hit(triangles_[i], origin, direction);
-            if (t != kInfinity && t <= tEnd) return true;
+            if (t != kInfinity && t <= tEnd && !ownTriangle(triangles_[i], origin)) return true;
         }
     }
     return false;

@@ -38,7 +38,8 @@ struct Light {
 class Scene {
 public:
     explicit Scene(std::vector<Triangle> triangles);
-    /// Whether any triangle, seen from either side, lies at 0 <= t <= tEnd on origin + t * direction.
+    /// Whether any triangle, seen from either side, lies at 0 <= t <= tEnd on origin + t * direction. Of long and thin
+    /// triangles those count that the origin is not on, by the rule of ray_traced.md.
     bool blocked(const glm::dvec3& origin, const glm::dvec3& direction, double tEnd) const;
 
 private:
