@@ -15,8 +15,8 @@ light from both sides, whichever of them the host draws.
 - A mesh is *closed* where every edge is used equally often in both directions; its fronts are the outside. The host may
   cull its backs or draw both sides.
 - An *open* mesh is taken to be drawn from both sides. Of a host that draws fronts only, #GN_INSTANCE_SINGLE_SIDED_BIT
-  says so: methods that count volumes would otherwise take the outline of what is missing for a shadow. The same is true
-  of whatever is registered and not drawn at all.
+  says so: methods that count volumes would otherwise take the outline of what is missing for a shadow, as they do where
+  a host draws nothing of what it registers, unless their setting `z_fail` is 1.
 - A transform with a negative determinant *mirrors*: triangles go round the other way in the world, and the front stays
   the front. A host that culls turns its front face for such an instance; gnomon does so by itself.
 - A closed shell of negative volume is *inside out*, unless it is a cavity in a solid of the same mesh: a room whose
