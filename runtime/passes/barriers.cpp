@@ -121,6 +121,14 @@ void BarrierBatch::toHost()
     memory_.dstAccessMask |= VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
 }
 
+void BarrierBatch::afterTransfers()
+{
+    memory_.srcStageMask |= VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+    memory_.srcAccessMask |= VK_ACCESS_2_TRANSFER_WRITE_BIT;
+    memory_.dstStageMask |= VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+    memory_.dstAccessMask |= VK_ACCESS_2_TRANSFER_WRITE_BIT;
+}
+
 void BarrierBatch::full(VkCommandBuffer cmd)
 {
     const VkMemoryBarrier2 all{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,

@@ -19,6 +19,9 @@ public:
     void buffer(PooledBuffer& buffer, const AccessTraits& use);
     /// What the GPU wrote in readback buffers becomes visible to the CPU.
     void toHost();
+    /// Transfers of the wave write over those of earlier frames, as progress marks do. The host has waited for these
+    /// frames, which ends them, but not for the validation layer.
+    void afterTransfers();
     /// Everything before ends before anything after begins: timed frames.
     void full(VkCommandBuffer cmd);
     /// Records what is needed before the wave; the states are as after it.

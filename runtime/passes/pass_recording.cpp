@@ -127,6 +127,7 @@ void PassExecutor::recordWaves(VkCommandBuffer cmd, std::uint32_t level)
                     barriers_.buffer(graph_.bufferAt(access.resource), use);
             }
         }
+        if (!begun) barriers_.afterTransfers();
         barriers_.record(cmd);
         for (; i < end; ++i) {
             if (!graph_.passes()[order_[i]].fn) continue;
