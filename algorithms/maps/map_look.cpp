@@ -36,13 +36,19 @@ float largest(glm::vec3 v)
 
 // Offset of receivers along their normal, an upper bound of receiverOffset() (shaders/shared/receiver.h) as a
 // polynomial of the linear depth w: x + w (y + w z). Coordinates count from the frame's origin, where casters are
-// drawn.
-glm::vec4 receiverOffset(const CameraView& view, const LightView& light)
+// drawn. A map does not tell a receiver's own triangle from others, as rays do: edges of any length count.
+glm::vec4 receiverOffset(const ShadowTask& task)
 {
+    const CameraView& view = *task.view;
+    const LightView& light = *task.light;
     const gpu::ViewConstants& c = view.constants;
+    float edge = 0.0f;
+    if (task.casters)
+        for (const Caster* caster : task.casters->all)
+            edge = std::fmax(edge, caster->longestEdge);
     const float ray = glm::length(glm::vec3(c.rayCornerWs));
     const float lamp = positional(light) ? largest(light.position()) : 0.0f;
-    const float where = std::fmax(largest(view.eye), std::fmax(lamp, c.corners));
+    const float where = std::fmax(std::fmax(largest(view.eye), lamp), std::fmax(c.corners, 0.25f * edge));
     const float coordinate = 0x1p-21f;
     // One unit in the last place of a depth: reversed, a constant share of w; standard, w^2 of the unit near 1.
     const float ulp = view.reversed() ? ray * 0x1p-23f : 0.0f;
@@ -91,7 +97,7 @@ gpu::MapConstants mapConstants(const ShadowTask& task, std::uint32_t resolution,
     const float cosine = light.directionWs.w;
     constants.map.eyeFromLight = glm::vec4(task.view->eye - task.light->position(), light.range * light.range);
     constants.map.cone = glm::vec4(task.light->direction(), cosine * std::fabs(cosine));
-    constants.map.offset = receiverOffset(*task.view, *task.light);
+    constants.map.offset = receiverOffset(task);
     constants.map.area = {static_cast<float>(area.offset.x), static_cast<float>(area.offset.y),
                           static_cast<float>(area.extent.width), static_cast<float>(area.extent.height)};
     constants.map.positional = positional(*task.light) ? 1.0f : 0.0f;
