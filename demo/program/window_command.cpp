@@ -1,4 +1,5 @@
 // `gnomon run SCENE --window`.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>

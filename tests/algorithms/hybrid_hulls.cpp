@@ -1,6 +1,7 @@
 // What squares of pixels say of a light is what each of their pixels says, and rays start inside of their hulls.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>

@@ -1,4 +1,6 @@
 // Maps of slices of the view: whose they are, and when they are drawn.
+#include <algorithm>
+
 #include "device/fixture.hpp"
 
 namespace gnomon::test {

@@ -1,4 +1,5 @@
 // Before everything is ready, with little memory, with the host's own job system, in two halves.
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <deque>

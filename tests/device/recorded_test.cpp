@@ -12,7 +12,7 @@ constexpr const char* kRecorded[] = {
     "shadow_map",       "cube_map",    "dual_paraboloid", "stencil_volume",  "octree_volume", "all_edges_volume",
     "projected_planar", "chan_durand", "mccool",          "penumbra_wedges", "rbsm",          "cascades"};
 
-const GnMethodInfo& methodNamed(const std::vector<GnMethodInfo>& methods, const std::string& name)
+const GnMethodInfo& methodNamed(const std::vector<GnMethodInfo>& methods, std::string_view name)
 {
     const auto found =
         std::find_if(methods.begin(), methods.end(), [&](const GnMethodInfo& method) { return name == method.pName; });

@@ -1,5 +1,7 @@
 // The scripted scenario of Rautenbach 2008, 6.4, forwards and backwards, with rules/thesis.yaml on a real
 // device.
+#include <algorithm>
+
 #include "device/fixture.hpp"
 
 using namespace gnomon;

@@ -1,4 +1,6 @@
 // Questions about decisions through the C API: the newest frame, an older one, and the log.
+#include <algorithm>
+
 #include "device/fixture.hpp"
 
 using namespace gnomon;

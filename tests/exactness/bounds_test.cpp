@@ -1,6 +1,7 @@
 // How wrong each method may be, in every shipped scene at time 0: wrong pixels among those that face the light, lie
 // within its range and cone, and are not grazing; pooled over the lights a method serves. MESSAGE prints what is
 // measured.
+#include <algorithm>
 #include <cmath>
 
 #include "demo/program/receivers.hpp"

@@ -1,5 +1,6 @@
 // Golden images: what each method made of the colonnade when a person last looked, 160x90 per light it serves, side by
 // side. They catch what error bounds let through, such as a soft edge grown wider. See tests/images/README.md.
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 

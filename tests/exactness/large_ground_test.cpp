@@ -1,5 +1,7 @@
 // Grounds of two triangles, kilometres wide. Their corners are rounded where they are, and with them the depths near
 // the eye: a bare ground must not shadow itself for that. Answers are known without a truth: all of it is lit.
+#include <algorithm>
+
 #include "demo/scene/primitives.hpp"
 #include "exactness/stage.hpp"
 

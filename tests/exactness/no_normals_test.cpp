@@ -1,5 +1,7 @@
 // A host without a normal target: exact methods trace every pixel instead of guessing which way it faces, and maps
 // guess well enough to stay free of acne.
+#include <algorithm>
+
 #include "device/fixture.hpp"
 #include "exactness/stage.hpp"
 
