@@ -182,8 +182,8 @@ TEST_CASE("a trial clears what it binds, keeps rendering scopes closed and tries
     CHECK(at.stub.counts["draw"] == 1);
     CHECK(at.stub.counts["drawIndexed"] == 2);
     CHECK(at.stub.counts["dispatch"] == 1);
-    CHECK(at.stub.counts["clear"] == 3);    // sampled depth, colour target, depth target
-    CHECK(at.stub.counts["fill"] == 3 * 2); // two storage buffers before each of three trials
+    CHECK(at.stub.counts["clear"] == 3);          // sampled depth, colour target, depth target
+    CHECK(at.stub.counts["fill"] == 3 * (2 + 1)); // two storage buffers and a mark before each of three trials
     const std::size_t made = at.stub.table.objectsMade;
     REQUIRE(at.store.recordTrials(kCommands, 0));
     CHECK(at.stub.table.objectsMade == made);
