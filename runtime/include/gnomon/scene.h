@@ -20,8 +20,8 @@ light from both sides, whichever of them the host draws.
 - A transform with a negative determinant *mirrors*: triangles go round the other way in the world, and the front stays
   the front. A host that culls turns its front face for such an instance; gnomon does so by itself.
 - A closed shell of negative volume is *inside out*, unless it is a cavity in a solid of the same mesh: a room whose
-  walls look inwards, or an exporter's mistake. It is told of once by name (message MeshInsideOut) and served like an
-  open mesh of which the host draws either the fronts or both sides: right for either host, and dearer than a solid.
+  walls look inwards, or an exporter's mistake. It is reported once by name (message MeshInsideOut) and served like an
+  open mesh of which the host draws either the fronts or both sides: right for either host, and slower than a solid.
 - Normals that the host gives (GnViewFrame::normalImage) belong to the side that is seen, and look towards the eye. */
 
 /** Describes a triangle mesh; arrays are copied before the call returns. */
