@@ -11,13 +11,11 @@
 #include <unordered_map>
 #include <vector>
 
-#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 #include "rules/engine/instruction_set.hpp"
 #include "runtime/core/make_room.hpp"
-#include "runtime/rays/mesh_rays.hpp"
-#include "runtime/scene/long_edges.hpp"
+#include "runtime/rays/placed_caster.hpp"
 
 namespace gnomon {
 namespace {
@@ -45,59 +43,6 @@ bool countBytes(void* total, ssize_t bytes, bool)
     static_cast<std::atomic<std::ptrdiff_t>*>(total)->fetch_add(bytes, std::memory_order_relaxed);
     embreeBytesHere += bytes;
     return true;
-}
-
-/// A caster in the top level. Its index in the table is Embree's geometry id.
-struct Placed {
-    RTCGeometry geometry = nullptr; ///< Null: the entry is free.
-    std::uint32_t id = 0;           ///< Caster::id
-    const MeshRays* rays = nullptr;
-    std::uint64_t meshRevision = 0; ///< Trees may reuse an address; revisions are unique.
-    glm::mat3 basis{0.0f};
-    glm::vec3 translation{0.0f};
-    std::uint32_t mask = 0;
-    PFN_gnOpacity opacity = nullptr;
-    void* userData = nullptr;
-    std::span<const std::uint32_t> givenNumbers; ///< MeshView::givenNumbers
-    std::span<const glm::vec3> positions;        ///< MeshView's, as are the indices.
-    std::span<const std::uint32_t> indices;
-    bool isLong = false;    ///< May have triangles for which startsOn() matters (long_edges.hpp).
-    float reach = 0.0f;     ///< reachOf()
-    std::uint64_t seen = 0; ///< The last update() that brought it.
-
-    /// What the host says of a hit; its triangles are numbered as it gave them.
-    float opacityAt(std::uint32_t triangle, float u, float v) const
-    {
-        return opacity(givenNumbers.empty() ? triangle : givenNumbers[triangle], u, v, userData);
-    }
-    /// startsOn(), of a ray in object space.
-    bool isStartedOn(std::uint32_t triangle, const glm::dvec3& start) const
-    {
-        const glm::dmat3 toWorld(basis);
-        glm::dvec3 corners[3];
-        for (std::size_t i = 0; i < 3; ++i)
-            corners[i] = toWorld * glm::dvec3(positions[indices[3 * std::size_t(triangle) + i]]);
-        return startsOn(corners, toWorld * start);
-    }
-};
-
-/// Whether a caster's triangles may count as longer than kLongEdge. L^2 / h grows by the square of the largest stretch
-/// over the least at most.
-bool isLong(const Caster& caster, float longest)
-{
-    const glm::dmat3 forward(caster.basis), back = glm::inverse(forward);
-    const auto stretch = [](const glm::dmat3& m) { // an upper bound
-        return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
-    };
-    // Both bounds are root 3 of what a rotation stretches by.
-    return stretch(forward) * stretch(forward) * stretch(back) * double{longest} > 5.2 * double{kLongEdge};
-}
-
-bool unchanged(const Placed& placed, const Caster& caster)
-{
-    return placed.rays == caster.mesh->rays && placed.meshRevision == caster.mesh->revision &&
-           placed.basis == caster.basis && placed.translation == caster.translation && placed.mask == caster.mask &&
-           placed.opacity == opacityOf(caster) && placed.userData == caster.userData;
 }
 
 /// What the filter finds behind Embree's context.
