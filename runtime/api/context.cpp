@@ -127,7 +127,10 @@ bool Context::drain() noexcept
 
 void Context::abandon() noexcept
 {
-    messages_.warn("ContextAbandoned", "the device hangs; what it may still use is not destroyed");
+    try {
+        messages_.warn("ContextAbandoned", "the device hangs; what it may still use is not destroyed");
+    } catch (...) { // no memory for the words
+    }
     jobs_.reset();
 }
 

@@ -7,7 +7,7 @@
 namespace gnomon {
 namespace {
 
-// Windows resets a GPU that does not answer for 2 s, Linux drivers after 5 to 10 s: a device that works is faster.
+// Five times what Windows gives a GPU before it resets it (TdrDelay, 2 s: Microsoft, "TDR Registry Keys").
 constexpr std::uint64_t kDefaultLimitMs = 10'000;
 // Progress is looked at this often. Waits are counted by such pieces, not by the clock: a process that a debugger stops
 // for an hour has waited for one of them.
