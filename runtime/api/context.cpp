@@ -116,7 +116,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
 /// The one place that waits for all that is on the queue. @return false where the device may still use what is ours
 bool Context::drain() noexcept
 {
-    if (executor_) {
+    if (executor_ && !std::exchange(drained_, true)) {
         finishUnderway();
         if (!lost_ || executor_->hung()) executor_->waitQueue();
     }

@@ -319,6 +319,7 @@ private:
     std::uint64_t objectsBefore_ = 0, pipelinesBefore_ = 0, queriesBefore_ = 0; ///< When the frame began.
     GnFrameStats stats_{};
     std::atomic<bool> lost_ = false;
+    bool drained_ = false; ///< drain() has waited.
     LastErrors lastErrors_;
 };
 

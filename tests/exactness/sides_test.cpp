@@ -6,6 +6,7 @@
 
 #include "demo/scene/primitives.hpp"
 #include "exactness/stage.hpp"
+#include "exactness/testbed.hpp"
 
 namespace gnomon::exact {
 namespace {
@@ -57,7 +58,7 @@ class Row {
 public:
     Row()
     {
-        place("floor", demo::makeBox({.size = {24.0f, 0.2f, 14.0f}}), {0.0, -0.1, 0.0});
+        place(scene, "floor", demo::makeBox({.size = {24.0f, 0.2f, 14.0f}}), {0.0, -0.1, 0.0});
         scene.name = "sides";
         scene.camera = {{.eye = {0.7, 4.0, 8.0}, .target = {0.0, 0.5, 0.0}}};
         scene.lights = {light("sun", LightKind::Directional), light("spot", LightKind::Spot),
@@ -66,7 +67,7 @@ public:
 
     Row& add(const char* name, Mesh mesh, Sides sides = Sides::ByMesh, const glm::dvec3& scale = glm::dvec3(1.0))
     {
-        Instance& caster = place(name, std::move(mesh), {-3.6 + 2.4 * count_, 1.0, 0.4 * (count_ % 2)});
+        Instance& caster = place(scene, name, std::move(mesh), {-3.6 + 2.4 * count_, 1.0, 0.4 * (count_ % 2)});
         caster.pose.rotation = glm::angleAxis(0.5 + count_, glm::normalize(glm::dvec3(1.0, 2.0, 0.5)));
         caster.pose.scale = scale;
         caster.sides = sides;
@@ -77,17 +78,6 @@ public:
     Scene scene;
 
 private:
-    Instance& place(const char* name, Mesh mesh, const glm::dvec3& position)
-    {
-        mesh.name = name;
-        scene.meshes.push_back(std::move(mesh));
-        Instance& instance = scene.instances.emplace_back();
-        instance.name = name;
-        instance.mesh = static_cast<uint32_t>(scene.meshes.size() - 1);
-        instance.pose.position = position;
-        return instance;
-    }
-
     static Light light(const char* name, LightKind kind)
     {
         Light out;

@@ -15,8 +15,6 @@ namespace gnomon::exact {
 
 using namespace demo;
 
-namespace {
-
 Instance& place(Scene& scene, const char* name, Mesh mesh, const glm::dvec3& position)
 {
     mesh.name = name;
@@ -27,6 +25,8 @@ Instance& place(Scene& scene, const char* name, Mesh mesh, const glm::dvec3& pos
     instance.pose.position = position;
     return instance;
 }
+
+namespace {
 
 glm::dquat turned(const glm::dvec3& axis, double degrees)
 {

@@ -5,6 +5,9 @@
 
 namespace gnomon::exact {
 
+/// Adds the mesh and an instance of it.
+demo::Instance& place(demo::Scene& scene, const char* name, demo::Mesh mesh, const glm::dvec3& position);
+
 /// About 900 triangles that hold what methods stumble over: closed and open casters, a thin wall, contact edges, a slab
 /// at 85 degrees to the sun, a caster behind the eye and one behind each lamp. Layer 0 sun, 1 spot, 2 point.
 demo::Scene testbed(demo::DepthConvention convention);
