@@ -68,9 +68,10 @@ struct AlgorithmEntry {
     const char* (*missing)(const DeviceTable& vk);
     std::unique_ptr<ShadowAlgorithm> (*create)(const AlgorithmServices& services);
 
-    // Algorithms registered through the C door (runtime/api/plugin.hpp) instead of the three functions above.
-    const class ForeignAlgorithm* foreign = nullptr;
-    std::unique_ptr<ShadowAlgorithm> (*createForeign)(const ForeignAlgorithm& self) = nullptr;
+    // Algorithms registered through the C plug-in interface (runtime/api/plugin.hpp) instead of the three functions
+    // above.
+    const class PluginAlgorithm* plugin = nullptr;
+    std::unique_ptr<ShadowAlgorithm> (*createPlugin)(const PluginAlgorithm& self) = nullptr;
     VkDeviceSize bytesPerPixel = 0;
 
     /// Wrong light-facing pixels in percent, worst shipped scene, 1280x720, map side 1024, as `gnomon bench` prints it:

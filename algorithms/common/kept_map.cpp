@@ -9,13 +9,13 @@ constexpr std::uint32_t kMaxLayers = 8;
 } // namespace
 
 LayerContent layerContent(const LightView& light, std::span<const Caster* const> statics,
-                          std::span<const Caster* const> movings, std::uint64_t projectionStamp)
+                          std::span<const Caster* const> dynamics, std::uint64_t projectionStamp)
 {
-    LayerContent content{.statics = statics, .movings = movings};
+    LayerContent content{.statics = statics, .dynamics = dynamics};
     Stamp stamp;
     stamp.add(light.revision).add(projectionStamp).add(statics);
     if (light.isStatic && !statics.empty()) content.staticsStamp = stamp.value();
-    content.stamp = stamp.add(movings).value();
+    content.stamp = stamp.add(dynamics).value();
     return content;
 }
 
@@ -41,7 +41,7 @@ ImageInfo KeptMap::staticsInfo() const
 
 bool KeptMap::keepsApart(const LayerContent& content) const
 {
-    if (content.staticsStamp == 0 || content.movings.empty()) return false;
+    if (content.staticsStamp == 0 || content.dynamics.empty()) return false;
     return statics_ || passes_.hasRoomFor(passes_.missing(staticsInfo(), image_));
 }
 

@@ -33,9 +33,9 @@ struct LayerNames {
 
 /// What belongs into one layer.
 struct LayerContent {
-    std::span<const Caster*const> statics, movings; ///< Culled to the layer; alive during the frame.
-    std::uint64_t stamp = 0;                        ///< Of everything in the layer.
-    std::uint64_t staticsStamp = 0;                 ///< Without the moving casters; 0: do not keep them apart.
+    std::span<const Caster*const> statics, dynamics; ///< Culled to the layer; alive during the frame.
+    std::uint64_t stamp = 0;                         ///< Of everything in the layer.
+    std::uint64_t staticsStamp = 0;                  ///< Without the moving casters; 0: do not keep them apart.
 };
 
 /// A layer with these casters. Static ones are kept apart for static lights: a copy takes no longer than the clear that
@@ -43,7 +43,7 @@ struct LayerContent {
 /// and 1.5 to 2 ns a texel they cover).
 /// @param projectionStamp whatever the projection depends on besides the light.
 LayerContent layerContent(const LightView& light, std::span<const Caster* const> statics,
-                          std::span<const Caster* const> movings, std::uint64_t projectionStamp);
+                          std::span<const Caster* const> dynamics, std::uint64_t projectionStamp);
 
 /// Declared per task and frame; the resources and passes behind it exist once per light, or once per task. The image of
 /// the static casters only saves time: where nothing would have room for it, all casters are drawn together.
@@ -57,8 +57,8 @@ public:
     /// @param names other ones for every layer: passes are known by their names
     /// @param draw  `draw(PassContext&, casters, bool statics)` records casters, the static or the moving ones of the
     ///              content; `draw.uses(PassRef&)` declares what else it reads. Copied bytewise. Where it has
-    ///              `draw.prepared(PassBuilder&, statics, movings)`, passes that come before may be declared there for
-    ///              the casters about to be drawn; what it returns draws. Where it has `draw.cells(movings)`, moving
+    ///              `draw.prepared(PassBuilder&, statics, dynamics)`, passes that come before may be declared there for
+    ///              the casters about to be drawn; what it returns draws. Where it has `draw.cells(dynamics)`, moving
     ///              casters cover no texel of other cells, and only cells that they leave are copied.
     /// @return      where the layer holds moving casters, for what is made of it
     template <typename Draw>
@@ -83,20 +83,20 @@ private:
 /// The drawing of a pass that is about to be declared.
 template <typename Draw>
 Draw preparedDraw(const Draw& draw, PassBuilder& passes, std::span<const Caster* const> statics,
-                  std::span<const Caster* const> movings)
+                  std::span<const Caster* const> dynamics)
 {
-    if constexpr (requires { draw.prepared(passes, statics, movings); })
-        return draw.prepared(passes, statics, movings);
+    if constexpr (requires { draw.prepared(passes, statics, dynamics); })
+        return draw.prepared(passes, statics, dynamics);
     else
         return draw;
 }
 
 /// What moving casters may draw into.
 template <typename Draw>
-Cells coveredCells(const Draw& draw, std::span<const Caster* const> movings)
+Cells coveredCells(const Draw& draw, std::span<const Caster* const> dynamics)
 {
-    if constexpr (requires { draw.cells(movings); })
-        return draw.cells(movings);
+    if constexpr (requires { draw.cells(dynamics); })
+        return draw.cells(dynamics);
     else
         return kAllCells;
 }
@@ -112,12 +112,12 @@ KeptParts KeptMap::update(std::uint32_t layer, const LayerNames& names, const La
     }
     const std::uint32_t variant = info_.variant();
     if (!keepsApart(content)) {
-        const Draw both = preparedDraw(draw, passes_, content.statics, content.movings);
+        const Draw both = preparedDraw(draw, passes_, content.statics, content.dynamics);
         PassRef all = passes_.raster(names.casters, info_.scope, variant);
         both.uses(all.depthWrite(image_, cleared));
-        all.record([=, statics = content.statics, movings = content.movings](PassContext& gpu) {
+        all.record([=, statics = content.statics, dynamics = content.dynamics](PassContext& gpu) {
             both(gpu, statics, true);
-            both(gpu, movings, false);
+            both(gpu, dynamics, false);
         });
         return {};
     }
@@ -131,14 +131,14 @@ KeptParts KeptMap::update(std::uint32_t layer, const LayerNames& names, const La
         passes_.kept();
     }
     const KeptParts parts{Stamp().add(content.staticsStamp).add(passes_.serial(image_)).value(),
-                          coveredCells(draw, content.movings)};
-    if (const Cells cells = changedCells(passes_.partsBefore(whole), {parts.ground, 0}); cells != 0)
+                          coveredCells(draw, content.dynamics)};
+    if (const Cells cells = changedCells(passes_.partsBefore(whole), {parts.base, 0}); cells != 0)
         copyStatics(names.copyStatics, layer, cells);
     passes_.keepParts(whole, parts);
-    const Draw second = preparedDraw(draw, passes_, {}, content.movings);
+    const Draw second = preparedDraw(draw, passes_, {}, content.dynamics);
     PassRef over = passes_.raster(names.casters, info_.scope, variant | kOverCopy);
     second.uses(over.depthWrite(image_, {.layer = layer}));
-    over.record([=, movings = content.movings](PassContext& gpu) { second(gpu, movings, false); });
+    over.record([=, dynamics = content.dynamics](PassContext& gpu) { second(gpu, dynamics, false); });
     return parts;
 }
 

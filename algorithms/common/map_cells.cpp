@@ -36,7 +36,7 @@ VkRect2D texelsOf(std::uint32_t x0, std::uint32_t x1, std::uint32_t y0, std::uin
 
 Cells changedCells(const KeptParts& from, const KeptParts& to)
 {
-    return to.ground != 0 && from.ground == to.ground ? from.covered | to.covered : kAllCells;
+    return to.base != 0 && from.base == to.base ? from.covered | to.covered : kAllCells;
 }
 
 Cells withNeighbours(Cells cells)

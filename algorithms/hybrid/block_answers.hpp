@@ -16,7 +16,7 @@ struct BlockAsking {
     const LightView& light;
     const HostContext& host;
     const BlockReader& reader;
-    lanes::MapBytes bytes;
+    simd::MapBytes bytes;
     std::uint8_t rayLit, rayDark;
 };
 
@@ -36,20 +36,20 @@ void answerBlocks(const BlockAsking& asking, const Map& map, std::uint32_t left,
                   std::uint8_t* rows, std::size_t first, std::size_t stride, BlockRays& rays)
 {
     typename Map::Places places[kAhead];
-    const std::uint32_t count = std::min(kAhead, (right - left + lanes::kBlockSide - 1) / lanes::kBlockSide);
+    const std::uint32_t count = std::min(kAhead, (right - left + simd::kBlockSide - 1) / simd::kBlockSide);
     for (std::uint32_t i = 0; i < count; ++i) {
-        asking.reader.prefetch(left + (i + kAhead) * lanes::kBlockSide, top);
-        map.place(left + i * lanes::kBlockSide, top, places[i]);
+        asking.reader.prefetch(left + (i + kAhead) * simd::kBlockSide, top);
+        map.place(left + i * simd::kBlockSide, top, places[i]);
     }
     for (std::uint32_t i = 0; i < count; ++i) {
-        const std::uint32_t x = left + i * lanes::kBlockSide;
-        std::uint8_t bytes[lanes::kLanes];
+        const std::uint32_t x = left + i * simd::kBlockSide;
+        std::uint8_t bytes[simd::kLanes];
         std::uint32_t wanting = map.answer(places[i], x, top, bytes);
-        const std::size_t at = first + i * lanes::kBlockSide;
-        for (std::uint32_t y = 0; y < lanes::kBlockSide; ++y)
-            std::memcpy(rows + at + y * stride, bytes + y * lanes::kBlockSide, lanes::kBlockSide);
+        const std::size_t at = first + i * simd::kBlockSide;
+        for (std::uint32_t y = 0; y < simd::kBlockSide; ++y)
+            std::memcpy(rows + at + y * stride, bytes + y * simd::kBlockSide, simd::kBlockSide);
         if (wanting == 0) continue;
-        lanes::Block block;
+        simd::Block block;
         asking.reader.read(x, top, block);
         rays.ask(block, wanting, at);
     }
@@ -65,7 +65,7 @@ template <typename Map>
 void answerByBlocks(const BlockAsking& asking, const Map& map, std::span<std::uint8_t> to)
 {
     using namespace block_answers;
-    constexpr std::uint32_t side = lanes::kBlockSide;
+    constexpr std::uint32_t side = simd::kBlockSide;
     const VkExtent2D extent = asking.view.area.extent;
     const AskedPixels asked = askedPixels(asking.view, asking.light, side);
     const std::size_t stride = (extent.width + side - 1) / side * side; // whole blocks

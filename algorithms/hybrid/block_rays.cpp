@@ -4,8 +4,8 @@
 
 namespace gnomon {
 
-using lanes::kBlockSide;
-using lanes::kLanes;
+using simd::kBlockSide;
+using simd::kLanes;
 
 void BlockRays::flush()
 {
@@ -36,7 +36,7 @@ void BlockRays::flushPackets()
 }
 
 /// A block's rays side by side as they are.
-void BlockRays::askTogether(const lanes::Block& block, std::uint32_t lanes, std::size_t first)
+void BlockRays::askTogether(const simd::Block& block, std::uint32_t lanes, std::size_t first)
 {
     RayPacket& packet = packets_[packetCount_];
     info_.reader.pack(block, packet);
@@ -47,7 +47,7 @@ void BlockRays::askTogether(const lanes::Block& block, std::uint32_t lanes, std:
     if (packetCount_ == kPackets) flushPackets();
 }
 
-void BlockRays::ask(const lanes::Block& block, std::uint32_t lanes, std::size_t first)
+void BlockRays::ask(const simd::Block& block, std::uint32_t lanes, std::size_t first)
 {
     if (std::popcount(lanes) >= info_.together) {
         askTogether(block, lanes, first);

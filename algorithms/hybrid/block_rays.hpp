@@ -28,13 +28,13 @@ public:
     }
 
     /// @param lanes bit i: lane i wants an answer; all of these ask @param first place of the block's first pixel
-    void ask(const lanes::Block& block, std::uint32_t lanes, std::size_t first);
+    void ask(const simd::Block& block, std::uint32_t lanes, std::size_t first);
     void flush(); ///< Answers all that was asked.
 
 private:
     static constexpr std::uint32_t kPackets = 16; // asked at once
 
-    void askTogether(const lanes::Block& block, std::uint32_t lanes, std::size_t first);
+    void askTogether(const simd::Block& block, std::uint32_t lanes, std::size_t first);
     void flushPackets();
     void flushSingles();
 

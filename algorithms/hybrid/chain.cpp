@@ -8,23 +8,23 @@ ChainStages stagesOf(ChainMode mode)
 {
     switch (mode) {
     case ChainMode::chain:
-        return {.hintLit = true, .hintShadow = true, .witnesses = Witnessing::chain};
+        return {.hintLit = true, .hintShadow = true, .candidates = CandidateUse::chain};
     case ChainMode::tcOnly:
     case ChainMode::wholeTc:
         return {.hintLit = true, .hintShadow = true};
     case ChainMode::tcLit:
-        return {.hintLit = true, .clearly = true, .witnesses = Witnessing::blocks};
+        return {.hintLit = true, .clearly = true, .candidates = CandidateUse::blocks};
     case ChainMode::strict:
-        return {.witnesses = Witnessing::chain};
+        return {.candidates = CandidateUse::chain};
     case ChainMode::noRay:
-        return {.hintLit = true, .hintShadow = true, .witnesses = Witnessing::chain, .rays = false};
+        return {.hintLit = true, .hintShadow = true, .candidates = CandidateUse::chain, .rays = false};
     }
     return {};
 }
 
 bool blockBlocks(const ChainScene& scene, const MapTexels& texels, TexelBlock block, const ShadowRay& ray)
 {
-    return texels.anyTriangle(block, [&](std::uint32_t number) { return scene.witnesses.blocks(number, ray); });
+    return texels.anyTriangle(block, [&](std::uint32_t number) { return scene.candidates.blocks(number, ray); });
 }
 
 namespace {
@@ -45,9 +45,9 @@ bool ringBlocks(const ChainScene& scene, const MapTexels& texels, int shared, bo
 {
     const std::uint32_t number = texels.ownTriangle();
     if (number == kNoTriangle) return false;
-    if (own && scene.witnesses.blocks(number, ray)) return true;
-    return anyAround(scene.witnesses.triangles(), number, shared,
-                     [&](std::uint32_t other) { return scene.witnesses.blocks(other, ray); });
+    if (own && scene.candidates.blocks(number, ray)) return true;
+    return anyAround(scene.candidates.triangles(), number, shared,
+                     [&](std::uint32_t other) { return scene.candidates.blocks(other, ray); });
 }
 
 std::uint32_t chainReason(const ChainScene& scene, const ChainStages& stages, bool lit, bool normals,
@@ -56,10 +56,10 @@ std::uint32_t chainReason(const ChainScene& scene, const ChainStages& stages, bo
     const bool hints = normals && (lit ? stages.hintLit : stages.hintShadow);
     if (hints && (stages.clearly ? texels.clearlyLit() : texels.agree(lit, TexelBlock::four)))
         return lit ? gpu::REASON_TC_LIT : gpu::REASON_TC_SHADOW;
-    if (stages.witnesses != Witnessing::none) {
+    if (stages.candidates != CandidateUse::none) {
         if (blockBlocks(scene, texels, TexelBlock::nine, ray))
             return lit ? gpu::REASON_NB_CORRECTED : gpu::REASON_NB_CONFIRMED;
-        if (stages.witnesses == Witnessing::chain && !lit && ringBlocks(scene, texels, 1, false, ray))
+        if (stages.candidates == CandidateUse::chain && !lit && ringBlocks(scene, texels, 1, false, ray))
             return gpu::REASON_AG_CONFIRMED;
     }
     // No ray sees what the host draws by itself: there the map is all there is.
@@ -93,7 +93,7 @@ std::uint32_t ringCandidates(const ChainScene& scene, const MapTexels& texels)
     const std::uint32_t number = texels.ownTriangle();
     if (number == kNoTriangle) return 0;
     std::uint32_t edges = 1, vertices = 1; // the own one
-    const NumberedTriangles& triangles = scene.witnesses.triangles();
+    const NumberedTriangles& triangles = scene.candidates.triangles();
     anyAround(triangles, number, 2, [&](std::uint32_t) { return ++edges == 0; });
     anyAround(triangles, number, 1, [&](std::uint32_t) { return ++vertices == 0; });
     return std::min(edges, gpu::CANDIDATES_STEP - 1) + gpu::CANDIDATES_STEP * std::min(vertices, gpu::CANDIDATES_MOST);

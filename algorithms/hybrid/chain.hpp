@@ -3,17 +3,17 @@
 // neighbouring texels name, by triangles around the own texel's. Source: Moderno, 3.2 to 3.6.
 #include <cstdint>
 
+#include "algorithms/hybrid/candidate_occluder.hpp"
 #include "algorithms/hybrid/map_texels.hpp"
 #include "algorithms/hybrid/map_votes.hpp"
-#include "algorithms/hybrid/witness.hpp"
 #include "shaders/hybrid/reasons.h"
 
 namespace gnomon {
 
 /// Values of the setting `mode`.
 enum class ChainMode : std::uint8_t {
-    chain,   ///< Texels that agree are believed, then witnesses, then rays: the thesis's.
-    tcOnly,  ///< No witnesses.
+    chain,   ///< Texels that agree are believed, then candidate occluders, then rays: the thesis's.
+    tcOnly,  ///< No candidate occluders.
     tcLit,   ///< Texels that agree are believed only where they say lit, by more than depths may be off.
     strict,  ///< Texels are not believed at all.
     noRay,   ///< As `chain`, but what is left over is lit.
@@ -21,7 +21,7 @@ enum class ChainMode : std::uint8_t {
 };
 
 /// Which triangles are asked before rays.
-enum class Witnessing : std::uint8_t {
+enum class CandidateUse : std::uint8_t {
     none,
     blocks, ///< Those that own texels name, for sixteen pixels at once; pixel by pixel: that nine texels name.
     chain,  ///< NB and AG: that nine texels name, and those around the own one's.
@@ -31,7 +31,7 @@ enum class Witnessing : std::uint8_t {
 struct ChainStages {
     bool hintLit = false, hintShadow = false; ///< Agreeing texels are believed where they say so.
     bool clearly = false;                     ///< Only by more than depths may be off; of texels that say lit.
-    Witnessing witnesses = Witnessing::none;
+    CandidateUse candidates = CandidateUse::none;
     bool rays = true;
 
     /// Of what the four texels say before anything else is asked.
@@ -48,7 +48,7 @@ struct ChainScene {
     const HostMap& map;
     const gpu::MapConstants& constants;
     bool cube = false;
-    Witnesses& witnesses;
+    CandidateOccluders& candidates;
 };
 
 /// Whether any triangle named by the block blocks the ray.

@@ -1,15 +1,15 @@
 #include "algorithms/hybrid/chain_blocks.hpp"
 
 #include "algorithms/hybrid/block_answers.hpp"
+#include "algorithms/hybrid/block_candidates.hpp"
 #include "algorithms/hybrid/block_rays.hpp"
-#include "algorithms/hybrid/block_witnesses.hpp"
 
 namespace gnomon {
 
 namespace {
 
-using lanes::kBlockSide;
-using lanes::kLanes;
+using simd::kBlockSide;
+using simd::kLanes;
 
 constexpr std::uint32_t kAhead = 64 / kBlockSide; // the blocks of a word of bits: theirs is called for at once
 
@@ -17,7 +17,7 @@ constexpr std::uint32_t kAhead = 64 / kBlockSide; // the blocks of a word of bit
 struct Waiting {
     std::uint32_t x, asking;
     std::uint32_t lit; ///< Bits, by the map.
-    lanes::MapPlaces places;
+    simd::MapPlaces places;
     OwnTexels texels; ///< Of the dark ones.
     NamedTriangles named;
 };
@@ -27,14 +27,14 @@ class Blocks {
 public:
     Blocks(const ChainPicture& picture, const ChainRows& rows)
         : picture_(picture), rows_(rows), look_(picture.job.map.depthOnHost().onHost(picture.host, constants())),
-          witnesses_(*picture.job.triangles), rays_(raysOf(picture), rows.bytes, rows.asked.width)
+          candidates_(*picture.job.triangles), rays_(raysOf(picture), rows.bytes, rows.asked.width)
     {
     }
     void run();
 
 private:
     const gpu::MapConstants& constants() const { return picture_.job.constants->base; }
-    bool witnesses() const { return picture_.job.stages.witnesses == Witnessing::blocks; }
+    bool candidates() const { return picture_.job.stages.candidates == CandidateUse::blocks; }
     static BlockRays::Info raysOf(const ChainPicture& picture);
     std::uint32_t litIn(std::uint32_t x) const;
     std::uint32_t hinted(const Waiting& waiting) const;
@@ -44,8 +44,8 @@ private:
 
     const ChainPicture& picture_;
     const ChainRows& rows_;
-    const lanes::MapLook look_;
-    BlockWitnesses witnesses_;
+    const simd::MapLookup look_;
+    BlockCandidates candidates_;
     BlockRays rays_;
     std::uint32_t top_ = 0; ///< Of the blocks that are asked.
     Waiting waiting_[kAhead];
@@ -53,7 +53,7 @@ private:
 
 BlockRays::Info Blocks::raysOf(const ChainPicture& picture)
 {
-    const bool reasons = picture.job.tells == ChainTells::reason;
+    const bool reasons = picture.job.tells == ChainDebugOutput::reason;
     return {.host = picture.host,
             .reader = picture.blocks,
             .light = *picture.job.light,
@@ -76,9 +76,9 @@ std::uint32_t Blocks::hinted(const Waiting& waiting) const
 {
     const Believed believed = picture_.job.settled ? Believed::never : picture_.job.stages.believed();
     if (believed == Believed::never) return 0;
-    constexpr lanes::MapBytes told{.outside = 0, .backfacing = 0, .lit = 1, .dark = 0, .unsure = 0};
+    constexpr simd::MapBytes told{.outside = 0, .backfacing = 0, .lit = 1, .dark = 0, .unsure = 0};
     std::uint8_t own[kLanes];
-    const lanes::MapLanes lanes = picture_.blocks.kernels().nearest(look_, waiting.places, told, own);
+    const simd::MapLanes lanes = picture_.blocks.kernels().nearest(look_, waiting.places, told, own);
     std::uint32_t lit = 0;
     for (std::uint32_t i = 0; i < kLanes; ++i)
         lit |= std::uint32_t{own[i]} << i;
@@ -97,20 +97,20 @@ void Blocks::settleLanes(std::uint32_t x, std::uint32_t lanes, std::uint32_t tol
 
 void Blocks::answer(const Waiting& waiting)
 {
-    lanes::Block block;
+    simd::Block block;
     picture_.blocks.read(waiting.x, top_, block);
-    std::uint32_t left = waiting.asking, reached[3] = {}; // by lanes::kLit, kDark and kRay
+    std::uint32_t left = waiting.asking, reached[3] = {}; // by simd::kLit, kDark and kRay
     for (std::uint32_t i = 0; i < kLanes; ++i)
         reached[block.asked[i]] |= 1u << i;
-    settleLanes(waiting.x, left & reached[lanes::kLit], gpu::REASON_OUTSIDE);
-    settleLanes(waiting.x, left & reached[lanes::kDark], gpu::REASON_BACKFACING);
-    left &= reached[lanes::kRay];
+    settleLanes(waiting.x, left & reached[simd::kLit], gpu::REASON_OUTSIDE);
+    settleLanes(waiting.x, left & reached[simd::kDark], gpu::REASON_BACKFACING);
+    left &= reached[simd::kRay];
     const std::uint32_t hints = left & hinted(waiting);
     settleLanes(waiting.x, hints & waiting.lit, gpu::REASON_TC_LIT);
     settleLanes(waiting.x, hints & ~waiting.lit, gpu::REASON_TC_SHADOW);
     left &= ~hints;
-    if (witnesses()) {
-        const std::uint32_t dark = left & witnesses_.dark(picture_.blocks, block, waiting.named);
+    if (candidates()) {
+        const std::uint32_t dark = left & candidates_.dark(picture_.blocks, block, waiting.named);
         settleLanes(waiting.x, dark & waiting.lit, gpu::REASON_NB_CORRECTED);
         settleLanes(waiting.x, dark & ~waiting.lit, gpu::REASON_NB_CONFIRMED);
         left &= ~dark;
@@ -122,7 +122,7 @@ void Blocks::answer(const Waiting& waiting)
 void Blocks::answerWord(std::size_t word)
 {
     eachBlock(rows_, top_, word, [&](std::uint32_t x, std::uint32_t) { picture_.blocks.prefetch(x, top_); });
-    const bool places = !picture_.job.settled || witnesses();
+    const bool places = !picture_.job.settled || candidates();
     std::uint32_t count = 0;
     eachBlock(rows_, top_, word, [&](std::uint32_t x, std::uint32_t asking) {
         Waiting& waiting = waiting_[count++];
@@ -130,12 +130,12 @@ void Blocks::answerWord(std::size_t word)
         waiting.asking = asking;
         waiting.lit = litIn(x);
         if (places) picture_.blocks.place(x, top_, look_, waiting.places);
-        if (witnesses()) waiting.texels = ownTexels(picture_.map, waiting.places, asking & ~waiting.lit);
+        if (candidates()) waiting.texels = ownTexels(picture_.map, waiting.places, asking & ~waiting.lit);
     });
-    for (std::uint32_t i = 0; i < count && witnesses(); ++i)
-        waiting_[i].named = witnesses_.named(waiting_[i].texels);
-    for (std::uint32_t i = 0; i < count && witnesses(); ++i)
-        witnesses_.call(waiting_[i].named);
+    for (std::uint32_t i = 0; i < count && candidates(); ++i)
+        waiting_[i].named = candidates_.named(waiting_[i].texels);
+    for (std::uint32_t i = 0; i < count && candidates(); ++i)
+        candidates_.call(waiting_[i].named);
     for (std::uint32_t i = 0; i < count; ++i)
         answer(waiting_[i]);
 }
@@ -153,7 +153,7 @@ void Blocks::run()
 void settle(const ChainPicture& picture, const ChainRows& rows, std::uint32_t x, std::uint32_t y, std::uint32_t told)
 {
     std::uint8_t& byte = rows.at(x, y);
-    if (picture.job.tells != ChainTells::visibility)
+    if (picture.job.tells != ChainDebugOutput::visibility)
         byte = static_cast<std::uint8_t>(told);
     else if (const bool lit = isLit(told); lit != picture.lit.at(x, y) || byte == gpu::MAP_UNSURE)
         byte = lit ? 255 : 0;

@@ -1,6 +1,6 @@
 #pragma once
-// The pixels that a chain asks without the thesis's witnesses, sixteen at a time: hints where nobody gave them before,
-// triangles that the block's own texels name, rays.
+// The pixels that a chain asks without the thesis's candidate occluders, sixteen at a time: hints where nobody gave
+// them before, triangles that the block's own texels name, rays.
 #include <algorithm>
 #include <bit>
 #include <cstdint>
@@ -40,7 +40,7 @@ void settle(const ChainPicture& picture, const ChainRows& rows, std::uint32_t x,
 template <typename Visit>
 void eachBlock(const ChainRows& rows, std::uint32_t top, std::size_t word, Visit&& visit)
 {
-    constexpr std::uint32_t side = lanes::kBlockSide;
+    constexpr std::uint32_t side = simd::kBlockSide;
     const std::uint32_t bottom = std::min(top + side, rows.bottom);
     std::uint64_t any = 0;
     for (std::uint32_t y = top; y < bottom; ++y)

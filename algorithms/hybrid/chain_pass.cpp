@@ -40,7 +40,7 @@ void leaveSettled(const ChainPicture& picture, const ChainRows& rows, std::uint3
     const std::span<std::uint64_t> asked = rows.asked.row(y - rows.top);
     const std::span<const std::uint64_t> settled = picture.settled.subspan(y * asked.size(), asked.size());
     for (std::size_t word = 0; word < asked.size(); ++word) {
-        std::uint64_t left = picture.job.tells == ChainTells::reason ? asked[word] & settled[word] : 0;
+        std::uint64_t left = picture.job.tells == ChainDebugOutput::reason ? asked[word] & settled[word] : 0;
         asked[word] &= ~settled[word];
         for (; left != 0; left &= left - 1) {
             std::uint8_t& byte =
@@ -80,8 +80,8 @@ class Pixels {
 public:
     Pixels(const ChainPicture& picture, const ChainRows& rows)
         : picture_(picture), rows_(rows),
-          witnesses_(*picture.job.triangles), scene_{picture.map, picture.job.constants->base,
-                                                     picture.job.light->type == GN_LIGHT_TYPE_POINT, witnesses_}
+          candidates_(*picture.job.triangles), scene_{picture.map, picture.job.constants->base,
+                                                      picture.job.light->type == GN_LIGHT_TYPE_POINT, candidates_}
     {
     }
     void run();
@@ -97,7 +97,7 @@ private:
 
     const ChainPicture& picture_;
     const ChainRows& rows_;
-    Witnesses witnesses_;
+    CandidateOccluders candidates_;
     ChainScene scene_;
     // Pixels called for, and of these the ones that ask the map.
     static constexpr std::uint32_t kOnTheWay = 64;
@@ -141,7 +141,7 @@ void Pixels::ask(std::uint32_t x, std::uint32_t y)
                                               static_cast<std::uint32_t>(from.y) + y, pixel.ray, receiver);
     if (asked != Asked::ray) {
         const bool lit = asked == Asked::lit;
-        if (picture_.job.tells == ChainTells::votes)
+        if (picture_.job.tells == ChainDebugOutput::votes)
             show(x, y, lit ? gpu::VOTES_OUTSIDE : gpu::VOTES_BACKFACING);
         else if (tellsAll(picture_.job.tells))
             show(x, y, 0);
@@ -160,8 +160,8 @@ void Pixels::ask(std::uint32_t x, std::uint32_t y)
 /// The byte of a job that tells of every pixel.
 std::uint32_t Pixels::number(const Waiting& pixel)
 {
-    if (picture_.job.tells == ChainTells::texelCandidates) return texelCandidates(pixel.texels);
-    if (picture_.job.tells == ChainTells::ringCandidates) return ringCandidates(scene_, pixel.texels);
+    if (picture_.job.tells == ChainDebugOutput::texelCandidates) return texelCandidates(pixel.texels);
+    if (picture_.job.tells == ChainDebugOutput::ringCandidates) return ringCandidates(scene_, pixel.texels);
     return chainVotes(scene_, pixel.lit, picture_.receivers.hasNormals(), pixel.texels, pixel.ray);
 }
 
@@ -185,7 +185,7 @@ void Pixels::decide(const Waiting& pixel)
 /// In blocks: neighbouring rays share their way through the trees.
 void Pixels::run()
 {
-    constexpr std::uint32_t side = lanes::kBlockSide;
+    constexpr std::uint32_t side = simd::kBlockSide;
     for (std::uint32_t top = rows_.top; top < rows_.bottom; top += side)
         for (std::size_t word = 0; word < BitRows::wordsPerRow(rows_.asked.width); ++word)
             eachBlock(rows_, top, word, [&](std::uint32_t x, std::uint32_t asking) {
@@ -240,7 +240,7 @@ void runChain(const ChainJob& job, const HostContext& host)
                                map,
                                litRows(job, host),
                                job.settled ? host.read<std::uint64_t>(job.settled) : std::span<const std::uint64_t>()};
-    constexpr std::uint32_t side = lanes::kBlockSide;
+    constexpr std::uint32_t side = simd::kBlockSide;
     const std::uint32_t height = picture.lit.height;
     host.jobs->parallelFor((height + side - 1) / side, kPiece, [&](std::size_t begin, std::size_t end, std::uint32_t) {
         answerPiece(picture, static_cast<std::uint32_t>(begin) * side,

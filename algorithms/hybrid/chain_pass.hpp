@@ -9,7 +9,7 @@
 namespace gnomon {
 
 /// What a pixel's byte is.
-enum class ChainTells : std::uint8_t {
+enum class ChainDebugOutput : std::uint8_t {
     visibility,
     reason, ///< Its REASON_ of shaders/hybrid/reasons.h.
     votes,  ///< VOTE_, of every pixel.
@@ -30,22 +30,22 @@ struct ChainJob {
     BufferId rows;           ///< Written: the same bytes, but for the pixels that the map is not believed.
     ChainStages stages;
     std::uint32_t contour = 0; ///< Width in pixels; 0: every pixel is asked.
-    ChainTells tells = ChainTells::visibility;
+    ChainDebugOutput tells = ChainDebugOutput::visibility;
     bool foreign = false; ///< The map may hold what no ray sees: casters that the host draws.
 
-    /// Pixels are answered sixteen at a time: without the thesis's witnesses, which each has of its own, and without
-    /// what only the map knows.
+    /// Pixels are answered sixteen at a time: without the thesis's candidate occluders, which each has of its own, and
+    /// without what only the map knows.
     bool byBlocks() const
     {
-        return normals && !foreign && stages.rays && stages.witnesses != Witnessing::chain &&
-               tells <= ChainTells::reason;
+        return normals && !foreign && stages.rays && stages.candidates != CandidateUse::chain &&
+               tells <= ChainDebugOutput::reason;
     }
 };
 
 /// Of every pixel that is asked, traced or not: numbers of a byte.
-constexpr bool tellsAll(ChainTells tells)
+constexpr bool tellsAll(ChainDebugOutput tells)
 {
-    return tells > ChainTells::reason;
+    return tells > ChainDebugOutput::reason;
 }
 
 void runChain(const ChainJob& job, const HostContext& host);

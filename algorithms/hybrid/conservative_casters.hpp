@@ -6,8 +6,8 @@
 #include <glm/mat4x4.hpp>
 
 #include "algorithms/common/map_cells.hpp"
-#include "algorithms/maps/map_look.hpp"
-#include "shaders/hybrid/conservative_look.h"
+#include "algorithms/maps/map_lookup.hpp"
+#include "shaders/hybrid/conservative_lookup.h"
 
 namespace gnomon {
 
@@ -33,7 +33,7 @@ inline constexpr SettingSpec kLambdaSetting = {
 
 /// A map as casters and receivers meet in it.
 struct ConservativeProjection {
-    glm::dmat4 texelFromZero{1.0}; ///< x and y in texels times w, as gpu::MapLook has them.
+    glm::dmat4 texelFromZero{1.0}; ///< x and y in texels times w, as gpu::MapLookup has them.
     glm::dvec3 zeroWs{0.0};
     glm::mat4 clipFromZero{1.0f}; ///< MapProjection's.
     float side = 0.0f;

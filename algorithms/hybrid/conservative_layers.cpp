@@ -63,7 +63,7 @@ constexpr LayerKind kKinds[2][2] = {
 
 PipelineId classifyPipeline(const AlgorithmServices& services, const char* name, bool cube, bool normals)
 {
-    const auto look = lookBindings(cube);
+    const auto look = lookupBindings(cube);
     BindingInfo bindings[5];
     std::ranges::copy(look, bindings);
     bindings[4] = look[3];
@@ -109,7 +109,7 @@ LayerContent conservativeContent(const ShadowTask& task, const ConservativeMapVi
     const std::uint64_t projection =
         Stamp().add(fit.clipFromWorld).add(salt).add(static_cast<std::uint64_t>(view.offset)).value();
     return layerContent(*task.light, meshesIn(task.casters->statics, fit.volume, arena),
-                        meshesIn(task.casters->movings, fit.volume, arena), projection);
+                        meshesIn(task.casters->dynamics, fit.volume, arena), projection);
 }
 
 std::uint32_t formOf(const ConservativeMapView& view)
@@ -177,9 +177,9 @@ ConservativeClassify::ConservativeClassify(const AlgorithmServices& services, co
 void ConservativeClassify::declare(PassBuilder& passes, const ShadowTask& task, const ConservativeImages& images,
                                    const gpu::ConservativeConstants& constants) const
 {
-    const LookImages look(task, images.nearest.image);
+    const LookupImages look(task, images.nearest.image);
     const PipelineId pipeline = pipelines_[task.light->type == GN_LIGHT_TYPE_POINT][look.hasNormals];
-    LookPass pass(passes, task, name_, look);
+    LookupPass pass(passes, task, name_, look);
     pass.uses.samples(images.covered.image);
     pass.record([=, covered = images.covered.image, values = &constants](PassContext& gpu) {
         gpu.bind(pipeline, {gpu.constants(0, *values), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
@@ -233,7 +233,7 @@ void ConservativeMethod::declare(PassBuilder& passes, const ShadowTask& task)
     Doubt insides;
     if (!thesis) {
         insides.byte = reasons ? static_cast<std::uint8_t>(gpu::REASON_MAP_LIT) : std::uint8_t{255};
-        insides.where = nearCut(*task.view, task.casters->all);
+        insides.where = nearClip(*task.view, task.casters->all);
     }
     const LightMap nearest = mapOf(view, images.nearest), covered = mapOf(view, images.covered);
     if (classifiesOnHost(task.settings[kClassify], vk_, task) &&

@@ -140,11 +140,11 @@ public:
     }
 
     SheetCasters prepared(PassBuilder& passes, std::span<const Caster* const> statics,
-                          std::span<const Caster* const> movings) const
+                          std::span<const Caster* const> dynamics) const
     {
         SheetCasters ready = *this;
         ready.sheets_[0] = declareSheets(passes, statics, 0);
-        ready.sheets_[1] = declareSheets(passes, movings, 1);
+        ready.sheets_[1] = declareSheets(passes, dynamics, 1);
         return ready;
     }
 
@@ -223,11 +223,11 @@ public:
     KeptCasters(const ConservativeCasters& covered, const LightView& light) : covered_(covered), light_(&light) {}
 
     KeptCasters prepared(PassBuilder& passes, std::span<const Caster* const> statics,
-                         std::span<const Caster* const> movings) const
+                         std::span<const Caster* const> dynamics) const
     {
-        const std::span<KeptEdges> kept = passes.arena().array<KeptEdges>(statics.size() + movings.size());
+        const std::span<KeptEdges> kept = passes.arena().array<KeptEdges>(statics.size() + dynamics.size());
         std::size_t count = 0;
-        for (const auto casters : {statics, movings})
+        for (const auto casters : {statics, dynamics})
             for (const Caster* caster : casters)
                 if (hasSheets(*caster)) kept[count++] = {caster, declareKeptEdges(passes, *light_, *caster)};
         KeptCasters ready = *this;

@@ -6,14 +6,14 @@ namespace gnomon {
 
 namespace {
 
-using lanes::kBlockSide;
-using lanes::kLanes;
+using simd::kBlockSide;
+using simd::kLanes;
 
-constexpr lanes::MapBytes kReasonCodes{.outside = gpu::REASON_OUTSIDE,
-                                       .backfacing = gpu::REASON_BACKFACING,
-                                       .lit = gpu::REASON_MAP_LIT,
-                                       .dark = gpu::REASON_MAP_SHADOW,
-                                       .unsure = gpu::REASON_MAP_LIT};
+constexpr simd::MapBytes kReasonCodes{.outside = gpu::REASON_OUTSIDE,
+                                      .backfacing = gpu::REASON_BACKFACING,
+                                      .lit = gpu::REASON_MAP_LIT,
+                                      .dark = gpu::REASON_MAP_SHADOW,
+                                      .unsure = gpu::REASON_MAP_LIT};
 
 /// Everything the host pass needs; copied into the frame.
 struct VoteJob {
@@ -27,13 +27,13 @@ struct VoteJob {
 
 /// Starts of rays by the map's two layers.
 struct Conserving {
-    using Places = lanes::LayerPlaces;
+    using Places = simd::LayerPlaces;
     const CameraView& view;
     const Doubt& doubt;
     std::span<const float> depth;
     const BlockReader& reader;
-    const lanes::ConservativeLook& look;
-    const lanes::MapBytes& bytes;
+    const simd::ConservativeLookup& look;
+    const simd::MapBytes& bytes;
 
     void place(std::uint32_t x, std::uint32_t y, Places& places) const { reader.place(x, y, look, places); }
     std::uint32_t answer(const Places& places, std::uint32_t x, std::uint32_t y, std::uint8_t (&answers)[kLanes]) const
@@ -65,7 +65,7 @@ std::uint32_t Conserving::doubted(const Places& places, std::uint32_t left, std:
         const std::uint32_t x = left + lane % kBlockSide, y = top + lane / kBlockSide;
         const bool within = x - static_cast<std::uint32_t>(pixels.offset.x) < pixels.extent.width &&
                             y - static_cast<std::uint32_t>(pixels.offset.y) < pixels.extent.height;
-        if (!within || places.asked[lane] != lanes::kRay || answers[lane] != doubt.byte) continue;
+        if (!within || places.asked[lane] != simd::kRay || answers[lane] != doubt.byte) continue;
         const float w = gpu::linearDepth(view.constants, depth[std::size_t(y) * view.extent.width + x]);
         const glm::vec3 receiver =
             glm::vec3(view.constants.eyeWs) + w * gpu::viewRayWs(view.constants, glm::vec2(x, y) + 0.5f);
@@ -78,13 +78,13 @@ void answer(const VoteJob& job, const HostContext& host)
 {
     const gpu::ConservativeConstants& constants = *job.constants;
     const BlockReader reader = blocksOf(*job.view, *job.light, job.buffers, host);
-    lanes::ConservativeLook look{.map = job.copies.nearest.onHost(host, constants.hybrid.base),
-                                 .texelsPerMetre = constants.texelsPerMetre,
-                                 .depthPerMetre = constants.depthPerMetre,
-                                 .depthSquare = constants.depthSquare,
-                                 .thesis = constants.thesis,
-                                 .covered = {}};
-    const lanes::MapLook covered = job.copies.covered.onHost(host, constants.hybrid.base);
+    simd::ConservativeLookup look{.map = job.copies.nearest.onHost(host, constants.hybrid.base),
+                                  .texelsPerMetre = constants.texelsPerMetre,
+                                  .depthPerMetre = constants.depthPerMetre,
+                                  .depthSquare = constants.depthSquare,
+                                  .thesis = constants.thesis,
+                                  .covered = {}};
+    const simd::MapLookup covered = job.copies.covered.onHost(host, constants.hybrid.base);
     std::copy(std::begin(covered.depth), std::end(covered.depth), look.covered);
     const bool reasons = constants.hybrid.reasons != 0;
     const BlockAsking asking{.view = *job.view,

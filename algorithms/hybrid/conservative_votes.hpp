@@ -3,7 +3,7 @@
 // rays at once where neither knows.
 #include "algorithms/hybrid/map_votes.hpp"
 #include "algorithms/hybrid/undecided.hpp"
-#include "shaders/hybrid/conservative_look.h"
+#include "shaders/hybrid/conservative_lookup.h"
 
 namespace gnomon {
 

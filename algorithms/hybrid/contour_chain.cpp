@@ -30,7 +30,7 @@ constexpr SettingSpec kSettings[] = {
 
 PipelineId statusPipeline(const AlgorithmServices& services, bool cube, bool normals)
 {
-    const std::array bindings = lookBindings(cube);
+    const std::array bindings = lookupBindings(cube);
     GraphicsPipelineInfo pipeline;
     pipeline.name = "contour_chain.status";
     pipeline.vertex.code = k_maps_map_resolve_vert;
@@ -62,7 +62,7 @@ public:
     {
         const auto mode = static_cast<ChainMode>(task.settings[kMode]);
         ChainJob job = makeJob(passes, task, mode);
-        if (job.stages.witnesses == Witnessing::chain) declareRings(passes, *job.triangles);
+        if (job.stages.candidates == CandidateUse::chain) declareRings(passes, *job.triangles);
         if (classifiesOnHost(task.settings[kClassify], vk_, task))
             declareHostStatus(passes, job);
         else
@@ -100,16 +100,16 @@ ChainJob ContourChain::makeJob(PassBuilder& passes, const ShadowTask& task, Chai
 {
     FrameArena& arena = passes.arena();
     const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-    const auto tells = static_cast<ChainTells>(task.settings[kReasons]);
+    const auto tells = static_cast<ChainDebugOutput>(task.settings[kReasons]);
     const ChainStages stages = stagesOf(tellsAll(tells) ? ChainMode::strict : mode);
     rings_.begin(passes.frame());
     const NumberedTriangles* triangles = arena.make(
-        NumberedTriangles(task.casters->all, stages.witnesses == Witnessing::chain ? &rings_ : nullptr, arena));
+        NumberedTriangles(task.casters->all, stages.candidates == CandidateUse::chain ? &rings_ : nullptr, arena));
     gpu::HybridConstants* constants = arena.make<gpu::HybridConstants>();
     const IdMap map = declareIdMap(passes, map_, task, resolution, *triangles);
     constants->base = mapConstants(task, resolution, 1);
     addLightProjection(constants->base, map.fits, task);
-    constants->reasons = tells != ChainTells::visibility;
+    constants->reasons = tells != ChainDebugOutput::visibility;
     const VkExtent2D extent = task.view->area.extent;
     const VkDeviceSize pixels = VkDeviceSize{extent.width} * extent.height;
     return {.view = task.view,
@@ -144,9 +144,9 @@ void ContourChain::declareRings(PassBuilder& passes, const NumberedTriangles& tr
 
 void ContourChain::declareStatus(PassBuilder& passes, const ShadowTask& task, const ChainJob& job) const
 {
-    const LookImages look(task, job.map.depth);
+    const LookupImages look(task, job.map.depth);
     const PipelineId pipeline = status_[job.map.fits.size() > 1][look.hasNormals];
-    LookPass(passes, task, "contour_chain.status", look).record([=, constants = job.constants](PassContext& gpu) {
+    LookupPass(passes, task, "contour_chain.status", look).record([=, constants = job.constants](PassContext& gpu) {
         gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
                             gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
     });
@@ -169,11 +169,11 @@ void ContourChain::declareHostStatus(PassBuilder& passes, ChainJob& job)
                                .depth = job.depth,
                                .normals = job.normals};
     const bool reasons = job.constants->reasons != 0;
-    const lanes::MapBytes bytes{.outside = reasons ? gpu::REASON_OUTSIDE : 255,
-                                .backfacing = reasons ? gpu::REASON_BACKFACING : 0,
-                                .lit = reasons ? gpu::REASON_MAP_LIT : 255,
-                                .dark = reasons ? gpu::REASON_MAP_SHADOW : 0,
-                                .unsure = gpu::MAP_UNSURE};
+    const simd::MapBytes bytes{.outside = reasons ? gpu::REASON_OUTSIDE : 255,
+                               .backfacing = reasons ? gpu::REASON_BACKFACING : 0,
+                               .lit = reasons ? gpu::REASON_MAP_LIT : 255,
+                               .dark = reasons ? gpu::REASON_MAP_SHADOW : 0,
+                               .unsure = gpu::MAP_UNSURE};
     const Believed believed = job.settled ? job.stages.believed() : Believed::never;
     if (believed != Believed::never) job.stages.hintLit = job.stages.hintShadow = false; // asked here
     PassRef host = passes.host("contour_chain.status");

@@ -31,7 +31,7 @@ constexpr TracedNames kHardNames{"eight_point_hybrid.visibility", "eight_point_h
 
 PipelineId classifyPipeline(const AlgorithmServices& services, bool normals)
 {
-    const std::array bindings = lookBindings(true);
+    const std::array bindings = lookupBindings(true);
     GraphicsPipelineInfo pipeline;
     pipeline.name = "eight_point_hybrid.classify";
     pipeline.vertex.code = k_maps_map_resolve_vert;
@@ -87,7 +87,7 @@ public:
         gpu::EightPointConstants* constants = passes.arena().make<gpu::EightPointConstants>();
         const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         const ImageId map = declarePointMaps(passes, casters_, task, resolution,
-                                             std::span<gpu::MapLook, kLightPoints>(constants->points));
+                                             std::span<gpu::MapLookup, kLightPoints>(constants->points));
         constants->hybrid.base = mapConstants(task, resolution, 1);
         constants->hybrid.base.map.axisWs = constants->points[0].axisWs;
         declareClassify(passes, task, map, constants);
@@ -100,8 +100,8 @@ private:
     void declareClassify(PassBuilder& passes, const ShadowTask& task, ImageId map,
                          const gpu::EightPointConstants* constants) const
     {
-        const LookImages look(task, map);
-        LookPass(passes, task, "eight_point_hybrid.classify", look)
+        const LookupImages look(task, map);
+        LookupPass(passes, task, "eight_point_hybrid.classify", look)
             .record([=, pipeline = classify_[look.hasNormals]](PassContext& gpu) {
                 gpu.bind(pipeline,
                          {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),

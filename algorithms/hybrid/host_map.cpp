@@ -115,10 +115,10 @@ void copyTo(float (&to)[Count], const glm::vec4& from)
 
 } // namespace
 
-lanes::MapLook mapLookOf(const gpu::MapConstants& constants, bool cube)
+simd::MapLookup mapLookupOf(const gpu::MapConstants& constants, bool cube)
 {
-    const gpu::MapLook& look = constants.map;
-    lanes::MapLook result{};
+    const gpu::MapLookup& look = constants.map;
+    simd::MapLookup result{};
     copyTo(result.clipOfEye, look.clipOfEye);
     for (int column = 0; column < 3; ++column)
         copyTo(result.clipFromRay[column], look.clipFromRay[column]);
@@ -139,9 +139,9 @@ lanes::MapLook mapLookOf(const gpu::MapConstants& constants, bool cube)
     return result;
 }
 
-lanes::MapLook HostMapCopy::onHost(const HostContext& context, const gpu::MapConstants& constants) const
+simd::MapLookup HostMapCopy::onHost(const HostContext& context, const gpu::MapConstants& constants) const
 {
-    lanes::MapLook result = mapLookOf(constants, layers > 1);
+    simd::MapLookup result = mapLookupOf(constants, layers > 1);
     for (std::uint32_t bits = needed; bits != 0; bits &= bits - 1) {
         const auto layer = static_cast<std::size_t>(std::countr_zero(bits));
         result.depth[layer] = context.read<float>(depth[layer]).data();

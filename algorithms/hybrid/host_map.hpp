@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "algorithms/common/map_cells.hpp"
-#include "algorithms/hybrid/lanes.hpp"
+#include "algorithms/hybrid/simd_kernels.hpp"
 #include "algorithms/omni/light_map.hpp"
 #include "runtime/passes/pass_context.hpp"
 
@@ -20,7 +20,7 @@ inline constexpr SettingSpec kClassifySetting = {
 bool classifiesOnHost(double setting, const DeviceTable& vk, const ShadowTask& task);
 
 /// How receivers are found in a map; its layers are to be set. @param cube six of them
-lanes::MapLook mapLookOf(const gpu::MapConstants& constants, bool cube);
+simd::MapLookup mapLookupOf(const gpu::MapConstants& constants, bool cube);
 
 /// Copies an image layer, or cells of it, of four-byte texels to a buffer of a light's scope.
 struct LayerCopy {
@@ -43,7 +43,7 @@ struct HostMapCopy {
 
     void uses(PassRef& host) const; ///< What a host pass reads.
     /// In that pass. @param constants of declareLightMap()
-    lanes::MapLook onHost(const HostContext& context, const gpu::MapConstants& constants) const;
+    simd::MapLookup onHost(const HostContext& context, const gpu::MapConstants& constants) const;
 };
 
 /// What a map's copies and the passes that make them are called: what they copy is known by these.

@@ -4,7 +4,7 @@
 
 #include "algorithms/common/caster_lists.hpp"
 #include "algorithms/maps/depth_casters.hpp"
-#include "algorithms/maps/map_look.hpp"
+#include "algorithms/maps/map_lookup.hpp"
 #include "algorithms/omni/light_map.hpp"
 #include "shaders/hybrid_id_map_frag.h"
 #include "shaders/hybrid_id_map_vert.h"
@@ -101,8 +101,8 @@ Cells Declaring::due(const IdMap& map, std::uint32_t layer, std::uint64_t stamp,
     // The image's are kept beside it, and are of this very image.
     const BufferId image = carrier("contour_chain.stamp", layer);
     const std::uint64_t serial = passes.serial(map.depth);
-    const std::uint64_t ground = parts.ground != 0 ? Stamp().add(parts.ground).add(serial).value() : 0;
-    ask(image, Stamp().add(stamp).add(serial).value(), {ground, parts.covered});
+    const std::uint64_t base = parts.base != 0 ? Stamp().add(parts.base).add(serial).value() : 0;
+    ask(image, Stamp().add(stamp).add(serial).value(), {base, parts.covered});
     return changed;
 }
 
@@ -213,16 +213,16 @@ void declareLayer(const Declaring& declaring, const IdMap& map, std::uint32_t la
     const LightFit& fit = map.fits[layer];
     FrameArena& arena = passes.arena();
     const std::span<const Caster* const> statics = castersIn(task.casters->statics, fit.volume, arena);
-    const std::span<const Caster* const> movings = castersIn(task.casters->movings, fit.volume, arena);
+    const std::span<const Caster* const> dynamics = castersIn(task.casters->dynamics, fit.volume, arena);
     const std::uint64_t projected = Stamp().add(task.light->revision).add(fit.clipFromWorld).value();
     KeptParts parts;
-    const bool inParts = !anyHostDrawn(statics) && !anyHostDrawn(movings); // a host draws into whole layers
+    const bool inParts = !anyHostDrawn(statics) && !anyHostDrawn(dynamics); // a host draws into whole layers
     if (inParts) {
         const DepthCasters depth(declaring.pipelines.depth, fit, task, declaring.resolution, arena);
         // All static casters, also those beside the layer: they are numbered before the others.
-        parts = {Stamp().add(projected).add(task.casters->staticStamp).value(), depth.cells(movings)};
+        parts = {Stamp().add(projected).add(task.casters->staticStamp).value(), depth.cells(dynamics)};
     }
-    const std::uint64_t whole = Stamp().add(projected).add(triangles.stamp()).add(statics).add(movings).value();
+    const std::uint64_t whole = Stamp().add(projected).add(triangles.stamp()).add(statics).add(dynamics).value();
     const Cells cells = declaring.due(map, layer, whole, parts);
     if (cells == 0) {
         passes.kept();
@@ -235,12 +235,13 @@ void declareLayer(const Declaring& declaring, const IdMap& map, std::uint32_t la
                                                        .extent = {declaring.resolution, declaring.resolution},
                                                        .variant = declaring.resolution});
     const BufferId firsts = declareFirsts(passes, triangles);
-    const bool apart = inParts && task.light->isStatic && !statics.empty() && !movings.empty() &&
+    const bool apart = inParts && task.light->isStatic && !statics.empty() && !dynamics.empty() &&
                        passes.hasRoomFor(passes.missing(declaring.staticDepths(map), map.depth) +
                                          passes.missing(declaring.staticNumbers(layer), numbers));
     if (apart) {
-        declaring.copyStatics(map, layer, statics, parts.ground, cells, numbers, firsts);
-        declaring.draw("contour_chain.movings", fit, {map.depth, numbers, layer, false, false}, movings, cells, firsts);
+        declaring.copyStatics(map, layer, statics, parts.base, cells, numbers, firsts);
+        declaring.draw("contour_chain.dynamics", fit, {map.depth, numbers, layer, false, false}, dynamics, cells,
+                       firsts);
     } else {
         const std::span<const Caster* const> casters = castersIn(task.casters->all, fit.volume, arena);
         const std::span<const Caster*> sorted = arena.array<const Caster*>(casters.size());

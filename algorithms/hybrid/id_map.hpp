@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 
+#include "algorithms/hybrid/candidate_occluder.hpp"
 #include "algorithms/hybrid/host_map.hpp"
 #include "algorithms/hybrid/map_texels.hpp"
-#include "algorithms/hybrid/witness.hpp"
 #include "algorithms/maps/depth_map.hpp"
 #include "runtime/algorithm.hpp"
 #include "runtime/scene/light_fit.hpp"

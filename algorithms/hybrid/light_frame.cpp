@@ -1,5 +1,5 @@
 // How a light sees a tile, and what the triangles of a caster are to it: set up once, in double precision, for the
-// kernels that take sixteen triangles at a time (lanes_volumes.inc).
+// kernels that take sixteen triangles at a time (simd_volumes.inc).
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -34,7 +34,7 @@ glm::dvec3 at(const float (&from)[3])
 
 } // namespace
 
-bool frameOf(const ShaftLight& light, const Hull& hull, lanes::LightFrame& frame)
+bool frameOf(const ShaftLight& light, const Hull& hull, simd::LightFrame& frame)
 {
     const glm::dvec3 way = light.directional ? light.toLight : light.position - hull.centre;
     const double distance = glm::length(way);
@@ -54,7 +54,7 @@ bool frameOf(const ShaftLight& light, const Hull& hull, lanes::LightFrame& frame
     return true;
 }
 
-lanes::FrameBounds boundsIn(const lanes::LightFrame& frame, const Hull& hull)
+simd::FrameBounds boundsIn(const simd::LightFrame& frame, const Hull& hull)
 {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     const glm::dvec3 centre = hull.centre - at(frame.centre);
@@ -74,7 +74,7 @@ lanes::FrameBounds boundsIn(const lanes::LightFrame& frame, const Hull& hull)
             upper[k] = std::max(upper[k], ahead || k == 2 ? place[k] : infinity);
         }
     }
-    lanes::FrameBounds bounds;
+    simd::FrameBounds bounds;
     for (int k = 0; k < 3; ++k) {
         const double grow = 4.0 * kFrameRoundings * std::max(std::abs(lower[k]), std::abs(upper[k]));
         bounds.lower[k] = static_cast<float>(lower[k] - grow);
@@ -83,12 +83,12 @@ lanes::FrameBounds boundsIn(const lanes::LightFrame& frame, const Hull& hull)
     return bounds;
 }
 
-lanes::TriangleLook lookOf(const ShaftLight& light, const Hull& hull, const lanes::LightFrame& frame,
-                           const ShaftCaster& caster)
+simd::TriangleLookup lookOf(const ShaftLight& light, const Hull& hull, const simd::LightFrame& frame,
+                            const ShaftCaster& caster)
 {
     // The frame's centre is the hull's, rounded; planes are asked relative to it.
     const glm::dvec3 centre = at(frame.centre);
-    lanes::TriangleLook look;
+    simd::TriangleLookup look;
     look.frame = frame;
     for (int column = 0; column < 3; ++column)
         for (int row = 0; row < 3; ++row)

@@ -16,7 +16,7 @@ struct Found {
     std::uint32_t layer = 0;
 };
 
-Found findInCube(const gpu::MapLook& look, glm::vec3 fromLight, glm::vec3 normalWs)
+Found findInCube(const gpu::MapLookup& look, glm::vec3 fromLight, glm::vec3 normalWs)
 {
     const std::uint32_t face = gpu::cubeFaceOf(fromLight);
     const glm::vec3 local = gpu::inCubeFace(face, fromLight), normal = gpu::inCubeFace(face, normalWs);
@@ -25,7 +25,7 @@ Found findInCube(const gpu::MapLook& look, glm::vec3 fromLight, glm::vec3 normal
             glm::vec2(normal) * (2.0f * look.slope / look.side), face};
 }
 
-Found findInPlane(const gpu::MapLook& look, const Receiver& receiver)
+Found findInPlane(const gpu::MapLookup& look, const Receiver& receiver)
 {
     return {look.clipOfEye + receiver.w * (look.clipFromRay * glm::vec4(receiver.viewRay, 0.0f)),
             glm::vec2(glm::dot(receiver.normal, glm::vec3(look.texelDx)),
@@ -37,7 +37,7 @@ Found findInPlane(const gpu::MapLook& look, const Receiver& receiver)
 MapTexels::MapTexels(const HostMap& map, const gpu::MapConstants& constants, bool cube, const Receiver& receiver)
     : map_(&map)
 {
-    const gpu::MapLook& look = constants.map;
+    const gpu::MapLookup& look = constants.map;
     const float w = receiver.w;
     const glm::vec3 fromLight = glm::vec3(look.eyeFromLight) + w * receiver.viewRay;
     const float offset = look.offset.x + w * (look.offset.y + w * look.offset.z);

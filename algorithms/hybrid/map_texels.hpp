@@ -8,7 +8,7 @@
 #include <glm/vec2.hpp>
 
 #include "algorithms/hybrid/receivers.hpp"
-#include "shaders/maps/map_look.h"
+#include "shaders/maps/map_lookup.h"
 
 namespace gnomon {
 

@@ -12,14 +12,14 @@ namespace {
 
 /// Receivers by the four texels around them.
 struct Voting {
-    using Places = lanes::MapPlaces;
+    using Places = simd::MapPlaces;
     const BlockReader& reader;
-    const lanes::MapLook& map;
-    const lanes::MapBytes& bytes;
+    const simd::MapLookup& map;
+    const simd::MapBytes& bytes;
 
     void place(std::uint32_t x, std::uint32_t y, Places& places) const { reader.place(x, y, map, places); }
     std::uint32_t answer(const Places& places, std::uint32_t, std::uint32_t,
-                         std::uint8_t (&answers)[lanes::kLanes]) const
+                         std::uint8_t (&answers)[simd::kLanes]) const
     {
         return reader.kernels().vote(map, places, bytes, answers);
     }
@@ -37,24 +37,24 @@ struct Nearest : Voting {
     Believed believed;
 
     std::uint32_t answer(const Places& places, std::uint32_t x, std::uint32_t y,
-                         std::uint8_t (&answers)[lanes::kLanes]) const
+                         std::uint8_t (&answers)[simd::kLanes]) const
     {
-        const lanes::MapLanes told = reader.kernels().nearest(map, places, bytes, answers);
+        const simd::MapLanes told = reader.kernels().nearest(map, places, bytes, answers);
         const std::uint32_t bits = ~told.asks | (believed == Believed::agreeing     ? told.agree
                                                  : believed == Believed::clearlyLit ? told.clearlyLit
                                                                                     : 0u);
         // Of a thread's own: blocks of one row of them are asked by one.
-        for (std::uint32_t row = 0; row < std::min(lanes::kBlockSide, settled.height - y); ++row)
-            put(settled.row(y + row)[x / 64], x % 64, bits >> row * lanes::kBlockSide & 0xfu);
+        for (std::uint32_t row = 0; row < std::min(simd::kBlockSide, settled.height - y); ++row)
+            put(settled.row(y + row)[x / 64], x % 64, bits >> row * simd::kBlockSide & 0xfu);
         return 0;
     }
 };
 
-constexpr lanes::MapBytes kReasonCodes{.outside = gpu::REASON_OUTSIDE,
-                                       .backfacing = gpu::REASON_BACKFACING,
-                                       .lit = gpu::REASON_TC_LIT,
-                                       .dark = gpu::REASON_TC_SHADOW,
-                                       .unsure = gpu::REASON_TC_LIT};
+constexpr simd::MapBytes kReasonCodes{.outside = gpu::REASON_OUTSIDE,
+                                      .backfacing = gpu::REASON_BACKFACING,
+                                      .lit = gpu::REASON_TC_LIT,
+                                      .dark = gpu::REASON_TC_SHADOW,
+                                      .unsure = gpu::REASON_TC_LIT};
 
 BlockReader readerOf(const MapQuestion& question, const HostContext& host)
 {
@@ -64,11 +64,11 @@ BlockReader readerOf(const MapQuestion& question, const HostContext& host)
 
 /// @param asked makes of a Voting what asks
 template <typename Asked>
-void answer(const MapQuestion& question, const lanes::MapBytes& told, bool reasons, const HostContext& host,
+void answer(const MapQuestion& question, const simd::MapBytes& told, bool reasons, const HostContext& host,
             std::span<std::uint8_t> bytes, Asked asked)
 {
     const BlockReader reader = readerOf(question, host);
-    const lanes::MapLook map = question.map.onHost(host, *question.constants);
+    const simd::MapLookup map = question.map.onHost(host, *question.constants);
     const BlockAsking asking{.view = *question.view,
                              .light = *question.light,
                              .host = host,
@@ -111,7 +111,7 @@ void votedPixels(const MapQuestion& question, bool reasons, const HostContext& h
     answer(question, reasons ? kReasonCodes : kVisibility, reasons, host, bytes, std::identity());
 }
 
-void nearestPixels(const MapQuestion& question, const lanes::MapBytes& told, const HostContext& host,
+void nearestPixels(const MapQuestion& question, const simd::MapBytes& told, const HostContext& host,
                    std::span<std::uint8_t> bytes, const BitRows& settled, Believed believed)
 {
     std::fill(settled.words.begin(), settled.words.end(), ~std::uint64_t{0}); // blocks that the light does not reach

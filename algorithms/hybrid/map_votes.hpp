@@ -8,7 +8,7 @@
 namespace gnomon {
 
 /// The bytes of visibility itself.
-inline constexpr lanes::MapBytes kVisibility{.outside = 255, .backfacing = 0, .lit = 255, .dark = 0, .unsure = 255};
+inline constexpr simd::MapBytes kVisibility{.outside = 255, .backfacing = 0, .lit = 255, .dark = 0, .unsure = 255};
 
 /// A map as a host pass asks it. The view's normals must be there.
 struct MapQuestion {
@@ -45,7 +45,7 @@ enum class Believed : std::uint8_t {
 /// What every pixel's own texel says.
 /// @param settled of the area's size: set where nothing is left to ask, at pixels that do not ask the map and at those
 /// of which the four texels around are believed
-void nearestPixels(const MapQuestion& question, const lanes::MapBytes& told, const HostContext& host,
+void nearestPixels(const MapQuestion& question, const simd::MapBytes& told, const HostContext& host,
                    std::span<std::uint8_t> bytes, const BitRows& settled, Believed believed);
 
 } // namespace gnomon

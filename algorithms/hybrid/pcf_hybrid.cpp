@@ -24,7 +24,7 @@ constexpr SettingSpec kSettings[] = {
 
 PipelineId classifyPipeline(const AlgorithmServices& services, bool cube, bool normals)
 {
-    const std::array bindings = lookBindings(cube);
+    const std::array bindings = lookupBindings(cube);
     GraphicsPipelineInfo pipeline;
     pipeline.name = "pcf_hybrid.classify";
     pipeline.vertex.code = k_maps_map_resolve_vert;
@@ -78,9 +78,9 @@ private:
     void declareClassify(PassBuilder& passes, const ShadowTask& task, ImageId map,
                          const gpu::HybridConstants* constants) const
     {
-        const LookImages look(task, map);
+        const LookupImages look(task, map);
         const PipelineId pipeline = classify_[task.light->type == GN_LIGHT_TYPE_POINT][look.hasNormals];
-        LookPass(passes, task, "pcf_hybrid.classify", look).record([=](PassContext& gpu) {
+        LookupPass(passes, task, "pcf_hybrid.classify", look).record([=](PassContext& gpu) {
             gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
                                 gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
         });

@@ -52,7 +52,7 @@ LightView lightFrom(const LightView& light, glm::vec2 point)
 }
 
 ImageId declarePointMaps(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
-                         std::uint32_t resolution, std::span<gpu::MapLook, kLightPoints> looks)
+                         std::uint32_t resolution, std::span<gpu::MapLookup, kLightPoints> looks)
 {
     FrameArena& arena = passes.arena();
     KeptMap map(passes, {.name = "point_maps.depth",
@@ -68,7 +68,7 @@ ImageId declarePointMaps(PassBuilder& passes, const DepthMapPipelines& pipelines
         const LightFit& fit = *fitDepthMap(pipelines.clamped, from, resolution, arena);
         const LayerContent content =
             layerContent(*task.light, castersIn(task.casters->statics, fit.volume, arena),
-                         castersIn(task.casters->movings, fit.volume, arena), Stamp().add(fit.clipFromWorld).value());
+                         castersIn(task.casters->dynamics, fit.volume, arena), Stamp().add(fit.clipFromWorld).value());
         map.update(i, kPointNames[i], content, DepthCasters(pipelines, fit, from, resolution, arena));
         gpu::MapConstants constants = mapConstants(from, resolution, 1);
         addProjection(constants, fit, from);

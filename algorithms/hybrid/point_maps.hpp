@@ -5,7 +5,7 @@
 
 #include "algorithms/hybrid/light_disc.hpp"
 #include "algorithms/maps/depth_map.hpp"
-#include "algorithms/maps/map_look.hpp"
+#include "algorithms/maps/map_lookup.hpp"
 #include "shaders/hybrid/eight_point.h"
 
 namespace gnomon {
@@ -30,8 +30,8 @@ struct PointDisc {
 LightView lightFrom(const LightView& light, glm::vec2 point);
 
 /// Declares what is missing of the layers, of kMapFormat and resolution x resolution, and adds to `looks` how the
-/// view's receivers are found in each (map_look.h). The light is directional or spot.
+/// view's receivers are found in each (map_lookup.h). The light is directional or spot.
 ImageId declarePointMaps(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
-                         std::uint32_t resolution, std::span<gpu::MapLook, kLightPoints> looks);
+                         std::uint32_t resolution, std::span<gpu::MapLookup, kLightPoints> looks);
 
 } // namespace gnomon

@@ -67,10 +67,10 @@ void Hull::turn(glm::dvec3 normals, glm::dvec3 row)
     axis[1] = glm::cross(axis[2], axis[0]);
 }
 
-bool hullOf(const lanes::Kernels& kernels, const lanes::Block* blocks, std::uint32_t count, glm::vec3 row, Hull& hull)
+bool hullOf(const simd::Kernels& kernels, const simd::Block* blocks, std::uint32_t count, glm::vec3 row, Hull& hull)
 {
     glm::dvec3 normal(0.0);
-    const lanes::Block* first = nullptr;
+    const simd::Block* first = nullptr;
     hull.largestOffset = 0.0;
     bool finite = true;
     for (std::uint32_t i = 0; i < count; ++i) {

@@ -8,7 +8,7 @@
 #include <glm/mat3x3.hpp>
 
 #include "algorithms/hybrid/float4.hpp"
-#include "algorithms/hybrid/lanes.hpp"
+#include "algorithms/hybrid/simd_kernels.hpp"
 #include "algorithms/hybrid/spread.hpp"
 #include "runtime/rays/ray_scene.hpp"
 #include "runtime/rays/triangle_tree.hpp"
@@ -44,7 +44,7 @@ struct Hull {
 };
 
 /// The hull of the blocks' rays; false where none asks or one is not a number. @param row direction of pixel rows
-bool hullOf(const lanes::Kernels& kernels, const lanes::Block* blocks, std::uint32_t count, glm::vec3 row, Hull& hull);
+bool hullOf(const simd::Kernels& kernels, const simd::Block* blocks, std::uint32_t count, glm::vec3 row, Hull& hull);
 
 /// Everything between a hull and the light lies inside of all planes.
 struct Shaft {
@@ -97,12 +97,12 @@ struct MeshShaft {
 };
 
 /// How the light sees a hull; false where the light is within it, or beside.
-bool frameOf(const ShaftLight& light, const Hull& hull, lanes::LightFrame& frame);
+bool frameOf(const ShaftLight& light, const Hull& hull, simd::LightFrame& frame);
 /// A hull's bounds in a frame of its light.
-lanes::FrameBounds boundsIn(const lanes::LightFrame& frame, const Hull& hull);
+simd::FrameBounds boundsIn(const simd::LightFrame& frame, const Hull& hull);
 
 /// What the triangles of one caster are to a tile.
-lanes::TriangleLook lookOf(const ShaftLight& light, const Hull& hull, const lanes::LightFrame& frame,
-                           const ShaftCaster& caster);
+simd::TriangleLookup lookOf(const ShaftLight& light, const Hull& hull, const simd::LightFrame& frame,
+                            const ShaftCaster& caster);
 
 } // namespace gnomon

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#if GNOMON_LANES_X86
+#if GNOMON_SIMD_X86
 #include <cpuid.h>
 #endif
 
@@ -13,9 +13,9 @@
 
 namespace gnomon {
 
-using namespace lanes;
+using namespace simd;
 
-#if GNOMON_LANES_X86
+#if GNOMON_SIMD_X86
 namespace {
 
 /// No feature string of clang 14's __builtin_cpu_supports().
@@ -32,13 +32,13 @@ std::span<const Kernels* const> kernelsHere()
 {
     static constexpr const Kernels* kAll[] = {
         &kBaseline,
-#if GNOMON_LANES_X86
+#if GNOMON_SIMD_X86
         &kAvx2,
         &kAvx512
 #endif
     };
     std::size_t count = 1;
-#if GNOMON_LANES_X86
+#if GNOMON_SIMD_X86
     if (rules::isSupported(rules::InstructionSet::Avx2) && hasF16c()) count = 2;
     if (count == 2 && rules::isSupported(rules::InstructionSet::Avx512)) count = 3;
 #endif
@@ -207,14 +207,14 @@ void BlockReader::readSummed(std::uint32_t x, std::uint32_t y, Block& block) con
     kernels_.summedReceivers(constants_, read, block);
 }
 
-void BlockReader::place(std::uint32_t x, std::uint32_t y, const MapLook& map, MapPlaces& places) const
+void BlockReader::place(std::uint32_t x, std::uint32_t y, const MapLookup& map, MapPlaces& places) const
 {
     Texels read;
     texels(x, y, read);
     kernels_.place(constants_, read, map, places);
 }
 
-void BlockReader::place(std::uint32_t x, std::uint32_t y, const ConservativeLook& look, LayerPlaces& places) const
+void BlockReader::place(std::uint32_t x, std::uint32_t y, const ConservativeLookup& look, LayerPlaces& places) const
 {
     Texels read;
     texels(x, y, read);

@@ -7,7 +7,7 @@
 
 namespace gnomon {
 
-using namespace lanes;
+using namespace simd;
 
 namespace {
 
@@ -202,7 +202,7 @@ void TileSearch::inSixteens(std::span<const Item> items, const Hull& hull, Take 
     for (std::size_t i = 0; i < items.size();) {
         const std::uint32_t index = items[i].caster;
         const ShaftCaster& caster = scene_.casters[index];
-        const TriangleLook look = lookOf(scene_.light, hull, frame_, caster);
+        const TriangleLookup look = lookOf(scene_.light, hull, frame_, caster);
         std::uint32_t filled = 0;
         for (; i < items.size() && items[i].caster == index; ++i) {
             if (items[i].node == kLoose) continue;
@@ -229,7 +229,7 @@ TileSearch::Found TileSearch::volumesOf(std::span<const Item> items, const Hull&
 {
     Found found = Found::volumes;
     listCount_ = 0;
-    inSixteens(items, hull, [&](const TriangleLook& look, const Corners& corners, std::uint32_t lanes) {
+    inSixteens(items, hull, [&](const TriangleLookup& look, const Corners& corners, std::uint32_t lanes) {
         if (listCount_ == kVolumes) {
             found = Found::tooMany;
             return false;
@@ -265,7 +265,7 @@ bool TileSearch::hiddenByOne(std::span<const Item> items, const Hull& hull, cons
     std::uint32_t covering = 0;
     ShadowVolumes scratch;
     inSixteens(items_.subspan(first, itemCount_ - first), hull,
-               [&](const TriangleLook& look, const Corners& corners, std::uint32_t lanes) {
+               [&](const TriangleLookup& look, const Corners& corners, std::uint32_t lanes) {
                    scene_.kernels->volumes(look, corners, lanes, scratch, covering);
                    return covering == 0;
                });

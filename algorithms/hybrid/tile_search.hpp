@@ -12,13 +12,13 @@ namespace gnomon {
 /// The casters of a light in this frame; the same for all tiles.
 struct ShaftScene {
     ShaftLight light;
-    const lanes::Kernels* kernels = nullptr;
+    const simd::Kernels* kernels = nullptr;
     std::span<const ShaftCaster> casters;
     std::span<const TriangleTree::Node> boxes; ///< World bounds of the casters, four to a node; child: the caster.
     glm::vec3 row{1.0f, 0.0f, 0.0f};           ///< Direction of pixel rows.
     CasterReach largest;                       ///< Of all casters, part by part.
 
-    ShaftScene(const lanes::Kernels& kernels, const LightView& light, std::span<const Caster* const> all,
+    ShaftScene(const simd::Kernels& kernels, const LightView& light, std::span<const Caster* const> all,
                glm::vec3 rowDirection, FrameArena& arena);
 };
 
@@ -30,7 +30,7 @@ public:
     virtual void wanted(std::uint32_t /*firstBlock*/, std::uint32_t /*count*/) {} ///< Before blocks are looked at.
     virtual void dark(std::uint32_t firstBlock, std::uint32_t count) = 0;         ///< Every pixel that asks.
     /// What is known of one block's lanes; unsure ones want a ray.
-    virtual void lanes(std::uint32_t block, lanes::LaneStates states) = 0;
+    virtual void lanes(std::uint32_t block, simd::LaneStates states) = 0;
 
 protected:
     ~TileAnswers() = default;
@@ -43,7 +43,7 @@ public:
 
     /// Searches for a tile of `count` blocks in Z order, count a power of four. Pixels that ask and of which nothing is
     /// reported are lit.
-    void run(std::span<const lanes::Block> blocks, TileAnswers& answers);
+    void run(std::span<const simd::Block> blocks, TileAnswers& answers);
 
 private:
     /// Children of a tree's node that may touch a shaft.
@@ -54,7 +54,7 @@ private:
         std::uint32_t first, count; ///< Blocks.
     };
 
-    using VolumeList = std::span<const lanes::VolumeBits>;
+    using VolumeList = std::span<const simd::VolumeBits>;
     enum class Found : std::uint8_t { volumes, covered, tooMany };
 
     /// @param rays set to how many the tile asks for, where it has a hull
@@ -75,21 +75,21 @@ private:
 
     void decide(Tile tile, std::size_t rays, const Hull& hull, std::span<const Item> items, bool leaves);
     void searchVolumes(Tile tile, VolumeList above);
-    lanes::FrameBounds boundsOf(Tile part);
+    simd::FrameBounds boundsOf(Tile part);
 
     const ShaftScene& scene_;
-    std::span<const lanes::Block> blocks_;
+    std::span<const simd::Block> blocks_;
     TileAnswers* answers_ = nullptr;
     std::span<Item> items_; ///< A stack: lists of the tiles from the root down to the one at work.
     std::size_t itemCount_ = 0;
     bool overflow_ = false;
 
     // Of the one tile that has volumes.
-    lanes::LightFrame frame_{};
-    std::span<lanes::ShadowVolumes> volumes_;
-    std::span<lanes::VolumeBits> lists_; ///< A stack as items_.
+    simd::LightFrame frame_{};
+    std::span<simd::ShadowVolumes> volumes_;
+    std::span<simd::VolumeBits> lists_; ///< A stack as items_.
     std::size_t listCount_ = 0;
-    std::span<lanes::FrameBounds> bounds_; ///< Of blocks, those whose bit says so.
+    std::span<simd::FrameBounds> bounds_; ///< Of blocks, those whose bit says so.
     std::uint64_t bounded_[4]{};
 };
 

@@ -8,7 +8,7 @@
 
 #include "algorithms/hybrid/block_rays.hpp"
 #include "algorithms/hybrid/host_visibility.hpp"
-#include "algorithms/hybrid/receiver_hulls.hpp"
+#include "algorithms/hybrid/receiver_pyramid.hpp"
 #include "algorithms/hybrid/tile_search.hpp"
 #include "algorithms/hybrid/undecided.hpp"
 
@@ -16,9 +16,9 @@ namespace gnomon {
 
 namespace {
 
-using lanes::Block;
-using lanes::kBlockSide;
-using lanes::kLanes;
+using simd::Block;
+using simd::kBlockSide;
+using simd::kLanes;
 
 enum Setting { kTile, kReasons };
 
@@ -96,7 +96,7 @@ public:
 
 private:
     void dark(std::uint32_t firstBlock, std::uint32_t count) override;
-    void lanes(std::uint32_t block, lanes::LaneStates states) override;
+    void lanes(std::uint32_t block, simd::LaneStates states) override;
     bool knownHull(std::uint32_t firstBlock, std::uint32_t count, Hull& hull) override;
     void wanted(std::uint32_t firstBlock, std::uint32_t count) override;
     void tile(std::uint32_t left, std::uint32_t top);
@@ -109,7 +109,7 @@ private:
     const BlockReader& reader_;
     const Bytes bytes_;
     const SquareAnswers squares_;
-    const HullPyramid pyramid_;
+    const ReceiverPyramid pyramid_;
     const std::span<const ReceiverSquare> hulls_;
     TileSearch search_;
     std::span<Block> blocks_;
@@ -140,7 +140,7 @@ void TileRows::read()
         if (x >= extent.width || y >= extent.height) continue;
         reader_.readSummed(x, y, block);
         std::uint8_t bytes[kLanes];
-        std::memset(bytes, before[lanes::kRay], kLanes);
+        std::memset(bytes, before[simd::kRay], kLanes);
         if (block.rays != kLanes)
             for (std::uint32_t lane = 0; lane < kLanes; ++lane)
                 bytes[lane] = before[block.asked[lane]];
@@ -152,7 +152,7 @@ void TileRows::read()
 bool TileRows::knownHull(std::uint32_t firstBlock, std::uint32_t count, Hull& hull)
 {
     const std::uint32_t side = kBlockSide << std::countr_zero(count) / 2;
-    if (!allAsk_ || side < HullPyramid::kSmallest) return false;
+    if (!allAsk_ || side < ReceiverPyramid::kSmallest) return false;
     const std::uint32_t x = left_ + everyOtherBit(firstBlock) * kBlockSide;
     const std::uint32_t y = top_ + everyOtherBit(firstBlock >> 1) * kBlockSide;
     const ReceiverSquare& square = hulls_[pyramid_.index(side, x, y)];
@@ -187,7 +187,7 @@ void TileRows::tile(std::uint32_t left, std::uint32_t top)
     using Answer = SquareAnswers::Answer;
     left_ = left;
     top_ = top;
-    const bool known = !hulls_.empty() && job_.tile >= HullPyramid::kSmallest;
+    const bool known = !hulls_.empty() && job_.tile >= ReceiverPyramid::kSmallest;
     const Answer answer = known ? squares_.of(hulls_[pyramid_.index(job_.tile, left, top)]) : Answer::mixed;
     allAsk_ = answer == Answer::rays;
     if (answer == Answer::mixed) {
@@ -216,18 +216,18 @@ void TileRows::dark(std::uint32_t firstBlock, std::uint32_t count)
         for (std::uint32_t row = 0; row < kBlockSide && block.rays != 0; ++row) {
             std::uint8_t* first = &rows_[rowAt(i) + row * stride_];
             for (std::uint32_t x = 0; x < kBlockSide; ++x)
-                if (block.rays == kLanes || block.asked[row * kBlockSide + x] == lanes::kRay) first[x] = byte;
+                if (block.rays == kLanes || block.asked[row * kBlockSide + x] == simd::kRay) first[x] = byte;
         }
     }
 }
 
-void TileRows::lanes(std::uint32_t block, lanes::LaneStates states)
+void TileRows::lanes(std::uint32_t block, simd::LaneStates states)
 {
     const std::size_t first = rowAt(block);
     const Block& from = blocks_[block];
     std::uint32_t asking = 0;
     for (std::uint32_t lane = 0; lane < kLanes; ++lane)
-        asking |= from.asked[lane] == lanes::kRay ? 1u << lane : 0u;
+        asking |= from.asked[lane] == simd::kRay ? 1u << lane : 0u;
     for (std::uint32_t inside = states.inside & asking; inside != 0; inside &= inside - 1) {
         const auto lane = static_cast<std::uint32_t>(std::countr_zero(inside));
         rows_[first + lane / kBlockSide * stride_ + lane % kBlockSide] = bytes_.of[gpu::REASON_TILE_SHADOW];
@@ -276,19 +276,20 @@ BufferId declareReceiverSquares(PassBuilder& passes, const ShadowTask& task, Buf
 {
     if (!normals) return {};
     const CameraView* view = task.view;
-    const HullPyramid pyramid(view->area.extent);
-    const BufferId hulls = passes.transient(BufferInfo{.name = "view.receiver_hulls",
+    const ReceiverPyramid pyramid(view->area.extent);
+    const BufferId hulls = passes.transient(BufferInfo{.name = "view.receiver_pyramid",
                                                        .scope = Scope::view,
                                                        .size = pyramid.count() * sizeof(ReceiverSquare),
                                                        .place = BufferPlace::readback});
-    PassRef host = passes.host("view.receiver_hulls", Scope::view);
+    PassRef host = passes.host("view.receiver_pyramid", Scope::view);
     host.reads(depth).reads(normals).writes(hulls).run([=](HostContext& context) {
         const SquareMaker maker(widestKernels(), *view, context.read<float>(depth), context.read<std::byte>(normals),
                                 context.write<ReceiverSquare>(hulls));
-        const std::uint32_t rows = (view->area.extent.height + HullPyramid::kLargest - 1) / HullPyramid::kLargest;
+        const std::uint32_t rows =
+            (view->area.extent.height + ReceiverPyramid::kLargest - 1) / ReceiverPyramid::kLargest;
         context.jobs->parallelFor(rows, 1, [&](std::size_t begin, std::size_t end, std::uint32_t) {
             for (std::size_t row = begin; row < end; ++row)
-                maker.row(static_cast<std::uint32_t>(row) * HullPyramid::kLargest);
+                maker.row(static_cast<std::uint32_t>(row) * ReceiverPyramid::kLargest);
         });
     });
     return hulls;

@@ -10,8 +10,8 @@ namespace gnomon {
 
 namespace {
 
-using lanes::kBlockSide;
-using lanes::kLanes;
+using simd::kBlockSide;
+using simd::kLanes;
 
 /// The bytes of visibility that a pixel can show.
 struct Shades {
@@ -36,7 +36,7 @@ struct TraceJob {
 constexpr std::uint32_t kBlocks = 16;
 
 /// Writes what is known of a block's pixels. @param packet its rays, answered @param first of its pixels in rows
-void show(const Shades& shades, const lanes::Block& block, const RayPacket& packet, std::uint8_t* first,
+void show(const Shades& shades, const simd::Block& block, const RayPacket& packet, std::uint8_t* first,
           std::uint32_t stride)
 {
     const std::uint32_t lit = shades.lit, dark = shades.dark;
@@ -48,7 +48,7 @@ void show(const Shades& shades, const lanes::Block& block, const RayPacket& pack
     for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
         const std::uint32_t said = (ends[lane] & packet.there[lane]) < 0 ? occluded : unoccluded;
         const std::uint32_t asked = block.asked[lane];
-        words[lane] = asked == lanes::kRay ? said : asked == lanes::kDark ? dark : lit;
+        words[lane] = asked == simd::kRay ? said : asked == simd::kDark ? dark : lit;
     }
     std::uint8_t bytes[kLanes];
     for (std::uint32_t lane = 0; lane < kLanes; ++lane)
@@ -61,7 +61,7 @@ void show(const Shades& shades, const lanes::Block& block, const RayPacket& pack
 void traceBlocks(const TraceJob& job, const HostContext& host, const BlockReader& reader, const AskedPixels& asked,
                  std::uint32_t top, std::span<std::uint8_t> rows, std::uint32_t stride)
 {
-    lanes::Block blocks[kBlocks];
+    simd::Block blocks[kBlocks];
     RayPacket packets[kBlocks] = {};
     std::uint32_t packetOf[kBlocks] = {}; // any, of a block without rays
     for (std::uint32_t left = asked.left; left < asked.right; left += kBlocks * kBlockSide) {

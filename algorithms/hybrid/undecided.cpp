@@ -149,7 +149,7 @@ void HardRays::askTile(std::span<const std::uint32_t> pixels, std::uint32_t firs
     const std::uint32_t tile = tileOf(pixels[0]);
     const std::uint32_t left = gpu::pixelX(tile) * kTile, top = gpu::pixelY(tile) * kTile;
     const VkOffset2D& from = source_.view.area.offset;
-    lanes::Block block;
+    simd::Block block;
     source_.blocks.read(left, top, block);
     RayPacket& packet = packets_[packetCount_];
     source_.blocks.pack(block, packet);
@@ -161,8 +161,8 @@ void HardRays::askTile(std::span<const std::uint32_t> pixels, std::uint32_t firs
         const std::uint32_t lane = y * kTile + x;
         lanes_[packetCount_][i] = static_cast<std::uint8_t>(lane);
         wanted[lane] = -1;
-        bytes_[first + i] = block.asked[lane] == lanes::kDark ? dark_ : lit_;
-        rays += block.asked[lane] == lanes::kRay;
+        bytes_[first + i] = block.asked[lane] == simd::kDark ? dark_ : lit_;
+        rays += block.asked[lane] == simd::kRay;
     }
     for (std::uint32_t lane = 0; lane < RayPacket::kWidth; ++lane)
         packet.there[lane] &= wanted[lane];

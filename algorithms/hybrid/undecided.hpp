@@ -10,7 +10,7 @@
 #include <span>
 
 #include "algorithms/hybrid/host_visibility.hpp"
-#include "algorithms/hybrid/near_cut.hpp"
+#include "algorithms/hybrid/near_clip.hpp"
 #include "shaders/hybrid/reasons.h"
 
 namespace gnomon {
@@ -47,7 +47,7 @@ void traceReasons(const UndecidedSource& source, std::span<const std::uint32_t> 
 /// A byte of the deciding pass that is taken for UNDECIDED where receivers may lie inside of casters.
 struct Doubt {
     std::uint8_t byte = gpu::UNDECIDED;
-    NearCut where;
+    NearClipRegion where;
 };
 
 /// Declares what comes after the pass that wrote the task's visibility with UNDECIDED bytes in it.

@@ -79,7 +79,7 @@ private:
             const LightFit& fit = cascade.fit;
             const std::uint64_t projection = Stamp().add(fit.clipFromWorld).value();
             const LayerContent content = layerContent(*task.light, castersIn(task.casters->statics, fit.volume, arena),
-                                                      castersIn(task.casters->movings, fit.volume, arena), projection);
+                                                      castersIn(task.casters->dynamics, fit.volume, arena), projection);
             map.update(cascade.layer, kNames[cascade.layer], content,
                        DepthCasters(casters_, fit, task, resolution, arena));
             map_.clipFromWorld[cascade.layer] = fit.clipFromWorld;

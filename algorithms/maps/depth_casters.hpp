@@ -4,7 +4,7 @@
 #include "algorithms/common/kept_map.hpp"
 #include "algorithms/maps/box_cells.hpp"
 #include "algorithms/maps/depth_map.hpp"
-#include "algorithms/maps/map_look.hpp"
+#include "algorithms/maps/map_lookup.hpp"
 #include "runtime/scene/bias.hpp"
 
 namespace gnomon {

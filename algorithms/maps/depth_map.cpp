@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "algorithms/maps/depth_casters.hpp"
-#include "algorithms/maps/map_look.hpp"
+#include "algorithms/maps/map_lookup.hpp"
 #include "shaders/maps_depth_map_vert.h"
 
 namespace gnomon {
@@ -97,7 +97,7 @@ DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines
                          .resolution = resolution});
     const std::uint64_t projection = Stamp().add(fit->clipFromWorld).value();
     const LayerContent content = layerContent(*task.light, castersIn(task.casters->statics, fit->volume, arena),
-                                              castersIn(task.casters->movings, fit->volume, arena), projection);
+                                              castersIn(task.casters->dynamics, fit->volume, arena), projection);
     const KeptParts parts = map.update(0, kNames, content, DepthCasters(pipelines, *fit, task, resolution, arena));
     return {map.image(), fit, resolution, content.stamp, parts};
 }

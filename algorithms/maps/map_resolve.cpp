@@ -6,7 +6,7 @@
 
 namespace gnomon {
 
-std::array<BindingInfo, 4> lookBindings(bool layers)
+std::array<BindingInfo, 4> lookupBindings(bool layers)
 {
     return {{{.binding = 0, .kind = BindingKind::constants},
              {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
@@ -19,19 +19,19 @@ std::array<BindingInfo, 4> lookBindings(bool layers)
               .powerOfTwo = true}}};
 }
 
-LookImages::LookImages(const ShadowTask& task, ImageId mapImage)
+LookupImages::LookupImages(const ShadowTask& task, ImageId mapImage)
     : depth(task.depth), normals(task.normals ? task.normals : task.depth), map(mapImage),
       hasNormals(static_cast<bool>(task.normals))
 {
 }
 
-void LookImages::uses(PassRef& pass) const
+void LookupImages::uses(PassRef& pass) const
 {
     pass.samples(depth).samples(map);
     if (hasNormals) pass.samples(normals);
 }
 
-LookPass::LookPass(PassBuilder& passes, const ShadowTask& task, const char* name, const LookImages& look)
+LookupPass::LookupPass(PassBuilder& passes, const ShadowTask& task, const char* name, const LookupImages& look)
     : uses(passes.raster(name)), pixels_(lightPixels(*task.light, *task.view))
 {
     const VkRect2D& area = task.view->area;
@@ -42,7 +42,7 @@ LookPass::LookPass(PassBuilder& passes, const ShadowTask& task, const char* name
 
 MapResolve::MapResolve(const AlgorithmServices& services, const MapResolveInfo& info) : info_(info)
 {
-    const std::array bindings = lookBindings(info.layers);
+    const std::array bindings = lookupBindings(info.layers);
     GraphicsPipelineInfo pipeline;
     pipeline.name = info.name;
     pipeline.vertex.code = k_maps_map_resolve_vert;

@@ -3,16 +3,16 @@
 #include <array>
 #include <span>
 
-#include "algorithms/maps/map_look.hpp"
+#include "algorithms/maps/map_lookup.hpp"
 
 namespace gnomon {
 
 /// What every look-up in a map reads, as map_receiver.glsl has it: 0 constants, 2 depth, 3 normals, 4 the map.
-std::array<BindingInfo, 4> lookBindings(bool layers);
+std::array<BindingInfo, 4> lookupBindings(bool layers);
 
 /// The images behind bindings 2 to 4.
-struct LookImages {
-    LookImages(const ShadowTask& task, ImageId map);
+struct LookupImages {
+    LookupImages(const ShadowTask& task, ImageId map);
     void uses(PassRef& pass) const;
 
     ImageId depth, normals, map; ///< A shader variant without normals never reads them, but needs an image: depth.
@@ -21,9 +21,9 @@ struct LookImages {
 
 /// The full-screen pass that asks a map: it writes the task's layer of visibility where the light reaches pixels, and
 /// what is not asked is lit.
-class LookPass {
+class LookupPass {
 public:
-    LookPass(PassBuilder& passes, const ShadowTask& task, const char* name, const LookImages& look);
+    LookupPass(PassBuilder& passes, const ShadowTask& task, const char* name, const LookupImages& look);
 
     PassRef uses; ///< For what the shader uses beside the look's images.
 
@@ -60,10 +60,10 @@ public:
     void declare(PassBuilder& passes, const ShadowTask& task, ImageId map, const Constants& constants,
                  bool filtered) const
     {
-        const LookImages look(task, map);
+        const LookupImages look(task, map);
         const PipelineId pipeline = pipelines_[look.hasNormals][filtered];
         const Constants* block = passes.arena().make(constants);
-        LookPass(passes, task, info_.name, look).record([=](PassContext& gpu) {
+        LookupPass(passes, task, info_.name, look).record([=](PassContext& gpu) {
             gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
                                 gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
         });

@@ -1,7 +1,7 @@
 #include "algorithms/omni/cube_faces.hpp"
 
 #include "algorithms/maps/depth_casters.hpp"
-#include "algorithms/maps/map_look.hpp"
+#include "algorithms/maps/map_lookup.hpp"
 #include "algorithms/omni/frusta.hpp"
 
 namespace gnomon {
@@ -60,7 +60,7 @@ CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, 
         const std::uint64_t projection = Stamp().add(faces[face].nearWs).add(faces[face].farWs).value();
         const LayerContent content =
             layerContent(*task.light, castersIn(task.casters->statics, faces[face].volume, arena),
-                         castersIn(task.casters->movings, faces[face].volume, arena), projection);
+                         castersIn(task.casters->dynamics, faces[face].volume, arena), projection);
         stamps[face] = content.stamp;
         parts[face] =
             map.update(face, kFaceNames[face], content, DepthCasters(pipelines, faces[face], task, resolution, arena));

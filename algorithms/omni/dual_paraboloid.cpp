@@ -187,19 +187,19 @@ private:
                              .layers = 2});
         HalfDraw draw{.pipelines = pipelines_,
                       .push = {glm::vec4(light.position(), 1.0f / farWs), discRadius, 0},
-                      .cut = {cutter_.declare(passes, light, task.casters->movings, 1, resolution),
+                      .cut = {cutter_.declare(passes, light, task.casters->dynamics, 1, resolution),
                               cutter_.declare(passes, light, task.casters->statics, 0, resolution)},
                       .fine = {}};
         const float past = 1.0f - discRadius; // sine of the angle past the rim that the border shows, and more
         for (std::uint32_t hemi = 0; hemi < 2; ++hemi) {
             if ((needed >> hemi & 1) == 0) continue;
             const auto statics = castersInHalf(task.casters->statics, light.position(), hemi, past, arena);
-            const auto movings = castersInHalf(task.casters->movings, light.position(), hemi, past, arena);
+            const auto dynamics = castersInHalf(task.casters->dynamics, light.position(), hemi, past, arena);
             draw.push.hemi = hemi;
-            draw.fine[0] = fineOnes(movings, light, resolution, arena);
+            draw.fine[0] = fineOnes(dynamics, light, resolution, arena);
             draw.fine[1] = fineOnes(statics, light, resolution, arena);
             const std::uint64_t projection = Stamp().add(farWs).value();
-            map.update(hemi, kHalfNames[hemi], layerContent(light, statics, movings, projection), draw);
+            map.update(hemi, kHalfNames[hemi], layerContent(light, statics, dynamics, projection), draw);
         }
         return map.image();
     }

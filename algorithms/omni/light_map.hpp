@@ -4,7 +4,7 @@
 #include <span>
 
 #include "algorithms/maps/depth_map.hpp"
-#include "algorithms/maps/map_look.hpp"
+#include "algorithms/maps/map_lookup.hpp"
 
 namespace gnomon {
 

@@ -81,7 +81,7 @@ VolumePlan* planEdges(PassBuilder& passes, const ShadowTask& task, const ViewSte
     const bool zFailForAll = task.settings[kZFail] != 0.0;
     MeshLists lists(passes, task.casters->all.size());
     const auto seen = [&](const Aabb& box) { return shadowTouches(box, *task.light, task.view->frustum); };
-    for (const std::span<const Caster* const> casters : {task.casters->statics, task.casters->movings}) {
+    for (const std::span<const Caster* const> casters : {task.casters->statics, task.casters->dynamics}) {
         for (const VolumeSource& source : volumesOf(passes.arena(), casters, *task.light)) {
             VolumeDraw draw{.source = source, .bounds = source.bounds()};
             if (!seen(draw.bounds)) continue;

@@ -67,7 +67,7 @@ struct Plan {
 PipelineId classifyPipeline(const AlgorithmServices& services, bool cube, bool normals, bool widened)
 {
     BindingInfo bindings[5];
-    std::ranges::copy(lookBindings(cube), bindings);
+    std::ranges::copy(lookupBindings(cube), bindings);
     bindings[4] = {.binding = 5, .kind = BindingKind::storageBuffer};
     const VkStencilOpState mark{.failOp = VK_STENCIL_OP_KEEP,
                                 .passOp = VK_STENCIL_OP_KEEP,
@@ -264,7 +264,7 @@ private:
         passes.transfer("chan_durand.clear").writes(cells).record([=](PassContext& gpu) {
             gpu.vk->vkCmdFillBuffer(gpu.cmd, gpu.buffer(cells), 0, VK_WHOLE_SIZE, 0);
         });
-        const LookImages look(task, plan.map.image);
+        const LookupImages look(task, plan.map.image);
         const bool cube = task.light->type == GN_LIGHT_TYPE_POINT, widened = plan.constants.widen > 0;
         const PipelineId pipeline = pipelines_.classify[cube][look.hasNormals][widened];
         const VkRect2D& area = task.view->area;

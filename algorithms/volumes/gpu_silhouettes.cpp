@@ -165,7 +165,7 @@ void declareTopology(PassBuilder& passes, Layout& layout, std::uint32_t variant)
 const char* refusesGpuSides(const DeviceTable& vk, const ShadowTask& task)
 {
     if (const char* reason = refusesReadSides(vk, task)) return reason;
-    for (const std::span<const Caster* const> casters : {task.casters->statics, task.casters->movings})
+    for (const std::span<const Caster* const> casters : {task.casters->statics, task.casters->dynamics})
         if (!fitsBinding(vk, topologyBytes(casters)))
             return "the casters in range have more topology than a storage buffer holds";
     return nullptr;

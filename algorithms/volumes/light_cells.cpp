@@ -7,14 +7,14 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "algorithms/maps/map_look.hpp"
+#include "algorithms/maps/map_lookup.hpp"
 
 namespace gnomon {
 
 namespace {
 
 // The box and the casters in it are floats that count from the frame's origin: eight units in the last place of the
-// largest, as for receivers (map_look.cpp).
+// largest, as for receivers (map_lookup.cpp).
 constexpr double kCoordinateError = 0x1p-21;
 
 /// Bounds of a box in a fit's clip space; depth from 0 near.
@@ -30,8 +30,8 @@ double largest(const Aabb& box)
     return std::max({size.x, size.y, size.z});
 }
 
-/// As the shader looks receivers up: about the light, and with depth made of clip w alone (mapDepth(), map_look.h). One
-/// from a clip z of its own, or about the origin, would round apart from it, by metres where the near end is close.
+/// As the shader looks receivers up: about the light, and with depth made of clip w alone (mapDepth(), map_lookup.h).
+/// One from a clip z of its own, or about the origin, would round apart from it, by metres where the near end is close.
 Projected project(const LightFit& fit, const LightView& light, const Aabb& box)
 {
     const MapProjection map = mapProjection(fit, light);

@@ -20,7 +20,7 @@ VolumeCullPipelines makeVolumeCullPipelines(const AlgorithmServices& services);
 struct CulledList {
     std::uint32_t index = 0;                            ///< In VolumePlan::lists: 0 static casters, 1 moving ones.
     std::uint64_t stamp = 0;                            ///< Of the light and the casters of the list.
-    std::uint32_t variant = 0;                          ///< Tells a light's lists apart.
+    std::uint32_t variant = 0;                          ///< Distinguishes a light's lists.
     std::span<const StaticVolumes::Occluder> occluders; ///< Of the first list alone; by position in it.
 };
 

@@ -285,7 +285,7 @@ void drawVolumes(PassContext& gpu, const VolumePlan& plan, const VolumePipelines
 const char* refusesReadSides(const DeviceTable& vk, const ShadowTask& task)
 {
     const bool fits =
-        fitsBinding(vk, sidesBytes(task.casters->statics)) && fitsBinding(vk, sidesBytes(task.casters->movings));
+        fitsBinding(vk, sidesBytes(task.casters->statics)) && fitsBinding(vk, sidesBytes(task.casters->dynamics));
     return fits ? nullptr : "the casters in range have more edges than a storage buffer holds";
 }
 

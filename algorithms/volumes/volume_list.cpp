@@ -277,7 +277,7 @@ std::size_t mostVolumes(std::span<const Caster* const> casters)
     std::size_t clusters = 0;
     for (const Caster* caster : casters)
         if (castsVolume(*caster)) clusters += caster->mesh->topology->clusters.size();
-    return std::min<std::size_t>(clusters, casters.size() + 2 * kMostCut); // of statics and of movings
+    return std::min<std::size_t>(clusters, casters.size() + 2 * kMostCut); // of statics and of dynamic casters
 }
 
 std::span<const VolumeSource> volumesOf(FrameArena& arena, std::span<const Caster* const> casters,
@@ -311,7 +311,7 @@ VkDeviceSize capsBytes(std::span<const Caster* const> casters)
 
 VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics, const GpuSilhouettes* shader)
 {
-    const std::span<const Caster* const> casters = statics ? task.casters->statics : task.casters->movings;
+    const std::span<const Caster* const> casters = statics ? task.casters->statics : task.casters->dynamics;
     const std::uint64_t stamp = statics ? task.casters->staticStamp : listedStamp(casters);
     return declareList(passes, task, volumesOf(passes.arena(), casters, *task.light), ListKind::sides, Scope::light,
                        statics ? 0 : 1, stamp, shader);

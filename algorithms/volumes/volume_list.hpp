@@ -72,7 +72,7 @@ VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool static
 struct VolumeChoice {
     std::span<const VolumeSource> volumes;
     std::uint64_t stamp = 0;   ///< Of everything the choice depends on besides the light.
-    std::uint32_t variant = 0; ///< Tells choices apart.
+    std::uint32_t variant = 0; ///< Distinguishes choices.
 };
 VolumeList declareChosenSides(PassBuilder& passes, const ShadowTask& task, const VolumeChoice& choice);
 VolumeList declareChosenCaps(PassBuilder& passes, const ShadowTask& task, const VolumeChoice& choice);

@@ -31,8 +31,8 @@ constexpr size_t kFewestTimings = 10;
 
 using Rows = std::vector<cost::KnowledgeRow>;
 
-/// What one light took by one method, update and resolve together, and what was foretold.
-struct Foretold {
+/// What one light took by one method, update and resolve together, and what was predicted.
+struct Predicted {
     std::string scene, algorithm;
     double measuredMs = 0.0, predictedMs = 0.0;
     double percent() const { return 100.0 * (std::exp2(std::fabs(std::log2(predictedMs / measuredMs))) - 1.0); }
@@ -130,8 +130,8 @@ void alternate(CheckRows& rows, const CalibrateOptions& options, Device& device,
 }
 
 /// The device factor of this hour, as a runtime finds it in a frame: by how much longer the sweep's own points take
-/// than the knowledge base says, in the median, weighted by the time foretold. The scenes that are to be foretold have
-/// no part in it.
+/// than the knowledge base says, in the median, weighted by the time predicted. The scenes that are to be predicted
+/// have no part in it.
 double presentFactor(const CheckRows& rows, const cost::CostModel& model)
 {
     std::vector<cost::Weighted> votes;
@@ -160,11 +160,11 @@ cost::CostModel modelOf(const CalibrateOptions& options, const Device& device, c
     return model;
 }
 
-void printRow(const Foretold& one, const cost::KnowledgeRow& row)
+void printRow(const Predicted& one, const cost::KnowledgeRow& row)
 {
     const cost::Workload& work = row.workload;
     std::printf("  %-10s %-16s %-7s %8.0f px %7.0f tri %7.0f drawn %4.0f casters %8.0f texels%s%s: "
-                "%7.3f ms (gpu %.3f cpu %.3f), foretold %7.3f\n",
+                "%7.3f ms (gpu %.3f cpu %.3f), predicted %7.3f\n",
                 one.scene.c_str(), one.algorithm.c_str(), row.pass == cost::Pass::update ? "update" : "resolve",
                 work.pixels, work.casterTriangles, work.drawnTriangles, work.casters, work.mapTexels,
                 work.still ? " still" : "", work.directional ? " directional" : "", one.measuredMs, row.gpuMsMin,
@@ -172,13 +172,13 @@ void printRow(const Foretold& one, const cost::KnowledgeRow& row)
 }
 
 /// A scene's lights by one method, update and resolve together.
-std::vector<Foretold> foretell(const cost::CostModel& model, double factor, uint32_t method, const Foretold& names,
-                               const Rows& rows, bool verbose)
+std::vector<Predicted> predictLights(const cost::CostModel& model, double factor, uint32_t method,
+                                     const Predicted& names, const Rows& rows, bool verbose)
 {
-    std::vector<Foretold> lights;
-    Foretold light = names;
+    std::vector<Predicted> lights;
+    Predicted light = names;
     for (const cost::KnowledgeRow& row : rows) {
-        Foretold pass = names;
+        Predicted pass = names;
         pass.measuredMs = row.gpuMsMin + row.cpuMsMin; // as undisturbed as what it is compared with
         pass.predictedMs = factor * model.predict(UINT32_MAX, method, row.pass, row.workload).ms;
         if (verbose) printRow(pass, row);
@@ -221,8 +221,8 @@ int check(const CalibrateOptions& options, Device& device, const std::vector<Swe
         for (uint32_t m = 0; m < methods.size(); ++m) {
             const Rows& rows = measured.scenes[s][m];
             all.insert(all.end(), rows.begin(), rows.end());
-            const Foretold names{scenes[s].name, methods[m].name};
-            for (Foretold light : foretell(model, factor, m, names, rows, options.verbose)) {
+            const Predicted names{scenes[s].name, methods[m].name};
+            for (Predicted light : predictLights(model, factor, m, names, rows, options.verbose)) {
                 percents.push_back(light.percent());
                 byMethod[light.algorithm].push_back(percents.back());
                 byScene[light.scene].push_back(percents.back());

@@ -6,8 +6,8 @@
 namespace gnomon::demo {
 namespace {
 
-constexpr uint32_t kWitnessBits[kWitnesses] = {gpu::VOTE_ST, gpu::VOTE_NB4, gpu::VOTE_NB9, gpu::VOTE_AG1,
-                                               gpu::VOTE_AG2};
+constexpr uint32_t kCandidateBits[kCandidates] = {gpu::VOTE_ST, gpu::VOTE_NB4, gpu::VOTE_NB9, gpu::VOTE_AG1,
+                                                  gpu::VOTE_AG2};
 
 /// Of a pixel that the map has lit.
 void countLit(uint32_t votes, bool truth, ContourCounts& out)
@@ -45,16 +45,16 @@ void count(uint32_t votes, bool truth, ContourCounts& out)
         countLit(votes, truth, out);
     else
         countDark(votes, truth, out);
-    for (size_t i = 0; i < kWitnesses; ++i)
-        (lit ? out.corrects : out.confirms)[i] += (votes & kWitnessBits[i]) != 0;
+    for (size_t i = 0; i < kCandidates; ++i)
+        (lit ? out.corrects : out.confirms)[i] += (votes & kCandidateBits[i]) != 0;
 }
 
 } // namespace
 
-const char* nameOf(Witness witness) noexcept
+const char* nameOf(CandidateOccluder candidate) noexcept
 {
     constexpr const char* names[] = {"ST", "NB4", "NB9", "AG1", "AG2"};
-    return names[size_t(witness)];
+    return names[size_t(candidate)];
 }
 
 namespace {

@@ -14,9 +14,9 @@
 namespace gnomon::demo {
 
 /// The techniques that name triangles, in the order of the thesis's tables 9 to 11.
-enum class Witness : uint8_t { st, nb4, nb9, ag1, ag2 };
-inline constexpr size_t kWitnesses = 5;
-const char* nameOf(Witness witness) noexcept;
+enum class CandidateOccluder : uint8_t { st, nb4, nb9, ag1, ag2 };
+inline constexpr size_t kCandidates = 5;
+const char* nameOf(CandidateOccluder candidate) noexcept;
 
 /// The pixels of one contour. "Lit" and "dark" are what the plain map says.
 struct ContourCounts {
@@ -28,10 +28,10 @@ struct ContourCounts {
     uint64_t darkAfterNb = 0, darkAfterAg = 0;      ///< Dark ones settled so far: hints, nine texels, vertex ring.
     // The rest is in no printed row.
     uint64_t hintedLit9 = 0, hintedDark9 = 0, wrongHintsLit9 = 0, wrongHintsDark9 = 0; ///< By nine texels.
-    std::array<uint64_t, kWitnesses> confirms{}, corrects{}; ///< Dark and lit pixels with such a witness.
-    uint64_t provedDark = 0;                                 ///< Dark, by nine texels or the vertex ring.
-    uint64_t missedByNb = 0, missedProvedByAg = 0; ///< Rightly dark ones without a witness in nine texels, and the
-                                                   ///< vertex ring's among them.
+    std::array<uint64_t, kCandidates> confirms{}, corrects{}; ///< Dark and lit pixels with such a candidate occluder.
+    uint64_t provedDark = 0;                                  ///< Dark, by nine texels or the vertex ring.
+    uint64_t missedByNb = 0, missedProvedByAg = 0; ///< Rightly dark ones without a candidate occluder in nine texels,
+                                                   ///< and the vertex ring's among them.
 
     uint64_t dark() const { return pixels - lit; }
     uint64_t wrong() const { return wrongLit + wrongDark; }
@@ -47,9 +47,12 @@ struct ContourCounts {
         return wrongLit - corrected + (rightDark() - (darkAfterAg - wrongHintsDark)) + wrongHintsDark;
     }
     /// Where no hint is believed.
-    uint64_t leftStrict() const { return lit - corrects[size_t(Witness::nb9)] + dark() - provedDark; }
+    uint64_t leftStrict() const { return lit - corrects[size_t(CandidateOccluder::nb9)] + dark() - provedDark; }
     /// One technique alone, what it does not hit lit: tables 9 to 11.
-    uint64_t wrongAlone(Witness w) const { return wrongLit - corrects[size_t(w)] + rightDark() - confirms[size_t(w)]; }
+    uint64_t wrongAlone(CandidateOccluder w) const
+    {
+        return wrongLit - corrects[size_t(w)] + rightDark() - confirms[size_t(w)];
+    }
 };
 
 /// Triangles that a technique could ask about a pixel, means over a contour.

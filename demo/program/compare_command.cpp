@@ -65,7 +65,7 @@ struct BudgetCount {
     uint32_t undisturbed = 0, within = 0;
     uint32_t heldUp = 0; ///< Of the others, those that would be, but for what others did on the processors meanwhile.
     double worst = 0.0;  ///< Shadow time over budget.
-    uint32_t tooLittle = 0; ///< Frames in which the cheapest plan that keeps the near floor was foretold to take more.
+    uint32_t tooLittle = 0; ///< Frames in which the cheapest plan that keeps the near floor was predicted to take more.
     double leastMs = std::numeric_limits<double>::infinity(), mostMs = 0.0;
 };
 

@@ -27,8 +27,8 @@ const char* nameOf(GnReason reason) noexcept
         return "price";
     case GN_REASON_FLOOR:
         return "floor";
-    case GN_REASON_WORTH:
-        return "worth";
+    case GN_REASON_UTILITY:
+        return "utility";
     case GN_REASON_NOTHING_READY:
         return "nothing_ready";
     case GN_REASON_NO_OPINION:

@@ -33,17 +33,18 @@ CLI::Validator numberIn(double low, double high)
 /// CLI11 takes -1 for the largest number of 64 bits.
 CLI::Validator notNegative()
 {
-    return {[](const std::string& text) {
-        return text.starts_with('-') ? "'" + text + "' is below 0" : std::string();
-    }, ""};
+    return {[](const std::string& text) { return text.starts_with('-') ? "'" + text + "' is below 0" : std::string(); },
+            ""};
 }
 
 /// Where a name is wanted, blanks and commas alone are none; the default would take their place unsaid.
 void refuseNothing(CLI::App& app)
 {
-    const CLI::Validator hasWord([](const std::string& text) {
-        return text.find_first_not_of(" \t,") == std::string::npos ? "'" + text + "' names nothing" : std::string();
-    }, "");
+    const CLI::Validator hasWord(
+        [](const std::string& text) {
+            return text.find_first_not_of(" \t,") == std::string::npos ? "'" + text + "' names nothing" : std::string();
+        },
+        "");
     for (CLI::App* command : app.get_subcommands({}))
         for (CLI::Option* option : command->get_options())
             if (option->get_type_name() == "TEXT") option->check(hasWord);
@@ -80,8 +81,8 @@ void addRun(CLI::App& app, RunOptions& options, int& exitCode)
     auto* out = run->add_option("--out", options.out, "folder for tables and pictures")->capture_default_str();
     auto* dump = run->add_option("--dump", options.dump, "folder for the last frame's data, for independent checks");
     run->add_option("--why", options.why, "FRAME:LIGHT[:METHOD]: print why (not) at the end; may be repeated");
-    auto* window = run->add_flag("--window", options.window, "in a window, with a fly camera")->excludes(dump)
-                       ->excludes(out);
+    auto* window =
+        run->add_flag("--window", options.window, "in a window, with a fly camera")->excludes(dump)->excludes(out);
     run->add_flag("--recorded", options.recorded, "use gnCmdRenderShadows instead of gnSubmitShadows");
     run->add_option("--in-flight", options.framesInFlight, "frames in flight")->check(CLI::Range(1, 8));
     run->add_flag("--validate", options.validation, "run under the validation layer; a message is a failure");
@@ -193,8 +194,9 @@ void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
     compare->add_option("--frames", options.frames, "frames of a run; default: the scene's")
         ->check(CLI::Range(2, 1000000));
     compare->add_option("--alternations", options.alternations, "runs of each")->check(CLI::Range(1, 1000));
-    compare->add_option("--budget-ms", options.budgetMs,
-                        "for all shadows of a frame, GPU and CPU; default: that of the rules, or none")
+    compare
+        ->add_option("--budget-ms", options.budgetMs,
+                     "for all shadows of a frame, GPU and CPU; default: that of the rules, or none")
         ->check(numberIn(0.0, kMostBudget));
     compare->add_option("--plot", options.plot, "PNG file of every frame's time, drawn by gnuplot");
     compare->add_option("--csv", options.csv, "write every frame's time of every run here");
@@ -211,7 +213,7 @@ void addCalibrate(CLI::App& app, CalibrateOptions& options, int& exitCode)
                         ->check(numberIn(1.0, 3600.0))
                         ->capture_default_str();
     auto* check =
-        calibrate->add_option("--check", options.check, "scenes to foretell and measure, instead of calibrating")
+        calibrate->add_option("--check", options.check, "scenes to predict and measure, instead of calibrating")
             ->excludes(seconds);
     calibrate->add_option("--knowledge", options.knowledge, "with --check: a path, or the name of a shipped one")
         ->needs(check);
@@ -246,7 +248,8 @@ void addReplay(CLI::App& app, ReplayCommandOptions& options, int& exitCode)
 {
     CLI::App* replay = app.add_subcommand("replay", "what the plan and others make of a trace");
     replay->add_option("TRACE", options.trace, "a file of `gnomon trace`")->required();
-    replay->add_option("--rules", options.rules, "rule base to ask anew; default: what `trace` asked; policy and allocation as `default` says");
+    replay->add_option("--rules", options.rules,
+                       "rule base to ask anew; default: what `trace` asked; policy and allocation as `default` says");
     replay->add_option("--budget-ms", options.budget, "as for `trace`; default: as recorded");
     auto* knowledge = replay->add_option("--knowledge", options.knowledge,
                                          "where the cost model starts: a path, or `none`; default: the shipped one");

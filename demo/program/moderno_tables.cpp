@@ -148,18 +148,18 @@ PairTable hints(Views ours)
     return table;
 }
 
-double meanAlone(std::span<const PrintedChainView> printed, Witness witness)
+double meanAlone(std::span<const PrintedChainView> printed, CandidateOccluder candidate)
 {
     double sum = 0.0;
     for (const PrintedChainView& view : printed)
-        sum += 100.0 * view.alone[size_t(witness)][3] / (1024.0 * 1024.0);
+        sum += 100.0 * view.alone[size_t(candidate)][3] / (1024.0 * 1024.0);
     return sum / double(printed.size());
 }
 
 /// Tables 9 to 11, and 16 to 184 for the whole image.
-PairTable witnesses(Views ours)
+PairTable candidates(Views ours)
 {
-    PairTable table{.id = "witnesses",
+    PairTable table{.id = "candidate occluders",
                     .title =
                         "**Triangles named by texels, each technique alone** (tables 9 to 11; whole image: 16, 30, "
                         "... 184), means; what is not hit is lit.",
@@ -167,20 +167,20 @@ PairTable witnesses(Views ours)
                     .columns = {"wrong in contour %", "lit corrected %", "of wrong lit %", "dark confirmed %",
                                 "of right dark %", "wrong, whole image %"},
                     .rows = {}};
-    for (size_t i = 0; i < kWitnesses; ++i) {
-        const auto witness = static_cast<Witness>(i);
-        const PrintedWitness& p = kPrintedWitnesses[i];
-        const PrintedWitness o = meanWitness(ours, witness);
+    for (size_t i = 0; i < kCandidates; ++i) {
+        const auto candidate = static_cast<CandidateOccluder>(i);
+        const PrintedCandidate& p = kPrintedCandidates[i];
+        const PrintedCandidate o = meanCandidate(ours, candidate);
         double whole = 0.0;
         for (const ChainView& view : ours)
-            whole += percentOf(view.whole.wrongAlone(witness), view.image) / double(ours.size());
-        table.rows.push_back({.names = {nameOf(witness)},
+            whole += percentOf(view.whole.wrongAlone(candidate), view.image) / double(ours.size());
+        table.rows.push_back({.names = {nameOf(candidate)},
                               .cells = {{p.error, o.error, 2},
                                         {p.corrected, o.corrected, 2},
                                         {p.ofWrongLit, o.ofWrongLit, 1},
                                         {p.confirmed, o.confirmed, 1},
                                         {p.ofRightDark, o.ofRightDark, 1},
-                                        {meanAlone(printedChainViews(), witness), whole, 2}}});
+                                        {meanAlone(printedChainViews(), candidate), whole, 2}}});
     }
     return table;
 }
@@ -278,14 +278,14 @@ PrintedHints meanHints(std::span<const ChainView> views, bool nineTexels)
     return sum;
 }
 
-PrintedWitness meanWitness(std::span<const ChainView> views, Witness witness)
+PrintedCandidate meanCandidate(std::span<const ChainView> views, CandidateOccluder candidate)
 {
-    PrintedWitness sum{};
-    const auto w = static_cast<size_t>(witness);
+    PrintedCandidate sum{};
+    const auto w = static_cast<size_t>(candidate);
     for (const ChainView& view : views)
         for (const ContourCounts& c : view.contours) {
             const double weight = 1.0 / double(3 * views.size());
-            sum.error += weight * percentOf(c.wrongAlone(witness), c.pixels);
+            sum.error += weight * percentOf(c.wrongAlone(candidate), c.pixels);
             sum.corrected += weight * percentOf(c.corrects[w], c.lit);
             sum.ofWrongLit += weight * percentOf(c.corrects[w], c.wrongLit);
             sum.confirmed += weight * percentOf(c.confirms[w], c.dark());
@@ -310,7 +310,7 @@ std::vector<PairTable> modernoTables(std::span<const ChainView> ours)
 {
     const std::vector<ChainView> printed = printedViews();
     return {growth(printed, ours), scenes(printed, ours),     stages(printed, ours), hints(ours),
-            witnesses(ours),       wholeImage(printed, ours), candidates(ours)};
+            candidates(ours),      wholeImage(printed, ours), candidates(ours)};
 }
 
 } // namespace gnomon::demo

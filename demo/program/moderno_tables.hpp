@@ -109,7 +109,7 @@ std::vector<double> shares(std::span<const ChainView> views, const ChainFilter& 
 double mean(std::span<const ChainView> views, const ChainFilter& filter, ChainShare share);
 
 PrintedHints meanHints(std::span<const ChainView> views, bool nineTexels);
-PrintedWitness meanWitness(std::span<const ChainView> views, Witness witness);
+PrintedCandidate meanCandidate(std::span<const ChainView> views, CandidateOccluder candidate);
 /// Of the rightly dark pixels that nine texels prove nothing of, what the vertex ring proves, all of a scene's contours
 /// together.
 double ringProves(std::span<const ChainView> views, const char* scene);

@@ -4,7 +4,7 @@
 #include "demo/replay/replay.hpp"
 #include "runtime/cost/cost_model.hpp"
 #include "runtime/plan/plan.hpp"
-#include "runtime/plan/worth.hpp"
+#include "runtime/plan/utility.hpp"
 
 namespace gnomon::demo {
 
@@ -230,14 +230,15 @@ private:
 double valueOf(const Trace& trace, uint32_t frame, uint32_t slot, uint32_t method) noexcept
 {
     const auto methods = static_cast<uint32_t>(std::min<size_t>(trace.methods.size(), plan::kMaxMethods));
-    std::array<plan::Merit, plan::kMaxMethods> merits;
+    std::array<plan::UtilityTerms, plan::kMaxMethods> terms;
     for (uint32_t m = 0; m < methods; ++m) {
         const TraceMethod& measured = trace.measure(frame, slot, m);
-        merits[m] = {measured.suitability, measured.quality, measured.suitability >= kTraceNoOpinion};
+        terms[m] = {measured.suitability, measured.quality, measured.suitability >= kTraceNoOpinion};
     }
-    if (method >= methods || merits[method].suitability < 0) return 0.0;
-    const std::span all = std::span<const plan::Merit>(merits).first(methods);
-    return double{trace.lightStates[trace.cell(frame, slot)].importance} * plan::worth(plan::sharedMerit(all, method));
+    if (method >= methods || terms[method].suitability < 0) return 0.0;
+    const std::span all = std::span<const plan::UtilityTerms>(terms).first(methods);
+    return double{trace.lightStates[trace.cell(frame, slot)].importance} *
+           plan::utility(plan::sharedTerms(all, method));
 }
 
 /// The same admission as the plan step's, without pins.

@@ -98,7 +98,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     samplers_ = std::make_unique<SamplerSet>(*vk_);
     if (Result<void> made = samplers_->create(); !made) return made;
     pipelines_ = std::make_unique<PipelineStore>(*vk_, *memory_, *samplers_);
-    pipelines_->setTrialSlopeBias(kOpenSlopeBias);
+    pipelines_->setWarmupSlopeBias(kOpenSlopeBias);
     methods_ = std::make_unique<MethodTable>(*vk_, *pipelines_, *jobs_, messages_, background_);
     registry_ = builtinRegistry();
     if (Result<void> added = methods_->addBuiltins(registry_); !added) return added;
@@ -193,14 +193,14 @@ Result<void> Context::warmUp(Wanted&& wanted)
     });
     return executor_->once([&](VkCommandBuffer cmd) -> Result<void> {
         if (own) {
-            if (auto tried = pipelines_->recordTrials(cmd, kRuntimeOwner); !tried) return tried;
+            if (auto tried = pipelines_->recordWarmupDraws(cmd, kRuntimeOwner); !tried) return tried;
             gridReady_ = true;
         }
         for (std::uint32_t i = 0; i < methods_->size(); ++i) {
             Method& method = (*methods_)[i];
             if (method.ready || method.unavailable || !wanted(method)) continue;
             if (methods_->failed(method)) continue;
-            if (auto tried = pipelines_->recordTrials(cmd, i); !tried) return tried;
+            if (auto tried = pipelines_->recordWarmupDraws(cmd, i); !tried) return tried;
             method.ready = true;
         }
         return {};
@@ -322,13 +322,13 @@ Result<void> Context::addMethod(const char* name, const char* algorithm)
 Result<void> Context::registerAlgorithm(const GnAlgorithmInfo& info)
 {
     if (Result<void> ok = checkAlgorithmInfo(info); !ok) return ok;
-    foreign_.reserve(foreign_.size() + 1);
-    auto foreign = std::make_unique<ForeignAlgorithm>(info);
-    const AlgorithmEntry& entry = foreign->entry();
+    pluginAlgorithms_.reserve(pluginAlgorithms_.size() + 1);
+    auto plugin = std::make_unique<PluginAlgorithm>(info);
+    const AlgorithmEntry& entry = plugin->entry();
     if (auto admitted = admit(entry.name, entry.traits, [&] { return methods_->addEntry(entry); }); !admitted)
         return admitted;
-    foreign->own();
-    foreign_.push_back(std::move(foreign));
+    plugin->own();
+    pluginAlgorithms_.push_back(std::move(plugin));
     return {};
 }
 

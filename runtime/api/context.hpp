@@ -12,7 +12,7 @@
 
 #include "runtime/api/last_error.hpp"
 #include "runtime/api/plugin.hpp"
-#include "runtime/api/plugin_door.hpp"
+#include "runtime/api/plugin_abi.hpp"
 #include "runtime/core/slot_map.hpp"
 #include "runtime/passes/pass_executor.hpp"
 #include "runtime/registry.hpp"
@@ -155,11 +155,11 @@ private:
     void teachShared() noexcept;
     bool createOwnPipelines();
     void failOwnPipelines(const std::string& why);
-    void settleTrial(std::uint32_t owner);
-    void noteTrial(std::uint32_t owner) noexcept;
+    void settleWarmup(std::uint32_t owner);
+    void noteWarmup(std::uint32_t owner) noexcept;
     void setReady(std::uint32_t owner, bool ready);
     /// Whose pipelines this frame runs for the first time, once they are compiled: one method a frame.
-    std::uint32_t nextTrial();
+    std::uint32_t nextWarmup();
     void openStats(std::uint64_t frame, std::chrono::steady_clock::time_point start);
     Result<void> decide(const GnFrameInfo& info, FrameMode mode, std::span<const Caster> casters);
     Result<GnResult> runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
@@ -228,7 +228,7 @@ private:
     bool timeEveryFrame_;
     // Before everything that may call into them.
     std::vector<std::unique_ptr<SharedObject>> plugins_;
-    std::vector<std::unique_ptr<ForeignAlgorithm>> foreign_;
+    std::vector<std::unique_ptr<PluginAlgorithm>> pluginAlgorithms_;
     GnPluginInterface pluginInterface_{};
     std::unique_ptr<DeviceTable> vk_;
     std::unique_ptr<DeviceMemory> memory_;
@@ -302,7 +302,7 @@ private:
         bool beside = false;       ///< Methods ran beside those of the plan: fades, a probe.
         bool disturbed = false;    ///< Its timings are not the methods' doing.
         bool timedUnasked = false; ///< Whatever the host asked.
-        std::uint32_t trial =
+        std::uint32_t warmup =
             UINT32_MAX; ///< Whose pipelines it ran for the first time; that they did not fail is known.
         float cpuMs = 0.0f;
         double plannedMs = 0.0, cheapestMs = 0.0; ///< PlanReport's.

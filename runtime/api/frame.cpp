@@ -71,7 +71,7 @@ Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, Vk
     }
 }
 
-std::uint32_t Context::nextTrial()
+std::uint32_t Context::nextWarmup()
 {
     if (createOwnPipelines()) return kRuntimeOwner;
     MethodDemand demand{.pinned = 0, .others = pending_.empty()};
@@ -85,18 +85,18 @@ std::uint32_t Context::nextTrial()
         const Method& method = (*methods_)[pinned];
         demand.others |= pending.decision->method != pinned && (method.ready || method.unavailable);
     }
-    return methods_->nextTrial(demand);
+    return methods_->nextWarmup(demand);
 }
 
 /// Its pipelines have run once. Where memory was short for that, another frame tries again; nobody has asked yet for
 /// what they do.
-void Context::settleTrial(std::uint32_t owner)
+void Context::settleWarmup(std::uint32_t owner)
 {
-    const Error* const error = executor_->trialError();
+    const Error* const error = executor_->warmupError();
     if (error && error->result == GN_ERROR_OUT_OF_DEVICE_MEMORY) return;
     if (!error) {
         setReady(owner, true);
-        present().trial = owner;
+        present().warmup = owner;
     } else if (owner == kRuntimeOwner) {
         failOwnPipelines(error->text);
     } else {
@@ -105,10 +105,10 @@ void Context::settleTrial(std::uint32_t owner)
 }
 
 /// After passes have been submitted, so nothing may fail any more.
-void Context::noteTrial(std::uint32_t owner) noexcept
+void Context::noteWarmup(std::uint32_t owner) noexcept
 {
     try {
-        settleTrial(owner);
+        settleWarmup(owner);
     } catch (...) { // no memory for the words about it: another frame tries again
     }
 }
@@ -162,7 +162,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     openGraph(info);
     const SceneRegistry::Snapshot& snapshot = scene_->begin(info.frame, origin_);
     if (Result<void> ok = decide(info, mode, snapshot.casters); !ok) return ok.error();
-    const std::uint32_t trial = nextTrial();
+    const std::uint32_t warmup = nextWarmup();
     for (const PendingLight& pending : pending_)
         declareLight(pending, mode);
     recordDecisions();
@@ -178,7 +178,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
                               .uploads = scene_.get(),
                               .rays = rays_.get(),
                               .raysNeeded = raysNeeded_,
-                              .trialOwner = trial,
+                              .warmupOwner = warmup,
                               .waits = waits_,
                               .signals = signals_,
                               .visibilities = visibilities_.data(),
@@ -193,8 +193,8 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     } else if (Result<void> ok = executor_->start(mode == FrameMode::submit); !ok) {
         return ok.error();
     }
-    if (trial != UINT32_MAX || stats_.pipelinesCreated) present().disturbed = true;
-    if (trial != UINT32_MAX) noteTrial(trial);
+    if (warmup != UINT32_MAX || stats_.pipelinesCreated) present().disturbed = true;
+    if (warmup != UINT32_MAX) noteWarmup(warmup);
     stats_.callMs = static_cast<float>(msSince(start));
     finishStats();
     return methods_->anyReady() ? GN_SUCCESS : GN_NOT_READY;
@@ -249,7 +249,8 @@ Result<void> Context::dropFrame(std::uint64_t frame)
     if (frame == 0 || frame != recorded_)
         return frameOrder("frame " + std::to_string(frame) + " is not the one recorded last (" +
                           std::to_string(recorded_) + ")");
-    if (const std::uint32_t trial = past(frame).trial; trial != UINT32_MAX) setReady(trial, false); // it has not run
+    if (const std::uint32_t warmup = past(frame).warmup; warmup != UINT32_MAX)
+        setReady(warmup, false); // it has not run
     if (pool_->frame() == frame)
         withdrawFrame(frame, false);
     else

@@ -1,5 +1,5 @@
-// Under a budget with time to spare, a method that may be cheaper than foretold runs beside the one that serves, for as
-// long as it takes to time it. Nobody sees it: exploring must not flicker. Policy::Probing says how often.
+// Under a budget with time to spare, a method that may be cheaper than predicted runs beside the one that serves, for
+// as long as it takes to time it. Nobody sees it: exploring must not flicker. Policy::Probing says how often.
 #include "runtime/api/context.hpp"
 
 namespace gnomon {

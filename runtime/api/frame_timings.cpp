@@ -150,7 +150,7 @@ void Context::finishStats()
 {
     if (executor_->underway()) return;
     const ExecutorCounters& counters = executor_->counters();
-    stats_.levels = graph_->levels();
+    stats_.rounds = graph_->rounds();
     stats_.submits = counters.submits;
     stats_.hostWaits = counters.hostWaits;
     stats_.passesRun = counters.passesRun;
@@ -190,7 +190,7 @@ GnPassTiming Context::publicTiming(const PassTiming& timing) const
 {
     const bool shared = timing.owner.view != UINT32_MAX && timing.owner.light == UINT32_MAX && timing.owner.declarers;
     GnPassTiming out{.pName = timing.name,
-                     .level = timing.level,
+                     .round = timing.round,
                      .gpuMs = timing.gpuMs,
                      .cpuMs = timing.cpuMs,
                      .shared = shared ? VK_TRUE : VK_FALSE};
@@ -221,7 +221,7 @@ Result<std::uint32_t> Context::framePasses(std::span<GnPassTiming> out)
         const Pass& pass = graph_->passes()[index];
         if (!pass.fn) continue;
         if (count < out.size())
-            out[count] = publicTiming({.name = pass.name, .owner = pass.owner, .level = pass.level});
+            out[count] = publicTiming({.name = pass.name, .owner = pass.owner, .round = pass.round});
         ++count;
     }
     return count;

@@ -5,7 +5,7 @@
 #include <dlfcn.h>
 
 #include "rules/engine/number_text.hpp"
-#include "runtime/api/plugin_door.hpp"
+#include "runtime/api/plugin_abi.hpp"
 #include "runtime/core/hash.hpp"
 
 namespace {
@@ -17,7 +17,7 @@ using namespace gnomon;
 std::uint64_t casterStamp(const ShadowTask& task)
 {
     std::uint64_t hash = mixed(task.casters->staticStamp, task.light->revision);
-    for (const Caster* caster : task.casters->movings) {
+    for (const Caster* caster : task.casters->dynamics) {
         hash = mixed(hash, caster->id);
         if (!caster->hostDrawn) {
             hash = mixed(hash, caster->revision);
@@ -59,9 +59,9 @@ GnTaskCaster foreignCaster(const Caster& caster)
 namespace gnomon {
 
 /// Speaks C to the plug-in and C++ to the runtime.
-class ForeignShadow final : public ShadowAlgorithm {
+class PluginShadow final : public ShadowAlgorithm {
 public:
-    explicit ForeignShadow(const ForeignAlgorithm& foreign) : foreign_(foreign) {}
+    explicit PluginShadow(const PluginAlgorithm& plugin) : plugin_(plugin) {}
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
@@ -94,12 +94,12 @@ public:
             out.lightPosition[i] = light.positionWs[i];
             out.lightDirection[i] = light.directionWs[i];
         }
-        ForeignBuilder builder{.passes = &passes, .roundTrips = foreign_.info_.roundTrips};
-        foreign_.info_.pfnDeclare(foreign_.info_.pAlgorithm, reinterpret_cast<GnPassBuilder>(&builder), &out);
+        PluginBuilder builder{.passes = &passes, .roundTrips = plugin_.info_.roundTrips};
+        plugin_.info_.pfnDeclare(plugin_.info_.pAlgorithm, reinterpret_cast<GnPassBuilder>(&builder), &out);
     }
 
 private:
-    const ForeignAlgorithm& foreign_;
+    const PluginAlgorithm& plugin_;
 };
 
 Result<void> checkAlgorithmInfo(const GnAlgorithmInfo& info)
@@ -123,7 +123,7 @@ Result<void> checkAlgorithmInfo(const GnAlgorithmInfo& info)
     return {};
 }
 
-ForeignAlgorithm::ForeignAlgorithm(const GnAlgorithmInfo& info)
+PluginAlgorithm::PluginAlgorithm(const GnAlgorithmInfo& info)
     : name_(info.pName), source_(info.pSource ? info.pSource : ""), info_(info)
 {
     for (uint32_t i = 0; i < info.settingCount; ++i) {
@@ -137,16 +137,16 @@ ForeignAlgorithm::ForeignAlgorithm(const GnAlgorithmInfo& info)
               .source = source_.c_str(),
               .traits = info.traits,
               .roundTrips = info.roundTrips,
-              .maxRounds = 0, // a foreign host pass declares nothing
+              .maxRounds = 0, // a plugin host pass declares nothing
               .settings = settings_,
-              .foreign = this,
-              .createForeign = [](const ForeignAlgorithm& self) -> std::unique_ptr<ShadowAlgorithm> {
-                  return std::make_unique<ForeignShadow>(self);
+              .plugin = this,
+              .createPlugin = [](const PluginAlgorithm& self) -> std::unique_ptr<ShadowAlgorithm> {
+                  return std::make_unique<PluginShadow>(self);
               },
               .bytesPerPixel = info.memoryPerPixel};
 }
 
-ForeignAlgorithm::~ForeignAlgorithm()
+PluginAlgorithm::~PluginAlgorithm()
 {
     if (owned_ && info_.pfnDestroy) info_.pfnDestroy(info_.pAlgorithm);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Algorithms registered through the C door, and the shared objects they may come from.
+// Algorithms registered through the C plug-in interface, and the shared objects they may come from.
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,12 +10,12 @@
 namespace gnomon {
 
 /// An algorithm described in C, as the registry wants it. Owns copies of all names.
-class ForeignAlgorithm {
+class PluginAlgorithm {
 public:
-    explicit ForeignAlgorithm(const GnAlgorithmInfo& info);
-    ~ForeignAlgorithm();
-    ForeignAlgorithm(const ForeignAlgorithm&) = delete;
-    ForeignAlgorithm& operator=(const ForeignAlgorithm&) = delete;
+    explicit PluginAlgorithm(const GnAlgorithmInfo& info);
+    ~PluginAlgorithm();
+    PluginAlgorithm(const PluginAlgorithm&) = delete;
+    PluginAlgorithm& operator=(const PluginAlgorithm&) = delete;
 
     const AlgorithmEntry& entry() const { return entry_; }
     /// It is registered, and ours from now on: pfnDestroy is called in the end. Until then it is the host's.
@@ -28,7 +28,7 @@ private:
     AlgorithmEntry entry_{};
     GnAlgorithmInfo info_;
     bool owned_ = false;
-    friend class ForeignShadow;
+    friend class PluginShadow;
 };
 
 /// GN_ERROR_NULL_ARGUMENT, GN_ERROR_OUT_OF_RANGE, ... naming the member at fault.

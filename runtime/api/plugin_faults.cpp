@@ -1,7 +1,7 @@
 // What a plug-in may not ask for, by the member at fault.
 #include <algorithm>
 
-#include "runtime/api/plugin_door.hpp"
+#include "runtime/api/plugin_abi.hpp"
 #include "runtime/vk/memory.hpp"
 
 namespace gnomon {

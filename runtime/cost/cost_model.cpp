@@ -20,7 +20,7 @@ constexpr double kFewTriangles = 500.0;    // drawn in the time that an empty pa
 constexpr double kClearShare = 1.0 / 32.0; // of a pixel's shading: what clearing one costs
 // A pixel that a side of a volume covers (scene/shadow_pixels.cpp) takes this share of the time of one that is
 // resolved. This constant and the next two are fits to the rows of three runs of `gnomon calibrate`, two of 12 seconds
-// a method and one of 30. Rows of stencil_volume and octree_volume that are left out are foretold with 0.344 and 0.382
+// a method and one of 30. Rows of stencil_volume and octree_volume that are left out are predicted with 0.344 and 0.382
 // octaves rms; with half of it 0.358 and 0.389, with twice 0.338 and 0.383.
 constexpr double kSideShare = 1.0 / 4.0;
 // A level of a caster's tree on a ray's way takes this share of what reading a receiver takes. ray_traced and
@@ -37,11 +37,11 @@ constexpr double kForgetting = 0.999;   // remembers about 1000 timings of a wor
 constexpr double kClip = 0.25;          // octaves. A spike of x4 moves the fit no more than one of x1.19
 constexpr double kSlopeVariance = 0.25; // prior: slopes are within 0.5 of the guess
 constexpr double kConstantVariance = 4; // prior: within 2 octaves, a factor of 4
-constexpr double kStartNoise = 0.0123; // log2(1.08)^2: 8 %, the timing noise usual for GPUs
-constexpr double kStartLights = 0.04;  // (0.2 octaves)^2: a light differs from the fit by 15 %, until lights have shown
-constexpr double kLeastNoise = 1e-4;   // 0.7 %: timers are no better
-constexpr double kLightsRate = 0.002;  // of the variance among lights: some seconds of timings
-constexpr double kNoiseRate = 0.02;    // smoothing of the noise over 50 timings
+constexpr double kStartNoise = 0.0123;  // log2(1.08)^2: 8 %, the timing noise usual for GPUs
+constexpr double kStartLights = 0.04; // (0.2 octaves)^2: a light differs from the fit by 15 %, until lights have shown
+constexpr double kLeastNoise = 1e-4;  // 0.7 %: timers are no better
+constexpr double kLightsRate = 0.002; // of the variance among lights: some seconds of timings
+constexpr double kNoiseRate = 0.02;   // smoothing of the noise over 50 timings
 constexpr double kForeignVariance = 1.0; // of the device factor of a foreign calibration: within a factor of 2
 
 constexpr double kResidualBlend = 8.0; // n / (n + 8): the residual has half its weight after 8 timings
@@ -142,9 +142,9 @@ void CostModel::resize(uint32_t methods, uint32_t lights)
 }
 
 /// One step of recursive least squares with the given error; returns the variance of its prediction in units of noise.
-/// What is forgotten is forgotten along `f` alone (restricted forgetting: R. Kulhavy, "Restricted exponential forgetting
-/// in real-time identification", Automatica 23, 1987): a thousand timings of one workload say nothing of others, and
-/// make what was known of them no less certain. With `forgetting` 1 it is ordinary least squares.
+/// What is forgotten is forgotten along `f` alone (restricted forgetting: R. Kulhavy, "Restricted exponential
+/// forgetting in real-time identification", Automatica 23, 1987): a thousand timings of one workload say nothing of
+/// others, and make what was known of them no less certain. With `forgetting` 1 it is ordinary least squares.
 double CostModel::fit(Track& track, const Features& f, double error, double forgetting) noexcept
 {
     Features pf{};
@@ -282,12 +282,12 @@ void CostModel::observe(const Observation& observation) noexcept
     const Features f = featuresOf(observation.workload, observation.pass);
     Track& known = track(observation.method, t);
     const double y = log2Exactly(observation.ms);
-    const double foretold = octaves(observation.light, observation.method, t, f).mean;
-    const double surprise = y - foretold;
+    const double predicted = octaves(observation.light, observation.method, t, f).mean;
+    const double surprise = y - predicted;
     const bool votes = known.samples >= kFeatures; // a guess says nothing about the device
     Device& device = deviceOf(t);
     if (votes)
-        noteVote(device, {surprise, exp2Exactly(foretold)}, observation.method,
+        noteVote(device, {surprise, exp2Exactly(predicted)}, observation.method,
                  isSettled(residual(observation.light, observation.method, t), f));
     ++samples_;
     // Device first: until it is known every method looks wrong by the same factor, and nothing else is learned.
@@ -322,7 +322,7 @@ bool CostModel::isSettled(const Residual& own, const Features& f) noexcept
     return effectiveSamples(own, f) >= kPersistentTimings;
 }
 
-/// In octaves of surprise, by the time foretold: what takes none says nothing about the frame's. Settled lights stand
+/// In octaves of surprise, by the time predicted: what takes none says nothing about the frame's. Settled lights stand
 /// in front.
 void CostModel::noteVote(Device& device, const Weighted& vote, uint32_t method, bool settled) noexcept
 {

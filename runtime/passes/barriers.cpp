@@ -14,7 +14,7 @@ void join(SyncState& state, const AccessTraits& use)
     state.nextWrite |= use.write;
 }
 
-/// The state once the wave has run: a new write, or one more read of the last one.
+/// The state once the batch has run: a new write, or one more read of the last one.
 void advance(SyncState& state, bool newWrite)
 {
     if (newWrite) {

@@ -28,7 +28,7 @@ struct PassExecutor::Slot {
     bool timed = false;
     bool timingsPending = false;
     UniqueCommandPool pool;
-    std::vector<VkCommandBuffer> cmds; ///< One a level.
+    std::vector<VkCommandBuffer> cmds; ///< One a round.
     DescriptorRing descriptors;
     std::vector<GpuBuffer> constants;
     std::size_t chunk = 0;
@@ -39,7 +39,7 @@ struct PassExecutor::Slot {
     std::uint32_t queriesUsed = 0;
     std::vector<Entry> entries;
     ProgressMarks marks; ///< By index into `entries`.
-    std::vector<Span> levels;
+    std::vector<Span> rounds;
     std::vector<std::uint64_t> results;
 };
 

@@ -24,7 +24,7 @@ enum class PassKind : std::uint8_t {
     compute,
     transfer,
     prepare, ///< CPU work that needs no GPU result of this frame; runs on workers before recording.
-    host,    ///< CPU work between GPU passes; sees buffers only. Ends a level.
+    host,    ///< CPU work between GPU passes; sees buffers only. Ends a round.
 };
 
 constexpr std::uint32_t kMaxColorAttachments = 4; ///< Of a raster pass; every device has as many.
@@ -49,12 +49,12 @@ struct ImageInfo {
     VkFormat format = VK_FORMAT_UNDEFINED;
     VkExtent2D extent{};
     std::uint32_t layers = 1;
-    std::uint32_t variant = 0; ///< Tells settings apart (a resolution) where name and scope are the same.
+    std::uint32_t variant = 0; ///< Distinguishes settings (a resolution) where name and scope are the same.
 };
 
 /// What lies where in content that is made anew in parts. Whoever makes it says what a part is.
 struct KeptParts {
-    std::uint64_t ground = 0;  ///< Stamp of what all parts would hold but for `covered`; 0: nothing is known.
+    std::uint64_t base = 0;    ///< Stamp of what all parts would hold but for `covered`; 0: nothing is known.
     std::uint64_t covered = 0; ///< Bits of the parts that hold more.
 };
 

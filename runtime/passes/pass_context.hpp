@@ -124,8 +124,8 @@ public:
     void countRays(std::uint64_t count) const; ///< Adds to the frame's statistics.
     void countIndexList() const;               ///< A silhouette or index list was built.
 
-    /// Host passes: declares further passes, which form the next levels (at most the algorithm's maxRounds). Called on
-    /// the frame's thread after all host passes of the level have run. The closure is copied bytewise.
+    /// Host passes: declares further passes, which form the next rounds (at most the algorithm's maxRounds). Called on
+    /// the frame's thread after all host passes of the round have run. The closure is copied bytewise.
     template <typename Body>
     void declareLater(const Body& body)
     {

@@ -80,7 +80,7 @@ Result<void> PassExecutor::begin(const ExecutorFrame& frame)
     slot.chunkUsed = 0;
     slot.queriesUsed = 0;
     slot.entries.clear();
-    slot.levels.clear();
+    slot.rounds.clear();
     slot.marks.clear();
     slot_ = &slot;
     frame_ = frame;
@@ -89,15 +89,15 @@ Result<void> PassExecutor::begin(const ExecutorFrame& frame)
     visibilities_.assign(frame.visibilities, frame.visibilities + frame.visibilityCount);
     imports_.assign(frame.imports, frame.imports + frame.importCount);
     lightMaps_.assign(frame.lightMaps.begin(), frame.lightMaps.end());
-    trialsBefore_ = pipelines_.trialMarks().begun();
+    warmupsBefore_ = pipelines_.warmupMarks().begun();
     counters_.submits = counters_.hostWaits = counters_.passesRun = 0;
     counters_.indexListsBuilt = 0;
     counters_.rays = 0;
     counters_.cpuMs = 0.0f;
     later_.clear();
-    trialError_.reset();
+    warmupError_.reset();
     barriers_.clear(); // what a failed frame left
-    level_ = 0;
+    round_ = 0;
 
     const std::span<const InstanceTransform> transforms = frame.scene->transforms;
     const VkDeviceSize wanted = std::max<VkDeviceSize>(transforms.size_bytes(), sizeof(InstanceTransform));
@@ -116,11 +116,11 @@ Result<void> PassExecutor::begin(const ExecutorFrame& frame)
     return {};
 }
 
-bool PassExecutor::levelHas(std::uint32_t level, PassKind kind) const
+bool PassExecutor::roundHas(std::uint32_t round, PassKind kind) const
 {
     return std::any_of(order_.begin(), order_.end(), [&](std::uint32_t i) {
         const Pass& pass = graph_.passes()[i];
-        return pass.level == level && pass.kind == kind && pass.fn;
+        return pass.round == round && pass.kind == kind && pass.fn;
     });
 }
 
@@ -129,7 +129,7 @@ Result<void> PassExecutor::record(VkCommandBuffer cmd)
     order_ = graph_.order();
     if (Result<void> rays = updateRays(); !rays) return rays;
     runCpuPasses(0, PassKind::prepare);
-    Result<void> recorded = recordLevel(cmd, 0, true);
+    Result<void> recorded = recordRound(cmd, 0, true);
     slot_->timingsPending = true;
     return recorded;
 }
@@ -148,7 +148,7 @@ Result<void> PassExecutor::start(bool inlineHost)
     order_ = graph_.order();
     inlineHost_ = inlineHost || jobs_.threadCount() < 2;
     if (Result<void> rays = updateRays(); !rays) return rays;
-    Result<void> submitted = submitLevel(0, !levelHas(0, PassKind::host));
+    Result<void> submitted = submitRound(0, !roundHas(0, PassKind::host));
     underway_ = bool(submitted);
     return submitted;
 }
@@ -156,7 +156,7 @@ Result<void> PassExecutor::start(bool inlineHost)
 Result<GnResult> PassExecutor::finish(std::uint64_t timeoutNs)
 {
     try {
-        Result<GnResult> finished = finishLevels(timeoutNs);
+        Result<GnResult> finished = finishRounds(timeoutNs);
         underway_ = finished && *finished == GN_TIMEOUT;
         if (!finished) giveUp();
         return finished;
@@ -177,14 +177,14 @@ void PassExecutor::giveUp() noexcept
     drop(frame_.frame);
 }
 
-/// Host passes of the level under way; then, while there are more, the next level.
-Result<GnResult> PassExecutor::finishLevels(std::uint64_t timeoutNs)
+/// Host passes of the round under way; then, while there are more, the next round.
+Result<GnResult> PassExecutor::finishRounds(std::uint64_t timeoutNs)
 {
     constexpr std::uint64_t kCentury = 1ull << 61; // ns; what clocks count in is signed
     if (timeoutNs > kCentury) timeoutNs = UINT64_MAX;
-    while (levelHas(level_, PassKind::host)) {
+    while (roundHas(round_, PassKind::host)) {
         if (inlineHost_) {
-            if (Result<void> waited = hostLevel(timeoutNs); !waited) return waited.error();
+            if (Result<void> waited = hostRound(timeoutNs); !waited) return waited.error();
             if (hostWait_ == VK_TIMEOUT) return GN_TIMEOUT;
         } else if (timeoutNs == UINT64_MAX) {
             jobs_.wait(hostJob_);
@@ -199,29 +199,29 @@ Result<GnResult> PassExecutor::finishLevels(std::uint64_t timeoutNs)
         if (hostWait_ != VK_SUCCESS) return waitError(hostWait_);
         declareLater();
         order_ = graph_.order();
-        ++level_;
-        if (Result<void> submitted = submitLevel(level_, !levelHas(level_, PassKind::host)); !submitted)
+        ++round_;
+        if (Result<void> submitted = submitRound(round_, !roundHas(round_, PassKind::host)); !submitted)
             return submitted.error();
     }
     return GN_SUCCESS;
 }
 
-/// Waits for the level's GPU work and runs its host passes.
-Result<void> PassExecutor::hostLevel(std::uint64_t timeoutNs)
+/// Waits for the round's GPU work and runs its host passes.
+Result<void> PassExecutor::hostRound(std::uint64_t timeoutNs)
 {
     hostWait_ = timeline_.wait(timeoutNs, &progress, this);
     if (hostWait_ == VK_TIMEOUT) return {};
     ++counters_.hostWaits;
     if (hostWait_ != VK_SUCCESS) return waitError(hostWait_);
-    runCpuPasses(level_, PassKind::host);
+    runCpuPasses(round_, PassKind::host);
     return {};
 }
 
-/// hostLevel() on a worker, where nobody catches anything.
+/// hostRound() on a worker, where nobody catches anything.
 void PassExecutor::hostJob() noexcept
 {
     try {
-        (void)hostLevel(UINT64_MAX); // hostWait_ says how it went
+        (void)hostRound(UINT64_MAX); // hostWait_ says how it went
     } catch (...) {
         hostThrown_ = std::current_exception();
     }
@@ -231,7 +231,7 @@ void PassExecutor::declareLater()
 {
     std::sort(later_.begin(), later_.end(), [](const Later& a, const Later& b) { return a.pass < b.pass; });
     for (const Later& later : later_) {
-        graph_.setFloorLevel(level_ + 1);
+        graph_.setFirstRound(round_ + 1);
         graph_.resumeTask(graph_.passes()[later.pass].task);
         PassBuilder builder(graph_);
         later.fn(later.body, builder);
@@ -240,26 +240,26 @@ void PassExecutor::declareLater()
     later_.clear();
 }
 
-Result<void> PassExecutor::submitLevel(std::uint32_t level, bool last)
+Result<void> PassExecutor::submitRound(std::uint32_t round, bool last)
 {
-    runCpuPasses(level, PassKind::prepare);
-    Result<VkCommandBuffer> cmd = commandBuffer(*slot_, level);
+    runCpuPasses(round, PassKind::prepare);
+    Result<VkCommandBuffer> cmd = commandBuffer(*slot_, round);
     if (!cmd) return cmd.error();
     const VkCommandBufferBeginInfo beginInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                              .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
     if (VkResult r = vk_.vkBeginCommandBuffer(*cmd, &beginInfo); r != VK_SUCCESS)
         return vulkanError(r, "vkBeginCommandBuffer");
-    if (Result<void> recorded = recordLevel(*cmd, level, last); !recorded) return recorded;
+    if (Result<void> recorded = recordRound(*cmd, round, last); !recorded) return recorded;
     if (VkResult r = vk_.vkEndCommandBuffer(*cmd); r != VK_SUCCESS) return vulkanError(r, "vkEndCommandBuffer");
 
     const VkCommandBufferSubmitInfo cmdInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
                                             .commandBuffer = *cmd};
     const VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
-                               .waitSemaphoreInfoCount = level == 0 ? static_cast<std::uint32_t>(waits_.size()) : 0,
+                               .waitSemaphoreInfoCount = round == 0 ? static_cast<std::uint32_t>(waits_.size()) : 0,
                                .pWaitSemaphoreInfos = waits_.data(),
                                .commandBufferInfoCount = 1,
                                .pCommandBufferInfos = &cmdInfo};
-    // The host's signals belong to the last submit; ours marks every level.
+    // The host's signals belong to the last submit; ours marks every round.
     const std::span<const VkSemaphoreSubmitInfo> hostSignals =
         last ? std::span(signals_) : std::span(signals_).first(0);
     if (Result<void> submitted = timeline_.submit(submit, hostSignals); !submitted) return submitted;
@@ -288,51 +288,51 @@ Result<void> PassExecutor::updateRays()
                  "the ray tracer found no memory for this frame's casters"};
 }
 
-/// Runs the level's prepare or host passes: waves in order, the passes of a wave side by side.
-void PassExecutor::runCpuPasses(std::uint32_t level, PassKind kind)
+/// Runs the round's prepare or host passes: batches in order, the passes of a batch side by side.
+void PassExecutor::runCpuPasses(std::uint32_t round, PassKind kind)
 {
     for (std::size_t i = 0; i < order_.size();) {
         const Pass& head = graph_.passes()[order_[i]];
         std::size_t end = i + 1;
         while (end < order_.size()) {
             const Pass& next = graph_.passes()[order_[end]];
-            if (next.level != head.level || next.kind != head.kind || next.wave != head.wave) break;
+            if (next.round != head.round || next.kind != head.kind || next.batch != head.batch) break;
             ++end;
         }
-        if (head.level == level && head.kind == kind) {
-            runWave(std::span(order_).subspan(i, end - i));
+        if (head.round == round && head.kind == kind) {
+            runBatch(std::span(order_).subspan(i, end - i));
         }
         i = end;
     }
 }
 
 /// Passes side by side take each other's threads, and each looks as slow as all of them. A timed frame runs them one
-/// after the other, as it does on the GPU; in others they share the time that the wave took.
-void PassExecutor::runWave(std::span<const std::uint32_t> wave)
+/// after the other, as it does on the GPU; in others they share the time that the batch took.
+void PassExecutor::runBatch(std::span<const std::uint32_t> batch)
 {
     const auto start = std::chrono::steady_clock::now();
     if (slot_->timed) {
-        for (const std::uint32_t index : wave)
+        for (const std::uint32_t index : batch)
             runPass(index);
     } else {
-        jobs_.parallelFor(wave.size(), 1, [&](std::size_t begin, std::size_t end, std::uint32_t) {
+        jobs_.parallelFor(batch.size(), 1, [&](std::size_t begin, std::size_t end, std::uint32_t) {
             for (std::size_t k = begin; k < end; ++k)
-                runPass(wave[k]);
+                runPass(batch[k]);
         });
     }
     const float wallMs = elapsedMs(start);
     float sumMs = 0.0f;
-    for (const std::uint32_t index : wave)
+    for (const std::uint32_t index : batch)
         sumMs += graph_.passes()[index].cpuMs;
     const float share = sumMs > wallMs ? wallMs / sumMs : 1.0f;
-    for (const std::uint32_t index : wave) {
+    for (const std::uint32_t index : batch) {
         const Pass& pass = graph_.passes()[index];
         if (!pass.fn) continue;
         const float ms = share * pass.cpuMs;
         ++counters_.passesRun;
         counters_.cpuMs += ms;
         slot_->entries.push_back(
-            {.timing = {.name = pass.name, .owner = pass.owner, .level = pass.level, .cpuMs = ms}});
+            {.timing = {.name = pass.name, .owner = pass.owner, .round = pass.round, .cpuMs = ms}});
     }
 }
 
@@ -351,9 +351,9 @@ void PassExecutor::runPass(std::uint32_t index)
     pass.cpuMs = elapsedMs(start);
 }
 
-Result<VkCommandBuffer> PassExecutor::commandBuffer(Slot& slot, std::uint32_t level)
+Result<VkCommandBuffer> PassExecutor::commandBuffer(Slot& slot, std::uint32_t round)
 {
-    while (slot.cmds.size() <= level) {
+    while (slot.cmds.size() <= round) {
         const VkCommandBufferAllocateInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
                                                .commandPool = slot.pool.get(),
                                                .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
@@ -364,7 +364,7 @@ Result<VkCommandBuffer> PassExecutor::commandBuffer(Slot& slot, std::uint32_t le
         ++vk_.objectsMade;
         slot.cmds.push_back(cmd);
     }
-    return slot.cmds[level];
+    return slot.cmds[round];
 }
 
 Result<VkCommandBuffer> PassExecutor::beginOnce()
@@ -376,7 +376,7 @@ Result<VkCommandBuffer> PassExecutor::beginOnce()
     if (VkResult r = vk_.vkCreateCommandPool(vk_.device, &poolInfo, vk_.hostAllocator, &pool); r != VK_SUCCESS)
         return vulkanError(r, "vkCreateCommandPool");
     oncePool_ = {vk_, pool};
-    trialsBefore_ = pipelines_.trialMarks().begun();
+    warmupsBefore_ = pipelines_.warmupMarks().begun();
     const VkCommandBufferAllocateInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
                                            .commandPool = pool,
                                            .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
@@ -415,7 +415,7 @@ std::uint64_t PassExecutor::progress(const void* self) noexcept
 {
     const auto& executor = *static_cast<const PassExecutor*>(self);
     const std::uint64_t passes = executor.slot_ ? executor.slot_->marks.begun() : 0;
-    return passes << 32 | executor.pipelines_.trialMarks().begun();
+    return passes << 32 | executor.pipelines_.warmupMarks().begun();
 }
 
 Error PassExecutor::waitError(VkResult waited) const
@@ -426,12 +426,12 @@ Error PassExecutor::waitError(VkResult waited) const
                 " ms (GnContextCreateInfo::waitLimitMs); " + lastBegun() + "; the context counts as lost"};
 }
 
-/// What the device began last. Where passes of a level are not marked one by one, those that it may have been.
+/// What the device began last. Where passes of a round are not marked one by one, those that it may have been.
 std::string PassExecutor::lastBegun() const
 {
     const std::uint32_t begun = oncePool_ || !slot_ ? 0 : slot_->marks.begun();
-    if (begun == 0 && pipelines_.trialMarks().begun() > trialsBefore_)
-        return "last begun: the first run of pipeline '" + pipelines_.lastTrial() + "'";
+    if (begun == 0 && pipelines_.warmupMarks().begun() > warmupsBefore_)
+        return "last begun: the first run of pipeline '" + pipelines_.lastWarmup() + "'";
     if (begun == 0) return "nothing that it waits for has begun";
     const std::vector<Slot::Entry>& entries = slot_->entries;
     const PassTiming& first = entries[begun - 1].timing;

@@ -22,7 +22,7 @@ namespace gnomon {
 struct PassTiming {
     const char* name = "";
     PassOwner owner;
-    std::uint32_t level = 0;
+    std::uint32_t round = 0;
     float gpuMs = 0.0f;
     float cpuMs = 0.0f;
 };
@@ -31,7 +31,7 @@ struct PassTiming {
 struct FrameTimings {
     std::uint64_t frame = 0;
     bool timed = false;      ///< Every pass, with full barriers between; otherwise only the total.
-    float totalGpuMs = 0.0f; ///< From the first command to the last, gaps between levels left out.
+    float totalGpuMs = 0.0f; ///< From the first command to the last, gaps between rounds left out.
     std::vector<PassTiming> passes;
 };
 
@@ -50,10 +50,10 @@ struct ExecutorFrame {
     std::uint64_t completedFrame = 0;
     bool timed = false;
     const SceneRegistry::Snapshot* scene = nullptr;
-    SceneRegistry* uploads = nullptr;      ///< Its pending uploads go first; null: none.
-    RayScene* rays = nullptr;              ///< Null without Embree.
-    bool raysNeeded = false;               ///< Some task traces: the ray scene is brought up to date.
-    std::uint32_t trialOwner = UINT32_MAX; ///< A method whose pipelines are executed for the first time.
+    SceneRegistry* uploads = nullptr;       ///< Its pending uploads go first; null: none.
+    RayScene* rays = nullptr;               ///< Null without Embree.
+    bool raysNeeded = false;                ///< Some task traces: the ray scene is brought up to date.
+    std::uint32_t warmupOwner = UINT32_MAX; ///< A method whose pipelines are executed for the first time.
     std::span<const VkSemaphoreSubmitInfo> waits, signals;
     PooledImage* const* visibilities = nullptr; ///< Left in SHADER_READ_ONLY at the end.
     std::uint32_t visibilityCount = 0;
@@ -76,9 +76,9 @@ public:
     Result<void> begin(const ExecutorFrame& frame);
     /// Records everything into the host's command buffer.
     Result<void> record(VkCommandBuffer cmd);
-    /// Submits level 0 and, unless `inlineHost`, starts its host passes on a worker.
+    /// Submits round 0 and, unless `inlineHost`, starts its host passes on a worker.
     Result<void> start(bool inlineHost);
-    /// Runs to the end, or until the time is up (#GN_TIMEOUT). What fails or throws ends the frame: its later levels
+    /// Runs to the end, or until the time is up (#GN_TIMEOUT). What fails or throws ends the frame: its later rounds
     /// never run, the GPU has done with the others, and nothing that they touched is kept.
     Result<GnResult> finish(std::uint64_t timeoutNs);
     bool underway() const { return underway_; }
@@ -101,8 +101,8 @@ public:
     /// A wait ended without the device's work being done: nothing that it touches may be destroyed.
     bool hung() const noexcept { return timeline_.hung(); }
 
-    /// Why the pipelines of ExecutorFrame::trialOwner could not be tried; null: they were. The frame goes on without.
-    const Error* trialError() const { return trialError_ ? &*trialError_ : nullptr; }
+    /// Why the pipelines of ExecutorFrame::warmupOwner could not be tried; null: they were. The frame goes on without.
+    const Error* warmupError() const { return warmupError_ ? &*warmupError_ : nullptr; }
     const FrameTimings* newest() const { return published_.frame ? &published_ : nullptr; }
     const FrameTimings* newestTimed() const { return publishedTimed_.frame ? &publishedTimed_ : nullptr; }
     ExecutorCounters& counters() { return counters_; }
@@ -123,35 +123,35 @@ private:
     };
 
     Result<void> updateRays();
-    Result<void> recordLevel(VkCommandBuffer cmd, std::uint32_t level, bool last);
-    void recordWaves(VkCommandBuffer cmd, std::uint32_t level);
+    Result<void> recordRound(VkCommandBuffer cmd, std::uint32_t round, bool last);
+    void recordBatches(VkCommandBuffer cmd, std::uint32_t round);
     void recordPass(VkCommandBuffer cmd, Pass& pass);
     VkRect2D beginRendering(VkCommandBuffer cmd, const Pass& pass); ///< @return the area of its viewport and scissor
     void handBack();
     void handBackImports();
-    void showReadbacks(std::uint32_t level);
-    void runCpuPasses(std::uint32_t level, PassKind kind);
-    void runWave(std::span<const std::uint32_t> wave);
+    void showReadbacks(std::uint32_t round);
+    void runCpuPasses(std::uint32_t round, PassKind kind);
+    void runBatch(std::span<const std::uint32_t> batch);
     void runPass(std::uint32_t index);
-    Result<void> submitLevel(std::uint32_t level, bool last);
+    Result<void> submitRound(std::uint32_t round, bool last);
     static std::uint64_t progress(const void* self) noexcept;
     Error waitError(VkResult waited) const;
     std::string lastBegun() const;
     bool marksPasses() const;
     void markBegun(VkCommandBuffer cmd);
-    Result<GnResult> finishLevels(std::uint64_t timeoutNs);
+    Result<GnResult> finishRounds(std::uint64_t timeoutNs);
     void giveUp() noexcept;
-    Result<void> hostLevel(std::uint64_t timeoutNs);
+    Result<void> hostRound(std::uint64_t timeoutNs);
     void hostJob() noexcept;
     void declareLater();
     Result<void> makeQueries(Slot& slot, std::uint32_t count);
-    Result<void> resetQueries(VkCommandBuffer cmd, std::uint32_t level);
+    Result<void> resetQueries(VkCommandBuffer cmd, std::uint32_t round);
     void stamp(VkCommandBuffer cmd);
     void collect(Slot& slot);
-    Result<VkCommandBuffer> commandBuffer(Slot& slot, std::uint32_t level);
+    Result<VkCommandBuffer> commandBuffer(Slot& slot, std::uint32_t round);
     Result<VkCommandBuffer> beginOnce();
     Result<void> endOnce(VkCommandBuffer cmd);
-    bool levelHas(std::uint32_t level, PassKind kind) const;
+    bool roundHas(std::uint32_t round, PassKind kind) const;
 
     const DeviceTable& vk_;
     DeviceMemory& memory_;
@@ -162,8 +162,8 @@ private:
     PassGraph& graph_;
 
     DeviceTimeline timeline_;
-    UniqueCommandPool oncePool_;     ///< Of the one-off submit under way.
-    std::uint32_t trialsBefore_ = 0; ///< Trials begun before the submits that are waited for.
+    UniqueCommandPool oncePool_;      ///< Of the one-off submit under way.
+    std::uint32_t warmupsBefore_ = 0; ///< Warmups begun before the submits that are waited for.
     std::vector<std::unique_ptr<Slot>> slots_;
     Slot* slot_ = nullptr;
     ExecutorFrame frame_;
@@ -171,11 +171,11 @@ private:
     std::vector<PooledImage*> visibilities_, imports_, lightMaps_;
     BarrierBatch barriers_;
     std::span<const std::uint32_t> order_;
-    std::uint32_t level_ = 0;
+    std::uint32_t round_ = 0;
     bool underway_ = false;
     bool inlineHost_ = true;
     JobSystem::Job hostJob_;
-    std::optional<Error> trialError_;
+    std::optional<Error> warmupError_;
     VkResult hostWait_ = VK_SUCCESS;
     std::exception_ptr hostThrown_; ///< By a host pass on a worker.
     std::mutex laterMutex_;

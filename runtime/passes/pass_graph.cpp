@@ -155,8 +155,8 @@ void PassGraph::reset()
     tasks_.clear();
     ++epoch_;
     tableUsed_ = 0;
-    levels_ = 1;
-    floorLevel_ = 0;
+    rounds_ = 1;
+    firstRound_ = 0;
     kept_ = 0;
     error_.reset();
 }
@@ -247,7 +247,7 @@ PassRef PassGraph::open(PassKind kind, const char* name, Scope scope, std::uint3
     if (scope == Scope::light || scope == Scope::scene) pending_.owner.view = UINT32_MAX;
     pending_.firstAccess = static_cast<std::uint32_t>(accesses_.size());
     pending_.task = task_;
-    pending_.level = floorLevel_;
+    pending_.round = firstRound_;
     return PassRef(*this);
 }
 
@@ -281,19 +281,19 @@ void PassGraph::close(void (*fn)(void*, PassContext*, HostContext*), const void*
     store(pendingKey_, index);
 }
 
-/// Level and wave follow from the newest conflicting accesses before it.
+/// Round and batch follow from the newest conflicting accesses before it.
 void PassGraph::place(Pass& pass, std::uint32_t index)
 {
     const bool cpu = isCpu(pass.kind);
     auto after = [&](const Pass& older) {
         const bool olderCpu = isCpu(older.kind);
         if (older.kind == PassKind::prepare && pass.kind != PassKind::prepare && !cpu) return; // ran before recording
-        const std::uint32_t level = older.kind == PassKind::host && !cpu ? older.level + 1 : older.level;
-        if (level > pass.level) {
-            pass.level = level;
-            pass.wave = 0;
+        const std::uint32_t round = older.kind == PassKind::host && !cpu ? older.round + 1 : older.round;
+        if (round > pass.round) {
+            pass.round = round;
+            pass.batch = 0;
         }
-        if (olderCpu == cpu && older.level == pass.level) pass.wave = std::max(pass.wave, older.wave + 1);
+        if (olderCpu == cpu && older.round == pass.round) pass.batch = std::max(pass.batch, older.batch + 1);
     };
     for (std::uint32_t i = pass.firstAccess; i < pass.firstAccess + pass.accessCount; ++i) {
         Access& access = accesses_[i];
@@ -307,7 +307,7 @@ void PassGraph::place(Pass& pass, std::uint32_t index)
         access.next = newest;
         newest = i;
     }
-    levels_ = std::max(levels_, pass.level + 1);
+    rounds_ = std::max(rounds_, pass.round + 1);
 }
 
 std::span<const std::uint32_t> PassGraph::order()
@@ -318,9 +318,9 @@ std::span<const std::uint32_t> PassGraph::order()
     auto side = [](PassKind kind) { return kind == PassKind::prepare ? 0 : kind == PassKind::host ? 2 : 1; };
     std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
         const Pass &x = passes_[a], &y = passes_[b];
-        if (x.level != y.level) return x.level < y.level;
+        if (x.round != y.round) return x.round < y.round;
         if (side(x.kind) != side(y.kind)) return side(x.kind) < side(y.kind);
-        if (x.wave != y.wave) return x.wave < y.wave;
+        if (x.batch != y.batch) return x.batch < y.batch;
         return a < b;
     });
     return order_;

@@ -1,5 +1,5 @@
 #pragma once
-// The frame's passes and resources as declared, and their order: levels (GPU-CPU-GPU round trips) and waves (passes
+// The frame's passes and resources as declared, and their order: rounds (GPU-CPU-GPU round trips) and batches (passes
 // that need no barrier between them).
 #include <algorithm>
 #include <cstdint>
@@ -70,9 +70,9 @@ struct Pass {
     void (*fn)(void* self, PassContext* gpu, HostContext* host) = nullptr;
     void* body = nullptr;
     std::uint32_t task = 0; ///< Under which beginTask() it was declared.
-    std::uint32_t level = 0;
-    std::uint32_t wave = 0; ///< Within the level, among passes of its side (GPU or CPU).
-    float cpuMs = 0.0f;     ///< Host and prepare passes, once run.
+    std::uint32_t round = 0;
+    std::uint32_t batch = 0; ///< Within the round, among passes of its side (GPU or CPU).
+    float cpuMs = 0.0f;      ///< Host and prepare passes, once run.
 };
 
 struct FrameImage {
@@ -124,12 +124,12 @@ public:
         return std::min(buffer.pooled->gpu.size, pooledSize(buffer.info.size));
     }
 
-    /// Indices into passes(), ordered by level, side (prepare, GPU, host) and wave; valid until the next declaration.
+    /// Indices into passes(), ordered by round, side (prepare, GPU, host) and batch; valid until the next declaration.
     std::span<const std::uint32_t> order();
-    std::uint32_t levels() const { return levels_; }
+    std::uint32_t rounds() const { return rounds_; }
     std::uint32_t keptPasses() const { return kept_; }
-    /// Passes declared from now on come at this level or later (declared by host passes).
-    void setFloorLevel(std::uint32_t level) { floorLevel_ = level; }
+    /// Passes declared from now on come at this round or later (declared by host passes).
+    void setFirstRound(std::uint32_t round) { firstRound_ = round; }
 
     FrameArena& arena() { return arena_; }
 
@@ -189,8 +189,8 @@ private:
     bool pendingDropped_ = false; ///< Exists already.
     bool pendingBroken_ = false;  ///< Touches a resource that could not be made.
     std::uint64_t pendingKey_ = 0;
-    std::uint32_t levels_ = 1;
-    std::uint32_t floorLevel_ = 0;
+    std::uint32_t rounds_ = 1;
+    std::uint32_t firstRound_ = 0;
     std::uint32_t kept_ = 0, taskKept_ = 0;
 };
 

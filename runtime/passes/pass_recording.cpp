@@ -1,4 +1,4 @@
-// Recording of levels: waves, barriers, rendering scopes, timestamps; and what is read back of them.
+// Recording of rounds: batches, barriers, rendering scopes, timestamps; and what is read back of them.
 #include <algorithm>
 #include <utility>
 
@@ -22,7 +22,7 @@ bool runsOnGpu(const Pass& pass)
 } // namespace
 
 /// A mark is a command between passes. Where full barriers stand there anyway, or a CPU executes it, it costs nothing;
-/// elsewhere a level has one, for a GPU may have to switch engines for it.
+/// elsewhere a round has one, for a GPU may have to switch engines for it.
 bool PassExecutor::marksPasses() const
 {
     return slot_->timed || vk_.software;
@@ -34,7 +34,7 @@ void PassExecutor::markBegun(VkCommandBuffer cmd)
     slot_->marks.mark(vk_, cmd, static_cast<std::uint32_t>(slot_->entries.size()));
 }
 
-/// So many for the slot, where the queue has any: in new pools, since the frame's earlier levels may be at work with
+/// So many for the slot, where the queue has any: in new pools, since the frame's earlier rounds may be at work with
 /// the others.
 Result<void> PassExecutor::makeQueries(Slot& slot, std::uint32_t count)
 {
@@ -60,13 +60,13 @@ void PassExecutor::stamp(VkCommandBuffer cmd)
                              query % kQueriesPerPool);
 }
 
-/// Those that the level may write: its own two, and in timed frames two for each of its passes.
-Result<void> PassExecutor::resetQueries(VkCommandBuffer cmd, std::uint32_t level)
+/// Those that the round may write: its own two, and in timed frames two for each of its passes.
+Result<void> PassExecutor::resetQueries(VkCommandBuffer cmd, std::uint32_t round)
 {
     if (slot_->queries.empty()) return {};
     std::uint32_t wanted = 2;
     for (const std::uint32_t index : order_)
-        if (slot_->timed && graph_.passes()[index].level == level && runsOnGpu(graph_.passes()[index])) wanted += 2;
+        if (slot_->timed && graph_.passes()[index].round == round && runsOnGpu(graph_.passes()[index])) wanted += 2;
     const std::uint32_t end = slot_->queriesUsed + wanted;
     if (Result<void> made = makeQueries(*slot_, end); !made) return made;
     for (std::uint32_t first = slot_->queriesUsed; first < end;) {
@@ -77,47 +77,48 @@ Result<void> PassExecutor::resetQueries(VkCommandBuffer cmd, std::uint32_t level
     return {};
 }
 
-Result<void> PassExecutor::recordLevel(VkCommandBuffer cmd, std::uint32_t level, bool last)
+Result<void> PassExecutor::recordRound(VkCommandBuffer cmd, std::uint32_t round, bool last)
 {
-    if (Result<void> reset = resetQueries(cmd, level); !reset) return reset;
-    if (level == 0 && frame_.uploads && frame_.uploads->uploadsPending())
+    if (Result<void> reset = resetQueries(cmd, round); !reset) return reset;
+    if (round == 0 && frame_.uploads && frame_.uploads->uploadsPending())
         frame_.uploads->recordUploads(cmd, frame_.frame);
-    if (level == 0 && frame_.trialOwner != UINT32_MAX)
-        if (Result<void> tried = pipelines_.recordTrials(cmd, frame_.trialOwner); !tried) trialError_ = tried.error();
+    if (round == 0 && frame_.warmupOwner != UINT32_MAX)
+        if (Result<void> tried = pipelines_.recordWarmupDraws(cmd, frame_.warmupOwner); !tried)
+            warmupError_ = tried.error();
 
     const std::uint32_t start = slot_->queriesUsed;
     stamp(cmd);
     try {
-        recordWaves(cmd, level);
+        recordBatches(cmd, round);
     } catch (const RecordingFailed& failed) {
         return failed.error;
     }
     handBackImports(); // the host has them whenever a call returns
     if (last) {
         handBack();
-        showReadbacks(level);
+        showReadbacks(round);
     } else {
         barriers_.toHost();
     }
     barriers_.record(cmd);
     stamp(cmd);
-    if (slot_->queriesUsed >= start + 2) slot_->levels.push_back({start, slot_->queriesUsed - 1});
+    if (slot_->queriesUsed >= start + 2) slot_->rounds.push_back({start, slot_->queriesUsed - 1});
     return {};
 }
 
-void PassExecutor::recordWaves(VkCommandBuffer cmd, std::uint32_t level)
+void PassExecutor::recordBatches(VkCommandBuffer cmd, std::uint32_t round)
 {
     bool begun = false;
     for (std::size_t i = 0; i < order_.size();) {
         const Pass& head = graph_.passes()[order_[i]];
-        if (head.level != level || !runsOnGpu(head)) {
+        if (head.round != round || !runsOnGpu(head)) {
             ++i;
             continue;
         }
         std::size_t end = i;
         for (; end < order_.size(); ++end) {
             const Pass& pass = graph_.passes()[order_[end]];
-            if (pass.level != level || !runsOnGpu(pass) || pass.wave != head.wave) break;
+            if (pass.round != round || !runsOnGpu(pass) || pass.batch != head.batch) break;
             if (!pass.fn) continue;
             for (const Access& access : graph_.accesses(pass)) {
                 const AccessTraits use = accessTraits(access, pass.kind);
@@ -140,7 +141,7 @@ void PassExecutor::recordWaves(VkCommandBuffer cmd, std::uint32_t level)
 void PassExecutor::recordPass(VkCommandBuffer cmd, Pass& pass)
 {
     ++counters_.passesRun;
-    Slot::Entry entry{.timing = {.name = pass.name, .owner = pass.owner, .level = pass.level}};
+    Slot::Entry entry{.timing = {.name = pass.name, .owner = pass.owner, .round = pass.round}};
     if (slot_->timed) {
         barriers_.full(cmd);
         entry.startQuery = slot_->queriesUsed;
@@ -248,12 +249,12 @@ void PassExecutor::handBackImports()
         if (image->layers[0].layout != asBefore.layout) barriers_.image(*image, 0, 1, asBefore);
 }
 
-/// What the level wrote in memory that the CPU will read without another level in between: the depth grid.
-void PassExecutor::showReadbacks(std::uint32_t level)
+/// What the round wrote in memory that the CPU will read without another round in between: the depth grid.
+void PassExecutor::showReadbacks(std::uint32_t round)
 {
     const AccessTraits read = accessTraits(AccessKind::hostRead, PassKind::host);
     for (const Pass& pass : graph_.passes()) {
-        if (pass.level != level || !pass.fn || !runsOnGpu(pass)) continue;
+        if (pass.round != round || !pass.fn || !runsOnGpu(pass)) continue;
         for (const Access& access : graph_.accesses(pass)) {
             if (access.isImage || !accessTraits(access, pass.kind).write) continue;
             PooledBuffer& buffer = graph_.bufferAt(access.resource);
@@ -292,7 +293,7 @@ void PassExecutor::collect(Slot& slot)
         out.passes.push_back(timing);
     }
     if (!slot.timed)
-        for (const Slot::Span& span : slot.levels)
+        for (const Slot::Span& span : slot.rounds)
             out.totalGpuMs += ms(span.startQuery, span.endQuery);
 }
 

@@ -19,7 +19,7 @@ struct SyncState {
     VkPipelineStageFlags2 visibleStages = 0; ///< Where the last write is visible already.
     VkAccessFlags2 visibleAccess = 0;
 
-    // What the wave under way will do with it, all its passes together.
+    // What the batch under way will do with it, all its passes together.
     VkImageLayout nextLayout = VK_IMAGE_LAYOUT_UNDEFINED;
     VkPipelineStageFlags2 nextStages = 0;
     VkAccessFlags2 nextAccess = 0;

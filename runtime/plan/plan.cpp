@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "runtime/plan/worth.hpp"
+#include "runtime/plan/utility.hpp"
 
 namespace gnomon::plan {
 
@@ -189,9 +189,9 @@ Hold PlanStep::holdOf(const PlanInput& input, uint32_t light) const noexcept
     if (isHeld(input, light, to)) return Hold::ban;
     // Worth of the gain in milliseconds, at the plan's average price; the stay must earn the first frame.
     const double gain = values_[at(light, to)] - values_[at(light, current_[light])];
-    const double worthMs = sums_.value > 0.0 ? gain / sums_.value * sums_.costMs : input.budgetMs;
+    const double utilityMs = sums_.value > 0.0 ? gain / sums_.value * sums_.costMs : input.budgetMs;
     const double firstFrameMs = input.candidates[at(light, to)].firstFrameMs;
-    if (firstFrameMs > 0.0 && worthMs * kExpectedStayFrames <= firstFrameMs) return Hold::firstFrame;
+    if (firstFrameMs > 0.0 && utilityMs * kExpectedStayFrames <= firstFrameMs) return Hold::firstFrame;
     return Hold::none;
 }
 
@@ -325,7 +325,7 @@ Solution PlanStep::solveWithin(const PlanInput& input, double headroom, PlanRepo
     }
     // Above the headroom alone the cheapest still keeps the budget; only beyond it nothing is lost by a tenth more.
     if (!solution.fits && solution.costMs > input.budgetMs) {
-        settleForLess(input, best);
+        reduceCost(input, best);
         const Sums sums = sumOf(problem_, best);
         solution.value = sums.value, solution.costMs = sums.costMs;
     }
@@ -344,7 +344,7 @@ bool PlanStep::takeBest() noexcept
 }
 
 /// A plan over its budget: repaired where one fits, else for what is cheaper, or worth more and no dearer.
-void PlanStep::relieve(const PlanInput& input, const Solution& best, PlanReport& report) noexcept
+void PlanStep::reduceOverrun(const PlanInput& input, const Solution& best, PlanReport& report) noexcept
 {
     // Where no plan fits, noise decides which is the cheapest: only a fair gain, or the budget itself, is worth a
     // change.
@@ -383,7 +383,7 @@ void PlanStep::planWithinBudget(const PlanInput& input, PlanReport& report) noex
     const double keepMs = input.budgetMs - (1.0 - kKeepShare) * headroom;
     const bool over = sums_.costMs > keepMs;
     calmFrames_ = over || input.measuredMs > input.budgetMs ? 0 : std::min(calmFrames_ + 1, kSpareFrames);
-    if (over) return relieve(input, solution, report);
+    if (over) return reduceOverrun(input, solution, report);
     improve(input, report);
     economise(input, report);
 }

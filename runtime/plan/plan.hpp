@@ -68,7 +68,7 @@ struct PlanInput {
     std::span<const SharedPart> parts;     ///< Work that methods share; at most kMaxParts.
     uint32_t methods = 0;
     double budgetMs = 0.0;
-    /// The budget as a multiple of what the cheapest plan is foretold to take, by kLeash from budgetMs at most where
+    /// The budget as a multiple of what the cheapest plan is predicted to take, by kLeash from budgetMs at most where
     /// that is known; 0: budgetMs itself.
     double perCheapest = 0.0;
     double sharedMs = 0.0;    ///< Of the budget, and of what was measured, this is spent whatever the plan: no part.
@@ -108,7 +108,7 @@ struct LightPlan {
     uint32_t chosen = kNone;
     uint32_t incumbent = kNone; ///< Before this step.
     uint32_t wanted = kNone;    ///< By the best plan.
-    double benefit = 0.0;       ///< importance * worth().
+    double benefit = 0.0;       ///< importance * utility().
     double ms = 0.0;            ///< Predicted, without shared parts.
     Hold hold = Hold::none;
     bool floor = false;      ///< Near, or was within the frames of a flip.
@@ -177,7 +177,7 @@ public:
         return std::span(why_).subspan(size_t{light} * methods_, methods_);
     }
 
-    /// Of the newest step: whether pins, vetoes and floor leave the light this method, and importance * worth().
+    /// Of the newest step: whether pins, vetoes and floor leave the light this method, and importance * utility().
     bool mayServe(uint32_t light, uint32_t method) const noexcept { return (allowed_[light] >> method & 1) != 0; }
     double benefitOf(uint32_t light, uint32_t method) const noexcept { return values_[at(light, method)]; }
     /// What the light would be the reason for of the shared parts, with that method and the others as they are.
@@ -196,15 +196,15 @@ private:
     bool takeBest() noexcept;
     bool takeTogether(const PlanInput& input, double limitMs, double enough) noexcept;
     bool isStuck() const noexcept;
-    void relieve(const PlanInput& input, const Solution& best, PlanReport& report) noexcept;
+    void reduceOverrun(const PlanInput& input, const Solution& best, PlanReport& report) noexcept;
     void planWithinBudget(const PlanInput& input, PlanReport& report) noexcept;
-    void settleForLess(const PlanInput& input, std::span<uint32_t> best) const noexcept;
+    void reduceCost(const PlanInput& input, std::span<uint32_t> best) const noexcept;
     double headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept;
     bool repair(const PlanInput& input, double usableMs) noexcept;
     void improve(const PlanInput& input, PlanReport& report) noexcept;
     bool cheaperTogether(const PlanInput& input, const PlanReport& report) const noexcept;
     void economise(const PlanInput& input, PlanReport& report) noexcept;
-    uint32_t thriftier(const PlanInput& input, uint32_t light, uint32_t from) const noexcept;
+    uint32_t cheaperMethod(const PlanInput& input, uint32_t light, uint32_t from) const noexcept;
     Hold tryUpgrade(const PlanInput& input, uint32_t light, double usableMs) noexcept;
     bool isHeld(const PlanInput& input, uint32_t light, uint32_t to) const noexcept;
     Hold holdOf(const PlanInput& input, uint32_t light) const noexcept;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "runtime/plan/plan.hpp"
-#include "runtime/plan/worth.hpp"
+#include "runtime/plan/utility.hpp"
 
 namespace gnomon::plan {
 
@@ -24,20 +24,20 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
 {
     const LightRequest& request = input.lights[light];
     uint32_t able = 0, unvetoed = 0, spoken = 0;
-    std::array<Merit, kMaxMethods> merits;
+    std::array<UtilityTerms, kMaxMethods> terms;
     for (uint32_t m = 0; m < methods_; ++m) {
         const Candidate& candidate = input.candidates[at(light, m)];
         const uint32_t bit = 1u << m;
-        merits[m] = {candidate.suitability, qualityOf(candidate), candidate.eligibility == Eligibility::eligible};
+        terms[m] = {candidate.suitability, qualityOf(candidate), candidate.eligibility == Eligibility::eligible};
         const bool known = std::isfinite(candidate.ms) && candidate.ms >= 0.0;
         costsMs_[at(light, m)] = known ? candidate.ms : 0.0;
         if (candidate.eligibility != Eligibility::trait && known) able |= bit;
         if (candidate.eligibility != Eligibility::never) unvetoed |= bit;
         if (candidate.suitability >= 0) spoken |= bit;
     }
-    const std::span all = std::span<const Merit>(merits).first(methods_);
+    const std::span all = std::span<const UtilityTerms>(terms).first(methods_);
     for (uint32_t m = 0; m < methods_; ++m)
-        values_[at(light, m)] = request.importance * worth(sharedMerit(all, m));
+        values_[at(light, m)] = request.importance * utility(sharedTerms(all, m));
     const uint32_t pin = request.pinned < methods_ ? able & (1u << request.pinned) : 0;
     uint32_t allowed = able & unvetoed;
     if (allowed & spoken) allowed &= spoken; // where nobody has an opinion, all are equally unloved

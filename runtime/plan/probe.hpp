@@ -1,5 +1,5 @@
 #pragma once
-// What to measure although it does not serve: a method that may be cheaper than it is foretold.
+// What to measure although it does not serve: a method that may be cheaper than it is predicted.
 #include "runtime/plan/plan.hpp"
 
 namespace gnomon::plan {

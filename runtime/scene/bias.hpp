@@ -10,7 +10,7 @@
 // There is no constant bias. Its unit is the last place of the largest depth of the whole primitive (Vulkan, Depth Bias
 // Computation), and where depths are clamped instead of clipped a triangle that reaches the plane through the light has
 // no largest: with a factor of 2 an NVIDIA driver pushes it past the far end of the map. By how much coplanar sheets (a
-// cloth on a table) are rounded apart is in what receivers allow for, DEPTH_ROUNDING (shaders/maps/map_look.h).
+// cloth on a table) are rounded apart is in what receivers allow for, DEPTH_ROUNDING (shaders/maps/map_lookup.h).
 #include "runtime/scene/scene_view.hpp"
 #include "runtime/scene/topology.hpp"
 
@@ -23,9 +23,9 @@ struct CasterRaster {
     float slopeBias = 0.0f; ///< vkCmdSetDepthBias, third value; the first is 0.
 };
 
-/// Where two facets of an open surface meet in a valley, the plane of one runs below the other: at a texel's corner, half
-/// a texel from the receiver in x and in y, by at most (|dz/dx| + |dz/dy|) / 2 <= max(|dz/dx|, |dz/dy|) of the steeper
-/// one, which is what Vulkan multiplies with the slope factor.
+/// Where two facets of an open surface meet in a valley, the plane of one runs below the other: at a texel's corner,
+/// half a texel from the receiver in x and in y, by at most (|dz/dx| + |dz/dy|) / 2 <= max(|dz/dx|, |dz/dy|) of the
+/// steeper one, which is what Vulkan multiplies with the slope factor.
 inline constexpr float kOpenSlopeBias = 1.0f;
 
 /// Projections keep the winding (LightFit), meshes are counter-clockwise seen from outside.

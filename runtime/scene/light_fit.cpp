@@ -258,8 +258,8 @@ Aabb boundsOf(std::span<const Caster* const> casters)
 Aabb sceneBounds(const LightCasters& casters)
 {
     if (casters.all.empty()) return {};
-    if (casters.movings.empty()) return boundsOf(casters.statics);
-    const Aabb moving = boundsOf(casters.movings);
+    if (casters.dynamics.empty()) return boundsOf(casters.statics);
+    const Aabb moving = boundsOf(casters.dynamics);
     Aabb result = casters.statics.empty() ? moving : boundsOf(casters.statics);
     const Aabb inner = result;
     for (int axis = 0; axis < 3; ++axis) {

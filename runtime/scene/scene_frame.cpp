@@ -140,25 +140,25 @@ LightCasters SceneRegistry::castersOf(const LightView& light, FrameArena& arena)
 {
     const Snapshot& snapshot = impl_->arrays.current();
     const std::span<const Caster*> all = arena.array<const Caster*>(snapshot.casters.size());
-    const std::span<const Caster*> movings = arena.array<const Caster*>(snapshot.casters.size());
-    std::size_t staticCount = 0, movingCount = 0;
+    const std::span<const Caster*> dynamics = arena.array<const Caster*>(snapshot.casters.size());
+    std::size_t staticCount = 0, dynamicCount = 0;
     LightCasters result;
     for (const Caster& caster : snapshot.casters) {
         if (!(caster.mask & light.mask) || !reaches(light, caster.bounds)) continue;
         if (caster.isStatic)
             all[staticCount++] = &caster;
         else
-            movings[movingCount++] = &caster;
+            dynamics[dynamicCount++] = &caster;
         if (caster.mesh) result.triangles += caster.mesh->triangleCount();
         if (caster.hostDrawn && !caster.mayBeMissed) ++result.hostDrawn;
         if (caster.mayBeMissed && (caster.hostDrawn || caster.alphaTested)) ++result.missable;
     }
-    std::copy_n(movings.begin(), movingCount, all.begin() + staticCount);
-    result.all = all.first(staticCount + movingCount);
+    std::copy_n(dynamics.begin(), dynamicCount, all.begin() + staticCount);
+    result.all = all.first(staticCount + dynamicCount);
     result.statics = result.all.first(staticCount);
-    result.movings = result.all.subspan(staticCount);
+    result.dynamics = result.all.subspan(staticCount);
     result.staticStamp = stampOf(result.statics);
-    result.movingStamp = movingCount ? stampOf(result.movings) : 0;
+    result.dynamicStamp = dynamicCount ? stampOf(result.dynamics) : 0;
     return result;
 }
 

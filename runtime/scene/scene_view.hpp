@@ -94,10 +94,10 @@ struct LightView {
 /// The casters a light can see: those with a matching mask that touch its range and cone.
 struct LightCasters {
     std::span<const Caster* const> statics; ///< Static flag set and never moved.
-    std::span<const Caster* const> movings;
-    std::span<const Caster* const> all; ///< statics, then movings.
+    std::span<const Caster* const> dynamics;
+    std::span<const Caster* const> all; ///< statics, then dynamics.
     std::uint64_t staticStamp = 0;      ///< Changes when the set or any member of `statics` does. Never 0.
-    std::uint64_t movingStamp = 0;      ///< The same for `movings`; 0 when there are none.
+    std::uint64_t dynamicStamp = 0;     ///< The same for `dynamics`; 0 when there are none.
     std::uint32_t triangles = 0;
     std::uint32_t hostDrawn = 0; ///< Host-drawn casters in range that may not be missed.
     std::uint32_t missable = 0;  ///< Casters in range that some methods draw and others leave out.

@@ -8,8 +8,8 @@ namespace gnomon {
 /// 1.3 times the cheapest plan that keeps the near floor, measured in the first second, in which that plan runs; anew,
 /// in a part of a second, after a camera cut and once an eighth of the lights have come or gone to stay: that plan is
 /// another one. Lights that flicker, views that take turns and cuts in every frame do not keep it measuring. In between
-/// it follows what the cheapest plan is foretold to take in each frame, times what such plans took of late over what
-/// had been foretold of them: while the plan in force is about as cheap, every frame tells. A camera that walks up to
+/// it follows what the cheapest plan is predicted to take in each frame, times what such plans took of late over what
+/// had been predicted of them: while the plan in force is about as cheap, every frame tells. A camera that walks up to
 /// what is lit, and lights that come one by one, would else leave a budget behind that no plan keeps.
 class AutoBudget {
 public:
@@ -27,7 +27,7 @@ public:
     /// Frames of whose median the budget follows: a quarter second at 60 Hz. Spikes do not move it, and what comes up
     /// within eight frames finds room in kFactor.
     static constexpr std::uint32_t kFollowed = 16;
-    /// Plans this much dearer than the cheapest one, as foretold, still measure it: plan::kNoDearer.
+    /// Plans this much dearer than the cheapest one, as predicted, still measure it: plan::kNoDearer.
     static constexpr double kAsCheap = 1.1;
 
     /// Measures anew.
@@ -41,12 +41,12 @@ public:
     bool note(double tookMs, double intervalMs);
     /// One frame of any plan.
     /// @param tookMs     Of all shadow passes.
-    /// @param plannedMs  What the plan in force was foretold to take,
+    /// @param plannedMs  What the plan in force was predicted to take,
     /// @param cheapestMs and the cheapest one.
     void follow(double tookMs, double plannedMs, double cheapestMs);
     /// As it was measured, first and then by the median of the newest plans as cheap; 0 while measuring.
     double ms() const { return ms_; }
-    /// The budget over what the cheapest plan is foretold to take, near ms() (plan::kLeash); 0 while measuring, and
+    /// The budget over what the cheapest plan is predicted to take, near ms() (plan::kLeash); 0 while measuring, and
     /// while too little is known.
     double perCheapest() const { return measuring() ? 0.0 : kFactor * ratio_; }
 
@@ -54,7 +54,7 @@ private:
     std::array<double, kMostFrames> tookMs_{};    ///< Those that measured.
     std::uint32_t frames_ = 0;                    ///< In tookMs_.
     std::array<double, kFollowed> cheapTookMs_{}; ///< As the cheapest plan would have; a ring.
-    std::array<double, kFollowed> ratios_{};      ///< Took over foretold; a ring.
+    std::array<double, kFollowed> ratios_{};      ///< Took over predicted; a ring.
     std::uint32_t followed_ = 0;
     double ratio_ = 0.0;       ///< Their median, once the ring is full.
     std::uint32_t lights_ = 0; ///< That it is, or was, measured with.

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "rules/engine/number_text.hpp"
-#include "runtime/plan/worth.hpp"
+#include "runtime/plan/utility.hpp"
 
 namespace gnomon {
 
@@ -60,7 +60,7 @@ Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceIn
 
 namespace {
 
-plan::Merit meritOf(const Candidate& candidate)
+plan::UtilityTerms utilityTermsOf(const Candidate& candidate)
 {
     return {candidate.quantised, candidate.quality, candidate.exclusion == Exclusion::none};
 }
@@ -89,9 +89,9 @@ struct Offers {
     /// Shows as much as `as`, and the rules do not avoid it where `wanted` is what they like best.
     bool doesAsWell(std::uint32_t m, std::uint32_t as) const noexcept
     {
-        const plan::Merit enough{all[wanted].quantised, all[as].quality, true};
+        const plan::UtilityTerms enough{all[wanted].quantised, all[as].quality, true};
         return all[m].exclusion == Exclusion::none && all[m].quantised >= 0 &&
-               plan::showsAsMuch(meritOf(all[m]), enough) && (m == as || isPriceKnown(m));
+               plan::showsAsMuch(utilityTermsOf(all[m]), enough) && (m == as || isPriceKnown(m));
     }
     std::uint32_t cheapestLike(std::uint32_t suited) const noexcept;
     std::uint32_t moreForNoMore(std::uint32_t cheapest) const noexcept;
@@ -215,7 +215,7 @@ GnReason reasonOf(const plan::LightPlan& plan, std::uint32_t bestSuited, plan::W
     case plan::Why::hysteresis:
         return GN_REASON_HELD;
     case plan::Why::outscored:
-        return GN_REASON_WORTH;
+        return GN_REASON_UTILITY;
     default: // Why::budget, or a time that is no number, which fits nothing
         return GN_REASON_BUDGET;
     }
@@ -234,18 +234,18 @@ void takePlan(const plan::LightPlan& plan, LightDecision& decision) noexcept
     decision.method = plan.chosen;
 }
 
-double worthOf(const DecisionRecord& record, std::span<const Candidate> candidates, std::uint32_t method) noexcept
+double utilityOf(const DecisionRecord& record, std::span<const Candidate> candidates, std::uint32_t method) noexcept
 {
-    std::array<plan::Merit, plan::kMaxMethods> merits;
+    std::array<plan::UtilityTerms, plan::kMaxMethods> terms;
     for (std::uint32_t m = 0; m < record.methods; ++m)
-        merits[m] = meritOf(candidates[m]);
-    const std::span all = std::span<const plan::Merit>(merits).first(record.methods);
-    return double{record.importance} * plan::worth(plan::sharedMerit(all, method));
+        terms[m] = utilityTermsOf(candidates[m]);
+    const std::span all = std::span<const plan::UtilityTerms>(terms).first(record.methods);
+    return double{record.importance} * plan::utility(plan::sharedTerms(all, method));
 }
 
 double Rechoice::valueOf(std::uint32_t method) const noexcept
 {
-    return worthOf(record_, candidates_, method);
+    return utilityOf(record_, candidates_, method);
 }
 
 /// Methods that are able, not vetoed, spoken of where any is, and good enough as far as any is.
@@ -305,7 +305,7 @@ std::uint32_t Rechoice::chooseInPlan() const noexcept
         const double more = best == UINT32_MAX ? 1.0 : valueOf(m) - valueOf(best);
         if (more > 0.0 || (more == 0.0 && ms < takenMs(best))) best = m;
     }
-    if (!stays && best == UINT32_MAX && cheapest != UINT32_MAX) { // PlanStep::settleForLess
+    if (!stays && best == UINT32_MAX && cheapest != UINT32_MAX) { // PlanStep::reduceCost
         const double cheapestMs = takenMs(cheapest);
         const bool over = double{record_.planMs} - takenMs(chosen) + cheapestMs > double{record_.budgetMs};
         const double enough = over ? (1.0 + plan::kNoDearer) * cheapestMs : cheapestMs;

@@ -71,8 +71,8 @@ GnReason reasonOf(const plan::LightPlan& plan, std::uint32_t bestSuited, plan::W
 void takePlan(const plan::LightPlan& plan, LightDecision& decision) noexcept;
 
 /// What the plan counts for a method: importance * suitability * quality, the suitability shared by what shows as much
-/// (plan/worth.hpp).
-double worthOf(const DecisionRecord& record, std::span<const Candidate> candidates, std::uint32_t method) noexcept;
+/// (plan/utility.hpp).
+double utilityOf(const DecisionRecord& record, std::span<const Candidate> candidates, std::uint32_t method) noexcept;
 
 /// A decision made again with other facts, everything else as it was: pins, capabilities, predictions, the other lights
 /// of the plan. With the facts of the record the answer is the record's method.

@@ -6,7 +6,7 @@
 
 #include "rules/engine/explain.hpp"
 #include "rules/engine/number_text.hpp"
-#include "runtime/plan/worth.hpp"
+#include "runtime/plan/utility.hpp"
 
 namespace gnomon {
 
@@ -198,8 +198,8 @@ std::string passedOverLine(const DecisionRecord& record, const ExplainWords& wor
         if (record.budgeted)
             return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but with its quality " +
                    fixed(double{wanted.quality}, 2) + " is worth " +
-                   fixed(worthOf(record, record.candidates, record.wanted), 3) + " against " +
-                   fixed(worthOf(record, record.candidates, record.method), 3);
+                   fixed(utilityOf(record, record.candidates, record.wanted), 3) + " against " +
+                   fixed(utilityOf(record, record.candidates, record.method), 3);
         break;
     default:
         break;
@@ -295,8 +295,8 @@ void addOutscored(const DecisionRecord& record, std::uint32_t method, Explanatio
     if (candidate.quantised < 0) text = "outscored: no rule has an opinion of any method";
     if (record.budgeted)
         text += "; worth (importance x suitability of what shows as much x quality) " +
-                fixed(worthOf(record, record.candidates, method), 3) + " against " +
-                fixed(worthOf(record, record.candidates, record.method), 3);
+                fixed(utilityOf(record, record.candidates, method), 3) + " against " +
+                fixed(utilityOf(record, record.candidates, record.method), 3);
     if (record.budgeted || record.priced)
         text += "; takes " + changeCostText(candidate) + " against " + costText(chosen);
     lines.add(std::move(text));

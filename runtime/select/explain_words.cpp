@@ -29,7 +29,7 @@ const char* reasonText(GnReason reason)
         return "shows as much as the best suited for less, or more for about the same";
     case GN_REASON_FLOOR:
         return "what suits better is below the near floor";
-    case GN_REASON_WORTH:
+    case GN_REASON_UTILITY:
         return "the plan: what suits better is worth no more with its quality";
     case GN_REASON_MAX_ENUM:
         break;

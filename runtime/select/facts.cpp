@@ -217,10 +217,10 @@ void MotionHistory::note(std::uint64_t now, const LightView& light, const LightC
     if (frame == now) return; // several views
     const bool first = frame == 0;
     const bool moved =
-        lightRevision != light.revision || movingStamp != casters.movingStamp || staticStamp != casters.staticStamp;
+        lightRevision != light.revision || dynamicStamp != casters.dynamicStamp || staticStamp != casters.staticStamp;
     bits = (bits << 1) | (shifted ? bits & 1u : moved && !first ? 1u : 0u);
     lightRevision = light.revision;
-    movingStamp = casters.movingStamp;
+    dynamicStamp = casters.dynamicStamp;
     staticStamp = casters.staticStamp;
     frame = now;
 }

@@ -84,7 +84,7 @@ double guessedShare(const CameraView& view, const LightView& light);
 /// One bit per frame, newest first.
 struct MotionHistory {
     std::uint64_t bits = 0;
-    std::uint64_t lightRevision = 0, movingStamp = 0, staticStamp = 0;
+    std::uint64_t lightRevision = 0, dynamicStamp = 0, staticStamp = 0;
     std::uint64_t frame = 0;
 
     /// @param shifted the frame's origin has moved: revisions are others, whatever has moved besides is not told

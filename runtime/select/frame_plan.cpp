@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "runtime/plan/worth.hpp"
+#include "runtime/plan/utility.hpp"
 #include "runtime/scene/light_pixels.hpp"
 #include "runtime/scene/map_cover.hpp"
 #include "runtime/scene/shadow_pixels.hpp"
@@ -21,7 +21,7 @@ constexpr std::uint64_t kPredictEvery = 8;
 // The frames timed after a switch, when their timings are known (two frames late), twice: the first change may have
 // been one of many, and those of the same frames are learned from together.
 constexpr std::uint64_t kPriceFrames = 2 * (cost::kLearnFrames + 2);
-// Beyond this nothing has to be learned: foretold prices are off by a third at most but for one in twenty
+// Beyond this nothing has to be learned: predicted prices are off by a third at most but for one in twenty
 // (cost/README.md). A light that turns out to move paid for its maps 18 frames long (2.4 times the price; scenario).
 constexpr float kNotOnePrice = 1.5f;
 // Rounds in which lights ask again what their share makes of a price. Each is a best answer to the others, and where
@@ -32,7 +32,7 @@ constexpr double kSameShare = 1.0 / 32.0; // 3 %: a time follows by less, and th
 /// Reach::treeLevels until it is measured: the median of the moments in rules/knowledge/lavapipe.csv.
 constexpr double kTreeLevels = 5.4;
 
-/// Octaves by which the device may drift before everything is foretold anew: 1 %, a third of kSameShare.
+/// Octaves by which the device may drift before everything is predicted anew: 1 %, a third of kSameShare.
 constexpr double kSameDevice = 1.0 / 64.0;
 
 /// Side of a method's maps, texels; 0: it has none.
@@ -46,8 +46,8 @@ double mapSide(const Method& method)
 /// A light that rests keeps its static casters apart; then only the moving ones are drawn.
 std::span<const Caster* const> drawnCasters(const SelectionInput& input)
 {
-    const bool apart = input.light->isStatic && !input.casters->movings.empty();
-    return apart ? input.casters->movings : input.casters->all;
+    const bool apart = input.light->isStatic && !input.casters->dynamics.empty();
+    return apart ? input.casters->dynamics : input.casters->all;
 }
 
 double drawnTriangles(const SelectionInput& input)

@@ -69,7 +69,7 @@ Result<std::uint32_t> MethodTable::add(std::string_view name, const AlgorithmEnt
     if (!method->unavailable) {
         pipelines_.setOwner(method->index);
         method->algorithm =
-            entry.foreign ? entry.createForeign(*entry.foreign) : entry.create({.vk = &vk_, .pipelines = &pipelines_});
+            entry.plugin ? entry.createPlugin(*entry.plugin) : entry.create({.vk = &vk_, .pipelines = &pipelines_});
     }
     methods_.push_back(std::move(method));
     ++revision_;
@@ -151,7 +151,7 @@ MethodTable::Step MethodTable::advance(Method& method)
     return failed(method) ? Step::done : Step::created;
 }
 
-std::uint32_t MethodTable::nextTrial(const MethodDemand& demand)
+std::uint32_t MethodTable::nextWarmup(const MethodDemand& demand)
 {
     const auto first = [&](auto&& belongs) -> std::optional<std::uint32_t> {
         for (auto& method : methods_) {

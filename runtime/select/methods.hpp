@@ -70,7 +70,7 @@ public:
 
     /// Starts or continues background creation: fallbacks, then what lights are pinned to, then what others may ask
     /// for. Returns a method whose pipelines are created but not yet executed, or UINT32_MAX.
-    std::uint32_t nextTrial(const MethodDemand& demand);
+    std::uint32_t nextWarmup(const MethodDemand& demand);
     /// Creates all pipelines of a method now.
     void createNow(Method& method);
     /// Whether one of them could not be created. The method is unavailable then, and a message says why.

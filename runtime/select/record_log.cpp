@@ -244,7 +244,7 @@ private:
             *method = readMethod(head.methods);
         head.fallbacks = in_.integer<std::uint32_t>();
         head.distanceAge = in_.integer<std::uint32_t>();
-        head.reason = readEnum(GN_REASON_WORTH, "reason");
+        head.reason = readEnum(GN_REASON_UTILITY, "reason");
         head.replan = readEnum(static_cast<Replan>(static_cast<int>(Replan::count) - 1), "cause");
         head.hold = readEnum(plan::Hold::payers, "hold");
         const auto flags = in_.integer<std::uint8_t>();

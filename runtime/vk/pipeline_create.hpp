@@ -34,12 +34,12 @@ struct PipelineDescription {
     bool operator==(const PipelineDescription& other) const noexcept;
 };
 
-/// Vertex binding of the transforms, one per instance, in every caster pipeline (shaders/shared/casters.glsl), and bytes
-/// of one: three rows of vec4, at locations 1 to 3.
+/// Vertex binding of the transforms, one per instance, in every caster pipeline (shaders/shared/casters.glsl), and
+/// bytes of one: three rows of vec4, at locations 1 to 3.
 inline constexpr std::uint32_t kTransformsBinding = 1, kTransformBytes = 48;
 
-/// Bytes of a uniform block that `constants` bindings of trials see: what every device allows a block (Vulkan 1.3, table
-/// of required limits, maxUniformBufferRange), so that none is larger.
+/// Bytes of a uniform block that `constants` bindings of warmups see: what every device allows a block (Vulkan 1.3,
+/// table of required limits, maxUniformBufferRange), so that none is larger.
 inline constexpr VkDeviceSize kConstantsRange = 16384;
 
 Result<Pipeline> createPipeline(const DeviceTable& vk, VkPipelineCache cache, const PipelineDescription& description);

@@ -36,7 +36,7 @@ struct PipelineStore::Item {
 };
 
 PipelineStore::PipelineStore(const DeviceTable& vk, DeviceMemory& memory, const SamplerSet& samplers)
-    : vk_(vk), trials_(vk, memory, samplers)
+    : vk_(vk), warmups_(vk, memory, samplers)
 {
 }
 
@@ -74,10 +74,10 @@ void PipelineStore::setOwner(std::uint32_t owner)
     owner_ = owner;
 }
 
-void PipelineStore::setTrialSlopeBias(float bias)
+void PipelineStore::setWarmupSlopeBias(float bias)
 {
     const std::lock_guard lock(mutex_);
-    trialSlopeBias_ = bias;
+    warmupSlopeBias_ = bias;
 }
 
 /// The host's, or one of our own: pipelines of one source share compiled parts. Without a cache everything works, so a
@@ -126,17 +126,17 @@ bool PipelineStore::created(std::uint32_t owner) const
     });
 }
 
-Result<void> PipelineStore::recordTrials(VkCommandBuffer cmd, std::uint32_t owner)
+Result<void> PipelineStore::recordWarmupDraws(VkCommandBuffer cmd, std::uint32_t owner)
 {
     const std::lock_guard lock(mutex_);
     std::vector<Item*> untried;
-    std::vector<PipelineTrials::Candidate> candidates;
+    std::vector<WarmupDraws::Candidate> candidates;
     for (const std::unique_ptr<Item>& item : items_) {
         if (item->stage != Stage::created || !item->belongsTo(owner)) continue;
         untried.push_back(item.get());
         candidates.push_back({&item->description, &item->pipeline});
     }
-    if (Result<void> recorded = trials_.record(cmd, candidates, trialSlopeBias_); !recorded) return recorded;
+    if (Result<void> recorded = warmups_.record(cmd, candidates, warmupSlopeBias_); !recorded) return recorded;
     for (Item* item : untried)
         item->stage = Stage::tried;
     return {};

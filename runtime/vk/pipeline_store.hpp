@@ -1,12 +1,12 @@
 #pragma once
-// The library behind PipelineLibrary: descriptions, background creation, trial execution, readiness.
+// The library behind PipelineLibrary: descriptions, background creation, warm-up draws, readiness.
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "runtime/vk/pipeline_create.hpp"
-#include "runtime/vk/pipeline_trials.hpp"
+#include "runtime/vk/warmup_draws.hpp"
 
 namespace gnomon {
 
@@ -24,7 +24,7 @@ public:
     /// Pipelines described from now on belong to `owner` (a method's index); a shared one belongs to all who asked.
     void setOwner(std::uint32_t owner);
     /// Slope factor of the bias of open casters: caster pipelines are tried with it as well as without.
-    void setTrialSlopeBias(float bias);
+    void setWarmupSlopeBias(float bias);
 
     /// Creates one described pipeline of `owner`; thread-safe against the rest. False: none left to create.
     /// A failure marks the pipeline failed (see failure()).
@@ -33,15 +33,15 @@ public:
     bool created(std::uint32_t owner) const;
     /// Records the first execution of every created, untried pipeline of `owner` on tiny stand-ins (own rendering
     /// scopes and barriers) and marks them tried. Outside a rendering scope.
-    Result<void> recordTrials(VkCommandBuffer cmd, std::uint32_t owner);
+    Result<void> recordWarmupDraws(VkCommandBuffer cmd, std::uint32_t owner);
     /// Created and tried: usable without a hitch.
     bool ready(std::uint32_t owner) const;
     /// Why the owner's pipelines cannot be made, or empty.
     std::string failure(std::uint32_t owner) const;
 
-    /// Of the trials that the device has begun.
-    const ProgressMarks& trialMarks() const noexcept { return trials_.marks(); }
-    std::string lastTrial() const { return trials_.lastBegun(); }
+    /// Of the warmups that the device has begun.
+    const ProgressMarks& warmupMarks() const noexcept { return warmups_.marks(); }
+    std::string lastWarmup() const { return warmups_.lastBegun(); }
 
     const Pipeline& get(PipelineId id) const; ///< Must be created. The reference lives as long as the store.
 
@@ -53,8 +53,8 @@ private:
     const DeviceTable& vk_;
     mutable std::mutex mutex_;
     std::vector<std::unique_ptr<Item>> items_; ///< Stable addresses: workers create outside the lock.
-    PipelineTrials trials_;
-    float trialSlopeBias_ = 0.0f;
+    WarmupDraws warmups_;
+    float warmupSlopeBias_ = 0.0f;
     VkPipelineCache ownCache_ = VK_NULL_HANDLE;
     bool cacheAsked_ = false;
     std::uint32_t owner_ = 0;

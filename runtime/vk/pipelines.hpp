@@ -16,27 +16,27 @@ struct PipelineId {
 
 /// What a shader finds at a binding of set 0.
 enum class BindingKind : std::uint8_t {
-    constants,     ///< uniform block, filled by PassContext::constants (dynamic offset)
-    sampledImage,  ///< combined image sampler; view type by `array`
+    constants,    ///< uniform block, filled by PassContext::constants (dynamic offset)
+    sampledImage, ///< combined image sampler; view type by `array`
     storageImage,
     storageBuffer,
 };
 enum class SamplerKind : std::uint8_t {
-    nearest,       ///< clamp to edge
+    nearest, ///< clamp to edge
     linear,
-    nearestBorderFar,   ///< clamp to a border of depth 1
-    compareNearest,     ///< LESS_OR_EQUAL, border 1 (lit)
-    compareLinear,      ///< LESS_OR_EQUAL, border 1 (lit)
+    nearestBorderFar, ///< clamp to a border of depth 1
+    compareNearest,   ///< LESS_OR_EQUAL, border 1 (lit)
+    compareLinear,    ///< LESS_OR_EQUAL, border 1 (lit)
 };
 
 struct BindingInfo {
     std::uint32_t binding = 0;
     BindingKind kind = BindingKind::constants;
-    VkFormat format = VK_FORMAT_UNDEFINED; ///< Images: what will be bound, for the trial execution.
+    VkFormat format = VK_FORMAT_UNDEFINED; ///< Images: what will be bound, for the warm-up draws.
     bool array = false;                    ///< Images: viewed as a 2D array.
     SamplerKind sampler = SamplerKind::nearest;
-    bool powerOfTwo = false;               ///< Images: sides are powers of two (maps), or arbitrary (screen).
-    bool stencil = false;                  ///< Images: the stencil aspect of a depth-stencil format is read.
+    bool powerOfTwo = false; ///< Images: sides are powers of two (maps), or arbitrary (screen).
+    bool stencil = false;    ///< Images: the stencil aspect of a depth-stencil format is read.
 };
 
 /// SPIR-V of one stage, static storage. Up to four 32-bit specialization constants with ids 0..3.
@@ -57,22 +57,22 @@ struct StencilInfo {
 struct GraphicsPipelineInfo {
     const char* name = "";
     ShaderInfo vertex;
-    ShaderInfo fragment;                ///< May be empty.
+    ShaderInfo fragment; ///< May be empty.
     std::span<const BindingInfo> bindings;
-    std::uint32_t pushBytes = 0;        ///< Push constants, all stages; at most 128.
-    std::uint32_t vertexStride = 0;     ///< 0: no vertex buffer. 12: vec3 at location 0; 16: vec4 at location 0.
-    bool casters = false;               ///< Dynamic culling and bias, as PassContext::drawCasters sets them.
-    bool transforms = false;            ///< The vertex shader includes shared/casters.glsl.
+    std::uint32_t pushBytes = 0;    ///< Push constants, all stages; at most 128.
+    std::uint32_t vertexStride = 0; ///< 0: no vertex buffer. 12: vec3 at location 0; 16: vec4 at location 0.
+    bool casters = false;           ///< Dynamic culling and bias, as PassContext::drawCasters sets them.
+    bool transforms = false;        ///< The vertex shader includes shared/casters.glsl.
     VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
     VkCullModeFlags cullMode = VK_CULL_MODE_NONE;
     VkFrontFace frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
     bool depthTest = false;
     bool depthWrite = false;
     VkCompareOp depthCompare = VK_COMPARE_OP_ALWAYS;
-    bool depthClamp = false;            ///< Needs the feature; eligibility is the algorithm's to check.
+    bool depthClamp = false; ///< Needs the feature; eligibility is the algorithm's to check.
     StencilInfo stencil;
     VkColorComponentFlags colorMask = 0xf; ///< 0 writes no colour.
-    bool blendScale = false;            ///< result = source + destination * source alpha
+    bool blendScale = false;               ///< result = source + destination * source alpha
     VkFormat colorFormat = VK_FORMAT_UNDEFINED;
     VkFormat depthFormat = VK_FORMAT_UNDEFINED; ///< Depth and/or stencil attachment.
 };

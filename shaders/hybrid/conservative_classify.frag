@@ -4,7 +4,7 @@
 // pixel's ray would start, so that both say the same.
 // Source: Hertel, Hormann and Westermann 2009; Morais 2015, 3.4.2 and 4.
 #extension GL_GOOGLE_include_directive : require
-#include "conservative_look.h"
+#include "conservative_lookup.h"
 #ifdef MAP_LAYERS
 #include "../omni/cube.h"
 #endif
@@ -78,7 +78,7 @@ RayStart rayStart(ViewConstants view, float depth, ivec2 pixel)
 
 vec4 mapClip(vec3 fromEye, out float layer)
 {
-    MapLook look = constants.map;
+    MapLookup look = constants.map;
 #ifdef MAP_LAYERS
     vec3 fromLight = look.eyeFromLight.xyz + fromEye;
     uint face = cubeFaceOf(fromLight);

@@ -9,7 +9,7 @@ GN_SHARED_CONST uint LIGHT_POINTS = 8u; // Beister, Ernst and Stamminger 2005: t
 
 struct EightPointConstants {
     HybridConstants hybrid; // its light is the centre with the light's own range and cone
-    MapLook points[8];      // layer i of the map is seen from point i
+    MapLookup points[8];      // layer i of the map is seen from point i
 };
 GN_SHARED_OFFSET(EightPointConstants, points, 400)
 GN_SHARED_SIZE(EightPointConstants, 2192)

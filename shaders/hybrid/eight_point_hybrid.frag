@@ -12,7 +12,7 @@ layout(set = 0, binding = 0, std140) uniform Constants {
     uint padding0;
     uint padding1;
     uint padding2;
-    MapLook points[8];
+    MapLookup points[8];
 };
 layout(set = 0, binding = 2) uniform sampler2D depthImage;
 layout(set = 0, binding = 3) uniform sampler2D normalImage;
@@ -28,7 +28,7 @@ layout(location = 0) out float visibility;
 // plane is left to its ray; what lies beside a spot light's map is not in it.
 float voteOf(uint i, PlaneReceiver r)
 {
-    MapLook look = points[i];
+    MapLookup look = points[i];
     r.facing = dot(r.normalWs, (look.eyeFromLight.xyz + r.w * rayWs) * look.positional + look.axisWs.xyz);
     vec4 clip = look.clipOfEye + look.clipFromRay * vec4(r.w * rayWs, 0.0);
     vec2 normalPerTexel = vec2(dot(r.normalWs, look.texelDx.xyz), dot(r.normalWs, look.texelDy.xyz));

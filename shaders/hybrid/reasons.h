@@ -1,7 +1,7 @@
 // What the methods that ask a map first and trace the rest share between their passes: why a pixel is lit or dark.
 #ifndef GNOMON_HYBRID_REASONS_H
 #define GNOMON_HYBRID_REASONS_H
-#include "../maps/map_look.h"
+#include "../maps/map_lookup.h"
 
 GN_SHARED_BEGIN
 
@@ -24,7 +24,7 @@ GN_SHARED_CONST uint REASON_MAP_SHADOW = 4u;
 GN_SHARED_CONST uint REASON_TC_LIT = 5u;        // texels agree
 GN_SHARED_CONST uint REASON_TC_SHADOW = 6u;
 GN_SHARED_CONST uint REASON_NB_CONFIRMED = 7u;  // dark: a neighbouring texel's triangle is hit
-GN_SHARED_CONST uint REASON_NB_CORRECTED = 8u;  // dark against the map, by the same witness
+GN_SHARED_CONST uint REASON_NB_CORRECTED = 8u;  // dark against the map, by the same candidate occluder
 GN_SHARED_CONST uint REASON_AG_CONFIRMED = 9u;  // dark: a triangle beside the texel's own is hit
 GN_SHARED_CONST uint REASON_RT_LIT = 10u;       // its own ray
 GN_SHARED_CONST uint REASON_RT_SHADOW = 11u;

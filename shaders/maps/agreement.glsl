@@ -10,7 +10,7 @@
 // The receiver in the map's clip space: x and y in texels. layer: the face it falls into.
 vec4 mapClipOf(PlaneReceiver r, out float layer)
 {
-    MapLook look = constants.map;
+    MapLookup look = constants.map;
 #ifdef MAP_LAYERS
     uint face = cubeFaceOf(r.fromLight);
     vec3 local = inCubeFace(face, r.fromLight);
@@ -25,7 +25,7 @@ vec4 mapClipOf(PlaneReceiver r, out float layer)
 
 Tap tapOf(PlaneReceiver r, vec4 clip, float layer)
 {
-    MapLook look = constants.map;
+    MapLookup look = constants.map;
 #ifdef MAP_LAYERS
     vec3 normal = inCubeFace(uint(layer), r.normalWs);
     vec2 normalPerTexel = normal.xy * (2.0 * look.slope / look.side);

@@ -24,7 +24,7 @@ layout(constant_id = 1) const bool FILTERED = false;
 
 void main()
 {
-    MapLook look = constants.map;
+    MapLookup look = constants.map;
     PlaneReceiver r = fetchPlaneReceiver(constants.view, look, rayWs);
     vec4 clip = look.clipOfEye + r.w * rayClip;
     vec2 normalPerTexel = vec2(dot(r.normalWs, look.texelDx.xyz), dot(r.normalWs, look.texelDy.xyz));

@@ -2,7 +2,7 @@
 // The includer declares `MapConstants constants` (binding 0), `depthImage` (binding 2) and `normalImage` (binding 3).
 #ifndef GNOMON_MAPS_MAP_RECEIVER_GLSL
 #define GNOMON_MAPS_MAP_RECEIVER_GLSL
-#include "map_look.h"
+#include "map_lookup.h"
 #include "../shared/seen_normal.glsl"
 
 layout(constant_id = 0) const bool HAS_NORMALS = true;
@@ -17,7 +17,7 @@ struct PlaneReceiver {
     float visibility;
 };
 
-PlaneReceiver fetchPlaneReceiver(ViewConstants view, MapLook look, vec3 rayWs)
+PlaneReceiver fetchPlaneReceiver(ViewConstants view, MapLookup look, vec3 rayWs)
 {
     PlaneReceiver r;
     ivec2 pixel = ivec2(gl_FragCoord.xy);

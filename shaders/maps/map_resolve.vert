@@ -2,7 +2,7 @@
 // One triangle over the area. The view ray is linear on the screen, in world space and in the map's clip space alike, so
 // both are interpolated: a look-up then costs a multiply-add where a matrix would cost a third of it.
 #extension GL_GOOGLE_include_directive : require
-#include "map_look.h"
+#include "map_lookup.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants {
     MapConstants constants;

@@ -13,7 +13,7 @@ struct Tap {
 };
 
 // plane: the receiver's, in the texels of this layer; at: where the receiver is in it.
-Tap tapAt(MapLook look, PlanarDepth plane, vec2 at, float layer)
+Tap tapAt(MapLookup look, PlanarDepth plane, vec2 at, float layer)
 {
     Tap tap;
     tap.at = at;
@@ -25,12 +25,12 @@ Tap tapAt(MapLook look, PlanarDepth plane, vec2 at, float layer)
 }
 
 // clip: the receiver in the map's clip space, x and y in texels.
-PlanarDepth planeOf(MapLook look, PlaneReceiver r, vec4 clip, vec2 normalPerTexel)
+PlanarDepth planeOf(MapLookup look, PlaneReceiver r, vec4 clip, vec2 normalPerTexel)
 {
     return planarDepth(look, mapDepth(look, clip), 1.0 / clip.w, r.facing, r.offset, normalPerTexel);
 }
 
-Tap planarTap(MapLook look, PlaneReceiver r, vec4 clip, vec2 normalPerTexel, float layer)
+Tap planarTap(MapLookup look, PlaneReceiver r, vec4 clip, vec2 normalPerTexel, float layer)
 {
     return tapAt(look, planeOf(look, r, clip, normalPerTexel), clip.xy / clip.w, layer);
 }

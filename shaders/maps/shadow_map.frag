@@ -1,7 +1,7 @@
 #version 460
 // Visibility of a directional or spot light from its depth map.
 #extension GL_GOOGLE_include_directive : require
-#include "map_look.h"
+#include "map_lookup.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants {
     MapConstants constants;

@@ -1,7 +1,7 @@
 #version 460
 // Visibility of a point light from its six depth maps.
 #extension GL_GOOGLE_include_directive : require
-#include "../maps/map_look.h"
+#include "../maps/map_lookup.h"
 #include "cube.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants {
@@ -20,7 +20,7 @@ layout(constant_id = 1) const bool FILTERED = false;
 
 void main()
 {
-    MapLook look = constants.map;
+    MapLookup look = constants.map;
     PlaneReceiver r = fetchPlaneReceiver(constants.view, look, rayWs);
     uint face = cubeFaceOf(r.fromLight);
     vec3 local = inCubeFace(face, r.fromLight);

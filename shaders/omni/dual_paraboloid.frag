@@ -1,7 +1,7 @@
 #version 460
 // Visibility of a point light from its two paraboloids.
 #extension GL_GOOGLE_include_directive : require
-#include "../maps/map_look.h"
+#include "../maps/map_lookup.h"
 #include "paraboloid.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants {
@@ -39,7 +39,7 @@ vec4 mapGather(Tap tap, vec2 corner) { return textureGather(map, vec3(corner / c
 
 void main()
 {
-    MapLook look = constants.map;
+    MapLookup look = constants.map;
     PlaneReceiver r = fetchPlaneReceiver(constants.view, look, rayWs);
     uint hemi = paraboloidHalfOf(r.fromLight);
     vec3 local = inParaboloid(hemi, r.fromLight);

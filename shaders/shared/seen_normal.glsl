@@ -21,7 +21,7 @@ vec3 seenStep(ViewConstants view, vec4 area, ivec2 pixel, ivec2 step, float dept
     return seenStepWs(view, vec2(pixel) + 0.5, vec2(step), back, on, w, ray);
 }
 
-// area: pixels drawn, as in MapLook. depth, w, ray: the receiver's.
+// area: pixels drawn, as in MapLookup. depth, w, ray: the receiver's.
 vec3 seenNormal(ViewConstants view, vec4 area, ivec2 pixel, float depth, float w, vec3 ray)
 {
     return seenNormalWs(seenStep(view, area, pixel, ivec2(1, 0), depth, w, ray),

@@ -12,9 +12,9 @@ const uint COMMAND_WORDS = 5u, INSTANCE_COUNT = 1u;
 layout(set = 0, binding = 0, std430) readonly buffer Items { CullItem items[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Cells { uint cells[]; };
 layout(set = 0, binding = 2, std430) readonly buffer Statics { uint statics[]; };
-layout(set = 0, binding = 3, std430) readonly buffer Movings { uint movings[]; };
+layout(set = 0, binding = 3, std430) readonly buffer Dynamics { uint dynamics[]; };
 layout(set = 0, binding = 4, std430) readonly buffer StaticCaps { uint staticCaps[]; };
-layout(set = 0, binding = 5, std430) readonly buffer MovingCaps { uint movingCaps[]; };
+layout(set = 0, binding = 5, std430) readonly buffer DynamicCaps { uint dynamicCaps[]; };
 layout(set = 0, binding = 6, std430) writeonly buffer Commands { uint commands[]; };
 layout(push_constant, std430) uniform Push { uint count; };
 
@@ -30,8 +30,8 @@ bool holdsReceivers(CellFootprint footprint)
 uint commandWord(uint list, uint at)
 {
     if (list == 0u) return statics[at];
-    if (list == 1u) return movings[at];
-    return list == 2u ? staticCaps[at] : movingCaps[at];
+    if (list == 1u) return dynamics[at];
+    return list == 2u ? staticCaps[at] : dynamicCaps[at];
 }
 
 void main()

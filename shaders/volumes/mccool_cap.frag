@@ -53,7 +53,7 @@ float surfaceDepth(vec2 at)
 
 void main()
 {
-    MapLook look = constants.base.map;
+    MapLookup look = constants.base.map;
     float w = constants.nearWs;
     if (constants.receivers != 0.0 || command[1] == 0u) {
         float depth = texelFetch(depthImage, ivec2(gl_FragCoord.xy), 0).x;

@@ -67,7 +67,7 @@ struct Asking {
     const Lamp& lamp;
     ChainStages stages = stagesOf(ChainMode::chain);
     std::uint32_t contour = 0;
-    ChainTells tells = ChainTells::visibility;
+    ChainDebugOutput tells = ChainDebugOutput::visibility;
     bool normals = true;
     VkRect2D area{{0, 0}, {kWidth, kHeight}};
     std::uint32_t flipped = 0; ///< Every so many pixels the map's word is turned round; 0: none.
@@ -104,11 +104,11 @@ struct Expected {
     std::uint32_t texelTriangles = 0, ringTriangles = 0;
     bool traced = false;
 
-    std::uint32_t told(ChainTells tells) const
+    std::uint32_t told(ChainDebugOutput tells) const
     {
-        if (tells == ChainTells::texelCandidates) return texelTriangles;
-        if (tells == ChainTells::ringCandidates) return ringTriangles;
-        return tells == ChainTells::votes ? votes : reason;
+        if (tells == ChainDebugOutput::texelCandidates) return texelTriangles;
+        if (tells == ChainDebugOutput::ringCandidates) return ringTriangles;
+        return tells == ChainDebugOutput::votes ? votes : reason;
     }
 };
 
@@ -152,10 +152,10 @@ inline std::vector<Expected> expect(const Asking& asking)
     FrameArena arena;
     RingsCache rings;
     const NumberedTriangles triangles = numbered(rings, arena);
-    Witnesses witnesses(triangles);
+    CandidateOccluders candidates(triangles);
     const DrawnMap drawn = mapOf(asking);
     const HostMap map = drawn.view();
-    const ChainScene scene{map, asking.lamp.constants.base, asking.lamp.cube(), witnesses};
+    const ChainScene scene{map, asking.lamp.constants.base, asking.lamp.cube(), candidates};
     const Receivers receivers(world().seen.view, asking.lamp.view, world().seen.depth, asking.normalBytes());
     std::vector<Expected> pixels(kPixels);
     for (std::uint32_t i = 0; i < kPixels; ++i) {
@@ -185,7 +185,7 @@ inline std::vector<Expected> expect(const Asking& asking)
 /// What nearestPixels() says of a pixel.
 inline std::uint8_t statusOf(const Asking& asking, const Expected& pixel)
 {
-    if (asking.tells != ChainTells::reason) return pixel.lit ? 255 : 0;
+    if (asking.tells != ChainDebugOutput::reason) return pixel.lit ? 255 : 0;
     if (pixel.reason == gpu::REASON_OUTSIDE || pixel.reason == gpu::REASON_BACKFACING)
         return static_cast<std::uint8_t>(pixel.reason);
     return static_cast<std::uint8_t>(pixel.lit ? gpu::REASON_MAP_LIT : gpu::REASON_MAP_SHADOW);

@@ -10,31 +10,31 @@ using namespace gnomon::test;
 
 using Names = std::vector<std::string>;
 
-TEST_CASE("a layer's stamps change with what is drawn into it, the one of the statics without the movings")
+TEST_CASE("a layer's stamps change with what is drawn into it, the one of the statics without the dynamic casters")
 {
     const LightView still{.revision = 5, .isStatic = true};
-    const Casters statics({11, 12}), moved({11, 13}), fewer({11}), movings({21}), nearer({22});
-    const LayerContent base = layerContent(still, statics.pointers, movings.pointers, 7);
+    const Casters statics({11, 12}), moved({11, 13}), fewer({11}), dynamics({21}), nearer({22});
+    const LayerContent base = layerContent(still, statics.pointers, dynamics.pointers, 7);
     CHECK(base.statics.data() == statics.pointers.data());
-    CHECK(base.movings.data() == movings.pointers.data());
+    CHECK(base.dynamics.data() == dynamics.pointers.data());
     REQUIRE(base.stamp > 15); // smaller ones mean other things
     REQUIRE(base.staticsStamp > 15);
     const auto changes = [&](const LayerContent& other, bool all, bool ofStatics) {
         CHECK((other.stamp != base.stamp) == all);
         CHECK((other.staticsStamp != base.staticsStamp) == ofStatics);
     };
-    changes(layerContent(still, statics.pointers, movings.pointers, 7), false, false);
+    changes(layerContent(still, statics.pointers, dynamics.pointers, 7), false, false);
     changes(layerContent(still, statics.pointers, nearer.pointers, 7), true, false);
     changes(layerContent(still, statics.pointers, {}, 7), true, false);
-    changes(layerContent(still, moved.pointers, movings.pointers, 7), true, true);
-    changes(layerContent(still, fewer.pointers, movings.pointers, 7), true, true);
-    changes(layerContent(still, statics.pointers, movings.pointers, 8), true, true);
-    changes(layerContent({.revision = 6, .isStatic = true}, statics.pointers, movings.pointers, 7), true, true);
+    changes(layerContent(still, moved.pointers, dynamics.pointers, 7), true, true);
+    changes(layerContent(still, fewer.pointers, dynamics.pointers, 7), true, true);
+    changes(layerContent(still, statics.pointers, dynamics.pointers, 8), true, true);
+    changes(layerContent({.revision = 6, .isStatic = true}, statics.pointers, dynamics.pointers, 7), true, true);
     // A light that moves: nothing is kept apart, the rest is as it was. Without static casters nothing is to keep.
-    const LayerContent moving = layerContent({.revision = 5}, statics.pointers, movings.pointers, 7);
+    const LayerContent moving = layerContent({.revision = 5}, statics.pointers, dynamics.pointers, 7);
     CHECK(moving.staticsStamp == 0);
     CHECK(moving.stamp == base.stamp);
-    CHECK(layerContent(still, {}, movings.pointers, 7).staticsStamp == 0);
+    CHECK(layerContent(still, {}, dynamics.pointers, 7).staticsStamp == 0);
 }
 
 TEST_CASE("a layer is drawn when its own stamp changes, and once for all tasks of the light")
@@ -60,7 +60,7 @@ TEST_CASE("under moving casters the static ones are drawn once and copied")
     CHECK(frames.run(wanted) == Names{"statics 0", "copy 0", "casters 0"});
     CHECK(frames.drawn.prepared == std::vector<std::size_t>{2, 0, 0, 1});
     CHECK(frames.layers[0] == Revisions{1, 2, 8});
-    wanted[0].movings = {9};
+    wanted[0].dynamics = {9};
     wanted[0].stamp = 101;
     CHECK(frames.run(wanted) == Names{"copy 0", "casters 0"});
     CHECK(frames.kept == 1);
@@ -82,12 +82,12 @@ TEST_CASE("where there is no room for an image of the static casters they are dr
     CHECK(frames.layers[0] == Revisions{1, 2, 8});
     frames.giveRoom(std::move(most));
     CHECK(frames.run(wanted).empty());
-    wanted[0].movings = {9};
+    wanted[0].dynamics = {9};
     wanted[0].stamp = 101;
     CHECK(frames.run(wanted) == Names{"statics 0", "copy 0", "casters 0"});
     CHECK(frames.layers[0] == Revisions{1, 2, 9});
     most = frames.takeRoom(); // the image that is there goes on serving
-    wanted[0].movings = {10};
+    wanted[0].dynamics = {10};
     wanted[0].stamp = 102;
     CHECK(frames.run(wanted) == Names{"copy 0", "casters 0"});
     CHECK(frames.layers[0] == Revisions{1, 2, 10});
@@ -144,7 +144,7 @@ TEST_CASE("static casters are drawn again when their image alone was given back"
     std::vector<Wanted> wanted{{{1}, {7}, 100, 50}};
     loseStatics(frames, wanted);
     CHECK(frames.run(wanted).empty()); // nobody misses it yet
-    wanted[0].movings = {8};
+    wanted[0].dynamics = {8};
     wanted[0].stamp = 101;
     CHECK(frames.run(wanted) == Names{"statics 0", "copy 0", "casters 0"});
     CHECK(frames.layers[0] == Revisions{1, 8});
@@ -162,13 +162,13 @@ TEST_CASE("whatever changes from frame to frame, every layer wanted holds its ca
         for (Wanted& layer : wanted) {
             const bool fresh = layer.stamp == 0;
             if (fresh || random() % 8 == 0) layer.statics = {next++, next++};
-            if (fresh || random() % 4 == 0) layer.movings = Revisions(random() % 3, next++);
+            if (fresh || random() % 4 == 0) layer.dynamics = Revisions(random() % 3, next++);
             Stamp stamp;
             for (const std::uint64_t revision : layer.statics)
                 stamp.add(revision);
             layer.staticsStamp = random() % 8 ? stamp.value() : 0;
-            stamp.add(std::uint64_t{layer.movings.size()});
-            for (const std::uint64_t revision : layer.movings)
+            stamp.add(std::uint64_t{layer.dynamics.size()});
+            for (const std::uint64_t revision : layer.dynamics)
                 stamp.add(revision);
             layer.stamp = stamp.value();
             asked.push_back(random() % 4 ? layer : Wanted{});
@@ -179,7 +179,7 @@ TEST_CASE("whatever changes from frame to frame, every layer wanted holds its ca
         for (std::size_t k = 0; k < asked.size(); ++k) {
             if (asked[k].stamp == 0) continue;
             Revisions all(asked[k].statics);
-            all.insert(all.end(), asked[k].movings.begin(), asked[k].movings.end());
+            all.insert(all.end(), asked[k].dynamics.begin(), asked[k].dynamics.end());
             std::sort(all.begin(), all.end());
             CHECK(frames.layers[k] == all);
         }
@@ -195,10 +195,10 @@ TEST_CASE(
     Frames frames;
     std::vector<Wanted> wanted{{{1}, {7}, 100, 50}, {{2}, {8}, 200, 60}};
     loseStatics(frames, wanted);
-    wanted[0].movings = {9};
+    wanted[0].dynamics = {9};
     wanted[0].stamp = 101;
     CHECK(frames.run(wanted) == Names{"statics 0", "copy 0", "casters 0"});
-    wanted[1].movings = {10};
+    wanted[1].dynamics = {10};
     wanted[1].stamp = 201;
     CHECK(frames.run(wanted) == Names{"statics 1", "copy 1", "casters 1"});
     CHECK(frames.layers[1] == Revisions{2, 10});

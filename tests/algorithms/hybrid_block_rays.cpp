@@ -45,11 +45,11 @@ std::vector<std::uint8_t> oneByOne(const Lot& lot, const Receivers& receivers, c
     return bytes;
 }
 
-std::uint32_t askingLanes(const lanes::Block& block)
+std::uint32_t askingLanes(const simd::Block& block)
 {
     std::uint32_t lanes = 0;
-    for (std::uint32_t i = 0; i < lanes::kLanes; ++i)
-        lanes |= block.asked[i] == lanes::kRay ? 1u << i : 0u;
+    for (std::uint32_t i = 0; i < simd::kLanes; ++i)
+        lanes |= block.asked[i] == simd::kRay ? 1u << i : 0u;
     return lanes;
 }
 
@@ -89,7 +89,7 @@ TEST_CASE("every lane that is asked for has its own ray's answer, whether its bl
                                      bytes, kStride);
                     for (std::uint32_t y = 0; y < kHeight; y += 4) {
                         for (std::uint32_t x = 0; x < kWidth; x += 4) {
-                            lanes::Block block;
+                            simd::Block block;
                             reader.read(x, y, block);
                             const std::uint32_t lanes = askingLanes(block) & wanted[y / 4 * (kWidth / 4) + x / 4];
                             if (lanes != 0) asking.ask(block, lanes, kFirst + y * kStride + x);

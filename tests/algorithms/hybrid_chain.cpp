@@ -19,7 +19,7 @@ struct Pixel {
     bool lit = true;      ///< By the map's own texel; away from the light: dark.
     bool blocked = false; ///< By the tracer.
     bool own = false, four = false, nine = false, edges = false,
-         vertices = false;               ///< Witnesses: ST, NB4, NB9, AG1, AG2.
+         vertices = false;               ///< CandidateOccluders: ST, NB4, NB9, AG1, AG2.
     bool agree4 = false, agree9 = false; ///< TC4, TC9 say what the map says.
     std::uint32_t votes = 0;
     std::optional<bool> unfiltered; ///< A bilinear filter of the comparisons gives 0 or 1; none: too close to say.
@@ -168,9 +168,9 @@ std::vector<Pixel> pixelsOf(const World& world, const LightView& light, std::uin
         entry.rings->rings.build(*entry.caster->mesh->topology);
         entry.rings->built = true;
     }
-    Witnesses witnesses(triangles);
+    CandidateOccluders candidates(triangles);
     const HostMap host = map.view();
-    const ChainScene scene{host, constants, light.type == GN_LIGHT_TYPE_POINT, witnesses};
+    const ChainScene scene{host, constants, light.type == GN_LIGHT_TYPE_POINT, candidates};
     const Receivers receivers(world.seen.view, light, world.seen.depth, world.seen.normalBytes());
     const Asking asking{world, map, light, constants, scene, receivers};
     std::vector<Pixel> pixels;
@@ -234,17 +234,17 @@ int count(const std::vector<Pixel>& pixels, Holds&& holds)
     return static_cast<int>(std::count_if(pixels.begin(), pixels.end(), holds));
 }
 
-bool anyWitness(const Pixel& p)
+bool anyCandidate(const Pixel& p)
 {
     return p.own || p.four || p.nine || p.edges || p.vertices;
 }
 
 } // namespace
 
-TEST_CASE("A1: no pixel that the tracer calls lit has a witness")
+TEST_CASE("A1: no pixel that the tracer calls lit has a candidate occluder")
 {
     forAllMaps([](const std::vector<Pixel>& pixels) {
-        CHECK(count(pixels, [](const Pixel& p) { return anyWitness(p) && !p.blocked; }) == 0);
+        CHECK(count(pixels, [](const Pixel& p) { return anyCandidate(p) && !p.blocked; }) == 0);
         const int dark = count(pixels, [](const Pixel& p) { return p.blocked && !p.lit; });
         const int proved = count(pixels, [](const Pixel& p) { return p.blocked && !p.lit && p.vertices; });
         const int fixed = count(pixels, [](const Pixel& p) { return p.blocked && p.lit && p.nine; });
@@ -256,7 +256,7 @@ TEST_CASE("A1: no pixel that the tracer calls lit has a witness")
     });
 }
 
-TEST_CASE("A2: more texels and wider rings have all the witnesses of fewer")
+TEST_CASE("A2: more texels and wider rings have all the candidate occluders of fewer")
 {
     int four = 0, nine = 0, edges = 0, vertices = 0;
     forAllMaps([&](const std::vector<Pixel>& pixels) {

@@ -27,7 +27,7 @@ std::size_t check(const Asking& asking)
         std::uint32_t wanted = outcome.status[i];
         if (wanted == gpu::MAP_UNSURE || inside[at]) {
             rays += pixel.traced && !tellsAll(asking.tells);
-            if (asking.tells != ChainTells::visibility)
+            if (asking.tells != ChainDebugOutput::visibility)
                 wanted = pixel.told(asking.tells), ++told;
             else if (lit != pixel.lit)
                 wanted = lit ? 255 : 0, ++told;
@@ -64,7 +64,8 @@ TEST_CASE("a contour of some pixels is all that is asked")
         for (const std::uint32_t contour : {2u, 4u, 6u, 0u}) { // 0: everywhere
             CAPTURE(contour);
             check({.lamp = lamp(cube), .contour = contour});
-            const std::size_t asked = check({.lamp = lamp(cube), .contour = contour, .tells = ChainTells::reason});
+            const std::size_t asked =
+                check({.lamp = lamp(cube), .contour = contour, .tells = ChainDebugOutput::reason});
             CHECK(asked > before);
             before = asked;
         }
@@ -76,8 +77,9 @@ TEST_CASE("what the map is unsure of is asked beside the contour, too, and shown
 {
     for (const bool cube : {false, true}) {
         CAPTURE(cube);
-        const std::size_t before = check({.lamp = lamp(cube), .contour = 2, .tells = ChainTells::reason});
-        const std::size_t with = check({.lamp = lamp(cube), .contour = 2, .tells = ChainTells::reason, .unsure = 5});
+        const std::size_t before = check({.lamp = lamp(cube), .contour = 2, .tells = ChainDebugOutput::reason});
+        const std::size_t with =
+            check({.lamp = lamp(cube), .contour = 2, .tells = ChainDebugOutput::reason, .unsure = 5});
         CHECK(with > before + kPixels / 20);
         check({.lamp = lamp(cube), .stages = stagesOf(ChainMode::strict), .contour = 2, .unsure = 1});
         check({.lamp = lamp(cube), .contour = 2, .area = {{37, 50}, {71, 53}}, .unsure = 2});
@@ -86,11 +88,12 @@ TEST_CASE("what the map is unsure of is asked beside the contour, too, and shown
 
 TEST_CASE("what is settled before is not asked again, and told as if it were")
 {
-    // Without witnesses hints and rays are all there is: sixteen receivers at a time they are what they are one by one.
+    // Without candidate occluders hints and rays are all there is: sixteen receivers at a time they are what they are
+    // one by one.
     for (const ChainMode mode : {ChainMode::chain, ChainMode::tcOnly})
         for (const bool cube : {false, true})
             for (const std::uint32_t contour : {0u, 4u})
-                for (const ChainTells tells : {ChainTells::visibility, ChainTells::reason}) {
+                for (const ChainDebugOutput tells : {ChainDebugOutput::visibility, ChainDebugOutput::reason}) {
                     CAPTURE(static_cast<int>(mode));
                     CAPTURE(cube);
                     CAPTURE(contour);
@@ -126,7 +129,7 @@ void checkBlocks(const Asking& asking, std::uint64_t& proven, std::uint64_t& ray
         const std::uint32_t told = outcome.rows[i];
         if (!inside[at] && outcome.status[i] != gpu::MAP_UNSURE) {
             wrong += told != outcome.status[i];
-        } else if (asking.tells == ChainTells::visibility) {
+        } else if (asking.tells == ChainDebugOutput::visibility) {
             wrong += (told & 1) != (isLit(pixel.reason) ? 1 : 0);
         } else {
             wrong += isLit(told) != isLit(pixel.reason);
@@ -139,7 +142,7 @@ void checkBlocks(const Asking& asking, std::uint64_t& proven, std::uint64_t& ray
     }
     CHECK(wrong == 0);
     CHECK(hinted <= 4); // of texels that agree by less than two ways of adding
-    if (asking.tells == ChainTells::reason) CHECK(outcome.rays == traced);
+    if (asking.tells == ChainDebugOutput::reason) CHECK(outcome.rays == traced);
     rays += outcome.rays;
 }
 
@@ -154,21 +157,21 @@ TEST_CASE("sixteen at a time: what the map says clearly, triangles that own texe
                 Asking asking{.lamp = lamp(cube),
                               .stages = stagesOf(ChainMode::tcLit),
                               .contour = contour,
-                              .tells = ChainTells::reason,
+                              .tells = ChainDebugOutput::reason,
                               .settled = settled};
                 std::uint64_t proven = 0, rays = 0, others = 0;
                 checkBlocks(asking, proven, rays);
                 CHECK(proven > 100);
                 CHECK(rays > 20);
-                asking.tells = ChainTells::visibility;
+                asking.tells = ChainDebugOutput::visibility;
                 std::uint64_t again = 0;
                 checkBlocks(asking, others, again);
                 CHECK(again == rays);
-                asking.stages.witnesses = Witnessing::none;
+                asking.stages.candidates = CandidateUse::none;
                 std::uint64_t without = 0;
                 checkBlocks(asking, others, without);
                 CHECK(without > rays + proven / 2);
-                asking.stages.witnesses = Witnessing::blocks;
+                asking.stages.candidates = CandidateUse::blocks;
                 asking.area = {{37, 50}, {71, 53}};
                 checkBlocks(asking, others, rays);
                 asking.unsure = 3;
@@ -187,7 +190,7 @@ TEST_CASE("where the host's own casters are nearest the map's word stands, since
             CAPTURE(settled);
             Asking asking{.lamp = lamp(cube),
                           .stages = stagesOf(ChainMode::tcOnly),
-                          .tells = ChainTells::reason,
+                          .tells = ChainDebugOutput::reason,
                           .settled = settled};
             check(asking);
             const std::uint64_t before = run(asking, expect(asking)).rays;
@@ -201,7 +204,7 @@ TEST_CASE("where the host's own casters are nearest the map's word stands, since
 
 TEST_CASE("candidates are counted whether they block or not, and no ray is traced")
 {
-    for (const ChainTells tells : {ChainTells::texelCandidates, ChainTells::ringCandidates})
+    for (const ChainDebugOutput tells : {ChainDebugOutput::texelCandidates, ChainDebugOutput::ringCandidates})
         for (const bool cube : {false, true})
             CHECK(check({.lamp = lamp(cube), .tells = tells}) == kPixels);
 }
@@ -210,21 +213,21 @@ TEST_CASE("with votes every pixel's byte is its votes, and no ray is traced")
 {
     for (const bool cube : {false, true})
         for (const bool normals : {false, true})
-            CHECK(check({.lamp = lamp(cube), .tells = ChainTells::votes, .normals = normals}) == kPixels);
+            CHECK(check({.lamp = lamp(cube), .tells = ChainDebugOutput::votes, .normals = normals}) == kPixels);
 }
 
 TEST_CASE("an area is a part of the image, and a contour ends at its sides")
 {
     const VkRect2D area{{37, 50}, {71, 53}}; // no side a multiple of a band or of a word
     CHECK(check({.lamp = lamp(false), .area = area}) > 20);
-    CHECK(check({.lamp = lamp(true), .contour = 4, .tells = ChainTells::reason, .area = area}) > 100);
-    CHECK(check({.lamp = lamp(false), .tells = ChainTells::votes, .area = area}) == 71 * 53);
+    CHECK(check({.lamp = lamp(true), .contour = 4, .tells = ChainDebugOutput::reason, .area = area}) > 100);
+    CHECK(check({.lamp = lamp(false), .tells = ChainDebugOutput::votes, .area = area}) == 71 * 53);
     CHECK(check({.lamp = lamp(false), .area = {{5, 100}, {1, 1}}, .flipped = 1}) == 1);
 }
 
 TEST_CASE("the picture is the same for any number of threads")
 {
-    Asking asking{.lamp = lamp(false), .tells = ChainTells::reason, .threads = 1};
+    Asking asking{.lamp = lamp(false), .tells = ChainDebugOutput::reason, .threads = 1};
     const std::vector<Expected> expected = expect(asking);
     const std::vector<std::uint8_t> alone = run(asking, expected).rows;
     asking.threads = 4;

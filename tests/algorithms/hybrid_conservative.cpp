@@ -11,7 +11,7 @@
 #include <glm/geometric.hpp>
 
 #include "algorithms/conservative_fixture.hpp"
-#include "shaders/hybrid/conservative_look.h"
+#include "shaders/hybrid/conservative_lookup.h"
 #include "shaders/hybrid/conservative_thesis.h"
 
 using namespace gnomon;
@@ -221,7 +221,7 @@ TEST_CASE("on a plane of ten texels' slope the depth at the centre is wrong, the
 TEST_CASE("outside the map, before its near end and in a texel known too roughly nothing is certain")
 {
     gpu::ConservativeConstants constants{};
-    gpu::MapLook& look = constants.hybrid.base.map;
+    gpu::MapLookup& look = constants.hybrid.base.map;
     look.side = kSide;
     look.positional = 1.0f;
     look.depthConstant = kLampFar / (kLampFar - kLampNear);
@@ -258,7 +258,7 @@ TEST_CASE("what lies where rays end, an offset before the light, blocks none")
 {
     for (const double near : {0.0005, 0.05}) {
         for (const double far : {1.0, 30.0, 2000.0}) {
-            gpu::MapLook look{};
+            gpu::MapLookup look{};
             look.positional = 1.0f;
             look.depthConstant = static_cast<float>(far / (far - near));
             look.depthScale = static_cast<float>(-far * near / (far - near));
@@ -272,7 +272,7 @@ TEST_CASE("what lies where rays end, an offset before the light, blocks none")
             }
         }
     }
-    gpu::MapLook sun{};
+    gpu::MapLookup sun{};
     sun.depthScale = -1.0f;
     for (const float depth : {0.0f, 0.5f, 1.0f})
         CHECK(gpu::withinRays(sun, depth, 0.1f));

@@ -22,7 +22,7 @@ struct Lit {
     std::vector<std::uint32_t> indices{0, 1, 2};
     Caster left, right;
     const Caster* statics[1] = {&left};
-    const Caster* movings[1] = {&right};
+    const Caster* dynamics[1] = {&right};
     const Caster* all[2] = {&left, &right};
     LightCasters casters;
     LightView view;
@@ -43,7 +43,7 @@ struct Lit {
         place(left, 1, -4.0f);
         place(right, 2, 4.0f);
         casters = {
-            .statics = statics, .movings = movings, .all = all, .staticStamp = 3, .movingStamp = 4, .triangles = 2};
+            .statics = statics, .dynamics = dynamics, .all = all, .staticStamp = 3, .dynamicStamp = 4, .triangles = 2};
         const glm::vec3 at = type == GN_LIGHT_TYPE_POINT ? glm::vec3(0.0f) : glm::vec3(0.0f, 9.0f, 0.0f);
         view = light(type, at, {0.0f, -1.0f, 0.0f}, 20.0f, 0.7f);
         task = {.view = &eye, .light = &view, .casters = &casters};
@@ -126,10 +126,10 @@ TEST_CASE("a layer holds what touches its part of space, and its stamp tells all
         const LayerContent content = lit.content(layer);
         const bool left = touches(lit.left.bounds, map.fits[layer].volume);
         const bool right = touches(lit.right.bounds, map.fits[layer].volume);
-        CHECK(content.statics.size() + content.movings.size() == std::size_t{left} + std::size_t{right});
+        CHECK(content.statics.size() + content.dynamics.size() == std::size_t{left} + std::size_t{right});
         for (const Caster* caster : content.statics)
             CHECK(touches(caster->bounds, map.fits[layer].volume));
-        for (const Caster* caster : content.movings)
+        for (const Caster* caster : content.dynamics)
             CHECK(touches(caster->bounds, map.fits[layer].volume));
         stamps.insert(content.stamp);
         CHECK(lit.content(layer).stamp == content.stamp); // of the same, the same

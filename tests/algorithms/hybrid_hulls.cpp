@@ -10,7 +10,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/packing.hpp>
 
-#include "algorithms/hybrid/receiver_hulls.hpp"
+#include "algorithms/hybrid/receiver_pyramid.hpp"
 #include "algorithms/hybrid/receivers.hpp"
 #include "runtime/ray_fixture.hpp"
 
@@ -103,11 +103,11 @@ LightView lightOf(GnLightType type, glm::vec3 position, glm::vec3 direction, flo
     return test::lightOf(type, position, direction, range, 0.6f);
 }
 
-std::vector<ReceiverSquare> squaresOf(const Picture& picture, const lanes::Kernels& kernels)
+std::vector<ReceiverSquare> squaresOf(const Picture& picture, const simd::Kernels& kernels)
 {
-    std::vector<ReceiverSquare> squares(HullPyramid(picture.view.area.extent).count());
+    std::vector<ReceiverSquare> squares(ReceiverPyramid(picture.view.area.extent).count());
     const SquareMaker maker(kernels, picture.view, picture.depth, picture.normals, squares);
-    for (std::uint32_t top = 0; top < kHeight; top += HullPyramid::kLargest)
+    for (std::uint32_t top = 0; top < kHeight; top += ReceiverPyramid::kLargest)
         maker.row(top);
     return squares;
 }
@@ -166,10 +166,10 @@ void checkSquares(const Picture& picture, const std::vector<ReceiverSquare>& hul
                   Census& census)
 {
     const CameraView& view = picture.view;
-    const HullPyramid pyramid(view.area.extent);
+    const ReceiverPyramid pyramid(view.area.extent);
     const SquareAnswers answers(view, light);
     const Receivers receivers(view, light, picture.depth, picture.normals);
-    for (std::uint32_t side = HullPyramid::kSmallest; side <= HullPyramid::kLargest; side *= 2)
+    for (std::uint32_t side = ReceiverPyramid::kSmallest; side <= ReceiverPyramid::kLargest; side *= 2)
         for (std::uint32_t top = 0; top < kHeight; top += side)
             for (std::uint32_t left = 0; left < kWidth; left += side) {
                 const ReceiverSquare& square = hulls[pyramid.index(side, left, top)];
@@ -235,7 +235,7 @@ TEST_CASE("squares come out the same whichever instructions make them")
     for (const VkFormat format : {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT}) {
         const Picture picture = pictureOf(random, false, format);
         const std::vector<ReceiverSquare> baseline = squaresOf(picture, *kernelsHere().front());
-        for (const lanes::Kernels* kernels : kernelsHere()) {
+        for (const simd::Kernels* kernels : kernelsHere()) {
             const std::vector<ReceiverSquare> squares = squaresOf(picture, *kernels);
             int different = 0;
             for (std::size_t i = 0; i < squares.size(); ++i) {
@@ -265,11 +265,11 @@ TEST_CASE("of squares with one pixel that is no receiver, or none that can be, n
             const std::uint64_t half = glm::packHalf4x16(up);
             std::memcpy(&clean.normals[i * size], size == 8 ? static_cast<const void*>(&half) : &up, size);
         }
-        const HullPyramid pyramid(clean.view.area.extent);
-        const auto holds = [&](const Picture& picture, const lanes::Kernels& kernels, std::uint32_t side) {
+        const ReceiverPyramid pyramid(clean.view.area.extent);
+        const auto holds = [&](const Picture& picture, const simd::Kernels& kernels, std::uint32_t side) {
             return squaresOf(picture, kernels)[pyramid.index(side, x - 3, y - 2)].holds;
         };
-        for (const lanes::Kernels* kernels : kernelsHere()) {
+        for (const simd::Kernels* kernels : kernelsHere()) {
             for (std::uint32_t side = 8; side <= 64; side *= 2)
                 CHECK(holds(clean, *kernels, side) == Holds::whole);
             for (const float depth : {0.0f, -0.02f, kNoNumber, std::numeric_limits<float>::infinity()}) {

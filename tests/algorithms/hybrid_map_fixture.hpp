@@ -8,10 +8,10 @@
 
 #include <glm/mat4x4.hpp>
 
+#include "algorithms/hybrid/candidate_occluder.hpp"
 #include "algorithms/hybrid/map_texels.hpp"
-#include "algorithms/hybrid/witness.hpp"
 #include "algorithms/hybrid_fixture.hpp"
-#include "algorithms/maps/map_look.hpp"
+#include "algorithms/maps/map_lookup.hpp"
 #include "runtime/scene/light_fit.hpp"
 
 namespace gnomon::test {

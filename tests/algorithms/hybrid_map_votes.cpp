@@ -162,29 +162,29 @@ TEST_CASE("maps say the same whichever instructions ask them")
 {
     for (const Lamp* light : {&sun(), &lamp(false), &lamp(true)}) {
         CAPTURE(light->view.type);
-        const lanes::Kernels& narrowest = *kernelsHere().front();
-        lanes::ConservativeLook look{.map = mapLookOf(light->constants.base, light->cube()),
-                                     .texelsPerMetre = 20.0f,
-                                     .depthPerMetre = 0.05f,
-                                     .depthSquare = 0.5f,
-                                     .thesis = 0,
-                                     .covered = {}};
+        const simd::Kernels& narrowest = *kernelsHere().front();
+        simd::ConservativeLookup look{.map = mapLookupOf(light->constants.base, light->cube()),
+                                      .texelsPerMetre = 20.0f,
+                                      .depthPerMetre = 0.05f,
+                                      .depthSquare = 0.5f,
+                                      .thesis = 0,
+                                      .covered = {}};
         for (std::size_t layer = 0; layer < light->map.fits.size(); ++layer)
             look.map.depth[layer] = look.covered[layer] = light->map.depth[layer].data();
-        const lanes::MapBytes told{.outside = 1, .backfacing = 2, .lit = 3, .dark = 4, .unsure = 5};
-        const auto answers = [&](const lanes::Kernels& kernels) {
+        const simd::MapBytes told{.outside = 1, .backfacing = 2, .lit = 3, .dark = 4, .unsure = 5};
+        const auto answers = [&](const simd::Kernels& kernels) {
             const BlockReader reader(kernels, world().seen.view, light->view, world().seen.depth,
                                      world().seen.normalBytes());
             std::pair<std::vector<std::uint8_t>, std::vector<std::uint32_t>> all; // bytes, and who wants rays
             for (std::uint32_t y = 0; y < kHeight; y += 4)
                 for (std::uint32_t x = 0; x < kWidth; x += 4) {
-                    lanes::MapPlaces places;
-                    lanes::LayerPlaces starts;
-                    std::uint8_t bytes[3][lanes::kLanes];
+                    simd::MapPlaces places;
+                    simd::LayerPlaces starts;
+                    std::uint8_t bytes[3][simd::kLanes];
                     reader.place(x, y, look.map, places);
                     reader.place(x, y, look, starts);
                     all.second.push_back(kernels.vote(look.map, places, told, bytes[0]));
-                    const lanes::MapLanes lanes = kernels.nearest(look.map, places, told, bytes[1]);
+                    const simd::MapLanes lanes = kernels.nearest(look.map, places, told, bytes[1]);
                     all.second.insert(all.second.end(), {lanes.asks, lanes.agree, lanes.clearlyLit});
                     all.second.push_back(kernels.conserve(look, starts, told, bytes[2]));
                     for (const auto& of : bytes)
@@ -195,14 +195,14 @@ TEST_CASE("maps say the same whichever instructions ask them")
         const auto expected = answers(narrowest);
         for (int byte = 1; byte <= 4; ++byte)
             CHECK(std::count(expected.first.begin(), expected.first.end(), byte) > 100);
-        for (const lanes::Kernels* kernels : kernelsHere())
+        for (const simd::Kernels* kernels : kernelsHere())
             CHECK(answers(*kernels) == expected);
     }
 }
 
 TEST_CASE("the own texel says of sixteen pixels at a time what it says of each")
 {
-    const lanes::MapBytes told{.outside = 1, .backfacing = 2, .lit = 3, .dark = 4, .unsure = 5};
+    const simd::MapBytes told{.outside = 1, .backfacing = 2, .lit = 3, .dark = 4, .unsure = 5};
     for (const Lamp* light : {&sun(), &lamp(false), &lamp(true)}) {
         CAPTURE(light->view.type);
         Lamp spoilt = *light; // something before the near end of a corner of every layer

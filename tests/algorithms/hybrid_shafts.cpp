@@ -67,21 +67,21 @@ std::vector<std::byte> randomNormals(std::mt19937& random, VkFormat format, std:
 
 /// Lanes that are not what Receivers says, bit by bit.
 int wrongLanes(const CameraView& view, const LightView& light, const std::vector<float>& depth,
-               const std::vector<std::byte>& normals, const lanes::Kernels& kernels, int (&asked)[3])
+               const std::vector<std::byte>& normals, const simd::Kernels& kernels, int (&asked)[3])
 {
     const Receivers receivers(view, light, depth, normals);
     const BlockReader reader(kernels, view, light, depth, normals);
     int wrong = 0;
     for (std::uint32_t y = 0; y < kHeight; y += 4)
         for (std::uint32_t x = 0; x < kWidth; x += 4) {
-            lanes::Block block;
+            simd::Block block;
             reader.readSummed(x, y, block);
             RayPacket packet;
             reader.pack(block, packet);
-            for (std::uint32_t i = 0; i < lanes::kLanes; ++i) {
+            for (std::uint32_t i = 0; i < simd::kLanes; ++i) {
                 const std::uint32_t px = x + i % 4, py = y + i / 4;
                 if (px >= kWidth || py >= kHeight) {
-                    wrong += block.asked[i] == lanes::kRay;
+                    wrong += block.asked[i] == simd::kRay;
                     continue;
                 }
                 ShadowRay ray;
@@ -89,7 +89,7 @@ int wrongLanes(const CameraView& view, const LightView& light, const std::vector
                 ++asked[static_cast<int>(expected)];
                 wrong += block.asked[i] != static_cast<std::uint32_t>(expected);
                 wrong += (packet.there[i] != 0) != (expected == Asked::ray && !(ray.tfar < 0.0f));
-                if (expected != Asked::ray || block.asked[i] != lanes::kRay) continue;
+                if (expected != Asked::ray || block.asked[i] != simd::kRay) continue;
                 for (std::uint32_t axis = 0; axis < 3; ++axis)
                     wrong += std::memcmp(&block.origin[axis][i], &ray.origin[int(axis)], sizeof(float)) != 0 ||
                              std::memcmp(&packet.origin[axis][i], &ray.origin[int(axis)], sizeof(float)) != 0 ||
@@ -117,7 +117,7 @@ TEST_CASE("sixteen lanes give the receivers and rays of the scalar formulas, bit
             const std::vector<std::byte> normals = randomNormals(random, format, depth.size());
             const glm::vec3 ahead = glm::vec3(view.constants.eyeWs) + glm::vec3(0.0f, 0.0f, -12.0f);
             const LightView light = lightOf(type, ahead + glm::vec3(1.0f, 9.0f, 0.0f), {0.1f, -1.0f, 0.2f});
-            for (const lanes::Kernels* kernels : kernelsHere())
+            for (const simd::Kernels* kernels : kernelsHere())
                 CHECK(wrongLanes(view, light, depth, normals, *kernels, asked) == 0);
         }
     }
@@ -146,7 +146,7 @@ TEST_CASE("sixteen lanes agree with the scalar formulas where a surface turns aw
         }
         std::vector<std::byte> bytes(normals.size() * sizeof(glm::vec4));
         std::memcpy(bytes.data(), normals.data(), bytes.size());
-        for (const lanes::Kernels* kernels : kernelsHere())
+        for (const simd::Kernels* kernels : kernelsHere())
             CHECK(wrongLanes(view, light, depth, bytes, *kernels, asked) == 0);
     }
     CHECK(asked[static_cast<int>(Asked::dark)] > 1000);
@@ -218,7 +218,7 @@ float halfOpaque(std::uint32_t, float u, float, void*)
 }
 
 /// A tile of 16x16 receivers on a plane.
-std::vector<lanes::Block> patch(std::mt19937& random, const LightView& light, float size)
+std::vector<simd::Block> patch(std::mt19937& random, const LightView& light, float size)
 {
     const glm::vec3 centre = randomPoint(random, 6.0f);
     const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
@@ -227,37 +227,37 @@ std::vector<lanes::Block> patch(std::mt19937& random, const LightView& light, fl
     glm::vec3 normal = glm::normalize(toLight + randomPoint(random, 0.8f));
     if (glm::dot(normal, toLight) < 0.0f) normal = -normal;
     const glm::vec3 u = glm::normalize(glm::cross(normal, glm::vec3(0.3f, 0.5f, 0.8f))), v = glm::cross(normal, u);
-    std::vector<lanes::Block> blocks(16);
+    std::vector<simd::Block> blocks(16);
     for (std::uint32_t b = 0; b < 16; ++b) {
-        lanes::Block& block = blocks[b];
+        simd::Block& block = blocks[b];
         std::memset(static_cast<void*>(&block), 0, sizeof block);
         const std::uint32_t bx = (b & 1) | (b >> 1 & 2), by = (b >> 1 & 1) | (b >> 2 & 2);
-        for (std::uint32_t i = 0; i < lanes::kLanes; ++i) {
+        for (std::uint32_t i = 0; i < simd::kLanes; ++i) {
             const float x = size * (float(4 * bx + i % 4) - 7.5f) / 16.0f,
                         y = size * (float(4 * by + i / 4) - 7.5f) / 16.0f;
             const glm::vec3 p = centre + x * u + y * v;
             for (int axis = 0; axis < 3; ++axis)
                 block.origin[axis][i] = p[axis];
-            block.asked[i] = lanes::kRay;
+            block.asked[i] = simd::kRay;
             block.tfar[i] = directional ? std::numeric_limits<float>::infinity() : 1.0f - 1e-5f;
         }
         for (int axis = 0; axis < 3; ++axis)
             block.normalSum[axis] = 16.0f * normal[axis];
         block.largestOffset = 1e-4f;
-        block.rays = lanes::kLanes;
+        block.rays = simd::kLanes;
         block.finite = 1;
     }
     return blocks;
 }
 
 struct Collected final : TileAnswers {
-    std::array<lanes::LaneStates, 16> states{};
+    std::array<simd::LaneStates, 16> states{};
     void dark(std::uint32_t first, std::uint32_t count) override
     {
         for (std::uint32_t i = first; i < first + count; ++i)
-            states[i] = {.inside = (1u << lanes::kLanes) - 1u, .unsure = 0};
+            states[i] = {.inside = (1u << simd::kLanes) - 1u, .unsure = 0};
     }
-    void lanes(std::uint32_t block, lanes::LaneStates of) override { states[block] = of; }
+    void lanes(std::uint32_t block, simd::LaneStates of) override { states[block] = of; }
 };
 
 /// Casters as hosts make them: turned, mirrored, stretched, flat, with holes; one whose mesh rays never see.
@@ -313,9 +313,9 @@ GnLightType typeOf(int trial)
 
 /// A tile whose receivers lie along the border of a triangle's shadow: beside it by 2^-24 to 2^-8 of what is rounded,
 /// or with `tip` within it, next to a corner.
-std::vector<lanes::Block> border(std::mt19937& random, const LightView& light, const Caster& caster, bool tip)
+std::vector<simd::Block> border(std::mt19937& random, const LightView& light, const Caster& caster, bool tip)
 {
-    std::vector<lanes::Block> blocks = patch(random, light, 0.2f);
+    std::vector<simd::Block> blocks = patch(random, light, 0.2f);
     const MeshView& mesh = *caster.mesh;
     const std::size_t triangle = random() % mesh.triangleCount(), edge = random() % 3;
     const auto corner = [&](std::size_t i) {
@@ -325,8 +325,8 @@ std::vector<lanes::Block> border(std::mt19937& random, const LightView& light, c
     const glm::dvec3 from = corner(edge), along = corner(edge + 1) - from, other = corner(edge + 2) - from;
     std::uniform_real_distribution<double> unit(0.0, 1.0), exponent(-24.0, -8.0);
     const double start = unit(random), behind = 0.5 + 4.0 * unit(random);
-    for (lanes::Block& block : blocks)
-        for (std::uint32_t i = 0; i < lanes::kLanes; ++i) {
+    for (simd::Block& block : blocks)
+        for (std::uint32_t i = 0; i < simd::kLanes; ++i) {
             const glm::dvec3 at = tip ? from + along * std::exp2(exponent(random)) + other * std::exp2(exponent(random))
                                       : from + along * (0.9 * start + 0.1 * unit(random));
             const glm::dvec3 away = light.type == GN_LIGHT_TYPE_DIRECTIONAL
@@ -351,18 +351,18 @@ struct Tally {
 };
 
 /// What the search says of a tile, and what rays say.
-void compare(const std::vector<lanes::Block>& blocks, const LightView& light, const Casters& world, int trial,
+void compare(const std::vector<simd::Block>& blocks, const LightView& light, const Casters& world, int trial,
              Tally& tally)
 {
     FrameArena arena;
     const auto all = kernelsHere();
-    const lanes::Kernels& kernels = *all[std::size_t(trial) % all.size()];
+    const simd::Kernels& kernels = *all[std::size_t(trial) % all.size()];
     const ShaftScene scene(kernels, light, world.seen, {1, 0, 0}, arena);
     TileSearch search(scene, arena);
     Collected found;
     search.run(blocks, found);
     for (std::size_t b = 0; b < blocks.size(); ++b)
-        for (std::uint32_t i = 0; i < lanes::kLanes; ++i) {
+        for (std::uint32_t i = 0; i < simd::kLanes; ++i) {
             ShadowRay ray;
             ray.origin = {blocks[b].origin[0][i], blocks[b].origin[1][i], blocks[b].origin[2][i]};
             ray.tfar = blocks[b].tfar[i];

@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "algorithms/hybrid/near_cut.hpp"
+#include "algorithms/hybrid/near_clip.hpp"
 #include "algorithms/hybrid/undecided.hpp"
 #include "shaders/hybrid/reasons.h"
 
@@ -101,7 +101,7 @@ struct NearScene {
     VkRect2D pixels() const
     {
         const Caster* casters[] = {&box};
-        return nearCut(view, casters).pixels;
+        return nearClip(view, casters).pixels;
     }
 };
 
@@ -150,7 +150,7 @@ TEST_CASE("a slab across the near plane cuts the columns that it covers, and wha
     CHECK(rect.offset.y == NearScene::kTop);
     CHECK(rect.extent.height == NearScene::kHeight);
     const Caster* casters[] = {&scene.box};
-    const Aabb receivers = nearCut(scene.view, casters).receivers;
+    const Aabb receivers = nearClip(scene.view, casters).receivers;
     CHECK(glm::all(glm::lessThan(receivers.lower, scene.box.bounds.lower)));
     CHECK(glm::all(glm::lessThan(scene.box.bounds.upper, receivers.upper)));
     CHECK(receivers.upper.x < 2.0f);

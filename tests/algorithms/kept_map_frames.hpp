@@ -42,7 +42,7 @@ struct Casters {
 
 struct Drawn {
     Revisions* target = nullptr;
-    std::vector<std::size_t> prepared; ///< Counts of statics and movings, in turn.
+    std::vector<std::size_t> prepared; ///< Counts of statics and dynamics, in turn.
 };
 
 struct Draw {
@@ -50,9 +50,9 @@ struct Draw {
     BufferId read;
 
     void uses(PassRef& pass) const { pass.reads(read); }
-    Draw prepared(PassBuilder&, std::span<const Caster* const> statics, std::span<const Caster* const> movings) const
+    Draw prepared(PassBuilder&, std::span<const Caster* const> statics, std::span<const Caster* const> dynamics) const
     {
-        drawn->prepared.insert(drawn->prepared.end(), {statics.size(), movings.size()});
+        drawn->prepared.insert(drawn->prepared.end(), {statics.size(), dynamics.size()});
         return *this;
     }
     void operator()(PassContext&, std::span<const Caster* const> casters, bool) const
@@ -64,7 +64,7 @@ struct Draw {
 
 /// What a task wants of a layer in a frame; stamps 0: nothing.
 struct Wanted {
-    Revisions statics, movings;
+    Revisions statics, dynamics;
     std::uint64_t stamp = 0, staticsStamp = 0;
 };
 
@@ -97,7 +97,7 @@ struct Frames {
         casters.reserve(2 * wanted.size());
         for (const Wanted& layer : wanted) {
             casters.emplace_back(layer.statics);
-            casters.emplace_back(layer.movings);
+            casters.emplace_back(layer.dynamics);
         }
         ImageId image;
         for (std::uint32_t task = 0; task < tasks; ++task) {
@@ -148,7 +148,7 @@ private:
             if (wanted[i].stamp != 0)
                 map.update(i, kLayerNames[i],
                            {.statics = casters[2 * i].pointers,
-                            .movings = casters[2 * i + 1].pointers,
+                            .dynamics = casters[2 * i + 1].pointers,
                             .stamp = wanted[i].stamp,
                             .staticsStamp = wanted[i].staticsStamp},
                            Draw{&drawn, read});

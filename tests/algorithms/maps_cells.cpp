@@ -9,7 +9,7 @@
 
 #include "algorithms/common/map_cells.hpp"
 #include "algorithms/maps/box_cells.hpp"
-#include "algorithms/maps/map_look.hpp"
+#include "algorithms/maps/map_lookup.hpp"
 #include "maps_fixture.hpp"
 
 using namespace gnomon;

@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "algorithms/maps/depth_map.hpp"
-#include "algorithms/maps/map_look.hpp"
+#include "algorithms/maps/map_lookup.hpp"
 #include "algorithms/omni/cube_faces.hpp"
 #include "maps_fixture.hpp"
 #include "shaders/omni/cube.h"
@@ -55,7 +55,7 @@ struct Look {
 
 void checkLook(const Look& look, Random& random)
 {
-    const gpu::MapLook& map = look.constants.map;
+    const gpu::MapLookup& map = look.constants.map;
     for (int i = 0; i < 200; ++i) {
         const glm::vec2 pixel(random.in(0.0f, 640.0f), random.in(0.0f, 480.0f));
         const float w = random.in(1.0f, 12.0f);
@@ -178,7 +178,7 @@ TEST_CASE("the depth of a receiver does not depend on how far from the light the
         const Look look(view, lamp, fitSpot(lamp, around), 1024);
         const glm::vec3 ray = glm::normalize(lamp.position() + random.in(1.0f, 4.0f) * lamp.direction() - view.eye);
         const float w = random.in(180.0f, 200.0f);
-        const gpu::MapLook& map = look.constants.map;
+        const gpu::MapLookup& map = look.constants.map;
         const glm::vec4 clip = map.clipOfEye + w * (map.clipFromRay * glm::vec4(ray, 0.0f));
         if (!(clip.w > 0.5f)) continue;
         // What clip w stands for, to three units in the last place.

@@ -1,7 +1,7 @@
 // Which cells of a light's map the shadow of a caster can fall into; no device.
 #include <doctest/doctest.h>
 
-#include "algorithms/maps/map_look.hpp"
+#include "algorithms/maps/map_lookup.hpp"
 #include "algorithms/volumes/light_cells.hpp"
 #include "tests/algorithms/maps_fixture.hpp"
 
@@ -57,7 +57,7 @@ struct Look {
 /// As chan_durand.frag marks a receiver. @return false if the map does not look there.
 bool mark(const Look& look, glm::dvec3 receiver, std::uint32_t& x, std::uint32_t& y, std::uint32_t& key)
 {
-    const gpu::MapLook& map = look.constants.map;
+    const gpu::MapLookup& map = look.constants.map;
     const glm::dvec3 seen = receiver - glm::dvec3(look.eye);
     const auto w = static_cast<float>(glm::length(seen));
     const glm::vec4 clip = map.clipOfEye + w * (map.clipFromRay * glm::vec4(glm::vec3(glm::normalize(seen)), 0.0f));

@@ -303,7 +303,7 @@ TEST_CASE("the pixels of shadow volumes are about those of their outlines")
     CHECK(std::isfinite(shadowPixels(lamp, lit, view)));
 }
 
-TEST_CASE("a lamp within a building in one mesh is foretold the pixels of its pieces")
+TEST_CASE("a lamp within a building in one mesh is predicted the pixels of its pieces")
 {
     CameraView view = camera(glm::vec3(0.0f, 2.0f, 12.0f), glm::vec3(0.0f, 2.0f, 0.0f));
     view.constants.pixelSize = 0.004f;

@@ -390,7 +390,7 @@ TEST_CASE_FIXTURE(DeviceTest,
         const GnFrameStats stats = host.stats();
         if (stats.budgetMs > 0.0f) break;
         CHECK(stats.fading == 0); // it would be measured along
-        // The one that serves may stay where it is foretold to take a fifth more at most (twice kNoDearer).
+        // The one that serves may stay where it is predicted to take a fifth more at most (twice kNoDearer).
         const GnCandidate serves = candidateOf(host, 0, host.decision(0).pMethod);
         CHECK(serves.predictedMs + serves.sharedMs <= (1.001f + 2.0f * float(plan::kNoDearer)) * cheapestOf(host, 0));
         took.push_back(stats.gpuMs + stats.cpuMs);
@@ -400,7 +400,7 @@ TEST_CASE_FIXTURE(DeviceTest,
     const float budget = host.stats().budgetMs;
     CHECK(budget >= 1.3f * *std::min_element(took.begin(), took.end()) * 0.5f);
     CHECK(budget <= 1.3f * *std::max_element(took.begin(), took.end()) * 2.0f);
-    // From then on it is 1.3 times what the cheapest is foretold to take, as far as that was true.
+    // From then on it is 1.3 times what the cheapest is predicted to take, as far as that was true.
     host.draw(10, {});
     const auto follows = [&host, budget] {
         const float now = host.stats().budgetMs;

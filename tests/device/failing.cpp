@@ -61,7 +61,7 @@ void GN_CALL throwIfTold(GnPassContext, void* user)
 void GN_CALL declareThrower(void* self, GnPassBuilder builder, const GnShadowTask* task)
 {
     auto* const thrower = static_cast<Thrower*>(self);
-    const GnPluginInterface& gn = *thrower->door;
+    const GnPluginInterface& gn = *thrower->abi;
     GnBufferInfo buffer{};
     buffer.pName = "thrower.value";
     buffer.scope = GN_SCOPE_TASK;
@@ -120,7 +120,7 @@ std::vector<Image8> fresh(const Scene& scene, const char* method, VkExtent2D ext
 
 void Thrower::join(Host& host)
 {
-    host.require(gnGetPluginInterface(host.context, &door));
+    host.require(gnGetPluginInterface(host.context, &abi));
     GnAlgorithmInfo info{};
     info.pName = "thrower";
     info.traits = GN_TRAIT_SPOT_BIT;

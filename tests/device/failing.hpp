@@ -31,7 +31,7 @@ std::vector<Image8> fresh(const Scene& scene, const char* method, VkExtent2D ext
 
 /// A method whose CPU pass can be made to throw.
 struct Thrower {
-    const GnPluginInterface* door = nullptr;
+    const GnPluginInterface* abi = nullptr;
     GnPassKind kind = GN_PASS_HOST;
     bool throws = false;
     /// All lights of the host are served by it from now on.

@@ -32,7 +32,7 @@ constexpr Pattern kPatterns[] = {
     {"-1.0", std::bit_cast<uint32_t>(-1.0f)},
 };
 
-/// What the hooks write in place of what gnomon's trials hand to Vulkan.
+/// What the hooks write in place of what gnomon's warmups hand to Vulkan.
 struct Hostile {
     uint32_t word = 0;
     VkBuffer buffer = VK_NULL_HANDLE; ///< Full of the word.

@@ -120,7 +120,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a prediction stands while what it rests on stands
         standing.push_back(ms);
         REQUIRE(host.frame() < 200);
     }
-    // Eight times the triangles: foretold in the very frame.
+    // Eight times the triangles: predicted in the very frame.
     GnTransform place{};
     place.basis[0] = place.basis[4] = place.basis[8] = 0.1f;
     place.translation[1] = 0.5;

@@ -58,11 +58,11 @@ bool has(const std::vector<std::string>& messages, const char* words)
 
 /// A plug-in that fills its visibility, and asks for an image of kMissing before.
 struct Painter {
-    const GnPluginInterface* door = nullptr;
+    const GnPluginInterface* abi = nullptr;
 
     static void GN_CALL declare(void* self, GnPassBuilder builder, const GnShadowTask* task)
     {
-        const GnPluginInterface& gn = *static_cast<Painter*>(self)->door;
+        const GnPluginInterface& gn = *static_cast<Painter*>(self)->abi;
         GnImageInfo image{};
         image.pName = "painter.canvas";
         image.scope = GN_SCOPE_TASK;
@@ -92,7 +92,7 @@ struct Painter {
 
     void join(Host& host)
     {
-        host.require(gnGetPluginInterface(host.context, &door));
+        host.require(gnGetPluginInterface(host.context, &abi));
         GnAlgorithmInfo info{};
         info.pName = "painter";
         info.traits = GN_TRAIT_SPOT_BIT;

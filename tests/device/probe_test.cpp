@@ -1,4 +1,4 @@
-// A method that may be cheaper than foretold is measured beside the one that serves, and nobody sees it.
+// A method that may be cheaper than predicted is measured beside the one that serves, and nobody sees it.
 #include "device/fixture.hpp"
 #include "runtime/cost/cost_model.hpp"
 #include "runtime/cost/knowledge_base.hpp"

@@ -359,7 +359,7 @@ TEST_CASE_FIXTURE(DeviceTest, "timings of a timed frame name every pass, two fra
     CHECK(cpuMs > 0.0f); // rays
     for (const GnPassTiming& pass : passes) {
         const bool found = std::any_of(timings.begin(), timings.end(), [&](const GnPassTiming& timing) {
-            return std::string(timing.pName) == pass.pName && timing.level == pass.level;
+            return std::string(timing.pName) == pass.pName && timing.round == pass.round;
         });
         CHECK_MESSAGE(found, std::string(pass.pName));
     }

@@ -16,10 +16,10 @@ constexpr float kTight = 8.0f,
 
 /// Next to nothing for its light, kSleep for the view.
 struct Sharer {
-    const GnPluginInterface* door = nullptr;
+    const GnPluginInterface* abi = nullptr;
     static void GN_CALL declare(void* self, GnPassBuilder builder, const GnShadowTask* task)
     {
-        const GnPluginInterface& gn = *static_cast<Sharer*>(self)->door;
+        const GnPluginInterface& gn = *static_cast<Sharer*>(self)->abi;
         GnBufferInfo info{};
         info.pName = "sharer.work";
         info.scope = GN_SCOPE_VIEW;
@@ -53,7 +53,7 @@ struct Sharer {
     }
     void join(Host& host)
     {
-        host.require(gnGetPluginInterface(host.context, &door));
+        host.require(gnGetPluginInterface(host.context, &abi));
         GnAlgorithmInfo info{};
         info.pName = "sharer";
         info.traits = GN_TRAIT_SPOT_BIT;

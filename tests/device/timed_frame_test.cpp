@@ -258,7 +258,7 @@ TEST_CASE_FIXTURE(DeviceTest, "CPU passes have their times on a queue without ti
     CHECK(dark(host.pictures()[0]) > 100);
 }
 
-TEST_CASE_FIXTURE(DeviceTest, "a frame resets the queries that it writes, two a level where it is not timed")
+TEST_CASE_FIXTURE(DeviceTest, "a frame resets the queries that it writes, two a round where it is not timed")
 {
     Host host(smallScene(), hooked<true>());
     host.pinAll("pcf_hybrid");
@@ -269,9 +269,9 @@ TEST_CASE_FIXTURE(DeviceTest, "a frame resets the queries that it writes, two a 
         return queriesReset;
     };
     const uint32_t whole = resetBy(GN_FRAME_TIMED_BIT);
-    CHECK(whole >= 2 * host.stats().levels + 2);
+    CHECK(whole >= 2 * host.stats().rounds + 2);
     CHECK(whole < 100);
-    CHECK(resetBy(0) == 2 * host.stats().levels);
+    CHECK(resetBy(0) == 2 * host.stats().rounds);
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "no pass of a timed frame is untimed, however many there are")

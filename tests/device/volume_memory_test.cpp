@@ -139,11 +139,11 @@ TEST_CASE_FIXTURE(DeviceTest, "sides take 24 bytes an edge of closed casters and
             const MemoryBooks::Entry sides = books.held("volumes.sides");
             CAPTURE(books.list());
             // What is shown stays while the next is written; how many are in flight at once the device decides.
-            const uint32_t movings = sides.count - lights;
-            CHECK(movings >= 2 * lights);
-            CHECK(movings <= std::max(2u, inFlight) * lights);
+            const uint32_t dynamics = sides.count - lights;
+            CHECK(dynamics >= 2 * lights);
+            CHECK(dynamics <= std::max(2u, inFlight) * lights);
             CHECK(sides.bytes == lights * rounded(statedBytes(scene, kStatic).sides) +
-                                     movings * rounded(statedBytes(scene, kMoving).sides));
+                                     dynamics * rounded(statedBytes(scene, kMoving).sides));
             CHECK(books.held("volumes.caps").count == 0); // z-pass serves for all
         }
 }

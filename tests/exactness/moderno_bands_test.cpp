@@ -138,11 +138,11 @@ TEST_CASE("C1 to C4: texels that agree")
 
 TEST_CASE("D1, D2, D5: what triangles that texels name prove")
 {
-    std::array<PrintedWitness, kWitnesses> w{};
-    for (size_t i = 0; i < kWitnesses; ++i)
-        w[i] = meanWitness(views(), Witness(i));
-    constexpr double right[kWitnesses][2] = {{80, 90}, {87, 94}, {89, 96}, {89, 96}, {93, 99}};
-    for (size_t i = 0; i < kWitnesses; ++i) {
+    std::array<PrintedCandidate, kCandidates> w{};
+    for (size_t i = 0; i < kCandidates; ++i)
+        w[i] = meanCandidate(views(), CandidateOccluder(i));
+    constexpr double right[kCandidates][2] = {{80, 90}, {87, 94}, {89, 96}, {89, 96}, {93, 99}};
+    for (size_t i = 0; i < kCandidates; ++i) {
         CAPTURE(i);
         CHECK(within(w[i].ofRightDark, right[i][0], right[i][1]));
     }
@@ -164,7 +164,7 @@ TEST_CASE("D1, D2, D5: what triangles that texels name prove")
     double map = 0.0, best = 0.0;
     for (const ChainView& view : views()) {
         map += percentOf(view.whole.wrong(), view.image) / double(views().size());
-        best += percentOf(view.whole.wrongAlone(Witness::nb9), view.image) / double(views().size());
+        best += percentOf(view.whole.wrongAlone(CandidateOccluder::nb9), view.image) / double(views().size());
     }
     CHECK(best > map);
 }
@@ -176,8 +176,8 @@ TEST_CASE("D3, D4, D6: by scene")
         std::ranges::copy_if(views(), std::back_inserter(some), [&](const ChainView& v) { return isScene(v, name); });
         return some;
     };
-    const auto nine = [&](const char* name) { return meanWitness(scene(name), Witness::nb9); };
-    const auto ring = [&](const char* name) { return meanWitness(scene(name), Witness::ag2); };
+    const auto nine = [&](const char* name) { return meanCandidate(scene(name), CandidateOccluder::nb9); };
+    const auto ring = [&](const char* name) { return meanCandidate(scene(name), CandidateOccluder::ag2); };
     // Trees are the easiest, as in the thesis; its bands hold of primitives alone (the page has the figures).
     CHECK(within(nine("primitives").ofWrongLit, 35, 65));
     CHECK(nine("trees").ofWrongLit > nine("bench").ofWrongLit);

@@ -1,7 +1,7 @@
 /// What a record costs in a frame, and what a question costs when it is asked.
 #include <benchmark/benchmark.h>
 
-#include "explain/desk.hpp"
+#include "explain/selector_fixture.hpp"
 #include "rules/yaml/shipped.hpp"
 
 using namespace gnomon;
@@ -9,37 +9,37 @@ using namespace gnomon::test;
 
 namespace {
 
-DecisionRecord defaultRecord(Desk& desk)
+DecisionRecord defaultRecord(SelectorFixture& fixture)
 {
     Situation situation;
     situation.fact(Fact::screenShare) = 0.4;
     situation.fact(Fact::lightRadius) = 0.05;
     situation.fact(Fact::receiverPlanarity) = std::numeric_limits<double>::quiet_NaN();
-    return desk.decide(situation);
+    return fixture.decide(situation);
 }
 
-Desk defaultDesk()
+SelectorFixture defaultFixture()
 {
-    return Desk(*bindRules(rules::shippedRuleBase("default")));
+    return SelectorFixture(*bindRules(rules::shippedRuleBase("default")));
 }
 
 /// The smallest change of every fact that flips the choice.
 void nearMiss(benchmark::State& state)
 {
-    Desk desk = defaultDesk();
-    const DecisionRecord record = defaultRecord(desk);
+    SelectorFixture fixture = defaultFixture();
+    const DecisionRecord record = defaultRecord(fixture);
     for (auto _ : state)
-        benchmark::DoNotOptimize(nearMisses(record, desk.engine()));
+        benchmark::DoNotOptimize(nearMisses(record, fixture.engine()));
 }
 BENCHMARK(nearMiss)->Unit(benchmark::kMicrosecond);
 
 void evaluateOnce(benchmark::State& state)
 {
-    Desk desk = defaultDesk();
-    const DecisionRecord record = defaultRecord(desk);
-    rules::Inference inference = desk.engine().makeInference();
+    SelectorFixture fixture = defaultFixture();
+    const DecisionRecord record = defaultRecord(fixture);
+    rules::Inference inference = fixture.engine().makeInference();
     for (auto _ : state) {
-        desk.engine().evaluate(record.facts, inference);
+        fixture.engine().evaluate(record.facts, inference);
         benchmark::DoNotOptimize(inference.floorTruth);
     }
 }
@@ -47,20 +47,20 @@ BENCHMARK(evaluateOnce);
 
 void why(benchmark::State& state)
 {
-    Desk desk = defaultDesk();
-    const DecisionRecord record = defaultRecord(desk);
+    SelectorFixture fixture = defaultFixture();
+    const DecisionRecord record = defaultRecord(fixture);
     for (auto _ : state)
-        benchmark::DoNotOptimize(explainWhy(record, desk.words()));
+        benchmark::DoNotOptimize(explainWhy(record, fixture.words()));
 }
 BENCHMARK(why)->Unit(benchmark::kMicrosecond);
 
 /// One record into the ring, as every light pays for it in every frame.
 void keep(benchmark::State& state)
 {
-    Desk desk = defaultDesk();
-    DecisionRecord record = defaultRecord(desk);
+    SelectorFixture fixture = defaultFixture();
+    DecisionRecord record = defaultRecord(fixture);
     const auto lights = static_cast<std::uint32_t>(state.range(0));
-    const auto rules = std::make_shared<const rules::Engine>(desk.engine());
+    const auto rules = std::make_shared<const rules::Engine>(fixture.engine());
     RecordRing ring;
     std::uint64_t frame = 0;
     for (auto _ : state) {
@@ -75,12 +75,12 @@ BENCHMARK(keep)->Arg(1)->Arg(16)->Arg(64);
 
 void strongest(benchmark::State& state)
 {
-    Desk desk = defaultDesk();
-    const DecisionRecord record = defaultRecord(desk);
-    rules::Inference inference = desk.engine().makeInference();
-    desk.engine().evaluate(record.facts, inference);
+    SelectorFixture fixture = defaultFixture();
+    const DecisionRecord record = defaultRecord(fixture);
+    rules::Inference inference = fixture.engine().makeInference();
+    fixture.engine().evaluate(record.facts, inference);
     for (auto _ : state)
-        benchmark::DoNotOptimize(strongestRules(desk.engine(), inference));
+        benchmark::DoNotOptimize(strongestRules(fixture.engine(), inference));
 }
 BENCHMARK(strongest);
 

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <random>
 
-#include "explain/desk.hpp"
+#include "explain/selector_fixture.hpp"
 #include "rules/yaml/shipped.hpp"
 #include "runtime/core/jobs.hpp"
 #include "runtime/select/choice.hpp"
@@ -80,10 +80,10 @@ private:
 
 } // namespace
 
-TEST_CASE("a light that is gone no longer counts for what is foretold of the others")
+TEST_CASE("a light that is gone no longer counts for what is predicted of the others")
 {
     PlanTable table;
-    const auto foretold = [&](bool forget) {
+    const auto predicted = [&](bool forget) {
         FramePlan plan(table.methods(), true);
         std::vector<PlanTable::Lamp> lamps(3);
         const auto run = [&](std::uint64_t first, std::uint32_t lamp, float ms) {
@@ -100,8 +100,8 @@ TEST_CASE("a light that is gone no longer counts for what is foretold of the oth
         run(100, 1, 1.0f);
         return lamps[2].decision.candidates[0].predictedMs;
     };
-    const float with = foretold(false), without = foretold(true);
-    MESSAGE("ms foretold for a third light: ", with, " with the one that is gone, ", without, " without");
+    const float with = predicted(false), without = predicted(true);
+    MESSAGE("ms predicted for a third light: ", with, " with the one that is gone, ", without, " without");
     CHECK(without < 0.9f * with);
 }
 
@@ -254,7 +254,7 @@ TEST_CASE("rules that ask for the budget do not take turns with their own effect
         for (const double budgetMs : {2.0, 5.0, 8.0, 10.0, 16.0, 30.0}) {
             std::optional<rules::Engine> engine = bindRules(text);
             REQUIRE(engine.has_value());
-            Desk desk(std::move(*engine));
+            SelectorFixture fixture(std::move(*engine));
             Situation situation;
             situation.budgetMs = text == none ? 0.0 : budgetMs;
             situation.fact(Fact::screenShare) = 0.5;
@@ -265,7 +265,7 @@ TEST_CASE("rules that ask for the budget do not take turns with their own effect
             situation.method("shadow_map").quality = 0.8f;
             std::uint32_t switches = 0;
             for (int frame = 0; frame < 400; ++frame) {
-                const DecisionRecord record = desk.decide(situation);
+                const DecisionRecord record = fixture.decide(situation);
                 switches += record.switched;
                 situation.incumbent = record.method;
                 situation.fact(Fact::frameBudget) = double{cheapestMs(record.all(), UINT32_MAX)} / budgetMs;

@@ -3,18 +3,18 @@
 
 #include <cmath>
 
-#include "explain/desk.hpp"
+#include "explain/selector_fixture.hpp"
 
 using namespace gnomon;
 using namespace gnomon::test;
 
 namespace {
 
-Desk makeDesk()
+SelectorFixture makeFixture()
 {
-    std::optional<rules::Engine> engine = bindRules(deskRules());
+    std::optional<rules::Engine> engine = bindRules(fixtureRules());
     REQUIRE(engine.has_value());
-    return Desk(std::move(*engine));
+    return SelectorFixture(std::move(*engine));
 }
 
 std::string nameOf(std::uint32_t method)
@@ -22,9 +22,9 @@ std::string nameOf(std::uint32_t method)
     return std::string(methodText(method, methodWords()));
 }
 
-std::string whyNot(const Desk& desk, const DecisionRecord& record, std::string_view method)
+std::string whyNot(const SelectorFixture& fixture, const DecisionRecord& record, std::string_view method)
 {
-    return explainWhyNot(record, methodNamed(method), desk.words());
+    return explainWhyNot(record, methodNamed(method), fixture.words());
 }
 
 void checkContains(const std::string& text, std::initializer_list<const char*> parts)
@@ -36,11 +36,11 @@ void checkContains(const std::string& text, std::initializer_list<const char*> p
 }
 
 /// Asks the rules themselves: the best suitability among what may serve, without the code under test.
-std::uint32_t bestByRules(const Desk& desk, Situation situation, std::uint32_t fact, double value)
+std::uint32_t bestByRules(const SelectorFixture& fixture, Situation situation, std::uint32_t fact, double value)
 {
     situation.facts[fact] = value;
-    rules::Inference inference = desk.engine().makeInference();
-    desk.engine().evaluate(situation.facts, inference);
+    rules::Inference inference = fixture.engine().makeInference();
+    fixture.engine().evaluate(situation.facts, inference);
     std::uint32_t best = UINT32_MAX;
     for (std::uint32_t m = 0; m < situation.candidates.size(); ++m) {
         const rules::OutputState& output = inference.outputs[m];
@@ -56,138 +56,139 @@ std::uint32_t bestByRules(const Desk& desk, Situation situation, std::uint32_t f
 
 TEST_CASE("a decision by the rules: why, why not, and what if hold up when the rules are asked again")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
-    const DecisionRecord record = desk.decide(situation);
+    const DecisionRecord record = fixture.decide(situation);
     REQUIRE(nameOf(record.method) == "stencil_volume");
-    checkContains(explainWhy(record, desk.words()),
+    checkContains(explainWhy(record, fixture.words()),
                   {"light 'lamp', frame 1: stencil_volume, highest suitability", "rule A1: viewerDistance near 1.00",
                    "strength 1.00", "because edges are looked at from near", "viewerDistance 12.50 m: near 1.00",
                    "casterTriangles 3.50 log10: small 1.00", "predicted 1.00 ms +- 0.10 ms", "quality 1.00",
                    "next: pcf_hybrid, suitability 0.50"});
-    checkContains(whyNot(desk, record, "shadow_map"), {"not shadow_map:", "outscored: suitability 0.16 against 0.84",
-                                                       "rule A1 (avoided)", "silent: rule A2: viewerDistance far 0.00",
-                                                       "it would be chosen with viewerDistance ", "instead of 12.5 m"});
-    checkContains(whyNot(desk, record, "stencil_volume"), {"stencil_volume is what was chosen"});
-    checkContains(whyNot(desk, record, "ray_traced"), {"no rule that fires speaks of it"});
+    checkContains(whyNot(fixture, record, "shadow_map"),
+                  {"not shadow_map:", "outscored: suitability 0.16 against 0.84", "rule A1 (avoided)",
+                   "silent: rule A2: viewerDistance far 0.00", "it would be chosen with viewerDistance ",
+                   "instead of 12.5 m"});
+    checkContains(whyNot(fixture, record, "stencil_volume"), {"stencil_volume is what was chosen"});
+    checkContains(whyNot(fixture, record, "ray_traced"), {"no rule that fires speaks of it"});
 
-    const std::vector<NearMiss> misses = nearMisses(record, desk.engine());
+    const std::vector<NearMiss> misses = nearMisses(record, fixture.engine());
     REQUIRE(misses.size() == 2);
-    const std::string text = explainWhatIf(record, desk.words());
+    const std::string text = explainWhatIf(record, fixture.words());
     checkContains(text, {"viewerDistance 12.5 m -> ", "casterTriangles 3.5 log10 (3162 triangles) -> 5 log10",
                          "pcf_hybrid instead"});
     for (const NearMiss& miss : misses) {
         const double width = miss.fact == std::uint32_t(Fact::viewerDistance) ? 90.0 : 5.0;
-        CHECK(bestByRules(desk, situation, miss.fact, miss.to) == miss.method);
+        CHECK(bestByRules(fixture, situation, miss.fact, miss.to) == miss.method);
         CHECK(miss.method != record.method);
         // A little before it nothing flips: it is the nearest, to the digits shown.
         const double before = miss.to + (miss.to > miss.from ? -0.002 : 0.002) * width;
-        CHECK(bestByRules(desk, situation, miss.fact, before) == record.method);
+        CHECK(bestByRules(fixture, situation, miss.fact, before) == record.method);
     }
     CHECK(misses[0].distance <= misses[1].distance);
 }
 
 TEST_CASE("a vetoed method names the rule, its reason, and the fact that would lift the veto")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
     situation.fact(Fact::casterTriangles) = 6.5;
-    const DecisionRecord record = desk.decide(situation);
+    const DecisionRecord record = fixture.decide(situation);
     CHECK(nameOf(record.method) == "pcf_hybrid");
-    checkContains(explainWhy(record, desk.words()), {"pcf_hybrid, highest suitability", "rule A1 (acceptable)",
-                                                     "out: stencil_volume (never, says rule V1)"});
-    checkContains(whyNot(desk, record, "stencil_volume"),
+    checkContains(explainWhy(record, fixture.words()), {"pcf_hybrid, highest suitability", "rule A1 (acceptable)",
+                                                        "out: stencil_volume (never, says rule V1)"});
+    checkContains(whyNot(fixture, record, "stencil_volume"),
                   {"never, says rule V1", "rule V1: casterTriangles huge 1.00",
                    "because a million silhouette edges do not fit", "it would be chosen with casterTriangles 4.99",
                    "instead of 6.5 log10"});
-    const std::vector<NearMiss> misses = nearMisses(record, desk.engine(), methodNamed("stencil_volume"));
+    const std::vector<NearMiss> misses = nearMisses(record, fixture.engine(), methodNamed("stencil_volume"));
     REQUIRE(misses.size() == 1);
-    CHECK(bestByRules(desk, situation, misses[0].fact, misses[0].to) == methodNamed("stencil_volume"));
+    CHECK(bestByRules(fixture, situation, misses[0].fact, misses[0].to) == methodNamed("stencil_volume"));
 }
 
 TEST_CASE("the near floor names quality, limit and how true its condition is")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
     situation.budgetMs = 100.0;
     situation.fact(Fact::viewerDistance) = 44.0; // near 0.533: the floor holds
     situation.method("shadow_map").quality = 0.7f;
     situation.method("stencil_volume").exclusion = Exclusion::topology;
     situation.method("stencil_volume").detail = 3;
-    const DecisionRecord record = desk.decide(situation);
+    const DecisionRecord record = fixture.decide(situation);
     CHECK(nameOf(record.method) == "pcf_hybrid");
-    checkContains(whyNot(desk, record, "shadow_map"),
+    checkContains(whyNot(fixture, record, "shadow_map"),
                   {"near floor: its quality 0.70 is below 0.80", "0.53 true", "0.50 is enough"});
-    checkContains(whyNot(desk, record, "stencil_volume"), {"3 casters without topology yet"});
-    checkContains(explainWhy(record, desk.words()), {"near floor holds, quality >= 0.80", "of 98.00 ms usable"});
+    checkContains(whyNot(fixture, record, "stencil_volume"), {"3 casters without topology yet"});
+    checkContains(explainWhy(record, fixture.words()), {"near floor holds, quality >= 0.80", "of 98.00 ms usable"});
 }
 
 TEST_CASE("a method that does not fit the budget names both times, and what the others leave")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
     situation.budgetMs = 10.0;
     situation.othersMs = 4.0;
     situation.method("stencil_volume").predictedMs = 8.0f;
     situation.method("pcf_hybrid").predictedMs = 3.0f;
     situation.method("pcf_hybrid").quality = 0.95f; // shows less
-    const DecisionRecord record = desk.decide(situation);
+    const DecisionRecord record = fixture.decide(situation);
     CHECK(nameOf(record.method) == "pcf_hybrid");
     CHECK(record.reason == GN_REASON_BUDGET);
-    checkContains(explainWhy(record, desk.words()),
+    checkContains(explainWhy(record, fixture.words()),
                   {"the plan: better ones do not fit the budget", "stencil_volume suits better (0.84)",
                    "needs 8.00 ms +- 0.10 ms", "plan of all lights: 7.00 ms of 9.80 ms usable (budget 10.00 ms)",
                    "the first plan"});
-    checkContains(whyNot(desk, record, "stencil_volume"),
+    checkContains(whyNot(fixture, record, "stencil_volume"),
                   {"budget: it needs 8.00 ms", "the other lights leave 5.80 ms of 9.80 ms"});
-    checkContains(explainWhatIf(record, desk.words()),
+    checkContains(explainWhatIf(record, fixture.words()),
                   {"viewerDistance", "shadow_map instead", "other lights' methods"});
 }
 
 TEST_CASE("what suits better but shows no more is left for its price, with time to spare too")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
     situation.budgetMs = 100.0;
     situation.method("stencil_volume").predictedMs = 8.0f;
     situation.method("pcf_hybrid").predictedMs = 3.0f;
-    const DecisionRecord record = desk.decide(situation);
+    const DecisionRecord record = fixture.decide(situation);
     CHECK(nameOf(record.method) == "pcf_hybrid");
     CHECK(record.reason == GN_REASON_PRICE);
-    checkContains(explainWhy(record, desk.words()),
+    checkContains(explainWhy(record, fixture.words()),
                   {"stencil_volume suits better (0.84), but shows no more and takes 8.00 ms +- 0.10 ms"});
-    checkContains(whyNot(desk, record, "stencil_volume"), {"shows no more and takes 8.00 ms +- 0.10 ms"});
-    checkContains(whyNot(desk, record, "shadow_map"), {"worth", "takes 1.00 ms +- 0.10 ms against 3.00 ms"});
+    checkContains(whyNot(fixture, record, "stencil_volume"), {"shows no more and takes 8.00 ms +- 0.10 ms"});
+    checkContains(whyNot(fixture, record, "shadow_map"), {"worth", "takes 1.00 ms +- 0.10 ms against 3.00 ms"});
 }
 
 TEST_CASE("a light whose method failed when it was to run answers, with nothing in its place to compare with")
 {
     for (const double budgetMs : {0.0, 100.0}) {
         CAPTURE(budgetMs);
-        Desk desk = makeDesk();
+        SelectorFixture fixture = makeFixture();
         Situation situation;
         situation.budgetMs = budgetMs;
         situation.method("stencil_volume").predictedMs = 8.0f;
         situation.method("pcf_hybrid").predictedMs = 3.0f;
-        DecisionRecord record = desk.decide(situation);
+        DecisionRecord record = fixture.decide(situation);
         record.method = UINT32_MAX;
         record.reason = GN_REASON_NOTHING_READY;
         for (const char* method : {"stencil_volume", "pcf_hybrid", "shadow_map"})
-            CHECK(lineCount(whyNot(desk, record, method)) > 1);
-        checkContains(explainWhy(record, desk.words()), {"none, nothing can serve"});
+            CHECK(lineCount(whyNot(fixture, record, method)) > 1);
+        checkContains(explainWhy(record, fixture.words()), {"none, nothing can serve"});
     }
 }
 
 TEST_CASE("what suits better but is below the near floor is left for the floor, not for the budget")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
     situation.budgetMs = 100.0;
     situation.method("stencil_volume").quality = 0.7f;
-    const DecisionRecord record = desk.decide(situation);
+    const DecisionRecord record = fixture.decide(situation);
     CHECK(nameOf(record.method) == "pcf_hybrid");
     CHECK(record.reason == GN_REASON_FLOOR);
-    checkContains(explainWhy(record, desk.words()),
+    checkContains(explainWhy(record, fixture.words()),
                   {"pcf_hybrid, what suits better is below the near floor",
                    "stencil_volume suits better (0.84), but its quality 0.70 is below the near floor"});
 }
@@ -217,7 +218,7 @@ TEST_CASE("the long explanation says of every method that could serve what kept 
 
 TEST_CASE("what suits better but is worth no more with its quality says so")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
     situation.budgetMs = 100.0;
     situation.fact(Fact::viewerDistance) = 50.0; // the floor does not hold
@@ -225,105 +226,105 @@ TEST_CASE("what suits better but is worth no more with its quality says so")
     situation.method("pcf_hybrid").quality = 1.0f;
     situation.method("shadow_map").predictedMs = 0.5f;
     situation.method("stencil_volume").exclusion = Exclusion::lightKind;
-    const DecisionRecord record = desk.decide(situation);
+    const DecisionRecord record = fixture.decide(situation);
     CHECK(nameOf(record.method) == "pcf_hybrid");
-    CHECK(record.reason == GN_REASON_WORTH);
-    checkContains(explainWhy(record, desk.words()),
+    CHECK(record.reason == GN_REASON_UTILITY);
+    checkContains(explainWhy(record, fixture.words()),
                   {"pcf_hybrid, the plan: what suits better is worth no more with its quality",
                    "shadow_map suits better", "but with its quality 0.50 is worth 0."});
 }
 
 TEST_CASE("a held method names the hold, the gain and what a change needs")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
     situation.budgetMs = 10.0;
     situation.fact(Fact::viewerDistance) = 70.0;
     situation.method("stencil_volume").quality = 0.921f;
     situation.method("shadow_map").quality = 0.50f;
     situation.method("pcf_hybrid").quality = 0.903f; // shows as much as shadow_map, and therefore counts as much
-    const DecisionRecord first = desk.decide(situation);
+    const DecisionRecord first = fixture.decide(situation);
     REQUIRE(nameOf(first.method) == "pcf_hybrid");
     situation.incumbent = first.method;
     situation.method("shadow_map").quality = 0.912f; // as much as either, and gains 1 %
-    const DecisionRecord record = desk.decide(situation);
+    const DecisionRecord record = fixture.decide(situation);
     CHECK(nameOf(record.method) == "pcf_hybrid");
     REQUIRE(record.hold == plan::Hold::threshold);
-    checkContains(whyNot(desk, record, "shadow_map"),
+    checkContains(whyNot(fixture, record, "shadow_map"),
                   {"held: the whole plan would not gain enough", "the best plan gains 1.0 %", "needs more than 2.0 %"});
     // What if: the very number flips the plan too, once it has been calm for long enough.
-    for (const NearMiss& miss : nearMisses(record, desk.engine())) {
+    for (const NearMiss& miss : nearMisses(record, fixture.engine())) {
         Situation changed = situation;
         changed.facts[miss.fact] = miss.to;
         std::uint32_t method = record.method;
         for (std::uint32_t i = 0; i < plan::kSpareFrames + 2; ++i) {
             changed.incumbent = method;
-            method = desk.decide(changed).method;
+            method = fixture.decide(changed).method;
         }
         CHECK(nameOf(method) == nameOf(miss.method));
         for (std::uint32_t i = 0; i < 200; ++i) { // back, past any ban
             Situation back = situation;
             back.incumbent = record.method;
-            desk.decide(back);
+            fixture.decide(back);
         }
     }
 }
 
 TEST_CASE("a pinned light answers with the pin, and what the rules would have chosen")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
     situation.pinned = methodNamed("cube_map");
-    const DecisionRecord record = desk.decide(situation);
+    const DecisionRecord record = fixture.decide(situation);
     CHECK(record.replan == Replan::host);
-    checkContains(explainWhy(record, desk.words()), {"cube_map, pinned by the host"});
-    checkContains(whyNot(desk, record, "stencil_volume"), {"the host pinned cube_map"});
-    checkContains(explainWhatIf(record, desk.words()), {"the host pinned it", "would choose stencil_volume"});
-    CHECK(nearMisses(record, desk.engine()).empty());
+    checkContains(explainWhy(record, fixture.words()), {"cube_map, pinned by the host"});
+    checkContains(whyNot(fixture, record, "stencil_volume"), {"the host pinned cube_map"});
+    checkContains(explainWhatIf(record, fixture.words()), {"the host pinned it", "would choose stencil_volume"});
+    CHECK(nearMisses(record, fixture.engine()).empty());
 }
 
 TEST_CASE("a pinned method that cannot serve is named with its reason, whatever serves")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
     situation.pinned = methodNamed("cube_map");
     situation.method("cube_map").exclusion = Exclusion::roundTrips;
     situation.method("cube_map").detail = 2;
-    const DecisionRecord record = desk.decide(situation);
+    const DecisionRecord record = fixture.decide(situation);
     REQUIRE(nameOf(record.method) == "stencil_volume");
-    checkContains(explainWhy(record, desk.words()),
+    checkContains(explainWhy(record, fixture.words()),
                   {"stencil_volume, highest suitability",
                    "the host pinned cube_map, which cannot serve: needs the CPU between passes (2 round trips)"});
 }
 
 TEST_CASE("a method that is not ready names the fallback that stands in for it")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
     situation.method("stencil_volume").exclusion = Exclusion::notReady;
-    const DecisionRecord record = desk.decide(situation);
+    const DecisionRecord record = fixture.decide(situation);
     CHECK(nameOf(record.method) == "shadow_map");
-    checkContains(explainWhy(record, desk.words()),
+    checkContains(explainWhy(record, fixture.words()),
                   {"fallback while the wanted method is not ready (stencil_volume)",
                    "stencil_volume is wanted: not ready: its pipelines have not run yet"});
-    checkContains(whyNot(desk, record, "stencil_volume"), {"not ready"});
-    checkContains(whyNot(desk, record, "pcf_hybrid"), {"outscored: suitability 0.50 against 0.16", "wanted"});
+    checkContains(whyNot(fixture, record, "stencil_volume"), {"not ready"});
+    checkContains(whyNot(fixture, record, "pcf_hybrid"), {"outscored: suitability 0.50 against 0.16", "wanted"});
 }
 
 TEST_CASE("under a budget a method that is not ready, and rules without an opinion, stay the reason")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
     situation.budgetMs = 100.0;
     situation.method("stencil_volume").exclusion = Exclusion::notReady;
-    const DecisionRecord waits = desk.decide(situation);
+    const DecisionRecord waits = fixture.decide(situation);
     CHECK(nameOf(waits.method) == "pcf_hybrid"); // the plan's, better than the fallback
     CHECK(waits.reason == GN_REASON_FALLBACK);
-    checkContains(explainWhy(waits, desk.words()),
+    checkContains(explainWhy(waits, fixture.words()),
                   {"pcf_hybrid, fallback while the wanted method is not ready (stencil_volume)",
                    "stencil_volume is wanted: not ready"});
 
-    Desk silent = makeDesk();
+    SelectorFixture silent = makeFixture();
     situation = {};
     situation.budgetMs = 100.0;
     situation.fact(Fact::viewerDistance) = std::nan(""); // no rule fires
@@ -335,35 +336,36 @@ TEST_CASE("under a budget a method that is not ready, and rules without an opini
 
 TEST_CASE("nothing able to serve is an answer, too")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
     for (Candidate& candidate : situation.candidates)
         candidate.exclusion = Exclusion::lightKind;
-    const DecisionRecord record = desk.decide(situation);
-    checkContains(explainWhy(record, desk.words()), {"none, nothing can serve", "does not serve this kind of light"});
-    checkContains(whyNot(desk, record, "shadow_map"), {"does not serve this kind of light"});
-    checkContains(explainWhatIf(record, desk.words()), {"nothing: no change of a single fact"});
+    const DecisionRecord record = fixture.decide(situation);
+    checkContains(explainWhy(record, fixture.words()),
+                  {"none, nothing can serve", "does not serve this kind of light"});
+    checkContains(whyNot(fixture, record, "shadow_map"), {"does not serve this kind of light"});
+    checkContains(explainWhatIf(record, fixture.words()), {"nothing: no change of a single fact"});
 }
 
 TEST_CASE("what changed: the facts, the rules and the suitabilities that moved, in numbers")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
-    const DecisionRecord before = desk.decide(situation);
+    const DecisionRecord before = fixture.decide(situation);
     situation.incumbent = before.method;
     situation.fact(Fact::viewerDistance) = 55.0;
-    const DecisionRecord after = desk.decide(situation);
-    checkContains(explainWhatChanged(after, &before, desk.words()),
+    const DecisionRecord after = fixture.decide(situation);
+    checkContains(explainWhatChanged(after, &before, fixture.words()),
                   {"frame 2 against frame 1: stencil_volume -> shadow_map", "viewerDistance 12.5 m -> 55 m",
                    "strength 0.00 -> 0.83: rule A2: viewerDistance far 0.83", "shadow_map 0.16 -> ",
                    "strength 1.00 -> 0.17: rule A1"});
-    checkContains(explainWhatChanged(after, nullptr, desk.words()), {"no earlier frame"});
+    checkContains(explainWhatChanged(after, nullptr, fixture.words()), {"no earlier frame"});
     situation.incumbent = after.method;
-    const DecisionRecord same = desk.decide(situation);
-    checkContains(explainWhatChanged(same, &after, desk.words()), {"still shadow_map", "facts: all the same"});
+    const DecisionRecord same = fixture.decide(situation);
+    checkContains(explainWhatChanged(same, &after, fixture.words()), {"still shadow_map", "facts: all the same"});
     situation.method("shadow_map").exclusion = Exclusion::memory;
     situation.method("shadow_map").detail = 64u << 20;
-    checkContains(explainWhatChanged(desk.decide(situation), &same, desk.words()),
+    checkContains(explainWhatChanged(fixture.decide(situation), &same, fixture.words()),
                   {"shadow_map is out (memory: needs 64.0 MiB"});
     // Against the last frame of another method.
     const DecisionRecord all[] = {before, after, same};
@@ -381,22 +383,22 @@ TEST_CASE("what changed: the facts, the rules and the suitabilities that moved, 
 
 TEST_CASE("what changed over a knowledge base that was loaded says so, and counts no timings backwards")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
-    DecisionRecord before = desk.decide(situation), now = desk.decide(situation);
+    DecisionRecord before = fixture.decide(situation), now = fixture.decide(situation);
     before.knowledge = 500, now.knowledge = 512;
-    checkContains(explainWhatChanged(now, &before, desk.words()), {"the cost model learned from 12 timings"});
+    checkContains(explainWhatChanged(now, &before, fixture.words()), {"the cost model learned from 12 timings"});
     before.knowledge = 9000;
-    const std::string text = explainWhatChanged(now, &before, desk.words());
+    const std::string text = explainWhatChanged(now, &before, fixture.words());
     checkContains(text, {"a knowledge base was loaded in between"});
     CHECK_FALSE(contains(text, "learned from"));
 }
 
 TEST_CASE("without the rule base of the frame the numbers still answer")
 {
-    Desk desk = makeDesk();
-    const DecisionRecord record = desk.decide({});
-    ExplainWords words = desk.words();
+    SelectorFixture fixture = makeFixture();
+    const DecisionRecord record = fixture.decide({});
+    ExplainWords words = fixture.words();
     words.engine = nullptr;
     checkContains(explainWhy(record, words), {"no longer loaded", "1 (strength 1.00)", "viewerDistance 12.5 m"});
     checkContains(explainWhyNot(record, methodNamed("shadow_map"), words), {"outscored: suitability 0.16"});

@@ -1,7 +1,7 @@
 // Any decision at all: four questions, four answers of at most twelve lines, and what-ifs that are true.
 #include <doctest/doctest.h>
 
-#include "explain/desk.hpp"
+#include "explain/selector_fixture.hpp"
 #include "plan/random.hpp"
 #include "rules/yaml/shipped.hpp"
 
@@ -66,22 +66,22 @@ TEST_CASE("every random decision answers all four questions, and every what-if f
         const std::optional<rules::Engine> engine = bindRules(base.text);
         REQUIRE(engine.has_value());
         for (int i = 0; i < kDecisions; ++i) {
-            Desk desk(*engine);
+            SelectorFixture fixture(*engine);
             Situation situation = randomSituation(random, *engine, i % 2 == 0);
-            const DecisionRecord before = desk.decide(situation);
+            const DecisionRecord before = fixture.decide(situation);
             situation.facts[random.below(kFactCount)] = random.between(0.0, 20.0);
             if (random.below(2)) situation.incumbent = before.method;
-            const DecisionRecord record = desk.decide(situation);
-            checkAnswer(explainWhy(record, desk.words()), 3);
+            const DecisionRecord record = fixture.decide(situation);
+            checkAnswer(explainWhy(record, fixture.words()), 3);
             for (std::uint32_t m = 0; m < record.methods; ++m)
-                checkAnswer(explainWhyNot(record, m, desk.words()), 2);
-            checkAnswer(explainWhatIf(record, desk.words()), 2);
-            checkAnswer(explainWhatChanged(record, &before, desk.words()), 2);
+                checkAnswer(explainWhyNot(record, m, fixture.words()), 2);
+            checkAnswer(explainWhatIf(record, fixture.words()), 2);
+            checkAnswer(explainWhatChanged(record, &before, fixture.words()), 2);
             if (record.budgeted) continue; // question_test and the next case ask the plan again
             for (const NearMiss& miss : nearMisses(record, *engine)) {
                 Situation changed = situation;
                 changed.facts[miss.fact] = miss.to;
-                const DecisionRecord again = Desk(*engine).decide(changed);
+                const DecisionRecord again = SelectorFixture(*engine).decide(changed);
                 CHECK(again.method == miss.method);
                 CHECK(again.method != record.method);
                 ++flips;
@@ -96,26 +96,26 @@ TEST_CASE("in a plan of two lights, what-ifs come true once the plan has settled
 {
     Random random(21);
     std::uint32_t flips = 0, agree = 0;
-    const std::optional<rules::Engine> engine = bindRules(deskRules());
+    const std::optional<rules::Engine> engine = bindRules(fixtureRules());
     REQUIRE(engine.has_value());
     for (int i = 0; i < 600; ++i) {
         Situation situation = randomSituation(random, *engine, true);
         situation.cut = false;
         situation.pinned = situation.incumbent = UINT32_MAX;
         // Settled: what it has is what the best plan gives it.
-        const auto settle = [&](Desk& desk, Situation at) {
-            DecisionRecord record = desk.decide(at);
+        const auto settle = [&](SelectorFixture& fixture, Situation at) {
+            DecisionRecord record = fixture.decide(at);
             for (std::uint32_t frame = 0; frame < 2 * plan::kSpareFrames + 5; ++frame) {
                 at.incumbent = record.method;
-                record = desk.decide(at);
+                record = fixture.decide(at);
             }
             return record;
         };
-        Desk desk(*engine);
-        const DecisionRecord record = settle(desk, situation);
+        SelectorFixture fixture(*engine);
+        const DecisionRecord record = settle(fixture, situation);
         if (record.method == UINT32_MAX || record.planMs > record.usableMs) continue;
         for (const NearMiss& miss : nearMisses(record, *engine)) {
-            Desk copy = desk;
+            SelectorFixture copy = fixture;
             Situation changed = situation;
             changed.facts[miss.fact] = miss.to;
             changed.incumbent = record.method;

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <random>
 
-#include "explain/desk.hpp"
+#include "explain/selector_fixture.hpp"
 #include "plan/random.hpp"
 #include "runtime/allocation_count.hpp"
 #include "runtime/core/bytes.hpp"
@@ -45,23 +45,23 @@ void fill(RecordRing& ring, std::uint64_t first, std::uint64_t last, std::uint32
     }
 }
 
-Desk makeDesk()
+SelectorFixture makeFixture()
 {
-    std::optional<rules::Engine> engine = bindRules(deskRules());
+    std::optional<rules::Engine> engine = bindRules(fixtureRules());
     REQUIRE(engine.has_value());
-    return Desk(std::move(*engine));
+    return SelectorFixture(std::move(*engine));
 }
 
 /// Frames of a light that walks away, with a veto, a refusal and a light that nothing serves.
-DecisionLog walk(Desk& desk)
+DecisionLog walk(SelectorFixture& fixture)
 {
     DecisionLog log;
     log.frameOrigin = 1;
     for (const MethodWords& method : methodWords())
         log.methods.push_back({std::string(method.name), GN_TRAIT_SPOT_BIT, ""});
     log.methods[0].unavailable = "needs a device";
-    log.rulesName = "desk";
-    log.rulesText = deskRules();
+    log.rulesName = "fixture";
+    log.rulesText = fixtureRules();
     log.lights = {{1, "lamp"}};
     Situation situation;
     situation.method("ray_traced").exclusion = Exclusion::refused;
@@ -71,7 +71,7 @@ DecisionLog walk(Desk& desk)
         situation.fact(Fact::casterTriangles) = 2.0 + 0.25 * i;
         situation.budgetMs = i % 2 ? 5.0 : 0.0;
         if (i == 19) situation.fact(Fact::lightMotion) = std::numeric_limits<double>::quiet_NaN();
-        const DecisionRecord record = desk.decide(situation);
+        const DecisionRecord record = fixture.decide(situation);
         situation.incumbent = record.method;
         log.add(record);
     }
@@ -147,34 +147,34 @@ TEST_CASE("a ring in use allocates nothing, and its record holds no memory of it
 
 TEST_CASE("a record keeps the strongest rules, strongest first, with what limits them")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
     situation.fact(Fact::viewerDistance) = 40.0; // near 2/3, far 1/3
     situation.fact(Fact::casterTriangles) = 4.2; // huge 0.1
-    const DecisionRecord record = desk.decide(situation);
+    const DecisionRecord record = fixture.decide(situation);
     const char* ids[] = {"A1", "A2", "V1"};
     const float strengths[] = {2.0f / 3.0f, 1.0f / 3.0f, 0.1f};
     for (std::size_t i = 0; i < 3; ++i) {
-        CHECK(std::string(desk.engine().ruleId(record.fired[i].rule)) == ids[i]);
+        CHECK(std::string(fixture.engine().ruleId(record.fired[i].rule)) == ids[i]);
         CHECK(record.fired[i].strength == doctest::Approx(strengths[i]));
     }
-    CHECK(std::string(desk.engine().variableName(record.fired[2].variable)) == "casterTriangles");
+    CHECK(std::string(fixture.engine().variableName(record.fired[2].variable)) == "casterTriangles");
     CHECK(record.fired[3].rule == rules::kNoRule);
 }
 
 TEST_CASE("a record keeps what counts of a rule, and its explanation says what the rule yields to")
 {
-    std::string text(deskRules());
+    std::string text(fixtureRules());
     const std::string_view policy = "policy:";
     text.insert(text.find(policy), "  - {id: EX, priority: 1, rule: \"if viewerDistance is near then stencil_volume is "
                                    "avoided with 0.9\"}\n");
     std::optional<rules::Engine> engine = bindRules(text);
     REQUIRE(engine.has_value());
-    Desk desk(std::move(*engine));
-    const DecisionRecord record = desk.decide({}); // near 1: A1 fires with 1, and counts fully for other methods
-    CHECK(std::string(desk.engine().ruleId(record.fired[0].rule)) == "A1");
-    CHECK(std::string(desk.engine().ruleId(record.fired[1].rule)) == "EX");
-    const std::string why = explainWhyNot(record, methodNamed("stencil_volume"), desk.words());
+    SelectorFixture fixture(std::move(*engine));
+    const DecisionRecord record = fixture.decide({}); // near 1: A1 fires with 1, and counts fully for other methods
+    CHECK(std::string(fixture.engine().ruleId(record.fired[0].rule)) == "A1");
+    CHECK(std::string(fixture.engine().ruleId(record.fired[1].rule)) == "EX");
+    const std::string why = explainWhyNot(record, methodNamed("stencil_volume"), fixture.words());
     INFO(why);
     CHECK(why.find("EX (avoided)") < why.find("rule A1"));
     CHECK(contains(why, "-> strength 1.00, yields to EX, counts 0.10\n"));
@@ -182,11 +182,11 @@ TEST_CASE("a record keeps what counts of a rule, and its explanation says what t
 
 TEST_CASE("a record is explained by the rules it was decided by, whatever was loaded since")
 {
-    Desk desk = makeDesk();
+    SelectorFixture fixture = makeFixture();
     Situation situation;
     situation.fact(Fact::viewerDistance) = 10.0;
-    DecisionRecord record = desk.decide(situation);
-    auto decided = std::make_shared<const rules::Engine>(desk.engine());
+    DecisionRecord record = fixture.decide(situation);
+    auto decided = std::make_shared<const rules::Engine>(fixture.engine());
     const std::weak_ptr<const rules::Engine> watched = decided;
     RecordRing ring;
     ring.begin(record.frame, 1, record.methods, std::move(decided));
@@ -207,8 +207,8 @@ TEST_CASE("a record is explained by the rules it was decided by, whatever was lo
 
 TEST_CASE("a log read back answers every question with the same words")
 {
-    Desk desk = makeDesk();
-    const DecisionLog log = walk(desk);
+    SelectorFixture fixture = makeFixture();
+    const DecisionLog log = walk(fixture);
     const std::string bytes = writeDecisionLog(log);
     const std::string twice = bytes + bytes;
     std::string_view rest = twice;
@@ -216,24 +216,24 @@ TEST_CASE("a log read back answers every question with the same words")
         const Result<DecisionLog> read = readDecisionLog(rest);
         REQUIRE(bool(read));
         CHECK(read->frameOrigin == 1);
-        CHECK(read->rulesText == deskRules());
+        CHECK(read->rulesText == fixtureRules());
         CHECK(read->methods[0].unavailable == "needs a device");
         REQUIRE(read->heads.size() == log.heads.size());
         for (std::size_t i = 0; i < log.heads.size(); ++i) {
-            CHECK(answers(read->record(i), desk.words()) == answers(log.record(i), desk.words()));
+            CHECK(answers(read->record(i), fixture.words()) == answers(log.record(i), fixture.words()));
             CHECK(read->heads[i].reason == log.heads[i].reason);
         }
-        CHECK(contains(answers(read->record(0), desk.words()), "no trees today"));
+        CHECK(contains(answers(read->record(0), fixture.words()), "no trees today"));
         CHECK(writeDecisionLog(*read) == bytes);
     }
     CHECK(rest.empty());
-    MESSAGE("bytes a record: " << (bytes.size() - deskRules().size()) / log.heads.size());
+    MESSAGE("bytes a record: " << (bytes.size() - fixtureRules().size()) / log.heads.size());
 }
 
 TEST_CASE("a method that was added later is that in a log, too, and among the methods of the frame no more")
 {
-    Desk desk = makeDesk();
-    DecisionLog log = walk(desk);
+    SelectorFixture fixture = makeFixture();
+    DecisionLog log = walk(fixture);
     const auto later = static_cast<std::uint32_t>(log.methods.size());
     log.methods.push_back({"later", GN_TRAIT_SPOT_BIT, ""});
     std::vector<Candidate> wider;
@@ -245,7 +245,7 @@ TEST_CASE("a method that was added later is that in a log, too, and among the me
     log.candidates = std::move(wider);
     std::vector<MethodWords> methods = methodWords();
     methods.push_back({"later", ""});
-    const ExplainWords words{.methods = methods, .engine = &desk.engine(), .light = "lamp"};
+    const ExplainWords words{.methods = methods, .engine = &fixture.engine(), .light = "lamp"};
     const std::string bytes = writeDecisionLog(log);
     std::string_view rest = bytes;
     const Result<DecisionLog> read = readDecisionLog(rest);
@@ -265,8 +265,8 @@ TEST_CASE("a method that was added later is that in a log, too, and among the me
 
 TEST_CASE("a log that is cut short, damaged, foreign or of another version is an error that says so")
 {
-    Desk desk = makeDesk();
-    const std::string bytes = writeDecisionLog(walk(desk));
+    SelectorFixture fixture = makeFixture();
+    const std::string bytes = writeDecisionLog(walk(fixture));
     const auto errorOf = [](std::string_view text) {
         const Result<DecisionLog> read = readDecisionLog(text);
         REQUIRE(!read);
@@ -286,8 +286,8 @@ TEST_CASE("a log that is cut short, damaged, foreign or of another version is an
 
 TEST_CASE("whatever bytes a log holds, reading ends in a log or an error, and a log answers")
 {
-    Desk desk = makeDesk();
-    DecisionLog small = walk(desk);
+    SelectorFixture fixture = makeFixture();
+    DecisionLog small = walk(fixture);
     small.heads.resize(2);
     small.candidates.resize(2 * small.methods.size());
     const std::string bytes = writeDecisionLog(small);
@@ -313,7 +313,7 @@ TEST_CASE("whatever bytes a log holds, reading ends in a log or an error, and a 
         ++logs;
         if (read->methods.size() != methodWords().size()) continue;
         for (std::size_t k = 0; k < read->heads.size(); ++k)
-            CHECK(lineCount(explainWhy(read->record(k), desk.words())) <= kMostExplanationLines);
+            CHECK(lineCount(explainWhy(read->record(k), fixture.words())) <= kMostExplanationLines);
     }
     CHECK(logs > 1000);
     CHECK(errors > 1000);

@@ -96,7 +96,7 @@ cost::CostModel calibratedModel(uint32_t lights, test::Random& random)
     return model;
 }
 
-/// What the cost model takes to foretell every method of every light: GPU times of update and resolve, two map sizes.
+/// What the cost model takes to predict every method of every light: GPU times of update and resolve, two map sizes.
 void foretelling(benchmark::State& state)
 {
     const auto lights = static_cast<uint32_t>(state.range(0));
@@ -128,7 +128,7 @@ void foretelling(benchmark::State& state)
 BENCHMARK(foretelling)->Arg(64)->UseManualTime();
 
 /// From facts to methods: the rules asked about all lights together, as Selector does (6 facts, 40 rules, 12 outputs),
-/// the times of an eighth of the lights foretold anew, as FramePlan does, and the plan of all.
+/// the times of an eighth of the lights predicted anew, as FramePlan does, and the plan of all.
 void wholeDecision(benchmark::State& state)
 {
     const auto lights = static_cast<uint32_t>(state.range(0));

@@ -160,7 +160,7 @@ TEST_CASE("a device that becomes half as fast is noticed within three frames, on
     CHECK(model.predict(2, 2, Pass::resolve, workloads[2]).ms == doctest::Approx(real).epsilon(0.25));
 }
 
-TEST_CASE("one light that is foretold at a third of its time is right within a second at 60 Hz, the others stay")
+TEST_CASE("one light that is predicted at a third of its time is right within a second at 60 Hz, the others stay")
 {
     Random random(12);
     Truth truth(random);

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "runtime/plan/worth.hpp"
+#include "runtime/plan/utility.hpp"
 #include "tests/plan/plan_scene.hpp"
 #include "tests/plan/random.hpp"
 #include "tests/rules/allocation_count.hpp"
@@ -17,16 +17,16 @@ using gnomon::test::Random;
 
 TEST_CASE("what shows as much counts as much, unless the rules like it less than half as well")
 {
-    const std::array<Merit, 5> merits = {Merit{3400, 0.99f, true},  // best suited
-                                         Merit{2000, 1.0f, true},   // shows more
-                                         Merit{1600, 1.0f, true},   // avoided
-                                         Merit{2000, 0.9f, true},   // shows less
-                                         Merit{4000, 0.5f, false}}; // may not serve
+    const std::array<UtilityTerms, 5> terms = {UtilityTerms{3400, 0.99f, true},  // best suited
+                                               UtilityTerms{2000, 1.0f, true},   // shows more
+                                               UtilityTerms{1600, 1.0f, true},   // avoided
+                                               UtilityTerms{2000, 0.9f, true},   // shows less
+                                               UtilityTerms{4000, 0.5f, false}}; // may not serve
     const std::array<int32_t, 5> suitability = {3400, 3400, 2000, 2000, 4000};
     const std::array<float, 5> quality = {1.0f, 1.0f, 1.0f, 0.9f, 0.5f};
-    for (size_t m = 0; m < merits.size(); ++m) {
-        CHECK(sharedMerit(merits, m).suitability == suitability[m]);
-        CHECK(sharedMerit(merits, m).quality == quality[m]);
+    for (size_t m = 0; m < terms.size(); ++m) {
+        CHECK(sharedTerms(terms, m).suitability == suitability[m]);
+        CHECK(sharedTerms(terms, m).quality == quality[m]);
     }
     // A budget with room for either is spent on neither: the cheaper one serves.
     Scene scene(1, cheapAndGood());
@@ -303,7 +303,7 @@ TEST_CASE("what is shared comes off the budget before lights may spend it")
     CHECK(scene.step().predictedMs == doctest::Approx(2.0));
 }
 
-TEST_CASE("a budget may be a multiple of what the cheapest plan is foretold to take in this very frame")
+TEST_CASE("a budget may be a multiple of what the cheapest plan is predicted to take in this very frame")
 {
     Scene scene(4, cheapAndGood());
     scene.input.budgetMs = 0.0;

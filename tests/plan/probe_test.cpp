@@ -9,7 +9,7 @@ using namespace gnomon::plan;
 
 namespace {
 
-/// Two lights, method 0 serves; 1 shows as much, is foretold 15 % dearer, and not well known; 2 shows less.
+/// Two lights, method 0 serves; 1 shows as much, is predicted 15 % dearer, and not well known; 2 shows less.
 struct Scene {
     std::vector<LightMemory> memories{2};
     std::vector<LightRequest> requests;
@@ -69,7 +69,7 @@ TEST_CASE("nothing is probed that is known, cannot win, or might not fit")
     CHECK(scene.probe(10.0, 0.7).light == 0);
     CHECK(scene.probe(7.0).light == kNone); // 4 ms serve, 2.3 + 2 * 0.45 more are needed
     CHECK(scene.probe(7.6).light == 0);
-    scene.measuredMs = 4.6; // what is foretold is not what is left
+    scene.measuredMs = 4.6; // what is predicted is not what is left
     CHECK(scene.probe(7.6).light == kNone);
     CHECK(scene.probe(8.2).light == 0);
     scene.measuredMs = 3.0; // nor is luck in one frame

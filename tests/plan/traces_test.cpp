@@ -51,7 +51,7 @@ TEST_CASE("on recorded traces the plan keeps floor and budget and loses little a
         CHECK(plan.switchesPerLightSecond <= wanted.switches);
         CHECK(plan.flipsPerMinute <= 1.0);
         // Table and fixed methods, which guess no time: until lights are timed, half a second in, the plan may give one
-        // of them a method that is foretold to fit and is not needed (0.09 % in `static`).
+        // of them a method that is predicted to fit and is not needed (0.09 % in `static`).
         for (size_t i = 2; i < all.size(); ++i)
             CHECK(plan.regret <= all[i].regret + 0.001);
     }

@@ -1,4 +1,4 @@
-/* A shadow algorithm in plain C, as a plug-in: every pixel is half lit. It shows the door, and nothing else: one raster
+/* A shadow algorithm in plain C, as a plug-in: every pixel is half lit. It shows the abi, and nothing else: one raster
 pass whose attachment is cleared by the callback, after a prepare pass has chosen the value. */
 #include <gnomon/algorithm.h>
 

@@ -240,7 +240,7 @@ TEST_CASE("budget auto is not measured over and over by flickering lights, views
     CHECK(stays(budget, 100, 50, false));
 }
 
-TEST_CASE("budget auto follows what the cheapest plan takes over what was foretold, and nothing else")
+TEST_CASE("budget auto follows what the cheapest plan takes over what was predicted, and nothing else")
 {
     AutoBudget budget;
     const auto follow = [&budget](std::uint32_t frames, double tookMs, double plannedMs, double cheapestMs) {

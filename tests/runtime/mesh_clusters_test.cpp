@@ -133,7 +133,7 @@ TEST_CASE("walls that touch at edges and corners stay apart")
 TEST_CASE("crates on top of each other are one volume each, whatever the order of their faces")
 {
     std::mt19937 random(3);
-    for (int trial = 0; trial < 50; ++trial) {
+    for (int warmup = 0; warmup < 50; ++warmup) {
         Soup soup;
         for (int x = 0; x < 3; ++x)
             for (int y = 0; y < 3; ++y)
@@ -196,7 +196,7 @@ TEST_CASE("clusters of any triangles hold each once, and move with them")
 {
     std::mt19937 random(5);
     std::size_t several = 0;
-    for (int trial = 0; trial < 200; ++trial) {
+    for (int warmup = 0; warmup < 200; ++warmup) {
         Soup soup;
         const auto count = static_cast<unsigned>(3 + random() % 40);
         for (unsigned i = 0; i < count; ++i)
@@ -205,7 +205,7 @@ TEST_CASE("clusters of any triangles hold each once, and move with them")
         const auto faces = static_cast<unsigned>(1 + random() % 60);
         for (unsigned i = 0; i < 3 * faces; ++i)
             soup.indices.push_back(static_cast<std::uint32_t>(random() % count));
-        if (trial % 2) soup.box({2, 2, 2}, {3, 4, 5});
+        if (warmup % 2) soup.box({2, 2, 2}, {3, 4, 5});
         Topology topology = soup.topology();
         checkClusters(soup, topology);
         several += topology.clusters.size() > 1;

@@ -29,7 +29,7 @@ struct Frame {
         (pass.*add)(image, part);
         pass.record([](PassContext&) {});
     }
-    std::uint32_t wave(std::size_t index) { return graph.passes()[index].wave; }
+    std::uint32_t batch(std::size_t index) { return graph.passes()[index].batch; }
 
     StubVulkan stub;
     DeviceMemory memory{stub.table, 1u << 26, {}};
@@ -52,10 +52,10 @@ TEST_CASE("passes that test an image run side by side, but not before one that c
         frame.pass(test, image, {});
         frame.pass(test, image, {});
         frame.pass(test, image, {.clear = true});
-        CHECK(frame.wave(0) == 0);
-        CHECK(frame.wave(1) == 1);
-        CHECK(frame.wave(2) == 1);
-        CHECK(frame.wave(3) == 2);
+        CHECK(frame.batch(0) == 0);
+        CHECK(frame.batch(1) == 1);
+        CHECK(frame.batch(2) == 1);
+        CHECK(frame.batch(3) == 2);
     }
 }
 
@@ -66,9 +66,9 @@ TEST_CASE("passes that clear different parts of an image to test them run side b
     frame.pass(&PassRef::depthTest, image, {.rect = kLeft, .clear = true});
     frame.pass(&PassRef::depthTest, image, {.rect = kRight, .clear = true});
     frame.pass(&PassRef::depthTest, image, {.rect = kRight});
-    CHECK(frame.wave(0) == 0);
-    CHECK(frame.wave(1) == 0);
-    CHECK(frame.wave(2) == 1);
+    CHECK(frame.batch(0) == 0);
+    CHECK(frame.batch(1) == 0);
+    CHECK(frame.batch(2) == 1);
 }
 
 TEST_CASE("of an image that a failed task would have cleared to test it nothing is kept")

@@ -190,9 +190,9 @@ TEST_CASE("the parts of a version are those it was left with, whatever other ver
 {
     PartFrames p;
     p.begin(1, 0);
-    CHECK(p.make({9, 1}).ground == 0);
+    CHECK(p.make({9, 1}).base == 0);
     p.begin(2, 0); // frame 1 still reads its version
-    CHECK(p.make({9, 2}).ground == 0);
+    CHECK(p.make({9, 2}).base == 0);
     p.begin(3, 1);
     CHECK(p.make({9, 4}).covered == 1);
     p.begin(4, 2);
@@ -208,7 +208,7 @@ TEST_CASE("a frame taken back leaves the parts, one that ran in part or a task t
     p.begin(1, 0);
     p.make({9, 1});
     p.begin(2, 1);
-    CHECK(p.make({9, 2}).ground == 0);
+    CHECK(p.make({9, 2}).base == 0);
     p.begin(3, 2);
     CHECK(p.make({9, 3}).covered == 1);
     p.pool.withdraw(3);
@@ -218,12 +218,12 @@ TEST_CASE("a frame taken back leaves the parts, one that ran in part or a task t
     CHECK(p.make({9, 8}).covered == 2);
     p.pool.abandon(4);
     p.begin(4, 3);
-    CHECK(p.make({9, 16}).ground == 0);
+    CHECK(p.make({9, 16}).base == 0);
     p.begin(5, 4);
-    CHECK(p.make({9, 32}, true).ground == 0); // frame 4 had begun with this version
+    CHECK(p.make({9, 32}, true).base == 0); // frame 4 had begun with this version
     p.begin(6, 5);
     CHECK(p.make({9, 64}).covered == 16);
     p.begin(7, 6);
-    CHECK(p.make({9, 128}).ground == 0);
+    CHECK(p.make({9, 128}).base == 0);
     CHECK(p.stub.live("buffer") == 2);
 }

@@ -300,7 +300,7 @@ TEST_CASE("scene bounds hold all casters and stay the same while one moves insid
     LightCasters casters;
     casters.all = all;
     casters.statics = casters.all.first(1);
-    casters.movings = casters.all.subspan(1);
+    casters.dynamics = casters.all.subspan(1);
     const Aabb still = sceneBounds(casters);
     CHECK(still.lower == room.bounds.lower);
     CHECK(still.upper == room.bounds.upper);
@@ -322,6 +322,6 @@ TEST_CASE("scene bounds hold all casters and stay the same while one moves insid
     CHECK(last.upper.y == 5.0f);
 
     casters.all = casters.statics = {};
-    casters.movings = {};
+    casters.dynamics = {};
     CHECK(sceneBounds(casters).upper == glm::vec3(0.0f));
 }

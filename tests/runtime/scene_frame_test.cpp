@@ -275,7 +275,7 @@ TEST_CASE("a light's casters match its mask and reach, statics first")
     REQUIRE(casters.all.size() == 2);
     REQUIRE(casters.statics.size() == 1);
     CHECK(casters.statics[0] == &snapshot.casters[1]);
-    CHECK(casters.movings[0] == &snapshot.casters[0]);
+    CHECK(casters.dynamics[0] == &snapshot.casters[0]);
     CHECK(casters.all[0] == casters.statics[0]);
     CHECK(casters.triangles == 24);
     CHECK(casters.hostDrawn == 0);
@@ -327,7 +327,7 @@ TEST_CASE("stamps change exactly when the set or a member does")
     const auto stamps = [&] {
         world.scene.begin();
         const LightCasters casters = world.castersOf(light);
-        return std::pair(casters.staticStamp, casters.movingStamp);
+        return std::pair(casters.staticStamp, casters.dynamicStamp);
     };
     const auto empty = stamps();
     CHECK(empty.first != 0);

@@ -237,7 +237,7 @@ TEST_CASE("two cubes that share a corner are closed and not manifold")
 TEST_CASE("silhouettes close at every vertex, for holes, flipped faces and soups alike")
 {
     std::mt19937 random(1);
-    for (int trial = 0; trial < 20; ++trial) {
+    for (int warmup = 0; warmup < 20; ++warmup) {
         Mesh mesh = torus(12, 8);
         for (std::size_t face = mesh.faceCount(); face-- > 0;) {
             const auto dice = random() % 10;
@@ -313,7 +313,7 @@ TEST_CASE("the mean number of sides is what random directions of light find")
         CHECK(double(topology.whole.meanSides) == doctest::Approx(found / kDirections).epsilon(0.01));
         CHECK(double(topology.whole.meanSideLength) == doctest::Approx(length / kDirections).epsilon(0.01));
     }
-    CHECK(cube().topology().whole.meanSides == doctest::Approx(6.0));       // twelve edges at right angles, half of them seen
+    CHECK(cube().topology().whole.meanSides == doctest::Approx(6.0)); // twelve edges at right angles, half of them seen
     CHECK(cube().topology().whole.meanSideLength == doctest::Approx(12.0)); // two metres each
 }
 

@@ -10,9 +10,9 @@
 
 #include "runtime/vk/pipeline_store.hpp"
 #include "shaders/shared_fullscreen_vert.h"
-#include "shaders/trial_casters_vert.h"
-#include "shaders/trial_list_comp.h"
-#include "shaders/trial_resolve_frag.h"
+#include "shaders/warmup_casters_vert.h"
+#include "shaders/warmup_list_comp.h"
+#include "shaders/warmup_resolve_frag.h"
 
 using namespace gnomon;
 
@@ -219,22 +219,22 @@ constexpr BindingInfo kListBindings[] = {
 
 void describeAll(PipelineStore& store)
 {
-    GraphicsPipelineInfo casters{.name = "trial.casters", .vertex = {.code = k_trial_casters_vert}};
+    GraphicsPipelineInfo casters{.name = "warmup.casters", .vertex = {.code = k_warmup_casters_vert}};
     casters.pushBytes = 64;
     casters.vertexStride = 12;
     casters.casters = casters.transforms = casters.depthTest = casters.depthWrite = true;
     casters.depthCompare = VK_COMPARE_OP_LESS;
     casters.depthFormat = VK_FORMAT_D32_SFLOAT;
     store.graphics(casters);
-    GraphicsPipelineInfo resolve{.name = "trial.resolve", .vertex = {.code = k_shared_fullscreen_vert}};
-    resolve.fragment = {k_trial_resolve_frag, 1, {2}};
+    GraphicsPipelineInfo resolve{.name = "warmup.resolve", .vertex = {.code = k_shared_fullscreen_vert}};
+    resolve.fragment = {k_warmup_resolve_frag, 1, {2}};
     resolve.bindings = kResolveBindings;
     resolve.blendScale = true;
     resolve.colorFormat = VK_FORMAT_R8_UNORM;
     resolve.depthFormat = VK_FORMAT_D32_SFLOAT_S8_UINT;
     resolve.stencil.enable = true;
     store.graphics(resolve);
-    ComputePipelineInfo list{.name = "trial.list", .compute = {.code = k_trial_list_comp}};
+    ComputePipelineInfo list{.name = "warmup.list", .compute = {.code = k_warmup_list_comp}};
     list.bindings = kListBindings;
     list.pushBytes = 4;
     store.compute(list);
@@ -255,12 +255,12 @@ TEST_CASE("pipelines of every kind are created and tried, twice in a row, and va
         SamplerSet samplers(vk);
         REQUIRE(samplers.create());
         PipelineStore store(vk, memory, samplers);
-        store.setTrialSlopeBias(1.0f);
+        store.setWarmupSlopeBias(1.0f);
         for (std::uint32_t owner : {0u, 1u}) { // the second starts from stand-ins that were used before
             store.setOwner(owner);
             describeAll(store);
             if (owner == 1) {
-                ComputePipelineInfo other{.name = "trial.other", .compute = {.code = k_trial_list_comp}};
+                ComputePipelineInfo other{.name = "warmup.other", .compute = {.code = k_warmup_list_comp}};
                 other.bindings = kListBindings;
                 other.pushBytes = 4;
                 store.compute(other);
@@ -268,7 +268,7 @@ TEST_CASE("pipelines of every kind are created and tried, twice in a row, and va
             while (store.createNext(owner)) {
             }
             REQUIRE_MESSAGE(store.created(owner), store.failure(owner));
-            execute(vk, [&](VkCommandBuffer cmd) { REQUIRE(store.recordTrials(cmd, owner)); });
+            execute(vk, [&](VkCommandBuffer cmd) { REQUIRE(store.recordWarmupDraws(cmd, owner)); });
             CHECK(store.ready(owner));
         }
         CHECK(memory.used() > 0);

@@ -1,4 +1,4 @@
-// Life of a pipeline, from description to trial, against a Vulkan that keeps books.
+// Life of a pipeline, from description to warm-up draw, against a Vulkan that keeps books.
 #include <doctest/doctest.h>
 
 #include <string>
@@ -154,14 +154,14 @@ TEST_CASE("a method is ready once all of its pipelines, shared ones included, ar
     CHECK_FALSE(at.store.createNext(1));
     CHECK(at.store.created(1));
     CHECK_FALSE(at.store.created(2));
-    REQUIRE(at.store.recordTrials(kCommands, 1));
+    REQUIRE(at.store.recordWarmupDraws(kCommands, 1));
     CHECK(at.store.ready(1));
     CHECK_FALSE(at.store.ready(2));
     CHECK(at.stub.counts["draw"] == 1);
 
     CHECK(at.store.createNext(2));
     CHECK_FALSE(at.store.createNext(2));
-    REQUIRE(at.store.recordTrials(kCommands, 2));
+    REQUIRE(at.store.recordWarmupDraws(kCommands, 2));
     CHECK(at.store.ready(2));
     CHECK(at.stub.counts["draw"] == 1); // the shared one was tried already
     CHECK(at.stub.counts["dispatch"] == 1);
@@ -169,28 +169,28 @@ TEST_CASE("a method is ready once all of its pipelines, shared ones included, ar
     CHECK(at.stub.live("module") == 0);
 }
 
-TEST_CASE("a trial clears what it binds, keeps rendering scopes closed and tries casters with and without bias")
+TEST_CASE("a warm-up draw clears what it binds, keeps rendering scopes closed and tries casters with and without bias")
 {
     Fixture at;
     at.store.graphics(resolveInfo());
     at.store.graphics(castersInfo());
     at.store.compute(listInfo());
     at.createAll(0);
-    REQUIRE(at.store.recordTrials(kCommands, 0));
+    REQUIRE(at.store.recordWarmupDraws(kCommands, 0));
     CHECK(at.stub.counts["begin"] == 2);
     CHECK(at.stub.counts["end"] == 2);
     CHECK(at.stub.counts["draw"] == 1);
     CHECK(at.stub.counts["drawIndexed"] == 2);
     CHECK(at.stub.counts["dispatch"] == 1);
     CHECK(at.stub.counts["clear"] == 3);          // sampled depth, colour target, depth target
-    CHECK(at.stub.counts["fill"] == 3 * (2 + 1)); // two storage buffers and a mark before each of three trials
+    CHECK(at.stub.counts["fill"] == 3 * (2 + 1)); // two storage buffers and a mark before each of three warmups
     const std::size_t made = at.stub.table.objectsMade;
-    REQUIRE(at.store.recordTrials(kCommands, 0));
+    REQUIRE(at.store.recordWarmupDraws(kCommands, 0));
     CHECK(at.stub.table.objectsMade == made);
     CHECK(at.stub.counts["draw"] == 1);
 }
 
-TEST_CASE("a failure at any step of creation or trial leaves nothing behind")
+TEST_CASE("a failure at any step of creation or warmup leaves nothing behind")
 {
     std::size_t step = 0;
     for (bool done = false; !done; ++step) {
@@ -209,11 +209,11 @@ TEST_CASE("a failure at any step of creation or trial leaves nothing behind")
             CHECK(stub.live("module") == 0);
             CHECK(store.created(0) == store.failure(0).empty());
             if (!store.created(0)) CHECK(store.failure(0).find("failed") != std::string::npos);
-            const bool tried = static_cast<bool>(store.recordTrials(kCommands, 0));
+            const bool tried = static_cast<bool>(store.recordWarmupDraws(kCommands, 0));
             CHECK(store.ready(0) == (tried && store.created(0)));
             if (!tried) {
                 CHECK(stub.counts["begin"] == 0);
-                CHECK(store.recordTrials(kCommands, 0)); // the next frame tries again
+                CHECK(store.recordWarmupDraws(kCommands, 0)); // the next frame tries again
                 CHECK(store.ready(0));
             }
             done = sampled && tried && store.created(0) && step > stub.fallibleCalls;

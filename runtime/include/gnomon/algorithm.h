@@ -76,7 +76,7 @@ typedef struct GnImageInfo {
     VkFormat format;     ///< The device must sample, copy and render to it; else the task fails (pfnPass).
     VkExtent2D extent;
     uint32_t layers;     ///< 0 means 1.
-    uint32_t variant;    ///< Tells settings apart.
+    uint32_t variant;    ///< Distinguishes settings.
     VkBool32 persistent; ///< Content is kept from frame to frame; see GnPluginInterface::pfnImageStale.
 } GnImageInfo;
 
@@ -188,7 +188,7 @@ typedef GnResult(GN_CALL* PFN_gnPluginMain)(GnContext context, const struct GnPl
 extern GN_EXPORT const uint32_t gnPluginVersion;
 GN_EXPORT GnResult GN_CALL gnPluginMain(GnContext context, const struct GnPluginInterface* pInterface);
 
-/** gnomon's side of the door, so that a plug-in needs to link nothing. New members go to the end. */
+/** gnomon's side of the interface, so that a plug-in needs to link nothing. New members go to the end. */
 typedef struct GnPluginInterface {
     uint32_t size; ///< Of this structure.
     GnResult(GN_CALL* pfnRegisterAlgorithm)(GnContext context, const GnAlgorithmInfo* pInfo);

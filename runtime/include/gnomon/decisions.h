@@ -23,7 +23,7 @@ typedef enum GnReason {
     GN_REASON_PRICE = 8,          ///< Another one suits better, but this one shows as much for less, or more for about
                                   ///< as much.
     GN_REASON_FLOOR = 9,          ///< Another one suits better, but its quality is below the floor under what is near.
-    GN_REASON_WORTH = 10,         ///< The plan: another one suits better, but with its quality is worth no more.
+    GN_REASON_UTILITY = 10,         ///< The plan: another one suits better, but with its quality is worth no more.
     GN_REASON_MAX_ENUM = 0x7FFFFFFF
 } GnReason;
 

@@ -9,7 +9,7 @@ typedef struct GnPassTiming {
     const char* pName;
     GnView view;    ///< Null for light scope.
     GnLight light;  ///< Null for view scope.
-    uint32_t level; ///< Number of CPU round trips before it.
+    uint32_t round; ///< Number of CPU round trips before it.
     float gpuMs;    ///< 0 for host work. On software devices GPU time is CPU time.
     float cpuMs;    ///< Host and prepare passes, and recording.
     VkBool32 shared; ///< For all lights of the view, because a method needs it.
@@ -18,7 +18,7 @@ typedef struct GnPassTiming {
 /** \brief Timings of the newest completed *timed* frame, two frames late. Timed are one frame in eight, four after a
 method changed while time is counted, and every one with the flag. */
 GN_API GnResult GN_CALL gnGetPassTimings(GnContext context, uint64_t* pFrame, uint32_t* pCount, GnPassTiming* pTimings);
-/** \brief Names, views, lights and levels of the passes of the *last* frame; times are 0. #GN_ERROR_FRAME_ORDER between
+/** \brief Names, views, lights and rounds of the passes of the *last* frame; times are 0. #GN_ERROR_FRAME_ORDER between
 gnBeginShadows() and gnFinishShadows(): passes may still be added. */
 GN_API GnResult GN_CALL gnGetFramePasses(GnContext context, uint32_t* pCount, GnPassTiming* pPasses);
 
@@ -54,7 +54,7 @@ GN_API GnResult GN_CALL gnGetLightTiming(GnContext context, GnView view, GnLight
 /** Counters and totals of the last frame; what stands still must cost nothing, and these say so. */
 typedef struct GnFrameStats {
     uint64_t frame;
-    uint32_t levels;            ///< 1 + GPU-CPU-GPU round trips.
+    uint32_t rounds;            ///< 1 + GPU-CPU-GPU round trips.
     uint32_t submits;           ///< Also of a frame that failed.
     uint32_t hostWaits;         ///< Waits for this frame's own GPU results.
     uint32_t passesRun;

@@ -1,0 +1,19 @@
+#include "algorithms/hybrid/float4.hpp"
+#include "algorithms/hybrid/simd_kernels.hpp"
+
+namespace gnomon::simd {
+#include "algorithms/hybrid/simd_wide.inc"
+
+#include "algorithms/hybrid/simd_kernel.inc" // of sixteens
+
+#include "algorithms/hybrid/simd_volumes.inc" // of both
+
+#include "algorithms/hybrid/simd_map.inc" // of both
+
+#include "algorithms/hybrid/simd_candidate.inc" // of the kernel
+
+#include "algorithms/hybrid/simd_conservative.inc" // and of all
+
+constinit const Kernels kBaseline = kKernels;
+
+} // namespace gnomon::simd
