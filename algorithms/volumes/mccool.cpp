@@ -388,7 +388,7 @@ private:
 
 } // namespace
 
-const AlgorithmEntry kMcCool{
+const AlgorithmEntry kMccool{
     .name = "mccool",
     .source = "McCool 2000; Rautenbach 2008, 3.3.1",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT,

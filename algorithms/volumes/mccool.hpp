@@ -8,6 +8,6 @@ namespace gnomon {
 /// Reads:     casters, host-drawn ones included, as a depth map; receiver depth and normals.     Writes: visibility.
 /// Strong at: volumes of whatever can be drawn, without its triangles; they and the map are kept while nothing moves.
 /// Weak at:   as coarse as the map, and dearer than looking it up.
-extern const AlgorithmEntry kMcCool;
+extern const AlgorithmEntry kMccool;
 
 } // namespace gnomon

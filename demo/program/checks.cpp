@@ -4,9 +4,9 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "algorithms/registry.hpp"
 #include "demo/host/vulkan.hpp" // HostError
 #include "demo/scene/scene_file.hpp"
+#include "runtime/registry.hpp"
 
 namespace gnomon::demo {
 namespace {
@@ -18,8 +18,8 @@ bool contains(const std::vector<std::string>& names, std::string_view name)
 
 const AlgorithmEntry* entryOf(std::string_view method)
 {
-    for (const AlgorithmEntry* entry : builtinAlgorithms())
-        if (method == entry->name) return entry;
+    for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
+        if (method == algorithm.entry->name) return algorithm.entry;
     return nullptr;
 }
 
@@ -41,17 +41,17 @@ std::string numberText(double value)
 std::string ownersOf(const std::string& setting)
 {
     std::string owners;
-    for (const AlgorithmEntry* entry : builtinAlgorithms())
-        if (settingOf(*entry, setting)) owners += std::string(owners.empty() ? "" : ", ") + entry->name;
+    for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
+        if (settingOf(*algorithm.entry, setting))
+            owners += std::string(owners.empty() ? "" : ", ") + algorithm.entry->name;
     return owners;
 }
 
 /// \param methods empty: all of this build.
 bool isSettingOf(const std::vector<std::string>& methods, const std::string& setting)
 {
-    const auto entries = builtinAlgorithms();
-    return std::any_of(entries.begin(), entries.end(), [&](const AlgorithmEntry* entry) {
-        return settingOf(*entry, setting) && (methods.empty() || contains(methods, entry->name));
+    return std::ranges::any_of(builtinRegistry().algorithms, [&](const BuiltinAlgorithm& algorithm) {
+        return settingOf(*algorithm.entry, setting) && (methods.empty() || contains(methods, algorithm.entry->name));
     });
 }
 
@@ -68,8 +68,8 @@ void requireMethods(const std::vector<std::string>& names, std::span<const char*
     for (const std::string& name : names) {
         if (entryOf(name) || std::find(besides.begin(), besides.end(), name) != besides.end()) continue;
         std::string known;
-        for (const AlgorithmEntry* entry : builtinAlgorithms())
-            known += std::string(known.empty() ? "" : ", ") + entry->name;
+        for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
+            known += std::string(known.empty() ? "" : ", ") + algorithm.entry->name;
         for (const char* word : besides)
             known += std::string(", ") + word;
         throw HostError("no method named '" + name + "' in this build; there are " + known);

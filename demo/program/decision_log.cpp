@@ -71,10 +71,12 @@ std::optional<rules::Engine> engineOf(const DecisionLog& log, size_t methods)
         else
             vocabulary.absent.push_back({log.methods[m].name, {}});
     }
-    for (const AlgorithmEntry* entry : registry.entries) { // of this build, but not of the one that wrote the log
+    // Of this build, but not of the one that wrote the log.
+    for (const BuiltinAlgorithm& algorithm : registry.algorithms) {
+        const std::string_view name = algorithm.entry->name;
         const bool logged = std::any_of(log.methods.begin(), log.methods.end(),
-                                        [&](const LoggedMethod& method) { return method.name == entry->name; });
-        if (!logged) vocabulary.absent.push_back({entry->name, {}});
+                                        [&](const LoggedMethod& method) { return method.name == name; });
+        if (!logged) vocabulary.absent.push_back({std::string(name), {}});
     }
     rules::ParseResult parsed = rules::parseRuleBase(log.rulesText, log.rulesName);
     if (!parsed) return std::nullopt;

@@ -24,7 +24,8 @@ RuleVocabulary runtimeVocabulary()
 {
     const AlgorithmRegistry registry = builtinRegistry();
     RuleVocabulary vocabulary(registry);
-    for (const AlgorithmEntry* entry : registry.entries) {
+    for (const BuiltinAlgorithm& algorithm : registry.algorithms) {
+        const AlgorithmEntry* entry = algorithm.entry;
         vocabulary.addMethod(entry->name, entry->traits);
         Method method; // as every context has it until told otherwise
         method.entry = entry;

@@ -29,11 +29,11 @@ double cheapestMs(const Trace& trace, uint32_t frame)
     double sum = 0.0;
     for (uint32_t slot = 0; slot < trace.lights; ++slot) {
         if (!trace.lightStates[trace.cell(frame, slot)].present) continue;
-        const uint32_t eligible = eligibleMethods(trace, frame, slot);
+        const MethodSet eligible = eligibleMethods(trace, frame, slot);
         double least = std::numeric_limits<double>::infinity();
         for (uint32_t m = 0; m < trace.methods.size(); ++m)
-            if (eligible >> m & 1) least = std::min(least, trace.measure(frame, slot, m).ms());
-        if (eligible) sum += least;
+            if (eligible.has(m)) least = std::min(least, trace.measure(frame, slot, m).ms());
+        if (!eligible.empty()) sum += least;
     }
     return sum;
 }

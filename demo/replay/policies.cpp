@@ -204,7 +204,7 @@ public:
     {
         for (uint32_t slot = 0; slot < trace.lights; ++slot) {
             const TraceLight& light = trace.lightStates[trace.cell(frame, slot)];
-            allowed_[slot] = light.present ? eligibleMethods(trace, frame, slot) : 0;
+            allowed_[slot] = light.present ? eligibleMethods(trace, frame, slot) : MethodSet{};
             for (uint32_t m = 0; m < methods_; ++m)
                 values_[slot * methods_ + m] = valueOf(trace, frame, slot, m);
         }
@@ -222,15 +222,15 @@ private:
     uint32_t methods_;
     plan::Knapsack knapsack_;
     std::vector<double> smoothedMs_, values_;
-    std::vector<uint32_t> allowed_;
+    std::vector<MethodSet> allowed_;
 };
 
 } // namespace
 
 double valueOf(const Trace& trace, uint32_t frame, uint32_t slot, uint32_t method) noexcept
 {
-    const auto methods = static_cast<uint32_t>(std::min<size_t>(trace.methods.size(), plan::kMaxMethods));
-    std::array<plan::UtilityTerms, plan::kMaxMethods> terms;
+    const auto methods = static_cast<uint32_t>(trace.methods.size());
+    std::vector<plan::UtilityTerms> terms(methods);
     for (uint32_t m = 0; m < methods; ++m) {
         const TraceMethod& measured = trace.measure(frame, slot, m);
         terms[m] = {measured.suitability, measured.quality, measured.suitability >= kTraceNoOpinion};
@@ -242,23 +242,23 @@ double valueOf(const Trace& trace, uint32_t frame, uint32_t slot, uint32_t metho
 }
 
 /// The same admission as the plan step's, without pins.
-uint32_t eligibleMethods(const Trace& trace, uint32_t frame, uint32_t slot) noexcept
+MethodSet eligibleMethods(const Trace& trace, uint32_t frame, uint32_t slot) noexcept
 {
     const TraceLight& light = trace.lightStates[trace.cell(frame, slot)];
-    uint32_t able = 0, spoken = 0;
+    MethodSet able, spoken;
     for (uint32_t m = 0; m < trace.methods.size(); ++m) {
         const int16_t suitability = trace.measure(frame, slot, m).suitability;
-        if (suitability >= kTraceNoOpinion) able |= 1u << m;
-        if (suitability >= 0) spoken |= 1u << m;
+        if (suitability >= kTraceNoOpinion) able.add(m);
+        if (suitability >= 0) spoken.add(m);
     }
-    if (spoken) able = spoken;
+    if (!spoken.empty()) able = spoken;
     if (!light.floor) return able;
     float best = 0.0f;
     auto quality = [&](uint32_t m) { return trace.measure(frame, slot, m).quality; };
-    for (uint32_t m = 0; m < trace.methods.size(); ++m)
-        if (able >> m & 1) best = std::max(best, quality(m));
-    for (uint32_t m = 0; m < trace.methods.size(); ++m)
-        if (quality(m) < std::min(best, light.minimumQuality)) able &= ~(1u << m);
+    for (const uint32_t m : able)
+        best = std::max(best, quality(m));
+    for (const uint32_t m : able)
+        if (quality(m) < std::min(best, light.minimumQuality)) able.remove(m);
     return able;
 }
 

@@ -143,8 +143,8 @@ private:
             ++pickable_;
             picked_ += value >= 0.99 * valueOf(trace_, frame, slot, ideal);
         }
-        const uint32_t eligible = eligibleMethods(trace_, frame, slot);
-        if (light.floor && eligible && (method == kNone || !(eligible >> method & 1))) ++metrics_.floorViolations;
+        const MethodSet eligible = eligibleMethods(trace_, frame, slot);
+        if (light.floor && !eligible.empty() && (method == kNone || !eligible.has(method))) ++metrics_.floorViolations;
         if (method != kNone) error_ += trace_.measure(frame, slot, method).error, ++served_;
         if (light.fresh) last_[slot] = beforeLast_[slot] = kNone;
         const bool settled = frame * double{trace_.frameSeconds} >= kSettleSeconds;
@@ -190,11 +190,11 @@ Oracle findOracle(const Trace& trace, const ReplayOptions& options)
     oracle.feasible.resize(trace.frames);
     oracle.chosen.resize(size_t{trace.frames} * trace.lights, kNone);
     std::vector<double> values(size_t{trace.lights} * methods), costs(values.size());
-    std::vector<uint32_t> allowed(trace.lights);
+    std::vector<MethodSet> allowed(trace.lights);
     for (uint32_t frame = 0; frame < trace.frames; ++frame) {
         for (uint32_t slot = 0; slot < trace.lights; ++slot) {
             const bool present = trace.lightStates[trace.cell(frame, slot)].present;
-            allowed[slot] = present ? eligibleMethods(trace, frame, slot) : 0;
+            allowed[slot] = present ? eligibleMethods(trace, frame, slot) : MethodSet{};
             for (uint32_t m = 0; m < methods; ++m) {
                 values[slot * methods + m] = valueOf(trace, frame, slot, m);
                 costs[slot * methods + m] = trace.measure(frame, slot, m).ms();

@@ -17,14 +17,15 @@
 
 #include "demo/replay/trace.hpp"
 #include "rules/engine/rule_base.hpp"
+#include "runtime/core/method_set.hpp"
 #include "runtime/cost/knowledge_base.hpp"
 
 namespace gnomon::demo {
 
 /// importance * suitability * quality of a method for a light; 0 without opinion.
 double valueOf(const Trace& trace, uint32_t frame, uint32_t slot, uint32_t method) noexcept;
-/// Bit m: method m can serve, is not vetoed, and keeps the floor as far as any does.
-uint32_t eligibleMethods(const Trace& trace, uint32_t frame, uint32_t slot) noexcept;
+/// Those that can serve, are not vetoed, and keep the floor as far as any does.
+MethodSet eligibleMethods(const Trace& trace, uint32_t frame, uint32_t slot) noexcept;
 
 struct ReplayOptions {
     rules::Policy policy;

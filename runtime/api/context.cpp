@@ -266,8 +266,7 @@ Result<GnVisibility> Context::visibility(GnView handle)
 Result<Method*> Context::usableMethod(const char* name)
 {
     Method* method = methods_->find(name);
-    if (!method)
-        return Error{GN_ERROR_UNKNOWN_METHOD, "UnknownMethod", std::string("no method is named '") + name + "'"};
+    if (!method) return methods_->unknown(name);
     if (method->unavailable)
         return Error{GN_ERROR_FEATURE_MISSING, "MethodUnavailable",
                      "method '" + method->name + "': " + method->unavailable};

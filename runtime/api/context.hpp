@@ -41,6 +41,7 @@ struct View {
     std::unique_ptr<DepthGrid> grid;
     std::unordered_map<std::uint32_t, LightMemory> lights; ///< By light id.
     std::vector<LightDecision> decisions;                  ///< Of the last frame, in the order of its lights.
+    std::vector<Candidate> candidates;                     ///< Of the decisions, light by light.
     RecordRing records;                                    ///< Of the last frames.
     CameraView camera;                                     ///< Of the frame under way.
     std::uint64_t lastFrame = 0;                           ///< The newest whose lights were decided.

@@ -15,6 +15,7 @@ void Context::recordDecisions()
     FrameRecord frame{.frame = frame_,
                       .knowledge = plan_->knowledgeRevision(),
                       .methods = methods_->size(),
+                      .fallbacks = methods_->fallbacks(),
                       .base = base,
                       .budgeted = countsTime(base) && (measuresBudget_ || budgetMs_ > 0.0),
                       .priced = countsTime(base) && !measuresBudget_ && !(budgetMs_ > 0.0),
@@ -22,16 +23,13 @@ void Context::recordDecisions()
                       .measuring = measuresBudget_,
                       .budgetMs = budgetMs_,
                       .report = planReport_};
-    for (std::uint32_t i = 0; i < methods_->size(); ++i)
-        frame.fallbacks |= (*methods_)[i].has(GN_TRAIT_FALLBACK_BIT) ? 1u << i : 0u;
     for (const ViewFrame& viewFrame : viewFrames_) {
         const auto lights = static_cast<std::uint32_t>(viewFrame.view->decisions.size());
         viewFrame.view->records.begin(frame_, lights, methods_->size(), selector_->sharedEngine());
     }
     for (const PendingLight& pending : pending_)
         viewFrames_[pending.viewIndex].view->records.add(
-            makeRecord(*pending.decision, frame, pending.memory->measuredAt),
-            std::span(pending.decision->candidates).first(methods_->size()));
+            makeRecord(*pending.decision, frame, pending.memory->measuredAt), pending.decision->candidates);
 }
 
 /// What a timed frame's lights were charged with finds its way into their records.
@@ -104,9 +102,7 @@ Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQu
     case GN_QUESTION_WHY_NOT: {
         if (!question.pMethod) return Error{GN_ERROR_NULL_ARGUMENT, "NullArgument", "pQuestion->pMethod is null"};
         const Method* method = methods_->find(question.pMethod);
-        if (!method)
-            return Error{GN_ERROR_UNKNOWN_METHOD, "UnknownMethod",
-                         std::string("no method is named '") + question.pMethod + "'"};
+        if (!method) return methods_->unknown(question.pMethod);
         return explainWhyNot(*record, method->index, words);
     }
     case GN_QUESTION_WHAT_IF:

@@ -74,14 +74,14 @@ Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, Vk
 std::uint32_t Context::nextWarmup()
 {
     if (createOwnPipelines()) return kRuntimeOwner;
-    MethodDemand demand{.pinned = 0, .others = pending_.empty()};
+    MethodDemand demand{.others = pending_.empty()};
     for (const PendingLight& pending : pending_) {
         const std::uint32_t pinned = pending.decision->pinned;
         if (pinned == UINT32_MAX) {
             demand.others = true;
             continue;
         }
-        demand.pinned |= 1u << pinned;
+        demand.pinned.add(pinned);
         const Method& method = (*methods_)[pinned];
         demand.others |= pending.decision->method != pinned && (method.ready || method.unavailable);
     }
@@ -355,6 +355,7 @@ void Context::assessView(std::uint32_t viewIndex, const GnViewFrame& frame, cons
 
     const double rate = meanFrameRate();
     view.decisions.reserve(frame.lightCount); // addresses stay
+    view.candidates.assign(std::size_t{frame.lightCount} * methods_->size(), {});
     for (std::uint32_t i = 0; i < frame.lightCount; ++i) {
         const LightView& light = *scene_->light(frame.pLights[i]);
         const LightCasters& casters = *arena_.make(castersOf(light));
@@ -388,7 +389,8 @@ void Context::assessView(std::uint32_t viewIndex, const GnViewFrame& frame, cons
                                    .still = state.motion.rests(),
                                    .memoryLeft = memory_->limit() - std::min(memory_->used(), memory_->limit()),
                                    .frame = info.frame};
-        view.decisions.push_back(selector_->assess(input, memory));
+        const auto candidates = std::span(view.candidates).subspan(i * methods_->size(), methods_->size());
+        view.decisions.push_back(selector_->assess(input, memory, candidates));
         LightDecision& decision = view.decisions.back();
         plan_->add(decision, memory, input);
         pending_.push_back({viewIndex, i, &light, &casters, &decision, &memory});

@@ -90,14 +90,14 @@ void Context::noteShared(const FrameTimings& timings)
     const PastFrame& then = past(timings.frame);
     if (then.disturbed || !then.timedUnasked) return;
     float sum = 0.0f, unasked = 0.0f;
-    std::uint32_t ran = 0;
+    MethodSet ran;
     for (const PassTiming& pass : timings.passes) {
         ran |= pass.owner.declarers;
         if (pass.owner.light != UINT32_MAX) continue;
         if (pass.owner.view == UINT32_MAX && pass.owner.declarer != UINT32_MAX) continue;
         const float ms = pass.gpuMs * timedScale_ + pass.cpuMs;
         sum += ms;
-        if (pass.owner.declarers)
+        if (!pass.owner.declarers.empty())
             sharedParts_.note(pass.name, pass.owner.declarers, ms);
         else
             unasked += ms;
@@ -188,7 +188,8 @@ void Context::forgetOldLights()
 
 GnPassTiming Context::publicTiming(const PassTiming& timing) const
 {
-    const bool shared = timing.owner.view != UINT32_MAX && timing.owner.light == UINT32_MAX && timing.owner.declarers;
+    const bool shared =
+        timing.owner.view != UINT32_MAX && timing.owner.light == UINT32_MAX && !timing.owner.declarers.empty();
     GnPassTiming out{.pName = timing.name,
                      .round = timing.round,
                      .gpuMs = timing.gpuMs,

@@ -239,7 +239,7 @@ PassRef PassGraph::open(PassKind kind, const char* name, Scope scope, std::uint3
     pendingBroken_ = false;
     pending_ = Pass{.name = name, .kind = kind, .owner = owner_};
     pending_.owner.declarer = owner_.method;
-    const std::uint32_t own = owner_.method < 32 ? 1u << owner_.method : 0;
+    const MethodSet own = owner_.method < kMaxMethods ? MethodSet{owner_.method} : MethodSet{};
     pending_.owner.declarers = own;
     if (pendingDropped_) passes_[known].owner.declarers |= own;
     if (scope != Scope::task) pending_.owner.method = UINT32_MAX;

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "runtime/core/method_set.hpp"
 #include "runtime/passes/pass_builder.hpp"
 #include "runtime/passes/resources.hpp"
 
@@ -58,7 +59,7 @@ struct PassOwner {
     std::uint32_t light = UINT32_MAX; ///< LightView::id; max: none.
     std::uint32_t method = UINT32_MAX;
     std::uint32_t declarer = UINT32_MAX; ///< The method that declared it; of a shared pass, the first that did.
-    std::uint32_t declarers = 0;         ///< Bit m: method m did.
+    MethodSet declarers;                 ///< The methods that did.
 };
 
 struct Pass {

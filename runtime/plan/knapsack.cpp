@@ -29,32 +29,33 @@ bool better(const Solution& a, const Solution& b)
     return a.value > b.value || (a.value == b.value && a.costMs < b.costMs);
 }
 
-/// Bit m: at least one light uses method m.
-uint32_t usedMethods(std::span<const uint32_t> chosen)
+/// Those that at least one light uses.
+MethodSet usedMethods(std::span<const uint32_t> chosen)
 {
-    uint32_t used = 0;
+    MethodSet used;
     for (const uint32_t method : chosen)
-        if (method != kNone) used |= 1u << method;
+        if (method != kNone) used.add(method);
     return used;
 }
 
 /// Parts that those of `methods` need.
-uint32_t partsOf(const Problem& problem, uint32_t methods)
+uint32_t partsOf(const Problem& problem, const MethodSet& methods)
 {
     uint32_t parts = 0;
     for (size_t p = 0; p < problem.parts.size(); ++p)
-        if (problem.parts[p].methods & methods) parts |= 1u << p;
+        if (problem.parts[p].methods.meets(methods)) parts |= 1u << p;
     return parts;
 }
 
 /// Parts that cost something and that some light may need.
 uint32_t dearParts(const Problem& problem)
 {
-    uint32_t dear = 0, allowed = 0;
+    uint32_t dear = 0;
+    MethodSet allowed;
     for (uint32_t light = 0; light < problem.lights; ++light)
         allowed |= problem.allowed[light];
     for (size_t p = 0; p < problem.parts.size(); ++p)
-        if (problem.parts[p].ms > 0.0 && (problem.parts[p].methods & allowed)) dear |= 1u << p;
+        if (problem.parts[p].ms > 0.0 && problem.parts[p].methods.meets(allowed)) dear |= 1u << p;
     return dear;
 }
 
@@ -66,26 +67,25 @@ double msOf(const Problem& problem, uint32_t parts)
     return sum;
 }
 
-/// Methods that need nothing but `paid`, and what costs nothing.
-uint32_t methodsWithin(const Problem& problem, uint32_t paid)
+/// Methods that need more than `paid`, and what costs nothing.
+MethodSet methodsBeyond(const Problem& problem, uint32_t paid)
 {
-    uint32_t barred = 0;
+    MethodSet barred;
     for (size_t p = 0; p < problem.parts.size(); ++p)
         if (problem.parts[p].ms > 0.0 && !(paid >> p & 1)) barred |= problem.parts[p].methods;
-    return ~barred;
+    return barred;
 }
 
 /// The cheapest methods that need nothing but `paid`, and that; infinite where a light is left without any.
 double cheapestPaying(const Problem& problem, uint32_t paid)
 {
-    const uint32_t open = methodsWithin(problem, paid);
+    const MethodSet barred = methodsBeyond(problem, paid);
     double sum = msOf(problem, paid);
     for (uint32_t light = 0; light < problem.lights; ++light) {
-        if (problem.allowed[light] == 0) continue;
+        if (problem.allowed[light].empty()) continue;
         double least = std::numeric_limits<double>::infinity();
-        for (uint32_t mask = problem.allowed[light] & open; mask; mask &= mask - 1)
-            least = std::min(
-                least, problem.costsMs[size_t{light} * problem.methods + static_cast<size_t>(std::countr_zero(mask))]);
+        for (const uint32_t method : problem.allowed[light] - barred)
+            least = std::min(least, problem.costsMs[size_t{light} * problem.methods + method]);
         sum += least;
     }
     return sum;
@@ -94,13 +94,13 @@ double cheapestPaying(const Problem& problem, uint32_t paid)
 /// No plan that pays `paid` is worth more, whatever is said to be the price of a millisecond (boundRest()).
 double mostPaying(const Problem& problem, uint32_t paid, double perMs)
 {
-    const uint32_t open = methodsWithin(problem, paid);
+    const MethodSet barred = methodsBeyond(problem, paid);
     double sum = perMs * (problem.budgetMs - msOf(problem, paid));
     for (uint32_t light = 0; light < problem.lights; ++light) {
-        if (problem.allowed[light] == 0) continue;
+        if (problem.allowed[light].empty()) continue;
         double most = -std::numeric_limits<double>::infinity();
-        for (uint32_t mask = problem.allowed[light] & open; mask; mask &= mask - 1) {
-            const size_t index = size_t{light} * problem.methods + static_cast<size_t>(std::countr_zero(mask));
+        for (const uint32_t method : problem.allowed[light] - barred) {
+            const size_t index = size_t{light} * problem.methods + method;
             most = std::max(most, problem.values[index] - perMs * problem.costsMs[index]);
         }
         sum += most;
@@ -139,11 +139,11 @@ double cheapestMs(const Problem& problem) noexcept
     return cheapestPaying(problem, cheapestParts(problem));
 }
 
-double partsMs(std::span<const SharedPart> parts, uint32_t methods) noexcept
+double partsMs(std::span<const SharedPart> parts, const MethodSet& methods) noexcept
 {
     double sum = 0.0;
     for (const SharedPart& part : parts)
-        if (part.methods & methods) sum += part.ms;
+        if (part.methods.meets(methods)) sum += part.ms;
     return sum;
 }
 
@@ -170,7 +170,6 @@ void Knapsack::reserve(uint32_t lights, uint32_t methods, uint32_t tableLights)
     grow(options_, size_t{lights} * methods);
     grow(steps_, size_t{lights} * methods);
     grow(optionCounts_, lights);
-    grow(masks_, lights);
     grow(at_, lights);
     grow(trial_, lights);
     grow(states_, bins_ + 1);
@@ -187,18 +186,17 @@ std::span<const Knapsack::Option> Knapsack::optionsOf(uint32_t light) const noex
 }
 
 /// Undominated options of every light by rising cost and value; false if a light that may have one has none left.
-bool Knapsack::gatherOptions(const Problem& problem, uint32_t open) noexcept
+bool Knapsack::gatherOptions(const Problem& problem, const MethodSet& barred) noexcept
 {
     methods_ = problem.methods;
     for (uint32_t light = 0; light < problem.lights; ++light) {
-        masks_[light] = problem.allowed[light] & open;
+        const MethodSet open = problem.allowed[light] - barred;
         optionCounts_[light] = 0;
-        if (problem.allowed[light] == 0) continue;
-        if (masks_[light] == 0) return false;
+        if (problem.allowed[light].empty()) continue;
+        if (open.empty()) return false;
         Option* const first = &options_[size_t{light} * methods_];
         uint32_t count = 0;
-        for (uint32_t mask = masks_[light]; mask; mask &= mask - 1) {
-            const auto method = static_cast<uint32_t>(std::countr_zero(mask));
+        for (const uint32_t method : open) {
             const size_t index = size_t{light} * methods_ + method;
             const Option option{problem.costsMs[index], problem.values[index], method};
             // Insertion by cost; among equals the dearer value first, then registry order (methods come in order).
@@ -389,7 +387,7 @@ Solution Knapsack::solvePaying(const Problem& problem, Method method, uint32_t p
                                std::span<uint32_t> chosen) noexcept
 {
     Solution none{.costMs = std::numeric_limits<double>::infinity()};
-    if (!gatherOptions(problem, methodsWithin(problem, paid))) return none;
+    if (!gatherOptions(problem, methodsBeyond(problem, paid))) return none;
     const double limitMs = problem.budgetMs * (1.0 - kRounding) - msOf(problem, paid);
     if (method == Method::greedy)
         walkGreedy(problem, limitMs, chosen);
@@ -416,7 +414,8 @@ bool Knapsack::tryPaying(const Problem& problem, Method method, uint32_t paid, S
 /// Which parts to pay: every set where they are few, otherwise a descent that drops or adds one at a time.
 Solution Knapsack::solveGreedy(const Problem& problem, std::span<uint32_t> chosen) noexcept
 {
-    assert(problem.lights <= masks_.size() && problem.methods <= kMaxMethods && problem.parts.size() <= kMaxParts);
+    assert(problem.lights <= optionCounts_.size() && problem.methods <= kMaxMethods &&
+           problem.parts.size() <= kMaxParts);
     chosen = chosen.first(problem.lights);
     const uint32_t dear = dearParts(problem);
     const bool few = problem.lights <= kTableLights;

@@ -12,11 +12,12 @@
 #include <span>
 #include <vector>
 
+#include "runtime/core/method_set.hpp"
+
 namespace gnomon::plan {
 
 inline constexpr uint32_t kNone = UINT32_MAX;
-inline constexpr uint32_t kMaxMethods = 32; ///< Bits of a mask.
-inline constexpr uint32_t kMaxParts = 32;   ///< Bits of a mask.
+inline constexpr uint32_t kMaxParts = 32; ///< Bits of a mask.
 
 /// Above this many lights greedy loses less than the table's resolution, in less time (README.md, "Which solver").
 inline constexpr uint32_t kTableLights = 8;
@@ -26,20 +27,20 @@ inline constexpr uint32_t kTableBins = 512;
 
 /// Work for all lights of a view together (a copy of its depth, say), paid once if any light's method needs it.
 struct SharedPart {
-    double ms = 0.0;      ///< >= 0, finite.
-    uint32_t methods = 0; ///< Bit m: method m needs it.
+    double ms = 0.0;   ///< >= 0, finite.
+    MethodSet methods; ///< Those that need it.
 };
 /// What those of `methods` need together.
-double partsMs(std::span<const SharedPart> parts, uint32_t methods) noexcept;
+double partsMs(std::span<const SharedPart> parts, const MethodSet& methods) noexcept;
 
 /// Borrowed. Matrices are light by light: [light * methods + method].
 struct Problem {
     uint32_t lights = 0;
     uint32_t methods = 0;
-    std::span<const double> values;    ///< lights x methods, >= 0.
-    std::span<const double> costsMs;   ///< lights x methods, >= 0, finite.
-    std::span<const uint32_t> allowed; ///< Per light, bit m: method m may be chosen. 0: the light is left out.
-    std::span<const SharedPart> parts; ///< At most kMaxParts.
+    std::span<const double> values;     ///< lights x methods, >= 0.
+    std::span<const double> costsMs;    ///< lights x methods, >= 0, finite.
+    std::span<const MethodSet> allowed; ///< Per light; empty: it is left out.
+    std::span<const SharedPart> parts;  ///< At most kMaxParts.
     double budgetMs = 0.0;
 };
 
@@ -98,7 +99,7 @@ private:
                    std::span<uint32_t> chosen) noexcept;
     Solution solvePaying(const Problem& problem, Method method, uint32_t paid, double known,
                          std::span<uint32_t> chosen) noexcept;
-    bool gatherOptions(const Problem& problem, uint32_t open) noexcept;
+    bool gatherOptions(const Problem& problem, const MethodSet& barred) noexcept;
     void walkGreedy(const Problem& problem, double limitMs, std::span<uint32_t> chosen) noexcept;
     void fillSlack(const Problem& problem, double slackMs, std::span<uint32_t> chosen) noexcept;
     void boundRest(uint32_t lights, double slackMs) noexcept;
@@ -111,8 +112,7 @@ private:
     uint32_t tableLights_ = 0;
     std::vector<Option> options_; ///< Per light `methods` slots: undominated options by rising cost.
     std::vector<uint32_t> optionCounts_;
-    std::vector<uint32_t> masks_; ///< allowed, less the methods that need a part that is not paid.
-    std::vector<uint32_t> at_;    ///< Per light, index into its options.
+    std::vector<uint32_t> at_; ///< Per light, index into its options.
     std::vector<Step> steps_;
     std::vector<State> states_, nextStates_;
     std::vector<uint64_t> inUse_, nextInUse_; ///< A bit per state: the others are old.

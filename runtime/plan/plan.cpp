@@ -57,6 +57,9 @@ void PlanStep::reserve(uint32_t lights, uint32_t methods)
     grow(best_, lights);
     grow(saved_, lights);
     grow(plans_, lights);
+    grow(users_, methods);
+    grow(otherUsers_, methods);
+    grow(terms_, methods);
 }
 
 /// Allocation::None. The clock has no say, not even in ties: the incumbent, then registry order.
@@ -64,8 +67,7 @@ void PlanStep::chooseBySuitability(const PlanInput& input) noexcept
 {
     for (uint32_t light = 0; light < lightCount_; ++light) {
         uint32_t best = kNone;
-        for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
-            const auto m = static_cast<uint32_t>(std::countr_zero(mask));
+        for (const uint32_t m : allowed_[light]) {
             const int32_t suitability = input.candidates[at(light, m)].suitability;
             const int32_t leader = best == kNone ? 0 : input.candidates[at(light, best)].suitability;
             if (best == kNone || suitability > leader ||
@@ -82,7 +84,7 @@ double PlanStep::headroomMs(const PlanInput& input, std::span<const uint32_t> ch
     double variance = 0.0;
     for (uint32_t light = 0; light < lightCount_; ++light) {
         uint32_t m = chosen[light];
-        if (m == kNone && allowed_[light]) m = static_cast<uint32_t>(std::countr_zero(allowed_[light]));
+        if (m == kNone && !allowed_[light].empty()) m = *allowed_[light].begin();
         if (m == kNone) continue;
         const double sigma = input.candidates[at(light, m)].sigmaMs;
         if (std::isfinite(sigma)) variance += sigma * sigma;
@@ -94,26 +96,26 @@ double PlanStep::headroomMs(const PlanInput& input, std::span<const uint32_t> ch
 
 void PlanStep::countUsers() noexcept
 {
-    users_.fill(0);
+    std::ranges::fill(users_, 0);
     for (uint32_t light = 0; light < lightCount_; ++light)
         if (current_[light] != kNone) ++users_[current_[light]];
-    used_ = 0;
+    used_ = {};
     for (uint32_t m = 0; m < methods_; ++m)
-        if (users_[m] > 0) used_ |= 1u << m;
+        if (users_[m] > 0) used_.add(m);
     sums_ = sumOf(problem_, std::span(current_).first(lightCount_));
 }
 
 /// The methods of the other lights.
-uint32_t PlanStep::usedWithout(uint32_t light) const noexcept
+MethodSet PlanStep::usedWithout(uint32_t light) const noexcept
 {
     const uint32_t own = current_[light];
-    return own != kNone && users_[own] == 1 ? used_ & ~(1u << own) : used_;
+    return own != kNone && users_[own] == 1 ? used_ - MethodSet{own} : used_;
 }
 
 /// What `method` needs of shared parts beyond those of the `used` ones.
-double PlanStep::addedMs(uint32_t used, uint32_t method) const noexcept
+double PlanStep::addedMs(const MethodSet& used, uint32_t method) const noexcept
 {
-    return partsMs(problem_.parts, used | 1u << method) - partsMs(problem_.parts, used);
+    return partsMs(problem_.parts, used | MethodSet{method}) - partsMs(problem_.parts, used);
 }
 
 /// How the plan's cost changes if one light moves, shared parts included.
@@ -123,7 +125,7 @@ double PlanStep::moveMs(uint32_t light, uint32_t to) const noexcept
     double change = costsMs_[at(light, to)];
     if (from != kNone) change -= costsMs_[at(light, from)];
     if (from == to || problem_.parts.empty()) return change;
-    const uint32_t others = usedWithout(light);
+    const MethodSet others = usedWithout(light);
     return change + addedMs(others, to) - (from == kNone ? 0.0 : addedMs(others, from));
 }
 
@@ -131,13 +133,13 @@ void PlanStep::move(uint32_t light, uint32_t to) noexcept
 {
     sums_.costMs += moveMs(light, to);
     sums_.value += values_[at(light, to)];
-    const uint32_t others = usedWithout(light);
+    const MethodSet others = usedWithout(light);
     if (const uint32_t from = current_[light]; from != kNone) {
         sums_.value -= values_[at(light, from)];
         --users_[from];
     }
     ++users_[to];
-    used_ = others | 1u << to;
+    used_ = others | MethodSet{to};
     current_[light] = to;
 }
 
@@ -154,8 +156,7 @@ bool PlanStep::repair(const PlanInput& input, double usableMs) noexcept
         uint32_t bestLight = kNone, bestMethod = kNone;
         for (uint32_t light = 0; light < lightCount_; ++light) {
             if (current_[light] == kNone) continue;
-            for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
-                const auto m = static_cast<uint32_t>(std::countr_zero(mask));
+            for (const uint32_t m : allowed_[light]) {
                 const double saved = -moveMs(light, m);
                 if (!(saved > 0.0)) continue;
                 const bool enough = saved >= excess;
@@ -200,8 +201,6 @@ Hold PlanStep::holdOf(const PlanInput& input, uint32_t light) const noexcept
 Hold PlanStep::tryUpgrade(const PlanInput& input, uint32_t light, double usableMs) noexcept
 {
     const Sums before = sums_;
-    const auto users = users_;
-    const uint32_t used = used_;
     std::copy_n(current_.begin(), lightCount_, saved_.begin());
     move(light, best_[light]);
     while (sums_.costMs > usableMs) {
@@ -224,9 +223,8 @@ Hold PlanStep::tryUpgrade(const PlanInput& input, uint32_t light, double usableM
         hold = Hold::spareTime;
     if (hold == Hold::none) return hold;
     std::copy_n(saved_.begin(), lightCount_, current_.begin());
-    users_ = users;
-    used_ = used;
-    sums_ = before;
+    countUsers();
+    sums_ = before; // to the last bit
     return hold;
 }
 
@@ -305,7 +303,7 @@ void PlanStep::keepIncumbents(const PlanInput& input) noexcept
 {
     for (uint32_t light = 0; light < lightCount_; ++light) {
         const uint32_t incumbent = input.lights[light].memory->incumbent;
-        const bool holds = incumbent < methods_ && (allowed_[light] >> incumbent & 1);
+        const bool holds = incumbent < methods_ && allowed_[light].has(incumbent);
         current_[light] = holds ? incumbent : kNone;
     }
 }

@@ -17,6 +17,7 @@
 
 #include "rules/engine/rule_base.hpp"
 #include "runtime/plan/knapsack.hpp"
+#include "runtime/plan/utility.hpp"
 
 namespace gnomon::plan {
 
@@ -178,7 +179,7 @@ public:
     }
 
     /// Of the newest step: whether pins, vetoes and floor leave the light this method, and importance * utility().
-    bool mayServe(uint32_t light, uint32_t method) const noexcept { return (allowed_[light] >> method & 1) != 0; }
+    bool mayServe(uint32_t light, uint32_t method) const noexcept { return allowed_[light].has(method); }
     double benefitOf(uint32_t light, uint32_t method) const noexcept { return values_[at(light, method)]; }
     /// What the light would be the reason for of the shared parts, with that method and the others as they are.
     double sharedMs(uint32_t light, uint32_t method) const noexcept { return addedMs(usedWithout(light), method); }
@@ -198,7 +199,7 @@ private:
     bool isStuck() const noexcept;
     void reduceOverrun(const PlanInput& input, const Solution& best, PlanReport& report) noexcept;
     void planWithinBudget(const PlanInput& input, PlanReport& report) noexcept;
-    void reduceCost(const PlanInput& input, std::span<uint32_t> best) const noexcept;
+    void reduceCost(const PlanInput& input, std::span<uint32_t> best) noexcept;
     double headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept;
     bool repair(const PlanInput& input, double usableMs) noexcept;
     void improve(const PlanInput& input, PlanReport& report) noexcept;
@@ -210,8 +211,8 @@ private:
     Hold holdOf(const PlanInput& input, uint32_t light) const noexcept;
     void explainLight(const PlanInput& input, uint32_t light, double usableMs, double planMs) noexcept;
     void remember(const PlanInput& input, PlanReport& report) noexcept;
-    uint32_t usedWithout(uint32_t light) const noexcept;
-    double addedMs(uint32_t used, uint32_t method) const noexcept;
+    MethodSet usedWithout(uint32_t light) const noexcept;
+    double addedMs(const MethodSet& used, uint32_t method) const noexcept;
     double moveMs(uint32_t light, uint32_t to) const noexcept;
     void move(uint32_t light, uint32_t to) noexcept;
     void countUsers() noexcept;
@@ -220,13 +221,15 @@ private:
     Knapsack knapsack_;
     Problem problem_;
     std::vector<double> values_, costsMs_;
-    std::vector<uint32_t> allowed_;
+    std::vector<MethodSet> allowed_;
     std::vector<uint32_t> current_, best_, saved_;
     std::vector<LightPlan> plans_;
     std::vector<Why> why_;
-    std::array<uint32_t, kMaxMethods> users_{}; ///< Lights of current_ per method.
-    uint32_t used_ = 0;                         ///< Bit m: users_[m] > 0.
-    Sums sums_;                                 ///< Of current_.
+    std::vector<uint32_t> users_;      ///< Lights of current_ per method.
+    std::vector<uint32_t> otherUsers_; ///< Scratch of reduceCost().
+    std::vector<UtilityTerms> terms_;  ///< Scratch of admitLight().
+    MethodSet used_;                   ///< Those with users.
+    Sums sums_;                        ///< Of current_.
     uint32_t lightCount_ = 0, methods_ = 0;
     uint32_t calmFrames_ = 0; ///< In a row within the budget.
     double missedGain_ = 0.0; ///< Since the last voluntary change, over the plan's value: sum over the frames.

@@ -1,7 +1,5 @@
 // Which methods a light may have at all: step 1 of README.md.
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cassert>
 #include <cmath>
 
@@ -23,36 +21,33 @@ float qualityOf(const Candidate& candidate) noexcept
 void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
 {
     const LightRequest& request = input.lights[light];
-    uint32_t able = 0, unvetoed = 0, spoken = 0;
-    std::array<UtilityTerms, kMaxMethods> terms;
+    MethodSet able, unvetoed, spoken;
     for (uint32_t m = 0; m < methods_; ++m) {
         const Candidate& candidate = input.candidates[at(light, m)];
-        const uint32_t bit = 1u << m;
-        terms[m] = {candidate.suitability, qualityOf(candidate), candidate.eligibility == Eligibility::eligible};
+        terms_[m] = {candidate.suitability, qualityOf(candidate), candidate.eligibility == Eligibility::eligible};
         const bool known = std::isfinite(candidate.ms) && candidate.ms >= 0.0;
         costsMs_[at(light, m)] = known ? candidate.ms : 0.0;
-        if (candidate.eligibility != Eligibility::trait && known) able |= bit;
-        if (candidate.eligibility != Eligibility::never) unvetoed |= bit;
-        if (candidate.suitability >= 0) spoken |= bit;
+        if (candidate.eligibility != Eligibility::trait && known) able.add(m);
+        if (candidate.eligibility != Eligibility::never) unvetoed.add(m);
+        if (candidate.suitability >= 0) spoken.add(m);
     }
-    const std::span all = std::span<const UtilityTerms>(terms).first(methods_);
+    const std::span all = std::span<const UtilityTerms>(terms_).first(methods_);
     for (uint32_t m = 0; m < methods_; ++m)
         values_[at(light, m)] = request.importance * utility(sharedTerms(all, m));
-    const uint32_t pin = request.pinned < methods_ ? able & (1u << request.pinned) : 0;
-    uint32_t allowed = able & unvetoed;
-    if (allowed & spoken) allowed &= spoken; // where nobody has an opinion, all are equally unloved
-    if (pin) allowed = pin;
+    const bool pinned = request.pinned < methods_ && able.has(request.pinned);
+    MethodSet allowed = able & unvetoed;
+    if (allowed.meets(spoken)) allowed &= spoken; // where nobody has an opinion, all are equally unloved
+    if (pinned) allowed = MethodSet{request.pinned};
     for (uint32_t m = 0; m < methods_; ++m) {
-        const uint32_t bit = 1u << m;
-        why_[at(light, m)] = !(able & bit)         ? Why::trait
-                             : pin && !(pin & bit) ? Why::pinned
-                             : pin                 ? Why::outscored
-                             : !(unvetoed & bit)   ? Why::never
-                             : !(allowed & bit)    ? Why::noOpinion
-                                                   : Why::outscored;
+        why_[at(light, m)] = !able.has(m)                    ? Why::trait
+                             : pinned && m != request.pinned ? Why::pinned
+                             : pinned                        ? Why::outscored
+                             : !unvetoed.has(m)              ? Why::never
+                             : !allowed.has(m)               ? Why::noOpinion
+                                                             : Why::outscored;
     }
     allowed_[light] = allowed;
-    if (pin) return;
+    if (pinned) return;
     LightMemory& memory = *request.memory;
     if (input.cut) memory.nearUntil = 0;
     if (request.floor) {
@@ -69,14 +64,13 @@ void PlanStep::applyFloor(const PlanInput& input, uint32_t light, float minimum)
 {
     plans_[light].floor = true;
     float best = 0.0f;
-    for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1)
-        best = std::max(best, qualityOf(input.candidates[at(light, std::countr_zero(mask))]));
-    plans_[light].floorUnmet = allowed_[light] != 0 && best < minimum;
+    for (const uint32_t m : allowed_[light])
+        best = std::max(best, qualityOf(input.candidates[at(light, m)]));
+    plans_[light].floorUnmet = !allowed_[light].empty() && best < minimum;
     const float limit = std::min(minimum, best);
-    for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
-        const auto m = static_cast<uint32_t>(std::countr_zero(mask));
+    for (const uint32_t m : allowed_[light]) {
         if (qualityOf(input.candidates[at(light, m)]) >= limit) continue;
-        allowed_[light] &= ~(1u << m);
+        allowed_[light].remove(m);
         why_[at(light, m)] = Why::floor;
     }
 }

@@ -1,7 +1,5 @@
 // Less time for the same picture: step 3 of README.md.
 #include <algorithm>
-#include <array>
-#include <bit>
 
 #include "runtime/plan/plan.hpp"
 #include "runtime/plan/utility.hpp"
@@ -55,8 +53,7 @@ uint32_t PlanStep::cheaperMethod(const PlanInput& input, uint32_t light, uint32_
     const auto msOf = [&](uint32_t m) { return costsMs_[at(light, m)] + sharedMs(light, m); };
     double enough = msOf(from) / (1.0 + 2.0 * kNoDearer);
     uint32_t best = kNone;
-    for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
-        const auto m = static_cast<uint32_t>(std::countr_zero(mask));
+    for (const uint32_t m : allowed_[light]) {
         const Candidate& candidate = input.candidates[at(light, m)];
         const double priceMs = changePriceMs(msOf(m), candidate.firstFrameMs);
         if (m == from || !(priceMs < enough) || values_[at(light, m)] < values_[at(light, from)]) continue;
@@ -69,31 +66,30 @@ uint32_t PlanStep::cheaperMethod(const PlanInput& input, uint32_t light, uint32_
 
 /// Every plan breaks the budget, and `best` is the cheapest: of what is no dearer, each light takes what is worth most,
 /// and stays with what it has where that is worth as much.
-void PlanStep::reduceCost(const PlanInput& input, std::span<uint32_t> best) const noexcept
+void PlanStep::reduceCost(const PlanInput& input, std::span<uint32_t> best) noexcept
 {
-    std::array<uint32_t, kMaxMethods> users{};
+    std::ranges::fill(otherUsers_, 0);
     for (const uint32_t method : best)
-        if (method != kNone) ++users[method];
+        if (method != kNone) ++otherUsers_[method];
     for (uint32_t light = 0; light < lightCount_; ++light) {
         if (best[light] == kNone) continue;
-        --users[best[light]];
-        uint32_t others = 0;
+        --otherUsers_[best[light]];
+        MethodSet others;
         for (uint32_t m = 0; m < methods_; ++m)
-            if (users[m] > 0) others |= 1u << m;
+            if (otherUsers_[m] > 0) others.add(m);
         const auto msOf = [&](uint32_t m) { return costsMs_[at(light, m)] + addedMs(others, m); };
         const double cheapestMs = msOf(best[light]);
         uint32_t most = best[light];
-        for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
-            const auto m = static_cast<uint32_t>(std::countr_zero(mask));
+        for (const uint32_t m : allowed_[light]) {
             if (msOf(m) <= (1.0 + kNoDearer) * cheapestMs && values_[at(light, m)] > values_[at(light, most)]) most = m;
         }
         const uint32_t incumbent = input.lights[light].memory->incumbent;
         const bool stays =
-            incumbent < methods_ && (allowed_[light] >> incumbent & 1) &&
+            incumbent < methods_ && allowed_[light].has(incumbent) &&
             msOf(incumbent) <= (1.0 + 2.0 * kNoDearer) * cheapestMs &&
             values_[at(light, incumbent)] >= (1.0 - input.inForce().hysteresis.planGain) * values_[at(light, most)];
         best[light] = stays ? incumbent : most;
-        ++users[best[light]];
+        ++otherUsers_[best[light]];
     }
 }
 

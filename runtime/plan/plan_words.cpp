@@ -1,6 +1,4 @@
 // What the plan says of itself: why a method is not a light's, and the words of logs and explanations.
-#include <bit>
-
 #include "runtime/plan/plan.hpp"
 
 namespace gnomon::plan {
@@ -11,8 +9,7 @@ void PlanStep::explainLight(const PlanInput& input, uint32_t light, double usabl
     LightPlan& plan = plans_[light];
     if (plan.chosen == kNone) return;
     const int32_t suitability = input.candidates[at(light, plan.chosen)].suitability;
-    for (uint32_t mask = allowed_[light]; mask; mask &= mask - 1) {
-        const auto m = static_cast<uint32_t>(std::countr_zero(mask));
+    for (const uint32_t m : allowed_[light]) {
         Why& why = why_[at(light, m)];
         if (m == plan.chosen)
             why = Why::chosen;

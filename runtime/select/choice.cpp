@@ -48,8 +48,8 @@ Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceIn
     // Nothing wanted is ready, or nobody has an opinion.
     for (std::uint32_t i = 0; i < count; ++i) {
         if (candidates[i].exclusion != Exclusion::none) continue;
-        const bool fallback = input.fallbacks >> i & 1;
-        if (out.method == UINT32_MAX || (fallback && !(input.fallbacks >> out.method & 1))) out.method = i;
+        const bool fallback = input.fallbacks.has(i);
+        if (out.method == UINT32_MAX || (fallback && !input.fallbacks.has(out.method))) out.method = i;
     }
     if (out.method == UINT32_MAX)
         out.reason = GN_REASON_NOTHING_READY;
@@ -149,15 +149,15 @@ Rechoice::Rechoice(const DecisionRecord& record, const rules::Engine& engine)
     // What the plan of all lights kept from this one stays so: others did not pay for it, or it was held.
     const bool held = record.hold != plan::Hold::none && record.hold != plan::Hold::threshold;
     for (std::uint32_t m = 0; m < record.methods && record.budgeted && held; ++m)
-        if (record.candidates[m].why == plan::Why::hysteresis) barred_ |= 1u << m;
+        if (record.candidates[m].why == plan::Why::hysteresis) barred_.add(m);
     for (std::uint32_t round = 0; round < record.methods; ++round) {
         const std::uint32_t again = choose(record.facts);
         if (again == record.method || again >= record.methods) break;
-        barred_ |= 1u << again;
+        barred_.add(again);
     }
 }
 
-std::uint32_t Rechoice::choose(std::span<const double> facts) noexcept
+std::uint32_t Rechoice::choose(std::span<const double> facts)
 {
     engine_.evaluate(facts, inference_);
     const auto known = std::min(record_.methods, static_cast<std::uint32_t>(inference_.outputs.size()));
@@ -171,8 +171,8 @@ std::uint32_t Rechoice::choose(std::span<const double> facts) noexcept
     }
     const bool pinned = record_.reason == GN_REASON_PINNED;
     if (record_.budgeted && !pinned) return chooseInPlan();
-    for (std::uint32_t m = 0; m < record_.methods; ++m)
-        if (barred_ >> m & 1) candidates_[m].exclusion = Exclusion::refused;
+    for (const std::uint32_t m : barred_)
+        candidates_[m].exclusion = Exclusion::refused;
     const std::span all = std::span<const Candidate>(candidates_).first(record_.methods);
     const Choice choice = chooseBySuitability(
         all,
@@ -234,40 +234,39 @@ void takePlan(const plan::LightPlan& plan, LightDecision& decision) noexcept
     decision.method = plan.chosen;
 }
 
-double utilityOf(const DecisionRecord& record, std::span<const Candidate> candidates, std::uint32_t method) noexcept
+double utilityOf(const DecisionRecord& record, std::span<const Candidate> candidates, std::uint32_t method)
 {
-    std::array<plan::UtilityTerms, plan::kMaxMethods> terms;
+    std::vector<plan::UtilityTerms> terms(record.methods);
     for (std::uint32_t m = 0; m < record.methods; ++m)
         terms[m] = utilityTermsOf(candidates[m]);
-    const std::span all = std::span<const plan::UtilityTerms>(terms).first(record.methods);
-    return double{record.importance} * plan::utility(plan::sharedTerms(all, method));
+    return double{record.importance} * plan::utility(plan::sharedTerms(terms, method));
 }
 
-double Rechoice::valueOf(std::uint32_t method) const noexcept
+double Rechoice::valueOf(std::uint32_t method) const
 {
     return utilityOf(record_, candidates_, method);
 }
 
 /// Methods that are able, not vetoed, spoken of where any is, and good enough as far as any is.
-std::uint32_t Rechoice::allowed() const noexcept
+MethodSet Rechoice::allowed() const
 {
-    std::uint32_t mask = 0, spoken = 0;
+    MethodSet able, spoken;
     for (std::uint32_t m = 0; m < record_.methods; ++m) {
         if (candidates_[m].exclusion != Exclusion::none) continue;
-        mask |= 1u << m;
-        if (candidates_[m].quantised >= 0) spoken |= 1u << m;
+        able.add(m);
+        if (candidates_[m].quantised >= 0) spoken.add(m);
     }
-    if (mask & spoken) mask &= spoken;
+    if (able.meets(spoken)) able &= spoken;
     const rules::Policy::Floor& floor = engine_.base().policy.floor;
     const bool heldOn = record_.floor && record_.floorTruth < record_.floorStrength;
-    if (floor.when.empty() || (inference_.floorTruth < floor.atStrength && !heldOn)) return mask;
+    if (floor.when.empty() || (inference_.floorTruth < floor.atStrength && !heldOn)) return able;
     float best = 0.0f;
-    for (std::uint32_t rest = mask; rest; rest &= rest - 1)
-        best = std::max(best, candidates_[std::countr_zero(rest)].quality);
+    for (const std::uint32_t m : able)
+        best = std::max(best, candidates_[m].quality);
     const float limit = std::min(static_cast<float>(floor.minimumQuality), best);
-    for (std::uint32_t rest = mask; rest; rest &= rest - 1)
-        if (const int m = std::countr_zero(rest); candidates_[m].quality < limit) mask &= ~(1u << m);
-    return mask;
+    for (const std::uint32_t m : able)
+        if (candidates_[m].quality < limit) able.remove(m);
+    return able;
 }
 
 /// Of the plan, by this light.
@@ -291,14 +290,14 @@ bool Rechoice::fits(std::uint32_t method) const noexcept
     return double{record_.planMs} - takenMs(record_.method) + takenMs(method) <= usable;
 }
 
-std::uint32_t Rechoice::chooseInPlan() const noexcept
+std::uint32_t Rechoice::chooseInPlan() const
 {
-    const std::uint32_t mask = allowed(), chosen = record_.method;
-    if (mask == 0) return UINT32_MAX;
-    const bool stays = chosen < record_.methods && (mask >> chosen & 1);
+    const std::uint32_t chosen = record_.method;
+    const MethodSet able = allowed();
+    if (able.empty()) return UINT32_MAX;
+    const bool stays = chosen < record_.methods && able.has(chosen);
     std::uint32_t best = UINT32_MAX, cheapest = UINT32_MAX;
-    for (std::uint32_t rest = mask & ~barred_; rest; rest &= rest - 1) {
-        const auto m = static_cast<std::uint32_t>(std::countr_zero(rest));
+    for (const std::uint32_t m : able - barred_) {
         const double ms = takenMs(m);
         if (cheapest == UINT32_MAX || ms < takenMs(cheapest)) cheapest = m;
         if (!fits(m)) continue;
@@ -310,12 +309,10 @@ std::uint32_t Rechoice::chooseInPlan() const noexcept
         const bool over = double{record_.planMs} - takenMs(chosen) + cheapestMs > double{record_.budgetMs};
         const double enough = over ? (1.0 + plan::kNoDearer) * cheapestMs : cheapestMs;
         best = cheapest;
-        for (std::uint32_t rest = mask & ~barred_; rest; rest &= rest - 1) {
-            const auto m = static_cast<std::uint32_t>(std::countr_zero(rest));
+        for (const std::uint32_t m : able - barred_)
             if (takenMs(m) <= enough && valueOf(m) > valueOf(best)) best = m;
-        }
     }
-    if (!stays) return best != UINT32_MAX ? best : std::countr_zero(mask);
+    if (!stays) return best != UINT32_MAX ? best : *able.begin();
     if (best == UINT32_MAX || best == chosen) return chosen;
     const double needed = double{record_.threshold} * double{record_.planValue};
     return valueOf(best) - valueOf(chosen) > needed ? best : chosen;

@@ -28,8 +28,8 @@ inline bool countsTime(const rules::RuleBase* base)
 struct ChoiceInput {
     std::uint32_t incumbent = UINT32_MAX;
     std::uint32_t pinned = UINT32_MAX;
-    std::uint32_t fallbacks = 0; ///< Bit m: method m serves while another is not ready.
-    bool hasRules = true;        ///< Without rules, no opinion bars nobody.
+    MethodSet fallbacks;  ///< What serves while another is not ready.
+    bool hasRules = true; ///< Without rules, no opinion bars nobody.
 };
 
 /// The highest suitability among the eligible; ties go to the incumbent, then to registry order. A pin overrules
@@ -72,7 +72,7 @@ void takePlan(const plan::LightPlan& plan, LightDecision& decision) noexcept;
 
 /// What the plan counts for a method: importance * suitability * quality, the suitability shared by what shows as much
 /// (plan/utility.hpp).
-double utilityOf(const DecisionRecord& record, std::span<const Candidate> candidates, std::uint32_t method) noexcept;
+double utilityOf(const DecisionRecord& record, std::span<const Candidate> candidates, std::uint32_t method);
 
 /// A decision made again with other facts, everything else as it was: pins, capabilities, predictions, the other lights
 /// of the plan. With the facts of the record the answer is the record's method.
@@ -84,21 +84,21 @@ public:
     /// `engine` holds the rules of the record; both outlive this.
     Rechoice(const DecisionRecord& record, const rules::Engine& engine);
 
-    std::uint32_t choose(std::span<const double> facts) noexcept;
+    std::uint32_t choose(std::span<const double> facts);
     const rules::Inference& inference() const { return inference_; } ///< Of the last choose().
 
 private:
-    std::uint32_t chooseInPlan() const noexcept;
-    std::uint32_t allowed() const noexcept;
-    double valueOf(std::uint32_t method) const noexcept;
+    std::uint32_t chooseInPlan() const;
+    MethodSet allowed() const;
+    double valueOf(std::uint32_t method) const;
     double takenMs(std::uint32_t method) const noexcept;
     bool fits(std::uint32_t method) const noexcept;
 
     const DecisionRecord& record_;
     const rules::Engine& engine_;
     rules::Inference inference_;
-    std::array<Candidate, kMaxMethods> candidates_;
-    std::uint32_t barred_ = 0; ///< Methods that other lights, or a hold, keep from this one.
+    std::vector<Candidate> candidates_;
+    MethodSet barred_; ///< Methods that other lights, or a hold, keep from this one.
 };
 
 /// The smallest change of one fact that flips the choice.

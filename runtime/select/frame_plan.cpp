@@ -112,7 +112,7 @@ float shareMs(std::span<const plan::SharedPart> parts, std::span<const std::int3
 {
     double ms = 0.0;
     for (std::size_t p = 0; p < parts.size(); ++p)
-        if (parts[p].methods >> method & 1) ms += parts[p].ms / (1.0 + users[p]);
+        if (parts[p].methods.has(method)) ms += parts[p].ms / (1.0 + users[p]);
     return static_cast<float>(ms);
 }
 
@@ -274,10 +274,11 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
     if (modelMethods_ != methods) growModel(slots_);
     lights_.resize(requests_.size());
     candidates_.resize(requests_.size() * methods);
-    std::array<float, kMaxMethods> sharesMs; // of a light, if all had the method; a plan knows better
+    sharesMs_.resize(methods);
     for (std::uint32_t m = 0; m < methods; ++m) {
         qualities_[m] = static_cast<float>(measures_[m].quality(mapSide(methods_[m])));
-        sharesMs[m] = static_cast<float>(plan::partsMs(budget.parts, 1u << m) / static_cast<double>(requests_.size()));
+        sharesMs_[m] =
+            static_cast<float>(plan::partsMs(budget.parts, MethodSet{m}) / static_cast<double>(requests_.size()));
     }
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         const Request& request = requests_[i];
@@ -305,7 +306,7 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
             from.predictedMs = static_cast<float>(cost.ms);
             from.sigmaMs = static_cast<float>(cost.sigmaMs);
             from.firstMs = static_cast<float>(costs[m].firstMs);
-            from.sharedMs = sharesMs[m];
+            from.sharedMs = sharesMs_[m];
         }
     }
 }
@@ -372,7 +373,7 @@ void FramePlan::economise(const Budget& budget)
     std::array<std::int32_t, plan::kMaxParts> users{};
     const auto count = [&](std::uint32_t method, std::int32_t more) {
         for (std::size_t p = 0; p < budget.parts.size() && method < methods_.size(); ++p)
-            if (budget.parts[p].methods >> method & 1) users[p] += more;
+            if (budget.parts[p].methods.has(method)) users[p] += more;
     };
     for (const std::uint32_t method : priced_)
         count(method, 1);
@@ -403,7 +404,7 @@ std::uint32_t FramePlan::forItsPrice(const Request& request, const Budget& budge
     const LightDecision& decision = *request.decision;
     const LightMemory& memory = *request.memory;
     if (!isByRules(decision.reason) || decision.method >= methods_.size()) return decision.method;
-    const std::span all = std::span<const Candidate>(decision.candidates).first(methods_.size());
+    const std::span all = std::span<const Candidate>(decision.candidates);
     const std::uint32_t method = cheaperEqual(all, decision.method, decision.guessed ? UINT32_MAX : memory.incumbent);
     const bool learning =
         memory.pricedAt != 0 && budget.frame - memory.pricedAt < kPriceFrames && !budget.cut && !memory.guessed;
@@ -416,7 +417,7 @@ void FramePlan::takePrice(const Request& request, std::uint32_t method, const Bu
 {
     LightDecision& decision = *request.decision;
     LightMemory& memory = *request.memory;
-    const std::span all = std::span<const Candidate>(decision.candidates).first(methods_.size());
+    const std::span all = std::span<const Candidate>(decision.candidates);
     const bool forPrice =
         isByRules(decision.reason) && (method != decision.method || servesAsWell(all, memory.incumbent, method));
     if (forPrice && method != memory.incumbent) memory.pricedAt = budget.frame;

@@ -117,6 +117,7 @@ private:
     std::vector<Cost> costs_;                    ///< slots x methods
     std::vector<cost::MethodMeasures> measures_; ///< By method.
     std::vector<float> qualities_;               ///< By method, with this frame's settings.
+    std::vector<float> sharesMs_;                ///< By method: of a light, if all had it; a plan knows better.
     cost::KnowledgeBase knowledge_;
     std::string device_; ///< Of teach().
     std::uint32_t slots_ = 0, slotsUsed_ = 0, modelMethods_ = 0;

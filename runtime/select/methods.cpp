@@ -8,19 +8,26 @@
 
 namespace gnomon {
 
-namespace {
-
-Error unknownMethod(std::string_view name)
-{
-    return {GN_ERROR_UNKNOWN_METHOD, "UnknownMethod", "no method is named '" + std::string(name) + "'"};
-}
-
-} // namespace
-
 MethodTable::MethodTable(const DeviceTable& vk, PipelineStore& pipelines, JobSystem& jobs, const Messages& messages,
                          bool background)
     : vk_(vk), pipelines_(pipelines), jobs_(jobs), messages_(messages), background_(background)
 {
+}
+
+Error MethodTable::unknown(std::string_view name) const
+{
+    std::string text = "no method is named '" + std::string(name) + "'";
+    for (const AbsentAlgorithm& algorithm : absent_)
+        if (name == algorithm.name) text += "; this build is without " + std::string(algorithm.needs);
+    return {GN_ERROR_UNKNOWN_METHOD, "UnknownMethod", text};
+}
+
+MethodSet MethodTable::fallbacks() const
+{
+    MethodSet set;
+    for (const auto& method : methods_)
+        if (method->has(GN_TRAIT_FALLBACK_BIT)) set.add(method->index);
+    return set;
 }
 
 MethodTable::~MethodTable()
@@ -30,8 +37,9 @@ MethodTable::~MethodTable()
 
 Result<void> MethodTable::addBuiltins(const AlgorithmRegistry& registry)
 {
-    for (const AlgorithmEntry* entry : registry.entries)
-        if (auto added = addEntry(*entry); !added) return added.error();
+    for (const BuiltinAlgorithm& algorithm : registry.algorithms)
+        if (auto added = addEntry(*algorithm.entry); !added) return added.error();
+    absent_ = registry.absent;
     return {};
 }
 
@@ -86,7 +94,7 @@ Result<const AlgorithmEntry*> MethodTable::algorithm(std::string_view name) cons
 Result<void> MethodTable::set(std::string_view name, std::string_view setting, double value, std::uint64_t frame)
 {
     Method* method = find(name);
-    if (!method) return unknownMethod(name);
+    if (!method) return unknown(name);
     for (std::size_t i = 0; i < method->entry->settings.size(); ++i) {
         const SettingSpec& spec = method->entry->settings[i];
         if (setting != spec.name) continue;
@@ -162,8 +170,7 @@ std::uint32_t MethodTable::nextWarmup(const MethodDemand& demand)
         return std::nullopt;
     };
     if (const auto found = first([](const Method& method) { return method.has(GN_TRAIT_FALLBACK_BIT); })) return *found;
-    if (const auto found = first([&](const Method& method) { return (demand.pinned >> method.index & 1u) != 0; }))
-        return *found;
+    if (const auto found = first([&](const Method& method) { return demand.pinned.has(method.index); })) return *found;
     return demand.others ? first([](const Method&) { return true; }).value_or(UINT32_MAX) : UINT32_MAX;
 }
 

@@ -7,13 +7,11 @@
 
 #include "runtime/algorithm.hpp"
 #include "runtime/core/messages.hpp"
+#include "runtime/core/method_set.hpp"
 #include "runtime/registry.hpp"
 #include "runtime/vk/pipeline_store.hpp"
 
 namespace gnomon {
-
-/// Sizes fixed arrays in decisions, so that a decision allocates nothing.
-constexpr std::uint32_t kMaxMethods = 32;
 
 struct Method {
     std::string name;
@@ -42,7 +40,7 @@ struct Method {
 
 /// What a frame may ask for.
 struct MethodDemand {
-    std::uint32_t pinned = 0; ///< Bit i: a light is pinned to method i.
+    MethodSet pinned;   ///< Those that a light is pinned to.
     bool others = true; ///< There is no light yet, or one that is not pinned, or not served by what it is pinned to.
 };
 
@@ -64,6 +62,8 @@ public:
     std::uint64_t setAt() const { return setAt_; } ///< The frame of the newest set(); 0: none.
 
     Method* find(std::string_view name) const;
+    /// That no method has the name; where this build lacks it, what it needs.
+    Error unknown(std::string_view name) const;
     Method& operator[](std::uint32_t index) { return *methods_[index]; }
     const Method& operator[](std::uint32_t index) const { return *methods_[index]; }
     std::uint32_t size() const { return static_cast<std::uint32_t>(methods_.size()); }
@@ -78,6 +78,7 @@ public:
     void fail(Method& method, const std::string& why);
     void finishBackground();
     bool anyReady() const;
+    MethodSet fallbacks() const; ///< What serves while another is not ready.
     /// Grows when a method is added: rules are bound anew.
     std::uint64_t revision() const { return revision_; }
 
@@ -92,6 +93,7 @@ private:
     bool background_;
     std::vector<std::unique_ptr<Method>> methods_;
     std::vector<const AlgorithmEntry*> entries_;
+    std::span<const AbsentAlgorithm> absent_;
     std::uint64_t setAt_ = 0;
     std::uint64_t revision_ = 1;
 };

@@ -182,8 +182,8 @@ DecisionRecord RecordRing::at(std::uint64_t frame, std::uint32_t index) const
         engine->evaluate(out.facts, inference);
         out.fired = strongestRules(*engine, inference);
     }
-    std::copy_n(candidates_.begin() + static_cast<std::ptrdiff_t>(place * methods_), out.methods,
-                out.candidates.begin());
+    const auto first = candidates_.begin() + static_cast<std::ptrdiff_t>(place * methods_);
+    out.candidates.assign(first, first + static_cast<std::ptrdiff_t>(out.methods));
     return out;
 }
 

@@ -48,7 +48,7 @@ struct RecordHead {
     std::uint32_t incumbent = UINT32_MAX;
     std::uint32_t pinned = UINT32_MAX;
     std::uint32_t methods = 0;     ///< Candidates in use.
-    std::uint32_t fallbacks = 0;   ///< Bit m: method m serves while another is not ready.
+    MethodSet fallbacks;           ///< What serves while another is not ready.
     std::uint32_t distanceAge = 0; ///< Frames since viewerDistance was measured; UINT32_MAX: never, a lower bound.
     GnReason reason = GN_REASON_RULES;
     Replan replan = Replan::everyFrame;
@@ -79,16 +79,17 @@ struct ReasonedHead : RecordHead {
 };
 
 struct DecisionRecord : ReasonedHead {
-    std::array<Candidate, kMaxMethods> candidates{};
+    std::vector<Candidate> candidates; ///< `methods` of them.
 
-    std::span<const Candidate> all() const { return std::span(candidates).first(methods); }
+    std::span<const Candidate> all() const { return candidates; }
 };
 
 /// What the decisions of a frame have in common.
 struct FrameRecord {
     std::uint64_t frame = 0;
     std::uint64_t knowledge = 0;
-    std::uint32_t methods = 0, fallbacks = 0;
+    std::uint32_t methods = 0;
+    MethodSet fallbacks;
     const rules::RuleBase* base = nullptr; ///< Null: no rules.
     bool budgeted = false, priced = false, cut = false, measuring = false;
     double budgetMs = 0.0;

@@ -10,7 +10,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::string_view kMagic = "GNDECID4";
+constexpr std::string_view kMagic = "GNDECID5";
 constexpr std::uint8_t kNoMethod = 255;
 constexpr std::uint16_t kNoRefusal = 65535;
 enum : std::uint8_t { kBudgeted = 1, kSwitched = 2, kFloor = 4, kFloorUnmet = 8, kPriced = 16, kGuessed = 32 };
@@ -18,6 +18,13 @@ enum : std::uint8_t { kBudgeted = 1, kSwitched = 2, kFloor = 4, kFloorUnmet = 8,
 std::uint8_t packMethod(std::uint32_t method)
 {
     return method < kMaxMethods ? static_cast<std::uint8_t>(method) : kNoMethod;
+}
+
+void writeMethods(ByteWriter& out, const MethodSet& methods)
+{
+    out.integer(static_cast<std::uint8_t>(methods.count()));
+    for (const std::uint32_t method : methods)
+        out.integer(packMethod(method));
 }
 
 /// The numbers of a head that are plain floats, in the order of the file.
@@ -38,7 +45,7 @@ void writeHead(ByteWriter& out, const ReasonedHead& head)
     out.integer(static_cast<std::uint8_t>(head.methods));
     for (const std::uint32_t method : {head.method, head.wanted, head.incumbent, head.pinned})
         out.integer(packMethod(method));
-    out.integer(head.fallbacks);
+    writeMethods(out, head.fallbacks);
     out.integer(head.distanceAge);
     out.integer(static_cast<std::uint8_t>(head.reason));
     out.integer(static_cast<std::uint8_t>(head.replan));
@@ -97,16 +104,16 @@ std::vector<std::string_view> refusalsOf(const DecisionLog& log)
 void DecisionLog::add(const DecisionRecord& record)
 {
     heads.push_back(record);
-    for (std::size_t m = 0; m < methods.size(); ++m)
-        candidates.push_back(record.candidates[m]);
+    candidates.insert(candidates.end(), record.candidates.begin(), record.candidates.end());
+    candidates.resize(heads.size() * methods.size()); // those added later
 }
 
 DecisionRecord DecisionLog::record(std::size_t index) const
 {
     DecisionRecord out;
     static_cast<ReasonedHead&>(out) = heads[index];
-    std::copy_n(candidates.begin() + static_cast<std::ptrdiff_t>(index * methods.size()), methods.size(),
-                out.candidates.begin());
+    const auto first = candidates.begin() + static_cast<std::ptrdiff_t>(index * methods.size());
+    out.candidates.assign(first, first + static_cast<std::ptrdiff_t>(out.methods));
     return out;
 }
 
@@ -185,7 +192,6 @@ private:
     void readNames()
     {
         const auto methods = in_.integer<std::uint8_t>();
-        if (methods > kMaxMethods) return fault("names " + std::to_string(methods) + " methods, more than 32");
         for (std::uint32_t i = 0; i < methods; ++i) {
             LoggedMethod method{.name = text(kMaxLogNameBytes)};
             method.traits = in_.integer<GnTraits>();
@@ -242,7 +248,9 @@ private:
             fault("has " + std::to_string(head.methods) + " methods in a record, more than it names");
         for (std::uint32_t* method : {&head.method, &head.wanted, &head.incumbent, &head.pinned})
             *method = readMethod(head.methods);
-        head.fallbacks = in_.integer<std::uint32_t>();
+        const auto fallbacks = in_.integer<std::uint8_t>();
+        for (std::uint32_t i = 0; i < fallbacks && good(); ++i)
+            if (const std::uint32_t method = readMethod(head.methods); method != UINT32_MAX) head.fallbacks.add(method);
         head.distanceAge = in_.integer<std::uint32_t>();
         head.reason = readEnum(GN_REASON_UTILITY, "reason");
         head.replan = readEnum(static_cast<Replan>(static_cast<int>(Replan::count) - 1), "cause");

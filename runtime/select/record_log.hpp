@@ -3,7 +3,7 @@
 //
 // A chunk, little-endian, no padding; a log file is any number of chunks in the order of their frames:
 //
-//     "GNDECID4"                                                     version in the last byte
+//     "GNDECID5"                                                     version in the last byte
 //     u32 size of the chunk in bytes, hash included
 //     u64 frame origin: subtracted from frame numbers when they are shown or asked for
 //     u8 methods x { text name; u32 traits (GnTraits); text why the device cannot run it, or empty }
@@ -14,7 +14,7 @@
 //     u32 records x {
 //         u64 frame, rule base hash, timings the cost model had learned from
 //         u32 light id; u8 how many of the methods there were then; u8 method, wanted, incumbent, pinned (255: none)
-//         u32 fallbacks (a bit per method), frames since the distance was measured (2^32 - 1: never)
+//         u8 fallbacks x u8 method; u32 frames since the distance was measured (2^32 - 1: never)
 //         u8 reason (GnReason), cause of the re-planning (Replan), hold (plan::Hold)
 //         u8 flags: 1 budgeted, 2 switched, 4 near floor, 8 floor unmet
 //         f32 floor truth, floor strength, minimum quality, importance, suitability, measured ms, budget ms, usable ms,

@@ -154,9 +154,11 @@ double shareOf(const LightMemory& memory, const CameraView& view, const LightVie
     return memory.measured ? double{memory.share.get()} : guessedShare(view, light);
 }
 
-LightDecision Selector::assess(const SelectionInput& input, const LightMemory& memory) const
+LightDecision Selector::assess(const SelectionInput& input, const LightMemory& memory,
+                               std::span<Candidate> candidates) const
 {
     LightDecision decision;
+    decision.candidates = candidates;
     decision.light = input.light->handle;
     decision.lightId = input.light->id;
     decision.incumbent = memory.incumbent;
@@ -199,11 +201,9 @@ void Selector::choose(std::span<LightDecision> decisions)
 
 void Selector::settle(LightDecision& decision, std::uint32_t incumbent) const
 {
-    std::uint32_t fallbacks = 0;
-    for (std::uint32_t i = 0; i < methods_.size(); ++i)
-        fallbacks |= methods_[i].has(GN_TRAIT_FALLBACK_BIT) ? 1u << i : 0u;
+    const MethodSet fallbacks = methods_.fallbacks();
     const Choice choice = chooseBySuitability(
-        std::span(decision.candidates).first(methods_.size()),
+        decision.candidates,
         {.incumbent = incumbent, .pinned = decision.pinned, .fallbacks = fallbacks, .hasRules = engine_ != nullptr});
     decision.method = choice.method;
     decision.wanted = choice.wanted;

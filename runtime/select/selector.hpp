@@ -12,6 +12,7 @@
 
 #include "rules/engine/batch.hpp"
 #include "rules/engine/engine.hpp"
+#include "runtime/core/method_array.hpp"
 #include "runtime/cost/cost_model.hpp"
 #include "runtime/plan/plan.hpp"
 #include "runtime/select/facts.hpp"
@@ -39,15 +40,15 @@ enum class Exclusion : std::uint8_t {
 struct Candidate {
     Exclusion exclusion = Exclusion::none;
     bool opinion = false;
-    std::int32_t quantised = -1;          ///< Suitability in steps of 1/4096; -1: no opinion.
-    std::uint64_t detail = 0;             ///< Count, bytes or rule, as the exclusion says.
-    const char* refusal = nullptr;        ///< Static storage.
-    float quality = 0.0f;                 ///< Share of the truth it keeps, as the plan counts it; from the plan on.
-    float predictedMs = 0.0f;             ///< By the cost model.
-    float sigmaMs = 0.0f;                 ///< Standard error of the prediction.
-    float firstMs = 0.0f;                 ///< What the first frame takes beyond that, where the light changes to it.
-    float sharedMs = 0.0f;                ///< Work for the whole view: what no other light of the plan needs; without a plan,
-                                          ///< the light's part of it if all had the method.
+    std::int32_t quantised = -1;   ///< Suitability in steps of 1/4096; -1: no opinion.
+    std::uint64_t detail = 0;      ///< Count, bytes or rule, as the exclusion says.
+    const char* refusal = nullptr; ///< Static storage.
+    float quality = 0.0f;          ///< Share of the truth it keeps, as the plan counts it; from the plan on.
+    float predictedMs = 0.0f;      ///< By the cost model.
+    float sigmaMs = 0.0f;          ///< Standard error of the prediction.
+    float firstMs = 0.0f;          ///< What the first frame takes beyond that, where the light changes to it.
+    float sharedMs = 0.0f;         ///< Work for the whole view: what no other light of the plan needs; without a plan,
+                                   ///< the light's part of it if all had the method.
     plan::Why why = plan::Why::outscored; ///< By the plan step, or by the best suitability where there is none.
 };
 
@@ -68,7 +69,7 @@ struct LightDecision {
     float viewerDistance = 0.0f;
     bool distanceMeasured = false;
     bool switched = false;
-    bool guessed = false;                ///< The incumbent was chosen before its receivers were measured, as they are now.
+    bool guessed = false; ///< The incumbent was chosen before its receivers were measured, as they are now.
     std::uint32_t outgoing = UINT32_MAX; ///< Runs as well while the picture fades from it.
     float fade = 1.0f;                   ///< Share of `method` in what is shown.
     std::uint32_t probed = UINT32_MAX;   ///< Runs as well, to be measured; what it shows nobody sees.
@@ -80,7 +81,7 @@ struct LightDecision {
     float importance = 1.0f;
     plan::Hold hold = plan::Hold::none;
     FactValues facts{};
-    std::array<Candidate, kMaxMethods> candidates{};
+    std::span<Candidate> candidates; ///< Of every method; kept by who asked for the decision.
 };
 
 /// Of a method whose passes could not be made for a light: it is left alone for a while, each time for twice as long.
@@ -114,8 +115,8 @@ struct LightMemory {
     bool measured = false;
     std::uint64_t measuredAt = 0; ///< Frame of the newest measurement.
     MedianOfFive share;
-    MedianOfFive treeLevels;                     ///< Reach::treeLevels; valid if `measured`.
-    std::array<float, kMaxMethods> measuredMs{}; ///< Newest per method; 0: none.
+    MedianOfFive treeLevels;       ///< Reach::treeLevels; valid if `measured`.
+    MethodArray<float> measuredMs; ///< Newest per method; 0: none.
     std::uint64_t lastFrame = 0;
     plan::LightMemory plan;
     Fade fade;
@@ -126,7 +127,7 @@ struct LightMemory {
     std::uint64_t pricedAt = 0;          ///< Frame in which the method last changed for its price.
     std::uint32_t probed = UINT32_MAX;   ///< The newest method that was measured beside it, from probedSince on.
     std::uint64_t probedSince = 0;
-    std::array<PassFailure, kMaxMethods> failures{};
+    MethodArray<PassFailure> failures;
 };
 
 /// Share of the picture that a light reaches: as measured, or as guessed until then.
@@ -175,7 +176,7 @@ public:
     std::string_view rulesName() const { return rulesName_; }
 
     /// Facts and capability of one light; allocates nothing. No method is chosen yet.
-    LightDecision assess(const SelectionInput& input, const LightMemory& memory) const;
+    LightDecision assess(const SelectionInput& input, const LightMemory& memory, std::span<Candidate> candidates) const;
     /// What the rules think of all of them, asked together, and the best by suitability. Allocates only for more lights
     /// than ever before.
     void choose(std::span<LightDecision> decisions);

@@ -34,19 +34,19 @@ void SharedParts::teach(std::span<const cost::KnowledgePart> parts, std::string_
     for (Entry& entry : entries_) {
         if (entry.shown) continue;
         entry.msPerPixel.reset(); // an earlier base's
-        entry.methods = 0;
+        entry.methods = {};
     }
     for (const cost::KnowledgePart& part : parts) {
         Entry* const entry = part.device == device ? entryOf(part.pass) : nullptr;
         if (!entry) continue;
         for (std::size_t m = entry->shown ? taught_ : 0; m < algorithms.size(); ++m)
-            if (algorithms[m] == part.algorithm) entry->methods |= 1u << m;
+            if (algorithms[m] == part.algorithm) entry->methods.add(static_cast<std::uint32_t>(m));
         if (!entry->shown) entry->msPerPixel.add(static_cast<float>((part.gpuMs + part.cpuMs) / part.viewPixels));
     }
     taught_ = algorithms.size();
 }
 
-void SharedParts::note(const char* pass, std::uint32_t methods, float ms)
+void SharedParts::note(const char* pass, const MethodSet& methods, float ms)
 {
     Entry* const entry = entryOf(pass);
     if (!entry) return;
@@ -54,15 +54,15 @@ void SharedParts::note(const char* pass, std::uint32_t methods, float ms)
     entry->ms += ms;
 }
 
-void SharedParts::endFrame(std::uint32_t ran, double pixels)
+void SharedParts::endFrame(const MethodSet& ran, double pixels)
 {
     for (Entry& entry : entries_) {
-        entry.methods = (entry.methods & ~ran) | entry.declarers;
-        if (entry.declarers) {
+        entry.methods = (entry.methods - ran) | entry.declarers;
+        if (!entry.declarers.empty()) {
             if (!std::exchange(entry.shown, true)) entry.msPerPixel.reset();
             entry.msPerPixel.add(static_cast<float>(entry.ms / pixels));
         }
-        entry.declarers = 0;
+        entry.declarers = {};
         entry.ms = 0.0f;
     }
 }
@@ -71,7 +71,7 @@ std::span<const plan::SharedPart> SharedParts::parts(double pixels)
 {
     std::size_t count = 0;
     for (const Entry& entry : entries_) {
-        if (!entry.methods) continue;
+        if (entry.methods.empty()) continue;
         const auto end = parts_.begin() + static_cast<std::ptrdiff_t>(count);
         auto part = std::find_if(parts_.begin(), end, [&](const auto& p) { return p.methods == entry.methods; });
         if (part == end) {

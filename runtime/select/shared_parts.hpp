@@ -29,22 +29,22 @@ public:
                std::span<const std::string_view> algorithms) noexcept;
     /// A pass of view scope of a timed frame; of several views, one after the other.
     /// @param pass    Name.
-    /// @param methods Bit m: method m declared it.
-    void note(const char* pass, std::uint32_t methods, float ms);
-    /// @param ran    Bit m: method m had passes in that frame. One that ran without a pass does not need it.
+    /// @param methods Those that declared it.
+    void note(const char* pass, const MethodSet& methods, float ms);
+    /// @param ran    Methods that had passes in that frame. One that ran without a pass does not need it.
     /// @param pixels Of all views of that frame, > 0. Such work is done pixel by pixel.
-    void endFrame(std::uint32_t ran, double pixels);
+    void endFrame(const MethodSet& ran, double pixels);
     /// For a frame with so many pixels; valid until the next call. Passes that the same methods need are one part.
     std::span<const plan::SharedPart> parts(double pixels);
 
 private:
     struct Entry {
         std::uint64_t name = 0; ///< Hash of the text: a pass may come from a library that was loaded anew.
-        std::uint32_t methods = 0;
+        MethodSet methods;
         MedianOfFive msPerPixel;
         bool shown = false; ///< By a frame.
         // Of the frame that is being noted.
-        std::uint32_t declarers = 0;
+        MethodSet declarers;
         float ms = 0.0f;
     };
     Entry* entryOf(std::string_view pass);

@@ -35,8 +35,8 @@ RuleVocabulary::RuleVocabulary(const AlgorithmRegistry& registry) : traits(trait
 {
     for (const FactName& fact : kFactNames)
         facts.push_back({fact.name, fact.unit});
-    for (const char* name : registry.absent)
-        absent.push_back({name, {}});
+    for (const AbsentAlgorithm& algorithm : registry.absent)
+        absent.push_back({algorithm.name, {}});
 }
 
 void RuleVocabulary::addMethod(std::string name, GnTraits methodTraits)

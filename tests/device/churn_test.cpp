@@ -44,21 +44,14 @@ VkExtent2D extentOf(uint32_t frame)
     return {160 + 8 * (frame % 7), 90 + 4 * (frame % 5)};
 }
 
-/// By rays: without a radius they are ray_traced.
-bool soft(const std::string& method)
-{
-    return method == "coherence_sampling" || method == "eight_point_hybrid";
-}
-
 /// Casters of the ball and the box, unseen by the camera, which sees the floor alone: the host need not redraw them.
-Scene churnScene(const char* method)
+Scene churnScene(const GnMethodInfo& method)
 {
     Scene scene = smallScene();
     scene.instances[kBall].isStatic = scene.instances[kBox].isStatic = false;
-    const bool point = std::string(method) == "cube_map" || std::string(method) == "dual_paraboloid";
-    if (point) scene.lights = {pointLight("bulb", {1.0, 5.0, 2.0}, true)};
-    if (soft(method)) scene.lights[0].radius = 0.2f;
-    if (std::string(method) == "cascades") scene.lights[0].kind = demo::LightKind::Directional;
+    if (servedKind(method) == demo::LightKind::Point) scene.lights = {pointLight("bulb", {1.0, 5.0, 2.0}, true)};
+    if (servedKind(method) == demo::LightKind::Directional) scene.lights[0].kind = demo::LightKind::Directional;
+    if (method.traits & GN_TRAIT_SOFT_PENUMBRA_BIT) scene.lights[0].radius = 0.2f;
     return scene;
 }
 
@@ -69,24 +62,24 @@ void hideCasters(Host& host)
 }
 
 /// What the frame must look like, by a context that has never seen another frame.
-std::vector<Image8> expected(const char* method, uint32_t frame)
+std::vector<Image8> expected(const GnMethodInfo& method, uint32_t frame)
 {
     Scene scene = churnScene(method);
     scene.meshes[1] = ballOf(frame);
     scene.meshes[2] = boxOf(frame);
     Host fresh(scene, {.extent = extentOf(frame)});
     hideCasters(fresh);
-    fresh.pinAll(method);
+    fresh.pinAll(method.pName);
     fresh.require(fresh.draw());
     return fresh.pictures();
 }
 
-void churn(const char* method)
+void churn(const GnMethodInfo& method)
 {
-    CAPTURE(std::string(method));
+    CAPTURE(std::string(method.pName));
     Host host(churnScene(method), {.extent = extentOf(0), .framesInFlight = 3});
     hideCasters(host);
-    host.pinAll(method);
+    host.pinAll(method.pName);
     GnMesh box = host.meshes[2];
     const uint32_t waitsBefore = vulkanCalls().deviceWaitIdle + vulkanCalls().queueWaitIdle;
     for (uint32_t frame = 0; frame < kFrames; ++frame) {
@@ -99,11 +92,8 @@ void churn(const char* method)
         gnDestroyMesh(host.context, box);
         box = next;
         host.resize(extentOf(frame));
-        // Rays need the CPU, so those frames cannot be recorded; the others are, every third of them for nothing.
-        const bool recordable = std::string(method) != "ray_traced" && std::string(method) != "pcf_hybrid" &&
-                                std::string(method) != "angular_spans" && std::string(method) != "contour_chain" &&
-                                std::string(method) != "tile_shafts" && !soft(method) &&
-                                std::string(method).rfind("conservative_map", 0) != 0;
+        // What can be recorded is, every third frame for nothing.
+        const bool recordable = method.roundTrips == 0;
         const bool drop = recordable && frame % 3 == 2;
         host.require(host.draw({.call = recordable ? Call::record : Call::submit, .drop = drop}));
         REQUIRE(host.decision(0).reason == GN_REASON_PINNED);
@@ -122,33 +112,15 @@ TEST_CASE_FIXTURE(
     DeviceTest,
     "100 frames of destroyed meshes, rewritten positions, new sizes and dropped buffers show the right shadows")
 {
-    for (const char* method : {"shadow_map",
-                               "cube_map",
-                               "dual_paraboloid",
-                               "rbsm",
-                               "cascades",
-                               "stencil_volume",
-                               "octree_volume",
-                               "all_edges_volume",
-                               "projected_planar",
-                               "chan_durand",
-                               "mccool",
-                               "pcf_hybrid",
-                               "ray_traced",
-                               "angular_spans",
-                               "contour_chain",
-                               "conservative_map",
-                               "conservative_map_adjacency",
-                               "tile_shafts",
-                               "penumbra_wedges",
-                               "coherence_sampling",
-                               "eight_point_hybrid"})
+    const Host known(smallScene(), {.warmUp = false});
+    for (const GnMethodInfo& method : availableMethods(known.context))
         churn(method);
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "nothing waits for an idle device or queue, nor does the destruction of the context")
 {
-    auto host = std::make_unique<Host>(churnScene("shadow_map"), HostOptions{.framesInFlight = 3, .viewCount = 2});
+    auto host = std::make_unique<Host>(churnScene({.traits = GN_TRAIT_SPOT_BIT}),
+                                       HostOptions{.framesInFlight = 3, .viewCount = 2});
     const uint32_t deviceWaits = vulkanCalls().deviceWaitIdle, queueWaits = vulkanCalls().queueWaitIdle;
     const std::string rules = shippedRules("default");
     host->require(gnLoadRules(host->context, rules.data(), rules.size(), "default"));

@@ -189,5 +189,9 @@ size_t lit(const Image8& picture);
 std::vector<GnMethodInfo> availableMethods(GnContext context);
 std::string shippedRules(const char* name);
 bool serves(const GnMethodInfo& method, demo::LightKind kind);
+/// Has a map whose side is a setting.
+bool hasMap(const GnMethodInfo& method);
+/// A kind of light that the method serves: a spot light if it can.
+demo::LightKind servedKind(const GnMethodInfo& method);
 
 } // namespace gnomon::test

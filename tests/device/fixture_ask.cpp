@@ -182,6 +182,20 @@ bool serves(const GnMethodInfo& method, LightKind kind)
     return (method.traits & bit) != 0;
 }
 
+bool hasMap(const GnMethodInfo& method)
+{
+    const std::span settings(method.pSettings, method.settingCount);
+    return std::ranges::any_of(settings,
+                               [](const GnSettingInfo& s) { return std::string_view(s.pName) == "resolution"; });
+}
+
+LightKind servedKind(const GnMethodInfo& method)
+{
+    return serves(method, LightKind::Spot)    ? LightKind::Spot
+           : serves(method, LightKind::Point) ? LightKind::Point
+                                              : LightKind::Directional;
+}
+
 GnInstance addHostDrawn(Host& host, GnInstanceFlags extra, double x, uint32_t mask)
 {
     GnInstanceCreateInfo info{};

@@ -311,7 +311,7 @@ TEST_CASE_FIXTURE(DeviceTest,
         CHECK(polygons.count <= layers); // a face that no visible receiver needs has none
         CHECK(polygons.count >= (layers + 1) / 2);
         const VkDeviceSize held = viewBytes(books) + maps + lists;
-        const VkDeviceSize told = toldBytes(kMcCool, point ? GN_LIGHT_TYPE_POINT : GN_LIGHT_TYPE_SPOT);
+        const VkDeviceSize told = toldBytes(kMccool, point ? GN_LIGHT_TYPE_POINT : GN_LIGHT_TYPE_SPOT);
         MESSAGE("mccool: " << held << " bytes held, " << told << " told");
         CHECK(held <= told);
         CHECK(told <= 2 * held);

@@ -21,8 +21,8 @@ class PlanTable {
 public:
     PlanTable()
     {
-        for (const AlgorithmEntry* entry : builtinRegistry().entries) {
-            entries_.push_back(*entry);
+        for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms) {
+            entries_.push_back(*algorithm.entry);
             entries_.back().missing = [](const DeviceTable&) { return "there is no device"; };
         }
         for (const AlgorithmEntry& entry : entries_)
@@ -34,8 +34,9 @@ public:
         LightView light{};
         LightMemory memory;
         LightDecision decision;
-        std::uint32_t able = UINT32_MAX; ///< Bit m: method m may serve.
-        std::uint32_t suited = 0;        ///< By the rules.
+        std::vector<Candidate> candidates; ///< Of the decision.
+        MethodSet able;                    ///< Methods that may serve.
+        std::uint32_t suited = 0;          ///< By the rules.
     };
 
     /// Predicts for these lights as in a frame; every method may serve, and the rules like all alike.
@@ -45,10 +46,12 @@ public:
         plan.begin();
         for (Lamp& lamp : lamps) {
             lamp.light.id = static_cast<std::uint32_t>(&lamp - lamps.data()) + 1;
+            lamp.candidates.assign(methods_.size(), {});
             lamp.decision = {};
+            lamp.decision.candidates = lamp.candidates;
             lamp.decision.method = 0;
             for (std::uint32_t m = 0; base && m < methods_.size(); ++m)
-                lamp.decision.candidates[m] = {.exclusion = lamp.able >> m & 1 ? Exclusion::none : Exclusion::lightKind,
+                lamp.decision.candidates[m] = {.exclusion = lamp.able.has(m) ? Exclusion::none : Exclusion::lightKind,
                                                .quantised = 2000};
             if (base) lamp.decision.method = lamp.suited;
             plan.add(lamp.decision, lamp.memory,
@@ -122,7 +125,7 @@ TEST_CASE("without a plan every light carries its share of the view's work, as i
 {
     PlanTable table;
     FramePlan plan(table.methods(), true);
-    const plan::SharedPart parts[] = {{6.0, 0b101}, {1.5, 0b001}};
+    const plan::SharedPart parts[] = {{6.0, {0, 2}}, {1.5, {0}}};
     for (const std::size_t lights : {1u, 3u}) {
         std::vector<PlanTable::Lamp> lamps(lights);
         table.predict(plan, lamps, lights, parts);
@@ -147,7 +150,7 @@ TEST_CASE("without a budget lights leave together for what they share, or not at
     std::vector<PlanTable::Lamp> lamps(3);
     std::uint64_t frame = 1;
     for (PlanTable::Lamp& lamp : lamps)
-        lamp.suited = lamp.memory.incumbent = now, lamp.able = 1u << now;
+        lamp.suited = lamp.memory.incumbent = now, lamp.able = {now};
     for (; frame < 80; ++frame) { // 10 ms a light by the one, 5 by the other
         table.predict(plan, lamps, frame, {}, &base);
         for (PlanTable::Lamp& lamp : lamps) {
@@ -158,11 +161,12 @@ TEST_CASE("without a budget lights leave together for what they share, or not at
         plan.endFrame();
     }
     const auto serving = [&](std::uint32_t able, double partMs, std::uint32_t incumbent, bool isNew = false) {
-        const plan::SharedPart parts[] = {{partMs, 1u << other}};
+        const plan::SharedPart parts[] = {{partMs, {other}}};
         for (PlanTable::Lamp& lamp : lamps) {
             lamp.memory.incumbent = incumbent;
             lamp.memory.pricedAt = isNew ? frame : 0;
-            lamp.able = 1u << now | ((able >> (&lamp - lamps.data()) & 1) != 0 ? 1u << other : 0u);
+            lamp.able = {now};
+            if (able >> (&lamp - lamps.data()) & 1) lamp.able.add(other);
         }
         table.predict(plan, lamps, ++frame, parts, &base);
         std::uint32_t moved = 0;
@@ -170,8 +174,8 @@ TEST_CASE("without a budget lights leave together for what they share, or not at
             moved |= lamp.decision.method == other ? 1u << (&lamp - lamps.data()) : 0u;
         return moved;
     };
-    const Candidate& by = lamps[0].decision.candidates[other];
     CHECK(serving(0b111, 0.0, now) == 0b111);
+    const Candidate& by = lamps[0].candidates[other];
     REQUIRE(lamps[0].decision.candidates[now].predictedMs == doctest::Approx(10.0).epsilon(0.1));
     REQUIRE(by.predictedMs == doctest::Approx(5.0).epsilon(0.1));
     // A part of 7.5 ms: three save 15 ms by it, one or two nothing that is worth it.
@@ -196,7 +200,8 @@ TEST_CASE("what was chosen before a light was measured holds until it is, and bi
     PlanTable::Lamp lamp;
     lamp.memory.measured = true;
     const auto next = [&](std::uint64_t frame) {
-        LightDecision decision = selector.assess(table.input(lamp), lamp.memory);
+        std::vector<Candidate> candidates(table.methods().size());
+        LightDecision decision = selector.assess(table.input(lamp), lamp.memory, candidates);
         decision.method = 1;
         selector.commit(decision, lamp.memory, frame);
         return decision.guessed;
@@ -230,7 +235,9 @@ TEST_CASE("what the cheapest takes heeds pins, vetoes and silence, and not what 
 TEST_CASE("the reason is what keeps the best suited method, not what holds the plan's favourite back")
 {
     const auto reason = [](std::uint32_t planWants, plan::Why why) {
+        std::vector<Candidate> candidates(3);
         LightDecision decision;
+        decision.candidates = candidates;
         decision.method = 0; // suits best
         decision.candidates[0].why = why;
         takePlan({.chosen = 2, .wanted = planWants, .hold = plan::Hold::quota}, decision);
@@ -304,7 +311,7 @@ TEST_CASE("by the knowledge that ships, no rule favours near what the floor keep
         if (floor.when.empty()) continue;
         rules::Inference inference = engine->makeInference();
         const rules::CompiledRules& compiled = engine->compiled();
-        std::vector<double> lacking(registry.entries.size(), 1.0); // quality where favoured but below the floor
+        std::vector<double> lacking(registry.algorithms.size(), 1.0); // quality where favoured but below the floor
         std::mt19937 random(7);
         for (int round = 0; round < 20'000; ++round) {
             FactValues facts{};
@@ -321,7 +328,7 @@ TEST_CASE("by the knowledge that ships, no rule favours near what the floor keep
                     if (slot % compiled.suitabilityTerms + 1 != compiled.suitabilityTerms) continue;
                     const std::uint32_t output = slot / compiled.suitabilityTerms;
                     Method method;
-                    method.entry = registry.entries[output];
+                    method.entry = registry.algorithms[output].entry;
                     for (const SettingSpec& setting : method.entry->settings)
                         method.settings.push_back(setting.standard);
                     const double quality = lacking[output] == 1.0 ? double{qualityOf(method, *knowledge.base)} : 1.0;
@@ -331,7 +338,7 @@ TEST_CASE("by the knowledge that ships, no rule favours near what the floor keep
         }
         for (std::size_t output = 0; output < lacking.size(); ++output)
             CHECK_MESSAGE(lacking[output] == 1.0, std::string(shipped.name), ": ",
-                          std::string(registry.entries[output]->name), " ", lacking[output]);
+                          std::string(registry.algorithms[output].entry->name), " ", lacking[output]);
     }
 }
 

@@ -195,7 +195,9 @@ TEST_CASE("what suits better but is below the near floor is left for the floor, 
 
 TEST_CASE("the long explanation says of every method that could serve what kept it from it")
 {
+    std::vector<Candidate> candidates(methodWords().size());
     LightDecision decision;
+    decision.candidates = candidates;
     decision.method = 0;
     decision.hold = plan::Hold::ban;
     decision.candidates[0].quality = 1.0f;

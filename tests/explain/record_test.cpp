@@ -130,9 +130,9 @@ TEST_CASE("the ring keeps 256 frames, finds a light in each, and grows without l
     CHECK(record.measuredMs == 0.0f);
 }
 
-TEST_CASE("a ring in use allocates nothing, and its record holds no memory of its own")
+TEST_CASE("a ring in use allocates nothing, and its heads hold no memory of their own")
 {
-    static_assert(std::is_trivially_copyable_v<DecisionRecord>);
+    static_assert(std::is_trivially_copyable_v<RecordHead>);
     RecordRing ring;
     fill(ring, 1, 1, 8, 6);
     const std::vector<Candidate> candidates = candidatesOf(1, 6);

@@ -12,8 +12,8 @@ std::optional<rules::Engine> bindRules(std::string_view text)
 {
     const AlgorithmRegistry registry = builtinRegistry();
     RuleVocabulary vocabulary(registry);
-    for (const AlgorithmEntry* entry : registry.entries)
-        vocabulary.addMethod(entry->name, entry->traits);
+    for (const BuiltinAlgorithm& algorithm : registry.algorithms)
+        vocabulary.addMethod(algorithm.entry->name, algorithm.entry->traits);
     rules::ParseResult parsed = rules::parseRuleBase(text, "fixture");
     if (!parsed) return std::nullopt;
     return std::move(rules::Engine::bind(std::move(*parsed.base), vocabulary.view()).engine);
@@ -52,8 +52,8 @@ const std::vector<MethodWords>& methodWords()
 {
     static const std::vector<MethodWords> words = [] {
         std::vector<MethodWords> all;
-        for (const AlgorithmEntry* entry : builtinRegistry().entries)
-            all.push_back({entry->name, ""});
+        for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
+            all.push_back({algorithm.entry->name, ""});
         return all;
     }();
     return words;
@@ -121,7 +121,9 @@ DecisionRecord SelectorFixture::decide(const Situation& situation)
     const auto methods = static_cast<std::uint32_t>(situation.candidates.size());
     rules::Inference inference = engine_.makeInference();
     engine_.evaluate(situation.facts, inference);
+    std::vector<Candidate> candidates = situation.candidates;
     LightDecision decision;
+    decision.candidates = candidates;
     decision.lightId = 1;
     decision.facts = situation.facts;
     decision.distanceMeasured = true;
@@ -130,7 +132,7 @@ DecisionRecord SelectorFixture::decide(const Situation& situation)
     decision.importance = static_cast<float>(situation.importance);
     decision.floorTruth = inference.floorTruth;
     for (std::uint32_t m = 0; m < methods; ++m) {
-        Candidate& candidate = decision.candidates[m] = situation.candidates[m];
+        Candidate& candidate = candidates[m];
         candidate.quantised = inference.outputs[m].quantised;
         candidate.opinion = inference.outputs[m].hasOpinion;
         if (inference.outputs[m].vetoed && candidate.exclusion == Exclusion::none) {
@@ -138,10 +140,9 @@ DecisionRecord SelectorFixture::decide(const Situation& situation)
             candidate.detail = inference.outputs[m].vetoRule;
         }
     }
-    const std::uint32_t fallbacks = 1u << methodNamed("shadow_map");
-    const Choice choice =
-        chooseBySuitability(std::span(decision.candidates).first(methods),
-                            {.incumbent = situation.incumbent, .pinned = situation.pinned, .fallbacks = fallbacks});
+    const MethodSet fallbacks{methodNamed("shadow_map")};
+    const Choice choice = chooseBySuitability(
+        candidates, {.incumbent = situation.incumbent, .pinned = situation.pinned, .fallbacks = fallbacks});
     decision.method = choice.method;
     decision.wanted = choice.wanted;
     decision.reason = choice.reason;
@@ -166,7 +167,7 @@ DecisionRecord SelectorFixture::decide(const Situation& situation)
     DecisionRecord record;
     static_cast<RecordHead&>(record) = makeRecord(decision, frame, frame_);
     record.fired = strongestRules(engine_, inference);
-    record.candidates = decision.candidates;
+    record.candidates = std::move(candidates);
     return record;
 }
 

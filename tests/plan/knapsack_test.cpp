@@ -17,29 +17,33 @@ namespace {
 struct Instance {
     std::vector<double> values, costs;
     std::vector<SharedPart> parts;
-    std::vector<uint32_t> allowed;
+    std::vector<MethodSet> allowed;
     Problem problem;
 
     /// Costs log-uniform over two decades, values random but rising with cost on average, like methods are.
     Instance(Random& random, uint32_t lights, uint32_t methods, uint32_t withParts = 0)
     {
         for (uint32_t light = 0; light < lights; ++light) {
-            uint32_t mask = 0;
+            MethodSet mask;
             for (uint32_t m = 0; m < methods; ++m) {
                 const double octave = random.between(0.0, 6.6);
                 costs.push_back(0.05 * (1u << static_cast<uint32_t>(octave)) *
                                 (1.0 + octave - static_cast<uint32_t>(octave)));
                 values.push_back(random.unit() * (0.3 + 0.1 * octave));
-                if (random.unit() < 0.9) mask |= 1u << m;
+                if (random.unit() < 0.9) mask.add(m);
             }
-            allowed.push_back(mask | 1u << random.below(methods));
+            mask.add(random.below(methods));
+            allowed.push_back(mask);
         }
         for (uint32_t i = 0; i < withParts; ++i) {
             const bool free = random.unit() < 0.1;
             // By one method, by two, by many: a copy of the depth is for all that ask on the CPU.
-            uint32_t needed = 1u << random.below(methods);
-            if (i % 3 != 0) needed |= 1u << random.below(methods);
-            if (i % 3 == 2) needed |= 0x15u << random.below(3);
+            MethodSet needed{random.below(methods)};
+            if (i % 3 != 0) needed.add(random.below(methods));
+            if (i % 3 == 2) {
+                const uint32_t first = random.below(3);
+                needed |= {first, first + 2, first + 4};
+            }
             parts.push_back({free ? 0.0 : random.between(0.1, 1.5), needed});
         }
         problem = {lights, methods, values, costs, allowed, parts, 0.0};
@@ -47,7 +51,7 @@ struct Instance {
         for (uint32_t light = 0; light < lights; ++light) {
             double low = std::numeric_limits<double>::infinity(), high = 0.0;
             for (uint32_t m = 0; m < methods; ++m)
-                if (allowed[light] >> m & 1) {
+                if (allowed[light].has(m)) {
                     low = std::min(low, costs[light * methods + m]);
                     high = std::max(high, costs[light * methods + m]);
                 }
@@ -65,9 +69,9 @@ struct Exhaustive {
     double best = -1.0;
     double cheapest = std::numeric_limits<double>::infinity();
 
-    Exhaustive(const Problem& p, double budget) : problem(p), budgetMs(budget) { visit(0, 0.0, 0.0, 0); }
+    Exhaustive(const Problem& p, double budget) : problem(p), budgetMs(budget) { visit(0, 0.0, 0.0, {}); }
 
-    void visit(uint32_t light, double value, double cost, uint32_t used)
+    void visit(uint32_t light, double value, double cost, const MethodSet& used)
     {
         cheapest = light == problem.lights ? std::min(cheapest, cost) : cheapest;
         if (light == problem.lights) {
@@ -75,13 +79,13 @@ struct Exhaustive {
             return;
         }
         for (uint32_t m = 0; m < problem.methods; ++m) {
-            if (!(problem.allowed[light] >> m & 1)) continue;
+            if (!problem.allowed[light].has(m)) continue;
             const size_t i = size_t{light} * problem.methods + m;
             double next = cost + problem.costsMs[i];
             for (const SharedPart& part : problem.parts)
-                if ((part.methods >> m & 1) && !(part.methods & used)) next += part.ms;
+                if (part.methods.has(m) && !part.methods.meets(used)) next += part.ms;
             if (next > budgetMs && next >= cheapest) continue;
-            visit(light + 1, value + problem.values[i], next, used | 1u << m);
+            visit(light + 1, value + problem.values[i], next, used | MethodSet{m});
         }
     }
 };
@@ -92,7 +96,7 @@ double cheapestOf(const Problem& problem)
     for (uint32_t light = 0; light < problem.lights; ++light) {
         double low = std::numeric_limits<double>::infinity();
         for (uint32_t m = 0; m < problem.methods; ++m)
-            if (problem.allowed[light] >> m & 1) low = std::min(low, problem.costsMs[light * problem.methods + m]);
+            if (problem.allowed[light].has(m)) low = std::min(low, problem.costsMs[light * problem.methods + m]);
         sum += low;
     }
     return sum;
@@ -176,7 +180,7 @@ TEST_CASE("no plan costs more than the budget if the cheapest one does not")
         if (!found.fits) CHECK(found.costMs == doctest::Approx(cheapest).epsilon(1e-12));
         CHECK((found.costMs <= instance.problem.budgetMs) == found.fits);
         for (uint32_t light = 0; light < instance.problem.lights; ++light)
-            REQUIRE((instance.allowed[light] >> chosen[light] & 1));
+            REQUIRE(instance.allowed[light].has(chosen[light]));
     }
 }
 
@@ -234,7 +238,7 @@ TEST_CASE("the same problem gives the same plan without allocating, whatever was
 TEST_CASE("a light that may have nothing is left out")
 {
     const std::vector<double> values{1.0, 2.0, 1.0, 2.0}, costs{1.0, 2.0, 1.0, 2.0};
-    const std::vector<uint32_t> allowed{0, 3};
+    const std::vector<MethodSet> allowed{{}, {0, 1}};
     Knapsack knapsack;
     knapsack.reserve(2, 2);
     std::vector<uint32_t> chosen(2);

@@ -13,10 +13,10 @@ TEST_CASE("the cheapest plan keeps the floor and charges a shared part once")
     CHECK(scene.step().cheapestMs == doctest::Approx(3.0));
     scene.requests[0].floor = true;
     scene.requests[0].minimumQuality = 0.9f;
-    const std::vector<SharedPart> parts{{0.5, 1u << kCheap}, {0.25, 1u << kGood}};
+    const std::vector<SharedPart> parts{{0.5, {kCheap}}, {0.25, {kGood}}};
     scene.input.parts = parts;
     CHECK(scene.step().cheapestMs == doctest::Approx(6.75));
-    const std::vector<SharedPart> common{{0.5, 1u << kCheap | 1u << kGood}};
+    const std::vector<SharedPart> common{{0.5, {kCheap, kGood}}};
     scene.input.parts = common;
     CHECK(scene.step().cheapestMs == doctest::Approx(6.5));
 }
@@ -26,7 +26,7 @@ TEST_CASE("a method whose shared part breaks the budget is not taken, given up o
     Scene scene(2, cheapAndGood()); // 2 ms to 8
     scene.input.budgetMs = 9.0;
     CHECK(scene.step().predictedMs == doctest::Approx(8.0));
-    std::vector<SharedPart> parts{{1.5, 1u << kGood}}; // a timed frame has told
+    std::vector<SharedPart> parts{{1.5, {kGood}}}; // a timed frame has told
     scene.input.parts = parts;
     const PlanReport report = scene.step();
     CHECK(report.cause == Cause::repaired);
@@ -48,7 +48,7 @@ TEST_CASE("of methods that show as much the cheaper one with its shared parts se
     const auto known = [](double ms) { return Candidate{.suitability = 3000, .quality = 1.0f, .ms = ms}; };
     Scene scene(2, {known(4.0), known(2.0)});
     scene.input.budgetMs = 100.0;
-    const std::vector<SharedPart> parts{{8.0, 1u << kSharing}};
+    const std::vector<SharedPart> parts{{8.0, {kSharing}}};
     scene.input.parts = parts;
     scene.requests[0].pinned = scene.requests[1].pinned = kPlain;
     scene.step();
@@ -70,7 +70,7 @@ TEST_CASE("lights that share a part stay with it where leaving saves too little,
 {
     const uint32_t kPlain = 0, kSharing = 1;
     const auto known = [](double ms) { return Candidate{.suitability = 3000, .quality = 1.0f, .ms = ms}; };
-    const std::vector<SharedPart> parts{{8.0, 1u << kSharing}};
+    const std::vector<SharedPart> parts{{8.0, {kSharing}}};
     const auto plain = [&](auto&& change) {
         Scene scene(2, {known(4.0), known(2.0)});
         scene.input.budgetMs = 100.0;
@@ -94,7 +94,7 @@ TEST_CASE("where no plan fits nothing that is worth more brings a shared part wi
     const uint32_t kPlain = 0, kSharing = 1;
     Scene scene(2,
                 {{.suitability = 3000, .quality = 0.8f, .ms = 3.0}, {.suitability = 3000, .quality = 1.0f, .ms = 3.1}});
-    const std::vector<SharedPart> parts{{1.0, 1u << kSharing}};
+    const std::vector<SharedPart> parts{{1.0, {kSharing}}};
     scene.input.budgetMs = 2.0;
     scene.step();
     CHECK(scene.chosen(0) == kSharing); // no dearer to a tenth
@@ -110,7 +110,7 @@ TEST_CASE("lights that share a part leave it together for what is worth more, th
     const uint32_t kNow = 0, kBetter = 1; // each needs a part of its own, and there is room for one
     Scene scene(3,
                 {{.suitability = 3600, .quality = 1.0f, .ms = 0.3}, {.suitability = 400, .quality = 1.0f, .ms = 0.4}});
-    const std::vector<SharedPart> parts = {{2.0, 1u << kNow}, {2.0, 1u << kBetter}};
+    const std::vector<SharedPart> parts = {{2.0, {kNow}}, {2.0, {kBetter}}};
     scene.input.parts = parts;
     scene.input.budgetMs = 3.6;
     scene.step(60);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -7,6 +8,8 @@
 
 #include "rules/yaml/rule_base_reader.hpp"
 #include "rules_support.hpp"
+#include "runtime/registry.hpp"
+#include "runtime/select/vocabulary.hpp"
 
 namespace gnomon::rules::test {
 
@@ -14,34 +17,24 @@ namespace gnomon::rules::test {
 inline const std::vector<FactInfo> kFacts = {
     {"dynamicLights", "count"},   {"lightMotion", "share"}, {"viewerDistance", "m"},        {"screenShare", "share"},
     {"casterTriangles", "log10"}, {"lightRadius", "m"},     {"receiverPlanarity", "share"}, {"frameBudget", "ratio"}};
-inline const std::vector<OutputInfo> kMethods = {
-    {"ray_traced", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}},
-    {"shadow_map", {"directional", "spot", "hard", "fixedPenumbra"}},
-    {"stencil_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}},
-    {"pcf_hybrid", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}},
-    {"cube_map", {"point", "hard", "fixedPenumbra"}},
-    {"dual_paraboloid", {"point", "hard", "fixedPenumbra", "cpuGeometry"}},
-    {"chan_durand", {"directional", "spot", "point", "hard", "cpuGeometry"}},
-    {"octree_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}},
-    {"all_edges_volume", {"directional", "spot", "point", "hard", "exact", "cpuGeometry"}},
-    {"projected_planar", {"directional", "spot", "point", "hard", "cpuGeometry", "planar"}},
-    {"mccool", {"directional", "spot", "point", "hard"}},
-    {"angular_spans", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}},
-    {"contour_chain", {"directional", "spot", "point", "hard", "cpuGeometry", "rays"}},
-    {"penumbra_wedges", {"spot", "point", "hard", "softPenumbra", "cpuGeometry"}},
-    {"tile_shafts", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}},
-    {"conservative_map", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}},
-    {"conservative_map_adjacency", {"directional", "spot", "point", "hard", "exact", "cpuGeometry", "rays"}},
-    {"coherence_sampling", {"directional", "spot", "point", "hard", "softPenumbra", "cpuGeometry", "rays"}},
-    {"eight_point_hybrid", {"directional", "spot", "hard", "softPenumbra", "cpuGeometry", "rays"}},
-    {"rbsm", {"directional", "spot", "point", "hard", "fixedPenumbra"}},
-    {"cascades", {"directional", "hard", "fixedPenumbra"}}};
+inline const RuleVocabulary kBuiltIn = [] {
+    const AlgorithmRegistry registry = builtinRegistry();
+    RuleVocabulary words(registry);
+    for (const BuiltinAlgorithm& algorithm : registry.algorithms)
+        words.addMethod(algorithm.entry->name, algorithm.entry->traits);
+    return words;
+}();
+inline const std::vector<OutputInfo>& kMethods = kBuiltIn.outputs;
 
-inline const std::vector<std::string> kTraits = {"directional",  "spot",  "point",       "hard", "fixedPenumbra",
-                                                 "softPenumbra", "exact", "cpuGeometry", "rays", "planar"};
+inline std::size_t placeOf(std::string_view method)
+{
+    const auto found = std::ranges::find(kMethods, method, &OutputInfo::name);
+    REQUIRE(found != kMethods.end());
+    return static_cast<std::size_t>(found - kMethods.begin());
+}
 inline Vocabulary vocabulary()
 {
-    return {.facts = kFacts, .outputs = kMethods, .absent = {}, .traits = kTraits};
+    return {.facts = kFacts, .outputs = kMethods, .absent = kBuiltIn.absent, .traits = kBuiltIn.traits};
 }
 
 inline std::string readFile(const std::string& path)

@@ -185,7 +185,7 @@ TEST_CASE("of five values the one with half of the weight on either side counts"
 TEST_CASE("work that methods share is known by pass, charged to those that declared it, and scales with the pixels")
 {
     SharedParts shared;
-    constexpr std::uint32_t kA = 1u << 3, kB = 1u << 5, kC = 1u << 31;
+    constexpr MethodSet kA{3}, kB{5}, kC{200};
     CHECK(shared.parts(1000.0).empty());
     for (int frame = 0; frame < 5; ++frame) {
         shared.note("view.copy", kA | kB, frame == 2 ? 90.0f : 2.0f); // a spike is none of its
@@ -193,7 +193,7 @@ TEST_CASE("work that methods share is known by pass, charged to those that decla
         shared.note("view.hulls", kA, 3.0f); // of another view
         shared.endFrame(kA | kB, 1000.0);
     }
-    const auto of = [&](std::uint32_t methods, double pixels) {
+    const auto of = [&](const MethodSet& methods, double pixels) {
         double ms = 0.0;
         for (const plan::SharedPart& part : shared.parts(pixels))
             if (part.methods == methods) ms += part.ms;
@@ -228,24 +228,24 @@ TEST_CASE("work that methods share is known from a knowledge base of this device
         part("here", "stencil", "view.strips", 3.0), part("here", "octree", "view.strips", 3.0),
         part("here", "unknown", "view.other", 1.0), part("there", "map", "view.copy", 9.0)};
     SharedParts shared;
-    shared.note("view.copy", 1u << 0, 0.5f);
-    shared.endFrame(1u << 0, 1000.0);
+    shared.note("view.copy", {0}, 0.5f);
+    shared.endFrame({0}, 1000.0);
     shared.teach(base, "here", algorithms);
     REQUIRE(shared.parts(1000.0).size() == 2);
-    CHECK(shared.parts(1000.0)[0].methods == 1u << 0);
+    CHECK(shared.parts(1000.0)[0].methods == MethodSet{0});
     CHECK(shared.parts(1000.0)[0].ms == doctest::Approx(0.5)); // what was measured there says nothing here
-    CHECK(shared.parts(1000.0)[1].methods == 0b1110u);
+    CHECK(shared.parts(1000.0)[1].methods == MethodSet{1, 2, 3});
     CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(1.5));
-    shared.note("view.strips", 1u << 1, 2.5f);
-    shared.endFrame(1u << 1, 1000.0);
-    CHECK(shared.parts(1000.0)[1].methods == 0b1110u);
+    shared.note("view.strips", {1}, 2.5f);
+    shared.endFrame({1}, 1000.0);
+    CHECK(shared.parts(1000.0)[1].methods == MethodSet{1, 2, 3});
     CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(2.5)); // shown: the base has no say any more
     shared.teach(base, "here", algorithms);
     CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(2.5));
-    shared.endFrame(1u << 3, 1000.0); // the other stencil method ran without it
+    shared.endFrame({3}, 1000.0); // the other stencil method ran without it
     const std::vector<std::string_view> more{"map", "stencil", "octree", "stencil", "stencil"}; // a host has added one
     shared.teach(base, "here", more);
-    CHECK(shared.parts(1000.0)[1].methods == 0b10110u);
+    CHECK(shared.parts(1000.0)[1].methods == MethodSet{1, 2, 4});
     CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(2.5));
     SharedParts another;
     another.teach(base, "here", algorithms);

@@ -1,0 +1,65 @@
+# One copy of the facing kernel per instruction set; which one runs is asked of the processor (facing.cpp). The scalar
+# one is what they are measured against, so the compiler must not make vectors of it.
+add_library(gnomon_facing OBJECT volumes/facing.cpp volumes/facing_scalar.cpp)
+gnomon_target(gnomon_facing)
+target_include_directories(gnomon_facing PRIVATE "${PROJECT_SOURCE_DIR}")
+target_link_libraries(gnomon_facing PUBLIC gnomon_rules)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    target_sources(gnomon_facing PRIVATE volumes/facing_sse2.cpp volumes/facing_avx2.cpp volumes/facing_avx512.cpp)
+    set_source_files_properties(volumes/facing_scalar.cpp PROPERTIES
+        COMPILE_OPTIONS "-fno-tree-vectorize;-fno-tree-slp-vectorize")
+    set_source_files_properties(volumes/facing_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2")
+    set_source_files_properties(volumes/facing_avx512.cpp PROPERTIES COMPILE_OPTIONS "-mavx512f")
+    target_compile_definitions(gnomon_facing PRIVATE GNOMON_FACING_X86=1)
+endif()
+
+gnomon_shared(
+    SOURCES shadow_reach.cpp silhouette.cpp stencil_resolve.cpp view_stencil.cpp
+    SHADERS volumes/receiver_strips.comp
+            volumes/receiver_tiles.comp
+            volumes/resolve.frag
+            volumes/resolve.vert
+            volumes/resolve_tiles.vert)
+gnomon_shared(
+    NEEDS openmesh
+    SOURCES gpu_silhouettes.cpp shadow_region.cpp static_volumes.cpp volume_count.cpp volume_cull.cpp volume_draw.cpp
+            volume_list.cpp volume_tree.cpp
+    SHADERS volumes/cull_volumes.comp
+            volumes/reached_tiles.comp
+            volumes/silhouettes.comp
+            volumes/volume.vert)
+gnomon_algorithm(stencil_volume
+    NEEDS openmesh
+    SOURCES stencil_volume.cpp)
+gnomon_algorithm(chan_durand
+    NEEDS openmesh
+    SOURCES chan_durand.cpp light_cells.cpp
+    SHADERS volumes/chan_durand.frag
+            volumes/chan_durand.frag:MAP_LAYERS=1:volumes/chan_durand_cube.frag
+            volumes/chan_durand_cull.comp)
+gnomon_algorithm(octree_volume
+    NEEDS openmesh
+    SOURCES octree_volume.cpp)
+gnomon_algorithm(all_edges_volume
+    NEEDS openmesh
+    SOURCES all_edges_volume.cpp edge_list.cpp
+    SHADERS volumes/all_edges.vert)
+gnomon_algorithm(projected_planar
+    NEEDS openmesh
+    SOURCES projected_planar.cpp
+    SHADERS volumes/planar.vert volumes/planar_choose.comp volumes/planar_resolve.frag volumes/planar_tiles.comp)
+gnomon_algorithm(penumbra_wedges
+    NEEDS openmesh
+    SOURCES penumbra_wedges.cpp wedge_draw.cpp
+    SHADERS volumes/wedge.frag volumes/wedge.vert volumes/wedge_resolve.frag)
+gnomon_algorithm(mccool
+    SOURCES mccool.cpp depth_surface.cpp
+    SHADERS volumes/mccool.vert
+            volumes/mccool_cap.frag
+            volumes/mccool_cap.vert
+            volumes/mccool_edges.comp
+            volumes/mccool_polygons.comp)
+# Looks receivers up on the CPU, as hybrids do.
+gnomon_algorithm(angular_spans
+    NEEDS embree openmesh
+    SOURCES angular_spans.cpp light_spans.cpp span_table.cpp)

@@ -1,0 +1,36 @@
+// What every module says of its own error, held against the shipped scenes: new algorithms are measured here unasked.
+#include <algorithm>
+
+#include "exactness/results.hpp"
+#include "runtime/registry.hpp"
+
+namespace gnomon::exact {
+namespace {
+
+// Authors round to two digits, and drivers' rasterisers differ in single pixels.
+constexpr double kRounding = 1.25, kPixels = 0.005;
+
+} // namespace
+
+TEST_CASE("no algorithm is more wrong on a shipped scene than its entry says, and what is exact says next to nothing")
+{
+    for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms) {
+        const AlgorithmEntry& entry = *algorithm.entry;
+        CAPTURE(std::string(entry.name));
+        double worst = 0.0;
+        std::string where = "none";
+        for (const std::string& name : sceneNames()) {
+            const SceneResults& results = resultsOf(name);
+            if (std::ranges::find(results.names, entry.name) == results.names.end()) continue; // not on this device
+            const ErrorCount error = results.pooled(results.of(entry.name), entry.traits);
+            if (error.counted == 0 || error.percent(error.wrong()) <= worst) continue;
+            worst = error.percent(error.wrong());
+            where = name;
+        }
+        MESSAGE(std::string(entry.name), ": wrong ", worst, " % in ", where, ", says ", entry.typicalWrongPercent, " %");
+        CHECK(worst <= kRounding * double{entry.typicalWrongPercent} + kPixels);
+        if (entry.traits & GN_TRAIT_EXACT_BIT) CHECK(entry.typicalWrongPercent <= 0.05f);
+    }
+}
+
+} // namespace gnomon::exact
