@@ -5,7 +5,7 @@
 
 #include <glm/mat4x4.hpp>
 
-#include "runtime/core/arena.hpp"
+#include "runtime/base/arena.hpp"
 #include "runtime/scene/scene_view.hpp"
 
 namespace gnomon {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <span>
 
-#include "runtime/core/arena.hpp"
+#include "runtime/base/arena.hpp"
 #include "runtime/scene/scene_view.hpp"
 
 namespace gnomon {

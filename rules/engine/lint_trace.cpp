@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "rules/engine/lint.hpp"
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 #include "rules/engine/sample_points.hpp"
 
 /// L08: how much of a recorded trace lies so close to a boundary between two decisions that noise alone crosses it.

@@ -4,8 +4,8 @@
 #include <array>
 #include <string>
 
-#include "rules/engine/float_mode.hpp"
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/float_mode.hpp"
+#include "runtime/base/number_text.hpp"
 #include "rules/engine/sentence.hpp"
 #include "rules/yaml/document.hpp"
 

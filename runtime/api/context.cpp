@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "runtime/core/make_room.hpp"
+#include "runtime/base/make_room.hpp"
 #include "runtime/scene/bias.hpp"
 #if GNOMON_WITH_YAML
 #include "rules/yaml/shipped.hpp"

@@ -13,7 +13,7 @@
 #include "runtime/api/last_error.hpp"
 #include "runtime/api/plugin.hpp"
 #include "runtime/api/plugin_abi.hpp"
-#include "runtime/core/slot_map.hpp"
+#include "runtime/base/slot_map.hpp"
 #include "runtime/passes/pass_executor.hpp"
 #include "runtime/registry.hpp"
 #include "runtime/scene/scene_registry.hpp"

@@ -5,9 +5,9 @@
 #include <exception>
 #include <utility>
 
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 #include "runtime/api/context.hpp"
-#include "runtime/core/hash.hpp"
+#include "runtime/base/hash.hpp"
 
 namespace gnomon {
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 #include "runtime/api/context.hpp"
 
 namespace gnomon {
@@ -43,7 +43,7 @@ Result<void> Context::takeInput(const GnFrameInfo& info)
     if (std::isinf(info.budgetMs)) return Error{GN_ERROR_INFINITE, "BudgetInfinite", "budgetMs is infinite"};
     if (info.budgetMs < 0.0f)
         return Error{GN_ERROR_OUT_OF_RANGE, "BudgetNegative",
-                     "budgetMs is " + rules::shortestText(double{info.budgetMs})};
+                     "budgetMs is " + shortestText(double{info.budgetMs})};
     if (info.viewCount && !info.pViews) return Error{GN_ERROR_NULL_ARGUMENT, "ViewsMissing", "pViews is null"};
     if (Result<void> ok = checkSemaphores(info.pWaits, info.waitCount, "pWaits"); !ok) return ok;
     if (Result<void> ok = checkSemaphores(info.pSignals, info.signalCount, "pSignals"); !ok) return ok;

@@ -1,7 +1,7 @@
 // What the host says of a camera: checked, then turned into what shaders and rays use.
 #include <cmath>
 
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 #include "runtime/api/context.hpp"
 #include "runtime/scene/scene_input.hpp"
 
@@ -40,7 +40,7 @@ Result<void> checkProjection(const GnViewFrame& frame, const char* viewName)
         if (zero ? p[i] == 0.0f : i == 11 ? std::abs(p[i]) == 1.0f : p[i] != 0.0f) continue;
         return wrong(GN_ERROR_OUT_OF_RANGE, "ProjectionNotPerspective", viewName,
                      "projection is not a perspective matrix: projection[" + std::to_string(i) + "] is " +
-                         rules::shortestText(double{p[i]}) + ", not " +
+                         shortestText(double{p[i]}) + ", not " +
                          (zero      ? "0"
                           : i == 11 ? "1 or -1"
                                     : "different from 0"));
@@ -68,7 +68,7 @@ Result<void> checkRotation(const GnViewFrame& frame, const char* viewName)
             if (std::abs(d - (i == j ? 1.0f : 0.0f)) > 1e-3f)
                 return wrong(GN_ERROR_OUT_OF_RANGE, "CameraNotRotation", viewName,
                              "viewFromWorld is not a rotation: rows " + std::to_string(i) + " and " +
-                                 std::to_string(j) + " have dot product " + rules::shortestText(double{d}));
+                                 std::to_string(j) + " have dot product " + shortestText(double{d}));
         }
     return {};
 }
@@ -116,7 +116,7 @@ Result<void> checkViewFrame(const GnViewFrame& frame, const char* viewName, std:
     for (int i = 0; i < 3; ++i)
         if (std::abs(frame.eye[i]) > kLargestMagnitude)
             return wrong(GN_ERROR_OUT_OF_RANGE, "CameraTooFar", viewName,
-                         "eye[" + std::to_string(i) + "] is " + rules::shortestText(frame.eye[i]) +
+                         "eye[" + std::to_string(i) + "] is " + shortestText(frame.eye[i]) +
                              ", beyond 1e18 m of the world's zero");
     if (auto r = checkFinite<float>(frame.viewFromWorld, "viewFromWorld", viewName); !r) return r;
     if (auto r = checkFinite<float>(frame.projection, "projection", viewName); !r) return r;

@@ -6,9 +6,9 @@
 #include <span>
 #include <type_traits>
 
-#include "runtime/core/arena.hpp"
-#include "runtime/core/jobs.hpp"
-#include "runtime/core/result.hpp"
+#include "runtime/base/arena.hpp"
+#include "runtime/base/jobs.hpp"
+#include "runtime/base/result.hpp"
 #include "runtime/scene/scene_view.hpp"
 #include "runtime/vk/pipelines.hpp"
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/core/jobs.hpp"
-#include "runtime/core/messages.hpp"
+#include "runtime/base/jobs.hpp"
+#include "runtime/base/messages.hpp"
 #include "runtime/rays/ray_scene.hpp"
 #include "runtime/scene/scene_input.hpp"
 #include "runtime/scene/topology.hpp"

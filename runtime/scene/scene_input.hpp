@@ -9,7 +9,7 @@
 #include <glm/vec3.hpp>
 
 #include "gnomon/gnomon.h"
-#include "runtime/core/result.hpp"
+#include "runtime/base/result.hpp"
 #include "runtime/scene/scene_view.hpp"
 
 namespace gnomon {

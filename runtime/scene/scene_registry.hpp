@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "runtime/core/arena.hpp"
-#include "runtime/core/jobs.hpp"
-#include "runtime/core/messages.hpp"
+#include "runtime/base/arena.hpp"
+#include "runtime/base/jobs.hpp"
+#include "runtime/base/messages.hpp"
 #include "runtime/rays/ray_scene.hpp"
 #include "runtime/scene/scene_view.hpp"
 #include "runtime/vk/memory.hpp"

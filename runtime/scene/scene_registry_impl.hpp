@@ -3,8 +3,8 @@
 // uploads, what waits for the GPU) and scene_frame.cpp (what one frame sees).
 #include <algorithm>
 
-#include "runtime/core/make_room.hpp"
-#include "runtime/core/slot_map.hpp"
+#include "runtime/base/make_room.hpp"
+#include "runtime/base/slot_map.hpp"
 #include "runtime/scene/mesh_store.hpp"
 #include "runtime/scene/scene_records.hpp"
 #include "runtime/scene/scene_registry.hpp"

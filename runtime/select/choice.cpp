@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 #include "runtime/plan/utility.hpp"
 
 namespace gnomon {
@@ -412,7 +412,7 @@ private:
         for (int decimals = std::max(first, 0); decimals < std::max(first, 0) + 4; ++decimals) {
             const double scale = std::pow(10.0, decimals);
             const double near = same < flipped ? std::ceil(flipped * scale) : std::floor(flipped * scale);
-            const double number = rules::parseNumber(rules::fixedText(near / scale, decimals)).value_or(flipped);
+            const double number = parseNumber(fixedText(near / scale, decimals)).value_or(flipped);
             if (number >= variable_.low && number <= variable_.high && flips(number)) return number;
         }
         return flipped;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "runtime/algorithm.hpp"
-#include "runtime/core/messages.hpp"
+#include "runtime/base/messages.hpp"
 #include "runtime/registry.hpp"
 #include "runtime/vk/pipeline_store.hpp"
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <set>
 
-#include "runtime/core/slot_map.hpp"
+#include "runtime/base/slot_map.hpp"
 #include "runtime/scene/scene_input.hpp"
 #include "runtime/scene_fixture.hpp"
 

@@ -1,4 +1,4 @@
-#include "runtime/core/jobs.hpp"
+#include "runtime/base/jobs.hpp"
 
 #include <algorithm>
 #include <condition_variable>
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "rules/engine/float_mode.hpp"
+#include "runtime/base/float_mode.hpp"
 
 namespace gnomon {
 namespace {
@@ -189,7 +189,7 @@ void JobSystem::Pool::helpWith(Range& range, std::unique_lock<std::mutex>& lock)
     std::exception_ptr error;
     lock.unlock();
     try {
-        const rules::FloatMode mode; // a host's thread may be in any
+        const FloatMode mode; // a host's thread may be in any
         range.work(thread);
     } catch (...) {
         error = std::current_exception();
@@ -205,7 +205,7 @@ void JobSystem::Pool::runJob(Job& job, std::unique_lock<std::mutex>& lock) noexc
 {
     lock.unlock();
     {
-        const rules::FloatMode mode;
+        const FloatMode mode;
         const Origin origin{&job, doing};
         const Doing scope(origin);
         job.run(job.data);

@@ -7,7 +7,7 @@
 #define GNOMON_HAS_MXCSR 1
 #endif
 
-namespace gnomon::rules {
+namespace gnomon {
 
 /// Puts the calling thread's rounding, denormal and exception mode aside while it lives: to nearest, denormals kept, no
 /// traps. A host may have set another (flush-to-zero is common in audio and physics threads), and the same inputs must
@@ -40,4 +40,4 @@ private:
 #endif
 };
 
-} // namespace gnomon::rules
+} // namespace gnomon

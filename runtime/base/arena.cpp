@@ -1,4 +1,4 @@
-#include "runtime/core/arena.hpp"
+#include "runtime/base/arena.hpp"
 
 #include <algorithm>
 

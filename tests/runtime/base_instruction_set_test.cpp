@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
 
-#include "rules/engine/instruction_set.hpp"
+#include "runtime/base/instruction_set.hpp"
 
-using namespace gnomon::rules;
+using namespace gnomon;
 
 TEST_CASE("nothing above the limit is supported, and what is below it still is")
 {

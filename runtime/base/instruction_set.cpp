@@ -1,10 +1,10 @@
-#include "rules/engine/instruction_set.hpp"
+#include "runtime/base/instruction_set.hpp"
 
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
 
-namespace gnomon::rules {
+namespace gnomon {
 namespace {
 
 constexpr InstructionSet kSets[] = {InstructionSet::Baseline, InstructionSet::Sse42, InstructionSet::Avx2,
@@ -17,7 +17,7 @@ bool runsHere(InstructionSet set) noexcept
     switch (set) {
     case InstructionSet::Baseline:
         return true;
-#if GNOMON_BATCH_X86
+#if defined(__x86_64__)
     case InstructionSet::Sse42:
         return __builtin_cpu_supports("sse4.2");
     case InstructionSet::Avx2:
@@ -79,4 +79,4 @@ bool limitByEnvironment()
     return false;
 }
 
-} // namespace gnomon::rules
+} // namespace gnomon

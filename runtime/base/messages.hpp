@@ -2,7 +2,7 @@
 #include <mutex>
 #include <string>
 
-#include "runtime/core/result.hpp"
+#include "runtime/base/result.hpp"
 
 namespace gnomon {
 

@@ -1,11 +1,9 @@
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 
 #include <array>
 #include <charconv>
 
-#include "rules/engine/diagnostic.hpp"
-
-namespace gnomon::rules {
+namespace gnomon {
 
 std::optional<double> parseNumber(std::string_view text) noexcept
 {
@@ -33,20 +31,4 @@ std::string shortestText(double value)
     return std::string(buffer.data(), result.ptr);
 }
 
-std::string quoted(std::string_view text)
-{
-    std::string result(1, '\'');
-    result += text;
-    result += '\'';
-    return result;
-}
-
-std::string toText(const Diagnostic& diagnostic)
-{
-    std::string text = diagnostic.file;
-    if (diagnostic.line != 0) text += ':' + std::to_string(diagnostic.line) + ':' + std::to_string(diagnostic.column);
-    text += diagnostic.severity == Severity::Error ? ": error " : ": warning ";
-    return text + diagnostic.id + ": " + diagnostic.message;
-}
-
-} // namespace gnomon::rules
+} // namespace gnomon

@@ -1,4 +1,4 @@
-#include "runtime/core/messages.hpp"
+#include "runtime/base/messages.hpp"
 
 namespace gnomon {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "runtime/allocation_count.hpp"
-#include "runtime/core/arena.hpp"
+#include "runtime/base/arena.hpp"
 
 using namespace gnomon;
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "runtime/allocation_count.hpp"
-#include "runtime/core/jobs.hpp"
+#include "runtime/base/jobs.hpp"
 
 using namespace gnomon;
 

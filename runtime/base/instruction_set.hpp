@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace gnomon::rules {
+namespace gnomon {
 
 /// Each holds those before it. No kernel of gnomon's is compiled for Sse42; ray tracers have some.
 enum class InstructionSet : uint8_t { Baseline, Sse42, Avx2, Avx512 };
@@ -29,4 +29,4 @@ bool limitInstructionSet(std::string_view name) noexcept;
 /// @return false: it is no instruction set, which has been said on stderr
 bool limitByEnvironment();
 
-} // namespace gnomon::rules
+} // namespace gnomon
