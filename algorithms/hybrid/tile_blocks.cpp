@@ -8,7 +8,7 @@
 #include <cpuid.h>
 #endif
 
-#include "algorithms/hybrid/receivers.hpp"
+#include "algorithms/shared/receivers.hpp"
 #include "runtime/base/instruction_set.hpp"
 
 namespace gnomon {

@@ -16,13 +16,13 @@
 #include "runtime/base/slot_map.hpp"
 #include "runtime/passes/pass_executor.hpp"
 #include "runtime/registry.hpp"
-#include "runtime/scene/scene_registry.hpp"
 #include "runtime/select/auto_budget.hpp"
 #include "runtime/select/depth_grid.hpp"
 #include "runtime/select/frame_plan.hpp"
 #include "runtime/select/record.hpp"
 #include "runtime/select/selector.hpp"
 #include "runtime/select/shared_parts.hpp"
+#include "runtime/store/scene_registry.hpp"
 
 namespace gnomon {
 

@@ -1,9 +1,9 @@
 // What the host says of a camera: checked, then turned into what shaders and rays use.
 #include <cmath>
 
-#include "runtime/base/number_text.hpp"
 #include "runtime/api/context.hpp"
-#include "runtime/scene/scene_input.hpp"
+#include "runtime/base/number_text.hpp"
+#include "runtime/store/scene_input.hpp"
 
 namespace gnomon {
 

@@ -109,6 +109,13 @@ struct Part {
 };
 inline constexpr Part kAllLayers{.layer = 0, .layerCount = VK_REMAINING_ARRAY_LAYERS};
 
+/// A layer of visibility of which a pass writes these pixels only: 1 in all others.
+inline Part visibilityIn(const CameraView& view, std::uint32_t layer, const VkRect2D& pixels)
+{
+    const bool whole = pixels.extent.width == view.area.extent.width && pixels.extent.height == view.area.extent.height;
+    return {.layer = layer, .clear = !whole, .value = {.color = {{1.0f, 0.0f, 0.0f, 0.0f}}}};
+}
+
 /// One pass under declaration; finished by record() or run(). Chained, then forgotten.
 class PassRef {
 public:

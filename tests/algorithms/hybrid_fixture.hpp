@@ -10,7 +10,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "algorithms/hybrid/receivers.hpp"
+#include "algorithms/shared/receivers.hpp"
 #include "runtime/api/context.hpp"
 #include "runtime/brute_force.hpp"
 #include "runtime/ray_fixture.hpp"
