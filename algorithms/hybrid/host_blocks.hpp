@@ -7,7 +7,7 @@ namespace gnomon {
 
 /// receiversOf(), sixteen at a time.
 inline BlockReader blocksOf(const CameraView& view, const LightView& light, const HostVisibility& buffers,
-                     const HostContext& host)
+                            const HostContext& host)
 {
     return BlockReader(widestKernels(), view, light, host.read<float>(buffers.depth),
                        buffers.normals ? host.read<std::byte>(buffers.normals) : std::span<const std::byte>());

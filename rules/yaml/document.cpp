@@ -357,8 +357,8 @@ void MapReader::number(std::string_view key, double low, double high, double& ou
         out = *value;
     else
         sink_.error("R05", found->at,
-                    rules::quoted(key) + " must be a number from " + shortestText(low) + " to " +
-                        shortestText(high) + foundText(*found));
+                    rules::quoted(key) + " must be a number from " + shortestText(low) + " to " + shortestText(high) +
+                        foundText(*found));
 }
 
 void MapReader::count(std::string_view key, uint32_t high, uint32_t& out)

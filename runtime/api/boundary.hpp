@@ -8,8 +8,8 @@
 #include <span>
 #include <utility>
 
-#include "runtime/base/float_mode.hpp"
 #include "runtime/api/context.hpp"
+#include "runtime/base/float_mode.hpp"
 
 struct GnContext_T {
     std::unique_ptr<gnomon::Context> impl;

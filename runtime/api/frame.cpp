@@ -5,9 +5,9 @@
 #include <exception>
 #include <utility>
 
-#include "runtime/base/number_text.hpp"
 #include "runtime/api/context.hpp"
 #include "runtime/base/hash.hpp"
+#include "runtime/base/number_text.hpp"
 
 namespace gnomon {
 

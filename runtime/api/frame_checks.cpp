@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/base/number_text.hpp"
 #include "runtime/api/context.hpp"
+#include "runtime/base/number_text.hpp"
 
 namespace gnomon {
 
@@ -42,8 +42,7 @@ Result<void> Context::takeInput(const GnFrameInfo& info)
     if (std::isnan(info.budgetMs)) return Error{GN_ERROR_NOT_A_NUMBER, "BudgetNaN", "budgetMs is NaN"};
     if (std::isinf(info.budgetMs)) return Error{GN_ERROR_INFINITE, "BudgetInfinite", "budgetMs is infinite"};
     if (info.budgetMs < 0.0f)
-        return Error{GN_ERROR_OUT_OF_RANGE, "BudgetNegative",
-                     "budgetMs is " + shortestText(double{info.budgetMs})};
+        return Error{GN_ERROR_OUT_OF_RANGE, "BudgetNegative", "budgetMs is " + shortestText(double{info.budgetMs})};
     if (info.viewCount && !info.pViews) return Error{GN_ERROR_NULL_ARGUMENT, "ViewsMissing", "pViews is null"};
     if (Result<void> ok = checkSemaphores(info.pWaits, info.waitCount, "pWaits"); !ok) return ok;
     if (Result<void> ok = checkSemaphores(info.pSignals, info.signalCount, "pSignals"); !ok) return ok;

@@ -4,9 +4,9 @@
 #include <bit>
 #include <dlfcn.h>
 
-#include "runtime/base/number_text.hpp"
 #include "runtime/api/plugin_abi.hpp"
 #include "runtime/base/hash.hpp"
+#include "runtime/base/number_text.hpp"
 
 namespace {
 

@@ -5,8 +5,8 @@
 #include <locale>
 
 #include "rules/engine/explain.hpp"
-#include "runtime/base/number_text.hpp"
 #include "rules/yaml/shipped.hpp"
+#include "runtime/base/number_text.hpp"
 
 using namespace gnomon;
 using namespace gnomon::rules;

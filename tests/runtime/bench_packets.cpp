@@ -179,8 +179,7 @@ int main()
     const EmbreeFloatMode mode;
     std::mt19937 random(7);
     const Bare bare(random);
-    std::printf("Embree " RTC_VERSION_STRING ", at most %s; ns a ray that is there\n",
-                nameOf(instructionSetLimit()));
+    std::printf("Embree " RTC_VERSION_STRING ", at most %s; ns a ray that is there\n", nameOf(instructionSetLimit()));
     compare(bare.top(), "tiles, all", raysOf(random, true, 0.0f));
     compare(bare.top(), "tiles, 6 of 10", raysOf(random, true, 0.4f));
     compare(bare.top(), "scattered, all", raysOf(random, false, 0.0f));
