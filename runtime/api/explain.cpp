@@ -1,4 +1,4 @@
-// Records of decisions: written each frame, asked about afterwards.
+// Records of decisions, asked about.
 #include "runtime/select/explain.hpp"
 
 #include <algorithm>
@@ -7,46 +7,6 @@
 #include "runtime/select/record_log.hpp"
 
 namespace gnomon {
-
-/// After a frame's lights are settled and declared.
-void Context::recordDecisions()
-{
-    const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
-    FrameRecord frame{.frame = frame_,
-                      .knowledge = plan_->knowledgeRevision(),
-                      .methods = methods_->size(),
-                      .base = base,
-                      .budgeted = countsTime(base) && (measuresBudget_ || budgetMs_ > 0.0),
-                      .priced = countsTime(base) && !measuresBudget_ && !(budgetMs_ > 0.0),
-                      .cut = cameraCut(),
-                      .measuring = measuresBudget_,
-                      .budgetMs = budgetMs_,
-                      .report = planReport_};
-    for (std::uint32_t i = 0; i < methods_->size(); ++i)
-        frame.fallbacks |= (*methods_)[i].has(GN_TRAIT_FALLBACK_BIT) ? 1u << i : 0u;
-    for (const ViewFrame& viewFrame : viewFrames_) {
-        const auto lights = static_cast<std::uint32_t>(viewFrame.view->decisions.size());
-        viewFrame.view->records.begin(frame_, lights, methods_->size(), selector_->sharedEngine());
-    }
-    for (const PendingLight& pending : pending_)
-        viewFrames_[pending.viewIndex].view->records.add(
-            makeRecord(*pending.decision, frame, pending.memory->measuredAt),
-            std::span(pending.decision->candidates).first(methods_->size()));
-}
-
-/// What a timed frame's lights were charged with finds its way into their records.
-void Context::noteMeasured(const FrameTimings& timings)
-{
-    for (const ViewFrame& viewFrame : viewFrames_)
-        for (const PassTiming& pass : timings.passes) {
-            const std::uint32_t method = pass.owner.method;
-            if (pass.owner.view != viewFrame.view->id || method >= methods_->size()) continue;
-            const auto memory = viewFrame.view->lights.find(pass.owner.light);
-            if (memory == viewFrame.view->lights.end()) continue;
-            viewFrame.view->records.noteMeasured(timings.frame, pass.owner.light, method,
-                                                 memory->second.measuredMs[method]);
-        }
-}
 
 Result<DecisionRecord> Context::recordOf(const View& view, GnLight light, std::uint64_t frame)
 {
@@ -85,7 +45,7 @@ const char* Context::ruleBehind(const View& view, const LightDecision& decision)
 
 Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQuestion& question)
 {
-    const View* view = findView(viewHandle);
+    const View* view = views_.find(viewHandle);
     if (!view) return invalidHandle("view");
     const Result<DecisionRecord> record = recordOf(*view, light, question.frame);
     if (!record) return record.error();
@@ -126,7 +86,7 @@ Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQu
 
 Result<std::string> Context::decisionLog(GnView viewHandle, std::uint64_t firstFrame, std::uint64_t frameOrigin)
 {
-    const View* view = findView(viewHandle);
+    const View* view = views_.find(viewHandle);
     if (!view) return invalidHandle("view");
     const RecordRing& records = view->records;
     const std::uint64_t first = std::max(firstFrame, records.oldest());

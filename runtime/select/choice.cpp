@@ -58,6 +58,20 @@ Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceIn
     return out;
 }
 
+std::vector<Choice> replacementsInOrder(std::span<const Candidate> candidates, const ChoiceInput& input)
+{
+    std::vector<Candidate> left(candidates.begin(), candidates.end());
+    ChoiceInput without = input;
+    without.incumbent = UINT32_MAX;
+    std::vector<Choice> order;
+    do {
+        order.push_back(chooseBySuitability(left, without));
+        if (const std::uint32_t method = order.back().method; method != UINT32_MAX)
+            left[method].exclusion = Exclusion::refused;
+    } while (order.back().method != UINT32_MAX);
+    return order;
+}
+
 namespace {
 
 plan::UtilityTerms utilityTermsOf(const Candidate& candidate)

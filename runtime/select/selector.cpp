@@ -188,31 +188,48 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     return decision;
 }
 
-void Selector::choose(std::span<LightDecision> decisions)
-{
-    if (engine_ && !decisions.empty()) rank(decisions);
-    for (LightDecision& decision : decisions) {
-        if (!engine_) rankWithoutRules(decision);
-        settle(decision, decision.incumbent);
-    }
-}
+namespace {
 
-void Selector::settle(LightDecision& decision, std::uint32_t incumbent) const
+void take(const Choice& choice, LightDecision& decision)
 {
-    std::uint32_t fallbacks = 0;
-    for (std::uint32_t i = 0; i < methods_.size(); ++i)
-        fallbacks |= methods_[i].has(GN_TRAIT_FALLBACK_BIT) ? 1u << i : 0u;
-    const Choice choice = chooseBySuitability(
-        std::span(decision.candidates).first(methods_.size()),
-        {.incumbent = incumbent, .pinned = decision.pinned, .fallbacks = fallbacks, .hasRules = engine_ != nullptr});
     decision.method = choice.method;
     decision.wanted = choice.wanted;
     decision.reason = choice.reason;
 }
 
-void Selector::substitute(LightDecision& decision) const
+} // namespace
+
+void Selector::choose(std::span<LightDecision> decisions)
 {
-    settle(decision, UINT32_MAX);
+    if (engine_ && !decisions.empty()) rank(decisions);
+    for (LightDecision& decision : decisions) {
+        if (!engine_) rankWithoutRules(decision);
+        const Choice choice = chooseBySuitability(std::span(decision.candidates).first(methods_.size()),
+                                                  {.incumbent = decision.incumbent,
+                                                   .pinned = decision.pinned,
+                                                   .fallbacks = fallbacks(),
+                                                   .hasRules = engine_ != nullptr});
+        take(choice, decision);
+    }
+}
+
+std::uint32_t Selector::fallbacks() const
+{
+    std::uint32_t fallbacks = 0;
+    for (std::uint32_t i = 0; i < methods_.size(); ++i)
+        fallbacks |= methods_[i].has(GN_TRAIT_FALLBACK_BIT) ? 1u << i : 0u;
+    return fallbacks;
+}
+
+std::vector<Choice> Selector::replacements(const LightDecision& decision) const
+{
+    return replacementsInOrder(std::span(decision.candidates).first(methods_.size()),
+                               {.pinned = decision.pinned, .fallbacks = fallbacks(), .hasRules = engine_ != nullptr});
+}
+
+void Selector::substitute(LightDecision& decision, const Choice& choice) const
+{
+    take(choice, decision);
     decision.outgoing = decision.probed = UINT32_MAX;
     decision.fade = 1.0f;
     decision.predictedMs = decision.method == UINT32_MAX ? 0.0f : decision.candidates[decision.method].predictedMs;

@@ -21,6 +21,8 @@
 
 namespace gnomon {
 
+struct Choice;
+
 /// Why a method cannot serve a light in a frame. Text is made on demand (explain.cpp).
 enum class Exclusion : std::uint8_t {
     none,
@@ -39,15 +41,15 @@ enum class Exclusion : std::uint8_t {
 struct Candidate {
     Exclusion exclusion = Exclusion::none;
     bool opinion = false;
-    std::int32_t quantised = -1;          ///< Suitability in steps of 1/4096; -1: no opinion.
-    std::uint64_t detail = 0;             ///< Count, bytes or rule, as the exclusion says.
-    const char* refusal = nullptr;        ///< Static storage.
-    float quality = 0.0f;                 ///< Share of the truth it keeps, as the plan counts it; from the plan on.
-    float predictedMs = 0.0f;             ///< By the cost model.
-    float sigmaMs = 0.0f;                 ///< Standard error of the prediction.
-    float firstMs = 0.0f;                 ///< What the first frame takes beyond that, where the light changes to it.
-    float sharedMs = 0.0f;                ///< Work for the whole view: what no other light of the plan needs; without a plan,
-                                          ///< the light's part of it if all had the method.
+    std::int32_t quantised = -1;   ///< Suitability in steps of 1/4096; -1: no opinion.
+    std::uint64_t detail = 0;      ///< Count, bytes or rule, as the exclusion says.
+    const char* refusal = nullptr; ///< Static storage.
+    float quality = 0.0f;          ///< Share of the truth it keeps, as the plan counts it; from the plan on.
+    float predictedMs = 0.0f;      ///< By the cost model.
+    float sigmaMs = 0.0f;          ///< Standard error of the prediction.
+    float firstMs = 0.0f;          ///< What the first frame takes beyond that, where the light changes to it.
+    float sharedMs = 0.0f;         ///< Work for the whole view: what no other light of the plan needs; without a plan,
+                                   ///< the light's part of it if all had the method.
     plan::Why why = plan::Why::outscored; ///< By the plan step, or by the best suitability where there is none.
 };
 
@@ -68,7 +70,7 @@ struct LightDecision {
     float viewerDistance = 0.0f;
     bool distanceMeasured = false;
     bool switched = false;
-    bool guessed = false;                ///< The incumbent was chosen before its receivers were measured, as they are now.
+    bool guessed = false; ///< The incumbent was chosen before its receivers were measured, as they are now.
     std::uint32_t outgoing = UINT32_MAX; ///< Runs as well while the picture fades from it.
     float fade = 1.0f;                   ///< Share of `method` in what is shown.
     std::uint32_t probed = UINT32_MAX;   ///< Runs as well, to be measured; what it shows nobody sees.
@@ -179,8 +181,11 @@ public:
     /// What the rules think of all of them, asked together, and the best by suitability. Allocates only for more lights
     /// than ever before.
     void choose(std::span<LightDecision> decisions);
-    /// What serves a light whose method has just been excluded: the best of the others, whatever the plan says.
-    void substitute(LightDecision& decision) const;
+    /// What serves a light whose method has just been excluded, and whose others may fail as well: the best of the
+    /// others first, whatever the plan says (replacementsInOrder()).
+    std::vector<Choice> replacements(const LightDecision& decision) const;
+    /// One of them serves; nothing runs beside it.
+    void substitute(LightDecision& decision, const Choice& choice) const;
     /// The method is settled: what the log says of it, and what the next frame remembers.
     void commit(LightDecision& decision, LightMemory& memory, std::uint64_t frame) const;
 
@@ -194,7 +199,7 @@ private:
     };
     Candidate examine(const Method& method, const SelectionInput& input, const Unprepared& casters,
                       const LightMemory& memory) const;
-    void settle(LightDecision& decision, std::uint32_t incumbent) const;
+    std::uint32_t fallbacks() const; ///< Bit m: method m serves while another is not ready.
     void rank(std::span<LightDecision> decisions);
     void rankWithoutRules(LightDecision& decision) const;
 

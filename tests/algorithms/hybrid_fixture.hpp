@@ -11,7 +11,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "algorithms/shared/receivers.hpp"
-#include "runtime/api/context.hpp"
+#include "runtime/frame/camera_view.hpp"
 #include "runtime/brute_force.hpp"
 #include "runtime/ray_fixture.hpp"
 

@@ -1,13 +1,21 @@
-// What the host says of a camera: checked, then turned into what shaders and rays use.
+#include "runtime/frame/read_frame.hpp"
+
+#include <algorithm>
 #include <cmath>
 
-#include "runtime/api/context.hpp"
 #include "runtime/base/number_text.hpp"
 #include "runtime/store/scene_input.hpp"
 
 namespace gnomon {
 
+Error frameOrder(const std::string& text)
+{
+    return {GN_ERROR_FRAME_ORDER, "FrameOrder", text};
+}
+
 namespace {
+
+// --- one view ---
 
 Error wrong(GnResult result, const char* id, const char* viewName, const std::string& what)
 {
@@ -107,8 +115,7 @@ Result<void> checkImages(const GnViewFrame& frame, const char* viewName, const D
     return {};
 }
 
-} // namespace
-
+/// One view's part of a frame.
 Result<void> checkViewFrame(const GnViewFrame& frame, const char* viewName, std::uint32_t maxLights,
                             const DeviceTable& vk)
 {
@@ -131,107 +138,122 @@ Result<void> checkViewFrame(const GnViewFrame& frame, const char* viewName, std:
     return {};
 }
 
-namespace {
+// --- all views ---
 
-/// Rays of linear depth (clip w) 1, in world space. With p = projection: w = p11 z, x_clip = p0 x + p8 z, so
-/// x = (x_ndc - p8 z) / p0 for z = 1 / p11. In double: differences are taken of nearly equal ones.
-class ViewRays {
-public:
-    ViewRays(const CameraView& view, const float* projection)
-        : worldFromView_(glm::transpose(view.viewFromWorld)), area_(view.area), p_(projection), z_(1.0 / projection[11])
-    {
-    }
-
-    /// Through a point of the image, pixels.
-    glm::vec3 through(double px, double py) const { return toWorld(inView(px, py)); }
-    /// From the one through (0, 0) to the one through this point.
-    glm::vec3 step(double px, double py) const { return toWorld(inView(px, py) - inView(0.0, 0.0)); }
-    /// The way that linear depth grows.
-    glm::vec3 forward() const { return toWorld({0.0, 0.0, z_}); }
-
-private:
-    glm::dvec3 inView(double px, double py) const
-    {
-        const double xNdc = 2.0 * (px - area_.offset.x) / area_.extent.width - 1.0;
-        const double yNdc = 2.0 * (py - area_.offset.y) / area_.extent.height - 1.0;
-        return {(xNdc - p_[8] * z_) / p_[0], (yNdc - p_[9] * z_) / p_[5], z_};
-    }
-    glm::vec3 toWorld(const glm::dvec3& v) const { return glm::vec3(worldFromView_ * v); }
-
-    glm::dmat3 worldFromView_;
-    VkRect2D area_;
-    const float* p_;
-    double z_;
-};
-
-/// From the corner rays; the near plane from depth 1 (reversed) or 0.
-void setFrustum(CameraView& view, const ViewRays& rays)
+/// Views may share their images (two parts of one). Layouts belong to an image, which is one thing for all of them.
+Result<void> checkSharedImages(const GnFrameInfo& info, std::uint32_t index, const std::string& name)
 {
-    const gpu::ViewConstants& c = view.constants;
-    const auto left = static_cast<double>(view.area.offset.x), top = static_cast<double>(view.area.offset.y);
-    const double right = left + view.area.extent.width, bottom = top + view.area.extent.height;
-    const std::array<glm::vec3, 4> corners = {rays.through(left, top), rays.through(right, top),
-                                              rays.through(right, bottom), rays.through(left, bottom)};
-    const glm::vec3 forward = rays.forward();
-    const float nearDepth = view.reversed() ? 1.0f : 0.0f, farDepth = 1.0f - nearDepth;
-    const float nearW = gpu::linearDepth(c, nearDepth);
-    for (std::size_t i = 0; i < 4; ++i) {
-        view.nearCorners[i] = view.eye + corners[i] * nearW;
-        glm::vec3 normal = glm::normalize(glm::cross(corners[i], corners[(i + 1) % 4]));
-        if (glm::dot(normal, corners[(i + 2) % 4]) < 0.0f) normal = -normal; // whichever way the view is handed
-        view.frustum[i] = {normal, -glm::dot(normal, view.eye)};
+    const GnViewFrame& frame = info.pViews[index];
+    for (std::uint32_t i = 0; i < index; ++i) {
+        const GnViewFrame& other = info.pViews[i];
+        const bool depth = other.depthImage == frame.depthImage;
+        const bool normals = frame.normalImage && other.normalImage == frame.normalImage;
+        const bool sameSize =
+            other.imageExtent.width == frame.imageExtent.width && other.imageExtent.height == frame.imageExtent.height;
+        const bool same = sameSize && (!depth || other.depthView == frame.depthView) &&
+                          (!normals || other.normalView == frame.normalView);
+        if ((depth || normals) && !same)
+            return Error{GN_ERROR_OUT_OF_RANGE, "ImageShared",
+                         "view '" + name + "' shares " + (depth ? "depthImage" : "normalImage") + " with pViews[" +
+                             std::to_string(i) + "], but not its image view and imageExtent"};
     }
-    view.frustum[4] = {forward, -glm::dot(forward, view.eye) - nearW};
-    view.frustum[5] = {glm::vec3(0.0f), 1.0f};
-    if (view.convention == GN_DEPTH_REVERSED_INFINITE || c.depthMul * farDepth + c.depthAdd == 0.0f) return;
-    const float farW = gpu::linearDepth(c, farDepth);
-    view.frustum[5] = {-forward, glm::dot(forward, view.eye) + farW};
+    return {};
+}
+
+Result<void> checkLights(const GnViewFrame& frame, const std::string& name, const SceneRegistry& scene)
+{
+    for (std::uint32_t k = 0; k < frame.lightCount; ++k) {
+        const GnLight* earlier = std::find(frame.pLights, frame.pLights + k, frame.pLights[k]);
+        if (earlier != frame.pLights + k)
+            return Error{GN_ERROR_OUT_OF_RANGE, "LightTwice",
+                         "view '" + name + "': pLights[" + std::to_string(k) + "] is pLights[" +
+                             std::to_string(earlier - frame.pLights) + "] again"};
+        if (!scene.validLight(frame.pLights[k]))
+            return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle",
+                         "view '" + name + "': pLights[" + std::to_string(k) + "] is not a live light of this context"};
+    }
+    return {};
+}
+
+Result<void> readViews(const GnFrameInfo& info, const ReadParts& parts, std::vector<View*>& out)
+{
+    out.clear();
+    for (std::uint32_t i = 0; i < info.viewCount; ++i) {
+        const GnViewFrame& frame = info.pViews[i];
+        View* view = parts.views.find(frame.view);
+        if (!view)
+            return Error{GN_ERROR_INVALID_HANDLE, "InvalidHandle",
+                         "pViews[" + std::to_string(i) + "].view is not a live view of this context"};
+        if (std::find(out.begin(), out.end(), view) != out.end())
+            return Error{GN_ERROR_OUT_OF_RANGE, "ViewTwice", "view '" + view->name + "' appears twice in the frame"};
+        if (Result<void> ok = checkViewFrame(frame, view->name.c_str(), view->maxLights, parts.vk); !ok) return ok;
+        if (Result<void> ok = checkLights(frame, view->name, parts.scene); !ok) return ok;
+        if (Result<void> ok = checkSharedImages(info, i, view->name); !ok) return ok;
+        out.push_back(view);
+    }
+    return {};
+}
+
+// --- the frame ---
+
+Result<void> checkOrder(const GnFrameInfo& info, const ReadParts& parts)
+{
+    if (parts.executor && parts.executor->underway())
+        return frameOrder("gnFinishShadows of frame " + std::to_string(parts.newest) + " is missing");
+    if (info.frame == 0) return frameOrder("frame is 0; the first frame is at least 1");
+    if (parts.newest != 0 && info.frame != parts.newest + 1)
+        return frameOrder("frame is " + std::to_string(info.frame) + " after " + std::to_string(parts.newest));
+    if (const GnFrameFlags other = info.flags & ~(GN_FRAME_PRESUBMIT_BIT | GN_FRAME_TIMED_BIT))
+        return unknownFlags("GnFrameInfo::flags", other, "GnFrameFlagBits");
+    if (info.completedFrame >= info.frame)
+        return frameOrder("completedFrame " + std::to_string(info.completedFrame) + " is not before frame " +
+                          std::to_string(info.frame));
+    return parts.executor ? parts.executor->checkSlot(info.frame, info.completedFrame) : Result<void>();
+}
+
+Result<void> checkBudget(float budgetMs)
+{
+    if (std::isnan(budgetMs)) return Error{GN_ERROR_NOT_A_NUMBER, "BudgetNaN", "budgetMs is NaN"};
+    if (std::isinf(budgetMs)) return Error{GN_ERROR_INFINITE, "BudgetInfinite", "budgetMs is infinite"};
+    if (budgetMs < 0.0f)
+        return Error{GN_ERROR_OUT_OF_RANGE, "BudgetNegative", "budgetMs is " + shortestText(double{budgetMs})};
+    return {};
+}
+
+Result<void> checkSemaphores(const GnSemaphorePoint* points, std::uint32_t count, const char* name)
+{
+    const auto missing = [name](const std::string& what) {
+        return Error{GN_ERROR_NULL_ARGUMENT, "SemaphoresMissing", std::string(name).append(what).append(" is null")};
+    };
+    if (count && !points) return missing("");
+    for (std::uint32_t i = 0; i < count; ++i)
+        if (!points[i].semaphore) return missing(std::string("[") + std::to_string(i) + "].semaphore");
+    return {};
+}
+
+void readSemaphores(const GnSemaphorePoint* points, std::uint32_t count, std::vector<VkSemaphoreSubmitInfo>& out)
+{
+    out.clear();
+    for (std::uint32_t i = 0; i < count; ++i)
+        out.push_back({.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+                       .semaphore = points[i].semaphore,
+                       .value = points[i].value,
+                       .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT});
 }
 
 } // namespace
 
-CameraView makeCameraView(const GnViewFrame& frame, const std::array<double, 3>& origin, std::uint32_t id,
-                          std::span<const Caster> casters)
+Result<void> readFrame(const GnFrameInfo& info, const ReadParts& parts, FrameInput& out)
 {
-    CameraView view;
-    view.id = id;
-    view.cut = frame.cameraCut != VK_FALSE;
-    view.convention = frame.depthConvention;
-    view.depthFormat = frame.depthFormat;
-    view.normalFormat = frame.normalImage ? frame.normalFormat : VK_FORMAT_UNDEFINED;
-    view.extent = frame.imageExtent;
-    view.area = frame.renderArea.extent.width ? frame.renderArea : VkRect2D{{0, 0}, frame.imageExtent};
-    for (int i = 0; i < 3; ++i) {
-        view.origin[i] = origin[i];
-        view.eye[i] = static_cast<float>(frame.eye[i] - origin[i]);
-    }
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column)
-            view.viewFromWorld[column][row] = frame.viewFromWorld[3 * row + column];
-    const float* p = frame.projection;
-    for (int i = 0; i < 16; ++i)
-        view.projection[i / 4][i % 4] = p[i];
-
-    glm::mat4 viewFromWorld(view.viewFromWorld);
-    viewFromWorld[3] = glm::vec4(-(view.viewFromWorld * view.eye), 1.0f);
-    const ViewRays rays(view, p);
-    gpu::ViewConstants& c = view.constants;
-    c = {};
-    c.clipFromWorld = view.projection * viewFromWorld;
-    c.eyeWs = glm::vec4(view.eye, 0.0f);
-    c.rayCornerWs = glm::vec4(rays.through(0.0, 0.0), 0.0f);
-    c.rayDxWs = glm::vec4(rays.step(1.0, 0.0), 0.0f);
-    c.rayDyWs = glm::vec4(rays.step(0.0, 1.0), 0.0f);
-    c.depthScale = p[11] * p[14]; // w = p11 p14 / (p11 depth - p10)
-    c.depthMul = p[11];
-    c.depthAdd = -p[10];
-    c.skyDepth = view.reversed() ? 0.0f : 1.0f;
-    c.offsetFactor = view.reversed() ? 1.0f : 3.0f;
-    c.pixelSize = glm::length(glm::vec3(c.rayDyWs));
-    c.hasNormals = frame.normalImage != VK_NULL_HANDLE;
-    c.corners = cornersOf(casters, view.eye);
-    setFrustum(view, rays);
-    return view;
+    if (Result<void> ok = checkOrder(info, parts); !ok) return ok;
+    if (Result<void> ok = checkBudget(info.budgetMs); !ok) return ok;
+    if (info.viewCount && !info.pViews) return Error{GN_ERROR_NULL_ARGUMENT, "ViewsMissing", "pViews is null"};
+    if (Result<void> ok = checkSemaphores(info.pWaits, info.waitCount, "pWaits"); !ok) return ok;
+    if (Result<void> ok = checkSemaphores(info.pSignals, info.signalCount, "pSignals"); !ok) return ok;
+    if (Result<void> ok = readViews(info, parts, out.views); !ok) return ok;
+    readSemaphores(info.pWaits, info.waitCount, out.waits);
+    readSemaphores(info.pSignals, info.signalCount, out.signals);
+    return {};
 }
 
 } // namespace gnomon
