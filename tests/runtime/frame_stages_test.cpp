@@ -142,7 +142,7 @@ struct Trip {
                       .lights = lights,
                       .frameRate = 60.0});
     }
-    /// The whole way to passes. @return their names
+    /// The whole way to passes. @return the names of those that will run
     std::vector<std::string> declare()
     {
         measure();
@@ -150,7 +150,7 @@ struct Trip {
         declareLights(frame, {graph, methods, selector, scene.messages, {}});
         std::vector<std::string> names;
         for (const std::uint32_t index : graph.order())
-            names.emplace_back(graph.passes()[index].name);
+            if (const Pass& pass = graph.passes()[index]; pass.fn) names.emplace_back(pass.name); // not taken back
         return names;
     }
     std::string methodOf(std::size_t light) const
