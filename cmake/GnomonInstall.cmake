@@ -2,7 +2,7 @@
 # Everything is static: the optional parts' libraries are found again on the user's machine.
 include(CMakePackageConfigHelpers)
 
-install(TARGETS gnomon gnomon_rules gnomon_parts EXPORT gnomonTargets
+install(TARGETS gnomon gnomon_rules gnomon_base gnomon_parts EXPORT gnomonTargets
     ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}")
 install(DIRECTORY runtime/include/gnomon DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
 install(DIRECTORY rules/knowledge DESTINATION "${CMAKE_INSTALL_DATADIR}/gnomon/rules" FILES_MATCHING PATTERN "*.csv")

@@ -1,10 +1,10 @@
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 
-#include "rules/engine/instruction_set.hpp"
+#include "runtime/base/instruction_set.hpp"
 
 int main(int argc, char** argv)
 {
-    if (!gnomon::rules::limitByEnvironment()) return 1;
+    if (!gnomon::limitByEnvironment()) return 1;
     return doctest::Context(argc, argv).run();
 }

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "algorithms/hybrid/block_rays.hpp"
-#include "algorithms/hybrid/receivers.hpp"
+#include "algorithms/shared/receivers.hpp"
 
 namespace gnomon {
 

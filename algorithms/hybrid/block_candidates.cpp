@@ -3,7 +3,7 @@
 #include <bit>
 #include <cmath>
 
-#include "algorithms/hybrid/receivers.hpp"
+#include "algorithms/shared/receivers.hpp"
 
 namespace gnomon {
 

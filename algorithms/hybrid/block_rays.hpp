@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "algorithms/hybrid/receivers.hpp"
 #include "algorithms/hybrid/tile_blocks.hpp"
+#include "algorithms/shared/receivers.hpp"
 #include "runtime/rays/ray_packet.hpp"
 
 namespace gnomon {

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "algorithms/common/caster_lists.hpp"
+#include "algorithms/shared/caster_lists.hpp"
 
 namespace gnomon {
 

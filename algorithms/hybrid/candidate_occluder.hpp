@@ -8,7 +8,7 @@
 #include <glm/mat3x3.hpp>
 
 #include "algorithms/hybrid/triangle_rings.hpp"
-#include "runtime/core/arena.hpp"
+#include "runtime/base/arena.hpp"
 #include "runtime/rays/ray_scene.hpp"
 #include "runtime/scene/scene_view.hpp"
 

@@ -8,8 +8,8 @@
 
 #include "algorithms/hybrid/bit_rows.hpp"
 #include "algorithms/hybrid/chain_pass.hpp"
-#include "algorithms/hybrid/receivers.hpp"
 #include "algorithms/hybrid/tile_blocks.hpp"
+#include "algorithms/shared/receivers.hpp"
 
 namespace gnomon {
 

@@ -6,8 +6,8 @@
 #include <type_traits>
 
 #include "algorithms/hybrid/coherence_tile.hpp"
-#include "algorithms/hybrid/host_visibility.hpp"
 #include "algorithms/hybrid/traced_pixels.hpp"
+#include "algorithms/shared/host_visibility.hpp"
 
 namespace gnomon {
 

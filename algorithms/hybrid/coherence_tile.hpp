@@ -6,7 +6,7 @@
 
 #include "algorithms/hybrid/cell_grid.hpp"
 #include "algorithms/hybrid/light_disc.hpp"
-#include "algorithms/hybrid/receivers.hpp"
+#include "algorithms/shared/receivers.hpp"
 
 namespace gnomon {
 

@@ -7,8 +7,8 @@
 #include <glm/matrix.hpp>
 
 #include "algorithms/hybrid/spread.hpp"
-#include "algorithms/maps/box_cells.hpp"
-#include "algorithms/maps/depth_map.hpp"
+#include "algorithms/shared/box_cells.hpp"
+#include "algorithms/shared/depth_map.hpp"
 #include "shaders/hybrid_conservative_frag.h"
 #include "shaders/hybrid_conservative_vert.h"
 

@@ -5,8 +5,8 @@
 
 #include <glm/mat4x4.hpp>
 
-#include "algorithms/common/map_cells.hpp"
-#include "algorithms/maps/map_lookup.hpp"
+#include "algorithms/shared/map_cells.hpp"
+#include "algorithms/shared/map_lookup.hpp"
 #include "shaders/hybrid/conservative_lookup.h"
 
 namespace gnomon {

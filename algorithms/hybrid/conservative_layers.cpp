@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "algorithms/hybrid/conservative_votes.hpp"
-#include "algorithms/maps/map_resolve.hpp"
-#include "algorithms/omni/light_map.hpp"
+#include "algorithms/shared/light_map.hpp"
+#include "algorithms/shared/map_resolve.hpp"
 #include "shaders/hybrid_conservative_classify_cube_frag.h"
 #include "shaders/hybrid_conservative_classify_frag.h"
 #include "shaders/shared_fullscreen_vert.h"

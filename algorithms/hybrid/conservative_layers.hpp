@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <span>
 
-#include "algorithms/common/kept_map.hpp"
 #include "algorithms/hybrid/conservative_casters.hpp"
 #include "algorithms/hybrid/host_map.hpp"
 #include "algorithms/hybrid/undecided.hpp"
+#include "algorithms/shared/kept_map.hpp"
 
 namespace gnomon {
 

@@ -3,8 +3,9 @@
 #include <algorithm>
 
 #include "algorithms/hybrid/sheet_edges.hpp"
-#include "algorithms/maps/depth_map.hpp"
-#include "algorithms/volumes/silhouette.hpp"
+#include "algorithms/shared/caster_lists.hpp"
+#include "algorithms/shared/depth_map.hpp"
+#include "algorithms/shared/face_light.hpp"
 #include "shaders/hybrid_conservative_sheets_frag.h"
 #include "shaders/shared_fullscreen_vert.h"
 

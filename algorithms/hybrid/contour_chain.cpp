@@ -5,10 +5,10 @@
 #include "algorithms/hybrid/chain_pass.hpp"
 #include "algorithms/hybrid/map_votes.hpp"
 #include "algorithms/hybrid/undecided.hpp"
-#include "algorithms/maps/map_resolve.hpp"
+#include "algorithms/shared/map_resolve.hpp"
 #include "shaders/hybrid_contour_chain_cube_frag.h"
 #include "shaders/hybrid_contour_chain_frag.h"
-#include "shaders/maps_map_resolve_vert.h"
+#include "shaders/shared_map_resolve_vert.h"
 
 namespace gnomon {
 
@@ -33,7 +33,7 @@ PipelineId statusPipeline(const AlgorithmServices& services, bool cube, bool nor
     const std::array bindings = lookupBindings(cube);
     GraphicsPipelineInfo pipeline;
     pipeline.name = "contour_chain.status";
-    pipeline.vertex.code = k_maps_map_resolve_vert;
+    pipeline.vertex.code = k_shared_map_resolve_vert;
     pipeline.fragment.code = cube ? std::span<const std::uint32_t>(k_hybrid_contour_chain_cube_frag)
                                   : std::span<const std::uint32_t>(k_hybrid_contour_chain_frag);
     pipeline.fragment.specializationCount = 1;

@@ -4,12 +4,12 @@
 #include <array>
 
 #include "algorithms/hybrid/point_maps.hpp"
-#include "algorithms/hybrid/receivers.hpp"
 #include "algorithms/hybrid/traced_pixels.hpp"
 #include "algorithms/hybrid/undecided.hpp"
-#include "algorithms/maps/map_resolve.hpp"
+#include "algorithms/shared/map_resolve.hpp"
+#include "algorithms/shared/receivers.hpp"
 #include "shaders/hybrid_eight_point_hybrid_frag.h"
-#include "shaders/maps_map_resolve_vert.h"
+#include "shaders/shared_map_resolve_vert.h"
 
 namespace gnomon {
 
@@ -34,7 +34,7 @@ PipelineId classifyPipeline(const AlgorithmServices& services, bool normals)
     const std::array bindings = lookupBindings(true);
     GraphicsPipelineInfo pipeline;
     pipeline.name = "eight_point_hybrid.classify";
-    pipeline.vertex.code = k_maps_map_resolve_vert;
+    pipeline.vertex.code = k_shared_map_resolve_vert;
     pipeline.fragment.code = k_hybrid_eight_point_hybrid_frag;
     pipeline.fragment.specializationCount = 1;
     pipeline.fragment.specialization[0] = normals;

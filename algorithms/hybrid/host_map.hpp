@@ -2,9 +2,9 @@
 // A light's depth map on the CPU, where host passes ask it for all pixels: a copy, kept as long as the map.
 #include <cstdint>
 
-#include "algorithms/common/map_cells.hpp"
 #include "algorithms/hybrid/simd_kernels.hpp"
-#include "algorithms/omni/light_map.hpp"
+#include "algorithms/shared/light_map.hpp"
+#include "algorithms/shared/map_cells.hpp"
 #include "runtime/passes/pass_context.hpp"
 
 namespace gnomon {

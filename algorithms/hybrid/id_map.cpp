@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "algorithms/common/caster_lists.hpp"
-#include "algorithms/maps/depth_casters.hpp"
-#include "algorithms/maps/map_lookup.hpp"
-#include "algorithms/omni/light_map.hpp"
+#include "algorithms/shared/caster_lists.hpp"
+#include "algorithms/shared/depth_casters.hpp"
+#include "algorithms/shared/light_map.hpp"
+#include "algorithms/shared/map_lookup.hpp"
 #include "shaders/hybrid_id_map_frag.h"
 #include "shaders/hybrid_id_map_vert.h"
 

@@ -7,7 +7,7 @@
 #include "algorithms/hybrid/candidate_occluder.hpp"
 #include "algorithms/hybrid/host_map.hpp"
 #include "algorithms/hybrid/map_texels.hpp"
-#include "algorithms/maps/depth_map.hpp"
+#include "algorithms/shared/depth_map.hpp"
 #include "runtime/algorithm.hpp"
 #include "runtime/scene/light_fit.hpp"
 

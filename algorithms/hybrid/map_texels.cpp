@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "shaders/omni/cube.h"
+#include "shaders/shared/cube.h"
 
 namespace gnomon {
 
 namespace {
 
-/// What mapClipOf() and tapOf() of shaders/maps/agreement.glsl give.
+/// What mapClipOf() and tapOf() of shaders/shared/agreement.glsl give.
 struct Found {
     glm::vec4 clip;
     glm::vec2 normalPerTexel;

@@ -1,14 +1,14 @@
 #pragma once
-// The texels of a map around a receiver, on the CPU: what shaders/maps/planar_tap.glsl does on the device, for the few
-// pixels that a copy of the map is asked about.
+// The texels of a map around a receiver, on the CPU: what shaders/shared/planar_tap.glsl does on the device, for the
+// few pixels that a copy of the map is asked about.
 #include <array>
 #include <cstdint>
 #include <span>
 
 #include <glm/vec2.hpp>
 
-#include "algorithms/hybrid/receivers.hpp"
-#include "shaders/maps/map_lookup.h"
+#include "algorithms/shared/receivers.hpp"
+#include "shaders/shared/map_lookup.h"
 
 namespace gnomon {
 
@@ -33,7 +33,7 @@ public:
     bool agree(bool lit, TexelBlock block) const;
 
     /// Whether the four texels are farther than the receiver by more than rounding and snapping may move either
-    /// (shaders/maps/agreement.glsl has the same for pcf_hybrid). Where contact shadows are thinner than that, texels
+    /// (shaders/shared/agreement.glsl has the same for pcf_hybrid). Where contact shadows are thinner than that, texels
     /// agree on nothing worth believing.
     bool clearlyLit() const;
 

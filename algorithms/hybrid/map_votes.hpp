@@ -2,8 +2,8 @@
 // A light's map asked for all pixels on the CPU, in a copy of it: by its own texel each, or by the four around it,
 // where rays follow at once if they differ.
 #include "algorithms/hybrid/bit_rows.hpp"
+#include "algorithms/hybrid/host_blocks.hpp"
 #include "algorithms/hybrid/host_map.hpp"
-#include "algorithms/hybrid/host_visibility.hpp"
 
 namespace gnomon {
 

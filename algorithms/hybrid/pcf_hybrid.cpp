@@ -4,11 +4,11 @@
 
 #include "algorithms/hybrid/map_votes.hpp"
 #include "algorithms/hybrid/undecided.hpp"
-#include "algorithms/maps/map_resolve.hpp"
-#include "algorithms/omni/light_map.hpp"
+#include "algorithms/shared/light_map.hpp"
+#include "algorithms/shared/map_resolve.hpp"
 #include "shaders/hybrid_pcf_hybrid_cube_frag.h"
 #include "shaders/hybrid_pcf_hybrid_frag.h"
-#include "shaders/maps_map_resolve_vert.h"
+#include "shaders/shared_map_resolve_vert.h"
 
 namespace gnomon {
 
@@ -27,7 +27,7 @@ PipelineId classifyPipeline(const AlgorithmServices& services, bool cube, bool n
     const std::array bindings = lookupBindings(cube);
     GraphicsPipelineInfo pipeline;
     pipeline.name = "pcf_hybrid.classify";
-    pipeline.vertex.code = k_maps_map_resolve_vert;
+    pipeline.vertex.code = k_shared_map_resolve_vert;
     pipeline.fragment.code = cube ? std::span<const std::uint32_t>(k_hybrid_pcf_hybrid_cube_frag)
                                   : std::span<const std::uint32_t>(k_hybrid_pcf_hybrid_frag);
     pipeline.fragment.specializationCount = 1;

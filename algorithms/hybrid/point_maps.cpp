@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "algorithms/maps/depth_casters.hpp"
+#include "algorithms/shared/depth_casters.hpp"
 
 namespace gnomon {
 

@@ -4,8 +4,8 @@
 #include <span>
 
 #include "algorithms/hybrid/light_disc.hpp"
-#include "algorithms/maps/depth_map.hpp"
-#include "algorithms/maps/map_lookup.hpp"
+#include "algorithms/shared/depth_map.hpp"
+#include "algorithms/shared/map_lookup.hpp"
 #include "shaders/hybrid/eight_point.h"
 
 namespace gnomon {

@@ -1,8 +1,8 @@
 #include "algorithms/hybrid/ray_traced.hpp"
 
-#include "algorithms/hybrid/host_visibility.hpp"
 #include "algorithms/hybrid/traced_pixels.hpp"
 #include "algorithms/hybrid/undecided.hpp"
+#include "algorithms/shared/host_visibility.hpp"
 
 namespace gnomon {
 

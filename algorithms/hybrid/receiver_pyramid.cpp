@@ -6,7 +6,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "algorithms/hybrid/receivers.hpp"
+#include "algorithms/shared/receivers.hpp"
 
 namespace gnomon {
 

@@ -201,10 +201,10 @@ struct Kernels {
     void (*square)(const SquareTexels& texels, Square& square);
     /// Finds receivers in a map and calls for the texels that vote() will read; there are normals.
     void (*place)(const Constants& constants, const Texels& texels, const MapLookup& map, MapPlaces& places);
-    /// What the four texels around each receiver say (shaders/maps/verdict.glsl).
+    /// What the four texels around each receiver say (shaders/shared/verdict.glsl).
     /// @return bit i: lane i wants a ray, and its byte is undefined
     uint32_t (*vote)(const MapLookup& map, const MapPlaces& places, const MapBytes& bytes, uint8_t* answers);
-    /// What each receiver's own texel says (nearestVisibility() of shaders/maps/filter.glsl).
+    /// What each receiver's own texel says (nearestVisibility() of shaders/shared/filter.glsl).
     MapLanes (*nearest)(const MapLookup& map, const MapPlaces& places, const MapBytes& bytes, uint8_t* answers);
     /// Finds rays' starts in a conservative map and calls for their texels; there are normals.
     void (*placeStarts)(const Constants& constants, const Texels& texels, const ConservativeLookup& look,

@@ -8,8 +8,8 @@
 #include <cpuid.h>
 #endif
 
-#include "algorithms/hybrid/receivers.hpp"
-#include "rules/engine/instruction_set.hpp"
+#include "algorithms/shared/receivers.hpp"
+#include "runtime/base/instruction_set.hpp"
 
 namespace gnomon {
 
@@ -39,8 +39,8 @@ std::span<const Kernels* const> kernelsHere()
     };
     std::size_t count = 1;
 #if GNOMON_SIMD_X86
-    if (rules::isSupported(rules::InstructionSet::Avx2) && hasF16c()) count = 2;
-    if (count == 2 && rules::isSupported(rules::InstructionSet::Avx512)) count = 3;
+    if (isSupported(InstructionSet::Avx2) && hasF16c()) count = 2;
+    if (count == 2 && isSupported(InstructionSet::Avx512)) count = 3;
 #endif
     return std::span(kAll).first(count);
 }

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "algorithms/hybrid/shaft.hpp"
-#include "runtime/core/arena.hpp"
+#include "runtime/base/arena.hpp"
 
 namespace gnomon {
 

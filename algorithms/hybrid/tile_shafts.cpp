@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "algorithms/hybrid/block_rays.hpp"
-#include "algorithms/hybrid/host_visibility.hpp"
+#include "algorithms/hybrid/host_blocks.hpp"
 #include "algorithms/hybrid/receiver_pyramid.hpp"
 #include "algorithms/hybrid/tile_search.hpp"
 #include "algorithms/hybrid/undecided.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "algorithms/hybrid/host_visibility.hpp"
+#include "algorithms/hybrid/host_blocks.hpp"
 #include "shaders/hybrid/reasons.h"
 
 namespace gnomon {

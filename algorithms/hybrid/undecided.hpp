@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <span>
 
-#include "algorithms/hybrid/host_visibility.hpp"
+#include "algorithms/hybrid/host_blocks.hpp"
 #include "algorithms/hybrid/near_clip.hpp"
 #include "shaders/hybrid/reasons.h"
 

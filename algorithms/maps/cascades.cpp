@@ -1,8 +1,8 @@
 #include "algorithms/maps/cascades.hpp"
 
 #include "algorithms/maps/cascade_fit.hpp"
-#include "algorithms/maps/depth_casters.hpp"
-#include "algorithms/maps/map_resolve.hpp"
+#include "algorithms/shared/depth_casters.hpp"
+#include "algorithms/shared/map_resolve.hpp"
 #include "shaders/maps/cascades.h"
 #include "shaders/maps_cascades_frag.h"
 

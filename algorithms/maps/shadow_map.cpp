@@ -1,7 +1,7 @@
 #include "algorithms/maps/shadow_map.hpp"
 
-#include "algorithms/maps/depth_map.hpp"
-#include "algorithms/maps/map_resolve.hpp"
+#include "algorithms/shared/depth_map.hpp"
+#include "algorithms/shared/map_resolve.hpp"
 #include "shaders/maps_shadow_map_frag.h"
 
 namespace gnomon {

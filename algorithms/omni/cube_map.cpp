@@ -1,8 +1,8 @@
 #include "algorithms/omni/cube_map.hpp"
 
-#include "algorithms/maps/map_resolve.hpp"
-#include "algorithms/omni/cube_faces.hpp"
-#include "algorithms/omni/light_map.hpp"
+#include "algorithms/shared/cube_faces.hpp"
+#include "algorithms/shared/light_map.hpp"
+#include "algorithms/shared/map_resolve.hpp"
 #include "shaders/omni_cube_map_frag.h"
 
 namespace gnomon {

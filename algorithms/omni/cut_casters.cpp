@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "algorithms/common/caster_lists.hpp"
+#include "algorithms/shared/caster_lists.hpp"
 #include "runtime/passes/pass_context.hpp"
 
 namespace gnomon {

@@ -5,11 +5,11 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "algorithms/common/kept_map.hpp"
-#include "algorithms/maps/depth_map.hpp"
-#include "algorithms/maps/map_resolve.hpp"
 #include "algorithms/omni/cut_casters.hpp"
-#include "algorithms/omni/frusta.hpp"
+#include "algorithms/shared/depth_map.hpp"
+#include "algorithms/shared/frusta.hpp"
+#include "algorithms/shared/kept_map.hpp"
+#include "algorithms/shared/map_resolve.hpp"
 #include "runtime/scene/bias.hpp"
 #include "shaders/omni_dual_paraboloid_frag.h"
 #include "shaders/omni_paraboloid_vert.h"

@@ -1,4 +1,3 @@
-gnomon_shared(SOURCES cube_faces.cpp frusta.cpp light_map.cpp)
 gnomon_algorithm(cube_map
     SOURCES cube_map.cpp
     SHADERS omni/cube_map.frag)

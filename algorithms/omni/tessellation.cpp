@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 
-#include "algorithms/common/face_light.hpp"
+#include "algorithms/shared/face_light.hpp"
 
 namespace gnomon {
 

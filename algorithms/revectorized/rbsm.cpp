@@ -1,7 +1,7 @@
 #include "algorithms/revectorized/rbsm.hpp"
 
-#include "algorithms/maps/map_resolve.hpp"
-#include "algorithms/omni/light_map.hpp"
+#include "algorithms/shared/light_map.hpp"
+#include "algorithms/shared/map_resolve.hpp"
 #include "shaders/revectorized/rbsm.h"
 #include "shaders/revectorized_rbsm_cube_frag.h"
 #include "shaders/revectorized_rbsm_frag.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "algorithms/common/mesh_numbers.hpp"
+#include "algorithms/shared/mesh_numbers.hpp"
 #include "algorithms/volumes/edge_list.hpp"
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "algorithms/volumes/silhouette.hpp"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "algorithms/hybrid/host_visibility.hpp"
+#include "algorithms/shared/host_visibility.hpp"
 #include "algorithms/volumes/light_spans.hpp"
 
 namespace gnomon {

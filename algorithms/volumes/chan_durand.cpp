@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <iterator>
 
-#include "algorithms/common/caster_lists.hpp"
-#include "algorithms/maps/map_resolve.hpp"
-#include "algorithms/omni/light_map.hpp"
+#include "algorithms/shared/caster_lists.hpp"
+#include "algorithms/shared/light_map.hpp"
+#include "algorithms/shared/map_resolve.hpp"
 #include "algorithms/volumes/light_cells.hpp"
 #include "algorithms/volumes/view_stencil.hpp"
 #include "algorithms/volumes/volume_draw.hpp"
 
-#include "shaders/maps_map_resolve_vert.h"
 #include "shaders/shared_fullscreen_vert.h"
+#include "shaders/shared_map_resolve_vert.h"
 #include "shaders/shared_umbra_frag.h"
 #include "shaders/volumes_chan_durand_cube_frag.h"
 #include "shaders/volumes_chan_durand_cull_comp.h"
@@ -78,7 +78,7 @@ PipelineId classifyPipeline(const AlgorithmServices& services, bool cube, bool n
                                 .reference = kCounting.mask};
     GraphicsPipelineInfo pipeline;
     pipeline.name = "chan_durand.classify";
-    pipeline.vertex.code = k_maps_map_resolve_vert;
+    pipeline.vertex.code = k_shared_map_resolve_vert;
     pipeline.fragment.code = cube ? std::span<const std::uint32_t>(k_volumes_chan_durand_cube_frag)
                                   : std::span<const std::uint32_t>(k_volumes_chan_durand_frag);
     pipeline.fragment.specializationCount = 2;

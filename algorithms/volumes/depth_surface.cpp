@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "algorithms/maps/map_lookup.hpp"
+#include "algorithms/shared/map_lookup.hpp"
 
 // Projections are inverted in double and rounded once.
 namespace gnomon {

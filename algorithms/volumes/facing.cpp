@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "algorithms/volumes/facing_kernel.hpp"
-#include "rules/engine/instruction_set.hpp"
+#include "runtime/base/instruction_set.hpp"
 
 namespace gnomon {
 
@@ -42,9 +42,9 @@ bool runsHere(FacingWidth width) noexcept
     case FacingWidth::sse2:
         return true;
     case FacingWidth::avx2:
-        return rules::isSupported(rules::InstructionSet::Avx2);
+        return isSupported(InstructionSet::Avx2);
     case FacingWidth::avx512:
-        return rules::isSupported(rules::InstructionSet::Avx512);
+        return isSupported(InstructionSet::Avx512);
 #endif
     default:
         return false;

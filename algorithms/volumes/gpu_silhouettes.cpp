@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "algorithms/common/caster_lists.hpp"
-#include "algorithms/common/mesh_numbers.hpp"
+#include "algorithms/shared/caster_lists.hpp"
+#include "algorithms/shared/mesh_numbers.hpp"
 #include "algorithms/volumes/silhouette.hpp"
 
 #include "shaders/volumes/silhouettes.h"

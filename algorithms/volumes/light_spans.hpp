@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "algorithms/volumes/span_table.hpp"
-#include "runtime/core/jobs.hpp"
+#include "runtime/base/jobs.hpp"
 
 namespace gnomon {
 

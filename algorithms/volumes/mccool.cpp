@@ -7,8 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
-#include "algorithms/common/caster_lists.hpp"
-#include "algorithms/omni/light_map.hpp"
+#include "algorithms/shared/caster_lists.hpp"
+#include "algorithms/shared/light_map.hpp"
 #include "algorithms/volumes/depth_surface.hpp"
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "algorithms/volumes/stencil_resolve.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "algorithms/common/face_light.hpp"
+#include "algorithms/shared/face_light.hpp"
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "algorithms/volumes/volume_count.hpp"
 #include "runtime/scene/light_pixels.hpp"

@@ -51,12 +51,6 @@ std::uint32_t* writeQuad(std::uint32_t a, std::uint32_t b, std::uint32_t* out)
 
 } // namespace
 
-bool castsVolume(const Caster& caster)
-{
-    return caster.mesh && caster.mesh->topology && !caster.hostDrawn && !caster.alphaTested &&
-           !caster.mesh->topology->edges.empty();
-}
-
 void findFacing(const Topology& topology, const gpu::FaceLight& light, std::uint32_t first,
                 std::span<std::uint8_t> facing)
 {

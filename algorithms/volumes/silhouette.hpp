@@ -6,14 +6,12 @@
 #include <cstdint>
 #include <span>
 
-#include "algorithms/common/face_light.hpp"
+#include "algorithms/shared/caster_lists.hpp"
+#include "algorithms/shared/face_light.hpp"
 #include "runtime/scene/scene_view.hpp"
 #include "runtime/scene/topology.hpp"
 
 namespace gnomon {
-
-/// Whether a caster has a volume: solid triangles with a topology. Volumes cannot see holes that a texture cuts.
-bool castsVolume(const Caster& caster);
 
 /// facing[i] = way of face first + i (FACE_TOWARDS, ...). As wide as the processor can (facing.hpp).
 void findFacing(const Topology& topology, const gpu::FaceLight& light, std::uint32_t first,

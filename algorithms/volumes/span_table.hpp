@@ -9,7 +9,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "runtime/core/arena.hpp"
+#include "runtime/base/arena.hpp"
 #include "runtime/scene/scene_view.hpp"
 
 namespace gnomon {

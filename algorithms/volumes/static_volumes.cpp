@@ -5,7 +5,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "algorithms/common/caster_lists.hpp"
+#include "algorithms/shared/caster_lists.hpp"
 #include "algorithms/volumes/volume_list.hpp"
 
 namespace gnomon {

@@ -1,6 +1,6 @@
 #include "algorithms/volumes/stencil_volume.hpp"
 
-#include "algorithms/common/caster_lists.hpp"
+#include "algorithms/shared/caster_lists.hpp"
 #include "algorithms/volumes/gpu_silhouettes.hpp"
 #include "algorithms/volumes/volume_count.hpp"
 #include "algorithms/volumes/volume_cull.hpp"

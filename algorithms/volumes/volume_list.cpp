@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "algorithms/common/caster_lists.hpp"
+#include "algorithms/shared/caster_lists.hpp"
 #include "algorithms/volumes/gpu_silhouettes.hpp"
 #include "algorithms/volumes/silhouette.hpp"
 

@@ -2,8 +2,7 @@
 # one is what they are measured against, so the compiler must not make vectors of it.
 add_library(gnomon_facing OBJECT volumes/facing.cpp volumes/facing_scalar.cpp)
 gnomon_target(gnomon_facing)
-target_include_directories(gnomon_facing PRIVATE "${PROJECT_SOURCE_DIR}")
-target_link_libraries(gnomon_facing PUBLIC gnomon_rules)
+target_link_libraries(gnomon_facing PRIVATE gnomon_base)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     target_sources(gnomon_facing PRIVATE volumes/facing_sse2.cpp volumes/facing_avx2.cpp volumes/facing_avx512.cpp)
     set_source_files_properties(volumes/facing_scalar.cpp PROPERTIES

@@ -7,7 +7,7 @@
 #include "demo/io/number.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/replay/budget.hpp"
-#include "rules/engine/instruction_set.hpp"
+#include "runtime/base/instruction_set.hpp"
 
 namespace {
 
@@ -286,7 +286,7 @@ int finish(int exitCode)
 
 int main(int argc, char** argv)
 {
-    if (!gnomon::rules::limitByEnvironment()) return 1;
+    if (!gnomon::limitByEnvironment()) return 1;
     CLI::App app("Adaptive shadows for Vulkan renderers: the demo of gnomon", "gnomon");
     app.set_version_flag("--version", "gnomon " GNOMON_VERSION);
     app.require_subcommand(1);

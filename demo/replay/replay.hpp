@@ -17,7 +17,7 @@
 
 #include "demo/replay/trace.hpp"
 #include "rules/engine/rule_base.hpp"
-#include "runtime/core/method_set.hpp"
+#include "runtime/base/method_set.hpp"
 #include "runtime/cost/knowledge_base.hpp"
 
 namespace gnomon::demo {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "runtime/core/bytes.hpp"
-#include "runtime/core/hash.hpp"
+#include "runtime/base/bytes.hpp"
+#include "runtime/base/hash.hpp"
 #include "runtime/cost/exponent.hpp"
 
 namespace gnomon::demo {

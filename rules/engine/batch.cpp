@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "rules/engine/batch_program.hpp"
-#include "rules/engine/float_mode.hpp"
+#include "runtime/base/float_mode.hpp"
 
 namespace gnomon::rules {
 

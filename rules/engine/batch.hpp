@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "rules/engine/engine.hpp"
-#include "rules/engine/instruction_set.hpp"
+#include "runtime/base/instruction_set.hpp"
 
 namespace gnomon::rules {
 

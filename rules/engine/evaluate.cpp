@@ -5,7 +5,7 @@
 
 #include "rules/engine/concepts.hpp"
 #include "rules/engine/engine.hpp"
-#include "rules/engine/float_mode.hpp"
+#include "runtime/base/float_mode.hpp"
 
 namespace gnomon::rules {
 namespace {

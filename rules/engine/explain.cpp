@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 
 namespace gnomon::rules {
 namespace {

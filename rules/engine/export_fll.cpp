@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 
 namespace gnomon::rules {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "rules/engine/lint_checks.hpp"
 #include "rules/engine/normal_form.hpp"
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 
 /// L04. How strongly two rules can fire together follows from their normal forms: the height of a conjunction is the
 /// lowest of what its clauses reach axis by axis, since axes do not depend on each other, and that of alternatives the

@@ -6,7 +6,7 @@
 #include "rules/engine/cells.hpp"
 #include "rules/engine/concepts.hpp"
 #include "rules/engine/lint_checks.hpp"
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 
 /// Which rules fire where, exactly. Whether a rule fires depends, for every term, only on whether its membership is 0,
 /// 1 or between; with a `minimumStrength` also on whether it is above that, by the weights of the rules. So an axis

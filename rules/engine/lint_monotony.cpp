@@ -4,8 +4,8 @@
 
 #include "rules/engine/cells.hpp"
 #include "rules/engine/lint_checks.hpp"
-#include "rules/engine/number_text.hpp"
 #include "rules/engine/sample_points.hpp"
+#include "runtime/base/number_text.hpp"
 
 /// L09. Walks along the axis of the promise, corner by corner and twice between corners, from many points of the other
 /// facts.

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "rules/engine/lint_checks.hpp"
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 
 namespace gnomon::rules {
 namespace {

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "rules/engine/lint_checks.hpp"
-#include "rules/engine/number_text.hpp"
 #include "rules/engine/sample_points.hpp"
+#include "runtime/base/number_text.hpp"
 
 /// Checks that look at many points instead of proving: what they find is there, what they miss may be too.
 

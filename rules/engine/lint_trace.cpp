@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "rules/engine/lint.hpp"
-#include "rules/engine/number_text.hpp"
 #include "rules/engine/sample_points.hpp"
+#include "runtime/base/number_text.hpp"
 
 /// L08: how much of a recorded trace lies so close to a boundary between two decisions that noise alone crosses it.
 
@@ -82,7 +82,8 @@ std::vector<Diagnostic> lintTrace(const Engine& engine, const FactTrace& trace)
         const auto count = std::count(overturned.begin(), overturned.end(), true);
         if (static_cast<double>(count) <= kMost * points.count) continue;
         const auto row = std::find(overturned.begin(), overturned.end(), true) - overturned.begin();
-        const auto first = trace.frames.empty() ? static_cast<uint32_t>(row) : trace.frames[static_cast<std::size_t>(row)];
+        const auto first =
+            trace.frames.empty() ? static_cast<uint32_t>(row) : trace.frames[static_cast<std::size_t>(row)];
         sink.warning("L08", engine.base().variables[v].at,
                      "noise of " + shortestText(noise) + " in " + quoted(engine.base().variables[v].name) +
                          " overturns the decision in " +

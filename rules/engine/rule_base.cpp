@@ -9,7 +9,7 @@
 
 #include "rules/engine/centroid.hpp"
 #include "rules/engine/concepts.hpp"
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 
 namespace gnomon::rules {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "rules/engine/cells.hpp"
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 
 namespace gnomon::rules {
 namespace {

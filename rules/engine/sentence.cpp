@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 
 namespace gnomon::rules {
 namespace {

@@ -12,7 +12,7 @@
 #include <yaml-cpp/mark.h>
 #include <yaml-cpp/parser.h>
 
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 
 namespace gnomon::yaml {
 namespace {
@@ -289,7 +289,7 @@ std::optional<double> numberOf(const Node& node) noexcept
     if (node.kind != Node::Kind::Scalar || !node.plain) return std::nullopt;
     if (node.text == ".inf" || node.text == "+.inf") return std::numeric_limits<double>::infinity();
     if (node.text == "-.inf") return -std::numeric_limits<double>::infinity();
-    return rules::parseNumber(node.text);
+    return parseNumber(node.text);
 }
 
 std::string_view kindText(const Node& node) noexcept
@@ -357,8 +357,8 @@ void MapReader::number(std::string_view key, double low, double high, double& ou
         out = *value;
     else
         sink_.error("R05", found->at,
-                    rules::quoted(key) + " must be a number from " + rules::shortestText(low) + " to " +
-                        rules::shortestText(high) + foundText(*found));
+                    rules::quoted(key) + " must be a number from " + shortestText(low) + " to " + shortestText(high) +
+                        foundText(*found));
 }
 
 void MapReader::count(std::string_view key, uint32_t high, uint32_t& out)

@@ -4,10 +4,10 @@
 #include <array>
 #include <string>
 
-#include "rules/engine/float_mode.hpp"
-#include "rules/engine/number_text.hpp"
 #include "rules/engine/sentence.hpp"
 #include "rules/yaml/document.hpp"
+#include "runtime/base/float_mode.hpp"
+#include "runtime/base/number_text.hpp"
 
 namespace gnomon::rules {
 namespace {

@@ -8,8 +8,8 @@
 #include <span>
 #include <utility>
 
-#include "rules/engine/float_mode.hpp"
 #include "runtime/api/context.hpp"
+#include "runtime/base/float_mode.hpp"
 
 struct GnContext_T {
     std::unique_ptr<gnomon::Context> impl;
@@ -53,7 +53,7 @@ template <typename Body>
 GnResult atBoundary(GnContext context, Body&& body) noexcept
 {
     if (!context || !context->impl) return GN_ERROR_NULL_ARGUMENT;
-    const rules::FloatMode mode; // the host's is put aside: same inputs, same decision
+    const FloatMode mode; // the host's is put aside: same inputs, same decision
     try {
         if (context->impl->lost()) return refusedAsLost(*context->impl);
         return body(*context->impl);

@@ -9,7 +9,7 @@ GnResult GN_CALL gnCreateContext(const GnContextCreateInfo* pCreateInfo, GnConte
 {
     if (pContext) *pContext = nullptr;
     if (!pCreateInfo || !pContext) return GN_ERROR_NULL_ARGUMENT;
-    const rules::FloatMode mode;
+    const FloatMode mode;
     try {
         const Messages messages(pCreateInfo->pfnMessage, pCreateInfo->pUserData, pCreateInfo->pName);
         Result<std::unique_ptr<Context>> made = Context::create(*pCreateInfo);
@@ -30,7 +30,7 @@ GnResult GN_CALL gnCreateContext(const GnContextCreateInfo* pCreateInfo, GnConte
 
 void GN_CALL gnDestroyContext(GnContext context)
 {
-    const rules::FloatMode mode;
+    const FloatMode mode;
     if (context && context->impl && !context->impl->drain()) {
         context->impl->abandon();
         static_cast<void>(context->impl.release());

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "runtime/core/make_room.hpp"
 #include "runtime/scene/bias.hpp"
 #if GNOMON_WITH_YAML
 #include "rules/yaml/shipped.hpp"
@@ -40,12 +39,6 @@ void remarkOnSubpixels(const DeviceTable& vk, const Messages& messages)
     if (bits >= kBits) return;
     messages.warn("SubPixelPrecision", "the device says it rasterises to 1/" + std::to_string(1u << bits) +
                                            " pixel; methods allow for 1/256, and are less exact than they say");
-}
-
-template <typename Handle>
-std::uint64_t bits(Handle handle)
-{
-    return (std::uint64_t)handle; // a pointer or a 64-bit number, as the platform has it
 }
 
 } // namespace
@@ -103,8 +96,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     registry_ = builtinRegistry();
     if (Result<void> added = methods_->addBuiltins(registry_); !added) return added;
     pipelines_->setOwner(kRuntimeOwner);
-    gridPipeline_ = DepthGrid::pipeline(*pipelines_);
-    mixPipeline_ = fadeMixPipeline(*pipelines_);
+    own_.describe(*pipelines_);
     selector_ = std::make_unique<Selector>(*methods_);
     plan_ = std::make_unique<FramePlan>(*methods_, vk_->software);
     pool_ = std::make_unique<ResourcePool>(*memory_);
@@ -137,30 +129,13 @@ void Context::abandon() noexcept
 Context::~Context()
 {
     drain();
-    views_.forEach([&](std::unique_ptr<View>& view) {
-        for (const std::unique_ptr<PooledImage>* image : {&view->visibility, &view->replaced})
+    views_.forEach([&](View& view) {
+        for (const std::unique_ptr<PooledImage>* image : {&view.visibility, &view.replaced})
             if (*image) memory_->destroy((*image)->gpu);
     });
     executor_.reset();
     graph_.reset();
     pool_.reset();
-}
-
-/// Of the depth grid and of fades. @return whether they are made, and still to be run for the first time
-bool Context::createOwnPipelines()
-{
-    if (gridReady_ || ownFailed_) return false;
-    while (pipelines_->createNext(kRuntimeOwner)) {
-    }
-    const std::string failure = pipelines_->failure(kRuntimeOwner);
-    if (!failure.empty()) failOwnPipelines(failure);
-    return failure.empty();
-}
-
-void Context::failOwnPipelines(const std::string& why)
-{
-    ownFailed_ = true;
-    messages_.warn("RuntimePipelines", "distances to receivers are not measured, and nothing fades: " + why);
 }
 
 Result<void> Context::warmUp()
@@ -185,7 +160,7 @@ Result<void> Context::warmUp(Wanted&& wanted)
     if (lost_) return Error{GN_ERROR_DEVICE_LOST, "DeviceLost", "the device is lost"};
     scene_->finishBackground();
     methods_->finishBackground();
-    const bool own = createOwnPipelines();
+    const bool own = own_.create(*pipelines_, messages_);
     jobs_->parallelFor(methods_->size(), 1, [&](std::size_t begin, std::size_t end, std::uint32_t) {
         for (std::size_t i = begin; i < end; ++i)
             if (Method& method = (*methods_)[static_cast<std::uint32_t>(i)]; wanted(method))
@@ -194,7 +169,7 @@ Result<void> Context::warmUp(Wanted&& wanted)
     return executor_->once([&](VkCommandBuffer cmd) -> Result<void> {
         if (own) {
             if (auto tried = pipelines_->recordWarmupDraws(cmd, kRuntimeOwner); !tried) return tried;
-            gridReady_ = true;
+            own_.ready = true;
         }
         for (std::uint32_t i = 0; i < methods_->size(); ++i) {
             Method& method = (*methods_)[i];
@@ -209,51 +184,29 @@ Result<void> Context::warmUp(Wanted&& wanted)
 
 // --- views ---
 
-View* Context::findView(GnView handle)
-{
-    auto* slot = views_.find(bits(handle));
-    return slot ? slot->get() : nullptr;
-}
-
 Result<GnView> Context::createView(const GnViewCreateInfo& info)
 {
-    const std::uint32_t maxLights = info.maxLights ? info.maxLights : 16;
-    const std::uint32_t limit = std::min(256u, vk_->properties.limits.maxImageArrayLayers);
-    if (maxLights > limit)
-        return Error{GN_ERROR_TOO_MANY, "MaxLights",
-                     "maxLights is " + std::to_string(maxLights) + ", above " + std::to_string(limit)};
-    auto view = std::make_unique<View>();
-    view->id = nextViewId_++;
-    view->name = info.pName ? info.pName : "view " + std::to_string(view->id);
-    view->maxLights = maxLights;
-    view->grid = std::make_unique<DepthGrid>(*memory_);
-    View* raw = view.get();
-    const std::uint64_t handle = views_.insert(std::move(view));
-    if (!handle) return Error{GN_ERROR_TOO_MANY, "TooManyViews", "no more views"};
-    raw->handle = (GnView)handle;
-    return raw->handle;
+    return views_.add(info, *vk_, *memory_);
 }
 
 void Context::destroyView(GnView handle)
 {
-    View* const gone = findView(handle);
+    View* const gone = views_.find(handle);
     if (!gone) return;
     finishUnderway();
     if (lost_) return;
-    makeRoom(retiredGrids_); // what may throw comes before what changes
+    views_.makeRoomToTake(); // what may throw comes before what changes
     for (std::unique_ptr<PooledImage>* image : {&gone->visibility, &gone->replaced})
         if (*image) pool_->retire(std::exchange(*image, nullptr));
-    std::erase_if(viewFrames_, [&](const ViewFrame& viewFrame) { return viewFrame.view == gone; });
-    const std::unique_ptr<View> view = views_.take(bits(handle));
+    std::erase_if(frame_.views, [&](const ViewFrame& viewFrame) { return viewFrame.view == gone; });
+    const std::unique_ptr<View> view = views_.take(handle, newest_);
     for (auto& [id, memory] : view->lights)
         plan_->forget(memory);
-    // The grid's buffers may be in flight for as long as the frames that wrote them.
-    retiredGrids_.push_back({frame_, std::move(view->grid)});
 }
 
 Result<GnVisibility> Context::visibility(GnView handle)
 {
-    View* view = findView(handle);
+    View* view = views_.find(handle);
     if (!view) return invalidHandle("view");
     if (!view->visibility)
         return Error{GN_ERROR_FRAME_ORDER, "NoFrameYet", "view '" + view->name + "' has been in no frame yet"};
@@ -291,8 +244,8 @@ Result<void> Context::setLightMethod(GnLight light, const char* name)
                      "method '" + method->name + "' does not serve the kind of light '" + std::string(info->name) +
                          "' is"};
     state.pinned = method->index;
-    views_.forEach([&](std::unique_ptr<View>& view) { // asked for anew, it is tried anew
-        if (const auto known = view->lights.find(info->id); known != view->lights.end())
+    views_.forEach([&](View& view) { // asked for anew, it is tried anew
+        if (const auto known = view.lights.find(info->id); known != view.lights.end())
             known->second.failures[method->index] = {};
     });
     return {};
@@ -346,7 +299,7 @@ Result<GnResult> Context::loadPlugin(GnContext self, const char* path)
 Result<void> Context::setMethodSetting(const char* method, const char* setting, double value)
 {
     if (!method || !setting) return Error{GN_ERROR_NULL_ARGUMENT, "NameMissing", "pMethod and pSetting are required"};
-    return methods_->set(method, setting, value, frame_);
+    return methods_->set(method, setting, value, newest_);
 }
 
 std::uint32_t Context::methods(std::span<GnMethodInfo> out)
@@ -392,22 +345,12 @@ Result<void> Context::loadShippedRules(std::string_view name)
 #endif
 }
 
-/// Maps of the frame's methods, each once.
-void Context::collectLightMaps()
-{
-    lightMaps_.clear();
-    for (const DeclaredMap& declared : maps_) {
-        PooledImage* image = &graph_->image(declared.map.image);
-        if (std::find(lightMaps_.begin(), lightMaps_.end(), image) == lightMaps_.end()) lightMaps_.push_back(image);
-    }
-}
-
 Result<GnLightMap> Context::lightMap(GnLight light)
 {
     const std::optional<SceneRegistry::LightInfo> info = scene_->lightInfo(light);
     if (!info) return invalidHandle("light");
     ShadowAlgorithm::Map map{};
-    for (const DeclaredMap& declared : maps_) {
+    for (const DeclaredMap& declared : frame_.maps) {
         if (declared.lightId != info->id) continue;
         if (!map.image)
             map = declared.map;
@@ -424,7 +367,7 @@ Result<GnLightMap> Context::lightMap(GnLight light)
                    .extent = gpu.extent,
                    .layerCount = gpu.layers,
                    .clipFromWorld = {},
-                   .origin = {origin_[0], origin_[1], origin_[2]},
+                   .origin = {origin_.at()[0], origin_.at()[1], origin_.at()[2]},
                    .validLayers = map.validLayers};
     for (std::uint32_t i = 0; i < 6; ++i)
         for (int k = 0; k < 16; ++k)

@@ -1,4 +1,4 @@
-// Records of decisions: written each frame, asked about afterwards.
+// Records of decisions, asked about.
 #include "runtime/select/explain.hpp"
 
 #include <algorithm>
@@ -7,44 +7,6 @@
 #include "runtime/select/record_log.hpp"
 
 namespace gnomon {
-
-/// After a frame's lights are settled and declared.
-void Context::recordDecisions()
-{
-    const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
-    FrameRecord frame{.frame = frame_,
-                      .knowledge = plan_->knowledgeRevision(),
-                      .methods = methods_->size(),
-                      .fallbacks = methods_->fallbacks(),
-                      .base = base,
-                      .budgeted = countsTime(base) && (measuresBudget_ || budgetMs_ > 0.0),
-                      .priced = countsTime(base) && !measuresBudget_ && !(budgetMs_ > 0.0),
-                      .cut = cameraCut(),
-                      .measuring = measuresBudget_,
-                      .budgetMs = budgetMs_,
-                      .report = planReport_};
-    for (const ViewFrame& viewFrame : viewFrames_) {
-        const auto lights = static_cast<std::uint32_t>(viewFrame.view->decisions.size());
-        viewFrame.view->records.begin(frame_, lights, methods_->size(), selector_->sharedEngine());
-    }
-    for (const PendingLight& pending : pending_)
-        viewFrames_[pending.viewIndex].view->records.add(
-            makeRecord(*pending.decision, frame, pending.memory->measuredAt), pending.decision->candidates);
-}
-
-/// What a timed frame's lights were charged with finds its way into their records.
-void Context::noteMeasured(const FrameTimings& timings)
-{
-    for (const ViewFrame& viewFrame : viewFrames_)
-        for (const PassTiming& pass : timings.passes) {
-            const std::uint32_t method = pass.owner.method;
-            if (pass.owner.view != viewFrame.view->id || method >= methods_->size()) continue;
-            const auto memory = viewFrame.view->lights.find(pass.owner.light);
-            if (memory == viewFrame.view->lights.end()) continue;
-            viewFrame.view->records.noteMeasured(timings.frame, pass.owner.light, method,
-                                                 memory->second.measuredMs[method]);
-        }
-}
 
 Result<DecisionRecord> Context::recordOf(const View& view, GnLight light, std::uint64_t frame)
 {
@@ -83,7 +45,7 @@ const char* Context::ruleBehind(const View& view, const LightDecision& decision)
 
 Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQuestion& question)
 {
-    const View* view = findView(viewHandle);
+    const View* view = views_.find(viewHandle);
     if (!view) return invalidHandle("view");
     const Result<DecisionRecord> record = recordOf(*view, light, question.frame);
     if (!record) return record.error();
@@ -102,7 +64,9 @@ Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQu
     case GN_QUESTION_WHY_NOT: {
         if (!question.pMethod) return Error{GN_ERROR_NULL_ARGUMENT, "NullArgument", "pQuestion->pMethod is null"};
         const Method* method = methods_->find(question.pMethod);
-        if (!method) return methods_->unknown(question.pMethod);
+        if (!method)
+            return Error{GN_ERROR_UNKNOWN_METHOD, "UnknownMethod",
+                         std::string("no method is named '") + question.pMethod + "'"};
         return explainWhyNot(*record, method->index, words);
     }
     case GN_QUESTION_WHAT_IF:
@@ -122,7 +86,7 @@ Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQu
 
 Result<std::string> Context::decisionLog(GnView viewHandle, std::uint64_t firstFrame, std::uint64_t frameOrigin)
 {
-    const View* view = findView(viewHandle);
+    const View* view = views_.find(viewHandle);
     if (!view) return invalidHandle("view");
     const RecordRing& records = view->records;
     const std::uint64_t first = std::max(firstFrame, records.oldest());

@@ -1,31 +1,24 @@
-// One frame, stage by stage: input -> facts -> decisions -> passes -> submits -> timings. Each stage is one function.
-#include <algorithm>
-#include <chrono>
-#include <cmath>
+// A frame's trip through the stages, and what becomes of a frame that fails or is dropped.
 #include <exception>
 #include <utility>
 
-#include "rules/engine/number_text.hpp"
 #include "runtime/api/context.hpp"
-#include "runtime/core/hash.hpp"
+#include "runtime/frame/choose.hpp"
+#include "runtime/frame/declare.hpp"
+#include "runtime/frame/learn.hpp"
+#include "runtime/frame/measure_facts.hpp"
+#include "runtime/frame/read_frame.hpp"
 
 namespace gnomon {
 
 namespace {
 
-// Coordinates are relative to an origin that follows the eye in steps of this many metres. At most three quarters of a
-// step from the eye a float resolves 0.015 mm; with steps of 1024 m, rays left from one or two metres before the eye
-// hit the surface they came from. Every step moves all that is kept, so smaller ones are not free either.
-constexpr double kOriginStep = 256.0;
-// Nothing fits it, so the plan step returns the cheapest plan.
-constexpr double kNextToNothingMs = 1e-3;
-
-} // namespace
-
-double Context::msSince(std::chrono::steady_clock::time_point since) const
+double msSince(std::chrono::steady_clock::time_point since)
 {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
 }
+
+} // namespace
 
 Result<GnResult> Context::recordFrame(VkCommandBuffer cmd, const GnFrameInfo& info)
 {
@@ -41,22 +34,26 @@ Result<GnResult> Context::beginFrame(const GnFrameInfo& info, FrameMode mode)
     return startFrame(info, mode, VK_NULL_HANDLE);
 }
 
+// --- the trip ---
+
 /// Checks the input, then runs the frame; a frame that fails leaves everything as before it, but for what it gives
 /// back where memory was short.
 Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd)
 {
-    const auto start = std::chrono::steady_clock::now();
-    if (Result<void> ok = takeInput(info); !ok) {
-        if (stats_.frame > frame_) stats_.submits = 0; // of an attempt before this one
+    const Time start = std::chrono::steady_clock::now();
+    const ReadParts parts{
+        .newest = newest_, .views = views_, .scene = *scene_, .vk = *vk_, .executor = executor_.get()};
+    if (Result<void> ok = readFrame(info, parts, input_); !ok) {
+        if (frame_.stats.frame > newest_) frame_.stats.submits = 0; // of an attempt before this one
         return ok.error();
     }
-    keepVisibility();
+    keepVisibility(frame_.views, *pool_, newest_);
     thrownEarly_ = nullptr;
     finishedEarly_.reset();
-    const std::uint64_t before = frame_;
+    const std::uint64_t before = newest_;
     const auto undo = [&](bool memoryShort) {
         withdrawFrame(info.frame, memoryShort);
-        frame_ = before;
+        newest_ = before;
     };
     try {
         Result<GnResult> run = runFrame(info, mode, cmd, start);
@@ -71,133 +68,120 @@ Result<GnResult> Context::startFrame(const GnFrameInfo& info, FrameMode mode, Vk
     }
 }
 
-std::uint32_t Context::nextWarmup()
+Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd, Time start)
 {
-    if (createOwnPipelines()) return kRuntimeOwner;
-    MethodDemand demand{.others = pending_.empty()};
-    for (const PendingLight& pending : pending_) {
-        const std::uint32_t pinned = pending.decision->pinned;
-        if (pinned == UINT32_MAX) {
-            demand.others = true;
-            continue;
-        }
-        demand.pinned.add(pinned);
-        const Method& method = (*methods_)[pinned];
-        demand.others |= pending.decision->method != pinned && (method.ready || method.unavailable);
-    }
-    return methods_->nextWarmup(demand);
+    openFrame(info, mode, start);
+    const SceneRegistry::Snapshot& snapshot = scene_->begin(info.frame, origin_.at());
+    if (Result<void> ok = decide(info, snapshot.casters); !ok) return ok.error();
+    const SubmitParts submit = submitParts();
+    frame_.warmup = nextWarmup(frame_, submit);
+    declareLights(frame_, {*graph_, *methods_, *selector_, messages_, own_.mix});
+    recordDecisions(frame_, chooseParts());
+    if (Result<void> ok = openSlot(frame_, input_, info.completedFrame, isTimed(info), snapshot, submit); !ok)
+        return ok.error();
+    learn(frame_, {*executor_, *plan_, history_, methods_->size()});
+    if (Result<void> ok = submitFrame(frame_, cmd, history_.past.present(), submit); !ok) return ok.error();
+    frame_.stats.callMs = static_cast<float>(msSince(start));
+    finishStats();
+    return methods_->anyReady() ? GN_SUCCESS : GN_NOT_READY;
 }
 
-/// Its pipelines have run once. Where memory was short for that, another frame tries again; nobody has asked yet for
-/// what they do.
-void Context::settleWarmup(std::uint32_t owner)
+/// What is done with by now goes, and the frame begins.
+void Context::openFrame(const GnFrameInfo& info, FrameMode mode, Time start)
 {
-    const Error* const error = executor_->warmupError();
-    if (error && error->result == GN_ERROR_OUT_OF_DEVICE_MEMORY) return;
-    if (!error) {
-        setReady(owner, true);
-        present().warmup = owner;
-    } else if (owner == kRuntimeOwner) {
-        failOwnPipelines(error->text);
-    } else {
-        methods_->fail((*methods_)[owner], error->text);
-    }
-}
+    frame_.stats = {};
+    frame_.stats.frame = info.frame;
+    frame_.stats.sharedMs = history_.shared.ms();
+    before_ = countersNow(*vk_, rays_.get());
+    history_.intervals.note(start, newest_ != 0);
+    newest_ = info.frame;
+    history_.past.begin(info.frame);
 
-/// After passes have been submitted, so nothing may fail any more.
-void Context::noteWarmup(std::uint32_t owner) noexcept
-{
-    try {
-        settleWarmup(owner);
-    } catch (...) { // no memory for the words about it: another frame tries again
-    }
-}
-
-void Context::setReady(std::uint32_t owner, bool ready)
-{
-    (owner == kRuntimeOwner ? gridReady_ : (*methods_)[owner].ready) = ready;
-}
-
-void Context::openStats(std::uint64_t frame, std::chrono::steady_clock::time_point start)
-{
-    stats_ = {};
-    stats_.frame = frame;
-    stats_.sharedMs = sharedMs_.get();
-    objectsBefore_ = vk_->objectsMade;
-    queriesBefore_ = rays_ ? rays_->queryNanoseconds() : 0;
-    pipelinesBefore_ = vk_->pipelinesMade;
-    if (frame_ != 0) {
-        const auto ms = std::chrono::duration<float, std::milli>(start - lastFrameStart_).count();
-        frameTimes_[frameTimeCount_++ % frameTimes_.size()] = ms;
-    }
-    lastFrameStart_ = start;
-    frame_ = frame;
-    present() = {.frame = frame_};
+    scene_->retire(info.completedFrame);
+    views_.release(info.completedFrame);
+    arena_.reset();
+    pool_->begin(info.frame, info.completedFrame);
+    graph_->reset();
+    frame_.begin(info.frame, mode);
+    for (View* view : input_.views)
+        frame_.views.push_back({.view = view});
+    // Depth grids know receivers about the old origin.
+    if (origin_.follow({info.pViews, info.viewCount}, info.frame))
+        views_.forEach([](View& view) { view.grid->invalidate(); });
 }
 
 /// What serves each light of each view.
-Result<void> Context::decide(const GnFrameInfo& info, FrameMode mode, std::span<const Caster> casters)
+Result<void> Context::decide(const GnFrameInfo& info, std::span<const Caster> casters)
 {
-    const auto start = std::chrono::steady_clock::now();
-    for (std::uint32_t i = 0; i < info.viewCount; ++i)
-        if (Result<void> ok = prepareView(*viewFrames_[i].view, info.pViews[i], casters); !ok) return ok;
-    raysNeeded_ = false;
-    predictedMs_ = 0.0;
-    pending_.clear();
-    plan_->begin();
-    updateBudget(info);
-    for (std::uint32_t i = 0; i < info.viewCount; ++i)
-        assessView(i, info.pViews[i], info, mode);
-    planLights(info);
-    stats_.decideUs = static_cast<float>(msSince(start) * 1000.0);
+    const Time start = std::chrono::steady_clock::now();
+    for (std::uint32_t i = 0; i < info.viewCount; ++i) {
+        const GnViewFrame& given = info.pViews[i];
+        if (Result<void> ok = openView(frame_, i, given, {*pool_, *graph_, origin_.at(), casters}); !ok) return ok;
+        history_.past.present().pixels += double(given.imageExtent.width) * double(given.imageExtent.height);
+    }
+    beginBudget(info);
+    measureFacts(frame_, {info.pViews, info.viewCount},
+                 {.scene = *scene_,
+                  .memory = *memory_,
+                  .arena = arena_,
+                  .graph = *graph_,
+                  .lights = lights_,
+                  .grid = own_.grid,
+                  .measuresGrids = own_.ready && selector_->hasRules(),
+                  .originMoved = origin_.movedIn() == info.frame,
+                  .completedFrame = info.completedFrame,
+                  .cheapestShare = budget_.cheapestShare(),
+                  .frameRate = history_.intervals.rate()});
+    choose(frame_, chooseParts());
+    frame_.stats.decideUs = static_cast<float>(msSince(start) * 1000.0);
     return {};
 }
 
-Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd,
-                                   std::chrono::steady_clock::time_point start)
+void Context::beginBudget(const GnFrameInfo& info)
 {
-    openStats(info.frame, start);
-    scene_->retire(info.completedFrame);
-    std::erase_if(retiredGrids_, [&](const RetiredGrid& old) { return old.frame <= info.completedFrame; });
-    openGraph(info);
-    const SceneRegistry::Snapshot& snapshot = scene_->begin(info.frame, origin_);
-    if (Result<void> ok = decide(info, mode, snapshot.casters); !ok) return ok.error();
-    const std::uint32_t warmup = nextWarmup();
-    for (const PendingLight& pending : pending_)
-        declareLight(pending, mode);
-    recordDecisions();
-    collectLightMaps();
+    std::uint32_t lights = 0;
+    for (std::uint32_t i = 0; i < info.viewCount; ++i)
+        lights += info.pViews[i].lightCount;
+    const FrameTotals& totals = history_.totals;
+    const PastFrame& measured = history_.past.at(totals.frame());
+    budget_.begin(ruleBaseOf(*selector_), {.hostMs = double{info.budgetMs},
+                                           .lights = lights,
+                                           .cut = frame_.cameraCut(),
+                                           .disturbed = history_.past.disturbedBefore(info.frame, kTimedPeriod),
+                                           .tookMs = totals.known() ? totals.ms() : history_.predictedMs,
+                                           .intervalMs = history_.intervals.newestMs(),
+                                           .measured = {.frame = totals.frame(),
+                                                        .ms = totals.ms(),
+                                                        .plannedMs = measured.plannedMs,
+                                                        .cheapestMs = measured.cheapestMs,
+                                                        .beside = measured.beside}});
+}
 
-    const bool asked = timeEveryFrame_ || (info.flags & GN_FRAME_TIMED_BIT);
-    const bool unasked = info.frame % kTimedPeriod == 0 || learnsFrom(info.frame);
-    present().timedUnasked = unasked;
-    const ExecutorFrame frame{.frame = info.frame,
-                              .completedFrame = info.completedFrame,
-                              .timed = asked || unasked,
-                              .scene = &snapshot,
-                              .uploads = scene_.get(),
-                              .rays = rays_.get(),
-                              .raysNeeded = raysNeeded_,
-                              .warmupOwner = warmup,
-                              .waits = waits_,
-                              .signals = signals_,
-                              .visibilities = visibilities_.data(),
-                              .visibilityCount = static_cast<std::uint32_t>(visibilities_.size()),
-                              .imports = imports_.data(),
-                              .importCount = static_cast<std::uint32_t>(imports_.size()),
-                              .lightMaps = lightMaps_};
-    if (Result<void> ok = executor_->begin(frame); !ok) return ok.error();
-    takeTimings();
-    if (mode == FrameMode::recorded) {
-        if (Result<void> ok = executor_->record(cmd); !ok) return ok.error();
-    } else if (Result<void> ok = executor_->start(mode == FrameMode::submit); !ok) {
-        return ok.error();
-    }
-    if (warmup != UINT32_MAX || stats_.pipelinesCreated) present().disturbed = true;
-    if (warmup != UINT32_MAX) noteWarmup(warmup);
-    stats_.callMs = static_cast<float>(msSince(start));
-    finishStats();
-    return methods_->anyReady() ? GN_SUCCESS : GN_NOT_READY;
+bool Context::isTimed(const GnFrameInfo& info)
+{
+    const bool unasked = history_.timed.has(info.frame, probe_.runs() ? probe_.since() : 0);
+    history_.past.present().timedUnasked = unasked;
+    return unasked || timeEveryFrame_ || (info.flags & GN_FRAME_TIMED_BIT) != 0;
+}
+
+ChooseParts Context::chooseParts()
+{
+    return {*selector_, *plan_, *methods_, budget_, history_, probe_, own_.ready};
+}
+
+SubmitParts Context::submitParts()
+{
+    return {*executor_, *scene_, rays_.get(), *methods_, own_, *pipelines_, messages_};
+}
+
+/// While host passes run on a worker the counters are its; they are read when the frame is finished.
+void Context::finishStats()
+{
+    if (executor_->underway()) return;
+    countFrame(frame_.stats, before_, {*vk_, *memory_, *graph_, *executor_, rays_.get()});
+    history_.predictedMs = frame_.predictedMs;
+    history_.past.present().cpuMs = frame_.stats.cpuMs;
+    forgetOldLights(views_, lights_, *scene_, *plan_, newest_);
 }
 
 Result<GnResult> Context::finishFrame(std::uint64_t timeoutNs)
@@ -207,11 +191,11 @@ Result<GnResult> Context::finishFrame(std::uint64_t timeoutNs)
         if (finishedEarly_) return *std::exchange(finishedEarly_, std::nullopt);
         return frameOrder("gnFinishShadows without gnBeginShadows");
     }
-    const auto start = std::chrono::steady_clock::now();
+    const Time start = std::chrono::steady_clock::now();
     const auto undo = [&](bool memoryShort) {
         finishStats(); // how much of it was submitted
-        forgetFrame(frame_, memoryShort);
-        --frame_;
+        forgetFrame(newest_, memoryShort);
+        --newest_;
     };
     Result<GnResult> finished = GN_SUCCESS;
     try {
@@ -220,7 +204,7 @@ Result<GnResult> Context::finishFrame(std::uint64_t timeoutNs)
         undo(false);
         throw;
     }
-    stats_.callMs += static_cast<float>(msSince(start));
+    frame_.stats.callMs += static_cast<float>(msSince(start));
     if (!finished) {
         undo(finished.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY);
         return finished;
@@ -244,13 +228,15 @@ void Context::finishUnderway() noexcept
     }
 }
 
+// --- frames that do not count ---
+
 Result<void> Context::dropFrame(std::uint64_t frame)
 {
     if (frame == 0 || frame != recorded_)
         return frameOrder("frame " + std::to_string(frame) + " is not the one recorded last (" +
                           std::to_string(recorded_) + ")");
-    if (const std::uint32_t warmup = past(frame).warmup; warmup != UINT32_MAX)
-        setReady(warmup, false); // it has not run
+    if (const std::uint32_t warmup = history_.past.at(frame).warmup; warmup != UINT32_MAX)
+        setReady(warmup, false, *methods_, own_); // it has not run
     if (pool_->frame() == frame)
         withdrawFrame(frame, false);
     else
@@ -274,12 +260,10 @@ void Context::loseFrame(std::uint64_t frame)
     pool_->lose(frame);
     executor_->drop(frame);
     scene_->dropUploads(frame);
-    maps_.clear();
-    views_.forEach([&](std::unique_ptr<View>& view) {
-        view->grid->drop(frame);
-        if (view->madeIn != frame || !view->visibility) return;
-        pool_->retire(std::move(view->visibility), 0); // nobody has ever read it
-        ++view->revision;
+    frame_.maps.clear();
+    views_.forEach([&](View& view) {
+        view.grid->drop(frame);
+        loseVisibility(view, *pool_, frame);
     });
 }
 
@@ -287,204 +271,14 @@ void Context::loseFrame(std::uint64_t frame)
 /// again, the frame starts with what frames in flight use, and nothing else.
 void Context::forgetFrame(std::uint64_t frame, bool memoryShort)
 {
-    maps_.clear();
-    for (ViewFrame& viewFrame : viewFrames_)
+    frame_.maps.clear();
+    for (const ViewFrame& viewFrame : frame_.views) {
         viewFrame.view->grid->drop(frame);
-    withdrawFades(frame);
-    restoreVisibility(memoryShort);
+        for (auto& [id, memory] : viewFrame.view->lights)
+            memory.fade.withdraw(frame);
+    }
+    restoreVisibility(frame_.views, *pool_, newest_, memoryShort);
     if (memoryShort) pool_->evictAll();
-}
-
-void Context::openGraph(const GnFrameInfo& info)
-{
-    arena_.reset();
-    pool_->begin(info.frame, info.completedFrame);
-    graph_->reset();
-    viewFrames_.clear();
-    lightFrames_.clear();
-    maps_.clear();
-    visibilities_.clear();
-    imports_.clear();
-    for (View* view : acceptedViews_)
-        viewFrames_.push_back({.view = view});
-    if (info.viewCount == 0) return;
-    // Followed with a quarter step of slack, so that a camera on a boundary does not flip it every frame; and only
-    // where no view is left near it, so that views far from one another do not, in whatever order they come.
-    const auto near = [this](const GnViewFrame& view) {
-        for (int i = 0; i < 3; ++i)
-            if (std::abs(view.eye[i] - origin_[i]) > 0.75 * kOriginStep) return false;
-        return true;
-    };
-    if (originSet_ && std::any_of(info.pViews, info.pViews + info.viewCount, near)) return;
-    for (int i = 0; i < 3; ++i)
-        origin_[i] = std::round(info.pViews[0].eye[i] / kOriginStep) * kOriginStep;
-    originSet_ = true;
-    // All revisions are others now, though nothing has moved; and depth grids know receivers about the old one.
-    originMovedIn_ = info.frame;
-    views_.forEach([](std::unique_ptr<View>& view) { view->grid->invalidate(); });
-}
-
-// --- decisions and passes ---
-
-const LightCasters& Context::castersOf(const LightView& light)
-{
-    for (const LightFrame& known : lightFrames_)
-        if (known.id == light.id) return known.casters;
-    lightFrames_.push_back({light.id, light.handle, scene_->castersOf(light, arena_)});
-    return lightFrames_.back().casters;
-}
-
-void Context::assessView(std::uint32_t viewIndex, const GnViewFrame& frame, const GnFrameInfo& info, FrameMode mode)
-{
-    ViewFrame& viewFrame = viewFrames_[viewIndex];
-    View& view = *viewFrame.view;
-    std::uint32_t dynamicLights = 0, pinnedLights = 0;
-    for (std::uint32_t i = 0; i < frame.lightCount; ++i) {
-        const LightView* light = scene_->light(frame.pLights[i]);
-        dynamicLights += !light->isStatic;
-        pinnedLights += lights_[light->id].pinned != UINT32_MAX;
-    }
-
-    view.grid->collect(info.completedFrame);
-    if (gridReady_ && selector_->hasRules() && pinnedLights < frame.lightCount && view.grid->wanted(info.frame)) {
-        graph_->beginTask({.view = view.id}, &view.camera, viewFrame.depth, viewFrame.normals);
-        // Without memory for a grid the frame goes without; the next one that wants it tries again.
-        (void)view.grid->declare(*graph_, view.camera, viewFrame.depth, gridPipeline_, info.frame);
-        graph_->endTask();
-    }
-
-    const double rate = meanFrameRate();
-    view.decisions.reserve(frame.lightCount); // addresses stay
-    view.candidates.assign(std::size_t{frame.lightCount} * methods_->size(), {});
-    for (std::uint32_t i = 0; i < frame.lightCount; ++i) {
-        const LightView& light = *scene_->light(frame.pLights[i]);
-        const LightCasters& casters = *arena_.make(castersOf(light));
-        LightState& state = lights_[light.id];
-        state.motion.note(info.frame, light, casters, originMovedIn_ == info.frame);
-        state.lastFrame = info.frame;
-        LightMemory& memory = view.lights[light.id];
-        // Lights take turns, so that no frame looks all of them up.
-        const std::uint64_t age = info.frame - memory.measuredAt;
-        const bool due = (info.frame + light.id) % kGridPeriod == 0 || age >= 2 * kGridPeriod;
-        if (view.grid->valid() && (!memory.measured || due)) {
-            const Reach reach =
-                measureReach(view.grid->camera(), view.grid->tiles(), view.grid->allTiles(), light, casters.all);
-            memory.distance = reach.distance;
-            memory.planarity = reach.planarity;
-            memory.share.add(reach.share);
-            memory.treeLevels.add(reach.treeLevels);
-            memory.measured = true;
-            memory.measuredAt = info.frame;
-        }
-        const SelectionInput input{.view = &view.camera,
-                                   .light = &light,
-                                   .casters = &casters,
-                                   .pinned = state.pinned,
-                                   .dynamicLights = dynamicLights,
-                                   .lightMotion = state.motion.share(),
-                                   .frameBudget = budgetMs_ > 0.0 ? planReport_.cheapestMs / budgetMs_ : 0.0,
-                                   .frameRate = rate,
-                                   .importance = light.importance,
-                                   .recorded = mode == FrameMode::recorded,
-                                   .still = state.motion.rests(),
-                                   .memoryLeft = memory_->limit() - std::min(memory_->used(), memory_->limit()),
-                                   .frame = info.frame};
-        const auto candidates = std::span(view.candidates).subspan(i * methods_->size(), methods_->size());
-        view.decisions.push_back(selector_->assess(input, memory, candidates));
-        LightDecision& decision = view.decisions.back();
-        plan_->add(decision, memory, input);
-        pending_.push_back({viewIndex, i, &light, &casters, &decision, &memory});
-    }
-    selector_->choose(view.decisions);
-}
-
-/// The budget in force: the host's, below the cap of the rules; without one, that cap, or what `budget: auto` has
-/// found.
-void Context::updateBudget(const GnFrameInfo& info)
-{
-    const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
-    const bool automatic = info.budgetMs == 0.0f && countsTime(base) && base->policy.budget.automatic;
-    budgetMs_ = budgetInForce(base, double{info.budgetMs});
-    budgetPerCheapest_ = 0.0;
-    measuresBudget_ = budgetBegins_ = false;
-    if (automatic) {
-        if (autoBudgetRules_ != base->textHash) autoBudget_.restart();
-        autoBudgetRules_ = base->textHash;
-        std::uint32_t lights = 0;
-        for (std::uint32_t i = 0; i < info.viewCount; ++i)
-            lights += info.pViews[i].lightCount;
-        autoBudget_.look(lights, cameraCut());
-        // What was timed last, if nothing but methods had a part in it.
-        const bool disturbed = std::any_of(past_.begin(), past_.end(), [&](const PastFrame& past) {
-            return past.disturbed && past.frame + kTimedPeriod > info.frame;
-        });
-        const double tookMs = measuredMs() >= 0.0 ? measuredMs() : lastPredictedMs_;
-        const float intervalMs = frameTimeCount_ ? frameTimes_[(frameTimeCount_ - 1) % frameTimes_.size()] : 0.0f;
-        const PastFrame& measured = past(untimedFrame_);
-        if (untimedFrame_ > followed_ && !disturbed && !measured.beside)
-            autoBudget_.follow(measuredMs(), measured.plannedMs, measured.cheapestMs);
-        followed_ = untimedFrame_;
-        if (!disturbed) budgetBegins_ = autoBudget_.note(tookMs, intervalMs);
-        measuresBudget_ = autoBudget_.measuring();
-        budgetMs_ = autoBudget_.ms();
-        budgetPerCheapest_ = autoBudget_.perCheapest();
-    }
-}
-
-/// All lights of all views together: within the budget where there is one, then settled.
-void Context::planLights(const GnFrameInfo& info)
-{
-    const rules::RuleBase* base = selector_->engine() ? &selector_->engine()->base() : nullptr;
-    const bool cut = cameraCut() || budgetBegins_; // the cheapest plan was to be measured, not to be kept
-    planReport_ = plan_->decide(base, {.ms = measuresBudget_ ? kNextToNothingMs : budgetMs_,
-                                       .perCheapest = budgetPerCheapest_,
-                                       .sharedMs = unaskedMs_.get(),
-                                       .parts = sharedParts_.parts(present().pixels),
-                                       .measuredMs = measuredMs(),
-                                       .cut = cut,
-                                       .probe = wantsProbe(base),
-                                       .frame = info.frame});
-    if (budgetPerCheapest_ > 0.0 && planReport_.budgetMs > 0.0) budgetMs_ = planReport_.budgetMs;
-    stats_.budgetMs = static_cast<float>(budgetMs_);
-    fades_.clear();
-    for (const PendingLight& pending : pending_) {
-        fades_.push_back(nextFade(pending, base));
-        selector_->commit(*pending.decision, *pending.memory, info.frame);
-        stats_.switches += pending.decision->switched;
-        predictedMs_ += pending.decision->predictedMs;
-    }
-    settleFades();
-    settleProbe();
-    present().plannedMs = planReport_.predictedMs;
-    present().cheapestMs = planReport_.cheapestMs;
-    std::uint64_t& methods = present().methods;
-    methods = kEmptyHash;
-    for (const PendingLight& pending : pending_) {
-        const LightDecision& decision = *pending.decision;
-        for (const std::uint32_t part :
-             {pending.viewIndex, pending.light->id, decision.method, decision.outgoing, decision.probed})
-            methods = hashWith(methods, part);
-        present().beside |= decision.outgoing != UINT32_MAX || decision.probed != UINT32_MAX;
-    }
-    if (countsTime(base)) noteChanges(info.frame);
-    for (const ViewFrame& viewFrame : viewFrames_)
-        viewFrame.view->lastFrame = info.frame;
-}
-
-/// Of any view of the frame.
-bool Context::cameraCut() const
-{
-    return std::any_of(viewFrames_.begin(), viewFrames_.end(),
-                       [](const ViewFrame& viewFrame) { return viewFrame.view->camera.cut; });
-}
-
-double Context::meanFrameRate() const
-{
-    const std::size_t known = std::min<std::size_t>(frameTimeCount_, frameTimes_.size());
-    float sum = 0.0f;
-    for (std::size_t i = 0; i < known; ++i)
-        sum += frameTimes_[i];
-    return sum > 0.0f ? 1000.0 * static_cast<double>(known) / sum : 0.0;
 }
 
 } // namespace gnomon

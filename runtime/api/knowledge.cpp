@@ -34,12 +34,12 @@ void Context::teachShared() noexcept
     std::array<std::string_view, kMaxMethods> algorithms; // no memory is asked for: methods have just been added
     for (std::uint32_t m = 0; m < methods_->size(); ++m)
         algorithms[m] = (*methods_)[m].entry->name;
-    sharedParts_.teach(plan_->knowledge().parts, vk_->properties.deviceName, {algorithms.data(), methods_->size()});
+    history_.shared.teach(plan_->knowledge().parts, vk_->properties.deviceName, {algorithms.data(), methods_->size()});
 }
 
 Result<GnLightTiming> Context::lightTiming(GnView viewHandle, GnLight light)
 {
-    const View* view = findView(viewHandle);
+    const View* view = views_.find(viewHandle);
     if (!view) return invalidHandle("view");
     const std::optional<SceneRegistry::LightInfo> info = scene_->lightInfo(light);
     if (!info) return invalidHandle("light");

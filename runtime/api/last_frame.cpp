@@ -1,4 +1,5 @@
-// What hosts ask of the last frame's decisions: its numbers; words about any frame on record are explain.cpp's.
+// What hosts ask of the last frame: its decisions and passes, in numbers; words about any frame on record are
+// explain.cpp's.
 #include <algorithm>
 
 #include "runtime/api/context.hpp"
@@ -56,7 +57,7 @@ GnCandidate publicCandidate(const char* name, const Candidate& candidate, bool c
 
 Result<const LightDecision*> Context::findDecision(GnView viewHandle, GnLight light)
 {
-    const View* view = findView(viewHandle);
+    const View* view = views_.find(viewHandle);
     if (!view) return invalidHandle("view");
     for (const LightDecision& d : view->decisions)
         if (d.light == light) return &d;
@@ -77,7 +78,7 @@ Result<GnDecision> Context::decision(GnView view, GnLight light)
                       .viewerDistance = d.viewerDistance,
                       .viewerDistanceMeasured = d.distanceMeasured ? VK_TRUE : VK_FALSE,
                       .switched = d.switched ? VK_TRUE : VK_FALSE,
-                      .pRule = ruleBehind(*findView(view), d),
+                      .pRule = ruleBehind(*views_.find(view), d),
                       .pOutgoing = d.outgoing == UINT32_MAX ? nullptr : (*methods_)[d.outgoing].name.c_str(),
                       .fade = d.fade,
                       .pProbed = d.probed == UINT32_MAX ? nullptr : (*methods_)[d.probed].name.c_str()};
@@ -87,7 +88,7 @@ Result<std::string> Context::explanation(GnView view, GnLight light)
 {
     const Result<const LightDecision*> found = findDecision(view, light);
     if (!found) return found.error();
-    const RecordRing& records = findView(view)->records;
+    const RecordRing& records = views_.find(view)->records;
     return selector_->explain(**found, records.rules(records.newest()).get());
 }
 
@@ -104,7 +105,7 @@ Result<std::uint32_t> Context::candidates(GnView view, GnLight light, std::span<
 {
     const Result<const LightDecision*> found = findDecision(view, light);
     if (!found) return found.error();
-    const RecordRing& records = findView(view)->records;
+    const RecordRing& records = views_.find(view)->records;
     const bool ruled = records.rules(records.newest()) != nullptr; // by those in force when it was decided
     const Candidate later{.exclusion = Exclusion::notReady};       // it was no candidate then
     for (std::uint32_t i = 0; i < std::min<std::size_t>(out.size(), methods_->size()); ++i) {
@@ -112,6 +113,48 @@ Result<std::uint32_t> Context::candidates(GnView view, GnLight light, std::span<
         out[i] = publicCandidate((*methods_)[i].name.c_str(), candidate, i == (*found)->method, ruled);
     }
     return methods_->size();
+}
+
+GnPassTiming Context::publicTiming(const PassTiming& timing) const
+{
+    const bool shared =
+        timing.owner.view != UINT32_MAX && timing.owner.light == UINT32_MAX && !timing.owner.declarers.empty();
+    GnPassTiming out{.pName = timing.name,
+                     .round = timing.round,
+                     .gpuMs = timing.gpuMs,
+                     .cpuMs = timing.cpuMs,
+                     .shared = shared ? VK_TRUE : VK_FALSE};
+    for (const ViewFrame& viewFrame : frame_.views)
+        if (viewFrame.view->id == timing.owner.view) out.view = viewFrame.view->handle;
+    for (const LightFrame& light : frame_.casters)
+        if (light.id == timing.owner.light) out.light = light.handle;
+    return out;
+}
+
+std::uint32_t Context::passTimings(std::uint64_t& frame, std::span<GnPassTiming> out)
+{
+    const FrameTimings* timings = executor_->newestTimed();
+    frame = timings ? timings->frame : 0;
+    if (!timings) return 0;
+    for (std::size_t i = 0; i < std::min(timings->passes.size(), out.size()); ++i)
+        out[i] = publicTiming(timings->passes[i]);
+    return static_cast<std::uint32_t>(timings->passes.size());
+}
+
+Result<std::uint32_t> Context::framePasses(std::span<GnPassTiming> out)
+{
+    // A worker runs the host passes in this order, and they may declare others.
+    if (executor_->underway())
+        return Error{GN_ERROR_FRAME_ORDER, "FrameUnderway", "gnGetFramePasses before gnFinishShadows"};
+    std::uint32_t count = 0;
+    for (const std::uint32_t index : graph_->order()) {
+        const Pass& pass = graph_->passes()[index];
+        if (!pass.fn) continue;
+        if (count < out.size())
+            out[count] = publicTiming({.name = pass.name, .owner = pass.owner, .round = pass.round});
+        ++count;
+    }
+    return count;
 }
 
 } // namespace gnomon

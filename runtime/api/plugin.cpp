@@ -4,9 +4,9 @@
 #include <bit>
 #include <dlfcn.h>
 
-#include "rules/engine/number_text.hpp"
 #include "runtime/api/plugin_abi.hpp"
-#include "runtime/core/hash.hpp"
+#include "runtime/base/hash.hpp"
+#include "runtime/base/number_text.hpp"
 
 namespace {
 
@@ -117,8 +117,8 @@ Result<void> checkAlgorithmInfo(const GnAlgorithmInfo& info)
         if (!s.pName) return Error{GN_ERROR_NULL_ARGUMENT, "AlgorithmSettings", which + "pName is null"};
         if (!(s.minimum <= s.value && s.value <= s.maximum))
             return Error{GN_ERROR_OUT_OF_RANGE, "AlgorithmSettings",
-                         which + "value, of '" + s.pName + "', is " + rules::shortestText(s.value) + ", outside [" +
-                             rules::shortestText(s.minimum) + ", " + rules::shortestText(s.maximum) + "]"};
+                         which + "value, of '" + s.pName + "', is " + shortestText(s.value) + ", outside [" +
+                             shortestText(s.minimum) + ", " + shortestText(s.maximum) + "]"};
     }
     return {};
 }

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "gnomon/algorithm.h"
-#include "runtime/core/result.hpp"
+#include "runtime/base/result.hpp"
 #include "runtime/passes/pass_builder.hpp"
 
 namespace gnomon {

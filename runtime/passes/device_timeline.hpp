@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gnomon/gnomon.h"
-#include "runtime/core/result.hpp"
+#include "runtime/base/result.hpp"
 #include "runtime/vk/unique.hpp"
 
 namespace gnomon {

@@ -6,9 +6,9 @@
 #include <span>
 #include <type_traits>
 
-#include "runtime/core/arena.hpp"
-#include "runtime/core/jobs.hpp"
-#include "runtime/core/result.hpp"
+#include "runtime/base/arena.hpp"
+#include "runtime/base/jobs.hpp"
+#include "runtime/base/result.hpp"
 #include "runtime/scene/scene_view.hpp"
 #include "runtime/vk/pipelines.hpp"
 
@@ -108,6 +108,13 @@ struct Part {
     bool blend = false; ///< Attachments: what is there is read as well.
 };
 inline constexpr Part kAllLayers{.layer = 0, .layerCount = VK_REMAINING_ARRAY_LAYERS};
+
+/// A layer of visibility of which a pass writes these pixels only: 1 in all others.
+inline Part visibilityIn(const CameraView& view, std::uint32_t layer, const VkRect2D& pixels)
+{
+    const bool whole = pixels.extent.width == view.area.extent.width && pixels.extent.height == view.area.extent.height;
+    return {.layer = layer, .clear = !whole, .value = {.color = {{1.0f, 0.0f, 0.0f, 0.0f}}}};
+}
 
 /// One pass under declaration; finished by record() or run(). Chained, then forgotten.
 class PassRef {

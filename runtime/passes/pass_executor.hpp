@@ -11,7 +11,7 @@
 #include "runtime/passes/device_timeline.hpp"
 #include "runtime/passes/pass_context.hpp"
 #include "runtime/passes/pass_graph.hpp"
-#include "runtime/scene/scene_registry.hpp"
+#include "runtime/store/scene_registry.hpp"
 #include "runtime/vk/descriptor_ring.hpp"
 #include "runtime/vk/pipeline_store.hpp"
 #include "runtime/vk/unique.hpp"

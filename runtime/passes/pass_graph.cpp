@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "runtime/core/hash.hpp"
+#include "runtime/base/hash.hpp"
 
 namespace gnomon {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "runtime/core/method_set.hpp"
+#include "runtime/base/method_set.hpp"
 #include "runtime/passes/pass_builder.hpp"
 #include "runtime/passes/resources.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "runtime/core/make_room.hpp"
+#include "runtime/base/make_room.hpp"
 
 namespace gnomon {
 

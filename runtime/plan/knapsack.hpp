@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "runtime/core/method_set.hpp"
+#include "runtime/base/method_set.hpp"
 
 namespace gnomon::plan {
 

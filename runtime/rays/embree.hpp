@@ -86,14 +86,14 @@ private:
 
 /// Embree's results must not follow the floating-point mode of the host's threads: round to nearest, nothing traps,
 /// denormals flushed (as Embree's manual asks for; a denormal reciprocal direction costs a hundred cycles a box).
-class FloatMode {
+class EmbreeFloatMode {
 public:
 #if defined(__SSE2__)
-    FloatMode() : saved_(_mm_getcsr())
+    EmbreeFloatMode() : saved_(_mm_getcsr())
     {
         _mm_setcsr(0x1f80u | 0x8000u | 0x0040u);
     }
-    ~FloatMode()
+    ~EmbreeFloatMode()
     {
         _mm_setcsr(saved_);
     }
@@ -101,13 +101,13 @@ public:
 private:
     unsigned saved_;
 #else
-    FloatMode() {}
-    ~FloatMode() {}
+    EmbreeFloatMode() {}
+    ~EmbreeFloatMode() {}
 
 public:
 #endif
-    FloatMode(const FloatMode&) = delete;
-    FloatMode& operator=(const FloatMode&) = delete;
+    EmbreeFloatMode(const EmbreeFloatMode&) = delete;
+    EmbreeFloatMode& operator=(const EmbreeFloatMode&) = delete;
 };
 
 /// Builds on the calling thread alone: without an arena of one Embree would start TBB's workers beside the host's.

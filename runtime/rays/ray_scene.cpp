@@ -13,8 +13,8 @@
 
 #include <glm/matrix.hpp>
 
-#include "rules/engine/instruction_set.hpp"
-#include "runtime/core/make_room.hpp"
+#include "runtime/base/instruction_set.hpp"
+#include "runtime/base/make_room.hpp"
 #include "runtime/rays/placed_caster.hpp"
 
 namespace gnomon {
@@ -238,10 +238,10 @@ Query RayScene::Impl::query(std::uint32_t lightMask) const
 
 RayScene::Impl::Impl()
 {
-    const FloatMode mode;
+    const EmbreeFloatMode mode;
     std::string config = "ignore_config_files=1,verbose=0,set_affinity=0,start_threads=0";
-    if (const rules::InstructionSet limit = rules::instructionSetLimit(); limit != rules::InstructionSet::Avx512)
-        config += std::string(",max_isa=") + rules::nameOf(limit);
+    if (const InstructionSet limit = instructionSetLimit(); limit != InstructionSet::Avx512)
+        config += std::string(",max_isa=") + nameOf(limit);
     device = rtcNewDevice(config.c_str());
     if (!device) return;
     trace = tracerOf(device);
@@ -257,7 +257,7 @@ RayScene::Impl::Impl()
 RayScene::Impl::~Impl()
 {
     if (!device) return;
-    const FloatMode mode;
+    const EmbreeFloatMode mode;
     for (const Placed& entry : placed) {
         if (entry.geometry) rtcReleaseGeometry(entry.geometry);
     }
@@ -346,7 +346,7 @@ std::unique_ptr<MeshRays> RayScene::build(std::span<const glm::vec3> positions, 
                                           MeshRaysHistory* history)
 {
     if (!impl_->device || indices.empty()) return nullptr;
-    const FloatMode mode;
+    const EmbreeFloatMode mode;
     std::unique_ptr<MeshRays::Impl> mesh =
         makeMeshRays(impl_->device, positions, indices, history ? history->impl_ : nullptr);
     if (!mesh) return nullptr;
@@ -360,7 +360,7 @@ bool RayScene::update(std::span<const Caster> casters)
 {
     Impl& scene = *impl_;
     if (!scene.device) return true;
-    const FloatMode mode;
+    const EmbreeFloatMode mode;
     ++scene.updates;
     static_cast<void>(rtcGetDeviceError(scene.device)); // of this thread; clears what an earlier call left
     bool changed = !scene.whole, complete = true;
@@ -410,7 +410,7 @@ void RayScene::occluded(std::span<const ShadowRay> rays, std::uint32_t lightMask
     std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
     if (!impl_->whole) return;
     const QueryTimer timer(impl_->queryNanoseconds);
-    const FloatMode mode;
+    const EmbreeFloatMode mode;
     Query query = impl_->query(lightMask);
     RayPacket packet{};
     for (std::size_t first = 0; first < rays.size(); first += width) {
@@ -434,7 +434,7 @@ void RayScene::occluded(std::span<RayPacket> packets, std::uint32_t lightMask) c
 {
     if (!impl_->whole) return;
     const QueryTimer timer(impl_->queryNanoseconds);
-    const FloatMode mode;
+    const EmbreeFloatMode mode;
     Query query = impl_->query(lightMask);
     for (RayPacket& packet : packets)
         impl_->ask(query, packet);

@@ -5,7 +5,7 @@
 #include <memory>
 #include <span>
 
-#include "runtime/core/jobs.hpp"
+#include "runtime/base/jobs.hpp"
 #include "runtime/rays/ray_packet.hpp"
 #include "runtime/scene/scene_view.hpp"
 

@@ -125,7 +125,7 @@ std::shared_ptr<const TriangleTree> TriangleTree::build(RTCDeviceTy* device, std
                                                         std::span<const std::uint32_t> indices)
 {
     if (!device || indices.empty() || indices.size() / 3 > (kLeafBit >> 2)) return nullptr;
-    const FloatMode mode;
+    const EmbreeFloatMode mode;
     std::vector<RTCBuildPrimitive> primitives = primitivesOf(positions, indices);
     struct Release {
         void operator()(RTCBVH bvh) const { rtcReleaseBVH(bvh); }

@@ -5,12 +5,12 @@
 //                   caster, so that it cannot shade itself, and no bias is needed
 //   inside out      the same faces: but the host may draw them as lit, so pushed away like an open caster's
 //   open caster     both faces, pushed away from the light in proportion to their slope; the resolve compares at the
-//                   texel's own place on the receiver's plane (shaders/maps/map_receiver.glsl)
+//                   texel's own place on the receiver's plane (shaders/shared/map_receiver.glsl)
 //
 // There is no constant bias. Its unit is the last place of the largest depth of the whole primitive (Vulkan, Depth Bias
 // Computation), and where depths are clamped instead of clipped a triangle that reaches the plane through the light has
 // no largest: with a factor of 2 an NVIDIA driver pushes it past the far end of the map. By how much coplanar sheets (a
-// cloth on a table) are rounded apart is in what receivers allow for, DEPTH_ROUNDING (shaders/maps/map_lookup.h).
+// cloth on a table) are rounded apart is in what receivers allow for, DEPTH_ROUNDING (shaders/shared/map_lookup.h).
 #include "runtime/scene/scene_view.hpp"
 #include "runtime/scene/topology.hpp"
 

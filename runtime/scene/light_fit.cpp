@@ -75,7 +75,7 @@ glm::dmat4 lightFromWorld(const Axes& axes, glm::dvec3 zero)
 
 /// Square pyramid of half-angle tangent `slope` along +z: clip w = z, depth 0 at near and 1 at far.
 /// Depth is 1 - near / w: without a far end, where casters are left out by their bounds. So what a vertex contributes
-/// to its depth is a constant beside its w, which no clipping rounds (shaders/maps/caster_clip.glsl).
+/// to its depth is a constant beside its w, which no clipping rounds (shaders/shared/caster_clip.glsl).
 glm::dmat4 perspective(double slope, double near)
 {
     glm::dmat4 clip(0.0);

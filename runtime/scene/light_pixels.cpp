@@ -63,15 +63,4 @@ VkRect2D lightPixels(const LightView& light, const CameraView& view)
     return pixels;
 }
 
-Part visibilityIn(const CameraView& view, std::uint32_t layer, const VkRect2D& pixels)
-{
-    const bool whole = pixels.extent.width == view.area.extent.width && pixels.extent.height == view.area.extent.height;
-    return {.layer = layer, .clear = !whole, .value = {.color = {{1.0f, 0.0f, 0.0f, 0.0f}}}};
-}
-
-Part visibilityIn(const ShadowTask& task, const VkRect2D& pixels)
-{
-    return visibilityIn(*task.view, task.layer, pixels);
-}
-
 } // namespace gnomon

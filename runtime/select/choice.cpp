@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 #include "runtime/plan/utility.hpp"
 
 namespace gnomon {
@@ -56,6 +56,20 @@ Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceIn
     else if (out.wanted != UINT32_MAX)
         out.reason = GN_REASON_FALLBACK;
     return out;
+}
+
+std::vector<Choice> replacementsInOrder(std::span<const Candidate> candidates, const ChoiceInput& input)
+{
+    std::vector<Candidate> left(candidates.begin(), candidates.end());
+    ChoiceInput without = input;
+    without.incumbent = UINT32_MAX;
+    std::vector<Choice> order;
+    do {
+        order.push_back(chooseBySuitability(left, without));
+        if (const std::uint32_t method = order.back().method; method != UINT32_MAX)
+            left[method].exclusion = Exclusion::refused;
+    } while (order.back().method != UINT32_MAX);
+    return order;
 }
 
 namespace {
@@ -409,7 +423,7 @@ private:
         for (int decimals = std::max(first, 0); decimals < std::max(first, 0) + 4; ++decimals) {
             const double scale = std::pow(10.0, decimals);
             const double near = same < flipped ? std::ceil(flipped * scale) : std::floor(flipped * scale);
-            const double number = rules::parseNumber(rules::fixedText(near / scale, decimals)).value_or(flipped);
+            const double number = parseNumber(fixedText(near / scale, decimals)).value_or(flipped);
             if (number >= variable_.low && number <= variable_.high && flips(number)) return number;
         }
         return flipped;

@@ -1,6 +1,7 @@
 #pragma once
 // The choice for one light, from its candidates alone: for the decision itself, and for "what if" afterwards.
 #include <span>
+#include <vector>
 
 #include "runtime/select/record.hpp"
 
@@ -35,6 +36,10 @@ struct ChoiceInput {
 /// The highest suitability among the eligible; ties go to the incumbent, then to registry order. A pin overrules
 /// rules and vetoes. Where what is wanted is not ready, or nobody has an opinion, a fallback, else anything eligible.
 Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceInput& input) noexcept;
+
+/// What serves a light as one method after another turns out to fail: each entry is what chooseBySuitability() says
+/// without an incumbent once the methods of the entries before are excluded. In the last one nothing can serve.
+std::vector<Choice> replacementsInOrder(std::span<const Candidate> candidates, const ChoiceInput& input);
 
 /// Share by which a method must be cheaper to be taken for its price. A prediction's own noise (cost::kStartNoise, 8 %)
 /// alone changes nothing.

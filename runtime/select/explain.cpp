@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "rules/engine/explain.hpp"
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 #include "runtime/plan/utility.hpp"
 
 namespace gnomon {
@@ -14,7 +14,7 @@ namespace {
 
 std::string fixed(double value, int digits)
 {
-    return std::isnan(value) ? "unknown" : rules::fixedText(value, digits);
+    return std::isnan(value) ? "unknown" : fixedText(value, digits);
 }
 
 std::string ms(double value)

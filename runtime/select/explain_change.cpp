@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "rules/engine/explain.hpp"
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 #include "runtime/select/explain.hpp"
 
 namespace gnomon {
@@ -17,7 +17,7 @@ std::string frameText(const DecisionRecord& record, const ExplainWords& words)
 
 std::string signedText(double change, int digits)
 {
-    return std::string(change < 0.0 ? "" : "+").append(rules::fixedText(change, digits));
+    return std::string(change < 0.0 ? "" : "+").append(fixedText(change, digits));
 }
 
 std::string missText(const NearMiss& miss, const ExplainWords& words)
@@ -112,15 +112,15 @@ void addRules(const DecisionRecord& now, const DecisionRecord& before, const rul
     constexpr std::size_t kMostRules = 3;
     changed.resize(std::min(changed.size(), kMostRules));
     for (const auto& [change, rule] : changed)
-        lines.add("  strength " + rules::fixedText(was.rules[rule].strength, 2) + " -> " +
-                  rules::fixedText(is.rules[rule].strength, 2) + ": " + explainRule(engine, is, rule));
+        lines.add("  strength " + fixedText(was.rules[rule].strength, 2) + " -> " +
+                  fixedText(is.rules[rule].strength, 2) + ": " + explainRule(engine, is, rule));
 }
 
 std::string suitabilityText(const Candidate& candidate)
 {
     if (candidate.exclusion == Exclusion::vetoed) return "vetoed";
     if (candidate.quantised < 0) return "no opinion";
-    return rules::fixedText(candidate.quantised / double{rules::kSuitabilitySteps}, 2);
+    return fixedText(candidate.quantised / double{rules::kSuitabilitySteps}, 2);
 }
 
 /// Methods whose case changed: the old and the new choice first.
@@ -155,7 +155,7 @@ void addCandidates(const DecisionRecord& now, const DecisionRecord& before, cons
 void addPlan(const DecisionRecord& now, const DecisionRecord& before, ExplanationLines& lines)
 {
     const auto two = [](float a, float b) {
-        return rules::fixedText(double{a}, 2) + " -> " + rules::fixedText(double{b}, 2) + " ms";
+        return fixedText(double{a}, 2) + " -> " + fixedText(double{b}, 2) + " ms";
     };
     if (now.budgeted || before.budgeted)
         lines.add("plan of all lights " + two(before.planMs, now.planMs) + ", budget " +

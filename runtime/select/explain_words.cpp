@@ -1,7 +1,7 @@
 // Words for the parts of a decision.
 #include <cmath>
 
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 #include "runtime/select/explain.hpp"
 
 namespace gnomon {
@@ -58,7 +58,7 @@ std::string exclusionText(const Candidate& candidate, std::string_view unavailab
     case Exclusion::trees:
         return detail + " casters without a ray-tracing tree yet";
     case Exclusion::memory:
-        return "memory: needs " + rules::fixedText(static_cast<double>(candidate.detail) / (1 << 20), 1) +
+        return "memory: needs " + fixedText(static_cast<double>(candidate.detail) / (1 << 20), 1) +
                " MiB, more than is left";
     case Exclusion::refused:
         return candidate.refusal ? candidate.refusal : "refused by the method";
@@ -122,12 +122,12 @@ std::string factText(Fact fact, double value)
     if (std::isnan(value)) return "unknown";
     if (std::isinf(value)) return value > 0.0 ? "infinite" : "-infinite";
     const std::string_view unit = kFactNames[static_cast<std::size_t>(fact)].unit;
-    if (unit == "count") return rules::shortestText(value);
-    std::string text = rules::fixedText(value, 2);
+    if (unit == "count") return shortestText(value);
+    std::string text = fixedText(value, 2);
     // Near zero two decimals say nothing, and what flips a choice must be given in full.
-    if (const std::string full = rules::shortestText(value); full.size() <= 8) text = full;
+    if (const std::string full = shortestText(value); full.size() <= 8) text = full;
     text.append(" ").append(unit);
-    if (unit == "log10" && value < 9.0) text += " (" + rules::fixedText(std::pow(10.0, value), 0) + " triangles)";
+    if (unit == "log10" && value < 9.0) text += " (" + fixedText(std::pow(10.0, value), 0) + " triangles)";
     return text;
 }
 

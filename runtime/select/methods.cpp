@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 
 namespace gnomon {
 
@@ -100,8 +100,8 @@ Result<void> MethodTable::set(std::string_view name, std::string_view setting, d
         if (setting != spec.name) continue;
         if (!(value >= spec.minimum && value <= spec.maximum))
             return Error{std::isnan(value) ? GN_ERROR_NOT_A_NUMBER : GN_ERROR_OUT_OF_RANGE, "SettingOutOfRange",
-                         std::string(name) + "." + spec.name + " is " + rules::shortestText(value) + ", outside [" +
-                             rules::shortestText(spec.minimum) + ", " + rules::shortestText(spec.maximum) + "]"};
+                         std::string(name) + "." + spec.name + " is " + shortestText(value) + ", outside [" +
+                             shortestText(spec.minimum) + ", " + shortestText(spec.maximum) + "]"};
         if (method->settings[i] != value) method->setAt = setAt_ = frame;
         method->settings[i] = value;
         method->settingInfos[i].value = value;

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "runtime/algorithm.hpp"
-#include "runtime/core/messages.hpp"
-#include "runtime/core/method_set.hpp"
+#include "runtime/base/messages.hpp"
+#include "runtime/base/method_set.hpp"
 #include "runtime/registry.hpp"
 #include "runtime/vk/pipeline_store.hpp"
 

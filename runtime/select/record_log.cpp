@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "runtime/core/bytes.hpp"
-#include "runtime/core/hash.hpp"
+#include "runtime/base/bytes.hpp"
+#include "runtime/base/hash.hpp"
 
 namespace gnomon {
 

@@ -31,7 +31,7 @@
 #include <string>
 #include <string_view>
 
-#include "runtime/core/result.hpp"
+#include "runtime/base/result.hpp"
 #include "runtime/select/record.hpp"
 
 namespace gnomon {

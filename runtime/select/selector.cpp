@@ -190,29 +190,40 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     return decision;
 }
 
-void Selector::choose(std::span<LightDecision> decisions)
-{
-    if (engine_ && !decisions.empty()) rank(decisions);
-    for (LightDecision& decision : decisions) {
-        if (!engine_) rankWithoutRules(decision);
-        settle(decision, decision.incumbent);
-    }
-}
+namespace {
 
-void Selector::settle(LightDecision& decision, std::uint32_t incumbent) const
+void take(const Choice& choice, LightDecision& decision)
 {
-    const MethodSet fallbacks = methods_.fallbacks();
-    const Choice choice = chooseBySuitability(
-        decision.candidates,
-        {.incumbent = incumbent, .pinned = decision.pinned, .fallbacks = fallbacks, .hasRules = engine_ != nullptr});
     decision.method = choice.method;
     decision.wanted = choice.wanted;
     decision.reason = choice.reason;
 }
 
-void Selector::substitute(LightDecision& decision) const
+} // namespace
+
+void Selector::choose(std::span<LightDecision> decisions)
 {
-    settle(decision, UINT32_MAX);
+    if (engine_ && !decisions.empty()) rank(decisions);
+    for (LightDecision& decision : decisions) {
+        if (!engine_) rankWithoutRules(decision);
+        const Choice choice = chooseBySuitability(decision.candidates, {.incumbent = decision.incumbent,
+                                                                        .pinned = decision.pinned,
+                                                                        .fallbacks = methods_.fallbacks(),
+                                                                        .hasRules = engine_ != nullptr});
+        take(choice, decision);
+    }
+}
+
+std::vector<Choice> Selector::replacements(const LightDecision& decision) const
+{
+    return replacementsInOrder(
+        decision.candidates,
+        {.pinned = decision.pinned, .fallbacks = methods_.fallbacks(), .hasRules = engine_ != nullptr});
+}
+
+void Selector::substitute(LightDecision& decision, const Choice& choice) const
+{
+    take(choice, decision);
     decision.outgoing = decision.probed = UINT32_MAX;
     decision.fade = 1.0f;
     decision.predictedMs = decision.method == UINT32_MAX ? 0.0f : decision.candidates[decision.method].predictedMs;

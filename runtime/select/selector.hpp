@@ -12,7 +12,7 @@
 
 #include "rules/engine/batch.hpp"
 #include "rules/engine/engine.hpp"
-#include "runtime/core/method_array.hpp"
+#include "runtime/base/method_array.hpp"
 #include "runtime/cost/cost_model.hpp"
 #include "runtime/plan/plan.hpp"
 #include "runtime/select/facts.hpp"
@@ -21,6 +21,8 @@
 #include "runtime/select/vocabulary.hpp"
 
 namespace gnomon {
+
+struct Choice;
 
 /// Why a method cannot serve a light in a frame. Text is made on demand (explain.cpp).
 enum class Exclusion : std::uint8_t {
@@ -180,8 +182,11 @@ public:
     /// What the rules think of all of them, asked together, and the best by suitability. Allocates only for more lights
     /// than ever before.
     void choose(std::span<LightDecision> decisions);
-    /// What serves a light whose method has just been excluded: the best of the others, whatever the plan says.
-    void substitute(LightDecision& decision) const;
+    /// What serves a light whose method has just been excluded, and whose others may fail as well: the best of the
+    /// others first, whatever the plan says (replacementsInOrder()).
+    std::vector<Choice> replacements(const LightDecision& decision) const;
+    /// One of them serves; nothing runs beside it.
+    void substitute(LightDecision& decision, const Choice& choice) const;
     /// The method is settled: what the log says of it, and what the next frame remembers.
     void commit(LightDecision& decision, LightMemory& memory, std::uint64_t frame) const;
 
@@ -195,7 +200,6 @@ private:
     };
     Candidate examine(const Method& method, const SelectionInput& input, const Unprepared& casters,
                       const LightMemory& memory) const;
-    void settle(LightDecision& decision, std::uint32_t incumbent) const;
     void rank(std::span<LightDecision> decisions);
     void rankWithoutRules(LightDecision& decision) const;
 

@@ -9,7 +9,7 @@
 #define VK_NO_PROTOTYPES
 #include <vulkan/vulkan_core.h>
 
-#include "runtime/core/result.hpp"
+#include "runtime/base/result.hpp"
 
 namespace gnomon {
 

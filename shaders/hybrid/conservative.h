@@ -13,7 +13,7 @@
 // What floats leave open goes into the margins: every bound below is "value +- error", with 2^-24 a rounding.
 #ifndef GNOMON_HYBRID_CONSERVATIVE_H
 #define GNOMON_HYBRID_CONSERVATIVE_H
-#include "../maps/map_lookup.h"
+#include "../shared/map_lookup.h"
 
 GN_SHARED_BEGIN
 

@@ -6,7 +6,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "conservative_lookup.h"
 #ifdef MAP_LAYERS
-#include "../omni/cube.h"
+#include "../shared/cube.h"
 #endif
 
 layout(set = 0, binding = 0, std140) uniform Constants {
@@ -37,7 +37,7 @@ layout(constant_id = 0) const bool HAS_NORMALS = true;
 #include "decided.glsl"
 #include "../shared/seen_normal.glsl"
 
-// The start of a pixel's ray, relative to the eye, as algorithms/hybrid/receivers.cpp has it.
+// The start of a pixel's ray, relative to the eye, as algorithms/shared/receivers.cpp has it.
 struct RayStart {
     vec3 fromEye;
     vec3 behind;  // as far away from the light, for where there are no normals

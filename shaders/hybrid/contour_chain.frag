@@ -20,8 +20,8 @@ layout(location = 0) noperspective in vec3 rayWs;
 layout(location = 1) noperspective in vec4 rayClip;
 layout(location = 0) out float visibility;
 
-#include "../maps/agreement.glsl"
-#include "../maps/filter.glsl"
+#include "../shared/agreement.glsl"
+#include "../shared/filter.glsl"
 #include "decided.glsl"
 
 void main()

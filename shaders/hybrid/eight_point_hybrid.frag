@@ -21,7 +21,7 @@ layout(location = 0) noperspective in vec3 rayWs;
 layout(location = 1) noperspective in vec4 rayClip;
 layout(location = 0) out float visibility;
 
-#include "../maps/verdict.glsl"
+#include "../shared/verdict.glsl"
 #include "decided.glsl"
 
 // What the map from one point says: 1 lit, 0 in shadow, 0.5 it cannot say. A point that has set behind the receiver's

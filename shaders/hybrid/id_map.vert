@@ -1,8 +1,8 @@
 #version 460
-// Casters into a map of depth and triangle numbers: as maps/depth_map.vert, and the number of the caster's first triangle.
+// Casters into a map of depth and triangle numbers: as shared/depth_map.vert, and the number of the caster's first triangle.
 #extension GL_GOOGLE_include_directive : require
 #define GNOMON_NUMBERED_DRAWS // gl_PrimitiveID starts from 0 with every draw
-#include "../maps/caster_clip.glsl"
+#include "../shared/caster_clip.glsl"
 
 layout(set = 0, binding = 0, std430) readonly buffer Firsts {
     uint firsts[]; // by index of the caster

@@ -21,7 +21,7 @@ layout(location = 0) noperspective in vec3 rayWs;
 layout(location = 1) noperspective in vec4 rayClip;
 layout(location = 0) out float visibility;
 
-#include "../maps/agreement.glsl"
+#include "../shared/agreement.glsl"
 #include "decided.glsl"
 
 void main()

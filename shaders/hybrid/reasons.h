@@ -1,7 +1,7 @@
 // What the methods that ask a map first and trace the rest share between their passes: why a pixel is lit or dark.
 #ifndef GNOMON_HYBRID_REASONS_H
 #define GNOMON_HYBRID_REASONS_H
-#include "../maps/map_lookup.h"
+#include "../shared/map_lookup.h"
 
 GN_SHARED_BEGIN
 

@@ -19,8 +19,8 @@ layout(location = 1) noperspective in vec4 rayClip;
 layout(location = 0) out float visibility;
 layout(constant_id = 1) const bool FILTERED = false;
 
-#include "planar_tap.glsl"
-#include "filter.glsl"
+#include "../shared/planar_tap.glsl"
+#include "../shared/filter.glsl"
 
 void main()
 {

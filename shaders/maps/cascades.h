@@ -1,7 +1,7 @@
 // Constants of the resolve of a directional light with several maps.
 #ifndef GNOMON_MAPS_CASCADES_H
 #define GNOMON_MAPS_CASCADES_H
-#include "map_lookup.h"
+#include "../shared/map_lookup.h"
 
 GN_SHARED_BEGIN
 

@@ -1,7 +1,7 @@
 #version 460
 // Visibility of a directional or spot light from its depth map.
 #extension GL_GOOGLE_include_directive : require
-#include "map_lookup.h"
+#include "../shared/map_lookup.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants {
     MapConstants constants;
@@ -14,8 +14,8 @@ layout(location = 1) noperspective in vec4 rayClip;
 layout(location = 0) out float visibility;
 layout(constant_id = 1) const bool FILTERED = false;
 
-#include "planar_tap.glsl"
-#include "filter.glsl"
+#include "../shared/planar_tap.glsl"
+#include "../shared/filter.glsl"
 
 void main()
 {

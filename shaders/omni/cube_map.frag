@@ -1,8 +1,8 @@
 #version 460
 // Visibility of a point light from its six depth maps.
 #extension GL_GOOGLE_include_directive : require
-#include "../maps/map_lookup.h"
-#include "cube.h"
+#include "../shared/map_lookup.h"
+#include "../shared/cube.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants {
     MapConstants constants;
@@ -15,8 +15,8 @@ layout(location = 0) out float visibility;
 layout(constant_id = 1) const bool FILTERED = false;
 
 #define MAP_LAYERS
-#include "../maps/planar_tap.glsl"
-#include "../maps/filter.glsl"
+#include "../shared/planar_tap.glsl"
+#include "../shared/filter.glsl"
 
 void main()
 {

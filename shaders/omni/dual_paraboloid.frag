@@ -1,7 +1,7 @@
 #version 460
 // Visibility of a point light from its two paraboloids.
 #extension GL_GOOGLE_include_directive : require
-#include "../maps/map_lookup.h"
+#include "../shared/map_lookup.h"
 #include "paraboloid.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants {
@@ -14,7 +14,7 @@ layout(location = 0) noperspective in vec3 rayWs;
 layout(location = 0) out float visibility;
 layout(constant_id = 1) const bool FILTERED = false;
 
-#include "../maps/map_receiver.glsl"
+#include "../shared/map_receiver.glsl"
 
 struct Tap {
     vec2 at;        // the receiver, in texels
@@ -35,7 +35,7 @@ float tapDepth(Tap tap, vec2 texel)
 float mapTexel(Tap tap, vec2 texel) { return textureLod(map, vec3(texel / constants.map.side, tap.layer), 0.0).x; }
 vec4 mapGather(Tap tap, vec2 corner) { return textureGather(map, vec3(corner / constants.map.side, tap.layer)); }
 
-#include "../maps/filter.glsl"
+#include "../shared/filter.glsl"
 
 void main()
 {

@@ -1,7 +1,7 @@
 // Constants of rbsm's resolve.
 #ifndef GNOMON_REVECTORIZED_RBSM_H
 #define GNOMON_REVECTORIZED_RBSM_H
-#include "../maps/map_lookup.h"
+#include "../shared/map_lookup.h"
 
 GN_SHARED_BEGIN
 

@@ -7,7 +7,7 @@
 #define GNOMON_SHARED_CASTERS_GLSL
 
 layout(location = 0) in vec3 casterPosition;
-layout(location = 1) in vec4 casterRows[3]; // (basis row, translation); runtime/scene/scene_registry.hpp InstanceTransform
+layout(location = 1) in vec4 casterRows[3]; // (basis row, translation); runtime/store/scene_registry.hpp InstanceTransform
 
 vec3 casterWorldPosition()
 {

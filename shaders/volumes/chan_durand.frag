@@ -24,7 +24,7 @@ layout(location = 0) out float visibility;
 
 layout(constant_id = 1) const bool WIDENED = false; // a loop without known end takes a third longer for 2 x 2
 
-#include "../maps/agreement.glsl"
+#include "../shared/agreement.glsl"
 
 void mark(vec4 clip, float layer)
 {

@@ -1,7 +1,7 @@
 // What the passes of chan_durand share: its constants, and the cells of the map by which casters are culled.
 #ifndef GNOMON_VOLUMES_CHAN_DURAND_H
 #define GNOMON_VOLUMES_CHAN_DURAND_H
-#include "../maps/map_lookup.h"
+#include "../shared/map_lookup.h"
 
 GN_SHARED_BEGIN
 

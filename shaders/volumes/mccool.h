@@ -6,7 +6,7 @@
 // ring of these 4 to 12 vertices is filled with triangles is a template (algorithms/volumes/depth_surface.hpp).
 #ifndef GNOMON_VOLUMES_MCCOOL_H
 #define GNOMON_VOLUMES_MCCOOL_H
-#include "../maps/map_lookup.h"
+#include "../shared/map_lookup.h"
 #include "volume.h"
 
 GN_SHARED_BEGIN

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "algorithms/hybrid/conservative_layers.hpp"
-#include "algorithms/maps/depth_map.hpp"
+#include "algorithms/shared/depth_map.hpp"
 #include "maps_fixture.hpp"
 
 using namespace gnomon;

@@ -10,9 +10,9 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "algorithms/hybrid/receivers.hpp"
-#include "runtime/api/context.hpp"
+#include "algorithms/shared/receivers.hpp"
 #include "runtime/brute_force.hpp"
+#include "runtime/frame/camera_view.hpp"
 #include "runtime/ray_fixture.hpp"
 
 namespace gnomon::test {

@@ -11,7 +11,7 @@
 #include <glm/gtc/packing.hpp>
 
 #include "algorithms/hybrid/receiver_pyramid.hpp"
-#include "algorithms/hybrid/receivers.hpp"
+#include "algorithms/shared/receivers.hpp"
 #include "runtime/ray_fixture.hpp"
 
 using namespace gnomon;

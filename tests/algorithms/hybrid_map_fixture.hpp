@@ -11,7 +11,7 @@
 #include "algorithms/hybrid/candidate_occluder.hpp"
 #include "algorithms/hybrid/map_texels.hpp"
 #include "algorithms/hybrid_fixture.hpp"
-#include "algorithms/maps/map_lookup.hpp"
+#include "algorithms/shared/map_lookup.hpp"
 #include "runtime/scene/light_fit.hpp"
 
 namespace gnomon::test {

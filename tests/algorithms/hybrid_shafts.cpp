@@ -9,10 +9,10 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "algorithms/hybrid/receivers.hpp"
 #include "algorithms/hybrid/spread.hpp"
 #include "algorithms/hybrid/tile_blocks.hpp"
 #include "algorithms/hybrid/tile_search.hpp"
+#include "algorithms/shared/receivers.hpp"
 #include "runtime/ray_fixture.hpp"
 
 using namespace gnomon;

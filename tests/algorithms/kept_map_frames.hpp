@@ -11,7 +11,7 @@
 
 #include <doctest/doctest.h>
 
-#include "algorithms/common/kept_map.hpp"
+#include "algorithms/shared/kept_map.hpp"
 #include "runtime/passes/pass_context.hpp"
 #include "runtime/passes/pass_graph.hpp"
 #include "runtime/vk_stub.hpp"

@@ -4,7 +4,7 @@
 #include <glm/common.hpp>
 
 #include "algorithms/maps/cascade_fit.hpp"
-#include "algorithms/maps/depth_map.hpp"
+#include "algorithms/shared/depth_map.hpp"
 #include "maps_fixture.hpp"
 
 using namespace gnomon;

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "algorithms/common/map_cells.hpp"
-#include "algorithms/maps/box_cells.hpp"
-#include "algorithms/maps/map_lookup.hpp"
+#include "algorithms/shared/box_cells.hpp"
+#include "algorithms/shared/map_cells.hpp"
+#include "algorithms/shared/map_lookup.hpp"
 #include "maps_fixture.hpp"
 
 using namespace gnomon;

@@ -5,8 +5,8 @@
 #include <map>
 #include <tuple>
 
-#include "algorithms/common/caster_lists.hpp"
 #include "algorithms/omni/tessellation.hpp"
+#include "algorithms/shared/caster_lists.hpp"
 #include "maps_fixture.hpp"
 #include "runtime/scene/mesh_chunks.hpp"
 
@@ -141,7 +141,8 @@ TEST_CASE("a caster called fine enough has no edge that spans more than the angl
     int fineOnes = 0;
     for (int i = 0; i < 500; ++i) {
         Cube cube(glm::vec3(-0.2f), glm::vec3(random.in(0.1f, 1.0f)));
-        cube.caster.longestEdge = glm::length(edgeSpan(cube.mesh.positions, cube.mesh.indices)); // its basis is the identity
+        cube.caster.longestEdge =
+            glm::length(edgeSpan(cube.mesh.positions, cube.mesh.indices)); // its basis is the identity
         const glm::vec3 lamp = random.vec(-20.0f, 20.0f);
         const float angle = maxEdgeAngle(256);
         if (!fineEnough(cube.caster, lamp, angle)) continue;

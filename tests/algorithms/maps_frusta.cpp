@@ -1,9 +1,9 @@
 // Which faces and halves a camera can need.
 #include <doctest/doctest.h>
 
-#include "algorithms/omni/frusta.hpp"
+#include "algorithms/shared/frusta.hpp"
 #include "maps_fixture.hpp"
-#include "shaders/omni/cube.h"
+#include "shaders/shared/cube.h"
 
 using namespace gnomon;
 using namespace gnomon::test;

@@ -1,12 +1,12 @@
 // Where shaders look into maps, against the matrices casters are drawn with and against plain geometry in double.
 #include <doctest/doctest.h>
 
-#include "algorithms/maps/depth_map.hpp"
-#include "algorithms/maps/map_lookup.hpp"
-#include "algorithms/omni/cube_faces.hpp"
+#include "algorithms/shared/cube_faces.hpp"
+#include "algorithms/shared/depth_map.hpp"
+#include "algorithms/shared/map_lookup.hpp"
 #include "maps_fixture.hpp"
-#include "shaders/omni/cube.h"
 #include "shaders/omni/paraboloid.h"
+#include "shaders/shared/cube.h"
 
 using namespace gnomon;
 using namespace gnomon::test;

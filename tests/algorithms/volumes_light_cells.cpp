@@ -1,7 +1,7 @@
 // Which cells of a light's map the shadow of a caster can fall into; no device.
 #include <doctest/doctest.h>
 
-#include "algorithms/maps/map_lookup.hpp"
+#include "algorithms/shared/map_lookup.hpp"
 #include "algorithms/volumes/light_cells.hpp"
 #include "tests/algorithms/maps_fixture.hpp"
 

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "device/fixture.hpp"
-#include "rules/engine/instruction_set.hpp"
+#include "runtime/base/instruction_set.hpp"
 
 // Loader, layer and driver keep memory and are unloaded before the leak check could name them.
 extern "C" const char* __asan_default_options();
@@ -17,7 +17,7 @@ extern "C" const char* __asan_default_options()
 
 int main(int argc, char** argv)
 {
-    if (!gnomon::rules::limitByEnvironment()) return 1;
+    if (!gnomon::limitByEnvironment()) return 1;
     if (gnomon::demo::Device::nonePresent()) {
         std::puts("skipped: no Vulkan device");
         return 77;

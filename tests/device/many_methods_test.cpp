@@ -1,5 +1,5 @@
 // More methods than a machine word has bits: variants of the built-in ones with settings of their own.
-#include "runtime/core/method_set.hpp"
+#include "runtime/base/method_set.hpp"
 #include "tests/device/fixture.hpp"
 
 using namespace gnomon;

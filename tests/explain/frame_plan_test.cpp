@@ -7,7 +7,7 @@
 
 #include "explain/selector_fixture.hpp"
 #include "rules/yaml/shipped.hpp"
-#include "runtime/core/jobs.hpp"
+#include "runtime/base/jobs.hpp"
 #include "runtime/select/choice.hpp"
 #include "runtime/select/frame_plan.hpp"
 

@@ -7,8 +7,8 @@
 #include "explain/selector_fixture.hpp"
 #include "plan/random.hpp"
 #include "runtime/allocation_count.hpp"
-#include "runtime/core/bytes.hpp"
-#include "runtime/core/hash.hpp"
+#include "runtime/base/bytes.hpp"
+#include "runtime/base/hash.hpp"
 #include "runtime/select/choice.hpp"
 #include "runtime/select/record_log.hpp"
 

@@ -14,8 +14,9 @@
 #include "rules/engine/batch.hpp"
 #include "rules/engine/export_fll.hpp"
 #include "rules/engine/lint.hpp"
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 
+using namespace gnomon;
 using namespace gnomon::rules;
 using namespace gnomon::rules::test;
 

@@ -7,8 +7,9 @@
 
 #include "allocation_count.hpp"
 #include "rules/engine/batch.hpp"
-#include "rules/engine/float_mode.hpp"
+#include "runtime/base/float_mode.hpp"
 
+using namespace gnomon;
 using namespace gnomon::rules;
 using namespace gnomon::rules::test;
 

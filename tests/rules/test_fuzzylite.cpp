@@ -13,12 +13,13 @@
 #include <unistd.h>
 
 #include "rules/engine/export_fll.hpp"
-#include "rules/engine/number_text.hpp"
+#include "runtime/base/number_text.hpp"
 #if GNOMON_WITH_YAML
 #include "rules/yaml/shipped.hpp"
 #include "yaml_support.hpp"
 #endif
 
+using namespace gnomon;
 using namespace gnomon::rules;
 using namespace gnomon::rules::test;
 

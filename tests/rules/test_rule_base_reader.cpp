@@ -5,9 +5,10 @@
 #include <locale>
 
 #include "rules/engine/explain.hpp"
-#include "rules/engine/number_text.hpp"
 #include "rules/yaml/shipped.hpp"
+#include "runtime/base/number_text.hpp"
 
+using namespace gnomon;
 using namespace gnomon::rules;
 using namespace gnomon::rules::test;
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "rules/engine/instruction_set.hpp"
+#include "runtime/base/instruction_set.hpp"
 #include "runtime/ray_fixture.hpp"
 #include "runtime/rays/mesh_rays.hpp"
 
@@ -24,7 +24,7 @@ public:
     explicit Bare(std::mt19937& random) : corners_(test::randomTriangles(random, 50000, 10.0f, 0.15f))
     {
         std::string config = "start_threads=0,set_affinity=0,max_isa=";
-        device_ = rtcNewDevice((config + rules::nameOf(rules::instructionSetLimit())).c_str());
+        device_ = rtcNewDevice((config + nameOf(instructionSetLimit())).c_str());
         for (std::uint32_t i = 0; i < corners_.size(); ++i)
             indices_.push_back(i);
         corners_.emplace_back(0.0f);
@@ -175,12 +175,11 @@ void compare(RTCScene scene, const char* name, const std::vector<ShadowRay>& ray
 
 int main()
 {
-    if (!rules::limitByEnvironment()) return 1;
-    const FloatMode mode;
+    if (!limitByEnvironment()) return 1;
+    const EmbreeFloatMode mode;
     std::mt19937 random(7);
     const Bare bare(random);
-    std::printf("Embree " RTC_VERSION_STRING ", at most %s; ns a ray that is there\n",
-                rules::nameOf(rules::instructionSetLimit()));
+    std::printf("Embree " RTC_VERSION_STRING ", at most %s; ns a ray that is there\n", nameOf(instructionSetLimit()));
     compare(bare.top(), "tiles, all", raysOf(random, true, 0.0f));
     compare(bare.top(), "tiles, 6 of 10", raysOf(random, true, 0.4f));
     compare(bare.top(), "scattered, all", raysOf(random, false, 0.0f));

@@ -7,12 +7,11 @@
 #include <cstring>
 #include <limits>
 
-#include "rules/engine/instruction_set.hpp"
+#include "runtime/base/instruction_set.hpp"
 #include "runtime/brute_force.hpp"
 #include "runtime/ray_fixture.hpp"
 
 using namespace gnomon;
-using rules::InstructionSet;
 using test::casterOf;
 using test::randomRays;
 using test::TracedMesh;
@@ -25,13 +24,13 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Limits what is created while it lives.
 class Limit {
 public:
-    explicit Limit(InstructionSet set) { rules::limitInstructionSet(set); }
-    ~Limit() { rules::limitInstructionSet(before_); }
+    explicit Limit(InstructionSet set) { limitInstructionSet(set); }
+    ~Limit() { limitInstructionSet(before_); }
     Limit(const Limit&) = delete;
     Limit& operator=(const Limit&) = delete;
 
 private:
-    InstructionSet before_ = rules::instructionSetLimit();
+    InstructionSet before_ = instructionSetLimit();
 };
 
 std::vector<InstructionSet> setsHere()
@@ -39,7 +38,7 @@ std::vector<InstructionSet> setsHere()
     std::vector<InstructionSet> sets;
     for (const auto set :
          {InstructionSet::Baseline, InstructionSet::Sse42, InstructionSet::Avx2, InstructionSet::Avx512})
-        if (rules::isSupported(set)) sets.push_back(set);
+        if (isSupported(set)) sets.push_back(set);
     return sets;
 }
 
@@ -114,7 +113,7 @@ RayPacket packetOf(const Asked& asked, std::size_t number, std::uint32_t pattern
 TEST_CASE("a lane is answered as if its ray were alone, whichever lanes are masked out and whatever they hold")
 {
     for (const InstructionSet set : setsHere()) {
-        CAPTURE(rules::nameOf(set));
+        CAPTURE(nameOf(set));
         const Limit limit(set);
         const World world(std::mt19937(21));
         const Asked asked(world, std::mt19937(22));
@@ -138,7 +137,7 @@ TEST_CASE("a lane is answered as if its ray were alone, whichever lanes are mask
 TEST_CASE("a masked lane's end stays as it was")
 {
     for (const InstructionSet set : setsHere()) {
-        CAPTURE(rules::nameOf(set));
+        CAPTURE(nameOf(set));
         const Limit limit(set);
         const World world(std::mt19937(23));
         const Asked asked(world, std::mt19937(24));

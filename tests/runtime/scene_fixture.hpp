@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/core/arena.hpp"
-#include "runtime/core/slot_map.hpp"
-#include "runtime/scene/scene_registry.hpp"
+#include "runtime/base/arena.hpp"
+#include "runtime/base/slot_map.hpp"
 #include "runtime/scene/topology.hpp"
+#include "runtime/store/scene_registry.hpp"
 #include "runtime/vk_stub.hpp"
 
 namespace gnomon::test {

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <set>
 
-#include "runtime/core/slot_map.hpp"
-#include "runtime/scene/scene_input.hpp"
+#include "runtime/base/slot_map.hpp"
 #include "runtime/scene_fixture.hpp"
+#include "runtime/store/scene_input.hpp"
 
 using namespace gnomon;
 using namespace gnomon::test;

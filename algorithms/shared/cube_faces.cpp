@@ -1,0 +1,71 @@
+#include "algorithms/shared/cube_faces.hpp"
+
+#include "algorithms/shared/depth_casters.hpp"
+#include "algorithms/shared/frusta.hpp"
+#include "algorithms/shared/map_lookup.hpp"
+
+namespace gnomon {
+
+namespace {
+
+constexpr LayerNames kFaceNames[6] = {
+    {"cube_faces.casters.+x", "cube_faces.statics.+x", "cube_faces.copy_statics.+x"},
+    {"cube_faces.casters.-x", "cube_faces.statics.-x", "cube_faces.copy_statics.-x"},
+    {"cube_faces.casters.+y", "cube_faces.statics.+y", "cube_faces.copy_statics.+y"},
+    {"cube_faces.casters.-y", "cube_faces.statics.-y", "cube_faces.copy_statics.-y"},
+    {"cube_faces.casters.+z", "cube_faces.statics.+z", "cube_faces.copy_statics.+z"},
+    {"cube_faces.casters.-z", "cube_faces.statics.-z", "cube_faces.copy_statics.-z"},
+};
+
+} // namespace
+
+std::span<LightFit> fitCubeFaces(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
+{
+    const Aabb bounds = sceneBounds(*task.casters);
+    const std::span<LightFit> faces = arena.array<LightFit>(6);
+    const float limit = nearLimit(clamped, task);
+    for (std::uint32_t face = 0; face < 6; ++face) {
+        faces[face] = fitCubeFace(*task.light, bounds, face, resolution, kCubeBorderTexels);
+        if (clamped != Clamped::none) raiseNearEnd(faces[face], resolution, limit);
+    }
+    return faces;
+}
+
+std::uint32_t neededCubeFaces(const ShadowTask& task)
+{
+    const Frustum visible = frustumOf(*task.view, *task.light);
+    std::uint32_t needed = 0;
+    for (std::uint32_t face = 0; face < 6; ++face)
+        if (meetsPyramid(visible, task.light->position(), cubeFaceEdges(face))) needed |= 1u << face;
+    return needed;
+}
+
+CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
+                       std::uint32_t resolution)
+{
+    FrameArena& arena = passes.arena();
+    const std::span<const LightFit> faces = fitCubeFaces(pipelines.clamped, task, resolution, arena);
+    KeptMap map(passes, {.name = "cube_faces.depth",
+                         .staticsName = "cube_faces.statics",
+                         .stampName = "cube_faces.stamp",
+                         .format = kMapFormat,
+                         .resolution = resolution,
+                         .layers = 6});
+    const std::uint32_t needed = neededCubeFaces(task);
+    const std::span<std::uint64_t> stamps = arena.array<std::uint64_t>(6);
+    const std::span<KeptParts> parts = arena.array<KeptParts>(6);
+    for (std::uint32_t face = 0; face < 6; ++face) {
+        if ((needed >> face & 1) == 0) continue;
+        // The light's revision stands for the position; of the fit, only the ends depend on casters.
+        const std::uint64_t projection = Stamp().add(faces[face].nearWs).add(faces[face].farWs).value();
+        const LayerContent content =
+            layerContent(*task.light, castersIn(task.casters->statics, faces[face].volume, arena),
+                         castersIn(task.casters->dynamics, faces[face].volume, arena), projection);
+        stamps[face] = content.stamp;
+        parts[face] =
+            map.update(face, kFaceNames[face], content, DepthCasters(pipelines, faces[face], task, resolution, arena));
+    }
+    return {map.image(), faces.data(), resolution, needed, stamps.data(), parts.data()};
+}
+
+} // namespace gnomon

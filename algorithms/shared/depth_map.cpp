@@ -1,0 +1,110 @@
+#include "algorithms/shared/depth_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "algorithms/shared/depth_casters.hpp"
+#include "algorithms/shared/map_lookup.hpp"
+#include "shaders/shared_depth_map_vert.h"
+
+namespace gnomon {
+
+DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services)
+{
+    GraphicsPipelineInfo info;
+    info.name = "depth_map.casters";
+    info.vertex.code = k_shared_depth_map_vert;
+    info.pushBytes = sizeof(DepthCasters::Push);
+    info.vertexStride = sizeof(glm::vec3);
+    info.casters = info.transforms = true;
+    info.depthTest = info.depthWrite = true;
+    info.depthCompare = VK_COMPARE_OP_LESS;
+    info.depthFormat = kMapFormat;
+    info.depthClamp = services.vk->enabled.depthClamp == VK_TRUE;
+    return {services.pipelines->graphics(info), info.depthClamp ? Clamped::own : Clamped::none};
+}
+
+DepthCasters::DepthCasters(const DepthMapPipelines& pipelines, const LightFit& fit, const ShadowTask& task,
+                           std::uint32_t resolution, FrameArena& arena)
+    : pipeline_(pipelines.casters), light_(task.light), volume_(fit.volume)
+{
+    push_ = casterPush(mapProjection(fit, *task.light));
+    if (!anyHostDrawn(task.casters->all)) return;
+    GnCasterProjection host{};
+    std::memcpy(host.clipFromWorld, &fit.clipFromWorld, sizeof(host.clipFromWorld));
+    std::memcpy(host.origin, task.view->origin, sizeof(host.origin));
+    host.area = {{0, 0}, {resolution, resolution}};
+    host.depthFormat = kMapFormat;
+    host.slopeBias = kOpenSlopeBias;
+    host_ = arena.make(host);
+}
+
+void DepthCasters::operator()(PassContext& gpu, std::span<const Caster* const> casters, bool) const
+{
+    drawInParts(*light_, casters, [&](std::span<const Caster* const> run, const DrawnPart& part) {
+        const Push push = moved(push_, part.away);
+        gpu.drawCasters({.pipeline = pipeline_,
+                         .casters = run,
+                         .volume = volume_,
+                         .push = &push,
+                         .pushSize = sizeof(push),
+                         .depthFromOne = fromOne(push),
+                         .firstFace = part.firstFace,
+                         .faceCount = part.faceCount,
+                         .hostProjection = host_});
+    });
+}
+
+Cells DepthCasters::cells(std::span<const Caster* const> casters) const
+{
+    Cells covered = 0;
+    for (const Caster* caster : casters)
+        covered |= boxCells(caster->bounds, push_.clipFromZero, glm::vec3(push_.zeroWs));
+    return covered;
+}
+
+float nearLimit(Clamped clamped, const ShadowTask& task)
+{
+    float nearest = std::numeric_limits<float>::infinity();
+    if (clamped == Clamped::all) return nearest;
+    for (const Caster* caster : task.casters->all)
+        if (caster->hostDrawn) nearest = std::min(nearest, nearestDepth(*task.light, caster->bounds));
+    return nearest > 0.0f && std::isfinite(nearest) ? std::exp2(std::floor(std::log2(nearest))) : nearest;
+}
+
+LightFit* fitDepthMap(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
+{
+    const Aabb bounds = sceneBounds(*task.casters);
+    const bool spot = task.light->type == GN_LIGHT_TYPE_SPOT;
+    LightFit* fit = arena.make(spot ? fitSpot(*task.light, bounds, resolution, kSpotBorderTexels)
+                                    : fitDirectional(*task.light, bounds));
+    if (spot && clamped != Clamped::none) raiseNearEnd(*fit, resolution, nearLimit(clamped, task));
+    return fit;
+}
+
+DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
+                         std::uint32_t resolution)
+{
+    static constexpr LayerNames kNames{"depth_map.casters", "depth_map.statics", "depth_map.copy_statics"};
+    FrameArena& arena = passes.arena();
+    const LightFit* fit = fitDepthMap(pipelines.clamped, task, resolution, arena);
+    KeptMap map(passes, {.name = "depth_map.depth",
+                         .staticsName = "depth_map.statics",
+                         .stampName = "depth_map.stamp",
+                         .format = kMapFormat,
+                         .resolution = resolution});
+    const std::uint64_t projection = Stamp().add(fit->clipFromWorld).value();
+    const LayerContent content = layerContent(*task.light, castersIn(task.casters->statics, fit->volume, arena),
+                                              castersIn(task.casters->dynamics, fit->volume, arena), projection);
+    const KeptParts parts = map.update(0, kNames, content, DepthCasters(pipelines, *fit, task, resolution, arena));
+    return {map.image(), fit, resolution, content.stamp, parts};
+}
+
+VkDeviceSize depthMapMemory(std::uint32_t resolution, std::uint32_t layers)
+{
+    return VkDeviceSize{resolution} * resolution * layers * 4 * 2;
+}
+
+} // namespace gnomon

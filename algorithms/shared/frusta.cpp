@@ -1,0 +1,132 @@
+#include "algorithms/shared/frusta.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+namespace gnomon {
+
+namespace {
+
+// An endless edge whose direction leaves a plane by less than kParallel runs along it: that is what rounding leaves of
+// a right angle, and what lies beside the plane by so little is less than a pixel (of a view of a degree it is a
+// hundredth part of one). Coordinates of a few thousand metres are rounded by less than kSlack of the largest distance.
+constexpr float kParallel = 0x1p-20f;
+constexpr float kSlack = 0x1p-12f;
+
+struct Interval {
+    float low = INFINITY, high = -INFINITY;
+    void add(float value)
+    {
+        low = std::fmin(low, value);
+        high = std::fmax(high, value);
+    }
+    void addRun(float slope)
+    {
+        if (slope > kParallel) high = INFINITY;
+        if (slope < -kParallel) low = -INFINITY;
+    }
+};
+
+Interval along(const Frustum& frustum, glm::vec3 apex, glm::vec3 axis)
+{
+    Interval result;
+    for (std::size_t i = 0; i < 4; ++i) {
+        const float start = glm::dot(frustum.corners[i] - apex, axis);
+        const float run = glm::dot(frustum.runs[i], axis);
+        result.add(start);
+        if (frustum.bounded)
+            result.add(start + run);
+        else
+            result.addRun(run);
+    }
+    return result;
+}
+
+Interval along(const std::array<glm::vec3, 4>& edges, glm::vec3 axis)
+{
+    Interval result;
+    result.add(0.0f); // the apex
+    for (glm::vec3 edge : edges)
+        result.addRun(glm::dot(edge, axis));
+    return result;
+}
+
+float extent(const Frustum& frustum, glm::vec3 from)
+{
+    float size = 1.0f;
+    for (std::size_t i = 0; i < 4; ++i) {
+        size = std::fmax(size, glm::length(frustum.corners[i] - from));
+        if (frustum.bounded) size = std::fmax(size, glm::length(frustum.corners[i] + frustum.runs[i] - from));
+    }
+    return size;
+}
+
+} // namespace
+
+Frustum frustumOf(const CameraView& view, const LightView& light)
+{
+    Frustum frustum;
+    frustum.corners = view.nearCorners;
+    frustum.bounded = !light.unlimited();
+    const float reach = glm::length(light.position() - view.eye) + light.constants.range;
+    const glm::vec2 low(view.area.offset.x, view.area.offset.y);
+    const glm::vec2 high = low + glm::vec2(view.area.extent.width, view.area.extent.height);
+    const glm::vec2 ring[4] = {low, {high.x, low.y}, high, {low.x, high.y}};
+    for (std::size_t i = 0; i < 4; ++i) {
+        // The rays themselves: the corners of a near rectangle of centimetres are rounded where the eye is far from the
+        // origin. A ray's depth is 1, so that the end is a depth, not a distance: nothing within `reach` is cut off.
+        const glm::vec3 ray = gpu::viewRayWs(view.constants, ring[i]);
+        frustum.runs[i] = frustum.bounded ? ray * reach : ray;
+    }
+    return frustum;
+}
+
+bool touches(const Frustum& frustum, const Plane& plane)
+{
+    const float slack = kSlack * extent(frustum, -plane.distance * plane.normal);
+    return along(frustum, -plane.distance * plane.normal, plane.normal).high >= -slack;
+}
+
+bool meetsPyramid(const Frustum& frustum, glm::vec3 apex, const std::array<glm::vec3, 4>& edges)
+{
+    const float slack = kSlack * extent(frustum, apex);
+    const auto apart = [&](glm::vec3 axis) {
+        const float length = glm::length(axis);
+        if (!(length > 1e-6f)) return false;
+        const Interval a = along(frustum, apex, axis / length), b = along(edges, axis / length);
+        return a.low > b.high + slack || a.high < b.low - slack;
+    };
+    std::array<glm::vec3, 4> runs;
+    for (std::size_t i = 0; i < 4; ++i)
+        runs[i] = glm::normalize(frustum.runs[i]);
+    const glm::vec3 right = glm::normalize(frustum.runs[1] - frustum.runs[0]);
+    const glm::vec3 down = glm::normalize(frustum.runs[3] - frustum.runs[0]);
+    if (apart(glm::cross(right, down))) return false;
+    for (std::size_t i = 0; i < 4; ++i) {
+        if (apart(glm::cross(edges[i], edges[(i + 1) % 4])) || apart(glm::cross(runs[i], runs[(i + 1) % 4])))
+            return false;
+        if (apart(glm::cross(right, edges[i])) || apart(glm::cross(down, edges[i]))) return false;
+        for (glm::vec3 run : runs)
+            if (apart(glm::cross(run, edges[i]))) return false;
+    }
+    return true;
+}
+
+std::array<glm::vec3, 4> cubeFaceEdges(std::uint32_t face)
+{
+    const std::uint32_t axis = face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+    std::array<glm::vec3, 4> edges;
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        glm::vec3 edge(0.0f);
+        edge[axis] = face % 2 ? -1.0f : 1.0f;
+        edge[u] = i == 0 || i == 3 ? -1.0f : 1.0f;
+        edge[v] = i < 2 ? -1.0f : 1.0f;
+        edges[i] = glm::normalize(edge);
+    }
+    return edges;
+}
+
+} // namespace gnomon

@@ -1,0 +1,43 @@
+#include "algorithms/shared/light_map.hpp"
+
+#include "algorithms/shared/cube_faces.hpp"
+
+namespace gnomon {
+
+std::span<const LightFit> fitLightMap(Clamped clamped, const ShadowTask& task, std::uint32_t resolution,
+                                      FrameArena& arena)
+{
+    if (task.light->type == GN_LIGHT_TYPE_POINT) return fitCubeFaces(clamped, task, resolution, arena);
+    return {fitDepthMap(clamped, task, resolution, arena), 1};
+}
+
+std::uint32_t neededLayers(const ShadowTask& task)
+{
+    return task.light->type == GN_LIGHT_TYPE_POINT ? neededCubeFaces(task) : 1;
+}
+
+LightMap declareLightMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
+                         std::uint32_t resolution, gpu::MapConstants& constants)
+{
+    LightMap result;
+    if (task.light->type != GN_LIGHT_TYPE_POINT) {
+        const DepthMap map = declareDepthMap(passes, pipelines, task, resolution);
+        FrameArena& arena = passes.arena();
+        result = {map.image, {map.fit, 1}, 1, {arena.make(map.stamp), 1}, {arena.make(map.parts), 1}};
+    } else {
+        const CubeMap map = declareCubeMap(passes, pipelines, task, resolution);
+        result = {map.image, {map.faces, 6}, map.needed, {map.stamps, 6}, {map.parts, 6}};
+    }
+    addLightProjection(constants, result.fits, task);
+    return result;
+}
+
+ShadowAlgorithm::Map handedOut(ImageId image, std::span<const LightFit> fits, std::uint32_t validLayers)
+{
+    ShadowAlgorithm::Map map{.image = image, .clipFromWorld = {}, .validLayers = validLayers};
+    for (std::size_t i = 0; i < fits.size(); ++i)
+        map.clipFromWorld[i] = fits[i].clipFromWorld;
+    return map;
+}
+
+} // namespace gnomon

@@ -1,0 +1,34 @@
+#pragma once
+// The depth map of a light of any kind: one image for directional and spot lights, six faces around a point light.
+#include <cstdint>
+#include <span>
+
+#include "algorithms/shared/depth_map.hpp"
+#include "algorithms/shared/map_lookup.hpp"
+
+namespace gnomon {
+
+/// A map as declared in this frame.
+struct LightMap {
+    ImageId image;                  ///< kMapFormat; a layer per fit.
+    std::span<const LightFit> fits; ///< One or six; they live as long as the frame.
+    std::uint32_t needed = 0;       ///< Bit i: a receiver of task.view can lie in layer i; other ones may be undefined.
+    std::span<const std::uint64_t> stamps; ///< Of the content of the layers needed, for what is made of it.
+    std::span<const KeptParts> parts;      ///< DepthMap's, of these; none: nothing is known.
+};
+
+/// The projections of a light's map, for maps that are drawn in another way; memory from the arena.
+std::span<const LightFit> fitLightMap(Clamped clamped, const ShadowTask& task, std::uint32_t resolution,
+                                      FrameArena& arena);
+/// LightMap::needed.
+std::uint32_t neededLayers(const ShadowTask& task);
+
+/// Declares what is missing of the map (declareDepthMap, declareCubeMap) and adds to `constants`, from mapConstants(),
+/// how receivers are found in it (shaders/shared/agreement.glsl).
+LightMap declareLightMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
+                         std::uint32_t resolution, gpu::MapConstants& constants);
+
+/// What gnGetLightMap() is to hand out of a map with a layer per fit.
+ShadowAlgorithm::Map handedOut(ImageId image, std::span<const LightFit> fits, std::uint32_t validLayers);
+
+} // namespace gnomon

@@ -1,0 +1,84 @@
+#pragma once
+// The full-screen pass that turns a map into visibility, for every map that is compared on the receiver's plane.
+#include <array>
+#include <span>
+
+#include "algorithms/shared/map_lookup.hpp"
+
+namespace gnomon {
+
+/// What every look-up in a map reads, as map_receiver.glsl has it: 0 constants, 2 depth, 3 normals, 4 the map.
+std::array<BindingInfo, 4> lookupBindings(bool layers);
+
+/// The images behind bindings 2 to 4.
+struct LookupImages {
+    LookupImages(const ShadowTask& task, ImageId map);
+    void uses(PassRef& pass) const;
+
+    ImageId depth, normals, map; ///< A shader variant without normals never reads them, but needs an image: depth.
+    bool hasNormals;
+};
+
+/// The full-screen pass that asks a map: it writes the task's layer of visibility where the light reaches pixels, and
+/// what is not asked is lit.
+class LookupPass {
+public:
+    LookupPass(PassBuilder& passes, const ShadowTask& task, const char* name, const LookupImages& look);
+
+    PassRef uses; ///< For what the shader uses beside the look's images.
+
+    /// Ends the declaration. @param bind (PassContext&): binds the pipeline; copied bytewise
+    template <typename Bind>
+    void record(const Bind& bind)
+    {
+        uses.record([bind, pixels = pixels_](PassContext& gpu) {
+            if (pixels.extent.width == 0) return;
+            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+            bind(gpu);
+            gpu.drawFullscreen();
+        });
+    }
+
+private:
+    VkRect2D pixels_; ///< Where the light reaches.
+};
+
+/// What a resolve shader of a family is called and where its code is.
+struct MapResolveInfo {
+    const char* name = "";                   ///< Pass and pipelines.
+    std::span<const std::uint32_t> fragment; ///< Specialization: 0 has normals, 1 filtered.
+    bool layers = false;                     ///< The map is a 2D array.
+    bool filters = true;                     ///< The shader looks at 1.
+};
+
+class MapResolve {
+public:
+    MapResolve(const AlgorithmServices& services, const MapResolveInfo& info);
+
+    /// Writes the task's layer of visibility. `constants`: those of mapConstants(), or a block that begins with them.
+    template <typename Constants>
+    void declare(PassBuilder& passes, const ShadowTask& task, ImageId map, const Constants& constants,
+                 bool filtered) const
+    {
+        const LookupImages look(task, map);
+        const PipelineId pipeline = pipelines_[look.hasNormals][filtered];
+        const Constants* block = passes.arena().make(constants);
+        LookupPass(passes, task, info_.name, look).record([=](PassContext& gpu) {
+            gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
+        });
+    }
+    void declare(PassBuilder& passes, const ShadowTask& task, ImageId map, const gpu::MapConstants& constants) const
+    {
+        declare(passes, task, map, constants, constants.map.filterSide > 1.0f);
+    }
+
+private:
+    MapResolveInfo info_;
+    PipelineId pipelines_[2][2]; ///< [has normals][filtered]
+};
+
+/// Odd side of the filter's box from the setting `filter`: an even one counts as the next odd one.
+std::uint32_t filterSide(double setting);
+
+} // namespace gnomon

@@ -1,0 +1,21 @@
+#pragma once
+// Passes: every light's method declares what it will do, and so do the methods that run beside it.
+#include "runtime/base/messages.hpp"
+#include "runtime/frame/frame.hpp"
+
+namespace gnomon {
+
+/// What declaring takes.
+struct DeclareParts {
+    PassGraph& graph;
+    const MethodTable& methods;
+    const Selector& selector;
+    const Messages& messages;
+    PipelineId mix; ///< Of the pass that mixes two methods.
+};
+
+/// Fourth stage. Where a method's passes cannot be made, the next of the choice's replacements serves the light; where
+/// none can, it is lit.
+void declareLights(Frame& frame, const DeclareParts& parts);
+
+} // namespace gnomon

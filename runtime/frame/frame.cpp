@@ -1,0 +1,28 @@
+#include "runtime/frame/frame.hpp"
+
+#include <algorithm>
+
+namespace gnomon {
+
+bool Frame::cameraCut() const
+{
+    return std::any_of(views.begin(), views.end(), [](const ViewFrame& each) { return each.view->camera.cut; });
+}
+
+void Frame::begin(std::uint64_t frame, FrameMode how)
+{
+    number = frame;
+    mode = how;
+    views.clear();
+    visibilities.clear();
+    imports.clear();
+    casters.clear();
+    lights.clear();
+    predictedMs = 0.0;
+    fades.clear();
+    warmup = UINT32_MAX;
+    maps.clear();
+    raysNeeded = false;
+}
+
+} // namespace gnomon

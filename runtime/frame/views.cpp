@@ -1,0 +1,177 @@
+#include "runtime/frame/views.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "runtime/base/make_room.hpp"
+#include "runtime/frame/camera_view.hpp"
+#include "runtime/frame/frame.hpp"
+#include "runtime/select/frame_plan.hpp"
+
+namespace gnomon {
+
+namespace {
+
+// What no frame of the last ten seconds (at 60 Hz) asked for is forgotten.
+constexpr std::uint64_t kForgetFrames = 600;
+
+template <typename Handle>
+std::uint64_t bits(Handle handle)
+{
+    return (std::uint64_t)handle; // a pointer or a 64-bit number, as the platform has it
+}
+
+bool sameSize(VkExtent2D a, VkExtent2D b)
+{
+    return a.width == b.width && a.height == b.height;
+}
+
+/// Visibility of the frame's size; the one before is kept, since the frame may yet be withdrawn.
+Result<void> resizeVisibility(View& view, VkExtent2D extent, ResourcePool& pool, std::uint64_t frame)
+{
+    auto made = pool.ownedImage({.format = VK_FORMAT_R8_UNORM,
+                                 .extent = extent,
+                                 .layers = view.maxLights,
+                                 .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
+                                          VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                                 .name = "view.visibility",
+                                 .concurrent = true});
+    if (!made) { // another attempt may need the place of the old one, which frames before this may still read
+        if (view.visibility) pool.retire(std::move(view.visibility), frame - 1);
+        return made.error();
+    }
+    view.replaced = std::move(view.visibility);
+    view.visibility = std::move(*made);
+    view.resized = true;
+    view.replacedMadeIn = std::exchange(view.madeIn, frame);
+    ++view.revision;
+    view.grid->invalidate();
+    return {};
+}
+
+} // namespace
+
+Result<GnView> Views::add(const GnViewCreateInfo& info, const DeviceTable& vk, DeviceMemory& memory)
+{
+    const std::uint32_t maxLights = info.maxLights ? info.maxLights : 16;
+    const std::uint32_t limit = std::min(256u, vk.properties.limits.maxImageArrayLayers);
+    if (maxLights > limit)
+        return Error{GN_ERROR_TOO_MANY, "MaxLights",
+                     "maxLights is " + std::to_string(maxLights) + ", above " + std::to_string(limit)};
+    auto view = std::make_unique<View>();
+    view->id = nextId_++;
+    view->name = info.pName ? info.pName : "view " + std::to_string(view->id);
+    view->maxLights = maxLights;
+    view->grid = std::make_unique<DepthGrid>(memory);
+    View* raw = view.get();
+    const std::uint64_t handle = views_.insert(std::move(view));
+    if (!handle) return Error{GN_ERROR_TOO_MANY, "TooManyViews", "no more views"};
+    raw->handle = (GnView)handle;
+    return raw->handle;
+}
+
+View* Views::find(GnView handle)
+{
+    auto* slot = views_.find(bits(handle));
+    return slot ? slot->get() : nullptr;
+}
+
+void Views::makeRoomToTake()
+{
+    makeRoom(retiredGrids_);
+}
+
+std::unique_ptr<View> Views::take(GnView handle, std::uint64_t frame) noexcept
+{
+    std::unique_ptr<View> view = views_.take(bits(handle));
+    if (view) retiredGrids_.push_back({frame, std::move(view->grid)});
+    return view;
+}
+
+void Views::release(std::uint64_t completedFrame)
+{
+    std::erase_if(retiredGrids_, [&](const RetiredGrid& old) { return old.frame <= completedFrame; });
+}
+
+void forgetOldLights(Views& views, LightStates& lights, const SceneRegistry& scene, FramePlan& plan,
+                     std::uint64_t frame)
+{
+    if (frame % kForgetFrames != 0) return;
+    std::erase_if(lights, [&](const auto& entry) {
+        if (entry.second.lastFrame + kForgetFrames >= frame) return false;
+        return entry.second.pinned == UINT32_MAX || !scene.validLight(entry.second.handle); // a pin outlasts a pause
+    });
+    views.forEach([&](View& view) {
+        for (auto it = view.lights.begin(); it != view.lights.end();) {
+            if (it->second.lastFrame + kForgetFrames >= frame) {
+                ++it;
+                continue;
+            }
+            plan.forget(it->second);
+            it = view.lights.erase(it);
+        }
+    });
+}
+
+Result<void> openView(Frame& frame, std::uint32_t index, const GnViewFrame& given, const ViewParts& parts)
+{
+    ViewFrame& out = frame.views[index];
+    View& view = *out.view;
+    const VkExtent2D extent = given.imageExtent;
+    if (!view.visibility || !sameSize(view.visibility->gpu.extent, extent))
+        if (Result<void> made = resizeVisibility(view, extent, parts.pool, frame.number); !made) return made;
+    view.camera = makeCameraView(given, parts.origin, view.id, parts.casters);
+    if (given.cameraCut) {
+        view.grid->invalidate();
+        for (auto& [id, memory] : view.lights) {
+            memory.measured = false;
+            memory.share.reset();
+            memory.treeLevels.reset();
+        }
+    }
+    view.decisions.clear();
+    const auto import = [&](VkImage image, VkImageView imageView, VkFormat format, const char* name) {
+        PooledImage* const imported = parts.pool.import(image, imageView, format, extent);
+        frame.imports.push_back(imported);
+        return parts.graph.addImage(*imported, name);
+    };
+    out.depth = import(given.depthImage, given.depthView, given.depthFormat, "host.depth");
+    if (given.normalImage)
+        out.normals = import(given.normalImage, given.normalView, given.normalFormat, "host.normals");
+    parts.pool.touch(*view.visibility);
+    view.visibility->kept.lastUsed = parts.pool.frame();
+    out.visibility = parts.graph.addImage(*view.visibility, "view.visibility");
+    frame.visibilities.push_back(view.visibility.get());
+    return {};
+}
+
+void keepVisibility(std::span<const ViewFrame> views, ResourcePool& pool, std::uint64_t newest)
+{
+    for (const ViewFrame& viewFrame : views) {
+        View& view = *viewFrame.view;
+        if (view.replaced) pool.retire(std::move(view.replaced), newest - 1); // the last that wrote it
+        view.resized = false;
+    }
+}
+
+void restoreVisibility(std::span<const ViewFrame> views, ResourcePool& pool, std::uint64_t newest, bool memoryShort)
+{
+    for (const ViewFrame& viewFrame : views) {
+        View& view = *viewFrame.view;
+        if (!std::exchange(view.resized, false)) continue;
+        pool.retire(std::move(view.visibility), 0); // nobody has ever read it
+        if (view.replaced && memoryShort) pool.retire(std::move(view.replaced), newest - 1);
+        view.visibility = std::move(view.replaced);
+        view.madeIn = view.replacedMadeIn;
+        ++view.revision;
+    }
+}
+
+void loseVisibility(View& view, ResourcePool& pool, std::uint64_t frame)
+{
+    if (view.madeIn != frame || !view.visibility) return;
+    pool.retire(std::move(view.visibility), 0); // nobody has ever read it
+    ++view.revision;
+}
+
+} // namespace gnomon

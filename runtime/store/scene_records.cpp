@@ -1,0 +1,136 @@
+#include "runtime/store/scene_records.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace gnomon {
+namespace {
+
+glm::vec3 relative(const double (&position)[3], const std::array<double, 3>& origin)
+{
+    return {static_cast<float>(position[0] - origin[0]), static_cast<float>(position[1] - origin[1]),
+            static_cast<float>(position[2] - origin[2])};
+}
+
+} // namespace
+
+float largestOf(const glm::vec3& v)
+{
+    return std::max({v.x, v.y, v.z});
+}
+
+/// No edge is longer than the box around all edges, turned, nor than the one around the caster.
+float longestEdgeOf(const Caster& caster, const MeshView& mesh)
+{
+    glm::vec3 span(0.0f);
+    for (int column = 0; column < 3; ++column)
+        span += glm::abs(caster.basis[column]) * mesh.edgeSpan[column];
+    return std::min(glm::length(span), glm::distance(caster.bounds.lower, caster.bounds.upper));
+}
+
+void updateCaster(InstanceRecord& record, const MeshView* view, const std::array<double, 3>& origin,
+                  std::uint64_t revision)
+{
+    Caster& caster = record.caster;
+    const float(&rows)[9] = record.transform.basis;
+    caster.translation = relative(record.transform.translation, origin);
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column)
+            record.rows.rows[4 * row + column] = caster.basis[column][row] = rows[3 * row + column];
+        record.rows.rows[4 * row + 3] = caster.translation[row];
+    }
+    caster.mesh = view;
+    caster.bounds = transformed(view ? view->bounds : record.hostBounds, caster.basis, caster.translation);
+    caster.mirrored = glm::determinant(glm::dmat3(caster.basis)) < 0.0;
+    caster.closed = view && view->closed;
+    caster.longestEdge = view ? longestEdgeOf(caster, *view) : 0.0f;
+    caster.meshReach = view ? largestOf(glm::max(glm::abs(caster.bounds.lower - caster.translation),
+                                                 glm::abs(caster.bounds.upper - caster.translation)))
+                            : 0.0f;
+    caster.isStatic = record.isStatic;
+    caster.revision = revision;
+}
+
+void LightRecord::publish(const std::array<double, 3>& origin)
+{
+    if (published) current ^= 1u;
+    LightView& view = views[current];
+    view.id = id;
+    view.handle = handle;
+    view.type = light.type;
+    view.name = name.c_str();
+    view.coneAngle = light.coneAngle;
+    view.mask = light.mask;
+    view.revision = revision;
+    view.isStatic = light.isStatic && !moved;
+    view.importance = light.importance;
+
+    gpu::LightConstants& constants = view.constants;
+    const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
+    const double position[3] = {light.position[0], light.position[1], light.position[2]};
+    constants.positionWs = directional ? glm::vec4(0.0f) : glm::vec4(relative(position, origin), 1.0f);
+    constants.directionWs = glm::vec4(light.direction[0], light.direction[1], light.direction[2],
+                                      light.type == GN_LIGHT_TYPE_SPOT ? std::cos(light.coneAngle) : -2.0f);
+    constants.range = light.range;
+    constants.type = static_cast<gpu::uint>(light.type);
+    constants.sourceRadius = light.sourceRadius;
+    constants.padding = 0;
+    dirty = false;
+    published = true;
+}
+
+void CasterArrays::Copy::write(const InstanceRecord& record)
+{
+    casters[record.caster.index] = record.caster;
+    transforms[record.caster.index] = record.rows;
+}
+
+void CasterArrays::Copy::writeAll(const std::vector<InstanceRecord*>& casting)
+{
+    casters.resize(casting.size());
+    transforms.resize(casting.size());
+    for (const InstanceRecord* record : casting)
+        write(*record);
+    behind.clear();
+    stale = false;
+}
+
+void CasterArrays::makeRoom(std::size_t casterCount)
+{
+    Copy& next = copies_[current_ ^ 1u];
+    next.casters.reserve(casterCount);
+    next.transforms.reserve(casterCount);
+    for (Copy& copy : copies_)
+        copy.behind.reserve(casterCount); // all of them may change at once
+}
+
+void CasterArrays::publish(const std::vector<InstanceRecord*>& casting, const std::vector<InstanceRecord*>& changed,
+                           bool structural)
+{
+    Copy& shown = copies_[current_];
+    Copy& next = copies_[current_ ^ 1u];
+    if (!structural && changed.empty()) {
+        // The frame after an addition: grow now, so that later ones need not.
+        if (next.stale) next.writeAll(casting);
+        return;
+    }
+    if (structural || next.stale) {
+        next.writeAll(casting);
+    } else {
+        for (const InstanceRecord* record : next.behind)
+            next.write(*record);
+        for (const InstanceRecord* record : changed)
+            next.write(*record);
+        next.behind.clear();
+    }
+    next.snapshot = {next.casters, next.transforms, ++revision_};
+    shown.stale = structural;
+    shown.behind.clear();
+    if (!structural) shown.behind.assign(changed.begin(), changed.end());
+    current_ ^= 1u;
+}
+
+} // namespace gnomon

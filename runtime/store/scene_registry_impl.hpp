@@ -1,0 +1,110 @@
+#pragma once
+// State of the SceneRegistry. Its functions are in scene_registry.cpp (instances, lights), scene_meshes.cpp (meshes,
+// uploads, what waits for the GPU) and scene_frame.cpp (what one frame sees).
+#include <algorithm>
+
+#include "runtime/base/make_room.hpp"
+#include "runtime/base/slot_map.hpp"
+#include "runtime/store/mesh_store.hpp"
+#include "runtime/store/scene_records.hpp"
+#include "runtime/store/scene_registry.hpp"
+
+namespace gnomon {
+
+using RevisionPtr = std::shared_ptr<MeshRevision>;
+using InstancePtr = std::shared_ptr<InstanceRecord>;
+using LightPtr = std::shared_ptr<LightRecord>;
+
+inline Error tooMany(const char* kind)
+{
+    return {GN_ERROR_TOO_MANY, "TooManyHandles", std::string("more than 16777216 objects of kind ") + kind};
+}
+
+struct SceneRegistry::Impl {
+    Impl(const DeviceTable& table, DeviceMemory& memory, JobSystem& jobSystem, RayScene* rays, const Messages& receiver,
+         bool background)
+        : vk(table), jobs(jobSystem), messages(receiver), builder(table, memory, rays, receiver, background)
+    {
+    }
+    ~Impl();
+
+    // What waits for the GPU.
+    struct Grave {
+        std::uint64_t frame; ///< The last one that may use it.
+        std::shared_ptr<const void> object;
+    };
+    struct RecordedUpload {
+        std::uint64_t frame;
+        MeshUpload upload;
+        std::shared_ptr<const void> target;
+    };
+
+    // Mutex held.
+    RevisionPtr* findMesh(GnMesh mesh) noexcept { return meshes.find(bitsOf(mesh)); }
+    void adoptBuilt(std::vector<RevisionPtr>& released);
+    /// The same once there are many: meshes are created by the thousand.
+    void adoptMany(std::vector<RevisionPtr>& released);
+    /// Room for what keepSafe() takes in; for what is recorded as well, which dropUploads() may bring back.
+    void makeRoomFor(const std::vector<MeshUpload>& made);
+    void keepSafe(const RevisionPtr& revision, std::vector<MeshUpload>& made);
+    void bury(std::shared_ptr<const void> object) { graves.push_back({lastFrame, std::move(object)}); }
+    void release(RevisionPtr revision, std::vector<RevisionPtr>& released);
+    /// Not with the mutex held. What no frame has seen goes with its last owner, and so do its uploads.
+    void letGo(std::vector<RevisionPtr>& released);
+    void mark(InstanceRecord& record);
+    /// A static instance that the host has moved. Not with the mutex held.
+    void reportMoved(const InstanceRecord& record) const
+    {
+        messages.warn("StaticInstanceMoved",
+                      record.what() + " is static but has moved; it counts as moving from now on");
+    }
+    void forgetDestroyed();
+    void markChangedMeshes();
+    void markHostDrawn();
+    void makeRoomForFrame();
+    bool refreshMarked();
+    bool refresh(InstanceRecord& record);
+    void refreshLights(bool shifted);
+
+    void submit(MeshRevision& revision)
+    {
+        if (!revision.job.done()) jobs.submit(revision.job);
+    }
+
+    const DeviceTable& vk;
+    JobSystem& jobs;
+    const Messages& messages;
+    MeshBuilder builder;
+
+    mutable std::mutex mutex; ///< Guards what follows.
+    SlotMap<RevisionPtr> meshes;
+    SlotMap<InstancePtr> instances;
+    std::vector<InstancePtr> order;         ///< By creation; destroyed ones until the next frame.
+    std::vector<InstanceRecord*> hostDrawn; ///< Those of `order` that the host draws.
+    std::vector<InstanceRecord*> dirty;     ///< To be looked at by the next frame.
+    std::size_t destroyed = 0;              ///< In `order`.
+    bool castersLeft = false;               ///< One of those was in the frame's arrays.
+    bool meshesChanged = false;             ///< Since the last frame.
+    std::vector<RevisionPtr> building;      ///< Jobs submitted, or about to be.
+    std::size_t adoptAt = 0;                ///< As many of these are many.
+    std::vector<MeshUpload> uploads;
+    std::vector<RecordedUpload> recorded;
+    std::vector<Grave> graves;
+    std::uint64_t lastFrame = 0; ///< 0: no frame yet.
+
+    // The frame's thread only.
+    SlotMap<LightPtr> lights;
+    std::uint32_t lightIds = 0;
+    std::uint64_t lightRevisions = 0, casterRevisions = 0;
+    std::array<double, 3> origin{};
+    std::vector<InstanceRecord*> casting; ///< The frame's casters in order.
+    std::vector<InstanceRecord*> changed; ///< Those with new content.
+    CasterArrays arrays;
+    std::vector<InstancePtr> reports; ///< Static instances found moved; said when the mutex is free again.
+    // Freed when the mutex is free again; kept so that a steady frame allocates nothing.
+    std::vector<RevisionPtr> releasedRevisions;
+    std::vector<Grave> releasedGraves;
+    std::vector<RecordedUpload> releasedUploads;
+};
+
+} // namespace gnomon
