@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# What takes too long for every push: both compilers with warnings as errors, the sanitizers, the smallest build. Names
-# as arguments select rows: tests/matrix.sh clang tsan. The row `fuzz` searches ten minutes per reader; YAML_CPP_SOURCES
-# may name an unpacked source of yaml-cpp, to count coverage inside it too.
+# What takes too long for every push: both compilers with warnings as errors, the sanitizers, the smallest build,
+# clang-tidy over the sources, the reference of the API. Names as arguments select rows: tests/matrix.sh clang tsan. The
+# row `fuzz` searches ten minutes per reader; YAML_CPP_SOURCES may name an unpacked source of yaml-cpp, to count coverage
+# inside it too.
 set -uo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 source "$root/cmake/setup.sh"
@@ -13,31 +14,51 @@ export LSAN_OPTIONS="suppressions=$root/tests/lsan.supp:print_suppressions=0"
 export TSAN_OPTIONS="suppressions=$root/tests/tsan.supp:ignore_noninstrumented_modules=1:history_size=4"
 export UBSAN_OPTIONS="print_stacktrace=1"
 
-# name | preset | further cmake arguments
+show_log() {
+    tail -40 "$1"
+    return 1
+}
+build_target() { cmake --build "$build" "$@" -- -j"$(nproc)" >"$build/build.log" 2>&1 || show_log "$build/build.log"; }
+
+# The step of most rows, and those of `tidy` and `docs`. Each prints what went wrong.
+build_and_test() { build_target && ctest --test-dir "$build" --output-on-failure --no-tests=error; }
+build_docs() { build_target --target docs; }
+# Every source of the library and the programs that is compiled here. The build makes the headers of the shaders.
+check_sources() {
+    build_target --target gnomon gnomon_cli || return 1
+    local file sources=()
+    while read -r file; do
+        grep -qF "\"$root/$file\"" "$build/compile_commands.json" && sources+=("$file")
+    done < <(git ls-files 'runtime/*.cpp' 'algorithms/*.cpp' 'rules/*.cpp' 'demo/*.cpp')
+    [ ${#sources[@]} -gt 0 ] && printf '%s\0' "${sources[@]}" |
+        xargs -0 -n 1 -P "$(nproc)" clang-tidy --quiet -p "$build"
+}
+
+# name | preset | further cmake arguments | step
 rows=(
-    "gcc|dev|-DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++"
-    "clang|dev|-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++"
-    "asan|asan|"
-    "tsan|tsan|"
-    "minimum|minimum|"
-    "fuzz|fuzz|-DGNOMON_FUZZ_YAML_CPP=${YAML_CPP_SOURCES:-}"
+    "gcc|dev|-DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++|build_and_test"
+    "clang|dev|-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++|build_and_test"
+    "asan|asan||build_and_test"
+    "tsan|tsan||build_and_test"
+    "minimum|minimum||build_and_test"
+    "fuzz|fuzz|-DGNOMON_FUZZ_YAML_CPP=${YAML_CPP_SOURCES:-}|build_and_test"
+    "tidy|dev|-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++|check_sources"
+    "docs|minimum||build_docs"
 )
 failed=0
 report=()
 for row in "${rows[@]}"; do
-    IFS='|' read -r name preset arguments <<<"$row"
+    IFS='|' read -r name preset arguments step <<<"$row"
     if [ $# -gt 0 ] && [[ " $* " != *" $name "* ]]; then continue; fi
     use_build "matrix-$name"
     say "$name"
     result=ok
     # shellcheck disable=SC2086 # the arguments are words
-    cmake --preset "$preset" -B "$build" -DGNOMON_BUILD_TESTS=ON $arguments >"$build/configure.log" 2>&1 &&
-        cmake --build "$build" -- -j"$(nproc)" >"$build/build.log" 2>&1 || {
-        tail -40 "$build/build.log" "$build/configure.log" 2>/dev/null
-        result="build failed"
-    }
-    if [ "$result" = ok ]; then
-        ctest --test-dir "$build" --output-on-failure --no-tests=error || result="tests failed"
+    if ! cmake --preset "$preset" -B "$build" -DGNOMON_BUILD_TESTS=ON $arguments >"$build/configure.log" 2>&1; then
+        show_log "$build/configure.log"
+        result="configuring failed"
+    elif ! "$step"; then
+        result=failed
     fi
     [ "$result" = ok ] || failed=1
     report+=("$(printf '%-10s %s' "$name" "$result")")

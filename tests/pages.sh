@@ -2,12 +2,13 @@
 # Holds pages and header comments against what they speak of: pages.sh SOURCE_FOLDER
 #
 # Functions of the C API that are named have to be declared, links have to lead to a file, tables need a header row,
-# tests have to be there, and their paths have to be those of a preset.
+# tests have to be there, and their paths have to be those of a preset. Prose keeps within 120 columns, and the example in
+# the README has to compile.
 set -uo pipefail
 cd "$1" || exit 1
-folders=(algorithms demo rules runtime tests)
+folders=(algorithms demo docs rules runtime tests)
 mapfile -t pages < <(find "${folders[@]}" -name '*.md' | sort)
-pages+=(README.md CHANGELOG.md)
+pages+=(README.md CHANGELOG.md CONTRIBUTING.md GLOSSARY.md)
 headers=(runtime/include/gnomon/*.h)
 failed=0
 complain() {
@@ -52,6 +53,25 @@ while IFS=: read -r file line path; do
     preset="${preset%%/*}"
     grep -q "\"name\": \"$preset\"" CMakePresets.json || complain "$file:$line: no preset builds $path"
 done < <(grep -noE 'build/([a-z]+/)?tests\b' "${pages[@]}")
+
+# Bytes that continue a character of UTF-8 take no column.
+while read -r where; do
+    complain "$where: prose beyond 120 columns"
+done < <(LC_ALL=C awk 'FNR == 1 { code = 0 }
+                       /^ *```/ { code = !code }
+                       !code && !/^\|/ { gsub(/[\200-\277]/, ""); if (length > 120) print FILENAME ":" FNR }' "${pages[@]}")
+
+# What the example leaves to the reader are parameters here.
+example="$(awk '/^```c$/ { inside = 1; next } /^```$/ { inside = 0 } inside' README.md)"
+[ -n "$example" ] || complain "README.md: no example in C"
+"${CC:-cc}" -std=c11 -Wall -Werror -fsyntax-only -I runtime/include -x c - <<EOF || complain "README.md: the example"
+#include "gnomon/gnomon.h"
+void example(GnContextCreateInfo contextInfo, GnMeshCreateInfo meshInfo, GnInstanceCreateInfo instanceInfo,
+             GnLightInfo lightInfo, GnViewCreateInfo viewInfo, GnFrameInfo frame, VkCommandBuffer commands)
+{
+$example
+}
+EOF
 
 [ "$failed" = 0 ] && echo "${#pages[@]} pages and ${#headers[@]} headers name what there is"
 exit "$failed"

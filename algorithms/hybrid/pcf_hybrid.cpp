@@ -110,7 +110,7 @@ constinit const AlgorithmEntry kPcfHybrid{
     .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<PcfHybrid>(services);
     },
-    .typicalWrongPercent = 0.032f, // README.md, table of methods
+    .typicalWrongPercent = 0.032f, // docs/benchmarks-2026-11.md
 };
 
 } // namespace gnomon

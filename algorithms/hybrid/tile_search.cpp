@@ -23,7 +23,7 @@ constexpr std::size_t kVolumes = 128;
 constexpr std::size_t kSpanning = 64;
 // Blocks of the smallest tile that is asked for its triangles: what is too much for 32x32 pixels is mostly too much for
 // its quarters. Asking those leaves half of the rays, and the search takes 2 to 23 % longer in three of four scenes
-// (tile_shafts.md).
+// (demo/theses/measurements/2026-11-rays.md).
 constexpr std::uint32_t kSmallest = 64;
 // Lists on top of each other, one a size of tile, of at most the budget or what the root started with.
 constexpr std::size_t kItemMemory = 4096;

@@ -57,7 +57,7 @@ constinit const AlgorithmEntry kShadowMap{
     .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<ShadowMap>(services);
     },
-    .typicalWrongPercent = 0.54f, // README.md, table of methods
+    .typicalWrongPercent = 0.54f, // docs/benchmarks-2026-11.md
 };
 
 } // namespace gnomon

@@ -58,7 +58,7 @@ constinit const AlgorithmEntry kCubeMap{
     .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<CubeMapMethod>(services);
     },
-    .typicalWrongPercent = 0.35f, // README.md, table of methods
+    .typicalWrongPercent = 0.35f, // docs/benchmarks-2026-11.md
 };
 
 } // namespace gnomon

@@ -235,7 +235,7 @@ constinit const AlgorithmEntry kDualParaboloid{
     .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
         return std::make_unique<DualParaboloid>(services);
     },
-    .typicalWrongPercent = 0.64f, // README.md, table of methods
+    .typicalWrongPercent = 0.64f, // docs/benchmarks-2026-11.md
 };
 
 } // namespace gnomon

@@ -189,7 +189,7 @@ const AlgorithmEntry kOctreeVolume{
     .memoryPerLight = memoryPerLight,
     .missing = missingForStencil,
     .create = create,
-    .typicalWrongPercent = 0.004f, // an upper bound of README.md's tables
+    .typicalWrongPercent = 0.004f, // an upper bound of docs/benchmarks-2026-11.md
 };
 
 } // namespace gnomon

@@ -93,7 +93,7 @@ const AlgorithmEntry kStencilVolume{
     .memoryPerLight = memoryPerLight,
     .missing = missingForStencil,
     .create = create,
-    .typicalWrongPercent = 0.004f, // an upper bound of README.md's tables
+    .typicalWrongPercent = 0.004f, // an upper bound of docs/benchmarks-2026-11.md
 };
 
 } // namespace gnomon

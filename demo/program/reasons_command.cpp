@@ -79,7 +79,7 @@ void colourBy(const Image8& codes, Image8& picture)
 void setAll(Session& session, const std::string& method, const std::vector<SettingChoice>& choices, bool reasons)
 {
     for (const SettingChoice& choice : choices)
-        expect(session.shadows.set(method, choice.name.c_str(), choice.value));
+        expect(session.shadows.set(method, choice.name, choice.value));
     expect(session.shadows.set(method, "reasons", reasons ? 1.0 : 0.0));
 }
 
