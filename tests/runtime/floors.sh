@@ -28,7 +28,7 @@ table='
 2  runtime/vk               runtime/base runtime/include/gnomon
 2  runtime/scene            runtime/include/gnomon shaders/shared
 3  rules/yaml               rules/engine runtime/base
-3  runtime/plan             rules/engine
+3  runtime/plan             rules/engine runtime/base
 3  runtime/rays             runtime/scene runtime/base
 4  runtime/store            runtime/rays runtime/scene runtime/vk runtime/base runtime/include/gnomon
 5  runtime/passes           runtime/store runtime/scene runtime/vk runtime/base runtime/include/gnomon

@@ -1,0 +1,88 @@
+// What every module owes: a place in the registry, its files, a page that names its settings, and traits that make
+// sense.
+#include <bit>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <set>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "runtime/registry.hpp"
+
+using namespace gnomon;
+
+namespace {
+
+const std::filesystem::path kFolder = GNOMON_ALGORITHMS;
+
+std::string textOf(const std::filesystem::path& path)
+{
+    std::ifstream file(path, std::ios::binary);
+    REQUIRE_MESSAGE(file.good(), path.string());
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// shadow_map -> kShadowMap
+std::string symbolOf(std::string_view name)
+{
+    std::string symbol = "k";
+    bool upper = true;
+    for (const char c : name) {
+        if (c != '_') symbol += upper ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
+        upper = c == '_';
+    }
+    return symbol;
+}
+
+} // namespace
+
+TEST_CASE("every algorithm in the tree is in the registry, or known to be absent, and nothing is there twice")
+{
+    std::set<std::string> known;
+    for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
+        CHECK(known.insert(symbolOf(algorithm.entry->name)).second);
+    for (const AbsentAlgorithm& algorithm : builtinRegistry().absent) {
+        CHECK(std::string(algorithm.needs).starts_with("GNOMON_WITH_"));
+        CHECK(known.insert(symbolOf(algorithm.name)).second);
+    }
+    const std::regex declaration("extern const AlgorithmEntry (k[A-Za-z0-9]+);");
+    std::size_t found = 0;
+    for (const auto& file : std::filesystem::recursive_directory_iterator(kFolder)) {
+        if (file.path().extension() != ".hpp") continue;
+        std::smatch match;
+        const std::string text = textOf(file.path());
+        if (!std::regex_search(text, match, declaration)) continue;
+        CAPTURE(file.path().string());
+        CHECK(known.contains(match[1]));
+        ++found;
+    }
+    CHECK(found == known.size());
+}
+
+TEST_CASE("every algorithm has its files, a source, sound traits, and a page that names its settings")
+{
+    for (const auto& [entry, family] : builtinRegistry().algorithms) {
+        const std::string name = entry->name;
+        CAPTURE(name);
+        const std::filesystem::path stem = kFolder / family / name;
+        CHECK(std::filesystem::exists(stem.string() + ".cpp"));
+        const std::string page = textOf(stem.string() + ".md");
+        CHECK(std::string_view(entry->source).size() > 3);
+        CHECK((entry->traits & (GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT)) != 0);
+        CHECK((entry->traits & (GN_TRAIT_HARD_BIT | GN_TRAIT_SOFT_PENUMBRA_BIT)) != 0);
+        CHECK((entry->create || entry->createPlugin));
+        CHECK((entry->memoryPerLight || entry->bytesPerPixel > 0));
+        CHECK((entry->maxRounds == 0 || entry->roundTrips > 0)); // further passes come after host passes
+        CHECK(entry->typicalWrongPercent >= 0.0f);
+        for (const SettingSpec& setting : entry->settings) {
+            CAPTURE(std::string(setting.name));
+            CHECK(page.find("`" + std::string(setting.name) + "`") != std::string::npos);
+            CHECK(std::string_view(setting.description).size() > 10);
+            CHECK(setting.minimum <= setting.standard);
+            CHECK(setting.standard <= setting.maximum);
+        }
+    }
+}
