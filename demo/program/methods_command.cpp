@@ -5,6 +5,7 @@
 #include "demo/io/number.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/session.hpp"
+#include "runtime/registry.hpp"
 
 namespace gnomon::demo {
 namespace {
@@ -57,19 +58,19 @@ void printList(const Device& device, const std::vector<GnMethodInfo>& methods)
     }
 }
 
-/// "family/algorithm.md" below `algorithms` in the sources; empty for an algorithm without a page there.
-std::string pageOf(const GnMethodInfo& method)
+/// The folder of the method's algorithm below algorithms/; empty for a plug-in.
+std::string familyOf(const GnMethodInfo& method)
 {
-    const std::string file = std::string("/") + method.pAlgorithm + ".md";
-    for (const std::string& page : parseNames(GNOMON_ALGORITHM_PAGES))
-        if (page.ends_with(file)) return page;
+    for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
+        if (std::string_view(method.pAlgorithm) == algorithm.entry->name) return algorithm.family;
     return {};
 }
 
-std::string familyOf(const GnMethodInfo& method)
+/// The method's name, as a link to its page where there is one.
+std::string linkedName(const GnMethodInfo& method)
 {
-    const std::string page = pageOf(method);
-    return page.substr(0, page.find('/'));
+    const std::string name = std::string("`") + method.pName + "`", family = familyOf(method);
+    return family.empty() ? name : "[" + name + "](../algorithms/" + family + "/" + method.pAlgorithm + ".md)";
 }
 
 const char* yesOrNo(bool yes)
@@ -79,14 +80,11 @@ const char* yesOrNo(bool yes)
 
 void printRow(const GnMethodInfo& method)
 {
-    const std::string page = pageOf(method);
-    const std::string name = std::string("`") + method.pName + "`";
-    const std::string linked = page.empty() ? name : "[" + name + "](../algorithms/" + page + ")";
-    std::printf("| %s | %s | %s | %s | %s | %s | %s | %u | %s | %s |\n", linked.c_str(), familyOf(method).c_str(),
-                wordsOf(method.traits, {kLightWords}).c_str(), wordsOf(method.traits, {kEdgeWords}).c_str(),
-                yesOrNo(method.traits & GN_TRAIT_EXACT_BIT), yesOrNo(!(method.traits & GN_TRAIT_CPU_GEOMETRY_BIT)),
-                yesOrNo(method.roundTrips == 0), method.roundTrips, wordsOf(method.traits, {kRoleWords}).c_str(),
-                method.pSource);
+    std::printf("| %s | %s | %s | %s | %s | %s | %s | %u | %s | %s |\n", linkedName(method).c_str(),
+                familyOf(method).c_str(), wordsOf(method.traits, {kLightWords}).c_str(),
+                wordsOf(method.traits, {kEdgeWords}).c_str(), yesOrNo(method.traits & GN_TRAIT_EXACT_BIT),
+                yesOrNo(!(method.traits & GN_TRAIT_CPU_GEOMETRY_BIT)), yesOrNo(method.roundTrips == 0),
+                method.roundTrips, wordsOf(method.traits, {kRoleWords}).c_str(), method.pSource);
 }
 
 void printMarkdown(std::vector<GnMethodInfo> methods)

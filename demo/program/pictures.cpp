@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "algorithms/registry.hpp"
 #include "demo/io/number.hpp"
 #include "demo/io/text.hpp"
+#include "runtime/registry.hpp"
 
 namespace gnomon::demo {
 namespace {
@@ -40,14 +40,13 @@ Rgb8 fromOklab(float lightness, float a, float b)
 /// letters.
 size_t placeOf(std::string_view method) noexcept
 {
-    const auto entries = builtinAlgorithms();
-    const auto found = std::find_if(entries.begin(), entries.end(),
-                                    [&](const AlgorithmEntry* entry) { return method == entry->name; });
-    if (found != entries.end()) return static_cast<size_t>(found - entries.begin());
+    const auto algorithms = builtinRegistry().algorithms;
+    for (size_t place = 0; place < algorithms.size(); ++place)
+        if (method == algorithms[place].entry->name) return place;
     uint32_t hash = 2166136261u; // FNV-1a
     for (const char c : method)
         hash = (hash ^ static_cast<uint8_t>(c)) * 16777619u;
-    return entries.size() + hash % 1024u;
+    return algorithms.size() + hash % 1024u;
 }
 
 } // namespace

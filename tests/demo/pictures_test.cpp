@@ -4,8 +4,8 @@
 
 #include <doctest/doctest.h>
 
-#include "algorithms/registry.hpp"
 #include "demo/program/pictures.hpp"
+#include "runtime/registry.hpp"
 
 using namespace gnomon::demo;
 
@@ -44,11 +44,12 @@ TEST_CASE("any number of methods get colours of their own, neighbours clearly di
 
 TEST_CASE("built-in methods are told apart, and a name that is none has a colour of its own too")
 {
-    const auto entries = gnomon::builtinAlgorithms();
-    for (size_t i = 0; i < entries.size(); ++i)
-        for (size_t other = 0; other < i; ++other)
-            CHECK_MESSAGE(distance(methodColour(entries[i]->name), methodColour(entries[other]->name)) > 10.0,
-                          std::string(entries[i]->name), " and ", std::string(entries[other]->name));
+    const auto algorithms = gnomon::builtinRegistry().algorithms;
+    for (size_t i = 0; i < algorithms.size(); ++i)
+        for (size_t other = 0; other < i; ++other) {
+            const std::string name = algorithms[i].entry->name, otherName = algorithms[other].entry->name;
+            CHECK_MESSAGE(distance(methodColour(name), methodColour(otherName)) > 10.0, name, " and ", otherName);
+        }
     CHECK(methodColour("some plug-in") == methodColour("some plug-in"));
     CHECK(methodColour("some plug-in") != methodColour("another plug-in"));
 }
