@@ -110,7 +110,7 @@ void requireNoReasons(const std::vector<SettingChoice>& choices)
     for (const SettingChoice& choice : choices)
         if (choice.name == "reasons")
             throw HostError("--set: 'reasons' puts codes in place of the visibility that errors are counted in; "
-                            "`gnomon reasons` sets it where it wants codes");
+                            "`gnomon-theses reasons` sets it where it wants codes");
 }
 
 void requireRecordable(const std::string& method)

@@ -39,9 +39,7 @@ struct BenchOptions {
     std::string methods, lights, maps, settings, size, csv;
     std::string light; ///< Names: only these of the lights; empty: all.
     SourceSizes sources;
-    std::string figure, out; ///< A figure instead of scenes, and its picture.
-    bool still = false;      ///< Of a figure: the model does not turn.
-    bool merged = false;     ///< What stands still is one mesh.
+    bool merged = false; ///< What stands still is one mesh.
     uint32_t repeat = 15;
     uint32_t memory = 0; ///< MiB; 0: gnomon's default.
     bool validation = false;
@@ -49,7 +47,6 @@ struct BenchOptions {
     bool passes = false; ///< Print what each pass takes.
 };
 int benchCommand(const BenchOptions& options);
-int figureCommand(const BenchOptions& options); ///< `bench --figure`.
 
 struct ContactOptions {
     std::vector<std::string> scenes;
@@ -57,21 +54,6 @@ struct ContactOptions {
     SourceSizes sources;
 };
 int contactCommand(const ContactOptions& options);
-
-struct ReasonsOptions {
-    std::string scene, method, light, settings, size;
-    std::optional<uint32_t> frame; ///< Default: the middle one.
-    std::string out;               ///< Empty: no picture.
-};
-int reasonsCommand(const ReasonsOptions& options);
-
-struct TablesOptions {
-    std::string thesis;      ///< moderno or morais.
-    std::string csv;         ///< Empty: no file.
-    uint32_t picture = 1024; ///< Pixels a side.
-    bool tight = false;      ///< moderno: the other of the fits that the thesis may mean.
-};
-int tablesCommand(const TablesOptions& options);
 
 struct CompareOptions {
     std::string scene, rules, methods, size, plot, csv;
@@ -104,7 +86,7 @@ struct ReplayCommandOptions {
 };
 int replayCommand(const ReplayCommandOptions& options);
 
-int methodsCommand();
+int methodsCommand(bool markdown); ///< \param markdown as the table of docs/methods.md.
 int scenesCommand();
 int lintCommand(const std::string& rules, const std::string& trace);
 struct WhyOptions {

@@ -128,7 +128,9 @@ int contactCommand(const ContactOptions& options)
             options.size.empty() ? VkExtent2D{scene.width, scene.height} : valueOf(parseSize(options.size));
         const double time = frameTime(scene, scene.frames / 2); // motion under way, every light of the middle there
         const std::optional<Truth> truth = measureTruth(*device, scene, size, time);
-        if (!truth) throw HostError("a contact sheet needs the method ray_traced, which this build lacks");
+        if (!truth)
+            throw HostError(std::string("a contact sheet needs the method ") + kTruthMethod +
+                            ", which this build lacks");
         for (size_t column = 0; column < methods.size(); ++column) {
             const int32_t x = int32_t(column % kMethodsPerRow * kCellWidth + kGap);
             const int32_t y = int32_t((row * bandRows + column / kMethodsPerRow) * kCellHeight + kGap);

@@ -1,11 +1,7 @@
 // gnomon: runs scenes, measures methods, checks rules. See demo/README.md.
-#include <cstdio>
-#include <exception>
-
-#include <CLI/CLI.hpp>
-
-#include "demo/io/number.hpp"
+#include "demo/program/command_line.hpp"
 #include "demo/program/commands.hpp"
+#include "demo/program/session.hpp"
 #include "demo/replay/budget.hpp"
 #include "runtime/base/instruction_set.hpp"
 
@@ -13,41 +9,9 @@ namespace {
 
 using namespace gnomon::demo;
 
-constexpr const char* kRulesHelp = "rule base: a path, or `default`, `quality`, `battery` or `thesis`";
-constexpr const char* kSceneHelp = "path of a scene file, or the name of a shipped one (see `gnomon scenes`)";
-
-/// CLI::Range lets NaN pass.
-CLI::Validator numberIn(double low, double high)
+std::string rulesHelp()
 {
-    std::string first, last;
-    appendNumber(first, low);
-    appendNumber(last, high);
-    const auto check = [=](const std::string& text) {
-        const std::optional<double> value = parseNumber(text);
-        if (value && *value >= low && *value <= high) return std::string();
-        return "'" + text + "' is no number from " + first + " to " + last;
-    };
-    return {check, "in [" + first + " - " + last + "]"};
-}
-
-/// CLI11 takes -1 for the largest number of 64 bits.
-CLI::Validator notNegative()
-{
-    return {[](const std::string& text) { return text.starts_with('-') ? "'" + text + "' is below 0" : std::string(); },
-            ""};
-}
-
-/// Where a name is wanted, blanks and commas alone are none; the default would take their place unsaid.
-void refuseNothing(CLI::App& app)
-{
-    const CLI::Validator hasWord(
-        [](const std::string& text) {
-            return text.find_first_not_of(" \t,") == std::string::npos ? "'" + text + "' names nothing" : std::string();
-        },
-        "");
-    for (CLI::App* command : app.get_subcommands({}))
-        for (CLI::Option* option : command->get_options())
-            if (option->get_type_name() == "TEXT") option->check(hasWord);
+    return "rule base: a path, or one of " + shippedRuleNames();
 }
 
 void addSources(CLI::App& command, SourceSizes& sources)
@@ -66,7 +30,7 @@ void addRun(CLI::App& app, RunOptions& options, int& exitCode)
 {
     CLI::App* run = app.add_subcommand("run", "draw a scene and log what was decided and what it cost");
     run->add_option("SCENE", options.scene, kSceneHelp)->required();
-    auto* rules = run->add_option("--rules", options.rules, kRulesHelp);
+    auto* rules = run->add_option("--rules", options.rules, rulesHelp());
     run->add_option("--method", options.method, "this method for every light it serves, instead of rules")
         ->excludes(rules);
     run->add_option("--knowledge", options.knowledge,
@@ -112,12 +76,7 @@ void addWhy(CLI::App& app, WhyOptions& options, int& exitCode)
 void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
 {
     CLI::App* bench = app.add_subcommand("bench", "time and error of methods, one CSV row each");
-    auto* scenes = bench->add_option("SCENE", options.scenes, kSceneHelp);
-    auto* figure =
-        bench->add_option("--figure", options.figure, "a figure of Rautenbach 2008 instead of scenes: 4.6, 4.40, ...");
-    figure->excludes(scenes);
-    bench->add_option("--out", options.out, "with --figure: PNG file, drawn by gnuplot")->needs(figure);
-    bench->add_flag("--still", options.still, "with --figure: the model stands still")->needs(figure);
+    bench->add_option("SCENE", options.scenes, kSceneHelp)->required();
     bench->add_option("--methods", options.methods,
                       "a,b,... default: all; `none` is the base row, `bare_shadow_map` a baseline without gnomon");
     bench->add_option("--lights", options.lights, "1,2,4,... default: the scene's");
@@ -134,13 +93,7 @@ void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
     bench->add_flag("--recorded", options.recorded, "use gnCmdRenderShadows; methods with round trips are skipped");
     bench->add_flag("--passes", options.passes, "print the fastest time of every pass, from frames with full barriers");
     bench->add_flag("--validate", options.validation, "run under the validation layer (times are then meaningless)");
-    for (const char* other : {"--methods", "--lights", "--light", "--map", "--set", "--radius", "--radius-degrees",
-                              "--merged", "--memory", "--recorded", "--passes", "--validate"})
-        figure->excludes(bench->get_option(other)); // a figure says these itself
-    bench->callback([&, scenes] {
-        if (options.figure.empty() && options.scenes.empty()) throw CLI::RequiredError(scenes->get_name());
-        exitCode = options.figure.empty() ? benchCommand(options) : figureCommand(options);
-    });
+    bench->callback([&] { exitCode = benchCommand(options); });
 }
 
 void addContact(CLI::App& app, ContactOptions& options, int& exitCode)
@@ -152,36 +105,6 @@ void addContact(CLI::App& app, ContactOptions& options, int& exitCode)
     contact->add_option("--size", options.size, "picture size; default: the scene's");
     contact->add_option("--out", options.out, "PNG file")->capture_default_str();
     contact->callback([&] { exitCode = contactCommand(options); });
-}
-
-void addReasons(CLI::App& app, ReasonsOptions& options, int& exitCode)
-{
-    CLI::App* reasons =
-        app.add_subcommand("reasons", "why a hybrid method's pixels are lit or dark, and how often wrongly");
-    reasons->add_option("SCENE", options.scene, kSceneHelp)->required();
-    reasons->add_option("--method", options.method, "one with the setting `reasons`")->required();
-    reasons->add_option("--light", options.light, "its name; default: all lights");
-    reasons->add_option("--set", options.settings, "SETTING=NUMBER,... of the method's, but for `reasons`");
-    reasons->add_option("--size", options.size, "picture size; default: the scene's");
-    reasons->add_option("--frame", options.frame, "of the scene; default: the middle one");
-    reasons->add_option("--out", options.out, "PNG file: the reasons as colours over the picture");
-    reasons->callback([&] { exitCode = reasonsCommand(options); });
-}
-
-void addTables(CLI::App& app, TablesOptions& options, int& exitCode)
-{
-    CLI::App* tables =
-        app.add_subcommand("tables", "a thesis's main tables on the scenes views/..., printed numbers / ours");
-    tables->add_option("THESIS", options.thesis, "moderno or morais")
-        ->required()
-        ->check(CLI::IsMember({"moderno", "morais"}));
-    tables->add_option("--csv", options.csv, "write a line per cell here as well");
-    tables->add_option("--picture", options.picture, "pixels a side; other sizes than the theses' change all numbers")
-        ->check(CLI::Range(64, 4096))
-        ->capture_default_str();
-    tables->add_flag("--tight", options.tight,
-                     "moderno: texels as of a map fitted in width and height to what is seen, not of a square one");
-    tables->callback([&] { exitCode = tablesCommand(options); });
 }
 
 void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
@@ -261,27 +184,6 @@ void addReplay(CLI::App& app, ReplayCommandOptions& options, int& exitCode)
     replay->callback([&] { exitCode = replayCommand(options); });
 }
 
-/// The first word is no command. CLI11 would say that one is required, not that this is none.
-bool isUnknownCommand(const CLI::App& app, int argc, char** argv)
-{
-    if (argc < 2 || argv[1][0] == '-') return false;
-    std::string known;
-    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-        if (command->get_name() == argv[1]) return false;
-        known += (known.empty() ? "" : ", ") + command->get_name();
-    }
-    std::fprintf(stderr, "gnomon: no command '%s'; there are %s\n", argv[1], known.c_str());
-    return true;
-}
-
-/// The exit code, unless what was printed has not arrived, as on a full disk.
-int finish(int exitCode)
-{
-    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return exitCode;
-    std::fprintf(stderr, "gnomon: standard output: cannot be written\n");
-    return 1;
-}
-
 } // namespace
 
 int main(int argc, char** argv)
@@ -294,16 +196,12 @@ int main(int argc, char** argv)
     RunOptions run;
     BenchOptions bench;
     ContactOptions contact;
-    ReasonsOptions reasons;
     std::string rules, facts, lintTrace;
     addRun(app, run, exitCode);
     WhyOptions why;
     addWhy(app, why, exitCode);
     addBench(app, bench, exitCode);
     addContact(app, contact, exitCode);
-    addReasons(app, reasons, exitCode);
-    TablesOptions tables;
-    addTables(app, tables, exitCode);
     CompareOptions compare;
     addCompare(app, compare, exitCode);
     CalibrateOptions calibrate;
@@ -312,28 +210,19 @@ int main(int argc, char** argv)
     addTrace(app, trace, exitCode);
     ReplayCommandOptions replay;
     addReplay(app, replay, exitCode);
-    app.add_subcommand("methods", "list the methods of this build and device")->callback([&] {
-        exitCode = methodsCommand();
-    });
+    bool markdown = false;
+    CLI::App* methods = app.add_subcommand("methods", "list the methods of this build and device");
+    methods->add_flag("--markdown", markdown, "as the table of docs/methods.md");
+    methods->callback([&] { exitCode = methodsCommand(markdown); });
     app.add_subcommand("scenes", "list the shipped scenes")->callback([&] { exitCode = scenesCommand(); });
     CLI::App* lint = app.add_subcommand("lint", "check a rule base");
-    lint->add_option("RULES", rules, kRulesHelp)->required();
+    lint->add_option("RULES", rules, rulesHelp())->required();
     lint->add_option("--trace", lintTrace, "a recorded trace: also report decisions that its noise overturns (L08)");
     lint->callback([&] { exitCode = lintCommand(rules, lintTrace); });
     CLI::App* explain = app.add_subcommand("explain", "say what a rule base thinks of given facts, and why");
-    explain->add_option("RULES", rules, kRulesHelp)->required();
+    explain->add_option("RULES", rules, rulesHelp())->required();
     explain->add_option("--facts", facts, "name=value,...; what is not given is unknown")->required();
     explain->callback([&] { exitCode = explainCommand(rules, facts); });
 
-    refuseNothing(app);
-    if (isUnknownCommand(app, argc, argv)) return 1;
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return finish(app.exit(error));
-    } catch (const std::exception& error) {
-        std::fprintf(stderr, "gnomon: %s\n", error.what());
-        return 1;
-    }
-    return finish(exitCode);
+    return runCommandLine(app, argc, argv, exitCode);
 }

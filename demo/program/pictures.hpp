@@ -9,7 +9,10 @@
 
 namespace gnomon::demo {
 
-/// One colour per method, the same in every picture; unknown names get one by their letters.
+/// The colours of a series of any length. Neighbours differ in hue and in lightness.
+Rgb8 seriesColour(size_t place) noexcept;
+
+/// One colour per method, the same in every picture: by its place in the registry, or else by the letters of its name.
 Rgb8 methodColour(std::string_view method) noexcept;
 
 /// A caption per light in its method's colour at the top left, and a mark where each light stands, if on the screen.

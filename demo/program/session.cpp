@@ -136,6 +136,18 @@ Outcome<std::vector<uint32_t>> parseCounts(const std::string& text, uint32_t low
     return counts;
 }
 
+std::string shippedRuleNames()
+{
+#ifdef GNOMON_WITH_YAML
+    std::string names;
+    for (const rules::ShippedRuleBase& base : rules::shippedRuleBases())
+        names += (names.empty() ? "" : ", ") + std::string(base.name);
+    return names;
+#else
+    return "none";
+#endif
+}
+
 Outcome<RuleText> findRules(const std::string& nameOrPath)
 {
     const std::string wanted = nameOrPath.empty() ? "default" : nameOrPath;
@@ -145,12 +157,10 @@ Outcome<RuleText> findRules(const std::string& nameOrPath)
         return text ? Outcome<RuleText>(RuleText{std::move(*text), wanted}) : Outcome<RuleText>::failure(text.error());
     }
 #ifdef GNOMON_WITH_YAML
-    std::string known;
-    for (const rules::ShippedRuleBase& base : rules::shippedRuleBases()) {
+    for (const rules::ShippedRuleBase& base : rules::shippedRuleBases())
         if (base.name == wanted) return RuleText{std::string(base.text), wanted};
-        known += (known.empty() ? "" : ", ") + std::string(base.name);
-    }
-    return Outcome<RuleText>::failure("no rule base '" + wanted + "': neither a file nor one of: " + known);
+    return Outcome<RuleText>::failure("no rule base '" + wanted +
+                                      "': neither a file nor one of: " + shippedRuleNames());
 #else
     if (nameOrPath.empty()) return RuleText{};
     return Outcome<RuleText>::failure(wanted + ": this build reads no rule bases (GNOMON_WITH_YAML is off)");

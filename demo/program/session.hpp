@@ -59,6 +59,9 @@ Outcome<std::vector<uint32_t>> parseCounts(const std::string& text, uint32_t low
 /// Comma-separated words, without the blanks round them.
 std::vector<std::string> parseNames(const std::string& text);
 
+/// "default, quality, ..."; "none" in a build that reads no rule bases.
+std::string shippedRuleNames();
+
 struct RuleText {
     std::string text;
     std::string name; ///< For messages: the path, or "default". Empty: there are no rules.

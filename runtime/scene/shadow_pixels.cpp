@@ -19,7 +19,7 @@ constexpr float kEdges = 2.0f;
 //     10.2 ns along   a pixel of a side's length: blocks that an edge of a sliver cuts
 //      0.5 ns inside  a pixel of a side's area: whole blocks
 //    106   ns          a side, however small
-// (what such sizes predict of scenes without part in the fit: table in ../cost/README.md).
+// (how good predictions by such sizes are: ../cost/README.md).
 // Here they are in units of a pixel inside; cost_model.cpp knows what that is of a resolved one (kSideShare).
 constexpr float kAlong = 20.0f;
 constexpr float kSide = 200.0f;

@@ -1,8 +1,8 @@
 /// What it takes to hand pixels from a shadow map to the ray tracer and back: a hybrid's frame, less the same frame
 /// with the plain look-up of the same map, less the time inside Embree. One light, everything at rest, maps kept: what
 /// drawing them takes is no hand-over. 1280x720; the methods alternate. Then the same rays by the map's side: is their
-/// time linear in their number (Morais 2015, AC-22 of algorithms/hybrid/README.md)? No test, since machines differ:
-/// ninja bench_handover && ./bench_handover [SCENE...]
+/// time linear in their number (Morais 2015, AC-22 of demo/theses/measurements/2026-11-hybrid.md)? No test, since
+/// machines differ: ninja bench_handover && ./bench_handover [SCENE...]
 
 #include <algorithm>
 #include <cstdio>

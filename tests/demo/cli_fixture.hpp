@@ -1,5 +1,5 @@
 #pragma once
-// The program from outside: a command line in, exit code, words and files out.
+// A program (GNOMON_PROGRAM) from outside: a command line in, exit code, words and files out.
 
 #include <doctest/doctest.h>
 
@@ -7,10 +7,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <string>
 #include <vector>
 
 #include <sys/wait.h>
+
+#include "demo/io/image.hpp"
 
 namespace gnomon::demo {
 
@@ -56,6 +59,14 @@ inline std::vector<std::string> lines(const fs::path& file)
     for (std::string line; std::getline(stream, line);)
         out.push_back(line);
     return out;
+}
+
+inline size_t distinctColours(const Image8& image)
+{
+    std::set<std::array<uint8_t, 3>> colours;
+    for (size_t i = 0; i + 2 < image.texels.size(); i += 3)
+        colours.insert({image.texels[i], image.texels[i + 1], image.texels[i + 2]});
+    return colours.size();
 }
 
 } // namespace gnomon::demo

@@ -69,7 +69,7 @@ TEST_CASE("a full disk is a failure, whether it was to hold text or a picture")
     CHECK(gnomonProgram("--help > /dev/full").exitCode == 1);
     CHECK(gnomonProgram("scenes > /dev/null").exitCode == 0);
     const std::string commands[] = {"bench torus_grid --methods shadow_map --repeat 3 --size 32x24 > /dev/full",
-                                    "reasons torus_grid --method pcf_hybrid --size 32x24 --out /dev/full"};
+                                    "contact torus_grid --methods shadow_map --size 32x24 --out /dev/full"};
     for (const std::string& command : commands)
         CHECK_MESSAGE(gnomonProgram(command).exitCode == 1, command);
 }
@@ -86,8 +86,6 @@ TEST_CASE("bad input ends with one and a sentence that names it")
         {"lint '" + (folder.path / "bad.yaml").string() + "'", "bad.yaml:2"},
         {"explain thesis --facts no_such_fact=1", "no_such_fact"},
         {"bench room --map 512,x", "'x'"},
-        {"bench --figure 9.9", "9.9"},
-        {"reasons torus_grid --method pcf_hybrid --light no_such_light", "no_such_light"},
         {"bench torus_grid --methods no_such_method --size 16x16 --repeat 3", "no_such_method"},
     };
     for (const auto& bad : cases) {
@@ -116,12 +114,7 @@ TEST_CASE("what can be known before measuring is said before a device is looked 
         {"bench room --light lamp", "'lamp'"},
         {"bench room --set reasons=1", "'reasons'"},
         {"bench room --map 64 --set resolution=32", "--map"},
-        {"reasons room --method contour_chain --set reasons=2", "'reasons'"},
-        {"reasons room --method pcf_hybrid --frame 240", "frames 0 to 239"},
-        {"reasons room --method shadow_map", "'shadow_map' has no setting 'reasons'"},
-        {"reasons scenario --method pcf_hybrid --light moving7 --frame 0", "no light is there in frame 0"},
         {"bench room --csv none/x.csv", "none/x.csv"},
-        {"bench --figure 4.6 --out none/x.png", "none/x.png"},
         {"contact room --methods shadow_map,nosuch", "'nosuch'"},
         {"contact room --out none/x.png", "none/x.png"},
         {"compare room --methods shadow_map,nosuch", "'nosuch'"},
@@ -132,10 +125,6 @@ TEST_CASE("what can be known before measuring is said before a device is looked 
         {"trace room --out none/x", "none/x"},
         {"trace room --rules nosuch", "'nosuch'"},
         {"trace room --budget-ms 2x,3y", "3y"},
-        {"tables morais --csv none/x.csv", "none/x.csv"},
-        {"reasons room --method pcf_hybrid --out none/x.png", "none/x.png"},
-        {"reasons room --method pcf_hybrid --set nosuch=1", "'nosuch'"},
-        {"reasons room --method pcf_hybrid --set resolution=1e9", "takes 'resolution' from"},
         {"run room --why foo", "'foo'"},
         {"run room --why 3:lamp", "'lamp'"},
         {"run room --lights 1 --why 3:point2", "'point2'"},
@@ -186,11 +175,9 @@ TEST_CASE("a picture that gnuplot would draw is refused where gnuplot is missing
 {
     const Folder folder("no_gnuplot");
     const std::string before = "cd '" + folder.path.string() + "' && PATH=/none GNOMON_DEVICE=none";
-    for (const char* arguments : {"compare room --plot x.png", "bench --figure 4.6 --out x.png"}) {
-        const Ran ran = gnomonProgram(arguments, before);
-        CHECK(ran.exitCode == 1);
-        CHECK_MESSAGE(ran.output.find("x.png: gnuplot draws it, and cannot be run") != std::string::npos, ran.output);
-    }
+    const Ran ran = gnomonProgram("compare room --plot x.png", before);
+    CHECK(ran.exitCode == 1);
+    CHECK_MESSAGE(ran.output.find("x.png: gnuplot draws it, and cannot be run") != std::string::npos, ran.output);
     const char* path = std::getenv("PATH");
     const std::string kept = path ? path : "";
     setenv("PATH", "/none", 1);

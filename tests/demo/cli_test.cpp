@@ -13,17 +13,6 @@
 #include "demo/scene/scene_file.hpp"
 
 namespace gnomon::demo {
-namespace {
-
-size_t distinctColours(const Image8& image)
-{
-    std::set<std::array<uint8_t, 3>> colours;
-    for (size_t i = 0; i + 2 < image.texels.size(); i += 3)
-        colours.insert({image.texels[i], image.texels[i + 1], image.texels[i + 2]});
-    return colours.size();
-}
-
-} // namespace
 
 TEST_CASE("run leaves both tables, pictures, the rules used and a dump, and its summary says so")
 {
@@ -336,25 +325,6 @@ TEST_CASE("bench measures one light alone by its name, whatever its place, and r
           std::string::npos);
 }
 
-TEST_CASE("a figure is a row for every number of lights and faces")
-{
-    const Folder folder("figure");
-    const fs::path csv = folder.path / "figure.csv";
-    const Ran ran = gnomonProgram("bench --figure 4.19 --size 32x24 --repeat 3 --csv '" + csv.string() + "'");
-    CAPTURE(ran.output);
-    REQUIRE(ran.exitCode == 0);
-    const std::vector<std::string> table = lines(csv);
-    REQUIRE(table.size() == 1 + 4 * 5);
-    CHECK(table[0] == "figure,method,faces,lights,increment_ms_min");
-    CHECK(table[1].starts_with("4.19,shadow_map,600,1,"));
-    CHECK(table.back().starts_with("4.19,shadow_map,100000,16,"));
-    CHECK(gnomonProgram("bench torus_grid --still").exitCode != 0); // of a figure alone
-    for (const char* other :
-         {"--methods shadow_map", "--lights 2", "--light lamp", "--map 64", "--set resolution=64", "--radius 1",
-          "--radius-degrees 1", "--memory 64", "--recorded", "--passes", "--validate"})
-        CHECK_MESSAGE(gnomonProgram(std::string("bench --figure 4.19 ") + other).exitCode > 1, other);
-}
-
 TEST_CASE("compare runs the rules and every method that serves all lights, and holds them against each other")
 {
     const Ran ran = gnomonProgram("compare torus_grid --rules default,thesis --size 96x64 --frames 3 --alternations 1 "
@@ -408,35 +378,6 @@ TEST_CASE(
     for (const char* line : {"device factor ", "\nshadow_map  ", "\nray_traced  ", "\nall lights and methods "})
         CHECK_MESSAGE(checked.output.find(line) != std::string::npos, checked.output);
     CHECK(checked.output.find("left out") == std::string::npos); // all alternations saw the same lights and passes
-}
-
-TEST_CASE("reasons account for every pixel, and what a ray decided is never wrong")
-{
-    const Folder folder("reasons");
-    const fs::path picture = folder.path / "reasons.png";
-    const Ran ran = gnomonProgram("reasons torus_grid --method pcf_hybrid --set resolution=64 --size 160x120 --out '" +
-                                  picture.string() + "'");
-    CAPTURE(ran.output);
-    REQUIRE(ran.exitCode == 0);
-    std::istringstream output(ran.output);
-    unsigned long long pixels = 0, wrongByMap = 0;
-    std::set<std::string> reasons;
-    for (std::string line; std::getline(output, line);) {
-        std::vector<std::string> cells;
-        if (!splitCsvLine(line, cells) || cells.size() != 7 || cells[0] != "torus_grid") continue;
-        reasons.insert(cells[2]);
-        pixels += std::stoull(cells[3]);
-        const unsigned long long wrong = std::stoull(cells[5]) + std::stoull(cells[6]);
-        if (cells[2].starts_with("rt_")) CHECK(wrong == 0);
-        if (cells[2].starts_with("tc_")) wrongByMap += wrong;
-    }
-    CHECK(pixels == 160 * 120);
-    CHECK(reasons == std::set<std::string>{"outside", "backfacing", "tc_lit", "tc_shadow", "rt_lit", "rt_shadow"});
-    CHECK(wrongByMap > 0); // 64 texels cannot do it
-    const auto drawn = readPng(picture, 3);
-    REQUIRE(drawn);
-    CHECK(drawn->width == 160);
-    CHECK(distinctColours(*drawn) > 50);
 }
 
 TEST_CASE("rules edited during a run come into force and into its folder, and are said to be missing when they are")

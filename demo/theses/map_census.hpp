@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "demo/program/thesis_view.hpp"
+#include "demo/theses/thesis_view.hpp"
 
 namespace gnomon::demo {
 

@@ -1,4 +1,4 @@
-#include "demo/program/morais_printed.hpp"
+#include "demo/theses/morais_printed.hpp"
 
 namespace gnomon::demo {
 namespace {

@@ -6,11 +6,11 @@
 #include "demo/host/pin_thread.hpp"
 #include "demo/io/csv.hpp"
 #include "demo/program/checks.hpp"
-#include "demo/program/commands.hpp"
 #include "demo/program/gnuplot.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/scene/primitives.hpp"
 #include "demo/scene/scene_file.hpp"
+#include "demo/theses/commands.hpp"
 
 namespace gnomon::demo {
 namespace {
@@ -77,7 +77,7 @@ double increment(Device& device, const Scene& scene, const std::string& method, 
 }
 
 Curve measure(Device& device, const Scene& room, const std::string& method, const Model& model, bool still,
-              const BenchOptions& options)
+              const FigureOptions& options)
 {
     Curve curve{.method = method, .model = model};
     const VkExtent2D size =
@@ -137,7 +137,7 @@ void plot(const Figure& figure, bool still, const std::vector<Curve>& curves, co
 
 } // namespace
 
-int figureCommand(const BenchOptions& options)
+int figureCommand(const FigureOptions& options)
 {
     const auto found = std::find_if(kFigures.begin(), kFigures.end(),
                                     [&](const Figure& figure) { return options.figure == figure.name; });

@@ -1,9 +1,9 @@
-#include "demo/program/morais_tables.hpp"
+#include "demo/theses/morais_tables.hpp"
 
 #include <algorithm>
 #include <string_view>
 
-#include "demo/program/morais_printed.hpp"
+#include "demo/theses/morais_printed.hpp"
 
 namespace gnomon::demo {
 namespace {

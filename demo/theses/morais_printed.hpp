@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "demo/program/map_census.hpp"
+#include "demo/theses/map_census.hpp"
 
 namespace gnomon::demo {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "demo/program/thesis_view.hpp"
+#include "demo/theses/thesis_view.hpp"
 
 namespace gnomon::demo {
 

@@ -1,4 +1,4 @@
-#include "demo/program/moderno_printed.hpp"
+#include "demo/theses/moderno_printed.hpp"
 
 namespace gnomon::demo {
 namespace {

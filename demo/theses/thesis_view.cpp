@@ -1,4 +1,4 @@
-#include "demo/program/thesis_view.hpp"
+#include "demo/theses/thesis_view.hpp"
 
 #include <algorithm>
 #include <cmath>

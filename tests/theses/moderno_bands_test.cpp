@@ -1,10 +1,10 @@
 // The statistical bands of Moderno's thesis (chapter 4) on the scenes that stand in for his: where the map is wrong,
 // what texels, triangles and the chain settle, and how that grows with map and contour. Letters and numbers are those
-// of the bands in algorithms/hybrid/README.md, which also lists those that do not hold here.
+// of the bands in demo/theses/measurements/2026-11-hybrid.md, which also lists those that do not hold here.
 #include <algorithm>
 #include <numeric>
 
-#include "demo/program/moderno_tables.hpp"
+#include "demo/theses/moderno_tables.hpp"
 #include "device/fixture.hpp"
 
 namespace gnomon::demo {
@@ -138,7 +138,7 @@ TEST_CASE("C1 to C4: texels that agree")
 
 TEST_CASE("D1, D2, D5: what triangles that texels name prove")
 {
-    std::array<PrintedCandidate, kCandidates> w{};
+    std::array<PrintedOccluder, kCandidates> w{};
     for (size_t i = 0; i < kCandidates; ++i)
         w[i] = meanCandidate(views(), CandidateOccluder(i));
     constexpr double right[kCandidates][2] = {{80, 90}, {87, 94}, {89, 96}, {89, 96}, {93, 99}};

@@ -1,9 +1,9 @@
 // The statistical bands of Morais's thesis (chapters 5 and 6) on the scenes that stand in for his: how much the hybrid
-// methods trace, and how that follows the map. Numbers are those of algorithms/hybrid/README.md, which also lists the
-// bands that do not hold here.
+// methods trace, and how that follows the map. Numbers are those of demo/theses/measurements/2026-11-hybrid.md, which
+// also lists the bands that do not hold here.
 #include <algorithm>
 
-#include "demo/program/morais_tables.hpp"
+#include "demo/theses/morais_tables.hpp"
 #include "device/fixture.hpp"
 #include "exactness/stage.hpp"
 #include "shaders/hybrid/reasons.h"

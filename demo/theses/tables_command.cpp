@@ -2,9 +2,9 @@
 #include <cstdio>
 
 #include "demo/program/checks.hpp"
-#include "demo/program/commands.hpp"
-#include "demo/program/moderno_tables.hpp"
-#include "demo/program/morais_tables.hpp"
+#include "demo/theses/commands.hpp"
+#include "demo/theses/moderno_tables.hpp"
+#include "demo/theses/morais_tables.hpp"
 
 namespace gnomon::demo {
 namespace {

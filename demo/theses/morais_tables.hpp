@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "demo/program/map_census.hpp"
-#include "demo/program/pair_table.hpp"
+#include "demo/theses/map_census.hpp"
+#include "demo/theses/pair_table.hpp"
 
 namespace gnomon::demo {
 

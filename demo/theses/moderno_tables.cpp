@@ -1,4 +1,4 @@
-#include "demo/program/moderno_tables.hpp"
+#include "demo/theses/moderno_tables.hpp"
 
 #include <algorithm>
 #include <string_view>
@@ -157,7 +157,7 @@ double meanAlone(std::span<const PrintedChainView> printed, CandidateOccluder ca
 }
 
 /// Tables 9 to 11, and 16 to 184 for the whole image.
-PairTable candidates(Views ours)
+PairTable occluders(Views ours)
 {
     PairTable table{.id = "candidate occluders",
                     .title =
@@ -169,8 +169,8 @@ PairTable candidates(Views ours)
                     .rows = {}};
     for (size_t i = 0; i < kCandidates; ++i) {
         const auto candidate = static_cast<CandidateOccluder>(i);
-        const PrintedCandidate& p = kPrintedCandidates[i];
-        const PrintedCandidate o = meanCandidate(ours, candidate);
+        const PrintedOccluder& p = kPrintedOccluders[i];
+        const PrintedOccluder o = meanCandidate(ours, candidate);
         double whole = 0.0;
         for (const ChainView& view : ours)
             whole += percentOf(view.whole.wrongAlone(candidate), view.image) / double(ours.size());
@@ -278,9 +278,9 @@ PrintedHints meanHints(std::span<const ChainView> views, bool nineTexels)
     return sum;
 }
 
-PrintedCandidate meanCandidate(std::span<const ChainView> views, CandidateOccluder candidate)
+PrintedOccluder meanCandidate(std::span<const ChainView> views, CandidateOccluder candidate)
 {
-    PrintedCandidate sum{};
+    PrintedOccluder sum{};
     const auto w = static_cast<size_t>(candidate);
     for (const ChainView& view : views)
         for (const ContourCounts& c : view.contours) {
@@ -310,7 +310,7 @@ std::vector<PairTable> modernoTables(std::span<const ChainView> ours)
 {
     const std::vector<ChainView> printed = printedViews();
     return {growth(printed, ours), scenes(printed, ours),     stages(printed, ours), hints(ours),
-            candidates(ours),      wholeImage(printed, ours), candidates(ours)};
+            occluders(ours),       wholeImage(printed, ours), candidates(ours)};
 }
 
 } // namespace gnomon::demo

@@ -7,10 +7,10 @@
 #include "demo/io/csv.hpp"
 #include "demo/io/png.hpp"
 #include "demo/program/checks.hpp"
-#include "demo/program/commands.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/program/setting_choices.hpp"
 #include "demo/scene/scene_file.hpp"
+#include "demo/theses/commands.hpp"
 #include "shaders/hybrid/reasons.h"
 
 namespace gnomon::demo {
@@ -121,7 +121,9 @@ int reasonsCommand(const ReasonsOptions& options)
     const std::unique_ptr<Device> device = Device::create({});
 
     const std::optional<Truth> truth = measureTruth(*device, scene, size, time);
-    if (!truth) throw HostError("reasons are held against the method ray_traced, which this build lacks");
+    if (!truth)
+        throw HostError(std::string("reasons are held against the method ") + kTruthMethod +
+                        ", which this build lacks");
     Session session(*device, scene, {.scene = {}, .size = size});
     expect(session.shadows.pinAll(options.method));
     setAll(session, options.method, choices, false);

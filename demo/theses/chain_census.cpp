@@ -1,4 +1,4 @@
-#include "demo/program/chain_census.hpp"
+#include "demo/theses/chain_census.hpp"
 
 #include "algorithms/hybrid/bit_rows.hpp"
 #include "shaders/hybrid/reasons.h"

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "demo/program/chain_census.hpp"
+#include "demo/theses/chain_census.hpp"
 
 namespace gnomon::demo {
 
@@ -28,15 +28,15 @@ std::span<const PrintedChainView> printedChainViews();
 ChainView countsOf(const PrintedChainView& printed);
 
 /// Means over all views, maps and contours.
-struct PrintedCandidate {
+struct PrintedOccluder {
     double error, corrected, ofWrongLit, confirmed, ofRightDark; ///< Percent.
 };
 /// Tables 9 to 11. NB9's corrected is 7.46 there, 7.50 by the counts.
-inline constexpr PrintedCandidate kPrintedCandidates[kCandidates] = {{12.06, 0.09, 0.77, 76.39, 85.50},
-                                                                     {6.39, 6.80, 58.20, 81.03, 90.68},
-                                                                     {5.30, 7.50, 64.25, 82.61, 92.46},
-                                                                     {8.93, 0.17, 1.42, 82.71, 92.59},
-                                                                     {7.19, 0.25, 2.14, 86.19, 96.51}};
+inline constexpr PrintedOccluder kPrintedOccluders[kCandidates] = {{12.06, 0.09, 0.77, 76.39, 85.50},
+                                                                   {6.39, 6.80, 58.20, 81.03, 90.68},
+                                                                   {5.30, 7.50, 64.25, 82.61, 92.46},
+                                                                   {8.93, 0.17, 1.42, 82.71, 92.59},
+                                                                   {7.19, 0.25, 2.14, 86.19, 96.51}};
 /// Triangles per pixel of the contour, used and available, of NB4, NB9, AG1, AG2; map 2048, contour of 4 pixels (tables
 /// 25 to 197). 0: misprinted.
 struct PrintedCandidates {

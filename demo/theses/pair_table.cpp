@@ -1,4 +1,4 @@
-#include "demo/program/pair_table.hpp"
+#include "demo/theses/pair_table.hpp"
 
 #include "demo/io/number.hpp"
 

@@ -3,9 +3,9 @@
 
 #include <span>
 
-#include "demo/program/chain_census.hpp"
-#include "demo/program/moderno_printed.hpp"
-#include "demo/program/pair_table.hpp"
+#include "demo/theses/chain_census.hpp"
+#include "demo/theses/moderno_printed.hpp"
+#include "demo/theses/pair_table.hpp"
 
 namespace gnomon::demo {
 
@@ -109,7 +109,7 @@ std::vector<double> shares(std::span<const ChainView> views, const ChainFilter& 
 double mean(std::span<const ChainView> views, const ChainFilter& filter, ChainShare share);
 
 PrintedHints meanHints(std::span<const ChainView> views, bool nineTexels);
-PrintedCandidate meanCandidate(std::span<const ChainView> views, CandidateOccluder candidate);
+PrintedOccluder meanCandidate(std::span<const ChainView> views, CandidateOccluder candidate);
 /// Of the rightly dark pixels that nine texels prove nothing of, what the vertex ring proves, all of a scene's contours
 /// together.
 double ringProves(std::span<const ChainView> views, const char* scene);

@@ -1,4 +1,4 @@
-#include "demo/program/map_census.hpp"
+#include "demo/theses/map_census.hpp"
 
 #include <algorithm>
 

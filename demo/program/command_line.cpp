@@ -1,0 +1,81 @@
+#include "demo/program/command_line.hpp"
+
+#include <cstdio>
+#include <exception>
+
+#include "demo/io/number.hpp"
+
+namespace gnomon::demo {
+namespace {
+
+/// Where a name is wanted, blanks and commas alone are none; the default would take their place unsaid.
+void refuseNothing(CLI::App& app)
+{
+    const CLI::Validator hasWord(
+        [](const std::string& text) {
+            return text.find_first_not_of(" \t,") == std::string::npos ? "'" + text + "' names nothing" : std::string();
+        },
+        "");
+    for (CLI::App* command : app.get_subcommands({}))
+        for (CLI::Option* option : command->get_options())
+            if (option->get_type_name() == "TEXT") option->check(hasWord);
+}
+
+/// The first word is no command. CLI11 would say that one is required, not that this is none.
+bool isUnknownCommand(const CLI::App& app, int argc, char** argv)
+{
+    if (argc < 2 || argv[1][0] == '-') return false;
+    std::string known;
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+        if (command->get_name() == argv[1]) return false;
+        known += (known.empty() ? "" : ", ") + command->get_name();
+    }
+    std::fprintf(stderr, "%s: no command '%s'; there are %s\n", app.get_name().c_str(), argv[1], known.c_str());
+    return true;
+}
+
+/// The exit code, unless what was printed has not arrived, as on a full disk.
+int finish(const CLI::App& app, int exitCode)
+{
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return exitCode;
+    std::fprintf(stderr, "%s: standard output: cannot be written\n", app.get_name().c_str());
+    return 1;
+}
+
+} // namespace
+
+CLI::Validator numberIn(double low, double high)
+{
+    std::string first, last;
+    appendNumber(first, low);
+    appendNumber(last, high);
+    const auto check = [=](const std::string& text) {
+        const std::optional<double> value = parseNumber(text);
+        if (value && *value >= low && *value <= high) return std::string();
+        return "'" + text + "' is no number from " + first + " to " + last;
+    };
+    return {check, "in [" + first + " - " + last + "]"};
+}
+
+CLI::Validator notNegative()
+{
+    return {[](const std::string& text) { return text.starts_with('-') ? "'" + text + "' is below 0" : std::string(); },
+            ""};
+}
+
+int runCommandLine(CLI::App& app, int argc, char** argv, const int& exitCode)
+{
+    refuseNothing(app);
+    if (isUnknownCommand(app, argc, argv)) return 1;
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return finish(app, app.exit(error));
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "%s: %s\n", app.get_name().c_str(), error.what());
+        return 1;
+    }
+    return finish(app, exitCode);
+}
+
+} // namespace gnomon::demo
