@@ -1,7 +1,7 @@
 // gnomon-theses: repeats tables and figures of the theses with gnomon's methods. See demo/theses/README.md.
 #include "demo/program/command_line.hpp"
 #include "demo/theses/commands.hpp"
-#include "rules/engine/instruction_set.hpp"
+#include "runtime/base/instruction_set.hpp"
 
 namespace {
 
