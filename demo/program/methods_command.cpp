@@ -95,8 +95,8 @@ void printMarkdown(std::vector<GnMethodInfo> methods)
                 "settings as well.\n\n");
     std::printf("- *exact*: answers by geometry, not by samples.\n"
                 "- *host-drawn casters*: whether it sees casters that the host draws itself.\n"
-                "- *recorded*: whether `gnCmdRenderShadows()` can record it. Methods with round trips between GPU and "
-                "CPU need `gnSubmitShadows()`.\n"
+                "- *recorded*: whether `gnCmdRenderShadows()` can record it. Methods with GPU-CPU round trips "
+                "need `gnSubmitShadows()`.\n"
                 "- *fallback*: serves while the chosen method is not ready.\n\n");
     std::printf("| method | family | lights | shadow edges | exact | host-drawn casters | recorded | round trips | "
                 "remarks | source |\n"

@@ -56,7 +56,7 @@ void addReasons(CLI::App& app, ReasonsOptions& options, int& exitCode)
 
 int main(int argc, char** argv)
 {
-    if (!gnomon::rules::limitByEnvironment()) return 1;
+    if (!gnomon::limitByEnvironment()) return 1;
     CLI::App app("Tables and figures of the theses that gnomon builds on, repeated with its methods", "gnomon-theses");
     app.set_version_flag("--version", "gnomon-theses " GNOMON_VERSION);
     app.require_subcommand(1);
