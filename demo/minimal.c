@@ -74,7 +74,7 @@ int main(int argc, char** argv)
     if (vkCreateInstance(&instanceInfo, NULL, &instance) < 0 ||
         vkEnumeratePhysicalDevices(instance, &count, &gpu) < 0 || count == 0)
         return 77;
-    GnDeviceNeeds needs;
+    GnDeviceNeeds needs = {GN_INIT(GnDeviceNeeds)};
     CHECK(gnQueryDeviceNeeds(instance, gpu, vkGetInstanceProcAddr, &needs));
     VkPhysicalDeviceVulkan13Features f13 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
                                             .synchronization2 = VK_TRUE, .dynamicRendering = VK_TRUE};
@@ -93,9 +93,9 @@ int main(int argc, char** argv)
     vkGetDeviceQueue(device, 0, 0, &queue);
 
     /* The scene: a floor at y = 0, a box of one metre left of what the camera sees, a light from the left. */
-    const GnContextCreateInfo contextInfo = {.instance = instance, .physicalDevice = gpu, .device = device,
-                                             .queue = queue, .apiVersion = VK_API_VERSION_1_3,
-                                             .pEnabledFeatures = &features,
+    const GnContextCreateInfo contextInfo = {GN_INIT(GnContextCreateInfo), .instance = instance,
+                                             .physicalDevice = gpu, .device = device, .queue = queue,
+                                             .apiVersion = VK_API_VERSION_1_3, .pEnabledFeatures = &features,
                                              .pfnGetInstanceProcAddr = vkGetInstanceProcAddr};
     GnContext context;
     CHECK(gnCreateContext(&contextInfo, &context));
@@ -105,14 +105,15 @@ int main(int argc, char** argv)
                                -3, 0, .5f, -2, 0, .5f, -2, 1, .5f, -3, 1, .5f};
     const uint32_t indices[] = {0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6, 8, 9, 10, 8, 10, 11, 4, 5, 9, 4, 9, 8,
                                 7, 11, 10, 7, 10, 6, 4, 8, 11, 4, 11, 7, 5, 6, 10, 5, 10, 9};
-    const GnMeshCreateInfo meshInfo = {.pName = "floor and box", .pPositions = positions, .positionCount = 12,
-                                       .pIndices = indices, .indexCount = 42};
-    GnInstanceCreateInfo placedInfo = {.flags = GN_INSTANCE_STATIC_BIT};
+    const GnMeshCreateInfo meshInfo = {GN_INIT(GnMeshCreateInfo), .pName = "floor and box", .pPositions = positions,
+                                       .positionCount = 12, .pIndices = indices, .indexCount = 42};
+    GnInstanceCreateInfo placedInfo = {GN_INIT(GnInstanceCreateInfo), .flags = GN_INSTANCE_STATIC_BIT};
     GnInstance placed;
     CHECK(gnCreateMesh(context, &meshInfo, &placedInfo.mesh));
     CHECK(gnCreateInstance(context, &placedInfo, &placed));
-    const GnLightInfo sun = {.type = GN_LIGHT_TYPE_DIRECTIONAL, .direction = {2.0f, -1.0f, 0.0f}, .pName = "sun"};
-    const GnViewCreateInfo viewInfo = {.pName = "from above", .maxLights = 1};
+    const GnLightInfo sun = {GN_INIT(GnLightInfo), .type = GN_LIGHT_TYPE_DIRECTIONAL, .pName = "sun",
+                             .direction = {2.0f, -1.0f, 0.0f}};
+    const GnViewCreateInfo viewInfo = {GN_INIT(GnViewCreateInfo), .pName = "from above", .maxLights = 1};
     GnLight light;
     GnView view;
     CHECK(gnCreateLight(context, &sun, &light));
@@ -155,13 +156,14 @@ int main(int argc, char** argv)
             VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 
     const GnViewFrame viewFrame = {
-        .view = view, .eye = {0.0, kEyeHeight, 0.0}, .viewFromWorld = {1, 0, 0, 0, 0, -1, 0, 1, 0},
+        GN_INIT(GnViewFrame), .view = view, .eye = {0.0, kEyeHeight, 0.0},
+        .viewFromWorld = {1, 0, 0, 0, 0, -1, 0, 1, 0},
         .projection = {kFocal, 0, 0, 0, 0, -kFocal, 0, 0, 0, 0, 0, -1, 0, 0, kNear, 0}, .depthImage = depth,
         .depthView = depthView, .depthFormat = VK_FORMAT_D32_SFLOAT, .imageExtent = {SIZE, SIZE}, .lightCount = 1,
         .pLights = &light};
-    const GnFrameInfo frame = {.frame = 1, .viewCount = 1, .pViews = &viewFrame};
-    GnVisibility visibility;
-    GnDecision decision;
+    const GnFrameInfo frame = {GN_INIT(GnFrameInfo), .frame = 1, .viewCount = 1, .pViews = &viewFrame};
+    GnVisibility visibility = {GN_INIT(GnVisibility)};
+    GnDecision decision = {GN_INIT(GnDecision)};
     CHECK(gnCmdRenderShadows(context, cmd, &frame));
     CHECK(gnGetVisibility(context, view, &visibility));
     CHECK(gnGetDecision(context, view, light, &decision));

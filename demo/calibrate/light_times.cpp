@@ -19,23 +19,23 @@ double percentile(std::vector<double> values, double share)
     return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
-cost::Workload workloadOf(const GnLightTiming& timing)
+cost::Workload workloadOf(const GnLightWorkload& workload)
 {
-    return {.pixels = timing.pixels,
-            .casterTriangles = timing.casterTriangles,
-            .mapTexels = timing.mapTexels,
-            .sharing = timing.sharing,
-            .still = timing.still == VK_TRUE,
-            .drawnTriangles = timing.drawnTriangles,
-            .casters = timing.casters,
-            .directional = timing.type == GN_LIGHT_TYPE_DIRECTIONAL,
-            .point = timing.type == GN_LIGHT_TYPE_POINT,
-            .drawnPixels = timing.drawnPixels,
-            .viewPixels = timing.viewPixels,
-            .shadowPixels = timing.shadowPixels,
-            .mapFilled = timing.mapFilled,
-            .mapTouched = timing.mapTouched,
-            .treeLevels = timing.treeLevels};
+    return {.pixels = workload.pixels,
+            .casterTriangles = workload.casterTriangles,
+            .mapTexels = workload.mapTexels,
+            .sharing = workload.sharing,
+            .still = workload.still == VK_TRUE,
+            .drawnTriangles = workload.drawnTriangles,
+            .casters = workload.casters,
+            .directional = workload.type == GN_LIGHT_TYPE_DIRECTIONAL,
+            .point = workload.type == GN_LIGHT_TYPE_POINT,
+            .drawnPixels = workload.drawnPixels,
+            .viewPixels = workload.viewPixels,
+            .shadowPixels = workload.shadowPixels,
+            .mapFilled = workload.mapFilled,
+            .mapTouched = workload.mapTouched,
+            .treeLevels = workload.treeLevels};
 }
 
 double drawFrame(Session& session, double time, bool timed, bool cut)
@@ -66,14 +66,17 @@ public:
     {
         for (size_t i = 0; i < lights_.size(); ++i) {
             GnLightTiming timing{};
+            GnLightWorkload workload{};
             const ShadowHost& shadows = session_.shadows;
-            if (gnGetLightTiming(shadows.context(), shadows.view(0), shadows.light(lights_[i].light), &timing) < 0)
+            const GnLight handle = shadows.light(lights_[i].light);
+            if (gnGetLightTiming(shadows.context(), shadows.view(0), handle, &timing) < 0 ||
+                gnGetLightWorkload(shadows.context(), shadows.view(0), handle, &workload) < 0)
                 continue;
             if (timing.frame <= seen_[i]) continue;
             seen_[i] = timing.frame;
             if (!keep || method_ != timing.pMethod) continue;
             LightTimes& light = lights_[i];
-            light.workload = workloadOf(timing);
+            light.workload = workloadOf(workload);
             if (timing.updated) {
                 light.updateGpuMs.push_back(double(timing.updateGpuMs));
                 light.updateCpuMs.push_back(double(timing.updateCpuMs));

@@ -84,7 +84,7 @@ ShadowHost::ShadowHost(const Device& device, const Scene& scene, const SceneGeom
         createLights();
         views_.resize(options.viewCount);
         for (GnView& view : views_) {
-            const GnViewCreateInfo viewInfo{.pName = "main", .maxLights = options.maxLights};
+            const GnViewCreateInfo viewInfo{.maxLights = options.maxLights, .pName = "main"};
             expect(statusOf(gnCreateView(context_, &viewInfo, &view)));
         }
     } catch (...) {
@@ -105,8 +105,8 @@ void ShadowHost::createInstances(const SceneGeometry& geometry)
                                     .pPositions = &mesh.positions[0].x,
                                     .positionCount = static_cast<uint32_t>(mesh.positions.size()),
                                     .positionStride = sizeof(glm::vec3),
-                                    .pIndices = mesh.indices.data(),
-                                    .indexCount = static_cast<uint32_t>(mesh.indices.size())};
+                                    .indexCount = static_cast<uint32_t>(mesh.indices.size()),
+                                    .pIndices = mesh.indices.data()};
         GnMesh handle = VK_NULL_HANDLE;
         expect(statusOf(gnCreateMesh(context_, &info, &handle)));
         meshes_.push_back(handle);

@@ -150,21 +150,21 @@ private:
     void takeWorkloads(const FrameNumbers& numbers)
     {
         for (uint32_t slot = 0; slot < trace_.lights; ++slot) {
-            GnLightTiming timing{};
-            if (gnGetLightTiming(session_.shadows.context(), session_.shadows.view(0), session_.shadows.light(slot),
-                                 &timing) < 0)
+            GnLightWorkload workload{};
+            if (gnGetLightWorkload(session_.shadows.context(), session_.shadows.view(0), session_.shadows.light(slot),
+                                   &workload) < 0)
                 continue;
             const auto found =
-                std::find_if(numbers.begin(), numbers.end(), [&](const auto& n) { return n.first == timing.frame; });
+                std::find_if(numbers.begin(), numbers.end(), [&](const auto& n) { return n.first == workload.frame; });
             if (found == numbers.end()) continue;
             TraceLight& light = trace_.lightStates[trace_.cell(found->second, slot)];
-            light.pixels = static_cast<float>(timing.pixels);
-            light.casterTriangles = static_cast<float>(timing.casterTriangles);
-            light.drawnTriangles = static_cast<float>(timing.drawnTriangles);
-            light.casters = static_cast<float>(timing.casters);
-            light.drawnPixels = static_cast<float>(timing.drawnPixels);
-            light.viewPixels = static_cast<float>(timing.viewPixels);
-            light.sharing = static_cast<float>(timing.sharing);
+            light.pixels = static_cast<float>(workload.pixels);
+            light.casterTriangles = static_cast<float>(workload.casterTriangles);
+            light.drawnTriangles = static_cast<float>(workload.drawnTriangles);
+            light.casters = static_cast<float>(workload.casters);
+            light.drawnPixels = static_cast<float>(workload.drawnPixels);
+            light.viewPixels = static_cast<float>(workload.viewPixels);
+            light.sharing = static_cast<float>(workload.sharing);
         }
     }
 
@@ -296,13 +296,13 @@ private:
     /// The parts of a workload that only some methods are told: with volumes, or with a ray for every pixel.
     void noteShape(uint32_t frame, uint64_t number, uint32_t light)
     {
-        GnLightTiming timing{};
-        if (gnGetLightTiming(session_.shadows.context(), session_.shadows.view(0), session_.shadows.light(light),
-                             &timing) >= 0 &&
-            timing.frame == number) {
+        GnLightWorkload workload{};
+        if (gnGetLightWorkload(session_.shadows.context(), session_.shadows.view(0), session_.shadows.light(light),
+                               &workload) >= 0 &&
+            workload.frame == number) {
             TraceLight& state = trace_.lightStates[trace_.cell(frame, light)];
-            if (timing.shadowPixels > 0.0) state.shadowPixels = static_cast<float>(timing.shadowPixels);
-            if (timing.treeLevels > 0.0) state.treeLevels = static_cast<float>(timing.treeLevels);
+            if (workload.shadowPixels > 0.0) state.shadowPixels = static_cast<float>(workload.shadowPixels);
+            if (workload.treeLevels > 0.0) state.treeLevels = static_cast<float>(workload.treeLevels);
         }
     }
 

@@ -5,14 +5,16 @@
 #include <cstring>
 #include <memory>
 #include <new>
-#include <span>
 #include <utility>
+#include <vector>
 
 #include "runtime/api/context.hpp"
 #include "runtime/base/float_mode.hpp"
+#include "runtime/base/struct_size.hpp"
 
 struct GnContext_T {
     std::unique_ptr<gnomon::Context> impl;
+    std::vector<GnViewFrame> views; ///< Of the frame that begins; here so that its memory stays.
 };
 
 namespace gnomon {
@@ -70,7 +72,7 @@ GnResult atBoundary(GnContext context, Body&& body) noexcept
 inline GnResult failedContext(const GnContextCreateInfo& info, GnResult result, const char* id,
                               const char* text) noexcept
 {
-    const GnMessage message{GN_SEVERITY_ERROR, result, id, text};
+    const GnMessage message{.severity = GN_SEVERITY_ERROR, .result = result, .pId = id, .pText = text};
     if (info.pfnMessage) info.pfnMessage(&message, info.pUserData);
     return result;
 }
@@ -119,17 +121,54 @@ GnResult giveText(GnContext context, size_t* pSize, char* pText, Make&& make)
     });
 }
 
-/// fill(context, span) writes what fits into its span and says how many there are; *pCount becomes 0 where it fails.
-template <typename T, typename Fill>
-GnResult list(GnContext context, uint32_t* pCount, T* pOut, Fill&& fill)
+/// body(context, info) on a whole copy of what the host gave.
+template <typename In, typename Body>
+GnResult withStruct(GnContext context, const In* pIn, const char* name, Body&& body)
 {
-    const uint32_t given = pCount ? std::exchange(*pCount, 0) : 0, room = pOut ? given : 0;
+    return atBoundary(context, [&](Context& c) {
+        const Result<In> in = readStruct<In>(pIn, name);
+        return in ? body(c, *in) : report(context, in.error());
+    });
+}
+
+/// What make(context, info) gives into *pOut, which is null where it fails.
+template <typename In, typename Out, typename Make>
+GnResult create(GnContext context, const In* pIn, const char* inName, Out* pOut, const char* outName, Make&& make)
+{
+    if (pOut) *pOut = VK_NULL_HANDLE;
+    return withStruct(context, pIn, inName, [&](Context& c, const In& in) {
+        return pOut ? give(context, make(c, in), pOut) : nullArgument(context, outName);
+    });
+}
+
+/// body(context, frame) on a whole copy of a frame and its views.
+template <typename Body>
+GnResult withFrame(GnContext context, const GnFrameInfo* pFrame, Body&& body)
+{
+    return withStruct(context, pFrame, "pFrame", [&](Context& c, GnFrameInfo frame) {
+        context->views.clear();
+        if (frame.pViews) {
+            const Result<void> read = readStructs(frame.pViews, frame.viewCount, "pViews",
+                                                  [&](const GnViewFrame& view) { context->views.push_back(view); });
+            if (!read) return report(context, read.error());
+            frame.pViews = context->views.data();
+        }
+        return body(c, frame);
+    });
+}
+
+/// fill(context, array) writes what fits into its array and says how many there are; *pCount becomes 0 where it fails.
+template <typename T, typename Fill>
+GnResult list(GnContext context, uint32_t* pCount, T* pOut, const char* name, Fill&& fill)
+{
+    const StructArray<T> out(pOut, pCount ? std::exchange(*pCount, 0) : 0);
     return atBoundary(context, [&](Context& c) {
         if (!pCount) return nullArgument(context, "pCount");
-        const Result<uint32_t> all = fill(c, std::span<T>(pOut, room));
+        if (!out.fits()) return report(context, wrongStructSize<T>(out.stride(), {name, 0}));
+        const Result<uint32_t> all = fill(c, out);
         if (!all) return report(context, all.error());
-        *pCount = pOut ? std::min(room, *all) : *all;
-        return pOut && room < *all ? GN_INCOMPLETE : GN_SUCCESS;
+        *pCount = pOut ? std::min(out.size(), *all) : *all;
+        return pOut && out.size() < *all ? GN_INCOMPLETE : GN_SUCCESS;
     });
 }
 
@@ -137,10 +176,15 @@ GnResult list(GnContext context, uint32_t* pCount, T* pOut, Fill&& fill)
 template <typename Out, typename Make>
 GnResult giveStruct(GnContext context, Out* pOut, const char* name, Make&& make)
 {
-    if (pOut) *pOut = {};
+    const StructArray<Out> out(pOut, 1);
+    if (pOut && out.fits()) out.put(0, {});
     return atBoundary(context, [&](Context& c) {
         if (!pOut) return nullArgument(context, name);
-        return give(context, make(c), pOut);
+        if (!out.fits()) return report(context, wrongStructSize<Out>(out.stride(), name));
+        const Result<Out> made = make(c);
+        if (!made) return report(context, made.error());
+        out.put(0, *made);
+        return GN_SUCCESS;
     });
 }
 

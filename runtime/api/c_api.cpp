@@ -9,22 +9,26 @@ GnResult GN_CALL gnCreateContext(const GnContextCreateInfo* pCreateInfo, GnConte
 {
     if (pContext) *pContext = nullptr;
     if (!pCreateInfo || !pContext) return GN_ERROR_NULL_ARGUMENT;
+    const uint32_t size = structSizeOf(pCreateInfo);
+    if (!isStructSize<GnContextCreateInfo>(size)) return GN_ERROR_OUT_OF_RANGE; // and pfnMessage may be anywhere
     const FloatMode mode;
+    const GnContextCreateInfo known = knownPart<GnContextCreateInfo>(pCreateInfo, size);
     try {
-        const Messages messages(pCreateInfo->pfnMessage, pCreateInfo->pUserData, pCreateInfo->pName);
-        Result<std::unique_ptr<Context>> made = Context::create(*pCreateInfo);
+        const Messages messages(known.pfnMessage, known.pUserData, known.pName);
+        const Result<GnContextCreateInfo> info = readStruct<GnContextCreateInfo>(pCreateInfo, "pCreateInfo");
+        Result<std::unique_ptr<Context>> made = info ? Context::create(*info) : info.error();
         if (!made) {
             messages.error(made.error());
             return made.error().result;
         }
-        *pContext = new GnContext_T{std::move(*made)};
+        *pContext = new GnContext_T{std::move(*made), {}};
         return GN_SUCCESS;
     } catch (const std::bad_alloc&) {
-        return failedContext(*pCreateInfo, GN_ERROR_OUT_OF_HOST_MEMORY, "OutOfHostMemory", "host allocation failed");
+        return failedContext(known, GN_ERROR_OUT_OF_HOST_MEMORY, "OutOfHostMemory", "host allocation failed");
     } catch (const std::exception& exception) { // no thread was to be had, for instance
-        return failedContext(*pCreateInfo, GN_ERROR_UNKNOWN, "Unexpected", exception.what());
+        return failedContext(known, GN_ERROR_UNKNOWN, "Unexpected", exception.what());
     } catch (...) {
-        return failedContext(*pCreateInfo, GN_ERROR_UNKNOWN, "Unexpected", "unexpected exception");
+        return failedContext(known, GN_ERROR_UNKNOWN, "Unexpected", "unexpected exception");
     }
 }
 
@@ -59,12 +63,8 @@ GnResult GN_CALL gnWarmUpMethod(GnContext context, const char* pMethod)
 
 GnResult GN_CALL gnCreateMesh(GnContext context, const GnMeshCreateInfo* pCreateInfo, GnMesh* pMesh)
 {
-    if (pMesh) *pMesh = VK_NULL_HANDLE;
-    return atBoundary(context, [&](Context& c) {
-        if (!pCreateInfo) return nullArgument(context, "pCreateInfo");
-        if (!pMesh) return nullArgument(context, "pMesh");
-        return give(context, c.scene().createMesh(*pCreateInfo), pMesh);
-    });
+    return create(context, pCreateInfo, "pCreateInfo", pMesh, "pMesh",
+                  [](Context& c, const GnMeshCreateInfo& info) { return c.scene().createMesh(info); });
 }
 
 GnResult GN_CALL gnUpdateMeshPositions(GnContext context, GnMesh mesh, const float* pPositions, uint32_t positionCount,
@@ -86,12 +86,8 @@ void GN_CALL gnDestroyMesh(GnContext context, GnMesh mesh)
 
 GnResult GN_CALL gnCreateInstance(GnContext context, const GnInstanceCreateInfo* pCreateInfo, GnInstance* pInstance)
 {
-    if (pInstance) *pInstance = VK_NULL_HANDLE;
-    return atBoundary(context, [&](Context& c) {
-        if (!pCreateInfo) return nullArgument(context, "pCreateInfo");
-        if (!pInstance) return nullArgument(context, "pInstance");
-        return give(context, c.scene().createInstance(*pCreateInfo), pInstance);
-    });
+    return create(context, pCreateInfo, "pCreateInfo", pInstance, "pInstance",
+                  [](Context& c, const GnInstanceCreateInfo& info) { return c.scene().createInstance(info); });
 }
 
 GnResult GN_CALL gnSetInstanceTransform(GnContext context, GnInstance instance, const GnTransform* pTransform)
@@ -137,19 +133,14 @@ void GN_CALL gnDestroyInstance(GnContext context, GnInstance instance)
 
 GnResult GN_CALL gnCreateLight(GnContext context, const GnLightInfo* pInfo, GnLight* pLight)
 {
-    if (pLight) *pLight = VK_NULL_HANDLE;
-    return atBoundary(context, [&](Context& c) {
-        if (!pInfo) return nullArgument(context, "pInfo");
-        if (!pLight) return nullArgument(context, "pLight");
-        return give(context, c.scene().createLight(*pInfo), pLight);
-    });
+    return create(context, pInfo, "pInfo", pLight, "pLight",
+                  [](Context& c, const GnLightInfo& info) { return c.scene().createLight(info); });
 }
 
 GnResult GN_CALL gnUpdateLight(GnContext context, GnLight light, const GnLightInfo* pInfo)
 {
-    return atBoundary(context, [&](Context& c) {
-        if (!pInfo) return nullArgument(context, "pInfo");
-        return status(context, c.scene().updateLight(light, *pInfo));
+    return withStruct(context, pInfo, "pInfo", [&](Context& c, const GnLightInfo& info) {
+        return status(context, c.scene().updateLight(light, info));
     });
 }
 
@@ -170,11 +161,9 @@ void GN_CALL gnDestroyLight(GnContext context, GnLight light)
 
 GnResult GN_CALL gnCreateView(GnContext context, const GnViewCreateInfo* pCreateInfo, GnView* pView)
 {
-    if (pView) *pView = VK_NULL_HANDLE;
-    return atBoundary(context, [&](Context& c) {
-        if (!pView) return nullArgument(context, "pView");
-        return give(context, c.createView(pCreateInfo ? *pCreateInfo : GnViewCreateInfo{}), pView);
-    });
+    const GnViewCreateInfo defaults{};
+    return create(context, pCreateInfo ? pCreateInfo : &defaults, "pCreateInfo", pView, "pView",
+                  [](Context& c, const GnViewCreateInfo& info) { return c.createView(info); });
 }
 
 void GN_CALL gnDestroyView(GnContext context, GnView view)
@@ -187,9 +176,8 @@ void GN_CALL gnDestroyView(GnContext context, GnView view)
 
 GnResult GN_CALL gnCmdRenderShadows(GnContext context, VkCommandBuffer commandBuffer, const GnFrameInfo* pFrame)
 {
-    return atBoundary(context, [&](Context& c) {
-        if (!pFrame) return nullArgument(context, "pFrame");
-        return status(context, c.recordFrame(commandBuffer, *pFrame));
+    return withFrame(context, pFrame, [&](Context& c, const GnFrameInfo& frame) {
+        return status(context, c.recordFrame(commandBuffer, frame));
     });
 }
 
@@ -200,9 +188,8 @@ GnResult GN_CALL gnDropFrame(GnContext context, uint64_t frame)
 
 GnResult GN_CALL gnBeginShadows(GnContext context, const GnFrameInfo* pFrame)
 {
-    return atBoundary(context, [&](Context& c) {
-        if (!pFrame) return nullArgument(context, "pFrame");
-        return status(context, c.beginFrame(*pFrame, FrameMode::begin));
+    return withFrame(context, pFrame, [&](Context& c, const GnFrameInfo& frame) {
+        return status(context, c.beginFrame(frame, FrameMode::begin));
     });
 }
 
@@ -213,9 +200,8 @@ GnResult GN_CALL gnFinishShadows(GnContext context, uint64_t timeoutNs)
 
 GnResult GN_CALL gnSubmitShadows(GnContext context, const GnFrameInfo* pFrame)
 {
-    return atBoundary(context, [&](Context& c) {
-        if (!pFrame) return nullArgument(context, "pFrame");
-        const Result<GnResult> begun = c.beginFrame(*pFrame, FrameMode::submit);
+    return withFrame(context, pFrame, [&](Context& c, const GnFrameInfo& frame) {
+        const Result<GnResult> begun = c.beginFrame(frame, FrameMode::submit);
         if (!begun) return report(context, begun.error());
         return status(context, c.finishFrame(UINT64_MAX));
     });
@@ -235,8 +221,8 @@ GnResult GN_CALL gnGetLightMap(GnContext context, GnLight light, GnLightMap* pMa
 
 GnResult GN_CALL gnEnumerateMethods(GnContext context, uint32_t* pCount, GnMethodInfo* pMethods)
 {
-    return list(context, pCount, pMethods,
-                [](Context& c, std::span<GnMethodInfo> out) { return Result<uint32_t>(c.methods(out)); });
+    return list(context, pCount, pMethods, "pMethods",
+                [](Context& c, const StructArray<GnMethodInfo>& out) { return Result<uint32_t>(c.methods(out)); });
 }
 
 GnResult GN_CALL gnAddMethod(GnContext context, const char* pName, const char* pAlgorithm)
@@ -246,9 +232,8 @@ GnResult GN_CALL gnAddMethod(GnContext context, const char* pName, const char* p
 
 GnResult GN_CALL gnRegisterAlgorithm(GnContext context, const GnAlgorithmInfo* pInfo)
 {
-    return atBoundary(context, [&](Context& c) {
-        if (!pInfo) return nullArgument(context, "pInfo");
-        return status(context, c.registerAlgorithm(*pInfo));
+    return withStruct(context, pInfo, "pInfo", [&](Context& c, const GnAlgorithmInfo& info) {
+        return status(context, c.registerAlgorithm(info));
     });
 }
 
@@ -302,6 +287,11 @@ GnResult GN_CALL gnGetLightTiming(GnContext context, GnView view, GnLight light,
     return giveStruct(context, pTiming, "pTiming", [&](Context& c) { return c.lightTiming(view, light); });
 }
 
+GnResult GN_CALL gnGetLightWorkload(GnContext context, GnView view, GnLight light, GnLightWorkload* pWorkload)
+{
+    return giveStruct(context, pWorkload, "pWorkload", [&](Context& c) { return c.lightWorkload(view, light); });
+}
+
 GnResult GN_CALL gnGetDecision(GnContext context, GnView view, GnLight light, GnDecision* pDecision)
 {
     return giveStruct(context, pDecision, "pDecision", [&](Context& c) { return c.decision(view, light); });
@@ -309,26 +299,25 @@ GnResult GN_CALL gnGetDecision(GnContext context, GnView view, GnLight light, Gn
 
 GnResult GN_CALL gnGetFacts(GnContext context, GnView view, GnLight light, uint32_t* pCount, GnFact* pFacts)
 {
-    return list(context, pCount, pFacts, [&](Context& c, std::span<GnFact> out) { return c.facts(view, light, out); });
+    return list(context, pCount, pFacts, "pFacts",
+                [&](Context& c, const StructArray<GnFact>& out) { return c.facts(view, light, out); });
 }
 
 GnResult GN_CALL gnGetCandidates(GnContext context, GnView view, GnLight light, uint32_t* pCount,
                                  GnCandidate* pCandidates)
 {
-    return list(context, pCount, pCandidates,
-                [&](Context& c, std::span<GnCandidate> out) { return c.candidates(view, light, out); });
-}
-
-GnResult GN_CALL gnExplainDecision(GnContext context, GnView view, GnLight light, size_t* pSize, char* pText)
-{
-    return giveText(context, pSize, pText, [&](Context& c) { return c.explanation(view, light); });
+    return list(context, pCount, pCandidates, "pCandidates",
+                [&](Context& c, const StructArray<GnCandidate>& out) { return c.candidates(view, light, out); });
 }
 
 GnResult GN_CALL gnExplain(GnContext context, GnView view, GnLight light, const GnQuestion* pQuestion, size_t* pSize,
                            char* pText)
 {
-    return giveText(context, pSize, pText,
-                    [&](Context& c) { return c.answer(view, light, pQuestion ? *pQuestion : GnQuestion{}); });
+    const GnQuestion why{};
+    return giveText(context, pSize, pText, [&](Context& c) -> Result<std::string> {
+        const Result<GnQuestion> question = readStruct<GnQuestion>(pQuestion ? pQuestion : &why, "pQuestion");
+        return question ? c.answer(view, light, *question) : question.error();
+    });
 }
 
 GnResult GN_CALL gnGetDecisionLog(GnContext context, GnView view, uint64_t firstFrame, uint64_t frameOrigin,
@@ -350,7 +339,7 @@ GnResult GN_CALL gnGetDecisionLog(GnContext context, GnView view, uint64_t first
 GnResult GN_CALL gnGetPassTimings(GnContext context, uint64_t* pFrame, uint32_t* pCount, GnPassTiming* pTimings)
 {
     if (pFrame) *pFrame = 0;
-    return list(context, pCount, pTimings, [&](Context& c, std::span<GnPassTiming> out) {
+    return list(context, pCount, pTimings, "pTimings", [&](Context& c, const StructArray<GnPassTiming>& out) {
         uint64_t frame = 0;
         const uint32_t count = c.passTimings(frame, out);
         if (pFrame) *pFrame = frame;
@@ -360,7 +349,8 @@ GnResult GN_CALL gnGetPassTimings(GnContext context, uint64_t* pFrame, uint32_t*
 
 GnResult GN_CALL gnGetFramePasses(GnContext context, uint32_t* pCount, GnPassTiming* pPasses)
 {
-    return list(context, pCount, pPasses, [](Context& c, std::span<GnPassTiming> out) { return c.framePasses(out); });
+    return list(context, pCount, pPasses, "pPasses",
+                [](Context& c, const StructArray<GnPassTiming>& out) { return c.framePasses(out); });
 }
 
 GnResult GN_CALL gnGetFrameStats(GnContext context, GnFrameStats* pStats)

@@ -211,7 +211,11 @@ Result<GnVisibility> Context::visibility(GnView handle)
     if (!view->visibility)
         return Error{GN_ERROR_FRAME_ORDER, "NoFrameYet", "view '" + view->name + "' has been in no frame yet"};
     const GpuImage& gpu = view->visibility->gpu;
-    return GnVisibility{gpu.image, gpu.view, gpu.extent, gpu.layers, view->revision};
+    return GnVisibility{.image = gpu.image,
+                        .imageView = gpu.view,
+                        .extent = gpu.extent,
+                        .layerCount = gpu.layers,
+                        .revision = view->revision};
 }
 
 // --- methods and rules ---
@@ -302,19 +306,19 @@ Result<void> Context::setMethodSetting(const char* method, const char* setting, 
     return methods_->set(method, setting, value, newest_);
 }
 
-std::uint32_t Context::methods(std::span<GnMethodInfo> out)
+std::uint32_t Context::methods(const StructArray<GnMethodInfo>& out)
 {
-    for (std::uint32_t i = 0; i < std::min<std::size_t>(methods_->size(), out.size()); ++i) {
+    for (std::uint32_t i = 0; i < std::min(methods_->size(), out.size()); ++i) {
         const Method& method = (*methods_)[i];
-        out[i] = {.pName = method.name.c_str(),
-                  .pAlgorithm = method.entry->name,
-                  .pSource = method.entry->source,
-                  .traits = method.entry->traits,
-                  .roundTrips = method.entry->roundTrips,
-                  .ready = method.ready ? VK_TRUE : VK_FALSE,
-                  .pUnavailable = method.unavailable,
-                  .settingCount = static_cast<std::uint32_t>(method.settingInfos.size()),
-                  .pSettings = method.settingInfos.data()};
+        out.put(i, {.pName = method.name.c_str(),
+                    .pAlgorithm = method.entry->name,
+                    .pSource = method.entry->source,
+                    .traits = method.entry->traits,
+                    .roundTrips = method.entry->roundTrips,
+                    .ready = method.ready ? VK_TRUE : VK_FALSE,
+                    .pUnavailable = method.unavailable,
+                    .settingCount = static_cast<std::uint32_t>(method.settingInfos.size()),
+                    .pSettings = method.settingInfos.data()});
     }
     return methods_->size();
 }
@@ -366,9 +370,9 @@ Result<GnLightMap> Context::lightMap(GnLight light)
                    .format = gpu.format,
                    .extent = gpu.extent,
                    .layerCount = gpu.layers,
+                   .validLayers = map.validLayers,
                    .clipFromWorld = {},
-                   .origin = {origin_.at()[0], origin_.at()[1], origin_.at()[2]},
-                   .validLayers = map.validLayers};
+                   .origin = {origin_.at()[0], origin_.at()[1], origin_.at()[2]}};
     for (std::uint32_t i = 0; i < 6; ++i)
         for (int k = 0; k < 16; ++k)
             out.clipFromWorld[i][k] = map.clipFromWorld[i][k / 4][k % 4];

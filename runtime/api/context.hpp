@@ -11,6 +11,7 @@
 #include "runtime/api/last_error.hpp"
 #include "runtime/api/plugin.hpp"
 #include "runtime/api/plugin_abi.hpp"
+#include "runtime/base/struct_size.hpp"
 #include "runtime/frame/frame_budget.hpp"
 #include "runtime/frame/frame_costs.hpp"
 #include "runtime/frame/learn.hpp"
@@ -49,7 +50,7 @@ public:
     Result<void> registerAlgorithm(const GnAlgorithmInfo& info);
     Result<GnResult> loadPlugin(GnContext self, const char* path);
     const GnPluginInterface* pluginInterface() const { return &pluginInterface_; }
-    std::uint32_t methods(std::span<GnMethodInfo> out);
+    std::uint32_t methods(const StructArray<GnMethodInfo>& out);
     Result<void> loadRules(std::string_view text, std::string_view fileName);
     Result<void> loadShippedRules(std::string_view name);
     Result<void> loadKnowledge(std::string_view text, std::string_view fileName);
@@ -60,15 +61,15 @@ public:
     Result<void> dropFrame(std::uint64_t frame);
 
     Result<GnDecision> decision(GnView view, GnLight light);
-    Result<std::string> explanation(GnView view, GnLight light);
     Result<std::string> answer(GnView view, GnLight light, const GnQuestion& question);
     Result<std::string> decisionLog(GnView view, std::uint64_t firstFrame, std::uint64_t frameOrigin);
     Result<GnLightTiming> lightTiming(GnView view, GnLight light);
+    Result<GnLightWorkload> lightWorkload(GnView view, GnLight light);
     /// Fill what fits. @return how many there are.
-    Result<std::uint32_t> facts(GnView view, GnLight light, std::span<GnFact> out);
-    Result<std::uint32_t> candidates(GnView view, GnLight light, std::span<GnCandidate> out);
-    std::uint32_t passTimings(std::uint64_t& frame, std::span<GnPassTiming> out);
-    Result<std::uint32_t> framePasses(std::span<GnPassTiming> out);
+    Result<std::uint32_t> facts(GnView view, GnLight light, const StructArray<GnFact>& out);
+    Result<std::uint32_t> candidates(GnView view, GnLight light, const StructArray<GnCandidate>& out);
+    std::uint32_t passTimings(std::uint64_t& frame, const StructArray<GnPassTiming>& out);
+    Result<std::uint32_t> framePasses(const StructArray<GnPassTiming>& out);
     GnFrameStats stats() const { return frame_.stats; }
 
     SceneRegistry& scene() { return *scene_; }
@@ -111,6 +112,8 @@ private:
     const char* ruleBehind(const View& view, const LightDecision& decision);
     Result<DecisionRecord> recordOf(const View& view, GnLight light, std::uint64_t frame);
     Result<const LightDecision*> findDecision(GnView view, GnLight light);
+    Result<std::string> explanation(GnView view, GnLight light, std::uint64_t frame);
+    Result<const TimedLight*> timedLight(GnView view, GnLight light); ///< Null: it has not been timed yet.
     GnPassTiming publicTiming(const PassTiming& timing) const;
 
     Messages messages_;

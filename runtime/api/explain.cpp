@@ -45,6 +45,9 @@ const char* Context::ruleBehind(const View& view, const LightDecision& decision)
 
 Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQuestion& question)
 {
+    if (const GnQuestionFlags other = question.flags & ~GN_QUESTION_SINCE_SWITCH_BIT)
+        return unknownFlags("GnQuestion::flags", other, "GnQuestionFlagBits");
+    if (question.kind == GN_QUESTION_DECISION) return explanation(viewHandle, light, question.frame);
     const View* view = views_.find(viewHandle);
     if (!view) return invalidHandle("view");
     const Result<DecisionRecord> record = recordOf(*view, light, question.frame);
@@ -56,8 +59,6 @@ Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQu
     }
     const std::shared_ptr<const rules::Engine> engine = view->records.rules(record->frame);
     const ExplainWords words{.methods = methods, .engine = engine.get(), .light = scene_->lightInfo(light)->name};
-    if (const GnQuestionFlags other = question.flags & ~GN_QUESTION_SINCE_SWITCH_BIT)
-        return unknownFlags("GnQuestion::flags", other, "GnQuestionFlagBits");
     switch (question.kind) {
     case GN_QUESTION_WHY:
         return explainWhy(*record, words);

@@ -37,39 +37,54 @@ void Context::teachShared() noexcept
     history_.shared.teach(plan_->knowledge().parts, vk_->properties.deviceName, {algorithms.data(), methods_->size()});
 }
 
-Result<GnLightTiming> Context::lightTiming(GnView viewHandle, GnLight light)
+Result<const TimedLight*> Context::timedLight(GnView viewHandle, GnLight light)
 {
     const View* view = views_.find(viewHandle);
     if (!view) return invalidHandle("view");
     const std::optional<SceneRegistry::LightInfo> info = scene_->lightInfo(light);
     if (!info) return invalidHandle("light");
     const auto memory = view->lights.find(info->id);
-    const TimedLight* timed = memory == view->lights.end() ? nullptr : plan_->timed(memory->second);
-    if (!timed) return GnLightTiming{};
-    const cost::Workload& workload = timed->workload;
-    return GnLightTiming{.frame = timed->timing.frame,
-                         .pMethod = (*methods_)[timed->method].name.c_str(),
-                         .updated = timed->timing.updated ? VK_TRUE : VK_FALSE,
-                         .updateGpuMs = timed->timing.updateGpuMs,
-                         .updateCpuMs = timed->timing.updateCpuMs,
-                         .resolveGpuMs = timed->timing.resolveGpuMs,
-                         .resolveCpuMs = timed->timing.resolveCpuMs,
-                         .pixels = workload.pixels,
-                         .casterTriangles = workload.casterTriangles,
-                         .drawnTriangles = workload.drawnTriangles,
-                         .casters = workload.casters,
-                         .mapTexels = workload.mapTexels,
-                         .sharing = workload.sharing,
-                         .still = workload.still ? VK_TRUE : VK_FALSE,
-                         .type = workload.directional ? GN_LIGHT_TYPE_DIRECTIONAL
-                                 : workload.point     ? GN_LIGHT_TYPE_POINT
-                                                      : GN_LIGHT_TYPE_SPOT,
-                         .drawnPixels = workload.drawnPixels,
-                         .viewPixels = workload.viewPixels,
-                         .shadowPixels = workload.shadowPixels,
-                         .treeLevels = workload.treeLevels,
-                         .mapFilled = workload.mapFilled,
-                         .mapTouched = workload.mapTouched};
+    return memory == view->lights.end() ? nullptr : plan_->timed(memory->second);
+}
+
+Result<GnLightTiming> Context::lightTiming(GnView view, GnLight light)
+{
+    const Result<const TimedLight*> timed = timedLight(view, light);
+    if (!timed) return timed.error();
+    if (!*timed) return GnLightTiming{};
+    const auto& timing = (*timed)->timing;
+    return GnLightTiming{.updated = timing.updated ? VK_TRUE : VK_FALSE,
+                         .frame = timing.frame,
+                         .pMethod = (*methods_)[(*timed)->method].name.c_str(),
+                         .updateGpuMs = timing.updateGpuMs,
+                         .updateCpuMs = timing.updateCpuMs,
+                         .resolveGpuMs = timing.resolveGpuMs,
+                         .resolveCpuMs = timing.resolveCpuMs};
+}
+
+Result<GnLightWorkload> Context::lightWorkload(GnView view, GnLight light)
+{
+    const Result<const TimedLight*> timed = timedLight(view, light);
+    if (!timed) return timed.error();
+    if (!*timed) return GnLightWorkload{};
+    const cost::Workload& workload = (*timed)->workload;
+    return GnLightWorkload{.type = workload.directional ? GN_LIGHT_TYPE_DIRECTIONAL
+                                   : workload.point     ? GN_LIGHT_TYPE_POINT
+                                                        : GN_LIGHT_TYPE_SPOT,
+                           .still = workload.still ? VK_TRUE : VK_FALSE,
+                           .frame = (*timed)->timing.frame,
+                           .pixels = workload.pixels,
+                           .casterTriangles = workload.casterTriangles,
+                           .drawnTriangles = workload.drawnTriangles,
+                           .casters = workload.casters,
+                           .mapTexels = workload.mapTexels,
+                           .sharing = workload.sharing,
+                           .drawnPixels = workload.drawnPixels,
+                           .viewPixels = workload.viewPixels,
+                           .shadowPixels = workload.shadowPixels,
+                           .treeLevels = workload.treeLevels,
+                           .mapFilled = workload.mapFilled,
+                           .mapTouched = workload.mapTouched};
 }
 
 } // namespace gnomon

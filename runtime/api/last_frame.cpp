@@ -84,33 +84,39 @@ Result<GnDecision> Context::decision(GnView view, GnLight light)
                       .pProbed = d.probed == UINT32_MAX ? nullptr : (*methods_)[d.probed].name.c_str()};
 }
 
-Result<std::string> Context::explanation(GnView view, GnLight light)
+/// @param frame the newest, which 0 means
+Result<std::string> Context::explanation(GnView viewHandle, GnLight light, std::uint64_t frame)
 {
-    const Result<const LightDecision*> found = findDecision(view, light);
+    const Result<const LightDecision*> found = findDecision(viewHandle, light);
     if (!found) return found.error();
-    const RecordRing& records = views_.find(view)->records;
-    return selector_->explain(**found, records.rules(records.newest()).get());
+    const View& view = *views_.find(viewHandle);
+    const std::uint64_t newest = view.records.newest();
+    if (frame != 0 && frame != newest)
+        return Error{GN_ERROR_OUT_OF_RANGE, "FrameNotOnRecord",
+                     "frame " + std::to_string(frame) + ": the whole decision is known of the newest frame of view '" +
+                         view.name + "' alone, " + std::to_string(newest)};
+    return selector_->explain(**found, view.records.rules(newest).get());
 }
 
-Result<std::uint32_t> Context::facts(GnView view, GnLight light, std::span<GnFact> out)
+Result<std::uint32_t> Context::facts(GnView view, GnLight light, const StructArray<GnFact>& out)
 {
     const Result<const LightDecision*> found = findDecision(view, light);
     if (!found) return found.error();
-    for (std::size_t i = 0; i < std::min(out.size(), kFactCount); ++i)
-        out[i] = {.pName = kFactNames[i].name, .pUnit = kFactNames[i].unit, .value = (*found)->facts[i]};
+    for (std::size_t i = 0; i < std::min<std::size_t>(out.size(), kFactCount); ++i)
+        out.put(i, {.pName = kFactNames[i].name, .pUnit = kFactNames[i].unit, .value = (*found)->facts[i]});
     return static_cast<std::uint32_t>(kFactCount);
 }
 
-Result<std::uint32_t> Context::candidates(GnView view, GnLight light, std::span<GnCandidate> out)
+Result<std::uint32_t> Context::candidates(GnView view, GnLight light, const StructArray<GnCandidate>& out)
 {
     const Result<const LightDecision*> found = findDecision(view, light);
     if (!found) return found.error();
     const RecordRing& records = views_.find(view)->records;
     const bool ruled = records.rules(records.newest()) != nullptr; // by those in force when it was decided
     const Candidate later{.exclusion = Exclusion::notReady};       // it was no candidate then
-    for (std::uint32_t i = 0; i < std::min<std::size_t>(out.size(), methods_->size()); ++i) {
+    for (std::uint32_t i = 0; i < std::min(out.size(), methods_->size()); ++i) {
         const Candidate& candidate = i < records.methods(records.newest()) ? (*found)->candidates[i] : later;
-        out[i] = publicCandidate((*methods_)[i].name.c_str(), candidate, i == (*found)->method, ruled);
+        out.put(i, publicCandidate((*methods_)[i].name.c_str(), candidate, i == (*found)->method, ruled));
     }
     return methods_->size();
 }
@@ -131,17 +137,17 @@ GnPassTiming Context::publicTiming(const PassTiming& timing) const
     return out;
 }
 
-std::uint32_t Context::passTimings(std::uint64_t& frame, std::span<GnPassTiming> out)
+std::uint32_t Context::passTimings(std::uint64_t& frame, const StructArray<GnPassTiming>& out)
 {
     const FrameTimings* timings = executor_->newestTimed();
     frame = timings ? timings->frame : 0;
     if (!timings) return 0;
-    for (std::size_t i = 0; i < std::min(timings->passes.size(), out.size()); ++i)
-        out[i] = publicTiming(timings->passes[i]);
+    for (std::size_t i = 0; i < std::min<std::size_t>(timings->passes.size(), out.size()); ++i)
+        out.put(i, publicTiming(timings->passes[i]));
     return static_cast<std::uint32_t>(timings->passes.size());
 }
 
-Result<std::uint32_t> Context::framePasses(std::span<GnPassTiming> out)
+Result<std::uint32_t> Context::framePasses(const StructArray<GnPassTiming>& out)
 {
     // A worker runs the host passes in this order, and they may declare others.
     if (executor_->underway())
@@ -151,7 +157,7 @@ Result<std::uint32_t> Context::framePasses(std::span<GnPassTiming> out)
         const Pass& pass = graph_->passes()[index];
         if (!pass.fn) continue;
         if (count < out.size())
-            out[count] = publicTiming({.name = pass.name, .owner = pass.owner, .round = pass.round});
+            out.put(count, publicTiming({.name = pass.name, .owner = pass.owner, .round = pass.round}));
         ++count;
     }
     return count;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "runtime/base/struct_size.hpp"
 #include "runtime/passes/pass_context.hpp"
 
 // The opaque handles of the C plug-in interface are pointers to what they stand for.
@@ -53,18 +54,22 @@ BufferPlace placeOf(GnBufferPlace place)
                                          : BufferPlace::device;
 }
 
-/// @return whether there was a fault; the builder's task fails by it.
-bool refused(PassBuilder& passes, const std::optional<Error>& fault)
+/// What was asked for, where there is nothing wrong with it.
+template <typename Info>
+Result<Info> readInfo(const Info* pInfo, const char* argument)
 {
-    if (fault) passes.fail(*fault);
-    return fault.has_value();
+    Result<Info> info = readStruct<Info>(pInfo, argument);
+    if (!info) return info;
+    if (const std::optional<Error> fault = faultOf(*info)) return *fault;
+    return info;
 }
 
-GnImageRef GN_CALL makeImage(GnPassBuilder builder, const GnImageInfo* info)
+GnImageRef GN_CALL makeImage(GnPassBuilder builder, const GnImageInfo* pInfo)
 {
     return guarded(builder, [&]() -> GnImageRef {
         PassBuilder& passes = builderOf(builder);
-        if (refused(passes, faultOf(info))) return 0;
+        const Result<GnImageInfo> info = readInfo(pInfo, "pfnImage: pInfo");
+        if (!info) return passes.fail(info.error()), 0;
         const ImageInfo image{.name = info->pName,
                               .scope = scopeOf(info->scope),
                               .format = info->format,
@@ -75,11 +80,12 @@ GnImageRef GN_CALL makeImage(GnPassBuilder builder, const GnImageInfo* info)
     });
 }
 
-GnBufferRef GN_CALL makeBuffer(GnPassBuilder builder, const GnBufferInfo* info)
+GnBufferRef GN_CALL makeBuffer(GnPassBuilder builder, const GnBufferInfo* pInfo)
 {
     return guarded(builder, [&]() -> GnBufferRef {
         PassBuilder& passes = builderOf(builder);
-        if (refused(passes, faultOf(info))) return 0;
+        const Result<GnBufferInfo> info = readInfo(pInfo, "pfnBuffer: pInfo");
+        if (!info) return passes.fail(info.error()), 0;
         const BufferInfo buffer{.name = info->pName,
                                 .scope = scopeOf(info->scope),
                                 .size = info->size,
@@ -191,11 +197,31 @@ PassRef openPass(PassBuilder& passes, const GnPassInfo& info)
     return passes.raster(info.pName, scope, info.variant);
 }
 
-GnResult declare(GnPassBuilder builder, const GnPassInfo* info)
+/// What is to be declared, its accesses copied for the frame, where there is nothing wrong with it.
+Result<GnPassInfo> readPass(PassBuilder& passes, const GnPassInfo* pInfo, std::uint32_t roundTrips)
+{
+    Result<GnPassInfo> info = readStruct<GnPassInfo>(pInfo, "pfnPass: pInfo");
+    if (!info) return info;
+    if (info->pAccesses) {
+        const std::span<GnAccess> accesses = passes.arena().array<GnAccess>(info->accessCount);
+        auto next = accesses.begin();
+        const Result<void> read = readStructs(info->pAccesses, info->accessCount, "pAccesses",
+                                              [&](const GnAccess& access) { *next++ = access; });
+        if (!read) return read.error();
+        info->pAccesses = accesses.data();
+    }
+    if (const std::optional<Error> fault = faultOf(passes, *info, roundTrips)) return *fault;
+    return info;
+}
+
+GnResult declare(GnPassBuilder builder, const GnPassInfo* pInfo)
 {
     PassBuilder& passes = builderOf(builder);
-    if (const std::optional<Error> fault = faultOf(passes, info, pluginOf(builder).roundTrips); refused(passes, fault))
-        return fault->result;
+    const Result<GnPassInfo> info = readPass(passes, pInfo, pluginOf(builder).roundTrips);
+    if (!info) {
+        passes.fail(info.error());
+        return info.error().result;
+    }
     const bool cpu = info->kind == GN_PASS_PREPARE || info->kind == GN_PASS_HOST;
     PassRef pass = openPass(passes, *info);
     for (uint32_t i = 0; i < info->accessCount; ++i)
@@ -223,10 +249,10 @@ GnResult declare(GnPassBuilder builder, const GnPassInfo* info)
     return GN_SUCCESS;
 }
 
-GnResult GN_CALL declarePass(GnPassBuilder builder, const GnPassInfo* info)
+GnResult GN_CALL declarePass(GnPassBuilder builder, const GnPassInfo* pInfo)
 {
     return guarded(
-        builder, [&] { return declare(builder, info); }, GN_ERROR_OUT_OF_HOST_MEMORY);
+        builder, [&] { return declare(builder, pInfo); }, GN_ERROR_OUT_OF_HOST_MEMORY);
 }
 
 VkImage GN_CALL vkImageOf(GnPassContext context, GnImageRef image)
@@ -259,8 +285,7 @@ namespace gnomon {
 
 GnPluginInterface makePluginInterface(VkDevice device, PFN_vkGetDeviceProcAddr getDeviceProcAddr)
 {
-    return {.size = sizeof(GnPluginInterface),
-            .pfnRegisterAlgorithm = &gnRegisterAlgorithm,
+    return {.pfnRegisterAlgorithm = &gnRegisterAlgorithm,
             .pfnImage = &makeImage,
             .pfnBuffer = &makeBuffer,
             .pfnImageStale = &imageStale,

@@ -33,10 +33,10 @@ inline GnBufferRef refOf(BufferId id)
     return id ? id.index + 1 : 0;
 }
 
-// What is wrong with what is to be declared, or nothing (plugin_faults.cpp). `info` may be null.
-std::optional<Error> faultOf(const GnImageInfo* info);
-std::optional<Error> faultOf(const GnBufferInfo* info);
-std::optional<Error> faultOf(const PassBuilder& passes, const GnPassInfo* info, std::uint32_t roundTrips);
+// What is wrong with what is to be declared, or nothing (plugin_faults.cpp).
+std::optional<Error> faultOf(const GnImageInfo& info);
+std::optional<Error> faultOf(const GnBufferInfo& info);
+std::optional<Error> faultOf(const PassBuilder& passes, const GnPassInfo& info, std::uint32_t roundTrips);
 
 GnPluginInterface makePluginInterface(VkDevice device, PFN_vkGetDeviceProcAddr getDeviceProcAddr);
 

@@ -12,9 +12,9 @@ constexpr std::uint32_t kMaxUserData = 256;
 // maxStorageBufferRange.
 constexpr VkDeviceSize kLargestBuffer = VkDeviceSize{1} << 31;
 
-Error isNull(const char* member)
+Error nameMissing(const char* call)
 {
-    return {GN_ERROR_NULL_ARGUMENT, "PluginNull", std::string(member) + " is null"};
+    return {GN_ERROR_NULL_ARGUMENT, "PluginNull", std::string(call) + ": pName is null"};
 }
 
 Error passFault(const GnPassInfo& info, GnResult result, const char* id, const std::string& what)
@@ -217,34 +217,31 @@ std::optional<Error> faultOfAttachments(const PassBuilder& passes, const GnPassI
 
 } // namespace
 
-std::optional<Error> faultOf(const GnImageInfo* info)
+std::optional<Error> faultOf(const GnImageInfo& info)
 {
-    if (!info) return isNull("pfnImage: pInfo");
-    if (!info->pName) return isNull("pfnImage: pName");
+    if (!info.pName) return nameMissing("pfnImage");
     return std::nullopt; // the rest depends on the device, and is looked at where the image is made
 }
 
-std::optional<Error> faultOf(const GnBufferInfo* info)
+std::optional<Error> faultOf(const GnBufferInfo& info)
 {
-    if (!info) return isNull("pfnBuffer: pInfo");
-    if (!info->pName) return isNull("pfnBuffer: pName");
-    if (info->size <= kLargestBuffer) return std::nullopt;
+    if (!info.pName) return nameMissing("pfnBuffer");
+    if (info.size <= kLargestBuffer) return std::nullopt;
     return Error{GN_ERROR_OUT_OF_RANGE, "BufferSize",
-                 "buffer '" + std::string(info->pName) + "': size is " + std::to_string(info->size) + ", above " +
+                 "buffer '" + std::string(info.pName) + "': size is " + std::to_string(info.size) + ", above " +
                      std::to_string(kLargestBuffer)};
 }
 
-std::optional<Error> faultOf(const PassBuilder& passes, const GnPassInfo* info, std::uint32_t roundTrips)
+std::optional<Error> faultOf(const PassBuilder& passes, const GnPassInfo& info, std::uint32_t roundTrips)
 {
-    if (!info) return isNull("pfnPass: pInfo");
-    if (!info->pName) return Error{GN_ERROR_NULL_ARGUMENT, "PassName", "a pass has no pName"};
-    if (std::optional<Error> fault = faultOfPass(*info, roundTrips)) return fault;
-    for (std::uint32_t i = 0; i < info->accessCount; ++i)
-        if (std::optional<Error> fault = faultOfAccess(passes, *info, i)) return fault;
-    if (writesImageOtherwise(*info))
-        return passFault(*info, GN_ERROR_UNSUPPORTED, "StorageImage",
+    if (!info.pName) return Error{GN_ERROR_NULL_ARGUMENT, "PassName", "a pass has no pName"};
+    if (std::optional<Error> fault = faultOfPass(info, roundTrips)) return fault;
+    for (std::uint32_t i = 0; i < info.accessCount; ++i)
+        if (std::optional<Error> fault = faultOfAccess(passes, info, i)) return fault;
+    if (writesImageOtherwise(info))
+        return passFault(info, GN_ERROR_UNSUPPORTED, "StorageImage",
                          "it writes an image that is neither its attachment nor what it copies to");
-    if (info->kind == GN_PASS_RASTER) return faultOfAttachments(passes, *info);
+    if (info.kind == GN_PASS_RASTER) return faultOfAttachments(passes, info);
     return std::nullopt;
 }
 

@@ -6,7 +6,7 @@ void Messages::send(GnSeverity severity, GnResult result, const char* id, const 
 {
     if (!callback_) return;
     const std::string whole = prefix_ + text;
-    const GnMessage message{severity, result, id, whole.c_str()};
+    const GnMessage message{.severity = severity, .result = result, .pId = id, .pText = whole.c_str()};
     callback_(&message, userData_);
 }
 

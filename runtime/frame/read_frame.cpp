@@ -203,7 +203,7 @@ Result<void> checkOrder(const GnFrameInfo& info, const ReadParts& parts)
     if (info.frame == 0) return frameOrder("frame is 0; the first frame is at least 1");
     if (parts.newest != 0 && info.frame != parts.newest + 1)
         return frameOrder("frame is " + std::to_string(info.frame) + " after " + std::to_string(parts.newest));
-    if (const GnFrameFlags other = info.flags & ~(GN_FRAME_PRESUBMIT_BIT | GN_FRAME_TIMED_BIT))
+    if (const GnFrameFlags other = info.flags & ~GN_FRAME_TIMED_BIT)
         return unknownFlags("GnFrameInfo::flags", other, "GnFrameFlagBits");
     if (info.completedFrame >= info.frame)
         return frameOrder("completedFrame " + std::to_string(info.completedFrame) + " is not before frame " +

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/base/struct_size.hpp"
 #include "runtime/vk/device_table.hpp"
 
 namespace gnomon {
@@ -80,19 +81,20 @@ extern "C" GnResult GN_CALL gnQueryDeviceNeeds(VkInstance instance, VkPhysicalDe
                                                PFN_vkGetInstanceProcAddr pfnGetInstanceProcAddr, GnDeviceNeeds* pNeeds)
 {
     if (!pNeeds) return GN_ERROR_NULL_ARGUMENT;
-    *pNeeds = {};
+    const gnomon::StructArray<GnDeviceNeeds> out(pNeeds, 1);
+    if (!out.fits()) return GN_ERROR_OUT_OF_RANGE;
+    out.put(0, {});
     if (!instance || !physicalDevice || !pfnGetInstanceProcAddr) return GN_ERROR_NULL_ARGUMENT;
-    pNeeds->apiVersion = VK_API_VERSION_1_3;
+    GnDeviceNeeds needs{.apiVersion = VK_API_VERSION_1_3};
     try {
-        const std::string reason = gnomon::fillNeeds(instance, physicalDevice, pfnGetInstanceProcAddr, *pNeeds);
-        pNeeds->supported = reason.empty();
-        reason.copy(pNeeds->reason, sizeof(pNeeds->reason) - 1);
+        const std::string reason = gnomon::fillNeeds(instance, physicalDevice, pfnGetInstanceProcAddr, needs);
+        needs.supported = reason.empty();
+        reason.copy(needs.reason, sizeof(needs.reason) - 1);
+        out.put(0, needs);
         return reason.empty() ? GN_SUCCESS : GN_ERROR_FEATURE_MISSING;
     } catch (const std::bad_alloc&) {
-        *pNeeds = {};
         return GN_ERROR_OUT_OF_HOST_MEMORY;
     } catch (...) {
-        *pNeeds = {};
         return GN_ERROR_UNKNOWN;
     }
 }

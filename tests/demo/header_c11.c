@@ -4,10 +4,10 @@
 _Static_assert(GN_SUCCESS == 0, "zero is success");
 _Static_assert(sizeof(GnMesh) == 8, "handles are 64 bits wide in C too");
 
-/* A zeroed structure is a valid start in C, which C++ code below must see as the same bytes. */
-size_t sizeOfFrameInfoInC(void);
-size_t sizeOfFrameInfoInC(void)
+/* The size that a host gives in C, which a host in C++ gives without saying so. */
+uint32_t structSizeInC(void);
+uint32_t structSizeInC(void)
 {
-    const GnFrameInfo info = {0};
-    return sizeof info;
+    const GnFrameInfo info = {GN_INIT(GnFrameInfo), .frame = 1};
+    return info.structSize;
 }

@@ -3,9 +3,11 @@
 
 #include <doctest/doctest.h>
 
-extern "C" size_t sizeOfFrameInfoInC(void);
+extern "C" uint32_t structSizeInC(void);
 
 TEST_CASE("the public header means the same to C11 and to C++20")
 {
-    CHECK(sizeOfFrameInfoInC() == sizeof(GnFrameInfo));
+    CHECK(structSizeInC() == sizeof(GnFrameInfo));
+    CHECK(structSizeInC() == GnFrameInfo{}.structSize);
+    CHECK(structSizeInC() == GnFrameInfo{.frame = 1}.structSize);
 }

@@ -18,8 +18,8 @@ GnMesh createMesh(GnContext context, const demo::Mesh& mesh)
                                 .pPositions = &mesh.positions[0].x,
                                 .positionCount = static_cast<uint32_t>(mesh.positions.size()),
                                 .positionStride = 0,
-                                .pIndices = mesh.indices.data(),
-                                .indexCount = static_cast<uint32_t>(mesh.indices.size())};
+                                .indexCount = static_cast<uint32_t>(mesh.indices.size()),
+                                .pIndices = mesh.indices.data()};
     GnMesh handle = VK_NULL_HANDLE;
     REQUIRE(gnCreateMesh(context, &info, &handle) == GN_SUCCESS);
     return handle;

@@ -90,9 +90,18 @@ TEST_CASE_FIXTURE(DeviceTest,
     // A buffer that is too small gets what fits, and says so.
     size_t size = 12;
     char small[12];
-    CHECK(gnExplainDecision(host.context, host.views[0], host.lights[0], &size, small) == GN_INCOMPLETE);
+    GnQuestion question{.kind = GN_QUESTION_DECISION};
+    CHECK(gnExplain(host.context, host.views[0], host.lights[0], &question, &size, small) == GN_INCOMPLETE);
     CHECK(size == text.size() + 1);
     CHECK(std::string(small) == text.substr(0, 11));
+
+    // It is known of the newest frame, by whichever number.
+    question.frame = host.frame();
+    host.require(gnExplain(host.context, host.views[0], host.lights[0], &question, &size, nullptr));
+    CHECK(size == text.size() + 1);
+    --question.frame;
+    CHECK(gnExplain(host.context, host.views[0], host.lights[0], &question, &size, nullptr) == GN_ERROR_OUT_OF_RANGE);
+    CHECK(contains(gnGetLastError(host.context), "of the newest frame"));
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "without rules an exact method serves, recorded frames included")

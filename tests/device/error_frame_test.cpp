@@ -199,7 +199,7 @@ TEST_CASE_FIXTURE(DeviceTest, "null where something is needed is an error of its
     null("pMethod", gnSetMethodSetting(c, nullptr, "filter", 1.0));
     null("pText", gnLoadRules(c, nullptr, 0, "none"));
     null("pDecision", gnGetDecision(c, view, light, nullptr));
-    null("pSize", gnExplainDecision(c, view, light, nullptr, nullptr));
+    null("pSize", gnExplain(c, view, light, nullptr, nullptr, nullptr));
     null("pCount", gnGetPassTimings(c, nullptr, nullptr, nullptr));
     null("pCount", gnGetFramePasses(c, nullptr, nullptr));
     null("pStats", gnGetFrameStats(c, nullptr));
@@ -213,7 +213,7 @@ TEST_CASE_FIXTURE(DeviceTest, "null where something is needed is an error of its
     CHECK(visibility.revision == 0);
     CHECK(gnGetPassTimings(nullptr, &frame, &count, nullptr) == GN_ERROR_NULL_ARGUMENT);
     CHECK(frame + count == 0);
-    CHECK(gnExplainDecision(c, VK_NULL_HANDLE, light, &size, nullptr) == GN_ERROR_INVALID_HANDLE);
+    CHECK(gnExplain(c, VK_NULL_HANDLE, light, nullptr, &size, nullptr) == GN_ERROR_INVALID_HANDLE);
     CHECK(size == 0);
     CHECK(gnWarmUp(nullptr) == GN_ERROR_NULL_ARGUMENT);
     CHECK(std::string(gnGetLastError(nullptr)).size() > 0);

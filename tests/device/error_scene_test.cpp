@@ -75,8 +75,8 @@ TEST_CASE_FIXTURE(DeviceTest, "zero-area triangles are dropped with a warning; t
                                 .pPositions = &dirty.positions[0].x,
                                 .positionCount = static_cast<uint32_t>(dirty.positions.size()),
                                 .positionStride = 0,
-                                .pIndices = dirty.indices.data(),
-                                .indexCount = static_cast<uint32_t>(dirty.indices.size())};
+                                .indexCount = static_cast<uint32_t>(dirty.indices.size()),
+                                .pIndices = dirty.indices.data()};
     GnMesh mesh = VK_NULL_HANDLE;
     host.takeMessages();
     host.require(gnCreateMesh(host.context, &info, &mesh));

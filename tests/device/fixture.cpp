@@ -152,7 +152,7 @@ Host::Host(Scene wanted, const HostOptions& options)
     createScene();
     views.resize(options.viewCount);
     for (GnView& view : views) {
-        const GnViewCreateInfo info{.pName = "test", .maxLights = options.maxLights};
+        const GnViewCreateInfo info{.maxLights = options.maxLights, .pName = "test"};
         require(gnCreateView(context, &info, &view));
     }
 }
@@ -182,8 +182,8 @@ void Host::createScene()
                                     .pPositions = &mesh.positions[0].x,
                                     .positionCount = static_cast<uint32_t>(mesh.positions.size()),
                                     .positionStride = sizeof(glm::vec3),
-                                    .pIndices = mesh.indices.data(),
-                                    .indexCount = static_cast<uint32_t>(mesh.indices.size())};
+                                    .indexCount = static_cast<uint32_t>(mesh.indices.size()),
+                                    .pIndices = mesh.indices.data()};
         require(gnCreateMesh(context, &info, &meshes.emplace_back()));
     }
     hostDrawn_.resize(scene.instances.size());

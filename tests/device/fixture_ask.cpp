@@ -73,10 +73,11 @@ GnDecision Host::decision(size_t light, uint32_t view) const
 
 std::string Host::explanation(size_t light, uint32_t view) const
 {
+    const GnQuestion question{.kind = GN_QUESTION_DECISION};
     size_t size = 0;
-    require(gnExplainDecision(context, views[view], lights[light], &size, nullptr));
+    require(gnExplain(context, views[view], lights[light], &question, &size, nullptr));
     std::string text(size, '\0');
-    require(gnExplainDecision(context, views[view], lights[light], &size, text.data()));
+    require(gnExplain(context, views[view], lights[light], &question, &size, text.data()));
     text.resize(size - 1);
     return text;
 }

@@ -182,22 +182,31 @@ TEST_CASE_FIXTURE(DeviceTest, "a timed light tells what it cost and what that de
     Host host(smallScene(), {.flags = GN_CONTEXT_NO_BACKGROUND_BIT | GN_CONTEXT_TIME_EVERY_FRAME_BIT});
     host.pinAll("shadow_map");
     GnLightTiming timing{};
+    GnLightWorkload workload{};
     CHECK(gnGetLightTiming(host.context, host.views[0], host.lights[0], nullptr) == GN_ERROR_NULL_ARGUMENT);
+    CHECK(gnGetLightWorkload(host.context, host.views[0], host.lights[0], nullptr) == GN_ERROR_NULL_ARGUMENT);
     host.require(host.draw());
     host.require(gnGetLightTiming(host.context, host.views[0], host.lights[0], &timing));
+    host.require(gnGetLightWorkload(host.context, host.views[0], host.lights[0], &workload));
     CHECK(timing.frame == 0); // two frames late
+    CHECK(workload.frame == 0);
     host.draw(6, {});
     host.require(gnGetLightTiming(host.context, host.views[0], host.lights[0], &timing));
+    host.require(gnGetLightWorkload(host.context, host.views[0], host.lights[0], &workload));
     CHECK(timing.frame > 0);
+    CHECK(workload.frame == timing.frame);
     CHECK(std::string(timing.pMethod) == "shadow_map");
     CHECK(timing.resolveGpuMs > 0.0f);
     CHECK(!timing.updated); // the map was kept
-    CHECK(timing.still);
-    CHECK(timing.viewPixels == 320.0 * 180.0);
-    CHECK(timing.drawnPixels <= timing.viewPixels);
-    CHECK(timing.casterTriangles > 0.0);
-    CHECK(timing.sharing == 1.0);
+    CHECK(workload.type == GN_LIGHT_TYPE_DIRECTIONAL);
+    CHECK(workload.still);
+    CHECK(workload.viewPixels == 320.0 * 180.0);
+    CHECK(workload.drawnPixels <= workload.viewPixels);
+    CHECK(workload.casterTriangles > 0.0);
+    CHECK(workload.sharing == 1.0);
     CHECK(gnGetLightTiming(host.context, host.views[0], VK_NULL_HANDLE, &timing) == GN_ERROR_INVALID_HANDLE);
+    CHECK(gnGetLightWorkload(host.context, VK_NULL_HANDLE, host.lights[0], &workload) == GN_ERROR_INVALID_HANDLE);
+    CHECK(workload.frame == 0);
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "without a budget the cheapest that shows as much serves, unless time has no say")

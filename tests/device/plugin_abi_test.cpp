@@ -148,6 +148,10 @@ TEST_CASE_FIXTURE(DeviceTest, "passes that cannot be are refused by the member a
         CHECK(test.caller.gn->pfnPass(builder, nullptr) == GN_ERROR_NULL_ARGUMENT);
     };
     test.says("pfnPass: pInfo is null");
+    test.passSays(GN_ERROR_OUT_OF_RANGE, "pfnPass: pInfo: GnPassInfo::structSize is 0",
+                  [](GnPassInfo& info, GnAccess&) { info.structSize = 0; });
+    test.passSays(GN_ERROR_OUT_OF_RANGE, "pAccesses[0]: GnAccess::structSize is 0",
+                  [](GnPassInfo&, GnAccess& access) { access.structSize = 0; });
     test.passSays(GN_ERROR_OUT_OF_RANGE, "kind is 9", [](GnPassInfo& info, GnAccess&) { info.kind = GnPassKind(9); });
     test.passSays(GN_ERROR_OUT_OF_RANGE, "pAccesses[0].kind is 77",
                   [](GnPassInfo&, GnAccess& access) { access.kind = GnAccessKind(77); });

@@ -310,8 +310,8 @@ TEST_CASE_FIXTURE(DeviceTest, "with hardly any memory the frame is lit or refuse
             const GnMeshCreateInfo meshInfo{.pName = mesh.name.c_str(),
                                             .pPositions = &mesh.positions[0].x,
                                             .positionCount = static_cast<uint32_t>(mesh.positions.size()),
-                                            .pIndices = mesh.indices.data(),
-                                            .indexCount = static_cast<uint32_t>(mesh.indices.size())};
+                                            .indexCount = static_cast<uint32_t>(mesh.indices.size()),
+                                            .pIndices = mesh.indices.data()};
             GnMesh created = VK_NULL_HANDLE;
             const GnResult result = gnCreateMesh(context, &meshInfo, &created);
             CHECK((result == GN_SUCCESS || result == GN_ERROR_OUT_OF_DEVICE_MEMORY));

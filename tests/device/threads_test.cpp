@@ -22,8 +22,8 @@ GnResult stream(GnContext context, uint32_t seed)
                                     .pPositions = &ball.positions[0].x,
                                     .positionCount = count,
                                     .positionStride = 0,
-                                    .pIndices = ball.indices.data(),
-                                    .indexCount = static_cast<uint32_t>(ball.indices.size())};
+                                    .indexCount = static_cast<uint32_t>(ball.indices.size()),
+                                    .pIndices = ball.indices.data()};
         GnMesh mesh = VK_NULL_HANDLE;
         if (const GnResult made = gnCreateMesh(context, &info, &mesh); made < 0) return made;
         GnInstanceCreateInfo instanceInfo{};
@@ -103,8 +103,8 @@ TEST_CASE_FIXTURE(DeviceTest, "every thread hears of its own failures, while oth
                                         .pPositions = position,
                                         .positionCount = 1,
                                         .positionStride = 0,
-                                        .pIndices = indices,
-                                        .indexCount = 3};
+                                        .indexCount = 3,
+                                        .pIndices = indices};
             GnMesh mesh = VK_NULL_HANDLE;
             if (gnCreateMesh(host.context, &info, &mesh) != GN_ERROR_OUT_OF_RANGE) ++mixed;
             if (std::string(gnGetLastError(host.context)).find(name) == std::string::npos) ++mixed;

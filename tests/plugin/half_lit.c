@@ -30,10 +30,11 @@ static void GN_CALL fill(GnPassContext context, VkCommandBuffer commandBuffer, c
 
 static void GN_CALL declare(void* pAlgorithm, GnPassBuilder builder, const GnShadowTask* pTask)
 {
-    const GnBufferInfo bufferInfo = {.pName = "half_lit.value", .scope = GN_SCOPE_TASK, .size = 4, .place = GN_BUFFER_UPLOAD};
+    const GnBufferInfo bufferInfo = {
+        GN_INIT(GnBufferInfo), .pName = "half_lit.value", .scope = GN_SCOPE_TASK, .size = 4, .place = GN_BUFFER_UPLOAD};
     const Work work = {.value = gn->pfnBuffer(builder, &bufferInfo), .shade = (float)pTask->pSettings[0]};
-    const GnAccess chooses = {.kind = GN_ACCESS_WRITE, .buffer = work.value};
-    const GnPassInfo prepare = {.pName = "half_lit.choose",
+    const GnAccess chooses = {GN_INIT(GnAccess), .kind = GN_ACCESS_WRITE, .buffer = work.value};
+    const GnPassInfo prepare = {GN_INIT(GnPassInfo), .pName = "half_lit.choose",
                                 .kind = GN_PASS_PREPARE,
                                 .scope = GN_SCOPE_TASK,
                                 .accessCount = 1,
@@ -42,10 +43,11 @@ static void GN_CALL declare(void* pAlgorithm, GnPassBuilder builder, const GnSha
                                 .pUserData = &work,
                                 .userDataSize = sizeof work};
     const GnAccess fills[] = {
-        {.kind = GN_ACCESS_READ, .buffer = work.value},
-        {.kind = GN_ACCESS_WRITE, .image = pTask->visibility, .baseLayer = pTask->layer, .clear = VK_TRUE},
+        {GN_INIT(GnAccess), .kind = GN_ACCESS_READ, .buffer = work.value},
+        {GN_INIT(GnAccess), .kind = GN_ACCESS_WRITE, .image = pTask->visibility, .baseLayer = pTask->layer,
+         .clear = VK_TRUE},
     };
-    const GnPassInfo raster = {.pName = "half_lit.fill",
+    const GnPassInfo raster = {GN_INIT(GnPassInfo), .pName = "half_lit.fill",
                                .kind = GN_PASS_RASTER,
                                .scope = GN_SCOPE_TASK,
                                .accessCount = 2,
@@ -65,7 +67,7 @@ GnResult GN_CALL gnPluginMain(GnContext context, const GnPluginInterface* pInter
 {
     const GnSettingInfo shade = {
         .pName = "shade", .pDescription = "Visibility of every pixel.", .minimum = 0, .maximum = 1, .value = 0.5};
-    const GnAlgorithmInfo info = {.pName = "half_lit",
+    const GnAlgorithmInfo info = {GN_INIT(GnAlgorithmInfo), .pName = "half_lit",
                                   .pSource = "none",
                                   .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT,
                                   .settingCount = 1,

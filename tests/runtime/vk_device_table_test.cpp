@@ -192,6 +192,12 @@ TEST_CASE("device needs name what to enable, and why a device will not do")
     CHECK(refusal() == "the instance is older than Vulkan 1.1");
     CHECK(gnQueryDeviceNeeds(instance, device, nullptr, &needs) == GN_ERROR_NULL_ARGUMENT);
     CHECK(gnQueryDeviceNeeds(instance, device, &StubVulkan::getInstanceProcAddr, nullptr) == GN_ERROR_NULL_ARGUMENT);
+    needs.structSize = 0;
+    CHECK(gnQueryDeviceNeeds(instance, device, &StubVulkan::getInstanceProcAddr, &needs) == GN_ERROR_OUT_OF_RANGE);
+    needs.structSize = offsetof(GnDeviceNeeds, supported) + sizeof needs.supported; // as an older host may have it
+    needs.reason[0] = '?';
+    CHECK(gnQueryDeviceNeeds(instance, device, &StubVulkan::getInstanceProcAddr, &needs) == GN_ERROR_FEATURE_MISSING);
+    CHECK(needs.reason[0] == '?');
 }
 
 TEST_CASE("Vulkan's errors become ours, with the call's name")

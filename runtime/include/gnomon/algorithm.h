@@ -1,5 +1,5 @@
 /** \file algorithm.h
-\brief Shadow algorithms from outside: registered from C, or loaded from a shared object exporting #gnPluginMain.
+\brief Shadow algorithms from outside: registered from C, or loaded from a shared object exporting gnPluginMain().
 
 An algorithm declares passes and what they touch; order, barriers, memory and round trips follow. The built-in ones
 speak through the same pass graph. An algorithm registered here is a method of the same name: rules may favour it,
@@ -23,6 +23,7 @@ typedef struct GnPassContext_T* GnPassContext;
 typedef uint32_t GnImageRef;
 typedef uint32_t GnBufferRef;
 
+/** Where a pass runs. */
 typedef enum GnPassKind {
     GN_PASS_RASTER = 0,   ///< A rendering scope with the declared attachments.
     GN_PASS_COMPUTE = 1,
@@ -40,6 +41,7 @@ typedef enum GnScope {
     GN_SCOPE_MAX_ENUM = 0x7FFFFFFF
 } GnScope;
 
+/** What a pass does with an image or a buffer. */
 typedef enum GnAccessKind {
     GN_ACCESS_SAMPLED = 0,       ///< Image, SHADER_READ_ONLY_OPTIMAL.
     GN_ACCESS_READ = 1,          ///< Buffer: storage, host or transfer source, as the pass kind says.
@@ -59,6 +61,7 @@ typedef enum GnAccessKind {
 
 /** One thing a pass touches. Writes to different layers or disjoint rectangles are unordered and get no barrier. */
 typedef struct GnAccess {
+    uint32_t structSize GN_SIZE_OF(GnAccess); ///< sizeof(GnAccess); the same for all accesses of a pass.
     GnAccessKind kind;
     GnImageRef image;     ///< Either this ...
     GnBufferRef buffer;   ///< ... or this; with neither the access is none.
@@ -70,16 +73,19 @@ typedef struct GnAccess {
     VkClearValue clearValue;
 } GnAccess;
 
+/** Describes an image of the frame, or one that is kept. */
 typedef struct GnImageInfo {
+    uint32_t structSize GN_SIZE_OF(GnImageInfo); ///< sizeof(GnImageInfo).
+    VkBool32 persistent; ///< Content is kept from frame to frame; see GnPluginInterface::pfnImageStale.
     const char* pName;   ///< "algorithm.what"; static storage.
     GnScope scope;
     VkFormat format;     ///< The device must sample, copy and render to it; else the task fails (pfnPass).
     VkExtent2D extent;
     uint32_t layers;     ///< 0 means 1.
     uint32_t variant;    ///< Distinguishes settings.
-    VkBool32 persistent; ///< Content is kept from frame to frame; see GnPluginInterface::pfnImageStale.
 } GnImageInfo;
 
+/** Who reaches a buffer. */
 typedef enum GnBufferPlace {
     GN_BUFFER_DEVICE = 0,   ///< GPU only: pfnMapped gives null.
     GN_BUFFER_UPLOAD = 1,   ///< Written by prepare or host passes.
@@ -87,13 +93,15 @@ typedef enum GnBufferPlace {
     GN_BUFFER_PLACE_MAX_ENUM = 0x7FFFFFFF
 } GnBufferPlace;
 
+/** Describes a buffer of the frame, or one that is kept. */
 typedef struct GnBufferInfo {
+    uint32_t structSize GN_SIZE_OF(GnBufferInfo); ///< sizeof(GnBufferInfo).
+    VkBool32 persistent; ///< As GnImageInfo's.
     const char* pName;   ///< As GnImageInfo's.
     GnScope scope;
     VkDeviceSize size;   ///< At most 2 GiB.
     GnBufferPlace place;
     uint32_t variant;
-    VkBool32 persistent;
 } GnBufferInfo;
 
 /** Records a GPU pass into the command buffer; raster passes are inside their rendering scope. */
@@ -104,6 +112,7 @@ typedef void(GN_CALL* PFN_gnRun)(GnPassContext context, void* pUserData);
 
 /** A pass. `pUserData` is copied bytewise (`userDataSize` bytes) and handed to the callback. */
 typedef struct GnPassInfo {
+    uint32_t structSize GN_SIZE_OF(GnPassInfo); ///< sizeof(GnPassInfo).
     const char* pName; ///< "algorithm.stage", static storage: debug label, timing and log word.
     GnPassKind kind;
     GnScope scope;
@@ -113,11 +122,12 @@ typedef struct GnPassInfo {
     VkRect2D area;      ///< Raster, which has an attachment; within all of them. Zero extent: the first one's `rect`.
     PFN_gnRecord pfnRecord; ///< GPU passes.
     PFN_gnRun pfnRun;       ///< CPU passes.
-    const void* pUserData;
     uint32_t userDataSize;  ///< At most 256.
+    const void* pUserData;
 } GnPassInfo;
 
-/** A caster in the light's range. Coordinates are relative to the frame's origin, metres. */
+/** A caster in the light's range. A value: see \ref gn_structures. Coordinates are relative to the frame's origin,
+metres. */
 typedef struct GnTaskCaster {
     VkBuffer vertexBuffer;  ///< float3 positions, object space; null for host-drawn casters.
     VkBuffer indexBuffer;   ///< uint32, counter-clockwise triangles.
@@ -129,6 +139,7 @@ typedef struct GnTaskCaster {
 
 /** One light in one view: what a declaration turns into passes. Coordinates are relative to the frame's origin. */
 typedef struct GnShadowTask {
+    uint32_t structSize GN_SIZE_OF(GnShadowTask); ///< The library's sizeof(GnShadowTask).
     VkExtent2D extent;       ///< Of depth and visibility.
     VkRect2D area;           ///< Pixels to write; every one of them.
     float clipFromWorld[16];
@@ -159,6 +170,7 @@ typedef void(GN_CALL* PFN_gnDeclare)(void* pAlgorithm, GnPassBuilder builder, co
 
 /** Describes an algorithm. Everything is copied. */
 typedef struct GnAlgorithmInfo {
+    uint32_t structSize GN_SIZE_OF(GnAlgorithmInfo); ///< sizeof(GnAlgorithmInfo).
     const char* pName;       ///< Required; the method's name.
     const char* pSource;     ///< Paper, or where it comes from.
     GnTraits traits;         ///< At least one light kind.
@@ -177,20 +189,22 @@ GN_API GnResult GN_CALL gnRegisterAlgorithm(GnContext context, const GnAlgorithm
 
 struct GnPluginInterface;
 
-/** Of the structures in this header; grows with every change to one of them. A plug-in, in C or in C++, says which it was
-compiled with: `const uint32_t gnPluginVersion = GN_PLUGIN_VERSION;`. */
+/** Of the meaning of what this header declares. Members that are added at the end of a structure need no other version;
+what else changes does. A plug-in, in C or in C++, says which it was compiled with:
+`const uint32_t gnPluginVersion = GN_PLUGIN_VERSION;`. */
 #define GN_PLUGIN_VERSION 1
 
 /** What a plug-in exports under the name "gnPluginMain": registers its algorithms and returns the first failure. */
 typedef GnResult(GN_CALL* PFN_gnPluginMain)(GnContext context, const struct GnPluginInterface* pInterface);
 
-/* What a plug-in defines, declared here for C linkage; hosts and gnomon have neither. */
+/** Defined by a plug-in as #GN_PLUGIN_VERSION; declared here for C linkage. */
 extern GN_EXPORT const uint32_t gnPluginVersion;
+/** Defined by a plug-in; see #PFN_gnPluginMain. Declared here for C linkage: hosts and gnomon have none. */
 GN_EXPORT GnResult GN_CALL gnPluginMain(GnContext context, const struct GnPluginInterface* pInterface);
 
-/** gnomon's side of the interface, so that a plug-in needs to link nothing. New members go to the end. */
+/** gnomon's side of the interface, so that a plug-in needs to link nothing. */
 typedef struct GnPluginInterface {
-    uint32_t size; ///< Of this structure.
+    uint32_t structSize GN_SIZE_OF(GnPluginInterface); ///< The library's sizeof(GnPluginInterface).
     GnResult(GN_CALL* pfnRegisterAlgorithm)(GnContext context, const GnAlgorithmInfo* pInfo);
     GnImageRef(GN_CALL* pfnImage)(GnPassBuilder builder, const GnImageInfo* pInfo);
     GnBufferRef(GN_CALL* pfnBuffer)(GnPassBuilder builder, const GnBufferInfo* pInfo);
@@ -215,8 +229,9 @@ typedef struct GnPluginInterface {
 GN_API GnResult GN_CALL gnGetPluginInterface(GnContext context, const GnPluginInterface** ppInterface);
 
 /** \brief Loads a shared object and calls its gnPluginMain. It stays loaded as long as the context.
-\return #GN_ERROR_UNSUPPORTED with the loader's words if it cannot be loaded, exports no gnPluginMain or gnPluginVersion,
-    or was compiled with another #GN_PLUGIN_VERSION; what gnPluginMain fails with. What it had registered by then stays. */
+\return #GN_ERROR_UNSUPPORTED with the loader's words if it cannot be loaded, exports no gnPluginMain or
+    gnPluginVersion, or was compiled with another #GN_PLUGIN_VERSION; what gnPluginMain fails with. What it had
+    registered by then stays. */
 GN_API GnResult GN_CALL gnLoadPlugin(GnContext context, const char* pPath);
 
 #ifdef __cplusplus

@@ -7,6 +7,7 @@ fixed size, text only when asked.
 #ifndef GNOMON_DECISIONS_H
 #define GNOMON_DECISIONS_H
 
+/** Why a method is a light's. */
 typedef enum GnReason {
     GN_REASON_RULES = 0,          ///< Highest suitability among the eligible.
     GN_REASON_PINNED = 1,         ///< gnSetLightMethod().
@@ -29,6 +30,7 @@ typedef enum GnReason {
 
 /** What was decided for a light in a view in the last frame. */
 typedef struct GnDecision {
+    uint32_t structSize GN_SIZE_OF(GnDecision); ///< sizeof(GnDecision).
     const char* pMethod;           ///< Name, or null for #GN_REASON_NOTHING_READY. Lives as long as the context.
     GnReason reason;
     float suitability;             ///< [0, 1].
@@ -40,15 +42,17 @@ typedef struct GnDecision {
     const char* pRule;             ///< Id of the strongest rule behind the method, or null. Valid until the next frame.
     const char* pOutgoing;         ///< The method the picture fades from, which runs as well; null: there is no fade.
     float fade;                    ///< (0, 1]. Share of `pMethod` in what is shown; 1: all of it.
-    const char* pProbed;           ///< A method that runs unseen to be measured (`policy.probing`); null: there is none.
+    const char* pProbed;           ///< A method that runs unseen to be measured (`policy.probing`); null: there is
+                                   ///< none.
 } GnDecision;
 
-/** \brief What was decided for a light in a view in its last frame. \return #GN_ERROR_INVALID_HANDLE if the light was not
-in that. */
+/** \brief What was decided for a light in a view in its last frame. \return #GN_ERROR_INVALID_HANDLE if the light was
+not in that. */
 GN_API GnResult GN_CALL gnGetDecision(GnContext context, GnView view, GnLight light, GnDecision* pDecision);
 
 /** What a decision rested on. Strings are static. */
 typedef struct GnFact {
+    uint32_t structSize GN_SIZE_OF(GnFact); ///< sizeof(GnFact).
     const char* pName; ///< As rules spell it: "viewerDistance".
     const char* pUnit; ///< "m".
     double value;      ///< NaN: unknown.
@@ -77,14 +81,16 @@ typedef enum GnElimination {
 
 /** One method as a decision saw it. */
 typedef struct GnCandidate {
+    uint32_t structSize GN_SIZE_OF(GnCandidate); ///< sizeof(GnCandidate).
     const char* pMethod;       ///< Lives as long as the context.
     int32_t suitability;       ///< [0, #GN_SUITABILITY_STEPS], or one of the negative values above.
     GnElimination elimination;
     float quality;             ///< (0, 1]: share of the truth the method keeps.
     float predictedMs;         ///< By the cost model, GPU and CPU.
     float sigmaMs;             ///< Standard error of the prediction.
-    float sharedMs;            ///< Beside predictedMs: work for the whole view (copies of its depth, say) that the method needs.
-                               ///< Under a budget, what no other light's method needs; else the light's part if all had it.
+    float sharedMs;            ///< Beside predictedMs: work for the whole view (copies of its depth, say) that the
+                               ///< method needs. Under a budget, what no other light's method needs; else the light's
+                               ///< part if all had it.
 } GnCandidate;
 
 /** \brief The facts of the last decision of a light in a view. With null `pFacts` only the count is written.
@@ -95,26 +101,28 @@ GN_API GnResult GN_CALL gnGetFacts(GnContext context, GnView view, GnLight light
 only the count is written. \return As gnGetFacts(). */
 GN_API GnResult GN_CALL gnGetCandidates(GnContext context, GnView view, GnLight light, uint32_t* pCount,
                                         GnCandidate* pCandidates);
-/** \brief Writes why, as text: facts, rules that fired, candidates and why each lost. With null `pText` only the size
-(including the terminating zero) is written. */
-GN_API GnResult GN_CALL gnExplainDecision(GnContext context, GnView view, GnLight light, size_t* pSize, char* pText);
-
+/** What can be asked about a decision. */
 typedef enum GnQuestionKind {
     GN_QUESTION_WHY = 0,          ///< Why this method: rules, facts, plan, cost, the runner-up.
     GN_QUESTION_WHY_NOT = 1,      ///< Why not `pMethod`: what eliminated it, and what would let it win.
     GN_QUESTION_WHAT_IF = 2,      ///< The smallest change of each single fact that flips the choice.
     GN_QUESTION_WHAT_CHANGED = 3, ///< What differs from the light's frame before.
+    GN_QUESTION_DECISION = 4,     ///< The whole decision: all facts, rules that fired, and candidates with why each
+                                  ///< lost. Of the newest frame alone, and longer than twelve lines.
     GN_QUESTION_KIND_MAX_ENUM = 0x7FFFFFFF
 } GnQuestionKind;
 
+/** How it is asked. */
 typedef enum GnQuestionFlagBits {
     GN_QUESTION_SINCE_SWITCH_BIT = 0x1, ///< What changed: since the last frame in which another method served.
     GN_QUESTION_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
 } GnQuestionFlagBits;
+/** Bits of #GnQuestionFlagBits. */
 typedef VkFlags GnQuestionFlags;
 
 /** A question about one decision. */
 typedef struct GnQuestion {
+    uint32_t structSize GN_SIZE_OF(GnQuestion); ///< sizeof(GnQuestion).
     GnQuestionKind kind;
     GnQuestionFlags flags;
     const char* pMethod; ///< Why not: required.

@@ -8,15 +8,133 @@ every light and every frame, which *method* (an algorithm with settings) runs, a
     gnCreateContext -> gnLoadRules -> gnCreateMesh, gnCreateInstance, gnCreateLight, gnCreateView
     each frame: gnSubmitShadows (or gnCmdRenderShadows into your command buffer), then sample gnGetVisibility()
 
-Conventions. Column vectors, metres, right-handed world space; 4x4 matrices are column-major, rotations and bases of 9 or
-12 numbers row-major, as each says. Zero the whole structure, then
-set what differs from the defaults; a member that is 0 or null means its default. Numbers are finite; positions, lengths
-and factors are at most 1e18 (a light of unlimited range has range 0). On failure outputs are null or zero and nothing has
-changed, unless a call says otherwise. No C++ exception leaves these functions, and the host's locale and floating-point
-mode are neither read nor changed.
+\section gn_example A first frame
 
-Threads: mesh and instance calls from any thread; all other calls one at a time per context. Callbacks must not call
-gnomon.
+A renderer that has a device and draws depth gets the shadows of one sun by two functions. `demo/minimal.c` is a whole
+program.
+
+\code{.c}
+#include <gnomon/gnomon.h>
+#include <string.h>
+
+typedef struct Renderer {
+    VkInstance instance; VkPhysicalDevice gpu; VkDevice device; VkQueue queue; // the queue is of family 0
+    const VkPhysicalDeviceFeatures2* pFeatures;                                // as given to vkCreateDevice
+    VkImage depth; VkImageView depthView; VkExtent2D size;                     // D32_SFLOAT, reversed, infinite
+    GnContext shadows; GnView view; GnLight sun;                               // what gnomon adds
+} Renderer;
+
+// Once. pPositions has three vertices a triangle, world space.
+GnResult startShadows(Renderer* r, PFN_vkGetInstanceProcAddr load, const float* pPositions, uint32_t vertexCount)
+{
+    const GnContextCreateInfo contextInfo = {GN_INIT(GnContextCreateInfo), .instance = r->instance,
+        .physicalDevice = r->gpu, .device = r->device, .queue = r->queue, .apiVersion = VK_API_VERSION_1_3,
+        .pEnabledFeatures = r->pFeatures, .pfnGetInstanceProcAddr = load};
+    const GnMeshCreateInfo mesh = {GN_INIT(GnMeshCreateInfo), .pPositions = pPositions, .positionCount = vertexCount};
+    const GnLightInfo sunInfo = {GN_INIT(GnLightInfo), .type = GN_LIGHT_TYPE_DIRECTIONAL, .direction = {0, -1, 0}};
+    GnInstanceCreateInfo placedInfo = {GN_INIT(GnInstanceCreateInfo), .flags = GN_INSTANCE_STATIC_BIT};
+    GnInstance placed;
+    GnResult result = gnCreateContext(&contextInfo, &r->shadows);
+    if (result >= 0) result = gnLoadShippedRules(r->shadows, "default");
+    if (result >= 0) result = gnCreateMesh(r->shadows, &mesh, &placedInfo.mesh);
+    if (result >= 0) result = gnCreateInstance(r->shadows, &placedInfo, &placed);
+    if (result >= 0) result = gnCreateLight(r->shadows, &sunInfo, &r->sun);
+    if (result >= 0) result = gnCreateView(r->shadows, NULL, &r->view);
+    return result >= 0 ? gnWarmUp(r->shadows) : result;
+}
+
+// Each frame, once depth is drawn and can be read. Layer 0 of pVisibility->imageView is the sun's.
+GnResult recordShadows(Renderer* r, VkCommandBuffer commands, uint64_t frame, uint64_t completedFrame,
+                       const float projection[16], GnVisibility* pVisibility)
+{
+    GnViewFrame view = {GN_INIT(GnViewFrame), .view = r->view, .eye = {0.0, 2.0, 5.0},
+        .viewFromWorld = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .depthImage = r->depth, .depthView = r->depthView,
+        .depthFormat = VK_FORMAT_D32_SFLOAT, .imageExtent = r->size, .lightCount = 1, .pLights = &r->sun};
+    const GnFrameInfo info = {GN_INIT(GnFrameInfo), .frame = frame, .completedFrame = completedFrame,
+        .viewCount = 1, .pViews = &view};
+    memcpy(view.projection, projection, sizeof view.projection);
+    const GnResult result = gnCmdRenderShadows(r->shadows, commands, &info);
+    return result >= 0 ? gnGetVisibility(r->shadows, r->view, pVisibility) : result;
+}
+\endcode
+
+\section gn_structures Structures
+
+A structure that passes through a pointer begins with `structSize`, the host's sizeof of it. By it a library and a host
+of different versions understand each other:
+- Zero means the default for every other member. A host zeroes the whole structure, gives the size, then sets what
+  differs: #GN_INIT in C; in C++ `GnLightInfo sun{};` has its size.
+- New members go to the end. Those that an older host's structure lacks read as zero, and of a structure that is filled
+  for it, as much is written as it has room for.
+- A newer host's structure is larger. Members that the library does not know must be zero, else the call fails with
+  #GN_ERROR_UNSUPPORTED; where the library fills the structure, it leaves zero in them.
+- A structSize that ends before the last required member, that no sizeof can be, or above 4096 is
+  #GN_ERROR_OUT_OF_RANGE. Messages name the structure and the size.
+- In an array the size is the stride. All elements of an array that is read have the same; for an array that is filled,
+  the first element says it, and the library sets it in the others.
+- In structures that a callback is given, structSize is the library's: a newer host or plug-in reads a member only if it
+  lies within.
+
+Small *values* have no size and never change: GnTransform, GnSemaphorePoint, GnSettingInfo, GnTaskCaster. They lie
+within other structures, or in arrays that the library owns.
+
+Vulkan's sType and pNext would do the same by chains of structures. gnomon has few structures, which grow seldom and in
+one place, so that one number is enough, and nothing has to be walked or allocated.
+
+\section gn_frames_in_flight Frames in flight
+
+Frames are numbered by the host: GnFrameInfo::frame grows by one. GnContextCreateInfo::framesInFlight is how many may be
+with the device at once. gnomon never waits for one of them: it uses the memory of a frame again once the host says, by
+GnFrameInfo::completedFrame, that the device is done with it, the host's own reads of visibility included. A host
+usually waits for the fence or the timeline value of the frame `framesInFlight` before this one, and gives that one's
+number. A frame that fails does not count, and the next attempt has its number; gnDropFrame() takes back a recorded one.
+Timings and measured facts are of completed frames, so they come a few frames late.
+
+\section gn_synchronization Synchronization
+
+There are three ways to run a frame, and each view's images cross the border in SHADER_READ_ONLY_OPTIMAL both ways.
+- gnCmdRenderShadows() records into the host's command buffer. The host's barrier before it makes depth and normals
+  available to all commands and brings them into the layout; gnomon's last barrier makes visibility available to reads
+  of fragment and compute shaders that come later on the queue. No semaphore is needed. Methods that need the CPU
+  between passes cannot serve here.
+- gnSubmitShadows() submits to the context's queue and waits for the device where a method needs its results on the CPU.
+  What drew depth was submitted to this queue before, with such a barrier at its end, or signals one of
+  GnFrameInfo::pWaits. What reads visibility comes later on this queue, or waits for one of GnFrameInfo::pSignals.
+- gnBeginShadows() and gnFinishShadows() are the same in two halves, between which the host works on other things.
+
+After any of them gnomon's reads of depth and normals are pending on the queue. The host's next writes to them come
+after a barrier with ALL_COMMANDS as its source.
+
+\section gn_threads Threads
+
+| handle | calls |
+| --- | --- |
+| GnMesh, GnInstance | any thread, at any time, also during a frame: what they change is seen by the next one |
+| GnLight, GnView | one at a time per context |
+| GnContext: frames, rules, methods, questions | one at a time per context |
+| GnContext: gnGetLastError() | any thread; each has an error of its own |
+| GnPassBuilder, GnPassContext | the thread of the callback that got it, during that callback |
+
+The queue is touched inside the calls only, between GnContextCreateInfo::pfnLockQueue and pfnUnlockQueue. Work for the
+CPU runs on gnomon's own threads or on the host's (GnContextCreateInfo::pfnScheduleJob). Callbacks must not call gnomon,
+but for PFN_gnPluginMain and what GnPluginInterface offers.
+
+\section gn_memory Memory
+
+Device memory is gnomon's own, in blocks, up to GnContextCreateInfo::memoryLimit; what a frame needs beyond that serves
+its lights by other methods. GnFrameStats::memory has the sum. Arrays and strings that the host gives are copied before
+the call returns, those of a frame are read during the call; images and handles of Vulkan are borrowed. What the library
+gives lives as long as the comment beside it says, and is never the host's to free. Nothing that the device may still
+use is destroyed: gnDestroyMesh() and its like keep memory until the frames that were begun before are completed. The
+host's memory comes from operator new, and for what Vulkan allocates from GnContextCreateInfo::pAllocationCallbacks.
+Once a scene stands still, a frame allocates nothing of either.
+
+\section gn_conventions Conventions
+
+Column vectors, metres, right-handed world space; 4x4 matrices are column-major, rotations and bases of 9 or 12 numbers
+row-major, as each says. Numbers are finite; positions, lengths and factors are at most 1e18 (a light of unlimited range
+has range 0). On failure outputs are null or zero and nothing has changed, unless a call says otherwise. No C++
+exception leaves these functions, and the host's locale and floating-point mode are neither read nor changed.
 */
 #ifndef GNOMON_GNOMON_H
 #define GNOMON_GNOMON_H
@@ -57,17 +175,31 @@ VK_DEFINE_NON_DISPATCHABLE_HANDLE(GnLight)
 /** One camera's visibility image and what is remembered for it between frames. */
 VK_DEFINE_NON_DISPATCHABLE_HANDLE(GnView)
 
+/* --- sizes of structures ---------------------------------------------------------------------------------------- */
+
+/** \brief Sets the size of a structure, as the first thing between its braces:
+`GnLightInfo sun = {GN_INIT(GnLightInfo), .range = 10.0f};`. For C; in C++ the member has this value
+by itself. See \ref gn_structures. */
+#define GN_INIT(Type) .structSize = sizeof(Type)
+
+/* The value that the member has by itself, where the language has such values. */
+#ifdef __cplusplus
+#define GN_SIZE_OF(Type) = sizeof(Type)
+#else
+#define GN_SIZE_OF(Type)
+#endif
+
 /* --- results and messages ------------------------------------------------------------------------------------- */
 
 /** Zero is success, positive is success with a remark, negative is failure. */
 typedef enum GnResult {
-    GN_SUCCESS = 0,
+    GN_SUCCESS = 0,    ///< Done.
     GN_NOT_READY = 1,  ///< Only while no method at all is ready; visibility is 1 everywhere meanwhile.
     GN_TIMEOUT = 2,    ///< gnFinishShadows: host passes still run; call it again.
     GN_INCOMPLETE = 3, ///< The array or buffer was too small; what fits was written.
-    GN_ERROR_UNKNOWN = -1,
-    GN_ERROR_OUT_OF_HOST_MEMORY = -2,
-    GN_ERROR_OUT_OF_DEVICE_MEMORY = -3,
+    GN_ERROR_UNKNOWN = -1,              ///< A fault of gnomon's own.
+    GN_ERROR_OUT_OF_HOST_MEMORY = -2,   ///< Of operator new.
+    GN_ERROR_OUT_OF_DEVICE_MEMORY = -3, ///< Of the device, or of GnContextCreateInfo::memoryLimit.
     GN_ERROR_DEVICE_LOST = -4,      ///< Vulkan said so, or the device hangs (GnContextCreateInfo::waitLimitMs). Every
                                     ///< call but destruction returns it from then on.
     GN_ERROR_INVALID_HANDLE = -5,   ///< A handle of an object is null, foreign or already destroyed.
@@ -81,11 +213,13 @@ typedef enum GnResult {
     GN_ERROR_RULES = -13,           ///< The rule base has errors; the last good one stays in force.
     GN_ERROR_UNKNOWN_METHOD = -14,  ///< No method, algorithm or setting of that name, or none for this kind of light.
     GN_ERROR_FRAME_ORDER = -15,     ///< Frames not growing by one, memory of a frame in flight, calls out of order.
-    GN_ERROR_UNSUPPORTED = -16,     ///< Built without the part that is needed (Embree, OpenMesh, YAML).
+    GN_ERROR_UNSUPPORTED = -16,     ///< Built without the part that is needed (Embree, OpenMesh, YAML), or older than
+                                    ///< a member of a structure that the host has set.
     GN_ERROR_KNOWLEDGE = -17,       ///< The knowledge base cannot be used; what was known before stays.
     GN_RESULT_MAX_ENUM = 0x7FFFFFFF
 } GnResult;
 
+/** How bad it is. */
 typedef enum GnSeverity {
     GN_SEVERITY_INFO = 0,
     GN_SEVERITY_WARNING = 1,
@@ -95,6 +229,7 @@ typedef enum GnSeverity {
 
 /** What went wrong or is worth knowing. Strings live during the callback only. */
 typedef struct GnMessage {
+    uint32_t structSize GN_SIZE_OF(GnMessage); ///< The library's sizeof(GnMessage).
     GnSeverity severity;
     GnResult result;   ///< The result the call is about to return, or #GN_SUCCESS for remarks.
     const char* pId;   ///< Stable identifier such as "MeshIndexOutOfRange".
@@ -104,20 +239,21 @@ typedef struct GnMessage {
 /** Called on the thread that caused the message; a worker thread for background work. Must not call gnomon. */
 typedef void(GN_CALL* PFN_gnMessage)(const GnMessage* pMessage, void* pUserData);
 
-/** \brief #GN_VERSION of the library. Structures are those of one version: a host that may meet another library than the
-one it was compiled with compares the two before it creates a context. Any thread. */
+/** \brief #GN_VERSION of the library, which may be another one than that of the header a host was compiled with: see
+\ref gn_structures. Any thread. */
 GN_API uint32_t GN_CALL gnGetVersion(void);
 
 /* --- device and context --------------------------------------------------------------------------------------- */
 
 /** What gnomon wants from vkCreateDevice. Names are static. */
 typedef struct GnDeviceNeeds {
+    uint32_t structSize GN_SIZE_OF(GnDeviceNeeds); ///< sizeof(GnDeviceNeeds).
     uint32_t apiVersion;                   ///< Lowest usable VK_API_VERSION (1.3).
     VkPhysicalDeviceFeatures required;     ///< Core features that must be enabled (none at present).
     VkPhysicalDeviceFeatures optional;     ///< Core features that make more methods eligible and that the device has.
+    VkBool32 supported;                    ///< The device can run gnomon at all.
     uint32_t optionalExtensionCount;       ///< Extensions the device has and some method can use.
     const char* ppOptionalExtensions[8];   ///< First `optionalExtensionCount` are set.
-    VkBool32 supported;                    ///< The device can run gnomon at all.
     char reason[256];                      ///< Why not, if not.
 } GnDeviceNeeds;
 
@@ -138,16 +274,19 @@ it may use are the host's to set. On two cores a worker and its caller that are 
 one of them while the other idles. Must not call gnomon. */
 typedef void(GN_CALL* PFN_gnThreadStarted)(uint32_t index, void* pUserData);
 
+/** How a context works. */
 typedef enum GnContextCreateFlagBits {
     GN_CONTEXT_TIME_EVERY_FRAME_BIT = 0x1, ///< Every frame is a timed one (see gnGetPassTimings()); for measuring.
     GN_CONTEXT_NO_BACKGROUND_BIT = 0x2,    ///< Topology, trees and pipelines are built inside the calls that need
                                            ///< them: reproducible runs and tests.
     GN_CONTEXT_CREATE_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
 } GnContextCreateFlagBits;
+/** Bits of #GnContextCreateFlagBits. */
 typedef VkFlags GnContextCreateFlags;
 
 /** Describes a new #GnContext. */
 typedef struct GnContextCreateInfo {
+    uint32_t structSize GN_SIZE_OF(GnContextCreateInfo); ///< sizeof(GnContextCreateInfo).
     GnContextCreateFlags flags;                        ///< Bits of #GnContextCreateFlagBits.
     const char* pName;                                 ///< Optional. Messages begin with it and a colon.
     VkInstance instance;                               ///< Required. Borrowed until gnDestroyContext().
@@ -166,6 +305,9 @@ typedef struct GnContextCreateInfo {
     const uint32_t* pVisibilityQueueFamilies;
     uint32_t framesInFlight;                           ///< 0 means 2. [1, 8]. A frame begins when the frame this many
                                                        ///< before it is completed (GnFrameInfo::completedFrame).
+    uint32_t waitLimitMs;                              ///< 0 means 10 000. A call that waits for the device ends with
+                                                       ///< #GN_ERROR_DEVICE_LOST once the device has made no progress
+                                                       ///< for so long. What a submitted frame's pWaits delay counts.
     VkDeviceSize memoryLimit;                          ///< Device bytes, persistent plus transient; 0: half the heap.
     const VkAllocationCallbacks* pAllocationCallbacks; ///< Optional, copied. Handed to every Vulkan create call.
     VkPipelineCache pipelineCache;                     ///< Optional: all pipelines are made with it, on worker threads
@@ -178,34 +320,32 @@ typedef struct GnContextCreateInfo {
     PFN_gnThreadStarted pfnThreadStarted;              ///< Optional. Not called where pfnScheduleJob is given.
     PFN_gnMessage pfnMessage;                          ///< Optional. Absent means silent.
     void* pUserData;                                   ///< Given to all callbacks above.
-    uint32_t waitLimitMs;                              ///< 0 means 10 000. A call that waits for the device ends with
-                                                       ///< #GN_ERROR_DEVICE_LOST once the device has made no progress
-                                                       ///< for so long. What a submitted frame's pWaits delay counts.
 } GnContextCreateInfo;
 
-/** \brief Creates a context. No method is ready at first; see gnWarmUp(). What went wrong is told to `pfnMessage` alone. */
+/** \brief Creates a context. No method is ready at first; see gnWarmUp(). What went wrong is told to `pfnMessage`
+alone; of a structSize that is none, by which that member cannot be found, the result alone tells. */
 GN_API GnResult GN_CALL gnCreateContext(const GnContextCreateInfo* pCreateInfo, GnContext* pContext);
 
 /** \brief Destroys the context and all that was made from it. Null is allowed.
 
 The one call that waits for all that is on the context's queue; gnWarmUp(), and frames with round trips, wait for what
 they submitted themselves. Recorded frames must have been
-submitted there or never be; what the host reads of visibility on other queues must be finished. Where the device makes no
-progress for GnContextCreateInfo::waitLimitMs, the context's Vulkan objects are left undestroyed, since it may still use
-them; a message says so. */
+submitted there or never be; what the host reads of visibility on other queues must be finished. Where the device makes
+no progress for GnContextCreateInfo::waitLimitMs, the context's Vulkan objects are left undestroyed, since it may still
+use them; a message says so. */
 GN_API void GN_CALL gnDestroyContext(GnContext context);
 
 /** \brief Name of a result, such as "GN_ERROR_EMPTY". Never null. */
 GN_API const char* GN_CALL gnResultName(GnResult result);
 
-/** \brief The sentence of the calling thread's last failed call on this context, valid until the thread's next call on it.
-Never null; empty where none failed. From any thread. */
+/** \brief The sentence of the calling thread's last failed call on this context, valid until the thread's next call on
+it. Never null; empty where none failed. From any thread. */
 GN_API const char* GN_CALL gnGetLastError(GnContext context);
 
 /** \brief Compiles and runs once every method that the enabled device can run, and waits for meshes in preparation.
-Compiles on all job threads; submits to the queue and waits for those submits; for loading screens. Without it, one method
-a frame becomes ready: those that serve while others are not ready, then those that lights are pinned to, then, unless all
-lights are pinned and served, the others. */
+Compiles on all job threads; submits to the queue and waits for those submits; for loading screens. Without it, one
+method a frame becomes ready: those that serve while others are not ready, then those that lights are pinned to, then,
+unless all lights are pinned and served, the others. */
 GN_API GnResult GN_CALL gnWarmUp(GnContext context);
 
 /** \brief gnWarmUp() for one method and what serves in its place where it cannot (GN_TRAIT_FALLBACK_BIT): a host that
@@ -214,159 +354,11 @@ GN_ERROR_FEATURE_MISSING where the device cannot run it. */
 GN_API GnResult GN_CALL gnWarmUpMethod(GnContext context, const char* pMethod);
 
 #include <gnomon/scene.h>
-
-/* --- views and frames -------------------------------------------------------------------------------------------- */
-
-/** Describes a view. */
-typedef struct GnViewCreateInfo {
-    const char* pName;  ///< Optional.
-    uint32_t maxLights; ///< Layers of the visibility image; 0 means 16. [1, 256] and the device's maximum.
-} GnViewCreateInfo;
-
-/** \brief Creates a view. It has no visibility until it has been in a frame. Its decisions of 256 frames are kept for
-gnExplain(): some 50 kB of the host's memory a light and 12 kB a method more, 280 kB with all that are built in. */
-GN_API GnResult GN_CALL gnCreateView(GnContext context, const GnViewCreateInfo* pCreateInfo, GnView* pView);
-/** \brief Destroys a view, and finishes a frame under way first. Its visibility image stays until the frames that were
-begun before are completed (GnFrameInfo::completedFrame): what reads it must have been submitted by then. */
-GN_API void GN_CALL gnDestroyView(GnContext context, GnView view);
-
-typedef enum GnDepthConvention {
-    GN_DEPTH_REVERSED_INFINITE = 0, ///< 1 at the near plane, 0 at infinity. Recommended.
-    GN_DEPTH_REVERSED = 1,          ///< 1 near, 0 far.
-    GN_DEPTH_STANDARD = 2,          ///< 0 near, 1 far.
-    GN_DEPTH_CONVENTION_MAX_ENUM = 0x7FFFFFFF
-} GnDepthConvention;
-
-/** One view's part of a frame; read during the call only. The depth and normal images are in SHADER_READ_ONLY_OPTIMAL
-on entry and again on return; what was drawn into them must be available (a barrier to ALL_COMMANDS, or a semaphore).
-After the call gnomon's reads are pending on the queue: order your next writes after ALL_COMMANDS, and after
-gnBeginShadows() keep the contents until gnFinishShadows() has returned. Mip level 0 and array layer 0 are read. Views may
-share an image (parts of it, by renderArea) through the same image view. */
-typedef struct GnViewFrame {
-    GnView view;              ///< Required.
-    double eye[3];            ///< World position of the camera.
-    float viewFromWorld[9];   ///< Row-major rotation; the translation is `eye`.
-    float projection[16];     ///< Column-major clipFromView as it drew the depth, jitter included; perspective. Clip y
-                              ///< goes down the image, as in a viewport of positive height: hosts that draw with a
-                              ///< negative one negate [1], [5], [9] and [13] here.
-    GnDepthConvention depthConvention;
-    VkImage depthImage;       ///< Required. Single sample, SAMPLED and TRANSFER_SRC; its stencil is left alone.
-    VkImageView depthView;    ///< Required. Depth aspect, 2D.
-    VkFormat depthFormat;     ///< D32_SFLOAT or D32_SFLOAT_S8_UINT.
-    VkExtent2D imageExtent;   ///< Of the depth image, and of the visibility image.
-    VkRect2D renderArea;      ///< Pixels drawn: the viewport of `projection`; a zero extent means the whole image.
-    VkImage normalImage;      ///< Optional. Geometric normals, world space, xyz, finite; they need not be of unit
-                              ///< length, and one of length 0 faces away from every light. SAMPLED and TRANSFER_SRC.
-    VkImageView normalView;
-    VkFormat normalFormat;    ///< R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT.
-    uint32_t lightCount;      ///< At most the view's maxLights.
-    const GnLight* pLights;   ///< Layer i of the visibility image belongs to pLights[i]; each light at most once.
-    VkBool32 cameraCut;       ///< The camera jumped: measured facts and holds of the last frames do not apply.
-} GnViewFrame;
-
-typedef enum GnFrameFlagBits {
-    GN_FRAME_PRESUBMIT_BIT = 0x1, ///< Allows a batch that waits for the CPU on the queue. Never needed; not made use of
-                                  ///< at present: levels are submitted when their host passes are done.
-    GN_FRAME_TIMED_BIT = 0x2,     ///< Time every pass of this frame.
-    GN_FRAME_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
-} GnFrameFlagBits;
-typedef VkFlags GnFrameFlags;
-
-/** A point on a timeline semaphore; value 0 for a binary one. */
-typedef struct GnSemaphorePoint {
-    VkSemaphore semaphore;
-    uint64_t value;
-} GnSemaphorePoint;
-
-/** Describes a frame: all views come in one call. */
-typedef struct GnFrameInfo {
-    uint64_t frame;          ///< Grows by one from call to call; the first may be any number > 0.
-    uint64_t completedFrame; ///< Newest frame whose GPU work is finished, the host's reads of visibility included. Before
-                             ///< `frame` by framesInFlight at most, else #GN_ERROR_FRAME_ORDER; 0: none yet.
-    GnFrameFlags flags;
-    float budgetMs;          ///< For all shadows of this frame, GPU and CPU. 0: that of the rules (`shadowCapMs`, or
-                             ///< what `budget: auto` allows), or none. A `shadowCapMs` that is less lowers it.
-    uint32_t viewCount;
-    const GnViewFrame* pViews; ///< Coordinates are computed in float about a point near an eye of one of them: of views
-                               ///< kilometres apart, the others' shadows are as coarse as floats are so far out.
-    uint32_t waitCount;      ///< Waited for before the first pass. Not for gnCmdRenderShadows.
-    const GnSemaphorePoint* pWaits;
-    uint32_t signalCount;    ///< Signalled after the last pass. Not for gnCmdRenderShadows.
-    const GnSemaphorePoint* pSignals;
-} GnFrameInfo;
-
-/** \brief Records this frame's shadow passes into the host's command buffer.
-
-\param commandBuffer Primary, recording, outside a rendering scope. This call neither submits nor waits; all command
-    buffer state (pipelines, sets, push constants, dynamic state) is undefined afterwards.
-\param pFrame Views, lights and receiver depth; read during the call only.
-\return #GN_NOT_READY only while no method at all is ready; visibility is 1 everywhere meanwhile.
-
-Methods that need the CPU between passes (roundTrips > 0) are not eligible here. A recorded buffer is submitted once, to
-the context's queue, in the order of recording; gnDropFrame() withdraws it before the next frame is recorded.
-
-After a failure the command buffer may hold part of the frame's commands, which name what is gone: it must be reset
-and must not be submitted. As with the other calls that begin a frame, nothing of it counts then, and the next call has
-the same frame number: gnGetVisibility() gives the images of the frame before, and gnGetLightMap() none. After
-#GN_ERROR_OUT_OF_DEVICE_MEMORY another attempt finds more room, the more so when frames in flight are completed: maps and
-volumes kept for later frames have been given up, and so has the visibility of a view whose size was to change. */
-GN_API GnResult GN_CALL gnCmdRenderShadows(GnContext context, VkCommandBuffer commandBuffer, const GnFrameInfo* pFrame);
-
-/** \brief The frame last recorded by gnCmdRenderShadows() will not be submitted. Of it only the number counts. Where an
-attempt at the next frame has failed by then, a view whose size the dropped one changed has no visibility until its next
-frame. */
-GN_API GnResult GN_CALL gnDropFrame(GnContext context, uint64_t frame);
-
-/** \brief Submits what needs no host result and starts host passes on workers. Pair with gnFinishShadows(). */
-GN_API GnResult GN_CALL gnBeginShadows(GnContext context, const GnFrameInfo* pFrame);
-/** \brief Waits for host passes and submits the rest.
-\param timeoutNs Nanoseconds; UINT64_MAX waits. \return #GN_TIMEOUT if the frame is not finished; call again.
-
-After a failure, too, nothing of the frame counts and the next call that begins one has the same number. But some of its
-passes have run: what it waits for was waited for, its signals do not come, and its visibility is undefined (that of a
-view whose size was to change: as it was). gnDestroyView() and gnWarmUp() finish a frame under way; how that went is
-still told here. */
-GN_API GnResult GN_CALL gnFinishShadows(GnContext context, uint64_t timeoutNs);
-/** \brief gnBeginShadows() and gnFinishShadows() in one, failures included: it failed like the latter where
-GnFrameStats::frame is this frame and `submits` not 0. */
-GN_API GnResult GN_CALL gnSubmitShadows(GnContext context, const GnFrameInfo* pFrame);
-
-/** Where a view's visibility is found after a frame. In SHADER_READ_ONLY_OPTIMAL, its writes available to fragment and
-compute shader reads later on the queue. Sample through gnomon/visibility.glsl. */
-typedef struct GnVisibility {
-    VkImage image;
-    VkImageView imageView; ///< 2D array, R8_UNORM.
-    VkExtent2D extent;
-    uint32_t layerCount;
-    uint64_t revision;     ///< Grows when image or view handle change (resize): refresh descriptors.
-} GnVisibility;
-
-/** \brief The newest visibility of a view; the same image from frame to frame, until the size of its views changes. The one
-before stays until the frame that replaced it is completed.
-\return #GN_ERROR_FRAME_ORDER before the view's first frame. */
-GN_API GnResult GN_CALL gnGetVisibility(GnContext context, GnView view, GnVisibility* pVisibility);
-
-/** A method's map, for hosts with uses of their own (volumetric light, particles). Valid until the next frame call. As
-visibility is: in SHADER_READ_ONLY_OPTIMAL, its writes available to fragment and compute shader reads later on the queue. */
-typedef struct GnLightMap {
-    VkImage image;
-    VkImageView imageView;
-    VkFormat format;
-    VkExtent2D extent;
-    uint32_t layerCount;
-    float clipFromWorld[6][16]; ///< One per layer, relative to `origin`; zero where a layer has no matrix.
-    double origin[3];
-    uint32_t validLayers;       ///< Bit i: layer i holds this frame's casters. Layers that no receiver in a view
-                                ///< can lie in are not drawn and may hold anything. Several layers of a
-                                ///< directional light lie about slices of a view, finest first, the last one
-                                ///< about all casters: look a receiver up in the first valid one that holds it.
-} GnLightMap;
-
-/** \brief The map the light's method kept after the last frame. \return #GN_ERROR_UNKNOWN_METHOD where it has none. */
-GN_API GnResult GN_CALL gnGetLightMap(GnContext context, GnLight light, GnLightMap* pMap);
+#include <gnomon/frames.h>
 
 /* --- methods, rules, decisions ------------------------------------------------------------------------------------ */
 
+/** What a method is and needs. */
 typedef enum GnTraitBits {
     GN_TRAIT_DIRECTIONAL_BIT = 0x1,     ///< Serves directional lights.
     GN_TRAIT_SPOT_BIT = 0x2,            ///< Serves spot lights.
@@ -382,9 +374,10 @@ typedef enum GnTraitBits {
     GN_TRAIT_PLANAR_BIT = 0x800,        ///< Right on the plane that most receivers lie on, and nowhere else.
     GN_TRAIT_MAX_ENUM = 0x7FFFFFFF
 } GnTraitBits;
+/** Bits of #GnTraitBits. */
 typedef VkFlags GnTraits;
 
-/** A knob of a method. */
+/** A knob of a method. A value: see \ref gn_structures. */
 typedef struct GnSettingInfo {
     const char* pName;        ///< Static.
     const char* pDescription; ///< Static; with unit.
@@ -393,6 +386,7 @@ typedef struct GnSettingInfo {
 
 /** A method as the registry knows it. Strings live as long as the context. */
 typedef struct GnMethodInfo {
+    uint32_t structSize GN_SIZE_OF(GnMethodInfo); ///< sizeof(GnMethodInfo).
     const char* pName;
     const char* pAlgorithm;
     const char* pSource;      ///< Thesis section or paper.

@@ -26,12 +26,13 @@ light from both sides, whichever of them the host draws.
 
 /** Describes a triangle mesh; arrays are copied before the call returns. */
 typedef struct GnMeshCreateInfo {
+    uint32_t structSize GN_SIZE_OF(GnMeshCreateInfo); ///< sizeof(GnMeshCreateInfo).
     const char* pName;         ///< Optional.
     const float* pPositions;   ///< Required. xyz, object space, finite.
     uint32_t positionCount;    ///< Number of vertices.
     uint32_t positionStride;   ///< Bytes between vertices; 0 means 12. Multiple of 4.
-    const uint32_t* pIndices;  ///< Three per triangle, counter-clockwise seen from the front; null: 0, 1, 2, ...
     uint32_t indexCount;       ///< Multiple of 3.
+    const uint32_t* pIndices;  ///< Three per triangle, counter-clockwise seen from the front; null: 0, 1, 2, ...
 } GnMeshCreateInfo;
 
 /** \brief Copies a mesh. Topology and ray-tracing trees are built by workers; until then the mesh casts by the methods
@@ -47,17 +48,20 @@ GN_API GnResult GN_CALL gnUpdateMeshPositions(GnContext context, GnMesh mesh, co
 /** \brief Destroys the mesh; instances still using it cast nothing. Memory waits for the GPU by itself. Any thread. */
 GN_API void GN_CALL gnDestroyMesh(GnContext context, GnMesh mesh);
 
-/** Where something stands. Row-major 3x3 (rotation, scale, shear) and a double translation in metres. */
+/** Where something stands. A value: see \ref gn_structures. Row-major 3x3 (rotation, scale, shear) and a double
+translation in metres. */
 typedef struct GnTransform {
-    float basis[9];        ///< Rows of the linear part; all zero means identity. The elements of its inverse are at most
-                           ///< 1e18 as well. Rays and volumes work in the mesh's own units: at a scale of 1e-9 (none
-                           ///< at 1e-8) rays have been seen to lose a caster.
+    float basis[9];        ///< Rows of the linear part; all zero means identity. The elements of its inverse are at
+                           ///< most 1e18 as well. Rays and volumes work in the mesh's own units: at a scale of 1e-9
+                           ///< (none at 1e-8) rays have been seen to lose a caster.
     double translation[3]; ///< World space, metres.
 } GnTransform;
 
+/** What an instance is. */
 typedef enum GnInstanceFlagBits {
-    GN_INSTANCE_STATIC_BIT = 0x1,           ///< Will not move. If it does: reported once, moving from then on. Host-drawn:
-                                            ///< nor change its shape; without the bit it is drawn anew in every frame.
+    GN_INSTANCE_STATIC_BIT = 0x1,           ///< Will not move. If it does: reported once, moving from then on.
+                                            ///< Host-drawn: nor change its shape; without the bit it is drawn anew in
+                                            ///< every frame.
     GN_INSTANCE_ALPHA_TESTED_BIT = 0x2,     ///< Rays ask pfnOpacity. Depth maps draw the whole mesh, unless the host
                                             ///< draws the instance; volumes, planar shadows and spans refuse a light
                                             ///< that has it in range.
@@ -67,10 +71,12 @@ typedef enum GnInstanceFlagBits {
     GN_INSTANCE_SINGLE_SIDED_BIT = 0x10,    ///< The host draws the front of an open mesh only: see "Sides" above.
     GN_INSTANCE_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
 } GnInstanceFlagBits;
+/** Bits of #GnInstanceFlagBits. */
 typedef VkFlags GnInstanceFlags;
 
 /** How a raster pass looks at casters: what pfnDrawCasters needs to draw into it. */
 typedef struct GnCasterProjection {
+    uint32_t structSize GN_SIZE_OF(GnCasterProjection); ///< The library's sizeof(GnCasterProjection).
     float clipFromWorld[16];   ///< Column-major; world here means relative to `origin`.
     double origin[3];          ///< World position of the zero of `clipFromWorld`, metres.
     VkRect2D area;             ///< Viewport (depth 0 to 1) and scissor, set before each call.
@@ -80,11 +86,11 @@ typedef struct GnCasterProjection {
                                ///< the same.
 } GnCasterProjection;
 
-/** Draws the host's casters of this instance, depth only: depth is 0 near the light and 1 far from it, compare LESS, and
-what is nearer than the near end may be clipped: of what lies within the instance's bounds only what is nearer than
+/** Draws the host's casters of this instance, depth only: depth is 0 near the light and 1 far from it, compare LESS,
+and what is nearer than the near end may be clipped: of what lies within the instance's bounds only what is nearer than
 1/10000 of the distance of the farthest caster. Records into `commandBuffer` inside a rendering scope; may bind any
-state. Called where the map is drawn: in every frame, once per pass that the instance's bounds touch, unless the instance
-is #GN_INSTANCE_STATIC_BIT. On the thread of the call that begins the frame, or of its gnFinishShadows(). */
+state. Called where the map is drawn: in every frame, once per pass that the instance's bounds touch, unless the
+instance is #GN_INSTANCE_STATIC_BIT. On the thread of the call that begins the frame, or of its gnFinishShadows(). */
 typedef void(GN_CALL* PFN_gnDrawCasters)(VkCommandBuffer commandBuffer, const GnCasterProjection* pProjection,
                                          void* pUserData);
 /** Opacity in [0, 1] of a hit; below 0.5 the ray goes on. `triangle` counts as the mesh was given: its corners are
@@ -94,6 +100,7 @@ typedef float(GN_CALL* PFN_gnOpacity)(uint32_t triangle, float u, float v, void*
 
 /** Describes an instance. The host is taken to draw what it registers; "Sides" above says which sides. */
 typedef struct GnInstanceCreateInfo {
+    uint32_t structSize GN_SIZE_OF(GnInstanceCreateInfo); ///< sizeof(GnInstanceCreateInfo).
     GnInstanceFlags flags;
     const char* pName;                ///< Optional.
     GnMesh mesh;                      ///< Required unless host-drawn.
@@ -101,7 +108,8 @@ typedef struct GnInstanceCreateInfo {
     uint32_t casterMask;              ///< Casts for a light if (casterMask & light mask) != 0; 0 means all bits.
     float boundsMin[3], boundsMax[3]; ///< Host-drawn: object-space bounds. Otherwise ignored.
     PFN_gnDrawCasters pfnDrawCasters; ///< Host-drawn: required.
-    PFN_gnOpacity pfnOpacity;         ///< Alpha-tested: asked by methods that trace. Null: rays stop at all of the mesh.
+    PFN_gnOpacity pfnOpacity;         ///< Alpha-tested: asked by methods that trace. Null: rays stop at all of the
+                                      ///< mesh.
     void* pUserData;                  ///< For the two callbacks. What it points to must live until the frame that was
                                       ///< under way at gnDestroyInstance() is finished.
 } GnInstanceCreateInfo;
@@ -112,12 +120,12 @@ GN_API GnResult GN_CALL gnCreateInstance(GnContext context, const GnInstanceCrea
 /** \brief Moves it. Seen from the next frame on. Any thread. What is no transform
 (NaN, infinity, a basis without an inverse): an error, the old one stays. */
 GN_API GnResult GN_CALL gnSetInstanceTransform(GnContext context, GnInstance instance, const GnTransform* pTransform);
-/** \brief New object-space bounds of a host-drawn instance, whose shape is the host's to change. Seen from the next frame
-on. Any thread. \return #GN_ERROR_INVALID_HANDLE for an instance with a mesh. */
+/** \brief New object-space bounds of a host-drawn instance, whose shape is the host's to change. Seen from the next
+frame on. Any thread. \return #GN_ERROR_INVALID_HANDLE for an instance with a mesh. */
 GN_API GnResult GN_CALL gnSetInstanceBounds(GnContext context, GnInstance instance, const float boundsMin[3],
                                             const float boundsMax[3]);
-/** \brief For which lights it casts: those of a mask with a bit in common. 0 means all bits; a bit that no light has, for
-none. Seen from the next frame on; what is static stays so. Any thread. */
+/** \brief For which lights it casts: those of a mask with a bit in common. 0 means all bits; a bit that no light has,
+for none. Seen from the next frame on; what is static stays so. Any thread. */
 GN_API GnResult GN_CALL gnSetInstanceCasterMask(GnContext context, GnInstance instance, uint32_t casterMask);
 /** \brief Swaps the mesh (level of detail). Any thread. */
 GN_API GnResult GN_CALL gnSetInstanceMesh(GnContext context, GnInstance instance, GnMesh mesh);
@@ -126,6 +134,7 @@ GN_API void GN_CALL gnDestroyInstance(GnContext context, GnInstance instance);
 
 /* --- lights ----------------------------------------------------------------------------------------------------- */
 
+/** Kinds of light. */
 typedef enum GnLightType {
     GN_LIGHT_TYPE_DIRECTIONAL = 0,
     GN_LIGHT_TYPE_SPOT = 1,
@@ -133,14 +142,17 @@ typedef enum GnLightType {
     GN_LIGHT_TYPE_MAX_ENUM = 0x7FFFFFFF
 } GnLightType;
 
+/** What a light is. */
 typedef enum GnLightFlagBits {
     GN_LIGHT_STATIC_BIT = 0x1, ///< Will not move. If it does: reported once, moving from then on.
     GN_LIGHT_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
 } GnLightFlagBits;
+/** Bits of #GnLightFlagBits. */
 typedef VkFlags GnLightFlags;
 
 /** Describes a light. */
 typedef struct GnLightInfo {
+    uint32_t structSize GN_SIZE_OF(GnLightInfo); ///< sizeof(GnLightInfo).
     GnLightType type;
     GnLightFlags flags;
     const char* pName;   ///< Optional; copied at creation, ignored by updates.

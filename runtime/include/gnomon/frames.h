@@ -1,0 +1,162 @@
+/** \file frames.h
+\brief Views and frames: what a camera sees goes in, visibility comes out. Included by gnomon.h, not by hosts.
+*/
+#ifndef GNOMON_FRAMES_H
+#define GNOMON_FRAMES_H
+
+/** Describes a view. */
+typedef struct GnViewCreateInfo {
+    uint32_t structSize GN_SIZE_OF(GnViewCreateInfo); ///< sizeof(GnViewCreateInfo).
+    uint32_t maxLights; ///< Layers of the visibility image; 0 means 16. [1, 256] and the device's maximum.
+    const char* pName;  ///< Optional.
+} GnViewCreateInfo;
+
+/** \brief Creates a view. It has no visibility until it has been in a frame. Its decisions of 256 frames are kept for
+gnExplain(): some 50 kB of the host's memory a light and 12 kB a method more, 280 kB with all that are built in. */
+GN_API GnResult GN_CALL gnCreateView(GnContext context, const GnViewCreateInfo* pCreateInfo, GnView* pView);
+/** \brief Destroys a view, and finishes a frame under way first. Its visibility image stays until the frames that were
+begun before are completed (GnFrameInfo::completedFrame): what reads it must have been submitted by then. */
+GN_API void GN_CALL gnDestroyView(GnContext context, GnView view);
+
+/** Which depth means near. */
+typedef enum GnDepthConvention {
+    GN_DEPTH_REVERSED_INFINITE = 0, ///< 1 at the near plane, 0 at infinity. Recommended.
+    GN_DEPTH_REVERSED = 1,          ///< 1 near, 0 far.
+    GN_DEPTH_STANDARD = 2,          ///< 0 near, 1 far.
+    GN_DEPTH_CONVENTION_MAX_ENUM = 0x7FFFFFFF
+} GnDepthConvention;
+
+/** One view's part of a frame; read during the call only. The depth and normal images are in SHADER_READ_ONLY_OPTIMAL
+on entry and again on return; what was drawn into them must be available (a barrier to ALL_COMMANDS, or a semaphore).
+After the call gnomon's reads are pending on the queue: order your next writes after ALL_COMMANDS, and after
+gnBeginShadows() keep the contents until gnFinishShadows() has returned. Mip level 0 and array layer 0 are read. Views
+may share an image (parts of it, by renderArea) through the same image view. */
+typedef struct GnViewFrame {
+    uint32_t structSize GN_SIZE_OF(GnViewFrame); ///< sizeof(GnViewFrame); the same for all views of a frame.
+    GnView view;              ///< Required.
+    double eye[3];            ///< World position of the camera.
+    float viewFromWorld[9];   ///< Row-major rotation; the translation is `eye`.
+    float projection[16];     ///< Column-major clipFromView as it drew the depth, jitter included; perspective. Clip y
+                              ///< goes down the image, as in a viewport of positive height: hosts that draw with a
+                              ///< negative one negate [1], [5], [9] and [13] here.
+    GnDepthConvention depthConvention;
+    VkImage depthImage;       ///< Required. Single sample, SAMPLED and TRANSFER_SRC; its stencil is left alone.
+    VkImageView depthView;    ///< Required. Depth aspect, 2D.
+    VkFormat depthFormat;     ///< D32_SFLOAT or D32_SFLOAT_S8_UINT.
+    VkExtent2D imageExtent;   ///< Of the depth image, and of the visibility image.
+    VkRect2D renderArea;      ///< Pixels drawn: the viewport of `projection`; a zero extent means the whole image.
+    VkBool32 cameraCut;       ///< The camera jumped: measured facts and holds of the last frames do not apply.
+    VkImage normalImage;      ///< Optional. Geometric normals, world space, xyz, finite; they need not be of unit
+                              ///< length, and one of length 0 faces away from every light. SAMPLED and TRANSFER_SRC.
+    VkImageView normalView;
+    VkFormat normalFormat;    ///< R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT.
+    uint32_t lightCount;      ///< At most the view's maxLights.
+    const GnLight* pLights;   ///< Layer i of the visibility image belongs to pLights[i]; each light at most once.
+} GnViewFrame;
+
+/** What is special about a frame. */
+typedef enum GnFrameFlagBits {
+    GN_FRAME_TIMED_BIT = 0x1, ///< Time every pass of this frame.
+    GN_FRAME_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
+} GnFrameFlagBits;
+/** Bits of #GnFrameFlagBits. */
+typedef VkFlags GnFrameFlags;
+
+/** A point on a timeline semaphore; value 0 for a binary one. A value: see \ref gn_structures. */
+typedef struct GnSemaphorePoint {
+    VkSemaphore semaphore;
+    uint64_t value;
+} GnSemaphorePoint;
+
+/** Describes a frame: all views come in one call. */
+typedef struct GnFrameInfo {
+    uint32_t structSize GN_SIZE_OF(GnFrameInfo); ///< sizeof(GnFrameInfo).
+    uint64_t frame;          ///< Grows by one from call to call; the first may be any number > 0.
+    uint64_t completedFrame; ///< Newest frame whose GPU work is finished, the host's reads of visibility included.
+                             ///< Before `frame` by framesInFlight at most, else #GN_ERROR_FRAME_ORDER; 0: none yet.
+    GnFrameFlags flags;
+    float budgetMs;          ///< For all shadows of this frame, GPU and CPU. 0: that of the rules (`shadowCapMs`, or
+                             ///< what `budget: auto` allows), or none. A `shadowCapMs` that is less lowers it.
+    uint32_t viewCount;
+    const GnViewFrame* pViews; ///< Coordinates are computed in float about a point near an eye of one of them: of views
+                               ///< kilometres apart, the others' shadows are as coarse as floats are so far out.
+    uint32_t waitCount;      ///< Waited for before the first pass. Not for gnCmdRenderShadows.
+    const GnSemaphorePoint* pWaits;
+    uint32_t signalCount;    ///< Signalled after the last pass. Not for gnCmdRenderShadows.
+    const GnSemaphorePoint* pSignals;
+} GnFrameInfo;
+
+/** \brief Records this frame's shadow passes into the host's command buffer.
+
+\param commandBuffer Primary, recording, outside a rendering scope. This call neither submits nor waits; all command
+    buffer state (pipelines, sets, push constants, dynamic state) is undefined afterwards.
+\param pFrame Views, lights and receiver depth; read during the call only.
+\return #GN_NOT_READY only while no method at all is ready; visibility is 1 everywhere meanwhile.
+
+Methods that need the CPU between passes (roundTrips > 0) are not eligible here. A recorded buffer is submitted once, to
+the context's queue, in the order of recording; gnDropFrame() withdraws it before the next frame is recorded.
+
+After a failure the command buffer may hold part of the frame's commands, which name what is gone: it must be reset
+and must not be submitted. As with the other calls that begin a frame, nothing of it counts then, and the next call has
+the same frame number: gnGetVisibility() gives the images of the frame before, and gnGetLightMap() none. After
+#GN_ERROR_OUT_OF_DEVICE_MEMORY another attempt finds more room, the more so when frames in flight are completed: maps
+and volumes kept for later frames have been given up, and so has the visibility of a view whose size was to change. */
+GN_API GnResult GN_CALL gnCmdRenderShadows(GnContext context, VkCommandBuffer commandBuffer, const GnFrameInfo* pFrame);
+
+/** \brief The frame last recorded by gnCmdRenderShadows() will not be submitted. Of it only the number counts. Where an
+attempt at the next frame has failed by then, a view whose size the dropped one changed has no visibility until its next
+frame. */
+GN_API GnResult GN_CALL gnDropFrame(GnContext context, uint64_t frame);
+
+/** \brief Submits what needs no host result and starts host passes on workers. Pair with gnFinishShadows(). */
+GN_API GnResult GN_CALL gnBeginShadows(GnContext context, const GnFrameInfo* pFrame);
+/** \brief Waits for host passes and submits the rest.
+\param timeoutNs Nanoseconds; UINT64_MAX waits. \return #GN_TIMEOUT if the frame is not finished; call again.
+
+After a failure, too, nothing of the frame counts and the next call that begins one has the same number. But some of its
+passes have run: what it waits for was waited for, its signals do not come, and its visibility is undefined (that of a
+view whose size was to change: as it was). gnDestroyView() and gnWarmUp() finish a frame under way; how that went is
+still told here. */
+GN_API GnResult GN_CALL gnFinishShadows(GnContext context, uint64_t timeoutNs);
+/** \brief gnBeginShadows() and gnFinishShadows() in one, failures included: it failed like the latter where
+GnFrameStats::frame is this frame and `submits` not 0. */
+GN_API GnResult GN_CALL gnSubmitShadows(GnContext context, const GnFrameInfo* pFrame);
+
+/** Where a view's visibility is found after a frame. In SHADER_READ_ONLY_OPTIMAL, its writes available to fragment and
+compute shader reads later on the queue. Sample through gnomon/visibility.glsl. */
+typedef struct GnVisibility {
+    uint32_t structSize GN_SIZE_OF(GnVisibility); ///< sizeof(GnVisibility).
+    VkImage image;
+    VkImageView imageView; ///< 2D array, R8_UNORM.
+    VkExtent2D extent;
+    uint32_t layerCount;
+    uint64_t revision;     ///< Grows when image or view handle change (resize): refresh descriptors.
+} GnVisibility;
+
+/** \brief The newest visibility of a view; the same image from frame to frame, until the size of its views changes. The
+one before stays until the frame that replaced it is completed.
+\return #GN_ERROR_FRAME_ORDER before the view's first frame. */
+GN_API GnResult GN_CALL gnGetVisibility(GnContext context, GnView view, GnVisibility* pVisibility);
+
+/** A method's map, for hosts with uses of their own (volumetric light, particles). Valid until the next frame call. As
+visibility is: in SHADER_READ_ONLY_OPTIMAL, its writes available to fragment and compute shader reads later on the
+queue. */
+typedef struct GnLightMap {
+    uint32_t structSize GN_SIZE_OF(GnLightMap); ///< sizeof(GnLightMap).
+    VkImage image;
+    VkImageView imageView;
+    VkFormat format;
+    VkExtent2D extent;
+    uint32_t layerCount;
+    uint32_t validLayers;       ///< Bit i: layer i holds this frame's casters. Layers that no receiver in a view
+                                ///< can lie in are not drawn and may hold anything. Several layers of a
+                                ///< directional light lie about slices of a view, finest first, the last one
+                                ///< about all casters: look a receiver up in the first valid one that holds it.
+    float clipFromWorld[6][16]; ///< One per layer, relative to `origin`; zero where a layer has no matrix.
+    double origin[3];
+} GnLightMap;
+
+/** \brief The map the light's method kept after the last frame. \return #GN_ERROR_UNKNOWN_METHOD where it has none. */
+GN_API GnResult GN_CALL gnGetLightMap(GnContext context, GnLight light, GnLightMap* pMap);
+
+#endif /* GNOMON_FRAMES_H */
