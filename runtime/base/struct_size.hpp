@@ -84,7 +84,12 @@ constexpr bool isStructSize(std::uint32_t size) noexcept
 struct Argument {
     Argument(const char* argument) : name(argument) {}
     Argument(const char* argument, std::uint32_t element) : name(argument), index(element) {}
-    std::string text() const { return index < 0 ? name : name + ("[" + std::to_string(index) + "]"); }
+    std::string text() const
+    {
+        std::string words = name;
+        if (index >= 0) words.append("[").append(std::to_string(index)).append("]");
+        return words;
+    }
 
     const char* name;
     std::int64_t index = -1;

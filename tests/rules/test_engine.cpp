@@ -8,6 +8,7 @@
 #include "rules/engine/batch.hpp"
 #include "rules/engine/explain.hpp"
 
+using namespace gnomon;
 using namespace gnomon::rules;
 using namespace gnomon::rules::test;
 
