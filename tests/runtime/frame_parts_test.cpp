@@ -157,7 +157,7 @@ TEST_CASE("what no method asked for is told apart from what methods share")
     const PastFrames past = pastUntil(8);
     FrameTimings timings = timingsOf(8, 4.0f, true);
     timings.passes.push_back({.name = "grid", .owner = {.view = 1}, .gpuMs = 1.0f});
-    timings.passes.push_back({.name = "copy", .owner = {.view = 1, .declarers = 1}, .gpuMs = 2.0f});
+    timings.passes.push_back({.name = "copy", .owner = {.view = 1, .declarers = {0}}, .gpuMs = 2.0f});
     timings.passes.push_back({.name = "map", .owner = {.view = 1, .light = 1}, .gpuMs = 4.0f});
     SharedCosts costs;
     costs.note(timings, past.at(8), 0.5f);

@@ -285,10 +285,10 @@ TEST_CASE("replacements come as the choice would make it anew each time, and end
     };
     using Order = std::vector<std::uint32_t>;
     // What is best suited but not ready lets fallbacks serve, then anything.
-    CHECK(order({.incumbent = 0, .fallbacks = 1u << 4}) == Order{2, 4, 0, UINT32_MAX});
+    CHECK(order({.incumbent = 0, .fallbacks = {4}}) == Order{2, 4, 0, UINT32_MAX});
     CHECK(order({.pinned = 4}) == Order{4, 2, 0, UINT32_MAX});
-    CHECK(replacementsInOrder(candidates, {.fallbacks = 1u << 4})[1].wanted == 3);
-    CHECK(replacementsInOrder(candidates, {.fallbacks = 1u << 4})[1].reason == GN_REASON_FALLBACK);
+    CHECK(replacementsInOrder(candidates, {.fallbacks = {4}})[1].wanted == 3);
+    CHECK(replacementsInOrder(candidates, {.fallbacks = {4}})[1].reason == GN_REASON_FALLBACK);
     CHECK(replacementsInOrder({}, {}).size() == 1);
 }
 
