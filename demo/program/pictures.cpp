@@ -18,10 +18,10 @@ constexpr Rgb8 kInk{16, 16, 16};
 struct Tier {
     float lightness, chroma;
 };
-constexpr std::array<Tier, 3> kTiers = {{{0.76f, 0.15f}, {0.60f, 0.17f}, {0.90f, 0.11f}}};
+constexpr std::array<Tier, 3> kTiers = {{{0.74f, 0.15f}, {0.60f, 0.17f}, {0.87f, 0.14f}}};
 
 // Hues of one tier are a golden section of a turn apart, so that they spread evenly however many there are. The tiers
-// are shifted against each other: of the first 21 colours no two are closer than 0.058 in Oklab.
+// are shifted against each other: of the first 21 colours no two are closer than 0.07 in Oklab.
 constexpr float kGoldenTurn = 0.618034f;
 constexpr float kTierTurn = 0.4f;
 
