@@ -25,7 +25,7 @@ endif()
 gnomon_shared(SOURCES bit_rows.cpp)
 gnomon_shared(
     NEEDS embree
-    SOURCES block_rays.cpp conservative_casters.cpp conservative_layers.cpp conservative_votes.cpp host_map.cpp
+    SOURCES block_rays.cpp conservative_casters.cpp conservative_layers.cpp host_map.cpp
             map_votes.cpp near_clip.cpp traced_pixels.cpp undecided.cpp
     SHADERS hybrid/conservative.frag
             hybrid/conservative.vert
