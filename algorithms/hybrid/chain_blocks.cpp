@@ -1,6 +1,5 @@
 #include "algorithms/hybrid/chain_blocks.hpp"
 
-#include "algorithms/hybrid/block_answers.hpp"
 #include "algorithms/hybrid/block_candidates.hpp"
 #include "algorithms/hybrid/block_rays.hpp"
 
@@ -58,8 +57,7 @@ BlockRays::Info Blocks::raysOf(const ChainPicture& picture)
             .reader = picture.blocks,
             .light = *picture.job.light,
             .lit = reasons ? std::uint8_t{gpu::REASON_RT_LIT} : std::uint8_t{255},
-            .dark = reasons ? std::uint8_t{gpu::REASON_RT_SHADOW} : std::uint8_t{0},
-            .together = block_answers::kTogether};
+            .dark = reasons ? std::uint8_t{gpu::REASON_RT_SHADOW} : std::uint8_t{0}};
 }
 
 /// What the map says of a block.
