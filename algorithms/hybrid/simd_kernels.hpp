@@ -153,14 +153,6 @@ struct VolumeBits {
     uint16_t block, bits;
 };
 
-/// A triangle in the world as sixteen rays are asked against it: CandidateOccluder of candidate_occluder.hpp, rounded.
-struct CandidateTriangle {
-    float corner[3][3], edge[3][3]; ///< Edges from each corner to the next.
-    float normal[3];                ///< As long as twice the area.
-    float length[3];                ///< Of the edges, as sums of coordinates.
-    float size, stretch;            ///< CandidateOccluder's.
-};
-
 /// Which lanes ask a map, and what the four texels around them say, bits; the latter of lanes that ask.
 struct MapLanes {
     uint32_t asks;
@@ -204,9 +196,6 @@ struct Kernels {
     /// What the volumes of a list say of the lanes of a block that ask.
     LaneStates (*classify)(const LightFrame& frame, const Block& block, const ShadowVolumes* volumes,
                            const VolumeBits* list, uint32_t count);
-    /// Which lanes that ask the triangle surely blocks, bits: blocks() of candidate_occluder.hpp, with more room for
-    /// rounding.
-    uint32_t (*blocked)(const Constants& constants, const Block& block, const CandidateTriangle& triangle);
 };
 
 extern const Kernels kBaseline;
