@@ -26,8 +26,6 @@ namespace block_answers {
 constexpr std::uint32_t kPiece = 8;
 // Blocks whose texels are on the way at once: one by one, the pass of `primitives` took a tenth longer.
 constexpr std::uint32_t kAhead = 8;
-// As HardRays in undecided.cpp, whose rays these are.
-constexpr int kTogether = RayPacket::kWidth / 4;
 
 /// Some blocks side by side: texels of all are called for before the first is asked.
 /// @param rows bytes from the first block's first pixel on
@@ -73,8 +71,7 @@ void answerByBlocks(const BlockAsking& asking, const Map& map, std::span<std::ui
                                .reader = asking.reader,
                                .light = asking.light,
                                .lit = asking.rayLit,
-                               .dark = asking.rayDark,
-                               .together = kTogether};
+                               .dark = asking.rayDark};
     auto piece = [&](std::size_t begin, std::size_t end, std::uint32_t) {
         const std::span<std::uint8_t> rows = asking.host.arena->array<std::uint8_t>((end - begin) * side * stride);
         std::fill(rows.begin(), rows.end(), static_cast<std::uint8_t>(asking.bytes.outside));

@@ -49,7 +49,7 @@ void BlockRays::askTogether(const simd::Block& block, std::uint32_t lanes, std::
 
 void BlockRays::ask(const simd::Block& block, std::uint32_t lanes, std::size_t first)
 {
-    if (std::popcount(lanes) >= info_.together) {
+    if (std::popcount(lanes) >= kTogether) {
         askTogether(block, lanes, first);
         return;
     }

@@ -1,7 +1,7 @@
 #include "algorithms/hybrid/chain_blocks.hpp"
 
-#include "algorithms/hybrid/block_answers.hpp"
-#include "algorithms/hybrid/block_candidates.hpp"
+#include <cmath>
+
 #include "algorithms/hybrid/block_rays.hpp"
 
 namespace gnomon {
@@ -18,9 +18,21 @@ struct Waiting {
     std::uint32_t x, asking;
     std::uint32_t lit; ///< Bits, by the map.
     simd::MapPlaces places;
-    OwnTexels texels; ///< Of the dark ones.
-    NamedTriangles named;
+    const std::uint32_t* triangle[kLanes]; ///< Texels that name one, of the dark lanes; null beyond the map.
 };
+
+/// The texel in which a receiver lies, called for.
+const std::uint32_t* ownTexel(const HostMap& map, const simd::MapPlaces& places, std::uint32_t lane)
+{
+    const auto column = static_cast<std::int32_t>(std::floor(places.x[lane]));
+    const auto row = static_cast<std::int32_t>(std::floor(places.y[lane]));
+    const std::span<const std::uint32_t> layer = map.triangle[places.layer[lane]];
+    const auto side = static_cast<std::int32_t>(map.side);
+    if (layer.empty() || column < 0 || row < 0 || column >= side || row >= side) return nullptr;
+    const std::uint32_t* texel = &layer[static_cast<std::size_t>(row) * map.side + static_cast<std::size_t>(column)];
+    prefetchRead(texel);
+    return texel;
+}
 
 /// One thread's rows.
 class Blocks {
@@ -34,18 +46,19 @@ public:
 
 private:
     const gpu::MapConstants& constants() const { return picture_.job.constants->base; }
-    bool candidates() const { return picture_.job.stages.candidates == CandidateUse::blocks; }
+    bool candidates() const { return picture_.job.stages.candidates == CandidateUse::own; }
     static BlockRays::Info raysOf(const ChainPicture& picture);
     std::uint32_t litIn(std::uint32_t x) const;
     std::uint32_t hinted(const Waiting& waiting) const;
     void settleLanes(std::uint32_t x, std::uint32_t lanes, std::uint32_t told);
+    std::uint32_t proven(const Waiting& waiting, const simd::Block& block, std::uint32_t lanes);
     void answer(const Waiting& waiting);
     void answerWord(std::size_t word);
 
     const ChainPicture& picture_;
     const ChainRows& rows_;
     const simd::MapLookup look_;
-    BlockCandidates candidates_;
+    CandidateOccluders candidates_;
     BlockRays rays_;
     std::uint32_t top_ = 0; ///< Of the blocks that are asked.
     Waiting waiting_[kAhead];
@@ -58,8 +71,7 @@ BlockRays::Info Blocks::raysOf(const ChainPicture& picture)
             .reader = picture.blocks,
             .light = *picture.job.light,
             .lit = reasons ? std::uint8_t{gpu::REASON_RT_LIT} : std::uint8_t{255},
-            .dark = reasons ? std::uint8_t{gpu::REASON_RT_SHADOW} : std::uint8_t{0},
-            .together = block_answers::kTogether};
+            .dark = reasons ? std::uint8_t{gpu::REASON_RT_SHADOW} : std::uint8_t{0}};
 }
 
 /// What the map says of a block.
@@ -95,6 +107,19 @@ void Blocks::settleLanes(std::uint32_t x, std::uint32_t lanes, std::uint32_t tol
     }
 }
 
+/// Dark lanes that the triangle of their own texel surely blocks.
+std::uint32_t Blocks::proven(const Waiting& waiting, const simd::Block& block, std::uint32_t lanes)
+{
+    std::uint32_t dark = 0;
+    for (; lanes != 0; lanes &= lanes - 1) {
+        const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
+        const std::uint32_t* texel = waiting.triangle[lane];
+        if (!texel || *texel == kNoTriangle) continue;
+        if (candidates_.blocks(*texel, rayOf(block, lane, *picture_.job.light))) dark |= 1u << lane;
+    }
+    return dark;
+}
+
 void Blocks::answer(const Waiting& waiting)
 {
     simd::Block block;
@@ -110,9 +135,8 @@ void Blocks::answer(const Waiting& waiting)
     settleLanes(waiting.x, hints & ~waiting.lit, gpu::REASON_TC_SHADOW);
     left &= ~hints;
     if (candidates()) {
-        const std::uint32_t dark = left & candidates_.dark(picture_.blocks, block, waiting.named);
-        settleLanes(waiting.x, dark & waiting.lit, gpu::REASON_NB_CORRECTED);
-        settleLanes(waiting.x, dark & ~waiting.lit, gpu::REASON_NB_CONFIRMED);
+        const std::uint32_t dark = proven(waiting, block, left & ~waiting.lit);
+        settleLanes(waiting.x, dark, gpu::REASON_NB_CONFIRMED);
         left &= ~dark;
     }
     if (left != 0) rays_.ask(block, left, std::size_t(top_ - rows_.top) * rows_.asked.width + waiting.x);
@@ -130,12 +154,11 @@ void Blocks::answerWord(std::size_t word)
         waiting.asking = asking;
         waiting.lit = litIn(x);
         if (places) picture_.blocks.place(x, top_, look_, waiting.places);
-        if (candidates()) waiting.texels = ownTexels(picture_.map, waiting.places, asking & ~waiting.lit);
+        for (std::uint32_t dark = candidates() ? asking & ~waiting.lit : 0; dark != 0; dark &= dark - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(dark));
+            waiting.triangle[lane] = ownTexel(picture_.map, waiting.places, lane);
+        }
     });
-    for (std::uint32_t i = 0; i < count && candidates(); ++i)
-        waiting_[i].named = candidates_.named(waiting_[i].texels);
-    for (std::uint32_t i = 0; i < count && candidates(); ++i)
-        candidates_.call(waiting_[i].named);
     for (std::uint32_t i = 0; i < count; ++i)
         answer(waiting_[i]);
 }

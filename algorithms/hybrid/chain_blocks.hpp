@@ -1,6 +1,6 @@
 #pragma once
 // The pixels that a chain asks without the thesis's candidate occluders, sixteen at a time: hints where nobody gave
-// them before, triangles that the block's own texels name, rays.
+// them before, triangles that own texels name, rays.
 #include <algorithm>
 #include <bit>
 #include <cstdint>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "algorithms/hybrid/conservative_votes.hpp"
 #include "algorithms/shared/light_map.hpp"
 #include "algorithms/shared/map_resolve.hpp"
 #include "shaders/hybrid_conservative_classify_cube_frag.h"
@@ -30,33 +29,16 @@ struct LayerKind {
     const char *image, *statics, *stamp;
     LayerNames passes[7];
     ConservativeLayer content;
-    HostMapNames copy;
 };
 constexpr LayerKind kKinds[2][2] = {
-    {{"conservative.near",
-      "conservative.near_statics",
-      "conservative.near_stamp",
-      GNOMON_LAYERS("conservative.near"),
-      ConservativeLayer::nearest,
-      {"conservative.near_on_host", "conservative.copy_near"}},
-     {"conservative.covered",
-      "conservative.covered_statics",
-      "conservative.covered_stamp",
-      GNOMON_LAYERS("conservative.covered"),
-      ConservativeLayer::covered,
-      {"conservative.covered_on_host", "conservative.copy_covered"}}},
-    {{"conservative.thesis_near",
-      "conservative.thesis_near_statics",
-      "conservative.thesis_near_stamp",
-      GNOMON_LAYERS("conservative.thesis_near"),
-      ConservativeLayer::thesisNearest,
-      {"conservative.thesis_near_on_host", "conservative.copy_thesis_near"}},
-     {"conservative.thesis_covered",
-      "conservative.thesis_covered_statics",
-      "conservative.thesis_covered_stamp",
-      GNOMON_LAYERS("conservative.thesis_covered"),
-      ConservativeLayer::thesisCovered,
-      {"conservative.thesis_covered_on_host", "conservative.copy_thesis_covered"}}},
+    {{"conservative.near", "conservative.near_statics", "conservative.near_stamp", GNOMON_LAYERS("conservative.near"),
+      ConservativeLayer::nearest},
+     {"conservative.covered", "conservative.covered_statics", "conservative.covered_stamp",
+      GNOMON_LAYERS("conservative.covered"), ConservativeLayer::covered}},
+    {{"conservative.thesis_near", "conservative.thesis_near_statics", "conservative.thesis_near_stamp",
+      GNOMON_LAYERS("conservative.thesis_near"), ConservativeLayer::thesisNearest},
+     {"conservative.thesis_covered", "conservative.thesis_covered_statics", "conservative.thesis_covered_stamp",
+      GNOMON_LAYERS("conservative.thesis_covered"), ConservativeLayer::thesisCovered}},
 };
 #undef GNOMON_LAYERS
 #undef GNOMON_LAYER
@@ -127,8 +109,8 @@ ConservativeMaps::ConservativeMaps(const AlgorithmServices& services)
                 services, kKinds[thesis][covered].passes[kAlone].casters, kKinds[thesis][covered].content);
 }
 
-ConservativeImage ConservativeMaps::declareLayer(PassBuilder& passes, const ShadowTask& task,
-                                                 const ConservativeMapView& view, bool thesis, bool covered) const
+ImageId ConservativeMaps::declareLayer(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                       bool thesis, bool covered) const
 {
     const LayerKind& kind = kKinds[thesis][covered];
     const auto layers = static_cast<std::uint32_t>(view.fits.size());
@@ -139,28 +121,23 @@ ConservativeImage ConservativeMaps::declareLayer(PassBuilder& passes, const Shad
                          .resolution = view.resolution,
                          .layers = layers,
                          .form = formOf(view)});
-    const std::span<std::uint64_t> stamps = passes.arena().array<std::uint64_t>(layers);
-    const std::span<KeptParts> parts = passes.arena().array<KeptParts>(layers);
     for (std::uint32_t layer = 0; layer < layers; ++layer) {
         if ((view.needed & (1u << layer)) == 0) continue;
         const ConservativeCasters casters(layers_[thesis][covered], kind.content, &view.projections[layer]);
         const LayerContent content = conservativeContent(task, view, layer, 0, passes.arena());
-        parts[layer] = map.update(layer, kind.passes[layers == 1 ? kAlone : layer], content, casters);
-        stamps[layer] = content.stamp;
+        map.update(layer, kind.passes[layers == 1 ? kAlone : layer], content, casters);
     }
-    HostMapNames copy = kind.copy;
-    copy.form = formOf(view);
-    return {map.image(), stamps, copy, parts};
+    return map.image();
 }
 
-ConservativeImage ConservativeMaps::declareNearest(PassBuilder& passes, const ShadowTask& task,
-                                                   const ConservativeMapView& view, bool thesis) const
+ImageId ConservativeMaps::declareNearest(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                         bool thesis) const
 {
     return declareLayer(passes, task, view, thesis, false);
 }
 
-ConservativeImage ConservativeMaps::declareCovered(PassBuilder& passes, const ShadowTask& task,
-                                                   const ConservativeMapView& view, bool thesis) const
+ImageId ConservativeMaps::declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                         bool thesis) const
 {
     return declareLayer(passes, task, view, thesis, true);
 }
@@ -177,11 +154,11 @@ ConservativeClassify::ConservativeClassify(const AlgorithmServices& services, co
 void ConservativeClassify::declare(PassBuilder& passes, const ShadowTask& task, const ConservativeImages& images,
                                    const gpu::ConservativeConstants& constants) const
 {
-    const LookupImages look(task, images.nearest.image);
+    const LookupImages look(task, images.nearest);
     const PipelineId pipeline = pipelines_[task.light->type == GN_LIGHT_TYPE_POINT][look.hasNormals];
     LookupPass pass(passes, task, name_, look);
-    pass.uses.samples(images.covered.image);
-    pass.record([=, covered = images.covered.image, values = &constants](PassContext& gpu) {
+    pass.uses.samples(images.covered);
+    pass.record([=, covered = images.covered, values = &constants](PassContext& gpu) {
         gpu.bind(pipeline, {gpu.constants(0, *values), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
                             gpu.sampled(4, look.map), gpu.sampled(6, covered)});
     });
@@ -205,17 +182,11 @@ const gpu::ConservativeConstants* constantsOf(PassBuilder& passes, const ShadowT
     return constants;
 }
 
-LightMap mapOf(const ConservativeMapView& view, const ConservativeImage& image)
-{
-    return {
-        .image = image.image, .fits = view.fits, .needed = view.needed, .stamps = image.stamps, .parts = image.parts};
-}
-
 } // namespace
 
-ConservativeMethod::ConservativeMethod(const AlgorithmServices& services, const char* classify, const char* host,
+ConservativeMethod::ConservativeMethod(const AlgorithmServices& services, const char* classify,
                                        const UndecidedNames& names)
-    : vk_(*services.vk), maps_(services), classify_(services, classify), names_(names), host_(host)
+    : vk_(*services.vk), maps_(services), classify_(services, classify), names_(names)
 {
 }
 
@@ -234,16 +205,6 @@ void ConservativeMethod::declare(PassBuilder& passes, const ShadowTask& task)
     if (!thesis) {
         insides.byte = reasons ? static_cast<std::uint8_t>(gpu::REASON_MAP_LIT) : std::uint8_t{255};
         insides.where = nearClip(*task.view, task.casters->all);
-    }
-    const LightMap nearest = mapOf(view, images.nearest), covered = mapOf(view, images.covered);
-    if (classifiesOnHost(task.settings[kClassify], vk_, task) &&
-        passes.hasRoomFor(missingHostMap(passes, nearest, view.resolution, images.nearest.copy) +
-                          missingHostMap(passes, covered, view.resolution, images.covered.copy))) {
-        const ConservativeCopies copies{
-            .nearest = declareHostMap(passes, nearest, view.resolution, images.nearest.copy),
-            .covered = declareHostMap(passes, covered, view.resolution, images.covered.copy)};
-        declareConservativeVotes(passes, task, {names_.visibility, host_, names_.copy}, copies, *constants, insides);
-        return;
     }
     classify_.declare(passes, task, images, *constants);
     declareUndecided(passes, task, names_, reasons ? traceReasons : traceHard, insides);

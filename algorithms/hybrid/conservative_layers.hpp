@@ -5,7 +5,6 @@
 #include <span>
 
 #include "algorithms/hybrid/conservative_casters.hpp"
-#include "algorithms/hybrid/host_map.hpp"
 #include "algorithms/hybrid/undecided.hpp"
 #include "algorithms/shared/kept_map.hpp"
 
@@ -29,15 +28,9 @@ std::uint32_t formOf(const ConservativeMapView& view);
 LayerContent conservativeContent(const ShadowTask& task, const ConservativeMapView& view, std::uint32_t layer,
                                  std::uint64_t salt, FrameArena& arena);
 
-/// One of its two depth images as declared in this frame, a layer per fit.
-struct ConservativeImage {
-    ImageId image;
-    std::span<const std::uint64_t> stamps; ///< Of the content of the layers needed, for what is made of it.
-    HostMapNames copy;                     ///< Of a copy on the CPU.
-    std::span<const KeptParts> parts;      ///< LightMap's.
-};
+/// Its two depth images as declared in this frame, a layer per fit.
 struct ConservativeImages {
-    ConservativeImage nearest, covered;
+    ImageId nearest, covered;
 };
 
 class ConservativeMaps {
@@ -45,16 +38,16 @@ public:
     explicit ConservativeMaps(const AlgorithmServices& services);
 
     /// Declares what is missing of the over-estimated layer.
-    ConservativeImage declareNearest(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                                     bool thesis) const;
+    ImageId declareNearest(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                           bool thesis) const;
     /// And of the under-estimated one, of triangles by themselves.
-    ConservativeImage declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                                     bool thesis) const;
+    ImageId declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                           bool thesis) const;
     PipelineId coveredPipeline(bool thesis) const { return layers_[thesis][1]; }
 
 private:
-    ConservativeImage declareLayer(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                                   bool thesis, bool covered) const;
+    ImageId declareLayer(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view, bool thesis,
+                         bool covered) const;
     PipelineId layers_[2][2]; ///< [thesis][covered]
 };
 
@@ -73,13 +66,12 @@ private:
 /// What both methods are but for their under-estimated layer.
 class ConservativeMethod : public ShadowAlgorithm {
 public:
-    enum Setting : std::size_t { kResolution, kMode, kReasons, kLambda, kClassify };
+    enum Setting : std::size_t { kResolution, kMode, kReasons, kLambda };
     static constexpr SettingSpec kSettings[] = {
         {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024},
         {"mode", "0: guaranteed; 1: as in the thesis.", 0, 1, 0},
         kReasonsSetting,
         kLambdaSetting,
-        kClassifySetting,
     };
     static constexpr std::uint32_t kTraits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT |
                                              GN_TRAIT_HARD_BIT | GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT |
@@ -88,23 +80,19 @@ public:
     /// Of both layers and the picture.
     static VkDeviceSize memory(std::span<const double> settings, VkExtent2D extent, GnLightType type);
 
-    /// @param host of the pass where the CPU asks the map
-    ConservativeMethod(const AlgorithmServices& services, const char* classify, const char* host,
-                       const UndecidedNames& names);
+    ConservativeMethod(const AlgorithmServices& services, const char* classify, const UndecidedNames& names);
     void declare(PassBuilder& passes, const ShadowTask& task) override;
     const char* refuses(const ShadowTask& task) const override;
 
 protected:
-    virtual ConservativeImage declareCovered(PassBuilder& passes, const ShadowTask& task,
-                                             const ConservativeMapView& view, const ConservativeMaps& maps,
-                                             bool thesis) const = 0;
+    virtual ImageId declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                   const ConservativeMaps& maps, bool thesis) const = 0;
 
 private:
     const DeviceTable& vk_;
     ConservativeMaps maps_;
     ConservativeClassify classify_;
     UndecidedNames names_;
-    const char* host_;
 };
 
 } // namespace gnomon

@@ -15,13 +15,13 @@ constexpr UndecidedNames kNames = {.status = "conservative_map.status",
 class ConservativeMap final : public ConservativeMethod {
 public:
     explicit ConservativeMap(const AlgorithmServices& services)
-        : ConservativeMethod(services, "conservative_map.classify", "conservative_map.votes", kNames)
+        : ConservativeMethod(services, "conservative_map.classify", kNames)
     {
     }
 
 private:
-    ConservativeImage declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                                     const ConservativeMaps& maps, bool thesis) const override
+    ImageId declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                           const ConservativeMaps& maps, bool thesis) const override
     {
         return maps.declareCovered(passes, task, view, thesis);
     }

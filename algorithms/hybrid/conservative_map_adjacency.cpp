@@ -19,8 +19,7 @@ constexpr UndecidedNames kNames = {.status = "conservative_map_adjacency.status"
 class ConservativeMapAdjacency final : public ConservativeMethod {
 public:
     explicit ConservativeMapAdjacency(const AlgorithmServices& services)
-        : ConservativeMethod(services, "conservative_map_adjacency.classify", "conservative_map_adjacency.votes",
-                             kNames),
+        : ConservativeMethod(services, "conservative_map_adjacency.classify", kNames),
           most_(services.vk->properties.limits.maxStorageBufferRange), sheets_(services)
     {
     }
@@ -37,8 +36,8 @@ public:
     }
 
 private:
-    ConservativeImage declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                                     const ConservativeMaps& maps, bool thesis) const override
+    ImageId declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                           const ConservativeMaps& maps, bool thesis) const override
     {
         return thesis ? sheets_.declareThesis(passes, task, view, maps)
                       : sheets_.declareCovered(passes, task, view, maps);

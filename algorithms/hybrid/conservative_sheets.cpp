@@ -257,22 +257,17 @@ std::uint64_t sheetSalt(const ShadowTask& task)
 
 /// @param drawing of a layer's number
 template <typename Drawing>
-ConservativeImage declareLayers(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                                const KeptMapInfo& info, const LayerNames (&names)[7], const HostMapNames& copy,
-                                const Drawing& drawing)
+ImageId declareLayers(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                      const KeptMapInfo& info, const LayerNames (&names)[7], const Drawing& drawing)
 {
     KeptMap map(passes, info);
     const std::uint64_t salt = sheetSalt(task);
-    const std::span<std::uint64_t> stamps = passes.arena().array<std::uint64_t>(info.layers);
     for (std::uint32_t layer = 0; layer < info.layers; ++layer) {
         if ((view.needed & (1u << layer)) == 0) continue;
         const LayerContent content = conservativeContent(task, view, layer, salt, passes.arena());
         map.update(layer, names[info.layers == 1 ? 6 : layer], content, drawing(layer));
-        stamps[layer] = content.stamp;
     }
-    HostMapNames copyOf = copy;
-    copyOf.form = info.form;
-    return {map.image(), stamps, copyOf, {}};
+    return map.image();
 }
 
 } // namespace
@@ -298,9 +293,8 @@ ConservativeSheets::ConservativeSheets(const AlgorithmServices& services)
     pipelines_.sheets = services.pipelines->graphics(info);
 }
 
-ConservativeImage ConservativeSheets::declareCovered(PassBuilder& passes, const ShadowTask& task,
-                                                     const ConservativeMapView& view,
-                                                     const ConservativeMaps& maps) const
+ImageId ConservativeSheets::declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                           const ConservativeMaps& maps) const
 {
     const KeptMapInfo info{.name = "sheets.map",
                            .staticsName = "sheets.map_statics",
@@ -309,16 +303,15 @@ ConservativeImage ConservativeSheets::declareCovered(PassBuilder& passes, const 
                            .resolution = view.resolution,
                            .layers = static_cast<std::uint32_t>(view.fits.size()),
                            .form = formOf(view)};
-    return declareLayers(passes, task, view, info, kLayers, {"sheets.map_on_host", "sheets.copy_map"},
-                         [&](std::uint32_t layer) {
-                             const ConservativeCasters covered(maps.coveredPipeline(false), ConservativeLayer::covered,
-                                                               &view.projections[layer]);
-                             return SheetCasters(covered, pipelines_, task, view, layer);
-                         });
+    return declareLayers(passes, task, view, info, kLayers, [&](std::uint32_t layer) {
+        const ConservativeCasters covered(maps.coveredPipeline(false), ConservativeLayer::covered,
+                                          &view.projections[layer]);
+        return SheetCasters(covered, pipelines_, task, view, layer);
+    });
 }
 
-ConservativeImage ConservativeSheets::declareThesis(PassBuilder& passes, const ShadowTask& task,
-                                                    const ConservativeMapView& view, const ConservativeMaps& maps) const
+ImageId ConservativeSheets::declareThesis(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                                          const ConservativeMaps& maps) const
 {
     const KeptMapInfo info{.name = "sheets.thesis_map",
                            .staticsName = "sheets.thesis_map_statics",
@@ -327,13 +320,11 @@ ConservativeImage ConservativeSheets::declareThesis(PassBuilder& passes, const S
                            .resolution = view.resolution,
                            .layers = static_cast<std::uint32_t>(view.fits.size()),
                            .form = formOf(view)};
-    return declareLayers(passes, task, view, info, kThesisLayers,
-                         {"sheets.thesis_map_on_host", "sheets.copy_thesis_map"}, [&](std::uint32_t layer) {
-                             const ConservativeCasters covered(maps.coveredPipeline(true),
-                                                               ConservativeLayer::thesisCovered,
-                                                               &view.projections[layer]);
-                             return KeptCasters(covered, *task.light);
-                         });
+    return declareLayers(passes, task, view, info, kThesisLayers, [&](std::uint32_t layer) {
+        const ConservativeCasters covered(maps.coveredPipeline(true), ConservativeLayer::thesisCovered,
+                                          &view.projections[layer]);
+        return KeptCasters(covered, *task.light);
+    });
 }
 
 VkDeviceSize ConservativeSheets::memory(std::uint32_t resolution)

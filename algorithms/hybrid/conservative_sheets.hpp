@@ -11,11 +11,11 @@ public:
     explicit ConservativeSheets(const AlgorithmServices& services);
 
     /// Declares what is missing of the under-estimated layer: of triangles by themselves, and of sheets.
-    ConservativeImage declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                                     const ConservativeMaps& maps) const;
+    ImageId declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                           const ConservativeMaps& maps) const;
     /// The same as the thesis has it: one, one, two or four triangles for 0 to 3 kept edges.
-    ConservativeImage declareThesis(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                                    const ConservativeMaps& maps) const;
+    ImageId declareThesis(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
+                          const ConservativeMaps& maps) const;
 
     /// Device bytes beyond the layer itself.
     static VkDeviceSize memory(std::uint32_t resolution);

@@ -44,57 +44,55 @@ void declareLayerCopy(PassBuilder& passes, const LayerCopy& copy)
 
 namespace {
 
-std::uint32_t variantOf(std::uint32_t resolution, std::uint32_t layer, const HostMapNames& names)
+std::uint32_t variantOf(std::uint32_t resolution, std::uint32_t layer)
 {
-    return names.form << 19 | (resolution * 8 + layer);
+    return resolution * 8 + layer;
 }
 
-BufferInfo bufferOf(std::uint32_t resolution, std::uint32_t layer, const HostMapNames& names)
+BufferInfo bufferOf(std::uint32_t resolution, std::uint32_t layer)
 {
-    return {.name = names.buffer,
+    return {.name = "light_map.on_host",
             .scope = Scope::light,
             .size = kTexelBytes * resolution * resolution,
             .place = BufferPlace::readback,
-            .variant = variantOf(resolution, layer, names)};
+            .variant = variantOf(resolution, layer)};
 }
 
 } // namespace
 
-HostMapCopy declareHostMap(PassBuilder& passes, const LightMap& map, std::uint32_t resolution,
-                           const HostMapNames& names)
+HostMapCopy declareHostMap(PassBuilder& passes, const LightMap& map, std::uint32_t resolution)
 {
     HostMapCopy result{.layers = static_cast<std::uint32_t>(map.fits.size()), .needed = map.needed, .depth = {}};
     for (std::uint32_t bits = map.needed; bits != 0; bits &= bits - 1) {
         const auto layer = static_cast<std::uint32_t>(std::countr_zero(bits));
-        result.depth[layer] = passes.persistent(bufferOf(resolution, layer, names));
+        result.depth[layer] = passes.persistent(bufferOf(resolution, layer));
         if (!passes.stale(result.depth[layer], map.stamps[layer])) {
             passes.kept();
             continue;
         }
-        const KeptParts parts = map.parts.empty() ? KeptParts{} : map.parts[layer];
+        const KeptParts& parts = map.parts[layer];
         const Cells cells = changedCells(passes.partsBefore(result.depth[layer]), parts);
         passes.keepParts(result.depth[layer], parts);
         if (cells == 0) { // what moved stays beside the map
             passes.kept();
             continue;
         }
-        declareLayerCopy(passes, {.name = names.pass,
+        declareLayerCopy(passes, {.name = "light_map.copy_to_host",
                                   .from = map.image,
                                   .layer = layer,
                                   .to = result.depth[layer],
                                   .side = resolution,
-                                  .variant = variantOf(resolution, layer, names),
+                                  .variant = variantOf(resolution, layer),
                                   .cells = cells});
     }
     return result;
 }
 
-VkDeviceSize missingHostMap(const PassBuilder& passes, const LightMap& map, std::uint32_t resolution,
-                            const HostMapNames& names)
+VkDeviceSize missingHostMap(const PassBuilder& passes, const LightMap& map, std::uint32_t resolution)
 {
     VkDeviceSize bytes = 0;
     for (std::uint32_t bits = map.needed; bits != 0; bits &= bits - 1)
-        bytes += passes.missing(bufferOf(resolution, static_cast<std::uint32_t>(std::countr_zero(bits)), names));
+        bytes += passes.missing(bufferOf(resolution, static_cast<std::uint32_t>(std::countr_zero(bits))));
     return bytes;
 }
 

@@ -46,16 +46,9 @@ struct HostMapCopy {
     simd::MapLookup onHost(const HostContext& context, const gpu::MapConstants& constants) const;
 };
 
-/// What a map's copies and the passes that make them are called: what they copy is known by these.
-struct HostMapNames {
-    const char *buffer = "light_map.on_host", *pass = "light_map.copy_to_host";
-    std::uint32_t form = 0; ///< KeptMapInfo's.
-};
-HostMapCopy declareHostMap(PassBuilder& passes, const LightMap& map, std::uint32_t resolution,
-                           const HostMapNames& names = {});
+HostMapCopy declareHostMap(PassBuilder& passes, const LightMap& map, std::uint32_t resolution);
 /// Bytes of the copies that are not there yet. They only save time: passes.hasRoomFor() says whether to make them, and
 /// AlgorithmEntry::memoryPerLight does not count them.
-VkDeviceSize missingHostMap(const PassBuilder& passes, const LightMap& map, std::uint32_t resolution,
-                            const HostMapNames& names = {});
+VkDeviceSize missingHostMap(const PassBuilder& passes, const LightMap& map, std::uint32_t resolution);
 
 } // namespace gnomon

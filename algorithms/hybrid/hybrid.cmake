@@ -25,7 +25,7 @@ endif()
 gnomon_shared(SOURCES bit_rows.cpp)
 gnomon_shared(
     NEEDS embree
-    SOURCES block_rays.cpp conservative_casters.cpp conservative_layers.cpp conservative_votes.cpp host_map.cpp
+    SOURCES block_rays.cpp conservative_casters.cpp conservative_layers.cpp host_map.cpp
             map_votes.cpp near_clip.cpp traced_pixels.cpp undecided.cpp
     SHADERS hybrid/conservative.frag
             hybrid/conservative.vert
@@ -38,7 +38,7 @@ gnomon_algorithm(pcf_hybrid
             hybrid/pcf_hybrid.frag:MAP_LAYERS=1:hybrid/pcf_hybrid_cube.frag)
 gnomon_algorithm(contour_chain
     NEEDS embree
-    SOURCES contour_chain.cpp block_candidates.cpp candidate_occluder.cpp chain.cpp chain_blocks.cpp chain_pass.cpp
+    SOURCES contour_chain.cpp candidate_occluder.cpp chain.cpp chain_blocks.cpp chain_pass.cpp
             id_map.cpp map_texels.cpp triangle_rings.cpp
     SHADERS hybrid/contour_chain.frag
             hybrid/contour_chain.frag:MAP_LAYERS=1:hybrid/contour_chain_cube.frag

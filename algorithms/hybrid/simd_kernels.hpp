@@ -98,25 +98,6 @@ struct alignas(64) MapPlaces {
     uint32_t together;  ///< Not 0: the four texels around all lanes that ask lie in one layer that is there.
 };
 
-/// What a conservative map's constants add (gpu::ConservativeConstants), and its second layer.
-struct ConservativeLookup {
-    MapLookup map; ///< Its depths: nothing in the texel is nearer to the light.
-    float texelsPerMetre, depthPerMetre, depthSquare;
-    uint32_t thesis;
-    const float* covered[6]; ///< What covers the texel is not farther.
-};
-
-/// Starts of rays in a conservative map.
-struct alignas(64) LayerPlaces {
-    uint32_t asked[kLanes];
-    float depth[kLanes], error[kLanes]; ///< Of the start, and how far it may be off.
-    float offset[kLanes];               ///< From the receiver, metres.
-    int32_t texel[kLanes];              ///< Place in its layer.
-    uint32_t layer[kLanes];
-    uint32_t known[kLanes]; ///< 1: the map may be asked (mapKnows() of shaders/hybrid/conservative_lookup.h).
-    uint32_t asks;          ///< Any lane does.
-};
-
 /// The bytes of a map's answers.
 struct MapBytes {
     uint32_t outside, backfacing; ///< Of lanes that ask nothing.
@@ -172,14 +153,6 @@ struct VolumeBits {
     uint16_t block, bits;
 };
 
-/// A triangle in the world as sixteen rays are asked against it: CandidateOccluder of candidate_occluder.hpp, rounded.
-struct CandidateTriangle {
-    float corner[3][3], edge[3][3]; ///< Edges from each corner to the next.
-    float normal[3];                ///< As long as twice the area.
-    float length[3];                ///< Of the edges, as sums of coordinates.
-    float size, stretch;            ///< CandidateOccluder's.
-};
-
 /// Which lanes ask a map, and what the four texels around them say, bits; the latter of lanes that ask.
 struct MapLanes {
     uint32_t asks;
@@ -206,12 +179,6 @@ struct Kernels {
     uint32_t (*vote)(const MapLookup& map, const MapPlaces& places, const MapBytes& bytes, uint8_t* answers);
     /// What each receiver's own texel says (nearestVisibility() of shaders/shared/filter.glsl).
     MapLanes (*nearest)(const MapLookup& map, const MapPlaces& places, const MapBytes& bytes, uint8_t* answers);
-    /// Finds rays' starts in a conservative map and calls for their texels; there are normals.
-    void (*placeStarts)(const Constants& constants, const Texels& texels, const ConservativeLookup& look,
-                        LayerPlaces& places);
-    /// What its two layers say (conservativeVerdict()). @return as vote()
-    uint32_t (*conserve)(const ConservativeLookup& look, const LayerPlaces& places, const MapBytes& bytes,
-                         uint8_t* answers);
     /// The rays of the lanes that ask, but for those that end before they start: nothing blocks them.
     void (*pack)(const Constants& constants, const Block& block, RayPacket& packet);
     /// Widens [lower, upper] along three axes by what the blocks' rays start from, relative to `centre`.
@@ -229,9 +196,6 @@ struct Kernels {
     /// What the volumes of a list say of the lanes of a block that ask.
     LaneStates (*classify)(const LightFrame& frame, const Block& block, const ShadowVolumes* volumes,
                            const VolumeBits* list, uint32_t count);
-    /// Which lanes that ask the triangle surely blocks, bits: blocks() of candidate_occluder.hpp, with more room for
-    /// rounding.
-    uint32_t (*blocked)(const Constants& constants, const Block& block, const CandidateTriangle& triangle);
 };
 
 extern const Kernels kBaseline;

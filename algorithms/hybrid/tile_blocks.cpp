@@ -214,11 +214,4 @@ void BlockReader::place(std::uint32_t x, std::uint32_t y, const MapLookup& map, 
     kernels_.place(constants_, read, map, places);
 }
 
-void BlockReader::place(std::uint32_t x, std::uint32_t y, const ConservativeLookup& look, LayerPlaces& places) const
-{
-    Texels read;
-    texels(x, y, read);
-    kernels_.placeStarts(constants_, read, look, places);
-}
-
 } // namespace gnomon

@@ -37,12 +37,6 @@ public:
     void place(std::uint32_t x, std::uint32_t y, const simd::MapLookup& map, simd::MapPlaces& places) const;
     /// The rays of a block that was read: rayOf() of the lanes that ask.
     void pack(const simd::Block& block, RayPacket& packet) const { kernels_.pack(constants_, block, packet); }
-    void place(std::uint32_t x, std::uint32_t y, const simd::ConservativeLookup& look, simd::LayerPlaces& places) const;
-    /// Which lanes of a block that was read the triangle surely blocks.
-    std::uint32_t blocked(const simd::Block& block, const simd::CandidateTriangle& triangle) const
-    {
-        return kernels_.blocked(constants_, block, triangle);
-    }
     const simd::Kernels& kernels() const { return kernels_; }
     /// Calls for what read() will read there, which may be beyond the area.
     void prefetch(std::uint32_t x, std::uint32_t y) const;

@@ -63,10 +63,6 @@ std::uint32_t everyOtherBit(std::uint32_t z)
 static_assert(kLargestTile / kBlockSide <= 1u << 4);
 constexpr std::uint32_t kBlocks = (kLargestTile / kBlockSide) * (kLargestTile / kBlockSide);
 
-// A block with at least so many lanes to ask is a packet of its own, others are put together. Half of a packet: 1, 8
-// and 12 could not be told apart in four scenes.
-constexpr int kTogether = 8;
-
 /// One thread's share of the tiles.
 class TileRows final : public TileAnswers {
 public:
@@ -82,8 +78,7 @@ public:
                                                                        .reader = reader,
                                                                        .light = *job.light,
                                                                        .lit = bytes_.of[gpu::REASON_RT_LIT],
-                                                                       .dark = bytes_.of[gpu::REASON_RT_SHADOW],
-                                                                       .together = kTogether},
+                                                                       .dark = bytes_.of[gpu::REASON_RT_SHADOW]},
                                                                       rows_, stride_)
     {
         fillOutside();

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cstring>
 
+#include "algorithms/hybrid/block_rays.hpp"
+
 namespace gnomon {
 
 namespace {
 
-constexpr std::uint32_t kTile = 4;
+constexpr std::uint32_t kTile = simd::kBlockSide;
 constexpr std::uint32_t kPiece = 8; // rows of tiles a thread takes at once: enough rays to fill batches
 
 /// Everything the host pass needs; copied into the frame.
@@ -86,120 +88,71 @@ void answerAll(const UndecidedJob& job, const HostContext& host)
     });
 }
 
-/// One ray a pixel: tiles with some pixels as packets, single pixels as a stream of rays.
-class HardRays {
+/// Pixels by the 4x4 tiles of the view's area that they lie in.
+class Tiles {
 public:
-    HardRays(const UndecidedSource& source, std::span<std::uint8_t> bytes, std::uint8_t lit, std::uint8_t dark)
-        : source_(source), bytes_(bytes), lit_(lit), dark_(dark)
+    Tiles(const VkRect2D& area, std::span<const std::uint32_t> pixels)
+        : left_(static_cast<std::uint32_t>(area.offset.x)), top_(static_cast<std::uint32_t>(area.offset.y)),
+          pixels_(pixels)
     {
     }
-    void run(std::span<const std::uint32_t> pixels);
+    std::uint32_t left(std::size_t i) const { return (gpu::pixelX(pixels_[i]) - left_) / kTile * kTile; }
+    std::uint32_t top(std::size_t i) const { return (gpu::pixelY(pixels_[i]) - top_) / kTile * kTile; }
+    std::uint32_t lane(std::size_t i) const
+    {
+        return (gpu::pixelY(pixels_[i]) - top_) % kTile * kTile + (gpu::pixelX(pixels_[i]) - left_) % kTile;
+    }
+    /// Calls visit(first, end) for the pixels of each tile. @return how many tiles
+    template <typename Visit>
+    std::size_t each(Visit&& visit) const
+    {
+        std::size_t count = 0;
+        for (std::size_t i = 0, end = 0; i < pixels_.size(); i = end, ++count) {
+            while (end < pixels_.size() && left(end) == left(i) && top(end) == top(i))
+                ++end;
+            visit(i, end);
+        }
+        return count;
+    }
 
 private:
-    // A quarter of a packet: with 2 pixels as with 4 tracing takes a tenth less than with 8 (conservative_map in
-    // colonnade and bench).
-    static constexpr std::size_t kTogether = RayPacket::kWidth / 4;
-    static constexpr std::uint32_t kPackets = 16; // asked at once
-
-    std::uint32_t tileOf(std::uint32_t pixel) const;
-    void askTile(std::span<const std::uint32_t> pixels, std::uint32_t first);
-    void ask(std::uint32_t pixel, std::uint32_t at);
-    void flush();
-    void flushPackets();
-
-    const UndecidedSource& source_;
-    std::span<std::uint8_t> bytes_;
-    std::uint8_t lit_, dark_;
-    RayBatch<256> batch_; // the width of RayScene's sparse packets
-    RayPacket packets_[kPackets];
-    std::uint8_t lanes_[kPackets][RayPacket::kWidth]; ///< Of the pixels that a packet answers.
-    std::uint32_t firsts_[kPackets], counts_[kPackets];
-    std::uint32_t packetCount_ = 0;
+    std::uint32_t left_, top_;
+    std::span<const std::uint32_t> pixels_;
 };
 
-/// Place of the pixel's tile in the area.
-std::uint32_t HardRays::tileOf(std::uint32_t pixel) const
+/// One ray a pixel.
+void trace(const UndecidedSource& source, std::span<const std::uint32_t> pixels, std::span<std::uint8_t> bytes,
+           std::uint8_t lit, std::uint8_t dark)
 {
-    const VkOffset2D& from = source_.view.area.offset;
-    return gpu::packPixel((gpu::pixelX(pixel) - static_cast<std::uint32_t>(from.x)) / kTile,
-                          (gpu::pixelY(pixel) - static_cast<std::uint32_t>(from.y)) / kTile);
-}
-
-void HardRays::flush()
-{
-    batch_.flush(source_.host, source_.light.mask,
-                 [&](std::uint32_t i, bool occluded) { bytes_[i] = occluded ? dark_ : lit_; });
-}
-
-void HardRays::flushPackets()
-{
-    source_.host.rays->occluded(std::span(packets_, packetCount_), source_.light.mask);
-    for (std::uint32_t p = 0; p < packetCount_; ++p) {
-        for (std::uint32_t i = 0; i < counts_[p]; ++i) {
-            const std::uint32_t lane = lanes_[p][i];
-            if (packets_[p].there[lane] != 0 && packets_[p].tfar[lane] < 0.0f) bytes_[firsts_[p] + i] = dark_;
+    const Tiles tiles(source.view.area, pixels);
+    const std::size_t count = tiles.each([](std::size_t, std::size_t) {});
+    const std::span<std::uint8_t> answers = source.host.arena->array<std::uint8_t>(count * simd::kLanes);
+    BlockRays rays({.host = source.host, .reader = source.blocks, .light = source.light, .lit = lit, .dark = dark},
+                   answers, kTile);
+    std::size_t at = 0; // of the tile's answers
+    tiles.each([&](std::size_t first, std::size_t end) {
+        // Tiles lie all over what was read back.
+        const std::size_t ahead = std::min(end + 16, pixels.size() - 1);
+        source.blocks.prefetch(tiles.left(ahead), tiles.top(ahead));
+        simd::Block block;
+        source.blocks.read(tiles.left(first), tiles.top(first), block);
+        std::uint32_t asking = 0;
+        for (std::size_t i = first; i < end; ++i) {
+            const std::uint32_t lane = tiles.lane(i);
+            if (block.asked[lane] == simd::kRay) asking |= 1u << lane;
+            // CPU and GPU may round n.l to different sides of zero.
+            answers[at + lane] = block.asked[lane] == simd::kDark ? dark : lit;
         }
-    }
-    packetCount_ = 0;
-}
-
-/// Pixels of one tile. @param first of them
-void HardRays::askTile(std::span<const std::uint32_t> pixels, std::uint32_t first)
-{
-    const std::uint32_t tile = tileOf(pixels[0]);
-    const std::uint32_t left = gpu::pixelX(tile) * kTile, top = gpu::pixelY(tile) * kTile;
-    const VkOffset2D& from = source_.view.area.offset;
-    simd::Block block;
-    source_.blocks.read(left, top, block);
-    RayPacket& packet = packets_[packetCount_];
-    source_.blocks.pack(block, packet);
-    std::int32_t wanted[RayPacket::kWidth] = {};
-    std::size_t rays = 0;
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-        const std::uint32_t x = gpu::pixelX(pixels[i]) - static_cast<std::uint32_t>(from.x) - left;
-        const std::uint32_t y = gpu::pixelY(pixels[i]) - static_cast<std::uint32_t>(from.y) - top;
-        const std::uint32_t lane = y * kTile + x;
-        lanes_[packetCount_][i] = static_cast<std::uint8_t>(lane);
-        wanted[lane] = -1;
-        bytes_[first + i] = block.asked[lane] == simd::kDark ? dark_ : lit_;
-        rays += block.asked[lane] == simd::kRay;
-    }
-    for (std::uint32_t lane = 0; lane < RayPacket::kWidth; ++lane)
-        packet.there[lane] &= wanted[lane];
-    source_.host.countRays(rays);
-    firsts_[packetCount_] = first;
-    counts_[packetCount_++] = static_cast<std::uint32_t>(pixels.size());
-    if (packetCount_ == kPackets) flushPackets();
-}
-
-void HardRays::ask(std::uint32_t pixel, std::uint32_t at)
-{
-    const Asked asked = source_.receivers.at(gpu::pixelX(pixel), gpu::pixelY(pixel), batch_.rays[batch_.count]);
-    bytes_[at] = asked == Asked::dark ? dark_ : lit_; // CPU and GPU may round n.l to different sides of zero
-    if (asked != Asked::ray) return;
-    batch_.tags[batch_.count++] = at;
-    if (batch_.full()) flush();
-}
-
-void HardRays::run(std::span<const std::uint32_t> pixels)
-{
-    // Receivers lie all over what was read back, and are called for this many pixels before.
-    constexpr std::size_t ahead = 16;
-    for (std::size_t i = 0; i < pixels.size();) {
-        std::size_t end = i + 1;
-        while (end < pixels.size() && tileOf(pixels[end]) == tileOf(pixels[i]))
-            ++end;
-        for (std::size_t next = i + ahead; next < std::min(end + ahead, pixels.size()); ++next)
-            source_.receivers.prefetch(gpu::pixelX(pixels[next]), gpu::pixelY(pixels[next]));
-        if (end - i >= kTogether)
-            askTile(pixels.subspan(i, end - i), static_cast<std::uint32_t>(i));
-        else
-            for (std::size_t at = i; at < end; ++at)
-                ask(pixels[at], static_cast<std::uint32_t>(at));
-        i = end;
-    }
-    flush();
-    flushPackets();
+        if (asking != 0) rays.ask(block, asking, at);
+        at += simd::kLanes;
+    });
+    rays.flush();
+    at = 0;
+    tiles.each([&](std::size_t first, std::size_t end) {
+        for (std::size_t i = first; i < end; ++i)
+            bytes[i] = answers[at + tiles.lane(i)];
+        at += simd::kLanes;
+    });
 }
 
 /// Whether one of eight bytes is UNDECIDED.
@@ -216,12 +169,12 @@ bool anyUndecided(const std::uint8_t* bytes)
 
 void traceHard(const UndecidedSource& source, std::span<const std::uint32_t> pixels, std::span<std::uint8_t> bytes)
 {
-    HardRays(source, bytes, 255, 0).run(pixels);
+    trace(source, pixels, bytes, 255, 0);
 }
 
 void traceReasons(const UndecidedSource& source, std::span<const std::uint32_t> pixels, std::span<std::uint8_t> bytes)
 {
-    HardRays(source, bytes, gpu::REASON_RT_LIT, gpu::REASON_RT_SHADOW).run(pixels);
+    trace(source, pixels, bytes, gpu::REASON_RT_LIT, gpu::REASON_RT_SHADOW);
 }
 
 std::size_t findUndecided(std::span<const std::uint8_t> bytes, std::uint32_t width, std::uint32_t x, std::uint32_t y,

@@ -14,7 +14,7 @@ struct LightMap {
     std::span<const LightFit> fits; ///< One or six; they live as long as the frame.
     std::uint32_t needed = 0;       ///< Bit i: a receiver of task.view can lie in layer i; other ones may be undefined.
     std::span<const std::uint64_t> stamps; ///< Of the content of the layers needed, for what is made of it.
-    std::span<const KeptParts> parts;      ///< DepthMap's, of these; none: nothing is known.
+    std::span<const KeptParts> parts;      ///< DepthMap's, of these.
 };
 
 /// The projections of a light's map, for maps that are drawn in another way; memory from the arena.

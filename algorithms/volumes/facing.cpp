@@ -17,8 +17,6 @@ facing::Kernel kernelOf(FacingWidth width) noexcept
         return &facing::runSse2;
     case FacingWidth::avx2:
         return &facing::runAvx2;
-    case FacingWidth::avx512:
-        return &facing::runAvx512;
 #endif
     default:
         return &facing::runScalar;
@@ -29,7 +27,7 @@ facing::Kernel kernelOf(FacingWidth width) noexcept
 
 const char* nameOf(FacingWidth width) noexcept
 {
-    constexpr const char* kNames[] = {"scalar", "sse2", "avx2", "avx512"};
+    constexpr const char* kNames[] = {"scalar", "sse2", "avx2"};
     return kNames[static_cast<std::size_t>(width)];
 }
 
@@ -43,8 +41,6 @@ bool runsHere(FacingWidth width) noexcept
         return true;
     case FacingWidth::avx2:
         return isSupported(InstructionSet::Avx2);
-    case FacingWidth::avx512:
-        return isSupported(InstructionSet::Avx512);
 #endif
     default:
         return false;

@@ -14,9 +14,8 @@ namespace gnomon {
 
 /// scalar: face by face, compiled without vectorisation: what the others are held against, and what serves on
 /// processors that have none of them.
-enum class FacingWidth : std::uint8_t { scalar, sse2, avx2, avx512 };
-inline constexpr FacingWidth kFacingWidths[] = {FacingWidth::scalar, FacingWidth::sse2, FacingWidth::avx2,
-                                                FacingWidth::avx512};
+enum class FacingWidth : std::uint8_t { scalar, sse2, avx2 };
+inline constexpr FacingWidth kFacingWidths[] = {FacingWidth::scalar, FacingWidth::sse2, FacingWidth::avx2};
 
 const char* nameOf(FacingWidth width) noexcept;
 /// Whether this build has it and this processor runs it.

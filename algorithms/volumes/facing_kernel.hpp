@@ -14,7 +14,6 @@ void runScalar(const FaceBlock* blocks, size_t count, const float* light, uint8_
 #if GNOMON_FACING_X86
 void runSse2(const FaceBlock* blocks, size_t count, const float* light, uint8_t* facing);
 void runAvx2(const FaceBlock* blocks, size_t count, const float* light, uint8_t* facing);
-void runAvx512(const FaceBlock* blocks, size_t count, const float* light, uint8_t* facing);
 #endif
 
 } // namespace gnomon::facing

@@ -4,11 +4,10 @@ add_library(gnomon_facing OBJECT volumes/facing.cpp volumes/facing_scalar.cpp)
 gnomon_target(gnomon_facing)
 target_link_libraries(gnomon_facing PRIVATE gnomon_base)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-    target_sources(gnomon_facing PRIVATE volumes/facing_sse2.cpp volumes/facing_avx2.cpp volumes/facing_avx512.cpp)
+    target_sources(gnomon_facing PRIVATE volumes/facing_sse2.cpp volumes/facing_avx2.cpp)
     set_source_files_properties(volumes/facing_scalar.cpp PROPERTIES
         COMPILE_OPTIONS "-fno-tree-vectorize;-fno-tree-slp-vectorize")
     set_source_files_properties(volumes/facing_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2")
-    set_source_files_properties(volumes/facing_avx512.cpp PROPERTIES COMPILE_OPTIONS "-mavx512f")
     target_compile_definitions(gnomon_facing PRIVATE GNOMON_FACING_X86=1)
 endif()
 

@@ -42,13 +42,6 @@ Trapezoid withinUniverse(const Trapezoid& shape, double low, double high) noexce
 /// straight segments; slower, no less exact. L06 says when a base has slipped into it.
 class CentroidTerms {
 public:
-    /// Coefficients of area(s) and moment(s) above.
-    struct Cut {
-        double area1 = 0.0, area2 = 0.0;
-        double moment1 = 0.0, moment2 = 0.0, moment3 = 0.0;
-        double height = 1.0; ///< Where the apex is: cuts above it change nothing.
-    };
-
     /// `variable` must have passed validate().
     explicit CentroidTerms(const Variable& variable);
 
@@ -69,11 +62,14 @@ public:
     /// The aggregated set itself at x: the maximum over the cut terms.
     double membership(double x, std::span<const double> strengths) const noexcept;
 
-    /// The neighbour form, for who evaluates it elsewhere. Empty in the general form.
-    std::span<const Cut> cuts() const noexcept { return cuts_; }
-    std::span<const Cut> overlaps() const noexcept { return overlaps_; }
-
 private:
+    /// Coefficients of area(s) and moment(s) above.
+    struct Cut {
+        double area1 = 0.0, area2 = 0.0;
+        double moment1 = 0.0, moment2 = 0.0, moment3 = 0.0;
+        double height = 1.0; ///< Where the apex is: cuts above it change nothing.
+    };
+
     static Cut cutOf(double a, double p, double q, double d, double height) noexcept;
     Centroid finished(double area, double moment) const noexcept;
     bool fitsNeighbourForm() const noexcept;

@@ -49,9 +49,9 @@ int32_t wobbleOf(const Engine& engine)
     return widest + kRounding;
 }
 
-std::string suitabilityText(const BatchInference& all, uint32_t output, uint32_t point)
+std::string suitabilityText(const Opinions& all, uint32_t output, uint32_t point)
 {
-    return fixedText(all.suitability[all.at(output, point)], 2);
+    return fixedText(all.at(output, point).suitability, 2);
 }
 
 } // namespace
@@ -59,7 +59,6 @@ std::string suitabilityText(const BatchInference& all, uint32_t output, uint32_t
 void checkMonotony(const Engine& engine, DiagnosticSink& sink)
 {
     const CompiledRules& compiled = engine.compiled();
-    const BatchEngine batch(engine);
     const int32_t tolerance = wobbleOf(engine);
     for (std::size_t p = 0; p < compiled.monotony.size(); ++p) {
         const Monotony& promise = engine.base().monotony[p];
@@ -68,13 +67,13 @@ void checkMonotony(const Engine& engine, DiagnosticSink& sink)
         if (!promise.ascending) std::reverse(stops.begin(), stops.end());
         const auto steps = static_cast<uint32_t>(stops.size());
         const SamplePoints starts = cellPoints(engine, kWalks);
-        SamplePoints walk = {steps, std::vector<double>(engine.facts().size() * steps)};
-        BatchInference all = batch.makeInference(steps);
+        SamplePoints walk(engine, steps);
+        Opinions all{};
         const auto isBroken = [&](uint32_t output) {
             int32_t extreme = -1; // lowest so far where it must not rise, highest where it must not fall
             uint32_t extremeAt = 0;
             for (uint32_t i = 0; i < steps; ++i) {
-                const int32_t now = all.quantised[all.at(output, i)];
+                const int32_t now = all.at(output, i).quantised;
                 if (now < 0) continue;
                 const int32_t wrong = promise.raises ? now - extreme : extreme - now;
                 if (extreme >= 0 && wrong > tolerance) {
@@ -98,7 +97,7 @@ void checkMonotony(const Engine& engine, DiagnosticSink& sink)
                 for (uint32_t i = 0; i < steps; ++i)
                     walk.at(f, i) = f == fact ? stops[i] : starts.at(f, start);
             }
-            batch.evaluateBatch(walk.facts, steps, all);
+            all = opinionsAt(engine, walk);
             const auto& outputs = compiled.monotony[p].outputs;
             if (std::any_of(outputs.begin(), outputs.end(), isBroken)) break; // one example a promise
         }

@@ -11,7 +11,7 @@
 namespace gnomon::rules {
 namespace {
 
-/// Two sets of 8192: a share of 1 % is 80 points of a set, and both together take the linter under 5 ms.
+/// Two sets of 8192: a share of 1 % is 80 points of a set.
 constexpr uint32_t kPoints = 8192;
 
 std::string percent(uint32_t part, uint32_t whole)
@@ -20,20 +20,15 @@ std::string percent(uint32_t part, uint32_t whole)
 }
 
 /// First half in checkCoverage(): no rule at all. This: some rule, but none that means it.
-void checkWeakPoints(const Engine& engine, const SamplePoints& points, DiagnosticSink& sink)
+void checkWeakPoints(const Engine& engine, const SamplePoints& points, const Opinions& all, DiagnosticSink& sink)
 {
     constexpr double kWeak = 0.1;
     if (engine.compiled().hasOtherwise) return; // it speaks up exactly there
-    Inference inference = engine.makeInference();
-    std::vector<double> facts(engine.facts().size());
     uint32_t weak = 0, first = 0;
     for (uint32_t i = 0; i < points.count; ++i) {
-        for (uint32_t f = 0; f < facts.size(); ++f)
-            facts[f] = points.at(f, i);
-        engine.evaluate(facts, inference);
         double strongest = 0.0;
-        for (const OutputState& output : inference.outputs)
-            strongest = std::max(strongest, output.strongestStrength);
+        for (uint32_t o = 0; o < all.outputCount; ++o)
+            strongest = std::max(strongest, all.at(o, i).strongestStrength);
         if (strongest == 0.0 || strongest >= kWeak) continue; // 0: checkCoverage() names the region
         if (weak++ == 0) first = i;
     }
@@ -64,7 +59,7 @@ std::vector<const Rule*> favouringRules(const Engine& engine)
     return found;
 }
 
-void checkWinners(const Engine& engine, const SamplePoints& points, const BatchInference& all, DiagnosticSink& sink)
+void checkWinners(const Engine& engine, const SamplePoints& points, const Opinions& all, DiagnosticSink& sink)
 {
     constexpr double kMostTies = 0.01; // of the volume
     std::vector<bool> wins(engine.outputs().size(), false);
@@ -98,7 +93,7 @@ void checkWinners(const Engine& engine, const SamplePoints& points, const BatchI
 }
 
 /// Where the floor holds, some output of every kind must be good enough (as far as the host knows) and not vetoed.
-void checkFloor(const Engine& engine, const SamplePoints& points, const BatchInference& all, DiagnosticSink& sink)
+void checkFloor(const Engine& engine, const SamplePoints& points, const Opinions& all, DiagnosticSink& sink)
 {
     const Policy::Floor& floor = engine.base().policy.floor;
     if (floor.when.empty()) return;
@@ -110,7 +105,7 @@ void checkFloor(const Engine& engine, const SamplePoints& points, const BatchInf
             ++held;
             const bool served = std::any_of(kind.begin(), kind.end(), [&](uint32_t output) {
                 const double quality = engine.outputs()[output].quality;
-                return !(quality < floor.minimumQuality) && all.vetoRule[all.at(output, i)] == kNoRule;
+                return !(quality < floor.minimumQuality) && !all.at(output, i).vetoed;
             });
             if (!served && violated++ == 0) first = i;
         }
@@ -131,15 +126,11 @@ void checkFloor(const Engine& engine, const SamplePoints& points, const BatchInf
 void checkSamples(const Engine& engine, DiagnosticSink& sink)
 {
     if (engine.outputs().empty() || engine.base().rules.empty()) return;
-    const BatchEngine batch(engine);
-    BatchInference all = batch.makeInference(kPoints);
-    const SamplePoints cells = cellPoints(engine, kPoints);
-    checkWeakPoints(engine, cells, sink);
-    const SamplePoints even = evenPoints(engine, kPoints);
-    batch.evaluateBatch(even.facts, even.count, all);
-    checkWinners(engine, even, all, sink);
-    batch.evaluateBatch(cells.facts, cells.count, all);
-    checkFloor(engine, cells, all, sink);
+    const SamplePoints cells = cellPoints(engine, kPoints), even = evenPoints(engine, kPoints);
+    const Opinions atCells = opinionsAt(engine, cells);
+    checkWeakPoints(engine, cells, atCells, sink);
+    checkWinners(engine, even, opinionsAt(engine, even), sink);
+    checkFloor(engine, cells, atCells, sink);
 }
 
 } // namespace gnomon::rules

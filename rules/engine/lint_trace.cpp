@@ -29,22 +29,17 @@ double estimatedNoise(const FactTrace& trace, std::size_t factCount, std::size_t
     return *middle * kScale;
 }
 
-SamplePoints toPoints(const FactTrace& trace, std::size_t factCount)
+SamplePoints toPoints(const Engine& engine, const FactTrace& trace)
 {
-    const auto count = static_cast<uint32_t>(trace.rows.size() / factCount);
-    SamplePoints points = {count, std::vector<double>(factCount * count)};
-    for (uint32_t i = 0; i < count; ++i) {
-        for (uint32_t f = 0; f < factCount; ++f)
-            points.at(f, i) = trace.rows[std::size_t(i) * factCount + f];
-    }
+    SamplePoints points(engine, static_cast<uint32_t>(trace.rows.size() / engine.facts().size()));
+    std::copy_n(trace.rows.begin(), points.facts.size(), points.facts.begin());
     return points;
 }
 
 /// The winners of all frames, kind by kind.
-std::vector<uint32_t> decisionsAt(const Engine& engine, const BatchEngine& batch, const SamplePoints& points,
-                                  BatchInference& all)
+std::vector<uint32_t> decisionsAt(const Engine& engine, const SamplePoints& points)
 {
-    batch.evaluateBatch(points.facts, points.count, all);
+    const Opinions all = opinionsAt(engine, points);
     std::vector<uint32_t> decisions;
     for (const std::vector<uint32_t>& kind : engine.compiled().kinds) {
         for (uint32_t i = 0; i < points.count; ++i)
@@ -62,10 +57,8 @@ std::vector<Diagnostic> lintTrace(const Engine& engine, const FactTrace& trace)
     const std::size_t factCount = engine.facts().size();
     if (factCount == 0 || trace.rows.size() < factCount) return {};
     assert(trace.frames.empty() || trace.frames.size() == trace.rows.size() / factCount);
-    const SamplePoints points = toPoints(trace, factCount);
-    const BatchEngine batch(engine);
-    BatchInference all = batch.makeInference(points.count);
-    const std::vector<uint32_t> decisions = decisionsAt(engine, batch, points, all);
+    const SamplePoints points = toPoints(engine, trace);
+    const std::vector<uint32_t> decisions = decisionsAt(engine, points);
     for (std::size_t v = 0; v < engine.base().variables.size(); ++v) {
         const uint32_t fact = engine.compiled().variables[v].fact;
         const double noise = trace.noise.empty() ? estimatedNoise(trace, factCount, fact) : trace.noise[fact];
@@ -75,7 +68,7 @@ std::vector<Diagnostic> lintTrace(const Engine& engine, const FactTrace& trace)
             SamplePoints moved = points;
             for (uint32_t i = 0; i < moved.count; ++i)
                 moved.at(fact, i) += direction * noise;
-            const std::vector<uint32_t> other = decisionsAt(engine, batch, moved, all);
+            const std::vector<uint32_t> other = decisionsAt(engine, moved);
             for (std::size_t i = 0; i < other.size(); ++i)
                 overturned[i % points.count] = overturned[i % points.count] || other[i] != decisions[i];
         }

@@ -40,16 +40,11 @@ void fillEvenly(std::size_t dimensions, uint32_t count, Place&& place)
     }
 }
 
-SamplePoints emptyPoints(const Engine& engine, uint32_t count)
-{
-    return {count, std::vector<double>(engine.facts().size() * count, 0.0)};
-}
-
 } // namespace
 
 SamplePoints evenPoints(const Engine& engine, uint32_t count)
 {
-    SamplePoints points = emptyPoints(engine, count);
+    SamplePoints points(engine, count);
     const auto& variables = engine.base().variables;
     fillEvenly(variables.size(), count, [&](uint32_t v, uint32_t i, double share) {
         const Variable& variable = variables[v];
@@ -65,7 +60,7 @@ SamplePoints evenPoints(const Engine& engine, uint32_t count)
 
 SamplePoints cellPoints(const Engine& engine, uint32_t count)
 {
-    SamplePoints points = emptyPoints(engine, count);
+    SamplePoints points(engine, count);
     std::vector<std::vector<Cell>> cells;
     for (const Variable& variable : engine.base().variables)
         cells.push_back(cellsOf(variable));
@@ -77,17 +72,31 @@ SamplePoints cellPoints(const Engine& engine, uint32_t count)
     return points;
 }
 
-Winner winnerAmong(std::span<const uint32_t> outputs, const BatchInference& all, uint32_t point) noexcept
+Opinions opinionsAt(const Engine& engine, const SamplePoints& points)
+{
+    Opinions all{.outputCount = engine.outputs().size(), .outputs = {}, .floorTruth = {}};
+    all.outputs.reserve(all.outputCount * points.count);
+    all.floorTruth.reserve(points.count);
+    Inference inference = engine.makeInference();
+    for (uint32_t i = 0; i < points.count; ++i) {
+        engine.evaluate(std::span(points.facts).subspan(i * points.factCount, points.factCount), inference);
+        all.outputs.insert(all.outputs.end(), inference.outputs.begin(), inference.outputs.end());
+        all.floorTruth.push_back(inference.floorTruth);
+    }
+    return all;
+}
+
+Winner winnerAmong(std::span<const uint32_t> outputs, const Opinions& all, uint32_t point) noexcept
 {
     Winner winner;
     int32_t best = -1;
     for (const uint32_t output : outputs) {
-        const std::size_t at = all.at(output, point);
-        if (all.quantised[at] < 0 || all.vetoRule[at] != kNoRule) continue;
-        if (all.quantised[at] > best) {
-            best = all.quantised[at];
+        const OutputState& state = all.at(output, point);
+        if (!state.hasOpinion || state.vetoed) continue;
+        if (state.quantised > best) {
+            best = state.quantised;
             winner = {output, kNoRule};
-        } else if (all.quantised[at] == best && winner.runnerUp == kNoRule) {
+        } else if (state.quantised == best && winner.runnerUp == kNoRule) {
             winner.runnerUp = output;
         }
     }

@@ -1,7 +1,6 @@
 #include "runtime/select/selector.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "runtime/select/choice.hpp"
@@ -25,9 +24,8 @@ Error refused(std::span<const rules::Diagnostic> findings, std::string_view file
 
 Selector::BoundRules readyToAdopt(rules::Engine engine)
 {
-    Selector::BoundRules bound{.engine = std::make_shared<const rules::Engine>(std::move(engine)), .batch = {}};
-    bound.batch.emplace(*bound.engine);
-    return bound;
+    rules::Inference inference = engine.makeInference();
+    return {.engine = std::make_shared<const rules::Engine>(std::move(engine)), .inference = std::move(inference)};
 }
 
 } // namespace
@@ -76,8 +74,7 @@ Result<Selector::BoundRules> Selector::boundWith(const std::string& name, GnTrai
 void Selector::adopt(BoundRules rules) noexcept
 {
     engine_ = std::move(rules.engine);
-    batch_ = std::move(rules.batch);
-    opinions_ = {};
+    inference_ = std::move(rules.inference);
 }
 
 /// Capability: what no rule can overrule.
@@ -113,29 +110,21 @@ Candidate Selector::examine(const Method& method, const SelectionInput& input, c
 }
 
 /// Suitability of every method, from the rules.
-void Selector::rank(std::span<LightDecision> decisions)
+void Selector::rank(LightDecision& decision)
 {
-    const auto lights = static_cast<std::uint32_t>(decisions.size());
     const auto known = std::min(methods_.size(), static_cast<std::uint32_t>(engine_->outputs().size()));
-    if (opinions_.stride < lights) opinions_ = batch_->makeInference(std::bit_ceil(lights));
-    facts_.resize(kFactCount * lights);
-    for (std::size_t fact = 0; fact < kFactCount; ++fact)
-        for (std::uint32_t i = 0; i < lights; ++i)
-            facts_[fact * lights + i] = decisions[i].facts[fact];
-    batch_->evaluateBatch(facts_, lights, opinions_);
-    for (std::uint32_t i = 0; i < lights; ++i) {
-        decisions[i].floorTruth = opinions_.floorTruth[i];
-        for (std::uint32_t m = 0; m < known; ++m) {
-            Candidate& candidate = decisions[i].candidates[m];
-            const std::size_t place = opinions_.at(m, i);
-            candidate.quantised = opinions_.quantised[place];
-            candidate.opinion = candidate.quantised >= 0;
-            // What the host pinned is awaited whatever the rules say of it.
-            const bool awaited = candidate.exclusion == Exclusion::notReady && m != decisions[i].pinned;
-            if (opinions_.vetoRule[place] != rules::kNoRule && (candidate.exclusion == Exclusion::none || awaited)) {
-                candidate.exclusion = Exclusion::vetoed;
-                candidate.detail = opinions_.vetoRule[place];
-            }
+    engine_->evaluate(decision.facts, inference_);
+    decision.floorTruth = inference_.floorTruth;
+    for (std::uint32_t m = 0; m < known; ++m) {
+        Candidate& candidate = decision.candidates[m];
+        const rules::OutputState& opinion = inference_.outputs[m];
+        candidate.quantised = opinion.quantised;
+        candidate.opinion = opinion.hasOpinion;
+        // What the host pinned is awaited whatever the rules say of it.
+        const bool awaited = candidate.exclusion == Exclusion::notReady && m != decision.pinned;
+        if (opinion.vetoed && (candidate.exclusion == Exclusion::none || awaited)) {
+            candidate.exclusion = Exclusion::vetoed;
+            candidate.detail = opinion.vetoRule;
         }
     }
 }
@@ -203,9 +192,11 @@ void take(const Choice& choice, LightDecision& decision)
 
 void Selector::choose(std::span<LightDecision> decisions)
 {
-    if (engine_ && !decisions.empty()) rank(decisions);
     for (LightDecision& decision : decisions) {
-        if (!engine_) rankWithoutRules(decision);
+        if (engine_)
+            rank(decision);
+        else
+            rankWithoutRules(decision);
         const Choice choice = chooseBySuitability(decision.candidates, {.incumbent = decision.incumbent,
                                                                         .pinned = decision.pinned,
                                                                         .fallbacks = methods_.fallbacks(),

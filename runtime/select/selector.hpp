@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
 
-#include "rules/engine/batch.hpp"
 #include "rules/engine/engine.hpp"
 #include "runtime/base/method_array.hpp"
 #include "runtime/cost/cost_model.hpp"
@@ -162,7 +160,7 @@ public:
     /// Rules bound to the methods there are, ready to be put in force.
     struct BoundRules {
         std::shared_ptr<const rules::Engine> engine; ///< Null: no rules.
-        std::optional<rules::BatchEngine> batch;
+        rules::Inference inference;
     };
     /// The rules in force, bound to one more method, which comes last; an error where its name means something else to
     /// them. Nothing changes until they are adopted.
@@ -179,8 +177,7 @@ public:
 
     /// Facts and capability of one light; allocates nothing. No method is chosen yet.
     LightDecision assess(const SelectionInput& input, const LightMemory& memory, std::span<Candidate> candidates) const;
-    /// What the rules think of all of them, asked together, and the best by suitability. Allocates only for more lights
-    /// than ever before.
+    /// What the rules think of each of them, and the best by suitability. Allocates nothing.
     void choose(std::span<LightDecision> decisions);
     /// What serves a light whose method has just been excluded, and whose others may fail as well: the best of the
     /// others first, whatever the plan says (replacementsInOrder()).
@@ -200,14 +197,12 @@ private:
     };
     Candidate examine(const Method& method, const SelectionInput& input, const Unprepared& casters,
                       const LightMemory& memory) const;
-    void rank(std::span<LightDecision> decisions);
+    void rank(LightDecision& decision);
     void rankWithoutRules(LightDecision& decision) const;
 
     MethodTable& methods_;
     std::shared_ptr<const rules::Engine> engine_; ///< Null: no rules.
-    std::optional<rules::BatchEngine> batch_;     ///< Of engine_.
-    rules::BatchInference opinions_;              ///< Of a view's lights.
-    std::vector<double> facts_;                   ///< A column per fact, as batch_ reads them.
+    rules::Inference inference_;                  ///< Of engine_: what it says of the light at hand.
     std::string rulesText_, rulesName_;
 };
 

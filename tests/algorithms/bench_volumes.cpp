@@ -119,7 +119,6 @@ void facing(benchmark::State& state, FacingWidth width)
 BENCHMARK_CAPTURE(facing, scalar, FacingWidth::scalar)->DenseRange(0, 4);
 BENCHMARK_CAPTURE(facing, sse2, FacingWidth::sse2)->DenseRange(0, 4);
 BENCHMARK_CAPTURE(facing, avx2, FacingWidth::avx2)->DenseRange(0, 4);
-BENCHMARK_CAPTURE(facing, avx512, FacingWidth::avx512)->DenseRange(0, 4);
 
 /// Nanoseconds a face of every variant: the least of many rounds in turn, since all that disturbs only adds.
 std::vector<double> leastTimes(std::uint32_t faces, const std::vector<std::function<void()>>& variants)

@@ -152,10 +152,10 @@ inline std::vector<Expected> expect(const Asking& asking)
     FrameArena arena;
     RingsCache rings;
     const NumberedTriangles triangles = numbered(rings, arena);
-    CandidateOccluders candidates(triangles);
+    CandidateOccluders occluders(triangles);
     const DrawnMap drawn = mapOf(asking);
     const HostMap map = drawn.view();
-    const ChainScene scene{map, asking.lamp.constants.base, asking.lamp.cube(), candidates};
+    const ChainScene scene{map, asking.lamp.constants.base, asking.lamp.cube(), occluders};
     const Receivers receivers(world().seen.view, asking.lamp.view, world().seen.depth, asking.normalBytes());
     std::vector<Expected> pixels(kPixels);
     for (std::uint32_t i = 0; i < kPixels; ++i) {

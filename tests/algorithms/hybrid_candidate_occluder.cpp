@@ -6,7 +6,6 @@
 #include <set>
 #include <utility>
 
-#include "algorithms/hybrid/block_candidates.hpp"
 #include "algorithms/hybrid/candidate_occluder.hpp"
 #include "algorithms/hybrid_fixture.hpp"
 
@@ -80,61 +79,6 @@ Told tell(const glm::mat3& basis, glm::vec3 translation, bool finite, unsigned s
     return told;
 }
 
-/// Sixteen rays to one light at a time, every instruction set the same.
-Told tellBlocks(const glm::mat3& basis, glm::vec3 translation, bool directional, unsigned seed)
-{
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<float> share(-0.1f, 1.1f);
-    Told told;
-    for (int i = 0; i < 300; ++i) {
-        OneTriangle one(random, basis, translation);
-        const std::optional<CandidateOccluder> candidate = one.triangles.candidate(0);
-        REQUIRE(candidate);
-        for (int of = 0; of < 6; ++of) {
-            const glm::vec3 light = translation + randomPoint(random, 9.0f), along = randomPoint(random, 1.0f);
-            simd::Constants constants{};
-            simd::Block block{};
-            constants.directional = directional;
-            float middle[simd::kLanes];
-            for (int axis = 0; axis < 3; ++axis) {
-                constants.lightPosition[axis] = light[axis];
-                constants.lightDirection[axis] = -along[axis];
-            }
-            ShadowRay asked[simd::kLanes];
-            std::uint8_t occluded[simd::kLanes];
-            for (std::uint32_t k = 0; k < simd::kLanes; ++k) {
-                // Every other one close to an edge, every eighth to a corner.
-                const float close = std::ldexp(share(random) - 0.5f, -8 - of * 3);
-                const float u = k % 2 == 0 ? close : share(random), v = k % 8 == 0 ? close : share(random);
-                const glm::vec3 target = one.at(u, v);
-                const float behind = k % 5 == 0 ? 1e-5f * share(random) : share(random);
-                ShadowRay& ray = asked[k];
-                ray.origin = directional ? target - behind * along : target + behind * (target - light);
-                ray.direction = directional ? along : light - ray.origin;
-                ray.tfar = directional ? std::numeric_limits<float>::infinity() : k % 7 == 0 ? 0.3f : 0.999f;
-                for (int axis = 0; axis < 3; ++axis)
-                    block.origin[axis][k] = ray.origin[axis];
-                block.tfar[k] = ray.tfar;
-                block.asked[k] = k == 13 ? simd::kDark : simd::kRay;
-                middle[k] = k % 5 != 0 && k % 7 != 0 && k != 13 ? std::min({u, v, 1.0f - u - v}) : 0.0f;
-            }
-            one.rays.occluded(asked, 1u, occluded);
-            const std::uint32_t hits = kernelsHere().front()->blocked(constants, block, rounded(*candidate));
-            for (const simd::Kernels* kernels : kernelsHere())
-                CHECK(kernels->blocked(constants, block, rounded(*candidate)) == hits);
-            CHECK((hits >> 13 & 1) == 0); // it did not ask
-            for (std::uint32_t k = 0; k < simd::kLanes; ++k) {
-                const bool blocked = (hits >> k & 1) != 0;
-                told.blocked += occluded[k];
-                told.clear += occluded[k] && middle[k] > 0.1f;
-                told.clearBlocked += occluded[k] && middle[k] > 0.1f && blocked;
-                told.contradicted += blocked && !occluded[k];
-            }
-        }
-    }
-    return told;
-}
-
 const glm::mat4 kOne(1.0f);
 const glm::mat3 kBases[] = {
     glm::mat3(1.0f), glm::mat3(glm::rotate(kOne, 1.1f, {1, 2, 3})),                        // turned
@@ -143,24 +87,6 @@ const glm::mat3 kBases[] = {
 };
 
 } // namespace
-
-TEST_CASE("what sixteen rays hear of a candidate occluder is what the tracer says")
-{
-    unsigned seed = 1;
-    for (const glm::mat3& basis : kBases) {
-        for (const float far : {0.0f, 3.0f, 800.0f}) {
-            for (const bool directional : {false, true}) {
-                const Told told = tellBlocks(basis, glm::vec3(far, -0.3f * far, 0.7f * far), directional, seed++);
-                CAPTURE(far);
-                CAPTURE(directional);
-                CHECK(told.contradicted == 0);
-                CHECK(told.blocked > 2000);
-                CHECK(told.clear > 500);
-                if (far < 100.0f) CHECK(told.clearBlocked > told.clear * 24 / 25);
-            }
-        }
-    }
-}
 
 TEST_CASE("what a candidate occluder says blocks, blocks for the tracer, under every transform")
 {

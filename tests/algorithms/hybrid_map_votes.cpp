@@ -163,14 +163,9 @@ TEST_CASE("maps say the same whichever instructions ask them")
     for (const Lamp* light : {&sun(), &lamp(false), &lamp(true)}) {
         CAPTURE(light->view.type);
         const simd::Kernels& narrowest = *kernelsHere().front();
-        simd::ConservativeLookup look{.map = mapLookupOf(light->constants.base, light->cube()),
-                                      .texelsPerMetre = 20.0f,
-                                      .depthPerMetre = 0.05f,
-                                      .depthSquare = 0.5f,
-                                      .thesis = 0,
-                                      .covered = {}};
+        simd::MapLookup map = mapLookupOf(light->constants.base, light->cube());
         for (std::size_t layer = 0; layer < light->map.fits.size(); ++layer)
-            look.map.depth[layer] = look.covered[layer] = light->map.depth[layer].data();
+            map.depth[layer] = light->map.depth[layer].data();
         const simd::MapBytes told{.outside = 1, .backfacing = 2, .lit = 3, .dark = 4, .unsure = 5};
         const auto answers = [&](const simd::Kernels& kernels) {
             const BlockReader reader(kernels, world().seen.view, light->view, world().seen.depth,
@@ -179,14 +174,11 @@ TEST_CASE("maps say the same whichever instructions ask them")
             for (std::uint32_t y = 0; y < kHeight; y += 4)
                 for (std::uint32_t x = 0; x < kWidth; x += 4) {
                     simd::MapPlaces places;
-                    simd::LayerPlaces starts;
-                    std::uint8_t bytes[3][simd::kLanes];
-                    reader.place(x, y, look.map, places);
-                    reader.place(x, y, look, starts);
-                    all.second.push_back(kernels.vote(look.map, places, told, bytes[0]));
-                    const simd::MapLanes lanes = kernels.nearest(look.map, places, told, bytes[1]);
+                    std::uint8_t bytes[2][simd::kLanes];
+                    reader.place(x, y, map, places);
+                    all.second.push_back(kernels.vote(map, places, told, bytes[0]));
+                    const simd::MapLanes lanes = kernels.nearest(map, places, told, bytes[1]);
                     all.second.insert(all.second.end(), {lanes.asks, lanes.agree, lanes.clearlyLit});
-                    all.second.push_back(kernels.conserve(look, starts, told, bytes[2]));
                     for (const auto& of : bytes)
                         all.first.insert(all.first.end(), std::begin(of), std::end(of));
                 }

@@ -90,13 +90,9 @@ Certain compared(const Stage& stage, const Pictures& reasons, size_t layer)
     return sum;
 }
 
-/// Who asks the map.
-enum Classify { kByDevice, kByHost };
-
-Certain measure(Stage& stage, const char* method, double texels, double mode = 0.0, Classify classify = kByHost)
+Certain measure(Stage& stage, const char* method, double texels, double mode = 0.0)
 {
-    const Pictures reasons =
-        stage.draw(method, {{"resolution", texels}, {"mode", mode}, {"reasons", 1.0}, {"classify", double(classify)}});
+    const Pictures reasons = stage.draw(method, {{"resolution", texels}, {"mode", mode}, {"reasons", 1.0}});
     Certain sum;
     for (size_t layer = 0; layer < reasons.size(); ++layer)
         sum += compared(stage, reasons, layer);
@@ -111,15 +107,11 @@ Certain checkGuaranteed(Stage& stage, const std::string& what, const char* metho
     uint64_t counted = 0;
     for (const std::vector<uint8_t>& layer : stage.counted)
         counted += static_cast<uint64_t>(std::count(layer.begin(), layer.end(), uint8_t(1)));
-    Certain certain;
-    for (const Classify classify : {kByDevice, kByHost}) {
-        certain = measure(stage, method, texels, 0.0, classify);
-        MESSAGE(what << ", " << std::string(method) << " " << texels << (classify == kByHost ? " by the CPU: " : ": ")
-                     << inWords(certain));
-        CHECK(certain.all() == counted);
-        CHECK(certain.falseLit == 0);
-        CHECK(certain.falseDark == 0);
-    }
+    const Certain certain = measure(stage, method, texels);
+    MESSAGE(what << ", " << std::string(method) << " " << texels << ": " << inWords(certain));
+    CHECK(certain.all() == counted);
+    CHECK(certain.falseLit == 0);
+    CHECK(certain.falseDark == 0);
     return certain;
 }
 

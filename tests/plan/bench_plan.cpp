@@ -6,7 +6,7 @@
 #include <chrono>
 #include <vector>
 
-#include "rules/engine/batch.hpp"
+#include "rules/engine/engine.hpp"
 #include "runtime/cost/cost_model.hpp"
 #include "runtime/plan/plan.hpp"
 #include "tests/plan/random.hpp"
@@ -127,7 +127,7 @@ void foretelling(benchmark::State& state)
 }
 BENCHMARK(foretelling)->Arg(64)->UseManualTime();
 
-/// From facts to methods: the rules asked about all lights together, as Selector does (6 facts, 40 rules, 12 outputs),
+/// From facts to methods: the rules asked about every light, as Selector does (6 facts, 40 rules, 12 outputs),
 /// the times of an eighth of the lights predicted anew, as FramePlan does, and the plan of all.
 void wholeDecision(benchmark::State& state)
 {
@@ -140,8 +140,7 @@ void wholeDecision(benchmark::State& state)
         names.push_back({variable.name, ""});
     const rules::Engine engine =
         std::move(*rules::Engine::bind(base, {.facts = names, .outputs = outputs, .absent = {}, .traits = {}}).engine);
-    const rules::BatchEngine batch(engine);
-    rules::BatchInference opinions = batch.makeInference(lights);
+    rules::Inference opinions = engine.makeInference();
     cost::CostModel model = calibratedModel(lights, random);
     std::vector<cost::Workload> workloads;
     std::vector<double> facts(lights * names.size());
@@ -167,12 +166,12 @@ void wholeDecision(benchmark::State& state)
         for (cost::Workload& workload : workloads)
             workload.pixels *= random.between(0.999, 1.00101);
         const auto start = std::chrono::steady_clock::now();
-        batch.evaluateBatch(facts, lights, opinions);
         for (uint32_t i = 0; i < lights; ++i) {
+            engine.evaluate(std::span(facts).subspan(i * names.size(), names.size()), opinions);
             const bool due = input.frame == 0 || (input.frame + i) % 8 == 0;
             for (uint32_t m = 0; m < kMethods; ++m) {
                 Candidate& candidate = candidates[i * kMethods + m];
-                candidate.suitability = opinions.quantised[opinions.at(m, i)];
+                candidate.suitability = opinions.outputs[m].quantised;
                 if (!due) continue;
                 cost::Workload workload = workloads[i];
                 workload.mapTexels = m % 2 ? 1048576.0 : 0.0;

@@ -11,7 +11,6 @@
 #include <unistd.h>
 
 #include "bench_base.hpp"
-#include "rules/engine/batch.hpp"
 #include "rules/engine/export_fll.hpp"
 #include "rules/engine/lint.hpp"
 #include "runtime/base/number_text.hpp"
@@ -65,7 +64,7 @@ std::vector<double> randomColumns()
     return values;
 }
 
-void scalar(benchmark::State& state)
+void evaluation(benchmark::State& state)
 {
     const Bench bench(40);
     Inference inference = bench.engine->makeInference();
@@ -80,26 +79,6 @@ void scalar(benchmark::State& state)
         benchmark::Counter(1, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-void batch(benchmark::State& state, InstructionSet set, bool unknown)
-{
-    if (!isSupported(set)) {
-        state.SkipWithError("not on this processor");
-        return;
-    }
-    const Bench bench(40);
-    const BatchEngine engine(*bench.engine, set);
-    BatchInference inference = engine.makeInference(kLights);
-    std::vector<double> facts = randomColumns();
-    for (uint32_t i = 0; unknown && i < kLights; ++i)
-        facts[i] = std::numeric_limits<double>::quiet_NaN();
-    for (auto _ : state) {
-        engine.evaluateBatch(facts, kLights, inference);
-        benchmark::DoNotOptimize(inference.quantised.data());
-    }
-    state.counters["a_light"] =
-        benchmark::Counter(kLights, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
-}
-
 void lintRules(benchmark::State& state)
 {
     const Bench bench(64);
@@ -107,11 +86,7 @@ void lintRules(benchmark::State& state)
         benchmark::DoNotOptimize(lint(*bench.engine));
 }
 
-BENCHMARK(scalar);
-BENCHMARK_CAPTURE(batch, baseline, InstructionSet::Baseline, false);
-BENCHMARK_CAPTURE(batch, avx2, InstructionSet::Avx2, false);
-BENCHMARK_CAPTURE(batch, avx512, InstructionSet::Avx512, false);
-BENCHMARK_CAPTURE(batch, best_with_an_unknown_fact, bestInstructionSet(), true);
+BENCHMARK(evaluation);
 BENCHMARK(lintRules)->Unit(benchmark::kMillisecond);
 
 } // namespace
@@ -177,25 +152,16 @@ void printRatios()
     const Bench bench(40);
     const std::vector<double> facts = randomColumns();
     Inference one = bench.engine->makeInference();
-    const double scalarTime = leastTime([&](int i) {
+    const double time = leastTime([&](int i) {
         bench.engine->evaluate(std::span(facts).subspan(static_cast<std::size_t>(i) % kLights * 6, 6), one);
         benchmark::DoNotOptimize(one.outputs.data());
     });
-    const BatchEngine batch(*bench.engine);
-    BatchInference all = batch.makeInference(kLights);
-    const double batchTime = leastTime([&](int) {
-                                 batch.evaluateBatch(facts, kLights, all);
-                                 benchmark::DoNotOptimize(all.quantised.data());
-                             }) /
-                             kLights;
     const double other = fuzzyliteTime(*bench.engine);
-    std::printf("least times: scalar %.0f ns, batch %.1f ns a light (scalar / batch %.1f)\n", scalarTime, batchTime,
-                scalarTime / batchTime);
+    std::printf("least time: %.0f ns a light\n", time);
     if (other == 0.0)
         std::printf("no program 'fuzzylite' here to compare with\n");
     else
-        std::printf("fuzzylite benchmark %.0f ns: %.0f times the scalar engine, %.0f times the batch\n", other,
-                    other / scalarTime, other / batchTime);
+        std::printf("fuzzylite benchmark %.0f ns: %.0f times as long\n", other, other / time);
 }
 
 } // namespace
