@@ -47,7 +47,8 @@ void decision(benchmark::State& state)
     PlanStep plan;
     plan.reserve(lights, kMethods);
     // A copy of the depth, bounds of receivers, a stencil buffer, strips of it: families of methods need them.
-    constexpr SharedPart kParts[] = {{1.0, 0x03f}, {0.7, 0x003}, {0.8, 0x7c0}, {0.5, 0x1c0}};
+    constexpr SharedPart kParts[] = {
+        {1.0, {0, 1, 2, 3, 4, 5}}, {0.7, {0, 1}}, {0.8, {6, 7, 8, 9, 10}}, {0.5, {6, 7, 8}}};
     const std::span parts = std::span<const SharedPart>(kParts).first(static_cast<size_t>(state.range(1)));
     PlanInput input{
         .lights = requests, .candidates = candidates, .parts = parts, .methods = kMethods, .budgetMs = 0.6 * lights};

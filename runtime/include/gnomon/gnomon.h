@@ -208,7 +208,7 @@ typedef enum GnResult {
     GN_ERROR_INFINITE = -8,         ///< Infinity where a finite value is needed.
     GN_ERROR_OUT_OF_RANGE = -9,     ///< A finite value outside its range, or an index past its array.
     GN_ERROR_EMPTY = -10,           ///< A mesh without triangles, a view of no pixels.
-    GN_ERROR_TOO_MANY = -11,        ///< More lights, views, methods (32) or triangles than agreed or than fit.
+    GN_ERROR_TOO_MANY = -11,        ///< More lights, views, methods (255) or triangles than agreed or than fit.
     GN_ERROR_FEATURE_MISSING = -12, ///< The device lacks, or was created without, something required.
     GN_ERROR_RULES = -13,           ///< The rule base has errors; the last good one stays in force.
     GN_ERROR_UNKNOWN_METHOD = -14,  ///< No method, algorithm or setting of that name, or none for this kind of light.
