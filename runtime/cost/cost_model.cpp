@@ -19,12 +19,12 @@ constexpr double kCastersReference = 4.0;
 constexpr double kFewTriangles = 500.0;    // drawn in the time that an empty pass takes
 constexpr double kClearShare = 1.0 / 32.0; // of a pixel's shading: what clearing one costs
 // A pixel that a side of a volume covers (scene/shadow_pixels.cpp) takes this share of the time of one that is
-// resolved. This constant and the next two are fits to the rows of three runs of `gnomon calibrate`, two of 12 seconds
-// a method and one of 30. Rows of stencil_volume and octree_volume that are left out are predicted with 0.344 and 0.382
-// octaves rms; with half of it 0.358 and 0.389, with twice 0.338 and 0.383.
+// resolved. This constant and the next two are fits to rows of `gnomon calibrate`. Rows that are left out are predicted
+// with 0.344 and 0.382 octaves rms for two methods with volumes; with half of it 0.358 and 0.389, with twice 0.338 and
+// 0.383.
 constexpr double kSideShare = 1.0 / 4.0;
-// A level of a caster's tree on a ray's way takes this share of what reading a receiver takes. ray_traced and
-// tile_shafts: 0.243 and 0.384; with half of it 0.247 and 0.386, with twice 0.245 and 0.385.
+// A level of a caster's tree on a ray's way takes this share of what reading a receiver takes. Two methods by rays:
+// 0.243 and 0.384; with half of it 0.247 and 0.386, with twice 0.245 and 0.385.
 constexpr double kLevelShare = 0.28;
 // So many texels that casters fill (scene/map_cover.hpp) take as long as drawing one triangle more, be it to fill them
 // or because a method cuts what is large on its map. Updates of seven methods with maps: 0.372; with 16 and with 256

@@ -14,8 +14,8 @@ constexpr int kPieces = 4; // a volume's way is cut into so many; each is taken 
 // Silhouette edges of a mesh whose topology is not known. A great circle over a sphere of s x s / 2 patches, n = s^2
 // triangles, meets s rows of them and is a zigzag of at most two edges in each.
 constexpr float kEdges = 2.0f;
-// Sides are slivers, two triangles from an edge to its end. A non-negative least-squares fit to the 86 moments of
-// `gnomon calibrate --methods stencil_volume` on lavapipe has 7.4 ns for a pixel of the resolve and
+// Sides are slivers, two triangles from an edge to its end. A non-negative least-squares fit to the 86 moments that
+// `gnomon calibrate` takes of plain shadow volumes on lavapipe has 7.4 ns for a pixel of the resolve and
 //     10.2 ns along   a pixel of a side's length: blocks that an edge of a sliver cuts
 //      0.5 ns inside  a pixel of a side's area: whole blocks
 //    106   ns          a side, however small

@@ -51,7 +51,7 @@ const char* holdText(plan::Hold hold);
 const char* replanText(Replan replan);
 /// "12.40 m"; "unknown" for NaN.
 std::string factText(Fact fact, double value);
-/// "shadow_map", or "none".
+/// Its name, or "none".
 std::string_view methodText(std::uint32_t method, std::span<const MethodWords> methods);
 
 /// Collects lines up to the limit; what comes later is left out, so the important comes first.
