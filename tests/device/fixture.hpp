@@ -178,7 +178,8 @@ demo::Light spotLight(const char* name, const glm::dvec3& position, const glm::d
 demo::Light pointLight(const char* name, const glm::dvec3& position, bool isStatic);
 
 /// A host-drawn caster that draws nothing: what counts is that nobody else can see it.
-GnInstance addHostDrawn(Host& host, GnInstanceFlags extra, double x, uint32_t mask);
+/// @param draws counts how often it was asked to
+GnInstance addHostDrawn(Host& host, GnInstanceFlags extra, double x, uint32_t mask, uint32_t* draws = nullptr);
 
 size_t differences(const Image8& a, const Image8& b);
 size_t differences(const std::vector<Image8>& a, const std::vector<Image8>& b);

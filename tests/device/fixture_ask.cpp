@@ -197,7 +197,7 @@ LightKind servedKind(const GnMethodInfo& method)
                                               : LightKind::Directional;
 }
 
-GnInstance addHostDrawn(Host& host, GnInstanceFlags extra, double x, uint32_t mask)
+GnInstance addHostDrawn(Host& host, GnInstanceFlags extra, double x, uint32_t mask, uint32_t* draws)
 {
     GnInstanceCreateInfo info{};
     info.flags = GN_INSTANCE_HOST_DRAWN_BIT | extra;
@@ -209,7 +209,10 @@ GnInstance addHostDrawn(Host& host, GnInstanceFlags extra, double x, uint32_t ma
         info.boundsMin[i] = -0.5f;
         info.boundsMax[i] = 0.5f;
     }
-    info.pfnDrawCasters = [](VkCommandBuffer, const GnCasterProjection*, void*) {};
+    info.pfnDrawCasters = [](VkCommandBuffer, const GnCasterProjection*, void* user) {
+        if (user) ++*static_cast<uint32_t*>(user);
+    };
+    info.pUserData = draws;
     GnInstance instance = VK_NULL_HANDLE;
     host.require(gnCreateInstance(host.context, &info, &instance));
     return instance;
