@@ -1,6 +1,7 @@
 // What every module says of its own error, held against the shipped scenes: new algorithms are measured here unasked.
 #include <algorithm>
 
+#include "demo/program/measure.hpp"
 #include "exactness/results.hpp"
 #include "runtime/registry.hpp"
 
