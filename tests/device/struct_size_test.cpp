@@ -76,13 +76,17 @@ std::vector<Image8> litBy(Host& host, GnLight light)
 struct Captured {
     GnFrameInfo info;
     std::vector<GnViewFrame> views;
+    std::vector<GnLight> lights; ///< Of all views.
 
     explicit Captured(Host& host)
     {
         host.require(host.draw({.adjust = [&](GnFrameInfo& frame, std::vector<GnViewFrame>& seen) {
             info = frame;
             views = seen;
+            lights.assign(seen[0].pLights, seen[0].pLights + seen[0].lightCount);
         }}));
+        for (GnViewFrame& view : views)
+            view.pLights = lights.data();
         static_cast<void>(host.pictures()); // the device is done with it
         info.completedFrame = info.frame++;
         info.pViews = views.data();
