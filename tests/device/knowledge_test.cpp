@@ -198,7 +198,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a timed light tells what it cost and what that de
     CHECK(std::string(timing.pMethod) == "shadow_map");
     CHECK(timing.resolveGpuMs > 0.0f);
     CHECK(!timing.updated); // the map was kept
-    CHECK(workload.type == GN_LIGHT_TYPE_DIRECTIONAL);
+    CHECK(workload.type == GN_LIGHT_TYPE_SPOT);
     CHECK(workload.still);
     CHECK(workload.viewPixels == 320.0 * 180.0);
     CHECK(workload.drawnPixels <= workload.viewPixels);
