@@ -1,0 +1,27 @@
+#version 460
+// Visibility of a directional or spot light from the nearest texel of its depth map.
+#extension GL_GOOGLE_include_directive : require
+#include "../shared/map_lookup.h"
+
+layout(set = 0, binding = 0, std140) uniform Constants {
+    MapConstants constants;
+};
+layout(set = 0, binding = 2) uniform sampler2D depthImage;
+layout(set = 0, binding = 3) uniform sampler2D normalImage;
+layout(set = 0, binding = 4) uniform sampler2D map; // border: depth 1
+layout(location = 0) noperspective in vec3 rayWs;
+layout(location = 1) noperspective in vec4 rayClip;
+layout(location = 0) out float visibility;
+
+#include "../shared/planar_tap.glsl"
+#include "../shared/filter.glsl"
+
+void main()
+{
+    PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.map, rayWs);
+    vec4 clip = constants.map.clipOfEye + r.w * rayClip;
+    vec2 normalPerTexel = vec2(dot(r.normalWs, constants.map.texelDx.xyz), dot(r.normalWs, constants.map.texelDy.xyz));
+    Tap tap = planarTap(constants.map, r, clip, normalPerTexel, 0.0);
+    float lit = nearestVisibility(tap, tap.at);
+    visibility = r.decided ? r.visibility : lit;
+}
