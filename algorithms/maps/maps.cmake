@@ -4,6 +4,3 @@ gnomon_algorithm(shadow_map
 gnomon_algorithm(cascades
     SOURCES cascades.cpp cascade_fit.cpp
     SHADERS maps/cascades.frag)
-gnomon_algorithm(nearest_map
-    SOURCES nearest_map.cpp
-    SHADERS maps/nearest_map.frag)
