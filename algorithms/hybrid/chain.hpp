@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "algorithms/hybrid/candidate_occluder.hpp"
+#include "algorithms/hybrid/map_classification.hpp"
 #include "algorithms/hybrid/map_texels.hpp"
-#include "algorithms/hybrid/map_votes.hpp"
 #include "shaders/hybrid/reasons.h"
 
 namespace gnomon {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "algorithms/hybrid/chain_pass.hpp"
-#include "algorithms/hybrid/map_votes.hpp"
+#include "algorithms/hybrid/map_classification.hpp"
 #include "algorithms/hybrid/undecided.hpp"
 #include "algorithms/shared/map_resolve.hpp"
 #include "shaders/hybrid_contour_chain_cube_frag.h"

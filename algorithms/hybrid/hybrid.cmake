@@ -26,7 +26,7 @@ gnomon_shared(SOURCES bit_rows.cpp)
 gnomon_shared(
     NEEDS embree
     SOURCES block_rays.cpp conservative_casters.cpp conservative_layers.cpp host_map.cpp
-            map_votes.cpp near_clip.cpp traced_pixels.cpp undecided.cpp
+            map_classification.cpp near_clip.cpp traced_pixels.cpp undecided.cpp
     SHADERS hybrid/conservative.frag
             hybrid/conservative.vert
             hybrid/conservative_classify.frag

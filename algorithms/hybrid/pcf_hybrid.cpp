@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "algorithms/hybrid/map_votes.hpp"
+#include "algorithms/hybrid/map_classification.hpp"
 #include "algorithms/hybrid/undecided.hpp"
 #include "algorithms/shared/light_map.hpp"
 #include "algorithms/shared/map_resolve.hpp"
@@ -43,8 +43,8 @@ constexpr UndecidedNames kNames = {.status = "pcf_hybrid.status",
                                    .trace = "pcf_hybrid.trace",
                                    .copy = "pcf_hybrid.copy"};
 
-constexpr VoteNames kVoteNames = {
-    .visibility = "pcf_hybrid.visibility", .pass = "pcf_hybrid.votes", .copy = "pcf_hybrid.copy"};
+constexpr ClassificationNames kPassNames = {
+    .visibility = "pcf_hybrid.visibility", .pass = "pcf_hybrid.classify_host", .copy = "pcf_hybrid.copy"};
 
 class PcfHybrid final : public ShadowAlgorithm {
 public:
@@ -67,7 +67,7 @@ public:
         if (classifiesOnHost(task.settings[kClassify], vk_, task) &&
             passes.hasRoomFor(missingHostMap(passes, map, resolution))) {
             const HostMapCopy copy = declareHostMap(passes, map, resolution);
-            declareMapVotes(passes, task, kVoteNames, copy, constants->base, constants->reasons != 0);
+            declareMapClassification(passes, task, kPassNames, copy, constants->base, constants->reasons != 0);
             return;
         }
         declareClassify(passes, task, map.image, constants);

@@ -172,11 +172,11 @@ struct Kernels {
     void (*receivers)(const Constants& constants, const Texels& texels, Block& block);
     void (*summedReceivers)(const Constants& constants, const Texels& texels, Block& block);
     void (*square)(const SquareTexels& texels, Square& square);
-    /// Finds receivers in a map and calls for the texels that vote() will read; there are normals.
+    /// Finds receivers in a map and calls for the texels that classifyTexels() will read; there are normals.
     void (*place)(const Constants& constants, const Texels& texels, const MapLookup& map, MapPlaces& places);
     /// What the four texels around each receiver say (shaders/shared/verdict.glsl).
     /// @return bit i: lane i wants a ray, and its byte is undefined
-    uint32_t (*vote)(const MapLookup& map, const MapPlaces& places, const MapBytes& bytes, uint8_t* answers);
+    uint32_t (*classifyTexels)(const MapLookup& map, const MapPlaces& places, const MapBytes& bytes, uint8_t* answers);
     /// What each receiver's own texel says (nearestVisibility() of shaders/shared/filter.glsl).
     MapLanes (*nearest)(const MapLookup& map, const MapPlaces& places, const MapBytes& bytes, uint8_t* answers);
     /// The rays of the lanes that ask, but for those that end before they start: nothing blocks them.

@@ -6,7 +6,7 @@
 #include <glm/gtc/packing.hpp>
 
 #include "algorithms/chain_pass_fixture.hpp"
-#include "algorithms/hybrid/map_votes.hpp"
+#include "algorithms/hybrid/map_classification.hpp"
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -87,8 +87,9 @@ Census compareVotes(const Case& of)
 {
     const VkRect2D& area = of.area;
     std::vector<std::uint8_t> bytes(std::size_t(area.extent.width) * area.extent.height, 250);
-    const std::uint64_t rays = inPass(
-        of, [&](const MapQuestion& question, const HostContext& host) { votedPixels(question, true, host, bytes); });
+    const std::uint64_t rays = inPass(of, [&](const MapQuestion& question, const HostContext& host) {
+        classifiedPixels(question, true, host, bytes);
+    });
     const Receivers receivers(world().seen.view, of.lamp.view, world().seen.depth, world().seen.normalBytes());
     Census census;
     for (std::uint32_t y = 0; y < area.extent.height; ++y)
@@ -145,9 +146,10 @@ TEST_CASE("half normals are asked as well")
 {
     std::vector<std::uint8_t> full(kPixels), half(kPixels);
     for (auto* bytes : {&full, &half})
-        inPass(
-            {.lamp = lamp(false), .halves = bytes == &half},
-            [&](const MapQuestion& question, const HostContext& host) { votedPixels(question, false, host, *bytes); });
+        inPass({.lamp = lamp(false), .halves = bytes == &half},
+               [&](const MapQuestion& question, const HostContext& host) {
+                   classifiedPixels(question, false, host, *bytes);
+               });
     int different = 0, dark = 0;
     for (std::size_t i = 0; i < kPixels; ++i) {
         CHECK((full[i] == 0 || full[i] == 255));
@@ -176,7 +178,7 @@ TEST_CASE("maps say the same whichever instructions ask them")
                     simd::MapPlaces places;
                     std::uint8_t bytes[2][simd::kLanes];
                     reader.place(x, y, map, places);
-                    all.second.push_back(kernels.vote(map, places, told, bytes[0]));
+                    all.second.push_back(kernels.classifyTexels(map, places, told, bytes[0]));
                     const simd::MapLanes lanes = kernels.nearest(map, places, told, bytes[1]);
                     all.second.insert(all.second.end(), {lanes.asks, lanes.agree, lanes.clearlyLit});
                     for (const auto& of : bytes)

@@ -1,4 +1,4 @@
-#include "algorithms/hybrid/map_votes.hpp"
+#include "algorithms/hybrid/map_classification.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -21,7 +21,7 @@ struct Voting {
     std::uint32_t answer(const Places& places, std::uint32_t, std::uint32_t,
                          std::uint8_t (&answers)[simd::kLanes]) const
     {
-        return reader.kernels().vote(map, places, bytes, answers);
+        return reader.kernels().classifyTexels(map, places, bytes, answers);
     }
 };
 
@@ -87,8 +87,8 @@ void MapQuestion::uses(PassRef& host) const
     map.uses(host);
 }
 
-void declareMapVotes(PassBuilder& passes, const ShadowTask& task, const VoteNames& names, const HostMapCopy& map,
-                     const gpu::MapConstants& constants, bool reasons)
+void declareMapClassification(PassBuilder& passes, const ShadowTask& task, const ClassificationNames& names,
+                              const HostMapCopy& map, const gpu::MapConstants& constants, bool reasons)
 {
     const HostVisibility buffers = declareHostVisibility(passes, task, names.visibility);
     const MapQuestion question{.view = task.view,
@@ -101,12 +101,12 @@ void declareMapVotes(PassBuilder& passes, const ShadowTask& task, const VoteName
     question.uses(host);
     host.writes(buffers.rows);
     host.run([question, reasons, rows = buffers.rows](HostContext& context) {
-        votedPixels(question, reasons, context, context.write<std::uint8_t>(rows));
+        classifiedPixels(question, reasons, context, context.write<std::uint8_t>(rows));
     });
     declareVisibilityCopy(passes, task, buffers, names.copy);
 }
 
-void votedPixels(const MapQuestion& question, bool reasons, const HostContext& host, std::span<std::uint8_t> bytes)
+void classifiedPixels(const MapQuestion& question, bool reasons, const HostContext& host, std::span<std::uint8_t> bytes)
 {
     answer(question, reasons ? kReasonCodes : kVisibility, reasons, host, bytes, std::identity());
 }

@@ -22,19 +22,20 @@ struct MapQuestion {
 };
 
 /// What passes and buffers are called, "algorithm.what".
-struct VoteNames {
+struct ClassificationNames {
     const char *visibility, *pass, *copy;
 };
 
 /// pcf_hybrid's verdict: declares the passes that answer all pixels of the task.
 /// @param reasons codes of shaders/hybrid/reasons.h in place of visibility
-void declareMapVotes(PassBuilder& passes, const ShadowTask& task, const VoteNames& names, const HostMapCopy& map,
-                     const gpu::MapConstants& constants, bool reasons);
+void declareMapClassification(PassBuilder& passes, const ShadowTask& task, const ClassificationNames& names,
+                              const HostMapCopy& map, const gpu::MapConstants& constants, bool reasons);
 
 // What the passes do. In a host pass; the area's bytes, row by row.
 
 /// What the four texels around every pixel say, and what rays say where they differ.
-void votedPixels(const MapQuestion& question, bool reasons, const HostContext& host, std::span<std::uint8_t> bytes);
+void classifiedPixels(const MapQuestion& question, bool reasons, const HostContext& host,
+                      std::span<std::uint8_t> bytes);
 /// When the four texels around a pixel are believed without a further question.
 enum class Believed : std::uint8_t {
     never,
