@@ -185,7 +185,8 @@ TEST_CASE_FIXTURE(DeviceTest, "GPU and CPU time of a frame are told together, an
     host.pinAll("ray_traced");
     host.draw(4, timed(0));
     std::vector<GnFrameStats> frames;
-    std::vector<float> least, most; // of what is shared, in timed frames: GPU times are scaled down to an untimed one's
+    std::vector<float> least,
+        greatest; // of what is shared, in timed frames: GPU times are scaled down to an untimed one's
     uint64_t timedFrame = 0;
     for (int i = 0; i < 40; ++i) {
         host.require(host.draw(timed(0)));
@@ -202,18 +203,18 @@ TEST_CASE_FIXTURE(DeviceTest, "GPU and CPU time of a frame are told together, an
         if (frame == timedFrame) continue;
         timedFrame = frame;
         least.push_back(0.0f);
-        most.push_back(0.0f);
+        greatest.push_back(0.0f);
         for (const GnPassTiming& pass : passes) {
             if (pass.light) continue;
             least.back() += pass.cpuMs;
-            most.back() += pass.cpuMs + pass.gpuMs;
+            greatest.back() += pass.cpuMs + pass.gpuMs;
         }
     }
-    REQUIRE(most.size() >= 4);
-    CHECK(most.back() > 0.0f);         // copies for the rays
+    REQUIRE(greatest.size() >= 4);
+    CHECK(greatest.back() > 0.0f);     // copies for the rays
     host.require(host.draw(timed(0))); // plans with what the frame before had learned
     CHECK(host.stats().sharedMs >= *std::max_element(least.end() - 4, least.end()));
-    CHECK(host.stats().sharedMs <= 1.0001f * *std::max_element(most.end() - 4, most.end()));
+    CHECK(host.stats().sharedMs <= 1.0001f * *std::max_element(greatest.end() - 4, greatest.end()));
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "what is shared counts the depth grid also where every frame is timed")
