@@ -115,7 +115,7 @@ Result<std::uint32_t> Context::candidates(GnView view, GnLight light, const Stru
     const bool ruled = records.rules(records.newest()) != nullptr; // by those in force when it was decided
     const Candidate later{.exclusion = Exclusion::notReady};       // it was no candidate then
     for (std::uint32_t i = 0; i < std::min(out.size(), methods_->size()); ++i) {
-        const Candidate& candidate = i < records.methods(records.newest()) ? (*found)->candidates[i] : later;
+        const Candidate& candidate = i < (*found)->candidates.size() ? (*found)->candidates[i] : later;
         out.put(i, publicCandidate((*methods_)[i].name.c_str(), candidate, i == (*found)->method, ruled));
     }
     return methods_->size();

@@ -8,7 +8,7 @@ namespace gnomon {
 /// 1.3 times the cheapest plan that keeps the near floor, measured in the first second, in which that plan runs; anew,
 /// in a part of a second, after a camera cut and once an eighth of the lights have come or gone to stay: that plan is
 /// another one. Lights that flicker, views that take turns and cuts in every frame do not keep it measuring. In between
-/// it follows what the cheapest plan is predicted to take in each frame, times what such plans took of late over what
+/// it follows what the cheapest plan is predicted to take in each frame, times what such plans took lately over what
 /// had been predicted of them: while the plan in force is about as cheap, every frame tells. A camera that walks up to
 /// what is lit, and lights that come one by one, would else leave a budget behind that no plan keeps.
 class AutoBudget {

@@ -434,9 +434,13 @@ std::string Selector::explain(const LightDecision& decision, const rules::Engine
     }
     text += "candidates:\n";
     for (std::uint32_t i = 0; i < methods_.size(); ++i) {
+        text += "  " + methods_[i].name + ": ";
+        if (i >= decision.candidates.size()) {
+            text += "was added later\n";
+            continue;
+        }
         const Candidate& candidate = decision.candidates[i];
         const char* unavailable = methods_[i].unavailable;
-        text += "  " + methods_[i].name + ": ";
         if (i == decision.method)
             text += "chosen, " + fixed(decision.predictedMs, 2) + " ms";
         else if (candidate.exclusion != Exclusion::none)

@@ -192,6 +192,7 @@ void take(const Choice& choice, LightDecision& decision)
 
 void Selector::choose(std::span<LightDecision> decisions)
 {
+    const MethodSet fallbacks = methods_.fallbacks();
     for (LightDecision& decision : decisions) {
         if (engine_)
             rank(decision);
@@ -199,7 +200,7 @@ void Selector::choose(std::span<LightDecision> decisions)
             rankWithoutRules(decision);
         const Choice choice = chooseBySuitability(decision.candidates, {.incumbent = decision.incumbent,
                                                                         .pinned = decision.pinned,
-                                                                        .fallbacks = methods_.fallbacks(),
+                                                                        .fallbacks = fallbacks,
                                                                         .hasRules = engine_ != nullptr});
         take(choice, decision);
     }

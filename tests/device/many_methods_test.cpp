@@ -65,6 +65,12 @@ TEST_CASE_FIXTURE(DeviceTest, "of a hundred methods each serves with its own set
     CHECK(candidates[90].elimination == GN_ELIMINATION_NONE);
     CHECK(candidates[70].elimination == GN_ELIMINATION_NEVER);
     CHECK(candidates[99].elimination == GN_ELIMINATION_NO_OPINION);
+
+    addVariants(host, kMethods + 1); // no candidate of the frame
+    CHECK(host.explanation(0).find(variant(kMethods) + ": was added later\n") != std::string::npos);
+    candidates.resize(++count);
+    host.require(gnGetCandidates(host.context, host.views[0], host.lights[0], &count, candidates.data()));
+    CHECK(candidates[kMethods].elimination == GN_ELIMINATION_NOT_READY);
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "the first method beyond the most there can be is an error that names it")

@@ -41,12 +41,8 @@ Situation randomSituation(Random& random, const rules::Engine& engine, bool budg
         out.othersMs = random.between(0.0, 8.0);
         out.importance = random.between(0.5, 2.0);
         out.cut = random.below(4) == 0;
-        for (std::uint32_t part = random.below(4); part > 0; --part) {
-            MethodSet needed{random.below(methods)};
-            for (std::uint32_t m = 0; m < methods; ++m)
-                if (random.below(2)) needed.add(m);
-            out.parts.push_back({random.between(0.1, 3.0), needed});
-        }
+        for (std::uint32_t part = random.below(4); part > 0; --part)
+            out.parts.push_back({random.between(0.1, 3.0), randomSet(random, methods)});
     }
     return out;
 }

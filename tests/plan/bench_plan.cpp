@@ -98,7 +98,7 @@ cost::CostModel calibratedModel(uint32_t lights, test::Random& random)
 }
 
 /// What the cost model takes to predict every method of every light: GPU times of update and resolve, two map sizes.
-void foretelling(benchmark::State& state)
+void predicting(benchmark::State& state)
 {
     const auto lights = static_cast<uint32_t>(state.range(0));
     test::Random random(2);
@@ -126,7 +126,7 @@ void foretelling(benchmark::State& state)
     }
     countPercentiles(state, times, lights);
 }
-BENCHMARK(foretelling)->Arg(64)->UseManualTime();
+BENCHMARK(predicting)->Arg(64)->UseManualTime();
 
 /// From facts to methods: the rules asked about every light, as Selector does (6 facts, 40 rules, 12 outputs),
 /// the times of an eighth of the lights predicted anew, as FramePlan does, and the plan of all.

@@ -464,11 +464,8 @@ TEST_CASE("over random scenes no plan breaks a budget that can be kept, and deci
         std::vector<SharedPart> parts(9);
         for (int frame = 0; frame < 2000; ++frame) {
             if (frame % 100 == 0) {
-                for (SharedPart& part : parts) {
-                    part = {random.unit() < 0.5 ? random.between(0.0, 2.0) : 0.0, {random.below(12)}};
-                    for (uint32_t m = 0; m < 12; ++m)
-                        if (random.unit() < 0.5) part.methods.add(m);
-                }
+                for (SharedPart& part : parts)
+                    part = {random.unit() < 0.5 ? random.between(0.0, 2.0) : 0.0, randomSet(random, 12)};
                 scene.input.parts =
                     frame / 100 % 2 ? std::span<const SharedPart>(parts) : std::span<const SharedPart>();
             }

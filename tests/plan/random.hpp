@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "runtime/base/method_set.hpp"
+
 namespace gnomon::test {
 
 /// The same numbers in every build (splitmix64); the standard library's distributions are not.
@@ -22,5 +24,14 @@ public:
 private:
     uint64_t state_;
 };
+
+/// At least one of so many methods; of the others each by an even chance.
+inline MethodSet randomSet(Random& random, uint32_t methods)
+{
+    MethodSet set{random.below(methods)};
+    for (uint32_t m = 0; m < methods; ++m)
+        if (random.unit() < 0.5) set.add(m);
+    return set;
+}
 
 } // namespace gnomon::test
