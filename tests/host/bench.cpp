@@ -12,7 +12,8 @@
 namespace {
 using namespace stranger;
 
-constexpr const char* kHelp = R"(gnomon_host_bench: gnomon in a small deferred renderer, six circling point lights, open meshes
+constexpr const char* kHelp =
+    R"(gnomon_host_bench: gnomon in a small deferred renderer, six circling point lights, open meshes
   --entry submitted|recorded  gnSubmitShadows() or gnCmdRenderShadows(); submitted
   --method NAME|default|all   pins all lights; `all` runs every method that can serve, one after another; default
   --frames N                  60
@@ -22,6 +23,7 @@ constexpr const char* kHelp = R"(gnomon_host_bench: gnomon in a small deferred r
   --knowledge FILE            gnLoadKnowledge(); none
   --warm 0|1                  gnWarmUp() before the first frame; 1
   --explain 0|1               gnExplain() of the first frame, of the last one, and where a light switches; 0
+  --why-not NAME              gnExplain() of the last frame: why light 0 does not have this method
   --csv FILE                  a line a frame
   --picture FILE              the last frame as PNG
 Columns: shadow is the host's own measurement (timestamps around the shadows and, recorded, the call), gnomon what
@@ -30,7 +32,7 @@ gnGetFrameStats() says. A budget is held against both.
 
 struct Arguments {
     Options options;
-    std::string method = "default", csvPath, picturePath;
+    std::string method = "default", csvPath, picturePath, whyNot;
     int frames = 60;
     bool warm = true, explain = false;
 };
@@ -67,6 +69,8 @@ void setOption(Arguments& arguments, std::string_view name, const std::string& v
         arguments.warm = number(value) != 0;
     } else if (name == "--explain") {
         arguments.explain = number(value) != 0;
+    } else if (name == "--why-not") {
+        arguments.whyNot = value;
     } else if (name == "--csv") {
         arguments.csvPath = value;
     } else if (name == "--picture") {
@@ -155,6 +159,9 @@ void runOne(const Device& device, const Arguments& arguments, const std::string&
         if (arguments.explain) explainSwitches(renderer, frame == 0 || frame + 1 == arguments.frames);
     }
     renderer.finish();
+    if (!arguments.whyNot.empty())
+        std::printf("-- light 0, not %s\n%s\n", arguments.whyNot.c_str(),
+                    renderer.shadows().explain(0, arguments.whyNot.c_str()).c_str());
     const auto& reports = renderer.reports();
     for (size_t i = 0; i < reports.size(); ++i)
         printFrame(i + 1, reports[i]);

@@ -15,9 +15,9 @@ struct Summary {
 /// All zero of no values.
 Summary summarise(std::vector<double> values);
 
-/// Among pairs of a pixel and a lamp that shines on it, the share in per cent whose visibility differs by more than half
-/// from that of a reference of the same moment. The surface has to face the lamp by more than 0.03: at grazing angles
-/// rounding decides.
+/// Among pairs of a pixel and a lamp that shines on it, the share in per cent whose visibility differs by more than
+/// half from that of a reference of the same moment. The surface has to face the lamp by more than 0.03: at grazing
+/// angles rounding decides.
 double wrongPercent(const Answer& answer, const Answer& reference);
 
 /// Of all lamps: "4 x ray_traced (price), 2 x cube_map (rules)".

@@ -16,8 +16,7 @@ namespace {
 /// What differs between the two pipelines.
 struct Description {
     std::span<const uint32_t> vertexCode, fragmentCode;
-    VkPipelineVertexInputStateCreateInfo vertices{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+    VkPipelineVertexInputStateCreateInfo vertices{.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
     std::span<const VkFormat> colours;
     VkFormat depth = VK_FORMAT_UNDEFINED; ///< Undefined: neither tested nor written.
 };
@@ -37,27 +36,26 @@ VkPipeline create(const Device& device, VkPipelineLayout layout, VkExtent2D size
     const VkPipelineInputAssemblyStateCreateInfo assembly{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
         .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
-    const VkViewport viewport{
-        0.0f, 0.0f, static_cast<float>(size.width), static_cast<float>(size.height), 0.0f, 1.0f};
+    const VkViewport viewport{0.0f, 0.0f, static_cast<float>(size.width), static_cast<float>(size.height), 0.0f, 1.0f};
     const VkRect2D scissor{{0, 0}, size};
     const VkPipelineViewportStateCreateInfo viewports{.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
                                                       .viewportCount = 1,
                                                       .pViewports = &viewport,
                                                       .scissorCount = 1,
                                                       .pScissors = &scissor};
-    const VkPipelineRasterizationStateCreateInfo raster{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-        .cullMode = VK_CULL_MODE_NONE,
-        .lineWidth = 1.0f};
-    const VkPipelineMultisampleStateCreateInfo samples{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-        .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+    const VkPipelineRasterizationStateCreateInfo raster{.sType =
+                                                            VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+                                                        .cullMode = VK_CULL_MODE_NONE,
+                                                        .lineWidth = 1.0f};
+    const VkPipelineMultisampleStateCreateInfo samples{.sType =
+                                                           VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+                                                       .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
     const VkBool32 tested = what.depth != VK_FORMAT_UNDEFINED;
-    const VkPipelineDepthStencilStateCreateInfo depth{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-        .depthTestEnable = tested,
-        .depthWriteEnable = tested,
-        .depthCompareOp = VK_COMPARE_OP_GREATER};
+    const VkPipelineDepthStencilStateCreateInfo depth{.sType =
+                                                          VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+                                                      .depthTestEnable = tested,
+                                                      .depthWriteEnable = tested,
+                                                      .depthCompareOp = VK_COMPARE_OP_GREATER};
     const VkPipelineColorBlendAttachmentState opaque{.colorWriteMask = 0xF};
     const VkPipelineColorBlendAttachmentState attachments[] = {opaque, opaque};
     const uint32_t colourCount = static_cast<uint32_t>(what.colours.size());
@@ -110,9 +108,8 @@ VkPipeline createSurfacePipeline(const Device& device, VkPipelineLayout layout, 
 
 VkPipeline createLightingPipeline(const Device& device, VkPipelineLayout layout, VkExtent2D size, VkFormat picture)
 {
-    return create(device, layout, size,
-                  {.vertexCode = k_stranger_lighting_vert,
-                   .fragmentCode = k_stranger_lighting_frag,
-                   .colours = {&picture, 1}});
+    return create(
+        device, layout, size,
+        {.vertexCode = k_stranger_lighting_vert, .fragmentCode = k_stranger_lighting_frag, .colours = {&picture, 1}});
 }
 } // namespace stranger

@@ -44,8 +44,8 @@ Renderer::Renderer(const Device& device, const Options& options)
     createImages();
     createSets();
     createSlots();
-    surfacePipeline_ = createSurfacePipeline(device, pipelineLayout_, options.size, albedo_.format, normals_.format,
-                                             depth_.format);
+    surfacePipeline_ =
+        createSurfacePipeline(device, pipelineLayout_, options.size, albedo_.format, normals_.format, depth_.format);
     lightingPipeline_ = createLightingPipeline(device, pipelineLayout_, options.size, picture_.format);
 }
 
@@ -76,8 +76,8 @@ void Renderer::createGeometry()
     for (const Mesh& mesh : makeMeshes())
         for (size_t i = 0; i < mesh.indices.size(); i += 3) {
             const uint32_t* corners = &mesh.indices[i];
-            const Vec3 normal = faceNormal(mesh.positions[corners[0]], mesh.positions[corners[1]],
-                                           mesh.positions[corners[2]]);
+            const Vec3 normal =
+                faceNormal(mesh.positions[corners[0]], mesh.positions[corners[1]], mesh.positions[corners[2]]);
             for (size_t corner = 0; corner < 3; ++corner) {
                 Vertex vertex;
                 std::memcpy(vertex.position, mesh.positions[corners[corner]].data(), sizeof vertex.position);
@@ -114,9 +114,8 @@ void Renderer::createSets()
                                                           {kVisibilityBinding, sampled, 1, fragment, nullptr}};
     setLayouts_[0] = createSetLayout(device_, frameBindings);
     setLayouts_[1] = createSetLayout(device_, imageBindings);
-    const VkPipelineLayoutCreateInfo pipelineInfo{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                                  .setLayoutCount = 2,
-                                                  .pSetLayouts = setLayouts_.data()};
+    const VkPipelineLayoutCreateInfo pipelineInfo{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO, .setLayoutCount = 2, .pSetLayouts = setLayouts_.data()};
     STRANGER_CHECK(vkCreatePipelineLayout(device_.device, &pipelineInfo, nullptr, &pipelineLayout_));
     const uint32_t slots = Shadows::kFramesInFlight;
     const VkDescriptorPoolSize sizes[] = {{uniform, slots}, {sampled, 4 * slots}};
@@ -162,9 +161,8 @@ void Renderer::createSlots()
     const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                            .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT};
     STRANGER_CHECK(vkCreateCommandPool(device_.device, &poolInfo, nullptr, &commandPool_));
-    const VkCommandBufferAllocateInfo commandInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                                  .commandPool = commandPool_,
-                                                  .commandBufferCount = 2};
+    const VkCommandBufferAllocateInfo commandInfo{
+        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, .commandPool = commandPool_, .commandBufferCount = 2};
     for (Slot& slot : slots_)
         STRANGER_CHECK(vkAllocateCommandBuffers(device_.device, &commandInfo, slot.commands.data()));
     const VkQueryPoolCreateInfo queryInfo{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,

@@ -25,10 +25,10 @@ struct FrameReport {
 
 /// The newest frame's answer, layer by layer, and what the pixels show.
 struct Answer {
-    std::vector<uint8_t> visibility;  ///< kLampCount layers of width x height.
-    std::vector<uint8_t> pixels;      ///< RGBA.
+    std::vector<uint8_t> visibility; ///< kLampCount layers of width x height.
+    std::vector<uint8_t> pixels;     ///< RGBA.
     std::vector<float> depth;
-    std::vector<uint16_t> normals;    ///< Four half floats a pixel.
+    std::vector<uint16_t> normals; ///< Four half floats a pixel.
     FrameData data;
     VkExtent2D size;
 };
@@ -52,12 +52,12 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
-    struct Slot { ///< What a frame in flight has for itself.
+    struct Slot {                                  ///< What a frame in flight has for itself.
         std::array<VkCommandBuffer, 2> commands{}; ///< G-buffer (recorded: all), lighting.
         Buffer frameData;
         std::array<VkDescriptorSet, 2> sets{}; ///< Frame data; images of the lighting pass.
         uint64_t revision = 0;                 ///< Of the visibility that the second set names.
-        uint64_t frame = 0;    ///< Under way; 0: none.
+        uint64_t frame = 0;                    ///< Under way; 0: none.
     };
 
     void createGeometry();

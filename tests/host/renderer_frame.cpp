@@ -48,7 +48,8 @@ void Renderer::drawSurfaces(VkCommandBuffer commands, const Slot& slot) const
     const VkDeviceSize start = 0;
     vkCmdBeginRendering(commands, &info);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, surfacePipeline_);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelineLayout_, 0, 1, slot.sets.data(), 0, nullptr);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelineLayout_, 0, 1, slot.sets.data(), 0,
+                            nullptr);
     vkCmdBindVertexBuffers(commands, 0, 1, &vertices_.buffer, &start);
     vkCmdDraw(commands, vertexCount_, 1, 0, 0);
     vkCmdEndRendering(commands);
@@ -68,7 +69,8 @@ void Renderer::drawLighting(VkCommandBuffer commands, const Slot& slot) const
                                .pColorAttachments = &picture};
     vkCmdBeginRendering(commands, &info);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, lightingPipeline_);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelineLayout_, 0, 2, slot.sets.data(), 0, nullptr);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelineLayout_, 0, 2, slot.sets.data(), 0,
+                            nullptr);
     vkCmdDraw(commands, 3, 1, 0, 0);
     vkCmdEndRendering(commands);
     barrier(commands, picture_.image, kColour, kTarget, kCopied);
@@ -198,9 +200,8 @@ Answer Renderer::read()
                                   .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
                                   .dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT,
                                   .dstAccessMask = VK_ACCESS_2_HOST_READ_BIT};
-    const VkDependencyInfo dependency{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-                                      .memoryBarrierCount = 1,
-                                      .pMemoryBarriers = &toHost};
+    const VkDependencyInfo dependency{
+        .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &toHost};
     vkCmdPipelineBarrier2(commands, &dependency);
     submit(commands, 0);
     STRANGER_CHECK(vkQueueWaitIdle(device_.queue));

@@ -147,8 +147,7 @@ GnResult Shadows::render(VkCommandBuffer commands, const FrameData& data, const 
     info.budgetMs = options_.budgetMs;
     info.viewCount = 1;
     info.pViews = &view;
-    const GnResult result =
-        commands ? gnCmdRenderShadows(context_, commands, &info) : gnSubmitShadows(context_, &info);
+    const GnResult result = commands ? gnCmdRenderShadows(context_, commands, &info) : gnSubmitShadows(context_, &info);
     if (result < 0) throw std::runtime_error(std::string(gnResultName(result)) + ": " + gnGetLastError(context_));
     return result;
 }
@@ -194,18 +193,30 @@ std::string Shadows::explain(int light, const char* pMethod) const
 const char* reasonText(GnReason reason)
 {
     switch (reason) {
-    case GN_REASON_RULES: return "rules";
-    case GN_REASON_PINNED: return "pinned";
-    case GN_REASON_INCUMBENT: return "tie, kept";
-    case GN_REASON_FALLBACK: return "fallback, the wanted one is not ready";
-    case GN_REASON_NOTHING_READY: return "nothing is ready";
-    case GN_REASON_NO_OPINION: return "no rule spoke";
-    case GN_REASON_BUDGET: return "budget";
-    case GN_REASON_HELD: return "held";
-    case GN_REASON_PRICE: return "price";
-    case GN_REASON_FLOOR: return "near floor";
-    case GN_REASON_UTILITY: return "worth more";
-    default: return "unknown to this host";
+    case GN_REASON_RULES:
+        return "rules";
+    case GN_REASON_PINNED:
+        return "pinned";
+    case GN_REASON_INCUMBENT:
+        return "tie, kept";
+    case GN_REASON_FALLBACK:
+        return "fallback, the wanted one is not ready";
+    case GN_REASON_NOTHING_READY:
+        return "nothing is ready";
+    case GN_REASON_NO_OPINION:
+        return "no rule spoke";
+    case GN_REASON_BUDGET:
+        return "budget";
+    case GN_REASON_HELD:
+        return "held";
+    case GN_REASON_PRICE:
+        return "price";
+    case GN_REASON_FLOOR:
+        return "near floor";
+    case GN_REASON_UTILITY:
+        return "worth more";
+    default:
+        return "unknown to this host";
     }
 }
 } // namespace stranger

@@ -16,11 +16,11 @@ namespace stranger {
 
 /// What a user of the renderer chooses.
 struct Options {
-    bool recorded = false;          ///< gnCmdRenderShadows(), else gnSubmitShadows().
+    bool recorded = false; ///< gnCmdRenderShadows(), else gnSubmitShadows().
     VkExtent2D size{1280, 720};
-    float budgetMs = 0.0f;          ///< 0: none.
-    std::string rulesPath;          ///< Empty: the shipped base "default".
-    std::string knowledgePath;      ///< Empty: none is loaded.
+    float budgetMs = 0.0f;     ///< 0: none.
+    std::string rulesPath;     ///< Empty: the shipped base "default".
+    std::string knowledgePath; ///< Empty: none is loaded.
 };
 
 /// What was decided for a light.
@@ -50,7 +50,6 @@ public:
     /// \return As the call of gnomon: GN_NOT_READY or a success. Throws on failures.
     GnResult render(VkCommandBuffer commands, const FrameData& data, const Image& depth, const Image& normals,
                     uint64_t frame, uint64_t completedFrame);
-    void setBudget(float budgetMs) { options_.budgetMs = budgetMs; }
 
     GnVisibility visibility() const;
     GnFrameStats stats() const;

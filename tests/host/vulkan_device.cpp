@@ -30,9 +30,8 @@ Device::Device()
     features12_ = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
                    .pNext = &features13_,
                    .timelineSemaphore = VK_TRUE};
-    features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
-                .pNext = &features12_,
-                .features = needs.optional};
+    features = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &features12_, .features = needs.optional};
     const float priority = 1.0f;
     const VkDeviceQueueCreateInfo queueInfo{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                             .queueCount = 1, // of family 0, which draws on desktop devices
@@ -61,9 +60,8 @@ VkDeviceMemory Device::allocate(const VkMemoryRequirements& needs, VkMemoryPrope
     vkGetPhysicalDeviceMemoryProperties(gpu, &types);
     for (uint32_t type = 0; type < types.memoryTypeCount; ++type) {
         if (!(needs.memoryTypeBits >> type & 1) || (types.memoryTypes[type].propertyFlags & wanted) != wanted) continue;
-        const VkMemoryAllocateInfo info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                        .allocationSize = needs.size,
-                                        .memoryTypeIndex = type};
+        const VkMemoryAllocateInfo info{
+            .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs.size, .memoryTypeIndex = type};
         VkDeviceMemory memory = VK_NULL_HANDLE;
         STRANGER_CHECK(vkAllocateMemory(device, &info, nullptr, &memory));
         return memory;
@@ -151,9 +149,8 @@ void barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect,
                                     .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
                                     .image = image,
                                     .subresourceRange = {aspect, 0, 1, 0, layers}};
-    const VkDependencyInfo info{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-                                .imageMemoryBarrierCount = 1,
-                                .pImageMemoryBarriers = &one};
+    const VkDependencyInfo info{
+        .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &one};
     vkCmdPipelineBarrier2(commands, &info);
 }
 } // namespace stranger
