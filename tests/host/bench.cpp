@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "measure.hpp"
+#include "turns.hpp"
 
 namespace {
 using namespace stranger;
@@ -23,6 +23,7 @@ constexpr const char* kHelp =
   --knowledge FILE            gnLoadKnowledge(); none
   --warm 0|1                  gnWarmUp() before the first frame; 1
   --explain 0|1               gnExplain() of the first frame, of the last one, and where a light switches; 0
+  --wrong 0|1                 the share of wrong pixels against ray_traced, at three moments after the frames; 0
   --why-not NAME              gnExplain() of the last frame: why light 0 does not have this method
   --csv FILE                  a line a frame
   --picture FILE              the last frame as PNG
@@ -34,7 +35,7 @@ struct Arguments {
     Options options;
     std::string method = "default", csvPath, picturePath, whyNot;
     int frames = 60;
-    bool warm = true, explain = false;
+    bool warm = true, explain = false, wrong = false;
 };
 
 int number(const std::string& text)
@@ -69,6 +70,8 @@ void setOption(Arguments& arguments, std::string_view name, const std::string& v
         arguments.warm = number(value) != 0;
     } else if (name == "--explain") {
         arguments.explain = number(value) != 0;
+    } else if (name == "--wrong") {
+        arguments.wrong = number(value) != 0;
     } else if (name == "--why-not") {
         arguments.whyNot = value;
     } else if (name == "--csv") {
@@ -147,7 +150,6 @@ void writeCsv(const std::string& path, const std::vector<FrameReport>& reports)
 
 void runOne(const Device& device, const Arguments& arguments, const std::string& method)
 {
-    constexpr double kStepS = 1.0 / 30.0; // of the animation, whatever a frame takes
     Renderer renderer(device, arguments.options);
     if (method != "default" && !renderer.shadows().pin(method.c_str())) {
         std::printf("%s: cannot serve\n", method.c_str());
@@ -173,16 +175,10 @@ void runOne(const Device& device, const Arguments& arguments, const std::string&
     printPart("steady", reports, steady, reports.size());
     if (!arguments.csvPath.empty()) writeCsv(arguments.csvPath, reports);
     if (!arguments.picturePath.empty()) writePicture(renderer.read(), arguments.picturePath);
+    if (arguments.wrong)
+        std::printf("wrong: %.3f %%\n", wrongAtMoments(renderer, traceReferences(device, arguments.options.size)));
 }
 
-std::vector<std::string> methodsThatServe(const Device& device, const Options& options)
-{
-    const Renderer renderer(device, options);
-    std::vector<std::string> names;
-    for (const GnMethodInfo& method : renderer.shadows().methods())
-        names.emplace_back(method.pName);
-    return names;
-}
 } // namespace
 
 int main(int argc, char** argv)
@@ -200,7 +196,7 @@ int main(int argc, char** argv)
             return 0;
         }
         runOne(device, arguments, "default");
-        for (const std::string& method : methodsThatServe(device, arguments.options))
+        for (const std::string& method : Renderer(device, arguments.options).shadows().methods())
             runOne(device, arguments, method);
         return 0;
     } catch (const std::exception& error) {

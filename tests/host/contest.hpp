@@ -2,17 +2,19 @@
 #ifndef GNOMON_TESTS_HOST_CONTEST_HPP
 #define GNOMON_TESTS_HOST_CONTEST_HPP
 
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "measure.hpp"
+#include "turns.hpp"
 
 namespace stranger {
 
 /// What a pinned method took and showed.
 struct Rival {
     std::string name;
-    double lookMs = 0.0;         ///< Median of its first frames but one.
+    std::unique_ptr<Renderer> renderer;
+    double lookMs = 0.0;         ///< Median of some of its first frames.
     double wrongPercent = 0.0;   ///< Largest of the moments looked at.
     std::vector<double> turnsMs; ///< Medians, one of each turn it had against the default.
 };
@@ -20,12 +22,13 @@ struct Rival {
 struct Contest {
     std::vector<Rival> rivals; ///< That serve and are not hopelessly slow, cheapest first look first.
     std::vector<double> defaultTurnsMs;
-    double firstFrameMs = 0.0;        ///< Of the default, after gnWarmUp().
-    double defaultWrongPercent = 0.0; ///< Largest of the moments looked at, after its first second.
-    double allowedWrongPercent = 0.0; ///< Up to this a rival's quality equals the default's.
-    std::string choices;              ///< Of the default in its last frame.
-    uint32_t framesOver = 0, framesBudgeted = 0;
+    double firstFrameMs = 0.0;                   ///< Of the default, after gnWarmUp().
+    double defaultWrongPercent = 0.0;            ///< Largest of the moments looked at, after its first second.
+    double allowedWrongPercent = 0.0;            ///< Up to this a rival's quality equals the default's.
+    std::string choices;                         ///< Of the default in its last frame.
+    uint32_t framesOver = 0, framesBudgeted = 0; ///< After the first second with a budget.
     double budgetMs = 0.0;
+    std::string choicesBudgeted; ///< In the last of these frames.
 
     double defaultMs() const;
     /// Of those that had turns; null: there is none of equal quality.

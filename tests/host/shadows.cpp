@@ -92,9 +92,9 @@ void Shadows::createScene(std::span<const Mesh> meshes)
     STRANGER_CHECK(gnCreateView(context_, nullptr, &view_));
 }
 
-void Shadows::warmUp()
+void Shadows::warmUp(const char* pMethod)
 {
-    STRANGER_CHECK(gnWarmUp(context_));
+    STRANGER_CHECK(pMethod ? gnWarmUpMethod(context_, pMethod) : gnWarmUp(context_));
 }
 
 bool Shadows::pin(const char* pMethod)
@@ -104,17 +104,19 @@ bool Shadows::pin(const char* pMethod)
     return true;
 }
 
-std::vector<GnMethodInfo> Shadows::methods() const
+std::vector<std::string> Shadows::methods() const
 {
     uint32_t count = 0;
     STRANGER_CHECK(gnEnumerateMethods(context_, &count, nullptr));
     std::vector<GnMethodInfo> all(count);
     STRANGER_CHECK(gnEnumerateMethods(context_, &count, all.data()));
-    std::erase_if(all, [&](const GnMethodInfo& method) {
-        return !(method.traits & GN_TRAIT_POINT_BIT) || (method.traits & GN_TRAIT_PLANAR_BIT) || method.pUnavailable ||
-               (options_.recorded && method.roundTrips > 0);
-    });
-    return all;
+    std::vector<std::string> names;
+    for (const GnMethodInfo& method : all) {
+        const bool point = method.traits & GN_TRAIT_POINT_BIT, planar = method.traits & GN_TRAIT_PLANAR_BIT;
+        if (point && !planar && !method.pUnavailable && (!options_.recorded || method.roundTrips == 0))
+            names.emplace_back(method.pName);
+    }
+    return names;
 }
 
 GnResult Shadows::render(VkCommandBuffer commands, const FrameData& data, const Image& depth, const Image& normals,

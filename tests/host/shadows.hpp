@@ -40,11 +40,12 @@ public:
     Shadows(const Shadows&) = delete;
     Shadows& operator=(const Shadows&) = delete;
 
-    void warmUp();
+    /// gnWarmUp(), or what one method needs.
+    void warmUp(const char* pMethod = nullptr);
     /// All lights; null hands them back to the rules. False where the method is refused.
     bool pin(const char* pMethod);
-    /// Methods that may serve point lights by this entry point, all of which are ready after warmUp().
-    std::vector<GnMethodInfo> methods() const;
+    /// Methods that may serve point lights by this entry point, by what they say of themselves.
+    std::vector<std::string> methods() const;
 
     /// Moves the lights and runs gnomon. \param commands Recorded into; null: gnomon submits to the queue.
     /// \return As the call of gnomon: GN_NOT_READY or a success. Throws on failures.
