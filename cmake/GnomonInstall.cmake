@@ -5,7 +5,8 @@ include(CMakePackageConfigHelpers)
 install(TARGETS gnomon gnomon_rules gnomon_base gnomon_parts EXPORT gnomonTargets
     ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}")
 install(DIRECTORY runtime/include/gnomon DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
-install(DIRECTORY rules/knowledge DESTINATION "${CMAKE_INSTALL_DATADIR}/gnomon/rules" FILES_MATCHING PATTERN "*.csv")
+install(DIRECTORY rules/knowledge DESTINATION "${CMAKE_INSTALL_DATADIR}/gnomon/rules" FILES_MATCHING PATTERN "*.csv"
+    PATTERN samples EXCLUDE)
 install(FILES rules/battery.yaml rules/default.yaml rules/quality.yaml rules/thesis.yaml DESTINATION "${CMAKE_INSTALL_DATADIR}/gnomon/rules")
 install(FILES LICENSE THIRD_PARTY_NOTICES.md DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 install(EXPORT gnomonTargets NAMESPACE gnomon:: DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/gnomon")

@@ -8,8 +8,8 @@
 namespace gnomon::demo {
 namespace {
 
-constexpr uint32_t kDiscarded = cost::kSettleFrames; // after a switch, as the cost model does
-constexpr uint32_t kLeastDiscarded = 2;              // of frames that take long: the first one, and what it left behind
+constexpr uint32_t kDiscarded = 3;      // after a switch: caches, allocation, clocks
+constexpr uint32_t kLeastDiscarded = 2; // of frames that take long: the first one, and what it left behind
 constexpr uint32_t kLate = kCalibrationFramesInFlight; // frames until timings are known
 
 double percentile(std::vector<double> values, double share)
@@ -88,7 +88,7 @@ public:
     }
 
     /// Fastest times of the passes that lights share, as timed: with the barriers of a timed frame.
-    std::vector<cost::KnowledgePart> takeShared() { return std::move(shared_); }
+    std::vector<SharedSample> takeShared() { return std::move(shared_); }
 
     std::vector<LightTimes> take()
     {
@@ -110,7 +110,7 @@ private:
         for (const GnPassTiming& pass : passes_) {
             if (!pass.shared) continue;
             auto part = std::find_if(shared_.begin(), shared_.end(),
-                                     [&](const cost::KnowledgePart& known) { return known.pass == pass.pName; });
+                                     [&](const SharedSample& known) { return known.pass == pass.pName; });
             const double gpuMs = double(pass.gpuMs), cpuMs = double(pass.cpuMs);
             if (part == shared_.end()) {
                 shared_.push_back({.pass = pass.pName,
@@ -127,7 +127,7 @@ private:
     Session& session_;
     std::string method_;
     std::vector<GnPassTiming> passes_;
-    std::vector<cost::KnowledgePart> shared_;
+    std::vector<SharedSample> shared_;
     uint64_t sharedSeen_ = 0;
     std::vector<LightTimes> lights_;
     std::vector<uint64_t> seen_;
@@ -202,9 +202,9 @@ MomentTimes measureMoment(Session& session, const std::string& method, const Mom
     return times;
 }
 
-void addShared(std::vector<cost::KnowledgePart>& sums, const MomentTimes& times)
+void addShared(std::vector<SharedSample>& sums, const MomentTimes& times)
 {
-    for (const cost::KnowledgePart& point : times.shared) {
+    for (const SharedSample& point : times.shared) {
         auto sum = std::find_if(sums.begin(), sums.end(), [&](const auto& known) { return known.pass == point.pass; });
         if (sum == sums.end()) sum = sums.insert(sum, {.pass = point.pass});
         sum->viewPixels += point.viewPixels;
@@ -214,10 +214,9 @@ void addShared(std::vector<cost::KnowledgePart>& sums, const MomentTimes& times)
     }
 }
 
-std::vector<cost::KnowledgePart> meansOf(std::vector<cost::KnowledgePart> sums, const std::string& algorithm,
-                                         const Device& device)
+std::vector<SharedSample> meansOf(std::vector<SharedSample> sums, const std::string& algorithm, const Device& device)
 {
-    for (cost::KnowledgePart& part : sums) {
+    for (SharedSample& part : sums) {
         part.device = device.properties.deviceName;
         part.driver = device.driver;
         part.algorithm = algorithm;
@@ -225,16 +224,16 @@ std::vector<cost::KnowledgePart> meansOf(std::vector<cost::KnowledgePart> sums, 
         for (double* sum : {&part.viewPixels, &part.gpuMs, &part.cpuMs})
             *sum /= part.samples;
     }
-    std::erase_if(sums, [](const cost::KnowledgePart& part) { return !(part.gpuMs + part.cpuMs > 0.0); });
+    std::erase_if(sums, [](const SharedSample& part) { return !(part.gpuMs + part.cpuMs > 0.0); });
     return sums;
 }
 
-std::vector<cost::KnowledgeRow> rowsOf(const MomentTimes& times, const std::string& algorithm, const Device& device)
+std::vector<Sample> rowsOf(const MomentTimes& times, const std::string& algorithm, const Device& device)
 {
-    std::vector<cost::KnowledgeRow> rows;
+    std::vector<Sample> rows;
     for (const LightTimes& light : times.lights) {
         const auto add = [&](cost::Pass pass, const std::vector<double>& gpu, const std::vector<double>& cpu) {
-            cost::KnowledgeRow row;
+            Sample row;
             row.device = device.properties.deviceName;
             row.driver = device.driver;
             row.algorithm = algorithm;

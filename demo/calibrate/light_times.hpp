@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "demo/calibrate/samples.hpp"
 #include "demo/program/session.hpp"
-#include "runtime/cost/knowledge_base.hpp"
 
 namespace gnomon::demo {
 
@@ -22,10 +22,10 @@ struct LightTimes {
 };
 
 struct MomentTimes {
-    std::vector<LightTimes> lights;          ///< Those that the method served, in layer order.
-    std::vector<cost::KnowledgePart> shared; ///< For all of them; names and times alone, the fastest of each.
-    double firstFrameMs = 0.0;               ///< By which the first frame took longer than the median of the others.
-    double lastTime = 0.0;                   ///< Seconds, of the last frame drawn.
+    std::vector<LightTimes> lights;   ///< Those that the method served, in layer order.
+    std::vector<SharedSample> shared; ///< For all of them; names and times alone, the fastest of each.
+    double firstFrameMs = 0.0;        ///< By which the first frame took longer than the median of the others.
+    double lastTime = 0.0;            ///< Seconds, of the last frame drawn.
 };
 
 struct Moment {
@@ -44,12 +44,11 @@ void useMethod(ShadowHost& shadows, const std::string& method);
 MomentTimes measureMoment(Session& session, const std::string& method, const Moment& moment);
 
 /// Adds what was measured at one more point: sums of pixels, times and points, by pass.
-void addShared(std::vector<cost::KnowledgePart>& sums, const MomentTimes& times);
+void addShared(std::vector<SharedSample>& sums, const MomentTimes& times);
 /// Means of such sums, with the names of what was measured.
-std::vector<cost::KnowledgePart> meansOf(std::vector<cost::KnowledgePart> sums, const std::string& algorithm,
-                                         const Device& device);
+std::vector<SharedSample> meansOf(std::vector<SharedSample> sums, const std::string& algorithm, const Device& device);
 
 /// Rows of a knowledge base, one per light and pass.
-std::vector<cost::KnowledgeRow> rowsOf(const MomentTimes& times, const std::string& algorithm, const Device& device);
+std::vector<Sample> rowsOf(const MomentTimes& times, const std::string& algorithm, const Device& device);
 
 } // namespace gnomon::demo

@@ -32,8 +32,7 @@ SessionOptions measuring(VkExtent2D size, uint32_t maxLights = 0)
             .size = size,
             .maxLights = maxLights,
             .framesInFlight = kCalibrationFramesInFlight,
-            .pinnedThreads = true,
-            .knowledge = "none"};
+            .pinnedThreads = true};
 }
 
 } // namespace
@@ -87,7 +86,7 @@ void Sweeper::proceed(SweepRun& run, const SweepMethod& method, double seconds, 
                             .step = point.motion == SweepMotion::nothing ? 0.0 : kFrameStep,
                             .seconds = std::min(left / owed, seconds / leastPoints)};
         const MomentTimes times = measureMoment(session_, method.name, moment);
-        std::vector<cost::KnowledgeRow> rows = rowsOf(times, method.algorithm, device_);
+        std::vector<Sample> rows = rowsOf(times, method.algorithm, device_);
         // Errors vary slowly over the sweep; every second point tells enough of them.
         if (method.name != kTruthMethod && run.points % 2 == 0) measureErrors(rows, times);
         run.rows.insert(run.rows.end(), rows.begin(), rows.end());
@@ -98,7 +97,7 @@ void Sweeper::proceed(SweepRun& run, const SweepMethod& method, double seconds, 
 }
 
 /// The wrong share of the point's first light goes into its rows. False where this build has no ray tracing.
-bool Sweeper::measureErrors(std::vector<cost::KnowledgeRow>& rows, const MomentTimes& times)
+bool Sweeper::measureErrors(std::vector<Sample>& rows, const MomentTimes& times)
 {
     if (times.lights.empty()) return false;
     Renderer& renderer = session_.renderer;
@@ -118,17 +117,17 @@ bool Sweeper::measureErrors(std::vector<cost::KnowledgeRow>& rows, const MomentT
     const ErrorCount errors = compare(visibility, truth, counted);
     if (errors.counted == 0) return false;
     // The rows of the first light end with its resolve.
-    for (cost::KnowledgeRow& row : rows) {
+    for (Sample& row : rows) {
         row.wrongPercent = errors.percent(errors.wrong());
         if (row.pass == cost::Pass::resolve) break;
     }
     return true;
 }
 
-std::vector<cost::KnowledgeRow> measureScene(Device& device, const Scene& scene, const SweepMethod& method,
-                                             VkExtent2D size, uint32_t moments)
+std::vector<Sample> measureScene(Device& device, const Scene& scene, const SweepMethod& method, VkExtent2D size,
+                                 uint32_t moments)
 {
-    std::vector<cost::KnowledgeRow> rows;
+    std::vector<Sample> rows;
     const Scene served = onlyServed(scene, method.traits);
     if (served.lights.empty()) return rows;
     Session session(device, served, measuring(size));
@@ -140,7 +139,7 @@ std::vector<cost::KnowledgeRow> measureScene(Device& device, const Scene& scene,
         const double time = frameTime(scene, scene.frames * i / moments);
         const MomentTimes times =
             measureMoment(session, method.name, {.time = time, .step = step, .samples = kSceneSamples});
-        const std::vector<cost::KnowledgeRow> more = rowsOf(times, method.algorithm, device);
+        const std::vector<Sample> more = rowsOf(times, method.algorithm, device);
         rows.insert(rows.end(), more.begin(), more.end());
     }
     return rows;

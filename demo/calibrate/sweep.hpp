@@ -18,15 +18,15 @@ Outcome<std::vector<SweepMethod>> sweepMethods(Device& device, const std::vector
 
 /// What a method's sweep has measured so far.
 struct SweepRun {
-    std::vector<cost::KnowledgeRow> rows;
-    std::vector<cost::KnowledgePart> shared; ///< Sums (addShared()).
+    std::vector<Sample> rows;
+    std::vector<SharedSample> shared; ///< Sums (addShared()).
     uint32_t points = 0;
     size_t next = 0;      ///< Point of the sweep.
     double seconds = 0.0; ///< Spent.
 };
 
 /// To learn from: as many as a fit has coefficients.
-constexpr uint32_t kLeastPoints = cost::kFeatures;
+constexpr uint32_t kLeastPoints = cost::kTerms;
 
 class Sweeper {
 public:
@@ -35,7 +35,7 @@ public:
     void proceed(SweepRun& run, const SweepMethod& method, double seconds, uint32_t leastPoints);
 
 private:
-    bool measureErrors(std::vector<cost::KnowledgeRow>& rows, const MomentTimes& times);
+    bool measureErrors(std::vector<Sample>& rows, const MomentTimes& times);
 
     Device& device_;
     Sweep sweep_;
@@ -44,7 +44,7 @@ private:
 
 /// The lights of a scene at a few moments, each moving on for some frames. Only lights that the method serves. In the
 /// order of moments and lights, the same at every call.
-std::vector<cost::KnowledgeRow> measureScene(Device& device, const Scene& scene, const SweepMethod& method,
-                                             VkExtent2D size, uint32_t moments);
+std::vector<Sample> measureScene(Device& device, const Scene& scene, const SweepMethod& method, VkExtent2D size,
+                                 uint32_t moments);
 
 } // namespace gnomon::demo

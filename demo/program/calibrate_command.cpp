@@ -1,10 +1,12 @@
-// `gnomon calibrate`: measures every method on generated scenes and writes a knowledge base; with --check it measures
-// shipped scenes instead and says how well a knowledge base predicts them.
+// `gnomon calibrate`: measures every method on generated scenes and fits a knowledge base to that; with --fit it takes
+// samples that were measured before; with --check it measures shipped scenes instead and says how well a knowledge base
+// predicts them.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
 
+#include "demo/calibrate/fit.hpp"
 #include "demo/calibrate/sweep.hpp"
 #include "demo/host/pin_thread.hpp"
 #include "demo/io/file.hpp"
@@ -13,6 +15,7 @@
 #include "demo/program/measure.hpp"
 #include "demo/program/progress.hpp"
 #include "demo/scene/scene_file.hpp"
+#include "runtime/cost/teach.hpp"
 #include "runtime/cost/weighted_median.hpp"
 
 namespace gnomon::demo {
@@ -29,7 +32,7 @@ constexpr uint32_t kSpeedPoints = 5;
 constexpr double kSpeedSeconds = 2.0; // a method
 constexpr size_t kFewestTimings = 10;
 
-using Rows = std::vector<cost::KnowledgeRow>;
+using Rows = std::vector<Sample>;
 
 /// What one light took by one method, update and resolve together, and what was predicted.
 struct Predicted {
@@ -51,10 +54,46 @@ void printErrors(const char* title, const std::vector<double>& percents)
                 percentile(percents, 0.95));
 }
 
-/// The file to write; empty: none.
+/// The knowledge base to write; empty: none.
 std::string outputOf(const CalibrateOptions& options)
 {
     return options.out.empty() && options.check.empty() ? "knowledge.csv" : options.out;
+}
+
+const char* kindOf(const Device& device)
+{
+    switch (device.properties.deviceType) {
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+        return "software";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+        return "integrated";
+    default:
+        return "discrete";
+    }
+}
+
+void writeFitted(const Samples& samples, const std::string& kind, const std::string& out)
+{
+    const cost::DeviceKnowledge fitted = fitKnowledge(samples, kind);
+    for (const cost::AlgorithmCost& cost : fitted.algorithms) {
+        std::printf("%-26s", cost.algorithm.c_str());
+        for (uint32_t t = 0; t < cost::kTracks; ++t)
+            if (const cost::TrackCost& track = cost.tracks[t]; track.samples > 0)
+                std::printf("  %s %s %4u samples, %.2f octaves", t < 2 ? "update" : "resolve", t % 2 ? "cpu" : "gpu",
+                            track.samples, track.octaves);
+        std::printf("\n");
+    }
+    expect(writeFile(out, cost::writeKnowledge({&fitted, 1})));
+    std::printf("%zu algorithms to %s\n", fitted.algorithms.size(), out.c_str());
+}
+
+int fit(const CalibrateOptions& options)
+{
+    const Samples samples = valueOf(parseSamples(valueOf(readText(options.fit))));
+    for (const std::string& finding : samples.findings)
+        std::fprintf(stderr, "%s: %s\n", options.fit.c_str(), finding.c_str());
+    writeFitted(samples, options.kind, outputOf(options));
+    return 0;
 }
 
 int calibrate(const CalibrateOptions& options, Device& device, const std::vector<SweepMethod>& methods)
@@ -68,18 +107,16 @@ int calibrate(const CalibrateOptions& options, Device& device, const std::vector
                             (kLeastPoints * (turn + 1) + kTurns - 1) / kTurns);
             progress.show(++done, methods[m].name);
         }
-    Rows rows;
-    std::vector<cost::KnowledgePart> parts;
+    Samples samples;
     for (size_t m = 0; m < methods.size(); ++m) {
-        const std::vector<cost::KnowledgePart> shared = meansOf(runs[m].shared, methods[m].algorithm, device);
-        parts.insert(parts.end(), shared.begin(), shared.end());
+        const std::vector<SharedSample> shared = meansOf(runs[m].shared, methods[m].algorithm, device);
+        samples.parts.insert(samples.parts.end(), shared.begin(), shared.end());
         std::printf("%-26s %3u points, %4zu rows, %5.1f s\n", methods[m].name.c_str(), runs[m].points,
                     runs[m].rows.size(), runs[m].seconds);
-        rows.insert(rows.end(), runs[m].rows.begin(), runs[m].rows.end());
+        samples.rows.insert(samples.rows.end(), runs[m].rows.begin(), runs[m].rows.end());
     }
-    const std::string out = outputOf(options);
-    expect(writeFile(out, cost::writeKnowledge(rows, parts)));
-    std::printf("%zu rows to %s\n", rows.size() + parts.size(), out.c_str());
+    if (!options.samples.empty()) expect(writeFile(options.samples, writeSamples(samples.rows, samples.parts)));
+    writeFitted(samples, kindOf(device), outputOf(options));
     return 0;
 }
 
@@ -136,7 +173,7 @@ double presentFactor(const CheckRows& rows, const cost::CostModel& model)
 {
     std::vector<cost::Weighted> votes;
     for (uint32_t m = 0; m < rows.sweep.size(); ++m)
-        for (const cost::KnowledgeRow& row : rows.sweep[m]) {
+        for (const Sample& row : rows.sweep[m]) {
             const double predicted = model.predict(UINT32_MAX, m, row.pass, row.workload).ms;
             const double measured = row.gpuMsMin + row.cpuMsMin;
             if (predicted > 0.0 && measured > 0.0) votes.push_back({std::log2(measured / predicted), predicted});
@@ -146,21 +183,28 @@ double presentFactor(const CheckRows& rows, const cost::CostModel& model)
 
 cost::CostModel modelOf(const CalibrateOptions& options, const Device& device, const std::vector<SweepMethod>& methods)
 {
-    const std::filesystem::path file =
-        valueOf(findKnowledge(options.knowledge.empty() ? knowledgeFor(device) : options.knowledge));
-    const cost::KnowledgeResult knowledge = cost::parseKnowledge(valueOf(readText(file)));
-    if (!knowledge.base) throw HostError(file.string() + ": " + knowledge.error);
-    std::vector<std::string> algorithms;
+    cost::KnowledgeBase knowledge;
+    if (!options.knowledge.empty()) {
+        const std::filesystem::path file = valueOf(findKnowledge(options.knowledge));
+        cost::KnowledgeResult read = cost::parseKnowledge(valueOf(readText(file)));
+        if (!read.base) throw HostError(file.string() + ": " + read.error);
+        knowledge = std::move(*read.base);
+    } else {
+        knowledge = cost::shippedKnowledge();
+    }
+    const cost::DeviceKnowledge* nearest = knowledge.nearestTo(device.properties.deviceName, kindOf(device));
+    if (nearest == nullptr) throw HostError("the knowledge base knows no device");
+    std::vector<cost::TaughtMethod> taught;
     for (const SweepMethod& method : methods)
-        algorithms.push_back(method.algorithm);
+        taught.push_back({method.algorithm, method.traits});
     cost::CostModel model;
     model.setSharedCores(device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU);
     model.resize(static_cast<uint32_t>(methods.size()), 1);
-    cost::learn(model, *knowledge.base, algorithms, device.properties.deviceName);
+    cost::teach(model, *nearest, taught);
     return model;
 }
 
-void printRow(const Predicted& one, const cost::KnowledgeRow& row)
+void printRow(const Predicted& one, const Sample& row)
 {
     const cost::Workload& work = row.workload;
     std::printf("  %-10s %-16s %-7s %8.0f px %7.0f tri %7.0f drawn %4.0f casters %8.0f texels%s%s: "
@@ -177,7 +221,7 @@ std::vector<Predicted> predictLights(const cost::CostModel& model, double factor
 {
     std::vector<Predicted> lights;
     Predicted light = names;
-    for (const cost::KnowledgeRow& row : rows) {
+    for (const Sample& row : rows) {
         Predicted pass = names;
         pass.measuredMs = row.gpuMsMin + row.cpuMsMin; // as undisturbed as what it is compared with
         pass.predictedMs = factor * model.predict(UINT32_MAX, method, row.pass, row.workload).ms;
@@ -237,7 +281,7 @@ int check(const CalibrateOptions& options, Device& device, const std::vector<Swe
         printErrors(entry.first.c_str(), entry.second);
     printErrors("all lights and methods", percents);
     printErrors("the same without the device factor", cold);
-    if (!options.out.empty()) expect(writeFile(options.out, cost::writeKnowledge(all)));
+    if (!options.samples.empty()) expect(writeFile(options.samples, writeSamples(all)));
     return 0;
 }
 
@@ -245,8 +289,9 @@ int check(const CalibrateOptions& options, Device& device, const std::vector<Swe
 
 int calibrateCommand(const CalibrateOptions& options)
 {
+    if (!options.out.empty() || options.check.empty()) requireWritable(outputOf(options));
+    if (!options.fit.empty()) return fit(options);
     requireMethods(parseNames(options.methods));
-    requireWritable(outputOf(options));
     const std::unique_ptr<Device> device = Device::create({});
     pinThread(0);
     const std::vector<SweepMethod> methods = valueOf(sweepMethods(*device, parseNames(options.methods)));

@@ -64,7 +64,8 @@ struct CompareOptions {
 int compareCommand(const CompareOptions& options);
 
 struct CalibrateOptions {
-    std::string out, methods, knowledge, size;
+    std::string out, samples, methods, knowledge, size;
+    std::string fit, kind = "software"; ///< Samples to fit instead of measuring, and of what they are.
     double secondsPerMethod = 12.0;
     std::vector<std::string> check; ///< Scenes; empty: measure the sweep.
     bool verbose = false;

@@ -29,6 +29,8 @@ const char* nameOf(GnReason reason) noexcept
         return "floor";
     case GN_REASON_UTILITY:
         return "utility";
+    case GN_REASON_NOT_RECORDABLE:
+        return "not_recordable";
     case GN_REASON_NOTHING_READY:
         return "nothing_ready";
     case GN_REASON_NO_OPINION:

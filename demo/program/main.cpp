@@ -34,7 +34,8 @@ void addRun(CLI::App& app, RunOptions& options, int& exitCode)
     run->add_option("--method", options.method, "this method for every light it serves, instead of rules")
         ->excludes(rules);
     run->add_option("--knowledge", options.knowledge,
-                    "what the cost model starts from: a path, `lavapipe`, `h100`, or `none`; default: by the device");
+                    "what the cost model starts from: a path, `lavapipe` or `h100`; default: the shipped one nearest "
+                    "to the device");
     run->add_option("--size", options.size, "picture size, such as 1280x720; default: the scene's");
     run->add_option("--frames", options.frames, "number of frames; default: the scene's")
         ->check(CLI::Range(1, 1000000));
@@ -132,12 +133,19 @@ void addCalibrate(CLI::App& app, CalibrateOptions& options, int& exitCode)
     calibrate->add_option("--out", options.out,
                           "knowledge base to write; default: knowledge.csv, with --check nothing");
     calibrate->add_option("--methods", options.methods, "a,b,... default: all");
+    calibrate->add_option("--samples", options.samples, "write every measurement here");
+    auto* fit = calibrate->add_option("--fit", options.fit, "a file of --samples, instead of measuring");
+    calibrate->add_option("--kind", options.kind, "with --fit: the device's")
+        ->needs(fit)
+        ->check(CLI::IsMember({"software", "integrated", "discrete"}))
+        ->capture_default_str();
     auto* seconds = calibrate->add_option("--seconds-per-method", options.secondsPerMethod, "as many points as fit")
                         ->check(numberIn(1.0, 3600.0))
                         ->capture_default_str();
     auto* check =
         calibrate->add_option("--check", options.check, "scenes to predict and measure, instead of calibrating")
-            ->excludes(seconds);
+            ->excludes(seconds)
+            ->excludes(fit);
     calibrate->add_option("--knowledge", options.knowledge, "with --check: a path, or the name of a shipped one")
         ->needs(check);
     calibrate->add_option("--size", options.size, "with --check: picture size; default: the scene's")->needs(check);

@@ -61,9 +61,8 @@ int replayCommand(const ReplayCommandOptions& options)
     std::optional<Trace> calibration;
     if (!options.calibration.empty()) calibration = loadTrace(options.calibration);
     if (!calibration && options.knowledge != "none") {
-        knowledge = loadKnowledgeBase(options.knowledge.empty() ? "lavapipe" : options.knowledge);
-        replay.knowledge = &*knowledge;
-        if (!knowledge->rows.empty()) replay.device = knowledge->rows.front().device;
+        knowledge = options.knowledge.empty() ? cost::shippedKnowledge() : loadKnowledgeBase(options.knowledge);
+        replay.knowledge = knowledge->nearestTo({}, "software");
     }
     describe(trace);
     const std::vector<ReplayMetrics> onMinima = compare(trace, replay, calibration ? &*calibration : nullptr);

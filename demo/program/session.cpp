@@ -82,7 +82,7 @@ Session::Session(const SessionOptions& options)
       shadows(device, scene, geometry, shadowOptions(scene, options)),
       renderer(device, scene, geometry, rendererOptions(scene, options))
 {
-    expect(loadKnowledge(shadows, device, options.knowledge));
+    expect(loadKnowledge(shadows, options.knowledge));
 }
 
 Session::Session(Device& sharedDevice, const Scene& sharedScene, const SessionOptions& options)
@@ -90,7 +90,7 @@ Session::Session(Device& sharedDevice, const Scene& sharedScene, const SessionOp
       shadows(device, scene, geometry, shadowOptions(scene, options)),
       renderer(device, scene, geometry, rendererOptions(scene, options))
 {
-    expect(loadKnowledge(shadows, device, options.knowledge));
+    expect(loadKnowledge(shadows, options.knowledge));
 }
 
 void Session::wakeDevice(double time)
@@ -185,16 +185,11 @@ Outcome<std::filesystem::path> findKnowledge(const std::string& nameOrPath)
     return Outcome<fs::path>::failure("no knowledge base '" + nameOrPath + "': neither a file nor a shipped one");
 }
 
-const char* knowledgeFor(const Device& device)
+Status loadKnowledge(const ShadowHost& shadows, const std::string& nameOrPath)
 {
-    return device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU ? "lavapipe" : "h100";
-}
-
-Status loadKnowledge(const ShadowHost& shadows, const Device& device, const std::string& nameOrPath)
-{
-    if (nameOrPath == "none") return Done{};
-    const Outcome<std::filesystem::path> file = findKnowledge(nameOrPath.empty() ? knowledgeFor(device) : nameOrPath);
-    if (!file) return nameOrPath.empty() ? Status(Done{}) : Status::failure(file.error());
+    if (nameOrPath.empty()) return Done{};
+    const Outcome<std::filesystem::path> file = findKnowledge(nameOrPath);
+    if (!file) return Status::failure(file.error());
     const Outcome<std::string> text = readText(*file);
     if (!text) return Status::failure(text.error());
     return shadows.loadKnowledge(*text, file->string());

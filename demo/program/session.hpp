@@ -71,10 +71,8 @@ Outcome<RuleText> findRules(const std::string& nameOrPath);
 
 /// A knowledge base by path, or by the name of a shipped one: `lavapipe`, `h100`.
 Outcome<std::filesystem::path> findKnowledge(const std::string& nameOrPath);
-/// The shipped one that is closest to the device: of one without memory and cores of its own, or of a graphics card.
-const char* knowledgeFor(const Device& device);
-/// Teaches the cost model; an empty name means knowledgeFor(), if it is installed, `none` nothing.
-Status loadKnowledge(const ShadowHost& shadows, const Device& device, const std::string& nameOrPath);
+/// Teaches the cost model; an empty name leaves it what the library brings.
+Status loadKnowledge(const ShadowHost& shadows, const std::string& nameOrPath);
 
 /// Throws HostError listing what validation found.
 void requireSilence(const Device& device);

@@ -1,8 +1,9 @@
 #include <algorithm>
 #include <array>
 
+#include "demo/calibrate/fit.hpp"
 #include "demo/replay/replay.hpp"
-#include "runtime/cost/cost_model.hpp"
+#include "runtime/cost/teach.hpp"
 #include "runtime/plan/plan.hpp"
 #include "runtime/plan/utility.hpp"
 
@@ -29,27 +30,10 @@ cost::Workload workloadOf(const Trace& trace, const TraceLight& light, uint32_t 
             .treeLevels = trace.tracesPixels[method] ? double{light.treeLevels} : 0.0};
 }
 
-/// What was measured, pass by pass; a pass that did not run says nothing.
-template <typename Tell>
-void forEachPass(const TraceMethod& measured, Tell&& tell)
-{
-    const struct {
-        cost::Pass pass;
-        cost::Processor processor;
-        float ms;
-    } passes[] = {{cost::Pass::update, cost::Processor::gpu, measured.updateGpuMs},
-                  {cost::Pass::update, cost::Processor::cpu, measured.updateCpuMs},
-                  {cost::Pass::resolve, cost::Processor::gpu, measured.resolveGpuMs},
-                  {cost::Pass::resolve, cost::Processor::cpu, measured.resolveCpuMs}};
-    for (const auto& pass : passes)
-        if (pass.ms > 0.0f) tell(pass.pass, pass.processor, double{pass.ms});
-}
-
 class PlanPolicy : public ReplayPolicy {
 public:
     PlanPolicy(const Trace& trace, const ReplayOptions& options, const Trace* calibration)
-        : options_(options), methods_(static_cast<uint32_t>(trace.methods.size())),
-          calibrated_(calibration || options.knowledge)
+        : options_(options), methods_(static_cast<uint32_t>(trace.methods.size())), foreign_(options.foreign)
     {
         model_.setSharedCores(true); // a trace adds both processors up
         model_.resize(methods_, trace.lights);
@@ -57,11 +41,11 @@ public:
         memories_.resize(trace.lights);
         ages_.resize(trace.lights);
         if (options.knowledge)
-            cost::learn(model_, *options.knowledge, trace.methods, options.device);
+            teach(*options.knowledge, trace.methods);
         else if (calibration)
             calibrate(*calibration, trace.methods);
     }
-    std::string name() const override { return calibrated_ ? "plan" : "plan_cold"; }
+    std::string name() const override { return foreign_ ? "plan_foreign" : "plan"; }
 
     void decide(const Trace& trace, uint32_t frame, double budgetMs, std::span<uint32_t> chosen) override
     {
@@ -98,45 +82,63 @@ public:
             const uint32_t age =
                 ages_[timing.slot] > options_.latencyFrames ? ages_[timing.slot] - options_.latencyFrames : 0;
             const TraceLight& light = trace.lightStates[trace.cell(frame, timing.slot)];
-            cost::Observation observation{.light = timing.slot,
-                                          .method = timing.method,
-                                          .workload = workloadOf(trace, light, timing.method),
-                                          .framesSinceSwitch = left ? 0 : age};
-            forEachPass(trace.measure(frame, timing.slot, timing.method),
-                        [&](cost::Pass pass, cost::Processor processor, double ms) {
-                            observation.pass = pass;
-                            observation.processor = processor;
-                            observation.ms = ms * timing.noise;
-                            model_.observe(observation);
-                        });
+            const TraceMethod& measured = trace.measure(frame, timing.slot, timing.method);
+            cost::Observation seen{.light = timing.slot,
+                                   .method = timing.method,
+                                   .workload = workloadOf(trace, light, timing.method),
+                                   .framesSinceSwitch = left ? 0 : age};
+            seen.pass = cost::Pass::update;
+            seen.gpuMs = double{measured.updateGpuMs} * timing.noise;
+            seen.cpuMs = double{measured.updateCpuMs} * timing.noise;
+            if (seen.gpuMs + seen.cpuMs > 0.0) model_.observe(seen);
+            seen.pass = cost::Pass::resolve;
+            seen.gpuMs = double{measured.resolveGpuMs} * timing.noise;
+            seen.cpuMs = double{measured.resolveCpuMs} * timing.noise;
+            model_.observe(seen);
         }
         model_.endFrame();
     }
 
 private:
+    void teach(cost::DeviceKnowledge knowledge, const std::vector<std::string>& names)
+    {
+        constexpr double kFactor = 1.0 / 20.0, kOdd = 1.6;
+        for (size_t i = 0; foreign_ && i < knowledge.algorithms.size(); ++i)
+            for (cost::TrackCost& track : knowledge.algorithms[i].tracks)
+                for (double& ms : track.ms)
+                    ms *= i % 2 ? kFactor * kOdd : kFactor / kOdd;
+        std::vector<cost::TaughtMethod> methods;
+        for (const std::string& name : names)
+            methods.push_back({name});
+        cost::teach(model_, knowledge, methods);
+        model_.setKinship(foreign_ ? cost::Kinship::foreign : cost::Kinship::same);
+    }
+
+    /// Fits the other trace's measurements of all methods in some of its places.
     void calibrate(const Trace& from, const std::vector<std::string>& names)
     {
         constexpr uint32_t kPlaces = 40;
         std::vector<size_t> present;
         for (size_t i = 0; i < from.lightStates.size(); ++i)
             if (from.lightStates[i].present) present.push_back(i);
+        Samples samples;
         for (uint32_t place = 0; place < kPlaces && !present.empty(); ++place) {
             // Steps of the golden ratio: spread evenly whatever the number of lights (Weyl).
             const double share = place * 0.6180339887498949;
             const size_t cell = present[static_cast<size_t>((share - static_cast<uint32_t>(share)) *
                                                             static_cast<double>(present.size()))];
-            for (uint32_t m = 0; m < methods_; ++m) {
-                const auto known = std::find(from.methods.begin(), from.methods.end(), names[m]);
-                if (known == from.methods.end()) continue;
-                const auto column = static_cast<uint32_t>(known - from.methods.begin());
-                const TraceMethod& measured = from.measures[cell * from.methods.size() + column];
-                const cost::Workload workload = workloadOf(from, from.lightStates[cell], column);
-                forEachPass(measured, [&](cost::Pass pass, cost::Processor processor, double ms) {
-                    model_.calibrate(m, pass, processor, workload, ms);
-                });
+            for (uint32_t m = 0; m < from.methods.size(); ++m) {
+                const TraceMethod& measured = from.measures[cell * from.methods.size() + m];
+                Sample sample{.algorithm = from.methods[m], .workload = workloadOf(from, from.lightStates[cell], m)};
+                sample.pass = cost::Pass::update;
+                sample.gpuMsMin = double{measured.updateGpuMs}, sample.cpuMsMin = double{measured.updateCpuMs};
+                samples.rows.push_back(sample);
+                sample.pass = cost::Pass::resolve;
+                sample.gpuMsMin = double{measured.resolveGpuMs}, sample.cpuMsMin = double{measured.resolveCpuMs};
+                samples.rows.push_back(sample);
             }
         }
-        model_.finishCalibration(true);
+        teach(fitKnowledge(samples, "software"), names);
     }
 
     void addLight(const Trace& trace, uint32_t frame, uint32_t slot)
@@ -155,14 +157,14 @@ private:
                                                                                          : plan::Eligibility::eligible,
                                    .suitability = measured.suitability,
                                    .quality = measured.quality,
-                                   .ms = prediction.ms,
-                                   .sigmaMs = prediction.sigmaMs});
+                                   .ms = prediction.sureMs(),
+                                   .sigmaMs = prediction.measured ? prediction.sigmaMs : 0.0});
         }
     }
 
     ReplayOptions options_;
     uint32_t methods_;
-    bool calibrated_;
+    bool foreign_;
     cost::CostModel model_;
     plan::PlanStep plan_;
     std::vector<plan::LightMemory> memories_;

@@ -220,10 +220,10 @@ std::vector<ReplayMetrics> compare(const Trace& trace, const ReplayOptions& opti
 {
     const Oracle oracle = findOracle(trace, options);
     std::vector<ReplayMetrics> all;
-    ReplayOptions cold = options;
-    cold.knowledge = nullptr;
+    ReplayOptions foreign = options;
+    foreign.foreign = true;
     for (const auto& policy :
-         {planPolicy(trace, options, calibration), planPolicy(trace, cold, nullptr), tablePolicy(trace)})
+         {planPolicy(trace, options, calibration), planPolicy(trace, foreign, calibration), tablePolicy(trace)})
         all.push_back(replay(trace, oracle, *policy, options));
     for (uint32_t m = 0; m < trace.methods.size(); ++m) {
         all.push_back(replay(trace, oracle, *fixedPolicy(m), options));

@@ -31,13 +31,14 @@ struct ReplayOptions {
     rules::Policy policy;
     /// Of the rule base: whether predicted times have a say, or the best suitability serves whatever it takes.
     rules::Options::Allocation allocation = rules::Options::Allocation::Budget;
-    double budgetMs = 0.0;                          ///< 0: the trace's own.
-    uint32_t latencyFrames = 2;                     ///< Timings are read so many frames late.
-    bool rawTimes = false;                          ///< A world of times drawn from the spread, not the minima.
-    bool noisyTimings = false;                      ///< A world of minima, but what policies measure is raw.
-    uint64_t seed = 1;                              ///< Of the noise.
-    const cost::KnowledgeBase* knowledge = nullptr; ///< Where the plan's cost model starts; null: cold.
-    std::string device;                             ///< Whose rows of it count as this device's.
+    double budgetMs = 0.0;                            ///< 0: the trace's own.
+    uint32_t latencyFrames = 2;                       ///< Timings are read so many frames late.
+    bool rawTimes = false;                            ///< A world of times drawn from the spread, not the minima.
+    bool noisyTimings = false;                        ///< A world of minima, but what policies measure is raw.
+    uint64_t seed = 1;                                ///< Of the noise.
+    const cost::DeviceKnowledge* knowledge = nullptr; ///< Where the plan's cost model starts; null: guesses.
+    /// Knowledge of another device: every time of it is a twentieth, and of every other method 1.6 times that or less.
+    bool foreign = false;
 };
 
 /// Something that chooses. Sees a frame's facts and budget, never its times; those come later through observe().

@@ -282,6 +282,14 @@ GnResult GN_CALL gnLoadKnowledge(GnContext context, const char* pText, size_t si
     });
 }
 
+GnResult GN_CALL gnLoadShippedKnowledge(GnContext context)
+{
+    return atBoundary(context, [&](Context& c) {
+        c.loadShippedKnowledge();
+        return GN_SUCCESS;
+    });
+}
+
 GnResult GN_CALL gnGetLightTiming(GnContext context, GnView view, GnLight light, GnLightTiming* pTiming)
 {
     return giveStruct(context, pTiming, "pTiming", [&](Context& c) { return c.lightTiming(view, light); });

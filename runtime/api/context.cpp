@@ -99,6 +99,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     own_.describe(*pipelines_);
     selector_ = std::make_unique<Selector>(*methods_);
     plan_ = std::make_unique<FramePlan>(*methods_, vk_->software);
+    loadShippedKnowledge();
     pool_ = std::make_unique<ResourcePool>(*memory_);
     graph_ = std::make_unique<PassGraph>(*pool_, arena_);
     executor_ = std::make_unique<PassExecutor>(*vk_, *memory_, *pipelines_, *samplers_, *jobs_, *pool_, *graph_, info);

@@ -54,6 +54,7 @@ public:
     Result<void> loadRules(std::string_view text, std::string_view fileName);
     Result<void> loadShippedRules(std::string_view name);
     Result<void> loadKnowledge(std::string_view text, std::string_view fileName);
+    void loadShippedKnowledge();
 
     Result<GnResult> recordFrame(VkCommandBuffer cmd, const GnFrameInfo& info);
     Result<GnResult> beginFrame(const GnFrameInfo& info, FrameMode mode);
@@ -106,6 +107,7 @@ private:
     Result<Method*> usableMethod(const char* name);
     template <typename Add>
     Result<void> admit(const char* name, GnTraits traits, Add&& add); ///< Adds a method that the rules bind to.
+    void takeKnowledge(cost::KnowledgeBase base, const std::string& source);
     void teachShared() noexcept;
 
     // Questions about frames.

@@ -6,6 +6,16 @@
 
 namespace gnomon {
 
+namespace {
+
+std::string_view kindOf(const DeviceTable& vk)
+{
+    if (vk.software) return "software";
+    return vk.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU ? "integrated" : "discrete";
+}
+
+} // namespace
+
 Result<void> Context::loadKnowledge(std::string_view text, std::string_view fileName)
 {
     const std::string file(fileName);
@@ -13,28 +23,40 @@ Result<void> Context::loadKnowledge(std::string_view text, std::string_view file
     if (!parsed.base) return Error{GN_ERROR_KNOWLEDGE, "KnowledgeRefused", file + ": " + parsed.error};
     for (const std::string& finding : parsed.base->findings)
         messages_.warn("KnowledgeRow", file + ": " + finding);
-    if (parsed.base->rows.empty() && parsed.base->rejected > 0)
+    if (parsed.base->devices.empty() && parsed.base->rejected > 0)
         return Error{GN_ERROR_KNOWLEDGE, "KnowledgeRefused",
                      file + ": none of its " + std::to_string(parsed.base->rejected) + " rows can be used"};
-    const std::string device = vk_->properties.deviceName;
-    const cost::Learned learned = plan_->teach(std::move(*parsed.base), device);
-    teachShared();
-    if (learned.rows == 0)
-        messages_.warn("KnowledgeEmpty",
-                       file + ": no row of an algorithm of this build; predictions stay as they were");
-    else if (!learned.sameDevice)
-        messages_.info("KnowledgeForeign", file + ": measured on " + learned.device + ", not on " + device +
-                                               "; the factor between them is learned from the first timed frames");
+    takeKnowledge(std::move(*parsed.base), file);
     return {};
+}
+
+void Context::loadShippedKnowledge()
+{
+    takeKnowledge(cost::shippedKnowledge(), "shipped knowledge");
+}
+
+void Context::takeKnowledge(cost::KnowledgeBase base, const std::string& source)
+{
+    const std::string device = vk_->properties.deviceName;
+    const FramePlan::Taught taught = plan_->teach(std::move(base), {device, kindOf(*vk_)});
+    teachShared();
+    if (taught.methods == 0)
+        messages_.warn("KnowledgeEmpty",
+                       source + ": no row of an algorithm of this build; predictions stay as they were");
+    else if (!taught.same)
+        messages_.info("KnowledgeForeign", source + ": measured on " + taught.device + ", not on " + device +
+                                               "; the factor between them is learned from the first timed frames");
 }
 
 /// What the knowledge base in force says that lights share, to all methods there are.
 void Context::teachShared() noexcept
 {
+    const cost::DeviceKnowledge* known = plan_->knowledge();
+    if (!known || known->kind != kindOf(*vk_)) return;    // milliseconds of another kind of device say nothing here
     std::array<std::string_view, kMaxMethods> algorithms; // no memory is asked for: methods have just been added
     for (std::uint32_t m = 0; m < methods_->size(); ++m)
         algorithms[m] = (*methods_)[m].entry->name;
-    history_.shared.teach(plan_->knowledge().parts, vk_->properties.deviceName, {algorithms.data(), methods_->size()});
+    history_.shared.teach(known->parts, {algorithms.data(), methods_->size()});
 }
 
 Result<const TimedLight*> Context::timedLight(GnView viewHandle, GnLight light)

@@ -49,7 +49,7 @@ GnCandidate publicCandidate(const char* name, const Candidate& candidate, bool c
             .elimination = eliminationOf(candidate, chosen),
             .quality = candidate.quality,
             .predictedMs = candidate.predictedMs,
-            .sigmaMs = candidate.sigmaMs,
+            .sureMs = candidate.sureMs,
             .sharedMs = candidate.sharedMs};
 }
 

@@ -1,83 +1,46 @@
 #pragma once
 
-/// How long a method will take for a light, learned from timings.
+/// How long a method will take for a light: milliseconds per term from a knowledge base, corrected by timings.
 ///
-/// Per method and *track* (update or resolve, GPU or CPU) the logarithm of the time is linear in the features:
+///     log2 ms = log2(sum over processors of 2^device * (ms per term . terms)) + method + own
 ///
-///     log2 ms = theta . f + device + residual(light, method)
+/// Three corrections, in octaves, each with its variance. `device`, one of each processor, is common to all methods: a
+/// device that nobody has measured. `method` is common to all lights of a method and pass: a scene has its own ways,
+/// and what one light has shown of a method is at once expected of the others. `own` is what one light differs by.
+/// A timing's error is shared out in this order, each taking the part that its variance is of the whole, as in a Kalman
+/// filter (R. E. Kalman, "A new approach to linear filtering and prediction problems", 1960). Steps of the world (a
+/// clock that drops) show in several frames in a row; a spike shows in one and is not believed.
 ///
-/// f holds 1, log2 of pixels, triangles, instances and texels, flags for the kind of light, and two or three
-/// products of these: real times are sums (an overhead, a part per triangle, a part per texel), and the logarithm of a
-/// sum of powers is a bent surface. On such truths the bend takes the median error from 26 to 8 %.
-/// theta comes from calibration and is refined by recursive least squares; `device` is one number of each processor,
-/// common to all methods, so that a new GPU is known after a few frames, and a step of which is believed where passes
-/// that take most of the time show it, of lights whose time was known or of several methods; the residual is what this
-/// light differs by, and of a light that the method has not served what its other lights differ by: a scene has its own
-/// ways. Steps of the world (a clock that drops, a scene that doubles) show in several frames in a row and are taken
-/// over at once; a spike shows in one and is not.
+/// An unmeasured light's variance is what its class has shown, so `sureMs` of what nobody has measured is far above
+/// `ms`, and choices ask for `sureMs`: unknown is never cheap.
 ///
 /// Only + - * / and square roots on doubles, in fixed order: the same observations give the same bits everywhere.
 
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string>
-#include <string_view>
 #include <vector>
 
+#include "runtime/cost/knowledge_base.hpp"
 #include "runtime/cost/weighted_median.hpp"
+#include "runtime/cost/workload.hpp"
 
 namespace gnomon::cost {
 
-enum class Pass : uint8_t { update, resolve }; ///< What a cache can skip; what every pixel pays.
-enum class Processor : uint8_t { gpu, cpu };   ///< On a software device both are the same cores.
-
-inline constexpr uint32_t kTracks = 4; ///< Pass x Processor.
-constexpr uint32_t trackOf(Pass pass, Processor processor)
-{
-    return static_cast<uint32_t>(pass) * 2 + static_cast<uint32_t>(processor);
-}
-
-/// What the time depends on.
-struct Workload {
-    double pixels = 0.0;                     ///< Reached by the light.
-    double casterTriangles = 0.0;            ///< In range of the light.
-    double mapTexels = 0.0;                  ///< Of the method's maps for this light; 0: none.
-    double sharing = 1.0;                    ///< Lights of the frame.
-    bool still = false;                      ///< Light and casters stand still: the update may be skipped.
-    double drawnTriangles = 0.0;             ///< Of the casters', those an update draws; 0: all of them.
-    double casters = 0.0;                    ///< Instances in range.
-    bool directional = false, point = false; ///< Kind of light; neither: a spot light.
-    double drawnPixels = 0.0;                ///< Of the screen rectangle around the light; 0: `pixels`.
-    double viewPixels = 0.0;                 ///< Of the view; 0: `pixels`.
-    double shadowPixels = 0.0;               ///< Covered by the sides of shadow volumes; 0 for methods that draw none.
-    double mapFilled = 1.0;  ///< Of the map's texels, by the casters that an update draws; each counts. May exceed 1.
-    double mapTouched = 1.0; ///< Share of the maps (one, or six faces) that these casters touch.
-    double treeLevels = 0.0; ///< On the way of a reached pixel's ray; 0 for methods that trace few.
-
-    bool operator==(const Workload&) const = default;
-};
-
-inline constexpr uint32_t kFeatures = 10;
-using Features =
-    std::array<double, kFeatures>; ///< 1, then the workload in logarithms less a reference size, then curvature.
-Features featuresOf(const Workload& workload, Pass pass) noexcept;
-
-/// What is timed in the first frames after a switch is passed over: caches, allocation, clocks.
-inline constexpr uint32_t kSettleFrames = 3;
-/// Timings alike that replace what was thought of a light. So many frames are timed once it has settled.
-inline constexpr uint32_t kPersistentTimings = 4;
+/// What is timed in the first frame after a switch is passed over: allocation, maps of what stands still.
+inline constexpr uint32_t kSettleFrames = 1;
+/// So many frames are timed once it has settled: the middle of three is believed.
+inline constexpr uint32_t kPersistentTimings = 3;
 /// From a switch on, until its timings are taken.
 inline constexpr uint32_t kLearnFrames = kSettleFrames + kPersistentTimings;
 
-/// One timing.
+/// One timing of one pass of a light, both processors.
 struct Observation {
     uint32_t light = 0; ///< Slot below the lights of resize().
     uint32_t method = 0;
     Pass pass = Pass::resolve;
-    Processor processor = Processor::gpu;
     Workload workload;
-    double ms = 0.0;
+    double gpuMs = 0.0, cpuMs = 0.0;
     uint64_t framesSinceSwitch = 1u << 30; ///< Frames since the light's method changed.
     bool disturbed = false; ///< Pipeline compilation, resize, capture, first use: not the method's doing.
 };
@@ -86,10 +49,21 @@ struct Prediction {
     double ms = 0.0;
     double sigmaMs = 0.0;      ///< One standard error.
     double sigmaOctaves = 0.0; ///< The same, relative: of log2 ms.
-    bool calibrated = false;   ///< False: a guess from the prior.
+    bool measured = false;     ///< On this light; else it is the class that speaks,
+    bool familiar = false;     ///< or other lights of this scene.
+
+    /// What it will hardly exceed: ms, kSure standard errors higher.
+    double sureMs() const noexcept;
 };
 
-/// What stays when the program ends is the knowledge base's (knowledge_base.hpp); this is the learner.
+/// Standard errors that a choice adds to what it does not know. With one, five in six times are below it.
+inline constexpr double kSure = 1.0;
+
+/// Whose numbers were taught. A device of the same name may have another clock, other cores (a software device) or
+/// other work to do.
+enum class Kinship : uint8_t { same, alike, foreign };
+
+/// What stays when the program ends is the knowledge base's; this is the learner.
 class CostModel {
 public:
     /// Sets the numbers of methods and light slots; keeps what is known of those that stay. Allocates.
@@ -99,106 +73,98 @@ public:
     void setSharedCores(bool shared) noexcept { sharedCores_ = shared; }
     bool sharedCores() const noexcept { return sharedCores_; }
 
-    /// Least squares over one measurement of a calibration run: no forgetting, no clipping. Calibrations of another
-    /// device are fine: the device factor is learned on top.
-    void calibrate(uint32_t method, Pass pass, Processor processor, const Workload& workload, double ms) noexcept;
-    /// True if the timings of calibrate() came from this device: its factor starts as known.
-    void finishCalibration(bool sameDevice) noexcept;
+    /// Where predictions of a method start. @param doubt octaves by which its class may be off beside each track's own;
+    /// 0: these numbers are the method's
+    void teach(uint32_t method, const std::array<TrackCost, kTracks>& tracks, double doubt) noexcept;
+    /// How much the numbers taught say about this device. Forgets the device factor.
+    void setKinship(Kinship kinship) noexcept;
+    /// A benchmark of the device itself: what it takes on this processor over what it took where the numbers were
+    /// measured, octaves.
+    void benchmark(Processor processor, double octaves) noexcept;
 
     /// Timings are collected between these two, one frame at a time, in any number. No allocation.
     void observe(const Observation& observation) noexcept;
     void endFrame() noexcept;
 
-    /// A light is gone, and its slot free. What is known of the scene stays until a timing says more, for which the
-    /// light no longer counts.
+    /// A light is gone, and its slot free. What is known of the scene stays.
     void forgetLight(uint32_t light) noexcept;
 
-    /// GPU and CPU milliseconds together, as budgets and measured times are given.
-    /// Not for two threads at a time. Cheapest light by light, pass by pass: a workload's logarithms are taken once.
+    /// GPU and CPU milliseconds together, as budgets and measured times are given. A light beyond those of resize() is
+    /// one that no method has served.
     Prediction predict(uint32_t light, uint32_t method, Pass pass, const Workload& workload) const noexcept;
     /// Update and resolve; `updateSkipped` when what the update would make is still valid.
     Prediction predict(uint32_t light, uint32_t method, const Workload& workload, bool updateSkipped) const noexcept;
 
     /// The device's factor, by Processor.
-    std::array<double, 2> deviceOctaves() const noexcept { return {deviceOf(0).octaves, deviceOf(1).octaves}; }
+    std::array<double, 2> deviceOctaves() const noexcept { return {devices_[0].octaves, devices_[at(1)].octaves}; }
     uint64_t samples() const noexcept { return samples_; }
+    /// Grows when what is expected of lights that were not timed has changed: predictions are out of date.
+    uint64_t revision() const noexcept { return revision_; }
 
 private:
-    using Matrix = std::array<double, kFeatures * kFeatures>;
-    struct Track {
-        Features theta{};
-        Matrix covariance{};
-        double noise = 0.0;  ///< Variance of one timing, octaves squared.
-        double lights = 0.0; ///< Variance among lights, octaves squared.
-        double scene = 0.0;  ///< What lights that were timed differ by on average: expected of the others. Octaves.
-        uint32_t samples = 0;
-        bool seen = false;  ///< Any timing at all: a track never seen predicts nothing.
-        bool timed = false; ///< In the current frame.
-    };
-    struct Residual {
-        double octaves = 0.0;
-        double samples = 0.0; ///< Effective; fades with the distance of the features.
-        std::array<double, kPersistentTimings> recent{};
-        Features at{};
-        uint8_t recentCount = 0, recentNext = 0;
-    };
-    /// What all methods have in common on one processor, and what the current frame's timings say of it.
-    struct Device {
+    /// A correction.
+    struct Belief {
         double octaves = 0.0;
         double variance = 0.0;
-        uint32_t frames = UINT32_MAX; ///< That it was learned from; a fresh model is at home.
-        std::vector<Weighted> votes;  ///< Fixed size, more are not collected.
-        uint32_t voteCount = 0;
-        uint32_t settled = 0;          ///< Of these, by lights whose time was known: the first ones.
-        uint32_t method = 0;           ///< The newest one's;
-        bool mixed = false;            ///< whether there were others.
-        std::array<double, 5> steps{}; ///< Medians of the newest frames.
-        uint32_t stepNext = 0;
+
+        double take(double error, double otherVariance) noexcept;
     };
-    struct Octaves {
-        double mean = 0.0, variance = 0.0;
-        bool calibrated = false;
+    struct Method {
+        std::array<TrackCost, kTracks> tracks;
+        std::array<Belief, 2> scene;   ///< By Pass.
+        std::array<double, 2> prior{}; ///< Variance of `scene` before anything is timed.
+        std::array<double, 2> among{}; ///< Variance among lights, by Pass.
+        bool timed = false;            ///< With any light.
+    };
+    /// What one light differs by, of one method and pass.
+    struct Own {
+        double octaves = 0.0;
+        std::array<double, 3> recent{}; ///< Errors less everything but `octaves`.
+        double logBase = 0.0;           ///< log2 of the knowledge base's milliseconds at the newest timing.
+        uint32_t count = 0;
+        bool onGpu = true; ///< Where most of the time goes.
+    };
+    /// What timings of the current frame are off by.
+    struct Surprise {
+        uint32_t light, method;
+        Pass pass;
+        double octaves; ///< Less all that was known.
+        double ms;      ///< Predicted.
+        double base;    ///< log2 of the base's milliseconds.
+        bool settled;   ///< The light's own correction was known.
+        bool onGpu;     ///< Where most of the time is predicted.
+    };
+    struct Base {
+        double ms = 0.0, gpuMs = 0.0;
     };
 
-    Track& track(uint32_t method, uint32_t t) noexcept { return tracks_[method * kTracks + t]; }
-    const Track& track(uint32_t method, uint32_t t) const noexcept { return tracks_[method * kTracks + t]; }
-    Residual& residual(uint32_t light, uint32_t method, uint32_t t) noexcept
+    size_t at(size_t processor) const noexcept { return sharedCores_ ? 0 : processor; }
+    Base baseOf(const Method& method, Pass pass, const Workload& workload) const noexcept;
+    Own& own(uint32_t light, uint32_t method, Pass pass) noexcept
     {
-        return residuals_[(size_t{light} * methods_ + method) * kTracks + t];
+        return own_[(size_t{light} * methods_.size() + method) * 2 + static_cast<size_t>(pass)];
     }
-    static void reset(Track& track, uint32_t t) noexcept;
-    static double fit(Track& track, const Features& f, double error, double forgetting) noexcept;
-    void learn(Residual& residual, const Features& f, double error) noexcept;
-    static double effectiveSamples(const Residual& own, const Features& f) noexcept;
-    double trust(const Track& track, double samples) const noexcept;
-    void noteScene(uint32_t method, uint32_t t) noexcept;
-    const Features& recall(const Workload& workload, Pass pass) const noexcept;
-    Octaves octaves(uint32_t light, uint32_t method, uint32_t t, const Features& f) const noexcept;
-    static Prediction sumOf(const Prediction& gpu, const Prediction& cpu) noexcept;
-    static bool isSettled(const Residual& own, const Features& f) noexcept;
-    Device& deviceOf(uint32_t t) noexcept { return devices_[sharedCores_ ? 0 : t % 2]; }
-    const Device& deviceOf(uint32_t t) const noexcept { return devices_[sharedCores_ ? 0 : t % 2]; }
-    static void noteVote(Device& device, const Weighted& vote, uint32_t method, bool settled) noexcept;
-    static uint32_t votesThatCount(const Device& device) noexcept;
-    void noteStep(Device& device, double frameMedian) noexcept;
+    const Own* find(uint32_t light, uint32_t method, Pass pass) const noexcept;
+    void learnDevice(size_t processor) noexcept;
+    double medianOf(size_t processor, bool settled, uint32_t& methods, double& doubt) noexcept;
+    void shiftKnown(size_t processor, double octaves) noexcept;
+    void learnMethods() noexcept;
+    void learnLight(const Surprise& surprise) noexcept;
 
-    uint32_t methods_ = 0, lights_ = 0;
+    std::vector<Method> methods_;
+    std::vector<Own> own_;
+    uint32_t lights_ = 0;
     bool sharedCores_ = false;
-    std::vector<Track> tracks_;
-    std::vector<Residual> residuals_;
-    std::array<Device, 2> devices_; ///< By Processor.
-    /// Methods of one light ask with the same workload one after another; its logarithms are taken once.
-    struct Recalled {
-        Workload workload;
-        Features features{};
-        bool valid = false;
-    };
-    struct Recall {
-        std::array<Recalled, 4> newest{}; ///< Methods of a light differ in texels alone: none, a map's, six maps'.
+    std::array<Belief, 2> devices_{Belief{0.0, 9.0}, Belief{0.0, 9.0}}; ///< By Processor; kForeign.
+    struct Steps {
+        std::array<double, 5> medians{}; ///< Of the newest frames.
         uint32_t next = 0;
     };
-    mutable std::array<Recall, 2> recalled_{}; ///< By pass.
-    uint64_t samples_ = 0;
+    std::array<Steps, 2> steps_;      ///< By Processor.
+    std::vector<Surprise> surprises_; ///< Fixed size, more are not collected.
+    std::vector<Weighted> votes_;     ///< Scratch, of the same size.
+    uint32_t surpriseCount_ = 0;
+    uint64_t samples_ = 0, revision_ = 0;
 };
 
 } // namespace gnomon::cost

@@ -1,121 +1,80 @@
 #include "runtime/cost/knowledge_base.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
-#include <map>
+
+#include "runtime/base/number_text.hpp"
+#include "runtime/cost/csv_line.hpp"
 
 namespace gnomon::cost {
 
 namespace {
 
-constexpr int kDigits = 7; // the texels of a cube of 1024 x 1024 faces, and of times more than there is
 constexpr std::string_view kHeading = "# gnomon knowledge ";
 constexpr std::string_view kViewPass = "view:";
+// The largest number that any row can hold: eleven days in milliseconds. A larger one is no measurement.
+constexpr double kMost = 1e9;
 
 enum Column : uint32_t {
     device,
     driver,
+    kind,
     algorithm,
     pass,
-    pixels,
-    casterTriangles,
-    mapTexels,
-    sharing,
-    still,
-    drawnTriangles,
-    casters,
-    directional,
-    pointLight,
-    drawnPixels,
-    viewPixels,
-    shadowPixels,
-    treeLevels,
-    mapFilled,
-    mapTouched,
+    processor,
     samples,
-    gpuMin,
-    gpuP50,
-    gpuP95,
-    cpuMin,
-    cpuP50,
+    octaves,
+    firstTerm,
+    wrongPercent = firstTerm + kTerms,
     firstFrame,
-    wrongPercent,
-    clockMhz,
-    date,
     kColumns,
 };
-constexpr std::array<std::string_view, kColumns> kNames = {
-    "device",           "driver",        "algorithm",  "pass",         "pixels",
-    "caster_triangles", "map_texels",    "sharing",    "still",        "drawn_triangles",
-    "casters",          "directional",   "point",      "drawn_pixels", "view_pixels",
-    "shadow_pixels",    "tree_levels",   "map_filled", "map_touched",  "samples",
-    "gpu_ms_min",       "gpu_ms_p50",    "gpu_ms_p95", "cpu_ms_min",   "cpu_ms_p50",
-    "first_frame_ms",   "wrong_percent", "clock_mhz",  "date"};
 
-/// The whole cell as a number that a measurement can have: finite and not negative. An empty cell is 0.
+constexpr std::array<std::string_view, kColumns> columnNames()
+{
+    std::array<std::string_view, kColumns> names{"device", "driver",    "kind",    "algorithm",
+                                                 "pass",   "processor", "samples", "octaves"};
+    for (uint32_t i = 0; i < kTerms; ++i)
+        names[firstTerm + i] = kTermNames[i];
+    names[wrongPercent] = "wrong_percent";
+    names[firstFrame] = "first_frame_ms";
+    return names;
+}
+constexpr std::array<std::string_view, kColumns> kNames = columnNames();
+
+/// The whole cell as a number that a measurement can have. An empty cell is 0.
 std::optional<double> measureOf(std::string_view cell)
 {
     if (cell.empty()) return 0.0;
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    if (error != std::errc{} || end != cell.data() + cell.size()) return std::nullopt;
-    if (!std::isfinite(value) || value < 0.0 || value > 1e15) return std::nullopt;
+    const std::optional<double> value = parseNumber(cell);
+    if (!value || !std::isfinite(*value) || *value < 0.0 || *value > kMost) return std::nullopt;
     return value;
-}
-
-/// Cells of a line as RFC 4180 has them, without line breaks inside; false on an unbalanced quote.
-bool split(std::string_view line, std::vector<std::string>& cells)
-{
-    cells.assign(1, {});
-    bool quoted = false;
-    for (size_t i = 0; i < line.size(); ++i) {
-        const char c = line[i];
-        if (quoted && c == '"' && i + 1 < line.size() && line[i + 1] == '"') {
-            cells.back() += '"', ++i;
-        } else if (c == '"') {
-            quoted = !quoted;
-        } else if (c == ',' && !quoted) {
-            cells.emplace_back();
-        } else {
-            cells.back() += c;
-        }
-    }
-    return !quoted;
-}
-
-/// Takes the next line off the text, without its end.
-std::string_view nextLine(std::string_view& text)
-{
-    const size_t end = text.find('\n');
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    return line;
 }
 
 class Reader {
 public:
     KnowledgeResult read(std::string_view text)
     {
-        if (text.size() > kMaxKnowledgeBytes) return failure("the knowledge base is larger than 4 MiB");
+        if (text.size() > kMaxKnowledgeBytes) return failure("the knowledge base is larger than 1 MiB");
         if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3); // as editors mark UTF-8
-        std::string_view heading = nextLine(text);
+        std::string_view heading = takeLine(text);
         if (!heading.starts_with(kHeading)) return failure("the first line is not '# gnomon knowledge VERSION'");
         heading.remove_prefix(kHeading.size());
         if (heading != std::to_string(kKnowledgeVersion))
             return failure("knowledge base of version '" + std::string(heading.substr(0, 16)) + "', this build reads " +
                            std::to_string(kKnowledgeVersion) + "; calibrate again");
-        if (!split(nextLine(text), cells_)) return failure("the line of column names has an open quote");
+        if (!splitCells(takeLine(text), cells_)) return failure("the line of column names has an open quote");
         if (const std::string missing = findColumns(); !missing.empty())
             return failure("column '" + missing + "' is missing");
+        uint32_t rows = 0;
         for (line_ = 3; !text.empty(); ++line_) {
-            const std::string_view line = nextLine(text);
+            const std::string_view line = takeLine(text);
             if (line.empty() || line.front() == '#') continue;
-            if (base_.rows.size() + base_.parts.size() == kMaxKnowledgeRows) return failure("more than 65536 rows");
+            if (++rows > kMaxKnowledgeRows) return failure("more than 8192 rows");
             readRow(line);
         }
+        std::erase_if(base_.devices, [](const auto& d) { return d.algorithms.empty() && d.parts.empty(); });
         return {std::move(base_), {}};
     }
 
@@ -140,198 +99,162 @@ private:
             base_.findings.push_back("line " + std::to_string(line_) + ": " + std::string(why));
     }
 
-    void readRow(std::string_view line)
+    const std::string& cell(Column column) const { return cells_[places_[column]]; }
+
+    DeviceKnowledge& deviceOfRow()
     {
-        if (!split(line, cells_)) return reject("an open quote");
-        if (cells_.size() != columnCount_) return reject("not as many cells as columns");
-        std::array<double, kColumns> numbers{};
-        for (uint32_t i = pixels; i < date; ++i) {
-            const std::optional<double> number = measureOf(cells_[places_[i]]);
-            if (!number) return reject(std::string(kNames[i]) + " is not a measurement");
-            numbers[i] = *number;
-        }
-        const std::string& passName = cells_[places_[pass]];
-        const bool part = passName.starts_with(kViewPass) && passName.size() > kViewPass.size();
-        if (!part && passName != "update" && passName != "resolve")
-            return reject("pass is neither update nor resolve, nor view: and a name");
-        if (cells_[places_[algorithm]].empty()) return reject("no algorithm");
-        if (cells_[places_[wrongPercent]].empty()) numbers[wrongPercent] = kNotMeasured;
-        if (numbers[gpuP50] <= 0.0 && numbers[cpuP50] <= 0.0) return reject("no time was measured");
-        if (part) return readPart(passName.substr(kViewPass.size()), numbers);
-        base_.rows.push_back({.device = cells_[places_[device]],
-                              .driver = cells_[places_[driver]],
-                              .algorithm = cells_[places_[algorithm]],
-                              .pass = passName == "update" ? Pass::update : Pass::resolve,
-                              .workload = {.pixels = numbers[pixels],
-                                           .casterTriangles = numbers[casterTriangles],
-                                           .mapTexels = numbers[mapTexels],
-                                           .sharing = std::max(1.0, numbers[sharing]),
-                                           .still = numbers[still] != 0.0,
-                                           .drawnTriangles = numbers[drawnTriangles],
-                                           .casters = numbers[casters],
-                                           .directional = numbers[directional] != 0.0,
-                                           .point = numbers[pointLight] != 0.0,
-                                           .drawnPixels = numbers[drawnPixels],
-                                           .viewPixels = numbers[viewPixels],
-                                           .shadowPixels = numbers[shadowPixels],
-                                           .mapFilled = numbers[mapFilled],
-                                           .mapTouched = numbers[mapTouched],
-                                           .treeLevels = numbers[treeLevels]},
-                              .samples = static_cast<uint32_t>(std::min(numbers[samples], 1e9)),
-                              .gpuMsMin = numbers[gpuMin],
-                              .gpuMsP50 = numbers[gpuP50],
-                              .gpuMsP95 = numbers[gpuP95],
-                              .cpuMsMin = numbers[cpuMin],
-                              .cpuMsP50 = numbers[cpuP50],
-                              .firstFrameMs = numbers[firstFrame],
-                              .wrongPercent = numbers[wrongPercent],
-                              .clockMhz = numbers[clockMhz],
-                              .date = cells_[places_[date]]});
+        for (DeviceKnowledge& known : base_.devices)
+            if (known.device == cell(device) && known.driver == cell(driver)) return known;
+        return base_.devices.emplace_back(DeviceKnowledge{cell(device), cell(driver), cell(kind), {}, {}});
     }
 
-    void readPart(std::string name, const std::array<double, kColumns>& numbers)
+    AlgorithmCost& algorithmOfRow()
     {
-        if (numbers[viewPixels] < 1.0) return reject("view_pixels is not a size");
-        base_.parts.push_back({.device = cells_[places_[device]],
-                               .driver = cells_[places_[driver]],
-                               .algorithm = cells_[places_[algorithm]],
-                               .pass = std::move(name),
-                               .viewPixels = numbers[viewPixels],
-                               .samples = static_cast<uint32_t>(std::min(numbers[samples], 1e9)),
-                               .gpuMs = numbers[gpuP50],
-                               .cpuMs = numbers[cpuP50],
-                               .date = cells_[places_[date]]});
+        DeviceKnowledge& known = deviceOfRow();
+        for (AlgorithmCost& cost : known.algorithms)
+            if (cost.algorithm == cell(algorithm)) return cost;
+        return known.algorithms.emplace_back(AlgorithmCost{.algorithm = cell(algorithm), .tracks = {}});
+    }
+
+    void readRow(std::string_view line)
+    {
+        if (!splitCells(line, cells_)) return reject("an open quote");
+        if (cells_.size() != columnCount_) return reject("not as many cells as columns");
+        for (uint32_t i = samples; i < kColumns; ++i) {
+            const std::optional<double> number = measureOf(cells_[places_[i]]);
+            if (!number) return reject(std::string(kNames[i]) + " '" + cells_[places_[i]] + "' is no measurement");
+            numbers_[i] = *number;
+        }
+        if (cell(algorithm).empty()) return reject("no algorithm");
+        const std::string_view name = cell(pass);
+        if (name == "update" || name == "resolve") return readTrack(name == "update" ? Pass::update : Pass::resolve);
+        if (name == "method") {
+            AlgorithmCost& cost = algorithmOfRow();
+            cost.wrongPercent = numbers_[wrongPercent];
+            cost.wrongSamples = static_cast<uint32_t>(numbers_[samples]);
+            cost.firstFrameMs = numbers_[firstFrame];
+            return;
+        }
+        if (!name.starts_with(kViewPass) || name.size() == kViewPass.size())
+            return reject("pass '" + std::string(name) + "' is none of update, resolve, method and view:NAME");
+        const double ms = numbers_[firstTerm + static_cast<uint32_t>(Term::viewPixels)];
+        if (!(ms > 0.0)) return reject("no time was measured");
+        deviceOfRow().parts.push_back({cell(algorithm), std::string(name.substr(kViewPass.size())), ms / 1e6});
+    }
+
+    void readTrack(Pass which)
+    {
+        const std::string& on = cell(processor);
+        if (on != "gpu" && on != "cpu") return reject("processor '" + on + "' is neither gpu nor cpu");
+        TrackCost cost{.octaves = numbers_[octaves], .samples = static_cast<uint32_t>(numbers_[samples])};
+        std::copy_n(numbers_.begin() + firstTerm, kTerms, cost.ms.begin());
+        if (std::all_of(cost.ms.begin(), cost.ms.end(), [](double ms) { return ms == 0.0; }) || cost.samples == 0)
+            return reject("no time was measured");
+        algorithmOfRow().tracks[trackOf(which, on == "gpu" ? Processor::gpu : Processor::cpu)] = cost;
     }
 
     KnowledgeBase base_;
     std::vector<std::string> cells_;
+    std::array<double, kColumns> numbers_{};
     std::array<size_t, kColumns> places_{};
     size_t columnCount_ = 0;
     size_t line_ = 0;
 };
 
-void appendText(std::string& out, std::string_view cell)
-{
-    const bool plain = cell.find_first_of(",\"") == std::string_view::npos && !cell.starts_with('#');
-    if (!plain) out += '"';
-    for (const char c : cell) {
-        if (c == '"') out += '"';
-        out += c == '\n' || c == '\r' ? ' ' : c;
+/// One row in the order of kNames; cells that say nothing stay empty.
+class RowWriter {
+public:
+    RowWriter(std::string& out, const DeviceKnowledge& of, std::string_view algorithm) : out_(out)
+    {
+        for (const std::string_view text :
+             {std::string_view(of.device), std::string_view(of.driver), std::string_view(of.kind), algorithm})
+            cells_[next_++] = quotedCell(text);
     }
-    if (!plain) out += '"';
-}
+    ~RowWriter()
+    {
+        for (uint32_t i = 0; i < kColumns; ++i)
+            (out_ += cells_[i]) += i + 1 < kColumns ? ',' : '\n';
+    }
+    RowWriter& text(Column column, std::string_view value)
+    {
+        cells_[column] = quotedCell(value);
+        return *this;
+    }
+    RowWriter& number(uint32_t column, double value)
+    {
+        char buffer[32];
+        constexpr int kDigits = 4; // a number is off by more than its fifth digit
+        const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, kDigits).ptr;
+        if (value > 0.0) cells_[column].assign(buffer, end);
+        return *this;
+    }
 
-void appendNumber(std::string& out, double value)
+private:
+    std::string& out_;
+    std::array<std::string, kColumns> cells_;
+    uint32_t next_ = device;
+};
+
+void writeAlgorithm(std::string& out, const DeviceKnowledge& of, const AlgorithmCost& cost)
 {
-    char buffer[32];
-    const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, kDigits);
-    out.append(buffer, error == std::errc{} ? end : buffer);
+    for (const Pass which : {Pass::update, Pass::resolve})
+        for (const Processor on : {Processor::gpu, Processor::cpu}) {
+            const TrackCost& track = cost.tracks[trackOf(which, on)];
+            if (track.samples == 0) continue;
+            RowWriter row(out, of, cost.algorithm);
+            row.text(pass, which == Pass::update ? "update" : "resolve");
+            row.text(processor, on == Processor::gpu ? "gpu" : "cpu");
+            row.number(samples, track.samples).number(octaves, track.octaves);
+            for (uint32_t i = 0; i < kTerms; ++i)
+                row.number(firstTerm + i, track.ms[i]);
+        }
+    RowWriter(out, of, cost.algorithm)
+        .text(pass, "method")
+        .number(samples, cost.wrongSamples)
+        .number(wrongPercent, cost.wrongPercent)
+        .number(firstFrame, cost.firstFrameMs);
 }
 
 } // namespace
+
+const AlgorithmCost* DeviceKnowledge::find(std::string_view name) const noexcept
+{
+    const auto found =
+        std::find_if(algorithms.begin(), algorithms.end(), [&](const auto& cost) { return cost.algorithm == name; });
+    return found == algorithms.end() ? nullptr : &*found;
+}
+
+const DeviceKnowledge* KnowledgeBase::nearestTo(std::string_view name, std::string_view ofKind) const noexcept
+{
+    const auto first = [&](auto&& suits) {
+        const auto found = std::find_if(devices.begin(), devices.end(), suits);
+        return found == devices.end() ? nullptr : &*found;
+    };
+    if (const auto* same = first([&](const DeviceKnowledge& d) { return d.device == name; })) return same;
+    if (const auto* alike = first([&](const DeviceKnowledge& d) { return d.kind == ofKind; })) return alike;
+    return devices.empty() ? nullptr : &devices.front();
+}
 
 KnowledgeResult parseKnowledge(std::string_view text)
 {
     return Reader().read(text);
 }
 
-namespace {
-
-void appendRow(std::string& out, const KnowledgeRow& row, std::string_view pass)
-{
-    for (const std::string* text : {&row.device, &row.driver, &row.algorithm}) {
-        appendText(out, *text);
-        out += ',';
-    }
-    appendText(out, pass);
-    const Workload& workload = row.workload;
-    for (const double number : {workload.pixels,
-                                workload.casterTriangles,
-                                workload.mapTexels,
-                                workload.sharing,
-                                workload.still ? 1.0 : 0.0,
-                                workload.drawnTriangles,
-                                workload.casters,
-                                workload.directional ? 1.0 : 0.0,
-                                workload.point ? 1.0 : 0.0,
-                                workload.drawnPixels,
-                                workload.viewPixels,
-                                workload.shadowPixels,
-                                workload.treeLevels,
-                                workload.mapFilled,
-                                workload.mapTouched,
-                                1.0 * row.samples,
-                                row.gpuMsMin,
-                                row.gpuMsP50,
-                                row.gpuMsP95,
-                                row.cpuMsMin,
-                                row.cpuMsP50,
-                                row.firstFrameMs,
-                                row.wrongPercent,
-                                row.clockMhz}) {
-        out += ',';
-        if (number >= 0.0) appendNumber(out, number); // kNotMeasured is an empty cell
-    }
-    out += ',';
-    appendText(out, row.date);
-    out += '\n';
-}
-
-} // namespace
-
-std::string writeKnowledge(std::span<const KnowledgeRow> rows, std::span<const KnowledgePart> parts)
+std::string writeKnowledge(std::span<const DeviceKnowledge> devices)
 {
     std::string out(kHeading);
     out += std::to_string(kKnowledgeVersion) + '\n';
     for (uint32_t i = 0; i < kColumns; ++i)
         (out += kNames[i]) += i + 1 < kColumns ? ',' : '\n';
-    for (const KnowledgeRow& row : rows)
-        appendRow(out, row, row.pass == Pass::update ? "update" : "resolve");
-    for (const KnowledgePart& part : parts) {
-        const KnowledgeRow row{.device = part.device,
-                               .driver = part.driver,
-                               .algorithm = part.algorithm,
-                               .workload = {.sharing = 0.0, .viewPixels = part.viewPixels},
-                               .samples = part.samples,
-                               .gpuMsMin = part.gpuMs,
-                               .gpuMsP50 = part.gpuMs,
-                               .gpuMsP95 = part.gpuMs,
-                               .cpuMsMin = part.cpuMs,
-                               .cpuMsP50 = part.cpuMs,
-                               .date = part.date};
-        appendRow(out, row, std::string(kViewPass) + part.pass);
+    for (const DeviceKnowledge& each : devices) {
+        for (const AlgorithmCost& cost : each.algorithms)
+            writeAlgorithm(out, each, cost);
+        for (const KnowledgePart& part : each.parts)
+            RowWriter(out, each, part.algorithm)
+                .text(pass, std::string(kViewPass) + part.pass)
+                .number(firstTerm + static_cast<uint32_t>(Term::viewPixels), part.msPerPixel * 1e6);
     }
     return out;
-}
-
-Learned learn(CostModel& model, const KnowledgeBase& base, std::span<const std::string> algorithms,
-              std::string_view device, uint32_t firstMethod)
-{
-    std::map<std::string_view, uint32_t> rowsOf; // ordered: ties go to the first name in every build
-    for (const KnowledgeRow& row : base.rows)
-        ++rowsOf[row.device];
-    Learned learned{.sameDevice = rowsOf.contains(device), .device = std::string(device)};
-    if (!learned.sameDevice && !rowsOf.empty()) {
-        const auto most = std::max_element(rowsOf.begin(), rowsOf.end(),
-                                           [](const auto& a, const auto& b) { return a.second < b.second; });
-        learned.device = most->first;
-    }
-    for (const KnowledgeRow& row : base.rows) {
-        if (row.device != learned.device) continue;
-        bool used = false;
-        for (uint32_t method = firstMethod; method < algorithms.size(); ++method) {
-            if (algorithms[method] != row.algorithm) continue;
-            // The fastest sample is the one that nothing else disturbed.
-            model.calibrate(method, row.pass, Processor::gpu, row.workload,
-                            row.gpuMsMin > 0.0 ? row.gpuMsMin : row.gpuMsP50);
-            model.calibrate(method, row.pass, Processor::cpu, row.workload,
-                            row.cpuMsMin > 0.0 ? row.cpuMsMin : row.cpuMsP50);
-            used = true;
-        }
-        learned.rows += used;
-    }
-    if (learned.rows > 0 && firstMethod == 0) model.finishCalibration(learned.sameDevice);
-    return learned;
 }
 
 } // namespace gnomon::cost

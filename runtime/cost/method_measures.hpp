@@ -11,7 +11,6 @@ namespace gnomon::cost {
 struct MethodMeasures {
     /// Expected share of wrong light-facing pixels, percent: at map side 1024, or of a method without maps.
     double wrongPercent = 0.0;
-    uint32_t wrongRows = 0;    ///< Measurements behind it.
     double firstFrameMs = 0.0; ///< By which the first frame after a switch takes longer, median; 0 unknown.
 
     /// Share of the truth that is kept, (0, 1]: 1 / (1 + wrong percent). An error falls with the map's side as 1 / side
@@ -21,8 +20,8 @@ struct MethodMeasures {
 
 /// Measurements of every device count for the error: the same algorithm draws the picture everywhere.
 /// `typicalWrongPercent`, what the method's author says, counts as four of them, so that a single scene does not
-/// decide. First frames are of `device` alone.
-MethodMeasures measuresOf(const KnowledgeBase& base, std::string_view algorithm, double typicalWrongPercent,
-                          std::string_view device);
+/// decide. First frames are of `device` alone. @param device null: none
+MethodMeasures measuresOf(const KnowledgeBase& base, const DeviceKnowledge* device, std::string_view algorithm,
+                          double typicalWrongPercent) noexcept;
 
 } // namespace gnomon::cost

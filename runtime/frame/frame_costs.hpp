@@ -50,10 +50,9 @@ public:
     void noteMixes(const FrameTimings& timings, float scale);
 
     /// What a knowledge base says that methods share (SharedParts::teach()).
-    void teach(std::span<const cost::KnowledgePart> parts, std::string_view device,
-               std::span<const std::string_view> algorithms) noexcept
+    void teach(std::span<const cost::KnowledgePart> parts, std::span<const std::string_view> algorithms) noexcept
     {
-        parts_.teach(parts, device, algorithms);
+        parts_.teach(parts, algorithms);
     }
 
     float ms() const { return all_.get(); }

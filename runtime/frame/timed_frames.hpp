@@ -16,7 +16,7 @@ public:
     /// that of frames that all bring changes four in seven are timed.
     void noteChange(std::uint64_t frame)
     {
-        if (frame >= changedAt_ + cost::kLearnFrames) changedAt_ = frame;
+        if (changedAt_ == 0 || frame >= changedAt_ + cost::kLearnFrames) changedAt_ = frame;
     }
     /// @param probedSince frame in which a probe began; 0: none runs
     bool has(std::uint64_t frame, std::uint64_t probedSince) const

@@ -84,7 +84,7 @@ plan::UtilityTerms utilityTermsOf(const Candidate& candidate)
 float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::uint32_t incumbent) noexcept
 {
     const Candidate& candidate = candidates[method];
-    const double ms = double{candidate.predictedMs} + double{candidate.sharedMs};
+    const double ms = double{candidate.sureMs} + double{candidate.sharedMs};
     return static_cast<float>(method == incumbent ? ms : plan::changePriceMs(ms, double{candidate.firstMs}));
 }
 
@@ -96,16 +96,12 @@ struct Offers {
     std::uint32_t wanted, incumbent;
 
     float price(std::uint32_t m) const noexcept { return priceOf(all, m, incumbent); }
-    bool isPriceKnown(std::uint32_t m) const noexcept
-    {
-        return plan::isPriceKnown(double{all[m].predictedMs}, double{all[m].sigmaMs});
-    }
     /// Shows as much as `as`, and the rules do not avoid it where `wanted` is what they like best.
     bool doesAsWell(std::uint32_t m, std::uint32_t as) const noexcept
     {
         const plan::UtilityTerms enough{all[wanted].quantised, all[as].quality, true};
         return all[m].exclusion == Exclusion::none && all[m].quantised >= 0 &&
-               plan::showsAsMuch(utilityTermsOf(all[m]), enough) && (m == as || isPriceKnown(m));
+               plan::showsAsMuch(utilityTermsOf(all[m]), enough);
     }
     std::uint32_t cheapestLike(std::uint32_t suited) const noexcept;
     std::uint32_t moreForNoMore(std::uint32_t cheapest) const noexcept;
@@ -123,10 +119,9 @@ std::uint32_t Offers::cheapestLike(std::uint32_t suited) const noexcept
 /// What shows most of what shows more than the cheapest like `wanted` at about its price; that if there is none.
 std::uint32_t Offers::moreForNoMore(std::uint32_t cheapest) const noexcept
 {
-    if (!isPriceKnown(cheapest)) return cheapest;
     std::uint32_t most = cheapest;
     for (std::uint32_t m = 0; m < all.size(); ++m)
-        if (doesAsWell(m, wanted) && all[m].quality > all[most].quality + plan::kSameQuality && isPriceKnown(m) &&
+        if (doesAsWell(m, wanted) && all[m].quality > all[most].quality + plan::kSameQuality &&
             price(m) <= (1.0f + kPriceMargin) * price(cheapest))
             most = m;
     return most;
@@ -138,7 +133,7 @@ bool Offers::stays(std::uint32_t cheapest, std::uint32_t best) const noexcept
 {
     if (incumbent >= all.size() || !doesAsWell(incumbent, wanted)) return false;
     const float own = all[incumbent].quality, its = all[best].quality;
-    if (isPriceKnown(incumbent) && own < its - plan::kSameQuality) return false;
+    if (own < its - plan::kSameQuality) return false;
     if (own > its + plan::kSameQuality && price(incumbent) <= (1.0f + 2.0f * kPriceMargin) * price(cheapest))
         return true;
     if (best == wanted && price(best) < price(incumbent)) return false;
@@ -200,14 +195,14 @@ float cheapestMs(std::span<const Candidate> candidates, std::uint32_t pinned) no
 {
     if (pinned < candidates.size() &&
         (candidates[pinned].exclusion == Exclusion::none || candidates[pinned].exclusion == Exclusion::vetoed))
-        return candidates[pinned].predictedMs;
+        return candidates[pinned].sureMs;
     const bool spoken = std::any_of(candidates.begin(), candidates.end(), [](const Candidate& candidate) {
         return candidate.exclusion == Exclusion::none && candidate.quantised >= 0;
     });
     float least = std::numeric_limits<float>::infinity();
     for (const Candidate& candidate : candidates)
         if (candidate.exclusion == Exclusion::none && (candidate.quantised >= 0 || !spoken))
-            least = std::min(least, candidate.predictedMs);
+            least = std::min(least, candidate.sureMs);
     return std::isfinite(least) ? least : 0.0f;
 }
 
@@ -287,21 +282,13 @@ MethodSet Rechoice::allowed() const
 double Rechoice::takenMs(std::uint32_t method) const noexcept
 {
     if (method >= record_.methods) return 0.0;
-    return double{candidates_[method].predictedMs} + double{candidates_[method].sharedMs};
+    return double{candidates_[method].sureMs} + double{candidates_[method].sharedMs};
 }
 
 /// Whether the plan of all lights stays within its budget with that method, less the headroom that it asks for.
 bool Rechoice::fits(std::uint32_t method) const noexcept
 {
-    const auto sigma = [&](std::uint32_t m) { return m < record_.methods ? double{candidates_[m].sigmaMs} : 0.0; };
-    const double now = sigma(record_.incumbent < record_.methods ? record_.incumbent : record_.method);
-    const double error = double{record_.errorMs};
-    const double variance = std::max(error * error - now * now + sigma(method) * sigma(method), 0.0);
-    const double headroom =
-        std::min(std::max(engine_.base().policy.budget.headroom * double{record_.budgetMs}, std::sqrt(variance)),
-                 plan::kMostHeadroom * double{record_.budgetMs});
-    const double usable = std::min(double{record_.usableMs}, double{record_.budgetMs} - headroom);
-    return double{record_.planMs} - takenMs(record_.method) + takenMs(method) <= usable;
+    return double{record_.planMs} - takenMs(record_.method) + takenMs(method) <= double{record_.usableMs};
 }
 
 std::uint32_t Rechoice::chooseInPlan() const

@@ -45,13 +45,13 @@ std::vector<Choice> replacementsInOrder(std::span<const Candidate> candidates, c
 /// alone changes nothing.
 inline constexpr float kPriceMargin = 0.1f;
 
-/// What a frame with a method takes, ms: as predicted with its part of what the view's lights share, and where it does
-/// not serve yet, its share of the first frame's surplus (maps and lists of what stands still), spread over
+/// What a frame with a method takes, ms: Candidate::sureMs with its part of what the view's lights share, and where it
+/// does not serve yet, its share of the first frame's surplus (maps and lists of what stands still), spread over
 /// plan::kExpectedStayFrames.
 float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::uint32_t incumbent) noexcept;
 
-/// What serves where no budget says what time is worth: then time buys quality and nothing else. Of methods whose time
-/// is known to a half and that the rules like at least half as well as `wanted` (what they avoid is not taken for its
+/// What serves where no budget says what time is worth: then time buys quality and nothing else. Of methods that the
+/// rules like at least half as well as `wanted` (what they avoid is not taken for its
 /// price): the cheapest that shows as much as `wanted`; or one that shows more and is dearer than that by no more than
 /// kPriceMargin, or twice that where it serves already, and of those that show as much as it the cheapest. An incumbent
 /// that does as well, and is no dearer than what is wanted, stays until something is cheaper by kPriceMargin.

@@ -114,7 +114,9 @@ std::string factsLine(const DecisionRecord& record, const Rules& rules)
 
 std::string costText(const Candidate& candidate)
 {
-    std::string text = ms(double{candidate.predictedMs}) + " +- " + ms(double{candidate.sigmaMs});
+    std::string text = ms(double{candidate.predictedMs});
+    if (candidate.sureMs > candidate.predictedMs)
+        text += " (not timed here: up to " + ms(double{candidate.sureMs}) + ")";
     if (candidate.sharedMs > 0.0f) text += " and " + ms(double{candidate.sharedMs}) + " for its view";
     return text;
 }

@@ -31,6 +31,8 @@ const char* reasonText(GnReason reason)
         return "what suits better is below the near floor";
     case GN_REASON_UTILITY:
         return "the plan: what suits better is worth no more with its quality";
+    case GN_REASON_NOT_RECORDABLE:
+        return "the pinned method cannot be recorded, the rules chose another";
     case GN_REASON_MAX_ENUM:
         break;
     }

@@ -21,6 +21,7 @@ const std::array<FactName, kFactCount> kFactNames = {{
     {"receiverPlanarity", "share"},
     {"frameBudget", "ratio"},
     {"frameRate", "Hz"},
+    {"recorded", "flag"},
 }};
 
 double trianglesFact(double triangles) noexcept

@@ -22,6 +22,7 @@ enum class Fact : std::uint8_t {
     receiverPlanarity, ///< Share of the light's visible receivers on one plane; unknown (NaN) until measured.
     frameBudget,       ///< Predicted ms of the cheapest methods that may serve / budget; 0 without a budget.
     frameRate,         ///< Hz, mean over the last 30 frames.
+    recorded,          ///< 1: the frame is recorded into the host's command buffer, without the CPU between its passes.
     count
 };
 constexpr std::size_t kFactCount = static_cast<std::size_t>(Fact::count);

@@ -20,7 +20,8 @@ namespace {
 constexpr std::uint64_t kPredictEvery = 8;
 // The frames timed after a switch, when their timings are known (two frames late), twice: the first change may have
 // been one of many, and those of the same frames are learned from together.
-constexpr std::uint64_t kPriceFrames = 2 * (cost::kLearnFrames + 2);
+constexpr std::uint64_t kTimingLag = 2;
+constexpr std::uint64_t kPriceFrames = 2 * (cost::kLearnFrames + kTimingLag);
 // Beyond this nothing has to be learned: predicted prices are off by a third at most but for one in twenty
 // (cost/README.md). A light that turns out to move paid for its maps 18 frames long (2.4 times the price; scenario).
 constexpr float kNotOnePrice = 1.5f;
@@ -31,9 +32,6 @@ constexpr double kSameShare = 1.0 / 32.0; // 3 %: a time follows by less, and th
 
 /// Reach::treeLevels until it is measured: the median of the moments in rules/knowledge/lavapipe.csv.
 constexpr double kTreeLevels = 5.4;
-
-/// Octaves by which the device may drift before everything is predicted anew: 1 %, a third of kSameShare.
-constexpr double kSameDevice = 1.0 / 64.0;
 
 /// Side of a method's maps, texels; 0: it has none.
 double mapSide(const Method& method)
@@ -92,11 +90,6 @@ bool isNear(double a, double b)
     return std::fabs(a - b) <= kSameShare * std::fabs(b);
 }
 
-bool isNear(const std::array<double, 2>& a, const std::array<double, 2>& b)
-{
-    return std::fabs(a[0] - b[0]) < kSameDevice && std::fabs(a[1] - b[1]) < kSameDevice;
-}
-
 /// Whether a prediction for the one still tells of the other.
 bool isNear(const cost::Workload& a, const cost::Workload& b)
 {
@@ -134,7 +127,8 @@ plan::Eligibility eligibilityOf(Exclusion exclusion)
 float qualityOf(const Method& method, const cost::KnowledgeBase& knowledge)
 {
     const double typical = double{method.entry->typicalWrongPercent};
-    return static_cast<float>(cost::measuresOf(knowledge, method.entry->name, typical, {}).quality(mapSide(method)));
+    return static_cast<float>(
+        cost::measuresOf(knowledge, nullptr, method.entry->name, typical).quality(mapSide(method)));
 }
 
 void FramePlan::begin()
@@ -164,8 +158,7 @@ void FramePlan::growModel(std::uint32_t slots)
     histories_.resize(slots);
     measure(slots);
     slots_ = slots; // last: where memory ends before, the next light tries again
-    if (modelMethods_ < methods_.size() && !knowledge_.rows.empty())
-        cost::learn(model_, knowledge_, algorithms(), device_, modelMethods_);
+    if (modelMethods_ < methods_.size() && known_) cost::teach(model_, *known_, algorithms(), modelMethods_);
     modelMethods_ = methods_.size();
 }
 
@@ -174,8 +167,8 @@ void FramePlan::measure(std::uint32_t slots)
 {
     std::vector<cost::MethodMeasures> measures;
     for (std::uint32_t i = 0; i < methods_.size(); ++i)
-        measures.push_back(cost::measuresOf(knowledge_, methods_[i].entry->name,
-                                            double{methods_[i].entry->typicalWrongPercent}, device_));
+        measures.push_back(cost::measuresOf(knowledge_, known_, methods_[i].entry->name,
+                                            double{methods_[i].entry->typicalWrongPercent}));
     qualities_.resize(methods_.size());
     costs_.assign(std::size_t{slots} * methods_.size(), {});
     measures_ = std::move(measures);
@@ -183,28 +176,41 @@ void FramePlan::measure(std::uint32_t slots)
         history.predictedAt = kNever;
 }
 
-std::vector<std::string> FramePlan::algorithms() const
+std::vector<cost::TaughtMethod> FramePlan::algorithms() const
 {
-    std::vector<std::string> names;
-    for (std::uint32_t i = 0; i < methods_.size(); ++i)
-        names.emplace_back(methods_[i].entry->name);
-    return names;
+    // What a method works with says what it costs like; the kinds of light that it serves do not.
+    constexpr GnTraits kWork = GN_TRAIT_RAYS_BIT | GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_SOFT_PENUMBRA_BIT;
+    std::vector<cost::TaughtMethod> all;
+    for (std::uint32_t i = 0; i < methods_.size(); ++i) {
+        const AlgorithmEntry& entry = *methods_[i].entry;
+        const std::uint64_t map = mapSide(methods_[i]) > 0.0, waits = entry.roundTrips > 0;
+        all.push_back({entry.name, std::uint64_t{entry.traits & kWork} << 2 | map << 1 | waits});
+    }
+    return all;
 }
 
-cost::Learned FramePlan::teach(cost::KnowledgeBase base, std::string_view device)
+FramePlan::Taught FramePlan::teach(cost::KnowledgeBase base, const Device& device)
 {
+    const cost::DeviceKnowledge* nearest = base.nearestTo(device.name, device.kind);
+    if (!nearest) return {};
     cost::CostModel fresh;
     fresh.setSharedCores(model_.sharedCores());
     fresh.resize(methods_.size(), slots_);
-    const cost::Learned learned = cost::learn(fresh, base, algorithms(), device);
-    if (learned.rows == 0) return learned;
+    Taught taught{.methods = cost::teach(fresh, *nearest, algorithms()),
+                  .device = nearest->device,
+                  .same = nearest->device == device.name};
+    if (taught.methods == 0) return taught;
+    fresh.setKinship(taught.same                    ? cost::Kinship::same
+                     : nearest->kind == device.kind ? cost::Kinship::alike
+                                                    : cost::Kinship::foreign);
+    const auto place = nearest - base.devices.data();
     model_ = std::move(fresh);
     knowledge_ = std::move(base);
-    device_ = device;
+    known_ = knowledge_.devices.data() + place;
     modelMethods_ = methods_.size();
     histories_.resize(slots_);
     measure(slots_);
-    return learned;
+    return taught;
 }
 
 const TimedLight* FramePlan::timed(const LightMemory& memory) const
@@ -251,18 +257,20 @@ std::span<const FramePlan::Cost> FramePlan::predict(const LightMemory& memory, s
     const std::span costs = std::span(costs_).subspan(std::size_t{memory.costSlot} * methods, methods);
     const bool due = (frame + memory.costSlot) % kPredictEvery == 0 || frame - history.predictedAt >= kPredictEvery;
     const bool sameSettings = history.predictedAt > methods_.setAt();
-    if (history.predictedAt != kNever && !due && sameSettings &&
-        isNear(history.predictedDevice, model_.deviceOctaves()) && isNear(memory.workload, history.predictedFor))
+    if (history.predictedAt != kNever && !due && sameSettings && history.predictedRevision == model_.revision() &&
+        isNear(memory.workload, history.predictedFor))
         return costs;
     for (std::uint32_t m = 0; m < methods; ++m) {
         const cost::Workload workload = workloadOf(methods_[m], memory.workload);
         const auto of = [&](cost::Pass pass) { return model_.predict(memory.costSlot, m, pass, workload); };
+        const cost::Prediction steady = model_.predict(memory.costSlot, m, workload, workload.still);
         // What stands still is drawn once, in the first frame.
-        costs[m] = {.steady = model_.predict(memory.costSlot, m, workload, workload.still),
+        costs[m] = {.steady = steady,
+                    .sureMs = steady.measured ? steady.ms : steady.sureMs(),
                     .firstMs = std::max(measures_[m].firstFrameMs, workload.still ? of(cost::Pass::update).ms : 0.0)};
     }
     history.predictedAt = frame;
-    history.predictedDevice = model_.deviceOctaves();
+    history.predictedRevision = model_.revision();
     history.predictedFor = memory.workload;
     return costs;
 }
@@ -299,12 +307,12 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
             candidates_[i * methods + m] = {.eligibility = eligibilityOf(from.exclusion),
                                             .suitability = from.quantised,
                                             .quality = qualities_[m],
-                                            .ms = cost.ms,
-                                            .sigmaMs = cost.sigmaMs,
+                                            .ms = costs[m].sureMs,
+                                            .sigmaMs = cost.measured ? cost.sigmaMs : 0.0,
                                             .firstFrameMs = costs[m].firstMs};
             from.quality = candidates_[i * methods + m].quality;
             from.predictedMs = static_cast<float>(cost.ms);
-            from.sigmaMs = static_cast<float>(cost.sigmaMs);
+            from.sureMs = static_cast<float>(costs[m].sureMs);
             from.firstMs = static_cast<float>(costs[m].firstMs);
             from.sharedMs = sharesMs_[m];
         }
@@ -355,8 +363,7 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
     }
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         LightDecision& decision = *requests_[i].decision;
-        if (decision.method != UINT32_MAX)
-            decision.predictedMs = static_cast<float>(candidates_[i * methods_.size() + decision.method].ms);
+        if (decision.method != UINT32_MAX) decision.predictedMs = decision.candidates[decision.method].predictedMs;
     }
     return report;
 }
@@ -413,10 +420,24 @@ std::uint32_t FramePlan::forItsPrice(const Request& request, const Budget& budge
     return own > kNotOnePrice * other ? method : memory.incumbent;
 }
 
-void FramePlan::takePrice(const Request& request, std::uint32_t method, const Budget& budget) const
+/// A method that nobody has timed here is tried on one light at a time, until its timings are known: they are then
+/// expected of all lights. Without anything that serves as well there is nothing to wait with.
+bool FramePlan::mayTry(const Request& request, std::uint32_t method, const Budget& budget)
+{
+    const LightMemory& memory = *request.memory;
+    if (method == memory.incumbent || method >= methods_.size() || budget.cut) return true;
+    if (costs_[std::size_t{memory.costSlot} * methods_.size() + method].steady.familiar) return true;
+    if (!servesAsWell(request.decision->candidates, memory.incumbent, method)) return true;
+    if (budget.frame < triedUntil_) return false;
+    triedUntil_ = budget.frame + cost::kLearnFrames + kTimingLag;
+    return true;
+}
+
+void FramePlan::takePrice(const Request& request, std::uint32_t method, const Budget& budget)
 {
     LightDecision& decision = *request.decision;
     LightMemory& memory = *request.memory;
+    if (isByRules(decision.reason) && !mayTry(request, method, budget)) method = memory.incumbent;
     const std::span all = std::span<const Candidate>(decision.candidates);
     const bool forPrice =
         isByRules(decision.reason) && (method != decision.method || servesAsWell(all, memory.incumbent, method));
@@ -460,24 +481,19 @@ void FramePlan::observe(LightMemory& memory, std::uint32_t method, const LightTi
     const std::uint64_t since = method == memory.incumbent ? memory.methodSince
                                 : probed                   ? memory.probedSince
                                                            : timing.frame;
-    cost::Observation observation{.light = slot,
-                                  .method = method,
-                                  .workload = workload,
-                                  .framesSinceSwitch = timing.frame > since ? timing.frame - since : 0,
-                                  .disturbed = disturbed};
-    auto tell = [&](cost::Pass pass, cost::Processor processor, float ms) {
-        if (!(ms > 0.0f)) return;
-        observation.pass = pass;
-        observation.processor = processor;
-        observation.ms = ms;
-        model_.observe(observation);
-    };
+    cost::Observation seen{.light = slot,
+                           .method = method,
+                           .workload = workload,
+                           .framesSinceSwitch = timing.frame > since ? timing.frame - since : 0,
+                           .disturbed = disturbed};
     if (timing.updated) {
-        tell(cost::Pass::update, cost::Processor::gpu, timing.updateGpuMs);
-        tell(cost::Pass::update, cost::Processor::cpu, timing.updateCpuMs);
+        seen.pass = cost::Pass::update;
+        seen.gpuMs = double{timing.updateGpuMs}, seen.cpuMs = double{timing.updateCpuMs};
+        model_.observe(seen);
     }
-    tell(cost::Pass::resolve, cost::Processor::gpu, timing.resolveGpuMs);
-    tell(cost::Pass::resolve, cost::Processor::cpu, timing.resolveCpuMs);
+    seen.pass = cost::Pass::resolve;
+    seen.gpuMs = double{timing.resolveGpuMs}, seen.cpuMs = double{timing.resolveCpuMs};
+    model_.observe(seen);
 }
 
 } // namespace gnomon

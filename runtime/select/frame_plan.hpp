@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime/cost/method_measures.hpp"
+#include "runtime/cost/teach.hpp"
 #include "runtime/plan/probe.hpp"
 #include "runtime/select/choice.hpp"
 #include "runtime/select/selector.hpp"
@@ -58,11 +59,22 @@ public:
     /// The light is gone, its slot is free.
     void forget(LightMemory& memory);
 
-    /// Starts the cost model anew from what was measured elsewhere; methods added later learn from it too. Without a
-    /// row for any method nothing changes. Allocates.
-    cost::Learned teach(cost::KnowledgeBase base, std::string_view device);
-    /// As last taught; empty before.
-    const cost::KnowledgeBase& knowledge() const { return knowledge_; }
+    /// The device that predictions are for. @param kind "software", "integrated" or "discrete"
+    struct Device {
+        std::string name;
+        std::string_view kind;
+    };
+    struct Taught {
+        std::uint32_t methods = 0; ///< That were measured; with none nothing changes.
+        std::string device;        ///< Whose numbers they are: of this device, else of one of its kind, else of any.
+        bool same = false;
+    };
+    /// Starts the cost model anew from what was measured elsewhere; methods added later learn from it too. Allocates.
+    Taught teach(cost::KnowledgeBase base, const Device& device);
+    /// A benchmark of the device: how much longer it takes than the one taught, octaves.
+    void benchmark(cost::Processor processor, double octaves) { model_.benchmark(processor, octaves); }
+    /// What teach() took; null before.
+    const cost::DeviceKnowledge* knowledge() const { return known_; }
     /// Grows with every timing that the cost model learns from.
     std::uint64_t knowledgeRevision() const { return model_.samples(); }
     /// Null until a frame with the light was timed.
@@ -78,17 +90,19 @@ private:
     void fill(const rules::RuleBase* base, const Budget& budget);
     void economise(const Budget& budget);
     std::uint32_t forItsPrice(const Request& request, const Budget& budget) const;
-    void takePrice(const Request& request, std::uint32_t method, const Budget& budget) const;
+    void takePrice(const Request& request, std::uint32_t method, const Budget& budget);
+    bool mayTry(const Request& request, std::uint32_t method, const Budget& budget);
     void explainWithoutPlan(LightDecision& decision, bool hasRules) const;
     std::uint32_t slotOf(LightMemory& memory);
     void growModel(std::uint32_t slots);
     void measure(std::uint32_t slots);
     struct Cost {
         cost::Prediction steady;
+        double sureMs = 0.0;  ///< Candidate::sureMs.
         double firstMs = 0.0; ///< What the first frame takes beyond that.
     };
     std::span<const Cost> predict(const LightMemory& memory, std::uint64_t frame);
-    std::vector<std::string> algorithms() const;
+    std::vector<cost::TaughtMethod> algorithms() const;
 
     static constexpr std::uint64_t kNever = UINT64_MAX;
     /// Beside a slot of the cost model. Timings come a few frames late: the workloads wait for them.
@@ -100,8 +114,8 @@ private:
         /// By frame. Eight may be in flight, and the timing of the oldest comes in after the newest is noted.
         std::array<Entry, 16> recent{};
         TimedLight timed;
-        std::uint64_t predictedAt = kNever;      ///< Frame.
-        std::array<double, 2> predictedDevice{}; ///< Device factors at that time.
+        std::uint64_t predictedAt = kNever;  ///< Frame.
+        std::uint64_t predictedRevision = 0; ///< The cost model's.
         cost::Workload predictedFor;
     };
     const MethodTable& methods_;
@@ -119,8 +133,9 @@ private:
     std::vector<float> qualities_;               ///< By method, with this frame's settings.
     std::vector<float> sharesMs_;                ///< By method: of a light, if all had it; a plan knows better.
     cost::KnowledgeBase knowledge_;
-    std::string device_; ///< Of teach().
+    const cost::DeviceKnowledge* known_ = nullptr; ///< In knowledge_.
     std::uint32_t slots_ = 0, slotsUsed_ = 0, modelMethods_ = 0;
+    std::uint64_t triedUntil_ = 0; ///< Frame: a light has changed to a method that no light was timed with.
 };
 
 /// Share of the truth a method keeps with its settings, by what its author says and a knowledge base measured

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "runtime/base/number_text.hpp"
 
@@ -172,6 +173,17 @@ std::uint32_t MethodTable::nextWarmup(const MethodDemand& demand)
     if (const auto found = first([](const Method& method) { return method.has(GN_TRAIT_FALLBACK_BIT); })) return *found;
     if (const auto found = first([&](const Method& method) { return demand.pinned.has(method.index); })) return *found;
     return demand.others ? first([](const Method&) { return true; }).value_or(UINT32_MAX) : UINT32_MAX;
+}
+
+void MethodTable::warnNotRecordable(std::uint32_t method)
+{
+    Method& pinned = *methods_[method];
+    if (std::exchange(pinned.saidNotRecordable, true)) return;
+    messages_.warn("NotRecordable", "method '" + pinned.name +
+                                        "', which a light is pinned to, needs the CPU between its "
+                                        "passes (" +
+                                        std::to_string(pinned.entry->roundTrips) +
+                                        " round trips), and the frame is recorded; the rules choose another for it");
 }
 
 void MethodTable::finishBackground()

@@ -25,6 +25,7 @@ struct Method {
     bool ready = false;                ///< Its pipelines have been executed once.
     JobSystem::Job warmUp;             ///< Makes the pipelines in the background.
     bool warmUpStarted = false;
+    bool saidNotRecordable = false;     ///< warnNotRecordable()
     class MethodTable* table = nullptr; ///< For the background job.
 
     bool serves(GnLightType type) const
@@ -76,6 +77,8 @@ public:
     /// Whether one of them could not be created. The method is unavailable then, and a message says why.
     bool failed(Method& method);
     void fail(Method& method, const std::string& why);
+    /// Says once that the method, which a light is pinned to, cannot serve recorded frames.
+    void warnNotRecordable(std::uint32_t method);
     void finishBackground();
     bool anyReady() const;
     MethodSet fallbacks() const; ///< What serves while another is not ready.

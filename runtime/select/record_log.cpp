@@ -10,7 +10,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::string_view kMagic = "GNDECID5";
+constexpr std::string_view kMagic = "GNDECID6";
 constexpr std::uint8_t kNoMethod = 255;
 constexpr std::uint16_t kNoRefusal = 65535;
 enum : std::uint8_t { kBudgeted = 1, kSwitched = 2, kFloor = 4, kFloorUnmet = 8, kPriced = 16, kGuessed = 32 };
@@ -78,7 +78,7 @@ void writeCandidate(ByteWriter& out, const Candidate& candidate, std::span<const
     out.integer(static_cast<std::uint8_t>(candidate.why));
     out.real(candidate.quality);
     out.real(candidate.predictedMs);
-    out.real(candidate.sigmaMs);
+    out.real(candidate.sureMs);
     out.real(candidate.firstMs);
     out.real(candidate.sharedMs);
     if (candidate.exclusion == Exclusion::none) return;
@@ -289,7 +289,7 @@ private:
         candidate.why = readEnum(plan::Why::price, "elimination");
         candidate.quality = in_.real32();
         candidate.predictedMs = in_.real32();
-        candidate.sigmaMs = in_.real32();
+        candidate.sureMs = in_.real32();
         candidate.firstMs = in_.real32();
         candidate.sharedMs = in_.real32();
         if (candidate.exclusion != Exclusion::none) {

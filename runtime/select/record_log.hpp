@@ -3,7 +3,7 @@
 //
 // A chunk, little-endian, no padding; a log file is any number of chunks in the order of their frames:
 //
-//     "GNDECID5"                                                     version in the last byte
+//     "GNDECID6"                                                     version in the last byte
 //     u32 size of the chunk in bytes, hash included
 //     u64 frame origin: subtracted from frame numbers when they are shown or asked for
 //     u8 methods x { text name; u32 traits (GnTraits); text why the device cannot run it, or empty }

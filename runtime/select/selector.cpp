@@ -167,6 +167,7 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     fact(Fact::receiverPlanarity) = memory.measured ? memory.planarity : std::numeric_limits<double>::quiet_NaN();
     fact(Fact::frameBudget) = input.frameBudget;
     fact(Fact::frameRate) = input.frameRate;
+    fact(Fact::recorded) = input.recorded ? 1.0 : 0.0;
 
     Unprepared unprepared;
     for (const Caster* caster : input.casters->all) {
@@ -228,6 +229,11 @@ void Selector::commit(LightDecision& decision, LightMemory& memory, std::uint64_
         decision.suitability =
             engine_ ? static_cast<float>(std::max(quantised, 0)) / static_cast<float>(rules::kSuitabilitySteps) : 1.0f;
         decision.measuredMs = memory.measuredMs[decision.method];
+    }
+    if (decision.pinned < decision.candidates.size() &&
+        decision.candidates[decision.pinned].exclusion == Exclusion::roundTrips) {
+        if (decision.method != UINT32_MAX) decision.reason = GN_REASON_NOT_RECORDABLE;
+        methods_.warnNotRecordable(decision.pinned);
     }
     // Settled anew where passes could not be made: what served before counts, not what was to serve.
     decision.switched = decision.incumbent != UINT32_MAX && decision.method != decision.incumbent;

@@ -45,7 +45,8 @@ struct Candidate {
     const char* refusal = nullptr; ///< Static storage.
     float quality = 0.0f;          ///< Share of the truth it keeps, as the plan counts it; from the plan on.
     float predictedMs = 0.0f;      ///< By the cost model.
-    float sigmaMs = 0.0f;          ///< Standard error of the prediction.
+    float sureMs = 0.0f;           ///< What choices count with: as predicted where the light was timed with the method;
+                                   ///< else what its class hardly exceeds (cost::Prediction::sureMs()).
     float firstMs = 0.0f;          ///< What the first frame takes beyond that, where the light changes to it.
     float sharedMs = 0.0f;         ///< Work for the whole view: what no other light of the plan needs; without a plan,
                                    ///< the light's part of it if all had the method.

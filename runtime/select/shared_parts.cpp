@@ -28,7 +28,7 @@ SharedParts::Entry* SharedParts::entryOf(std::string_view pass)
     return entries_.size() == kMostPasses ? nullptr : &entries_.emplace_back(Entry{.name = name});
 }
 
-void SharedParts::teach(std::span<const cost::KnowledgePart> parts, std::string_view device,
+void SharedParts::teach(std::span<const cost::KnowledgePart> parts,
                         std::span<const std::string_view> algorithms) noexcept
 {
     for (Entry& entry : entries_) {
@@ -37,11 +37,11 @@ void SharedParts::teach(std::span<const cost::KnowledgePart> parts, std::string_
         entry.methods = {};
     }
     for (const cost::KnowledgePart& part : parts) {
-        Entry* const entry = part.device == device ? entryOf(part.pass) : nullptr;
+        Entry* const entry = entryOf(part.pass);
         if (!entry) continue;
         for (std::size_t m = entry->shown ? taught_ : 0; m < algorithms.size(); ++m)
             if (algorithms[m] == part.algorithm) entry->methods.add(static_cast<std::uint32_t>(m));
-        if (!entry->shown) entry->msPerPixel.add(static_cast<float>((part.gpuMs + part.cpuMs) / part.viewPixels));
+        if (!entry->shown) entry->msPerPixel.add(static_cast<float>(part.msPerPixel));
     }
     taught_ = algorithms.size();
 }

@@ -22,11 +22,10 @@ class SharedParts {
 public:
     SharedParts();
 
-    /// What a knowledge base has measured on this very device. What frames have shown here stays; methods that have
+    /// What a knowledge base has measured on a device like this. What frames have shown here stays; methods that have
     /// come since the last call need what their algorithm does.
     /// @param algorithms Of every method, in their order.
-    void teach(std::span<const cost::KnowledgePart> parts, std::string_view device,
-               std::span<const std::string_view> algorithms) noexcept;
+    void teach(std::span<const cost::KnowledgePart> parts, std::span<const std::string_view> algorithms) noexcept;
     /// A pass of view scope of a timed frame; of several views, one after the other.
     /// @param pass    Name.
     /// @param methods Those that declared it.

@@ -355,8 +355,8 @@ TEST_CASE(
 {
     const Folder folder("calibrate");
     const fs::path csv = folder.path / "base.csv";
-    const Ran ran =
-        gnomonProgram("calibrate --methods shadow_map,ray_traced --seconds-per-method 1 --out '" + csv.string() + "'");
+    const Ran ran = gnomonProgram("calibrate --methods shadow_map,ray_traced --seconds-per-method 1 --out '" +
+                                  csv.string() + "' --samples '" + (folder.path / "samples.csv").string() + "'");
     CAPTURE(ran.output);
     REQUIRE(ran.exitCode == 0);
     const std::vector<std::string> table = lines(csv);
@@ -366,11 +366,15 @@ TEST_CASE(
     for (size_t i = 2; i < table.size(); ++i) {
         std::vector<std::string> cells;
         REQUIRE(splitCsvLine(table[i], cells));
-        seen.insert(cells.at(2) + " " + cells.at(3));
+        seen.insert(cells.at(3) + " " + cells.at(4));
     }
-    CHECK(seen == std::set<std::string>{"ray_traced resolve", "ray_traced view:view.depth_readback",
-                                        "ray_traced view:view.normals_readback", "shadow_map resolve",
-                                        "shadow_map update"});
+    CHECK(seen == std::set<std::string>{"ray_traced method", "ray_traced resolve",
+                                        "ray_traced view:view.depth_readback", "ray_traced view:view.normals_readback",
+                                        "shadow_map method", "shadow_map resolve", "shadow_map update"});
+    const Ran fitted = gnomonProgram("calibrate --fit '" + (folder.path / "samples.csv").string() + "' --out '" +
+                                     (folder.path / "again.csv").string() + "'");
+    CHECK(fitted.exitCode == 0);
+    CHECK(lines(folder.path / "again.csv") == table); // the same samples, the same base
     const Ran checked = gnomonProgram("calibrate --check torus_grid --methods shadow_map,ray_traced --size 160x120 "
                                       "--knowledge '" +
                                       csv.string() + "'");

@@ -149,7 +149,7 @@ TEST_CASE_FIXTURE(DeviceTest, "candidates name the chosen method, and why each o
     CHECK(chosen.elimination == GN_ELIMINATION_NONE);
     CHECK(float(chosen.suitability) / GN_SUITABILITY_STEPS == doctest::Approx(host.decision(0).suitability));
     CHECK(chosen.predictedMs == doctest::Approx(host.decision(0).predictedMs));
-    CHECK(chosen.sigmaMs > 0.0f);
+    CHECK(chosen.sureMs > 0.0f);
     CHECK(chosen.quality > candidateNamed(candidates, "shadow_map").quality);
     CHECK(candidateNamed(candidates, "shadow_map").elimination == GN_ELIMINATION_OUTSCORED);
     CHECK(candidateNamed(candidates, "shadow_map").suitability < chosen.suitability);

@@ -11,28 +11,16 @@ using namespace gnomon::test;
 namespace {
 
 /// Algorithms take their milliseconds whatever the workload, on a device of that name.
-std::string knowledge(const std::string& device, const std::vector<std::pair<std::string, double>>& times)
+std::string knowledge(const std::string& name, const std::vector<std::pair<std::string, double>>& times)
 {
-    std::vector<cost::KnowledgeRow> rows;
-    for (int i = 0; i < 40 * std::ssize(times); ++i) {
-        const auto& [algorithm, ms] = times[static_cast<size_t>(i) / 40];
-        cost::KnowledgeRow row;
-        row.device = device;
-        row.algorithm = algorithm;
-        row.pass = i % 2 ? cost::Pass::resolve : cost::Pass::update;
-        const bool mapped = algorithm == "shadow_map" || algorithm == "pcf_hybrid" || algorithm == "contour_chain" ||
-                            algorithm == "chan_durand";
-        row.workload = {.pixels = 1000.0 * (1 + i % 40),
-                        .casterTriangles = 100.0 * (1 + i % 7),
-                        .mapTexels = mapped ? 1048576.0 : 0.0,
-                        .casters = 1.0 + i % 9,
-                        .shadowPixels = 2000.0 * (1 + i % 11),
-                        .treeLevels = 1.0 * (i % 13)};
-        row.samples = 5;
-        row.gpuMsMin = row.gpuMsP50 = row.gpuMsP95 = ms;
-        rows.push_back(row);
+    cost::DeviceKnowledge device{name, "", "software", {}, {}};
+    for (const auto& [algorithm, ms] : times) {
+        cost::AlgorithmCost cost{.algorithm = algorithm, .tracks = {}};
+        for (const cost::Pass pass : {cost::Pass::update, cost::Pass::resolve})
+            cost.tracks[trackOf(pass, cost::Processor::gpu)] = {.ms = {ms}, .octaves = 0.1, .samples = 40};
+        device.algorithms.push_back(cost);
     }
-    return cost::writeKnowledge(rows);
+    return cost::writeKnowledge({&device, 1});
 }
 
 /// shadow_map alone.
@@ -99,19 +87,12 @@ TEST_CASE_FIXTURE(DeviceTest, "a prediction stands while what it rests on stands
 {
     Host host(smallScene());
     host.pinAll("shadow_map");
-    std::vector<cost::KnowledgeRow> rows; // a map takes a millisecond per 1000 triangles
-    for (int i = 0; i < 80; ++i) {
-        cost::KnowledgeRow row;
-        row.device = device().properties.deviceName;
-        row.algorithm = "shadow_map";
-        row.pass = i % 2 ? cost::Pass::resolve : cost::Pass::update;
-        const double triangles = 200.0 * std::exp2(i % 8);
-        row.workload = {.pixels = 1000.0 * (1 + i % 40), .casterTriangles = triangles, .mapTexels = 1048576.0};
-        row.samples = 5;
-        row.gpuMsMin = row.gpuMsP50 = row.gpuMsP95 = triangles / 1000.0;
-        rows.push_back(row);
-    }
-    REQUIRE(load(host, cost::writeKnowledge(rows)) == GN_SUCCESS);
+    cost::DeviceKnowledge known{device().properties.deviceName, "", "software", {}, {}};
+    cost::AlgorithmCost map{.algorithm = "shadow_map", .tracks = {}}; // a millisecond per 1000 triangles
+    for (const cost::Pass pass : {cost::Pass::update, cost::Pass::resolve})
+        map.tracks[trackOf(pass, cost::Processor::gpu)] = {.ms = {0.0, 1000.0}, .octaves = 0.1, .samples = 40};
+    known.algorithms.push_back(map);
+    REQUIRE(load(host, cost::writeKnowledge({&known, 1})) == GN_SUCCESS);
     host.draw(20, {}); // settled: pixels reached are the median of five looks
     std::vector<float> standing;
     while (standing.size() < 5) { // between two timed frames
@@ -149,8 +130,8 @@ TEST_CASE_FIXTURE(DeviceTest, "a knowledge base that cannot be used is refused a
     CHECK(load(host, older) == GN_ERROR_KNOWLEDGE);
     CHECK(anyContains(host.takeMessages(), "base.csv: knowledge base of version '0'"));
     std::string nonsense = good; // every time becomes NaN
-    for (size_t at = nonsense.find(",40,"); at != std::string::npos; at = nonsense.find(",40,"))
-        nonsense.replace(at, 4, ",nan,");
+    for (size_t at = nonsense.find(",0.1,40,"); at != std::string::npos; at = nonsense.find(",0.1,40,"))
+        nonsense.replace(at, 8, ",0.1,nan,");
     CHECK(load(host, nonsense) == GN_ERROR_KNOWLEDGE);
     CHECK(anyContains(host.takeMessages(), "base.csv: line 3: "));
     CHECK(load(host, cost::writeKnowledge({})) == GN_SUCCESS); // an empty one: a remark

@@ -14,18 +14,16 @@ constexpr uint32_t kEvery = 20;
 /// The two exact methods at about one price, the second a little dearer.
 std::string knowledge()
 {
-    std::vector<cost::KnowledgeRow> rows;
-    for (int i = 0; i < 80; ++i) {
-        cost::KnowledgeRow row;
-        row.device = device().properties.deviceName;
-        row.algorithm = i < 40 ? kServes : kProbed;
-        row.pass = cost::Pass::resolve;
-        row.workload = {.pixels = 1000.0 * (1 + i % 40), .casterTriangles = 100.0 * (1 + i % 7)};
-        row.samples = 5;
-        row.cpuMsMin = row.cpuMsP50 = i < 40 ? 20.0 : 21.0; // more than either takes in any build
-        rows.push_back(row);
+    cost::DeviceKnowledge known{device().properties.deviceName, "", "software", {}, {}};
+    for (const char* name : {kServes, kProbed}) {
+        cost::AlgorithmCost cost{.algorithm = name, .tracks = {}};
+        cost.tracks[trackOf(cost::Pass::resolve, cost::Processor::cpu)] = {
+            .ms = {name == kServes ? 20.0 : 21.0},
+            .octaves = 0.1,
+            .samples = 40}; // more than either takes in any build
+        known.algorithms.push_back(cost);
     }
-    return cost::writeKnowledge(rows);
+    return cost::writeKnowledge({&known, 1});
 }
 
 void load(Host& host, uint32_t everyFrames)

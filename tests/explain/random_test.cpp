@@ -31,7 +31,7 @@ Situation randomSituation(Random& random, const rules::Engine& engine, bool budg
         candidate.refusal = candidate.exclusion == Exclusion::refused ? "it would not" : nullptr;
         candidate.quality = static_cast<float>(random.between(0.3, 1.0));
         candidate.predictedMs = static_cast<float>(random.between(0.05, 8.0));
-        candidate.sigmaMs = 0.05f * candidate.predictedMs;
+        candidate.sureMs = candidate.predictedMs;
     }
     const auto methods = static_cast<std::uint32_t>(out.candidates.size());
     if (random.below(2)) out.incumbent = random.below(methods);

@@ -324,25 +324,25 @@ TEST_CASE(
 {
     std::array<Candidate, 4> all{};
     const auto set = [&](uint32_t m, int32_t suitability, float quality, float ms) {
-        all[m] = {.quantised = suitability, .quality = quality, .predictedMs = ms, .sigmaMs = 0.1f * ms};
+        all[m] = {.quantised = suitability, .quality = quality, .predictedMs = ms, .sureMs = ms};
     };
     set(0, 3400, 0.995f, 30.0f); // best suited
     set(1, 2000, 1.0f, 20.0f);   // shows as much, cheaper
     set(2, 3000, 0.8f, 2.0f);    // shows less
     set(3, 600, 1.0f, 1.0f);     // avoided by the rules
     CHECK(cheaperEqual(all, 0, UINT32_MAX) == 1);
-    all[1].predictedMs = 28.0f; // saves less than a tenth
+    all[1].sureMs = 28.0f; // saves less than a tenth
     CHECK(cheaperEqual(all, 0, 0) == 0);
     CHECK(cheaperEqual(all, 0, 1) == 1);          // but where it serves already it stays
     CHECK(cheaperEqual(all, 0, 2) == 1);          // and where there is a change anyway any saving will do,
     CHECK(cheaperEqual(all, 0, UINT32_MAX) == 1); // to begin with, too
-    all[1].predictedMs = 31.0f;
+    all[1].sureMs = 31.0f;
     CHECK(cheaperEqual(all, 0, UINT32_MAX) == 0);
     CHECK(cheaperEqual(all, 0, 1) == 0);
-    all[1].predictedMs = 20.0f;
-    all[1].sigmaMs = 15.0f; // nobody knows
+    all[1].sureMs = 20.0f;
+    all[1].sureMs = 35.0f; // predicted at 20, but nobody has timed it
     CHECK(cheaperEqual(all, 0, UINT32_MAX) == 0);
-    all[1].sigmaMs = 1.0f;
+    all[1].sureMs = 20.0f;
     all[1].sharedMs = 9.0f; // for its view
     CHECK(cheaperEqual(all, 0, 0) == 0);
     CHECK(cheaperEqual(all, 0, 1) == 1); // 29 of 30 ms
@@ -364,7 +364,7 @@ TEST_CASE(
 {
     std::array<Candidate, 3> all{};
     const auto set = [&](uint32_t m, int32_t suitability, float quality, float ms) {
-        all[m] = {.quantised = suitability, .quality = quality, .predictedMs = ms, .sigmaMs = 0.2f * ms};
+        all[m] = {.quantised = suitability, .quality = quality, .predictedMs = ms, .sureMs = ms};
     };
     set(0, 3400, 0.97f, 10.0f); // best suited
     set(1, 2000, 0.985f, 10.5f);
@@ -380,12 +380,9 @@ TEST_CASE(
     set(1, 2000, 0.979f, 9.5f); // shows as much, and saves too little
     CHECK(cheaperEqual(all, 0, 0) == 0);
     set(1, 2000, 0.985f, 9.5f);
-    all[1].sigmaMs = 6.0f; // nobody knows
+    all[1].sureMs = 15.0f; // nobody has timed it
     CHECK(cheaperEqual(all, 0, 0) == 0);
-    all[1].sigmaMs = 1.0f;
-    all[0].sigmaMs = 6.0f;
-    CHECK(cheaperEqual(all, 0, 0) == 0);
-    all[0].sigmaMs = 1.0f;
+    all[1].sureMs = 9.5f;
     set(2, 2000, 0.99f, 8.0f); // shows as much as what is wanted by now, for less
     CHECK(cheaperEqual(all, 0, 0) == 2);
 }
@@ -394,7 +391,7 @@ TEST_CASE("without a budget what shows more is held against the cheapest that sh
 {
     std::array<Candidate, 4> all{};
     const auto set = [&](uint32_t m, int32_t suitability, float quality, float ms) {
-        all[m] = {.quantised = suitability, .quality = quality, .predictedMs = ms, .sigmaMs = 0.2f * ms};
+        all[m] = {.quantised = suitability, .quality = quality, .predictedMs = ms, .sureMs = ms};
     };
     set(0, 3400, 0.95f, 20.0f); // best suited
     set(1, 2000, 0.97f, 12.0f);
@@ -428,7 +425,7 @@ TEST_CASE("without a budget methods do not take turns while nothing changes")
             candidate = {.quantised = 1000 + static_cast<int32_t>(3000.0f * share(random)),
                          .quality = 0.95f + 0.05f * share(random),
                          .predictedMs = ms,
-                         .sigmaMs = (share(random) < 0.1f ? 0.6f : 0.2f) * ms,
+                         .sureMs = (share(random) < 0.1f ? 1.6f : 1.0f) * ms,
                          .firstMs = 30.0f * share(random) * share(random),
                          .sharedMs = share(random)};
         }
@@ -451,8 +448,8 @@ TEST_CASE("without a budget methods do not take turns while nothing changes")
 TEST_CASE("without a budget a map of what stands still must earn its first frame before it serves for its price")
 {
     std::array<Candidate, 2> all{};
-    all[0] = {.quantised = 3000, .quality = 1.0f, .predictedMs = 2.2f, .sigmaMs = 0.2f};
-    all[1] = {.quantised = 3000, .quality = 1.0f, .predictedMs = 1.5f, .sigmaMs = 0.2f, .firstMs = 20.0f};
+    all[0] = {.quantised = 3000, .quality = 1.0f, .predictedMs = 2.2f, .sureMs = 2.2f};
+    all[1] = {.quantised = 3000, .quality = 1.0f, .predictedMs = 1.5f, .sureMs = 1.5f, .firstMs = 20.0f};
     CHECK(cheaperEqual(all, 0, 0) == 1); // 0.7 ms for a second of frames: twice what it takes
     CHECK(priceOf(all, 1, 1) == 1.5f);   // paid already
     all[1].firstMs = 60.0f;

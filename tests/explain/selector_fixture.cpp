@@ -70,7 +70,7 @@ Situation::Situation() : candidates(methodWords().size())
 {
     facts.fill(0.0);
     for (Candidate& candidate : candidates)
-        candidate.quality = 1.0f, candidate.predictedMs = 1.0f, candidate.sigmaMs = 0.1f;
+        candidate.quality = 1.0f, candidate.predictedMs = candidate.sureMs = 1.0f;
     fact(Fact::viewerDistance) = 12.5;
     fact(Fact::casterTriangles) = 3.5;
 }
@@ -96,8 +96,7 @@ void SelectorFixture::plan(const Situation& situation, LightDecision& decision, 
                                                                                    : plan::Eligibility::trait,
                               .suitability = from.quantised,
                               .quality = from.quality,
-                              .ms = double{from.predictedMs},
-                              .sigmaMs = double{from.sigmaMs}});
+                              .ms = double{from.sureMs}});
     }
     for (std::uint32_t m = 0; m < methods; ++m)
         candidates.push_back({.suitability = 1, .ms = situation.othersMs});

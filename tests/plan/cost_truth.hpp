@@ -1,8 +1,7 @@
 #pragma once
-// A device for tests of the cost model: times that the model's form does not fit, with noise and spikes.
-#include <algorithm>
+// A device for tests of the cost model: what lights differ by, noise and spikes.
+#include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "runtime/cost/cost_model.hpp"
@@ -25,7 +24,7 @@ inline Workload anyWorkload(Random& random)
             .mapTouched = (1.0 + random.below(6)) / 6.0};
 }
 
-/// A truth that is *not* what the model fits: an overhead plus sums of powers, and a factor per (light, method).
+/// Sums, and a factor per (light, method) that no knowledge base can know.
 struct Truth {
     double factor = 1.0;
     double method = 1.0;
@@ -56,34 +55,26 @@ struct Truth {
 
 inline constexpr Pass kPasses[] = {Pass::update, Pass::resolve};
 
-inline void calibrate(CostModel& model, const Truth& truth, Random& random, bool same = true)
+/// Numbers per term as a fit finds them: the truth's, without what lights differ by, all over `factor`.
+inline void calibrate(CostModel& model, double factor = 1.0, Kinship kinship = Kinship::same)
 {
-    for (uint32_t m = 0; m < kMethods; ++m)
-        for (int i = 0; i < 40; ++i)
-            for (const Pass pass : kPasses) {
-                const Workload w = anyWorkload(random);
-                double least = std::numeric_limits<double>::infinity(); // of five sweeps, as calibration runs do
-                for (int sweep = 0; sweep < 5; ++sweep)
-                    least = std::min(least, truth.timed(random, 0, m, pass, w) / truth.own[m]);
-                model.calibrate(m, pass, Processor::gpu, w, least);
-            }
-    model.finishCalibration(same);
+    for (uint32_t m = 0; m < kMethods; ++m) {
+        const double k = (0.5 + 0.3 * m) / factor;
+        std::array<TrackCost, kTracks> tracks;
+        tracks[trackOf(Pass::update, Processor::gpu)] = {
+            .ms = {0.05 / factor, 8.0 * k, 0.0, 0.3 / factor, 0.3 / factor}, .octaves = 0.3, .samples = 40};
+        tracks[trackOf(Pass::resolve, Processor::gpu)] = {
+            .ms = {0.02 / factor, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0 * k}, .octaves = 0.3, .samples = 40};
+        model.teach(m, tracks, 0.0);
+    }
+    model.setKinship(kinship);
 }
 
-struct Errors {
-    double median, p95;
-};
-inline Errors errorsOf(const CostModel& model, const Truth& truth, Random& random, uint32_t light)
+/// Octaves between what is predicted for a light by a method and what it takes.
+inline double errorOf(const CostModel& model, const Truth& truth, uint32_t light, uint32_t m, const Workload& w)
 {
-    std::vector<double> errors;
-    for (int i = 0; i < 2000; ++i) {
-        const Workload w = anyWorkload(random);
-        const uint32_t m = random.below(kMethods);
-        const double real = truth.ms(light, m, Pass::update, w) + truth.ms(light, m, Pass::resolve, w);
-        errors.push_back(std::fabs(model.predict(light, m, w, false).ms / real - 1.0));
-    }
-    std::sort(errors.begin(), errors.end());
-    return {errors[1000], errors[1900]};
+    const double real = truth.ms(light, m, Pass::update, w) + truth.ms(light, m, Pass::resolve, w);
+    return log2Exactly(model.predict(light, m, w, false).ms / real);
 }
 
 /// One frame's timings; `methodOf` says which method serves a light.
@@ -98,7 +89,7 @@ void runFrameWith(CostModel& model, const Truth& truth, Random& random, const st
                            .method = m,
                            .pass = pass,
                            .workload = workloads[light],
-                           .ms = truth.timed(random, light, m, pass, workloads[light]),
+                           .gpuMs = truth.timed(random, light, m, pass, workloads[light]),
                            .framesSinceSwitch = framesSinceSwitch});
         }
     model.endFrame();

@@ -1,114 +1,117 @@
 #include <cmath>
 #include <doctest/doctest.h>
 #include <string>
-#include <vector>
 
-#include "runtime/cost/cost_model.hpp"
 #include "runtime/cost/knowledge_base.hpp"
-#include "tests/plan/cost_truth.hpp"
+#include "tests/plan/random.hpp"
 
 using namespace gnomon::cost;
-using namespace gnomon::cost::test;
+using gnomon::test::Random;
 
-TEST_CASE("a knowledge base reads back as it was written, and teaches the model")
+namespace {
+
+DeviceKnowledge anyDevice()
 {
-    Random random(9);
-    std::vector<KnowledgeRow> rows;
-    for (int i = 0; i < 60; ++i)
-        rows.push_back({.device = "a, \"b\"",
-                        .driver = "d",
-                        .algorithm = i % 2 ? "shadow_map" : "ray_traced",
-                        .pass = i % 4 < 2 ? Pass::update : Pass::resolve,
-                        .workload = anyWorkload(random),
-                        .samples = 5,
-                        .gpuMsP50 = random.between(0.1, 3),
-                        .gpuMsP95 = 4.5,
-                        .date = "2026-01-01"});
-    const std::string text = writeKnowledge(rows);
+    DeviceKnowledge device{"a, \"b\"", "d", "integrated", {}, {}};
+    for (const char* name : {"shadow_map", "ray_traced"}) {
+        AlgorithmCost cost{
+            .algorithm = name, .tracks = {}, .wrongPercent = 0.125, .wrongSamples = 12, .firstFrameMs = 3.5};
+        cost.tracks[trackOf(Pass::update, Processor::gpu)] = {
+            .ms = {0.5, 46.0, 0.0, 0.25}, .octaves = 0.375, .samples = 80};
+        cost.tracks[trackOf(Pass::resolve, Processor::cpu)] = {
+            .ms = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 1.25}, .octaves = 0.5, .samples = 90};
+        device.algorithms.push_back(cost);
+    }
+    device.parts.push_back({"stencil_volume", "volumes.strips, all", 2e-6});
+    return device;
+}
+
+} // namespace
+
+TEST_CASE("a knowledge base reads back as it was written")
+{
+    const DeviceKnowledge device = anyDevice();
+    const std::string text = writeKnowledge({&device, 1});
     const KnowledgeResult read = parseKnowledge(text);
     REQUIRE(read.base);
     CHECK(read.base->rejected == 0);
-    CHECK(writeKnowledge(read.base->rows) == text);
+    REQUIRE(read.base->devices.size() == 1);
+    const DeviceKnowledge& back = read.base->devices[0];
+    CHECK(writeKnowledge({&back, 1}) == text);
     CHECK(parseKnowledge("\xef\xbb\xbf" + text).base); // as editors mark UTF-8
-    CHECK(read.base->rows[7].gpuMsP50 == doctest::Approx(rows[7].gpuMsP50).epsilon(1e-6));
-    CHECK(read.base->rows[7].device == rows[7].device);
-
-    const std::vector<std::string> methods{"ray_traced", "other"};
-    CostModel model;
-    model.resize(2, 1);
-    const Learned home = learn(model, *read.base, methods, rows[0].device);
-    CHECK(home.rows == 30);
-    CHECK(home.sameDevice);
-    CHECK(model.predict(0, 0, rows[0].workload, false).calibrated);
-    CHECK_FALSE(model.predict(0, 1, rows[0].workload, false).calibrated);
-    CostModel elsewhere;
-    elsewhere.resize(2, 1);
-    CHECK_FALSE(learn(elsewhere, *read.base, methods, "another").sameDevice);
+    CHECK(back.device == device.device);
+    CHECK(back.kind == "integrated");
+    const AlgorithmCost* rays = back.find("ray_traced");
+    REQUIRE(rays);
+    const TrackCost& resolve = rays->tracks[trackOf(Pass::resolve, Processor::cpu)];
+    CHECK(resolve.ms[static_cast<size_t>(Term::rayLevels)] == 1.25);
+    CHECK(resolve.octaves == 0.5);
+    CHECK(resolve.samples == 90);
+    CHECK(rays->tracks[trackOf(Pass::resolve, Processor::gpu)].samples == 0);
+    CHECK(rays->wrongPercent == 0.125);
+    CHECK(rays->firstFrameMs == 3.5);
+    REQUIRE(back.parts.size() == 1);
+    CHECK(back.parts[0].pass == "volumes.strips, all");
+    CHECK(back.parts[0].msPerPixel == doctest::Approx(2e-6));
+    CHECK_FALSE(back.find("nobody"));
 }
 
-TEST_CASE("what lights of a view share is read back too, and teaches no light")
+TEST_CASE("the nearest device is the same one, else one of its kind, else the first")
 {
-    const std::vector<KnowledgePart> parts{{.device = "d",
-                                            .driver = "v",
-                                            .algorithm = "stencil_volume",
-                                            .pass = "volumes.strips, all",
-                                            .viewPixels = 921600,
-                                            .samples = 12,
-                                            .gpuMs = 1.5,
-                                            .date = "2026-01-01"},
-                                           {.device = "d",
-                                            .algorithm = "tile_shafts",
-                                            .pass = "view.hulls",
-                                            .viewPixels = 1000,
-                                            .samples = 3,
-                                            .cpuMs = 0.25}};
-    const std::string text = writeKnowledge({}, parts);
-    const KnowledgeResult read = parseKnowledge(text);
-    REQUIRE(read.base);
-    CHECK(read.base->findings.empty());
-    CHECK(read.base->rows.empty());
-    REQUIRE(read.base->parts.size() == 2);
-    CHECK(read.base->parts[0].pass == "volumes.strips, all");
-    CHECK(read.base->parts[0].viewPixels == 921600);
-    CHECK(read.base->parts[0].gpuMs == 1.5);
-    CHECK(read.base->parts[1].cpuMs == 0.25);
-    CHECK(writeKnowledge({}, read.base->parts) == text);
-    CostModel model;
-    model.resize(1, 1);
-    const std::vector<std::string> methods{"stencil_volume"};
-    CHECK(learn(model, *read.base, methods, "d").rows == 0);
+    KnowledgeBase base;
+    CHECK_FALSE(base.nearestTo("x", "software"));
+    base.devices = {{"s", "", "software", {}, {}}, {"d1", "", "discrete", {}, {}}, {"d2", "", "discrete", {}, {}}};
+    CHECK(base.nearestTo("d2", "software")->device == "d2");
+    CHECK(base.nearestTo("x", "discrete")->device == "d1");
+    CHECK(base.nearestTo("x", "integrated")->device == "s");
+}
 
-    std::string flat = text;
-    flat.replace(flat.find(",921600,"), 8, ",0,");
-    CHECK(parseKnowledge(flat).base->findings.at(0) == "line 3: view_pixels is not a size");
-    std::string nameless = text;
-    nameless.replace(nameless.find("\"view:volumes.strips, all\""), 26, "view:");
-    CHECK(parseKnowledge(nameless).base->rejected == 1);
+TEST_CASE("the shipped bases are whole, and every fit is worth its name")
+{
+    const KnowledgeBase& shipped = shippedKnowledge();
+    REQUIRE(shipped.devices.size() == 2);
+    for (const DeviceKnowledge& device : shipped.devices) {
+        CHECK(device.algorithms.size() >= 19);
+        CHECK_FALSE(device.parts.empty());
+        for (const AlgorithmCost& cost : device.algorithms)
+            for (const TrackCost& track : cost.tracks)
+                if (track.samples > 0) CHECK_MESSAGE(track.octaves < 2.0, device.device, ' ', cost.algorithm);
+    }
+    CHECK(shipped.nearestTo("any", "software")->kind == "software");
+    CHECK(shipped.nearestTo("any", "discrete")->kind == "discrete");
 }
 
 TEST_CASE("a damaged knowledge base is an error or loses only its damaged rows")
 {
     const std::string head = writeKnowledge({});
-    CHECK(parseKnowledge(head).base->rows.empty()); // an empty one is fine
+    CHECK(parseKnowledge(head).base->devices.empty()); // an empty one is fine
     CHECK_FALSE(parseKnowledge("").base);
     CHECK_FALSE(parseKnowledge("# gnomon knowledge 0\n").base);
     CHECK(parseKnowledge("# gnomon knowledge 99\n").error.find("version '99'") != std::string::npos);
-    CHECK(parseKnowledge("# gnomon knowledge 4\ndevice,driver\n").error == "column 'algorithm' is missing");
-    const std::string good =
-        "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,4,0.5,1,5,1,1.5,2,0,0,0,0,0,2026\n";
-    for (const char* bad :
-         {"d,v,shadow_map,resolve,nan,10,0,1,0,10,1,0,0,900,2000,700,4,0.5,1,5,1,1.5,2,0,0,0,0,0,2026\n",
-          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,4,0.5,1,5,1,inf,2,0,0,0,0,0,2026\n",
-          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,4,0.5,1,5,1,-1,2,0,0,0,0,0,2026\n",
-          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,4,0.5,1,5,1,\"1,5\",2,0,0,0,0,0,2026\n",
-          "d,v,shadow_map,resolve,1000,10,0,1,0,10,1,0,0,900,2000,700,4,0.5,1,5,0,0,2,0,0,0,0,0,2026\n",
-          "d,v,shadow_map,cook,1000,10,0,1,0,10,1,0,0,900,2000,700,4,0.5,1,5,1,1,2,0,0,0,0,0,2026\n", "d,v\n",
-          "\"\n"}) {
+    CHECK(parseKnowledge("# gnomon knowledge 5\ndevice,driver\n").error == "column 'kind' is missing");
+    CHECK(parseKnowledge(std::string(kMaxKnowledgeBytes + 1, ' ')).error.find("1 MiB") != std::string::npos);
+    const std::string good = "d,v,software,shadow_map,resolve,gpu,9,0.3,0.1,1,,,,,,2,,,,\n";
+    REQUIRE(parseKnowledge(head + good).base->rejected == 0);
+    for (const auto& [bad, why] :
+         {std::pair{"d,v,software,shadow_map,resolve,gpu,9,0.3,nan,1,,,,,,2,,,,\n",
+                    "line 3: fixed_ms 'nan' is no measurement"},
+          {"d,v,software,shadow_map,resolve,gpu,9,0.3,1e30,1,,,,,,2,,,,\n",
+           "line 3: fixed_ms '1e30' is no measurement"},
+          {"d,v,software,shadow_map,resolve,gpu,9,-0.3,0.1,1,,,,,,2,,,,\n", "line 3: octaves '-0.3' is no measurement"},
+          {"d,v,software,shadow_map,resolve,tpu,9,0.3,0.1,1,,,,,,2,,,,\n",
+           "line 3: processor 'tpu' is neither gpu nor cpu"},
+          {"d,v,software,shadow_map,resolve,gpu,9,0.3,,,,,,,,,,,,\n", "line 3: no time was measured"},
+          {"d,v,software,shadow_map,cook,gpu,9,0.3,0.1,1,,,,,,2,,,,\n",
+           "line 3: pass 'cook' is none of update, resolve, method and view:NAME"},
+          {"d,v,software,shadow_map,view:,gpu,9,0.3,0.1,1,,,,,,2,,,,\n",
+           "line 3: pass 'view:' is none of update, resolve, method and view:NAME"},
+          {"d,v\n", "line 3: not as many cells as columns"},
+          {"\"\n", "line 3: an open quote"}}) {
         const KnowledgeResult result = parseKnowledge(head + bad + good);
         REQUIRE(result.base);
-        CHECK(result.base->rows.size() == 1);
+        CHECK(result.base->devices.size() == 1);
         CHECK(result.base->rejected == 1);
-        CHECK(result.base->findings.at(0).starts_with("line 3: "));
+        CHECK(result.base->findings.at(0) == why);
     }
     Random random(10);
     for (int round = 0; round < 3000; ++round) { // nothing crashes, nothing not finite gets through
@@ -117,7 +120,10 @@ TEST_CASE("a damaged knowledge base is an error or loses only its damaged rows")
             text[random.below(static_cast<uint32_t>(text.size()))] = static_cast<char>(random.below(256));
         text.resize(random.below(static_cast<uint32_t>(text.size() + 1)));
         if (const KnowledgeResult result = parseKnowledge(text); result.base)
-            for (const KnowledgeRow& row : result.base->rows)
-                CHECK(std::isfinite(row.gpuMsP50 + row.cpuMsP50 + row.workload.pixels));
+            for (const DeviceKnowledge& device : result.base->devices)
+                for (const AlgorithmCost& cost : device.algorithms)
+                    for (const TrackCost& track : cost.tracks)
+                        for (const double ms : track.ms)
+                            CHECK((std::isfinite(ms) && ms >= 0.0));
     }
 }

@@ -11,16 +11,6 @@ using namespace gnomon::demo;
 
 namespace {
 
-gnomon::cost::KnowledgeBase shippedKnowledge()
-{
-    std::ifstream file(GNOMON_KNOWLEDGE);
-    std::ostringstream text;
-    text << file.rdbuf();
-    gnomon::cost::KnowledgeResult knowledge = gnomon::cost::parseKnowledge(text.str());
-    REQUIRE_MESSAGE(knowledge.base, knowledge.error);
-    return std::move(*knowledge.base);
-}
-
 struct Case {
     const char* name;
     double switches; ///< Per light and second: a scene that stands still, lights and eye that move, a stress.
@@ -31,10 +21,8 @@ constexpr Case kCases[] = {{"static", 0.05}, {"slow_walk", 0.2}, {"stress", 1.5}
 
 TEST_CASE("on recorded traces the plan keeps floor and budget and loses little against the best plan of every frame")
 {
-    const gnomon::cost::KnowledgeBase knowledge = shippedKnowledge();
     ReplayOptions options;
-    options.knowledge = &knowledge;
-    options.device = knowledge.rows.front().device;
+    options.knowledge = gnomon::cost::shippedKnowledge().nearestTo({}, "software");
     for (const Case& wanted : kCases) {
         const Trace trace = resample(gnomon::test::recordedTrace(wanted.name), 60.0); // as a runtime decides
         const std::vector<ReplayMetrics> all = compare(trace, options, nullptr);

@@ -220,35 +220,32 @@ TEST_CASE("work that methods share is known by pass, charged to those that decla
 TEST_CASE("work that methods share is known from a knowledge base of this device until a frame has shown it")
 {
     const std::vector<std::string_view> algorithms{"map", "stencil", "octree", "stencil"};
-    const auto part = [](const char* device, const char* algorithm, const char* pass, double ms) {
-        return cost::KnowledgePart{
-            .device = device, .algorithm = algorithm, .pass = pass, .viewPixels = 2000.0, .samples = 4, .gpuMs = ms};
-    };
-    const std::vector<cost::KnowledgePart> base{
-        part("here", "stencil", "view.strips", 3.0), part("here", "octree", "view.strips", 3.0),
-        part("here", "unknown", "view.other", 1.0), part("there", "map", "view.copy", 9.0)};
+    const std::vector<cost::KnowledgePart> base{{"stencil", "view.strips", 1.5e-3},
+                                                {"octree", "view.strips", 1.5e-3},
+                                                {"unknown", "view.other", 0.5e-3},
+                                                {"map", "view.copy", 4.5e-3}};
     SharedParts shared;
     shared.note("view.copy", {0}, 0.5f);
     shared.endFrame({0}, 1000.0);
-    shared.teach(base, "here", algorithms);
+    shared.teach(base, algorithms);
     REQUIRE(shared.parts(1000.0).size() == 2);
     CHECK(shared.parts(1000.0)[0].methods == MethodSet{0});
-    CHECK(shared.parts(1000.0)[0].ms == doctest::Approx(0.5)); // what was measured there says nothing here
+    CHECK(shared.parts(1000.0)[0].ms == doctest::Approx(0.5)); // shown: the base has no say
     CHECK(shared.parts(1000.0)[1].methods == MethodSet{1, 2, 3});
     CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(1.5));
     shared.note("view.strips", {1}, 2.5f);
     shared.endFrame({1}, 1000.0);
     CHECK(shared.parts(1000.0)[1].methods == MethodSet{1, 2, 3});
     CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(2.5)); // shown: the base has no say any more
-    shared.teach(base, "here", algorithms);
+    shared.teach(base, algorithms);
     CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(2.5));
     shared.endFrame({3}, 1000.0); // the other stencil method ran without it
     const std::vector<std::string_view> more{"map", "stencil", "octree", "stencil", "stencil"}; // a host has added one
-    shared.teach(base, "here", more);
+    shared.teach(base, more);
     CHECK(shared.parts(1000.0)[1].methods == MethodSet{1, 2, 4});
     CHECK(shared.parts(1000.0)[1].ms == doctest::Approx(2.5));
     SharedParts another;
-    another.teach(base, "here", algorithms);
-    another.teach({}, "here", algorithms); // another base that says nothing
+    another.teach(base, algorithms);
+    another.teach({}, algorithms); // another base that says nothing
     CHECK(another.parts(1000.0).empty());
 }

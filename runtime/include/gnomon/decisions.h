@@ -25,6 +25,8 @@ typedef enum GnReason {
                                   ///< as much.
     GN_REASON_FLOOR = 9,          ///< Another one suits better, but its quality is below the floor under what is near.
     GN_REASON_UTILITY = 10,         ///< The plan: another one suits better, but with its quality is worth no more.
+    GN_REASON_NOT_RECORDABLE = 11,  ///< The method that the host pinned needs the CPU between its passes, and the frame
+                                    ///< is recorded (gnCmdRenderShadows()): the rules chose another one.
     GN_REASON_MAX_ENUM = 0x7FFFFFFF
 } GnReason;
 
@@ -87,7 +89,8 @@ typedef struct GnCandidate {
     GnElimination elimination;
     float quality;             ///< (0, 1]: share of the truth the method keeps.
     float predictedMs;         ///< By the cost model, GPU and CPU.
-    float sigmaMs;             ///< Standard error of the prediction.
+    float sureMs;              ///< What the choice counts with: predictedMs where the light was timed with the method;
+                               ///< else what methods of its kind hardly exceed, so that the unknown is never cheap.
     float sharedMs;            ///< Beside predictedMs: work for the whole view (copies of its depth, say) that the
                                ///< method needs. Under a budget, what no other light's method needs; else the light's
                                ///< part if all had it.
