@@ -141,14 +141,15 @@ Answer answer(const std::vector<DecisionLog>& logs, const Place& place, const Wh
     const DecisionRecord record = log.record(place.index);
     std::vector<MethodWords> methods;
     for (const LoggedMethod& method : log.methods)
-        methods.push_back({method.name, method.unavailable});
+        methods.push_back({method.name, method.unavailable, (method.traits & GN_TRAIT_RAYS_BIT) != 0});
     std::string light = "number " + std::to_string(record.lightId);
     for (const LoggedLight& named : log.lights)
         if (named.id == record.lightId) light = named.name;
     const std::optional<rules::Engine> engine = engineOf(log, record.methods);
     const bool same = engine && engine->base().textHash == record.ruleHash;
     const ExplainWords words{
-        .methods = methods, .engine = same ? &*engine : nullptr, .light = light, .frameOrigin = log.frameOrigin};
+        .methods = methods, .engine = same ? &*engine : nullptr, .light = light, .frameOrigin = log.frameOrigin,
+        .software = log.software};
     if (question.asked == Asked::why) return explainWhy(record, words);
     if (question.asked == Asked::whatIf) return explainWhatIf(record, words);
     if (question.asked == Asked::whyNot) {

@@ -15,7 +15,6 @@ constexpr double kNoise = 0.0123;      // log2(1.08)^2: 8 %, the timing noise us
 constexpr double kSame = 0.5;          // octaves squared, of the device factor: the same, at another clock or load
 constexpr double kAlike = 1.5;         // octaves squared: a device of the same kind
 constexpr double kForeign = 9.0;       // octaves squared: any other
-constexpr double kBenchmarked = 0.25;  // octaves squared: what one fill rate says about everything else
 constexpr double kDeviceDrift = 1e-5;  // octaves squared a timed frame: a tenth of an octave in ten minutes
 constexpr double kMethodDrift = 1e-4;  // octaves squared a timed frame: what a scene changes in a minute
 constexpr double kStep = 0.15;         // octaves = 11 %: a median beyond it in 3 of 5 frames is a step of the device
@@ -105,14 +104,6 @@ void CostModel::setKinship(Kinship kinship) noexcept
     const double variance = kinship == Kinship::same ? kSame : kinship == Kinship::alike ? kAlike : kForeign;
     devices_.fill({0.0, variance});
     steps_ = {};
-    ++revision_;
-}
-
-void CostModel::benchmark(Processor processor, double octaves) noexcept
-{
-    if (!std::isfinite(octaves)) return;
-    Belief& device = devices_[at(static_cast<size_t>(processor))];
-    device.take(octaves - device.octaves, kBenchmarked);
     ++revision_;
 }
 

@@ -78,9 +78,6 @@ public:
     void teach(uint32_t method, const std::array<TrackCost, kTracks>& tracks, double doubt) noexcept;
     /// How much the numbers taught say about this device. Forgets the device factor.
     void setKinship(Kinship kinship) noexcept;
-    /// A benchmark of the device itself: what it takes on this processor over what it took where the numbers were
-    /// measured, octaves.
-    void benchmark(Processor processor, double octaves) noexcept;
 
     /// Timings are collected between these two, one frame at a time, in any number. No allocation.
     void observe(const Observation& observation) noexcept;

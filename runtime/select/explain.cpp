@@ -139,6 +139,13 @@ std::string priceText(const Candidate& chosen, const Candidate& candidate)
                      : "shows no more and takes " + changeCostText(candidate);
 }
 
+/// Where the "GPU" is the CPU, filling pixels takes the time that rays take elsewhere.
+std::string softwareText(std::uint32_t chosen, const ExplainWords& words)
+{
+    const bool rays = words.software && chosen < words.methods.size() && words.methods[chosen].rays;
+    return rays ? "; on a software device rays are the cheapest right answer here" : "";
+}
+
 std::string costLine(const DecisionRecord& record)
 {
     if (record.method >= record.methods) return {};
@@ -195,7 +202,7 @@ std::string passedOverLine(const DecisionRecord& record, const ExplainWords& wor
                fixed(double{wanted.quality}, 2) + " is below the near floor";
     case plan::Why::price:
         return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but " +
-               priceText(record.candidates[record.method], wanted);
+               priceText(record.candidates[record.method], wanted) + softwareText(record.method, words);
     case plan::Why::outscored:
         if (record.budgeted)
             return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but with its quality " +

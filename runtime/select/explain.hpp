@@ -17,6 +17,7 @@ constexpr std::size_t kMostExplanationLines = 12;
 struct MethodWords {
     std::string_view name;
     std::string_view unavailable; ///< Why the device cannot run it; empty: it can.
+    bool rays = false;            ///< Traces rays, on the CPU.
 };
 
 /// The names behind the numbers of a record.
@@ -25,6 +26,7 @@ struct ExplainWords {
     const rules::Engine* engine = nullptr; ///< The record's rule base; null: none, or it is no longer there.
     std::string_view light;
     std::uint64_t frameOrigin = 0; ///< Subtracted from frame numbers in text.
+    bool software = false;         ///< The device is the CPU.
 };
 
 /// Why this method: the reason, the rules behind it with what limits them, facts, cost, and the runner-up.

@@ -71,8 +71,6 @@ public:
     };
     /// Starts the cost model anew from what was measured elsewhere; methods added later learn from it too. Allocates.
     Taught teach(cost::KnowledgeBase base, const Device& device);
-    /// A benchmark of the device: how much longer it takes than the one taught, octaves.
-    void benchmark(cost::Processor processor, double octaves) { model_.benchmark(processor, octaves); }
     /// What teach() took; null before.
     const cost::DeviceKnowledge* knowledge() const { return known_; }
     /// Grows with every timing that the cost model learns from.

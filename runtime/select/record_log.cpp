@@ -123,6 +123,7 @@ std::string writeDecisionLog(const DecisionLog& log)
     out.bytes = kMagic;
     out.integer(std::uint32_t{0}); // the size, set at the end
     out.integer(log.frameOrigin);
+    out.integer(static_cast<std::uint8_t>(log.software));
     out.integer(static_cast<std::uint8_t>(log.methods.size()));
     for (const LoggedMethod& method : log.methods) {
         out.text(method.name);
@@ -168,6 +169,7 @@ public:
         in_.integer<std::uint64_t>(); // magic and size have been looked at
         in_.integer<std::uint32_t>();
         log_.frameOrigin = in_.integer<std::uint64_t>();
+        log_.software = in_.integer<std::uint8_t>() != 0;
         readNames();
         const auto records = in_.integer<std::uint32_t>();
         for (std::uint32_t i = 0; i < records && good(); ++i) {

@@ -6,6 +6,7 @@
 //     "GNDECID6"                                                     version in the last byte
 //     u32 size of the chunk in bytes, hash included
 //     u64 frame origin: subtracted from frame numbers when they are shown or asked for
+//     u8 1: the device is the CPU
 //     u8 methods x { text name; u32 traits (GnTraits); text why the device cannot run it, or empty }
 //     u8 facts x text name
 //     text name and text of the rule base in force; empty: none
@@ -22,7 +23,7 @@
 //         facts x f64
 //         u8 fired rules x { u32 rule; u32 limiting variable, term; f32 strength, membership, weight }
 //         methods of then x { i16 suitability in 1/4096, -1 none; u8 exclusion, why;
-//                     f32 quality, predicted ms, sigma ms, first ms, shared ms;
+//                     f32 quality, predicted ms, sure ms, first ms, shared ms;
 //                     where excluded: u64 detail, u16 refusal (65535: none) } }
 //     u64 FNV-1a of everything before
 //
@@ -53,6 +54,7 @@ struct LoggedLight {
 
 struct DecisionLog {
     std::uint64_t frameOrigin = 0;
+    bool software = false; ///< The device is the CPU.
     std::vector<LoggedMethod> methods;
     std::string rulesName, rulesText;
     std::vector<LoggedLight> lights;

@@ -53,7 +53,7 @@ const std::vector<MethodWords>& methodWords()
     static const std::vector<MethodWords> words = [] {
         std::vector<MethodWords> all;
         for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
-            all.push_back({algorithm.entry->name, ""});
+            all.push_back({algorithm.entry->name, "", (algorithm.entry->traits & GN_TRAIT_RAYS_BIT) != 0});
         return all;
     }();
     return words;

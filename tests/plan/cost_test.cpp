@@ -109,21 +109,6 @@ TEST_CASE("a foreign device is known after one frame")
     CHECK(worst() < 0.8);
 }
 
-TEST_CASE("a benchmark of the device says most of what the first frame would")
-{
-    CostModel model;
-    model.resize(kMethods, kLights);
-    calibrate(model, 8.0, Kinship::foreign);
-    const Workload w{.pixels = 1e6};
-    const double before = model.predict(0, 0, Pass::resolve, w).ms;
-    model.benchmark(Processor::gpu, 3.0);
-    const Prediction after = model.predict(0, 0, Pass::resolve, w);
-    CHECK(log2Exactly(after.ms / before) == doctest::Approx(3.0).epsilon(0.05));
-    CHECK(after.sigmaOctaves < 0.7);
-    model.benchmark(Processor::gpu, std::numeric_limits<double>::quiet_NaN());
-    CHECK(model.predict(0, 0, Pass::resolve, w).ms == after.ms);
-}
-
 TEST_CASE("spikes, cold starts and disturbed frames leave the prediction where it was")
 {
     Random random(4);

@@ -16,7 +16,7 @@ table='
 0  runtime/include/gnomon
 0  shaders/shared
 1  runtime/base             runtime/include/gnomon
-1  runtime/cost
+2  runtime/cost             runtime/base
 1  shaders/runtime          shaders/shared
 1  shaders/maps             shaders/shared
 1  shaders/omni             shaders/shared
