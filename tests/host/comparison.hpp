@@ -22,17 +22,24 @@ struct PinnedMethod {
     std::vector<double> mediansMs; ///< One of each alternation with the default; empty: it had none.
 };
 
+/// Frames of the default with a budget, after its first second, and as many of the best pinned method in between: where
+/// those are over the budget, other work on the machine is the cause.
+struct BudgetRun {
+    double budgetMs = 0.0;
+    double medianMs = 0.0, bestMedianMs = 0.0;
+    uint32_t frames = 0, framesOver = 0, bestFramesOver = 0;
+    std::string choices; ///< Of the default in its last frame.
+};
+
 struct Comparison {
     std::vector<PinnedMethod> pinned; ///< Some of those that can serve, cheapest first.
     std::vector<double> defaultMediansMs;
-    double firstFrameMs = 0.0;                   ///< Of the default, after gnWarmUp().
-    double defaultWrongPercent = 0.0;            ///< Largest of the moments looked at, after its first second.
-    double allowedWrongPercent = 0.0;            ///< Up to this a pinned method is of equal quality.
-    std::string choices;                         ///< Of the default in its last frame.
-    uint32_t framesBudgeted = 0, framesOver = 0; ///< After the first second with a budget.
-    uint32_t bestFramesOver = 0;                 ///< Of as many of the best pinned method's.
-    double budgetMs = 0.0;
-    std::string choicesBudgeted; ///< In the last of these frames.
+    double firstFrameMs = 0.0;        ///< Of the default, after gnWarmUp().
+    double defaultWrongPercent = 0.0; ///< Largest of the moments looked at, after its first second.
+    double allowedWrongPercent = 0.0; ///< Up to this a pinned method is of equal quality.
+    std::string choices;              ///< Of the default in its last frame.
+    BudgetRun kept;                   ///< With a budget of 1.5 times the best pinned method.
+    BudgetRun tooTight;               ///< With half of that method, which nothing of equal quality can keep.
 
     double defaultMs() const;
     /// The cheapest in the alternations; null: none is of equal quality.
