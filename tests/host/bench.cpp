@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "turns.hpp"
+#include "runs.hpp"
 
 namespace {
 using namespace stranger;

@@ -69,13 +69,13 @@ Mesh makeStatue()
 }
 
 /// Four walls, neither bottom nor lid, each of 2 x 2 quads.
-void addCrate(Mesh& mesh, float x, float z, float size, float turn)
+void addCrate(Mesh& mesh, float x, float z, float size, float alternation)
 {
     constexpr uint32_t kAround = 8, kLevels = 2;
     const uint32_t first = static_cast<uint32_t>(mesh.positions.size());
     for (uint32_t level = 0; level <= kLevels; ++level)
         for (uint32_t i = 0; i < kAround; ++i) {
-            const float angle = turn + 2.0f * kPi * static_cast<float>(i) / kAround;
+            const float angle = alternation + 2.0f * kPi * static_cast<float>(i) / kAround;
             const float reach = i % 2 ? size * 0.7071068f : size; // corners are farther out than middles of walls
             addVertex(mesh, x + reach * std::cos(angle), size * static_cast<float>(level) - 0.05f,
                       z + reach * std::sin(angle));
@@ -88,11 +88,11 @@ void addCrate(Mesh& mesh, float x, float z, float size, float turn)
 }
 
 /// Two cards through one another, as plants are made of: all four halves share the edge in the middle.
-void addCards(Mesh& mesh, float x, float z, float size, float turn)
+void addCards(Mesh& mesh, float x, float z, float size, float alternation)
 {
     const uint32_t low = addVertex(mesh, x, -0.05f, z), high = addVertex(mesh, x, 2.0f * size, z);
     for (int half = 0; half < 4; ++half) {
-        const float angle = turn + 0.5f * kPi * static_cast<float>(half);
+        const float angle = alternation + 0.5f * kPi * static_cast<float>(half);
         const float outX = x + size * std::cos(angle), outZ = z + size * std::sin(angle);
         addQuad(mesh, low, high, addVertex(mesh, outX, 2.0f * size, outZ), addVertex(mesh, outX, -0.05f, outZ));
     }

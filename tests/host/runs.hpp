@@ -1,6 +1,6 @@
-// Frames in a row, and the exact answers that they are held against.
-#ifndef GNOMON_TESTS_HOST_TURNS_HPP
-#define GNOMON_TESTS_HOST_TURNS_HPP
+// Runs of frames, and the exact answers that they are held against.
+#ifndef GNOMON_TESTS_HOST_RUNS_HPP
+#define GNOMON_TESTS_HOST_RUNS_HPP
 
 #include <memory>
 #include <string>
@@ -13,7 +13,7 @@ namespace stranger {
 constexpr double kStepS = 1.0 / 30.0; // of the animation, whatever a frame takes
 
 /// Renders frames from a moment on, waits, and gives the median of what their shadows took.
-double runTurn(Renderer& renderer, double fromS, int frames);
+double runFrames(Renderer& renderer, double fromS, int frames);
 
 /// Renders for a second of wall time at least, as a host does before its user has looked around.
 void runFirstSecond(Renderer& renderer);
@@ -21,7 +21,7 @@ void runFirstSecond(Renderer& renderer);
 /// A renderer all of whose lights are pinned, warmed up. Null where the method is refused.
 std::unique_ptr<Renderer> createPinned(const Device& device, const Options& options, const std::string& method);
 
-/// What rays say at some moments, by the submitted entry point. Empty where there are no rays.
+/// What rays say at some moments, by the submitted entry point. Throws where there are no rays.
 std::vector<Answer> traceReferences(const Device& device, VkExtent2D size);
 
 /// Largest wrong share over these moments, in per cent. Each is looked at in its second frame: what was kept from the

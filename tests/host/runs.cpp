@@ -1,6 +1,7 @@
-#include "turns.hpp"
+#include "runs.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace stranger {
 namespace {
@@ -8,7 +9,7 @@ namespace {
 constexpr double kMomentsS[] = {0.7, 2.9, 5.3}; // lamps stand elsewhere each time
 } // namespace
 
-double runTurn(Renderer& renderer, double fromS, int frames)
+double runFrames(Renderer& renderer, double fromS, int frames)
 {
     const size_t first = renderer.reports().size();
     for (int i = 0; i < frames; ++i)
@@ -26,7 +27,7 @@ void runFirstSecond(Renderer& renderer)
     double elapsedMs = 0.0;
     while (elapsedMs < 1000.0) {
         const size_t first = renderer.reports().size();
-        runTurn(renderer, static_cast<double>(first) * kStepS, kAtOnce);
+        runFrames(renderer, static_cast<double>(first) * kStepS, kAtOnce);
         for (size_t i = first; i < renderer.reports().size(); ++i)
             elapsedMs += renderer.reports()[i].wallMs;
     }
@@ -42,12 +43,12 @@ std::unique_ptr<Renderer> createPinned(const Device& device, const Options& opti
 
 std::vector<Answer> traceReferences(const Device& device, VkExtent2D size)
 {
+    const auto renderer = createPinned(device, {.size = size}, "ray_traced");
+    if (!renderer) throw std::runtime_error("ray_traced, the reference, cannot serve");
     std::vector<Answer> references;
-    if (const auto renderer = createPinned(device, {.size = size}, "ray_traced")) {
-        for (double moment : kMomentsS) {
-            runTurn(*renderer, moment - kStepS, 2);
-            references.push_back(renderer->read());
-        }
+    for (double moment : kMomentsS) {
+        runFrames(*renderer, moment - kStepS, 2);
+        references.push_back(renderer->read());
     }
     return references;
 }
@@ -56,7 +57,7 @@ double wrongAtMoments(Renderer& renderer, const std::vector<Answer>& references)
 {
     double wrong = 0.0;
     for (size_t i = 0; i < references.size(); ++i) {
-        runTurn(renderer, kMomentsS[i] - kStepS, 2);
+        runFrames(renderer, kMomentsS[i] - kStepS, 2);
         wrong = std::max(wrong, wrongPercent(renderer.read(), references[i]));
     }
     return wrong;

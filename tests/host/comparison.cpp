@@ -1,0 +1,166 @@
+#include "comparison.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdio>
+
+namespace stranger {
+namespace {
+
+constexpr VkExtent2D kSize{320, 180};
+constexpr double kTooSlow = 20.0; // times the fastest first frame: not looked at again
+constexpr size_t kHandful = 6;
+constexpr size_t kPinnedAlternating = 3;
+constexpr int kAlternations = 5, kDefaultFrames = 8, kPinnedFrames = 4;
+constexpr double kBudgetFactor = 1.5, kTooTightFactor = 0.5; // times the cheapest method of equal quality
+
+Options optionsFor(bool recorded)
+{
+    Options options;
+    options.recorded = recorded;
+    options.size = kSize;
+    return options;
+}
+
+bool servesAll(const Renderer& renderer, const std::string& method)
+{
+    return std::ranges::all_of(renderer.reports().back().choices,
+                               [&](const Choice& choice) { return choice.pMethod && choice.pMethod == method; });
+}
+
+/// Looks at a handful of methods, those with the cheapest first frames, each in a renderer of its own.
+std::vector<PinnedMethod> lookAtHandful(const Device& device, const Options& options,
+                                        const std::vector<Answer>& references)
+{
+    std::vector<PinnedMethod> methods;
+    double fastestMs = 1e30;
+    for (const std::string& name : Renderer(device, options).shadows().methods()) {
+        PinnedMethod method{.name = name, .renderer = createPinned(device, options, name)};
+        if (!method.renderer) continue;
+        method.lookMs = runFrames(*method.renderer, 0.0, 1);
+        if (!servesAll(*method.renderer, name)) continue; // for lack of memory, say
+        fastestMs = std::min(fastestMs, method.lookMs);
+        methods.push_back(std::move(method));
+    }
+    std::sort(methods.begin(), methods.end(),
+              [](const PinnedMethod& a, const PinnedMethod& b) { return a.lookMs < b.lookMs; });
+    methods.resize(std::min(methods.size(), kHandful));
+    std::erase_if(methods, [&](const PinnedMethod& method) { return method.lookMs > kTooSlow * fastestMs; });
+    for (PinnedMethod& method : methods) {
+        method.lookMs = runFrames(*method.renderer, kStepS, kPinnedFrames);
+        method.wrongPercent = wrongAtMoments(*method.renderer, references);
+    }
+    std::sort(methods.begin(), methods.end(),
+              [](const PinnedMethod& a, const PinnedMethod& b) { return a.lookMs < b.lookMs; });
+    return methods;
+}
+
+void alternate(Comparison& comparison, Renderer& chosen)
+{
+    std::vector<PinnedMethod*> equals;
+    for (PinnedMethod& method : comparison.pinned)
+        if (method.wrongPercent <= comparison.allowedWrongPercent && equals.size() < kPinnedAlternating)
+            equals.push_back(&method);
+    for (int alternation = 0; alternation < kAlternations; ++alternation) {
+        const double fromS = 1.1 * alternation;
+        comparison.defaultMediansMs.push_back(runFrames(chosen, fromS, kDefaultFrames));
+        for (PinnedMethod* pPinned : equals)
+            pPinned->mediansMs.push_back(runFrames(*pPinned->renderer, fromS, kPinnedFrames));
+    }
+}
+
+uint32_t countOver(const Renderer& renderer, size_t first, double limitMs)
+{
+    const auto& reports = renderer.reports();
+    return static_cast<uint32_t>(std::count_if(reports.begin() + static_cast<std::ptrdiff_t>(first), reports.end(),
+                                               [&](const FrameReport& report) { return report.shadowMs > limitMs; }));
+}
+
+/// Runs the default with a budget, in alternation with the best pinned method.
+BudgetRun runBudget(const Device& device, Options options, Renderer& best, double budgetMs)
+{
+    options.budgetMs = static_cast<float>(budgetMs);
+    Renderer budgeted(device, options);
+    budgeted.shadows().warmUp();
+    runFirstSecond(budgeted);
+    const size_t first = budgeted.reports().size(), firstOfBest = best.reports().size();
+    BudgetRun run{.budgetMs = budgetMs, .frames = kAlternations * kDefaultFrames};
+    std::vector<double> mediansMs, bestMediansMs;
+    for (int alternation = 0; alternation < kAlternations; ++alternation) {
+        const double fromS = static_cast<double>(budgeted.reports().size()) * kStepS;
+        mediansMs.push_back(runFrames(budgeted, fromS, kDefaultFrames));
+        bestMediansMs.push_back(runFrames(best, fromS, kDefaultFrames));
+    }
+    run.framesOver = countOver(budgeted, first, budgetMs);
+    run.bestFramesOver = countOver(best, firstOfBest, budgetMs);
+    run.medianMs = summarise(mediansMs).median;
+    run.bestMedianMs = summarise(bestMediansMs).median;
+    run.choices = listChoices(budgeted.reports().back().choices);
+    return run;
+}
+
+void print(const BudgetRun& run)
+{
+    std::printf("  budget %.1f ms: %.1f ms, the best pinned method %.1f; %u and %u of %u frames over it; at last %s\n",
+                run.budgetMs, run.medianMs, run.bestMedianMs, run.framesOver, run.bestFramesOver, run.frames,
+                run.choices.c_str());
+}
+
+void print(const Comparison& comparison, bool recorded)
+{
+    std::printf("%s, %ux%u: default %.1f ms, first frame %.1f ms, %.3f %% wrong; %s\n",
+                recorded ? "recorded" : "submitted", kSize.width, kSize.height, comparison.defaultMs(),
+                comparison.firstFrameMs, comparison.defaultWrongPercent, comparison.choices.c_str());
+    for (const PinnedMethod& method : comparison.pinned) {
+        std::printf("  %-22s %7.1f ms at first, %.3f %% wrong", method.name.c_str(), method.lookMs,
+                    method.wrongPercent);
+        if (!method.mediansMs.empty())
+            std::printf(", %.1f ms in turns: default takes %.2f of it", summarise(method.mediansMs).median,
+                        comparison.defaultMs() / summarise(method.mediansMs).median);
+        std::puts("");
+    }
+    print(comparison.kept);
+    print(comparison.tooTight);
+}
+} // namespace
+
+double Comparison::defaultMs() const
+{
+    return summarise(defaultMediansMs).median;
+}
+
+const PinnedMethod* Comparison::best() const
+{
+    const PinnedMethod* pBest = nullptr;
+    for (const PinnedMethod& method : pinned)
+        if (!method.mediansMs.empty() &&
+            (!pBest || summarise(method.mediansMs).median < summarise(pBest->mediansMs).median))
+            pBest = &method;
+    return pBest;
+}
+
+Comparison compareEntry(const Device& device, bool recorded)
+{
+    const Options options = optionsFor(recorded);
+    const std::vector<Answer> references = traceReferences(device, options.size);
+    Comparison comparison;
+    Renderer chosen(device, options);
+    chosen.shadows().warmUp();
+    runFrames(chosen, 0.0, 1);
+    const FrameReport& first = chosen.reports().front();
+    comparison.firstFrameMs = std::max(first.shadowMs, first.callMs); // work before the G-buffer is done counts, too
+    runFirstSecond(chosen);
+    comparison.pinned = lookAtHandful(device, options, references);
+    comparison.defaultWrongPercent = wrongAtMoments(chosen, references);
+    comparison.allowedWrongPercent = std::max(comparison.defaultWrongPercent, kFloorWrongPercent);
+    alternate(comparison, chosen);
+    comparison.choices = listChoices(chosen.reports().back().choices);
+    if (const PinnedMethod* pBest = comparison.best()) {
+        const double bestMs = summarise(pBest->mediansMs).median;
+        comparison.kept = runBudget(device, options, *pBest->renderer, kBudgetFactor * bestMs);
+        comparison.tooTight = runBudget(device, options, *pBest->renderer, kTooTightFactor * bestMs);
+    }
+    print(comparison, recorded);
+    return comparison;
+}
+} // namespace stranger
