@@ -69,7 +69,7 @@ Renderer::Renderer(const Device& device, const Scene& scene, const SceneGeometry
 {
     if (scene.instances.size() > kMaxInstances)
         throw HostError("scene '" + scene.name + "' has more than 2048 instances");
-    if (options.maxLights > gpu::MAX_DEMO_LIGHTS) throw HostError("the demo's lighting pass takes at most 32 lights");
+    if (options.maxLights > gpu::MAX_DEMO_LIGHTS) throw HostError("the demo's lighting pass takes at most 256 lights");
     views_.resize(options.viewCount);
     slots_.resize(options.framesInFlight);
     for (Slot& slot : slots_) {
@@ -247,6 +247,7 @@ void Renderer::writeFrameData(uint32_t index, const FrameRequest& request)
     data.depthScale = camera.depthScale;
     data.depthAdd = camera.depthAdd;
     data.skyDepth = camera.skyDepth;
+    data.sky = glm::vec4(scene_.sky, scene_.ambient);
     data.lightCount = static_cast<uint32_t>(state_.present.size());
     for (size_t i = 0; i < state_.present.size(); ++i)
         data.lights[i] = lightData(scene_.lights[state_.present[i]], state_.lights[state_.present[i]], camera.eye);

@@ -5,7 +5,7 @@
 
 GN_SHARED_BEGIN
 
-GN_SHARED_CONST uint MAX_DEMO_LIGHTS = 32u;
+GN_SHARED_CONST uint MAX_DEMO_LIGHTS = 256u; // as many as a view of gnomon holds
 
 struct DemoInstance {
     vec4 worldFromObject[3]; // rows; translation relative to the eye, metres
@@ -37,6 +37,7 @@ struct DemoView {
     float depthAdd;
     float skyDepth;   // depth where nothing was drawn
     uint lightCount;
+    vec4 sky; // linear RGB; w scales the light from everywhere
     DemoLight lights[MAX_DEMO_LIGHTS];
 };
 
