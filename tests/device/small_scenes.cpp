@@ -1,5 +1,6 @@
 #include "device/small_scenes.hpp"
 
+#include "demo/host/vulkan.hpp"
 #include "demo/scene/scene_file.hpp"
 
 namespace gnomon::test {
