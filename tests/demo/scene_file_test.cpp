@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <clocale>
 #include <cmath>
 #include <fstream>
@@ -286,7 +287,7 @@ TEST_CASE("a comma locale changes nothing")
     CHECK(fingerprint(*comma) == fingerprint(*plain));
 }
 
-TEST_CASE("a thousand damaged copies of every shipped scene are loaded or refused, never worse")
+TEST_CASE("damaged copies of every shipped scene, up to a thousand, are loaded or refused, never worse")
 {
     // Small edits that keep most of the text sensible reach deeper than noise does.
     constexpr std::string_view kPieces[] = {"[",   "]",     "{",    "}",   ":",    ",", "-",  "\n",   "  ",
@@ -298,7 +299,9 @@ TEST_CASE("a thousand damaged copies of every shipped scene are loaded or refuse
     uint64_t loaded = 0, refused = 0;
     for (const ShippedScene& shipped : shippedScenes()) {
         const std::string original = readWhole(shipped.file);
-        for (int copy = 0; copy < 1000; ++copy) {
+        // As much text of every scene.
+        const size_t copies = std::min<size_t>(1000, 2'000'000 / original.size());
+        for (size_t copy = 0; copy < copies; ++copy) {
             std::string text = original;
             for (size_t edit = 0, edits = 1 + random() % 3; edit < edits && !text.empty(); ++edit) {
                 const size_t at = random() % text.size(), length = random() % 12;

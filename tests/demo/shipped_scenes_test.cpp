@@ -31,6 +31,20 @@ double runLength(const Scene& scene)
     return frameTime(scene, scene.frames - 1);
 }
 
+struct Box {
+    glm::dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
+
+    void add(const WorldTriangle& t)
+    {
+        low = glm::min(low, glm::min(glm::min(t.a, t.b), t.c));
+        high = glm::max(high, glm::max(glm::max(t.a, t.b), t.c));
+    }
+    double distance(const glm::dvec3& point) const
+    {
+        return glm::length(glm::max(glm::max(low - point, point - high), 0.0));
+    }
+};
+
 struct Nearest {
     double lit = std::numeric_limits<double>::infinity();   ///< From the eye to a vertex the light may reach.
     double bound = std::numeric_limits<double>::infinity(); ///< From the eye to the light's sphere of range.
@@ -173,17 +187,23 @@ TEST_CASE("no light comes nearer than half a metre to a surface, with 16 lights 
         for (const double share : {0.0, 0.21, 0.5, 0.83, 1.0}) {
             const double time = runLength(scene) * share;
             const std::vector<WorldTriangle> triangles = worldTriangles(scene, time);
+            std::vector<Box> boxes(scene.instances.size());
+            for (const WorldTriangle& triangle : triangles)
+                boxes[triangle.instance].add(triangle);
             for (const Light& light : scene.lights) {
                 const LightState state = lightAt(light, time);
                 if (light.kind == LightKind::Directional || !state.present) continue;
+                // Bounding distances first: the exact one is slow.
+                std::vector<bool> near;
+                for (const Box& box : boxes)
+                    near.push_back(box.distance(state.position) <= 1.0);
                 double nearest = std::numeric_limits<double>::infinity();
                 uint32_t instance = 0;
                 for (const WorldTriangle& triangle : triangles) {
-                    // Bounding distance first: the exact one is slow.
-                    const glm::dvec3 low = glm::min(glm::min(triangle.a, triangle.b), triangle.c),
-                                     high = glm::max(glm::max(triangle.a, triangle.b), triangle.c);
-                    const glm::dvec3 outside = glm::max(glm::max(low - state.position, state.position - high), 0.0);
-                    if (glm::dot(outside, outside) > 1.0) continue;
+                    if (!near[triangle.instance]) continue;
+                    Box box;
+                    box.add(triangle);
+                    if (box.distance(state.position) > 1.0) continue;
                     const double distance = distanceToTriangle(state.position, triangle);
                     if (distance < nearest) instance = triangle.instance;
                     nearest = std::min(nearest, distance);
