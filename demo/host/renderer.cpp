@@ -6,6 +6,7 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include "demo/host/light_tiles.hpp"
 #include "demo/host/pipelines.hpp"
 #include "shaders/demo/frame.h"
 #include "shaders/demo_lighting_frag.h"
@@ -69,7 +70,7 @@ Renderer::Renderer(const Device& device, const Scene& scene, const SceneGeometry
 {
     if (scene.instances.size() > kMaxInstances)
         throw HostError("scene '" + scene.name + "' has more than 2048 instances");
-    if (options.maxLights > gpu::MAX_DEMO_LIGHTS) throw HostError("the demo's lighting pass takes at most 32 lights");
+    if (options.maxLights > gpu::MAX_DEMO_LIGHTS) throw HostError("the demo's lighting pass takes at most 256 lights");
     views_.resize(options.viewCount);
     slots_.resize(options.framesInFlight);
     for (Slot& slot : slots_) {
@@ -243,13 +244,16 @@ void Renderer::writeFrameData(uint32_t index, const FrameRequest& request)
     data.rayCorner = glm::vec4(camera.rayCorner, 0.0f);
     data.rayDx = glm::vec4(camera.rayDx, 0.0f);
     data.rayDy = glm::vec4(camera.rayDy, 0.0f);
-    data.extent = glm::vec4(extent_.width, extent_.height, 0.0f, 0.0f);
+    const VkExtent2D tile = lightTileSize(extent_);
+    data.extent = glm::vec4(extent_.width, extent_.height, tile.width, tile.height);
     data.depthScale = camera.depthScale;
     data.depthAdd = camera.depthAdd;
     data.skyDepth = camera.skyDepth;
-    data.lightCount = static_cast<uint32_t>(state_.present.size());
+    data.ambient = scene_.ambient;
+    data.sky = glm::vec4(scene_.sky, 0.0f);
     for (size_t i = 0; i < state_.present.size(); ++i)
         data.lights[i] = lightData(scene_.lights[state_.present[i]], state_.lights[state_.present[i]], camera.eye);
+    markLightTiles(camera, extent_, std::span(data.lights).first(state_.present.size()), data.tileLights);
     std::memcpy(slot.view.mapped, &data, sizeof data);
 
     const std::span<gpu::DemoInstance> instances = slot.instances.as<gpu::DemoInstance>();

@@ -39,7 +39,7 @@ void addRun(CLI::App& app, RunOptions& options, int& exitCode)
     run->add_option("--size", options.size, "picture size, such as 1280x720; default: the scene's");
     run->add_option("--frames", options.frames, "number of frames; default: the scene's")
         ->check(CLI::Range(1, 1000000));
-    run->add_option("--lights", options.lights, "number of lights; default: the scene's")->check(CLI::Range(1, 32));
+    run->add_option("--lights", options.lights, "number of lights; default: the scene's")->check(CLI::Range(1, 256));
     run->add_option("--budget-ms", options.budgetMs,
                     "for all shadows of a frame, GPU and CPU; default: that of the rules, or none")
         ->check(numberIn(0.0, kMostBudget));
@@ -165,7 +165,7 @@ void addTrace(CLI::App& app, TraceOptions& options, int& exitCode)
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     trace->add_option("--size", options.size, "picture size")->capture_default_str();
-    trace->add_option("--lights", options.lights, "number of lights; default: the scene's")->check(CLI::Range(1, 32));
+    trace->add_option("--lights", options.lights, "number of lights; default: the scene's")->check(CLI::Range(1, 256));
     trace->add_option("--rules", options.rules, "rule base to ask; default: `default`");
     trace->add_option("--methods", options.methods, "a,b,... default: all that serve a light");
     trace

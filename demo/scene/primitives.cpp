@@ -65,16 +65,6 @@ Mesh makeClosedTube(uint32_t ringSegments, uint32_t tubeSegments, Position posit
     return mesh;
 }
 
-/// Uniform in [0, 1] for a lattice point: a small integer mixer (constants of the "lowbias32" search by C. Wellons).
-float latticeValue(int32_t x, int32_t z, uint32_t seed)
-{
-    uint32_t h = uint32_t(x) * 0x9e3779b9u ^ (uint32_t(z) * 0x85ebca6bu + seed);
-    h = (h ^ (h >> 16)) * 0x7feb352du;
-    h = (h ^ (h >> 15)) * 0x846ca68bu;
-    h ^= h >> 16;
-    return float(h >> 8) / float(0xffffff); // 24 bits: exact in a float
-}
-
 float valueNoise(float x, float z, uint32_t seed)
 {
     const float floorX = std::floor(x), floorZ = std::floor(z);
@@ -89,6 +79,16 @@ float valueNoise(float x, float z, uint32_t seed)
 }
 
 } // namespace
+
+// A small integer mixer (constants of the "lowbias32" search by C. Wellons).
+float latticeValue(int32_t x, int32_t z, uint32_t seed)
+{
+    uint32_t h = uint32_t(x) * 0x9e3779b9u ^ (uint32_t(z) * 0x85ebca6bu + seed);
+    h = (h ^ (h >> 16)) * 0x7feb352du;
+    h = (h ^ (h >> 15)) * 0x846ca68bu;
+    h ^= h >> 16;
+    return float(h >> 8) / float(0xffffff); // 24 bits: exact in a float
+}
 
 Mesh revolve(std::span<const ProfilePoint> outline, uint32_t segments)
 {
@@ -302,6 +302,12 @@ Mesh makeLeaves(const LeavesShape& shape)
         const uint32_t right = addVertex(mesh, centre - 0.5 * shape.width * across);
         if (!shape.closed) {
             addQuad(mesh, tip, left, base, right);
+            for (uint32_t blade = 1; blade < shape.blades; ++blade) {
+                const double angle = std::numbers::pi * blade / shape.blades;
+                const glm::dvec3 out = 0.5 * shape.width * (std::cos(angle) * across + std::sin(angle) * normal);
+                const uint32_t outer = addVertex(mesh, centre + out), inner = addVertex(mesh, centre - out);
+                addQuad(mesh, tip, outer, base, inner);
+            }
             continue;
         }
         const uint32_t top = addVertex(mesh, centre + 0.125 * shape.width * normal);

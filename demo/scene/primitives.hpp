@@ -94,6 +94,17 @@ struct LeavesShape {
     uint32_t count = 500;
     uint32_t seed = 1;
     bool closed = false; ///< Eight triangles around a body a quarter as thick as wide, instead of two of a sheet.
+    uint32_t blades =
+        1; ///< Sheets that share a leaf's axis, which is an edge of two triangles of each; 1 where closed.
+};
+
+/// A house of rows of windows that are set back, flat roof and parapet, from y = 0 up. Closed: boxes of a lattice.
+struct BuildingShape {
+    float width = 18.0f, depth = 12.0f; ///< Along x and z, centred.
+    float storey = 3.2f;                ///< Height of a floor.
+    uint32_t floors = 6;
+    uint32_t bays = 5, sideBays = 4; ///< Windows of a floor, of the fronts (facing z) and of the sides.
+    float recess = 0.3f;             ///< How deep windows are set back, and the thickness of the parapet.
 };
 
 Mesh makePlane(const PlaneShape& shape);
@@ -108,6 +119,13 @@ Mesh makeTerrain(const TerrainShape& shape);
 Mesh makeCloth(const ClothShape& shape);
 Mesh makeCard(const CardShape& shape);
 Mesh makeLeaves(const LeavesShape& shape);
+Mesh makeBuilding(const BuildingShape& shape);
+
+/// Triangles of makeBuilding().
+uint64_t triangleCount(const BuildingShape& shape);
+
+/// Uniform in [0, 1] for a lattice point, the same with every compiler and C library.
+float latticeValue(int32_t x, int32_t z, uint32_t seed);
 
 /// Height of the terrain's surface above its y = 0 at any x, z of its rectangle (the formula, not the triangles).
 float terrainHeight(const TerrainShape& shape, float x, float z);

@@ -50,6 +50,12 @@ glm::dvec3 slerpDirection(const glm::dvec3& a, const glm::dvec3& b, double weigh
     return glm::normalize(a * std::cos(angle) + glm::normalize(across) * std::sin(angle));
 }
 
+/// How far an orbit has turned.
+glm::dquat turnAt(const Orbit& orbit, double time)
+{
+    return glm::angleAxis(std::remainder(orbit.radiansPerSecond * time, 2.0 * std::numbers::pi), orbit.axis);
+}
+
 Pose poseAt(const Instance& instance, double time)
 {
     if (instance.keys.empty()) return instance.pose;
@@ -107,6 +113,11 @@ Transform instanceAt(const Instance& instance, double time)
         const double angle = std::remainder(instance.spin.radiansPerSecond * time, 2.0 * std::numbers::pi);
         pose.rotation = pose.rotation * glm::angleAxis(angle, instance.spin.axis);
     }
+    if (instance.orbit.radiansPerSecond != 0.0) {
+        const glm::dquat turn = turnAt(instance.orbit, time);
+        pose.position = instance.orbit.center + turn * (pose.position - instance.orbit.center);
+        pose.rotation = turn * pose.rotation;
+    }
     Transform transform{glm::mat3_cast(pose.rotation), pose.position};
     for (int axis = 0; axis < 3; ++axis)
         transform.linear[axis] *= pose.scale[axis];
@@ -145,8 +156,7 @@ LightState lightAt(const Light& light, double time)
         state.direction = slerpDirection(light.keys[a].direction, light.keys[b].direction, weight);
     }
     if (light.orbit.radiansPerSecond != 0.0) {
-        const double angle = std::remainder(light.orbit.radiansPerSecond * time, 2.0 * std::numbers::pi);
-        const glm::dquat turn = glm::angleAxis(angle, light.orbit.axis);
+        const glm::dquat turn = turnAt(light.orbit, time);
         state.position = light.orbit.center + turn * (state.position - light.orbit.center);
         state.direction = glm::normalize(turn * state.direction);
     }
@@ -155,7 +165,7 @@ LightState lightAt(const Light& light, double time)
 
 bool moves(const Instance& instance) noexcept
 {
-    return !instance.keys.empty() || instance.spin.radiansPerSecond != 0.0;
+    return !instance.keys.empty() || instance.spin.radiansPerSecond != 0.0 || instance.orbit.radiansPerSecond != 0.0;
 }
 
 bool moves(const Light& light) noexcept

@@ -49,13 +49,21 @@ struct Spin {
     double radiansPerSecond = 0.0;
 };
 
+/// Carries a light or an instance, position and direction, round a world-space axis, on top of the keys.
+struct Orbit {
+    glm::dvec3 center{0.0};
+    glm::dvec3 axis{0.0, 1.0, 0.0}; ///< Unit.
+    double radiansPerSecond = 0.0;
+};
+
 struct Instance {
     std::string name;
     uint32_t mesh = 0; ///< Index into Scene::meshes.
     Pose pose;         ///< Used while `keys` is empty.
     std::vector<PoseKey> keys;
     Spin spin;
-    bool isStatic = false;    ///< A promise: neither keys nor spin.
+    Orbit orbit;
+    bool isStatic = false;    ///< A promise: neither keys, spin nor orbit.
     bool alphaTested = false; ///< The host cuts holes; the pattern is the host's.
     bool hostDrawn = false;   ///< Drawn into shadow maps by the host's own callback.
     Sides sides = Sides::ByMesh;
@@ -71,13 +79,6 @@ struct LightKey {
     double time = 0.0; ///< Seconds, strictly increasing.
     glm::dvec3 position{0.0};
     glm::dvec3 direction{0.0, -1.0, 0.0}; ///< Unit; the way light travels.
-};
-
-/// Carries position and direction round a world-space axis, on top of the keys.
-struct Orbit {
-    glm::dvec3 center{0.0};
-    glm::dvec3 axis{0.0, 1.0, 0.0}; ///< Unit.
-    double radiansPerSecond = 0.0;
 };
 
 struct Light {
@@ -129,7 +130,9 @@ struct Scene {
     uint32_t frames = 120;
     double framesPerSecond = 60.0; ///< Fixed time step of runs without a window.
     DepthSettings depth;
-    glm::dvec3 center{0.0}; ///< limitLights() turns additional lights about the vertical axis through it.
+    glm::vec3 sky{0.30f, 0.38f, 0.50f}; ///< Linear RGB, where nothing is seen; for pictures only.
+    float ambient = 1.0f;               ///< Scales the light from everywhere; for pictures only.
+    glm::dvec3 center{0.0};             ///< limitLights() turns additional lights about the vertical axis through it.
     std::vector<Mesh> meshes;
     std::vector<Instance> instances;
     std::vector<Light> lights;
@@ -177,7 +180,7 @@ CameraState cameraAt(const Scene& scene, double time);
 /// Whether the view jumps somewhere in (after, upTo].
 bool cameraCutsBetween(const Scene& scene, double after, double upTo) noexcept;
 
-/// True where the instance has keys or a spin, that is, where its transform changes with time.
+/// True where the instance has keys, a spin or an orbit, that is, where its transform changes with time.
 bool moves(const Instance& instance) noexcept;
 bool moves(const Light& light) noexcept;
 
@@ -194,6 +197,9 @@ coincide; no two have one name. Deterministic.
 A scene without any light stays without.
 */
 void limitLights(Scene& scene, uint32_t count);
+
+/// Adds the triangles of a mesh where the transform takes them; their fronts stay fronts.
+void append(Mesh& mesh, const Mesh& part, const Transform& transform);
 
 /// Makes one mesh in world space, and one instance of it, of all instances that stand still: what programs that export
 /// buildings tend to write. Alpha-tested and host-drawn ones stay, and those that lights may leave out.

@@ -60,39 +60,11 @@ void collectSections(std::string_view text, const fs::path& file, uint32_t depth
     }
 }
 
-/// Rotation from `rotate: {axis: [..], degrees: d}` or a list of such turns, applied in their order.
-glm::dquat readRotation(const ReadContext& context, const YamlNode& node)
+void place(Pose& pose, const Copy& copy)
 {
-    if (node.kind == YamlNode::Kind::Sequence) {
-        glm::dquat rotation(1.0, 0.0, 0.0, 0.0);
-        for (const YamlNode& child : node.children) {
-            if (child.kind == YamlNode::Kind::Sequence) raise(context, child, "rotate must be a list of turns");
-            rotation = readRotation(context, child) * rotation;
-        }
-        return rotation;
-    }
-    MapReader map(context, node, "rotate");
-    const glm::dvec3 axis = readDirection(context, map.need("axis"), "axis");
-    const double angle =
-        toRadians(readNumber(context, map.need("degrees"), "degrees", {.low = -3600.0, .high = 3600.0}));
-    map.finish();
-    return glm::angleAxis(angle, axis);
-}
-
-Pose readPose(MapReader& map)
-{
-    Pose pose;
-    pose.position = map.vector("at", pose.position);
-    if (const YamlNode* rotate = map.find("rotate")) pose.rotation = readRotation(map.context(), *rotate);
-    if (const YamlNode* scale = map.find("scale")) {
-        pose.scale = scale->kind == YamlNode::Kind::Sequence
-                         ? readVector(map.context(), *scale, "scale")
-                         : glm::dvec3(readNumber(map.context(), *scale, "scale", kAny));
-        // Thinner than this, a float matrix no longer inverts.
-        if (glm::any(glm::lessThan(glm::abs(pose.scale), glm::dvec3(1e-6))))
-            raise(map.context(), *scale, "scale must be 1e-6 at least, or -1e-6 at most where it mirrors");
-    }
-    return pose;
+    pose.position = copy.place(pose.position);
+    pose.rotation = copy.turn * pose.rotation;
+    pose.scale *= copy.scale;
 }
 
 void readInstanceKeys(MapReader& map, Instance& instance)
@@ -111,31 +83,6 @@ void readInstanceKeys(MapReader& map, Instance& instance)
         key.finish();
     }
     instance.pose = instance.keys.front().pose;
-}
-
-/// `repeat: {count: [x, y, z], spacing: [x, y, z]}`: copies on a grid centred where the one would have stood.
-std::vector<glm::dvec3> readRepeat(MapReader& map)
-{
-    const YamlNode* node = map.find("repeat");
-    if (node == nullptr) return {glm::dvec3(0.0)};
-    MapReader repeat(map.context(), *node, "repeat");
-    const YamlNode& countNode = repeat.need("count");
-    if (countNode.kind != YamlNode::Kind::Sequence || countNode.children.size() != 3)
-        raise(map.context(), countNode, "count must be a list of 3 whole numbers");
-    std::array<uint32_t, 3> count;
-    for (size_t axis = 0; axis < 3; ++axis)
-        count[axis] = readInteger(map.context(), countNode.children[axis], "count", 1, 1024);
-    const glm::dvec3 spacing = readVector(map.context(), repeat.need("spacing"), "spacing", kNotNegative);
-    repeat.finish();
-    if (uint64_t(count[0]) * count[1] * count[2] > kMostInstances)
-        raise(map.context(), countNode, "more than " + std::to_string(kMostInstances) + " instances");
-    std::vector<glm::dvec3> offsets;
-    for (uint32_t z = 0; z < count[2]; ++z)
-        for (uint32_t y = 0; y < count[1]; ++y)
-            for (uint32_t x = 0; x < count[0]; ++x)
-                offsets.push_back(
-                    spacing * glm::dvec3(x - (count[0] - 1) * 0.5, y - (count[1] - 1) * 0.5, z - (count[2] - 1) * 0.5));
-    return offsets;
 }
 
 uint32_t readMeshName(MapReader& map, const std::vector<Mesh>& meshes)
@@ -166,6 +113,7 @@ void readInstance(ReadContext context, const YamlNode& node, Scene& scene)
         instance.spin.radiansPerSecond = readTurnRate(spin, scene.framesPerSecond);
         spin.finish();
     }
+    instance.orbit = readOrbit(map, scene.framesPerSecond);
     instance.isStatic = map.boolean("static", false);
     instance.alphaTested = map.boolean("alpha_tested", false);
     instance.hostDrawn = map.boolean("host_drawn", false);
@@ -174,22 +122,20 @@ void readInstance(ReadContext context, const YamlNode& node, Scene& scene)
         instance.sides = static_cast<Sides>(readChoice(context, *sides, "sides", kSides));
     instance.casterMask = map.integer("mask", instance.casterMask, 0, 0xffffffffu);
     instance.albedo = glm::vec3(map.vector("albedo", glm::dvec3(instance.albedo), {.low = 0.0, .high = 1.0}));
-    const std::vector<glm::dvec3> offsets = readRepeat(map);
+    const std::vector<Copy> copies = readCopies(map, true);
     map.finish();
-    if (instance.isStatic && moves(instance)) raise(context, node, "a static instance cannot have keys or a spin");
-    if (scene.instances.size() + offsets.size() > kMostInstances)
+    if (instance.isStatic && moves(instance))
+        raise(context, node, "a static instance cannot have keys, a spin or an orbit");
+    if (scene.instances.size() + copies.size() > kMostInstances)
         raise(context, node, "more than " + std::to_string(kMostInstances) + " instances");
 
-    for (size_t i = 0; i < offsets.size(); ++i) {
-        Instance copy = instance;
-        if (offsets.size() > 1) {
-            copy.name += '.';
-            copy.name += std::to_string(i);
-        }
-        copy.pose.position += offsets[i];
-        for (PoseKey& key : copy.keys)
-            key.pose.position += offsets[i];
-        scene.instances.push_back(std::move(copy));
+    for (const Copy& copy : copies) {
+        Instance placed = instance;
+        placed.name += copy.suffix;
+        place(placed.pose, copy);
+        for (PoseKey& key : placed.keys)
+            place(key.pose, copy);
+        scene.instances.push_back(std::move(placed));
     }
 }
 
@@ -217,9 +163,9 @@ public:
     }
 
 private:
-    static constexpr std::array<std::string_view, 13> kKnown = {
-        "name",   "description", "size",   "frames",      "fps",    "depth", "center",
-        "meshes", "instances",   "lights", "light_count", "camera", "base"};
+    static constexpr std::array<std::string_view, 15> kKnown = {
+        "name",   "description", "size",      "frames", "fps",         "depth",  "sky", "ambient",
+        "center", "meshes",      "instances", "lights", "light_count", "camera", "base"};
 
     void refuseUnknownSections() const
     {
@@ -264,6 +210,10 @@ private:
             scene_.frames = readInteger({s->file, ""}, s->node, "frames", 1, 1'000'000);
         if (const Section* s = find("fps"))
             scene_.framesPerSecond = readNumber({s->file, ""}, s->node, "fps", {.low = 1.0, .high = 1000.0});
+        if (const Section* s = find("sky"))
+            scene_.sky = glm::vec3(readVector({s->file, ""}, s->node, "sky", kNotNegative));
+        if (const Section* s = find("ambient"))
+            scene_.ambient = readFloat({s->file, ""}, s->node, "ambient", kNotNegative);
         if (const Section* s = find("center")) scene_.center = readVector({s->file, ""}, s->node, "center");
         if (const Section* s = list("size")) {
             // 16384 is what Vulkan devices of today draw at most.
@@ -308,11 +258,8 @@ private:
     {
         const Section* section = list("lights");
         if (section == nullptr) return;
-        for (const YamlNode& node : section->node.children) {
-            if (scene_.lights.size() >= kMostLights)
-                raise({section->file, ""}, node, "more than " + std::to_string(kMostLights) + " lights");
-            scene_.lights.push_back(readLight({section->file, ""}, node, scene_.lights, scene_.framesPerSecond));
-        }
+        for (const YamlNode& node : section->node.children)
+            readLight({section->file, ""}, node, scene_.lights, scene_.framesPerSecond);
         const Section* count = find("light_count");
         if (count == nullptr) return;
         const uint32_t used =

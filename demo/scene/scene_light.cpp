@@ -61,17 +61,6 @@ void readLightKeys(MapReader& map, Light& light)
     light.direction = light.keys.front().direction;
 }
 
-void readOrbit(MapReader& map, Light& light, double framesPerSecond)
-{
-    const YamlNode* node = map.find("orbit");
-    if (node == nullptr) return;
-    MapReader orbit(map.context(), *node, "orbit");
-    light.orbit.center = orbit.vector("center", glm::dvec3(0.0));
-    if (const YamlNode* axis = orbit.find("axis")) light.orbit.axis = readDirection(map.context(), *axis, "axis");
-    light.orbit.radiansPerSecond = readTurnRate(orbit, framesPerSecond);
-    orbit.finish();
-}
-
 void readLifetime(MapReader& map, Light& light)
 {
     light.appear = map.number("appear", light.appear, kNotNegative);
@@ -82,14 +71,34 @@ void readLifetime(MapReader& map, Light& light)
 }
 
 /// Errors are counted and lights are asked for by name.
-void readName(MapReader& map, Light& light, const std::vector<Light>& before)
+void requireNewName(const ReadContext& context, const YamlNode& at, const std::string& name,
+                    const std::vector<Light>& before)
 {
-    light.name = map.text("name", "light" + std::to_string(before.size()));
-    const auto first = std::find_if(before.begin(), before.end(), [&](const Light& l) { return l.name == light.name; });
+    const auto first = std::find_if(before.begin(), before.end(), [&](const Light& l) { return l.name == name; });
     if (first == before.end()) return;
-    const YamlNode* node = map.find("name");
-    raise({map.context().file, "light " + std::to_string(before.size())}, node != nullptr ? *node : map.node(),
-          "light " + std::to_string(first - before.begin()) + " is called '" + light.name + "' already");
+    raise({context.file, "light " + std::to_string(before.size())}, at,
+          "light " + std::to_string(first - before.begin()) + " is called '" + name + "' already");
+}
+
+/// The light and its copies. An orbit's centre is the same for all.
+void addCopies(const ReadContext& context, const YamlNode& node, const Light& light, const std::vector<Copy>& copies,
+               std::vector<Light>& lights)
+{
+    if (lights.size() + copies.size() > kMostLights)
+        raise(context, node, "more than " + std::to_string(kMostLights) + " lights");
+    for (const Copy& copy : copies) {
+        Light placed = light;
+        placed.name += copy.suffix;
+        requireNewName(context, node, placed.name, lights);
+        const auto move = [&copy](glm::dvec3& position, glm::dvec3& direction) {
+            position = copy.place(position);
+            direction = copy.turn * direction;
+        };
+        move(placed.position, placed.direction);
+        for (LightKey& key : placed.keys)
+            move(key.position, key.direction);
+        lights.push_back(std::move(placed));
+    }
 }
 
 /// Of the segment from a to b.
@@ -116,22 +125,13 @@ glm::dvec3 readDirection(const ReadContext& context, const YamlNode& node, const
     return glm::normalize(vector);
 }
 
-double readTurnRate(MapReader& map, double framesPerSecond)
-{
-    const bool perFrame = map.has("degrees_per_frame"), perSecond = map.has("degrees_per_second");
-    if (perFrame == perSecond)
-        raise(map.context(), map.node(), "exactly one of 'degrees_per_second' and 'degrees_per_frame' must be given");
-    return perFrame ? toRadians(map.number("degrees_per_frame", 0.0) * framesPerSecond)
-                    : toRadians(map.number("degrees_per_second", 0.0));
-}
-
-Light readLight(ReadContext context, const YamlNode& node, const std::vector<Light>& before, double framesPerSecond)
+void readLight(ReadContext context, const YamlNode& node, std::vector<Light>& lights, double framesPerSecond)
 {
     constexpr std::array<std::string_view, 3> kKinds = {"directional", "spot", "point"};
-    context.subject = "light " + std::to_string(before.size());
+    context.subject = "light " + std::to_string(lights.size());
     MapReader map(context, node, "a light");
     Light light;
-    readName(map, light, before);
+    light.name = map.text("name", "light" + std::to_string(lights.size()));
     context.subject = "light '" + light.name + "'"; // the reader sees the better name from here on
     light.kind = static_cast<LightKind>(readChoice(context, map.need("kind"), "kind", kKinds));
 
@@ -150,11 +150,13 @@ Light readLight(ReadContext context, const YamlNode& node, const std::vector<Lig
     light.importance = map.numberF("importance", light.importance, kPositive);
     light.casterMask = map.integer("mask", light.casterMask, 0, 0xffffffffu);
     readLifetime(map, light);
-    readOrbit(map, light, framesPerSecond);
+    light.orbit = readOrbit(map, framesPerSecond);
     light.isStatic = map.boolean("static", false);
+    const std::vector<Copy> copies = readCopies(map, false);
+    const YamlNode* name = map.find("name");
     map.finish();
     if (light.isStatic && moves(light)) raise(context, node, "a static light cannot have keys or an orbit");
-    return light;
+    addCopies(context, name != nullptr ? *name : node, light, copies, lights);
 }
 
 std::vector<CameraKey> readCamera(const ReadContext& context, const YamlNode& node)

@@ -13,15 +13,6 @@ bool canMerge(const Instance& instance)
            instance.sides == Sides::ByMesh;
 }
 
-void append(const Mesh& mesh, const Transform& transform, Mesh& merged)
-{
-    const auto first = static_cast<uint32_t>(merged.positions.size());
-    for (const glm::vec3& position : mesh.positions)
-        merged.positions.emplace_back(transform.apply(position));
-    for (size_t i = 0; i < mesh.indices.size(); ++i)
-        merged.indices.push_back(first + mesh.indices[transform.cornerOf(i)]);
-}
-
 /// Keeps the meshes that instances use, in their order.
 void dropUnusedMeshes(Scene& scene)
 {
@@ -41,6 +32,15 @@ void dropUnusedMeshes(Scene& scene)
 
 } // namespace
 
+void append(Mesh& mesh, const Mesh& part, const Transform& transform)
+{
+    const auto first = static_cast<uint32_t>(mesh.positions.size());
+    for (const glm::vec3& position : part.positions)
+        mesh.positions.emplace_back(transform.apply(position));
+    for (size_t i = 0; i < part.indices.size(); ++i)
+        mesh.indices.push_back(first + part.indices[transform.cornerOf(i)]);
+}
+
 void mergeStatics(Scene& scene)
 {
     Mesh merged;
@@ -53,7 +53,7 @@ void mergeStatics(Scene& scene)
             continue;
         }
         const size_t before = merged.triangleCount();
-        append(scene.meshes[instance.mesh], instanceAt(instance, 0.0), merged);
+        append(merged, scene.meshes[instance.mesh], instanceAt(instance, 0.0));
         albedo += instance.albedo * static_cast<float>(merged.triangleCount() - before);
     }
     if (merged.indices.empty()) return;

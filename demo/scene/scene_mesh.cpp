@@ -179,7 +179,21 @@ Mesh readLeaves(MapReader& map, const SceneFileOptions& options)
     s.count = map.integer("count", s.count, 1, kMostTrianglesPerMesh);
     s.seed = map.integer("seed", s.seed, 0, 0xffffffffu);
     s.closed = map.boolean("closed", s.closed);
-    return built(map, options, (s.closed ? 8ull : 2ull) * s.count, [&] { return makeLeaves(s); });
+    s.blades = map.integer("blades", s.blades, 1, s.closed ? 1 : 8);
+    return built(map, options, (s.closed ? 8ull : 2ull * s.blades) * s.count, [&] { return makeLeaves(s); });
+}
+
+Mesh readBuilding(MapReader& map, const SceneFileOptions& options)
+{
+    BuildingShape s;
+    readSize(map, s.width, s.depth);
+    s.storey = length(map, "storey", s.storey);
+    s.floors = map.integer("floors", s.floors, 1, 256);
+    s.bays = map.integer("bays", s.bays, 1, 256);
+    s.sideBays = map.integer("side_bays", s.sideBays, 1, 256);
+    // Between the walls, windows need room.
+    s.recess = map.numberF("recess", s.recess, {.low = 1e-4, .high = 0.25 * double(std::min(s.width, s.depth))});
+    return built(map, options, triangleCount(s), [&] { return makeBuilding(s); });
 }
 
 struct ShapeReader {
@@ -200,7 +214,51 @@ constexpr std::array kShapes = {
     ShapeReader{"cloth", readCloth},
     ShapeReader{"card", readCard},
     ShapeReader{"leaves", readLeaves},
+    ShapeReader{"building", readBuilding},
 };
+
+/// "SHAPE: {...}", one of the keys of a map; null where there is none, or more.
+const ShapeReader* findShape(MapReader& map)
+{
+    const ShapeReader* chosen = nullptr;
+    uint32_t count = 0;
+    for (const ShapeReader& shape : kShapes)
+        if (map.has(shape.key)) {
+            chosen = &shape;
+            ++count;
+        }
+    return count == 1 ? chosen : nullptr;
+}
+
+/// The value may be left empty for all defaults.
+Mesh readShape(MapReader& map, const ShapeReader& shape, const SceneFileOptions& options)
+{
+    YamlNode settings = *map.find(shape.key);
+    if (settings.kind == YamlNode::Kind::Null) settings.kind = YamlNode::Kind::Map;
+    MapReader reader(map.context(), settings, std::string(shape.key));
+    return shape.read(reader, options);
+}
+
+/// "parts: [{SHAPE: {...}, at, rotate, scale}, ...]": shapes put together.
+Mesh readParts(const ReadContext& context, const YamlNode& list, const SceneFileOptions& options)
+{
+    if (list.kind != YamlNode::Kind::Sequence || list.children.empty())
+        raise(context, list, "parts must be a list of at least one part");
+    Mesh whole;
+    for (const YamlNode& node : list.children) {
+        MapReader map(context, node, "a part");
+        const ShapeReader* shape = findShape(map);
+        Instance part;
+        part.pose = readPose(map);
+        map.finish();
+        if (shape == nullptr) raise(context, node, "a part must have exactly one shape");
+        append(whole, readShape(map, *shape, options), instanceAt(part, 0.0));
+        if (whole.triangleCount() > kMostTrianglesPerMesh)
+            raise(context, node,
+                  "with this part the mesh has more than " + std::to_string(kMostTrianglesPerMesh) + " triangles");
+    }
+    return whole;
+}
 
 Mesh readFile(MapReader& map, const YamlNode& fileNode, const std::string& name, const std::filesystem::path& folder,
               const SceneFileOptions& options, std::vector<std::string>& notes)
@@ -232,18 +290,14 @@ Mesh readMesh(const ReadContext& context, const std::string& name, const YamlNod
     Mesh mesh;
     if (const YamlNode* file = map.find("file")) {
         mesh = readFile(map, *file, name, folder, options, notes);
-    } else {
-        // "NAME: {torus: {...}}": one key, the shape; its value may be left empty for all defaults.
-        const ShapeReader* chosen = nullptr;
-        for (const ShapeReader& shape : kShapes)
-            if (map.has(shape.key) && chosen == nullptr) chosen = &shape;
+    } else if (const YamlNode* parts = map.find("parts")) {
         map.finish();
-        if (chosen == nullptr || node.children.size() != 2)
-            raise(context, node, "a mesh must have exactly one of 'file' or a shape");
-        YamlNode settings = *map.find(chosen->key);
-        if (settings.kind == YamlNode::Kind::Null) settings.kind = YamlNode::Kind::Map;
-        MapReader shape(context, settings, std::string(chosen->key));
-        mesh = chosen->read(shape, options);
+        mesh = readParts(context, *parts, options);
+    } else {
+        const ShapeReader* shape = findShape(map);
+        map.finish();
+        if (shape == nullptr) raise(context, node, "a mesh must have exactly one of 'file', 'parts' or a shape");
+        mesh = readShape(map, *shape, options);
     }
     mesh.name = name;
     return mesh;

@@ -5,7 +5,9 @@
 
 GN_SHARED_BEGIN
 
-GN_SHARED_CONST uint MAX_DEMO_LIGHTS = 32u;
+GN_SHARED_CONST uint MAX_DEMO_LIGHTS = 256u; // as many as a view of gnomon holds
+GN_SHARED_CONST uint LIGHT_TILES = 16u;        // of the screen, a side
+GN_SHARED_CONST uint LIGHT_TILE_WORDS = 8u;    // a bit for each light
 
 struct DemoInstance {
     vec4 worldFromObject[3]; // rows; translation relative to the eye, metres
@@ -32,12 +34,14 @@ struct DemoView {
     vec4 rayCorner;   // view ray of linear depth 1 at pixel coordinate (0, 0)
     vec4 rayDx;       // its change per pixel to the right
     vec4 rayDy;       // and per pixel down
-    vec4 extent;      // xy pixels
+    vec4 extent;      // xy pixels, of a tile zw
     float depthScale; // linear depth = depthScale / (depth + depthAdd), metres
     float depthAdd;
     float skyDepth;   // depth where nothing was drawn
-    uint lightCount;
+    float ambient;    // scales the light from everywhere
+    vec4 sky;         // linear RGB; w unused
     DemoLight lights[MAX_DEMO_LIGHTS];
+    uint tileLights[LIGHT_TILES * LIGHT_TILES * LIGHT_TILE_WORDS]; // which may reach a pixel of a tile, row by row
 };
 
 GN_SHARED_END

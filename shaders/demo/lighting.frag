@@ -14,7 +14,6 @@ layout(location = 0) out vec4 colour; // sRGB-encoded by hand: the picture files
 
 const vec3 kAmbientUp = vec3(0.16, 0.18, 0.22);
 const vec3 kAmbientDown = vec3(0.07, 0.06, 0.06);
-const vec3 kSky = vec3(0.30, 0.38, 0.50);
 
 // Falls smoothly to zero at the range; inside, no inverse square, so that intensity means what it says in scene files.
 float attenuation(DemoLight light, vec3 fromLight, vec3 towardsLight)
@@ -39,19 +38,26 @@ void main()
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float depth = texelFetch(depthImage, pixel, 0).x;
     if (depth == view.skyDepth) {
-        colour = vec4(encodeSrgb(kSky), 1.0);
+        colour = vec4(encodeSrgb(view.sky.rgb), 1.0);
         return;
     }
     vec4 normalAndInstance = texelFetch(normalImage, pixel, 0);
     vec3 n = normalAndInstance.xyz;
     vec3 position = ray * (view.depthScale / (depth + view.depthAdd));
-    vec3 light = mix(kAmbientDown, kAmbientUp, 0.5 + 0.5 * n.y);
-    uint lightCount = min(view.lightCount, MAX_DEMO_LIGHTS);
-    for (uint i = 0; i < lightCount; ++i) { // bound: MAX_DEMO_LIGHTS
-        vec3 fromLight = position - view.lights[i].positionEye.xyz;
-        vec3 towards = view.lights[i].type == LIGHT_DIRECTIONAL ? -view.lights[i].direction.xyz : -normalize(fromLight);
-        float lambert = max(dot(n, towards), 0.0) * attenuation(view.lights[i], fromLight, towards);
-        light += view.lights[i].colour.rgb * (lambert * gnomonVisibility(pixel, int(i)));
+    vec3 light = view.ambient * mix(kAmbientDown, kAmbientUp, 0.5 + 0.5 * n.y);
+    uvec2 tile = min(uvec2(gl_FragCoord.xy / view.extent.zw), uvec2(LIGHT_TILES - 1u));
+    uint firstWord = (tile.y * LIGHT_TILES + tile.x) * LIGHT_TILE_WORDS;
+    for (uint word = 0u; word < LIGHT_TILE_WORDS; ++word) {
+        uint bits = view.tileLights[firstWord + word];
+        for (uint bit = 0u; bit < 32u && bits != 0u; ++bit) {
+            uint i = word * 32u + uint(findLSB(bits));
+            bits &= bits - 1u;
+            vec3 fromLight = position - view.lights[i].positionEye.xyz;
+            bool directional = view.lights[i].type == LIGHT_DIRECTIONAL;
+            vec3 towards = directional ? -view.lights[i].direction.xyz : -normalize(fromLight);
+            float lambert = max(dot(n, towards), 0.0) * attenuation(view.lights[i], fromLight, towards);
+            light += view.lights[i].colour.rgb * (lambert * gnomonVisibility(pixel, int(i)));
+        }
     }
     vec3 albedo = instances[uint(normalAndInstance.w + 0.5)].albedo.rgb;
     colour = vec4(encodeSrgb(1.0 - exp(-1.4 * albedo * light)), 1.0);

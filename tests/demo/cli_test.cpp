@@ -45,6 +45,24 @@ TEST_CASE("run leaves both tables, pictures, the rules used and a dump, and its 
     CHECK(depth->width == 160);
 }
 
+TEST_CASE("a street with 64 lights in one view runs, submitted and recorded")
+{
+    for (const char* entry : {"", " --recorded"}) {
+        const Folder folder("street");
+        const Ran ran =
+            gnomonProgram("run city_night --frames 2 --size 96x54 --out '" + folder.path.string() + "'" + entry);
+        CAPTURE(ran.output);
+        REQUIRE(ran.exitCode == 0);
+        std::set<std::string> lights;
+        for (const std::string& line : lines(folder.path / "lights.csv")) {
+            std::vector<std::string> cells;
+            REQUIRE(splitCsvLine(line, cells));
+            if (cells[0] == "1") lights.insert(cells[1]);
+        }
+        CHECK(lights.size() == 64);
+    }
+}
+
 TEST_CASE("a row of frames.csv takes as long as others where a picture is taken")
 {
     const Folder folder("frame_ms");

@@ -26,8 +26,19 @@ double polygonArea(uint32_t corners, double radius)
     return 0.5 * corners * std::sin(2.0 * std::numbers::pi / corners) * radius * radius;
 }
 
+double volumeOf(const BuildingShape& s)
+{
+    // Windows take 0.55 x 0.5 of their bay, the parapet is 0.9 m high.
+    const double inside = (s.width - 2.0 * s.recess) * (s.depth - 2.0 * s.recess);
+    const double bay = (s.width - 2.0 * s.recess) / s.bays, sideBay = (s.depth - 2.0 * s.recess) / s.sideBays;
+    const double windows = 2.0 * s.floors * (s.bays * bay + s.sideBays * sideBay) * 0.55 * 0.5 * s.storey * s.recess;
+    return double(s.width) * s.depth * s.storey * s.floors + (s.width * s.depth - inside) * 0.9 - windows;
+}
+
 std::vector<ClosedCase> closedCases()
 {
+    const BuildingShape house{.width = 12.0f, .depth = 9.0f, .floors = 3, .bays = 4, .sideBays = 2};
+    const BuildingShape hut{.width = 2.0f, .depth = 2.0f, .storey = 2.5f, .floors = 1, .bays = 1, .sideBays = 1};
     TerrainShape block;
     block.thickness = 1.5f;
     block.columns = 7;
@@ -48,6 +59,8 @@ std::vector<ClosedCase> closedCases()
         {"column", makeColumn({}), 0.0, 2},
         {"arch", makeArch(arch), halfRing, 2},
         {"terrain block", makeTerrain(block), 0.0, 2},
+        {"building", makeBuilding(house), volumeOf(house), 2},
+        {"smallest building", makeBuilding(hut), volumeOf(hut), 2},
     };
 }
 
@@ -155,8 +168,20 @@ TEST_CASE("leaves lie within their ellipsoid, are turned every way, and closed o
     const Mesh sheets = makeLeaves({});
     CHECK(sheets.triangleCount() == 1000);
     CHECK(countEdges(sheets).border == 2000);
+    const Mesh crossed = makeLeaves({.blades = 3});
+    CHECK(crossed.triangleCount() == 3000);
+    CHECK(countEdges(crossed).border == 6000);
+    CHECK(countEdges(crossed).crowded == 500); // the axis of each
+
     CHECK(makeLeaves({}).positions == sheets.positions);
     CHECK(makeLeaves({.seed = 2}).positions != sheets.positions);
+}
+
+TEST_CASE("the triangles of a building are known before it is built")
+{
+    for (const BuildingShape& shape : {BuildingShape{}, BuildingShape{.floors = 1, .bays = 1, .sideBays = 1},
+                                       BuildingShape{.floors = 9, .bays = 7, .sideBays = 2}})
+        CHECK(makeBuilding(shape).triangleCount() == triangleCount(shape));
 }
 
 TEST_CASE("the terrain is the same everywhere, within its height, and really slopes")

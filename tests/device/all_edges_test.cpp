@@ -1,6 +1,7 @@
 // all_edges_volume: stencil_volume's picture bit by bit, from lists that are built once for every mesh and never again
 // because of a light or a caster that moves.
 #include "device/method_pair.hpp"
+#include "device/small_scenes.hpp"
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -34,9 +35,9 @@ void moveAll(Scene& scene)
 
 TEST_CASE_FIXTURE(DeviceTest, "all_edges_volume draws stencil_volume's picture bit by bit in every shipped scene")
 {
-    for (const demo::ShippedScene& each : demo::shippedScenes()) {
+    for (const Scene& each : smallShippedScenes()) {
         CAPTURE(each.name);
-        MethodPair pair(kPlain, kEdges, demo::valueOf(demo::loadScene(each.name)), {.maxLights = 32});
+        MethodPair pair(kPlain, kEdges, each, {.maxLights = 32});
         for (const double time : {0.0, 0.5})
             CHECK(pair.differing({.time = time}) == 0);
         CHECK(dark(pair.pictures[0]) > 100);

@@ -2,6 +2,7 @@
 // picture stays.
 #include "device/draw_counter.hpp"
 #include "device/method_pair.hpp"
+#include "device/small_scenes.hpp"
 #include "shaders/volumes/cull.h"
 
 using namespace gnomon;
@@ -33,9 +34,9 @@ struct Pair : MethodPair {
 
 TEST_CASE_FIXTURE(DeviceTest, "held against the depth image, volumes draw the same picture in every shipped scene")
 {
-    for (const demo::ShippedScene& each : demo::shippedScenes()) {
+    for (const Scene& each : smallShippedScenes()) {
         CAPTURE(each.name);
-        Pair pair(shipped(each.name.c_str()), {.maxLights = 32});
+        Pair pair(each, {.maxLights = 32});
         for (const double zFail : {0.0, 1.0}) {
             pair.set("z_fail", zFail);
             for (const double time : {0.0, 0.5})

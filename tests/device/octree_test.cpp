@@ -2,6 +2,7 @@
 // with far fewer of them where most are concealed.
 #include "device/draw_counter.hpp"
 #include "device/method_pair.hpp"
+#include "device/small_scenes.hpp"
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -65,9 +66,9 @@ uint32_t passesNamed(const Host& host, const char* name)
 
 TEST_CASE_FIXTURE(DeviceTest, "octree_volume draws stencil_volume's picture bit by bit in every shipped scene")
 {
-    for (const demo::ShippedScene& each : demo::shippedScenes()) {
+    for (const Scene& each : smallShippedScenes()) {
         CAPTURE(each.name);
-        Pair pair(shipped(each.name.c_str()), {.maxLights = 32});
+        Pair pair(each, {.maxLights = 32});
         for (const double time : {0.0, 0.5})
             CHECK(pair.differing({.time = time}) == 0);
         CHECK(dark(pair.pictures[0]) > 100);

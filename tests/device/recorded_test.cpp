@@ -1,5 +1,6 @@
 // gnCmdRenderShadows: the same pictures as gnSubmitShadows, from the host's own command buffer.
 #include "device/fixture.hpp"
+#include "device/small_scenes.hpp"
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -24,13 +25,12 @@ TEST_CASE_FIXTURE(DeviceTest,
                   "a recorded frame shows what a submitted one shows, for every method that can be recorded")
 {
     std::vector<std::string> pairs;
-    for (const demo::ShippedScene& shipped : demo::shippedScenes()) {
-        const Scene scene = demo::valueOf(demo::loadScene(shipped.name));
+    for (const Scene& scene : smallShippedScenes()) {
         Host submitted(scene, {.maxLights = 32}), recorded(scene, {.maxLights = 32});
         const std::vector<GnMethodInfo> methods = availableMethods(submitted.context);
         for (const GnMethodInfo& method : methods) {
             if (method.roundTrips != 0) continue;
-            CAPTURE(shipped.name);
+            CAPTURE(scene.name);
             CAPTURE(std::string(method.pName));
             // Two times: what moved in between is drawn over what was kept.
             for (const double time : {0.0, 0.5}) {
@@ -44,7 +44,7 @@ TEST_CASE_FIXTURE(DeviceTest,
                 const std::vector<Image8> pictures = submitted.pictures();
                 CHECK(dark(pictures[0]) > 100);
                 CHECK(differences(pictures, recorded.pictures()) == 0);
-                pairs.push_back(shipped.name + " " + method.pName);
+                pairs.push_back(scene.name + " " + method.pName);
             }
         }
     }

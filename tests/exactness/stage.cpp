@@ -7,6 +7,7 @@
 #include "demo/program/ambiguity.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/scene/scene_file.hpp"
+#include "device/small_scenes.hpp"
 
 namespace gnomon::exact {
 
@@ -104,7 +105,7 @@ const std::vector<std::string>& sceneNames()
 {
     static const std::vector<std::string> names = [] {
         std::vector<std::string> all;
-        for (const ShippedScene& scene : shippedScenes())
+        for (const Scene& scene : test::smallShippedScenes())
             if (scene.name != "scenario_reverse") all.push_back(scene.name);
         return all;
     }();
