@@ -1,0 +1,102 @@
+#include "demo/compare/trial.hpp"
+
+#include <algorithm>
+
+#include "demo/program/measure.hpp"
+#include "demo/program/progress.hpp"
+
+namespace gnomon::demo {
+namespace {
+
+/// One of so many frames with a truth is one of a trial, too.
+constexpr size_t kEvery = 3;
+/// Frames before and with that one. The second is the one whose passes' times are known after the third: what is made
+/// once and kept is made in the first.
+constexpr uint32_t kFrames = 3;
+
+/// By light, one time per frame with a truth.
+using LightTimes = std::vector<std::vector<double>>;
+
+/// False: another method served a light.
+bool noteTimes(const Session& session, const std::string& method, LightTimes& times)
+{
+    for (const uint32_t light : session.renderer.state().present) {
+        GnDecision decision{};
+        gnGetDecision(session.shadows.context(), session.shadows.view(0), session.shadows.light(light), &decision);
+        if (!decision.pMethod) continue; // nothing of it can be seen
+        if (decision.pMethod != method) return false;
+        times[light].push_back(double(decision.measuredMs));
+    }
+    return true;
+}
+
+void takeTimes(const Scene& scene, const LightTimes& times, MethodTrial& trial)
+{
+    for (KindTrial& kind : trial.kinds)
+        kind.ms = 0.0;
+    for (size_t light = 0; light < times.size(); ++light)
+        if (!times[light].empty()) trial.kinds[size_t(scene.lights[light].kind)].ms += medianOf(times[light]);
+}
+
+/// \return what went wrong; empty: nothing
+std::string tryMethod(const Stage& all, const Truths& truths, const EqualQuality& quality,
+                      const std::vector<MethodTrial>& earlier, const TriedMethod& method, MethodTrial& trial)
+{
+    const Scene scene = onlyServed(all.scene, method.traits);
+    const Stage stage{
+        .device = all.device, .scene = scene, .size = all.size, .path = {scene, all.path}, .recorded = all.recorded};
+    Session session(stage.device, scene, {.scene = {}, .size = stage.size, .pinnedThreads = true, .knowledge = "none"});
+    std::vector<std::string> refused;
+    if (const Status pinned = session.shadows.pinAll(method.name, &refused); !pinned) return pinned.error();
+    if (!refused.empty()) return refused.front();
+    expect(session.shadows.warmUp());
+    session.wakeDevice(stage.path.time(0));
+    for (const Light& light : scene.lights)
+        trial.kinds[size_t(light.kind)].served = true;
+    LightTimes times(scene.lights.size());
+    size_t index = 0;
+    for (const auto& [frame, truth] : truths) {
+        if (index++ % kEvery != 0) continue;
+        for (uint32_t before = kFrames; before-- > 0;)
+            drawFrame(session, stage, frame > before ? frame - before : 0, GN_FRAME_TIMED_BIT);
+        if (!noteTimes(session, method.name, times)) return "another method served in its place";
+        takeTimes(scene, times, trial);
+        const std::array<NearFar, kLightKinds> errors = countErrors(session, truth);
+        for (size_t kind = 0; kind < kLightKinds; ++kind)
+            trial.kinds[kind].errors += errors[kind];
+        const double over = overBest(trial, earlier, quality);
+        if (over > kCut) {
+            trial.overBest = over;
+            break;
+        }
+    }
+    return "";
+}
+
+} // namespace
+
+std::vector<MethodTrial> tryMethods(const Stage& stage, const Truths& truths, const EqualQuality& quality,
+                                    const std::vector<TriedMethod>& methods, std::vector<std::string>& notes)
+{
+    // The truth first: it is of equal quality by definition, so that slow methods are cut from the beginning.
+    std::vector<TriedMethod> order = methods;
+    std::stable_partition(order.begin(), order.end(),
+                          [](const TriedMethod& method) { return method.name == kTruthMethod; });
+    std::vector<MethodTrial> trials;
+    Progress progress(static_cast<uint32_t>(order.size()));
+    uint32_t done = 0;
+    for (const TriedMethod& method : order) {
+        MethodTrial trial{.method = method.name};
+        const std::string wrong = stage.recorded && method.roundTrips > 0
+                                      ? "needs the CPU between its passes and cannot be recorded"
+                                      : tryMethod(stage, truths, quality, trials, method, trial);
+        if (wrong.empty())
+            trials.push_back(std::move(trial));
+        else
+            notes.push_back(method.name + ": " + wrong);
+        progress.show(++done, "trial of " + method.name);
+    }
+    return trials;
+}
+
+} // namespace gnomon::demo
