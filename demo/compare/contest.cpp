@@ -54,7 +54,27 @@ Stage stageOf(Device& device, const Scene& scene, const CompareOptions& options)
             .budgetMs = options.budgetMs};
 }
 
+/// Those that the device can use.
+std::vector<TriedMethod> methodsOf(const Session& session)
+{
+    std::vector<TriedMethod> methods;
+    for (const GnMethodInfo& info : session.shadows.methods()) {
+        if (info.pUnavailable) continue;
+        TriedMethod& method = methods.emplace_back();
+        method = {
+            .name = info.pName, .algorithm = info.pAlgorithm, .traits = info.traits, .roundTrips = info.roundTrips};
+        for (uint32_t i = 0; i < info.settingCount; ++i)
+            if (std::string_view(info.pSettings[i].pName) == kResolutionSetting) method.resolution = info.pSettings[i];
+    }
+    return methods;
+}
+
 } // namespace
+
+std::vector<uint32_t> mapSides(const CompareOptions& options)
+{
+    return valueOf(parseCounts(options.maps, 16, 16384)); // as `bench` takes them
+}
 
 Contest::Contest(const CompareOptions& options, const std::string& scene)
     : options_(options), scene_(valueOf(loadScene(scene))), device_(Device::create({})),
@@ -84,12 +104,10 @@ void Contest::addContestant(Contestant contestant, const std::string& name)
 }
 
 /// The truths, and the methods that shall be tried.
-std::vector<TriedMethod> Contest::prepare()
+void Contest::prepare()
 {
     Session session(*device_, scene_, {.scene = {}, .size = stage_.size, .knowledge = "none"});
-    std::vector<TriedMethod> methods;
-    for (const GnMethodInfo& info : session.shadows.methods())
-        if (!info.pUnavailable) methods.push_back({info.pName, info.traits, info.roundTrips});
+    std::vector<TriedMethod> methods = methodsOf(session);
     if (!options_.methods.empty()) {
         std::vector<TriedMethod> wanted;
         for (const std::string& name : parseNames(options_.methods)) {
@@ -102,16 +120,16 @@ std::vector<TriedMethod> Contest::prepare()
         methods = std::move(wanted);
     }
     std::erase_if(methods, [&](const TriedMethod& method) { return !servesOne(scene_, method.traits); });
+    methods_ = withSides(methods, mapSides(options_));
     truths_ = measureTruths(session, stage_, truthFrames(stage_.path));
-    return methods;
 }
 
-void Contest::addFixed(const std::vector<TriedMethod>& methods)
+void Contest::addFixed()
 {
     std::array<bool, kLightKinds> present{};
     for (const Light& light : scene_.lights)
         present[size_t(light.kind)] = true;
-    const std::vector<MethodTrial> trials = tryMethods(stage_, truths_, quality_, methods, notes_);
+    const std::vector<MethodTrial> trials = tryMethods(stage_, truths_, quality_, methods_, notes_);
     for (FixedChoice& choice : fixedChoices(trials, present, quality_)) {
         const std::string name = choice.name;
         addContestant({.choice = std::move(choice)}, name);
@@ -121,7 +139,8 @@ void Contest::addFixed(const std::vector<TriedMethod>& methods)
 void Contest::run()
 {
     pinThread(0); // a worker on the same processor, the other idle, was what most frames over a budget came from
-    addFixed(prepare());
+    prepare();
+    addFixed();
     sentinel_ = std::make_unique<Sentinel>(*device_, scene_);
     Progress progress(options_.alternations * static_cast<uint32_t>(contestants_.size()));
     uint32_t done = 0;
@@ -166,6 +185,9 @@ std::unique_ptr<Session> Contest::begin(const Contestant& contestant)
     if (!contestant.rules.name.empty()) {
         expect(session->shadows.loadRules(contestant.rules.text, contestant.rules.name));
     } else {
+        for (const TriedMethod& method : methods_)
+            if (std::ranges::find(contestant.choice.methods, method.name) != contestant.choice.methods.end())
+                addVariant(*session, method);
         for (uint32_t light = 0; light < scene_.lights.size(); ++light)
             expect(session->shadows.pin(light, contestant.choice.methods[size_t(scene_.lights[light].kind)]));
     }

@@ -16,6 +16,9 @@ struct Service {
     float nearestMetres = 0.0f, farthestMetres = 0.0f; ///< From the eye to the light's nearest visible receiver.
 };
 
+/// CompareOptions::maps as numbers. Throws HostError where they are none.
+std::vector<uint32_t> mapSides(const CompareOptions& options);
+
 class Sentinel;
 
 class Contest {
@@ -44,8 +47,8 @@ private:
     };
 
     void addAdaptive();
-    std::vector<TriedMethod> prepare();
-    void addFixed(const std::vector<TriedMethod>& methods);
+    void prepare();
+    void addFixed();
     void addContestant(Contestant contestant, const std::string& name);
     std::unique_ptr<Session> begin(const Contestant& contestant);
     void runOnce(const Contestant& contestant);
@@ -58,6 +61,7 @@ private:
     std::unique_ptr<Device> device_;
     Stage stage_;
     EqualQuality quality_;
+    std::vector<TriedMethod> methods_;
     Truths truths_;
     std::vector<std::string> notes_;
     std::vector<Contestant> contestants_;

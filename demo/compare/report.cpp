@@ -52,10 +52,10 @@ void printHead(const Contest& contest, size_t alternations)
 {
     const Stage& stage = contest.stage();
     const ComparePath& path = stage.path;
-    std::printf("%s, %ux%u, %s, %u frames (every %u of %.1f s), medians of %zu alternations, on %s\n",
+    std::printf("%s, %ux%u, %s, %u frames (every %u of %.1f s), medians of %zu alternation%s, on %s\n",
                 contest.scene().name.c_str(), stage.size.width, stage.size.height,
                 stage.recorded ? "gnCmdRenderShadows" : "gnSubmitShadows", path.frames, path.stride,
-                path.frames * path.stride / contest.scene().framesPerSecond, alternations,
+                path.frames * path.stride / contest.scene().framesPerSecond, alternations, alternations == 1 ? "" : "s",
                 stage.device.properties.deviceName);
     std::printf("equal quality: wrong share against ray_traced at most %.4f %% of the receivers under %.0f m from the "
                 "eye (the quality floor of the first rule base), and at most %.4f %% of those beyond\n",
@@ -68,18 +68,19 @@ void printRow(const Row& row, const Standing& standing, const EqualQuality& qual
 {
     const double frames = double(row.runs.front().frameMs.size());
     const double switches = medianOfRuns(row, [](const RunRecord& run) { return double(run.switches); });
-    std::printf("%-*s %5zu %9.2f %9.3f %10.3f %9.4f %8.4f %6s %9.2f %7s %9.0f\n", width, titleOf(row).c_str(),
+    std::printf("%-*s %5zu %9.2f %9.3f %10.3f %9.4f %8.4f %6s %9.2f %9.2f %7s %9.0f\n", width, titleOf(row).c_str(),
                 row.runs.size(), medianOfRuns(row, totalMs) / 1000.0, medianOfRuns(row, totalMs) / frames,
                 medianOfRuns(row, totalShadowMs) / frames, row.errors.near.percent(), row.errors.far.percent(),
-                quality.holds(row.errors) ? "yes" : "no", medianOfRuns(row, worstMs),
+                quality.holds(row.errors) ? "yes" : "no",
+                medianOfRuns(row, [](const RunRecord& run) { return run.frameMs.front(); }), medianOfRuns(row, worstMs),
                 percentText(overBudget(row, standing).frames).c_str(), switches);
 }
 
 void printTable(const Contest& contest, const std::vector<Standing>& standings)
 {
     const int width = nameWidth(contest.rows());
-    std::printf("%-*s %5s %9s %9s %10s %9s %8s %6s %9s %7s %9s\n", width, "", "runs", "total s", "frame ms",
-                "shadow ms", "near %", "far %", "equal", "worst ms", "over %", "switches");
+    std::printf("%-*s %5s %9s %9s %10s %9s %8s %6s %9s %9s %7s %9s\n", width, "", "runs", "total s", "frame ms",
+                "shadow ms", "near %", "far %", "equal", "first ms", "worst ms", "over %", "switches");
     for (const Standing& standing : standings) {
         for (const Row* row : standing.adaptive)
             printRow(*row, standing, contest.quality(), width);
@@ -211,20 +212,21 @@ void printWords(const Contest& contest)
     const Standing standing = standingsOf(contest).front();
     const Row& adaptive = *standing.adaptive.front();
     const double frames = double(adaptive.runs.front().frameMs.size());
-    std::printf("In %s the %s shade %zu lights in %.1f ms a frame.\n", contest.scene().name.c_str(),
-                adaptive.name.c_str(), contest.scene().lights.size(), medianOfRuns(adaptive, totalMs) / frames);
+    const size_t lights = contest.scene().lights.size();
+    std::printf("In %s, with %zu light%s, a frame by the %s takes %.1f ms.\n", contest.scene().name.c_str(), lights,
+                lights == 1 ? "" : "s", adaptive.name.c_str(), medianOfRuns(adaptive, totalMs) / frames);
     if (const Row* best = bestFixed(standing.equal))
-        std::printf("The best single choice of equal quality, %s, takes %.1f ms in the same run.\n", best->name.c_str(),
-                    medianOfRuns(*best, totalMs) / frames);
+        std::printf("By the best fixed choice of equal quality, %s, it takes %.1f ms in the same run.\n",
+                    best->name.c_str(), medianOfRuns(*best, totalMs) / frames);
     else
-        std::printf("No single choice has their quality.\n");
+        std::printf("No fixed choice has equal quality.\n");
     uint64_t all = 0;
     std::vector<std::pair<std::string, Service>> services(contest.services().begin(), contest.services().end());
     for (const auto& [method, service] : services)
         all += service.lightFrames;
     std::sort(services.begin(), services.end(),
               [](const auto& a, const auto& b) { return a.second.lightFrames > b.second.lightFrames; });
-    std::printf("%zu methods served:", services.size());
+    std::printf("%zu method%s served:", services.size(), services.size() == 1 ? "" : "s");
     for (size_t i = 0; i < services.size(); ++i)
         std::printf("%s %s %.1f %% (%.0f to %.0f m from the eye)", i > 0 ? "," : "", services[i].first.c_str(),
                     100.0 * double(services[i].second.lightFrames) / double(all),

@@ -57,7 +57,7 @@ int contactCommand(const ContactOptions& options);
 
 struct CompareOptions {
     std::vector<std::string> scenes;
-    std::string rules, methods, size, plot, csv;
+    std::string rules, methods, maps, size, plot, csv;
     std::string knowledge;           ///< loadKnowledge().
     std::string entry = "submitted"; ///< Or "recorded".
     double seconds = 0.0;            ///< Of the scene's path; 0: all.

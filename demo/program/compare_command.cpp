@@ -9,6 +9,7 @@ int compareCommand(const CompareOptions& options)
 {
     requireScenes(options.scenes);
     requireMethods(parseNames(options.methods));
+    (void)mapSides(options);
     requireWritable(options.plot);
     requireGnuplot(options.plot);
     requireWritable(options.csv);

@@ -173,6 +173,7 @@ TEST_CASE("normalised times undo a machine that slows down, and a single slow se
     RunRecord run = steady(10.0);
     for (size_t i = 0; i < run.frameMs.size(); ++i) {
         run.frameMs[i] *= 2.0;
+        run.shadowMs[i] *= 2.0;
         run.sentinelMs[i] *= 2.0;
     }
     run.sentinelMs[7] = 50.0;
