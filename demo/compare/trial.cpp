@@ -100,7 +100,7 @@ std::vector<TriedMethod> withSides(const std::vector<TriedMethod>& methods, std:
             if (side == setting.value || side < setting.minimum || side > setting.maximum) continue;
             TriedMethod variant = method;
             variant.side = static_cast<uint32_t>(side);
-            variant.name += "_" + std::to_string(variant.side);
+            variant.name.append("_").append(std::to_string(variant.side));
             out.push_back(std::move(variant));
         }
     }
