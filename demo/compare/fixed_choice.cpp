@@ -1,9 +1,12 @@
 #include "demo/compare/fixed_choice.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace gnomon::demo {
 namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Methods = std::array<std::string, kLightKinds>;
 
@@ -54,14 +57,18 @@ public:
     void add(const MethodTrial* first)
     {
         Methods methods;
+        double ms = 0.0, least = 0.0;
         for (size_t kind = 0; kind < kLightKinds; ++kind) {
             if (!present_[kind]) continue;
             const MethodTrial* mine = first && first->kinds[kind].served ? first : cheapest_[kind];
             if (!mine) return;
             methods[kind] = mine->method;
+            ms += mine->kinds[kind].ms;
+            least += cheapest_[kind] ? cheapest_[kind]->kinds[kind].ms : kInfinity;
         }
         const auto same = [&](const FixedChoice& choice) { return choice.methods == methods; };
-        if (std::none_of(made.begin(), made.end(), same)) made.push_back({nameOf(methods), methods});
+        if (std::any_of(made.begin(), made.end(), same)) return;
+        made.push_back({nameOf(methods), methods, ms > kCut * least ? ms / least : 0.0});
     }
 
     std::vector<FixedChoice> made;
@@ -75,15 +82,14 @@ private:
 
 double overBest(const MethodTrial& trial, const std::vector<MethodTrial>& earlier, const EqualQuality& quality)
 {
-    double mine = 0.0, best = 0.0;
+    double least = kInfinity;
     for (size_t kind = 0; kind < kLightKinds; ++kind) {
         if (!trial.kinds[kind].served) continue;
         const MethodTrial* cheapest = cheapestOf(earlier, kind, quality);
         if (!cheapest) return 0.0;
-        mine += trial.kinds[kind].ms;
-        best += cheapest->kinds[kind].ms;
+        least = std::min(least, trial.kinds[kind].ms / cheapest->kinds[kind].ms);
     }
-    return best > 0.0 ? mine / best : 0.0;
+    return std::isfinite(least) ? least : 0.0;
 }
 
 std::vector<FixedChoice> fixedChoices(const std::vector<MethodTrial>& trials,

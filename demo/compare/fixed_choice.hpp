@@ -29,21 +29,21 @@ struct MethodTrial {
     double overBest = 0.0;                    ///< Over 0: it was cut, and took so many times the best so far.
 };
 
-/// Of the kinds that the trial served: its time over the least time of each among the methods of equal quality. 0 where
-/// there is none yet for one of them.
+/// Its time over the least time of the methods of equal quality, at the kind where that is the least. 0 where there is
+/// no such method yet for a kind that it serves. Over kCut, no choice is worth a run with it.
 double overBest(const MethodTrial& trial, const std::vector<MethodTrial>& earlier, const EqualQuality& quality);
 
 struct FixedChoice {
     std::string name;                             ///< "ray_traced", or "ray_traced (spot) + cube_map (point)".
     std::array<std::string, kLightKinds> methods; ///< By LightKind; empty: the scene has none.
-    double overBest = 0.0;                        ///< Of a method that was cut, which is not run.
+    double overBest = 0.0; ///< Over 0: it is not run, its shadows take so many times those of the cheapest.
 };
 
 /** \brief Every choice that is worth a run, without repetition.
 
 Each method that serves all kinds of the scene's lights; each other one, with the cheapest method of equal quality for
 the kinds that it does not serve (none, where there is no such method); and the cheapest of equal quality for each kind.
-Methods that were cut come last, alone.
+A choice that takes over kCut times that last one is not run. Methods that were cut come last, alone.
 \param present by LightKind: the scene has such lights
 */
 std::vector<FixedChoice> fixedChoices(const std::vector<MethodTrial>& trials,

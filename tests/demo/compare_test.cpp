@@ -125,22 +125,32 @@ TEST_CASE("a partner and the cheapest of each kind are of equal quality, a metho
     CHECK(namesOf(fixedChoices(trials, {true, true, true}, kQuality)) == std::vector<std::string>{"rays", "blurred"});
 }
 
-TEST_CASE("a method is cut by the best of equal quality at the kinds it serves, and never without one")
+TEST_CASE("a method is cut by the best of equal quality at the kind it is best at, and never without one")
 {
     std::vector<MethodTrial> earlier{trialOf("rays", {3.0, 2.0, 4.0}), trialOf("wrong", {0.1, 0.1, 0.1})};
     for (KindTrial& kind : earlier[1].kinds)
         kind.errors = errorsOf(5000, 5000);
-    CHECK(overBest(trialOf("slow", {0.0, 10.0, 20.0}), earlier, kQuality) == doctest::Approx(5.0));
-    CHECK(overBest(trialOf("slow", {0.0, 10.0, 20.0}), {earlier[1]}, kQuality) == 0.0);
+    const MethodTrial slow = trialOf("slow", {0.0, 10.0, 24.0});
+    CHECK(overBest(slow, earlier, kQuality) == doctest::Approx(5.0));
+    CHECK(overBest(trialOf("spots", {9.0, 1.0, 50.0}), earlier, kQuality) == doctest::Approx(0.5));
+    CHECK(overBest(slow, {earlier[1]}, kQuality) == 0.0);
     earlier[0].overBest = 5.0;
-    CHECK(overBest(trialOf("slow", {0.0, 10.0, 20.0}), earlier, kQuality) == 0.0);
-    // It partners nobody and comes last.
-    std::vector<MethodTrial> trials{trialOf("slow", {1.0, 1.0, 1.0}), trialOf("map", {2.0, 2.0, 0.0}),
-                                    trialOf("rays", {3.0, 3.0, 3.0})};
+    CHECK(overBest(slow, earlier, kQuality) == 0.0);
+}
+
+TEST_CASE(
+    "a choice over four times the cheapest is not run, though its method may partner others; a cut method does not")
+{
+    std::vector<MethodTrial> trials{trialOf("cut", {1.0, 0.5, 1.0}), trialOf("spots", {20.0, 1.0, 20.0}),
+                                    trialOf("map", {2.0, 2.0, 0.0}), trialOf("rays", {3.0, 3.0, 3.0})};
     trials[0].overBest = 5.0;
     const std::vector<FixedChoice> choices = fixedChoices(trials, {true, true, true}, kQuality);
-    CHECK(namesOf(choices) == std::vector<std::string>{"map (directional, spot) + rays (point)", "rays", "slow"});
-    CHECK(choices.back().overBest == 5.0);
+    CHECK(namesOf(choices) == std::vector<std::string>{"spots", "map (directional, spot) + rays (point)", "rays",
+                                                       "map (directional) + spots (spot) + rays (point)", "cut"});
+    CHECK(choices[0].overBest == doctest::Approx(41.0 / 6.0));
+    for (size_t i = 1; i < 4; ++i)
+        CHECK(choices[i].overBest == 0.0);
+    CHECK(choices[4].overBest == 5.0);
 }
 
 TEST_CASE("a verdict is sure if all alternations say the same, and within the noise if one does not or is alone")
