@@ -57,6 +57,18 @@ CLI::Validator numberIn(double low, double high)
     return {check, "in [" + first + " - " + last + "]"};
 }
 
+CLI::Validator numberAbove0To(double high)
+{
+    std::string last;
+    appendNumber(last, high);
+    const auto check = [=](const std::string& text) {
+        const std::optional<double> value = parseNumber(text);
+        if (value && static_cast<float>(*value) > 0.0f && *value <= high) return std::string();
+        return "'" + text + "' is no number above 0, up to " + last;
+    };
+    return {check, "above 0, up to " + last};
+}
+
 CLI::Validator notNegative()
 {
     return {[](const std::string& text) { return text.starts_with('-') ? "'" + text + "' is below 0" : std::string(); },

@@ -10,6 +10,9 @@ inline constexpr const char* kSceneHelp = "path of a scene file, or the name of 
 /// A number in [low, high]. CLI::Range lets NaN pass.
 CLI::Validator numberIn(double low, double high);
 
+/// A number above 0, also as a float, and at most `high`: where 0 would be taken for something else.
+CLI::Validator numberAbove0To(double high);
+
 /// CLI11 takes -1 for the largest number of 64 bits.
 CLI::Validator notNegative();
 

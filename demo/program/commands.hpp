@@ -56,10 +56,15 @@ struct ContactOptions {
 int contactCommand(const ContactOptions& options);
 
 struct CompareOptions {
-    std::string scene, rules, methods, size, plot, csv;
-    uint32_t frames = 0; ///< 0: the scene's.
-    uint32_t alternations = 5;
-    float budgetMs = 0.0f;
+    std::vector<std::string> scenes;
+    std::string rules, methods, maps, size, plot, csv;
+    std::string knowledge;           ///< loadKnowledge().
+    std::string entry = "submitted"; ///< Or "recorded".
+    double seconds = 0.0;            ///< Of the scene's path; 0: all.
+    uint32_t stride = 1;             ///< Every so many of the scene's frames.
+    uint32_t alternations = 3;
+    float budgetMs = 0.0f; ///< 0: the host gives none.
+    bool warm = false;     ///< A second time over the path with the same contexts.
 };
 int compareCommand(const CompareOptions& options);
 

@@ -12,9 +12,14 @@ constexpr uint8_t kHalf = 128; // 8-bit visibility of at least 0.5
 
 } // namespace
 
+bool isLit(uint8_t visibility)
+{
+    return visibility >= kHalf;
+}
+
 bool isWrong(uint8_t visibility, uint8_t truth)
 {
-    return (visibility >= kHalf) != (truth >= kHalf);
+    return isLit(visibility) != isLit(truth);
 }
 
 ErrorCount& ErrorCount::operator+=(const ErrorCount& other)
@@ -63,8 +68,8 @@ ErrorCount compare(const Image8& visibility, const Image8& truth, const std::vec
         const bool unclear = !ambiguous.empty() && ambiguous[i];
         out.ambiguous += unclear;
         out.wrongClear += isWrong(v, t) && !unclear;
-        out.falseLit += isWrong(v, t) && v >= kHalf;
-        out.falseShadow += isWrong(v, t) && v < kHalf;
+        out.falseLit += isWrong(v, t) && isLit(v);
+        out.falseShadow += isWrong(v, t) && !isLit(v);
         out.absoluteSum += std::abs(int(v) - int(t)) / 255.0;
     }
     return out;

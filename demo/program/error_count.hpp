@@ -32,7 +32,9 @@ struct FrameSurfaces {
 std::vector<uint8_t> countedPixels(const Scene& scene, const CameraMatrices& camera, const FrameSurfaces& surfaces,
                                    const Light& light, const LightState& state);
 
-/// Of two bytes of visibility: whether one is lit by half and the other is not.
+/// A byte of visibility that is at least half.
+bool isLit(uint8_t visibility);
+/// Of two bytes of visibility: whether one is lit and the other is not.
 bool isWrong(uint8_t visibility, uint8_t truth);
 
 /// \param ambiguous per pixel, or empty.

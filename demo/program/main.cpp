@@ -40,9 +40,9 @@ void addRun(CLI::App& app, RunOptions& options, int& exitCode)
     run->add_option("--frames", options.frames, "number of frames; default: the scene's")
         ->check(CLI::Range(1, 1000000));
     run->add_option("--lights", options.lights, "number of lights; default: the scene's")->check(CLI::Range(1, 256));
-    run->add_option("--budget-ms", options.budgetMs,
+    run->add_option("--budget,--budget-ms", options.budgetMs,
                     "for all shadows of a frame, GPU and CPU; default: that of the rules, or none")
-        ->check(numberIn(0.0, kMostBudget));
+        ->check(numberAbove0To(kMostBudget));
     auto* out = run->add_option("--out", options.out, "folder for tables and pictures")->capture_default_str();
     auto* dump = run->add_option("--dump", options.dump, "folder for the last frame's data, for independent checks");
     run->add_option("--why", options.why, "FRAME:LIGHT[:METHOD]: print why (not) at the end; may be repeated");
@@ -110,18 +110,34 @@ void addContact(CLI::App& app, ContactOptions& options, int& exitCode)
 
 void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
 {
-    CLI::App* compare = app.add_subcommand("compare", "whole runs by the rules against the same by one method each");
-    compare->add_option("SCENE", options.scene, kSceneHelp)->required();
-    compare->add_option("--rules", options.rules, "a,b,... rule bases of adaptive runs; default: `default`");
-    compare->add_option("--methods", options.methods, "a,b,... default: all that serve every light");
+    CLI::App* compare = app.add_subcommand("compare", "whole runs by the rules against the same by fixed methods");
+    compare->add_option("SCENE", options.scenes, kSceneHelp)->required();
+    compare->add_option("--rules", options.rules,
+                        "a,b,... rule bases of adaptive runs; the first one's floor says what equal quality is; "
+                        "default: `default`");
+    compare->add_option("--methods", options.methods, "a,b,... of which fixed choices are made; default: all");
+    compare->add_option("--map", options.maps, "512,2048,... fixed choices also with maps of these sides");
+    compare->add_option("--entry", options.entry, "`submitted` (gnSubmitShadows) or `recorded` (gnCmdRenderShadows)")
+        ->check(CLI::IsMember({"submitted", "recorded"}))
+        ->capture_default_str();
+    compare->add_option(
+        "--knowledge", options.knowledge,
+        "what the cost model starts from: a path, `lavapipe`, `h100`, or `none`; default: by the device");
     compare->add_option("--size", options.size, "picture size; default: the scene's");
-    compare->add_option("--frames", options.frames, "frames of a run; default: the scene's")
-        ->check(CLI::Range(2, 1000000));
-    compare->add_option("--alternations", options.alternations, "runs of each")->check(CLI::Range(1, 1000));
+    compare->add_option("--seconds", options.seconds, "of the scene's path; default: all of it")
+        ->check(numberAbove0To(86400.0));
+    compare->add_option("--stride", options.stride, "draw every so many of the scene's frames")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    compare->add_option("--alternations", options.alternations, "runs of each")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    compare->add_flag("--warm", options.warm, "each run goes over the path once more, in rows of its own");
     compare
-        ->add_option("--budget-ms", options.budgetMs,
-                     "for all shadows of a frame, GPU and CPU; default: that of the rules, or none")
-        ->check(numberIn(0.0, kMostBudget));
+        ->add_option("--budget,--budget-ms", options.budgetMs,
+                     "for all shadows of a frame, GPU and CPU; default: 1.3 times the cheapest fixed choice of equal "
+                     "quality in each frame, and none given to the runtime")
+        ->check(numberAbove0To(kMostBudget));
     compare->add_option("--plot", options.plot, "PNG file of every frame's time, drawn by gnuplot");
     compare->add_option("--csv", options.csv, "write every frame's time of every run here");
     compare->callback([&] { exitCode = compareCommand(options); });

@@ -119,6 +119,8 @@ TEST_CASE("what can be known before measuring is said before a device is looked 
         {"contact room --out none/x.png", "none/x.png"},
         {"compare room --methods shadow_map,nosuch", "'nosuch'"},
         {"compare room --plot none/x.png", "none/x.png"},
+        {"compare room bunny --plot x.png", "--plot draws one scene, not 2"},
+        {"compare room --map 512,1k", "'1k'"},
         {"calibrate --out none/x.csv", "none/x.csv"},
         {"calibrate --methods shadow_map,nosuch", "'nosuch'"},
         {"trace room --methods shadow_map,nosuch", "'nosuch'"},
@@ -153,13 +155,21 @@ TEST_CASE("what can be known before measuring is said before a device is looked 
     CHECK(spaced.output.find("Vulkan device") != std::string::npos); // nothing else is wrong with it
     CHECK(lines(folder.path / "kept.csv") == std::vector<std::string>{"kept"});
     for (const char* number : {"nan", "inf", "-1", "1e7", "1,5"})
-        for (const char* command : {"run room --budget-ms=", "compare room --budget-ms=", "replay x --rate=",
-                                    "calibrate --seconds-per-method=", "bench room --radius="}) {
+        for (const char* command : {"replay x --rate=", "calibrate --seconds-per-method=", "bench room --radius="}) {
             const Ran ran = gnomonProgram(std::string(command) + number, before);
             CHECK_MESSAGE(ran.exitCode > 1, command, number);
             CHECK_MESSAGE(ran.output.find(number + std::string("' is no number from ")) != std::string::npos,
                           ran.output);
         }
+    for (const char* number : {"0", "-0", "nan", "inf", "-1", "1e7", "1e-60", "1,5"})
+        for (const char* command : {"run room --budget-ms=", "run room --budget=", "compare room --budget-ms=",
+                                    "compare room --budget=", "compare room --seconds="}) {
+            const Ran ran = gnomonProgram(std::string(command) + number, before);
+            CHECK_MESSAGE(ran.exitCode > 1, command, number);
+            CHECK_MESSAGE(ran.output.find(number + std::string("' is no number above 0, up to ")) != std::string::npos,
+                          ran.output);
+        }
+    CHECK(gnomonProgram("compare room --entry both", before).exitCode > 1);
     for (const char* nothing : {"compare room --rules ,", "compare room --methods ' , '", "bench room --methods ''",
                                 "run room --method ''", "explain thesis --facts ''", "lint ''"}) {
         const Ran ran = gnomonProgram(nothing, before);
