@@ -217,6 +217,11 @@ void writeAlgorithm(std::string& out, const DeviceKnowledge& of, const Algorithm
 
 } // namespace
 
+bool AlgorithmCost::isTimed() const noexcept
+{
+    return std::any_of(tracks.begin(), tracks.end(), [](const TrackCost& track) { return track.samples > 0; });
+}
+
 const AlgorithmCost* DeviceKnowledge::find(std::string_view name) const noexcept
 {
     const auto found =

@@ -48,6 +48,8 @@ struct AlgorithmCost {
     double wrongPercent = 0.0;             ///< Of the light-facing pixels, against ray tracing, at map side 1024.
     uint32_t wrongSamples = 0;             ///< 0: not measured.
     double firstFrameMs = 0.0;             ///< By which the first frame after a switch takes longer.
+
+    bool isTimed() const noexcept; ///< Any pass was.
 };
 
 /// A pass for all lights of a view (a copy of its depth, say) that an algorithm needs.

@@ -39,7 +39,7 @@ uint32_t teach(CostModel& model, const DeviceKnowledge& device, std::span<const 
     };
     uint32_t measured = 0;
     for (auto m = firstMethod; m < methods.size(); ++m) {
-        if (const AlgorithmCost* known = device.find(methods[m].algorithm); known && !isEmpty(known->tracks)) {
+        if (const AlgorithmCost* known = device.find(methods[m].algorithm); known && known->isTimed()) {
             model.teach(m, known->tracks, 0.0);
             ++measured;
             continue;

@@ -201,7 +201,9 @@ TEST_CASE_FIXTURE(DeviceTest, "in a locale with a decimal comma rules, decisions
 {
     const auto run = [](std::string& words) {
         Host host(smallScene());
-        const std::string rules = shippedRules("default");
+        std::string rules = shippedRules("default");
+        const std::string says = "allocation: budget"; // times are no matter of the locale
+        rules.replace(rules.find(says), says.size(), "allocation: none");
         host.require(gnLoadRules(host.context, rules.data(), rules.size(), "default.yaml"));
         host.draw(6, {});
         words = decisionText(host) + "\n" + host.explanation(0);
