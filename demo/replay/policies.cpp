@@ -2,6 +2,7 @@
 #include <array>
 
 #include "demo/calibrate/fit.hpp"
+#include "demo/replay/best_plan.hpp"
 #include "demo/replay/replay.hpp"
 #include "runtime/cost/teach.hpp"
 #include "runtime/plan/plan.hpp"
@@ -57,15 +58,19 @@ public:
                 memories_[slot] = {}, ages_[slot] = 0;
                 model_.forgetLight(slot);
             }
-            if (light.present) addLight(trace, frame, slot);
+            if (!light.present) continue;
+            if (options_.allocation == rules::Options::Allocation::None)
+                chosen[slot] = memories_[slot].incumbent = bestSuited(trace, frame, slot);
+            else
+                addLight(trace, frame, slot);
         }
+        if (requests_.empty()) return;
         plan_.step({.frame = frame,
                     .lights = requests_,
                     .candidates = candidates_,
                     .methods = methods_,
                     .budgetMs = budgetMs,
                     .cut = trace.cuts[frame] != 0,
-                    .allocation = options_.allocation,
                     .policy = &options_.policy});
         for (size_t i = 0; i < slots_.size(); ++i) {
             const plan::LightPlan& light = plan_.lights()[i];
@@ -141,6 +146,19 @@ private:
         teach(fitKnowledge(samples, "software"), names);
     }
 
+    /// Without a plan: the incumbent on ties, then registry order.
+    uint32_t bestSuited(const Trace& trace, uint32_t frame, uint32_t slot) const
+    {
+        uint32_t best = kNone;
+        for (const uint32_t m : eligibleMethods(trace, frame, slot)) {
+            const auto suitability = trace.measure(frame, slot, m).suitability;
+            const auto most = best == kNone ? suitability : trace.measure(frame, slot, best).suitability;
+            if (best == kNone || suitability > most || (suitability == most && m == memories_[slot].incumbent))
+                best = m;
+        }
+        return best;
+    }
+
     void addLight(const Trace& trace, uint32_t frame, uint32_t slot)
     {
         const TraceLight& light = trace.lightStates[trace.cell(frame, slot)];
@@ -158,6 +176,7 @@ private:
                                    .suitability = measured.suitability,
                                    .quality = measured.quality,
                                    .ms = prediction.sureMs(),
+                                   .likelyMs = prediction.ms,
                                    .sigmaMs = prediction.measured ? prediction.sigmaMs : 0.0});
         }
     }
@@ -193,9 +212,9 @@ private:
 
 class TablePolicy : public ReplayPolicy {
 public:
-    explicit TablePolicy(const Trace& trace) : methods_(static_cast<uint32_t>(trace.methods.size()))
+    explicit TablePolicy(const Trace& trace)
+        : methods_(static_cast<uint32_t>(trace.methods.size())), plans_(trace.lights, methods_)
     {
-        knapsack_.reserve(trace.lights, methods_);
         const size_t cells = size_t{trace.lights} * methods_;
         smoothedMs_.assign(cells, 1.0); // nothing is known: everything costs a millisecond
         values_.resize(cells);
@@ -210,7 +229,7 @@ public:
             for (uint32_t m = 0; m < methods_; ++m)
                 values_[slot * methods_ + m] = valueOf(trace, frame, slot, m);
         }
-        knapsack_.solve({trace.lights, methods_, values_, smoothedMs_, allowed_, {}, budgetMs}, chosen);
+        plans_.find({trace.lights, methods_, values_, smoothedMs_, allowed_, budgetMs}, chosen);
     }
     void observe(const Trace& trace, uint32_t frame, std::span<const Timing> timings) override
     {
@@ -222,7 +241,7 @@ public:
 
 private:
     uint32_t methods_;
-    plan::Knapsack knapsack_;
+    BestPlans plans_;
     std::vector<double> smoothedMs_, values_;
     std::vector<MethodSet> allowed_;
 };

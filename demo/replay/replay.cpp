@@ -5,8 +5,8 @@
 #include <deque>
 
 #include "demo/io/number.hpp"
+#include "demo/replay/best_plan.hpp"
 #include "runtime/cost/exponent.hpp"
-#include "runtime/plan/knapsack.hpp"
 
 namespace gnomon::demo {
 
@@ -180,11 +180,9 @@ private:
 
 Oracle findOracle(const Trace& trace, const ReplayOptions& options)
 {
-    // Many more bins than the plan step has, and a table for scenes where it would be greedy.
     constexpr uint32_t kOracleBins = 2048, kOracleTableLights = 16;
     const auto methods = static_cast<uint32_t>(trace.methods.size());
-    plan::Knapsack knapsack(kOracleBins);
-    knapsack.reserve(trace.lights, methods, kOracleTableLights);
+    BestPlans plans(trace.lights, methods, kOracleTableLights, kOracleBins);
     Oracle oracle;
     oracle.values.resize(trace.frames);
     oracle.feasible.resize(trace.frames);
@@ -201,10 +199,8 @@ Oracle findOracle(const Trace& trace, const ReplayOptions& options)
             }
         }
         const double budgetMs = options.budgetMs > 0.0 ? options.budgetMs : double{trace.budgetsMs[frame]};
-        const plan::Problem problem{trace.lights, methods, values, costs, allowed, {}, budgetMs};
         const auto chosen = std::span(oracle.chosen).subspan(trace.cell(frame, 0), trace.lights);
-        const plan::Solution best = trace.lights <= kOracleTableLights ? knapsack.solveTable(problem, chosen)
-                                                                       : knapsack.solveGreedy(problem, chosen);
+        const BestPlan best = plans.find({trace.lights, methods, values, costs, allowed, budgetMs}, chosen);
         oracle.values[frame] = best.value;
         oracle.feasible[frame] = best.fits;
     }

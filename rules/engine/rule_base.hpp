@@ -144,10 +144,10 @@ struct Policy {
         double atStrength = 0.5;     ///< (0, 1]. The floor holds while `when` is at least this true.
     };
     struct Hysteresis {
-        double planGain = 0.02; ///< [0, 1]. A better plan must gain this share of the value.
+        double planGain = 0.02; ///< [0, 1]. What a change must gain, as a share of what the incumbent is worth.
         uint32_t upgradesPerFrame = 2;
         uint32_t flipWindowFrames = 30; ///< A-B-A within this window is a flip,
-        uint32_t flipBanFrames = 120;   ///< which bans the pair for so long.
+        uint32_t flipBanFrames = 120;   ///< after which the light does not go back for so long.
         uint32_t crossFadeFrames = 8; ///< A changed choice is shown as a mix with the one before for so long; 0: never.
     };
     struct Probing {

@@ -150,6 +150,7 @@ void planLights(Frame& frame, const ChooseParts& parts)
                                           // The cheapest plan was to be measured, not to be kept.
                                           .cut = frame.cameraCut() || parts.budget.begins(),
                                           .probe = parts.ownReady && parts.probe.isDue(base, frame.number),
+                                          .lastSecondMs = std::max(history.totals.ms(), 0.0) * history.intervals.rate(),
                                           .frame = frame.number});
     parts.budget.take(frame.plan);
     frame.stats.budgetMs = static_cast<float>(parts.budget.ms());

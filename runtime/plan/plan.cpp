@@ -5,36 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "runtime/plan/utility.hpp"
-
 namespace gnomon::plan {
-
-namespace {
-
-bool isBanned(const LightMemory& memory, uint32_t from, uint32_t to, uint64_t frame)
-{
-    for (const LightMemory::Ban& ban : memory.bans)
-        if (frame < ban.until && ((ban.a == from && ban.b == to) || (ban.a == to && ban.b == from))) return true;
-    return false;
-}
-
-void ban(LightMemory& memory, uint32_t a, uint32_t b, uint64_t until)
-{
-    const auto same = std::find_if(memory.bans.begin(), memory.bans.end(), [&](const LightMemory::Ban& held) {
-        return (held.a == a && held.b == b) || (held.a == b && held.b == a);
-    });
-    auto oldest = std::min_element(memory.bans.begin(), memory.bans.end(),
-                                   [](const auto& x, const auto& y) { return x.until < y.until; });
-    *(same != memory.bans.end() ? same : oldest) = {a, b, until};
-}
-
-/// True if going back to `to` now would be the last step of an A-B-A.
-bool wouldFlip(const LightMemory& memory, uint32_t to, uint64_t frame, uint32_t window)
-{
-    return memory.previous != kNone && to == memory.previous && frame - memory.switchedAt <= window;
-}
-
-} // namespace
 
 const rules::Policy& PlanInput::inForce() const noexcept
 {
@@ -44,38 +15,21 @@ const rules::Policy& PlanInput::inForce() const noexcept
 
 void PlanStep::reserve(uint32_t lights, uint32_t methods)
 {
-    auto grow = [](auto& vector, size_t size) {
-        if (vector.size() < size) vector.resize(size);
-    };
-    knapsack_.reserve(lights, methods);
+    const auto grow = [](auto& vector, size_t size) { vector.resize(std::max(vector.size(), size)); };
     const size_t cells = size_t{lights} * methods;
+    greedy_.reserve(lights, methods);
     grow(values_, cells);
+    grow(worths_, cells);
     grow(costsMs_, cells);
     grow(why_, cells);
+    if (cells > orders_.size()) orderedMethods_ = 0;
+    grow(orders_, cells);
     grow(allowed_, lights);
     grow(current_, lights);
-    grow(best_, lights);
+    grow(target_, lights);
     grow(saved_, lights);
     grow(plans_, lights);
-    grow(users_, methods);
-    grow(otherUsers_, methods);
     grow(terms_, methods);
-}
-
-/// Allocation::None. The clock has no say, not even in ties: the incumbent, then registry order.
-void PlanStep::chooseBySuitability(const PlanInput& input) noexcept
-{
-    for (uint32_t light = 0; light < lightCount_; ++light) {
-        uint32_t best = kNone;
-        for (const uint32_t m : allowed_[light]) {
-            const int32_t suitability = input.candidates[at(light, m)].suitability;
-            const int32_t leader = best == kNone ? 0 : input.candidates[at(light, best)].suitability;
-            if (best == kNone || suitability > leader ||
-                (suitability == leader && m == input.lights[light].memory->incumbent))
-                best = m;
-        }
-        current_[light] = best_[light] = best;
-    }
 }
 
 /// One standard error of the sum, lights taken as independent; at least the policy's share, at most kMostHeadroom.
@@ -94,360 +48,229 @@ double PlanStep::headroomMs(const PlanInput& input, std::span<const uint32_t> ch
                     kMostHeadroom * input.budgetMs);
 }
 
+// --- sums, and what lights share ---
+
 void PlanStep::countUsers() noexcept
 {
-    std::ranges::fill(users_, 0);
+    users_.fill(0);
     for (uint32_t light = 0; light < lightCount_; ++light)
-        if (current_[light] != kNone) ++users_[current_[light]];
-    used_ = {};
-    for (uint32_t m = 0; m < methods_; ++m)
-        if (users_[m] > 0) used_.add(m);
-    sums_ = sumOf(problem_, std::span(current_).first(lightCount_));
+        if (current_[light] != kNone)
+            for (uint32_t rest = greedy_.partsOf(current_[light]); rest; rest &= rest - 1)
+                ++users_[static_cast<size_t>(std::countr_zero(rest))];
 }
 
-/// The methods of the other lights.
-MethodSet PlanStep::usedWithout(uint32_t light) const noexcept
+double PlanStep::sharedMs(uint32_t light, uint32_t method) const noexcept
 {
-    const uint32_t own = current_[light];
-    return own != kNone && users_[own] == 1 ? used_ - MethodSet{own} : used_;
+    const uint32_t own = current_[light] == kNone ? 0 : greedy_.partsOf(current_[light]);
+    double ms = 0.0;
+    for (uint32_t rest = greedy_.partsOf(method); rest; rest &= rest - 1) {
+        const auto part = static_cast<size_t>(std::countr_zero(rest));
+        if (users_[part] == (own >> part & 1)) ms += parts_[part].ms; // nobody else
+    }
+    return ms;
 }
 
-/// What `method` needs of shared parts beyond those of the `used` ones.
-double PlanStep::addedMs(const MethodSet& used, uint32_t method) const noexcept
+double PlanStep::unpaidMs(uint32_t method) const noexcept
 {
-    return partsMs(problem_.parts, used | MethodSet{method}) - partsMs(problem_.parts, used);
+    return greedy_.msOf(greedy_.partsOf(method) & ~partsInUse());
 }
 
-/// How the plan's cost changes if one light moves, shared parts included.
+uint32_t PlanStep::partsInUse() const noexcept
+{
+    uint32_t parts = 0;
+    for (size_t part = 0; part < parts_.size(); ++part)
+        if (users_[part] > 0) parts |= 1u << part;
+    return parts;
+}
+
+PlanStep::Sums PlanStep::sumOf(std::span<const uint32_t> chosen) const noexcept
+{
+    Sums sums;
+    uint32_t parts = 0;
+    for (uint32_t light = 0; light < lightCount_; ++light) {
+        if (chosen[light] == kNone) continue;
+        sums.worth += worths_[at(light, chosen[light])];
+        sums.ms += costsMs_[at(light, chosen[light])];
+        parts |= greedy_.partsOf(chosen[light]);
+    }
+    sums.ms += greedy_.msOf(parts);
+    return sums;
+}
+
+/// How the plan's time changes if one light moves.
 double PlanStep::moveMs(uint32_t light, uint32_t to) const noexcept
 {
     const uint32_t from = current_[light];
-    double change = costsMs_[at(light, to)];
-    if (from != kNone) change -= costsMs_[at(light, from)];
-    if (from == to || problem_.parts.empty()) return change;
-    const MethodSet others = usedWithout(light);
-    return change + addedMs(others, to) - (from == kNone ? 0.0 : addedMs(others, from));
+    return costsMs_[at(light, to)] + sharedMs(light, to) -
+           (from == kNone ? 0.0 : costsMs_[at(light, from)] + sharedMs(light, from));
 }
 
 void PlanStep::move(uint32_t light, uint32_t to) noexcept
 {
-    sums_.costMs += moveMs(light, to);
-    sums_.value += values_[at(light, to)];
-    const MethodSet others = usedWithout(light);
-    if (const uint32_t from = current_[light]; from != kNone) {
-        sums_.value -= values_[at(light, from)];
-        --users_[from];
-    }
-    ++users_[to];
-    used_ = others | MethodSet{to};
     current_[light] = to;
+    countUsers();
 }
 
-/// The single downgrade that loses least among those that suffice; where none does, the best loss per millisecond, and
-/// again. False if kMostRepairs were not enough.
-bool PlanStep::repair(const PlanInput& input, double usableMs) noexcept
+// --- the step ---
+
+/// What all lights would have if nothing but Option::worth held them. @return the limit that it keeps, ms.
+double PlanStep::findTarget(const PlanInput& input, double headroom, PlanReport& report) noexcept
 {
-    const rules::Policy::Hysteresis& hysteresis = input.inForce().hysteresis;
-    for (uint32_t round = 0; sums_.costMs > usableMs; ++round) {
-        if (round == kMostRepairs) return false;
-        const double excess = sums_.costMs - usableMs;
-        bool suffices = false;
-        double bestScore = std::numeric_limits<double>::infinity();
-        uint32_t bestLight = kNone, bestMethod = kNone;
-        for (uint32_t light = 0; light < lightCount_; ++light) {
-            if (current_[light] == kNone) continue;
-            for (const uint32_t m : allowed_[light]) {
-                const double saved = -moveMs(light, m);
-                if (!(saved > 0.0)) continue;
-                const bool enough = saved >= excess;
-                if (suffices && !enough) continue;
-                double loss = values_[at(light, current_[light])] - values_[at(light, m)];
-                if (wouldFlip(*input.lights[light].memory, m, input.frame, hysteresis.flipWindowFrames))
-                    loss += hysteresis.planGain * sums_.value; // a flip is worth what a change must gain
-                const double score = enough ? loss : loss / saved;
-                if (enough == suffices && score >= bestScore) continue;
-                suffices = enough, bestScore = score, bestLight = light, bestMethod = m;
-            }
-        }
-        if (bestLight == kNone) return false;
-        move(bestLight, bestMethod);
+    const auto target = std::span(target_).first(lightCount_);
+    const bool fresh = isFresh(input), fits = report.cheapestMs <= input.budgetMs;
+    double limitMs = 0.0;
+    for (int round = 0; round < 2; ++round) {
+        report.usableMs = input.budgetMs - headroom;
+        limitMs = fits ? std::max(report.usableMs, report.cheapestMs) : report.usableMs;
+        greedy_.solve(limitMs, partsInUse(), input.frame, fresh ? greedy_.partSets() : 1, target);
+        // Methods that the lights have not shown yet are less sure than the incumbents: again with their own headroom.
+        double errorMs = 0.0;
+        headroom = headroomMs(input, target, errorMs);
+        if (sumOf(target).ms <= std::max(limitMs, input.budgetMs - headroom)) break;
     }
-    return true;
+    return limitMs;
 }
 
-/// Whether the light has just left that method, or flipped between it and its own.
-bool PlanStep::isHeld(const PlanInput& input, uint32_t light, uint32_t to) const noexcept
+/// Towards the target, what loses least for its time first.
+void PlanStep::payUntil(double limitMs) noexcept
 {
-    const LightMemory& memory = *input.lights[light].memory;
-    return isBanned(memory, current_[light], to, input.frame) ||
-           wouldFlip(memory, to, input.frame, input.inForce().hysteresis.flipWindowFrames);
+    for (double ms = sumOf(current_).ms; ms > limitMs;) {
+        double least = std::numeric_limits<double>::infinity();
+        uint32_t payer = kNone;
+        for (uint32_t light = 0; light < lightCount_; ++light) {
+            const uint32_t from = current_[light], to = target_[light];
+            if (from == to || from == kNone || to == kNone) continue;
+            const double savedMs = -moveMs(light, to);
+            const double loss = worths_[at(light, from)] - worths_[at(light, to)];
+            if (savedMs > 0.0 && loss < least * savedMs) least = loss / savedMs, payer = light;
+        }
+        if (payer == kNone) return;
+        ms += moveMs(payer, target_[payer]);
+        move(payer, target_[payer]);
+    }
 }
 
-/// What forbids a light to move to the best plan's method, before prices are compared.
+/// Whether the first frame costs more than the stay would gain, the gain in milliseconds at the plan's average price.
 Hold PlanStep::holdOf(const PlanInput& input, uint32_t light) const noexcept
 {
-    const uint32_t to = best_[light];
-    if (isHeld(input, light, to)) return Hold::ban;
-    // Worth of the gain in milliseconds, at the plan's average price; the stay must earn the first frame.
-    const double gain = values_[at(light, to)] - values_[at(light, current_[light])];
-    const double utilityMs = sums_.value > 0.0 ? gain / sums_.value * sums_.costMs : input.budgetMs;
-    const double firstFrameMs = input.candidates[at(light, to)].firstFrameMs;
-    if (firstFrameMs > 0.0 && utilityMs * kExpectedStayFrames <= firstFrameMs) return Hold::firstFrame;
-    return Hold::none;
+    const size_t from = at(light, current_[light]), to = at(light, target_[light]);
+    const double gain = values_[to] - values_[from], firstFrameMs = input.candidates[to].firstFrameMs;
+    if (!(firstFrameMs > 0.0) || gain <= 0.0) return Hold::none; // what saves time has it in its price
+    const Sums sums = sumOf(current_);
+    return gain / sums.worth * sums.ms * kExpectedStayFrames <= firstFrameMs ? Hold::firstFrame : Hold::none;
 }
 
-/// Moves one light up and, where that does not fit, others down towards the best plan, cheapest loss per millisecond
-/// first. Leaves the plan as it was unless all of it pays.
-Hold PlanStep::tryUpgrade(const PlanInput& input, uint32_t light, double usableMs) noexcept
+/// Moves one light to its target and, where that does not fit, others down to theirs. All stays as it was unless that
+/// is worth more, or as much for less.
+Hold PlanStep::tryUpgrade(const PlanInput& input, uint32_t light, double limitMs) noexcept
 {
-    const Sums before = sums_;
+    if (const Hold hold = holdOf(input, light); hold != Hold::none) return hold;
+    const Sums before = sumOf(current_);
     std::copy_n(current_.begin(), lightCount_, saved_.begin());
-    move(light, best_[light]);
-    while (sums_.costMs > usableMs) {
-        double bestScore = std::numeric_limits<double>::infinity();
-        uint32_t payer = kNone;
-        for (uint32_t i = 0; i < lightCount_; ++i) {
-            if (best_[i] == kNone || best_[i] == current_[i]) continue;
-            const double saved = -moveMs(i, best_[i]);
-            const double loss = values_[at(i, current_[i])] - values_[at(i, best_[i])];
-            if (!(saved > 0.0) || loss / saved >= bestScore || holdOf(input, i) == Hold::ban) continue;
-            bestScore = loss / saved, payer = i;
-        }
-        if (payer == kNone) break;
-        move(payer, best_[payer]);
-    }
+    move(light, target_[light]);
+    payUntil(limitMs);
+    const Sums after = sumOf(current_);
     Hold hold = Hold::none;
-    if (sums_.costMs > usableMs || sums_.value <= before.value)
-        hold = Hold::payers;
-    else if (sums_.costMs > before.costMs && calmFrames_ < kSpareFrames)
+    if (after.ms > limitMs || after.worth < before.worth || (after.worth == before.worth && after.ms >= before.ms))
+        hold = Hold::threshold;
+    else if (after.ms > before.ms && calmFrames_ < kSpareFrames)
         hold = Hold::spareTime;
     if (hold == Hold::none) return hold;
     std::copy_n(saved_.begin(), lightCount_, current_.begin());
     countUsers();
-    sums_ = before; // to the last bit
     return hold;
 }
 
-/// Voluntary changes: only if the whole plan gains enough, then few at a time, largest gain first.
-void PlanStep::improve(const PlanInput& input, PlanReport& report) noexcept
+/// Voluntary changes, few at a time, largest gain first.
+void PlanStep::improve(const PlanInput& input, double limitMs, PlanReport& report) noexcept
 {
-    const rules::Policy::Hysteresis& hysteresis = input.inForce().hysteresis;
-    // A gain below the threshold is taken all the same once what was missed adds up: then it is no passing thing.
-    const double missed = report.bestValue - sums_.value;
-    missedGain_ = missed > 0.0 && sums_.value > 0.0 ? missedGain_ + missed / sums_.value : 0.0;
-    const bool worthwhile =
-        missed > hysteresis.planGain * sums_.value || missedGain_ > kPatienceFrames * hysteresis.planGain;
-    for (;;) {
+    const Sums now = sumOf(current_), target = sumOf(target_);
+    const bool gains = target.worth > now.worth || (target.worth == now.worth && target.ms < now.ms);
+    const uint32_t quota = input.inForce().hysteresis.upgradesPerFrame;
+    for (uint32_t tries = 0;;) {
         uint32_t next = kNone;
-        double bestGain = 0.0;
+        double most = -1.0;
         for (uint32_t light = 0; light < lightCount_; ++light) {
-            if (best_[light] == kNone || best_[light] == current_[light] || plans_[light].hold != Hold::none) continue;
-            const double gain = values_[at(light, best_[light])] - values_[at(light, current_[light])];
-            if (!worthwhile)
+            const uint32_t from = current_[light], to = target_[light];
+            if (from == to || from == kNone || to == kNone || plans_[light].hold != Hold::none) continue;
+            const double gain = worths_[at(light, to)] - worths_[at(light, from)];
+            if (!gains)
                 plans_[light].hold = Hold::threshold;
-            else if (report.upgrades >= hysteresis.upgradesPerFrame)
+            else if (tries == 2 * quota || report.upgrades == quota)
                 plans_[light].hold = Hold::quota;
-            else if (gain > bestGain)
-                bestGain = gain, next = light;
+            else if (gain >= 0.0 && gain > most)
+                most = gain, next = light;
         }
         if (next == kNone) break;
-        Hold hold = holdOf(input, next);
-        if (hold == Hold::none) hold = tryUpgrade(input, next, report.usableMs);
-        plans_[next].hold = hold;
-        if (hold != Hold::none) continue;
-        ++report.upgrades;
-        report.cause = Cause::gain;
-        missedGain_ = 0.0;
+        ++tries;
+        plans_[next].hold = tryUpgrade(input, next, limitMs);
+        report.upgrades += plans_[next].hold == Hold::none;
     }
-    // Many change at once: not while the budget is kept and broken in turn.
-    if (report.upgrades > 0 || calmFrames_ < kSpareFrames || !isStuck()) return;
-    if (!takeTogether(input, report.usableMs, hysteresis.planGain)) return;
-    report.upgrades = hysteresis.upgradesPerFrame;
-    report.cause = Cause::gain;
-    missedGain_ = 0.0;
+    // No light gains anything alone: together they may, as where they leave a part that they share.
+    const auto held = [](const LightPlan& plan) { return plan.hold == Hold::firstFrame; };
+    if (gains && report.upgrades == 0 && target.ms <= limitMs && (calmFrames_ == kSpareFrames || target.ms < now.ms) &&
+        std::none_of(plans_.begin(), plans_.begin() + lightCount_, held)) {
+        takeTarget();
+        report.upgrades = quota;
+    }
+    if (report.upgrades > 0) report.cause = Cause::gain;
 }
 
-/// Whether a light would change if others paid for it.
-bool PlanStep::isStuck() const noexcept
+void PlanStep::takeTarget() noexcept
 {
-    const auto lights = std::span(plans_).first(lightCount_);
-    return std::any_of(lights.begin(), lights.end(), [](const LightPlan& plan) { return plan.hold == Hold::payers; });
-}
-
-/// The best plan's methods at once, for all lights that nothing holds. So lights leave a part that they share, where
-/// none of them saves it alone, and so a plan is reached to which no single step leads. All stays as it was if that
-/// takes more than `limitMs`, or gains no more than `enough` of the plan's value.
-bool PlanStep::takeTogether(const PlanInput& input, double limitMs, double enough) noexcept
-{
-    const double least = (1.0 + enough) * sums_.value;
-    std::copy_n(current_.begin(), lightCount_, saved_.begin());
-    for (uint32_t light = 0; light < lightCount_; ++light) {
-        const uint32_t from = saved_[light], to = best_[light];
-        if (from == to || from == kNone || to == kNone) continue;
-        const Hold hold = holdOf(input, light);
-        const bool gains = values_[at(light, to)] > values_[at(light, from)];
-        if (hold == Hold::ban || (gains && hold == Hold::firstFrame))
-            plans_[light].hold = hold;
-        else
-            current_[light] = to;
-    }
+    std::copy_n(target_.begin(), lightCount_, current_.begin());
     countUsers();
-    if (sums_.costMs <= limitMs && sums_.value > least) return true;
-    std::copy_n(saved_.begin(), lightCount_, current_.begin());
-    countUsers();
-    return false;
-}
-
-/// What the lights have, as far as they may keep it.
-void PlanStep::keepIncumbents(const PlanInput& input) noexcept
-{
-    for (uint32_t light = 0; light < lightCount_; ++light) {
-        const uint32_t incumbent = input.lights[light].memory->incumbent;
-        const bool holds = incumbent < methods_ && allowed_[light].has(incumbent);
-        current_[light] = holds ? incumbent : kNone;
-    }
-}
-
-/// The best plan for the budget less `headroom` (ms), or for what its own methods need as headroom.
-Solution PlanStep::solveWithin(const PlanInput& input, double headroom, PlanReport& report) noexcept
-{
-    const auto best = std::span(best_).first(lightCount_);
-    report.usableMs = problem_.budgetMs = input.budgetMs - headroom;
-    Solution solution = knapsack_.solve(problem_, best);
-    // Methods that the lights have not shown yet are less sure than the incumbents: once more with their own headroom.
-    double errorMs = 0.0;
-    const double bestHeadroom = headroomMs(input, best, errorMs);
-    if (solution.fits && solution.costMs > input.budgetMs - bestHeadroom) {
-        report.usableMs = problem_.budgetMs = input.budgetMs - bestHeadroom;
-        solution = knapsack_.solve(problem_, best);
-    }
-    // Above the headroom alone the cheapest still keeps the budget; only beyond it nothing is lost by a tenth more.
-    if (!solution.fits && solution.costMs > input.budgetMs) {
-        reduceCost(input, best);
-        const Sums sums = sumOf(problem_, best);
-        solution.value = sums.value, solution.costMs = sums.costMs;
-    }
-    report.bestValue = solution.value;
-    report.bestMs = solution.costMs;
-    return solution;
-}
-
-/// False if it was the plan already.
-bool PlanStep::takeBest() noexcept
-{
-    if (std::equal(best_.begin(), best_.begin() + lightCount_, current_.begin())) return false;
-    std::copy_n(best_.begin(), lightCount_, current_.begin());
-    countUsers();
-    return true;
-}
-
-/// A plan over its budget: repaired where one fits, else for what is cheaper, or worth more and no dearer.
-void PlanStep::reduceOverrun(const PlanInput& input, const Solution& best, PlanReport& report) noexcept
-{
-    // Where no plan fits, noise decides which is the cheapest: only a fair gain, or the budget itself, is worth a
-    // change.
-    const double planGain = input.inForce().hysteresis.planGain;
-    const bool saves = best.fits || best.costMs < (1.0 - planGain) * sums_.costMs ||
-                       (sums_.costMs > input.budgetMs && best.costMs <= input.budgetMs);
-    if (saves) {
-        if ((best.fits && repair(input, report.usableMs)) || takeBest()) report.cause = Cause::repaired;
-    } else if (takeTogether(input, (1.0 + kNoDearer) * sums_.costMs, planGain)) {
-        report.cause = Cause::gain;
-    } else {
-        for (uint32_t light = 0; light < lightCount_; ++light)
-            if (best_[light] != current_[light] && plans_[light].hold == Hold::none)
-                plans_[light].hold = Hold::threshold;
-    }
 }
 
 void PlanStep::planWithinBudget(const PlanInput& input, PlanReport& report) noexcept
 {
-    keepIncumbents(input);
-    const auto current = std::span(current_).first(lightCount_);
+    const auto current = std::span(current_).first(lightCount_), target = std::span(target_).first(lightCount_);
     const double headroom = headroomMs(input, current, report.standardErrorMs);
-    const Solution solution = solveWithin(input, headroom, report);
-    if (input.cut || !started_) {
-        takeBest();
-        calmFrames_ = kSpareFrames;
+    const double limitMs = findTarget(input, headroom, report);
+    if (isFresh(input)) {
+        takeTarget();
         report.cause = Cause::fresh;
+        calmFrames_ = kSpareFrames;
         return;
     }
     for (uint32_t light = 0; light < lightCount_; ++light)
-        if (current[light] == kNone && best_[light] != kNone) {
-            current[light] = best_[light];
+        if (current[light] == kNone && target[light] != kNone) {
+            current[light] = target[light];
             report.cause = Cause::forced;
         }
     countUsers();
-    const double keepMs = input.budgetMs - (1.0 - kKeepShare) * headroom;
-    const bool over = sums_.costMs > keepMs;
-    calmFrames_ = over || input.measuredMs > input.budgetMs ? 0 : std::min(calmFrames_ + 1, kSpareFrames);
-    if (over) return reduceOverrun(input, solution, report);
-    improve(input, report);
-    economise(input, report);
-}
-
-/// Writes the decision into the lights' memories; finds flips.
-void PlanStep::remember(const PlanInput& input, PlanReport& report) noexcept
-{
-    const rules::Policy::Hysteresis& hysteresis = input.inForce().hysteresis;
-    for (uint32_t light = 0; light < lightCount_; ++light) {
-        LightMemory& memory = *input.lights[light].memory;
-        LightPlan& plan = plans_[light];
-        plan.chosen = current_[light];
-        plan.wanted = best_[light];
-        if (plan.chosen != kNone) {
-            plan.benefit = values_[at(light, plan.chosen)];
-            plan.ms = costsMs_[at(light, plan.chosen)];
-        }
-        report.floorsUnmet += plan.floorUnmet;
-        if (input.cut) memory.bans.fill({}), memory.previous = kNone;
-        if (plan.chosen == memory.incumbent || plan.chosen == kNone) continue;
-        plan.switched = memory.incumbent != kNone;
-        plan.flipped = plan.switched && wouldFlip(memory, plan.chosen, input.frame, hysteresis.flipWindowFrames);
-        if (plan.flipped) ban(memory, memory.incumbent, plan.chosen, input.frame + hysteresis.flipBanFrames);
-        report.switches += plan.switched;
-        report.flips += plan.flipped;
-        memory.previous = input.cut ? kNone : memory.incumbent;
-        memory.incumbent = plan.chosen;
-        memory.switchedAt = input.frame;
-    }
-}
-
-/// What concerns the lights alone: budget and measurement less what is shared.
-PlanInput PlanStep::lightsPart(const PlanInput& whole, double budgetMs) noexcept
-{
-    PlanInput lights = whole;
-    lights.budgetMs = std::max(budgetMs - whole.sharedMs, kLeastShare * budgetMs);
-    if (whole.measuredMs >= 0.0) lights.measuredMs = std::max(whole.measuredMs - whole.sharedMs, 0.0);
-    return lights;
+    // Where nothing fits, the target is over the budget too, and all that it saves is taken.
+    const bool fits = report.cheapestMs <= input.budgetMs;
+    const double keepMs =
+        fits ? std::max(input.budgetMs - (1.0 - kKeepShare) * headroom, report.cheapestMs) : sumOf(target).ms;
+    const bool over = sumOf(current).ms > keepMs;
+    calmFrames_ = over || !fits || input.measuredMs > input.budgetMs ? 0 : std::min(calmFrames_ + 1, kSpareFrames);
+    if (!over) return improve(input, limitMs, report);
+    std::copy_n(current_.begin(), lightCount_, saved_.begin());
+    payUntil(limitMs);
+    if (sumOf(current).ms > limitMs) takeTarget();
+    if (!std::equal(current.begin(), current.end(), saved_.begin())) report.cause = Cause::repaired;
 }
 
 PlanReport PlanStep::step(const PlanInput& whole) noexcept
 {
     admit(whole);
-    const double cheapestMs = plan::cheapestMs(problem_);
-    double budgetMs = whole.perCheapest > 0.0 ? whole.perCheapest * cheapestMs : whole.budgetMs;
-    if (whole.budgetMs > 0.0) budgetMs = std::clamp(budgetMs, whole.budgetMs / kLeash, whole.budgetMs * kLeash);
-    const PlanInput input = lightsPart(whole, budgetMs);
-    PlanReport report{.budgetMs = budgetMs, .cheapestMs = cheapestMs};
-    if (input.allocation == rules::Options::Allocation::Budget) {
-        planWithinBudget(input, report);
-    } else {
-        chooseBySuitability(input);
-        headroomMs(input, current_, report.standardErrorMs);
-        report.cause = Cause::unbudgeted;
-        report.usableMs = input.budgetMs;
-    }
+    PlanReport report{.budgetMs = whole.budgetMs, .cheapestMs = greedy_.cheapestMs()};
+    if (whole.perCheapest > 0.0) report.budgetMs = whole.perCheapest * report.cheapestMs;
+    if (whole.budgetMs > 0.0)
+        report.budgetMs = std::clamp(report.budgetMs, whole.budgetMs / kLeash, whole.budgetMs * kLeash);
+    // What concerns the lights alone: budget and measurement less what is shared.
+    PlanInput input = whole;
+    input.budgetMs = std::max(report.budgetMs - whole.sharedMs, kLeastShare * report.budgetMs);
+    if (whole.measuredMs >= 0.0) input.measuredMs = std::max(whole.measuredMs - whole.sharedMs, 0.0);
+    planWithinBudget(input, report);
     started_ = true;
-    countUsers(); // sums in the order of lights, without the rounding of single moves
-    report.value = sums_.value;
-    report.predictedMs = sums_.costMs;
-    report.partsMs = partsMs(problem_.parts, used_);
-    if (report.cause == Cause::unbudgeted) report.bestValue = report.value, report.bestMs = report.predictedMs;
+    report.partsMs = greedy_.msOf(partsInUse());
+    report.predictedMs = sumOf(current_).ms;
     report.overMs = std::max(0.0, report.predictedMs - input.budgetMs);
     remember(input, report);
     for (uint32_t light = 0; light < lightCount_; ++light)
-        explainLight(input, light, report.usableMs, report.predictedMs);
+        explainLight(input, light, report);
     return report;
 }
 

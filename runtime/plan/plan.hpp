@@ -10,13 +10,14 @@
 /// Order of authority: capability > pin > never > near floor > budget > benefit > incumbent > cheaper > registry order.
 /// README.md explains every constant.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "rules/engine/rule_base.hpp"
-#include "runtime/plan/knapsack.hpp"
+#include "runtime/plan/greedy.hpp"
 #include "runtime/plan/utility.hpp"
 
 namespace gnomon::plan {
@@ -34,21 +35,19 @@ struct Candidate {
     Eligibility eligibility = Eligibility::eligible;
     int32_t suitability = kNoOpinion; ///< In steps of 1/4096, kNoOpinion without a rule that speaks.
     float quality = 1.0f;             ///< [0, 1].
-    double ms = 0.0;                  ///< Predicted; not finite or negative counts as unable.
-    double sigmaMs = 0.0;             ///< Standard error of the prediction.
+    double ms = 0.0;                  ///< What it counts as: as predicted, or an upper bound where nobody has timed it.
+                                      ///< Not finite or negative counts as unable.
+    double likelyMs = 0.0;            ///< What it is expected to take where `ms` is such a bound; 0: `ms`.
+    double sigmaMs = 0.0;             ///< Standard error of `ms`.
     double firstFrameMs = 0.0;        ///< Once, if the light switches to it: allocation, pipelines, caches.
 };
 
 /// What the plan remembers of a light between frames. The owner keeps it beside the light; zero is a new light.
 struct LightMemory {
-    struct Ban {
-        uint32_t a = kNone, b = kNone;
-        uint64_t until = 0; ///< Frame.
-    };
     uint32_t incumbent = kNone;
     uint32_t previous = kNone; ///< Before the incumbent.
     uint64_t switchedAt = 0;   ///< Frame.
-    std::array<Ban, 4> bans{}; ///< The newest ones; a light that flips among more than four pairs frees the oldest.
+    uint64_t bannedUntil = 0;  ///< Frame: the light does not go back to `previous` before.
     uint64_t nearUntil = 0;    ///< Frame: the floor holds until then, though it is no longer asked for.
     float nearQuality = 0.0f;  ///< What it asks.
 };
@@ -75,7 +74,6 @@ struct PlanInput {
     double sharedMs = 0.0;    ///< Of the budget, and of what was measured, this is spent whatever the plan: no part.
     double measuredMs = -1.0; ///< Newest measured sum of the shadow passes; < 0: unknown.
     bool cut = false;         ///< Camera cut: all holds are lifted.
-    rules::Options::Allocation allocation = rules::Options::Allocation::Budget;
     const rules::Policy* policy = nullptr;         ///< Null: the defaults.
     const rules::Policy& inForce() const noexcept; ///< `policy`, or the defaults.
 };
@@ -94,23 +92,24 @@ enum class Why : uint8_t {
     price,      ///< Suits better, but shows no more, and takes longer.
 };
 
-/// What keeps a light from the method the best plan gives it.
+/// What keeps a light from a method that would be worth more and that there is time for.
 enum class Hold : uint8_t {
     none,
-    threshold,  ///< The whole plan would not gain enough.
+    threshold,  ///< The change would not gain enough.
+    margin,     ///< There is time for what it is predicted to take, but not for a little more and its first frame.
     quota,      ///< Others were upgraded in this frame.
     spareTime,  ///< The plan has not been within the budget for long enough.
-    ban,        ///< It flipped, or would.
+    ban,        ///< It has just left that method.
     firstFrame, ///< The first frame costs more than the stay would gain.
-    payers,     ///< What would have to be given up for it is worth more.
 };
 
 struct LightPlan {
     uint32_t chosen = kNone;
     uint32_t incumbent = kNone; ///< Before this step.
-    uint32_t wanted = kNone;    ///< By the best plan.
+    uint32_t wanted = kNone;    ///< What it moves towards, or is held from.
     double benefit = 0.0;       ///< importance * utility().
     double ms = 0.0;            ///< Predicted, without shared parts.
+    double threshold = 0.0;     ///< What another method must be worth more, as a share of the benefit.
     Hold hold = Hold::none;
     bool floor = false;      ///< Near, or was within the frames of a flip.
     bool floorUnmet = false; ///< Near, but no method is good enough: the best of them serve.
@@ -119,18 +118,16 @@ struct LightPlan {
 };
 
 enum class Cause : uint8_t {
-    kept,       ///< Nothing changed.
-    forced,     ///< Only lights that were new or had lost their method changed.
-    repaired,   ///< Over the budget, and changed for it.
-    gain,       ///< Voluntary.
-    fresh,      ///< First step, or a camera cut: the best plan as it is.
-    unbudgeted, ///< Allocation::None.
+    kept,     ///< Nothing changed.
+    forced,   ///< Only lights that were new or had lost their method changed.
+    repaired, ///< Over the budget, and changed for it.
+    gain,     ///< Voluntary.
+    fresh,    ///< First step, or a camera cut: nothing holds.
 };
 
 struct PlanReport {
     Cause cause = Cause::kept;
     double value = 0.0, predictedMs = 0.0; ///< Milliseconds with shared parts, here and below.
-    double bestValue = 0.0, bestMs = 0.0;  ///< The plan without hysteresis.
     double partsMs = 0.0;                  ///< Of predictedMs, the shared parts.
     double standardErrorMs = 0.0;          ///< Of the predicted sum.
     double budgetMs = 0.0;                 ///< In force, shared part included.
@@ -154,15 +151,15 @@ inline constexpr double kLeastShare = 0.01;
 /// Share of the headroom that may be used up before a plan counts as broken. Entering and leaving at the same limit
 /// would repair and upgrade in turn on noise.
 inline constexpr double kKeepShare = 0.5;
-/// Where no plan fits and the cheapest serves, what takes this share more counts as no dearer, and an incumbent twice
-/// as much: a prediction's own noise (cost::kStartNoise, 8 %) says nothing of which is cheapest.
-inline constexpr double kNoDearer = 0.1;
-/// A gain below the threshold is taken once what was missed adds up to so many frames at the threshold: with 2 %, a
-/// gain of 0.5 % after 40 frames, of 0.1 % after 200. Where nothing moves the last percent is found, where things move
-/// a gain is gone before its time has come (README.md).
-inline constexpr double kPatienceFrames = 10.0;
-/// So many single downgrades at most, then the best plan is taken as a whole.
-inline constexpr uint32_t kMostRepairs = 8;
+/// Share that a change must have room for beyond its prediction: half the spread of one, 8 % where a light was timed.
+inline constexpr double kChangeMargin = 0.05;
+/// The same, ms, of a method that counts as `ms` and is expected to take `likelyMs` (Candidate).
+inline double withMargin(double ms, double likelyMs) noexcept
+{
+    return std::max(ms, (1.0 + kChangeMargin) * (likelyMs > 0.0 ? likelyMs : ms));
+}
+/// What shows as much as the incumbent is taken for its price if it takes this share less.
+inline constexpr double kClearlyLess = 0.2;
 
 class PlanStep {
 public:
@@ -182,57 +179,55 @@ public:
     bool mayServe(uint32_t light, uint32_t method) const noexcept { return allowed_[light].has(method); }
     double benefitOf(uint32_t light, uint32_t method) const noexcept { return values_[at(light, method)]; }
     /// What the light would be the reason for of the shared parts, with that method and the others as they are.
-    double sharedMs(uint32_t light, uint32_t method) const noexcept { return addedMs(usedWithout(light), method); }
+    double sharedMs(uint32_t light, uint32_t method) const noexcept;
     /// What `method` needs of the shared parts that the newest plan does not pay.
-    double unpaidMs(uint32_t method) const noexcept { return addedMs(used_, method); }
+    double unpaidMs(uint32_t method) const noexcept;
 
 private:
     void admit(const PlanInput& input) noexcept;
     void admitLight(const PlanInput& input, uint32_t light) noexcept;
     void applyFloor(const PlanInput& input, uint32_t light, float minimum) noexcept;
-    void chooseBySuitability(const PlanInput& input) noexcept;
-    static PlanInput lightsPart(const PlanInput& whole, double budgetMs) noexcept;
-    void keepIncumbents(const PlanInput& input) noexcept;
-    Solution solveWithin(const PlanInput& input, double headroom, PlanReport& report) noexcept;
-    bool takeBest() noexcept;
-    bool takeTogether(const PlanInput& input, double limitMs, double enough) noexcept;
-    bool isStuck() const noexcept;
-    void reduceOverrun(const PlanInput& input, const Solution& best, PlanReport& report) noexcept;
+    bool isWorthKeeping(const PlanInput& input, uint32_t light) const noexcept;
+    bool isBeaten(uint32_t light, uint32_t method, uint32_t own) const noexcept;
+    void offer(const PlanInput& input, uint32_t light) noexcept;
+    double changedMs(const PlanInput& input, uint32_t light, uint32_t method) const noexcept;
+    bool isFresh(const PlanInput& input) const noexcept { return input.cut || !started_; }
+
     void planWithinBudget(const PlanInput& input, PlanReport& report) noexcept;
-    void reduceCost(const PlanInput& input, std::span<uint32_t> best) noexcept;
-    double headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept;
-    bool repair(const PlanInput& input, double usableMs) noexcept;
-    void improve(const PlanInput& input, PlanReport& report) noexcept;
-    bool cheaperTogether(const PlanInput& input, const PlanReport& report) const noexcept;
-    void economise(const PlanInput& input, PlanReport& report) noexcept;
-    uint32_t cheaperMethod(const PlanInput& input, uint32_t light, uint32_t from) const noexcept;
-    Hold tryUpgrade(const PlanInput& input, uint32_t light, double usableMs) noexcept;
-    bool isHeld(const PlanInput& input, uint32_t light, uint32_t to) const noexcept;
+    double findTarget(const PlanInput& input, double headroom, PlanReport& report) noexcept;
+    void improve(const PlanInput& input, double limitMs, PlanReport& report) noexcept;
+    Hold tryUpgrade(const PlanInput& input, uint32_t light, double limitMs) noexcept;
+    void payUntil(double limitMs) noexcept;
+    void takeTarget() noexcept;
+    uint32_t partsInUse() const noexcept;
     Hold holdOf(const PlanInput& input, uint32_t light) const noexcept;
-    void explainLight(const PlanInput& input, uint32_t light, double usableMs, double planMs) noexcept;
+    double headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept;
     void remember(const PlanInput& input, PlanReport& report) noexcept;
-    MethodSet usedWithout(uint32_t light) const noexcept;
-    double addedMs(const MethodSet& used, uint32_t method) const noexcept;
+    void explainLight(const PlanInput& input, uint32_t light, const PlanReport& report) noexcept;
+
+    struct Sums {
+        double worth = 0.0; ///< With hysteresis.
+        double ms = 0.0;    ///< With shared parts.
+    };
+    Sums sumOf(std::span<const uint32_t> chosen) const noexcept;
     double moveMs(uint32_t light, uint32_t to) const noexcept;
     void move(uint32_t light, uint32_t to) noexcept;
     void countUsers() noexcept;
     size_t at(uint32_t light, uint32_t method) const noexcept { return size_t{light} * methods_ + method; }
 
-    Knapsack knapsack_;
-    Problem problem_;
-    std::vector<double> values_, costsMs_;
+    Greedy greedy_;
+    std::span<const SharedPart> parts_;
+    std::vector<double> values_, worths_, costsMs_; ///< lights x methods; worth is value with hysteresis.
     std::vector<MethodSet> allowed_;
-    std::vector<uint32_t> current_, best_, saved_;
+    std::vector<uint32_t> current_, target_, saved_;
+    std::vector<uint8_t> orders_; ///< lights x methods, of sharedUtilities().
     std::vector<LightPlan> plans_;
     std::vector<Why> why_;
-    std::vector<uint32_t> users_;      ///< Lights of current_ per method.
-    std::vector<uint32_t> otherUsers_; ///< Scratch of reduceCost().
-    std::vector<UtilityTerms> terms_;  ///< Scratch of admitLight().
-    MethodSet used_;                   ///< Those with users.
-    Sums sums_;                        ///< Of current_.
+    std::vector<UtilityTerms> terms_;         ///< Scratch of admitLight().
+    std::array<uint32_t, kMaxParts> users_{}; ///< Lights of current_ per part.
     uint32_t lightCount_ = 0, methods_ = 0;
-    uint32_t calmFrames_ = 0; ///< In a row within the budget.
-    double missedGain_ = 0.0; ///< Since the last voluntary change, over the plan's value: sum over the frames.
+    uint32_t orderedMethods_ = 0; ///< Stride of orders_; 0: they are to be made anew.
+    uint32_t calmFrames_ = 0;     ///< In a row within the budget.
     bool started_ = false;
 };
 

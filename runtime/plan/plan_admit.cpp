@@ -1,7 +1,9 @@
-// Which methods a light may have at all: step 1 of README.md.
+// Which methods a light may have, and what each counts: steps 1 and 2 of README.md.
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "runtime/plan/plan.hpp"
 #include "runtime/plan/utility.hpp"
@@ -21,31 +23,38 @@ float qualityOf(const Candidate& candidate) noexcept
 void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
 {
     const LightRequest& request = input.lights[light];
-    MethodSet able, unvetoed, spoken;
+    const std::span candidates = input.candidates.subspan(at(light, 0), methods_);
+    const auto isKnown = [](double ms) { return ms >= 0.0 && ms <= std::numeric_limits<double>::max(); };
     for (uint32_t m = 0; m < methods_; ++m) {
-        const Candidate& candidate = input.candidates[at(light, m)];
+        const Candidate& candidate = candidates[m];
         terms_[m] = {candidate.suitability, qualityOf(candidate), candidate.eligibility == Eligibility::eligible};
-        const bool known = std::isfinite(candidate.ms) && candidate.ms >= 0.0;
-        costsMs_[at(light, m)] = known ? candidate.ms : 0.0;
-        if (candidate.eligibility != Eligibility::trait && known) able.add(m);
-        if (candidate.eligibility != Eligibility::never) unvetoed.add(m);
-        if (candidate.suitability >= 0) spoken.add(m);
+        costsMs_[at(light, m)] = isKnown(candidate.ms) ? candidate.ms : 0.0;
     }
     const std::span all = std::span<const UtilityTerms>(terms_).first(methods_);
-    for (uint32_t m = 0; m < methods_; ++m)
-        values_[at(light, m)] = request.importance * utility(sharedTerms(all, m));
+    const std::span values = std::span(values_).subspan(at(light, 0), methods_);
+    sharedUtilities(all, std::span(orders_).subspan(at(light, 0), methods_), values);
+    for (double& value : values)
+        value *= request.importance;
+
+    const auto which = [&](auto&& is) {
+        return MethodSet::where(methods_, [&](uint32_t m) { return is(candidates[m]); });
+    };
+    const MethodSet able = which([&](const Candidate& candidate) {
+        return candidate.eligibility != Eligibility::trait && isKnown(candidate.ms);
+    });
+    const MethodSet vetoed =
+        which([](const Candidate& candidate) { return candidate.eligibility == Eligibility::never; });
+    const MethodSet spoken = which([](const Candidate& candidate) { return candidate.suitability >= 0; });
     const bool pinned = request.pinned < methods_ && able.has(request.pinned);
-    MethodSet allowed = able & unvetoed;
+    MethodSet allowed = able - vetoed;
     if (allowed.meets(spoken)) allowed &= spoken; // where nobody has an opinion, all are equally unloved
     if (pinned) allowed = MethodSet{request.pinned};
-    for (uint32_t m = 0; m < methods_; ++m) {
-        why_[at(light, m)] = !able.has(m)                    ? Why::trait
-                             : pinned && m != request.pinned ? Why::pinned
-                             : pinned                        ? Why::outscored
-                             : !unvetoed.has(m)              ? Why::never
-                             : !allowed.has(m)               ? Why::noOpinion
-                                                             : Why::outscored;
-    }
+    for (uint32_t m = 0; m < methods_; ++m)
+        why_[at(light, m)] = allowed.has(m)  ? Why::outscored
+                             : !able.has(m)  ? Why::trait
+                             : pinned        ? Why::pinned
+                             : vetoed.has(m) ? Why::never
+                                             : Why::noOpinion;
     allowed_[light] = allowed;
     if (pinned) return;
     LightMemory& memory = *request.memory;
@@ -79,12 +88,90 @@ void PlanStep::admit(const PlanInput& input) noexcept
 {
     lightCount_ = static_cast<uint32_t>(input.lights.size());
     methods_ = input.methods;
-    assert(methods_ <= kMaxMethods && lightCount_ <= plans_.size());
-    for (uint32_t light = 0; light < lightCount_; ++light) {
-        plans_[light] = {.incumbent = input.lights[light].memory->incumbent};
-        admitLight(input, light);
+    if (orderedMethods_ != methods_) {
+        for (size_t cell = 0; cell < orders_.size(); ++cell)
+            orders_[cell] = static_cast<uint8_t>(cell % methods_);
+        orderedMethods_ = methods_;
     }
-    problem_ = {lightCount_, methods_, values_, costsMs_, allowed_, input.parts, 0.0};
+    parts_ = input.parts;
+    assert(methods_ <= kMaxMethods && lightCount_ <= plans_.size() && parts_.size() <= kMaxParts);
+    greedy_.begin(methods_, parts_);
+    for (uint32_t light = 0; light < lightCount_; ++light) {
+        const uint32_t incumbent = input.lights[light].memory->incumbent;
+        plans_[light] = {.incumbent = incumbent};
+        admitLight(input, light);
+        current_[light] = incumbent < methods_ && allowed_[light].has(incumbent) ? incumbent : kNone;
+    }
+    countUsers();
+    for (uint32_t light = 0; light < lightCount_; ++light)
+        offer(input, light);
+}
+
+/// Whether nothing is worth as much for clearly less, first frame included. Of the parts that it shares with others the
+/// light pays as much as they: so they may leave them together, where alone none saves them.
+bool PlanStep::isWorthKeeping(const PlanInput& input, uint32_t light) const noexcept
+{
+    const uint32_t own = current_[light];
+    double ownMs = costsMs_[at(light, own)];
+    for (uint32_t rest = greedy_.partsOf(own); rest; rest &= rest - 1) {
+        const auto part = static_cast<size_t>(std::countr_zero(rest));
+        ownMs += parts_[part].ms / users_[part];
+    }
+    for (const uint32_t m : allowed_[light]) {
+        const Candidate& candidate = input.candidates[at(light, m)];
+        if (m != own && values_[at(light, m)] >= values_[at(light, own)] &&
+            changePriceMs(candidate.ms + sharedMs(light, m), candidate.firstFrameMs) < ownMs / (1.0 + kClearlyLess) &&
+            isPriceKnown(candidate.ms, candidate.sigmaMs))
+            return false;
+    }
+    return true;
+}
+
+/// What there must be room for where another method is to serve: Option::price.
+double PlanStep::changedMs(const PlanInput& input, uint32_t light, uint32_t method) const noexcept
+{
+    const size_t cell = at(light, method);
+    const Candidate& candidate = input.candidates[cell];
+    return changePriceMs(withMargin(costsMs_[cell], candidate.likelyMs), candidate.firstFrameMs);
+}
+
+/// Whether `method` can never be better than `own`, which has been offered: neither cheaper nor worth more.
+bool PlanStep::isBeaten(uint32_t light, uint32_t method, uint32_t own) const noexcept
+{
+    return costsMs_[at(light, method)] >= costsMs_[at(light, own)] &&
+           values_[at(light, method)] <= worths_[at(light, own)] && !(greedy_.partsOf(own) & ~greedy_.partsOf(method));
+}
+
+/// What the search may give a light. Hysteresis is here: the incumbent counts for more by the plan gain, another method
+/// brings its first frame, and what the light has just left counts for nothing.
+void PlanStep::offer(const PlanInput& input, uint32_t light) noexcept
+{
+    const bool settled = current_[light] != kNone && !isFresh(input);
+    const LightMemory& memory = *input.lights[light].memory;
+    const uint32_t banned = settled && input.frame < memory.bannedUntil ? memory.previous : kNone;
+    const bool keeps = settled && isWorthKeeping(input, light);
+    const rules::Policy::Hysteresis& hysteresis = input.inForce().hysteresis;
+    // The longer the incumbent has served, the less it must be surpassed by: what a change gains grows with its stay.
+    const double window = std::max(hysteresis.flipWindowFrames, 1u);
+    const double served = static_cast<double>(input.frame - memory.switchedAt);
+    const double threshold = keeps ? hysteresis.planGain * window / std::max(served, window) : 0.0;
+    plans_[light].threshold = threshold;
+    greedy_.addLight();
+    const uint32_t own = settled ? current_[light] : kNone;
+    const auto offerAt = [&](uint32_t m, double price, double worth) {
+        worths_[at(light, m)] = worth;
+        greedy_.add({.ms = costsMs_[at(light, m)],
+                     .price = price,
+                     .worth = worth,
+                     .method = static_cast<uint16_t>(m),
+                     .banned = m == banned});
+    };
+    if (settled) offerAt(own, costsMs_[at(light, own)], (1.0 + threshold) * values_[at(light, own)]);
+    for (const uint32_t m : allowed_[light]) {
+        const size_t cell = at(light, m);
+        if (m == own || (settled && isBeaten(light, m, own))) continue;
+        offerAt(m, settled ? changedMs(input, light, m) : costsMs_[cell], m == banned ? 0.0 : values_[cell]);
+    }
 }
 
 } // namespace gnomon::plan

@@ -1,30 +1,70 @@
-// What the plan says of itself: why a method is not a light's, and the words of logs and explanations.
+// What is left of a plan: what lights remember, why a method is not a light's, and the words of logs.
 #include "runtime/plan/plan.hpp"
 
 namespace gnomon::plan {
 
+/// Writes the decision into the lights' memories; finds flips.
+void PlanStep::remember(const PlanInput& input, PlanReport& report) noexcept
+{
+    const rules::Policy::Hysteresis& hysteresis = input.inForce().hysteresis;
+    for (uint32_t light = 0; light < lightCount_; ++light) {
+        LightMemory& memory = *input.lights[light].memory;
+        LightPlan& plan = plans_[light];
+        plan.chosen = current_[light];
+        plan.wanted = target_[light];
+        if (plan.chosen != kNone) {
+            plan.benefit = values_[at(light, plan.chosen)];
+            plan.ms = costsMs_[at(light, plan.chosen)];
+            report.value += plan.benefit;
+        }
+        report.floorsUnmet += plan.floorUnmet;
+        if (input.cut) memory.previous = kNone;
+        if (plan.chosen == memory.incumbent || plan.chosen == kNone) continue;
+        plan.switched = memory.incumbent != kNone;
+        plan.flipped = plan.switched && plan.chosen == memory.previous &&
+                       input.frame - memory.switchedAt <= hysteresis.flipWindowFrames;
+        report.switches += plan.switched;
+        report.flips += plan.flipped;
+        memory.previous = input.cut ? kNone : memory.incumbent;
+        memory.incumbent = plan.chosen;
+        memory.switchedAt = input.frame;
+        memory.bannedUntil = input.frame + 1 + (plan.flipped ? hysteresis.flipBanFrames : hysteresis.flipWindowFrames);
+    }
+}
+
 /// Methods that would be worth more: is it time or hysteresis that stands in the way?
-void PlanStep::explainLight(const PlanInput& input, uint32_t light, double usableMs, double planMs) noexcept
+void PlanStep::explainLight(const PlanInput& input, uint32_t light, const PlanReport& report) noexcept
 {
     LightPlan& plan = plans_[light];
     if (plan.chosen == kNone) return;
     const int32_t suitability = input.candidates[at(light, plan.chosen)].suitability;
+    uint32_t held = kNone;
     for (const uint32_t m : allowed_[light]) {
         Why& why = why_[at(light, m)];
-        if (m == plan.chosen)
+        const double value = values_[at(light, m)];
+        if (m == plan.chosen) {
             why = Why::chosen;
-        else if (input.allocation == rules::Options::Allocation::None)
-            why = Why::outscored;
-        else if (values_[at(light, m)] <= plan.benefit)
-            why = input.candidates[at(light, m)].suitability > suitability && costsMs_[at(light, m)] > plan.ms
-                      ? Why::price
-                      : Why::outscored;
-        else if (m == plan.wanted || planMs + moveMs(light, m) <= usableMs)
-            why = Why::hysteresis;
-        else
+        } else if (value <= plan.benefit) {
+            const bool dearer =
+                input.candidates[at(light, m)].suitability > suitability && costsMs_[at(light, m)] > plan.ms;
+            why = dearer ? Why::price : Why::outscored;
+        } else if (m != plan.wanted && report.predictedMs + moveMs(light, m) > report.usableMs) {
             why = Why::budget;
+        } else {
+            why = Why::hysteresis;
+            if (held == kNone || value > values_[at(light, held)]) held = m;
+        }
     }
-    if (plan.wanted == plan.chosen) plan.hold = Hold::none;
+    if (held == kNone)
+        plan.hold = Hold::none;
+    else if (plan.hold == Hold::none || values_[at(light, plan.wanted)] <= plan.benefit) {
+        const LightMemory& memory = *input.lights[light].memory;
+        const double marginMs = changedMs(input, light, held) - costsMs_[at(light, held)];
+        const bool banned = held == memory.previous && input.frame < memory.bannedUntil;
+        const bool fits = report.predictedMs + moveMs(light, held) + marginMs <= report.usableMs;
+        plan.hold = banned ? Hold::ban : fits ? Hold::threshold : Hold::margin;
+        plan.wanted = held;
+    }
 }
 
 const char* toText(Why why) noexcept
@@ -36,14 +76,14 @@ const char* toText(Why why) noexcept
 
 const char* toText(Hold hold) noexcept
 {
-    static constexpr const char* kWords[] = {"none", "threshold",   "quota", "spare time",
-                                             "ban",  "first frame", "payers"};
+    static constexpr const char* kWords[] = {"none",       "threshold", "margin",     "quota",
+                                             "spare time", "ban",       "first frame"};
     return kWords[static_cast<size_t>(hold)];
 }
 
 const char* toText(Cause cause) noexcept
 {
-    static constexpr const char* kWords[] = {"kept", "forced", "repaired", "gain", "fresh", "unbudgeted"};
+    static constexpr const char* kWords[] = {"kept", "forced", "repaired", "gain", "fresh"};
     return kWords[static_cast<size_t>(cause)];
 }
 

@@ -6,16 +6,28 @@
 namespace gnomon::plan {
 namespace {
 
-/// How many standard errors below its prediction a method must take to be cheaper than `ownMs`; < 0: its time is known.
-double sigmasToWin(const Candidate& candidate, double ownMs) noexcept
+struct Guess {
+    double ms = 0.0, sigmaMs = 0.0;
+};
+
+/// Candidate::ms may be one standard error above what is expected.
+Guess guessOf(const Candidate& candidate) noexcept
 {
-    if (!std::isfinite(candidate.ms) || !(candidate.sigmaMs > kSure * candidate.ms)) return -1.0;
-    return std::max(0.0, (candidate.ms - ownMs) / candidate.sigmaMs);
+    const double likelyMs = candidate.likelyMs > 0.0 ? std::min(candidate.likelyMs, candidate.ms) : candidate.ms;
+    return {likelyMs, std::max(candidate.ms - likelyMs, candidate.sigmaMs)};
+}
+
+/// How many standard errors below its prediction a method must take to be cheaper than `ownMs`; < 0: its time is known.
+double sigmasToWin(const Guess& guess, double ownMs) noexcept
+{
+    if (!std::isfinite(guess.ms) || !(guess.sigmaMs > kSure * guess.ms)) return -1.0;
+    return std::max(0.0, (guess.ms - ownMs) / guess.sigmaMs);
 }
 
 } // namespace
 
-Probe chooseProbe(const PlanInput& input, const PlanStep& plan, const PlanReport& report, double sigmas) noexcept
+Probe chooseProbe(const PlanInput& input, const PlanStep& plan, const PlanReport& report,
+                  const ProbeLimits& limits) noexcept
 {
     const double spareMs = report.usableMs - std::max(report.predictedMs, input.measuredMs - input.sharedMs);
     Probe best;
@@ -28,10 +40,14 @@ Probe chooseProbe(const PlanInput& input, const PlanStep& plan, const PlanReport
         for (uint32_t m = 0; m < input.methods; ++m) {
             const Candidate& candidate = input.candidates[size_t{light} * input.methods + m];
             if (m == own.chosen || !plan.mayServe(light, m) || plan.benefitOf(light, m) < own.benefit) continue;
-            const double needed = sigmasToWin(candidate, own.ms);
-            if (needed < 0.0 || needed > sigmas) continue;
-            const double extraMs = plan.unpaidMs(m);
-            if (candidate.ms + sigmas * candidate.sigmaMs + extraMs > spareMs || candidate.firstFrameMs > spareMs)
+            const Guess guess = guessOf(candidate);
+            const double needed = sigmasToWin(guess, own.ms);
+            if (needed < 0.0 || needed > limits.sigmas) continue;
+            const double upperMs = std::max(candidate.ms, guess.ms + limits.sigmas * guess.sigmaMs);
+            const double wasteMs =
+                limits.frames * std::max(upperMs + plan.unpaidMs(m) - own.ms, 0.0) + candidate.firstFrameMs;
+            if (upperMs + plan.unpaidMs(m) > spareMs || candidate.firstFrameMs > spareMs ||
+                wasteMs > kMostWaste * limits.lastSecondMs)
                 continue;
             if (best.light != kNone && importance == least && needed >= nearest) continue;
             best = {light, m};

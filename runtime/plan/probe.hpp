@@ -15,13 +15,21 @@ struct Probe {
 /// (60).
 inline constexpr double kSure = 0.15;
 
+/// Share of the last second's shadow time that a probe may cost beyond what the light's own method takes.
+inline constexpr double kMostWaste = 0.02;
+
+struct ProbeLimits {
+    double sigmas = 2.0;       ///< >= 0, the rule base's `probing.sigma`.
+    double frames = 1.0;       ///< That a probe runs for.
+    double lastSecondMs = 0.0; ///< All shadow passes of the last second; 0: not known, and nothing is probed.
+};
+
 /// Of the lights that have a method to probe, that of least importance, and the method most likely to enter the plan:
-/// it is worth what the light's own is, and may be cheaper. None that is known already (kSure), none whose time fits
-/// the plan's spare milliseconds only with luck (above its prediction plus `sigmas` standard errors; spare is what the
-/// plan leaves by its predictions and by what the newest frame took), and none that could not win if it took as many
-/// below.
-/// @param input  Of the newest step().
-/// @param sigmas >= 0, the rule base's `probing.sigma`.
-Probe chooseProbe(const PlanInput& input, const PlanStep& plan, const PlanReport& report, double sigmas) noexcept;
+/// it is worth what the light's own is, and may be cheaper. Never one that is known already (kSure), that could not win
+/// if it took `sigmas` standard errors less than predicted, or whose upper bound, so many above it, does not fit the
+/// plan's spare milliseconds, by predictions and by what the newest frame took, or would waste more than kMostWaste.
+/// @param input Of the newest step().
+Probe chooseProbe(const PlanInput& input, const PlanStep& plan, const PlanReport& report,
+                  const ProbeLimits& limits) noexcept;
 
 } // namespace gnomon::plan

@@ -1,5 +1,6 @@
 #pragma once
 // What a method is worth to a light, time apart.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -26,20 +27,30 @@ inline bool showsAsMuch(const UtilityTerms& own, const UtilityTerms& other) noex
     return (own.quality >= other.quality - kSameQuality) & (kLikedAtMost * own.suitability >= other.suitability);
 }
 
-/// What counts for a method: its own suitability and quality, or those of better ones which it shows as much as. What
-/// the rules say for the one then holds for the other, a difference that nobody sees is none, and which of them serves
-/// is a matter of time alone. Otherwise a budget with room would be spent on a dearer way to the same picture.
+/// What counts for `own`, which shows as much as `lender`.
+inline UtilityTerms lentTerms(const UtilityTerms& own, const UtilityTerms& lender) noexcept
+{
+    return {lender.suitability, own.quality > lender.quality + kSameQuality ? own.quality : lender.quality,
+            own.eligible};
+}
+
+/// Whether `a` comes before `b` as a lender.
+inline bool isBetterSuited(const UtilityTerms& a, const UtilityTerms& b) noexcept
+{
+    return a.suitability != b.suitability ? a.suitability > b.suitability : a.quality > b.quality;
+}
+
+/// What counts for a method: its own suitability and quality, or those of the best suited one which it shows as much
+/// as. What the rules say for the one then holds for the other, a difference that nobody sees is none, and which of
+/// them serves is a matter of time alone. Otherwise a budget with room would be spent on a dearer way to the same
+/// picture.
 inline UtilityTerms sharedTerms(std::span<const UtilityTerms> terms, std::size_t method) noexcept
 {
-    const UtilityTerms& own = terms[method];
-    UtilityTerms best{own.suitability > 0 ? own.suitability : 0, own.quality, own.eligible};
-    for (const UtilityTerms& other : terms) {
-        const bool counts = other.eligible & showsAsMuch(own, other);
-        best.suitability = (counts & (other.suitability > best.suitability)) ? other.suitability : best.suitability;
-        const bool spokenOf = other.suitability >= 0;
-        best.quality = (counts & spokenOf & (other.quality > best.quality)) ? other.quality : best.quality;
-    }
-    return best;
+    UtilityTerms lender = terms[method];
+    lender.suitability = std::max(lender.suitability, 0);
+    for (const UtilityTerms& other : terms)
+        if (other.eligible && showsAsMuch(terms[method], other) && isBetterSuited(other, lender)) lender = other;
+    return lentTerms(terms[method], lender);
 }
 
 /// A switch must earn back its first frame within so many frames. Stress scenes move a light about once a second
@@ -63,6 +74,33 @@ inline bool isPriceKnown(double predictedMs, double sigmaMs) noexcept
 inline double utility(const UtilityTerms& terms) noexcept
 {
     return terms.suitability / double{rules::kSuitabilitySteps} * double{terms.quality};
+}
+
+/// utility(sharedTerms()) of all methods.
+/// @param order Any order of the methods; left as that of their suitability. Nearly right, it makes this quick.
+inline void sharedUtilities(std::span<const UtilityTerms> terms, std::span<std::uint8_t> order,
+                            std::span<double> utilities) noexcept
+{
+    for (std::size_t i = 1; i < order.size(); ++i) {
+        const std::uint8_t method = order[i];
+        std::size_t place = i;
+        for (; place > 0 && isBetterSuited(terms[method], terms[order[place - 1]]); --place)
+            order[place] = order[place - 1];
+        order[place] = method;
+    }
+    std::size_t first = 0; // of those that the one at hand is not avoided beside
+    for (const std::uint8_t method : order) {
+        UtilityTerms lender = terms[method];
+        lender.suitability = std::max(lender.suitability, 0);
+        while (first < order.size() && kLikedAtMost * lender.suitability < terms[order[first]].suitability)
+            ++first;
+        for (std::size_t i = first; i < order.size() && isBetterSuited(terms[order[i]], lender); ++i)
+            if (terms[order[i]].eligible && showsAsMuch(terms[method], terms[order[i]])) {
+                lender = terms[order[i]];
+                break;
+            }
+        utilities[method] = utility(lentTerms(terms[method], lender));
+    }
 }
 
 } // namespace gnomon::plan

@@ -27,7 +27,8 @@ public:
     /// Frames of whose median the budget follows: a quarter second at 60 Hz. Spikes do not move it, and what comes up
     /// within eight frames finds room in kFactor.
     static constexpr std::uint32_t kFollowed = 16;
-    /// Plans this much dearer than the cheapest one, as predicted, still measure it: plan::kNoDearer.
+    /// Plans this much dearer than the cheapest one, as predicted, still measure it: an incumbent stays for less
+    /// (plan::kChangeMargin).
     static constexpr double kAsCheap = 1.1;
 
     /// Measures anew.

@@ -156,7 +156,8 @@ Rechoice::Rechoice(const DecisionRecord& record, const rules::Engine& engine)
     : record_(record), engine_(engine), inference_(engine.makeInference()), candidates_(record.candidates)
 {
     // What the plan of all lights kept from this one stays so: others did not pay for it, or it was held.
-    const bool held = record.hold != plan::Hold::none && record.hold != plan::Hold::threshold;
+    const bool held =
+        record.hold != plan::Hold::none && record.hold != plan::Hold::threshold && record.hold != plan::Hold::margin;
     for (std::uint32_t m = 0; m < record.methods && record.budgeted && held; ++m)
         if (record.candidates[m].why == plan::Why::hysteresis) barred_.add(m);
     for (std::uint32_t round = 0; round < record.methods; ++round) {
@@ -235,6 +236,7 @@ void takePlan(const plan::LightPlan& plan, LightDecision& decision) noexcept
     decision.floor = plan.floor;
     decision.floorUnmet = plan.floorUnmet;
     decision.hold = plan.hold;
+    decision.threshold = plan.threshold;
     if (plan.chosen == plan::kNone || plan.chosen == decision.method) return;
     if (isByRules(decision.reason)) {
         decision.wanted = decision.method;
@@ -285,10 +287,20 @@ double Rechoice::takenMs(std::uint32_t method) const noexcept
     return double{candidates_[method].sureMs} + double{candidates_[method].sharedMs};
 }
 
-/// Whether the plan of all lights stays within its budget with that method, less the headroom that it asks for.
-bool Rechoice::fits(std::uint32_t method) const noexcept
+/// What the plan must have room for where the light has a method already: Option::price.
+double Rechoice::changedMs(std::uint32_t method) const noexcept
 {
-    return double{record_.planMs} - takenMs(record_.method) + takenMs(method) <= double{record_.usableMs};
+    const Candidate& candidate = candidates_[method];
+    return double{candidate.sharedMs} +
+           plan::changePriceMs(plan::withMargin(double{candidate.sureMs}, double{candidate.predictedMs}),
+                               double{candidate.firstMs});
+}
+
+/// Whether the plan of all lights stays within its budget with that method, which takes `methodMs`, less the headroom
+/// that it asks for.
+bool Rechoice::fits(std::uint32_t method, double methodMs) const noexcept
+{
+    return double{record_.planMs} - takenMs(record_.method) + methodMs <= double{record_.usableMs};
 }
 
 std::uint32_t Rechoice::chooseInPlan() const
@@ -301,22 +313,14 @@ std::uint32_t Rechoice::chooseInPlan() const
     for (const std::uint32_t m : able - barred_) {
         const double ms = takenMs(m);
         if (cheapest == UINT32_MAX || ms < takenMs(cheapest)) cheapest = m;
-        if (!fits(m)) continue;
+        if (!fits(m, stays && m != chosen ? changedMs(m) : ms)) continue;
         const double more = best == UINT32_MAX ? 1.0 : valueOf(m) - valueOf(best);
         if (more > 0.0 || (more == 0.0 && ms < takenMs(best))) best = m;
     }
-    if (!stays && best == UINT32_MAX && cheapest != UINT32_MAX) { // PlanStep::reduceCost
-        const double cheapestMs = takenMs(cheapest);
-        const bool over = double{record_.planMs} - takenMs(chosen) + cheapestMs > double{record_.budgetMs};
-        const double enough = over ? (1.0 + plan::kNoDearer) * cheapestMs : cheapestMs;
-        best = cheapest;
-        for (const std::uint32_t m : able - barred_)
-            if (takenMs(m) <= enough && valueOf(m) > valueOf(best)) best = m;
-    }
+    if (!stays && best == UINT32_MAX) best = cheapest;
     if (!stays) return best != UINT32_MAX ? best : *able.begin();
     if (best == UINT32_MAX || best == chosen) return chosen;
-    const double needed = double{record_.threshold} * double{record_.planValue};
-    return valueOf(best) - valueOf(chosen) > needed ? best : chosen;
+    return valueOf(best) > (1.0 + double{record_.threshold}) * valueOf(chosen) ? best : chosen;
 }
 
 namespace {

@@ -168,21 +168,20 @@ std::string planLine(const DecisionRecord& record)
     if (!record.budgeted) return text;
     text = "plan of all lights: " + ms(double{record.planMs}) + " of " + ms(double{record.usableMs}) +
            " usable (budget " + ms(double{record.budgetMs}) + "): " + text;
+    if (record.leastMs > record.usableMs && record.replan != Replan::measuring)
+        text += "; nothing fits: the least possible is " + ms(double{record.leastMs});
     if (record.floor)
         text += "; near floor holds, quality >= " + fixed(double{record.minimumQuality}, 2) +
                 (record.floorUnmet ? ", but nothing reaches it" : "");
     return text;
 }
 
-std::string gainText(const DecisionRecord& record)
+/// Of a method that is held.
+std::string gainText(const DecisionRecord& record, std::uint32_t method)
 {
-    return "the best plan gains " + percent(double{record.gain}) + ", a change needs more than " +
-           percent(double{record.threshold});
-}
-
-const char* heldText(plan::Hold hold)
-{
-    return hold == plan::Hold::none ? "worth more and affordable, but not by the best plan" : holdText(hold);
+    const double own = utilityOf(record, record.candidates, record.method);
+    const double gain = own > 0.0 ? utilityOf(record, record.candidates, method) / own - 1.0 : 0.0;
+    return "it is worth " + percent(gain) + " more, a change needs more than " + percent(double{record.threshold});
 }
 
 /// What the plan put aside that the rules like better, and why.
@@ -196,7 +195,8 @@ std::string passedOverLine(const DecisionRecord& record, const ExplainWords& wor
     case plan::Why::budget:
         return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but needs " + changeCostText(wanted);
     case plan::Why::hysteresis:
-        return name + " would be better, but is held: " + heldText(record.hold) + "; " + gainText(record);
+        return name + " would be better, but is held: " + holdText(record.hold) + "; " +
+               gainText(record, record.wanted);
     case plan::Why::floor:
         return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but its quality " +
                fixed(double{wanted.quality}, 2) + " is below the near floor";
@@ -326,7 +326,7 @@ void addElimination(const DecisionRecord& record, std::uint32_t method, const Ex
     case plan::Why::budget:
         return addBudget(record, candidate, lines);
     case plan::Why::hysteresis:
-        return lines.add(std::string("held: ") + heldText(record.hold) + "; " + gainText(record));
+        return lines.add(std::string("held: ") + holdText(record.hold) + "; " + gainText(record, method));
     case plan::Why::price:
         if (record.method >= record.methods) return; // the plan's choice could not be made after all
         return lines.add("it suits better (" + fixed(suitabilityOf(candidate), 2) + "), but " +
@@ -401,7 +401,7 @@ std::string passedOverText(const LightDecision& decision, const Candidate& candi
     case plan::Why::budget:
         return "does not fit the budget: needs " + changeCostText(candidate);
     case plan::Why::hysteresis:
-        return std::string("held: ") + heldText(decision.hold);
+        return std::string("held: ") + holdText(decision.hold);
     case plan::Why::price:
         if (decision.method == UINT32_MAX) break; // the plan's choice could not be made after all
         return priceText(decision.candidates[decision.method], candidate);

@@ -77,17 +77,17 @@ const char* holdText(plan::Hold hold)
     case plan::Hold::none:
         return "not held";
     case plan::Hold::threshold:
-        return "the whole plan would not gain enough";
+        return "the change would not gain enough";
+    case plan::Hold::margin:
+        return "there is time for it, but not with its first frame and a margin";
     case plan::Hold::quota:
         return "other lights were upgraded in this frame";
     case plan::Hold::spareTime:
         return "the plan has not been within its budget for long enough";
     case plan::Hold::ban:
-        return "the light flipped between the two, or would";
+        return "the light has just left it";
     case plan::Hold::firstFrame:
         return "its first frame costs more than the stay would gain";
-    case plan::Hold::payers:
-        return "what other lights would have to give up is worth more";
     }
     return "unknown";
 }

@@ -308,6 +308,7 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
                                             .suitability = from.quantised,
                                             .quality = qualities_[m],
                                             .ms = costs[m].sureMs,
+                                            .likelyMs = cost.ms,
                                             .sigmaMs = cost.measured ? cost.sigmaMs : 0.0,
                                             .firstFrameMs = costs[m].firstMs};
             from.quality = candidates_[i * methods + m].quality;
@@ -339,10 +340,13 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
                                     .sharedMs = budget.sharedMs,
                                     .measuredMs = budget.measuredMs,
                                     .cut = budget.cut,
-                                    .allocation = rules::Options::Allocation::Budget,
                                     .policy = &base->policy};
         report = plan_.step(input);
-        if (budget.probe) probe_ = plan::chooseProbe(input, plan_, report, base->policy.probing.sigma);
+        if (budget.probe)
+            probe_ = plan::chooseProbe(input, plan_, report,
+                                       {.sigmas = base->policy.probing.sigma,
+                                        .frames = double{cost::kLearnFrames},
+                                        .lastSecondMs = budget.lastSecondMs});
         for (std::size_t i = 0; i < requests_.size(); ++i) {
             LightDecision& decision = *requests_[i].decision;
             const auto light = static_cast<std::uint32_t>(i);

@@ -44,7 +44,8 @@ public:
         std::span<const plan::SharedPart> parts;
         double measuredMs = -1.0;
         bool cut = false;
-        bool probe = false; ///< probe() is wanted.
+        bool probe = false;        ///< probe() is wanted.
+        double lastSecondMs = 0.0; ///< Of all shadow passes; 0: not known.
         std::uint64_t frame = 0;
     };
     /// Predicts, and with a budget and a rule base that says so, chooses anew. @return the report of the plan step;

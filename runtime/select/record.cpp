@@ -24,8 +24,6 @@ Replan replanOf(const LightDecision& decision, const FrameRecord& frame)
         return Replan::gain;
     case plan::Cause::fresh:
         return frame.cut ? Replan::cut : Replan::first;
-    case plan::Cause::unbudgeted:
-        return Replan::everyFrame;
     case plan::Cause::kept:
         break;
     }
@@ -89,11 +87,9 @@ RecordHead makeRecord(const LightDecision& decision, const FrameRecord& frame, s
         head.budgetMs = static_cast<float>(frame.budgetMs);
         head.usableMs = static_cast<float>(frame.report.usableMs);
         head.planMs = static_cast<float>(frame.report.predictedMs);
+        head.leastMs = static_cast<float>(frame.report.cheapestMs);
         head.errorMs = static_cast<float>(frame.report.standardErrorMs);
-        head.planValue = static_cast<float>(frame.report.value);
-        if (frame.report.value > 0.0)
-            head.gain = static_cast<float>((frame.report.bestValue - frame.report.value) / frame.report.value);
-        head.threshold = static_cast<float>(frame.base->policy.hysteresis.planGain);
+        head.threshold = static_cast<float>(decision.threshold);
     }
     return head;
 }

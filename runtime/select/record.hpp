@@ -16,7 +16,7 @@ enum class Replan : std::uint8_t {
     everyFrame, ///< No budget: the best suitability, each frame anew.
     kept,       ///< The plan stayed within its budget, and nothing was worth a change.
     host,       ///< The host pinned it.
-    cut,        ///< Camera cut: the best plan as it is.
+    cut,        ///< Camera cut: nothing holds.
     first,      ///< First plan of all.
     forced,     ///< New lights, or methods that could no longer serve.
     overBudget, ///< The plan was repaired.
@@ -66,10 +66,9 @@ struct RecordHead {
     float suitability = 0.0f;
     float measuredMs = 0.0f;                               ///< Of this very frame, two frames later; 0: not timed.
     float budgetMs = 0.0f, usableMs = 0.0f, planMs = 0.0f; ///< Of all lights; usable is the budget less headroom.
-    float planValue = 0.0f;
+    float leastMs = 0.0f;   ///< Of the cheapest plan: where that is above usableMs, nothing fits.
     float errorMs = 0.0f;   ///< One standard error of the predicted sum of all lights.
-    float gain = 0.0f;      ///< What the best plan is worth more, as a share of planValue.
-    float threshold = 0.0f; ///< The gain that a change needs.
+    float threshold = 0.0f; ///< What another method must be worth more, as a share of what the light's own is worth.
     FactValues facts{};
 };
 

@@ -10,7 +10,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::string_view kMagic = "GNDECID6";
+constexpr std::string_view kMagic = "GNDECID7";
 constexpr std::uint8_t kNoMethod = 255;
 constexpr std::uint16_t kNoRefusal = 65535;
 enum : std::uint8_t { kBudgeted = 1, kSwitched = 2, kFloor = 4, kFloorUnmet = 8, kPriced = 16, kGuessed = 32 };
@@ -31,9 +31,9 @@ void writeMethods(ByteWriter& out, const MethodSet& methods)
 template <typename Head>
 auto floatsOf(Head& head)
 {
-    return std::array{&head.floorTruth, &head.floorStrength, &head.minimumQuality, &head.importance, &head.suitability,
-                      &head.measuredMs, &head.budgetMs,      &head.usableMs,       &head.planMs,     &head.errorMs,
-                      &head.planValue,  &head.gain,          &head.threshold};
+    return std::array{&head.floorTruth,  &head.floorStrength, &head.minimumQuality, &head.importance,
+                      &head.suitability, &head.measuredMs,    &head.budgetMs,       &head.usableMs,
+                      &head.planMs,      &head.errorMs,       &head.threshold,      &head.leastMs};
 }
 
 void writeHead(ByteWriter& out, const ReasonedHead& head)
@@ -256,7 +256,7 @@ private:
         head.distanceAge = in_.integer<std::uint32_t>();
         head.reason = readEnum(GN_REASON_UTILITY, "reason");
         head.replan = readEnum(static_cast<Replan>(static_cast<int>(Replan::count) - 1), "cause");
-        head.hold = readEnum(plan::Hold::payers, "hold");
+        head.hold = readEnum(plan::Hold::firstFrame, "hold");
         const auto flags = in_.integer<std::uint8_t>();
         head.budgeted = flags & kBudgeted, head.switched = flags & kSwitched;
         head.floor = flags & kFloor, head.floorUnmet = flags & kFloorUnmet;

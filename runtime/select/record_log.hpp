@@ -3,7 +3,7 @@
 //
 // A chunk, little-endian, no padding; a log file is any number of chunks in the order of their frames:
 //
-//     "GNDECID6"                                                     version in the last byte
+//     "GNDECID7"                                                     version in the last byte
 //     u32 size of the chunk in bytes, hash included
 //     u64 frame origin: subtracted from frame numbers when they are shown or asked for
 //     u8 1: the device is the CPU
@@ -19,7 +19,7 @@
 //         u8 reason (GnReason), cause of the re-planning (Replan), hold (plan::Hold)
 //         u8 flags: 1 budgeted, 2 switched, 4 near floor, 8 floor unmet
 //         f32 floor truth, floor strength, minimum quality, importance, suitability, measured ms, budget ms, usable ms,
-//             plan ms, its standard error, plan value, gain, threshold
+//             plan ms, its standard error, threshold, least ms
 //         facts x f64
 //         u8 fired rules x { u32 rule; u32 limiting variable, term; f32 strength, membership, weight }
 //         methods of then x { i16 suitability in 1/4096, -1 none; u8 exclusion, why;

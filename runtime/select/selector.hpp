@@ -81,6 +81,7 @@ struct LightDecision {
     std::uint32_t pinned = UINT32_MAX;
     float importance = 1.0f;
     plan::Hold hold = plan::Hold::none;
+    double threshold = 0.0; ///< LightPlan's.
     FactValues facts{};
     std::span<Candidate> candidates; ///< Of every method; kept by who asked for the decision.
 };

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "runtime/cost/knowledge_base.hpp"
-#include "runtime/plan/knapsack.hpp"
+#include "runtime/plan/shared_part.hpp"
 #include "runtime/select/facts.hpp"
 
 namespace gnomon {

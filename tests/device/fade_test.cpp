@@ -390,9 +390,10 @@ TEST_CASE_FIXTURE(DeviceTest,
         const GnFrameStats stats = host.stats();
         if (stats.budgetMs > 0.0f) break;
         CHECK(stats.fading == 0); // it would be measured along
-        // The one that serves may stay where it is predicted to take a fifth more at most (twice kNoDearer).
+        // The one that serves may stay where it is predicted to take a tenth more at most (twice kChangeMargin).
         const GnCandidate serves = candidateOf(host, 0, host.decision(0).pMethod);
-        CHECK(serves.predictedMs + serves.sharedMs <= (1.001f + 2.0f * float(plan::kNoDearer)) * cheapestOf(host, 0));
+        CHECK(serves.predictedMs + serves.sharedMs <=
+              (1.001f + 2.0f * float(plan::kChangeMargin)) * cheapestOf(host, 0));
         took.push_back(stats.gpuMs + stats.cpuMs);
     }
     REQUIRE(frames > 32);

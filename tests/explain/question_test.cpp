@@ -144,6 +144,20 @@ TEST_CASE("a method that does not fit the budget names both times, and what the 
                   {"viewerDistance", "shadow_map instead", "other lights' methods"});
 }
 
+TEST_CASE("a budget that nothing can keep is said to be one, with the least possible")
+{
+    SelectorFixture fixture = makeFixture();
+    Situation situation;
+    situation.budgetMs = 5.0;
+    situation.othersMs = 4.0;
+    for (Candidate& candidate : situation.candidates)
+        candidate.predictedMs = 3.0f;
+    checkContains(explainWhy(fixture.decide(situation), fixture.words()),
+                  {"plan of all lights: 7.00 ms of 4.90 ms usable", "nothing fits: the least possible is 7.00 ms"});
+    situation.budgetMs = 50.0;
+    CHECK(!contains(explainWhy(fixture.decide(situation), fixture.words()), "nothing fits"));
+}
+
 TEST_CASE("what suits better but shows no more is left for its price, with time to spare too")
 {
     SelectorFixture fixture = makeFixture();
@@ -207,7 +221,7 @@ TEST_CASE("the long explanation says of every method that could serve what kept 
     };
     CHECK(textFor(plan::Why::floor) == "its quality 0.50 is below the near floor");
     CHECK(textFor(plan::Why::budget) == "does not fit the budget: needs 2.00 ms (not timed here: up to 3.00 ms)");
-    CHECK(textFor(plan::Why::hysteresis) == "held: the light flipped between the two, or would");
+    CHECK(textFor(plan::Why::hysteresis) == "held: the light has just left it");
     CHECK(textFor(plan::Why::price) ==
           "shows less (quality 0.50 against 1.00) and takes 2.00 ms (not timed here: up to 3.00 ms)");
     CHECK(textFor(plan::Why::outscored) == "outscored");
@@ -242,18 +256,19 @@ TEST_CASE("a held method names the hold, the gain and what a change needs")
     Situation situation;
     situation.budgetMs = 10.0;
     situation.fact(Fact::viewerDistance) = 70.0;
-    situation.method("stencil_volume").quality = 0.921f;
-    situation.method("shadow_map").quality = 0.50f;
-    situation.method("pcf_hybrid").quality = 0.903f; // shows as much as shadow_map, and therefore counts as much
+    situation.method("shadow_map").exclusion = Exclusion::lightKind;
+    situation.method("pcf_hybrid").quality = 0.1f; // suits better than stencil_volume, and shows a tenth
     const DecisionRecord first = fixture.decide(situation);
-    REQUIRE(nameOf(first.method) == "pcf_hybrid");
+    REQUIRE(nameOf(first.method) == "stencil_volume");
     situation.incumbent = first.method;
-    situation.method("shadow_map").quality = 0.912f; // as much as either, and gains 1 %
+    const auto suitability = [&](const char* name) { return first.candidates[methodNamed(name)].quantised; };
+    situation.method("pcf_hybrid").quality = // gains 1 %
+        1.01f * static_cast<float>(suitability("stencil_volume")) / static_cast<float>(suitability("pcf_hybrid"));
     const DecisionRecord record = fixture.decide(situation);
-    CHECK(nameOf(record.method) == "pcf_hybrid");
+    CHECK(nameOf(record.method) == "stencil_volume");
     REQUIRE(record.hold == plan::Hold::threshold);
-    checkContains(whyNot(fixture, record, "shadow_map"),
-                  {"held: the whole plan would not gain enough", "the best plan gains 1.0 %", "needs more than 2.0 %"});
+    checkContains(whyNot(fixture, record, "pcf_hybrid"),
+                  {"held: the change would not gain enough", "it is worth 1.0 % more", "needs more than 2.0 %"});
     // What if: the very number flips the plan too, once it has been calm for long enough.
     for (const NearMiss& miss : nearMisses(record, fixture.engine())) {
         Situation changed = situation;

@@ -102,7 +102,7 @@ TEST_CASE("in a plan of two lights, what-ifs come true once the plan has settled
         Situation situation = randomSituation(random, *engine, true);
         situation.cut = false;
         situation.pinned = situation.incumbent = UINT32_MAX;
-        // Settled: what it has is what the best plan gives it.
+        // Settled: what it has is what the plan moves towards.
         const auto settle = [&](SelectorFixture& fixture, Situation at) {
             DecisionRecord record = fixture.decide(at);
             for (std::uint32_t frame = 0; frame < 2 * plan::kSpareFrames + 5; ++frame) {

@@ -2,6 +2,7 @@
 /// plans are kept, repaired and improved in turn. Percentiles are over single decisions.
 
 #include <algorithm>
+#include <array>
 #include <benchmark/benchmark.h>
 #include <chrono>
 #include <vector>
@@ -17,8 +18,6 @@ using namespace gnomon::plan;
 
 namespace {
 
-constexpr uint32_t kMethods = 12;
-
 void countPercentiles(benchmark::State& state, std::vector<double>& seconds, uint32_t lights)
 {
     std::sort(seconds.begin(), seconds.end());
@@ -30,13 +29,14 @@ void countPercentiles(benchmark::State& state, std::vector<double>& seconds, uin
 void decision(benchmark::State& state)
 {
     const auto lights = static_cast<uint32_t>(state.range(0));
+    const auto methods = static_cast<uint32_t>(state.range(2));
     test::Random random(1);
     std::vector<LightMemory> memories(lights);
     std::vector<LightRequest> requests;
     std::vector<Candidate> candidates;
     for (uint32_t i = 0; i < lights; ++i) {
         requests.push_back({.memory = &memories[i], .importance = random.between(0.5, 1.0)});
-        for (uint32_t m = 0; m < kMethods; ++m) {
+        for (uint32_t m = 0; m < methods; ++m) {
             const double ms = random.between(0.05, 2.0);
             candidates.push_back({.suitability = static_cast<int32_t>(1000 + random.below(1000) + 1000 * ms),
                                   .quality = static_cast<float>(random.between(0.5, 1.0)),
@@ -45,19 +45,19 @@ void decision(benchmark::State& state)
         }
     }
     PlanStep plan;
-    plan.reserve(lights, kMethods);
+    plan.reserve(lights, methods);
     // A copy of the depth, bounds of receivers, a stencil buffer, strips of it: families of methods need them.
     constexpr SharedPart kParts[] = {
         {1.0, {0, 1, 2, 3, 4, 5}}, {0.7, {0, 1}}, {0.8, {6, 7, 8, 9, 10}}, {0.5, {6, 7, 8}}};
     const std::span parts = std::span<const SharedPart>(kParts).first(static_cast<size_t>(state.range(1)));
     PlanInput input{
-        .lights = requests, .candidates = candidates, .parts = parts, .methods = kMethods, .budgetMs = 0.6 * lights};
+        .lights = requests, .candidates = candidates, .parts = parts, .methods = methods, .budgetMs = 0.6 * lights};
     std::vector<double> times;
     times.reserve(1 << 20);
     uint64_t changed = 0;
     for (auto _ : state) {
         for (uint32_t i = 0; i < lights; ++i) { // one in twelve candidates drifts a little
-            Candidate& candidate = candidates[i * kMethods + random.below(kMethods)];
+            Candidate& candidate = candidates[i * methods + random.below(methods)];
             candidate.ms *= random.between(0.99, 1.0101);
             candidate.suitability =
                 std::clamp(candidate.suitability + static_cast<int32_t>(random.below(41)) - 20, 0, 4096);
@@ -73,7 +73,10 @@ void decision(benchmark::State& state)
     countPercentiles(state, times, lights);
     state.counters["changed"] = static_cast<double>(changed) / static_cast<double>(times.size());
 }
-BENCHMARK(decision)->ArgNames({"lights", "parts"})->ArgsProduct({{4, 8, 16, 64}, {0, 4}})->UseManualTime();
+BENCHMARK(decision)
+    ->ArgNames({"lights", "parts", "methods"})
+    ->ArgsProduct({{4, 64}, {0, 4}, {12, 21, 64}})
+    ->UseManualTime();
 
 cost::Workload workloadOf(test::Random& random, uint32_t method)
 {
@@ -83,17 +86,19 @@ cost::Workload workloadOf(test::Random& random, uint32_t method)
             .viewPixels = 921600.0};
 }
 
-/// A model that knows kMethods methods; every second one has a map.
-cost::CostModel calibratedModel(uint32_t lights, test::Random& random)
+/// A model that knows so many methods.
+cost::CostModel calibratedModel(uint32_t lights, uint32_t methods, test::Random& random)
 {
     cost::CostModel model;
-    model.resize(kMethods, lights);
-    for (uint32_t method = 0; method < kMethods; ++method)
-        for (int i = 0; i < 40; ++i)
-            for (const cost::Pass pass : {cost::Pass::update, cost::Pass::resolve})
-                model.calibrate(method, pass, cost::Processor::gpu, workloadOf(random, method),
-                                random.between(0.5, 5.0));
-    model.finishCalibration(true);
+    model.resize(methods, lights);
+    for (uint32_t method = 0; method < methods; ++method) {
+        std::array<cost::TrackCost, cost::kTracks> tracks;
+        tracks[cost::trackOf(cost::Pass::update, cost::Processor::gpu)] = {
+            .ms = {0.05, random.between(0.1, 1.0), 0.0, 0.3, 0.3}, .octaves = 0.3, .samples = 40};
+        tracks[cost::trackOf(cost::Pass::resolve, cost::Processor::gpu)] = {
+            .ms = {0.02, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, random.between(0.5, 5.0)}, .octaves = 0.3, .samples = 40};
+        model.teach(method, tracks, 0.0);
+    }
     return model;
 }
 
@@ -101,8 +106,9 @@ cost::CostModel calibratedModel(uint32_t lights, test::Random& random)
 void predicting(benchmark::State& state)
 {
     const auto lights = static_cast<uint32_t>(state.range(0));
+    const auto methods = static_cast<uint32_t>(state.range(1));
     test::Random random(2);
-    cost::CostModel model = calibratedModel(lights, random);
+    cost::CostModel model = calibratedModel(lights, methods, random);
     std::vector<cost::Workload> workloads;
     for (uint32_t i = 0; i < lights; ++i)
         workloads.push_back(workloadOf(random, 0));
@@ -114,7 +120,7 @@ void predicting(benchmark::State& state)
         const auto start = std::chrono::steady_clock::now();
         double sum = 0.0;
         for (uint32_t i = 0; i < lights; ++i)
-            for (uint32_t method = 0; method < kMethods; ++method) {
+            for (uint32_t method = 0; method < methods; ++method) {
                 cost::Workload workload = workloads[i];
                 workload.mapTexels = method % 2 ? 1048576.0 : 0.0;
                 sum += model.predict(i, method, workload, false).ms;
@@ -126,23 +132,24 @@ void predicting(benchmark::State& state)
     }
     countPercentiles(state, times, lights);
 }
-BENCHMARK(predicting)->Arg(64)->UseManualTime();
+BENCHMARK(predicting)->ArgNames({"lights", "methods"})->ArgsProduct({{64}, {12, 21, 64}})->UseManualTime();
 
-/// From facts to methods: the rules asked about every light, as Selector does (6 facts, 40 rules, 12 outputs),
+/// From facts to methods: the rules asked about every light, as Selector does (6 facts, 40 rules, an output a method),
 /// the times of an eighth of the lights predicted anew, as FramePlan does, and the plan of all.
 void wholeDecision(benchmark::State& state)
 {
     const auto lights = static_cast<uint32_t>(state.range(0));
+    const auto methods = static_cast<uint32_t>(state.range(1));
     test::Random random(3);
-    const std::vector<rules::OutputInfo> outputs = rules::test::benchOutputs();
-    rules::RuleBase base = rules::test::benchBase([&](uint32_t below) { return random.below(below); }, 40);
+    const std::vector<rules::OutputInfo> outputs = rules::test::benchOutputs(static_cast<int>(methods));
+    rules::RuleBase base = rules::test::benchBase([&](uint32_t below) { return random.below(below); }, 40, methods);
     std::vector<rules::FactInfo> names;
     for (const rules::Variable& variable : base.variables)
         names.push_back({variable.name, ""});
     const rules::Engine engine =
         std::move(*rules::Engine::bind(base, {.facts = names, .outputs = outputs, .absent = {}, .traits = {}}).engine);
     rules::Inference opinions = engine.makeInference();
-    cost::CostModel model = calibratedModel(lights, random);
+    cost::CostModel model = calibratedModel(lights, methods, random);
     std::vector<cost::Workload> workloads;
     std::vector<double> facts(lights * names.size());
     for (double& fact : facts)
@@ -153,12 +160,12 @@ void wholeDecision(benchmark::State& state)
         requests.push_back({.memory = &memories[i], .importance = random.between(0.5, 1.0)});
         workloads.push_back(workloadOf(random, 0));
     }
-    std::vector<Candidate> candidates(lights * kMethods);
+    std::vector<Candidate> candidates(lights * methods);
     for (Candidate& candidate : candidates)
         candidate.quality = static_cast<float>(random.between(0.5, 1.0));
     PlanStep plan;
-    plan.reserve(lights, kMethods);
-    PlanInput input{.lights = requests, .candidates = candidates, .methods = kMethods, .budgetMs = 1.2 * lights};
+    plan.reserve(lights, methods);
+    PlanInput input{.lights = requests, .candidates = candidates, .methods = methods, .budgetMs = 1.2 * lights};
     std::vector<double> times;
     times.reserve(1 << 20);
     for (auto _ : state) {
@@ -170,15 +177,15 @@ void wholeDecision(benchmark::State& state)
         for (uint32_t i = 0; i < lights; ++i) {
             engine.evaluate(std::span(facts).subspan(i * names.size(), names.size()), opinions);
             const bool due = input.frame == 0 || (input.frame + i) % 8 == 0;
-            for (uint32_t m = 0; m < kMethods; ++m) {
-                Candidate& candidate = candidates[i * kMethods + m];
+            for (uint32_t m = 0; m < methods; ++m) {
+                Candidate& candidate = candidates[i * methods + m];
                 candidate.suitability = opinions.outputs[m].quantised;
                 if (!due) continue;
                 cost::Workload workload = workloads[i];
                 workload.mapTexels = m % 2 ? 1048576.0 : 0.0;
                 const cost::Prediction prediction = model.predict(i, m, workload, false);
-                candidate.ms = prediction.ms;
-                candidate.sigmaMs = prediction.sigmaMs;
+                candidate.ms = prediction.sureMs();
+                candidate.sigmaMs = prediction.measured ? prediction.sigmaMs : 0.0;
             }
         }
         plan.step(input);
@@ -189,7 +196,7 @@ void wholeDecision(benchmark::State& state)
     }
     countPercentiles(state, times, lights);
 }
-BENCHMARK(wholeDecision)->Arg(64)->UseManualTime();
+BENCHMARK(wholeDecision)->ArgNames({"lights", "methods"})->ArgsProduct({{64}, {12, 21, 64}})->UseManualTime();
 
 } // namespace
 

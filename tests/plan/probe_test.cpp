@@ -17,7 +17,7 @@ struct Scene {
     PlanStep plan;
     PlanInput input;
     PlanReport report;
-    double measuredMs = -1.0;
+    double measuredMs = -1.0, lastSecondMs = 1e6;
 
     Scene()
     {
@@ -43,7 +43,7 @@ struct Scene {
                      .measuredMs = measuredMs};
             report = plan.step(input);
         }
-        return chooseProbe(input, plan, report, sigmas);
+        return chooseProbe(input, plan, report, {.sigmas = sigmas, .frames = 7.0, .lastSecondMs = lastSecondMs});
     }
 };
 
@@ -84,6 +84,26 @@ TEST_CASE("nothing is probed that is known, cannot win, or might not fit")
     CHECK(scene.probe().light == kNone);
     scene.of(0, 1).sigmaMs = 0.4;
     CHECK(scene.probe().light == 0);
+}
+
+TEST_CASE("a probe wastes a fiftieth of the last second's shadow time at most")
+{
+    Scene scene;
+    scene.lastSecondMs = 0.0; // not known
+    CHECK(scene.probe().light == kNone);
+    scene.lastSecondMs =
+        50.0 * 7.0 * (2.3 + 2.0 * 0.45 - 2.0) + 1.0; // frames of its upper bound beyond the present cost
+    CHECK(scene.probe().light == 1);
+    scene.of(1, 1).firstFrameMs = 0.1;
+    CHECK(scene.probe().light == 0);
+    scene.of(1, 1).firstFrameMs = 0.0;
+    for (const uint32_t light : {0u, 1u}) // nobody has timed it: it counts as 2.8 ms, and two errors up it is 3.3
+        scene.of(light, 1) = {.suitability = 3000, .quality = 1.0f, .ms = 2.8, .likelyMs = 2.3};
+    CHECK(scene.probe().light == kNone);
+    scene.lastSecondMs += 50.0 * 7.0 * 0.1;
+    CHECK(scene.probe().light == 1);
+    scene.lastSecondMs = 1e6;
+    CHECK(scene.probe().light == 1);
 }
 
 TEST_CASE("of two methods the one that needs less luck is probed")

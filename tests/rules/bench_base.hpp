@@ -1,7 +1,7 @@
 #pragma once
 
 /// The rule base that evaluation is timed on: 6 facts, 24 terms, 40 rules of 2 to 4 conditions and 3 conclusions each,
-/// 12 outputs. About the size of a full rule base for shadows.
+/// 12 outputs where nothing else is asked for. About the size of a full rule base for shadows.
 
 #include <cstdlib>
 #include <string>
@@ -12,17 +12,17 @@
 
 namespace gnomon::rules::test {
 
-inline std::vector<OutputInfo> benchOutputs()
+inline std::vector<OutputInfo> benchOutputs(int count = 12)
 {
     std::vector<OutputInfo> outputs;
-    for (int i = 0; i < 12; ++i)
+    for (int i = 0; i < count; ++i)
         outputs.push_back({std::string("o").append(std::to_string(i)), {}});
     return outputs;
 }
 
 /// `draw(n)` gives a number below n. `rules` is 40 for timing; the linter is timed on 64.
 template <typename Draw>
-RuleBase benchBase(Draw&& draw, std::size_t rules)
+RuleBase benchBase(Draw&& draw, std::size_t rules, uint32_t outputs = 12)
 {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     RuleBase base;
@@ -45,10 +45,10 @@ RuleBase benchBase(Draw&& draw, std::size_t rules)
             text.append(c == 0 ? "" : " and ").append(base.variables[(first + c) % 6].name);
             text.append(" is ").append(terms[draw(4)]);
         }
-        const uint32_t output = draw(12);
+        const uint32_t output = draw(outputs);
         for (uint32_t c = 0; c < 3; ++c) {
             const char* const names[] = {"avoided", "acceptable", "favoured"};
-            text.append(c == 0 ? " then o" : " and o").append(std::to_string((output + 5 * c) % 12));
+            text.append(c == 0 ? " then o" : " and o").append(std::to_string((output + 5 * c) % outputs));
             text.append(" is ").append(names[draw(3)]);
         }
         Rule rule;
