@@ -308,7 +308,8 @@ typedef struct GnContextCreateInfo {
     uint32_t waitLimitMs;                              ///< 0 means 10 000. A call that waits for the device ends with
                                                        ///< #GN_ERROR_DEVICE_LOST once the device has made no progress
                                                        ///< for so long. What a submitted frame's pWaits delay counts.
-    VkDeviceSize memoryLimit;                          ///< Device bytes, persistent plus transient; 0: half the heap.
+    VkDeviceSize memoryLimit;                          ///< Device bytes, persistent plus transient; 0: half the heap,
+                                                       ///< or of its budget where VK_EXT_memory_budget is enabled.
                                                        ///< Maps whose sides follow screen coverage take half of it at
                                                        ///< most: beyond, sides shrink where the least is seen of them.
     const VkAllocationCallbacks* pAllocationCallbacks; ///< Optional, copied. Handed to every Vulkan create call.
