@@ -13,7 +13,7 @@ struct ShadowTask {
     const CameraView* view = nullptr;
     const LightView* light = nullptr;
     const LightCasters* casters = nullptr;
-    std::span<const double> settings; ///< In the order of AlgorithmEntry::settings.
+    std::span<const double> settings; ///< In the order of AlgorithmEntry::settings; sides of maps as they are to be.
     std::uint32_t layer = 0;          ///< The light's layer in `visibility`.
     ImageId visibility;               ///< R8_UNORM array of the view. Every pixel of view->area must be written.
     ImageId depth;                    ///< The host's depth, sampled and copied only.
@@ -26,6 +26,9 @@ struct SettingSpec {
     const char* name;
     const char* description; ///< With unit.
     double minimum, maximum, standard;
+    /// The side of maps that may follow screen coverage (select/map_side.hpp): 0 means that, and is the default.
+    /// `standard` is then the side where plain maps have kUnmeasuredSide.
+    bool byCoverage = false;
 };
 
 /// What an algorithm may hold on to from creation on.

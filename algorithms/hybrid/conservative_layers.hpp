@@ -68,7 +68,7 @@ class ConservativeMethod : public ShadowAlgorithm {
 public:
     enum Setting : std::size_t { kResolution, kMode, kReasons, kLambda };
     static constexpr SettingSpec kSettings[] = {
-        {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024},
+        {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024, true},
         {"mode", "0: guaranteed; 1: as in the thesis.", 0, 1, 0},
         kReasonsSetting,
         kLambdaSetting,

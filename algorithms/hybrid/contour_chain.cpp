@@ -17,7 +17,7 @@ namespace {
 enum Setting { kResolution, kContour, kMode, kReasons, kClassify };
 
 constexpr SettingSpec kSettings[] = {
-    {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024},
+    {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024, true},
     {"contour", "Width in pixels of what is looked into around edges of the map's shadows: 2, 4 or 6; 0: everywhere.",
      0, 6, 4},
     {"mode", "0 chain, 1 texels only, 2 texels that say lit, 3 strict, 4 no rays, 5 texels everywhere: see the page.",

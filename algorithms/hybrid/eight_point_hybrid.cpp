@@ -18,7 +18,7 @@ namespace {
 enum Setting { kResolution };
 
 constexpr SettingSpec kSettings[] = {
-    {"resolution", "Texels per side of each of the eight maps.", 64, 4096, 512},
+    {"resolution", "Texels per side of each of the eight maps.", 64, 4096, 512, true},
 };
 
 constexpr UndecidedNames kNames = {.status = "eight_point_hybrid.status",

@@ -17,7 +17,7 @@ namespace {
 enum Setting { kResolution, kReasons, kClassify };
 
 constexpr SettingSpec kSettings[] = {
-    {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024},
+    {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024, true},
     kReasonsSetting,
     kClassifySetting,
 };

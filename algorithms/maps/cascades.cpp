@@ -13,7 +13,7 @@ namespace {
 enum Setting { kResolution, kCount, kBlend, kFilter };
 
 constexpr SettingSpec kSettings[] = {
-    {"resolution", "Texels per side of each map.", 64, 8192, 1024},
+    {"resolution", "Texels per side of each map.", 64, 8192, 1024, true},
     {"cascades", "Maps, the one of all casters included.", 2, gpu::MAX_CASCADES, 4},
     {"blend", "Where slices end: 0 evenly, 1 each by the same factor farther than the one before.", 0, 1, 1},
     {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},

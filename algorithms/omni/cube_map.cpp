@@ -12,7 +12,7 @@ namespace {
 enum Setting { kResolution, kFilter };
 
 constexpr SettingSpec kSettings[] = {
-    {"resolution", "Texels per side of each of the six faces.", 64, 4096, 1024},
+    {"resolution", "Texels per side of each of the six faces.", 64, 4096, 1024, true},
     {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
 };
 

@@ -22,7 +22,7 @@ namespace {
 enum Setting { kResolution, kFilter, kPlaneCulling };
 
 constexpr SettingSpec kSettings[] = {
-    {"resolution", "Texels per side of each of the two halves.", 64, 4096, 1024},
+    {"resolution", "Texels per side of each of the two halves.", 64, 4096, 1024, true},
     {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
     {"plane_culling", "1: a half space that no visible receiver lies in is not drawn; 0: both always are.", 0, 1, 1},
 };

@@ -13,7 +13,7 @@ namespace {
 enum Setting { kResolution, kMode, kLongest };
 
 constexpr SettingSpec kSettings[] = {
-    {"resolution", "Texels per side of the map; of a point light, of each of six.", 64, 8192, 1024},
+    {"resolution", "Texels per side of the map; of a point light, of each of six.", 64, 8192, 1024, true},
     {"mode",
      "0 conservative: the shadow grows to lines through its corners. 1: lines through the middles of its stairs. 2: a "
      "ramp of two texels about the same lines.",

@@ -23,7 +23,7 @@ namespace {
 
 // widen: faces of a cube overlap by four texels, of which the four that vote take one.
 constexpr SettingSpec kSettings[] = {
-    {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 512},
+    {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 512, true},
     {"widen", "Texels by which the 2 x 2 that must agree are widened to each side.", 0, gpu::MAX_WIDEN, 0},
     {"cull", "1: only volumes that hold silhouette pixels are drawn; 0: all whose shadow the view can see.", 0, 1, 1},
 };

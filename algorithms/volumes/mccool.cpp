@@ -30,7 +30,7 @@ constexpr std::uint32_t kMaps = 6;
 constexpr std::uint32_t kCellIndices = 18;
 
 constexpr SettingSpec kSettings[] = {
-    {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024},
+    {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024, true},
     {"darkening", "Shadows are 0: black; 1: `shade`, surfaces that face away too (ambient); 2: `shade` (composite).", 0,
      2, 0},
     {"shade", "What is left of the light in shadows that are not black.", 0, 1, 0.3},

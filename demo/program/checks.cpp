@@ -100,8 +100,10 @@ void requireRanges(const std::vector<SettingChoice>& choices, const std::vector<
             const AlgorithmEntry* entry = entryOf(method);
             const SettingSpec* setting = entry ? settingOf(*entry, choice.name) : nullptr;
             if (!setting || (choice.value >= setting->minimum && choice.value <= setting->maximum)) continue;
+            if (setting->byCoverage && choice.value == 0.0) continue;
             throw HostError("--set: " + method + " takes '" + choice.name + "' from " + numberText(setting->minimum) +
-                            " to " + numberText(setting->maximum) + ", not " + numberText(choice.value));
+                            " to " + numberText(setting->maximum) + (setting->byCoverage ? ", or 0" : "") + ", not " +
+                            numberText(choice.value));
         }
 }
 

@@ -35,6 +35,8 @@ const char* nameOf(GnReason reason) noexcept
         return "nothing_ready";
     case GN_REASON_NO_OPINION:
         return "no_opinion";
+    case GN_REASON_UNSEEN:
+        return "unseen";
     case GN_REASON_MAX_ENUM:
         break;
     }
@@ -54,8 +56,8 @@ std::string reasonText(const GnDecision& decision)
 } // namespace
 
 FrameLog::FrameLog(const Scene& scene)
-    : scene_(scene),
-      lights_({"frame", "light", "method", "suitability", "predicted_ms", "measured_ms", "distance", "reason"})
+    : scene_(scene), lights_({"frame", "light", "method", "suitability", "predicted_ms", "measured_ms", "distance",
+                              "reason", "map_side"})
 {
 }
 
@@ -75,7 +77,8 @@ void FrameLog::add(uint32_t frame, double timeSeconds, const SceneState& state, 
         const std::string method = decision.pMethod ? decision.pMethod : "none";
         lights_.cell(frame).cell(scene_.lights[light].name).cell(method).cell(double(decision.suitability), 4);
         lights_.cell(double(decision.predictedMs), 3).cell(double(decision.measuredMs), 3);
-        lights_.cell(double(decision.viewerDistance), 3).cell(reasonText(decision)).endRow();
+        lights_.cell(double(decision.viewerDistance), 3).cell(reasonText(decision));
+        lights_.cell(decision.mapSide).endRow();
         ++lightFrames_[method];
         newest_.push_back({scene_.lights[light].name, method, decision.suitability, decision.switched != 0});
         newestSwitched_ = newestSwitched_ || decision.switched;

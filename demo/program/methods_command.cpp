@@ -37,6 +37,7 @@ std::string settingLine(const GnSettingInfo& setting)
 {
     std::string out = std::string("    ") + setting.pName + " = ";
     appendNumber(out, setting.value);
+    if (setting.value < setting.minimum) out += " (by screen coverage)";
     out += " [";
     appendNumber(out, setting.minimum);
     out += ", ";

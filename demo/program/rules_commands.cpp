@@ -31,6 +31,7 @@ RuleVocabulary runtimeVocabulary()
         method.entry = entry;
         for (const SettingSpec& setting : entry->settings)
             method.settings.push_back(setting.standard);
+        method.noteSettings();
         vocabulary.outputs.back().quality = double{qualityOf(method, {})};
     }
     return vocabulary;

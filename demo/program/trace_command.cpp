@@ -13,6 +13,7 @@
 #include "demo/program/rule_support.hpp"
 #include "demo/replay/budget.hpp"
 #include "demo/scene/scene_file.hpp"
+#include "runtime/registry.hpp"
 
 namespace gnomon::demo {
 namespace {
@@ -33,6 +34,21 @@ uint32_t firstLit(const Scene& scene, uint32_t frames)
     for (uint32_t frame = 0; frame < frames; ++frame)
         if (lightCountAt(scene, frame * secondsPerFrame(scene, frames), false) > 0) return frame;
     throw HostError("scene '" + scene.name + "' has no light in any frame of the trace");
+}
+
+/// Texels; 0: the method has no map. A trace has one side for all lights and frames: where it would follow screen
+/// coverage, that of lights whose receivers are not measured.
+double fixedMapSide(const GnMethodInfo& method)
+{
+    for (uint32_t i = 0; i < method.settingCount; ++i)
+        if (method.pSettings[i].value >= method.pSettings[i].minimum &&
+            std::string_view(method.pSettings[i].pName) == kResolutionSetting)
+            return method.pSettings[i].value;
+    for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
+        for (const SettingSpec& setting : algorithm.entry->settings)
+            if (setting.byCoverage && std::string_view(method.pAlgorithm) == algorithm.entry->name)
+                return setting.standard;
+    return 0.0;
 }
 
 /// Runs a scene again and again, and fills in a trace.
@@ -83,9 +99,8 @@ private:
                 continue;
             }
             trace_.methods.emplace_back(info.pName);
-            double side = 0.0;
-            for (uint32_t i = 0; i < info.settingCount; ++i)
-                if (std::string_view(info.pSettings[i].pName) == kResolutionSetting) side = info.pSettings[i].value;
+            const double side = fixedMapSide(info);
+            if (side > 0.0) expect(session_.shadows.set(info.pName, kResolutionSetting, side));
             trace_.mapTexels.push_back(static_cast<float>(side * side));
             trace_.drawsVolumes.push_back((info.traits & GN_TRAIT_TOPOLOGY_BIT) != 0);
             trace_.tracesPixels.push_back((info.traits & GN_TRAIT_RAYS_BIT) != 0 && side == 0.0);

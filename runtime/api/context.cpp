@@ -27,7 +27,7 @@ VkDeviceSize defaultLimit(const DeviceTable& vk)
     VkDeviceSize largest = 0;
     for (std::uint32_t i = 0; i < vk.memory.memoryHeapCount; ++i)
         if (vk.memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
-            largest = std::max(largest, vk.memory.memoryHeaps[i].size);
+            largest = std::max(largest, vk.heapBudget[i]);
     return largest / 2;
 }
 

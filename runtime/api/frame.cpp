@@ -75,7 +75,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     if (Result<void> ok = decide(info, snapshot.casters); !ok) return ok.error();
     const SubmitParts submit = submitParts();
     frame_.warmup = nextWarmup(frame_, submit);
-    declareLights(frame_, {*graph_, *methods_, *selector_, messages_, own_.mix});
+    declareLights(frame_, {*graph_, *methods_, *selector_, messages_, arena_, own_.mix});
     recordDecisions(frame_, chooseParts());
     if (Result<void> ok = openSlot(frame_, input_, info.completedFrame, isTimed(info), snapshot, submit); !ok)
         return ok.error();
@@ -122,6 +122,7 @@ Result<void> Context::decide(const GnFrameInfo& info, std::span<const Caster> ca
     beginBudget(info);
     measureFacts(frame_, {info.pViews, info.viewCount},
                  {.scene = *scene_,
+                  .methods = *methods_,
                   .memory = *memory_,
                   .arena = arena_,
                   .graph = *graph_,

@@ -81,7 +81,11 @@ Result<GnDecision> Context::decision(GnView view, GnLight light)
                       .pRule = ruleBehind(*views_.find(view), d),
                       .pOutgoing = d.outgoing == UINT32_MAX ? nullptr : (*methods_)[d.outgoing].name.c_str(),
                       .fade = d.fade,
-                      .pProbed = d.probed == UINT32_MAX ? nullptr : (*methods_)[d.probed].name.c_str()};
+                      .pProbed = d.probed == UINT32_MAX ? nullptr : (*methods_)[d.probed].name.c_str(),
+                      .mapSide = static_cast<std::uint32_t>(d.mapSide),
+                      .wantedMapSide = static_cast<std::uint32_t>(d.wantedSide),
+                      .redrawEvery = d.redrawEvery,
+                      .mapAge = d.mapAge};
 }
 
 /// @param frame the newest, which 0 means

@@ -25,6 +25,8 @@ void askRules(Frame& frame, const ChooseParts& parts)
             const auto candidates = std::span(view.candidates).subspan(decisions.size() * methods, methods);
             decisions.push_back(parts.selector.assess(light->facts, *light->memory, candidates));
             light->decision = &decisions.back();
+            if (light->decision->reason == GN_REASON_UNSEEN) continue;
+            frame.planned.push_back(static_cast<std::uint32_t>(light - frame.lights.begin()));
             parts.plan.add(*light->decision, *light->memory, light->facts);
         }
         parts.selector.choose(decisions);
@@ -119,8 +121,8 @@ void settleProbe(Frame& frame, const ChooseParts& parts)
 {
     ProbeRun& probe = parts.probe;
     const plan::Probe& named = parts.plan.probe();
-    if (!probe.runs() && named.light < frame.lights.size()) {
-        const ViewLight& light = frame.lights[named.light];
+    if (!probe.runs() && named.light < frame.planned.size()) {
+        const ViewLight& light = frame.lights[frame.planned[named.light]];
         probe.begin(frame.views[light.viewIndex].view->id, light.light->id, named.method, frame.number);
     }
     if (!probe.runs()) return;
@@ -136,6 +138,14 @@ void settleProbe(Frame& frame, const ChooseParts& parts)
 }
 
 // --- the plan ---
+
+/// A light that no pixel shows: nothing runs for it. Its method waits for it, and is not faded to.
+void passOver(const ViewLight& light, Frame& frame)
+{
+    light.memory->fade.lose();
+    light.memory->lastFrame = frame.number;
+    frame.fades.push_back({});
+}
 
 /// All lights of all views together: within the budget where there is one, then settled.
 void planLights(Frame& frame, const ChooseParts& parts)
@@ -155,6 +165,10 @@ void planLights(Frame& frame, const ChooseParts& parts)
     parts.budget.take(frame.plan);
     frame.stats.budgetMs = static_cast<float>(parts.budget.ms());
     for (const ViewLight& light : frame.lights) {
+        if (light.decision->reason == GN_REASON_UNSEEN) {
+            passOver(light, frame);
+            continue;
+        }
         frame.fades.push_back(nextFade(frame, light, parts));
         parts.selector.commit(*light.decision, *light.memory, frame.number);
         frame.stats.switches += light.decision->switched;

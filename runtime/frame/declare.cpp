@@ -45,6 +45,7 @@ private:
     void exclude(const Error& error);
     void take(const Choice& choice, const Error& error);
     std::optional<Error> declareMethod(std::uint32_t index, const Target& target);
+    MapPose poseFor(const Method& method);
     ImageId declareBeside();
     void declareMix(ImageId pair);
     void declareLit();
@@ -89,7 +90,9 @@ void LightPasses::exclude(const Error& error)
     Candidate& candidate = decision_.candidates[failed.index];
     candidate.exclusion = memory ? Exclusion::memory : Exclusion::refused;
     candidate.refusal = memory ? nullptr : kPassesFailed;
-    if (memory) candidate.detail = failed.entry->memoryFor(failed.settings, camera().extent, light_.light->type);
+    if (memory)
+        candidate.detail =
+            failed.entry->memoryFor(failed.settingsAt(decision_.plainSide), camera().extent, light_.light->type);
     light_.memory->failures[failed.index].note(frame_.number, memory);
     light_.memory->fade.lose();
 }
@@ -108,14 +111,40 @@ void LightPasses::take(const Choice& choice, const Error& error)
                                                    : "; '" + parts_.methods[choice.method].name + "' serves it"));
 }
 
+/// Whether the light's pose and the map that it is looked up in are all that the method goes by.
+bool looksUpMaps(const Method& method)
+{
+    return method.followsCoverage() && !method.has(GN_TRAIT_RAYS_BIT) && !method.has(GN_TRAIT_TOPOLOGY_BIT) &&
+           !method.has(GN_TRAIT_CPU_GEOMETRY_BIT);
+}
+
+/// The light and its casters of now, or as its map shows them, which is not drawn in this frame then. Tasks share a
+/// light's map, and have to agree: with two views, or two methods, all go by what is now.
+MapPose LightPasses::poseFor(const Method& method)
+{
+    const MapPose now{light_.light, light_.casters};
+    LightState& state = *light_.state;
+    const bool alone = frame_.views.size() == 1 && decision_.outgoing == UINT32_MAX && decision_.probed == UINT32_MAX;
+    if (!alone || !state.sideKnown || !looksUpMaps(method)) {
+        state.drawn.lose();
+        return now;
+    }
+    const MapKey key{method.index, method.mapSide(decision_.plainSide), light_.memory->mapWidth};
+    const MapPose pose = state.drawn.next(frame_.number, key, now, parts_.arena);
+    decision_.redrawEvery = state.drawn.every();
+    decision_.mapAge = state.drawn.age();
+    return pose;
+}
+
 /// One method's passes for the light. @return why it cannot run.
 std::optional<Error> LightPasses::declareMethod(std::uint32_t index, const Target& target)
 {
     const Method& method = parts_.methods[index];
+    const MapPose pose = poseFor(method);
     const ShadowTask task{.view = &camera(),
-                          .light = light_.light,
-                          .casters = light_.casters,
-                          .settings = method.settings,
+                          .light = pose.light,
+                          .casters = pose.casters,
+                          .settings = method.settingsAt(decision_.plainSide),
                           .layer = target.layer,
                           .visibility = target.image,
                           .depth = viewFrame_.depth,

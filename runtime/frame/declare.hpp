@@ -1,5 +1,6 @@
 #pragma once
 // Passes: every light's method declares what it will do, and so do the methods that run beside it.
+#include "runtime/base/arena.hpp"
 #include "runtime/base/messages.hpp"
 #include "runtime/frame/frame.hpp"
 
@@ -11,6 +12,7 @@ struct DeclareParts {
     const MethodTable& methods;
     const Selector& selector;
     const Messages& messages;
+    FrameArena& arena;
     PipelineId mix; ///< Of the pass that mixes two methods.
 };
 

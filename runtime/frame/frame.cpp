@@ -18,6 +18,7 @@ void Frame::begin(std::uint64_t frame, FrameMode how)
     imports.clear();
     casters.clear();
     lights.clear();
+    planned.clear();
     predictedMs = 0.0;
     fades.clear();
     warmup = UINT32_MAX;

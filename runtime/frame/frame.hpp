@@ -44,6 +44,7 @@ struct ViewLight {
     const LightView* light;
     const LightCasters* casters;
     LightMemory* memory;
+    LightState* state;
     SelectionInput facts;
     LightDecision* decision = nullptr; ///< From the choice on; lies in View::decisions.
 };
@@ -61,6 +62,7 @@ struct Frame {
     std::vector<PooledImage*> visibilities, imports; ///< Of the views.
     std::vector<LightFrame> casters;                 ///< By light.
     std::vector<ViewLight> lights;                   ///< View by view.
+    std::vector<std::uint32_t> planned;              ///< Of `lights`, those that a method may serve.
 
     plan::PlanReport plan;
     double predictedMs = 0.0;          ///< Of the methods that serve.

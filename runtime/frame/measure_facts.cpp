@@ -1,14 +1,22 @@
 #include "runtime/frame/measure_facts.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "runtime/scene/light_pixels.hpp"
 
 namespace gnomon {
 
 namespace {
 
+/// Of the memory that may be used, what all maps together may take whose sides follow coverage. The limit is half of
+/// the heap where the host gives none, which makes it a quarter.
+constexpr double kMapShare = 0.5;
+
 /// Of a view's lights.
 struct Counts {
-    std::uint32_t dynamic = 0, pinned = 0;
+    std::uint32_t dynamic = 0;
+    std::uint32_t settled = 0; ///< Pinned, to methods that ask for no distance either.
 };
 
 Counts countLights(const GnViewFrame& given, const FactsParts& parts)
@@ -17,7 +25,8 @@ Counts countLights(const GnViewFrame& given, const FactsParts& parts)
     for (std::uint32_t i = 0; i < given.lightCount; ++i) {
         const LightView* light = parts.scene.light(given.pLights[i]);
         counts.dynamic += !light->isStatic;
-        counts.pinned += parts.lights[light->id].pinned != UINT32_MAX;
+        const std::uint32_t pinned = parts.lights[light->id].pinned;
+        counts.settled += pinned != UINT32_MAX && !parts.methods[pinned].followsCoverage();
     }
     return counts;
 }
@@ -53,6 +62,13 @@ void measureDistance(const DepthGrid& grid, const LightView& light, const LightC
     memory.treeLevels.add(reach.treeLevels);
     memory.measured = true;
     memory.measuredAt = frame;
+    const VkExtent2D drawn = grid.camera().area.extent;
+    memory.mapWidth = mapWidth(light, casters);
+    memory.wishedSide = sideFor({.texelAtOne = memory.mapWidth,
+                                 .nearness = double{reach.nearness},
+                                 .pixelAngle = double{grid.camera().constants.pixelSize},
+                                 .pixels = double{reach.share} * drawn.width * drawn.height,
+                                 .maps = mapsOf(light.type)});
 }
 
 void measureView(Frame& frame, std::uint32_t index, const GnViewFrame& given, const FactsParts& parts)
@@ -61,7 +77,7 @@ void measureView(Frame& frame, std::uint32_t index, const GnViewFrame& given, co
     View& view = *viewFrame.view;
     const Counts counts = countLights(given, parts);
     view.grid->collect(parts.completedFrame);
-    if (parts.measuresGrids && counts.pinned < given.lightCount) declareGrid(viewFrame, frame.number, parts);
+    if (parts.measuresGrids && counts.settled < given.lightCount) declareGrid(viewFrame, frame.number, parts);
     for (std::uint32_t i = 0; i < given.lightCount; ++i) {
         const LightView& light = *parts.scene.light(given.pLights[i]);
         const LightCasters& casters = *parts.arena.make(castersOf(frame, light, parts));
@@ -76,6 +92,7 @@ void measureView(Frame& frame, std::uint32_t index, const GnViewFrame& given, co
                                 .light = &light,
                                 .casters = &casters,
                                 .memory = &memory,
+                                .state = &state,
                                 .facts = {.view = &view.camera,
                                           .light = &light,
                                           .casters = &casters,
@@ -86,9 +103,78 @@ void measureView(Frame& frame, std::uint32_t index, const GnViewFrame& given, co
                                           .frameRate = parts.frameRate,
                                           .importance = light.importance,
                                           .recorded = frame.mode == FrameMode::recorded,
+                                          .seen = state.pinned != UINT32_MAX || canBeSeen(light, view.camera),
                                           .still = state.motion.rests(),
                                           .memoryLeft = limit - std::min(parts.memory.used(), limit),
                                           .frame = frame.number}});
+    }
+}
+
+/// Device bytes of the light's maps over the square of the side of plain ones.
+double bytesPerTexel(const ViewLight& light, const MethodTable& methods)
+{
+    constexpr std::uint32_t kLarge = 1024, kSmall = 512;
+    constexpr double kPlainTexel = 8.0; // bytes: depth, and the static casters' apart
+    const std::uint32_t method = light.memory->incumbent;
+    if (method >= methods.size()) return kPlainTexel * (light.light->type == GN_LIGHT_TYPE_POINT ? 6.0 : 1.0);
+    const auto bytes = [&](std::uint32_t side) {
+        return static_cast<double>(methods[method].entry->memoryFor(methods[method].settingsAt(side),
+                                                                    light.facts.view->extent, light.light->type));
+    };
+    return (bytes(kLarge) - bytes(kSmall)) / (kLarge * kLarge - kSmall * kSmall);
+}
+
+/// Whether a light's map is kept, so that another side would have it drawn once more.
+bool keepsMap(const ViewLight& light, const MethodTable& methods)
+{
+    const std::uint32_t method = light.memory->incumbent;
+    return (light.light->isStatic || light.facts.still) && method < methods.size() && methods[method].followsCoverage();
+}
+
+/// What the views make of a light's maps, which they share: the most of each.
+void gatherSides(Frame& frame, const MethodTable& methods)
+{
+    for (const ViewLight& light : frame.lights)
+        light.state->maps = {.side = &light.state->mapSide};
+    for (const ViewLight& light : frame.lights) {
+        SideRequest& maps = light.state->maps;
+        const VkExtent2D drawn = light.facts.view->area.extent;
+        const double share = light.facts.seen ? shareOf(*light.memory, *light.facts.view, *light.light) : 0.0;
+        const double pixels = share * drawn.width * drawn.height;
+        maps.redraws |= keepsMap(light, methods);
+        maps.bytesPerTexel = std::max(maps.bytesPerTexel, bytesPerTexel(light, methods));
+        maps.worth = std::max(maps.worth, double{light.facts.importance} * pixels);
+    }
+}
+
+/// Sides of the lights' maps in this frame.
+void settleSides(Frame& frame, const FactsParts& parts)
+{
+    gatherSides(frame, parts.methods);
+    for (const ViewLight& light : frame.lights) {
+        light.state->sideKnown &= !light.facts.view->cut;
+        if (parts.originMoved || light.facts.view->cut) light.state->drawn.lose();
+        light.state->wishedSide = 0.0;
+    }
+    for (const ViewLight& light : frame.lights)
+        light.state->wishedSide = std::max(light.state->wishedSide, light.memory->wishedSide);
+    const std::span<SideRequest> requests = parts.arena.array<SideRequest>(frame.lights.size());
+    std::size_t count = 0;
+    double held = 0.0;
+    for (const ViewLight& light : frame.lights) {
+        LightState& state = *light.state;
+        if (std::exchange(state.sideFrame, frame.number) == frame.number) continue; // another view had it
+        state.mapSide.follow(state.wishedSide, !state.sideKnown);
+        state.sideKnown |= state.wishedSide > 0.0;
+        if (light.memory->incumbent < parts.methods.size()) held += state.maps.bytes(state.mapSide.side());
+        requests[count++] = state.maps;
+    }
+    const auto limit = static_cast<double>(parts.memory.limit()), used = static_cast<double>(parts.memory.used());
+    fitSides(requests.first(count), std::min(kMapShare * limit, std::max(limit - used, 0.0) + held));
+    takeSides(requests.first(count));
+    for (ViewLight& light : frame.lights) {
+        light.facts.plainSide = light.state->mapSide.side();
+        light.facts.wantedPlainSide = light.state->mapSide.wanted();
     }
 }
 
@@ -98,6 +184,7 @@ void measureFacts(Frame& frame, std::span<const GnViewFrame> given, const FactsP
 {
     for (std::uint32_t i = 0; i < given.size(); ++i)
         measureView(frame, i, given[i], parts);
+    settleSides(frame, parts);
 }
 
 } // namespace gnomon

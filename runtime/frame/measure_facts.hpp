@@ -8,6 +8,7 @@ namespace gnomon {
 /// What measuring takes.
 struct FactsParts {
     const SceneRegistry& scene;
+    const MethodTable& methods;
     const DeviceMemory& memory;
     FrameArena& arena;
     PassGraph& graph;

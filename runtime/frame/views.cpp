@@ -125,6 +125,7 @@ Result<void> openView(Frame& frame, std::uint32_t index, const GnViewFrame& give
         view.grid->invalidate();
         for (auto& [id, memory] : view.lights) {
             memory.measured = false;
+            memory.wishedSide = 0.0;
             memory.share.reset();
             memory.treeLevels.reset();
         }

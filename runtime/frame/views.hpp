@@ -9,6 +9,7 @@
 #include "runtime/base/slot_map.hpp"
 #include "runtime/passes/resources.hpp"
 #include "runtime/select/depth_grid.hpp"
+#include "runtime/select/drawn_map.hpp"
 #include "runtime/select/record.hpp"
 #include "runtime/store/scene_registry.hpp"
 
@@ -71,6 +72,12 @@ private:
 /// What is known of a light whatever the view.
 struct LightState {
     MotionHistory motion;
+    MapSide mapSide;
+    double wishedSide = 0.0;     ///< Largest of the frame's views.
+    std::uint64_t sideFrame = 0; ///< In which the side was settled last.
+    bool sideKnown = false;      ///< A receiver has been visible since the last camera cut.
+    SideRequest maps;            ///< Of all of the frame's views.
+    DrawnMap drawn;
     std::uint32_t pinned = UINT32_MAX;
     GnLight handle = VK_NULL_HANDLE; ///< Of a light that was pinned.
     std::uint64_t lastFrame = 0;

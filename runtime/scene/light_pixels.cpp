@@ -63,4 +63,17 @@ VkRect2D lightPixels(const LightView& light, const CameraView& view)
     return pixels;
 }
 
+bool canBeSeen(const LightView& light, const CameraView& view)
+{
+    if (light.type == GN_LIGHT_TYPE_DIRECTIONAL || !(light.constants.range < kLongestRange)) return true;
+    const Aabb bounds = lightBounds(light);
+    const glm::vec3 middle = bounds.center(), half = bounds.upper - middle;
+    const float slack = 1e-5f * (glm::length(middle) + glm::length(half)); // a hundred times what floats round by
+    return std::all_of(view.frustum.begin(), view.frustum.end(), [&](const Plane& plane) {
+        const float box = glm::dot(glm::abs(plane.normal), half);
+        const float reach = light.type == GN_LIGHT_TYPE_POINT ? std::min(box, light.constants.range) : box;
+        return glm::dot(plane.normal, middle) + plane.distance >= -reach - slack;
+    });
+}
+
 } // namespace gnomon

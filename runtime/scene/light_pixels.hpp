@@ -10,4 +10,7 @@ Aabb lightBounds(const LightView& light);
 /// The pixels of view.area that can show something in the light's range; of no extent where there are none.
 VkRect2D lightPixels(const LightView& light, const CameraView& view);
 
+/// Whether a pixel of the view can show something in the light's range.
+bool canBeSeen(const LightView& light, const CameraView& view);
+
 } // namespace gnomon

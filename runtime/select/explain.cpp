@@ -55,6 +55,7 @@ std::string headline(const DecisionRecord& record, const ExplainWords& words)
     std::string text =
         "light '" + std::string(words.light) + "', frame " + std::to_string(record.frame - words.frameOrigin) + ": ";
     text += methodText(record.method, words.methods);
+    text += mapSideText(record.mapSide);
     text += ", ";
     text += reasonText(record.reason);
     if (record.reason == GN_REASON_FALLBACK && record.wanted != UINT32_MAX)
@@ -160,6 +161,24 @@ std::string costLine(const DecisionRecord& record)
         text += ", this frame was not timed";
     }
     return text + "; quality " + fixed(double{chosen.quality}, 2);
+}
+
+/// Of a light whose maps are smaller than its pixels could show.
+std::string sideLine(const DecisionRecord& record)
+{
+    if (record.mapSide >= record.wantedSide) return {};
+    return "maps at " + std::to_string(record.mapSide) + ": its pixels could show " +
+           std::to_string(record.wantedSide) + ", but the memory for maps, or another light's turn, goes before";
+}
+
+/// Of a map that is not drawn in every frame although something in it moves.
+std::string cadenceLine(const DecisionRecord& record)
+{
+    if (record.redrawEvery < 2) return {};
+    const char* const th = record.redrawEvery == 2 ? "nd" : "th";
+    return "its map is drawn in every " + std::to_string(record.redrawEvery) + th +
+           " frame: shadows move by a texel at most meanwhile; this one is " +
+           (record.mapAge == 0 ? std::string("new") : std::to_string(record.mapAge) + " frames old");
 }
 
 std::string planLine(const DecisionRecord& record)
@@ -269,9 +288,11 @@ std::string explainWhy(const DecisionRecord& record, const ExplainWords& words)
     lines.add(pinned.empty() ? passedOverLine(record, words) : pinned);
     lines.add(planLine(record));
     lines.add(costLine(record));
+    lines.add(sideLine(record));
+    lines.add(cadenceLine(record));
     lines.add(factsLine(record, rules));
     lines.add(runnerUpLine(record, words, rules));
-    lines.add(eliminatedLine(record, words));
+    if (record.reason != GN_REASON_UNSEEN) lines.add(eliminatedLine(record, words));
     return lines.take();
 }
 
@@ -420,6 +441,7 @@ std::string Selector::explain(const LightDecision& decision, const rules::Engine
 {
     std::string text = "method: ";
     text += decision.method == UINT32_MAX ? "none" : methods_[decision.method].name;
+    text += mapSideText(static_cast<std::uint32_t>(decision.mapSide));
     text += " (";
     text += reasonText(decision.reason);
     if (decision.reason == GN_REASON_FALLBACK) text += ": " + methods_[decision.wanted].name;

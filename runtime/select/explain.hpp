@@ -22,7 +22,7 @@ struct MethodWords {
 
 /// The names behind the numbers of a record.
 struct ExplainWords {
-    std::span<const MethodWords> methods; ///< At least DecisionRecord::methods.
+    std::span<const MethodWords> methods;  ///< At least DecisionRecord::methods.
     const rules::Engine* engine = nullptr; ///< The record's rule base; null: none, or it is no longer there.
     std::string_view light;
     std::uint64_t frameOrigin = 0; ///< Subtracted from frame numbers in text.
@@ -55,6 +55,9 @@ const char* replanText(Replan replan);
 std::string factText(Fact fact, double value);
 /// Its name, or "none".
 std::string_view methodText(std::uint32_t method, std::span<const MethodWords> methods);
+
+/// " at 512", of the side of a method's maps; empty for a method without maps.
+std::string mapSideText(std::uint32_t side);
 
 /// Collects lines up to the limit; what comes later is left out, so the important comes first.
 class ExplanationLines {

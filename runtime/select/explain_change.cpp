@@ -184,15 +184,15 @@ std::optional<DecisionRecord> earlierRecord(const DecisionRecord& record, std::u
 std::string explainWhatChanged(const DecisionRecord& record, const DecisionRecord* before, const ExplainWords& words)
 {
     ExplanationLines lines;
-    const std::string method(methodText(record.method, words.methods));
+    const std::string method = std::string(methodText(record.method, words.methods)) + mapSideText(record.mapSide);
     std::string head = "light '" + std::string(words.light) + "', " + frameText(record, words);
     if (!before) {
         lines.add(head + ": " + method + "; no earlier frame with this light is on record");
         return lines.take();
     }
     head += " against " + frameText(*before, words) + ": ";
-    head += record.method == before->method ? "still " + method
-                                            : std::string(methodText(before->method, words.methods)) + " -> " + method;
+    const std::string was = std::string(methodText(before->method, words.methods)) + mapSideText(before->mapSide);
+    head += method == was ? "still " + method : was + " -> " + method;
     lines.add(head + " (" + reasonText(record.reason) +
               (record.reason == before->reason ? ")" : std::string(", before: ") + reasonText(before->reason) + ")"));
     if (record.pinned != before->pinned)

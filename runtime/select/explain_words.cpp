@@ -33,6 +33,8 @@ const char* reasonText(GnReason reason)
         return "the plan: what suits better is worth no more with its quality";
     case GN_REASON_NOT_RECORDABLE:
         return "the pinned method cannot be recorded, the rules chose another";
+    case GN_REASON_UNSEEN:
+        return "no pixel can be in its range: nothing runs, visibility is 1";
     case GN_REASON_MAX_ENUM:
         break;
     }
@@ -67,6 +69,8 @@ std::string exclusionText(const Candidate& candidate, std::string_view unavailab
     case Exclusion::vetoed:
         return "never, says rule " + (engine ? std::string(engine->ruleId(static_cast<std::uint32_t>(candidate.detail)))
                                              : "number " + detail + " of a rule base no longer loaded");
+    case Exclusion::unseen:
+        return "no pixel can be in the light's range";
     }
     return {};
 }
@@ -136,6 +140,11 @@ std::string factText(Fact fact, double value)
 std::string_view methodText(std::uint32_t method, std::span<const MethodWords> methods)
 {
     return method < methods.size() ? methods[method].name : "none";
+}
+
+std::string mapSideText(std::uint32_t side)
+{
+    return side == 0 ? std::string() : " at " + std::to_string(side);
 }
 
 void ExplanationLines::add(std::string line)

@@ -123,6 +123,14 @@ WayToLight wayToLight(const LightView& light, glm::vec3 receiver)
     return way;
 }
 
+/// MapCoverage::nearness of a receiver in the middle of the tile.
+float nearnessOf(const LightView& light, const ReceiverTile& tile)
+{
+    const float toEye = std::max(tile.distance, 1e-3f);
+    if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) return 1.0f / toEye;
+    return std::min(glm::length(tile.box.center() - light.position()), light.constants.range) / toEye;
+}
+
 /// Reach::treeLevels of receivers that face the light.
 float levelsMet(const LightView& light, std::span<const Caster* const> casters, std::span<const TileSample::Tile> tiles)
 {
@@ -191,6 +199,7 @@ Reach measureReach(const CameraView& view, std::span<const ReceiverTile> tiles, 
         ++reached;
         if (tile.whole) sample.add(tile);
         reach.distance = std::min(reach.distance, tile.distance);
+        reach.nearness = std::max(reach.nearness, nearnessOf(light, tile));
     }
     reach.share = allTiles ? static_cast<float>(reached) / static_cast<float>(allTiles) : 0.0f;
     reach.planarity = planarityOf(view, light, sample.tiles());

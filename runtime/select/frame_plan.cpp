@@ -33,14 +33,6 @@ constexpr double kSameShare = 1.0 / 32.0; // 3 %: a time follows by less, and th
 /// Reach::treeLevels until it is measured: the median of the moments in rules/knowledge/lavapipe.csv.
 constexpr double kTreeLevels = 5.4;
 
-/// Side of a method's maps, texels; 0: it has none.
-double mapSide(const Method& method)
-{
-    for (std::size_t i = 0; i < method.settings.size(); ++i)
-        if (std::string_view(method.entry->settings[i].name) == "resolution") return method.settings[i];
-    return 0.0;
-}
-
 /// A light that rests keeps its static casters apart; then only the moving ones are drawn.
 std::span<const Caster* const> drawnCasters(const SelectionInput& input)
 {
@@ -58,10 +50,13 @@ double drawnTriangles(const SelectionInput& input)
     return triangles;
 }
 
+/// @param light with the texels of a plain map of one face
 cost::Workload workloadOf(const Method& method, const cost::Workload& light)
 {
     cost::Workload workload = light;
-    workload.mapTexels = mapSide(method) * mapSide(method) * (light.point ? 6.0 : 1.0);        // the faces of a cube
+    const double plain = light.mapTexels > 0.0 ? std::sqrt(light.mapTexels) : double{kUnmeasuredSide};
+    const double side = method.mapSide(static_cast<std::uint32_t>(std::lround(plain)));
+    workload.mapTexels = side * side * (light.point ? 6.0 : 1.0);                              // the faces of a cube
     if (!method.has(GN_TRAIT_TOPOLOGY_BIT)) workload.shadowPixels = 0.0;                       // draws no volumes
     if (!method.has(GN_TRAIT_RAYS_BIT) || workload.mapTexels > 0.0) workload.treeLevels = 0.0; // a map answers most
     return workload;
@@ -94,8 +89,9 @@ bool isNear(double a, double b)
 bool isNear(const cost::Workload& a, const cost::Workload& b)
 {
     return a.still == b.still && a.directional == b.directional && a.point == b.point && isNear(a.pixels, b.pixels) &&
-           isNear(a.casterTriangles, b.casterTriangles) && isNear(a.drawnTriangles, b.drawnTriangles) &&
-           isNear(a.casters, b.casters) && isNear(a.drawnPixels, b.drawnPixels) && isNear(a.viewPixels, b.viewPixels) &&
+           a.mapTexels == b.mapTexels && isNear(a.casterTriangles, b.casterTriangles) &&
+           isNear(a.drawnTriangles, b.drawnTriangles) && isNear(a.casters, b.casters) &&
+           isNear(a.drawnPixels, b.drawnPixels) && isNear(a.viewPixels, b.viewPixels) &&
            isNear(a.shadowPixels, b.shadowPixels) && isNear(a.mapFilled, b.mapFilled) &&
            isNear(a.mapTouched, b.mapTouched) && isNear(a.treeLevels, b.treeLevels);
 }
@@ -128,7 +124,7 @@ float qualityOf(const Method& method, const cost::KnowledgeBase& knowledge)
 {
     const double typical = double{method.entry->typicalWrongPercent};
     return static_cast<float>(
-        cost::measuresOf(knowledge, nullptr, method.entry->name, typical).quality(mapSide(method)));
+        cost::measuresOf(knowledge, nullptr, method.entry->name, typical).quality(method.mapSide(kUnmeasuredSide)));
 }
 
 void FramePlan::begin()
@@ -169,7 +165,7 @@ void FramePlan::measure(std::uint32_t slots)
     for (std::uint32_t i = 0; i < methods_.size(); ++i)
         measures.push_back(cost::measuresOf(knowledge_, known_, methods_[i].entry->name,
                                             double{methods_[i].entry->typicalWrongPercent}));
-    qualities_.resize(methods_.size());
+    qualities_.resize(kMapSides.size() * methods_.size());
     costs_.assign(std::size_t{slots} * methods_.size(), {});
     measures_ = std::move(measures);
     for (SlotHistory& history : histories_)
@@ -183,7 +179,7 @@ std::vector<cost::TaughtMethod> FramePlan::algorithms() const
     std::vector<cost::TaughtMethod> all;
     for (std::uint32_t i = 0; i < methods_.size(); ++i) {
         const AlgorithmEntry& entry = *methods_[i].entry;
-        const std::uint64_t map = mapSide(methods_[i]) > 0.0, waits = entry.roundTrips > 0;
+        const std::uint64_t map = methods_[i].mapSide(kUnmeasuredSide) > 0.0, waits = entry.roundTrips > 0;
         all.push_back({entry.name, std::uint64_t{entry.traits & kWork} << 2 | map << 1 | waits});
     }
     return all;
@@ -236,6 +232,7 @@ void FramePlan::add(LightDecision& decision, LightMemory& memory, const Selectio
     const double rectangle = 1.0 * around.width * around.height;
     cost::Workload workload{.pixels = shareOf(memory, *input.view, *input.light) * all,
                             .casterTriangles = static_cast<double>(input.casters->triangles),
+                            .mapTexels = 1.0 * input.plainSide * input.plainSide,
                             .still = input.still,
                             .drawnTriangles = drawnTriangles(input),
                             .casters = static_cast<double>(input.casters->all.size()),
@@ -284,7 +281,9 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
     candidates_.resize(requests_.size() * methods);
     sharesMs_.resize(methods);
     for (std::uint32_t m = 0; m < methods; ++m) {
-        qualities_[m] = static_cast<float>(measures_[m].quality(mapSide(methods_[m])));
+        for (const std::uint32_t side : kMapSides)
+            qualities_[rungOf(side) * methods + m] =
+                static_cast<float>(measures_[m].quality(methods_[m].mapSide(side)));
         sharesMs_[m] =
             static_cast<float>(plan::partsMs(budget.parts, MethodSet{m}) / static_cast<double>(requests_.size()));
     }
@@ -301,12 +300,14 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
             lights_[i].minimumQuality = static_cast<float>(base->policy.floor.minimumQuality);
         }
         const std::span<const Cost> costs = predict(memory, budget.frame);
+        const std::span qualities =
+            std::span(qualities_).subspan(rungOf(request.decision->plainSide) * methods, methods);
         for (std::uint32_t m = 0; m < methods; ++m) {
             Candidate& from = request.decision->candidates[m];
             const cost::Prediction& cost = costs[m].steady;
             candidates_[i * methods + m] = {.eligibility = eligibilityOf(from.exclusion),
                                             .suitability = from.quantised,
-                                            .quality = qualities_[m],
+                                            .quality = qualities[m],
                                             .ms = costs[m].sureMs,
                                             .likelyMs = cost.ms,
                                             .sigmaMs = cost.measured ? cost.sigmaMs : 0.0,

@@ -129,7 +129,7 @@ private:
     std::vector<SlotHistory> histories_;         ///< By slot.
     std::vector<Cost> costs_;                    ///< slots x methods
     std::vector<cost::MethodMeasures> measures_; ///< By method.
-    std::vector<float> qualities_;               ///< By method, with this frame's settings.
+    std::vector<float> qualities_;               ///< By map side (kMapSides) and method, with this frame's settings.
     std::vector<float> sharesMs_;                ///< By method: of a light, if all had it; a plan knows better.
     cost::KnowledgeBase knowledge_;
     const cost::DeviceKnowledge* known_ = nullptr; ///< In knowledge_.

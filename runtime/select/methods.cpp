@@ -9,6 +9,20 @@
 
 namespace gnomon {
 
+void Method::noteSettings()
+{
+    sideSetting_.reset();
+    for (std::size_t i = 0; i < settings.size(); ++i)
+        if (std::string_view(entry->settings[i].name) == "resolution") sideSetting_ = i;
+    if (!followsCoverage()) return;
+    const SettingSpec& spec = entry->settings[*sideSetting_];
+    for (const std::uint32_t side : kMapSides) {
+        std::vector<double>& at = atSides_[rungOf(side)];
+        at = settings;
+        at[*sideSetting_] = std::clamp(spec.standard * side / kUnmeasuredSide, spec.minimum, spec.maximum);
+    }
+}
+
 MethodTable::MethodTable(const DeviceTable& vk, PipelineStore& pipelines, JobSystem& jobs, const Messages& messages,
                          bool background)
     : vk_(vk), pipelines_(pipelines), jobs_(jobs), messages_(messages), background_(background)
@@ -71,9 +85,11 @@ Result<std::uint32_t> MethodTable::add(std::string_view name, const AlgorithmEnt
     method->entry = &entry;
     method->index = static_cast<std::uint32_t>(methods_.size());
     for (const SettingSpec& spec : entry.settings) {
-        method->settings.push_back(spec.standard);
-        method->settingInfos.push_back({spec.name, spec.description, spec.minimum, spec.maximum, spec.standard});
+        const double value = spec.byCoverage ? 0.0 : spec.standard;
+        method->settings.push_back(value);
+        method->settingInfos.push_back({spec.name, spec.description, spec.minimum, spec.maximum, value});
     }
+    method->noteSettings();
     method->unavailable = entry.missing ? entry.missing(vk_) : nullptr;
     if (!method->unavailable) {
         pipelines_.setOwner(method->index);
@@ -99,13 +115,16 @@ Result<void> MethodTable::set(std::string_view name, std::string_view setting, d
     for (std::size_t i = 0; i < method->entry->settings.size(); ++i) {
         const SettingSpec& spec = method->entry->settings[i];
         if (setting != spec.name) continue;
-        if (!(value >= spec.minimum && value <= spec.maximum))
+        const bool byCoverage = spec.byCoverage && value == 0.0;
+        if (!byCoverage && !(value >= spec.minimum && value <= spec.maximum))
             return Error{std::isnan(value) ? GN_ERROR_NOT_A_NUMBER : GN_ERROR_OUT_OF_RANGE, "SettingOutOfRange",
                          std::string(name) + "." + spec.name + " is " + shortestText(value) + ", outside [" +
-                             shortestText(spec.minimum) + ", " + shortestText(spec.maximum) + "]"};
+                             shortestText(spec.minimum) + ", " + shortestText(spec.maximum) + "]" +
+                             (spec.byCoverage ? " and not 0" : "")};
         if (method->settings[i] != value) method->setAt = setAt_ = frame;
         method->settings[i] = value;
         method->settingInfos[i].value = value;
+        method->noteSettings();
         return {};
     }
     return Error{GN_ERROR_UNKNOWN_METHOD, "UnknownSetting",

@@ -1,6 +1,8 @@
 #pragma once
 // The methods of a context: algorithms with settings, and whether they can serve.
+#include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,6 +11,7 @@
 #include "runtime/base/messages.hpp"
 #include "runtime/base/method_set.hpp"
 #include "runtime/registry.hpp"
+#include "runtime/select/map_side.hpp"
 #include "runtime/vk/pipeline_store.hpp"
 
 namespace gnomon {
@@ -18,8 +21,8 @@ struct Method {
     const AlgorithmEntry* entry = nullptr;
     std::unique_ptr<ShadowAlgorithm> algorithm;
     std::uint32_t index = 0;
-    std::vector<double> settings;
-    std::uint64_t setAt = 0; ///< The newest frame that ran with other ones.
+    std::vector<double> settings; ///< As set: a map's side may be 0, by screen coverage.
+    std::uint64_t setAt = 0;      ///< The newest frame that ran with other ones.
     std::vector<GnSettingInfo> settingInfos;
     const char* unavailable = nullptr; ///< The device cannot run it.
     bool ready = false;                ///< Its pipelines have been executed once.
@@ -36,7 +39,22 @@ struct Method {
         return (entry->traits & bit) != 0;
     }
     bool has(GnTraitBits trait) const { return (entry->traits & trait) != 0; }
+    /// What the method is run with for a light whose plain maps have so many texels a side, one of kMapSides.
+    std::span<const double> settingsAt(std::uint32_t plainSide) const
+    {
+        return followsCoverage() ? std::span<const double>(atSides_[rungOf(plainSide)]) : settings;
+    }
+    /// Side of its maps for such a light, texels; 0: it has none.
+    double mapSide(std::uint32_t plainSide) const { return sideSetting_ ? settingsAt(plainSide)[*sideSetting_] : 0.0; }
+    bool followsCoverage() const { return sideSetting_ && settings[*sideSetting_] == 0.0; }
+    /// To be called when `settings` have changed.
+    void noteSettings();
     bool isExact() const { return has(GN_TRAIT_EXACT_BIT) && !(entry->approximates && entry->approximates(settings)); }
+
+private:
+    std::optional<std::size_t> sideSetting_; ///< In `settings`: of the maps' side.
+    std::array<std::vector<double>, kMapSides.size()>
+        atSides_; ///< `settings` with each side, where it follows coverage.
 };
 
 /// What a frame may ask for.

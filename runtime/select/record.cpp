@@ -74,6 +74,10 @@ RecordHead makeRecord(const LightDecision& decision, const FrameRecord& frame, s
     head.guessed = decision.guessed;
     head.switched = decision.switched;
     head.floorUnmet = decision.floorUnmet;
+    head.mapSide = static_cast<std::uint16_t>(decision.mapSide);
+    head.wantedSide = static_cast<std::uint16_t>(decision.wantedSide);
+    head.redrawEvery = static_cast<std::uint8_t>(decision.redrawEvery);
+    head.mapAge = static_cast<std::uint8_t>(decision.mapAge);
     head.importance = decision.importance;
     head.suitability = decision.suitability;
     head.facts = decision.facts;

@@ -59,6 +59,10 @@ struct RecordHead {
     bool switched = false;
     bool floor = false; ///< The near-quality floor held.
     bool floorUnmet = false;
+    std::uint16_t mapSide = 0;    ///< Of the maps of `method`, texels; 0: it has none.
+    std::uint16_t wantedSide = 0; ///< What screen coverage asks for.
+    std::uint8_t redrawEvery = 0; ///< LightDecision's.
+    std::uint8_t mapAge = 0;
     /// The floor holds while the first reaches the second, and for the frames of a flip after; 0: none.
     float floorTruth = 0.0f, floorStrength = 0.0f;
     float minimumQuality = 0.0f;
@@ -101,7 +105,7 @@ FiredRules strongestRules(const rules::Engine& engine, const rules::Inference& i
 RecordHead makeRecord(const LightDecision& decision, const FrameRecord& frame, std::uint64_t measuredAt);
 
 /// The last 256 frames of a view. Grows when more lights or methods appear than ever before, else allocates nothing:
-/// 57 kB a light and 12 kB a method more (256 times 224 and 48 bytes).
+/// 59 kB a light and 12 kB a method more (256 times 232 and 48 bytes).
 class RecordRing {
 public:
     static constexpr std::uint32_t kFrames = 256;

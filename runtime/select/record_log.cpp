@@ -53,6 +53,10 @@ void writeHead(ByteWriter& out, const ReasonedHead& head)
     out.integer(static_cast<std::uint8_t>((head.budgeted ? kBudgeted : 0) | (head.switched ? kSwitched : 0) |
                                           (head.floor ? kFloor : 0) | (head.floorUnmet ? kFloorUnmet : 0) |
                                           (head.priced ? kPriced : 0) | (head.guessed ? kGuessed : 0)));
+    out.integer(head.mapSide);
+    out.integer(head.wantedSide);
+    out.integer(head.redrawEvery);
+    out.integer(head.mapAge);
     for (const float* value : floatsOf(head))
         out.real(*value);
     for (const double fact : head.facts)
@@ -254,13 +258,17 @@ private:
         for (std::uint32_t i = 0; i < fallbacks && good(); ++i)
             if (const std::uint32_t method = readMethod(head.methods); method != UINT32_MAX) head.fallbacks.add(method);
         head.distanceAge = in_.integer<std::uint32_t>();
-        head.reason = readEnum(GN_REASON_UTILITY, "reason");
+        head.reason = readEnum(GN_REASON_UNSEEN, "reason");
         head.replan = readEnum(static_cast<Replan>(static_cast<int>(Replan::count) - 1), "cause");
         head.hold = readEnum(plan::Hold::firstFrame, "hold");
         const auto flags = in_.integer<std::uint8_t>();
         head.budgeted = flags & kBudgeted, head.switched = flags & kSwitched;
         head.floor = flags & kFloor, head.floorUnmet = flags & kFloorUnmet;
         head.priced = flags & kPriced, head.guessed = flags & kGuessed;
+        head.mapSide = in_.integer<std::uint16_t>();
+        head.wantedSide = in_.integer<std::uint16_t>();
+        head.redrawEvery = in_.integer<std::uint8_t>();
+        head.mapAge = in_.integer<std::uint8_t>();
         for (float* value : floatsOf(head))
             *value = in_.real32();
         for (double& fact : head.facts)
@@ -287,7 +295,7 @@ private:
         if (candidate.quantised < -1 || candidate.quantised > rules::kSuitabilitySteps)
             fault("has a suitability of " + std::to_string(candidate.quantised) + " / 4096");
         candidate.opinion = candidate.quantised >= 0;
-        candidate.exclusion = readEnum(Exclusion::vetoed, "exclusion");
+        candidate.exclusion = readEnum(Exclusion::unseen, "exclusion");
         candidate.why = readEnum(plan::Why::price, "elimination");
         candidate.quality = in_.real32();
         candidate.predictedMs = in_.real32();

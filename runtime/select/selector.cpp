@@ -93,7 +93,8 @@ Candidate Selector::examine(const Method& method, const SelectionInput& input, c
     if (method.has(GN_TRAIT_TOPOLOGY_BIT) && casters.topology) return out(Exclusion::topology, casters.topology);
     if (method.has(GN_TRAIT_RAYS_BIT) && casters.trees) return out(Exclusion::trees, casters.trees);
     // What the incumbent holds is in use already; it need not fit twice.
-    const VkDeviceSize needs = method.entry->memoryFor(method.settings, input.view->extent, input.light->type);
+    const std::span<const double> settings = method.settingsAt(input.plainSide);
+    const VkDeviceSize needs = method.entry->memoryFor(settings, input.view->extent, input.light->type);
     if (method.index != incumbent && needs > input.memoryLeft) return out(Exclusion::memory, needs);
     if (const PassFailure& failure = memory.failures[method.index]; failure.holds(input.frame, method.setAt))
         return failure.memory ? out(Exclusion::memory, needs)
@@ -101,7 +102,7 @@ Candidate Selector::examine(const Method& method, const SelectionInput& input, c
     const ShadowTask task{.view = input.view,
                           .light = input.light,
                           .casters = input.casters,
-                          .settings = method.settings,
+                          .settings = settings,
                           .recorded = input.recorded};
     if (const char* reason = method.algorithm->refuses(task))
         return {.exclusion = Exclusion::refused, .refusal = reason};
@@ -153,6 +154,8 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     decision.incumbent = memory.incumbent;
     decision.guessed = memory.guessed && memory.measured;
     decision.pinned = input.pinned;
+    decision.plainSide = input.plainSide;
+    decision.wantedPlainSide = input.wantedPlainSide;
     decision.importance = input.importance;
     decision.distanceMeasured = memory.measured;
     decision.viewerDistance = memory.measured ? memory.distance : reachLowerBound(*input.view, *input.light);
@@ -169,6 +172,11 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     fact(Fact::frameRate) = input.frameRate;
     fact(Fact::recorded) = input.recorded ? 1.0 : 0.0;
 
+    if (!input.seen) {
+        decision.reason = GN_REASON_UNSEEN;
+        std::fill(candidates.begin(), candidates.end(), Candidate{.exclusion = Exclusion::unseen});
+        return decision;
+    }
     Unprepared unprepared;
     for (const Caster* caster : input.casters->all) {
         if (!caster->mesh) continue;
@@ -195,6 +203,7 @@ void Selector::choose(std::span<LightDecision> decisions)
 {
     const MethodSet fallbacks = methods_.fallbacks();
     for (LightDecision& decision : decisions) {
+        if (decision.reason == GN_REASON_UNSEEN) continue;
         if (engine_)
             rank(decision);
         else
@@ -224,11 +233,14 @@ void Selector::substitute(LightDecision& decision, const Choice& choice) const
 
 void Selector::commit(LightDecision& decision, LightMemory& memory, std::uint64_t frame) const
 {
+    decision.mapSide = decision.wantedSide = 0.0;
     if (decision.method != UINT32_MAX) {
         const std::int32_t quantised = decision.candidates[decision.method].quantised;
         decision.suitability =
             engine_ ? static_cast<float>(std::max(quantised, 0)) / static_cast<float>(rules::kSuitabilitySteps) : 1.0f;
         decision.measuredMs = memory.measuredMs[decision.method];
+        decision.mapSide = methods_[decision.method].mapSide(decision.plainSide);
+        decision.wantedSide = methods_[decision.method].mapSide(decision.wantedPlainSide);
     }
     if (decision.pinned < decision.candidates.size() &&
         decision.candidates[decision.pinned].exclusion == Exclusion::roundTrips) {

@@ -35,6 +35,7 @@ enum class Exclusion : std::uint8_t {
     memory,     ///< Would not fit below the limit.
     refused,    ///< ShadowAlgorithm::refuses
     vetoed,     ///< By a `never` rule.
+    unseen,     ///< No pixel can be in the light's range.
 };
 
 struct Candidate {
@@ -71,13 +72,19 @@ struct LightDecision {
     bool distanceMeasured = false;
     bool switched = false;
     bool guessed = false; ///< The incumbent was chosen before its receivers were measured, as they are now.
-    std::uint32_t outgoing = UINT32_MAX; ///< Runs as well while the picture fades from it.
-    float fade = 1.0f;                   ///< Share of `method` in what is shown.
-    std::uint32_t probed = UINT32_MAX;   ///< Runs as well, to be measured; what it shows nobody sees.
-    const char* noFade = nullptr;        ///< Why a fade was not begun, or cut short. Static storage.
-    bool floor = false;                  ///< Near, or was within the frames of a flip, and a plan decided.
-    bool floorUnmet = false;             ///< Near, but no eligible method is good enough.
-    double floorTruth = 0.0;             ///< How true the rule base's condition for near quality is.
+    std::uint32_t outgoing = UINT32_MAX;             ///< Runs as well while the picture fades from it.
+    float fade = 1.0f;                               ///< Share of `method` in what is shown.
+    std::uint32_t probed = UINT32_MAX;               ///< Runs as well, to be measured; what it shows nobody sees.
+    std::uint32_t plainSide = kUnmeasuredSide;       ///< MapSide::side() of the light.
+    double mapSide = 0.0;                            ///< Of the maps of `method`, texels; 0: it has none.
+    std::uint32_t wantedPlainSide = kUnmeasuredSide; ///< MapSide::wanted() of the light.
+    double wantedSide = 0.0;                         ///< Of the maps of `method`, by coverage; likewise.
+    std::uint32_t redrawEvery = 0; ///< Frames, DrawnMap::every(); 0: the map is drawn whenever something moves.
+    std::uint32_t mapAge = 0;      ///< DrawnMap::age().
+    const char* noFade = nullptr;  ///< Why a fade was not begun, or cut short. Static storage.
+    bool floor = false;            ///< Near, or was within the frames of a flip, and a plan decided.
+    bool floorUnmet = false;       ///< Near, but no eligible method is good enough.
+    double floorTruth = 0.0;       ///< How true the rule base's condition for near quality is.
     std::uint32_t pinned = UINT32_MAX;
     float importance = 1.0f;
     plan::Hold hold = plan::Hold::none;
@@ -112,8 +119,10 @@ struct PassFailure {
 /// What is remembered of a light in a view between frames.
 struct LightMemory {
     std::uint32_t incumbent = UINT32_MAX;
-    float distance = 0.0f;  ///< Measured; valid if `measured`.
-    float planarity = 0.0f; ///< Likewise.
+    float distance = 0.0f;   ///< Measured; valid if `measured`.
+    float planarity = 0.0f;  ///< Likewise.
+    double mapWidth = 0.0;   ///< Metres, mapWidth(); 0: not asked for yet.
+    double wishedSide = 0.0; ///< sideFor(); 0: no receiver is visible, or none was looked for.
     bool measured = false;
     std::uint64_t measuredAt = 0; ///< Frame of the newest measurement.
     MedianOfFive share;
@@ -147,6 +156,9 @@ struct SelectionInput {
     double frameRate = 0.0;
     float importance = 1.0f;
     bool recorded = false;
+    bool seen = true;                                ///< canBeSeen(), or the host pinned a method.
+    std::uint32_t plainSide = kUnmeasuredSide;       ///< MapSide::side().
+    std::uint32_t wantedPlainSide = kUnmeasuredSide; ///< MapSide::wanted().
     bool still = false; ///< Neither the light nor a caster in its range moves (MotionHistory::rests()).
     VkDeviceSize memoryLeft = 0;
     std::uint64_t frame = 0;

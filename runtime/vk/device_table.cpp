@@ -89,9 +89,17 @@ Result<void> readDevice(DeviceTable& table)
         return Error{GN_ERROR_FEATURE_MISSING, "ApiVersion",
                      std::string("device ") + table.properties.deviceName + " is older than Vulkan 1.3"};
     table.software = table.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-    VkPhysicalDeviceMemoryProperties2 memory{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2, nullptr, {}};
+    VkPhysicalDeviceMemoryBudgetPropertiesEXT budget{};
+    budget.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT;
+    const bool budgeted = table.hasExtension(VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+    VkPhysicalDeviceMemoryProperties2 memory{
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2, budgeted ? &budget : nullptr, {}};
     table.vkGetPhysicalDeviceMemoryProperties2(table.physicalDevice, &memory);
     table.memory = memory.memoryProperties;
+    for (std::uint32_t i = 0; i < table.memory.memoryHeapCount; ++i) {
+        const VkDeviceSize size = table.memory.memoryHeaps[i].size;
+        table.heapBudget[i] = budgeted ? std::min(budget.heapBudget[i], size) : size;
+    }
     return readQueueFamily(table);
 }
 

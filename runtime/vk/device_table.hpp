@@ -1,5 +1,6 @@
 #pragma once
 // Every Vulkan function gnomon calls, loaded through the host's vkGetInstanceProcAddr, and what is known of the device.
+#include <array>
 #include <atomic>
 #include <cstring>
 #include <memory>
@@ -68,6 +69,8 @@ struct DeviceTable {
 
     VkPhysicalDeviceProperties properties{};
     VkPhysicalDeviceMemoryProperties memory{};
+    /// Bytes of each heap that the process may take, as the table was loaded: by VK_EXT_memory_budget, or all of it.
+    std::array<VkDeviceSize, VK_MAX_MEMORY_HEAPS> heapBudget{};
     VkPhysicalDeviceFeatures enabled{}; ///< What the host enabled, not what the device could.
     std::uint32_t timestampValidBits = 0;
     bool software = false; ///< VK_PHYSICAL_DEVICE_TYPE_CPU: the device shares the CPU's cores.

@@ -28,6 +28,14 @@ std::vector<double> othersOf(const GnSettingInfo& setting)
     return values;
 }
 
+/// A method's, as they are now.
+std::vector<GnSettingInfo> settingsOf(GnContext context, std::string_view name)
+{
+    for (const GnMethodInfo& method : availableMethods(context))
+        if (method.pName == name) return {method.pSettings, method.pSettings + method.settingCount};
+    return {};
+}
+
 /// Each fades into the other, or is shown at once where both are exact, while some of a map is kept.
 void checkMixed(Host& host, const char* a, const char* b)
 {
@@ -57,7 +65,8 @@ uint32_t checkMethod(const GnMethodInfo& method, demo::LightKind kind)
     Host host(lightOf(kind));
     const char* const names[] = {method.pName, "other"};
     host.require(gnAddMethod(host.context, "other", method.pName));
-    const std::vector<GnSettingInfo> settings(method.pSettings, method.pSettings + method.settingCount);
+    host.fixMapSides();
+    const std::vector<GnSettingInfo> settings = settingsOf(host.context, "other");
     const auto mode = std::ranges::find_if(settings, [](auto& s) { return s.pName == std::string("mode"); });
     uint32_t pairs = 0;
     for (const bool lastMode : {false, true}) {

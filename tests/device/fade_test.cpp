@@ -140,6 +140,7 @@ TEST_CASE_FIXTURE(DeviceTest, "methods that differ in one setting alone share no
     scene.meshes[1] = demo::makeLeaves({.size = glm::vec3(2.5f), .count = 300}); // more edges than `few` has room for
     Host host(scene, {.extent = {640, 360}});
     host.require(gnAddMethod(host.context, "few", "mccool"));
+    host.fixMapSides();
     host.require(gnSetMethodSetting(host.context, "few", "edges", 1));
     checkWholeFade(host, "mccool", "few", {});
     checkWholeFade(host, "few", "mccool", {});

@@ -149,6 +149,7 @@ Host::Host(Scene wanted, const HostOptions& options)
         slot.after = buffers[1];
     }
     createContext(options);
+    if (options.fixedMaps) fixMapSides();
     createScene();
     views.resize(options.viewCount);
     for (GnView& view : views) {

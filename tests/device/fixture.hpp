@@ -56,7 +56,8 @@ struct HostOptions {
     uint32_t viewCount = 1;
     uint32_t maxLights = 16;
     GnContextCreateFlags flags = GN_CONTEXT_NO_BACKGROUND_BIT;
-    bool warmUp = true; ///< A method when a light is pinned to it; before a frame with lights that are not, all.
+    bool warmUp = true;    ///< A method when a light is pinned to it; before a frame with lights that are not, all.
+    bool fixedMaps = true; ///< Host::fixMapSides(): what is drawn depends on nothing that was measured.
     std::function<void(GnContextCreateInfo&)> context; ///< Last word on the create-info.
 };
 
@@ -93,6 +94,8 @@ public:
 
     void pin(size_t light, const char* method); ///< Null: the rules decide.
     void pinAll(const char* method);
+    /// Maps that would follow screen coverage get the sides of lights whose receivers are not measured.
+    void fixMapSides();
     /// New ones in place of all lights, pinned to nothing: what is kept for a light starts anew.
     void renewLights();
     void require(GnResult result) const;

@@ -3,6 +3,7 @@
 
 #include "device/fixture.hpp"
 #include "rules/yaml/shipped.hpp"
+#include "runtime/registry.hpp"
 
 namespace gnomon::test {
 
@@ -62,6 +63,19 @@ uint32_t Host::passCount(const std::string& name) const
     const std::vector<GnPassTiming> all = passes();
     return static_cast<uint32_t>(
         std::count_if(all.begin(), all.end(), [&](const GnPassTiming& pass) { return name == pass.pName; }));
+}
+
+void Host::fixMapSides()
+{
+    uint32_t count = 0;
+    require(gnEnumerateMethods(context, &count, nullptr));
+    std::vector<GnMethodInfo> methods(count);
+    require(gnEnumerateMethods(context, &count, methods.data()));
+    for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
+        for (const SettingSpec& setting : algorithm.entry->settings)
+            for (const GnMethodInfo& method : methods)
+                if (setting.byCoverage && std::string_view(algorithm.entry->name) == method.pAlgorithm)
+                    require(gnSetMethodSetting(context, method.pName, setting.name, setting.standard));
 }
 
 GnDecision Host::decision(size_t light, uint32_t view) const

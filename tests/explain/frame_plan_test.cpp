@@ -323,6 +323,7 @@ TEST_CASE("by the knowledge that ships, no rule favours near what the floor keep
                     method.entry = registry.algorithms[output].entry;
                     for (const SettingSpec& setting : method.entry->settings)
                         method.settings.push_back(setting.standard);
+                    method.noteSettings();
                     const double quality = lacking[output] == 1.0 ? double{qualityOf(method, knowledge)} : 1.0;
                     if (quality < floor.minimumQuality) lacking[output] = quality;
                 }

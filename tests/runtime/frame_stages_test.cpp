@@ -136,6 +136,7 @@ struct Trip {
         REQUIRE(openView(frame, 0, given, {pool, graph, origin.at(), snapshot.casters}));
         measureFacts(frame, {&given, 1},
                      {.scene = *scene.registry,
+                      .methods = methods,
                       .memory = *scene.memory,
                       .arena = scene.arena,
                       .graph = graph,
@@ -147,7 +148,7 @@ struct Trip {
     {
         measure();
         choose(frame, chooseParts());
-        declareLights(frame, {graph, methods, selector, scene.messages, {}});
+        declareLights(frame, {graph, methods, selector, scene.messages, scene.arena, {}});
         std::vector<std::string> names;
         for (const std::uint32_t index : graph.order())
             if (const Pass& pass = graph.passes()[index]; pass.fn) names.emplace_back(pass.name); // not taken back

@@ -72,6 +72,26 @@ TEST_CASE("a complete description loads every function and reads the device")
     CHECK_FALSE(table.hasExtension("VK_EXT_three"));
 }
 
+TEST_CASE("where the host enables VK_EXT_memory_budget a heap counts as what the process may take of it")
+{
+    StubVulkan stub;
+    stub.table.memory.memoryHeapCount = 2;
+    stub.table.memory.memoryHeaps[0].size = 1000; // the stub's budgets are a half, and twice its size
+    stub.table.memory.memoryHeaps[1].size = 600;
+    Given given;
+    const Result<std::unique_ptr<DeviceTable>> plain = loadDeviceTable(given.info);
+    REQUIRE(plain);
+    CHECK((*plain)->heapBudget[0] == 1000);
+    CHECK((*plain)->heapBudget[1] == 600);
+    const char* extension = VK_EXT_MEMORY_BUDGET_EXTENSION_NAME;
+    given.info.enabledExtensionCount = 1;
+    given.info.ppEnabledExtensionNames = &extension;
+    const Result<std::unique_ptr<DeviceTable>> budgeted = loadDeviceTable(given.info);
+    REQUIRE(budgeted);
+    CHECK((*budgeted)->heapBudget[0] == 500);
+    CHECK((*budgeted)->heapBudget[1] == 600);
+}
+
 TEST_CASE("each required handle is missed by name")
 {
     StubVulkan stub;

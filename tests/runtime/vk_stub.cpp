@@ -176,6 +176,10 @@ void VKAPI_PTR getProperties(VkPhysicalDevice, VkPhysicalDeviceProperties2* out)
 void VKAPI_PTR getMemory(VkPhysicalDevice, VkPhysicalDeviceMemoryProperties2* out)
 {
     out->memoryProperties = StubVulkan::current().table.memory;
+    auto* budget = static_cast<VkPhysicalDeviceMemoryBudgetPropertiesEXT*>(out->pNext);
+    if (!budget || budget->sType != VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT) return;
+    for (std::uint32_t i = 0; i < out->memoryProperties.memoryHeapCount; ++i) // the first is half full, others are free
+        budget->heapBudget[i] = out->memoryProperties.memoryHeaps[i].size * (i == 0 ? 1 : 4) / 2;
 }
 void VKAPI_PTR getFormat(VkPhysicalDevice, VkFormat format, VkFormatProperties2* out)
 {

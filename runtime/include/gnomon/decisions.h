@@ -27,6 +27,7 @@ typedef enum GnReason {
     GN_REASON_UTILITY = 10,         ///< The plan: another one suits better, but with its quality is worth no more.
     GN_REASON_NOT_RECORDABLE = 11,  ///< The method that the host pinned needs the CPU between its passes, and the frame
                                     ///< is recorded (gnCmdRenderShadows()): the rules chose another one.
+    GN_REASON_UNSEEN = 12,        ///< No pixel can be in the light's range: no method runs, and visibility is 1.
     GN_REASON_MAX_ENUM = 0x7FFFFFFF
 } GnReason;
 
@@ -46,6 +47,12 @@ typedef struct GnDecision {
     float fade;                    ///< (0, 1]. Share of `pMethod` in what is shown; 1: all of it.
     const char* pProbed;           ///< A method that runs unseen to be measured (`policy.probing`); null: there is
                                    ///< none.
+    uint32_t mapSide;              ///< Texels per side of the method's maps for this light; 0: it has none.
+    uint32_t wantedMapSide;        ///< What screen coverage asks for. Above `mapSide`: the memory for maps serves what
+                                   ///< shows more (GnContextCreateInfo::memoryLimit), or another light has its turn.
+    uint32_t redrawEvery;          ///< Frames from one drawing of the map to the next, as light and casters move now:
+                                   ///< 1, 2, 4 or 8. 0: no map, or one that is drawn whenever anything in it moves.
+    uint32_t mapAge;               ///< Frames since the map in use was drawn, where `redrawEvery` is not 0.
 } GnDecision;
 
 /** \brief What was decided for a light in a view in its last frame. \return #GN_ERROR_INVALID_HANDLE if the light was

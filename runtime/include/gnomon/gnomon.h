@@ -308,7 +308,10 @@ typedef struct GnContextCreateInfo {
     uint32_t waitLimitMs;                              ///< 0 means 10 000. A call that waits for the device ends with
                                                        ///< #GN_ERROR_DEVICE_LOST once the device has made no progress
                                                        ///< for so long. What a submitted frame's pWaits delay counts.
-    VkDeviceSize memoryLimit;                          ///< Device bytes, persistent plus transient; 0: half the heap.
+    VkDeviceSize memoryLimit;                          ///< Device bytes, persistent plus transient; 0: half the heap,
+                                                       ///< or of its budget where VK_EXT_memory_budget is enabled.
+                                                       ///< Maps whose sides follow screen coverage take half of it at
+                                                       ///< most: beyond, sides shrink where the least is seen of them.
     const VkAllocationCallbacks* pAllocationCallbacks; ///< Optional, copied. Handed to every Vulkan create call.
     VkPipelineCache pipelineCache;                     ///< Optional: all pipelines are made with it, on worker threads
                                                        ///< too (not EXTERNALLY_SYNCHRONIZED). Borrowed, the host's
@@ -381,7 +384,7 @@ typedef VkFlags GnTraits;
 typedef struct GnSettingInfo {
     const char* pName;        ///< Static.
     const char* pDescription; ///< Static; with unit.
-    double minimum, maximum, value;
+    double minimum, maximum, value; ///< `value` may be 0 below `minimum`: by screen coverage (gnSetMethodSetting()).
 } GnSettingInfo;
 
 /** A method as the registry knows it. Strings live as long as the context. */
@@ -403,7 +406,13 @@ GN_API GnResult GN_CALL gnEnumerateMethods(GnContext context, uint32_t* pCount, 
 /** \brief Adds a method: a second set of settings for an algorithm, under a name rules can use. \return #GN_ERROR_RULES
 where the rules in force use the name for something else, #GN_ERROR_OUT_OF_RANGE where a method has it. */
 GN_API GnResult GN_CALL gnAddMethod(GnContext context, const char* pName, const char* pAlgorithm);
-/** \brief Changes a setting from the next frame on. Out of range: an error naming the range, nothing changes. */
+/** \brief Changes a setting from the next frame on. Out of range: an error naming the range, nothing changes.
+
+`resolution`, the side of shadow maps, also takes 0, the default: by light and frame, from 128 to 4096 texels, so that a
+texel is about a pixel where the light's receivers are nearest, and so that all its maps have four texels at most for a
+pixel that the light reaches. GnDecision::mapSide says which side that is. It is 1024, or what corresponds to that for
+the method, until receivers have been measured; without rules nothing is measured. A kept map is drawn once for another
+side, one light a frame. */
 GN_API GnResult GN_CALL gnSetMethodSetting(GnContext context, const char* pMethod, const char* pSetting, double value);
 
 /** \brief Loads a rule base from YAML text. On errors every one is reported as a message with `pFileName`, line and
