@@ -25,4 +25,4 @@ done
 favoured="$(tail -n +2 "$out/lights.csv" | cut -d , -f 3 | grep -v none | sort | uniq -c | sort -rn | head -n 4 |
     awk '{print $2}' | paste -s -d ,)"
 say "holding it against $favoured"
-"$build/gnomon" compare city_night --methods "$favoured" --size 640x360 --stride 12 --alternations 1 | tail -n 3
+"$build/gnomon" compare city_night --methods "$favoured" --size 640x360 --stride 12 --alternations 1 | tail -n 4
