@@ -56,19 +56,21 @@ private:
     uint32_t switchPictures_ = 0;
 };
 
-void chooseMethods(ShadowHost& shadows, const RunOptions& options, const std::filesystem::path& out)
+/// Returns what chooses, in words.
+std::string chooseMethods(ShadowHost& shadows, const RunOptions& options, const std::filesystem::path& out)
 {
     if (!options.method.empty()) {
         std::vector<std::string> refused;
         expect(shadows.pinAll(options.method, &refused));
         for (const std::string& reason : refused)
             std::fprintf(stderr, "note: %s\n", reason.c_str());
-        if (refused.empty()) return;
+        if (refused.empty()) return "by " + options.method;
     }
     const RuleText rules = valueOf(findRules(options.rules));
-    if (rules.name.empty()) return;
+    if (rules.name.empty()) return "without rules";
     expect(shadows.loadRules(rules.text, rules.name));
     expect(writeFile(out / "rules.yaml", rules.text));
+    return (options.method.empty() ? "" : "by " + options.method + ", else ") + ("by the rules " + rules.name);
 }
 
 /// What PictureTaker::take() calls its pictures.
@@ -212,13 +214,13 @@ void check(const RunOptions& options)
     if (!options.dump.empty()) requireWritableFolder(options.dump);
 }
 
-void printStart(const Session& session, uint32_t frames)
+void printStart(const Session& session, const std::string& chooser, uint32_t frames)
 {
     const VkExtent2D extent = session.renderer.extent();
-    std::printf("%s: %ux%u, %u frames, %zu lights, %llu triangles, on %s, %s\n", session.scene.name.c_str(),
+    std::printf("%s: %ux%u, %u frames, %zu lights, %llu triangles, %s, on %s, %s\n", session.scene.name.c_str(),
                 extent.width, extent.height, frames, session.scene.lights.size(),
-                static_cast<unsigned long long>(triangleCount(session.scene)), session.device.properties.deviceName,
-                session.device.driver.c_str());
+                static_cast<unsigned long long>(triangleCount(session.scene)), chooser.c_str(),
+                session.device.properties.deviceName, session.device.driver.c_str());
     std::fflush(stdout);
 }
 
@@ -237,11 +239,11 @@ int runCommand(const RunOptions& options)
         std::fprintf(stderr, "note: %s\n", note.c_str());
 
     RuleWatch rules(options.rules); // before they are read: a change from now on is one
-    chooseMethods(session.shadows, options, options.out);
+    const std::string chooser = chooseMethods(session.shadows, options, options.out);
     expect(session.shadows.warmUp());
 
     const uint32_t frames = options.frames > 0 ? options.frames : session.scene.frames;
-    printStart(session, frames);
+    printStart(session, chooser, frames);
     Run run(options, session, rules, frames);
     for (uint32_t frame = 0; frame < frames; ++frame)
         run.frame(frame);
