@@ -22,8 +22,9 @@ struct PinnedMethod {
     std::vector<double> mediansMs; ///< One of each alternation with the default; empty: it had none.
 };
 
-/// Frames of the default with a budget, after its first second, and as many of the best pinned method in between: where
-/// those are over the budget, other work on the machine is the cause.
+/// Frames of the default with a budget, after its first second, and as many of the best pinned method in between. The
+/// budget that they are held against grows where that method has become slower; where its frames are over it all the
+/// same, other work on the machine is the cause.
 struct BudgetRun {
     double budgetMs = 0.0;
     double medianMs = 0.0, bestMedianMs = 0.0;

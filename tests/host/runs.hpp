@@ -15,7 +15,8 @@ constexpr double kStepS = 1.0 / 30.0; // of the animation, whatever a frame take
 /// Renders frames from a moment on, waits, and gives the median of what their shadows took.
 double runFrames(Renderer& renderer, double fromS, int frames);
 
-/// Renders for a second of wall time at least, as a host does before its user has looked around.
+/// Renders for a second of wall time, as a host does before its user has looked around, and 16 frames where a machine
+/// is too slow for them.
 void runFirstSecond(Renderer& renderer);
 
 /// A renderer all of whose lights are pinned, warmed up. Null where the method is refused.
