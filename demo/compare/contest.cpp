@@ -106,7 +106,7 @@ void Contest::addContestant(Contestant contestant, const std::string& name)
 /// The truths, and the methods that shall be tried.
 void Contest::prepare()
 {
-    Session session(*device_, scene_, {.scene = {}, .size = stage_.size, .knowledge = "none"});
+    Session session(*device_, scene_, {.scene = {}, .size = stage_.size});
     std::vector<TriedMethod> methods = methodsOf(session);
     if (!options_.methods.empty()) {
         std::vector<TriedMethod> wanted;
@@ -184,14 +184,17 @@ std::unique_ptr<Session> Contest::begin(const Contestant& contestant)
         SessionOptions{.scene = {}, .size = stage_.size, .pinnedThreads = true, .knowledge = options_.knowledge});
     if (!contestant.rules.name.empty()) {
         expect(session->shadows.loadRules(contestant.rules.text, contestant.rules.name));
-    } else {
-        for (const TriedMethod& method : methods_)
-            if (std::ranges::find(contestant.choice.methods, method.name) != contestant.choice.methods.end())
-                addVariant(*session, method);
-        for (uint32_t light = 0; light < scene_.lights.size(); ++light)
-            expect(session->shadows.pin(light, contestant.choice.methods[size_t(scene_.lights[light].kind)]));
+        expect(session->shadows.warmUp());
+        return session;
     }
-    expect(session->shadows.warmUp());
+    const auto& chosen = contestant.choice.methods;
+    for (const TriedMethod& method : methods_) {
+        if (std::ranges::find(chosen, method.name) == chosen.end()) continue;
+        addVariant(*session, method);
+        expect(session->shadows.warmUp(method.name)); // no other one is asked for
+    }
+    for (uint32_t light = 0; light < scene_.lights.size(); ++light)
+        expect(session->shadows.pin(light, chosen[size_t(scene_.lights[light].kind)]));
     return session;
 }
 

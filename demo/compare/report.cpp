@@ -57,9 +57,11 @@ void printHead(const Contest& contest, size_t alternations)
                 stage.recorded ? "gnCmdRenderShadows" : "gnSubmitShadows", path.frames, path.stride,
                 path.frames * path.stride / contest.scene().framesPerSecond, alternations, alternations == 1 ? "" : "s",
                 stage.device.properties.deviceName);
+    const EqualQuality& quality = contest.quality();
     std::printf("equal quality: wrong share against ray_traced at most %.4f %% of the receivers under %.0f m from the "
-                "eye (the quality floor of the first rule base), and at most %.4f %% of those beyond\n",
-                contest.quality().nearPercent, double(kNearMetres), contest.quality().farPercent);
+                "eye (quality %.3f, the floor of %s), and at most %.4f %% of those beyond\n",
+                quality.nearPercent, double(kNearMetres), 1.0 / (1.0 + quality.nearPercent),
+                contest.rows().front().name.c_str(), quality.farPercent);
     for (const std::string& note : contest.notes())
         std::printf("left out: %s\n", note.c_str());
 }

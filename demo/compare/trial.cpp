@@ -60,12 +60,12 @@ std::string tryMethod(const Stage& all, const Truths& truths, const EqualQuality
     const Scene scene = onlyServed(all.scene, method.traits);
     const Stage stage{
         .device = all.device, .scene = scene, .size = all.size, .path = {scene, all.path}, .recorded = all.recorded};
-    Session session(stage.device, scene, {.scene = {}, .size = stage.size, .pinnedThreads = true, .knowledge = "none"});
+    Session session(stage.device, scene, {.scene = {}, .size = stage.size, .pinnedThreads = true});
     addVariant(session, method);
     std::vector<std::string> refused;
     if (const Status pinned = session.shadows.pinAll(method.name, &refused); !pinned) return pinned.error();
     if (!refused.empty()) return refused.front();
-    expect(session.shadows.warmUp());
+    expect(session.shadows.warmUp(method.name));
     session.wakeDevice(stage.path.time(0));
     for (const Light& light : scene.lights)
         trial.kinds[size_t(light.kind)].served = true;

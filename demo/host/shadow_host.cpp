@@ -181,6 +181,11 @@ Status ShadowHost::warmUp()
     return statusOf(gnWarmUp(context_));
 }
 
+Status ShadowHost::warmUp(const std::string& method)
+{
+    return statusOf(gnWarmUpMethod(context_, method.c_str()));
+}
+
 Status ShadowHost::loadRules(const std::string& text, const std::string& fileName)
 {
     if (gnLoadRules(context_, text.data(), text.size(), fileName.c_str()) >= 0) return Done{};

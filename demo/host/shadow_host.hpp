@@ -42,6 +42,8 @@ public:
 
     /// All methods are ready afterwards.
     Status warmUp();
+    /// The method is ready afterwards.
+    Status warmUp(const std::string& method);
 
     Status loadRules(const std::string& text, const std::string& fileName);
     Status loadKnowledge(const std::string& text, const std::string& fileName) const;

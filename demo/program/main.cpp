@@ -120,9 +120,9 @@ void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
     compare->add_option("--entry", options.entry, "`submitted` (gnSubmitShadows) or `recorded` (gnCmdRenderShadows)")
         ->check(CLI::IsMember({"submitted", "recorded"}))
         ->capture_default_str();
-    compare->add_option(
-        "--knowledge", options.knowledge,
-        "what the cost model starts from: a path, `lavapipe` or `h100`; default: the shipped one nearest to the device");
+    compare->add_option("--knowledge", options.knowledge,
+                        "what the cost model starts from: a path, `lavapipe` or `h100`; default: the shipped one "
+                        "nearest to the device");
     compare->add_option("--size", options.size, "picture size; default: the scene's");
     compare->add_option("--seconds", options.seconds, "of the scene's path; default: all of it")
         ->check(numberAbove0To(86400.0));
