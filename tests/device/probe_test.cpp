@@ -11,16 +11,15 @@ namespace {
 constexpr const char *kServes = "ray_traced", *kProbed = "tile_shafts";
 constexpr uint32_t kEvery = 20;
 
-/// The two exact methods at about one price, the second a little dearer.
+/// The two exact methods, more than either takes in any build. The second one is expected to be cheaper by a third,
+/// but so little is known of it that it counts as about as dear: its upper bound wastes little.
 std::string knowledge()
 {
     cost::DeviceKnowledge known{device().properties.deviceName, "", "software", {}, {}};
     for (const char* name : {kServes, kProbed}) {
         cost::AlgorithmCost cost{.algorithm = name, .tracks = {}};
         cost.tracks[trackOf(cost::Pass::resolve, cost::Processor::cpu)] = {
-            .ms = {name == kServes ? 20.0 : 21.0},
-            .octaves = 0.1,
-            .samples = 40}; // more than either takes in any build
+            .ms = {name == kServes ? 20.0 : 14.0}, .octaves = name == kServes ? 0.1 : 0.3, .samples = 40};
         known.algorithms.push_back(cost);
     }
     return cost::writeKnowledge({&known, 1});
@@ -40,7 +39,7 @@ void load(Host& host, uint32_t everyFrames)
         kServes +
         " is favoured}\n"
         "  - {rule: if lightRadius is all then " +
-        kProbed + " is favoured}\npolicy: {probing: {everyFrames: " + std::to_string(everyFrames) + ", sigma: 10}}\n";
+        kProbed + " is favoured}\npolicy: {probing: {everyFrames: " + std::to_string(everyFrames) + ", sigma: 1}}\n";
     host.require(gnLoadRules(host.context, rules.data(), rules.size(), "probing"));
 }
 
@@ -78,8 +77,9 @@ TEST_CASE_FIXTURE(DeviceTest, "a probe runs unseen for as long as it takes to ti
     host.pinAll(kServes);
     host.require(host.draw());
     const std::vector<Image8> expected = host.pictures();
+    draw(host, 1e5f, kEvery, expected); // what serves is timed first
     host.pinAll(nullptr);
-    const Seen seen = draw(host, 1e5f, 3 * kEvery, expected);
+    const Seen seen = draw(host, 1e5f, 4 * kEvery, expected);
     REQUIRE(!seen.frames.empty());
     CHECK(seen.wrong == 0); // both methods are exact, and only one is shown
     uint64_t begun = seen.frames.front(), last = begun;

@@ -151,7 +151,7 @@ TEST_CASE("a budget that nothing can keep is said to be one, with the least poss
     situation.budgetMs = 5.0;
     situation.othersMs = 4.0;
     for (Candidate& candidate : situation.candidates)
-        candidate.predictedMs = 3.0f;
+        candidate.predictedMs = candidate.sureMs = 3.0f;
     checkContains(explainWhy(fixture.decide(situation), fixture.words()),
                   {"plan of all lights: 7.00 ms of 4.90 ms usable", "nothing fits: the least possible is 7.00 ms"});
     situation.budgetMs = 50.0;
