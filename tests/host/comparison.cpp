@@ -69,6 +69,15 @@ void alternate(Comparison& comparison, Renderer& chosen)
     }
 }
 
+/// Of pairs measured one after the other: what slows both does not count.
+double medianRatio(const std::vector<double>& values, const std::vector<double>& others)
+{
+    std::vector<double> ratios;
+    for (size_t i = 0; i < values.size(); ++i)
+        ratios.push_back(values[i] / others[i]);
+    return summarise(ratios).median;
+}
+
 uint32_t countOver(const Renderer& renderer, size_t first, double limitMs)
 {
     const auto& reports = renderer.reports();
@@ -97,15 +106,17 @@ BudgetRun runBudget(const Device& device, Options options, const PinnedMethod& b
     }
     run.medianMs = summarise(mediansMs).median;
     run.bestMedianMs = summarise(bestMediansMs).median;
+    run.timesBest = medianRatio(mediansMs, bestMediansMs);
     run.choices = listChoices(budgeted.reports().back().choices);
     return run;
 }
 
 void print(const BudgetRun& run)
 {
-    std::printf("  budget %.1f ms: %.1f ms, the best pinned method %.1f; %u and %u of %u frames over it; at last %s\n",
-                run.budgetMs, run.medianMs, run.bestMedianMs, run.framesOver, run.bestFramesOver, run.frames,
-                run.choices.c_str());
+    std::printf("  budget %.1f ms: %.1f ms, %.2f of the best pinned method's %.1f; %u and %u of %u frames over it; at "
+                "last %s\n",
+                run.budgetMs, run.medianMs, run.timesBest, run.bestMedianMs, run.framesOver, run.bestFramesOver,
+                run.frames, run.choices.c_str());
 }
 
 void print(const Comparison& comparison, bool recorded)
@@ -118,7 +129,7 @@ void print(const Comparison& comparison, bool recorded)
                     method.wrongPercent);
         if (!method.mediansMs.empty())
             std::printf(", %.1f ms in turns: default takes %.2f of it", summarise(method.mediansMs).median,
-                        comparison.defaultMs() / summarise(method.mediansMs).median);
+                        comparison.timesMethod(method));
         std::puts("");
     }
     print(comparison.kept);
@@ -130,6 +141,11 @@ void print(const Comparison& comparison, bool recorded)
 double Comparison::defaultMs() const
 {
     return summarise(defaultMediansMs).median;
+}
+
+double Comparison::timesMethod(const PinnedMethod& method) const
+{
+    return medianRatio(defaultMediansMs, method.mediansMs);
 }
 
 const PinnedMethod* Comparison::best() const

@@ -28,6 +28,7 @@ struct PinnedMethod {
 struct BudgetRun {
     double budgetMs = 0.0;
     double medianMs = 0.0, bestMedianMs = 0.0;
+    double timesBest = 0.0; ///< Median of the ratios of alternations.
     uint32_t frames = 0, framesOver = 0, bestFramesOver = 0;
     std::string choices; ///< Of the default in its last frame.
 };
@@ -43,6 +44,8 @@ struct Comparison {
     BudgetRun tooTight;               ///< With half of that method, which nothing of equal quality can keep.
 
     double defaultMs() const;
+    /// What the default takes of a method's time: the median of the ratios of alternations.
+    double timesMethod(const PinnedMethod& method) const;
     /// The cheapest in the alternations; null: none is of equal quality.
     const PinnedMethod* best() const;
 };
