@@ -11,7 +11,7 @@ install_packages demo
 build_release OFF gnomon_cli
 say "running city_night"
 case " $* " in *" --size"*) ;; *) set -- --size 640x360 "$@" ;; esac
-case " $* " in *" --out"*) ;; *) set -- --out "$root/out/run" "$@" ;; esac
+case " $* " in *" --out"* | *" --window"*) ;; *) set -- --out "$root/out/run" "$@" ;; esac
 "$build/gnomon" run city_night "$@"
 
 # Pinned methods choose nothing, and a window leaves no tables.
@@ -22,7 +22,8 @@ for ((i = 1; i <= $#; i++)); do
     --out=*) out="${!i#--out=}" ;;
     esac
 done
-favoured="$(tail -n +2 "$out/lights.csv" | cut -d , -f 3 | grep -v none | sort | uniq -c | sort -rn | head -n 4 |
-    awk '{print $2}' | paste -s -d ,)"
+# Those that served in a fiftieth of all rows at least: a row is a light in a frame.
+favoured="$(awk -F , 'NR > 1 && $3 != "none" { ++rows[$3]; ++all }
+    END { for (method in rows) if (rows[method] >= all / 50) print method }' "$out/lights.csv" | sort | paste -s -d ,)"
 say "holding it against $favoured"
 "$build/gnomon" compare city_night --methods "$favoured" --size 640x360 --stride 12 --alternations 1 | tail -n 4
