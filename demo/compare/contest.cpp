@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "demo/host/pin_thread.hpp"
 #include "demo/program/measure.hpp"
@@ -17,7 +18,8 @@ using Clock = std::chrono::steady_clock;
 class Sentinel {
 public:
     Sentinel(Device& device, const Scene& scene)
-        : geometry_(device, scene), renderer_(device, scene, geometry_, {.extent = kSize}),
+        : geometry_(device, scene),
+          renderer_(device, scene, geometry_, {.maxLights = lightsOf(scene), .extent = kSize}),
           camera_(cameraAt(scene, 0.0))
     {
     }
@@ -30,6 +32,11 @@ public:
     }
 
 private:
+    static uint32_t lightsOf(const Scene& scene)
+    {
+        return std::max<uint32_t>(1, static_cast<uint32_t>(scene.lights.size()));
+    }
+
     static constexpr VkExtent2D kSize{64, 48};
     SceneGeometry geometry_;
     Renderer renderer_;
@@ -246,11 +253,11 @@ void Contest::noteServices(const Session& session)
         GnDecision decision{};
         gnGetDecision(session.shadows.context(), session.shadows.view(0), session.shadows.light(light), &decision);
         if (!decision.pMethod) continue;
-        const float metres = decision.viewerDistance;
-        Service& service = services_.try_emplace(decision.pMethod, Service{0, metres, metres}).first->second;
+        Service& service = services_[decision.pMethod];
         ++service.lightFrames;
-        service.nearestMetres = std::min(service.nearestMetres, metres);
-        service.farthestMetres = std::max(service.farthestMetres, metres);
+        if (!std::isfinite(decision.viewerDistance)) continue;
+        service.nearestMetres = std::min(service.nearestMetres, decision.viewerDistance);
+        service.farthestMetres = std::max(service.farthestMetres, decision.viewerDistance);
     }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 // The runs behind `gnomon compare`: adaptive ones and fixed choices in turns, each from a fresh context.
+#include <limits>
 #include <memory>
 
 #include "demo/compare/stage.hpp"
@@ -13,7 +14,8 @@ namespace gnomon::demo {
 /// Where a method served in adaptive runs.
 struct Service {
     uint64_t lightFrames = 0;
-    float nearestMetres = 0.0f, farthestMetres = 0.0f; ///< From the eye to the light's nearest visible receiver.
+    /// From the eye to the light's nearest receiver that is seen. Nearest above farthest: none was ever seen.
+    float nearestMetres = std::numeric_limits<float>::infinity(), farthestMetres = 0.0f;
 };
 
 /// CompareOptions::maps as numbers. Throws HostError where they are none.
