@@ -96,7 +96,10 @@ void Contest::addAdaptive()
 {
     for (const std::string& name : parseNames(options_.rules.empty() ? "default" : options_.rules)) {
         const rules::RuleBase base = parseRules(name);
-        if (contestants_.empty()) quality_.nearPercent = wrongPercentOf(base.policy.floor.minimumQuality);
+        if (contestants_.empty()) {
+            quality_.nearPercent = wrongPercentOf(base.policy.floor.minimumQuality);
+            stage_.rules = valueOf(findRules(name));
+        }
         addContestant({.rules = valueOf(findRules(name))}, name + " rules");
     }
 }
@@ -195,11 +198,8 @@ std::unique_ptr<Session> Contest::begin(const Contestant& contestant)
         return session;
     }
     const auto& chosen = contestant.choice.methods;
-    for (const TriedMethod& method : methods_) {
-        if (std::ranges::find(chosen, method.name) == chosen.end()) continue;
-        addVariant(*session, method);
-        expect(session->shadows.warmUp(method.name)); // no other one is asked for
-    }
+    for (const TriedMethod& method : methods_)
+        if (std::ranges::find(chosen, method.name) != chosen.end()) prepareMethod(*session, stage_, method);
     for (uint32_t light = 0; light < scene_.lights.size(); ++light)
         expect(session->shadows.pin(light, chosen[size_t(scene_.lights[light].kind)]));
     return session;
@@ -253,7 +253,9 @@ void Contest::noteServices(const Session& session)
         GnDecision decision{};
         gnGetDecision(session.shadows.context(), session.shadows.view(0), session.shadows.light(light), &decision);
         if (!decision.pMethod) continue;
-        Service& service = services_[decision.pMethod];
+        std::string served = decision.pMethod;
+        if (decision.mapSide > 0) served += " at " + std::to_string(decision.mapSide);
+        Service& service = services_[served];
         ++service.lightFrames;
         if (!std::isfinite(decision.viewerDistance)) continue;
         service.nearestMetres = std::min(service.nearestMetres, decision.viewerDistance);

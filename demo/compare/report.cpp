@@ -228,7 +228,8 @@ void printWords(const Contest& contest)
         all += service.lightFrames;
     std::sort(services.begin(), services.end(),
               [](const auto& a, const auto& b) { return a.second.lightFrames > b.second.lightFrames; });
-    std::printf("%zu method%s served:", services.size(), services.size() == 1 ? "" : "s");
+    std::printf("%zu method%s or map side%s served:", services.size(), services.size() == 1 ? "" : "s",
+                services.size() == 1 ? "" : "s");
     for (size_t i = 0; i < services.size(); ++i) {
         const Service& service = services[i].second;
         std::printf("%s %s %.1f %%", i > 0 ? "," : "", services[i].first.c_str(),
