@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "demo/host/pin_thread.hpp"
 #include "demo/program/measure.hpp"
@@ -17,7 +18,8 @@ using Clock = std::chrono::steady_clock;
 class Sentinel {
 public:
     Sentinel(Device& device, const Scene& scene)
-        : geometry_(device, scene), renderer_(device, scene, geometry_, {.extent = kSize}),
+        : geometry_(device, scene),
+          renderer_(device, scene, geometry_, {.maxLights = lightsOf(scene), .extent = kSize}),
           camera_(cameraAt(scene, 0.0))
     {
     }
@@ -30,6 +32,11 @@ public:
     }
 
 private:
+    static uint32_t lightsOf(const Scene& scene)
+    {
+        return std::max<uint32_t>(1, static_cast<uint32_t>(scene.lights.size()));
+    }
+
     static constexpr VkExtent2D kSize{64, 48};
     SceneGeometry geometry_;
     Renderer renderer_;
@@ -89,7 +96,10 @@ void Contest::addAdaptive()
 {
     for (const std::string& name : parseNames(options_.rules.empty() ? "default" : options_.rules)) {
         const rules::RuleBase base = parseRules(name);
-        if (contestants_.empty()) quality_.nearPercent = wrongPercentOf(base.policy.floor.minimumQuality);
+        if (contestants_.empty()) {
+            quality_.nearPercent = wrongPercentOf(base.policy.floor.minimumQuality);
+            stage_.rules = valueOf(findRules(name));
+        }
         addContestant({.rules = valueOf(findRules(name))}, name + " rules");
     }
 }
@@ -188,11 +198,8 @@ std::unique_ptr<Session> Contest::begin(const Contestant& contestant)
         return session;
     }
     const auto& chosen = contestant.choice.methods;
-    for (const TriedMethod& method : methods_) {
-        if (std::ranges::find(chosen, method.name) == chosen.end()) continue;
-        addVariant(*session, method);
-        expect(session->shadows.warmUp(method.name)); // no other one is asked for
-    }
+    for (const TriedMethod& method : methods_)
+        if (std::ranges::find(chosen, method.name) != chosen.end()) prepareMethod(*session, stage_, method);
     for (uint32_t light = 0; light < scene_.lights.size(); ++light)
         expect(session->shadows.pin(light, chosen[size_t(scene_.lights[light].kind)]));
     return session;
@@ -246,11 +253,13 @@ void Contest::noteServices(const Session& session)
         GnDecision decision{};
         gnGetDecision(session.shadows.context(), session.shadows.view(0), session.shadows.light(light), &decision);
         if (!decision.pMethod) continue;
-        const float metres = decision.viewerDistance;
-        Service& service = services_.try_emplace(decision.pMethod, Service{0, metres, metres}).first->second;
+        std::string served = decision.pMethod;
+        if (decision.mapSide > 0) served += " at " + std::to_string(decision.mapSide);
+        Service& service = services_[served];
         ++service.lightFrames;
-        service.nearestMetres = std::min(service.nearestMetres, metres);
-        service.farthestMetres = std::max(service.farthestMetres, metres);
+        if (!std::isfinite(decision.viewerDistance)) continue;
+        service.nearestMetres = std::min(service.nearestMetres, decision.viewerDistance);
+        service.farthestMetres = std::max(service.farthestMetres, decision.viewerDistance);
     }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 // The runs behind `gnomon compare`: adaptive ones and fixed choices in turns, each from a fresh context.
+#include <limits>
 #include <memory>
 
 #include "demo/compare/stage.hpp"
@@ -10,10 +11,11 @@
 
 namespace gnomon::demo {
 
-/// Where a method served in adaptive runs.
+/// Where a method, or one with maps of one side, served in adaptive runs.
 struct Service {
     uint64_t lightFrames = 0;
-    float nearestMetres = 0.0f, farthestMetres = 0.0f; ///< From the eye to the light's nearest visible receiver.
+    /// From the eye to the light's nearest receiver that is seen. Nearest above farthest: none was ever seen.
+    float nearestMetres = std::numeric_limits<float>::infinity(), farthestMetres = 0.0f;
 };
 
 /// CompareOptions::maps as numbers. Throws HostError where they are none.
@@ -36,7 +38,7 @@ public:
     const std::vector<std::string>& notes() const { return notes_; }
     /// The cold row of each contestant, the adaptive ones first, and behind it its warm one where there is one.
     const std::vector<Row>& rows() const { return rows_; }
-    /// Of the first adaptive contestant, all its runs together.
+    /// Of the first adaptive contestant, all its runs together: "ray_traced", "shadow_map at 512".
     const std::map<std::string, Service>& services() const { return services_; }
 
 private:

@@ -228,11 +228,16 @@ void printWords(const Contest& contest)
         all += service.lightFrames;
     std::sort(services.begin(), services.end(),
               [](const auto& a, const auto& b) { return a.second.lightFrames > b.second.lightFrames; });
-    std::printf("%zu method%s served:", services.size(), services.size() == 1 ? "" : "s");
-    for (size_t i = 0; i < services.size(); ++i)
-        std::printf("%s %s %.1f %% (%.0f to %.0f m from the eye)", i > 0 ? "," : "", services[i].first.c_str(),
-                    100.0 * double(services[i].second.lightFrames) / double(all),
-                    double(services[i].second.nearestMetres), double(services[i].second.farthestMetres));
+    std::printf("%zu method%s or map side%s served:", services.size(), services.size() == 1 ? "" : "s",
+                services.size() == 1 ? "" : "s");
+    for (size_t i = 0; i < services.size(); ++i) {
+        const Service& service = services[i].second;
+        std::printf("%s %s %.1f %%", i > 0 ? "," : "", services[i].first.c_str(),
+                    100.0 * double(service.lightFrames) / double(all));
+        if (service.nearestMetres <= service.farthestMetres)
+            std::printf(" (%.0f to %.0f m from the eye)", double(service.nearestMetres),
+                        double(service.farthestMetres));
+    }
     std::printf(".\n");
 }
 

@@ -20,6 +20,7 @@ struct Stage {
     ComparePath path;
     bool recorded = false; ///< gnCmdRenderShadows, else gnSubmitShadows.
     float budgetMs = 0.0f; ///< 0: the host gives none.
+    RuleText rules;        ///< For maps that follow screen coverage: without rules no receivers are measured.
 };
 
 /// Draws a frame of the path and waits for it.

@@ -61,11 +61,10 @@ std::string tryMethod(const Stage& all, const Truths& truths, const EqualQuality
     const Stage stage{
         .device = all.device, .scene = scene, .size = all.size, .path = {scene, all.path}, .recorded = all.recorded};
     Session session(stage.device, scene, {.scene = {}, .size = stage.size, .pinnedThreads = true});
-    addVariant(session, method);
+    prepareMethod(session, all, method);
     std::vector<std::string> refused;
     if (const Status pinned = session.shadows.pinAll(method.name, &refused); !pinned) return pinned.error();
     if (!refused.empty()) return refused.front();
-    expect(session.shadows.warmUp(method.name));
     session.wakeDevice(stage.path.time(0));
     for (const Light& light : scene.lights)
         trial.kinds[size_t(light.kind)].served = true;
@@ -107,13 +106,21 @@ std::vector<TriedMethod> withSides(const std::vector<TriedMethod>& methods, std:
     return out;
 }
 
-void addVariant(Session& session, const TriedMethod& method)
+bool followsCoverage(const TriedMethod& method)
 {
-    if (method.side == 0) return;
+    return method.side == 0 && method.resolution && method.resolution->value == 0.0;
+}
+
+void prepareMethod(Session& session, const Stage& stage, const TriedMethod& method)
+{
     const GnContext context = session.shadows.context();
-    if (gnAddMethod(context, method.name.c_str(), method.algorithm.c_str()) < 0)
-        throw HostError(method.name + ": " + gnGetLastError(context));
-    expect(session.shadows.set(method.name, kResolutionSetting, double(method.side)));
+    if (method.side > 0) {
+        if (gnAddMethod(context, method.name.c_str(), method.algorithm.c_str()) < 0)
+            throw HostError(method.name + ": " + gnGetLastError(context));
+        expect(session.shadows.set(method.name, kResolutionSetting, double(method.side)));
+    }
+    if (followsCoverage(method)) expect(session.shadows.loadRules(stage.rules.text, stage.rules.name));
+    expect(session.shadows.warmUp(method.name)); // no other one is asked for
 }
 
 std::vector<MethodTrial> tryMethods(const Stage& stage, const Truths& truths, const EqualQuality& quality,

@@ -21,8 +21,11 @@ struct TriedMethod {
 /// "shadow_map_512".
 std::vector<TriedMethod> withSides(const std::vector<TriedMethod>& methods, std::span<const uint32_t> sides);
 
-/// Adds the method to the session's context if it is a variant. Throws HostError.
-void addVariant(Session& session, const TriedMethod& method);
+/// Whether the sides of its maps follow from screen coverage, frame by frame.
+bool followsCoverage(const TriedMethod& method);
+
+/// Makes the method ready in the session's context, which it is added to if it is a variant. Throws HostError.
+void prepareMethod(Session& session, const Stage& stage, const TriedMethod& method);
 
 /// \param notes takes a line for each method that could not be tried
 std::vector<MethodTrial> tryMethods(const Stage& stage, const Truths& truths, const EqualQuality& quality,

@@ -57,7 +57,8 @@ int contactCommand(const ContactOptions& options);
 
 struct CompareOptions {
     std::vector<std::string> scenes;
-    std::string rules, methods, maps, size, plot, csv;
+    std::string rules, methods, size, plot, csv;
+    std::string maps = "1024";       ///< Sides of further fixed choices.
     std::string knowledge;           ///< loadKnowledge().
     std::string entry = "submitted"; ///< Or "recorded".
     double seconds = 0.0;            ///< Of the scene's path; 0: all.

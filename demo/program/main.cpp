@@ -116,7 +116,8 @@ void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
                         "a,b,... rule bases of adaptive runs; the first one's floor says what equal quality is; "
                         "default: `default`");
     compare->add_option("--methods", options.methods, "a,b,... of which fixed choices are made; default: all");
-    compare->add_option("--map", options.maps, "512,2048,... fixed choices also with maps of these sides");
+    compare->add_option("--map", options.maps, "512,2048,... fixed choices also with maps of these sides")
+        ->capture_default_str();
     compare->add_option("--entry", options.entry, "`submitted` (gnSubmitShadows) or `recorded` (gnCmdRenderShadows)")
         ->check(CLI::IsMember({"submitted", "recorded"}))
         ->capture_default_str();
