@@ -28,7 +28,7 @@ TEST_CASE("run leaves both tables, pictures, the rules used and a dump, and its 
           "frame,time_s,frame_ms,fps,shadow_gpu_ms,shadow_cpu_ms,decide_us,lights,switches,budget_ms,over_budget");
     const std::vector<std::string> lights = lines(folder.path / "lights.csv");
     REQUIRE(lights.size() > 1);
-    CHECK(lights[0] == "frame,light,method,suitability,predicted_ms,measured_ms,distance,reason");
+    CHECK(lights[0] == "frame,light,method,suitability,predicted_ms,measured_ms,distance,reason,map_side");
     CHECK(fs::file_size(folder.path / "rules.yaml") > 0);
     const Outcome<Image8> picture = readPng(folder.path / "frame_00005.png", 3);
     REQUIRE(picture);
