@@ -296,9 +296,8 @@ double Rechoice::changedMs(std::uint32_t method) const noexcept
                                double{candidate.firstMs});
 }
 
-/// Whether the plan of all lights stays within its budget with that method, which takes `methodMs`, less the headroom
-/// that it asks for.
-bool Rechoice::fits(std::uint32_t method, double methodMs) const noexcept
+/// Whether the plan of all lights stays within its budget where this light takes so long.
+bool Rechoice::fits(double methodMs) const noexcept
 {
     return double{record_.planMs} - takenMs(record_.method) + methodMs <= double{record_.usableMs};
 }
@@ -313,7 +312,7 @@ std::uint32_t Rechoice::chooseInPlan() const
     for (const std::uint32_t m : able - barred_) {
         const double ms = takenMs(m);
         if (cheapest == UINT32_MAX || ms < takenMs(cheapest)) cheapest = m;
-        if (!fits(m, stays && m != chosen ? changedMs(m) : ms)) continue;
+        if (!fits(stays && m != chosen ? changedMs(m) : ms)) continue;
         const double more = best == UINT32_MAX ? 1.0 : valueOf(m) - valueOf(best);
         if (more > 0.0 || (more == 0.0 && ms < takenMs(best))) best = m;
     }

@@ -98,7 +98,7 @@ private:
     double valueOf(std::uint32_t method) const;
     double takenMs(std::uint32_t method) const noexcept;
     double changedMs(std::uint32_t method) const noexcept;
-    bool fits(std::uint32_t method, double methodMs) const noexcept;
+    bool fits(double methodMs) const noexcept;
 
     const DecisionRecord& record_;
     const rules::Engine& engine_;
