@@ -208,7 +208,8 @@ void PlanStep::improve(const PlanInput& input, double limitMs, PlanReport& repor
     }
     // No light gains anything alone: together they may, as where they leave a part that they share.
     const auto held = [](const LightPlan& plan) { return plan.hold == Hold::firstFrame; };
-    if (gains && report.upgrades == 0 && target.ms <= limitMs && (calmFrames_ == kSpareFrames || target.ms < now.ms) &&
+    if (quota > 0 && gains && report.upgrades == 0 && target.ms <= limitMs &&
+        (calmFrames_ == kSpareFrames || target.ms < now.ms) &&
         std::none_of(plans_.begin(), plans_.begin() + lightCount_, held)) {
         takeTarget();
         report.upgrades = quota;

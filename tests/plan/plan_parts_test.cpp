@@ -84,6 +84,9 @@ TEST_CASE("lights that share a part stay with it where leaving saves too little,
         return (scene.chosen(0) == kPlain) + (scene.chosen(1) == kPlain);
     };
     CHECK(plain([](Scene&) {}) == 2);
+    rules::Policy still; // no change for the better, of all lights together neither
+    still.hysteresis.upgradesPerFrame = 0;
+    CHECK(plain([&](Scene& scene) { scene.input.policy = &still; }) == 0);
     CHECK(plain([](Scene& scene) { scene.of(1, kPlain).ms = 6.5; }) == 0);             // 10.5 of 12 ms
     CHECK(plain([](Scene& scene) { scene.of(1, kPlain).sigmaMs = 3.0; }) == 0);        // nobody knows
     CHECK(plain([](Scene& scene) { scene.of(1, kPlain).firstFrameMs = 600.0; }) == 0); // 10 ms a frame of the stay
