@@ -157,7 +157,8 @@ void settleSides(Frame& frame, const FactsParts& parts)
         light.state->wishedSide = 0.0;
     }
     for (const ViewLight& light : frame.lights)
-        light.state->wishedSide = std::max(light.state->wishedSide, light.memory->wishedSide);
+        light.state->wishedSide =
+            std::max({light.state->wishedSide, light.memory->wishedSide, 1.0 * light.memory->nearSide});
     const std::span<SideRequest> requests = parts.arena.array<SideRequest>(frame.lights.size());
     std::size_t count = 0;
     double held = 0.0;

@@ -272,6 +272,17 @@ std::span<const FramePlan::Cost> FramePlan::predict(const LightMemory& memory, s
     return costs;
 }
 
+/// Of a method whose maps follow coverage, the smallest that keeps so much of the truth; 0: none does, or it has none.
+std::uint32_t FramePlan::leastSide(std::uint32_t method, float quality) const
+{
+    if (method >= methods_.size() || !methods_[method].followsCoverage() || methods_[method].isExact()) return 0;
+    const auto keeps = [&](std::uint32_t side) {
+        return qualities_[rungOf(side) * methods_.size() + method] >= quality;
+    };
+    const auto found = std::find_if(kMapSides.begin(), kMapSides.end(), keeps);
+    return found == kMapSides.end() ? 0 : *found;
+}
+
 /// Candidates and requests of the plan step, and the prediction of every decision.
 void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
 {
@@ -299,6 +310,9 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
             lights_[i].floor = true;
             lights_[i].minimumQuality = static_cast<float>(base->policy.floor.minimumQuality);
         }
+        memory.nearSide = lights_[i].floor && request.pinned == UINT32_MAX
+                              ? leastSide(request.decision->method, lights_[i].minimumQuality)
+                              : 0;
         const std::span<const Cost> costs = predict(memory, budget.frame);
         const std::span qualities =
             std::span(qualities_).subspan(rungOf(request.decision->plainSide) * methods, methods);

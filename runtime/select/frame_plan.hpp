@@ -87,6 +87,7 @@ private:
         float importance;
     };
     void fill(const rules::RuleBase* base, const Budget& budget);
+    std::uint32_t leastSide(std::uint32_t method, float quality) const;
     void economise(const Budget& budget);
     std::uint32_t forItsPrice(const Request& request, const Budget& budget) const;
     void takePrice(const Request& request, std::uint32_t method, const Budget& budget);

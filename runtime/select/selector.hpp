@@ -119,10 +119,11 @@ struct PassFailure {
 /// What is remembered of a light in a view between frames.
 struct LightMemory {
     std::uint32_t incumbent = UINT32_MAX;
-    float distance = 0.0f;   ///< Measured; valid if `measured`.
-    float planarity = 0.0f;  ///< Likewise.
-    double mapWidth = 0.0;   ///< Metres, mapWidth(); 0: not asked for yet.
-    double wishedSide = 0.0; ///< sideFor(); 0: no receiver is visible, or none was looked for.
+    float distance = 0.0f;      ///< Measured; valid if `measured`.
+    float planarity = 0.0f;     ///< Likewise.
+    double mapWidth = 0.0;      ///< Metres, mapWidth(); 0: not asked for yet.
+    double wishedSide = 0.0;    ///< sideFor(); 0: no receiver is visible, or none was looked for.
+    std::uint32_t nearSide = 0; ///< Where a map suits best within the near floor: the least side that reaches it.
     bool measured = false;
     std::uint64_t measuredAt = 0; ///< Frame of the newest measurement.
     MedianOfFive share;

@@ -142,7 +142,7 @@ TEST_CASE("default.yaml lints clean, reads all eight facts, and gives a reason f
         CHECK(std::any_of(base.rules.begin(), base.rules.end(),
                           [&](const Rule& rule) { return contains(rule.sentence, fact.name); }));
     }
-    CHECK(base.policy.floor.when.size() == 3); // near, recorded, and
+    CHECK(base.policy.floor.when.size() == 1);
     CHECK(base.policy.budget.headroom == 0.02);
 }
 
