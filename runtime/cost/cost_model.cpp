@@ -20,6 +20,7 @@ constexpr double kMethodDrift = 1e-4;  // octaves squared a timed frame: what a 
 constexpr double kStep = 0.15;         // octaves = 11 %: a median beyond it in 3 of 5 frames is a step of the device
 constexpr double kStepVariance = 1.0;  // octaves squared, after such a step: it is believed at once
 constexpr double kLightShare = 0.5;    // of what a fit is off by, what lights of one scene differ by (rules/knowledge)
+constexpr double kAmongRate = 0.1;     // ten lights say what the fit cannot
 constexpr double kScaled = 0.25;       // octaves of doubt for each octave by which a light's workload has changed
 constexpr double kFollow = 0.25;       // of the way to the middle of three timings
 constexpr double kChanged = 1.0 / 64;  // octaves: 1 %, a change of what is expected of others
@@ -292,6 +293,10 @@ void CostModel::learnMethods() noexcept
 void CostModel::learnLight(const Surprise& surprise) noexcept
 {
     Own& known = own(surprise.light, surprise.method, surprise.pass);
+    if (known.count == 0) { // how much this light differs from the method's others says how much others may
+        double& among = methods_[surprise.method].among[static_cast<size_t>(surprise.pass)];
+        among = std::max(kNoise, among + kAmongRate * (square(surprise.octaves) - among));
+    }
     const double error = known.octaves + surprise.octaves;
     known.recent[known.count < 3 ? known.count : known.count % 3] = error;
     ++known.count;
