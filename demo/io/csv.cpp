@@ -2,6 +2,7 @@
 
 #include "demo/io/file.hpp"
 #include "demo/io/number.hpp"
+#include "runtime/cost/csv_line.hpp"
 
 #include <cmath>
 
@@ -63,22 +64,7 @@ Status CsvWriter::save(const std::filesystem::path& file) const
 
 bool splitCsvLine(std::string_view line, std::vector<std::string>& cells)
 {
-    cells.assign(1, {});
-    bool quoted = false;
-    for (size_t i = 0; i < line.size(); ++i) {
-        const char c = line[i];
-        if (c == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') {
-            cells.back() += '"';
-            ++i;
-        } else if (c == '"') {
-            quoted = !quoted;
-        } else if (c == ',' && !quoted) {
-            cells.emplace_back();
-        } else {
-            cells.back() += c;
-        }
-    }
-    return !quoted;
+    return cost::splitCells(line, cells);
 }
 
 } // namespace gnomon::demo

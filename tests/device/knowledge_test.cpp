@@ -80,7 +80,8 @@ TEST_CASE_FIXTURE(DeviceTest, "a knowledge base of this device decides what is p
         if (i == 0) first = newest();
     }
     CHECK(first > 0.0f);
-    CHECK(newest() == doctest::Approx(first).epsilon(0.5)); // meanwhile it learns from real, shorter times
+    CHECK(newest() > 0.0f);
+    CHECK(newest() <= 1.5f * first); // meanwhile it has learned from real, shorter times
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a prediction stands while what it rests on stands, and not a frame longer")

@@ -12,14 +12,14 @@ constexpr const char *kServes = "ray_traced", *kProbed = "tile_shafts";
 constexpr uint32_t kEvery = 20;
 
 /// The two exact methods, more than either takes in any build. The second one is expected to be cheaper by a third,
-/// but so little is known of it that it counts as about as dear: its upper bound wastes little.
+/// but so little is known of it that it counts as dearer: its upper bound wastes little.
 std::string knowledge()
 {
     cost::DeviceKnowledge known{device().properties.deviceName, "", "software", {}, {}};
     for (const char* name : {kServes, kProbed}) {
         cost::AlgorithmCost cost{.algorithm = name, .tracks = {}};
         cost.tracks[trackOf(cost::Pass::resolve, cost::Processor::cpu)] = {
-            .ms = {name == kServes ? 20.0 : 14.0}, .octaves = name == kServes ? 0.1 : 0.3, .samples = 40};
+            .ms = {name == kServes ? 20.0 : 14.0}, .octaves = name == kServes ? 0.1 : 0.6, .samples = 40};
         known.algorithms.push_back(cost);
     }
     return cost::writeKnowledge({&known, 1});
