@@ -147,9 +147,11 @@ Answer answer(const std::vector<DecisionLog>& logs, const Place& place, const Wh
         if (named.id == record.lightId) light = named.name;
     const std::optional<rules::Engine> engine = engineOf(log, record.methods);
     const bool same = engine && engine->base().textHash == record.ruleHash;
-    const ExplainWords words{
-        .methods = methods, .engine = same ? &*engine : nullptr, .light = light, .frameOrigin = log.frameOrigin,
-        .software = log.software};
+    const ExplainWords words{.methods = methods,
+                             .engine = same ? &*engine : nullptr,
+                             .light = light,
+                             .frameOrigin = log.frameOrigin,
+                             .software = log.software};
     if (question.asked == Asked::why) return explainWhy(record, words);
     if (question.asked == Asked::whatIf) return explainWhatIf(record, words);
     if (question.asked == Asked::whyNot) {
