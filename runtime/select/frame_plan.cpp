@@ -22,15 +22,15 @@ constexpr std::uint64_t kPredictEvery = 8;
 // been one of many, and those of the same frames are learned from together.
 constexpr std::uint64_t kTimingLag = 2;
 constexpr std::uint64_t kPriceFrames = 2 * (cost::kLearnFrames + kTimingLag);
-// Beyond this nothing has to be learned: predicted prices are off by a third at most but for one in twenty
-// (cost/README.md). A light that turns out to move paid for its maps 18 frames long (2.4 times the price; scenario).
+// Beyond this nothing has to be learned: most fits of rules/knowledge are off by half an octave or less. A light that
+// turns out to move would pay for its maps until kPriceFrames are over.
 constexpr float kNotOnePrice = 1.5f;
 // Rounds in which lights ask again what their share makes of a price. Each is a best answer to the others, and where
 // shares are divided evenly those come to rest; where they need longer, the next frame goes on.
 constexpr std::uint32_t kPriceRounds = 4;
 constexpr double kSameShare = 1.0 / 32.0; // 3 %: a time follows by less, and the model's own error is five times that
 
-/// Reach::treeLevels until it is measured: the median of the moments in rules/knowledge/lavapipe.csv.
+/// Reach::treeLevels until it is measured: the median of rules/knowledge/samples/lavapipe.csv.
 constexpr double kTreeLevels = 5.4;
 
 /// A light that rests keeps its static casters apart; then only the moving ones are drawn.

@@ -113,10 +113,10 @@ TEST_CASE("the calibrated plan keeps its bounds on invented traces, and beats th
             const std::vector<ReplayMetrics> all = compare(trace, {.noisyTimings = true}, &calibration);
             MESSAGE(kKindNames[kind], ", seed ", seed, "\n", toTable(all));
             const ReplayMetrics& plan = all[0];
-            CHECK(plan.regret <= 0.04);
+            CHECK(plan.regret <= 0.03);
             // Each light has a factor of its own for each method, 8 % one way or the other, that shows only once the
             // method has served it, and until then counts against it.
-            CHECK(plan.picks >= 0.65);
+            CHECK(plan.picks >= 0.73);
             CHECK(plan.over <= 0.01);
             // A step of all times to double their size cannot be foreseen: six frames to come back, whatever the
             // height.
@@ -131,7 +131,7 @@ TEST_CASE("the calibrated plan keeps its bounds on invented traces, and beats th
             CHECK(all[1].over <= 0.01);
             CHECK(all[1].regret <= 0.08);
         }
-        CHECK(flips <= 2.0);
+        CHECK(flips <= 1.0);
     }
 }
 
