@@ -37,6 +37,8 @@ const char* nameOf(GnReason reason) noexcept
         return "no_opinion";
     case GN_REASON_UNSEEN:
         return "unseen";
+    case GN_REASON_TRIAL:
+        return "trial";
     case GN_REASON_MAX_ENUM:
         break;
     }

@@ -144,7 +144,7 @@ Prediction CostModel::predict(uint32_t light, uint32_t method, Pass pass, const 
         out.measured = true;
     } else {
         const Belief& device = devices_[at(base.gpuMs > 0.5 * base.ms ? 0 : 1)];
-        variance = known.scene[p].variance + known.among[p] + device.variance;
+        variance = known.scene[p].variance + known.among[p] / std::max(1.0, workload.sharing) + device.variance;
     }
     out.ms = base.ms * exp2Exactly(octaves);
     out.sigmaOctaves = std::sqrt(variance);

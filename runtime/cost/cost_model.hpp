@@ -12,7 +12,8 @@
 /// clock that drops) show in several frames in a row; a spike shows in one and is not believed.
 ///
 /// An unmeasured light's variance is what its class has shown, so `sureMs` of what nobody has measured is far above
-/// `ms`, and choices ask for `sureMs`: unknown is never cheap.
+/// `ms`, and choices ask for `sureMs`: unknown is never cheap. What one light differs by evens out over those that
+/// share a view; what a whole method may be off by does not.
 ///
 /// Only + - * / and square roots on doubles, in fixed order: the same observations give the same bits everywhere.
 

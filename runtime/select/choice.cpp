@@ -88,6 +88,14 @@ float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::
     return static_cast<float>(method == incumbent ? ms : plan::changePriceMs(ms, double{candidate.firstMs}));
 }
 
+bool doesAsWell(std::span<const Candidate> candidates, std::uint32_t method, std::uint32_t as,
+                std::uint32_t wanted) noexcept
+{
+    const plan::UtilityTerms enough{candidates[wanted].quantised, candidates[as].quality, true};
+    return candidates[method].exclusion == Exclusion::none && candidates[method].quantised >= 0 &&
+           plan::showsAsMuch(utilityTermsOf(candidates[method]), enough);
+}
+
 namespace {
 
 /// What cheaperEqual() weighs.
@@ -96,13 +104,7 @@ struct Offers {
     std::uint32_t wanted, incumbent;
 
     float price(std::uint32_t m) const noexcept { return priceOf(all, m, incumbent); }
-    /// Shows as much as `as`, and the rules do not avoid it where `wanted` is what they like best.
-    bool doesAsWell(std::uint32_t m, std::uint32_t as) const noexcept
-    {
-        const plan::UtilityTerms enough{all[wanted].quantised, all[as].quality, true};
-        return all[m].exclusion == Exclusion::none && all[m].quantised >= 0 &&
-               plan::showsAsMuch(utilityTermsOf(all[m]), enough);
-    }
+    bool doesAsWell(std::uint32_t m, std::uint32_t as) const noexcept { return gnomon::doesAsWell(all, m, as, wanted); }
     std::uint32_t cheapestLike(std::uint32_t suited) const noexcept;
     std::uint32_t moreForNoMore(std::uint32_t cheapest) const noexcept;
     bool stays(std::uint32_t cheapest, std::uint32_t best) const noexcept;

@@ -50,6 +50,11 @@ inline constexpr float kPriceMargin = 0.1f;
 /// plan::kExpectedStayFrames.
 float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::uint32_t incumbent) noexcept;
 
+/// Whether a method may serve and shows as much as `as`, and the rules do not avoid it where `wanted` is what they like
+/// best.
+bool doesAsWell(std::span<const Candidate> candidates, std::uint32_t method, std::uint32_t as,
+                std::uint32_t wanted) noexcept;
+
 /// What serves where no budget says what time is worth: then time buys quality and nothing else. Of methods that the
 /// rules like at least half as well as `wanted` (what they avoid is not taken for its
 /// price): the cheapest that shows as much as `wanted`; or one that shows more and is dearer than that by no more than

@@ -35,6 +35,8 @@ const char* reasonText(GnReason reason)
         return "the pinned method cannot be recorded, the rules chose another";
     case GN_REASON_UNSEEN:
         return "no pixel can be in its range: nothing runs, visibility is 1";
+    case GN_REASON_TRIAL:
+        return "on trial for a few frames: it shows as much and may be cheaper";
     case GN_REASON_MAX_ENUM:
         break;
     }

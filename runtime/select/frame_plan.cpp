@@ -18,16 +18,6 @@ namespace {
 // A prediction stands for so many frames, unless the light was timed or its workload left kSameShare of where it was.
 // Timings come once in eight frames, so nothing newer is known in between.
 constexpr std::uint64_t kPredictEvery = 8;
-// The frames timed after a switch, when their timings are known (two frames late), twice: the first change may have
-// been one of many, and those of the same frames are learned from together.
-constexpr std::uint64_t kTimingLag = 2;
-constexpr std::uint64_t kPriceFrames = 2 * (cost::kLearnFrames + kTimingLag);
-// Beyond this nothing has to be learned: most fits of rules/knowledge are off by half an octave or less. A light that
-// turns out to move would pay for its maps until kPriceFrames are over.
-constexpr float kNotOnePrice = 1.5f;
-// Rounds in which lights ask again what their share makes of a price. Each is a best answer to the others, and where
-// shares are divided evenly those come to rest; where they need longer, the next frame goes on.
-constexpr std::uint32_t kPriceRounds = 4;
 constexpr double kSameShare = 1.0 / 32.0; // 3 %: a time follows by less, and the model's own error is five times that
 
 /// Reach::treeLevels until it is measured: the median of rules/knowledge/samples/lavapipe.csv.
@@ -94,22 +84,6 @@ bool isNear(const cost::Workload& a, const cost::Workload& b)
            isNear(a.drawnPixels, b.drawnPixels) && isNear(a.viewPixels, b.viewPixels) &&
            isNear(a.shadowPixels, b.shadowPixels) && isNear(a.mapFilled, b.mapFilled) &&
            isNear(a.mapTouched, b.mapTouched) && isNear(a.treeLevels, b.treeLevels);
-}
-
-/// What a method takes of work that a light shares with so many users of each part already.
-float shareMs(std::span<const plan::SharedPart> parts, std::span<const std::int32_t> users, std::uint32_t method)
-{
-    double ms = 0.0;
-    for (std::size_t p = 0; p < parts.size(); ++p)
-        if (parts[p].methods.has(method)) ms += parts[p].ms / (1.0 + users[p]);
-    return static_cast<float>(ms);
-}
-
-/// Whether the incumbent could go on where `method` serves, and nobody would see a difference.
-bool servesAsWell(std::span<const Candidate> all, std::uint32_t incumbent, std::uint32_t method)
-{
-    return incumbent < all.size() && method < all.size() && all[incumbent].exclusion == Exclusion::none &&
-           all[incumbent].quality >= all[method].quality - plan::kSameQuality;
 }
 
 plan::Eligibility eligibilityOf(Exclusion exclusion)
@@ -376,7 +350,7 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
             const std::span all = std::span<const Candidate>(request.decision->candidates).first(methods_.size());
             report.cheapestMs += double{cheapestMs(all, request.pinned)};
         }
-        if (countsTime(base)) economise(budget);
+        if (countsTime(base)) economise(base->policy, budget);
         for (const Request& request : requests_)
             explainWithoutPlan(*request.decision, base != nullptr);
     }
@@ -385,103 +359,6 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
         if (decision.method != UINT32_MAX) decision.predictedMs = decision.candidates[decision.method].predictedMs;
     }
     return report;
-}
-
-/// No budget says what time is worth: of methods that show as much, the cheapest (cheaperEqual). What lights share is
-/// first divided as if all had the method, so that they may leave for it together; who does not find company pays more
-/// of it, and asks again.
-void FramePlan::economise(const Budget& budget)
-{
-    const auto lights = static_cast<std::uint32_t>(requests_.size());
-    priced_.resize(lights);
-    for (std::uint32_t i = 0; i < lights; ++i)
-        priced_[i] = forItsPrice(requests_[i], budget);
-    std::array<std::int32_t, plan::kMaxParts> users{};
-    const auto count = [&](std::uint32_t method, std::int32_t more) {
-        for (std::size_t p = 0; p < budget.parts.size() && method < methods_.size(); ++p)
-            if (budget.parts[p].methods.has(method)) users[p] += more;
-    };
-    for (const std::uint32_t method : priced_)
-        count(method, 1);
-    const auto shared = std::span(users).first(budget.parts.size());
-    const auto all = static_cast<std::int32_t>(lights);
-    bool asked = std::any_of(shared.begin(), shared.end(), [=](std::int32_t of) { return of != 0 && of != all; });
-    for (std::uint32_t round = 0; asked && round < kPriceRounds; ++round) {
-        asked = false;
-        for (std::uint32_t i = 0; i < lights; ++i) {
-            count(priced_[i], -1);
-            for (std::uint32_t m = 0; m < methods_.size(); ++m)
-                requests_[i].decision->candidates[m].sharedMs = shareMs(budget.parts, users, m);
-            const std::uint32_t method = forItsPrice(requests_[i], budget);
-            asked = asked || method != priced_[i];
-            count(priced_[i] = method, 1);
-        }
-    }
-    for (std::uint32_t i = 0; i < lights; ++i)
-        takePrice(requests_[i], priced_[i], budget);
-}
-
-/// What was changed for its price stays long enough for its timings to be learned, unless it is dearer by far, or two
-/// methods of about one price would take turns. A choice made before it was measured what the light reaches, when it
-/// may not even be known that it moves, is not worth learning from and binds nobody once that is known; until then it
-/// has the incumbent's margin, or guesses of about one price would take turns.
-std::uint32_t FramePlan::forItsPrice(const Request& request, const Budget& budget) const
-{
-    const LightDecision& decision = *request.decision;
-    const LightMemory& memory = *request.memory;
-    if (!isByRules(decision.reason) || decision.method >= methods_.size()) return decision.method;
-    const std::span all = std::span<const Candidate>(decision.candidates);
-    const std::uint32_t method = cheaperEqual(all, decision.method, decision.guessed ? UINT32_MAX : memory.incumbent);
-    const bool learning =
-        memory.pricedAt != 0 && budget.frame - memory.pricedAt < kPriceFrames && !budget.cut && !memory.guessed;
-    if (!learning || !servesAsWell(all, memory.incumbent, decision.method)) return method;
-    const float own = priceOf(all, memory.incumbent, memory.incumbent), other = priceOf(all, method, memory.incumbent);
-    return own > kNotOnePrice * other ? method : memory.incumbent;
-}
-
-/// A method that nobody has timed here is tried on one light at a time, until its timings are known: they are then
-/// expected of all lights. Without anything that serves as well there is nothing to wait with.
-bool FramePlan::mayTry(const Request& request, std::uint32_t method, const Budget& budget)
-{
-    const LightMemory& memory = *request.memory;
-    if (method == memory.incumbent || method >= methods_.size() || budget.cut) return true;
-    if (costs_[std::size_t{memory.costSlot} * methods_.size() + method].steady.familiar) return true;
-    if (!servesAsWell(request.decision->candidates, memory.incumbent, method)) return true;
-    if (budget.frame < triedUntil_) return false;
-    triedUntil_ = budget.frame + cost::kLearnFrames + kTimingLag;
-    return true;
-}
-
-void FramePlan::takePrice(const Request& request, std::uint32_t method, const Budget& budget)
-{
-    LightDecision& decision = *request.decision;
-    LightMemory& memory = *request.memory;
-    if (isByRules(decision.reason) && !mayTry(request, method, budget)) method = memory.incumbent;
-    const std::span all = std::span<const Candidate>(decision.candidates);
-    const bool forPrice =
-        isByRules(decision.reason) && (method != decision.method || servesAsWell(all, memory.incumbent, method));
-    if (forPrice && method != memory.incumbent) memory.pricedAt = budget.frame;
-    if (method == decision.method) return;
-    decision.wanted = decision.method;
-    decision.method = method;
-    decision.reason = GN_REASON_PRICE;
-}
-
-/// The best suitability decided: why every other method lost.
-void FramePlan::explainWithoutPlan(LightDecision& decision, bool hasRules) const
-{
-    for (std::uint32_t m = 0; m < methods_.size(); ++m) {
-        Candidate& candidate = decision.candidates[m];
-        candidate.why = m == decision.method                       ? plan::Why::chosen
-                        : candidate.exclusion == Exclusion::vetoed ? plan::Why::never
-                        : candidate.exclusion != Exclusion::none   ? plan::Why::trait
-                        : decision.reason == GN_REASON_PINNED      ? plan::Why::pinned
-                        : hasRules && candidate.quantised < 0      ? plan::Why::noOpinion
-                        : decision.reason == GN_REASON_PRICE && decision.method < methods_.size() &&
-                                candidate.quantised > decision.candidates[decision.method].quantised
-                            ? plan::Why::price
-                            : plan::Why::outscored;
-    }
 }
 
 void FramePlan::observe(LightMemory& memory, std::uint32_t method, const LightTiming& timing, bool disturbed)

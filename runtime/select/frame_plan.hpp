@@ -88,7 +88,10 @@ private:
     };
     void fill(const rules::RuleBase* base, const Budget& budget);
     std::uint32_t leastSide(std::uint32_t method, float quality) const;
-    void economise(const Budget& budget);
+    void economise(const rules::Policy& policy, const Budget& budget);
+    void tryUnknown(const rules::Policy& policy, std::span<const std::int32_t> users, const Budget& budget);
+    double trialMs(const Request& request, std::uint32_t own, std::uint32_t method, double shareMs,
+                   std::uint32_t fadeFrames) const;
     std::uint32_t forItsPrice(const Request& request, const Budget& budget) const;
     void takePrice(const Request& request, std::uint32_t method, const Budget& budget);
     bool mayTry(const Request& request, std::uint32_t method, const Budget& budget);
@@ -135,7 +138,8 @@ private:
     cost::KnowledgeBase knowledge_;
     const cost::DeviceKnowledge* known_ = nullptr; ///< In knowledge_.
     std::uint32_t slots_ = 0, slotsUsed_ = 0, modelMethods_ = 0;
-    std::uint64_t triedUntil_ = 0; ///< Frame: a light has changed to a method that no light was timed with.
+    std::uint64_t triedUntil_ = 0; ///< Frame: a light has changed to a method that it, or no light, was timed with.
+    double savedMs_ = 0.0;         ///< For trials.
 };
 
 /// Share of the truth a method keeps with its settings, by what its author says and a knowledge base measured

@@ -258,7 +258,7 @@ private:
         for (std::uint32_t i = 0; i < fallbacks && good(); ++i)
             if (const std::uint32_t method = readMethod(head.methods); method != UINT32_MAX) head.fallbacks.add(method);
         head.distanceAge = in_.integer<std::uint32_t>();
-        head.reason = readEnum(GN_REASON_UNSEEN, "reason");
+        head.reason = readEnum(GN_REASON_TRIAL, "reason");
         head.replan = readEnum(static_cast<Replan>(static_cast<int>(Replan::count) - 1), "cause");
         head.hold = readEnum(plan::Hold::firstFrame, "hold");
         const auto flags = in_.integer<std::uint8_t>();

@@ -1,6 +1,7 @@
 // All lights of a frame, planned without a device: methods that only have names, times that a test makes up.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -41,7 +42,8 @@ public:
 
     /// Predicts for these lights as in a frame; every method may serve, and the rules like all alike.
     void predict(FramePlan& plan, std::vector<Lamp>& lamps, std::uint64_t frame,
-                 std::span<const plan::SharedPart> parts = {}, const rules::RuleBase* base = nullptr)
+                 std::span<const plan::SharedPart> parts = {}, const rules::RuleBase* base = nullptr,
+                 double measuredMs = -1.0)
     {
         plan.begin();
         for (Lamp& lamp : lamps) {
@@ -57,7 +59,10 @@ public:
             plan.add(lamp.decision, lamp.memory,
                      {.view = &view_, .light = &lamp.light, .casters = &casters_, .frame = frame});
         }
-        report = plan.decide(base, {.parts = parts, .frame = frame});
+        report = plan.decide(base, {.parts = parts,
+                                    .measuredMs = measuredMs,
+                                    .lastSecondMs = 60.0 * std::max(measuredMs, 0.0),
+                                    .frame = frame});
     }
     plan::PlanReport report; ///< Of the newest predict().
 
@@ -186,6 +191,61 @@ TEST_CASE("without a budget lights leave together for what they share, or not at
     // What has just been changed to is given time for its timings, but not where these would have to be wrong by half.
     CHECK(serving(0b001, 7.5, other, true) == 0b001);
     CHECK(serving(0b001, 14.0, other, true) == 0);
+}
+
+TEST_CASE("without a budget one light at a time tries what may be cheaper, for two hundredths of all time")
+{
+    const std::uint32_t own = methodNamed("ray_traced"), other = methodNamed("tile_shafts");
+    rules::RuleBase base;
+    base.options.allocation = rules::Options::Allocation::Budget;
+    constexpr std::uint64_t kFrames = 1200;
+    // What a light truly takes by the other one, in terms of its own method, and whether rules let lights try.
+    const auto served = [&](float share, std::uint32_t everyFrames) {
+        base.policy.probing.everyFrames = everyFrames;
+        PlanTable table;
+        FramePlan plan(table.methods(), true);
+        const cost::KnowledgeBase& shipped = cost::shippedKnowledge();
+        REQUIRE(plan.teach(shipped, {shipped.devices.front().device, shipped.devices.front().kind}).methods > 0);
+        std::vector<PlanTable::Lamp> lamps(8);
+        for (PlanTable::Lamp& lamp : lamps) {
+            lamp.able = {own, other};
+            lamp.suited = lamp.memory.incumbent = own;
+            lamp.memory.measured = true;
+        }
+        double all = 0.0, waste = 0.0, tried = 0.0;
+        float ownMs = 0.0f;
+        for (std::uint64_t frame = 1; frame <= kFrames; ++frame) {
+            table.predict(plan, lamps, frame, {}, &base, 8.0 * double{ownMs});
+            // As dear as the other one is expected to be, so that nothing but a trial can tell.
+            if (frame == 1) ownMs = lamps[0].candidates[other].predictedMs;
+            std::uint32_t trials = 0, others = 0;
+            for (PlanTable::Lamp& lamp : lamps) {
+                const std::uint32_t method = lamp.decision.method;
+                const float ms = method == own ? ownMs : share * ownMs;
+                if (method != lamp.memory.incumbent) lamp.memory.methodSince = frame;
+                lamp.memory.incumbent = method;
+                trials += lamp.decision.reason == GN_REASON_TRIAL;
+                others += method == other;
+                all += double{ms};
+                waste += double{std::max(ms - ownMs, 0.0f)};
+                plan.observe(lamp.memory, method, {.frame = frame, .resolveCpuMs = ms}, false);
+            }
+            plan.endFrame();
+            CHECK(trials <= 1);
+            tried += trials;
+            if (frame == kFrames) return std::array{tried, waste / all, double(others)};
+        }
+        return std::array<double, 3>{};
+    };
+    const auto [tried, waste, others] = served(0.7f, 60);
+    CHECK(tried > 0.0);
+    CHECK(others == 8.0);
+    const auto [again, lost, left] = served(1.5f, 60);
+    CHECK(again > 0.0);
+    CHECK(lost > 0.0);
+    CHECK(lost < 0.02);
+    CHECK(left == 0.0);
+    CHECK(served(0.7f, 0)[0] == 0.0);
 }
 
 TEST_CASE("what was chosen before a light was measured holds until it is, and binds nobody then")

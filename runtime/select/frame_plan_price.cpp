@@ -1,0 +1,194 @@
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "runtime/plan/utility.hpp"
+#include "runtime/select/frame_plan.hpp"
+
+// The choice where no budget says what time is worth.
+namespace gnomon {
+
+namespace {
+
+// The frames timed after a switch, when their timings are known (two frames late), twice: the first change may have
+// been one of many, and those of the same frames are learned from together.
+constexpr std::uint64_t kTimingLag = 2;
+constexpr std::uint64_t kPriceFrames = 2 * (cost::kLearnFrames + kTimingLag);
+// Beyond this nothing has to be learned: most fits of rules/knowledge are off by half an octave or less. A light that
+// turns out to move would pay for its maps until kPriceFrames are over.
+constexpr float kNotOnePrice = 1.5f;
+// Rounds in which lights ask again what their share makes of a price. Each is a best answer to the others, and where
+// shares are divided evenly those come to rest; where they need longer, the next frame goes on.
+constexpr std::uint32_t kPriceRounds = 4;
+
+/// What a method takes of work that a light shares with so many users of each part already.
+float shareMs(std::span<const plan::SharedPart> parts, std::span<const std::int32_t> users, std::uint32_t method)
+{
+    double ms = 0.0;
+    for (std::size_t p = 0; p < parts.size(); ++p)
+        if (parts[p].methods.has(method)) ms += parts[p].ms / (1.0 + users[p]);
+    return static_cast<float>(ms);
+}
+
+/// Whether the incumbent could go on where `method` serves, and nobody would see a difference.
+bool servesAsWell(std::span<const Candidate> all, std::uint32_t incumbent, std::uint32_t method)
+{
+    return incumbent < all.size() && method < all.size() && all[incumbent].exclusion == Exclusion::none &&
+           all[incumbent].quality >= all[method].quality - plan::kSameQuality;
+}
+
+} // namespace
+
+/// No budget says what time is worth: of methods that show as much, the cheapest (cheaperEqual). What lights share is
+/// first divided as if all had the method, so that they may leave for it together; who does not find company pays more
+/// of it, and asks again.
+void FramePlan::economise(const rules::Policy& policy, const Budget& budget)
+{
+    const auto lights = static_cast<std::uint32_t>(requests_.size());
+    priced_.resize(lights);
+    for (std::uint32_t i = 0; i < lights; ++i)
+        priced_[i] = forItsPrice(requests_[i], budget);
+    std::array<std::int32_t, plan::kMaxParts> users{};
+    const auto count = [&](std::uint32_t method, std::int32_t more) {
+        for (std::size_t p = 0; p < budget.parts.size() && method < methods_.size(); ++p)
+            if (budget.parts[p].methods.has(method)) users[p] += more;
+    };
+    for (const std::uint32_t method : priced_)
+        count(method, 1);
+    const auto shared = std::span(users).first(budget.parts.size());
+    const auto all = static_cast<std::int32_t>(lights);
+    bool asked = std::any_of(shared.begin(), shared.end(), [=](std::int32_t of) { return of != 0 && of != all; });
+    for (std::uint32_t round = 0; asked && round < kPriceRounds; ++round) {
+        asked = false;
+        for (std::uint32_t i = 0; i < lights; ++i) {
+            count(priced_[i], -1);
+            for (std::uint32_t m = 0; m < methods_.size(); ++m)
+                requests_[i].decision->candidates[m].sharedMs = shareMs(budget.parts, users, m);
+            const std::uint32_t method = forItsPrice(requests_[i], budget);
+            asked = asked || method != priced_[i];
+            count(priced_[i] = method, 1);
+        }
+    }
+    tryUnknown(policy, shared, budget);
+    for (std::uint32_t i = 0; i < lights; ++i)
+        takePrice(requests_[i], priced_[i], budget);
+}
+
+/// What was changed for its price stays long enough for its timings to be learned, unless it is dearer by far, or two
+/// methods of about one price would take turns. A choice made before it was measured what the light reaches, when it
+/// may not even be known that it moves, is not worth learning from and binds nobody once that is known; until then it
+/// has the incumbent's margin, or guesses of about one price would take turns. Nor has what was on trial any margin.
+std::uint32_t FramePlan::forItsPrice(const Request& request, const Budget& budget) const
+{
+    const LightDecision& decision = *request.decision;
+    const LightMemory& memory = *request.memory;
+    if (!isByRules(decision.reason) || decision.method >= methods_.size()) return decision.method;
+    const std::span all = std::span<const Candidate>(decision.candidates);
+    const bool learning =
+        memory.pricedAt != 0 && budget.frame - memory.pricedAt < kPriceFrames && !budget.cut && !memory.guessed;
+    const bool unbound = decision.guessed || (memory.isOnTrial() && !learning);
+    const std::uint32_t method = cheaperEqual(all, decision.method, unbound ? UINT32_MAX : memory.incumbent);
+    if (!learning || !servesAsWell(all, memory.incumbent, decision.method)) return method;
+    const float own = priceOf(all, memory.incumbent, memory.incumbent), other = priceOf(all, method, memory.incumbent);
+    return own > kNotOnePrice * other ? method : memory.incumbent;
+}
+
+/// A method that nobody has timed here is tried on one light at a time, until its timings are known: they are then
+/// expected of all lights. Without anything that serves as well there is nothing to wait with.
+bool FramePlan::mayTry(const Request& request, std::uint32_t method, const Budget& budget)
+{
+    const LightMemory& memory = *request.memory;
+    if (method == memory.incumbent || method >= methods_.size() || budget.cut) return true;
+    if (costs_[std::size_t{memory.costSlot} * methods_.size() + method].steady.familiar) return true;
+    if (!servesAsWell(request.decision->candidates, memory.incumbent, method)) return true;
+    if (budget.frame < triedUntil_) return false;
+    triedUntil_ = budget.frame + cost::kLearnFrames + kTimingLag;
+    return true;
+}
+
+/// What a trial of a method may cost beyond what the light takes now, ms: until it ends, by what its class hardly
+/// exceeds. Where the two need not show the same, they fade into each other.
+double FramePlan::trialMs(const Request& request, std::uint32_t own, std::uint32_t method, double shareMs,
+                          std::uint32_t fadeFrames) const
+{
+    const Cost& cost = costs_[std::size_t{request.memory->costSlot} * methods_.size() + method];
+    const double ownMs = double{priceOf(request.decision->candidates, own, own)};
+    const bool fades = !methods_[own].isExact() || !methods_[method].isExact();
+    return std::max(cost.sureMs + shareMs - ownMs, 0.0) * double{kPriceFrames} + cost.firstMs +
+           (fades ? ownMs * fadeFrames : 0.0);
+}
+
+/// One light serves for a few frames by what shows as much, is not known to be cheaper, and may well be: if it took
+/// `probing.sigma` standard errors less than predicted. What that may cost is saved up for, a small share of all shadow
+/// time. Of all lights and methods, the one most likely to win.
+void FramePlan::tryUnknown(const rules::Policy& policy, std::span<const std::int32_t> users, const Budget& budget)
+{
+    savedMs_ = std::min(savedMs_ + plan::kMostWaste * std::max(budget.measuredMs, 0.0),
+                        plan::kMostWaste * budget.lastSecondMs);
+    if (policy.probing.everyFrames == 0 || budget.frame < triedUntil_ || budget.cut || !(savedMs_ > 0.0)) return;
+    std::size_t light = requests_.size();
+    std::uint32_t tried = UINT32_MAX;
+    double least = policy.probing.sigma, ms = 0.0;
+    for (std::size_t i = 0; i < requests_.size(); ++i) {
+        const Request& request = requests_[i];
+        const LightMemory& memory = *request.memory;
+        const std::span costs = std::span(costs_).subspan(std::size_t{memory.costSlot} * methods_.size());
+        const std::uint32_t own = priced_[i], wanted = request.decision->method;
+        const bool settled = own == memory.incumbent && own < methods_.size() && !memory.isOnTrial() && memory.measured;
+        if (!isByRules(request.decision->reason) || !settled || !costs[own].steady.measured) continue;
+        const std::span all = std::span<const Candidate>(request.decision->candidates);
+        for (std::uint32_t m = 0; m < methods_.size(); ++m) {
+            const cost::Prediction& guess = costs[m].steady;
+            if (m == own || guess.measured || !(guess.sigmaMs > 0.0) || !doesAsWell(all, m, own, wanted)) continue;
+            // Whether it pays is asked as if all lights had it; what it takes now it takes alone.
+            const double over = guess.ms + double{sharesMs_[m]} - double{priceOf(all, own, own)};
+            const double needed = std::max(0.0, over) / guess.sigmaMs;
+            if (needed >= least) continue;
+            const double share = double{shareMs(budget.parts, users, m)};
+            const double wasteMs = trialMs(request, own, m, share, policy.hysteresis.crossFadeFrames);
+            if (wasteMs <= savedMs_) light = i, tried = m, least = needed, ms = wasteMs;
+        }
+    }
+    if (light == requests_.size()) return;
+    priced_[light] = requests_[light].memory->tried = tried;
+    requests_[light].memory->pricedAt = budget.frame;
+    savedMs_ -= ms;
+    triedUntil_ = budget.frame + kPriceFrames;
+}
+
+void FramePlan::takePrice(const Request& request, std::uint32_t method, const Budget& budget)
+{
+    LightDecision& decision = *request.decision;
+    LightMemory& memory = *request.memory;
+    const bool begins = method == memory.tried && method != memory.incumbent;
+    if (isByRules(decision.reason) && !begins && !mayTry(request, method, budget)) method = memory.incumbent;
+    const bool onTrial = method == memory.tried;
+    if (!onTrial || budget.frame - memory.pricedAt >= kPriceFrames) memory.tried = UINT32_MAX;
+    const std::span all = std::span<const Candidate>(decision.candidates);
+    const bool forPrice =
+        isByRules(decision.reason) && (method != decision.method || servesAsWell(all, memory.incumbent, method));
+    if (forPrice && method != memory.incumbent) memory.pricedAt = budget.frame;
+    if (method == decision.method) return;
+    decision.wanted = decision.method;
+    decision.method = method;
+    decision.reason = memory.isOnTrial() ? GN_REASON_TRIAL : GN_REASON_PRICE;
+}
+
+/// The best suitability decided: why every other method lost.
+void FramePlan::explainWithoutPlan(LightDecision& decision, bool hasRules) const
+{
+    for (std::uint32_t m = 0; m < methods_.size(); ++m) {
+        Candidate& candidate = decision.candidates[m];
+        candidate.why = m == decision.method                       ? plan::Why::chosen
+                        : candidate.exclusion == Exclusion::vetoed ? plan::Why::never
+                        : candidate.exclusion != Exclusion::none   ? plan::Why::trait
+                        : decision.reason == GN_REASON_PINNED      ? plan::Why::pinned
+                        : hasRules && candidate.quantised < 0      ? plan::Why::noOpinion
+                        : decision.reason == GN_REASON_PRICE && decision.method < methods_.size() &&
+                                candidate.quantised > decision.candidates[decision.method].quantised
+                            ? plan::Why::price
+                            : plan::Why::outscored;
+    }
+}
+
+} // namespace gnomon
