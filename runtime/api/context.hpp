@@ -170,6 +170,7 @@ private:
 
     std::atomic<bool> lost_ = false;
     bool drained_ = false; ///< drain() has waited.
+    bool saidNoClock_ = false;
     LastErrors lastErrors_;
 };
 

@@ -80,6 +80,10 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     if (Result<void> ok = openSlot(frame_, input_, info.completedFrame, isTimed(info), snapshot, submit); !ok)
         return ok.error();
     learn(frame_, {*executor_, *plan_, history_, methods_->size()});
+    if (!executor_->hasClock() && !std::exchange(saidNoClock_, true))
+        messages_.warn("NoTimestamps",
+                       "the queue has no timestamps, or they stand still or run backwards: GPU times are "
+                       "unknown, and methods count as the knowledge base predicts them");
     if (Result<void> ok = submitFrame(frame_, cmd, history_.past.present(), submit); !ok) return ok.error();
     frame_.stats.callMs = static_cast<float>(msSince(start));
     finishStats();

@@ -156,7 +156,8 @@ Prediction CostModel::predict(uint32_t light, uint32_t method, const Workload& w
                               bool updateSkipped) const noexcept
 {
     const Prediction resolve = predict(light, method, Pass::resolve, workload);
-    const Prediction update = updateSkipped ? Prediction{} : predict(light, method, Pass::update, workload);
+    Prediction update = updateSkipped ? Prediction{} : predict(light, method, Pass::update, workload);
+    update.ms /= workload.redrawEvery, update.sigmaMs /= workload.redrawEvery;
     Prediction sum{.ms = update.ms + resolve.ms, .sigmaMs = update.sigmaMs + resolve.sigmaMs};
     sum.familiar = method < methods_.size() && methods_[method].timed;
     sum.measured = (update.measured || update.ms == 0.0) && (resolve.measured || resolve.ms == 0.0) && sum.ms > 0.0;

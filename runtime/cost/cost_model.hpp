@@ -90,7 +90,7 @@ public:
     /// GPU and CPU milliseconds together, as budgets and measured times are given. A light beyond those of resize() is
     /// one that no method has served.
     Prediction predict(uint32_t light, uint32_t method, Pass pass, const Workload& workload) const noexcept;
-    /// Update and resolve; `updateSkipped` when what the update would make is still valid.
+    /// Update and resolve of a mean frame; `updateSkipped` when what the update would make is still valid.
     Prediction predict(uint32_t light, uint32_t method, const Workload& workload, bool updateSkipped) const noexcept;
 
     /// The device's factor, by Processor.

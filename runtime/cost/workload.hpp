@@ -28,9 +28,10 @@ struct Workload {
     double drawnPixels = 0.0;                ///< Of the screen rectangle around the light; 0: `pixels`.
     double viewPixels = 0.0;                 ///< Of the view; 0: `pixels`.
     double shadowPixels = 0.0;               ///< Covered by the sides of shadow volumes; 0 for methods that draw none.
-    double mapFilled = 1.0;  ///< Of the map's texels, by the casters that an update draws; each counts. May exceed 1.
-    double mapTouched = 1.0; ///< Share of the maps (one, or six faces) that these casters touch.
-    double treeLevels = 0.0; ///< On the way of a reached pixel's ray; 0 for methods that trace few.
+    double mapFilled = 1.0;   ///< Of the map's texels, by the casters that an update draws; each counts. May exceed 1.
+    double mapTouched = 1.0;  ///< Share of the maps (one, or six faces) that these casters touch.
+    double treeLevels = 0.0;  ///< On the way of a reached pixel's ray; 0 for methods that trace few.
+    double redrawEvery = 1.0; ///< Frames from one update to the next, of what is not still; >= 1.
 
     bool operator==(const Workload&) const = default;
 };

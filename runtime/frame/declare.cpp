@@ -111,13 +111,6 @@ void LightPasses::take(const Choice& choice, const Error& error)
                                                    : "; '" + parts_.methods[choice.method].name + "' serves it"));
 }
 
-/// Whether the light's pose and the map that it is looked up in are all that the method goes by.
-bool looksUpMaps(const Method& method)
-{
-    return method.followsCoverage() && !method.has(GN_TRAIT_RAYS_BIT) && !method.has(GN_TRAIT_TOPOLOGY_BIT) &&
-           !method.has(GN_TRAIT_CPU_GEOMETRY_BIT);
-}
-
 /// The light and its casters of now, or as its map shows them, which is not drawn in this frame then. Tasks share a
 /// light's map, and have to agree: with two views, or two methods, all go by what is now.
 MapPose LightPasses::poseFor(const Method& method)
@@ -125,13 +118,14 @@ MapPose LightPasses::poseFor(const Method& method)
     const MapPose now{light_.light, light_.casters};
     LightState& state = *light_.state;
     const bool alone = frame_.views.size() == 1 && decision_.outgoing == UINT32_MAX && decision_.probed == UINT32_MAX;
-    if (!alone || !state.sideKnown || !looksUpMaps(method)) {
+    if (!alone || !state.sideKnown || !method.looksUpMaps()) {
         state.drawn.lose();
+        if (!alone) light_.memory->redrawEvery = 0;
         return now;
     }
     const MapKey key{method.index, method.mapSide(decision_.plainSide), light_.memory->mapWidth};
     const MapPose pose = state.drawn.next(frame_.number, key, now, parts_.arena);
-    decision_.redrawEvery = state.drawn.every();
+    decision_.redrawEvery = light_.memory->redrawEvery = state.drawn.every();
     decision_.mapAge = state.drawn.age();
     return pose;
 }

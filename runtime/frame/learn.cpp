@@ -36,7 +36,8 @@ void chargeLight(const FrameTimings& timings, std::uint32_t view, std::uint32_t 
         if (method != methods[0]) methods[1] = method;
     }
     if (methods[0] == memory.incumbent) std::swap(methods[0], methods[1]); // who serves has the last word
-    const bool disturbed = parts.history.past.at(timings.frame).disturbed;
+    // Without a clock the part that the GPU takes is not known.
+    const bool disturbed = parts.history.past.at(timings.frame).disturbed || !parts.executor.hasClock();
     for (const std::uint32_t method : methods) {
         if (method == UINT32_MAX) continue;
         const LightTiming light = timingOf(timings, view, id, method, parts.history.totals.scale());

@@ -22,7 +22,7 @@ PassExecutor::PassExecutor(const DeviceTable& vk, DeviceMemory& memory, Pipeline
                            const SamplerSet& samplers, JobSystem& jobs, ResourcePool& pool, PassGraph& graph,
                            const GnContextCreateInfo& info)
     : vk_(vk), memory_(memory), pipelines_(pipelines), samplers_(samplers), jobs_(jobs), pool_(pool), graph_(graph),
-      timeline_(vk, info), barriers_(vk)
+      timeline_(vk, info), barriers_(vk), clock_(vk.timestampValidBits)
 {
 }
 

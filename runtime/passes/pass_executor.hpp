@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "runtime/passes/barriers.hpp"
+#include "runtime/passes/device_clock.hpp"
 #include "runtime/passes/device_timeline.hpp"
 #include "runtime/passes/pass_context.hpp"
 #include "runtime/passes/pass_graph.hpp"
@@ -105,6 +106,8 @@ public:
     const Error* warmupError() const { return warmupError_ ? &*warmupError_ : nullptr; }
     const FrameTimings* newest() const { return published_.frame ? &published_ : nullptr; }
     const FrameTimings* newestTimed() const { return publishedTimed_.frame ? &publishedTimed_ : nullptr; }
+    /// False: the queue has no timestamps, or they do not tell the time, and GPU times are unknown.
+    bool hasClock() const { return clock_.usable(); }
     ExecutorCounters& counters() { return counters_; }
 
 private:
@@ -147,6 +150,7 @@ private:
     Result<void> makeQueries(Slot& slot, std::uint32_t count);
     Result<void> resetQueries(VkCommandBuffer cmd, std::uint32_t round);
     void stamp(VkCommandBuffer cmd);
+    bool believes(const Slot& slot);
     void collect(Slot& slot);
     Result<VkCommandBuffer> commandBuffer(Slot& slot, std::uint32_t round);
     Result<VkCommandBuffer> beginOnce();
@@ -182,6 +186,7 @@ private:
     std::vector<Later> later_;
     ExecutorCounters counters_;
     FrameTimings published_, publishedTimed_;
+    DeviceClock clock_;
 };
 
 } // namespace gnomon

@@ -38,7 +38,7 @@ void PassExecutor::markBegun(VkCommandBuffer cmd)
 /// the others.
 Result<void> PassExecutor::makeQueries(Slot& slot, std::uint32_t count)
 {
-    while (vk_.timestampValidBits && slot.queries.size() * kQueriesPerPool < count) {
+    while (clock_.usable() && slot.queries.size() * kQueriesPerPool < count) {
         const VkQueryPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
                                          .queryType = VK_QUERY_TYPE_TIMESTAMP,
                                          .queryCount = kQueriesPerPool};
@@ -54,7 +54,7 @@ Result<void> PassExecutor::makeQueries(Slot& slot, std::uint32_t count)
 
 void PassExecutor::stamp(VkCommandBuffer cmd)
 {
-    if (slot_->queries.empty()) return;
+    if (slot_->queries.empty() || !clock_.usable()) return;
     const std::uint32_t query = slot_->queriesUsed++;
     vk_.vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, slot_->queries[query / kQueriesPerPool].get(),
                              query % kQueriesPerPool);
@@ -63,7 +63,7 @@ void PassExecutor::stamp(VkCommandBuffer cmd)
 /// Those that the round may write: its own two, and in timed frames two for each of its passes.
 Result<void> PassExecutor::resetQueries(VkCommandBuffer cmd, std::uint32_t round)
 {
-    if (slot_->queries.empty()) return {};
+    if (slot_->queries.empty() || !clock_.usable()) return {};
     std::uint32_t wanted = 2;
     for (const std::uint32_t index : order_)
         if (slot_->timed && graph_.passes()[index].round == round && runsOnGpu(graph_.passes()[index])) wanted += 2;
@@ -263,6 +263,18 @@ void PassExecutor::showReadbacks(std::uint32_t round)
     }
 }
 
+/// Whether the stamps of a completed frame can be believed; where it has none there is nothing to doubt.
+bool PassExecutor::believes(const Slot& slot)
+{
+    if (slot.queriesUsed == 0) return true;
+    for (const Slot::Entry& entry : slot.entries)
+        if (entry.endQuery < slot.queriesUsed)
+            clock_.note(slot.results[entry.startQuery], slot.results[entry.endQuery], true);
+    for (const Slot::Span& span : slot.rounds)
+        clock_.note(slot.results[span.startQuery], slot.results[span.endQuery], false);
+    return clock_.endFrame();
+}
+
 /// Timings of a completed frame; the results are there, nothing is waited for. Without queries the GPU's are 0.
 void PassExecutor::collect(Slot& slot)
 {
@@ -275,9 +287,9 @@ void PassExecutor::collect(Slot& slot)
                                                      sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
         if (r != VK_SUCCESS) return; // not ready or lost: this frame's timings are missed
     }
-    const std::uint64_t mask = vk_.timestampValidBits >= 64 ? ~0ull : (1ull << vk_.timestampValidBits) - 1;
+    if (!believes(slot)) return;
     auto ms = [&](std::uint32_t from, std::uint32_t to) {
-        const std::uint64_t ticks = ((slot.results[to] & mask) - (slot.results[from] & mask)) & mask;
+        const std::uint64_t ticks = clock_.between(slot.results[from], slot.results[to]);
         return static_cast<float>(static_cast<double>(ticks) * vk_.properties.limits.timestampPeriod * 1e-6);
     };
     FrameTimings& out = slot.timed ? publishedTimed_ : published_;

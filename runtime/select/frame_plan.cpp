@@ -47,6 +47,7 @@ cost::Workload workloadOf(const Method& method, const cost::Workload& light)
     const double plain = light.mapTexels > 0.0 ? std::sqrt(light.mapTexels) : double{kUnmeasuredSide};
     const double side = method.mapSide(static_cast<std::uint32_t>(std::lround(plain)));
     workload.mapTexels = side * side * (light.point ? 6.0 : 1.0);                              // the faces of a cube
+    if (!method.looksUpMaps()) workload.redrawEvery = 1.0;                                     // goes by what is now
     if (!method.has(GN_TRAIT_TOPOLOGY_BIT)) workload.shadowPixels = 0.0;                       // draws no volumes
     if (!method.has(GN_TRAIT_RAYS_BIT) || workload.mapTexels > 0.0) workload.treeLevels = 0.0; // a map answers most
     return workload;
@@ -83,7 +84,7 @@ bool isNear(const cost::Workload& a, const cost::Workload& b)
            isNear(a.drawnTriangles, b.drawnTriangles) && isNear(a.casters, b.casters) &&
            isNear(a.drawnPixels, b.drawnPixels) && isNear(a.viewPixels, b.viewPixels) &&
            isNear(a.shadowPixels, b.shadowPixels) && isNear(a.mapFilled, b.mapFilled) &&
-           isNear(a.mapTouched, b.mapTouched) && isNear(a.treeLevels, b.treeLevels);
+           isNear(a.mapTouched, b.mapTouched) && isNear(a.treeLevels, b.treeLevels) && a.redrawEvery == b.redrawEvery;
 }
 
 plan::Eligibility eligibilityOf(Exclusion exclusion)
@@ -214,7 +215,8 @@ void FramePlan::add(LightDecision& decision, LightMemory& memory, const Selectio
                             .point = input.light->type == GN_LIGHT_TYPE_POINT,
                             .drawnPixels = rectangle,
                             .viewPixels = all,
-                            .treeLevels = memory.measured ? memory.treeLevels.get() : kTreeLevels};
+                            .treeLevels = memory.measured ? memory.treeLevels.get() : kTreeLevels,
+                            .redrawEvery = static_cast<double>(std::max(memory.redrawEvery, 1u))};
     addEstimates(workload, memory, input);
     memory.workload = workload;
     requests_.push_back({&decision, &memory, input.pinned, input.importance});

@@ -137,6 +137,7 @@ struct LightMemory {
     std::uint64_t methodSince = 0;       ///< Frame in which the method last changed.
     bool guessed = false;                ///< The incumbent was chosen while `measured` was false.
     std::uint64_t pricedAt = 0;          ///< Frame in which the method last changed for its price.
+    std::uint32_t redrawEvery = 0;       ///< LightDecision's, of the newest frame.
     std::uint32_t tried = UINT32_MAX;    ///< Serves from pricedAt on so that its time is known.
     std::uint32_t probed = UINT32_MAX;   ///< The newest method that was measured beside it, from probedSince on.
     std::uint64_t probedSince = 0;

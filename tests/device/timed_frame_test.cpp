@@ -111,9 +111,24 @@ VKAPI_ATTR void VKAPI_CALL countedReset(VkCommandBuffer cmd, VkQueryPool pool, u
     vkCmdResetQueryPool(cmd, pool, first, count);
 }
 
+// --- a clock that does not tell the time ---
+
+enum class Clock { right, still, backwards };
+Clock queueClock = Clock::right;
+
+VKAPI_ATTR VkResult VKAPI_CALL wrongTimestamps(VkDevice handle, VkQueryPool pool, uint32_t first, uint32_t count,
+                                               size_t size, void* data, VkDeviceSize stride, VkQueryResultFlags flags)
+{
+    const VkResult result = vkGetQueryPoolResults(handle, pool, first, count, size, data, stride, flags);
+    for (uint32_t i = 0; i < count && queueClock != Clock::right; ++i)
+        static_cast<uint64_t*>(data)[i] = queueClock == Clock::still ? 7 : 1'000'000 - i;
+    return result;
+}
+
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL hookedGetDeviceProcAddr(VkDevice handle, const char* name)
 {
     if (std::strcmp(name, "vkCmdResetQueryPool") == 0) return reinterpret_cast<PFN_vkVoidFunction>(&countedReset);
+    if (std::strcmp(name, "vkGetQueryPoolResults") == 0) return reinterpret_cast<PFN_vkVoidFunction>(&wrongTimestamps);
     return vkGetDeviceProcAddr(handle, name);
 }
 
@@ -257,6 +272,25 @@ TEST_CASE_FIXTURE(DeviceTest, "CPU passes have their times on a queue without ti
     host.require(gnGetLightTiming(host.context, host.views[0], host.lights[0], &light));
     CHECK(light.resolveCpuMs > 0.0f);
     CHECK(dark(host.pictures()[0]) > 100);
+}
+
+TEST_CASE_FIXTURE(DeviceTest,
+                  "timestamps that stand still or run backwards are said once, and nothing is learned from them")
+{
+    for (const Clock clock : {Clock::still, Clock::backwards}) {
+        queueClock = clock;
+        Host host(smallScene(), hooked<true>());
+        host.pinAll("shadow_map");
+        host.draw(1, timed(GN_FRAME_TIMED_BIT));
+        const float predicted = host.decision(0).predictedMs;
+        host.draw(12, timed(GN_FRAME_TIMED_BIT));
+        CHECK(host.decision(0).predictedMs == doctest::Approx(predicted));
+        CHECK(host.stats().gpuMs == 0.0f);
+        const std::vector<std::string> said = host.takeMessages();
+        const auto isSo = [](const std::string& message) { return message.find("NoTimestamps") != std::string::npos; };
+        CHECK(std::count_if(said.begin(), said.end(), isSo) == 1);
+        queueClock = Clock::right;
+    }
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a frame resets the queries that it writes, two a round where it is not timed")

@@ -88,6 +88,19 @@ TEST_CASE("what nobody has timed is never cheap: choices count with what its kin
     CHECK(other.sureMs() < 2.0 * other.ms);
 }
 
+TEST_CASE("a map that is drawn in every fourth frame takes a quarter of its update in a mean one")
+{
+    CostModel model;
+    model.resize(1, 1);
+    std::array<TrackCost, kTracks> tracks;
+    tracks[trackOf(Pass::update, Processor::gpu)] = {.ms = {8.0}, .octaves = 0.2, .samples = 30};
+    tracks[trackOf(Pass::resolve, Processor::gpu)] = {.ms = {1.0}, .octaves = 0.2, .samples = 30};
+    model.teach(0, tracks, 0.0);
+    CHECK(model.predict(0, 0, {}, false).ms == doctest::Approx(9.0));
+    CHECK(model.predict(0, 0, {.redrawEvery = 4.0}, false).ms == doctest::Approx(3.0));
+    CHECK(model.predict(0, 0, {.redrawEvery = 4.0}, true).ms == doctest::Approx(1.0));
+}
+
 TEST_CASE("a foreign device is known after one frame")
 {
     Random random(3);
