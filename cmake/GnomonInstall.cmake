@@ -8,7 +8,7 @@ install(DIRECTORY runtime/include/gnomon DESTINATION "${CMAKE_INSTALL_INCLUDEDIR
 install(DIRECTORY rules/knowledge DESTINATION "${CMAKE_INSTALL_DATADIR}/gnomon/rules" FILES_MATCHING PATTERN "*.csv"
     PATTERN samples EXCLUDE)
 install(FILES rules/battery.yaml rules/default.yaml rules/quality.yaml rules/thesis.yaml DESTINATION "${CMAKE_INSTALL_DATADIR}/gnomon/rules")
-install(FILES LICENSE THIRD_PARTY_NOTICES.md DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(FILES LICENSE THIRD_PARTY_NOTICES.md docs/integration.md DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 install(EXPORT gnomonTargets NAMESPACE gnomon:: DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/gnomon")
 
 if(TARGET gnomon_cli) # looks for its scenes and knowledge in ../share/gnomon

@@ -18,6 +18,7 @@ set(prefix "${SCRATCH}/prefix")
 file(REMOVE_RECURSE "${SCRATCH}")
 run(${CMAKE_COMMAND} --install "${BUILD}" --prefix "${prefix}")
 require_file("${prefix}/share/doc/gnomon/LICENSE")
+require_file("${prefix}/share/doc/gnomon/integration.md")
 
 foreach(project find_package c_only)
     run(${CMAKE_COMMAND} -S "${SOURCE}/tests/consumer/${project}" -B "${SCRATCH}/${project}" -G Ninja
