@@ -66,6 +66,10 @@ struct DeviceTable {
     const VkAllocationCallbacks* hostAllocator = nullptr; ///< hostCallbacks, or null.
     VkAllocationCallbacks hostCallbacks{};
     VkPipelineCache pipelineCache = VK_NULL_HANDLE; ///< The host's, or null.
+    /// The host's source of device memory, or null; both or neither.
+    PFN_gnAllocateMemory hostAllocateMemory = nullptr;
+    PFN_gnFreeMemory hostFreeMemory = nullptr;
+    void* hostUserData = nullptr;
 
     VkPhysicalDeviceProperties properties{};
     VkPhysicalDeviceMemoryProperties memory{};
