@@ -33,7 +33,7 @@ struct StructTraits;
     };
 
 // Given by hosts and plug-ins.
-GN_SIZED_STRUCT(GnContextCreateInfo, pfnGetInstanceProcAddr, pfnFreeMemory)
+GN_SIZED_STRUCT(GnContextCreateInfo, pfnGetInstanceProcAddr, pPipelineCacheData)
 GN_SIZED_STRUCT(GnMeshCreateInfo, positionCount, pIndices)
 GN_SIZED_STRUCT(GnInstanceCreateInfo, mesh, pUserData)
 GN_SIZED_STRUCT(GnLightInfo, direction, casterMask)

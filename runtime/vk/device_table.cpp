@@ -26,6 +26,11 @@ Result<void> checkGiven(const GnContextCreateInfo& info)
         return nullArgument("pVisibilityQueueFamilies");
     if ((info.pfnAllocateMemory == nullptr) != (info.pfnFreeMemory == nullptr))
         return Error{GN_ERROR_NULL_ARGUMENT, "MemoryHookHalf", "pfnAllocateMemory and pfnFreeMemory go together"};
+    if (info.pipelineCacheDataSize && !info.pPipelineCacheData) return nullArgument("pPipelineCacheData");
+    if (info.pipelineCacheDataSize && info.pipelineCache)
+        return Error{GN_ERROR_OUT_OF_RANGE, "PipelineCacheTwice",
+                     "pipelineCacheDataSize is " + std::to_string(info.pipelineCacheDataSize) +
+                         ", but pipelineCache is given: its data are the host's to load"};
     if (info.apiVersion < VK_API_VERSION_1_3 || VK_API_VERSION_VARIANT(info.apiVersion) != 0)
         return Error{GN_ERROR_OUT_OF_RANGE, "ApiVersion",
                      "apiVersion is " + std::to_string(VK_API_VERSION_MAJOR(info.apiVersion)) + "." +

@@ -355,6 +355,11 @@ typedef struct GnContextCreateInfo {
     void* pUserData;                                   ///< Given to all callbacks.
     PFN_gnAllocateMemory pfnAllocateMemory;            ///< Optional. Absent: vkAllocateMemory().
     PFN_gnFreeMemory pfnFreeMemory;                    ///< Optional, with pfnAllocateMemory.
+    size_t pipelineCacheDataSize;                      ///< Bytes of pPipelineCacheData; 0: there are none.
+    const void* pPipelineCacheData;                    ///< Optional, copied: what gnGetPipelineCacheData() once gave,
+                                                       ///< to begin gnomon's own cache with. Of another device or
+                                                       ///< driver, or damaged: message PipelineCacheData says so, and
+                                                       ///< the cache begins empty. Not with `pipelineCache`.
 } GnContextCreateInfo;
 
 /** \brief Creates a context. No method is ready at first; see gnWarmUp(). What went wrong is told to `pfnMessage`
@@ -387,6 +392,14 @@ GN_API GnResult GN_CALL gnWarmUp(GnContext context);
 pins its lights need not compile what it never asks for. Fails with GN_ERROR_UNKNOWN_METHOD, or with
 GN_ERROR_FEATURE_MISSING where the device cannot run it. */
 GN_API GnResult GN_CALL gnWarmUpMethod(GnContext context, const char* pMethod);
+
+/** \brief Writes what gnomon's own pipeline cache holds, for GnContextCreateInfo::pPipelineCacheData of a later run: the
+driver's bytes behind a header with a checksum. Best asked for once the context is warm.
+
+With null `pData` only the size is written, which may grow while pipelines are made.
+\return #GN_INCOMPLETE if the buffer was too small, and nothing was written; #GN_ERROR_UNSUPPORTED with a pipeline cache
+of the host's, which saves it itself. */
+GN_API GnResult GN_CALL gnGetPipelineCacheData(GnContext context, size_t* pSize, void* pData);
 
 #include <gnomon/scene.h>
 #include <gnomon/frames.h>
