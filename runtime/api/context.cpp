@@ -195,7 +195,7 @@ Result<void> Context::warmUp(Wanted&& wanted)
 
 Result<GnView> Context::createView(const GnViewCreateInfo& info)
 {
-    return views_.add(info, *vk_, *memory_);
+    return views_.add(info, *vk_, *memory_, *pool_);
 }
 
 void Context::destroyView(GnView handle)
@@ -219,7 +219,7 @@ Result<GnVisibility> Context::visibility(GnView handle)
     if (!view) return invalidHandle("view");
     if (!view->visibility)
         return Error{GN_ERROR_FRAME_ORDER, "NoFrameYet",
-                     "view '" + view->name + "' has been in no frame yet"};
+                     "view '" + view->name + "' has been in no frame yet, and was created without imageExtent"};
     const GpuImage& gpu = view->visibility->gpu;
     return GnVisibility{.image = gpu.image,
                         .imageView = gpu.view,
