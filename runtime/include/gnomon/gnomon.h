@@ -147,12 +147,19 @@ exception leaves these functions, and the host's locale and floating-point mode 
 #if defined(_WIN32)
 #define GN_CALL __stdcall
 #define GN_EXPORT __declspec(dllexport)
+#define GN_IMPORT __declspec(dllimport)
 #else
 #define GN_CALL
 #define GN_EXPORT __attribute__((visibility("default")))
+#define GN_IMPORT
 #endif
+/* Of what the library offers. GN_SHARED_LIBRARY comes with the shared one: CMake's target and gnomon.pc define it. */
 #ifndef GN_API
+#ifdef GN_SHARED_LIBRARY
+#define GN_API GN_IMPORT
+#else
 #define GN_API GN_EXPORT
+#endif
 #endif
 
 #ifdef __cplusplus
