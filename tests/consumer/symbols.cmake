@@ -1,4 +1,5 @@
-# Run by CTest: the shared library exports the functions that the headers declare, and nothing else.
+# Run by CTest: the shared library exports the functions that the headers declare, and nothing else; gnomon.hpp calls each
+# of them.
 #   cmake -DHEADERS=... -DLIBRARY=... -DNM=... -P symbols.cmake
 file(GLOB headers "${HEADERS}/*.h")
 set(declared "")
@@ -31,4 +32,15 @@ if(NOT declared STREQUAL exported)
     message(FATAL_ERROR "declared: ${declared}\nexported: ${exported}")
 endif()
 
+set(layer "")
+foreach(header gnomon.hpp handles.hpp)
+    file(READ "${HEADERS}/${header}" text)
+    string(APPEND layer "${text}")
+endforeach()
+foreach(name IN LISTS declared)
+    # A call or an argument of a template, not the comment `gnName()`.
+    if(NOT layer MATCHES "[^A-Za-z#]${name}(\\([^)]|>)" AND NOT layer MATCHES "return ${name}\\(\\);")
+        message(FATAL_ERROR "gnomon.hpp does not reach ${name}()")
+    endif()
+endforeach()
 message(STATUS "${count} functions")
