@@ -101,6 +101,24 @@ inline GnResult status(GnContext context, const Result<GnResult>& result)
     return result ? *result : report(context, result.error());
 }
 
+/// All of make(context)'s bytes, or none where there is too little room; *pSize becomes their number, or 0 where it
+/// fails.
+template <typename Make>
+GnResult giveBytes(GnContext context, size_t* pSize, void* pData, Make&& make)
+{
+    const size_t room = pSize ? std::exchange(*pSize, 0) : 0;
+    return atBoundary(context, [&](Context& c) {
+        if (!pSize) return nullArgument(context, "pSize");
+        const Result<std::string> bytes = make(c);
+        if (!bytes) return report(context, bytes.error());
+        *pSize = bytes->size();
+        if (!pData) return GN_SUCCESS;
+        if (room < bytes->size()) return GN_INCOMPLETE;
+        std::memcpy(pData, bytes->data(), bytes->size());
+        return GN_SUCCESS;
+    });
+}
+
 /// As much of make(context)'s text as fits, ended by a zero; *pSize becomes the whole size, or 0 where it fails.
 template <typename Make>
 GnResult giveText(GnContext context, size_t* pSize, char* pText, Make&& make)

@@ -59,6 +59,11 @@ GnResult GN_CALL gnWarmUpMethod(GnContext context, const char* pMethod)
     });
 }
 
+GnResult GN_CALL gnGetPipelineCacheData(GnContext context, size_t* pSize, void* pData)
+{
+    return giveBytes(context, pSize, pData, [](Context& c) { return c.pipelineCacheData(); });
+}
+
 // --- geometry ---
 
 GnResult GN_CALL gnCreateMesh(GnContext context, const GnMeshCreateInfo* pCreateInfo, GnMesh* pMesh)
@@ -331,17 +336,7 @@ GnResult GN_CALL gnExplain(GnContext context, GnView view, GnLight light, const 
 GnResult GN_CALL gnGetDecisionLog(GnContext context, GnView view, uint64_t firstFrame, uint64_t frameOrigin,
                                   size_t* pSize, void* pData)
 {
-    const size_t room = pSize ? std::exchange(*pSize, 0) : 0;
-    return atBoundary(context, [&](Context& c) {
-        if (!pSize) return nullArgument(context, "pSize");
-        const Result<std::string> log = c.decisionLog(view, firstFrame, frameOrigin);
-        if (!log) return report(context, log.error());
-        *pSize = log->size();
-        if (!pData) return GN_SUCCESS;
-        if (room < log->size()) return GN_INCOMPLETE;
-        std::memcpy(pData, log->data(), log->size());
-        return GN_SUCCESS;
-    });
+    return giveBytes(context, pSize, pData, [&](Context& c) { return c.decisionLog(view, firstFrame, frameOrigin); });
 }
 
 GnResult GN_CALL gnGetPassTimings(GnContext context, uint64_t* pFrame, uint32_t* pCount, GnPassTiming* pTimings)

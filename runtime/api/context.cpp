@@ -92,6 +92,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     if (Result<void> made = samplers_->create(); !made) return made;
     pipelines_ = std::make_unique<PipelineStore>(*vk_, *memory_, *samplers_);
     pipelines_->setWarmupSlopeBias(kOpenSlopeBias);
+    if (info.pipelineCacheDataSize) beginPipelineCache(info);
     methods_ = std::make_unique<MethodTable>(*vk_, *pipelines_, *jobs_, messages_, background_);
     registry_ = builtinRegistry();
     if (Result<void> added = methods_->addBuiltins(registry_); !added) return added;
@@ -104,6 +105,13 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     graph_ = std::make_unique<PassGraph>(*pool_, arena_);
     executor_ = std::make_unique<PassExecutor>(*vk_, *memory_, *pipelines_, *samplers_, *jobs_, *pool_, *graph_, info);
     return executor_->create(info.framesInFlight ? info.framesInFlight : 2);
+}
+
+void Context::beginPipelineCache(const GnContextCreateInfo& info)
+{
+    const std::string_view data(static_cast<const char*>(info.pPipelineCacheData), info.pipelineCacheDataSize);
+    if (const Result<void> begun = pipelines_->beginCache(data); !begun)
+        messages_.warn(begun.error().id, begun.error().text);
 }
 
 /// The one place that waits for all that is on the queue. @return false where the device may still use what is ours
@@ -187,7 +195,7 @@ Result<void> Context::warmUp(Wanted&& wanted)
 
 Result<GnView> Context::createView(const GnViewCreateInfo& info)
 {
-    return views_.add(info, *vk_, *memory_);
+    return views_.add(info, *vk_, *memory_, *pool_);
 }
 
 void Context::destroyView(GnView handle)
@@ -210,7 +218,8 @@ Result<GnVisibility> Context::visibility(GnView handle)
     View* view = views_.find(handle);
     if (!view) return invalidHandle("view");
     if (!view->visibility)
-        return Error{GN_ERROR_FRAME_ORDER, "NoFrameYet", "view '" + view->name + "' has been in no frame yet"};
+        return Error{GN_ERROR_FRAME_ORDER, "NoFrameYet",
+                     "view '" + view->name + "' has been in no frame yet, and was created without imageExtent"};
     const GpuImage& gpu = view->visibility->gpu;
     return GnVisibility{.image = gpu.image,
                         .imageView = gpu.view,

@@ -39,6 +39,7 @@ public:
 
     Result<void> warmUp();
     Result<void> warmUpMethod(const char* name);
+    Result<std::string> pipelineCacheData() { return pipelines_->cacheData(); }
     Result<GnView> createView(const GnViewCreateInfo& info);
     void destroyView(GnView view);
     Result<GnVisibility> visibility(GnView view);
@@ -85,6 +86,7 @@ private:
 
     explicit Context(const GnContextCreateInfo& info);
     Result<void> init(const GnContextCreateInfo& info);
+    void beginPipelineCache(const GnContextCreateInfo& info);
 
     // A frame, stage by stage (frame.cpp).
     Result<GnResult> startFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd);

@@ -33,11 +33,11 @@ struct StructTraits;
     };
 
 // Given by hosts and plug-ins.
-GN_SIZED_STRUCT(GnContextCreateInfo, pfnGetInstanceProcAddr, pUserData)
+GN_SIZED_STRUCT(GnContextCreateInfo, pfnGetInstanceProcAddr, pPipelineCacheData)
 GN_SIZED_STRUCT(GnMeshCreateInfo, positionCount, pIndices)
 GN_SIZED_STRUCT(GnInstanceCreateInfo, mesh, pUserData)
 GN_SIZED_STRUCT(GnLightInfo, direction, casterMask)
-GN_SIZED_STRUCT(GnViewCreateInfo, maxLights, pName)
+GN_SIZED_STRUCT(GnViewCreateInfo, maxLights, imageExtent)
 GN_SIZED_STRUCT(GnViewFrame, imageExtent, pLights)
 GN_SIZED_STRUCT(GnFrameInfo, pViews, pSignals)
 GN_SIZED_STRUCT(GnQuestion, kind, frame)
@@ -60,6 +60,8 @@ GN_SIZED_STRUCT(GnLightWorkload, frame, mapTouched)
 GN_SIZED_STRUCT(GnFrameStats, frame, raysMs)
 // Given to callbacks.
 GN_SIZED_STRUCT(GnMessage, pText, pText)
+GN_SIZED_STRUCT(GnMemoryRequest, mapped, mapped)
+GN_SIZED_STRUCT(GnMemoryBlock, pAllocation, pAllocation)
 GN_SIZED_STRUCT(GnCasterProjection, slopeBias, slopeBias)
 GN_SIZED_STRUCT(GnShadowTask, completedFrame, completedFrame)
 GN_SIZED_STRUCT(GnPluginInterface, pfnGetDeviceProcAddr, pfnGetDeviceProcAddr)

@@ -26,16 +26,21 @@ bool sameSize(VkExtent2D a, VkExtent2D b)
     return a.width == b.width && a.height == b.height;
 }
 
+Result<std::unique_ptr<PooledImage>> makeVisibility(const View& view, VkExtent2D extent, ResourcePool& pool)
+{
+    return pool.ownedImage({.format = VK_FORMAT_R8_UNORM,
+                            .extent = extent,
+                            .layers = view.maxLights,
+                            .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
+                                     VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                            .name = "view.visibility",
+                            .concurrent = true});
+}
+
 /// Visibility of the frame's size; the one before is kept, since the frame may yet be withdrawn.
 Result<void> resizeVisibility(View& view, VkExtent2D extent, ResourcePool& pool, std::uint64_t frame)
 {
-    auto made = pool.ownedImage({.format = VK_FORMAT_R8_UNORM,
-                                 .extent = extent,
-                                 .layers = view.maxLights,
-                                 .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
-                                          VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-                                 .name = "view.visibility",
-                                 .concurrent = true});
+    auto made = makeVisibility(view, extent, pool);
     if (!made) { // another attempt may need the place of the old one, which frames before this may still read
         if (view.visibility) pool.retire(std::move(view.visibility), frame - 1);
         return made.error();
@@ -49,9 +54,19 @@ Result<void> resizeVisibility(View& view, VkExtent2D extent, ResourcePool& pool,
     return {};
 }
 
+/// Visibility before the first frame, of the size that the host expects.
+Result<void> beginVisibility(View& view, VkExtent2D extent, ResourcePool& pool)
+{
+    auto made = makeVisibility(view, extent, pool);
+    if (!made) return made.error();
+    view.visibility = std::move(*made);
+    view.revision = 1;
+    return {};
+}
+
 } // namespace
 
-Result<GnView> Views::add(const GnViewCreateInfo& info, const DeviceTable& vk, DeviceMemory& memory)
+Result<GnView> Views::add(const GnViewCreateInfo& info, const DeviceTable& vk, DeviceMemory& memory, ResourcePool& pool)
 {
     const std::uint32_t maxLights = info.maxLights ? info.maxLights : 16;
     const std::uint32_t limit = std::min(256u, vk.properties.limits.maxImageArrayLayers);
@@ -67,7 +82,17 @@ Result<GnView> Views::add(const GnViewCreateInfo& info, const DeviceTable& vk, D
     const std::uint64_t handle = views_.insert(std::move(view));
     if (!handle) return Error{GN_ERROR_TOO_MANY, "TooManyViews", "no more views"};
     raw->handle = (GnView)handle;
-    return raw->handle;
+    if (info.imageExtent.width == 0 && info.imageExtent.height == 0) return raw->handle;
+    Result<void> made = Error{};
+    try {
+        made = beginVisibility(*raw, info.imageExtent, pool);
+    } catch (...) {
+        views_.take(handle);
+        throw;
+    }
+    if (made) return raw->handle;
+    views_.take(handle);
+    return made.error();
 }
 
 View* Views::find(GnView handle)

@@ -43,7 +43,7 @@ struct View {
 /// The views of a context.
 class Views {
 public:
-    Result<GnView> add(const GnViewCreateInfo& info, const DeviceTable& vk, DeviceMemory& memory);
+    Result<GnView> add(const GnViewCreateInfo& info, const DeviceTable& vk, DeviceMemory& memory, ResourcePool& pool);
     View* find(GnView handle);
 
     /// Has room for what take() keeps; so that may not fail.

@@ -24,6 +24,13 @@ Result<void> checkGiven(const GnContextCreateInfo& info)
         if (!info.ppEnabledExtensionNames[i]) return nullArgument("ppEnabledExtensionNames[]");
     if (info.visibilityQueueFamilyCount && !info.pVisibilityQueueFamilies)
         return nullArgument("pVisibilityQueueFamilies");
+    if ((info.pfnAllocateMemory == nullptr) != (info.pfnFreeMemory == nullptr))
+        return Error{GN_ERROR_NULL_ARGUMENT, "MemoryHookHalf", "pfnAllocateMemory and pfnFreeMemory go together"};
+    if (info.pipelineCacheDataSize && !info.pPipelineCacheData) return nullArgument("pPipelineCacheData");
+    if (info.pipelineCacheDataSize && info.pipelineCache)
+        return Error{GN_ERROR_OUT_OF_RANGE, "PipelineCacheTwice",
+                     "pipelineCacheDataSize is " + std::to_string(info.pipelineCacheDataSize) +
+                         ", but pipelineCache is given: its data are the host's to load"};
     if (info.apiVersion < VK_API_VERSION_1_3 || VK_API_VERSION_VARIANT(info.apiVersion) != 0)
         return Error{GN_ERROR_OUT_OF_RANGE, "ApiVersion",
                      "apiVersion is " + std::to_string(VK_API_VERSION_MAJOR(info.apiVersion)) + "." +
@@ -160,6 +167,9 @@ Result<std::unique_ptr<DeviceTable>> loadDeviceTable(const GnContextCreateInfo& 
         table->hostAllocator = &table->hostCallbacks;
     }
     table->pipelineCache = info.pipelineCache;
+    table->hostAllocateMemory = info.pfnAllocateMemory;
+    table->hostFreeMemory = info.pfnFreeMemory;
+    table->hostUserData = info.pUserData;
     table->enabled = info.pEnabledFeatures->features;
     table->extensions.assign(info.ppEnabledExtensionNames, info.ppEnabledExtensionNames + info.enabledExtensionCount);
     if (Result<void> loaded = loadFunctions(*table, info.pfnGetInstanceProcAddr); !loaded) return loaded.error();

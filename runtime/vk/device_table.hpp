@@ -27,8 +27,8 @@ namespace gnomon {
     X(vkCreateImage) X(vkDestroyImage) X(vkBindImageMemory2) X(vkGetImageMemoryRequirements2) \
     X(vkCreateImageView) X(vkDestroyImageView) X(vkCreateSampler) X(vkDestroySampler) \
     X(vkCreateShaderModule) X(vkDestroyShaderModule) X(vkCreatePipelineLayout) X(vkDestroyPipelineLayout) \
-    X(vkCreatePipelineCache) X(vkDestroyPipelineCache) X(vkCreateGraphicsPipelines) X(vkCreateComputePipelines) \
-    X(vkDestroyPipeline) X(vkCreateDescriptorSetLayout) X(vkDestroyDescriptorSetLayout) X(vkCreateDescriptorPool) \
+    X(vkCreatePipelineCache) X(vkDestroyPipelineCache) X(vkGetPipelineCacheData) \
+    X(vkCreateGraphicsPipelines) X(vkCreateComputePipelines) X(vkDestroyPipeline) X(vkCreateDescriptorSetLayout) X(vkDestroyDescriptorSetLayout) X(vkCreateDescriptorPool) \
     X(vkDestroyDescriptorPool) X(vkAllocateDescriptorSets) X(vkUpdateDescriptorSets) \
     X(vkCreateCommandPool) X(vkDestroyCommandPool) X(vkResetCommandPool) X(vkAllocateCommandBuffers) \
     X(vkBeginCommandBuffer) X(vkEndCommandBuffer) X(vkQueueSubmit2) \
@@ -66,6 +66,10 @@ struct DeviceTable {
     const VkAllocationCallbacks* hostAllocator = nullptr; ///< hostCallbacks, or null.
     VkAllocationCallbacks hostCallbacks{};
     VkPipelineCache pipelineCache = VK_NULL_HANDLE; ///< The host's, or null.
+    /// The host's source of device memory, or null; both or neither.
+    PFN_gnAllocateMemory hostAllocateMemory = nullptr;
+    PFN_gnFreeMemory hostFreeMemory = nullptr;
+    void* hostUserData = nullptr;
 
     VkPhysicalDeviceProperties properties{};
     VkPhysicalDeviceMemoryProperties memory{};

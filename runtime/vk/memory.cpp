@@ -132,57 +132,56 @@ Result<MemorySlice> DeviceMemory::allocateOf(std::uint32_t type, const VkMemoryR
     const bool own = needs.size > blockSizeFor(limit_) / 2;
     for (std::size_t i = 0; !own && i < blocks_.size(); ++i) {
         Block& block = blocks_[i];
-        if (!block.memory || block.own || block.type != type || block.linear != linear) continue;
+        if (!block.given.memory || block.own || block.type != type || block.linear != linear) continue;
         if (const auto offset = block.take(needs.size, needs.alignment)) {
             used_ += needs.size;
             return MemorySlice{static_cast<std::uint32_t>(i), *offset, needs.size};
         }
     }
-    Result<std::uint32_t> made = makeBlock(needs.size, type, linear, own);
+    Result<std::uint32_t> made = makeBlock(needs, type, linear, own);
     if (!made) return made.error();
     const auto offset = blocks_[*made].take(needs.size, needs.alignment); // an empty block starts aligned
     used_ += needs.size;
     return MemorySlice{*made, *offset, needs.size};
 }
 
-/// A block that holds at least `bytes`; everything it needs on the host is there before the device is asked.
-Result<std::uint32_t> DeviceMemory::makeBlock(VkDeviceSize bytes, std::uint32_t type, bool linear, bool own)
+/// A block that holds what is needed; everything it needs on the host is there before the device is asked.
+Result<std::uint32_t> DeviceMemory::makeBlock(const VkMemoryRequirements& needs, std::uint32_t type, bool linear,
+                                              bool own)
 {
+    // A VkDeviceMemory of the host's may hold other things beside the block, of the other kind perhaps.
+    const VkDeviceSize granularity = std::max<VkDeviceSize>(vk_.properties.limits.bufferImageGranularity, 1);
+    const VkDeviceSize grain = vk_.hostAllocateMemory ? granularity : 1;
+    const VkDeviceSize bytes = (needs.size + grain - 1) / grain * grain;
     if (limit_ - held_ < bytes) freeEmptyBlocks();
     if (limit_ - held_ < bytes) return overLimit(bytes, type, linear);
-    auto slot = std::find_if(blocks_.begin(), blocks_.end(), [](const Block& block) { return !block.memory; });
+    auto slot = std::find_if(blocks_.begin(), blocks_.end(), [](const Block& block) { return !block.given.memory; });
     if (slot == blocks_.end()) slot = blocks_.emplace(blocks_.end());
     slot->free.reserve(4);
     slot->free.clear();
 
-    VkDeviceSize size = own ? bytes : std::max(bytes, std::min(blockSizeFor(limit_), limit_ - held_));
-    VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, size, type};
-    VkDeviceMemory memory = VK_NULL_HANDLE;
-    VkResult result = vk_.vkAllocateMemory(vk_.device, &info, vk_.hostAllocator, &memory);
-    if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY && size > bytes) { // the heap is nearly full: take no reserve
-        info.allocationSize = size = bytes;
-        result = vk_.vkAllocateMemory(vk_.device, &info, vk_.hostAllocator, &memory);
-    }
-    if (result != VK_SUCCESS) return vulkanError(result, "vkAllocateMemory");
-    void* mapped = nullptr;
+    const VkDeviceSize reserve = std::min(blockSizeFor(limit_), limit_ - held_) / grain * grain;
     const VkMemoryPropertyFlags flags = vk_.memory.memoryTypes[type].propertyFlags;
-    if (linear && (flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)) {
-        result = vk_.vkMapMemory(vk_.device, memory, 0, VK_WHOLE_SIZE, 0, &mapped);
-        if (result != VK_SUCCESS) {
-            vk_.vkFreeMemory(vk_.device, memory, vk_.hostAllocator);
-            return vulkanError(result, "vkMapMemory");
-        }
+    GnMemoryRequest request{.memoryTypeIndex = type,
+                            .size = own ? bytes : std::max(bytes, reserve),
+                            .alignment = std::max(needs.alignment, grain), // both are powers of two
+                            .images = !linear,
+                            .mapped = linear && (flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)};
+    Result<GnMemoryBlock> given = obtainMemory(vk_, request);
+    if (!given && given.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY && request.size > bytes) {
+        request.size = bytes; // the heap is nearly full: take no reserve
+        given = obtainMemory(vk_, request);
     }
+    if (!given) return given.error();
     ++vk_.objectsMade;
-    held_ += size;
-    slot->memory = memory;
-    slot->size = size;
+    held_ += request.size;
+    slot->given = *given;
+    slot->size = request.size;
     slot->type = type;
     slot->linear = linear;
     slot->own = own;
     slot->live = 0;
-    slot->mapped = static_cast<std::byte*>(mapped);
-    slot->free.push_back({0, size}); // within the reserve
+    slot->free.push_back({given->offset, request.size}); // within the reserve
     return static_cast<std::uint32_t>(slot - blocks_.begin());
 }
 
@@ -191,7 +190,7 @@ Error DeviceMemory::overLimit(VkDeviceSize bytes, std::uint32_t type, bool linea
 {
     VkDeviceSize left = limit_ - held_;
     for (const Block& block : blocks_)
-        if (block.memory && !block.own && block.type == type && block.linear == linear)
+        if (block.given.memory && !block.own && block.type == type && block.linear == linear)
             left = std::max(left, block.largest());
     return {GN_ERROR_OUT_OF_DEVICE_MEMORY, "MemoryLimit",
             "memory: needs " + sizeText(bytes, true) + ", " + sizeText(left, false) + " left (limit " +
@@ -208,7 +207,7 @@ void DeviceMemory::release(const MemorySlice& slice) noexcept
     if (block.live) return;
     // One empty block of a kind stays, so that what is destroyed and made again in turn costs no allocation.
     const bool another = std::any_of(blocks_.begin(), blocks_.end(), [&block](const Block& other) {
-        return &other != &block && other.memory && !other.live && other.type == block.type &&
+        return &other != &block && other.given.memory && !other.live && other.type == block.type &&
                other.linear == block.linear;
     });
     if (block.own || another) freeBlock(block);
@@ -222,11 +221,10 @@ void DeviceMemory::freeEmptyBlocks() noexcept
 
 void DeviceMemory::freeBlock(Block& block) noexcept
 {
-    if (!block.memory) return;
-    vk_.vkFreeMemory(vk_.device, block.memory, vk_.hostAllocator); // unmaps
+    if (!block.given.memory) return;
+    giveBackMemory(vk_, block.given);
     held_ -= block.size;
-    block.memory = VK_NULL_HANDLE;
-    block.mapped = nullptr;
+    block.given = {};
     block.free.clear();
 }
 
@@ -234,8 +232,9 @@ VkDeviceMemory DeviceMemory::memoryOf(const MemorySlice& slice, std::byte** mapp
 {
     const std::lock_guard lock(mutex_); // blocks_ may grow meanwhile
     const Block& block = blocks_[slice.block];
-    if (mapped) *mapped = block.mapped ? block.mapped + slice.offset : nullptr;
-    return block.memory;
+    auto* const first = static_cast<std::byte*>(block.given.pMapped);
+    if (mapped) *mapped = first ? first + (slice.offset - block.given.offset) : nullptr;
+    return block.given.memory;
 }
 
 } // namespace gnomon

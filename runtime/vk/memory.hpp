@@ -11,7 +11,7 @@ namespace gnomon {
 /// A piece of a 64 MiB block, or a block of its own.
 struct MemorySlice {
     std::uint32_t block = UINT32_MAX;
-    VkDeviceSize offset = 0;
+    VkDeviceSize offset = 0; ///< In the VkDeviceMemory.
     VkDeviceSize size = 0;
 };
 
@@ -52,7 +52,8 @@ struct ImageCreate {
     bool concurrent = false; ///< Shared with the host's other queue families (visibility).
 };
 
-/// Sub-allocates blocks of 64 MiB; never more than the limit in total. Safe from several threads.
+/// Sub-allocates blocks of 64 MiB, Vulkan's or the host's; never more than the limit in total. Safe from several
+/// threads.
 class DeviceMemory {
 public:
     DeviceMemory(const DeviceTable& vk, VkDeviceSize limit, std::vector<std::uint32_t> sharingFamilies);
@@ -81,7 +82,7 @@ private:
 
     // With the mutex held.
     Result<MemorySlice> allocateOf(std::uint32_t type, const VkMemoryRequirements& needs, bool linear);
-    Result<std::uint32_t> makeBlock(VkDeviceSize bytes, std::uint32_t type, bool linear, bool own);
+    Result<std::uint32_t> makeBlock(const VkMemoryRequirements& needs, std::uint32_t type, bool linear, bool own);
     Error overLimit(VkDeviceSize bytes, std::uint32_t type, bool linear) const;
     void freeEmptyBlocks() noexcept;
     void freeBlock(Block& block) noexcept;

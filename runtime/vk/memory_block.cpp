@@ -4,6 +4,55 @@
 
 namespace gnomon {
 
+namespace {
+
+/// The result is about memory whatever the hook says: then other memory, or another method, may serve.
+Error hookError(const GnMemoryRequest& request, const std::string& what)
+{
+    return {GN_ERROR_OUT_OF_DEVICE_MEMORY, "MemoryHook",
+            "pfnAllocateMemory: " + what + ", asked for " + std::to_string(request.size) + " bytes of memory type " +
+                std::to_string(request.memoryTypeIndex)};
+}
+
+Result<GnMemoryBlock> askHost(const DeviceTable& vk, const GnMemoryRequest& request)
+{
+    GnMemoryBlock block{};
+    const VkResult result = vk.hostAllocateMemory(&request, &block, vk.hostUserData);
+    if (result != VK_SUCCESS) return hookError(request, "VkResult " + std::to_string(result));
+    if (!block.memory) return hookError(request, "memory is null");
+    const bool aligned = block.offset % request.alignment == 0;
+    if (aligned && (block.pMapped || !request.mapped)) return block;
+    vk.hostFreeMemory(&block, vk.hostUserData);
+    if (aligned) return hookError(request, "pMapped is null");
+    return hookError(request, "offset is " + std::to_string(block.offset) + ", no multiple of " +
+                                  std::to_string(request.alignment));
+}
+
+} // namespace
+
+Result<GnMemoryBlock> obtainMemory(const DeviceTable& vk, const GnMemoryRequest& request)
+{
+    if (vk.hostAllocateMemory) return askHost(vk, request);
+    GnMemoryBlock block{};
+    const VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, request.size,
+                                    request.memoryTypeIndex};
+    VkResult result = vk.vkAllocateMemory(vk.device, &info, vk.hostAllocator, &block.memory);
+    if (result != VK_SUCCESS) return vulkanError(result, "vkAllocateMemory");
+    if (!request.mapped) return block;
+    result = vk.vkMapMemory(vk.device, block.memory, 0, VK_WHOLE_SIZE, 0, &block.pMapped);
+    if (result == VK_SUCCESS) return block;
+    giveBackMemory(vk, block);
+    return vulkanError(result, "vkMapMemory");
+}
+
+void giveBackMemory(const DeviceTable& vk, const GnMemoryBlock& block) noexcept
+{
+    if (vk.hostFreeMemory)
+        vk.hostFreeMemory(&block, vk.hostUserData);
+    else
+        vk.vkFreeMemory(vk.device, block.memory, vk.hostAllocator); // unmaps
+}
+
 std::optional<VkDeviceSize> DeviceMemory::Block::take(VkDeviceSize bytes, VkDeviceSize alignment)
 {
     // n live slices leave at most n + 1 ranges between them; this one adds a slice.

@@ -1,5 +1,5 @@
 #pragma once
-// One VkDeviceMemory and the free ranges in it.
+// One block of device memory, where it comes from, and the free ranges in it.
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -8,19 +8,22 @@
 
 namespace gnomon {
 
+/// Memory for a block: the host's, where it has hooks, or a VkDeviceMemory of its own, mapped where that is asked for.
+Result<GnMemoryBlock> obtainMemory(const DeviceTable& vk, const GnMemoryRequest& request);
+void giveBackMemory(const DeviceTable& vk, const GnMemoryBlock& block) noexcept;
+
 struct DeviceMemory::Block {
     struct Range {
-        VkDeviceSize offset = 0;
+        VkDeviceSize offset = 0; ///< In the VkDeviceMemory.
         VkDeviceSize size = 0;
     };
 
-    VkDeviceMemory memory = VK_NULL_HANDLE; ///< Null: an empty slot; slices name blocks by index.
+    GnMemoryBlock given{}; ///< Without memory: an empty slot; slices name blocks by index.
     VkDeviceSize size = 0;
     std::uint32_t type = 0;
     bool linear = false; ///< Buffers. Apart from optimal images, so that bufferImageGranularity never matters.
     bool own = false;    ///< Made for a single large slice.
     std::uint32_t live = 0;
-    std::byte* mapped = nullptr;
     std::vector<Range> free; ///< By offset; neighbours are merged.
 
     /// First fit. Keeps room in `free` so that give() need not allocate.

@@ -5,6 +5,8 @@
 #include <new>
 #include <utility>
 
+#include "runtime/vk/pipeline_cache_data.hpp"
+
 namespace gnomon {
 namespace {
 
@@ -81,17 +83,45 @@ void PipelineStore::setWarmupSlopeBias(float bias)
 }
 
 /// The host's, or one of our own: pipelines of one source share compiled parts. Without a cache everything works, so a
-/// failure is not passed on.
-VkPipelineCache PipelineStore::cache()
+/// failure is not passed on. With the mutex held.
+VkPipelineCache PipelineStore::cache(std::string_view initial)
 {
     if (vk_.pipelineCache) return vk_.pipelineCache;
     if (std::exchange(cacheAsked_, true)) return ownCache_;
-    const VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO, nullptr, 0, 0, nullptr};
+    const VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO, nullptr, 0, initial.size(),
+                                         initial.data()};
     if (vk_.vkCreatePipelineCache(vk_.device, &info, vk_.hostAllocator, &ownCache_) == VK_SUCCESS)
         ++vk_.objectsMade;
     else
         ownCache_ = VK_NULL_HANDLE;
     return ownCache_;
+}
+
+Result<void> PipelineStore::beginCache(std::string_view data)
+{
+    const Result<std::string_view> driverData = unpackCacheData(data, vk_.properties);
+    if (!driverData) return driverData.error();
+    const std::lock_guard lock(mutex_);
+    cache(*driverData);
+    return {};
+}
+
+Result<std::string> PipelineStore::cacheData()
+{
+    if (vk_.pipelineCache)
+        return Error{GN_ERROR_UNSUPPORTED, "PipelineCacheOfHost",
+                     "the pipeline cache is the host's, GnContextCreateInfo::pipelineCache, which saves it itself"};
+    const std::lock_guard lock(mutex_);
+    const VkPipelineCache own = cache();
+    if (!own) return packCacheData({});
+    std::size_t size = 0;
+    VkResult result = vk_.vkGetPipelineCacheData(vk_.device, own, &size, nullptr);
+    std::string data(size, '\0');
+    // Workers may have added to it since: what fits is whole entries, and valid (VK_INCOMPLETE).
+    if (result >= 0) result = vk_.vkGetPipelineCacheData(vk_.device, own, &size, data.data());
+    if (result < 0) return vulkanError(result, "vkGetPipelineCacheData");
+    data.resize(size);
+    return packCacheData(data);
 }
 
 bool PipelineStore::createNext(std::uint32_t owner)

@@ -3,6 +3,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runtime/vk/pipeline_create.hpp"
@@ -20,6 +21,11 @@ public:
 
     PipelineId graphics(const GraphicsPipelineInfo& info) override;
     PipelineId compute(const ComputePipelineInfo& info) override;
+
+    /// Begins a cache of our own with what cacheData() gave. @return why it begins empty instead
+    Result<void> beginCache(std::string_view data);
+    /// What our own cache holds, for beginCache() of a later run.
+    Result<std::string> cacheData();
 
     /// Pipelines described from now on belong to `owner` (a method's index); a shared one belongs to all who asked.
     void setOwner(std::uint32_t owner);
@@ -48,7 +54,7 @@ public:
 private:
     struct Item;
     PipelineId describe(PipelineDescription description);
-    VkPipelineCache cache();
+    VkPipelineCache cache(std::string_view initial = {});
 
     const DeviceTable& vk_;
     mutable std::mutex mutex_;

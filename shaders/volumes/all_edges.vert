@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_spirv_intrinsics : require
 // Corners of shadow volumes from all edges (or faces) of a mesh. What does not bound the volume shrinks to a point within
 // the view, which every device drops before it looks at pixels and none has to clip.
 #include "all_edges.h"
@@ -32,5 +33,5 @@ void main()
     uint corner = CAPS ? capVertex(uint(gl_VertexIndex)) : sideVertex(uint(gl_VertexIndex));
     uint drawn = corner == NO_CORNER ? 0u : corner;
     vec4 position = volumeCorner(push.caster, drawn >> 1, (drawn & 1u) != 0u);
-    gl_Position = corner == NO_CORNER ? vec4(0.0, 0.0, 0.0, 1.0) : position;
+    cornerClip = corner == NO_CORNER ? vec4(0.0, 0.0, 0.0, 1.0) : position;
 }

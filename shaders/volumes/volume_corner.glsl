@@ -8,8 +8,8 @@ layout(set = 0, binding = 1, std430) readonly buffer Positions { float positions
 #include "receiver_plane.glsl"
 
 // Sides and caps, which other pipelines may draw, meet at the same corners: else pixels between them would be lost, or
-// counted twice.
-invariant gl_Position;
+// counted twice. A variable of its own: about gl_Position, which glslang decorates as a member of a block, Mesa warns.
+spirv_decorate(11, 0) invariant out vec4 cornerClip; // BuiltIn Position
 
 // The caster's vertex, or the same moved away from the light, in clip space.
 vec4 volumeCorner(VolumePush caster, uint vertex, bool moved)

@@ -1,18 +1,7 @@
 # Run by CTest: installs the build into a scratch prefix, builds the consumer against it in three ways, and runs the
 # installed program where there is one.
-#   cmake -DSOURCE=... -DBUILD=... -DSCRATCH=... -P package.cmake
-function(run)
-    execute_process(COMMAND ${ARGV} RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE text)
-    if(NOT code EQUAL 0)
-        message(FATAL_ERROR "${ARGV}\n${text}")
-    endif()
-    set(output "${text}" PARENT_SCOPE)
-endfunction()
-function(require_file file)
-    if(NOT EXISTS "${file}")
-        message(FATAL_ERROR "not installed: '${file}'")
-    endif()
-endfunction()
+#   cmake -DSOURCE=... -DBUILD=... -DSCRATCH=... -DKIND=... -P package.cmake
+include("${CMAKE_CURRENT_LIST_DIR}/run.cmake")
 
 set(prefix "${SCRATCH}/prefix")
 file(REMOVE_RECURSE "${SCRATCH}")
@@ -21,20 +10,9 @@ require_file("${prefix}/share/doc/gnomon/LICENSE")
 require_file("${prefix}/share/doc/gnomon/integration.md")
 
 foreach(project find_package c_only)
-    run(${CMAKE_COMMAND} -S "${SOURCE}/tests/consumer/${project}" -B "${SCRATCH}/${project}" -G Ninja
-        "-DCMAKE_PREFIX_PATH=${prefix}")
-    run(${CMAKE_COMMAND} --build "${SCRATCH}/${project}")
-    run("${SCRATCH}/${project}/consumer")
-    message(STATUS "${project}: ok")
+    consume(${project} "${prefix}" -DKIND=${KIND})
 endforeach()
-
-file(GLOB_RECURSE pc "${prefix}/*/gnomon.pc")
-get_filename_component(pc_dir "${pc}" DIRECTORY)
-set(ENV{PKG_CONFIG_PATH} "${pc_dir}")
-run(pkg-config --cflags --libs gnomon)
-separate_arguments(flags UNIX_COMMAND "${output}")
-run(cc "${SOURCE}/tests/consumer/consumer.c" -o "${SCRATCH}/consumer_pc" ${flags})
-run("${SCRATCH}/consumer_pc")
+consume_pc("${prefix}")
 foreach(variable_and_file rulesdir/default.yaml knowledgedir/lavapipe.csv)
     get_filename_component(variable "${variable_and_file}" DIRECTORY)
     get_filename_component(file "${variable_and_file}" NAME)
@@ -42,7 +20,6 @@ foreach(variable_and_file rulesdir/default.yaml knowledgedir/lavapipe.csv)
     string(STRIP "${output}" folder)
     require_file("${folder}/${file}")
 endforeach()
-message(STATUS "pkg-config: ok")
 
 # A scene that only the prefix has: the program must look beside itself before it looks in the sources.
 if(EXISTS "${prefix}/bin/gnomon")

@@ -94,7 +94,7 @@ struct Trip {
         }
         GnViewCreateInfo made{};
         made.pName = "eye";
-        view = *views.add(made, scene.stub.table, *scene.memory);
+        view = *views.add(made, scene.stub.table, *scene.memory, pool);
         given.view = view;
         for (const int i : {0, 4, 8})
             given.viewFromWorld[i] = 1.0f;

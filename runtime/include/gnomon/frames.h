@@ -9,9 +9,11 @@ typedef struct GnViewCreateInfo {
     uint32_t structSize GN_SIZE_OF(GnViewCreateInfo); ///< sizeof(GnViewCreateInfo).
     uint32_t maxLights; ///< Layers of the visibility image; 0 means 16. [1, 256] and the device's maximum.
     const char* pName;  ///< Optional.
+    VkExtent2D imageExtent; ///< Optional: GnViewFrame::imageExtent of its frames. gnGetVisibility() gives the image from
+                            ///< the start; frames of another size replace it. Zero: made in the first frame.
 } GnViewCreateInfo;
 
-/** \brief Creates a view. It has no visibility until it has been in a frame. Its decisions of 256 frames are kept for
+/** \brief Creates a view. It has no visibility until it has been in a frame, unless `imageExtent` is given. Its decisions of 256 frames are kept for
 gnExplain(): some 50 kB of the host's memory a light and 12 kB a method more, 280 kB with all that are built in. */
 GN_API GnResult GN_CALL gnCreateView(GnContext context, const GnViewCreateInfo* pCreateInfo, GnView* pView);
 /** \brief Destroys a view, and finishes a frame under way first. Its visibility image stays until the frames that were
@@ -130,12 +132,15 @@ typedef struct GnVisibility {
     VkImageView imageView; ///< 2D array, R8_UNORM.
     VkExtent2D extent;
     uint32_t layerCount;
-    uint64_t revision;     ///< Grows when image or view handle change (resize): refresh descriptors.
+    uint64_t revision;     ///< Grows when image or view handle change (resize): refresh descriptors. From 1 on.
 } GnVisibility;
 
 /** \brief The newest visibility of a view; the same image from frame to frame, until the size of its views changes. The
 one before stays until the frame that replaced it is completed.
-\return #GN_ERROR_FRAME_ORDER before the view's first frame. */
+
+A view that was created with its size has an image before its first frame: descriptors may be written, but nothing is in
+it yet, its layout is undefined, and it must not be read. Where its first frames are dropped or fail, so it stays.
+\return #GN_ERROR_FRAME_ORDER before the first frame of a view without a size. */
 GN_API GnResult GN_CALL gnGetVisibility(GnContext context, GnView view, GnVisibility* pVisibility);
 
 /** A method's map, for hosts with uses of their own (volumetric light, particles). Valid until the next frame call. As

@@ -121,8 +121,9 @@ but for PFN_gnPluginMain and what GnPluginInterface offers.
 
 \section gn_memory Memory
 
-Device memory is gnomon's own, in blocks, up to GnContextCreateInfo::memoryLimit; what a frame needs beyond that serves
-its lights by other methods. GnFrameStats::memory has the sum. Arrays and strings that the host gives are copied before
+Device memory is gnomon's own, or comes from GnContextCreateInfo::pfnAllocateMemory, in blocks, up to
+GnContextCreateInfo::memoryLimit; what a frame needs beyond that serves its lights by other methods.
+GnFrameStats::memory has the sum. Arrays and strings that the host gives are copied before
 the call returns, those of a frame are read during the call; images and handles of Vulkan are borrowed. What the library
 gives lives as long as the comment beside it says, and is never the host's to free. Nothing that the device may still
 use is destroyed: gnDestroyMesh() and its like keep memory until the frames that were begun before are completed. The
@@ -146,12 +147,19 @@ exception leaves these functions, and the host's locale and floating-point mode 
 #if defined(_WIN32)
 #define GN_CALL __stdcall
 #define GN_EXPORT __declspec(dllexport)
+#define GN_IMPORT __declspec(dllimport)
 #else
 #define GN_CALL
 #define GN_EXPORT __attribute__((visibility("default")))
+#define GN_IMPORT
 #endif
+/* Of what the library offers. GN_SHARED_LIBRARY comes with the shared one: CMake's target and gnomon.pc define it. */
 #ifndef GN_API
+#ifdef GN_SHARED_LIBRARY
+#define GN_API GN_IMPORT
+#else
 #define GN_API GN_EXPORT
+#endif
 #endif
 
 #ifdef __cplusplus
@@ -274,6 +282,35 @@ it may use are the host's to set. On two cores a worker and its caller that are 
 one of them while the other idles. Must not call gnomon. */
 typedef void(GN_CALL* PFN_gnThreadStarted)(uint32_t index, void* pUserData);
 
+/** A block of device memory that gnomon wants. It is at most 64 MiB, or of the size of one image or buffer. */
+typedef struct GnMemoryRequest {
+    uint32_t structSize GN_SIZE_OF(GnMemoryRequest); ///< The library's sizeof(GnMemoryRequest).
+    uint32_t memoryTypeIndex; ///< One of the device's memory types.
+    VkDeviceSize size;        ///< Bytes. Multiple of bufferImageGranularity.
+    VkDeviceSize alignment;   ///< A power of two, and a multiple of bufferImageGranularity: whatever lies beside the
+                              ///< block in the same VkDeviceMemory is far enough away.
+    VkBool32 images;          ///< It is for images of optimal tiling; else for buffers.
+    VkBool32 mapped;          ///< GnMemoryBlock::pMapped is required.
+} GnMemoryRequest;
+
+/** The block that the host gives. All zero when #PFN_gnAllocateMemory is called. */
+typedef struct GnMemoryBlock {
+    uint32_t structSize GN_SIZE_OF(GnMemoryBlock); ///< The library's sizeof(GnMemoryBlock).
+    VkDeviceMemory memory; ///< Of the device and the memory type. The host's, which may keep other things in it.
+    VkDeviceSize offset;   ///< Of the block in `memory`, bytes; a multiple of the alignment asked for.
+    void* pMapped;         ///< Address of the block's first byte, valid until it is freed.
+    void* pAllocation;     ///< For the host's own use, such as a VmaAllocation.
+} GnMemoryBlock;
+
+/** \brief Allocates, and maps where that is asked for, device memory for gnomon. One call at a time per context, on any
+thread; during warm-up, scene calls and frames. In frames that repeat themselves it is not called. Must not call gnomon.
+\return VK_SUCCESS, or a failure as of vkAllocateMemory() or vkMapMemory(): gnomon then asks for less, or of another
+memory type; where that fails as well, other methods serve. */
+typedef VkResult(GN_CALL* PFN_gnAllocateMemory)(const GnMemoryRequest* pRequest, GnMemoryBlock* pBlock,
+                                                void* pUserData);
+/** Takes a block back. The device does not use it any more. As #PFN_gnAllocateMemory; also in gnDestroyContext(). */
+typedef void(GN_CALL* PFN_gnFreeMemory)(const GnMemoryBlock* pBlock, void* pUserData);
+
 /** How a context works. */
 typedef enum GnContextCreateFlagBits {
     GN_CONTEXT_TIME_EVERY_FRAME_BIT = 0x1, ///< Every frame is a timed one (see gnGetPassTimings()); for measuring.
@@ -322,7 +359,14 @@ typedef struct GnContextCreateInfo {
                                                        ///< #GN_CONTEXT_NO_BACKGROUND_BIT, and no thread is started.
     PFN_gnThreadStarted pfnThreadStarted;              ///< Optional. Not called where pfnScheduleJob is given.
     PFN_gnMessage pfnMessage;                          ///< Optional. Absent means silent.
-    void* pUserData;                                   ///< Given to all callbacks above.
+    void* pUserData;                                   ///< Given to all callbacks.
+    PFN_gnAllocateMemory pfnAllocateMemory;            ///< Optional. Absent: vkAllocateMemory().
+    PFN_gnFreeMemory pfnFreeMemory;                    ///< Optional, with pfnAllocateMemory.
+    size_t pipelineCacheDataSize;                      ///< Bytes of pPipelineCacheData; 0: there are none.
+    const void* pPipelineCacheData;                    ///< Optional, copied: what gnGetPipelineCacheData() once gave,
+                                                       ///< to begin gnomon's own cache with. Of another device or
+                                                       ///< driver, or damaged: message PipelineCacheData says so, and
+                                                       ///< the cache begins empty. Not with `pipelineCache`.
 } GnContextCreateInfo;
 
 /** \brief Creates a context. No method is ready at first; see gnWarmUp(). What went wrong is told to `pfnMessage`
@@ -355,6 +399,14 @@ GN_API GnResult GN_CALL gnWarmUp(GnContext context);
 pins its lights need not compile what it never asks for. Fails with GN_ERROR_UNKNOWN_METHOD, or with
 GN_ERROR_FEATURE_MISSING where the device cannot run it. */
 GN_API GnResult GN_CALL gnWarmUpMethod(GnContext context, const char* pMethod);
+
+/** \brief Writes what gnomon's own pipeline cache holds, for GnContextCreateInfo::pPipelineCacheData of a later run: the
+driver's bytes behind a header with a checksum. Best asked for once the context is warm.
+
+With null `pData` only the size is written, which may grow while pipelines are made.
+\return #GN_INCOMPLETE if the buffer was too small, and nothing was written; #GN_ERROR_UNSUPPORTED with a pipeline cache
+of the host's, which saves it itself. */
+GN_API GnResult GN_CALL gnGetPipelineCacheData(GnContext context, size_t* pSize, void* pData);
 
 #include <gnomon/scene.h>
 #include <gnomon/frames.h>
