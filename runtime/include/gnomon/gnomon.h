@@ -255,6 +255,10 @@ typedef struct GnDeviceNeeds {
     uint32_t optionalExtensionCount;       ///< Extensions the device has and some method can use.
     const char* ppOptionalExtensions[8];   ///< First `optionalExtensionCount` are set.
     char reason[256];                      ///< Why not, if not.
+    /// Feature structures of those extensions, all features in them on, to be appended to the chain given to
+    /// vkCreateDevice; static, null where there are none. Where it is not null, bufferDeviceAddress of Vulkan 1.2 is to
+    /// be enabled with it. Methods that need any of this say so where it is not enabled.
+    const void* pOptionalFeatures;
 } GnDeviceNeeds;
 
 /** \brief Says what to enable before the device exists. dynamicRendering, synchronization2 and timelineSemaphore are
