@@ -156,7 +156,11 @@ Result<std::uint32_t> DeviceMemory::makeBlock(VkDeviceSize bytes, std::uint32_t 
     slot->free.clear();
 
     VkDeviceSize size = own ? bytes : std::max(bytes, std::min(blockSizeFor(limit_), limit_ - held_));
-    VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, size, type};
+    VkMemoryAllocateFlagsInfo flagsInfo{};
+    flagsInfo.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO;
+    flagsInfo.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
+    const void* const more = linear && vk_.rayQuery() ? &flagsInfo : nullptr;
+    VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, more, size, type};
     VkDeviceMemory memory = VK_NULL_HANDLE;
     VkResult result = vk_.vkAllocateMemory(vk_.device, &info, vk_.hostAllocator, &memory);
     if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY && size > bytes) { // the heap is nearly full: take no reserve
