@@ -13,12 +13,13 @@ struct ShadowTask {
     const CameraView* view = nullptr;
     const LightView* light = nullptr;
     const LightCasters* casters = nullptr;
-    std::span<const double> settings; ///< In the order of AlgorithmEntry::settings; sides of maps as they are to be.
-    std::uint32_t layer = 0;          ///< The light's layer in `visibility`.
-    ImageId visibility;               ///< R8_UNORM array of the view. Every pixel of view->area must be written.
-    ImageId depth;                    ///< The host's depth, sampled and copied only.
-    ImageId normals;                  ///< The host's geometric normals; null id if it has none.
-    bool recorded = false;            ///< gnCmdRenderShadows: no host passes.
+    std::span<const double> settings;  ///< In the order of AlgorithmEntry::settings; sides of maps as they are to be.
+    std::uint32_t layer = 0;           ///< The light's layer in `visibility`.
+    ImageId visibility;                ///< R8_UNORM array of the view. Every pixel of view->area must be written.
+    ImageId depth;                     ///< The host's depth, sampled and copied only.
+    ImageId normals;                   ///< The host's geometric normals; null id if it has none.
+    const TracedScene* rays = nullptr; ///< With GN_TRAIT_DEVICE_RAYS_BIT: holds all of `casters`. Null in refuses().
+    bool recorded = false;             ///< gnCmdRenderShadows: no host passes.
 };
 
 /// A knob: range and default are shown, checked and documented from here.

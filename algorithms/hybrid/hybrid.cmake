@@ -50,6 +50,9 @@ gnomon_algorithm(conservative_map
 gnomon_algorithm(ray_traced
     NEEDS embree
     SOURCES ray_traced.cpp)
+gnomon_algorithm(ray_query
+    SOURCES ray_query.cpp
+    SHADERS hybrid/ray_query.frag)
 gnomon_algorithm(tile_shafts
     NEEDS embree
     SOURCES tile_shafts.cpp)

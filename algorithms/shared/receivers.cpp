@@ -97,15 +97,8 @@ Asked Receivers::at(std::uint32_t x, std::uint32_t y, ShadowRay& ray, Receiver& 
     }
     surface.normal = normal;
     const float offset = gpu::receiverOffset(view_, light_, depth, viewRay, receiver, normal);
-    ray.origin = receiver + offset * away;
-    if (light_.type == gpu::LIGHT_DIRECTIONAL) {
-        ray.direction = toLight;
-        ray.tfar = std::numeric_limits<float>::infinity();
-    } else {
-        ray.direction = glm::vec3(light_.positionWs) - ray.origin;
-        // Less than zero where the receiver is closer to the light than the offset: nothing fits between them.
-        ray.tfar = 1.0f - offset / gpu::max(gpu::length(ray.direction), 1e-20f);
-    }
+    const gpu::LightRay way = gpu::lightRay(light_, receiver, away, offset, std::numeric_limits<float>::infinity());
+    ray = {.origin = way.start, .tfar = way.end, .direction = way.along};
     return Asked::ray;
 }
 

@@ -258,6 +258,8 @@ void Device::createDevice(bool swapchain)
     features_.features.geometryShader = VK_TRUE; // gl_PrimitiveID in our fragment shader: the triangle's normal
     allowQueries();
     enablePortability();
+    features12_.bufferDeviceAddress = needs.pOptionalFeatures != nullptr;
+    features13_.pNext = const_cast<void*>(needs.pOptionalFeatures); // the end of the chain, which nobody writes
 
     queueFamily = findQueueFamily(physicalDevice);
     const float priority = 1.0f;

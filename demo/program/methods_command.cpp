@@ -19,8 +19,10 @@ constexpr TraitWord kLightWords[] = {
 constexpr TraitWord kEdgeWords[] = {{GN_TRAIT_HARD_BIT, "hard"},
                                     {GN_TRAIT_FIXED_PENUMBRA_BIT, "fixed penumbra"},
                                     {GN_TRAIT_SOFT_PENUMBRA_BIT, "soft penumbra"}};
-constexpr TraitWord kNeedWords[] = {
-    {GN_TRAIT_CPU_GEOMETRY_BIT, "reads triangles"}, {GN_TRAIT_TOPOLOGY_BIT, "topology"}, {GN_TRAIT_RAYS_BIT, "rays"}};
+constexpr TraitWord kNeedWords[] = {{GN_TRAIT_CPU_GEOMETRY_BIT, "reads triangles"},
+                                    {GN_TRAIT_TOPOLOGY_BIT, "topology"},
+                                    {GN_TRAIT_RAYS_BIT, "rays"},
+                                    {GN_TRAIT_DEVICE_RAYS_BIT, "rays on the device"}};
 constexpr TraitWord kRoleWords[] = {{GN_TRAIT_FALLBACK_BIT, "fallback"}, {GN_TRAIT_PLANAR_BIT, "flat receivers only"}};
 constexpr TraitWord kExactWord[] = {{GN_TRAIT_EXACT_BIT, "exact"}};
 

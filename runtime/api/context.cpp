@@ -103,6 +103,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     loadShippedKnowledge();
     pool_ = std::make_unique<ResourcePool>(*memory_);
     graph_ = std::make_unique<PassGraph>(*pool_, arena_);
+    if (vk_->rayQuery()) deviceRays_ = std::make_unique<DeviceRays>(*vk_, !background_);
     executor_ = std::make_unique<PassExecutor>(*vk_, *memory_, *pipelines_, *samplers_, *jobs_, *pool_, *graph_, info);
     return executor_->create(info.framesInFlight ? info.framesInFlight : 2);
 }

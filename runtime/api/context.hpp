@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/accel/device_rays.hpp"
 #include "runtime/api/last_error.hpp"
 #include "runtime/api/plugin.hpp"
 #include "runtime/api/plugin_abi.hpp"
@@ -151,6 +152,7 @@ private:
     std::unique_ptr<ResourcePool> pool_;
     std::unique_ptr<PassGraph> graph_;
     std::unique_ptr<PassExecutor> executor_;
+    std::unique_ptr<DeviceRays> deviceRays_; ///< Null where the device traces none.
 
     // Between frames.
     Views views_;

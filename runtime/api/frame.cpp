@@ -75,7 +75,7 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     if (Result<void> ok = decide(info, snapshot.casters); !ok) return ok.error();
     const SubmitParts submit = submitParts();
     frame_.warmup = nextWarmup(frame_, submit);
-    declareLights(frame_, {*graph_, *methods_, *selector_, messages_, arena_, own_.mix});
+    declareLights(frame_, {*graph_, *methods_, *selector_, messages_, arena_, own_.mix, deviceRays_.get()});
     recordDecisions(frame_, chooseParts());
     if (Result<void> ok = openSlot(frame_, input_, info.completedFrame, isTimed(info), snapshot, submit); !ok)
         return ok.error();
@@ -106,6 +106,7 @@ void Context::openFrame(const GnFrameInfo& info, FrameMode mode, Time start)
     arena_.reset();
     pool_->begin(info.frame, info.completedFrame);
     graph_->reset();
+    if (deviceRays_) deviceRays_->begin();
     frame_.begin(info.frame, mode);
     for (View* view : input_.views)
         frame_.views.push_back({.view = view});
@@ -136,7 +137,8 @@ Result<void> Context::decide(const GnFrameInfo& info, std::span<const Caster> ca
                   .originMoved = origin_.movedIn() == info.frame,
                   .completedFrame = info.completedFrame,
                   .cheapestShare = budget_.cheapestShare(),
-                  .frameRate = history_.intervals.rate()});
+                  .frameRate = history_.intervals.rate(),
+                  .rays = deviceRays_.get()});
     choose(frame_, chooseParts());
     frame_.stats.decideUs = static_cast<float>(msSince(start) * 1000.0);
     return {};

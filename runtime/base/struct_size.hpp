@@ -47,7 +47,7 @@ GN_SIZED_STRUCT(GnImageInfo, extent, variant)
 GN_SIZED_STRUCT(GnBufferInfo, size, variant)
 GN_SIZED_STRUCT(GnPassInfo, pfnRun, pUserData)
 // Filled for them.
-GN_SIZED_STRUCT(GnDeviceNeeds, supported, reason)
+GN_SIZED_STRUCT(GnDeviceNeeds, supported, pOptionalFeatures)
 GN_SIZED_STRUCT(GnVisibility, imageView, revision)
 GN_SIZED_STRUCT(GnLightMap, imageView, origin)
 GN_SIZED_STRUCT(GnMethodInfo, pName, pSettings)

@@ -135,6 +135,15 @@ std::optional<Error> LightPasses::declareMethod(std::uint32_t index, const Targe
 {
     const Method& method = parts_.methods[index];
     const MapPose pose = poseFor(method);
+    beginTask(index);
+    PassBuilder builder(parts_.graph);
+    const TracedScene* traced = nullptr;
+    if (method.has(GN_TRAIT_DEVICE_RAYS_BIT) && parts_.rays) {
+        parts_.rays->need(*pose.casters); // is needed already, unless it stands in for another method
+        traced = parts_.rays->declare(builder, *pose.casters);
+        if (!traced)
+            builder.fail({GN_ERROR_UNSUPPORTED, "CastersNotTraced", "its casters are not traced in this frame"});
+    }
     const ShadowTask task{.view = &camera(),
                           .light = pose.light,
                           .casters = pose.casters,
@@ -143,10 +152,9 @@ std::optional<Error> LightPasses::declareMethod(std::uint32_t index, const Targe
                           .visibility = target.image,
                           .depth = viewFrame_.depth,
                           .normals = viewFrame_.normals,
+                          .rays = traced,
                           .recorded = frame_.mode == FrameMode::recorded};
-    beginTask(index);
-    PassBuilder builder(parts_.graph);
-    method.algorithm->declare(builder, task);
+    if (traced || !method.has(GN_TRAIT_DEVICE_RAYS_BIT)) method.algorithm->declare(builder, task);
     if (std::optional<Error> error = parts_.graph.endTask()) return error;
     frame_.raysNeeded |= method.has(GN_TRAIT_RAYS_BIT);
     const ShadowAlgorithm::Map* const map = method.algorithm->lightMap();
@@ -209,6 +217,32 @@ void LightPasses::declareLit()
     parts_.graph.endTask();
 }
 
+/// Which casters the device is to trace in this frame, and which soon. @return whether there are such
+bool gatherRays(const Frame& frame, const DeclareParts& parts)
+{
+    const auto traces = [&parts](std::uint32_t method) {
+        return method < parts.methods.size() && parts.methods[method].has(GN_TRAIT_DEVICE_RAYS_BIT);
+    };
+    bool awaited = false;
+    for (const ViewLight& light : frame.lights) {
+        const LightDecision& decision = *light.decision;
+        if (traces(decision.method) || traces(decision.outgoing) || traces(decision.probed))
+            parts.rays->need(*light.casters);
+        if (decision.wanted == decision.method || !traces(decision.wanted)) continue;
+        parts.rays->want(*light.casters);
+        awaited = true;
+    }
+    return awaited;
+}
+
+void declareAwaitedRays(const DeclareParts& parts)
+{
+    parts.graph.beginTask({}, nullptr, {}, {});
+    PassBuilder builder(parts.graph);
+    parts.rays->declareWanted(builder);
+    (void)parts.graph.endTask(); // for want of memory it is tried again; the light is served without
+}
+
 /// Maps of the frame's methods, each once.
 void collectLightMaps(Frame& frame, const PassGraph& graph)
 {
@@ -224,8 +258,10 @@ void collectLightMaps(Frame& frame, const PassGraph& graph)
 
 void declareLights(Frame& frame, const DeclareParts& parts)
 {
+    const bool awaited = parts.rays && gatherRays(frame, parts);
     for (const ViewLight& light : frame.lights)
         LightPasses(frame, light, parts).declare();
+    if (awaited) declareAwaitedRays(parts);
     collectLightMaps(frame, parts.graph);
 }
 

@@ -105,6 +105,7 @@ void measureView(Frame& frame, std::uint32_t index, const GnViewFrame& given, co
                                           .recorded = frame.mode == FrameMode::recorded,
                                           .seen = state.pinned != UINT32_MAX || canBeSeen(light, view.camera),
                                           .still = state.motion.rests(),
+                                          .unbuilt = parts.rays ? parts.rays->unbuilt(casters) : 0,
                                           .memoryLeft = limit - std::min(parts.memory.used(), limit),
                                           .frame = frame.number}});
     }

@@ -112,6 +112,21 @@ PassRef& PassRef::indirect(BufferId buffer)
     graph_.add(buffer.index, false, AccessKind::indirect, {});
     return *this;
 }
+PassRef& PassRef::builds(BufferId buffer)
+{
+    graph_.add(buffer.index, false, AccessKind::build, {});
+    return *this;
+}
+PassRef& PassRef::buildsFrom(BufferId buffer)
+{
+    graph_.add(buffer.index, false, AccessKind::buildInput, {});
+    return *this;
+}
+PassRef& PassRef::traces(BufferId order)
+{
+    graph_.add(order.index, false, AccessKind::trace, {});
+    return *this;
+}
 PassRef& PassRef::area(Rect rect)
 {
     graph_.pending_.area = rect;
@@ -271,7 +286,7 @@ bool PassBuilder::stale(BufferId buffer, std::uint64_t stamp)
         return false;
     }
     // Fresh memory if anything in flight may still read the old content.
-    if (entry.pooled->place != BufferPlace::device) {
+    if (!isGpuOnly(entry.pooled->place)) {
         if (auto renewed = graph_.pool_.replace(*entry.ring, entry.info); !renewed) {
             graph_.fail(renewed.error());
             return true;
@@ -327,7 +342,7 @@ KeptList PassBuilder::keptList(const BufferInfo& info, std::uint64_t stamp)
 
 VkDeviceSize PassBuilder::missing(const BufferInfo& info) const
 {
-    return graph_.pool_.keeps(graph_.key(info, true), info.size) ? 0 : pooledSize(info.size);
+    return graph_.pool_.keeps(graph_.key(info, true), info.size) ? 0 : pooledSize(info);
 }
 
 VkDeviceSize PassBuilder::missing(const ImageInfo& info, ImageId twin) const
@@ -381,6 +396,11 @@ bool PassBuilder::has(BufferId buffer) const
 bool PassBuilder::isHosts(ImageId image) const
 {
     return graph_.images_[image.index].pooled->imported;
+}
+
+VkDeviceAddress PassBuilder::address(BufferId buffer) const
+{
+    return buffer ? graph_.buffer(buffer).gpu.address : 0;
 }
 
 VkExtent2D PassBuilder::extent(ImageId image) const

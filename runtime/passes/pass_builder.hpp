@@ -62,7 +62,23 @@ enum class BufferPlace : std::uint8_t {
     device,   ///< GPU only.
     upload,   ///< Written by prepare or host passes, read by the GPU.
     readback, ///< Cached by the host: written by the GPU or host passes, read by host passes.
+    // For rays on the device (DeviceTable::rayQuery()).
+    buildInput,   ///< As upload; builds read it by address.
+    buildScratch, ///< GPU only: builds work in it.
+    bottomLevel,  ///< An acceleration structure of triangles. `size` is that of the structure.
+    topLevel,     ///< And of instances.
 };
+
+/// The CPU has no part in it: its queue orders what is done with it.
+constexpr bool isGpuOnly(BufferPlace place)
+{
+    return place != BufferPlace::upload && place != BufferPlace::readback && place != BufferPlace::buildInput;
+}
+
+constexpr bool isStructure(BufferPlace place)
+{
+    return place == BufferPlace::bottomLevel || place == BufferPlace::topLevel;
+}
 
 struct BufferInfo {
     const char* name = "";
@@ -70,6 +86,13 @@ struct BufferInfo {
     VkDeviceSize size = 0; ///< Rounded up to a power of two and kept.
     BufferPlace place = BufferPlace::device;
     std::uint32_t variant = 0;
+};
+
+/// Casters as shaders trace them (shaders/shared/device_rays.glsl); made by DeviceRays.
+struct TracedScene {
+    BufferId order;    ///< Stands for all structures: whoever traces says so of it alone, PassRef::traces().
+    BufferId topLevel; ///< PassContext::structure().
+    BufferId casters;  ///< gpu::TracedCaster by custom index: PassRef::reads(), PassContext::storage().
 };
 
 /// What PassBuilder::keptList() found.
@@ -82,6 +105,12 @@ struct KeptList {
 constexpr VkDeviceSize pooledSize(VkDeviceSize size)
 {
     return std::bit_ceil(std::max<VkDeviceSize>(size, 256));
+}
+
+/// The same by place: structures are as large as they are said to be, in whole steps.
+constexpr VkDeviceSize pooledSize(const BufferInfo& info)
+{
+    return isStructure(info.place) ? (info.size + 255) / 256 * 256 : pooledSize(info.size);
 }
 
 /// And of an image, at most: devices may store whole tiles. Of NVIDIA's 580.159 (H100) they are 64 bytes wide and 128
@@ -135,6 +164,9 @@ public:
     PassRef& vertices(BufferId buffer);
     PassRef& indices(BufferId buffer);
     PassRef& indirect(BufferId buffer);
+    PassRef& builds(BufferId buffer);     ///< A structure, TracedScene::order, or what a build works in.
+    PassRef& buildsFrom(BufferId buffer); ///< A build reads it: instances.
+    PassRef& traces(BufferId order);      ///< TracedScene::order. Shaders trace what was built before.
 
     /// Raster passes: limits rendering, viewport and scissor; default: the first attachment's whole extent.
     PassRef& area(Rect rect);
@@ -209,9 +241,10 @@ public:
     /// Whether the frame has them: for ids that are not our own.
     bool has(ImageId image, std::uint32_t firstLayer, std::uint32_t layers) const;
     bool has(BufferId buffer) const;
-    VkExtent2D extent(ImageId image) const; ///< Of an image that the frame has.
-    VkFormat format(ImageId image) const;   ///< Of an image that the frame has.
-    bool isHosts(ImageId image) const;      ///< The host's depth or normals, of images that the frame has.
+    VkDeviceAddress address(BufferId buffer) const; ///< Of a structure, build input or scratch; 0: none.
+    VkExtent2D extent(ImageId image) const;         ///< Of an image that the frame has.
+    VkFormat format(ImageId image) const;           ///< Of an image that the frame has.
+    bool isHosts(ImageId image) const;              ///< The host's depth or normals, of images that the frame has.
 
     // Passes. `variant` as for resources. Names are "algorithm.stage", static storage.
     PassRef raster(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);

@@ -32,6 +32,11 @@ Bound PassContext::storage(std::uint32_t binding, VkBuffer buffer) const
     return {.binding = binding, .kind = BindingKind::storageBuffer, .rawBuffer = buffer};
 }
 
+Bound PassContext::structure(std::uint32_t binding, BufferId topLevel) const
+{
+    return {.binding = binding, .kind = BindingKind::structure, .buffer = topLevel};
+}
+
 Bound PassContext::constantsBytes(std::uint32_t binding, const void* data, std::size_t size)
 {
     PassExecutor::Slot& slot = *executor_->slot_;
@@ -81,6 +86,8 @@ void PassContext::bind(PipelineId id, std::span<const Bound> bindings)
         } else if (info.kind == BindingKind::storageBuffer) {
             write.buffer = bound->rawBuffer ? bound->rawBuffer : executor_->graph_.buffer(bound->buffer).gpu.buffer;
             if (!bound->rawBuffer) write.range = executor_->graph_.boundSize(bound->buffer);
+        } else if (info.kind == BindingKind::structure) {
+            write.structure = structure(bound->buffer);
         } else {
             const GpuImage& image = executor_->graph_.image(bound->image).gpu;
             const std::uint32_t layer = bound->layer == VK_REMAINING_ARRAY_LAYERS ? 0 : bound->layer;
@@ -194,6 +201,10 @@ VkBuffer PassContext::buffer(BufferId id) const
 {
     return executor_->graph_.buffer(id).gpu.buffer;
 }
+VkAccelerationStructureKHR PassContext::structure(BufferId id) const
+{
+    return executor_->graph_.buffer(id).gpu.structure;
+}
 
 bool PassContext::has(ImageId id, std::uint32_t layer) const
 {
@@ -214,7 +225,7 @@ bool HostContext::has(BufferId buffer) const
 std::span<std::byte> HostContext::mapped(BufferId buffer) const
 {
     const PooledBuffer& pooled = executor_->graph_.buffer(buffer);
-    if (pooled.place == BufferPlace::device) return {}; // also where all memory of the device happens to be mapped
+    if (isGpuOnly(pooled.place)) return {}; // also where all memory of the device happens to be mapped
     const GpuBuffer& gpu = pooled.gpu;
     return {gpu.mapped, gpu.mapped ? static_cast<std::size_t>(gpu.size) : 0};
 }

@@ -52,6 +52,7 @@ public:
     Bound storage(std::uint32_t binding, ImageId image, std::uint32_t layer = VK_REMAINING_ARRAY_LAYERS) const;
     Bound storage(std::uint32_t binding, BufferId buffer) const;
     Bound storage(std::uint32_t binding, VkBuffer buffer) const;
+    Bound structure(std::uint32_t binding, BufferId topLevel) const;
     /// Copies a block into the frame's ring of uniform memory.
     template <typename T>
     Bound constants(std::uint32_t binding, const T& block)
@@ -82,6 +83,7 @@ public:
     VkImageView imageView(ImageId id, std::uint32_t layer) const; ///< 2D, one layer, for sampling.
     VkExtent2D extent(ImageId id) const;
     VkBuffer buffer(BufferId id) const;
+    VkAccelerationStructureKHR structure(BufferId id) const;
     /// Whether the frame has them: for ids that are not our own.
     bool has(ImageId id, std::uint32_t layer) const;
     bool has(BufferId id) const;

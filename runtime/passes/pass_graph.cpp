@@ -85,6 +85,15 @@ AccessTraits accessTraits(AccessKind kind, PassKind pass)
         return {VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT, false};
     case AccessKind::hostWrite:
         return {VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_WRITE_BIT, true};
+    case AccessKind::build:
+        return {VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_ACCELERATION_STRUCTURE_BUILD_BIT_KHR,
+                VK_ACCESS_2_ACCELERATION_STRUCTURE_READ_BIT_KHR | VK_ACCESS_2_ACCELERATION_STRUCTURE_WRITE_BIT_KHR,
+                true};
+    case AccessKind::buildInput:
+        return {VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_ACCELERATION_STRUCTURE_BUILD_BIT_KHR,
+                VK_ACCESS_2_SHADER_READ_BIT, false};
+    case AccessKind::trace:
+        return {VK_IMAGE_LAYOUT_UNDEFINED, shader, VK_ACCESS_2_ACCELERATION_STRUCTURE_READ_BIT_KHR, false};
     }
     return {};
 }

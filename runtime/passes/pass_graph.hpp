@@ -31,6 +31,9 @@ enum class AccessKind : std::uint8_t {
     indirect,
     hostRead,
     hostWrite,
+    build, ///< An acceleration structure, or what its build works in.
+    buildInput,
+    trace,
 };
 
 /// Layout, stages and access bits of an access.
@@ -122,7 +125,7 @@ public:
     VkDeviceSize boundSize(BufferId id) const
     {
         const FrameBuffer& buffer = buffers_[id.index];
-        return std::min(buffer.pooled->gpu.size, pooledSize(buffer.info.size));
+        return std::min(buffer.pooled->gpu.size, pooledSize(buffer.info));
     }
 
     /// Indices into passes(), ordered by round, side (prepare, GPU, host) and batch; valid until the next declaration.

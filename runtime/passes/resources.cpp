@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "runtime/base/make_room.hpp"
+#include "runtime/vk/structures.hpp"
 
 namespace gnomon {
 
@@ -32,13 +33,31 @@ MemoryUse memoryUse(BufferPlace place)
 {
     switch (place) {
     case BufferPlace::upload:
+    case BufferPlace::buildInput:
         return MemoryUse::upload;
     case BufferPlace::readback:
         return MemoryUse::readback;
-    case BufferPlace::device:
+    default:
         break;
     }
     return MemoryUse::device;
+}
+
+VkBufferUsageFlags bufferUsage(BufferPlace place)
+{
+    return place == BufferPlace::buildInput     ? kBuildInput
+           : place == BufferPlace::buildScratch ? kBuildScratch
+                                                : kBufferUsage;
+}
+
+Result<GpuBuffer> createBuffer(DeviceMemory& memory, const BufferInfo& info)
+{
+    const VkDeviceSize size = pooledSize(info);
+    if (info.place == BufferPlace::bottomLevel)
+        return memory.createStructure(size, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, info.name);
+    if (info.place == BufferPlace::topLevel)
+        return memory.createStructure(size, VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, info.name);
+    return memory.createBuffer(size, bufferUsage(info.place), memoryUse(info.place), info.name);
 }
 
 } // namespace
@@ -160,9 +179,8 @@ Result<std::unique_ptr<PooledImage>> ResourcePool::ownedImage(const ImageCreate&
 Result<std::unique_ptr<PooledBuffer>> ResourcePool::makeBuffer(const BufferInfo& info)
 {
     auto buffer = std::make_unique<PooledBuffer>();
-    const VkDeviceSize size = pooledSize(info.size);
-    Result<GpuBuffer> gpu = memory_.createBuffer(size, kBufferUsage, memoryUse(info.place), info.name);
-    if (!gpu && evict(size)) gpu = memory_.createBuffer(size, kBufferUsage, memoryUse(info.place), info.name);
+    Result<GpuBuffer> gpu = createBuffer(memory_, info);
+    if (!gpu && evict(pooledSize(info))) gpu = createBuffer(memory_, info);
     if (!gpu) return gpu.error();
     buffer->gpu = *gpu;
     buffer->place = info.place;
@@ -308,7 +326,7 @@ Result<void> ResourcePool::renew(BufferRing& ring, const BufferInfo& info)
 {
     auto usable = [&](const PooledBuffer& version) {
         // The queue orders GPU-only buffers by itself; what the CPU touches must be done with.
-        const bool done = version.kept.lastUsed <= completed_ || info.place == BufferPlace::device;
+        const bool done = version.kept.lastUsed <= completed_ || isGpuOnly(info.place);
         return version.gpu.size >= info.size && done && version.kept.lastUsed != frame_;
     };
     PooledBuffer* chosen = nullptr;

@@ -18,16 +18,6 @@ void setPositions(RTCGeometry geometry, std::span<const glm::vec3> positions)
                                sizeof(glm::vec3), positions.size());
 }
 
-float longestOf(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices)
-{
-    double longest = 0.0;
-    for (std::size_t i = 0; i + 2 < indices.size(); i += 3)
-        longest =
-            std::max(longest, effectiveLength(glm::dvec3(positions[indices[i]]), glm::dvec3(positions[indices[i + 1]]),
-                                              glm::dvec3(positions[indices[i + 2]])));
-    return static_cast<float>(longest);
-}
-
 } // namespace
 
 // --- Embree's tree ---

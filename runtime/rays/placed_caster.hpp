@@ -26,7 +26,7 @@ struct Placed {
     std::span<const std::uint32_t> givenNumbers; ///< MeshView::givenNumbers
     std::span<const glm::vec3> positions;        ///< MeshView's, as are the indices.
     std::span<const std::uint32_t> indices;
-    bool isLong = false;    ///< May have triangles for which startsOn() matters (long_edges.hpp).
+    bool isLong = false;    ///< isLong() (long_edges.hpp).
     float reach = 0.0f;     ///< reachOf()
     std::uint64_t seen = 0; ///< The last update() that brought it.
 
@@ -45,18 +45,6 @@ struct Placed {
         return startsOn(corners, toWorld * start);
     }
 };
-
-/// Whether a caster's triangles may count as longer than kLongEdge. L^2 / h grows by the square of the largest stretch
-/// over the least at most.
-inline bool isLong(const Caster& caster, float longest)
-{
-    const glm::dmat3 forward(caster.basis), back = glm::inverse(forward);
-    const auto stretch = [](const glm::dmat3& m) { // an upper bound
-        return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
-    };
-    // Both bounds are root 3 of what a rotation stretches by.
-    return stretch(forward) * stretch(forward) * stretch(back) * double{longest} > 5.2 * double{kLongEdge};
-}
 
 inline bool unchanged(const Placed& placed, const Caster& caster)
 {

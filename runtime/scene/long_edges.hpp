@@ -4,7 +4,10 @@
 #include <cmath>
 
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <glm/vec3.hpp>
+
+#include "runtime/scene/scene_view.hpp"
 
 namespace gnomon {
 
@@ -32,9 +35,9 @@ struct Thinness {
 /// 2^-22 L, what corners are rounded by: depths of grounds of two triangles were off by up to 2^-24.2 L (4 km,
 /// lavapipe).
 ///
-/// 2^-22 l^2 / h, l = min(L, kLongEdge): rasterisers find the slope of depths from differences of products, which cancel
-/// where a triangle is thin. Depths of needles were off by up to 2^-23.2 of that (11 m long, 46 mm wide, seen from 6 m,
-/// lavapipe). At most h / 4, so that the sides of a needle are told apart.
+/// 2^-22 l^2 / h, l = min(L, kLongEdge): rasterisers find the slope of depths from differences of products, which
+/// cancel where a triangle is thin. Depths of needles were off by up to 2^-23.2 of that (11 m long, 46 mm wide, seen
+/// from 6 m, lavapipe). At most h / 4, so that the sides of a needle are told apart.
 inline bool startsOn(const glm::dvec3 (&corners)[3], const glm::dvec3& start)
 {
     const glm::dvec3 ab = corners[1] - corners[0], bc = corners[2] - corners[1], ca = corners[0] - corners[2];
@@ -50,6 +53,30 @@ inline double effectiveLength(const glm::dvec3& a, const glm::dvec3& b, const gl
 {
     const Thinness t(b - a, c - b, a - c, glm::cross(b - a, c - b));
     return t.length * t.length / t.height;
+}
+
+/// The largest of a mesh's triangles, object space.
+inline float longestOf(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices)
+{
+    double longest = 0.0;
+    for (std::size_t i = 0; i + 2 < indices.size(); i += 3)
+        longest =
+            std::max(longest, effectiveLength(glm::dvec3(positions[indices[i]]), glm::dvec3(positions[indices[i + 1]]),
+                                              glm::dvec3(positions[indices[i + 2]])));
+    return static_cast<float>(longest);
+}
+
+/// Whether there may be triangles of a caster for which startsOn() matters. L^2 / h grows by the square of the largest
+/// stretch over the least at most.
+/// @param longest longestOf() its mesh
+inline bool isLong(const Caster& caster, float longest)
+{
+    const glm::dmat3 forward(caster.basis), back = glm::inverse(forward);
+    const auto stretch = [](const glm::dmat3& m) { // an upper bound
+        return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
+    };
+    // Both bounds are root 3 of what a rotation stretches by.
+    return stretch(forward) * stretch(forward) * stretch(back) * double{longest} > 5.2 * double{kLongEdge};
 }
 
 } // namespace gnomon

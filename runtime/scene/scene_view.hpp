@@ -39,6 +39,11 @@ struct MeshView {
     bool closed = false;                    ///< Known from the topology; false until it is there.
     bool insideOut = false;                 ///< Likewise: some watertight shell is.
 
+    std::uint64_t faces = 0; ///< Unique over all meshes; changes with the triangles.
+    /// longestOf() (long_edges.hpp); infinite until a worker has measured it, or where nobody needs it.
+    float longest = std::numeric_limits<float>::infinity();
+    VkDeviceAddress vertexAddress = 0, indexAddress = 0; ///< Of the buffers; 0 without DeviceTable::rayQuery().
+
     glm::vec3 edgeSpan{0.0f}; ///< The most that an edge goes along each axis, object space.
 
     std::uint32_t triangleCount() const { return static_cast<std::uint32_t>(indices.size() / 3); }

@@ -54,7 +54,8 @@ std::string exclusionText(const Candidate& candidate, std::string_view unavailab
     case Exclusion::lightKind:
         return "does not serve this kind of light";
     case Exclusion::notReady:
-        return "not ready: its pipelines have not run yet";
+        return candidate.detail ? "not ready: " + detail + " casters that the device has not built yet"
+                                : "not ready: its pipelines have not run yet";
     case Exclusion::roundTrips:
         return "needs the CPU between passes (" + detail + " round trips), but the frame is recorded";
     case Exclusion::hostDrawn:

@@ -46,10 +46,11 @@ cost::Workload workloadOf(const Method& method, const cost::Workload& light)
     cost::Workload workload = light;
     const double plain = light.mapTexels > 0.0 ? std::sqrt(light.mapTexels) : double{kUnmeasuredSide};
     const double side = method.mapSide(static_cast<std::uint32_t>(std::lround(plain)));
-    workload.mapTexels = side * side * (light.point ? 6.0 : 1.0);                              // the faces of a cube
-    if (!method.looksUpMaps()) workload.redrawEvery = 1.0;                                     // goes by what is now
-    if (!method.has(GN_TRAIT_TOPOLOGY_BIT)) workload.shadowPixels = 0.0;                       // draws no volumes
-    if (!method.has(GN_TRAIT_RAYS_BIT) || workload.mapTexels > 0.0) workload.treeLevels = 0.0; // a map answers most
+    workload.mapTexels = side * side * (light.point ? 6.0 : 1.0);        // the faces of a cube
+    if (!method.looksUpMaps()) workload.redrawEvery = 1.0;               // goes by what is now
+    if (!method.has(GN_TRAIT_TOPOLOGY_BIT)) workload.shadowPixels = 0.0; // draws no volumes
+    const bool traces = method.has(GN_TRAIT_RAYS_BIT) || method.has(GN_TRAIT_DEVICE_RAYS_BIT);
+    if (!traces || workload.mapTexels > 0.0) workload.treeLevels = 0.0; // a map answers most
     return workload;
 }
 
@@ -150,7 +151,8 @@ void FramePlan::measure(std::uint32_t slots)
 std::vector<cost::TaughtMethod> FramePlan::algorithms() const
 {
     // What a method works with says what it costs like; the kinds of light that it serves do not.
-    constexpr GnTraits kWork = GN_TRAIT_RAYS_BIT | GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_SOFT_PENUMBRA_BIT;
+    constexpr GnTraits kWork =
+        GN_TRAIT_RAYS_BIT | GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_DEVICE_RAYS_BIT;
     std::vector<cost::TaughtMethod> all;
     for (std::uint32_t i = 0; i < methods_.size(); ++i) {
         const AlgorithmEntry& entry = *methods_[i].entry;

@@ -107,6 +107,7 @@ Candidate Selector::examine(const Method& method, const SelectionInput& input, c
     if (const char* reason = method.algorithm->refuses(task))
         return {.exclusion = Exclusion::refused, .refusal = reason};
     if (!method.ready) return out(Exclusion::notReady);
+    if (method.has(GN_TRAIT_DEVICE_RAYS_BIT) && input.unbuilt) return out(Exclusion::notReady, input.unbuilt);
     return {};
 }
 

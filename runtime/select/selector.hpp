@@ -164,7 +164,8 @@ struct SelectionInput {
     bool seen = true;                                ///< canBeSeen(), or the host pinned a method.
     std::uint32_t plainSide = kUnmeasuredSide;       ///< MapSide::side().
     std::uint32_t wantedPlainSide = kUnmeasuredSide; ///< MapSide::wanted().
-    bool still = false; ///< Neither the light nor a caster in its range moves (MotionHistory::rests()).
+    bool still = false;        ///< Neither the light nor a caster in its range moves (MotionHistory::rests()).
+    std::uint32_t unbuilt = 0; ///< DeviceRays::unbuilt().
     VkDeviceSize memoryLeft = 0;
     std::uint64_t frame = 0;
 };

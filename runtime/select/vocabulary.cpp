@@ -22,6 +22,7 @@ std::vector<std::string> traitWords(GnTraits traits)
         {GN_TRAIT_CPU_GEOMETRY_BIT, "cpuGeometry"},
         {GN_TRAIT_RAYS_BIT, "rays"},
         {GN_TRAIT_PLANAR_BIT, "planar"},
+        {GN_TRAIT_DEVICE_RAYS_BIT, "deviceRays"},
     };
     std::vector<std::string> words;
     for (const auto& entry : kWords)

@@ -4,7 +4,9 @@
 #include <cstring>
 #include <numeric>
 
+#include "runtime/scene/long_edges.hpp"
 #include "runtime/scene/mesh_chunks.hpp"
+#include "runtime/vk/structures.hpp"
 
 namespace gnomon {
 namespace {
@@ -48,7 +50,8 @@ constexpr bool kWithTopology = false;
 
 MeshBuilder::MeshBuilder(const DeviceTable& vk, DeviceMemory& memory, RayScene* rays, const Messages& messages,
                          bool background)
-    : vk_(vk), memory_(memory), rays_(rays), messages_(messages), background_(background && (kWithTopology || rays))
+    : vk_(vk), memory_(memory), rays_(rays), messages_(messages),
+      background_(background && (kWithTopology || rays || vk.rayQuery()))
 {
 }
 
@@ -56,6 +59,7 @@ Result<OwnedBuffer> MeshBuilder::upload(const void* data, VkDeviceSize size, VkB
                                         const std::string& name, std::vector<MeshUpload>& uploads) const
 {
     usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    if (vk_.rayQuery()) usage |= kBuildInput;
     Result<GpuBuffer> made = memory_.createBuffer(size, usage, MemoryUse::device, name.c_str());
     if (!made) return made.error();
     OwnedBuffer buffer(memory_, *made);
@@ -121,6 +125,7 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::finish(std::shared_ptr<MeshRe
                                             VK_BUFFER_USAGE_INDEX_BUFFER_BIT, identity.name, uploads);
         if (!buffer) return buffer.error();
         faces->buffer = std::move(*buffer);
+        faces->id = faces_.fetch_add(1, std::memory_order_relaxed) + 1;
         revision->faces = std::move(faces);
     }
     for (std::size_t i = before; i < uploads.size(); ++i)
@@ -146,6 +151,9 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::finish(std::shared_ptr<MeshRe
     view.edgeSpan = edgeSpan(positions, view.indices);
     view.vertexBuffer = revision->vertices.get().buffer;
     view.indexBuffer = revision->faces->buffer.get().buffer;
+    view.vertexAddress = revision->vertices.get().address;
+    view.indexAddress = revision->faces->buffer.get().address;
+    view.faces = revision->faces->id;
     view.revision = revisions_.fetch_add(1, std::memory_order_relaxed) + 1;
     revision->shown = &view;
 
@@ -180,6 +188,7 @@ void MeshBuilder::derive(MeshRevision& revision) const noexcept
 #endif
         if (rays_) revision.rays = rays_->build(view.positions, view.indices, &revision.faces->rays);
         view.rays = revision.rays.get();
+        if (vk_.rayQuery()) view.longest = longestOf(view.positions, view.indices);
     } catch (const std::exception& failure) {
         try {
             messages_.warn("MeshNotPrepared",

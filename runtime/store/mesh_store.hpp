@@ -67,6 +67,7 @@ struct MeshFaces {
     std::shared_ptr<const std::vector<std::uint32_t>> indices;
     std::vector<std::uint32_t> givenNumbers; ///< MeshView::givenNumbers. The same indices mean the same numbers.
     OwnedBuffer buffer;
+    std::uint64_t id = 0; ///< MeshView::faces.
 
     /// Connectivity found by an earlier revision; the next one takes it over.
     std::shared_ptr<const Topology> connectivity() const
@@ -140,7 +141,7 @@ private:
     const Messages& messages_;
     bool background_;
     mutable std::atomic<std::uint32_t> meshes_{0};
-    mutable std::atomic<std::uint64_t> revisions_{0};
+    mutable std::atomic<std::uint64_t> revisions_{0}, faces_{0};
 };
 
 } // namespace gnomon

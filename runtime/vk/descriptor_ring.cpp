@@ -39,10 +39,12 @@ Result<VkDescriptorSet> DescriptorRing::allocate(VkDescriptorSetLayout layout)
         VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kSetsPerPool * 4},
         VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, kSetsPerPool},
         VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kSetsPerPool * 4},
+        VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, kSetsPerPool}, // last
     };
     const VkDescriptorPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                               .maxSets = kSetsPerPool,
-                                              .poolSizeCount = static_cast<std::uint32_t>(sizes.size()),
+                                              .poolSizeCount =
+                                                  static_cast<std::uint32_t>(sizes.size()) - !vk_->rayQuery(),
                                               .pPoolSizes = sizes.data()};
     VkDescriptorPool pool = VK_NULL_HANDLE;
     if (VkResult r = vk_->vkCreateDescriptorPool(vk_->device, &poolInfo, vk_->hostAllocator, &pool); r != VK_SUCCESS)
@@ -68,12 +70,17 @@ Result<VkDescriptorSet> DescriptorRing::next(VkDescriptorSetLayout layout, std::
     std::array<VkWriteDescriptorSet, kMaxBindings> updates;
     std::array<VkDescriptorImageInfo, kMaxBindings> images;
     std::array<VkDescriptorBufferInfo, kMaxBindings> buffers;
+    std::array<VkWriteDescriptorSetAccelerationStructureKHR, kMaxBindings> structures;
     const std::size_t count = std::min(writes.size(), kMaxBindings);
     for (std::size_t i = 0; i < count; ++i) {
         const DescriptorWrite& write = writes[i];
         images[i] = {write.sampler, write.view, write.layout};
         buffers[i] = {write.buffer, 0, write.range};
+        structures[i] = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET_ACCELERATION_STRUCTURE_KHR,
+                         .accelerationStructureCount = 1,
+                         .pAccelerationStructures = &write.structure};
         updates[i] = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                      .pNext = write.kind == BindingKind::structure ? &structures[i] : nullptr,
                       .dstSet = set,
                       .dstBinding = write.binding,
                       .descriptorCount = 1,

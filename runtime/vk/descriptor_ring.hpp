@@ -22,6 +22,7 @@ struct DescriptorWrite {
     VkSampler sampler = VK_NULL_HANDLE;
     VkBuffer buffer = VK_NULL_HANDLE; ///< constants: the ring; the offset is dynamic.
     VkDeviceSize range = VK_WHOLE_SIZE;
+    VkAccelerationStructureKHR structure = VK_NULL_HANDLE;
 };
 
 class DescriptorRing {

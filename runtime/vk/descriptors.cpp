@@ -44,6 +44,8 @@ VkDescriptorType descriptorTypeOf(BindingKind kind) noexcept
         return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
     case BindingKind::storageImage:
         return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+    case BindingKind::structure:
+        return VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR;
     case BindingKind::storageBuffer:
         break;
     }

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <iterator>
 #include <new>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runtime/base/struct_size.hpp"
@@ -13,6 +15,7 @@ struct InstanceFunctions {
     PFN_vkGetPhysicalDeviceProperties2 properties = nullptr;
     PFN_vkGetPhysicalDeviceFeatures2 features = nullptr;
     PFN_vkGetPhysicalDeviceQueueFamilyProperties2 queueFamilies = nullptr;
+    PFN_vkEnumerateDeviceExtensionProperties extensions = nullptr;
 
     bool load(VkInstance instance, PFN_vkGetInstanceProcAddr get) noexcept
     {
@@ -21,7 +24,9 @@ struct InstanceFunctions {
         features = reinterpret_cast<PFN_vkGetPhysicalDeviceFeatures2>(get(instance, "vkGetPhysicalDeviceFeatures2"));
         queueFamilies = reinterpret_cast<PFN_vkGetPhysicalDeviceQueueFamilyProperties2>(
             get(instance, "vkGetPhysicalDeviceQueueFamilyProperties2"));
-        return properties && features && queueFamilies;
+        extensions = reinterpret_cast<PFN_vkEnumerateDeviceExtensionProperties>(
+            get(instance, "vkEnumerateDeviceExtensionProperties"));
+        return properties && features && queueFamilies && extensions;
     }
 };
 
@@ -46,10 +51,59 @@ VkPhysicalDeviceFeatures usefulFeatures(const VkPhysicalDeviceFeatures& has)
     useful.geometryShader = has.geometryShader;         // gl_PrimitiveID in fragment shaders
     useful.shaderClipDistance = has.shaderClipDistance; // paraboloid halves
     useful.fragmentStoresAndAtomics = has.fragmentStoresAndAtomics; // lists of pixels made by fragment passes
+    useful.shaderFloat64 = has.shaderFloat64;                       // rays that start on long triangles
     return useful;
 }
 
-/// Why the device cannot run gnomon, or nothing. No method uses a device extension yet, so none is asked for.
+// What rays on the device need; the second depends on the first. Appended to the host's chain as they are.
+constexpr const char* kRayExtensions[] = {VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME,
+                                          VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME,
+                                          VK_KHR_RAY_QUERY_EXTENSION_NAME};
+const VkPhysicalDeviceRayQueryFeaturesKHR kRayQuery{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR, .pNext = nullptr, .rayQuery = VK_TRUE};
+const VkPhysicalDeviceAccelerationStructureFeaturesKHR kRayFeatures{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR,
+    .pNext = const_cast<VkPhysicalDeviceRayQueryFeaturesKHR*>(&kRayQuery), // which nobody writes: a chain that is given
+    .accelerationStructure = VK_TRUE,
+    .accelerationStructureCaptureReplay = VK_FALSE,
+    .accelerationStructureIndirectBuild = VK_FALSE,
+    .accelerationStructureHostCommands = VK_FALSE,
+    .descriptorBindingAccelerationStructureUpdateAfterBind = VK_FALSE};
+
+/// Whether the device lists all of kRayExtensions.
+bool listsRays(const InstanceFunctions& vk, VkPhysicalDevice device)
+{
+    std::uint32_t count = 0;
+    if (vk.extensions(device, nullptr, &count, nullptr) < 0) return false;
+    std::vector<VkExtensionProperties> listed(count);
+    if (vk.extensions(device, nullptr, &count, listed.data()) < 0) return false;
+    return std::ranges::all_of(kRayExtensions, [&listed](std::string_view name) {
+        return std::ranges::any_of(listed, [name](const auto& extension) { return name == extension.extensionName; });
+    });
+}
+
+/// Fills in what rays need, where the device has all of it.
+void fillRayNeeds(const InstanceFunctions& vk, VkPhysicalDevice device, GnDeviceNeeds& needs)
+{
+    if (!listsRays(vk, device)) return; // the structures may be passed only to devices that know them
+    VkPhysicalDeviceRayQueryFeaturesKHR query{};
+    query.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR;
+    VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{};
+    structures.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR;
+    structures.pNext = &query;
+    VkPhysicalDeviceVulkan12Features features12{};
+    features12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+    features12.pNext = &structures;
+    VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12, {}};
+    vk.features(device, &features);
+    const std::vector<std::string> all(std::begin(kRayExtensions), std::end(kRayExtensions));
+    if (missingForRayQuery(features, all)) return;
+    for (const char* name : kRayExtensions)
+        needs.ppOptionalExtensions[needs.optionalExtensionCount++] = name;
+    needs.pOptionalFeatures = &kRayFeatures;
+}
+
+/// Why the device cannot run gnomon, or nothing.
 std::string fillNeeds(VkInstance instance, VkPhysicalDevice device, PFN_vkGetInstanceProcAddr get, GnDeviceNeeds& needs)
 {
     InstanceFunctions vk;
@@ -69,6 +123,7 @@ std::string fillNeeds(VkInstance instance, VkPhysicalDevice device, PFN_vkGetIns
     VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12, {}};
     vk.features(device, &features);
     needs.optional = usefulFeatures(features.features);
+    fillRayNeeds(vk, device, needs);
     if (const char* missing = missingFeature(features)) return std::string("the device lacks ") + missing;
     if (!hasGraphicsAndCompute(vk, device)) return "no queue family does both graphics and compute";
     return {};

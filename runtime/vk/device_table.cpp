@@ -57,6 +57,9 @@ Result<void> loadFunctions(DeviceTable& table, PFN_vkGetInstanceProcAddr getInst
     table.name = reinterpret_cast<PFN_##name>(table.vkGetDeviceProcAddr(table.device, #name));                         \
     if (!table.name) return functionMissing(#name);
     GN_DEVICE_FUNCTIONS(GN_LOAD)
+    if (table.rayQuery()) {
+        GN_RAY_FUNCTIONS(GN_LOAD)
+    }
 #undef GN_LOAD
     // An instance extension: its functions come from the instance. They may be absent although the extension was named.
     if (!table.hasExtension(VK_EXT_DEBUG_UTILS_EXTENSION_NAME)) return {};
@@ -89,9 +92,13 @@ Result<void> readQueueFamily(DeviceTable& table)
 
 Result<void> readDevice(DeviceTable& table)
 {
-    VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, nullptr, {}};
+    VkPhysicalDeviceAccelerationStructurePropertiesKHR rays{};
+    rays.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR;
+    VkPhysicalDeviceProperties2 properties{
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, table.rayQuery() ? &rays : nullptr, {}};
     table.vkGetPhysicalDeviceProperties2(table.physicalDevice, &properties);
     table.properties = properties.properties;
+    table.scratchAlignment = std::max(rays.minAccelerationStructureScratchOffsetAlignment, 1u);
     if (table.properties.apiVersion < VK_API_VERSION_1_3)
         return Error{GN_ERROR_FEATURE_MISSING, "ApiVersion",
                      std::string("device ") + table.properties.deviceName + " is older than Vulkan 1.3"};
@@ -153,6 +160,43 @@ const char* missingFeature(const VkPhysicalDeviceFeatures2& chain) noexcept
     return nullptr;
 }
 
+const char* missingForRayQuery(const VkPhysicalDeviceFeatures2& chain, std::span<const std::string> extensions) noexcept
+{
+    bool structures = false, queries = false, addresses = false;
+    for (auto* at = static_cast<const VkBaseInStructure*>(chain.pNext); at; at = at->pNext) {
+        const void* features = at;
+        switch (at->sType) {
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR:
+            structures |=
+                static_cast<const VkPhysicalDeviceAccelerationStructureFeaturesKHR*>(features)->accelerationStructure !=
+                0;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR:
+            queries |= static_cast<const VkPhysicalDeviceRayQueryFeaturesKHR*>(features)->rayQuery != 0;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES:
+            addresses |= static_cast<const VkPhysicalDeviceVulkan12Features*>(features)->bufferDeviceAddress != 0;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES:
+            addresses |=
+                static_cast<const VkPhysicalDeviceBufferDeviceAddressFeatures*>(features)->bufferDeviceAddress != 0;
+            break;
+        default:
+            break;
+        }
+    }
+    const auto names = [extensions](const char* name) {
+        return std::ranges::find(extensions, name) != extensions.end();
+    };
+    if (!names(VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME)) return "needs VK_KHR_acceleration_structure";
+    if (!names(VK_KHR_RAY_QUERY_EXTENSION_NAME)) return "needs VK_KHR_ray_query";
+    if (!structures) return "needs the feature accelerationStructure of VK_KHR_acceleration_structure";
+    if (!queries) return "needs the feature rayQuery of VK_KHR_ray_query";
+    if (!addresses) return "needs bufferDeviceAddress";
+    if (!chain.features.shaderFloat64) return "needs shaderFloat64"; // startsOn(), runtime/scene/long_edges.hpp
+    return nullptr;
+}
+
 Result<std::unique_ptr<DeviceTable>> loadDeviceTable(const GnContextCreateInfo& info)
 {
     if (Result<void> given = checkGiven(info); !given) return given.error();
@@ -172,6 +216,7 @@ Result<std::unique_ptr<DeviceTable>> loadDeviceTable(const GnContextCreateInfo& 
     table->hostUserData = info.pUserData;
     table->enabled = info.pEnabledFeatures->features;
     table->extensions.assign(info.ppEnabledExtensionNames, info.ppEnabledExtensionNames + info.enabledExtensionCount);
+    table->rayQueryMissing = missingForRayQuery(*info.pEnabledFeatures, table->extensions);
     if (Result<void> loaded = loadFunctions(*table, info.pfnGetInstanceProcAddr); !loaded) return loaded.error();
     if (Result<void> read = readDevice(*table); !read) return read.error();
     return table;

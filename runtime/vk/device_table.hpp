@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstring>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,11 @@ namespace gnomon {
 /// Null where the extension is not enabled.
 #define GN_OPTIONAL_DEVICE_FUNCTIONS(X) \
     X(vkCmdBeginDebugUtilsLabelEXT) X(vkCmdEndDebugUtilsLabelEXT) X(vkSetDebugUtilsObjectNameEXT)
+/// Loaded where DeviceTable::rayQuery() holds.
+#define GN_RAY_FUNCTIONS(X) \
+    X(vkGetBufferDeviceAddress) X(vkCreateAccelerationStructureKHR) X(vkDestroyAccelerationStructureKHR) \
+    X(vkGetAccelerationStructureBuildSizesKHR) X(vkGetAccelerationStructureDeviceAddressKHR) \
+    X(vkCmdBuildAccelerationStructuresKHR)
 // clang-format on
 
 struct DeviceTable {
@@ -56,6 +62,7 @@ struct DeviceTable {
     GN_INSTANCE_FUNCTIONS(GN_DECLARE)
     GN_DEVICE_FUNCTIONS(GN_DECLARE)
     GN_OPTIONAL_DEVICE_FUNCTIONS(GN_DECLARE)
+    GN_RAY_FUNCTIONS(GN_DECLARE)
 #undef GN_DECLARE
 
     VkInstance instance = VK_NULL_HANDLE;
@@ -77,13 +84,20 @@ struct DeviceTable {
     std::array<VkDeviceSize, VK_MAX_MEMORY_HEAPS> heapBudget{};
     VkPhysicalDeviceFeatures enabled{}; ///< What the host enabled, not what the device could.
     std::uint32_t timestampValidBits = 0;
-    bool software = false; ///< VK_PHYSICAL_DEVICE_TYPE_CPU: the device shares the CPU's cores.
+    /// Null where the host enabled all that ray queries need; else what is missing first, as methods say it.
+    const char* rayQueryMissing = "needs VK_KHR_ray_query";
+    std::uint32_t scratchAlignment = 1; ///< Of builds of acceleration structures, bytes.
+    bool software = false;              ///< VK_PHYSICAL_DEVICE_TYPE_CPU: the device shares the CPU's cores.
 
     /// Vulkan objects and memory blocks made so far; GnFrameStats::deviceAllocations is the difference over a frame.
     mutable std::atomic<std::uint64_t> objectsMade{0};
     mutable std::atomic<std::uint64_t> pipelinesMade{0};
 
     bool hasExtension(const char* name) const noexcept;
+    bool rayQuery() const noexcept
+    {
+        return rayQueryMissing == nullptr;
+    }
     std::vector<std::string> extensions; ///< Enabled by the host.
 };
 
@@ -94,6 +108,10 @@ Result<std::unique_ptr<DeviceTable>> loadDeviceTable(const GnContextCreateInfo& 
 /// Name of the first feature gnomon cannot do without that the chain does not switch on, or null. Understands the
 /// structures of Vulkan 1.2 and 1.3 and those of the single features.
 const char* missingFeature(const VkPhysicalDeviceFeatures2& chain) noexcept;
+
+/// What of ray queries the chain and the extensions leave out, as methods say it, or null.
+const char* missingForRayQuery(const VkPhysicalDeviceFeatures2& chain,
+                               std::span<const std::string> extensions) noexcept;
 
 /// Whether images of the format can be all of that.
 bool supports(const DeviceTable& vk, VkFormat format, VkFormatFeatureFlags features);

@@ -166,7 +166,8 @@ Result<std::uint32_t> DeviceMemory::makeBlock(const VkMemoryRequirements& needs,
                             .size = own ? bytes : std::max(bytes, reserve),
                             .alignment = std::max(needs.alignment, grain), // both are powers of two
                             .images = !linear,
-                            .mapped = linear && (flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)};
+                            .mapped = linear && (flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT),
+                            .deviceAddress = linear && vk_.rayQuery()};
     Result<GnMemoryBlock> given = obtainMemory(vk_, request);
     if (!given && given.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY && request.size > bytes) {
         request.size = bytes; // the heap is nearly full: take no reserve

@@ -40,6 +40,8 @@ struct GpuBuffer {
     VkBuffer buffer = VK_NULL_HANDLE;
     VkDeviceSize size = 0;
     std::byte* mapped = nullptr; ///< Null for MemoryUse::device unless the device has one kind of memory only.
+    VkAccelerationStructureKHR structure = VK_NULL_HANDLE; ///< That fills the buffer; of createStructure().
+    VkDeviceAddress address = 0; ///< Of `structure`, else of the buffer; 0 without SHADER_DEVICE_ADDRESS.
     MemorySlice memory;
 };
 
@@ -63,6 +65,8 @@ public:
 
     Result<GpuImage> createImage(const ImageCreate& info);
     Result<GpuBuffer> createBuffer(VkDeviceSize size, VkBufferUsageFlags usage, MemoryUse use, const char* name);
+    /// An acceleration structure in a buffer of its own. @pre rayQuery()
+    Result<GpuBuffer> createStructure(VkDeviceSize size, VkAccelerationStructureTypeKHR type, const char* name);
     void destroy(GpuImage& image) noexcept; ///< At once; retiring until the GPU is done is the caller's.
     void destroy(GpuBuffer& buffer) noexcept;
 
@@ -78,6 +82,7 @@ private:
     void release(const MemorySlice& slice) noexcept;
     VkDeviceMemory memoryOf(const MemorySlice& slice, std::byte** mapped) const noexcept;
     Result<void> fillImage(GpuImage& image, const ImageCreate& info);
+    Result<void> fillStructure(GpuBuffer& buffer, VkAccelerationStructureTypeKHR type, const char* name);
     Result<void> fillBuffer(GpuBuffer& buffer, VkBufferUsageFlags usage, MemoryUse use, const char* name);
 
     // With the mutex held.

@@ -242,6 +242,46 @@ Result<void> DeviceMemory::fillBuffer(GpuBuffer& buffer, VkBufferUsageFlags usag
     result = vk_.vkBindBufferMemory2(vk_.device, 1, &bind);
     if (result != VK_SUCCESS) return vulkanError(result, "vkBindBufferMemory2");
     if (use != MemoryUse::device || vk_.memory.memoryTypeCount == 1) buffer.mapped = mapped;
+    if (usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) {
+        const VkBufferDeviceAddressInfo where{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO, nullptr, buffer.buffer};
+        buffer.address = vk_.vkGetBufferDeviceAddress(vk_.device, &where);
+    }
+    return {};
+}
+
+Result<GpuBuffer> DeviceMemory::createStructure(VkDeviceSize size, VkAccelerationStructureTypeKHR type,
+                                                const char* name)
+{
+    Result<GpuBuffer> made =
+        createBuffer(size, VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR, MemoryUse::device, name);
+    if (!made) return made;
+    Result<void> filled = fillStructure(*made, type, name);
+    if (filled) return made;
+    destroy(*made);
+    return filled.error();
+}
+
+Result<void> DeviceMemory::fillStructure(GpuBuffer& buffer, VkAccelerationStructureTypeKHR type, const char* name)
+{
+    const VkAccelerationStructureCreateInfoKHR create{.sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_CREATE_INFO_KHR,
+                                                      .pNext = nullptr,
+                                                      .createFlags = 0,
+                                                      .buffer = buffer.buffer,
+                                                      .offset = 0,
+                                                      .size = buffer.size,
+                                                      .type = type,
+                                                      .deviceAddress = 0};
+    const VkResult result =
+        vk_.vkCreateAccelerationStructureKHR(vk_.device, &create, vk_.hostAllocator, &buffer.structure);
+    if (result != VK_SUCCESS) {
+        buffer.structure = VK_NULL_HANDLE;
+        return vulkanError(result, "vkCreateAccelerationStructureKHR");
+    }
+    ++vk_.objectsMade;
+    nameObject(vk_, VK_OBJECT_TYPE_ACCELERATION_STRUCTURE_KHR, buffer.structure, name);
+    const VkAccelerationStructureDeviceAddressInfoKHR where{
+        VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR, nullptr, buffer.structure};
+    buffer.address = vk_.vkGetAccelerationStructureDeviceAddressKHR(vk_.device, &where);
     return {};
 }
 
@@ -263,6 +303,7 @@ void DeviceMemory::destroy(GpuImage& image) noexcept
 
 void DeviceMemory::destroy(GpuBuffer& buffer) noexcept
 {
+    if (buffer.structure) vk_.vkDestroyAccelerationStructureKHR(vk_.device, buffer.structure, vk_.hostAllocator);
     if (buffer.buffer) vk_.vkDestroyBuffer(vk_.device, buffer.buffer, vk_.hostAllocator);
     release(buffer.memory);
     buffer = {};

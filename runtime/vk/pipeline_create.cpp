@@ -285,6 +285,8 @@ Result<void> checkDescription(const DeviceTable& vk, const PipelineDescription& 
     };
     if (!description.isCompute && description.graphics.depthClamp && !vk.enabled.depthClamp)
         return refused("needs depthClamp");
+    if (!vk.rayQuery() && std::ranges::count(description.bindings, BindingKind::structure, &BindingInfo::kind))
+        return refused(vk.rayQueryMissing);
     const std::uint32_t pushBytes =
         description.isCompute ? description.compute.pushBytes : description.graphics.pushBytes;
     if (pushBytes > 128 || pushBytes % 4) // 128: what every device offers

@@ -20,6 +20,7 @@ enum class BindingKind : std::uint8_t {
     sampledImage, ///< combined image sampler; view type by `array`
     storageImage,
     storageBuffer,
+    structure, ///< accelerationStructureEXT; needs DeviceTable::rayQuery()
 };
 enum class SamplerKind : std::uint8_t {
     nearest, ///< clamp to edge

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "runtime/vk/structures.hpp"
+
 namespace gnomon {
 namespace {
 
@@ -60,6 +62,8 @@ WarmupDraws::~WarmupDraws()
         memory_.destroy(buffer);
     for (const std::unique_ptr<StandIn>& standIn : standIns_)
         memory_.destroy(standIn->image);
+    memory_.destroy(structure_);
+    memory_.destroy(scratch_);
     marks_.destroy(memory_);
 }
 
@@ -75,6 +79,7 @@ Result<void> WarmupDraws::record(VkCommandBuffer cmd, std::span<const Candidate>
         draws.push_back(*draw);
     }
     clearStandIns(cmd);
+    buildStructure(cmd);
     names_.reserve(names_.size() + draws.size());
     for (const WarmupDraw& draw : draws) {
         marks_.mark(vk_, cmd, static_cast<std::uint32_t>(names_.size()));
@@ -100,9 +105,9 @@ Result<void> WarmupDraws::makeBuffers()
 {
     if (zeros_.buffer) return {};
     if (Result<void> marks = marks_.create(memory_, "warmup.progress"); !marks) return marks;
-    constexpr VkBufferUsageFlags kUsage =
-        VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
-    Result<GpuBuffer> made = memory_.createBuffer(kBufferSize, kUsage, MemoryUse::upload, "warmup.zeros");
+    const VkBufferUsageFlags usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
+                                     VK_BUFFER_USAGE_INDEX_BUFFER_BIT | (vk_.rayQuery() ? kBuildInput : 0);
+    Result<GpuBuffer> made = memory_.createBuffer(kBufferSize, usage, MemoryUse::upload, "warmup.zeros");
     if (!made) return made.error();
     zeros_ = *made;
     std::memset(zeros_.mapped, 0, kBufferSize);
@@ -122,6 +127,58 @@ Result<VkBuffer> WarmupDraws::storage(std::size_t index)
         storage_.back() = *made;
     }
     return storage_[index].buffer;
+}
+
+namespace {
+
+/// A top level without instances. The geometry is the caller's to keep.
+VkAccelerationStructureBuildGeometryInfoKHR emptyScene(const VkAccelerationStructureGeometryKHR& geometry)
+{
+    VkAccelerationStructureBuildGeometryInfoKHR info{};
+    info.sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR;
+    info.type = VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR;
+    info.geometryCount = 1;
+    info.pGeometries = &geometry;
+    return info;
+}
+
+} // namespace
+
+Result<VkAccelerationStructureKHR> WarmupDraws::structure()
+{
+    if (structure_.structure) return structure_.structure;
+    const VkAccelerationStructureGeometryKHR geometry = instancesAt(zeros_.address);
+    const VkAccelerationStructureBuildGeometryInfoKHR info = emptyScene(geometry);
+    const std::uint32_t none = 0;
+    VkAccelerationStructureBuildSizesInfoKHR sizes{};
+    sizes.sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_SIZES_INFO_KHR;
+    vk_.vkGetAccelerationStructureBuildSizesKHR(vk_.device, VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &info,
+                                                &none, &sizes);
+    Result<GpuBuffer> scratch = memory_.createBuffer(sizes.buildScratchSize + vk_.scratchAlignment, kBuildScratch,
+                                                     MemoryUse::device, "warmup.scratch");
+    if (!scratch) return scratch.error();
+    memory_.destroy(scratch_);
+    scratch_ = *scratch;
+    Result<GpuBuffer> made = memory_.createStructure(sizes.accelerationStructureSize,
+                                                     VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, "warmup.structure");
+    if (!made) return made.error();
+    structure_ = *made;
+    return structure_.structure;
+}
+
+/// Anew in each recording, as the other stand-ins: an earlier one may have been dropped.
+void WarmupDraws::buildStructure(VkCommandBuffer cmd) const
+{
+    if (!structure_.structure) return;
+    const VkAccelerationStructureGeometryKHR geometry = instancesAt(zeros_.address);
+    VkAccelerationStructureBuildGeometryInfoKHR info = emptyScene(geometry);
+    info.dstAccelerationStructure = structure_.structure;
+    info.scratchData.deviceAddress = alignedUp(scratch_.address, vk_.scratchAlignment);
+    const VkAccelerationStructureBuildRangeInfoKHR none{};
+    const VkAccelerationStructureBuildRangeInfoKHR* const ranges = &none;
+    fullBarrier(vk_, cmd);
+    vk_.vkCmdBuildAccelerationStructuresKHR(cmd, 1, &info, &ranges);
+    fullBarrier(vk_, cmd);
 }
 
 Result<const GpuImage*> WarmupDraws::standIn(VkFormat format, VkImageUsageFlags usage, bool powerOfTwo, bool target)
@@ -183,6 +240,10 @@ Result<VkDescriptorSet> WarmupDraws::makeSet(const Candidate& candidate, WarmupD
             Result<VkBuffer> buffer = storage(storageCount++);
             if (!buffer) return buffer.error();
             write.buffer = *buffer;
+        } else if (binding.kind == BindingKind::structure) {
+            Result<VkAccelerationStructureKHR> empty = structure();
+            if (!empty) return empty.error();
+            write.structure = *empty;
         } else {
             const bool sampled = binding.kind == BindingKind::sampledImage;
             Result<const GpuImage*> image =

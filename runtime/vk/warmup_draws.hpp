@@ -47,6 +47,8 @@ private:
     Result<VkDescriptorSet> makeSet(const Candidate& candidate, WarmupDraw& draw);
     Result<const GpuImage*> standIn(VkFormat format, VkImageUsageFlags usage, bool powerOfTwo, bool target);
     Result<VkBuffer> storage(std::size_t index);
+    Result<VkAccelerationStructureKHR> structure();
+    void buildStructure(VkCommandBuffer cmd) const;
     void clearStandIns(VkCommandBuffer cmd) const;
     void clearStorage(VkCommandBuffer cmd) const;
     void recordDispatch(VkCommandBuffer cmd, const WarmupDraw& draw) const;
@@ -60,6 +62,7 @@ private:
     GpuBuffer zeros_;                ///< Constants, vertices and indices; never written.
     std::vector<GpuBuffer> storage_; ///< One per storage binding: shaders may write, and an alias would feed it back.
     std::vector<std::unique_ptr<StandIn>> standIns_;
+    GpuBuffer structure_, scratch_; ///< Of nothing, and what it is built with; made on demand.
     ProgressMarks marks_;
     std::vector<const char*> names_; ///< By mark.
 };

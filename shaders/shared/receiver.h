@@ -107,6 +107,24 @@ GN_SHARED_FN float receiverOffset(ViewConstants view, LightConstants light, floa
     return view.offsetFactor * (u + f / 256.0f + c * (1.0f / 2097152.0f));
 }
 
+// From a receiver to a light. `along` need not be unit length; `end` is in multiples of it.
+struct LightRay {
+    vec3 start; // world, metres
+    vec3 along;
+    float end;
+};
+
+// It starts `offset` metres away from the surface and ends as much before the light; below zero where the receiver is closer
+// to the light than that: nothing fits between them. Of a directional light it ends at `infinity`, the caller's largest float.
+GN_SHARED_FN LightRay lightRay(LightConstants light, vec3 receiverWs, vec3 away, float offset, float infinity)
+{
+    LightRay ray;
+    ray.start = receiverWs + offset * away;
+    ray.along = light.type == LIGHT_DIRECTIONAL ? -vec3(light.directionWs) : vec3(light.positionWs) - ray.start;
+    ray.end = light.type == LIGHT_DIRECTIONAL ? infinity : 1.0f - offset / max(length(ray.along), 1e-20f);
+    return ray;
+}
+
 // Where the host gives no normals: along an axis of the image, the step from a receiver to what is seen beside it. Of the
 // pixels to either side the closer one counts; where both are behind by more than a pixel's width, the receiver's surface is
 // a pole or a ridge and neither is of it: the step is then one across the view.

@@ -66,7 +66,7 @@ void checkAllLit(Stage& stage)
 {
     size_t asked = 0;
     for (const GnMethodInfo& method : stage.methods()) {
-        if ((method.traits & GN_TRAIT_RAYS_BIT) == 0 || method.pUnavailable) continue;
+        if ((method.traits & (GN_TRAIT_RAYS_BIT | GN_TRAIT_DEVICE_RAYS_BIT)) == 0 || method.pUnavailable) continue;
         CAPTURE(std::string(method.pName));
         const Pictures pictures = stage.draw(method.pName);
         size_t dark = 0;

@@ -114,7 +114,9 @@ TEST_CASE("every exact method that traces says beside such triangles what ray_tr
         Stage stage(thinTriangles(kind.ground, kind.seed), {480, 270});
         size_t exact = 0;
         for (const GnMethodInfo& method : stage.methods()) {
-            if ((method.traits & GN_TRAIT_RAYS_BIT) == 0 || (method.traits & GN_TRAIT_EXACT_BIT) == 0) continue;
+            if ((method.traits & (GN_TRAIT_RAYS_BIT | GN_TRAIT_DEVICE_RAYS_BIT)) == 0 ||
+                (method.traits & GN_TRAIT_EXACT_BIT) == 0)
+                continue;
             const ErrorCount error = pooled(stage, stage.draw(method.pName));
             MESSAGE(std::string(kind.name) << " " << std::string(method.pName) << ": wrong " << inWords(error));
             CHECK(error.percent(error.wrong()) <= 0.001);

@@ -71,6 +71,31 @@ TEST_CASE("passes that clear different parts of an image to test them run side b
     CHECK(frame.batch(2) == 1);
 }
 
+TEST_CASE("passes that trace run side by side, after builds before them and before builds after them")
+{
+    Frame frame;
+    const BufferId order = frame.passes.persistent(BufferInfo{.name = "test.order", .scope = Scope::scene});
+    const auto build = [&](const char* name) {
+        frame.passes.compute(name, Scope::scene).builds(order).record([](PassContext&) {});
+    };
+    const auto trace = [&](std::uint32_t variant) {
+        frame.passes.raster("test.trace", Scope::task, variant).traces(order).record([](PassContext&) {});
+    };
+    build("test.meshes");
+    build("test.top_level");
+    trace(0);
+    trace(1);
+    build("test.more_meshes");
+    const std::uint32_t expected[] = {0, 1, 2, 2, 3};
+    for (std::size_t i = 0; i < std::size(expected); ++i)
+        CHECK(frame.batch(i) == expected[i]);
+    const AccessTraits built = accessTraits(AccessKind::build, PassKind::compute);
+    const AccessTraits traced = accessTraits(AccessKind::trace, PassKind::raster);
+    CHECK(built.stages == VK_PIPELINE_STAGE_2_ACCELERATION_STRUCTURE_BUILD_BIT_KHR);
+    CHECK((traced.stages & VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT) != 0);
+    CHECK((built.access & traced.access) == VK_ACCESS_2_ACCELERATION_STRUCTURE_READ_BIT_KHR);
+}
+
 TEST_CASE("of an image that a failed task would have cleared to test it nothing is kept")
 {
     Frame frame;

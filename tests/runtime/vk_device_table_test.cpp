@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <string>
+#include <utility>
 
 #include "runtime/vk/device_table.hpp"
 #include "runtime/vk_stub.hpp"
@@ -218,6 +219,108 @@ TEST_CASE("device needs name what to enable, and why a device will not do")
     needs.reason[0] = '?';
     CHECK(gnQueryDeviceNeeds(instance, device, &StubVulkan::getInstanceProcAddr, &needs) == GN_ERROR_FEATURE_MISSING);
     CHECK(needs.reason[0] == '?');
+}
+
+namespace {
+
+constexpr const char* kRayExtensions[] = {"VK_KHR_deferred_host_operations", "VK_KHR_acceleration_structure",
+                                          "VK_KHR_ray_query"};
+
+GnDeviceNeeds needsOfStub()
+{
+    int thing = 0;
+    GnDeviceNeeds needs{};
+    CHECK(gnQueryDeviceNeeds(reinterpret_cast<VkInstance>(&thing), reinterpret_cast<VkPhysicalDevice>(&thing),
+                             &StubVulkan::getInstanceProcAddr, &needs) == GN_SUCCESS);
+    return needs;
+}
+
+} // namespace
+
+TEST_CASE("what rays on the device need is listed where the device has all of it, and else nothing is")
+{
+    StubVulkan stub;
+    stub.deviceFeatures.shaderFloat64 = VK_TRUE;
+    stub.deviceExtensions.assign(std::begin(kRayExtensions), std::end(kRayExtensions));
+    stub.deviceExtensions.insert(stub.deviceExtensions.begin(), "VK_KHR_swapchain");
+    const GnDeviceNeeds needs = needsOfStub();
+    REQUIRE(needs.optionalExtensionCount == 3);
+    for (int i = 0; i < 3; ++i)
+        CHECK(std::string(needs.ppOptionalExtensions[i]) == kRayExtensions[i]);
+    CHECK(needs.optional.shaderFloat64 == VK_TRUE);
+
+    // The chain as a host hands it on.
+    REQUIRE(needs.pOptionalFeatures);
+    VkPhysicalDeviceVulkan12Features features12{};
+    features12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+    features12.pNext = const_cast<void*>(needs.pOptionalFeatures);
+    features12.bufferDeviceAddress = VK_TRUE;
+    const VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12, needs.optional};
+    const std::vector<std::string> names(std::begin(kRayExtensions), std::end(kRayExtensions));
+    CHECK_FALSE(static_cast<bool>(missingForRayQuery(features, names)));
+
+    const auto nothing = [] {
+        const GnDeviceNeeds none = needsOfStub();
+        return none.optionalExtensionCount == 0 && !none.pOptionalFeatures;
+    };
+    stub.hasRayQueries = false;
+    CHECK(nothing());
+    stub.hasRayQueries = true;
+    stub.hasBufferDeviceAddress = false;
+    CHECK(nothing());
+    stub.hasBufferDeviceAddress = true;
+    stub.deviceFeatures.shaderFloat64 = VK_FALSE;
+    CHECK(nothing());
+    stub.deviceFeatures.shaderFloat64 = VK_TRUE;
+    CHECK_FALSE(nothing());
+    for (std::size_t i = 1; i < stub.deviceExtensions.size(); ++i) {
+        const char* left = std::exchange(stub.deviceExtensions[i], "VK_KHR_swapchain");
+        CHECK(nothing());
+        stub.deviceExtensions[i] = left;
+    }
+}
+
+TEST_CASE("what a host left out of what rays need is named, and functions that it promised have to be there")
+{
+    StubVulkan stub;
+    Given given;
+    VkPhysicalDeviceRayQueryFeaturesKHR query{};
+    query.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR;
+    VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{};
+    structures.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR;
+    structures.pNext = &query;
+    VkPhysicalDeviceBufferDeviceAddressFeatures address{};
+    address.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES;
+    address.pNext = &structures;
+    VkPhysicalDeviceFeatures2 features = *given.info.pEnabledFeatures;
+    auto* last = reinterpret_cast<VkBaseOutStructure*>(&features);
+    while (last->pNext)
+        last = last->pNext;
+    last->pNext = reinterpret_cast<VkBaseOutStructure*>(&address);
+    given.info.pEnabledFeatures = &features;
+    const auto missing = [&]() -> std::string {
+        Result<std::unique_ptr<DeviceTable>> table = loadDeviceTable(given.info);
+        REQUIRE(table);
+        CHECK((*table)->rayQuery() == !(*table)->rayQueryMissing);
+        CHECK(static_cast<bool>((*table)->vkCmdBuildAccelerationStructuresKHR) == (*table)->rayQuery());
+        return (*table)->rayQueryMissing ? (*table)->rayQueryMissing : "";
+    };
+    CHECK(missing() == "needs VK_KHR_acceleration_structure");
+    given.info.ppEnabledExtensionNames = kRayExtensions;
+    given.info.enabledExtensionCount = 2;
+    CHECK(missing() == "needs VK_KHR_ray_query");
+    given.info.enabledExtensionCount = 3;
+    CHECK(missing() == "needs the feature accelerationStructure of VK_KHR_acceleration_structure");
+    structures.accelerationStructure = VK_TRUE;
+    CHECK(missing() == "needs the feature rayQuery of VK_KHR_ray_query");
+    query.rayQuery = VK_TRUE;
+    CHECK(missing() == "needs bufferDeviceAddress");
+    address.bufferDeviceAddress = VK_TRUE;
+    CHECK(missing() == "needs shaderFloat64");
+    features.features.shaderFloat64 = VK_TRUE;
+    CHECK(missing().empty());
+    stub.absentFunction = "vkCmdBuildAccelerationStructuresKHR";
+    checkRefused(given.info, GN_ERROR_FEATURE_MISSING, "vkCmdBuildAccelerationStructuresKHR");
 }
 
 TEST_CASE("Vulkan's errors become ours, with the call's name")

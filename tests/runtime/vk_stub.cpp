@@ -89,7 +89,8 @@ VkResult VKAPI_PTR createPipelines(VkDevice, VkPipelineCache cache, std::uint32_
 }
 
 constexpr char kView[] = "view", kSampler[] = "sampler", kModule[] = "module", kLayout[] = "pipelineLayout",
-               kCache[] = "cache", kPipeline[] = "pipeline", kSetLayout[] = "setLayout", kPool[] = "pool";
+               kCache[] = "cache", kPipeline[] = "pipeline", kSetLayout[] = "setLayout", kPool[] = "pool",
+               kStructure[] = "structure";
 
 VkResult VKAPI_PTR createImage(VkDevice, const VkImageCreateInfo* info, const VkAllocationCallbacks*, VkImage* out)
 {
@@ -204,8 +205,21 @@ void VKAPI_PTR getFeatures(VkPhysicalDevice, VkPhysicalDeviceFeatures2* out)
             static_cast<VkPhysicalDeviceVulkan13Features*>(features)->synchronization2 = VK_TRUE;
         } else if (at->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES) {
             static_cast<VkPhysicalDeviceVulkan12Features*>(features)->timelineSemaphore = VK_TRUE;
+            static_cast<VkPhysicalDeviceVulkan12Features*>(features)->bufferDeviceAddress = stub.hasBufferDeviceAddress;
+        } else if (at->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR) {
+            static_cast<VkPhysicalDeviceAccelerationStructureFeaturesKHR*>(features)->accelerationStructure = VK_TRUE;
+        } else if (at->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR) {
+            static_cast<VkPhysicalDeviceRayQueryFeaturesKHR*>(features)->rayQuery = stub.hasRayQueries;
         }
     }
+}
+VkResult VKAPI_PTR getExtensions(VkPhysicalDevice, const char*, std::uint32_t* count, VkExtensionProperties* out)
+{
+    const std::vector<const char*>& names = StubVulkan::current().deviceExtensions;
+    *count = static_cast<std::uint32_t>(names.size());
+    for (std::size_t i = 0; out && i < names.size(); ++i)
+        std::strcpy(out[i].extensionName, names[i]);
+    return VK_SUCCESS;
 }
 void VKAPI_PTR neverCalled() {}
 
@@ -250,6 +264,21 @@ void setCommands(DeviceTable& table)
     setCommand<kOther>(table.vkCmdSetCullMode);
     setCommand<kOther>(table.vkCmdSetFrontFace);
     setCommand<kOther>(table.vkCmdSetDepthBias);
+}
+
+VkDeviceAddress VKAPI_PTR bufferAddress(VkDevice, const VkBufferDeviceAddressInfo* info)
+{
+    return bitsOf(info->buffer) << 20;
+}
+VkDeviceAddress VKAPI_PTR structureAddress(VkDevice, const VkAccelerationStructureDeviceAddressInfoKHR* info)
+{
+    return bitsOf(info->accelerationStructure) << 20;
+}
+void VKAPI_PTR buildSizes(VkDevice, VkAccelerationStructureBuildTypeKHR,
+                          const VkAccelerationStructureBuildGeometryInfoKHR*, const std::uint32_t* count,
+                          VkAccelerationStructureBuildSizesInfoKHR* out)
+{
+    out->accelerationStructureSize = out->buildScratchSize = out->updateScratchSize = 64 + 64 * VkDeviceSize{*count};
 }
 
 void setObjects(DeviceTable& table)
@@ -306,6 +335,19 @@ StubVulkan::StubVulkan()
     setMemoryTypes({VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
                     VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT},
                    {VkDeviceSize(2) << 30}, {0});
+}
+
+void StubVulkan::addRays()
+{
+    table.rayQueryMissing = nullptr;
+    table.scratchAlignment = 256;
+    table.vkGetBufferDeviceAddress = &bufferAddress;
+    table.vkGetAccelerationStructureDeviceAddressKHR = &structureAddress;
+    table.vkGetAccelerationStructureBuildSizesKHR = &buildSizes;
+    table.vkCreateAccelerationStructureKHR =
+        &createObject<VkAccelerationStructureCreateInfoKHR, VkAccelerationStructureKHR, kStructure>;
+    table.vkDestroyAccelerationStructureKHR = &destroyObject<VkAccelerationStructureKHR, kStructure>;
+    setCommand<kOther>(table.vkCmdBuildAccelerationStructuresKHR);
 }
 
 StubVulkan::~StubVulkan()
@@ -432,6 +474,7 @@ PFN_vkVoidFunction VKAPI_PTR StubVulkan::getInstanceProcAddr(VkInstance, const c
         {"vkGetPhysicalDeviceQueueFamilyProperties2", reinterpret_cast<PFN_vkVoidFunction>(&getFamilies)},
         {"vkGetPhysicalDeviceFeatures2", reinterpret_cast<PFN_vkVoidFunction>(&getFeatures)},
         {"vkGetPhysicalDeviceFormatProperties2", reinterpret_cast<PFN_vkVoidFunction>(&getFormat)},
+        {"vkEnumerateDeviceExtensionProperties", reinterpret_cast<PFN_vkVoidFunction>(&getExtensions)},
         {"vkGetDeviceProcAddr", reinterpret_cast<PFN_vkVoidFunction>(&getDeviceProcAddr)},
     };
     const auto found = known.find(name);

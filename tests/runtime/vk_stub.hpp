@@ -36,6 +36,9 @@ public:
     VkQueueFlags queueFlags = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT;
     bool hasDynamicRendering = true;
     VkPhysicalDeviceFeatures deviceFeatures{};
+    std::vector<const char*> deviceExtensions;
+    bool hasRayQueries = true; ///< Where it lists the extensions: all features of theirs.
+    bool hasBufferDeviceAddress = true;
 
     // What happened.
     std::size_t fallibleCalls = 0;
@@ -51,6 +54,7 @@ public:
     VkDeviceSize liveBytes() const; ///< Of device memory.
     void setMemoryTypes(const std::vector<VkMemoryPropertyFlags>& types, const std::vector<VkDeviceSize>& heaps,
                         const std::vector<std::uint32_t>& heapOfType);
+    void addRays(); ///< Acceleration structures, of 64 bytes a primitive and as much to build.
     std::uint32_t typeOf(VkDeviceMemory memory) const;
     VkDeviceMemory memoryOf(VkBuffer buffer) const;
     VkDeviceMemory memoryOf(VkImage image) const;

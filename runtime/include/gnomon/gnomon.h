@@ -263,6 +263,10 @@ typedef struct GnDeviceNeeds {
     uint32_t optionalExtensionCount;       ///< Extensions the device has and some method can use.
     const char* ppOptionalExtensions[8];   ///< First `optionalExtensionCount` are set.
     char reason[256];                      ///< Why not, if not.
+    /// Feature structures of those extensions, all features in them on, to be appended to the chain given to
+    /// vkCreateDevice; static, null where there are none. Where it is not null, bufferDeviceAddress of Vulkan 1.2 is to
+    /// be enabled with it. Methods that need any of this say so where it is not enabled.
+    const void* pOptionalFeatures;
 } GnDeviceNeeds;
 
 /** \brief Says what to enable before the device exists. dynamicRendering, synchronization2 and timelineSemaphore are
@@ -291,6 +295,7 @@ typedef struct GnMemoryRequest {
                               ///< block in the same VkDeviceMemory is far enough away.
     VkBool32 images;          ///< It is for images of optimal tiling; else for buffers.
     VkBool32 mapped;          ///< GnMemoryBlock::pMapped is required.
+    VkBool32 deviceAddress;   ///< Allocated with VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT: buffers' addresses are asked for.
 } GnMemoryRequest;
 
 /** The block that the host gives. All zero when #PFN_gnAllocateMemory is called. */
@@ -427,6 +432,7 @@ typedef enum GnTraitBits {
     GN_TRAIT_RAYS_BIT = 0x200,          ///< Needs ray-tracing trees of the casters.
     GN_TRAIT_FALLBACK_BIT = 0x400,      ///< Serves while the chosen method is not ready.
     GN_TRAIT_PLANAR_BIT = 0x800,        ///< Right on the plane that most receivers lie on, and nowhere else.
+    GN_TRAIT_DEVICE_RAYS_BIT = 0x1000,  ///< Traces rays on the device: needs its acceleration structures of the casters.
     GN_TRAIT_MAX_ENUM = 0x7FFFFFFF
 } GnTraitBits;
 /** Bits of #GnTraitBits. */

@@ -1,0 +1,78 @@
+#pragma once
+// Rays on the device: acceleration structures of the meshes that lights want traced, and one of the frame's casters.
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "runtime/passes/pass_builder.hpp"
+#include "runtime/vk/device_table.hpp"
+
+namespace gnomon {
+
+/// A structure for each mesh and a top level over the casters of the lights that trace. All are persistent buffers of
+/// the pool: counted in the memory limit, given back when no frame has used them for a second, taken back with a frame
+/// that is dropped. A mesh is built when a light wants it. One that deforms is refitted in the frame that sees its new
+/// positions. One thread, the frame's.
+class DeviceRays {
+public:
+    /// @param inFrame whatever is missing is built in the frame that needs it, however much that is
+    DeviceRays(const DeviceTable& vk, bool inFrame) : vk_(vk), inFrame_(inFrame) {}
+
+    /// A frame begins, or is tried again.
+    void begin();
+
+    /// How many of a light's casters have to be built before it can be traced; 0: what is missing, the frame builds.
+    std::uint32_t unbuilt(const LightCasters& casters) const;
+    /// The frame traces these. Before declare().
+    void need(const LightCasters& casters);
+    /// They are to be traced soon.
+    void want(const LightCasters& casters);
+    /// The builds of all that is needed, once a frame, and the scene to trace. Null where a buffer could not be made,
+    /// as the builder knows, or `casters` are not all among what was needed.
+    const TracedScene* declare(PassBuilder& passes, const LightCasters& casters);
+    /// Builds some of what is wanted, as much as there is time for, in a task of no light.
+    void declareWanted(PassBuilder& passes);
+
+private:
+    struct MeshStructure {
+        std::uint64_t used = 0;                                     ///< Newest turn that declared it.
+        std::uint64_t positions = 0;                                ///< MeshView::revision then.
+        std::uint64_t faces = 0;                                    ///< MeshView::faces, of the sizes.
+        bool deforms = false;                                       ///< The positions have changed: it can be refitted.
+        VkDeviceSize size = 0, buildScratch = 0, updateScratch = 0; ///< Bytes.
+        VkDeviceAddress address = 0;                                ///< In the turn `used`; 0: it could not be made.
+    };
+    struct Build {
+        VkAccelerationStructureGeometryKHR triangles{};
+        std::uint32_t count = 0; ///< Of them.
+        BufferId structure;
+        bool deforms = false, refit = false;
+        VkDeviceSize scratch = 0; ///< Bytes.
+    };
+    bool isBuilt(const Caster& caster) const;
+    bool isNeeded(const Caster& caster) const;
+    void findSizes(MeshStructure& structure, const MeshView& mesh) const;
+    void findTopSizes(std::uint32_t instances);
+    bool declareScene(PassBuilder& passes);
+    bool declareMesh(PassBuilder& passes, const MeshView& mesh);
+    bool declareBuilds(PassBuilder& passes, std::uint32_t variant);
+    bool declareTopLevel(PassBuilder& passes);
+    void forgetUnused();
+
+    const DeviceTable& vk_;
+    bool inFrame_;
+    std::uint64_t turn_ = 0;                                  ///< Counts begin().
+    std::uint64_t builtEver_ = 0;                             ///< Structures of meshes.
+    std::unordered_map<std::uint32_t, MeshStructure> meshes_; ///< By MeshView::id.
+    std::size_t forgetAt_ = 64;                               ///< As many of these.
+    std::vector<std::uint64_t> neededIn_;                     ///< By Caster::index: the newest turn.
+    std::vector<const Caster*> needed_, wanted_;              ///< Of this turn.
+    std::vector<Build> builds_;                               ///< Under declaration.
+    std::uint32_t topInstances_ = 0;                          ///< At most, of the sizes below.
+    VkDeviceSize topSize_ = 0, topScratch_ = 0;               ///< Bytes.
+    TracedScene scene_;
+    bool declared_ = false;
+};
+
+} // namespace gnomon

@@ -1,0 +1,19 @@
+// How rays on the device look at a light.
+#ifndef GNOMON_HYBRID_RAY_QUERY_H
+#define GNOMON_HYBRID_RAY_QUERY_H
+#include "../shared/receiver.h"
+
+GN_SHARED_BEGIN
+
+// std140 and std430 alike.
+struct RayQueryConstants {
+    ViewConstants view;
+    LightConstants light;
+    vec4 area;      // pixels drawn: x, y, width, height
+    uvec4 lightMask; // x: casters whose mask meets it cast
+};
+GN_SHARED_OFFSET(RayQueryConstants, area, 208)
+GN_SHARED_SIZE(RayQueryConstants, 240)
+
+GN_SHARED_END
+#endif

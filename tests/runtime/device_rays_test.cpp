@@ -1,0 +1,193 @@
+// Which acceleration structures a frame builds, over a Vulkan that keeps books.
+#include <algorithm>
+#include <deque>
+#include <string_view>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "runtime/accel/device_rays.hpp"
+#include "runtime/passes/pass_context.hpp"
+#include "runtime/passes/pass_graph.hpp"
+#include "runtime/vk_stub.hpp"
+
+using namespace gnomon;
+using test::StubVulkan;
+
+namespace {
+
+constexpr std::uint32_t kMany = 200'000; ///< Triangles: two such meshes are more than a frame builds.
+
+/// Casters of one light, each with a mesh of its own.
+struct Casters {
+    explicit Casters(std::vector<std::uint32_t> triangles)
+    {
+        for (const std::uint32_t count : triangles) {
+            const auto number = static_cast<std::uint32_t>(meshes.size());
+            indices.emplace_back(3 * count);
+            MeshView& mesh = meshes.emplace_back();
+            mesh.id = number + 1;
+            mesh.positions = positions;
+            mesh.indices = indices.back();
+            mesh.revision = mesh.faces = number + 1;
+            casters.push_back({.index = number, .id = number + 1, .mesh = &mesh, .revision = number + 1});
+            light.triangles += count;
+        }
+        for (const Caster& caster : casters)
+            pointers.push_back(&caster);
+        light.all = pointers;
+    }
+    Casters(const Casters&) = delete;
+
+    std::vector<glm::vec3> positions{glm::vec3(0.0f), glm::vec3(1.0f), glm::vec3(2.0f)};
+    std::deque<std::vector<std::uint32_t>> indices;
+    std::deque<MeshView> meshes;
+    std::deque<Caster> casters;
+    std::vector<const Caster*> pointers;
+    LightCasters light;
+};
+
+/// Frames of a light that traces its casters, and what each declares.
+struct Frames {
+    explicit Frames(bool inFrame) : rays(stub.table, inFrame) { stub.addRays(); }
+
+    void begin()
+    {
+        arena.reset();
+        pool.begin(++frame, frame - 1);
+        graph.reset();
+        rays.begin();
+        graph.beginTask({.view = 1, .light = 1, .method = 0}, &view, {}, {});
+    }
+    /// @return whether the scene was there
+    bool trace(const LightCasters& casters)
+    {
+        rays.need(casters);
+        const bool there = rays.declare(passes, casters) != nullptr;
+        failed = graph.endTask().has_value();
+        return there;
+    }
+    bool runs(std::string_view name) const
+    {
+        return std::ranges::any_of(graph.passes(), [name](const Pass& pass) { return pass.fn && pass.name == name; });
+    }
+
+    StubVulkan stub;
+    DeviceMemory memory{stub.table, 1u << 28, {}};
+    ResourcePool pool{memory};
+    FrameArena arena;
+    PassGraph graph{pool, arena};
+    PassBuilder passes{graph};
+    DeviceRays rays;
+    CameraView view;
+    std::uint64_t frame = 0;
+    bool failed = false;
+};
+
+} // namespace
+
+TEST_CASE("structures are built when something changes, and then no more of them than that changes")
+{
+    Frames frames(true);
+    Casters scene({10, 20});
+    const auto built = [&] {
+        frames.begin();
+        REQUIRE(frames.trace(scene.light));
+        return std::pair(frames.runs("rays.meshes"), frames.runs("rays.top_level"));
+    };
+    CHECK(built() == std::pair(true, true));
+    CHECK(frames.stub.live("structure") == 3);
+    CHECK(built() == std::pair(false, false));
+    scene.casters[0].revision = 100; // it has moved
+    CHECK(built() == std::pair(false, true));
+    CHECK(built() == std::pair(false, false));
+    scene.meshes[1].revision = 101; // its positions were rewritten
+    scene.casters[1].revision = 102;
+    CHECK(built() == std::pair(true, true));
+    CHECK(frames.stub.live("structure") == 4); // and from now on it can be refitted
+    scene.meshes[1].revision = 103;
+    scene.casters[1].revision = 104;
+    CHECK(built() == std::pair(true, true));
+    CHECK(frames.stub.live("structure") == 4);
+    frames.pool.withdraw(frames.frame--); // as if it had not been
+    CHECK(built() == std::pair(true, true));
+    CHECK(built() == std::pair(false, false));
+}
+
+TEST_CASE("what has not been seen for a second is given back, and built anew when it is seen again")
+{
+    Frames frames(true);
+    Casters scene({10});
+    frames.begin();
+    REQUIRE(frames.trace(scene.light));
+    for (int i = 0; i < 70; ++i) {
+        frames.begin();
+        (void)frames.graph.endTask();
+    }
+    CHECK(frames.stub.live("structure") == 0);
+    frames.begin();
+    REQUIRE(frames.trace(scene.light));
+    CHECK(frames.runs("rays.meshes"));
+    CHECK(frames.runs("rays.top_level"));
+}
+
+TEST_CASE("of large meshes a frame builds some, and the light waits until the rest fits a frame")
+{
+    Frames frames(false);
+    const Casters scene({kMany, kMany, kMany}), small({kMany});
+    frames.begin();
+    CHECK(frames.rays.unbuilt(small.light) == 0); // the frame that traces it builds it
+    std::vector<std::uint32_t> waits;
+    for (int i = 0; i < 5; ++i) {
+        waits.push_back(frames.rays.unbuilt(scene.light));
+        frames.rays.want(scene.light);
+        frames.rays.declareWanted(frames.passes);
+        CHECK_FALSE(frames.graph.endTask().has_value());
+        CHECK(frames.runs("rays.meshes") == (i < 3));
+        frames.begin();
+    }
+    CHECK(waits == std::vector<std::uint32_t>{3, 2, 0, 0, 0});
+    REQUIRE(frames.trace(scene.light));
+    CHECK_FALSE(frames.runs("rays.meshes"));
+    CHECK(frames.runs("rays.top_level"));
+}
+
+TEST_CASE("whatever call fails, the light's task fails, and the next frame has all of it")
+{
+    std::size_t failures = 0;
+    for (std::size_t call = 0;; ++call) {
+        CAPTURE(call);
+        Frames frames(true);
+        const Casters scene({10, 20});
+        frames.begin();
+        frames.stub.fallibleCalls = 0;
+        frames.stub.failAt = call;
+        const bool there = frames.trace(scene.light);
+        CHECK(there == !frames.failed);
+        frames.stub.failAt = SIZE_MAX;
+        if (frames.stub.fallibleCalls <= call) break; // there are no more
+        CHECK_FALSE(there);
+        ++failures;
+        frames.graph.beginTask({.view = 1, .light = 2, .method = 0}, &frames.view, {}, {});
+        CHECK(frames.trace(scene.light)); // another light of the frame tries again
+        CHECK(frames.runs("rays.meshes"));
+        CHECK(frames.runs("rays.top_level"));
+        frames.begin();
+        REQUIRE(frames.trace(scene.light));
+        CHECK(frames.stub.live("structure") == 3);
+        CHECK(frames.stub.faults.empty());
+    }
+    CHECK(failures > 10);
+}
+
+TEST_CASE("what is bound to trace holds every caster of the light, or there is nothing to bind")
+{
+    Frames frames(true);
+    const Casters scene({10}), other({10, 20});
+    frames.begin();
+    frames.rays.need(scene.light);
+    REQUIRE(frames.rays.declare(frames.passes, scene.light));
+    frames.rays.need(other.light); // too late
+    CHECK_FALSE(static_cast<bool>(frames.rays.declare(frames.passes, other.light)));
+    CHECK_FALSE(frames.graph.endTask().has_value());
+}
