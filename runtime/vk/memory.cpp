@@ -165,7 +165,7 @@ Result<std::uint32_t> DeviceMemory::makeBlock(const VkMemoryRequirements& needs,
     GnMemoryRequest request{.memoryTypeIndex = type,
                             .size = own ? bytes : std::max(bytes, reserve),
                             .alignment = std::max(needs.alignment, grain), // both are powers of two
-                            .images = !linear,
+                            .allocateFlags = 0,
                             .mapped = linear && (flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)};
     Result<GnMemoryBlock> given = obtainMemory(vk_, request);
     if (!given && given.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY && request.size > bytes) {

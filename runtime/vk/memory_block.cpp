@@ -34,8 +34,10 @@ Result<GnMemoryBlock> obtainMemory(const DeviceTable& vk, const GnMemoryRequest&
 {
     if (vk.hostAllocateMemory) return askHost(vk, request);
     GnMemoryBlock block{};
-    const VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, request.size,
-                                    request.memoryTypeIndex};
+    const VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO, nullptr, request.allocateFlags,
+                                          0};
+    const VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, request.allocateFlags ? &flags : nullptr,
+                                    request.size, request.memoryTypeIndex};
     VkResult result = vk.vkAllocateMemory(vk.device, &info, vk.hostAllocator, &block.memory);
     if (result != VK_SUCCESS) return vulkanError(result, "vkAllocateMemory");
     if (!request.mapped) return block;

@@ -29,7 +29,7 @@ VkResult GN_CALL giveMemory(const GnMemoryRequest* request, GnMemoryBlock* block
     const VkDeviceSize grain = device().properties.limits.bufferImageGranularity;
     const bool whole = request->size % grain == 0 && request->alignment % grain == 0;
     const bool zero = !block->memory && !block->offset && !block->pMapped && !block->pAllocation;
-    if (!whole || !zero || (request->mapped && request->images)) ++heap.faults;
+    if (!whole || !zero || request->allocateFlags) ++heap.faults;
     if (heap.failure != VK_SUCCESS) return heap.failure;
     const VkMemoryAllocateInfo info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
                                     .allocationSize = request->alignment + request->size,

@@ -289,7 +289,7 @@ typedef struct GnMemoryRequest {
     VkDeviceSize size;        ///< Bytes. Multiple of bufferImageGranularity.
     VkDeviceSize alignment;   ///< A power of two, and a multiple of bufferImageGranularity: whatever lies beside the
                               ///< block in the same VkDeviceMemory is far enough away.
-    VkBool32 images;          ///< It is for images of optimal tiling; else for buffers.
+    VkMemoryAllocateFlags allocateFlags; ///< To allocate with, by VkMemoryAllocateFlagsInfo; mostly 0.
     VkBool32 mapped;          ///< GnMemoryBlock::pMapped is required.
 } GnMemoryRequest;
 
