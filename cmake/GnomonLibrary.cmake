@@ -16,7 +16,7 @@ endfunction()
 
 gnomon_library(gnomon STATIC)
 
-if(BUILD_SHARED_LIBS OR GNOMON_BUILD_TESTS) # the tests look at both kinds
+if(BUILD_SHARED_LIBS OR (GNOMON_BUILD_TESTS AND NOT GNOMON_SANITIZE)) # the tests look at both kinds
     gnomon_library(gnomon_shared SHARED)
     set_target_properties(gnomon_shared PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION 0)
     target_compile_definitions(gnomon_shared INTERFACE GN_SHARED_LIBRARY)

@@ -60,7 +60,7 @@ GN_SIZED_STRUCT(GnLightWorkload, frame, mapTouched)
 GN_SIZED_STRUCT(GnFrameStats, frame, raysMs)
 // Given to callbacks.
 GN_SIZED_STRUCT(GnMessage, pText, pText)
-GN_SIZED_STRUCT(GnMemoryRequest, flags, flags)
+GN_SIZED_STRUCT(GnMemoryRequest, mapped, mapped)
 GN_SIZED_STRUCT(GnMemoryBlock, pAllocation, pAllocation)
 GN_SIZED_STRUCT(GnCasterProjection, slopeBias, slopeBias)
 GN_SIZED_STRUCT(GnShadowTask, completedFrame, completedFrame)

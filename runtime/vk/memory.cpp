@@ -162,13 +162,13 @@ Result<std::uint32_t> DeviceMemory::makeBlock(const VkMemoryRequirements& needs,
 
     const VkDeviceSize reserve = std::min(blockSizeFor(limit_), limit_ - held_) / grain * grain;
     const VkMemoryPropertyFlags flags = vk_.memory.memoryTypes[type].propertyFlags;
-    GnMemoryFlags wanted = linear ? 0 : GN_MEMORY_IMAGES_BIT;
-    if (linear && (flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)) wanted |= GN_MEMORY_MAPPED_BIT;
-    if (linear && vk_.rayQuery()) wanted |= GN_MEMORY_DEVICE_ADDRESS_BIT;
+    const bool addressed = linear && vk_.rayQuery();
     GnMemoryRequest request{.memoryTypeIndex = type,
                             .size = own ? bytes : std::max(bytes, reserve),
                             .alignment = std::max(needs.alignment, grain), // both are powers of two
-                            .flags = wanted};
+                            .allocateFlags =
+                                addressed ? VkMemoryAllocateFlags{VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT} : 0,
+                            .mapped = linear && (flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)};
     Result<GnMemoryBlock> given = obtainMemory(vk_, request);
     if (!given && given.error().result == GN_ERROR_OUT_OF_DEVICE_MEMORY && request.size > bytes) {
         request.size = bytes; // the heap is nearly full: take no reserve

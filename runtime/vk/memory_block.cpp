@@ -21,7 +21,7 @@ Result<GnMemoryBlock> askHost(const DeviceTable& vk, const GnMemoryRequest& requ
     if (result != VK_SUCCESS) return hookError(request, "VkResult " + std::to_string(result));
     if (!block.memory) return hookError(request, "memory is null");
     const bool aligned = block.offset % request.alignment == 0;
-    if (aligned && (block.pMapped || !(request.flags & GN_MEMORY_MAPPED_BIT))) return block;
+    if (aligned && (block.pMapped || !request.mapped)) return block;
     vk.hostFreeMemory(&block, vk.hostUserData);
     if (aligned) return hookError(request, "pMapped is null");
     return hookError(request, "offset is " + std::to_string(block.offset) + ", no multiple of " +
@@ -34,14 +34,13 @@ Result<GnMemoryBlock> obtainMemory(const DeviceTable& vk, const GnMemoryRequest&
 {
     if (vk.hostAllocateMemory) return askHost(vk, request);
     GnMemoryBlock block{};
-    const VkMemoryAllocateFlagsInfo flags{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
-                                          .flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT};
-    const VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                    (request.flags & GN_MEMORY_DEVICE_ADDRESS_BIT) ? &flags : nullptr, request.size,
-                                    request.memoryTypeIndex};
+    const VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO, nullptr, request.allocateFlags,
+                                          0};
+    const VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, request.allocateFlags ? &flags : nullptr,
+                                    request.size, request.memoryTypeIndex};
     VkResult result = vk.vkAllocateMemory(vk.device, &info, vk.hostAllocator, &block.memory);
     if (result != VK_SUCCESS) return vulkanError(result, "vkAllocateMemory");
-    if (!(request.flags & GN_MEMORY_MAPPED_BIT)) return block;
+    if (!request.mapped) return block;
     result = vk.vkMapMemory(vk.device, block.memory, 0, VK_WHOLE_SIZE, 0, &block.pMapped);
     if (result == VK_SUCCESS) return block;
     giveBackMemory(vk, block);

@@ -29,13 +29,12 @@ VkResult GN_CALL giveMemory(const GnMemoryRequest* request, GnMemoryBlock* block
     const VkDeviceSize grain = device().properties.limits.bufferImageGranularity;
     const bool whole = request->size % grain == 0 && request->alignment % grain == 0;
     const bool zero = !block->memory && !block->offset && !block->pMapped && !block->pAllocation;
-    const bool mapped = request->flags & GN_MEMORY_MAPPED_BIT;
-    if (!whole || !zero || (mapped && (request->flags & GN_MEMORY_IMAGES_BIT))) ++heap.faults;
+    if (!whole || !zero || (request->allocateFlags & ~VkFlags{VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT})) ++heap.faults;
     if (heap.failure != VK_SUCCESS) return heap.failure;
     const VkMemoryAllocateFlagsInfo flags{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
-                                          .flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT};
+                                          .flags = request->allocateFlags};
     const VkMemoryAllocateInfo info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                    .pNext = request->flags & GN_MEMORY_DEVICE_ADDRESS_BIT ? &flags : nullptr,
+                                    .pNext = request->allocateFlags ? &flags : nullptr,
                                     .allocationSize = request->alignment + request->size,
                                     .memoryTypeIndex = request->memoryTypeIndex};
     auto piece = std::make_unique<Piece>();
@@ -43,7 +42,7 @@ VkResult GN_CALL giveMemory(const GnMemoryRequest* request, GnMemoryBlock* block
     block->memory = piece->memory;
     block->offset = request->alignment;
     void* first = nullptr;
-    if (mapped) {
+    if (request->mapped) {
         const VkResult result = vkMapMemory(device().handle, piece->memory, 0, VK_WHOLE_SIZE, 0, &first);
         if (result < 0) return result;
         block->pMapped = static_cast<std::byte*>(first) + block->offset;

@@ -43,7 +43,7 @@ struct OneHeap {
         if (offset + request->size > kHeapSize) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
         block->memory = self.noMemory ? VkDeviceMemory(VK_NULL_HANDLE) : self.memory;
         block->offset = offset + (self.badOffset ? 4 : 0);
-        if ((request->flags & GN_MEMORY_MAPPED_BIT) && !self.noMapping) block->pMapped = self.bytes + offset;
+        if (request->mapped && !self.noMapping) block->pMapped = self.bytes + offset;
         if (block->memory) self.given.push_back(*block);
         self.next = offset + request->size + 1;
         return VK_SUCCESS;

@@ -286,16 +286,6 @@ it may use are the host's to set. On two cores a worker and its caller that are 
 one of them while the other idles. Must not call gnomon. */
 typedef void(GN_CALL* PFN_gnThreadStarted)(uint32_t index, void* pUserData);
 
-/** What a block of device memory is for. */
-typedef enum GnMemoryFlagBits {
-    GN_MEMORY_IMAGES_BIT = 0x1, ///< Images of optimal tiling; else buffers.
-    GN_MEMORY_MAPPED_BIT = 0x2, ///< GnMemoryBlock::pMapped is required.
-    GN_MEMORY_DEVICE_ADDRESS_BIT = 0x4, ///< VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT: its buffers have addresses.
-    GN_MEMORY_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
-} GnMemoryFlagBits;
-/** Bits of #GnMemoryFlagBits. */
-typedef VkFlags64 GnMemoryFlags;
-
 /** A block of device memory that gnomon wants. It is at most 64 MiB, or of the size of one image or buffer. */
 typedef struct GnMemoryRequest {
     uint32_t structSize GN_SIZE_OF(GnMemoryRequest); ///< The library's sizeof(GnMemoryRequest).
@@ -303,7 +293,8 @@ typedef struct GnMemoryRequest {
     VkDeviceSize size;        ///< Bytes. Multiple of bufferImageGranularity.
     VkDeviceSize alignment;   ///< A power of two, and a multiple of bufferImageGranularity: whatever lies beside the
                               ///< block in the same VkDeviceMemory is far enough away.
-    GnMemoryFlags flags;
+    VkMemoryAllocateFlags allocateFlags; ///< To allocate with, by VkMemoryAllocateFlagsInfo; mostly 0.
+    VkBool32 mapped;          ///< GnMemoryBlock::pMapped is required.
 } GnMemoryRequest;
 
 /** The block that the host gives. All zero when #PFN_gnAllocateMemory is called. */
