@@ -137,6 +137,21 @@ TEST_CASE_FIXTURE(DeviceTest, "casters of other masks do not cast, though eight 
     CHECK(both.dark == all);
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "lights with casters that only the host can judge are served by others, which is said")
+{
+    if (!canTrace()) return;
+    Scene scene = smallScene();
+    scene.instances[kBall].alphaTested = true;
+    Host host(scene);
+    host.require(gnWarmUp(host.context)); // the others, too
+    host.pinAll(kTraced);
+    host.require(host.draw());
+    CHECK(host.decision(0).reason != GN_REASON_PINNED);
+    CHECK(host.explanation(0).find("ray_query: out, casters in range are alpha-tested by pfnOpacity") !=
+          std::string::npos);
+    CHECK(dark(host.pictures()[0]) > 500);
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "large meshes are built over several frames, which another method serves")
 {
     if (!canTrace()) return;

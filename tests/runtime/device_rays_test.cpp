@@ -54,7 +54,8 @@ struct Frames {
     void begin()
     {
         arena.reset();
-        pool.begin(++frame, frame - 1);
+        ++frame;
+        pool.begin(frame, frame - 1);
         graph.reset();
         rays.begin();
         graph.beginTask({.view = 1, .light = 1, .method = 0}, &view, {}, {});
