@@ -16,8 +16,8 @@ struct ShadowTask {
     std::span<const double> settings;  ///< In the order of AlgorithmEntry::settings; sides of maps as they are to be.
     std::uint32_t layer = 0;           ///< The light's layer in `visibility`.
     ImageId visibility;                ///< R8_UNORM array of the view. Every pixel of view->area must be written.
-    ImageId depth;                     ///< The host's depth, sampled and copied only.
-    ImageId normals;                   ///< The host's geometric normals; null id if it has none.
+    ImageId depth;                     ///< 32-bit floats, the host's or a copy; sampled and copied only.
+    ImageId normals;                   ///< Geometric normals, 16-bit or 32-bit floats; null id if there are none.
     const TracedScene* rays = nullptr; ///< With GN_TRAIT_DEVICE_RAYS_BIT: holds all of `casters`. Null in refuses().
     bool recorded = false;             ///< gnCmdRenderShadows: no host passes.
 };

@@ -54,6 +54,7 @@ NearPart within(const Aabb& box, const std::array<glm::vec3, 4>& near)
 
 NearClipRegion nearClip(const CameraView& view, std::span<const Caster* const> casters)
 {
+    if (view.oblique) return {.pixels = view.area, .receivers = {glm::vec3(-1e30f), glm::vec3(1e30f)}};
     glm::dvec2 first(1.0), last(0.0);
     Aabb bounds{glm::vec3(std::numeric_limits<float>::max()), glm::vec3(std::numeric_limits<float>::lowest())};
     for (const Caster* caster : casters) {

@@ -241,35 +241,38 @@ SquareAnswers::Prism SquareAnswers::prismOf(const ReceiverSquare& square) const
     const double across = square.width - 1, down = square.height - 1;
     const double left = view_.area.offset.x + square.left + 0.5, top = view_.area.offset.y + square.top + 0.5;
     const glm::dvec3 eye(glm::vec3(v.eyeWs)), ray0(glm::vec3(v.rayCornerWs)), dx(glm::vec3(v.rayDxWs)),
-        dy(glm::vec3(v.rayDyWs));
+        dy(glm::vec3(v.rayDyWs)), deeper(glm::vec3(v.rayDepthWs));
     Prism prism;
     double nearest = 1e300, farthest = 0.0, longest = 0.0;
     for (int i = 0; i < 4; ++i) {
         const double column = i & 1 ? across : 0.0, row = i & 2 ? down : 0.0;
         const glm::dvec3 ray = ray0 + (left + column) * dx + (top + row) * dy;
         const double depth = plane.depth + column * plane.dx + row * plane.dy;
-        const double w[2] = {1.0 / inverse.of(depth + (plane.below - unsure)),
-                             1.0 / inverse.of(depth + (plane.above + unsure))};
-        prism.corner[i] = w[0] * ray;
-        prism.corner[i + 4] = w[1] * ray;
+        const double ends[2] = {depth + (plane.below - unsure), depth + (plane.above + unsure)};
+        const double w[2] = {1.0 / inverse.of(ends[0]), 1.0 / inverse.of(ends[1])};
+        prism.corner[i] = w[0] * (ray + ends[0] * deeper);
+        prism.corner[i + 4] = w[1] * (ray + ends[1] * deeper);
         nearest = std::min({nearest, w[0], w[1]});
         farthest = std::max({farthest, w[0], w[1]});
         longest = std::max(longest, glm::dot(ray, ray));
     }
     // View rays are rounded three times, by parts of their terms, linear depth twice (unsureDepth() counts the rest),
     // their product once; the sum with the eye's place and the ray's start once each. All of it twice.
-    const glm::dvec3 terms = glm::abs(ray0) + (left + across) * glm::abs(dx) + (top + down) * glm::abs(dy);
+    const glm::dvec3 terms =
+        glm::abs(ray0) + (left + across) * glm::abs(dx) + (top + down) * glm::abs(dy) + glm::abs(deeper);
     prism.rounding = u * (12.0 * farthest * terms + 4.0 * glm::abs(eye));
     // receiverOffset() (shaders/shared/receiver.h), of the largest of everything; at least what the pixel's width
     // tells.
     const glm::dvec3 reach = farthest * terms, places = glm::max(reach, reach + glm::abs(eye));
-    const double ulp = std::max(2.0 * u * (std::abs(double(plane.depth)) + change), 0x1p-149);
+    const double ulp =
+        std::max(2.0 * u * (std::abs(double(plane.depth)) + change), 0x1p-149) + static_cast<double>(v.eyeWs.w);
     const double perDistance = double(v.offsetFactor) * double(v.pixelSize) / 256.0;
     prism.offset[0] = (1.0 - 1e-6) * perDistance * nearest;
-    prism.offset[1] = (1.0 + 1e-6) * (perDistance * farthest +
-                                      double(v.offsetFactor) *
-                                          (farthest * farthest * std::abs(inverse.mul) * ulp * std::sqrt(longest) +
-                                           std::max({places.x, places.y, places.z}) / 2097152.0));
+    prism.offset[1] =
+        (1.0 + 1e-6) *
+        (perDistance * farthest +
+         double(v.offsetFactor) * (farthest * farthest * std::abs(inverse.mul) * ulp * std::sqrt(longest) +
+                                   glm::length(deeper) * ulp + std::max({places.x, places.y, places.z}) / 2097152.0));
     return prism;
 }
 

@@ -13,7 +13,9 @@ inline constexpr uint32_t kLanes = 16;    ///< The pixels of a block, row by row
 
 /// gpu::ViewConstants and gpu::LightConstants, as far as receivers need them.
 struct Constants {
-    float eye[3], rayCorner[3], rayDx[3], rayDy[3];
+    float eye[3], rayCorner[3], rayDx[3], rayDy[3], rayDepth[3];
+    float beyond;    ///< ViewConstants::rayDepthWs.w
+    float depthStep; ///< ViewConstants::eyeWs.w
     float depthScale, depthMul, depthAdd, skyDepth, offsetFactor, pixelSize;
     float lightPosition[3], lightDirection[3];
     float cone; ///< Cosine of the cone's half angle times its absolute value.

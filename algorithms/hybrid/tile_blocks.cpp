@@ -72,7 +72,10 @@ BlockReader::BlockReader(const Kernels& kernels, const CameraView& view, const L
         constants_.rayCorner[i] = v.rayCornerWs[i];
         constants_.rayDx[i] = v.rayDxWs[i];
         constants_.rayDy[i] = v.rayDyWs[i];
+        constants_.rayDepth[i] = v.rayDepthWs[i];
     }
+    constants_.beyond = v.rayDepthWs.w;
+    constants_.depthStep = v.eyeWs.w;
     constants_.depthScale = v.depthScale;
     constants_.depthMul = v.depthMul;
     constants_.depthAdd = v.depthAdd;

@@ -44,8 +44,10 @@ void doubtRows(const UndecidedJob& job, const HostContext& host, const Rows& row
         for (std::uint32_t column = left; column < right; ++column) {
             std::uint8_t& byte = rows.bytes[std::size_t(row - rows.top) * rows.width + column - rows.left];
             if (byte != job.doubt.byte || depths[column] == view.skyDepth) continue;
-            const glm::vec3 receiver = glm::vec3(view.eyeWs) + gpu::linearDepth(view, depths[column]) *
-                                                                   gpu::viewRayWs(view, glm::vec2(column, row) + 0.5f);
+            const glm::vec3 receiver =
+                glm::vec3(view.eyeWs) +
+                gpu::linearDepth(view, depths[column]) *
+                    gpu::receiverRayWs(view, gpu::viewRayWs(view, glm::vec2(column, row) + 0.5f), depths[column]);
             const Aabb& box = job.doubt.where.receivers;
             if (glm::clamp(receiver, box.lower, box.upper) == receiver) byte = gpu::UNDECIDED;
         }

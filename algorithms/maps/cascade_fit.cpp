@@ -129,6 +129,10 @@ std::span<Cascade> fitCascades(const ShadowTask& task, const CascadeSplit& split
     const Aabb bounds = sceneBounds(*task.casters);
     const Whole whole = wholeOf(fitDirectional(*task.light, bounds), split.count - 1);
     const std::span<Cascade> cascades = arena.array<Cascade>(split.count);
+    if (gpu::isOrthographic(task.view->constants)) { // pixels are equally wide everywhere: nothing to slice by
+        cascades[0] = whole.all;
+        return cascades.first(1);
+    }
     const std::array<glm::dvec3, 4> rays = cornerRays(*task.view);
     const Slices slices = slicesOf(*task.view, rays, bounds);
     std::uint32_t used = 0;

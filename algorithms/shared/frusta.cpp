@@ -71,14 +71,18 @@ Frustum frustumOf(const CameraView& view, const LightView& light)
     Frustum frustum;
     frustum.corners = view.nearCorners;
     frustum.bounded = !light.unlimited();
-    const float reach = glm::length(light.position() - view.eye) + light.constants.range;
+    const bool orthographic = gpu::isOrthographic(view.constants);
+    const glm::vec3 straight = glm::vec3(view.constants.rayDepthWs) / view.constants.rayDepthWs.w;
+    float reach = glm::length(light.position() - view.eye) + light.constants.range;
+    for (const glm::vec3& corner : view.nearCorners) // where parallel rays leave from
+        if (orthographic) reach = std::fmax(reach, glm::length(light.position() - corner) + light.constants.range);
     const glm::vec2 low(view.area.offset.x, view.area.offset.y);
     const glm::vec2 high = low + glm::vec2(view.area.extent.width, view.area.extent.height);
     const glm::vec2 ring[4] = {low, {high.x, low.y}, high, {low.x, high.y}};
     for (std::size_t i = 0; i < 4; ++i) {
         // The rays themselves: the corners of a near rectangle of centimetres are rounded where the eye is far from the
         // origin. A ray's depth is 1, so that the end is a depth, not a distance: nothing within `reach` is cut off.
-        const glm::vec3 ray = gpu::viewRayWs(view.constants, ring[i]);
+        const glm::vec3 ray = orthographic ? straight : gpu::viewRayWs(view.constants, ring[i]);
         frustum.runs[i] = frustum.bounded ? ray * reach : ray;
     }
     return frustum;
@@ -102,8 +106,8 @@ bool meetsPyramid(const Frustum& frustum, glm::vec3 apex, const std::array<glm::
     std::array<glm::vec3, 4> runs;
     for (std::size_t i = 0; i < 4; ++i)
         runs[i] = glm::normalize(frustum.runs[i]);
-    const glm::vec3 right = glm::normalize(frustum.runs[1] - frustum.runs[0]);
-    const glm::vec3 down = glm::normalize(frustum.runs[3] - frustum.runs[0]);
+    const glm::vec3 right = glm::normalize(frustum.corners[1] - frustum.corners[0]);
+    const glm::vec3 down = glm::normalize(frustum.corners[3] - frustum.corners[0]);
     if (apart(glm::cross(right, down))) return false;
     for (std::size_t i = 0; i < 4; ++i) {
         if (apart(glm::cross(edges[i], edges[(i + 1) % 4])) || apart(glm::cross(runs[i], runs[(i + 1) % 4])))

@@ -46,13 +46,16 @@ glm::vec4 receiverOffset(const ShadowTask& task)
     if (task.casters)
         for (const Caster* caster : task.casters->all)
             edge = std::fmax(edge, caster->longestEdge);
-    const float ray = glm::length(glm::vec3(c.rayCornerWs));
+    const float ray = glm::length(glm::vec3(c.rayCornerWs)) + glm::length(glm::vec3(c.rayDepthWs));
     const float lamp = positional(light) ? largest(light.position()) : 0.0f;
     const float where = std::fmax(std::fmax(largest(view.eye), lamp), std::fmax(c.corners, 0.25f * edge));
     const float coordinate = 0x1p-21f;
-    // One unit in the last place of a depth: reversed, a constant share of w; standard, w^2 of the unit near 1.
-    const float ulp = view.reversed() ? ray * 0x1p-23f : 0.0f;
-    const float ulpFar = view.reversed() ? 0.0f : ray * std::fabs(c.depthMul / c.depthScale) * 0x1p-24f;
+    // One unit in the last place of a depth: reversed, a constant share of w; standard, w^2 of the unit near 1. Of
+    // integers it is the same everywhere; without a perspective it is what they span.
+    const float farthest = ray * std::fabs(c.depthMul / c.depthScale);
+    const float spanned = glm::length(glm::vec3(c.rayDepthWs)) * (0x1p-24f + c.eyeWs.w);
+    const float ulp = spanned + (view.reversed() ? ray * 0x1p-23f : 0.0f);
+    const float ulpFar = farthest * (c.eyeWs.w + (view.reversed() ? 0.0f : 0x1p-24f));
     return c.offsetFactor * glm::vec4(coordinate * where, c.pixelSize / 256.0f + coordinate * ray + ulp, ulpFar, 0.0f);
 }
 
@@ -122,6 +125,7 @@ void addProjection(gpu::MapConstants& constants, const LightFit& fit, const Shad
     look.clipOfEye = glm::vec4(clipFromZero * glm::dvec4(eye, 1.0));
     look.clipFromRay = glm::mat4(clipFromZero);
     look.clipFromRay[3] = glm::vec4(0.0f);
+    look.clipOfDepth = look.clipFromRay * glm::vec4(glm::vec3(task.view->constants.rayDepthWs), 0.0f);
 
     // Perspective: the texel's ray is the vector whose clip x, y and w are the texel and 1. Directional: its origin and
     // its axis are the points whose clip x, y and z are.

@@ -58,13 +58,14 @@ glm::vec3 Receivers::normalAt(std::size_t pixel) const
 }
 
 /// As shaders have it (shaders/shared/seen_normal.glsl).
-glm::vec3 Receivers::seenNormalAt(std::uint32_t x, std::uint32_t y, float w, const glm::vec3& viewRay) const
+glm::vec3 Receivers::seenNormalAt(std::uint32_t x, std::uint32_t y, const glm::vec3& viewRay) const
 {
+    const float depth = depth_[static_cast<std::size_t>(y) * width_ + x];
     const NeighbourDepths beside = neighbourDepths(depth_, width_, area_, x, y);
     const glm::vec2 centre(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-    return gpu::seenNormalWs(gpu::seenStepWs(view_, centre, {1.0f, 0.0f}, beside.left, beside.right, w, viewRay),
-                             gpu::seenStepWs(view_, centre, {0.0f, 1.0f}, beside.above, beside.below, w, viewRay),
-                             viewRay);
+    return gpu::seenNormalWs(gpu::seenStepWs(view_, centre, {1.0f, 0.0f}, beside.left, beside.right, depth, viewRay),
+                             gpu::seenStepWs(view_, centre, {0.0f, 1.0f}, beside.above, beside.below, depth, viewRay),
+                             gpu::lookingWs(view_, viewRay));
 }
 
 void Receivers::prefetch(std::uint32_t x, std::uint32_t y) const
@@ -81,16 +82,17 @@ Asked Receivers::at(std::uint32_t x, std::uint32_t y, ShadowRay& ray, Receiver& 
     if (depth == view_.skyDepth) return Asked::lit;
 
     const glm::vec2 centre(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-    const glm::vec3 viewRay = gpu::viewRayWs(view_, centre);
+    const glm::vec3 viewRay = gpu::receiverRayWs(view_, gpu::viewRayWs(view_, centre), depth);
     surface.viewRay = viewRay;
     surface.w = gpu::linearDepth(view_, depth);
     const glm::vec3 receiver = glm::vec3(view_.eyeWs) + surface.w * viewRay;
     if (!gpu::lightReaches(light_, receiver)) return Asked::lit;
 
     const glm::vec3 toLight = gpu::towardsLightWs(light_, receiver);
-    glm::vec3 normal = viewRay / gpu::length(viewRay), away; // without normals: the longest offset there is
+    const glm::vec3 looking = gpu::lookingWs(view_, viewRay);
+    glm::vec3 normal = looking / gpu::length(looking), away; // without normals: the longest offset there is
     if (normals_.empty()) {
-        away = gpu::startDirectionWs(seenNormalAt(x, y, surface.w, viewRay), normal);
+        away = gpu::startDirectionWs(seenNormalAt(x, y, viewRay), normal);
     } else {
         normal = away = normalAt(pixel);
         if (!(gpu::dot(normal, toLight) > 0.0f)) return Asked::dark;

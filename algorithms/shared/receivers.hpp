@@ -27,7 +27,7 @@ enum class Asked : std::uint8_t {
 
 /// The surface behind a pixel that asks.
 struct Receiver {
-    glm::vec3 viewRay; ///< World, of linear depth 1.
+    glm::vec3 viewRay; ///< World: receiverRayWs() of receiver.h.
     float w;           ///< Linear depth.
     glm::vec3 normal;  ///< Unit; without normals from the host, the direction of the view ray.
 };
@@ -61,7 +61,7 @@ public:
 
 private:
     glm::vec3 normalAt(std::size_t pixel) const;
-    glm::vec3 seenNormalAt(std::uint32_t x, std::uint32_t y, float w, const glm::vec3& viewRay) const;
+    glm::vec3 seenNormalAt(std::uint32_t x, std::uint32_t y, const glm::vec3& viewRay) const;
 
     gpu::ViewConstants view_;
     gpu::LightConstants light_;

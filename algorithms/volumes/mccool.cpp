@@ -289,7 +289,7 @@ public:
         plan.map = map.image;
         plan.receiverBounds = stencil.receiverBounds;
         plan.nearWs = gpu::linearDepth(view, task.view->reversed() ? 1.0f : 0.0f);
-        plan.receivers = mayCrossUnseen(task);
+        plan.receivers = task.view->oblique || mayCrossUnseen(task);
         for (std::uint32_t index = 0; index < map.fits.size(); ++index)
             if ((map.needed >> index) & 1u) declareLayer(passes, task, plan, map, index);
         declareStencil(passes, task, plan, stencil);

@@ -218,6 +218,7 @@ public:
 
     const char* refuses(const ShadowTask& task) const override
     {
+        if (gpu::isOrthographic(task.view->constants)) return "the view has no perspective, which planes are found by";
         if (tileGrid(*task.view).z == 0) return "the view is smaller than a tile of 16 pixels";
         for (const Caster* caster : task.casters->all)
             if (caster->alphaTested && !caster->mayBeMissed) return "alpha-tested casters in range";

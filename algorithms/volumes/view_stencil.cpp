@@ -211,7 +211,7 @@ bool mirrors(const CameraView& view)
     // Of the way from world to clip x, y and w the determinant; skew does not enter it. Clip y grows downwards, linear
     // depth away from the eye: a plain view's is positive.
     const glm::mat4& p = view.projection;
-    return p[0][0] * p[1][1] * p[2][3] * glm::determinant(view.viewFromWorld) < 0.0f;
+    return p[0][0] * p[1][1] * view.ahead() * glm::determinant(view.viewFromWorld) < 0.0f;
 }
 
 gpu::VolumeConstants volumeConstants(const CameraView& view, const LightView& light, bool bounded)

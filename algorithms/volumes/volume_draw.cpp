@@ -26,9 +26,11 @@ constexpr float kUnseenCapPush = 1.0f / 8192.0f;
 
 /// What is added to clip z to move a volume away from the eye by this share of the distance. That scales clip x, y and
 /// w alike and leaves z, but for the eye's own clip z (the projection's last column): the same as lowering z by e / (1
-/// + e) of it.
+/// + e) of it. Without a perspective: by this share of what 700 pixels are wide, where one of 1/700 radian is as wide.
 float pushBy(const CameraView& view, float share)
 {
+    const gpu::ViewConstants& c = view.constants;
+    if (gpu::isOrthographic(c)) return 700.0f * share * c.pixelSize / c.rayDepthWs.w;
     return -view.projection[3][2] * share / (1.0f + share);
 }
 
@@ -209,13 +211,15 @@ VolumeDraw drawAt(const VolumeList& list, std::uint32_t& piece)
 
 bool needsZFail(const VolumePlan& plan, const VolumeDraw& draw)
 {
-    return draw.source.mayBeUnseen() || shadowsNearRectangle(draw.bounds, *plan.light, plan.view->nearCorners);
+    return draw.source.mayBeUnseen() || plan.view->oblique ||
+           shadowsNearRectangle(draw.bounds, *plan.light, plan.view->nearCorners);
 }
 
 VolumeDraw asFailing(const VolumePlan& plan, VolumeDraw draw)
 {
     if (!draw.source.closedInOpenMesh()) return draw;
-    draw.source.bothSides = overlap(eyeBounds(*plan.view), draw.bounds) || holdsLight(draw.bounds, *plan.light);
+    draw.source.bothSides =
+        plan.view->oblique || overlap(eyeBounds(*plan.view), draw.bounds) || holdsLight(draw.bounds, *plan.light);
     draw.times = draw.source.bothSides ? 2 : 1;
     return draw;
 }

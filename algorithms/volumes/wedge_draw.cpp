@@ -39,7 +39,8 @@ PipelineId makePipeline(const AlgorithmServices& services, const char* name, boo
 /// Whether a wedge of a source with these bounds may touch the near rectangle.
 bool mayHoldEye(const WedgePlan& plan, const Aabb& bounds)
 {
-    return shadowsNearRectangle(bounds, *plan.light, plan.view->nearCorners, plan.light->constants.sourceRadius);
+    return plan.view->oblique ||
+           shadowsNearRectangle(bounds, *plan.light, plan.view->nearCorners, plan.light->constants.sourceRadius);
 }
 
 void collectDraws(WedgePlan& plan, const VolumeList& list)

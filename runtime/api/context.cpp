@@ -98,6 +98,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     if (Result<void> added = methods_->addBuiltins(registry_); !added) return added;
     pipelines_->setOwner(kRuntimeOwner);
     own_.describe(*pipelines_);
+    images_.describe(*pipelines_);
     selector_ = std::make_unique<Selector>(*methods_);
     plan_ = std::make_unique<FramePlan>(*methods_, vk_->software);
     loadShippedKnowledge();
@@ -226,7 +227,9 @@ Result<GnVisibility> Context::visibility(GnView handle)
                         .imageView = gpu.view,
                         .extent = gpu.extent,
                         .layerCount = gpu.layers,
-                        .revision = view->revision};
+                        .revision = view->revision,
+                        .format = gpu.format,
+                        .lightsPerTexel = view->packed ? kPackedLights : 1};
 }
 
 // --- methods and rules ---

@@ -138,6 +138,7 @@ private:
     std::unique_ptr<SamplerSet> samplers_;
     std::unique_ptr<PipelineStore> pipelines_;
     OwnPipelines own_;
+    HostImages images_;
 
     // Who chooses.
     std::unique_ptr<MethodTable> methods_;

@@ -76,6 +76,8 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     const SubmitParts submit = submitParts();
     frame_.warmup = nextWarmup(frame_, submit);
     declareLights(frame_, {*graph_, *methods_, *selector_, messages_, arena_, own_.mix, deviceRays_.get()});
+    for (const ViewFrame& view : frame_.views)
+        if (view.packed) images_.pack(*graph_, view.view->camera, view.visibility, view.packed, view.lights);
     recordDecisions(frame_, chooseParts());
     if (Result<void> ok = openSlot(frame_, input_, info.completedFrame, isTimed(info), snapshot, submit); !ok)
         return ok.error();
@@ -121,7 +123,8 @@ Result<void> Context::decide(const GnFrameInfo& info, std::span<const Caster> ca
     const Time start = std::chrono::steady_clock::now();
     for (std::uint32_t i = 0; i < info.viewCount; ++i) {
         const GnViewFrame& given = info.pViews[i];
-        if (Result<void> ok = openView(frame_, i, given, {*pool_, *graph_, origin_.at(), casters}); !ok) return ok;
+        if (Result<void> ok = openView(frame_, i, given, {*pool_, *graph_, origin_.at(), casters, images_}); !ok)
+            return ok;
         history_.past.present().pixels += double(given.imageExtent.width) * double(given.imageExtent.height);
     }
     beginBudget(info);

@@ -23,7 +23,7 @@ inline Error invalidHandle(const char* kind)
 }
 
 /// @param member where the bits were given, `bits` the type that has the known ones
-inline Error unknownFlags(const char* member, VkFlags unknown, const char* bits)
+inline Error unknownFlags(const char* member, VkFlags64 unknown, const char* bits)
 {
     return {GN_ERROR_OUT_OF_RANGE, "UnknownFlags",
             std::string(member) + " has the bits " + std::to_string(unknown) + ", which are none of " + bits};

@@ -8,6 +8,9 @@
 
 namespace gnomon {
 
+/// Whether the host's normals say what is turned away from a light. Those of shading do not.
+bool judgedByNormals(const GnViewFrame& frame);
+
 /// The camera relative to `origin`; the frame has been checked (read_frame.hpp).
 /// @param casters that may be seen
 CameraView makeCameraView(const GnViewFrame& frame, const std::array<double, 3>& origin, std::uint32_t id,

@@ -28,6 +28,8 @@ struct FrameInput {
 struct ViewFrame {
     View* view = nullptr;
     ImageId depth, normals, visibility;
+    ImageId packed;           ///< What the host sees, of a packed view; `visibility` is then gnomon's own.
+    std::uint32_t lights = 0; ///< Layers of `visibility` in use.
 };
 
 /// The casters of a light, found once whatever the views.

@@ -66,7 +66,7 @@ void measureDistance(const DepthGrid& grid, const LightView& light, const LightC
     memory.mapWidth = mapWidth(light, casters);
     memory.wishedSide = sideFor({.texelAtOne = memory.mapWidth,
                                  .nearness = double{reach.nearness},
-                                 .pixelAngle = double{grid.camera().constants.pixelSize},
+                                 .pixelAngle = double{pixelAngleOf(grid.camera())},
                                  .pixels = double{reach.share} * drawn.width * drawn.height,
                                  .maps = mapsOf(light.type)});
 }

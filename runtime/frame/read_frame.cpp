@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "runtime/base/number_text.hpp"
+#include "runtime/frame/camera_view.hpp"
 #include "runtime/store/scene_input.hpp"
 
 namespace gnomon {
@@ -39,28 +40,62 @@ Result<void> checkFinite(std::span<const T> values, const char* name, const char
     return {};
 }
 
+bool isOrthographic(const GnViewFrame& frame)
+{
+    return frame.projection[15] != 0.0f;
+}
+
+bool oblique(const GnViewFrame& frame)
+{
+    return frame.projection[2] != 0.0f || frame.projection[6] != 0.0f;
+}
+
+/// Of a perspective clip w is +-view z, and rays leave from the eye; the frustum may be off centre (8, 9), and the near
+/// plane oblique (2, 6). Orthographic clip w is 1; rays may leave the view's plane at an angle (8, 9).
+Result<void> checkElements(const float* p, bool orthographic, const char* viewName)
+{
+    const auto is = [&](int i, const char* what) {
+        return wrong(
+            GN_ERROR_OUT_OF_RANGE, orthographic ? "ProjectionNotOrthographic" : "ProjectionNotPerspective", viewName,
+            std::string("projection is not ") + (orthographic ? "an orthographic" : "a perspective") +
+                " matrix: projection[" + std::to_string(i) + "] is " + shortestText(double{p[i]}) + ", not " + what);
+    };
+    for (const int i : {1, 3, 4, 7})
+        if (p[i] != 0.0f) return is(i, "0");
+    for (const int i : {orthographic ? 2 : 12, orthographic ? 6 : 13})
+        if (p[i] != 0.0f) return is(i, "0");
+    if (orthographic ? p[11] != 0.0f : std::abs(p[11]) != 1.0f) return is(11, orthographic ? "0" : "1 or -1");
+    if (orthographic && p[15] != 1.0f) return is(15, "1, or 0 for a perspective");
+    for (const int i : {0, 5, orthographic ? 10 : 14}) // smaller ones have no inverse in single precision to speak of
+        if (!(std::abs(p[i]) >= 1e-18f)) return is(i, p[i] == 0.0f ? "different from 0" : "1e-18 or more");
+    return {};
+}
+
+/// Which way is ahead follows from the convention; infinite it cannot be.
+Result<void> checkOrthographic(const GnViewFrame& frame, const char* viewName)
+{
+    if (frame.depthConvention != GN_DEPTH_REVERSED_INFINITE) return {};
+    return wrong(GN_ERROR_OUT_OF_RANGE, "DepthConvention", viewName,
+                 "depthConvention " + std::to_string(frame.depthConvention) +
+                     " does not fit the projection (orthographic, finite far)");
+}
+
 Result<void> checkProjection(const GnViewFrame& frame, const char* viewName)
 {
     const float* p = frame.projection;
-    // Clip w is +-view z, rays leave from the eye, nothing is skewed; the frustum may be off centre (8, 9).
-    for (const int i : {0, 1, 2, 3, 4, 5, 6, 7, 11, 12, 13, 14, 15}) {
-        const bool zero = i != 0 && i != 5 && i != 11 && i != 14;
-        if (zero ? p[i] == 0.0f : i == 11 ? std::abs(p[i]) == 1.0f : p[i] != 0.0f) continue;
-        return wrong(GN_ERROR_OUT_OF_RANGE, "ProjectionNotPerspective", viewName,
-                     "projection is not a perspective matrix: projection[" + std::to_string(i) + "] is " +
-                         shortestText(double{p[i]}) + ", not " +
-                         (zero      ? "0"
-                          : i == 11 ? "1 or -1"
-                                    : "different from 0"));
-    }
+    const bool orthographic = isOrthographic(frame);
+    if (Result<void> ok = checkElements(p, orthographic, viewName); !ok) return ok;
     if (frame.depthConvention < GN_DEPTH_REVERSED_INFINITE || frame.depthConvention > GN_DEPTH_STANDARD)
         return wrong(GN_ERROR_OUT_OF_RANGE, "DepthConvention", viewName,
                      "depthConvention is " + std::to_string(frame.depthConvention) + ", not a GnDepthConvention");
     // Which depth belongs to the near plane follows from the matrix; the convention must agree.
-    const bool infinite = p[10] == 0.0f;
-    const bool reversed = p[14] > 0.0f; // depth = p10 / p11 + p14 / w
+    const bool infinite = p[10] == 0.0f && !oblique(frame);
+    // depth = p10 / p11 + p14 / w; orthographic it is p10 z + p14, and either way along z may be ahead.
+    if (orthographic) return checkOrthographic(frame, viewName);
+    const bool reversed = p[14] > 0.0f;
     const bool saysReversed = frame.depthConvention != GN_DEPTH_STANDARD;
-    if (reversed != saysReversed || (frame.depthConvention == GN_DEPTH_REVERSED_INFINITE && !infinite))
+    if (reversed != saysReversed ||
+        (frame.depthConvention == GN_DEPTH_REVERSED_INFINITE && !infinite && !oblique(frame)))
         return wrong(GN_ERROR_OUT_OF_RANGE, "DepthConvention", viewName,
                      "depthConvention " + std::to_string(frame.depthConvention) + " does not fit the projection (" +
                          (reversed ? "reversed" : "standard") + (infinite ? ", infinite far)" : ", finite far)"));
@@ -81,21 +116,72 @@ Result<void> checkRotation(const GnViewFrame& frame, const char* viewName)
     return {};
 }
 
+Result<void> checkNormals(const GnViewFrame& frame, const char* viewName, const DeviceTable& vk)
+{
+    if (frame.normalEncoding < GN_NORMAL_SIGNED || frame.normalEncoding > GN_NORMAL_OCTAHEDRAL_UNSIGNED)
+        return wrong(GN_ERROR_OUT_OF_RANGE, "NormalEncoding", viewName,
+                     "normalEncoding is " + std::to_string(frame.normalEncoding) + ", not a GnNormalEncoding");
+    if (!judgedByNormals(frame)) return {};
+    if (frame.normalFormat == VK_FORMAT_UNDEFINED || aspectsOf(frame.normalFormat) != VK_IMAGE_ASPECT_COLOR_BIT)
+        return wrong(GN_ERROR_OUT_OF_RANGE, "NormalFormat", viewName,
+                     "normalFormat " + std::to_string(frame.normalFormat) + " is not a colour format");
+    for (const VkFormat plain : {VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R32G32_SFLOAT})
+        if (frame.normalFormat == plain) return {}; // every device samples them
+    // Integers that are not normalised are never filtered.
+    if (!supports(vk, frame.normalFormat,
+                  VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT))
+        return wrong(GN_ERROR_UNSUPPORTED, "NormalFormat", viewName,
+                     "normalFormat " + std::to_string(frame.normalFormat) +
+                         " is not one of floats or normalised integers that the device can sample");
+    return {};
+}
+
+/// Samples and layers.
+Result<void> checkSource(const GnViewFrame& frame, const char* viewName, const DeviceTable& vk)
+{
+    const std::uint32_t samples = frame.imageSamples;
+    if (samples > 8 || (samples & (samples - 1)) != 0)
+        return wrong(GN_ERROR_OUT_OF_RANGE, "ImageSamples", viewName,
+                     "imageSamples is " + std::to_string(samples) + ", not 0, 1, 2, 4 or 8");
+    if (frame.imageSample >= std::max(samples, 1u))
+        return wrong(GN_ERROR_OUT_OF_RANGE, "ImageSample", viewName,
+                     "imageSample is " + std::to_string(frame.imageSample) + " of " +
+                         std::to_string(std::max(samples, 1u)));
+    const VkPhysicalDeviceLimits& limits = vk.properties.limits;
+    if (samples > 1 && !(limits.sampledImageDepthSampleCounts & samples))
+        return wrong(GN_ERROR_UNSUPPORTED, "ImageSamples", viewName,
+                     "imageSamples is " + std::to_string(samples) +
+                         ", which is not in the device's sampledImageDepthSampleCounts");
+    if (samples > 1 && !limits.standardSampleLocations)
+        return wrong(GN_ERROR_UNSUPPORTED, "ImageSamples", viewName,
+                     "imageSamples is " + std::to_string(samples) +
+                         ", but the device has no standardSampleLocations to say where they lie");
+    if (frame.imageLayers > limits.maxImageArrayLayers)
+        return wrong(GN_ERROR_OUT_OF_RANGE, "ImageLayers", viewName,
+                     "imageLayers is " + std::to_string(frame.imageLayers) + ", above the device's " +
+                         std::to_string(limits.maxImageArrayLayers));
+    if (frame.imageLayer >= std::max(frame.imageLayers, 1u))
+        return wrong(GN_ERROR_OUT_OF_RANGE, "ImageLayer", viewName,
+                     "imageLayer is " + std::to_string(frame.imageLayer) + ", but imageLayers " +
+                         std::to_string(frame.imageLayers));
+    return {};
+}
+
 Result<void> checkImages(const GnViewFrame& frame, const char* viewName, const DeviceTable& vk)
 {
     if (!frame.depthImage || !frame.depthView)
         return wrong(GN_ERROR_NULL_ARGUMENT, "DepthMissing", viewName, "depthImage and depthView are required");
-    if (frame.depthFormat != VK_FORMAT_D32_SFLOAT && frame.depthFormat != VK_FORMAT_D32_SFLOAT_S8_UINT)
+    if (!(aspectsOf(frame.depthFormat) & VK_IMAGE_ASPECT_DEPTH_BIT))
         return wrong(GN_ERROR_OUT_OF_RANGE, "DepthFormat", viewName,
-                     "depthFormat " + std::to_string(frame.depthFormat) +
-                         " is neither D32_SFLOAT nor D32_SFLOAT_S8_UINT");
+                     "depthFormat " + std::to_string(frame.depthFormat) + " is not a depth format");
+    const bool everywhere = frame.depthFormat == VK_FORMAT_D32_SFLOAT || frame.depthFormat == VK_FORMAT_D16_UNORM;
+    if (!everywhere && !supports(vk, frame.depthFormat, VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT))
+        return wrong(GN_ERROR_UNSUPPORTED, "DepthFormat", viewName,
+                     "depthFormat " + std::to_string(frame.depthFormat) + " cannot be sampled by the device");
     if ((frame.normalImage != VK_NULL_HANDLE) != (frame.normalView != VK_NULL_HANDLE))
         return wrong(GN_ERROR_NULL_ARGUMENT, "NormalsHalf", viewName, "normalImage and normalView go together");
-    if (frame.normalImage && frame.normalFormat != VK_FORMAT_R16G16B16A16_SFLOAT &&
-        frame.normalFormat != VK_FORMAT_R32G32B32A32_SFLOAT)
-        return wrong(GN_ERROR_OUT_OF_RANGE, "NormalFormat", viewName,
-                     "normalFormat " + std::to_string(frame.normalFormat) +
-                         " is neither R16G16B16A16_SFLOAT nor R32G32B32A32_SFLOAT");
+    if (Result<void> ok = checkNormals(frame, viewName, vk); !ok) return ok;
+    if (Result<void> ok = checkSource(frame, viewName, vk); !ok) return ok;
     const VkExtent2D extent = frame.imageExtent;
     if (extent.width == 0 || extent.height == 0)
         return wrong(GN_ERROR_EMPTY, "ViewEmpty", viewName, "imageExtent is " + sizeText(extent));
@@ -150,12 +236,14 @@ Result<void> checkSharedImages(const GnFrameInfo& info, std::uint32_t index, con
         const bool normals = frame.normalImage && other.normalImage == frame.normalImage;
         const bool sameSize =
             other.imageExtent.width == frame.imageExtent.width && other.imageExtent.height == frame.imageExtent.height;
-        const bool same = sameSize && (!depth || other.depthView == frame.depthView) &&
+        const bool sameKind = other.imageSamples == frame.imageSamples && other.imageLayers == frame.imageLayers;
+        const bool same = sameSize && sameKind && (!depth || other.depthView == frame.depthView) &&
                           (!normals || other.normalView == frame.normalView);
         if ((depth || normals) && !same)
             return Error{GN_ERROR_OUT_OF_RANGE, "ImageShared",
                          "view '" + name + "' shares " + (depth ? "depthImage" : "normalImage") + " with pViews[" +
-                             std::to_string(i) + "], but not its image view and imageExtent"};
+                             std::to_string(i) +
+                             "], but not its image view, imageExtent, imageSamples and imageLayers"};
     }
     return {};
 }

@@ -28,9 +28,10 @@ bool sameSize(VkExtent2D a, VkExtent2D b)
 
 Result<std::unique_ptr<PooledImage>> makeVisibility(const View& view, VkExtent2D extent, ResourcePool& pool)
 {
-    return pool.ownedImage({.format = VK_FORMAT_R8_UNORM,
+    const std::uint32_t packed = (view.maxLights + kPackedLights - 1) / kPackedLights;
+    return pool.ownedImage({.format = view.packed ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R8_UNORM,
                             .extent = extent,
-                            .layers = view.maxLights,
+                            .layers = view.packed ? packed : view.maxLights,
                             .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
                                      VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
                             .name = "view.visibility",
@@ -64,6 +65,24 @@ Result<void> beginVisibility(View& view, VkExtent2D extent, ResourcePool& pool)
     return {};
 }
 
+/// What methods do not read as the host has it.
+Result<void> copyImages(ViewFrame& out, const ViewParts& parts)
+{
+    CameraView& camera = out.view->camera;
+    if (copiesDepth(camera)) {
+        const Result<ImageId> copy = parts.images.copyDepth(parts.graph, camera, out.depth);
+        if (!copy) return copy.error();
+        out.depth = *copy;
+    }
+    if (out.normals && copiesNormals(camera)) {
+        const Result<ImageId> copy = parts.images.copyNormals(parts.graph, camera, out.normals);
+        if (!copy) return copy.error();
+        out.normals = *copy;
+        camera.normalFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
+    }
+    return {};
+}
+
 } // namespace
 
 Result<GnView> Views::add(const GnViewCreateInfo& info, const DeviceTable& vk, DeviceMemory& memory, ResourcePool& pool)
@@ -73,10 +92,13 @@ Result<GnView> Views::add(const GnViewCreateInfo& info, const DeviceTable& vk, D
     if (maxLights > limit)
         return Error{GN_ERROR_TOO_MANY, "MaxLights",
                      "maxLights is " + std::to_string(maxLights) + ", above " + std::to_string(limit)};
+    if (const GnViewCreateFlags other = info.flags & ~GnViewCreateFlags{GN_VIEW_PACKED_BIT})
+        return unknownFlags("GnViewCreateInfo::flags", other, "GnViewCreateFlagBits");
     auto view = std::make_unique<View>();
     view->id = nextId_++;
     view->name = info.pName ? info.pName : "view " + std::to_string(view->id);
     view->maxLights = maxLights;
+    view->packed = (info.flags & GN_VIEW_PACKED_BIT) != 0;
     view->grid = std::make_unique<DepthGrid>(memory);
     View* raw = view.get();
     const std::uint64_t handle = views_.insert(std::move(view));
@@ -162,12 +184,18 @@ Result<void> openView(Frame& frame, std::uint32_t index, const GnViewFrame& give
         return parts.graph.addImage(*imported, name);
     };
     out.depth = import(given.depthImage, given.depthView, given.depthFormat, "host.depth");
-    if (given.normalImage)
+    if (judgedByNormals(given))
         out.normals = import(given.normalImage, given.normalView, given.normalFormat, "host.normals");
+    if (Result<void> copied = copyImages(out, parts); !copied) return copied;
     parts.pool.touch(*view.visibility);
     view.visibility->kept.lastUsed = parts.pool.frame();
     out.visibility = parts.graph.addImage(*view.visibility, "view.visibility");
     frame.visibilities.push_back(view.visibility.get());
+    out.lights = given.lightCount;
+    if (!view.packed) return {};
+    const Result<ImageId> layers = parts.images.layersFor(parts.graph, view.camera, view.maxLights);
+    if (!layers) return layers.error();
+    out.packed = std::exchange(out.visibility, *layers);
     return {};
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime/base/slot_map.hpp"
+#include "runtime/frame/host_images.hpp"
 #include "runtime/passes/resources.hpp"
 #include "runtime/select/depth_grid.hpp"
 #include "runtime/select/drawn_map.hpp"
@@ -25,6 +26,7 @@ struct View {
     GnView handle = VK_NULL_HANDLE;
     std::uint32_t id = 0;
     std::uint32_t maxLights = 16;
+    bool packed = false; ///< GN_VIEW_PACKED_BIT.
     std::unique_ptr<PooledImage> visibility;
     std::unique_ptr<PooledImage> replaced; ///< Was `visibility` before the newest frame, which may yet be withdrawn.
     bool resized = false;                  ///< The newest frame made `visibility`.
@@ -94,6 +96,7 @@ struct ViewParts {
     PassGraph& graph;
     const std::array<double, 3>& origin;
     std::span<const Caster> casters; ///< That may be seen.
+    HostImages& images;
 };
 /// The view's camera, its images, and visibility of the size of this frame. @param index in frame.views
 Result<void> openView(Frame& frame, std::uint32_t index, const GnViewFrame& given, const ViewParts& parts);

@@ -114,24 +114,43 @@ struct Plane {
     float distance = 0.0f;
 };
 
+/// Where in the host's images a view's pixels are.
+struct ImageSource {
+    std::uint32_t samples = 1; ///< A pixel; `sample` is judged.
+    std::uint32_t sample = 0;
+    bool layered = false; ///< Image views are of arrays, and `layer` is the view's.
+    std::uint32_t layer = 0;
+    GnNormalEncoding encoding = GN_NORMAL_SIGNED;
+    glm::vec4 straight{0.0f}; ///< CameraView::oblique: depth becomes w (depth - x - y column - z row).
+    float skyDepth = 0.0f;    ///< And this one 0.
+};
+
 /// A camera as the frame sees it.
 struct CameraView {
     gpu::ViewConstants constants{};
-    glm::mat3 viewFromWorld{1.0f};          ///< Rotation.
-    glm::mat4 projection{1.0f};             ///< clipFromView as given.
-    glm::vec3 eye{0.0f};                    ///< Relative to the origin.
+    glm::mat3 viewFromWorld{1.0f}; ///< Rotation.
+    glm::mat4 projection{1.0f};    ///< clipFromView as given; through the judged sample, without an oblique near plane.
+    glm::vec3 eye{0.0f};           ///< Relative to the origin.
     std::array<Plane, 6> frustum{};         ///< World, inward; the far one is (0, 0, 0), 1 for infinite projections.
     std::array<glm::vec3, 4> nearCorners{}; ///< World corners of the near rectangle of the render area, in ring order.
     GnDepthConvention convention = GN_DEPTH_REVERSED_INFINITE;
-    VkFormat depthFormat = VK_FORMAT_D32_SFLOAT;
+    VkFormat depthFormat = VK_FORMAT_D32_SFLOAT; ///< Of the host's image.
     VkFormat normalFormat = VK_FORMAT_UNDEFINED; ///< Undefined: no normals.
     VkExtent2D extent{};                         ///< Of the images.
     VkRect2D area{};                             ///< Pixels drawn.
     double origin[3]{};                          ///< World position of the zero of all coordinates here.
+    ImageSource source;
     std::uint32_t id = 0;
     bool cut = false;
+    bool oblique = false; ///< The host's near plane cuts across the view: before it anything may be.
 
     bool reversed() const { return convention != GN_DEPTH_STANDARD; }
+    /// Sign of the view's z axis along which it looks.
+    float ahead() const
+    {
+        if (!gpu::isOrthographic(constants)) return projection[2][3] < 0.0f ? -1.0f : 1.0f; // clip w is the depth
+        return (projection[2][2] > 0.0f) != reversed() ? 1.0f : -1.0f;
+    }
 };
 
 /// ViewConstants::corners: what receivers on any of the casters are rounded by, beside their own coordinates, as a

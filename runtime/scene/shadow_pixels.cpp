@@ -49,7 +49,8 @@ Sides sidesOf(const Caster& caster)
 /// What turns metres into pixels, taken from the view once.
 struct Lens {
     glm::vec3 eye, right, up, forward;
-    float pixelsPerMetre; ///< At depth 1.
+    float pixelsPerMetre; ///< At depth 1; orthographic: anywhere.
+    bool orthographic;
     glm::vec2 half;       ///< Of the picture, pixels.
 };
 
@@ -60,8 +61,9 @@ Lens lensOf(const CameraView& view)
     return {.eye = view.eye,
             .right = world[0],
             .up = world[1],
-            .forward = view.projection[2][3] < 0.0f ? -world[2] : world[2], // clip w is the depth
+            .forward = view.ahead() * world[2],
             .pixelsPerMetre = 1.0f / std::max(view.constants.pixelSize, 1e-9f),
+            .orthographic = gpu::isOrthographic(view.constants),
             .half = 0.5f * glm::vec2(static_cast<float>(size.width), static_cast<float>(size.height))};
 }
 
@@ -105,8 +107,9 @@ float pixelsOf(const Lens& lens, glm::vec3 at, glm::vec3 ray, float length, glm:
     const glm::vec3 es = at - lens.eye;
     const float radius = halfWidthOf(halfSize, ray, es, lens);
     float depth = glm::dot(es, lens.forward);
+    if (lens.orthographic) depth = 1.0f;
     if (depth < -radius) return 0.0f; // behind the eye
-    depth = std::max(depth, std::max(radius, 1e-3f));
+    if (!lens.orthographic) depth = std::max(depth, std::max(radius, 1e-3f));
     const float scale = lens.pixelsPerMetre / depth;
     const glm::vec2 centre = scale * glm::vec2(glm::dot(es, lens.right), glm::dot(es, lens.up));
     const glm::vec3 along = ray - glm::dot(ray, es) / std::max(glm::dot(es, es), 1e-12f) * es; // across the view ray

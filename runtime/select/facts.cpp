@@ -32,6 +32,15 @@ double trianglesFact(double triangles) noexcept
 
 namespace {
 
+/// 60 degrees over 720 pixels.
+constexpr float kUsualPixelAngle = 1.0f / 640.0f;
+
+/// Where a pixel of a usual camera is as wide as all are without a perspective.
+float orthographicDistance(const CameraView& view)
+{
+    return view.constants.pixelSize / kUsualPixelAngle;
+}
+
 /// Some of the tiles that a light reaches, spread over all of them: the stride doubles whenever there are too many.
 class TileSample {
 public:
@@ -156,6 +165,11 @@ float levelsMet(const LightView& light, std::span<const Caster* const> casters, 
 
 } // namespace
 
+float pixelAngleOf(const CameraView& view)
+{
+    return gpu::isOrthographic(view.constants) ? kUsualPixelAngle : view.constants.pixelSize;
+}
+
 void receiverTiles(const CameraView& view, std::span<const DepthTile> tiles, std::uint32_t tilesX,
                    std::vector<ReceiverTile>& out)
 {
@@ -170,16 +184,19 @@ void receiverTiles(const CameraView& view, std::span<const DepthTile> tiles, std
             const glm::vec2 pixel{static_cast<float>(view.area.offset.x) + float((x + (corner & 1)) * kTilePixels),
                                   static_cast<float>(view.area.offset.y) + float((y + (corner >> 1)) * kTilePixels)};
             const glm::vec3 ray = gpu::viewRayWs(view.constants, pixel);
-            for (const float depth : {tile.nearest, tile.farthest}) {
-                box.lower = glm::min(box.lower, view.eye + ray * depth);
-                box.upper = glm::max(box.upper, view.eye + ray * depth);
+            for (const float distance : {tile.nearest, tile.farthest}) {
+                const glm::vec3 place = view.eye + gpu::atDistanceWs(view.constants, ray, distance);
+                box.lower = glm::min(box.lower, place);
+                box.upper = glm::max(box.upper, place);
             }
             shortest = std::min(shortest, glm::length(ray));
         }
         out.push_back({.box = box,
                        // The ray through the middle of the screen is the shortest of all; within a tile its corners
                        // bound it well.
-                       .distance = tile.nearest * std::max(1.0f, shortest * 0.999f),
+                       .distance = gpu::isOrthographic(view.constants)
+                                       ? orthographicDistance(view)
+                                       : tile.nearest * std::max(1.0f, shortest * 0.999f),
                        .x = x,
                        .y = y,
                        .plane = tile.plane,
@@ -210,6 +227,7 @@ Reach measureReach(const CameraView& view, std::span<const ReceiverTile> tiles, 
 float reachLowerBound(const CameraView& view, const LightView& light)
 {
     if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) return 0.0f;
+    if (gpu::isOrthographic(view.constants)) return orthographicDistance(view);
     return std::max(0.0f, glm::length(light.position() - view.eye) - light.constants.range);
 }
 

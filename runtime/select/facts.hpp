@@ -56,6 +56,9 @@ struct ReceiverTile {
     bool whole = false; ///< Within the picture; others were not asked for their plane.
 };
 
+/// Width of a pixel at 1 m; orthographic: of one of a usual camera, at whose distance receivers are said to be.
+float pixelAngleOf(const CameraView& view);
+
 /// The tiles of a depth grid, row by row, without sky; in place of what `out` holds.
 void receiverTiles(const CameraView& view, std::span<const DepthTile> tiles, std::uint32_t tilesX,
                    std::vector<ReceiverTile>& out);

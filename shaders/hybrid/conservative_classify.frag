@@ -49,7 +49,7 @@ struct RayStart {
 
 RayStart rayStart(ViewConstants view, float depth, ivec2 pixel)
 {
-    vec3 ray = viewRayWs(view, vec2(pixel) + 0.5);
+    vec3 ray = receiverRayWs(view, viewRayWs(view, vec2(pixel) + 0.5), depth);
     vec3 fromEye = linearDepth(view, depth) * ray;
     vec3 receiver = view.eyeWs.xyz + fromEye;
     vec3 normal, away, toLight; // with normals of any length
@@ -61,9 +61,10 @@ RayStart rayStart(ViewConstants view, float depth, ivec2 pixel)
         toLight = light.type == LIGHT_DIRECTIONAL ? -light.directionWs.xyz : light.positionWs.xyz - receiver;
         start.facing = dot(normal, toLight) > 0.0;
     } else {
-        normal = ray / length(ray);
+        vec3 looking = lookingWs(view, ray);
+        normal = looking / length(looking);
         toLight = towardsLightWs(light, receiver);
-        vec3 seen = seenNormal(view, constants.map.area, pixel, depth, linearDepth(view, depth), ray);
+        vec3 seen = seenNormal(view, constants.map.area, pixel, depth, ray);
         away = startDirectionWs(seen, normal);
         start.facing = true;
     }

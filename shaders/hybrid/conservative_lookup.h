@@ -14,8 +14,8 @@ struct ConservativeConstants {
     float depthSquare;    // perspective: and in depth, over (depthConstant - depth)^2
     uint thesis;          // 1: depths are compared as they are
 };
-GN_SHARED_OFFSET(ConservativeConstants, light, 400)
-GN_SHARED_SIZE(ConservativeConstants, 464)
+GN_SHARED_OFFSET(ConservativeConstants, light, 432)
+GN_SHARED_SIZE(ConservativeConstants, 496)
 
 // Where a shadow ray starts, in a map: texel, depth, and how far each may be off.
 struct MapPoint {

@@ -11,8 +11,8 @@ struct EightPointConstants {
     HybridConstants hybrid; // its light is the centre with the light's own range and cone
     MapLookup points[8];      // layer i of the map is seen from point i
 };
-GN_SHARED_OFFSET(EightPointConstants, points, 400)
-GN_SHARED_SIZE(EightPointConstants, 2192)
+GN_SHARED_OFFSET(EightPointConstants, points, 432)
+GN_SHARED_SIZE(EightPointConstants, 2352)
 
 GN_SHARED_END
 #endif

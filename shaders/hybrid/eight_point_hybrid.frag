@@ -29,8 +29,8 @@ layout(location = 0) out float visibility;
 float voteOf(uint i, PlaneReceiver r)
 {
     MapLookup look = points[i];
-    r.facing = dot(r.normalWs, (look.eyeFromLight.xyz + r.w * rayWs) * look.positional + look.axisWs.xyz);
-    vec4 clip = look.clipOfEye + look.clipFromRay * vec4(r.w * rayWs, 0.0);
+    r.facing = dot(r.normalWs, (look.eyeFromLight.xyz + r.w * r.ray) * look.positional + look.axisWs.xyz);
+    vec4 clip = look.clipOfEye + look.clipFromRay * vec4(r.w * r.ray, 0.0);
     vec2 normalPerTexel = vec2(dot(r.normalWs, look.texelDx.xyz), dot(r.normalWs, look.texelDy.xyz));
     Tap tap = planarTap(look, r, clip, normalPerTexel, float(i));
     bool beside = clip.w <= 0.0 || any(lessThan(tap.at, vec2(1.0))) || any(greaterThan(tap.at, vec2(look.side - 1.0)));

@@ -25,19 +25,19 @@ layout(constant_id = 0) const bool HAS_NORMALS = true;
 // As Receivers::at() has it (algorithms/shared/receivers.cpp).
 float traceReceiver(ViewConstants view, LightConstants light, ivec2 pixel, float depth)
 {
-    vec3 viewRay = viewRayWs(view, vec2(pixel) + 0.5);
-    float w = linearDepth(view, depth);
-    vec3 receiverWs = view.eyeWs.xyz + w * viewRay;
+    vec3 viewRay = receiverRayWs(view, viewRayWs(view, vec2(pixel) + 0.5), depth);
+    vec3 receiverWs = view.eyeWs.xyz + linearDepth(view, depth) * viewRay;
     if (!lightReaches(light, receiverWs)) return 1.0;
 
-    vec3 normalWs = viewRay / length(viewRay), away; // without normals: the longest offset there is
+    vec3 looking = lookingWs(view, viewRay);
+    vec3 normalWs = looking / length(looking), away; // without normals: the longest offset there is
     if (HAS_NORMALS) {
         vec3 texel = texelFetch(normalImage, pixel, 0).xyz;
         normalWs = texel / max(length(texel), 1e-20);
         away = normalWs;
         if (!(dot(normalWs, towardsLightWs(light, receiverWs)) > 0.0)) return 0.0;
     } else {
-        away = startDirectionWs(seenNormal(view, constants.area, pixel, depth, w, viewRay), normalWs);
+        away = startDirectionWs(seenNormal(view, constants.area, pixel, depth, viewRay), normalWs);
     }
     float offset = receiverOffset(view, light, depth, viewRay, receiverWs, normalWs);
     return isOccluded(lightRay(light, receiverWs, away, offset, FARTHEST), constants.lightMask.x) ? 0.0 : 1.0;

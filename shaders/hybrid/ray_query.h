@@ -12,8 +12,8 @@ struct RayQueryConstants {
     vec4 area;      // pixels drawn: x, y, width, height
     uvec4 lightMask; // x: casters whose mask meets it cast
 };
-GN_SHARED_OFFSET(RayQueryConstants, area, 208)
-GN_SHARED_SIZE(RayQueryConstants, 240)
+GN_SHARED_OFFSET(RayQueryConstants, area, 224)
+GN_SHARED_SIZE(RayQueryConstants, 256)
 
 GN_SHARED_END
 #endif

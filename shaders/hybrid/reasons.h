@@ -12,8 +12,8 @@ struct HybridConstants {
     uint padding1;
     uint padding2;
 };
-GN_SHARED_OFFSET(HybridConstants, reasons, 384)
-GN_SHARED_SIZE(HybridConstants, 400)
+GN_SHARED_OFFSET(HybridConstants, reasons, 416)
+GN_SHARED_SIZE(HybridConstants, 432)
 
 // Why a pixel is lit or dark: Moderno's record of a pixel, its section 1.3. With the setting `reasons` the byte in
 // visibility is the code itself.

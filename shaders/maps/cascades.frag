@@ -26,7 +26,7 @@ void main()
 {
     MapLookup look = constants.map;
     PlaneReceiver r = fetchPlaneReceiver(constants.view, look, rayWs);
-    vec4 clip = look.clipOfEye + r.w * rayClip;
+    vec4 clip = receiverClip(look, r, rayClip);
     vec2 normalPerTexel = vec2(dot(r.normalWs, look.texelDx.xyz), dot(r.normalWs, look.texelDy.xyz));
     PlanarDepth plane = planeOf(look, r, clip, normalPerTexel);
     // The last map is all casters': beside it nothing is in shadow.

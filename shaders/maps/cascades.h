@@ -16,8 +16,8 @@ struct CascadesConstants {
     float border;             // texels: a receiver nearer to a map's edge is looked up in the next
     float padding;
 };
-GN_SHARED_OFFSET(CascadesConstants, count, 480)
-GN_SHARED_SIZE(CascadesConstants, 496)
+GN_SHARED_OFFSET(CascadesConstants, count, 512)
+GN_SHARED_SIZE(CascadesConstants, 528)
 
 GN_SHARED_END
 #endif

@@ -20,7 +20,7 @@ layout(constant_id = 1) const bool FILTERED = false;
 void main()
 {
     PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.map, rayWs);
-    vec4 clip = constants.map.clipOfEye + r.w * rayClip;
+    vec4 clip = receiverClip(constants.map, r, rayClip);
     vec2 normalPerTexel = vec2(dot(r.normalWs, constants.map.texelDx.xyz), dot(r.normalWs, constants.map.texelDy.xyz));
     Tap tap = planarTap(constants.map, r, clip, normalPerTexel, 0.0);
     float lit = FILTERED ? boxVisibility(tap, tap.at, constants.map.filterSide) : nearestVisibility(tap, tap.at);

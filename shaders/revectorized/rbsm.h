@@ -16,8 +16,8 @@ struct RbsmConstants {
     uint padding0;
     uint padding1;
 };
-GN_SHARED_OFFSET(RbsmConstants, mode, 384)
-GN_SHARED_SIZE(RbsmConstants, 400)
+GN_SHARED_OFFSET(RbsmConstants, mode, 416)
+GN_SHARED_SIZE(RbsmConstants, 432)
 
 GN_SHARED_END
 #endif

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared/tile_plane.glsl"
 
-// Nearest and farthest linear depth of every 16x16 tile, and its plane if it shows one: what the facts need to know about
+// Nearest and farthest distance along the view (linear depth) of every 16x16 tile, and its plane if it shows one: what the facts need to know about
 // receivers. One invocation a tile, four depths a gather. Sky counts for nothing.
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -27,16 +27,16 @@ void main()
     uvec2 tile = gl_GlobalInvocationID.xy;
     if (tile.x >= grid.x || tile.y >= grid.y) return;
     vec2 texel = 1.0 / vec2(textureSize(depthImage, 0));
-    float nearest = 3.0e38, farthest = 0.0;
+    float nearest = 3.0e38, farthest = -3.0e38;
     for (uint y = 0; y < TILE; y += 2)
         for (uint x = 0; x < TILE; x += 2) {
             uvec2 inside = min(tile * TILE + uvec2(x, y), max(size.xy, uvec2(2)) - 2);
             vec4 depths = textureGather(depthImage, (vec2(inside + grid.zw) + 1.0) * texel);
             for (int i = 0; i < 4; ++i) {
                 if (depths[i] == view.skyDepth) continue;
-                float w = linearDepth(view, depths[i]);
-                nearest = min(nearest, w);
-                farthest = max(farthest, w);
+                float distance = viewDistance(view, depths[i]);
+                nearest = min(nearest, distance);
+                farthest = max(farthest, distance);
             }
         }
     TilePlane plane = TilePlane(0.0, 0.0, 0.0, 0.0);

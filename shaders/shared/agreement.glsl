@@ -19,7 +19,7 @@ vec4 mapClipOf(PlaneReceiver r, out float layer)
     return vec4(texels, look.depthConstant * local.z + look.depthScale, local.z);
 #else
     layer = 0.0;
-    return look.clipOfEye + r.w * rayClip;
+    return receiverClip(look, r, rayClip);
 #endif
 }
 

@@ -8,7 +8,8 @@ GN_SHARED_BEGIN
 // std140 and std430 alike. "Clip" is the map's clip space with x and y in texels: texel = clip.xy / clip.w. w is the
 // linear depth of a perspective map (1 metre along its axis is 1) and 1 for a directional light.
 struct MapLookup {
-    mat4 clipFromRay;  // clip = clipOfEye + w * clipFromRay * (view ray, 0), w the receiver's linear depth
+    mat4 clipFromRay;  // clip = clipOfEye + w * clipFromRay * (receiverRayWs(), 0), w the receiver's linear depth
+    vec4 clipOfDepth;  // clipFromRay of ViewConstants::rayDepthWs
     vec4 clipOfEye;
     vec4 texelDx;      // xyz: world change of a texel's ray (directional: of its origin) per texel to the right, at w = 1
     vec4 texelDy;      // xyz: and per texel down
@@ -26,8 +27,8 @@ struct MapLookup {
     float farWs;         // paraboloid: distance of depth 1, metres
     float padding;
 };
-GN_SHARED_OFFSET(MapLookup, depthConstant, 192)
-GN_SHARED_SIZE(MapLookup, 224)
+GN_SHARED_OFFSET(MapLookup, depthConstant, 208)
+GN_SHARED_SIZE(MapLookup, 240)
 
 // Most texels per side of the box that a map is filtered with: the greatest value of the setting `filter`.
 GN_SHARED_CONST uint MAX_FILTER_SIDE = 7u;
@@ -38,7 +39,7 @@ struct MapConstants {
     ViewConstants view;
     MapLookup map;
 };
-GN_SHARED_SIZE(MapConstants, 384)
+GN_SHARED_SIZE(MapConstants, 416)
 
 // Share of a texel's own slope by which a receiver is moved towards the light: rasterisers snap vertices to 1/256 texel,
 // which shifts a face by up to 1/512 in x and in y; eight times that also covers interpolated depths.

@@ -8,22 +8,25 @@ GN_SHARED_BEGIN
 // std140 and std430 alike: only vec4 and mat4 before the scalars.
 struct ViewConstants {
     mat4 clipFromWorld; // as the host drew its depth, but relative to the origin
-    vec4 eyeWs;         // xyz metres; w unused
-    vec4 rayCornerWs;   // xyz: view ray of linear depth 1 at pixel coordinate (0, 0)
+    vec4 eyeWs;         // xyz metres; w: what values of a depth image of integers are apart, over offsetFactor; else 0
+    vec4 rayCornerWs;   // xyz: view ray of linear depth 1 at pixel coordinate (0, 0); orthographic: the way from the eye to
+                        // there at depth value 0, and w: how far that is along the view's axis
     vec4 rayDxWs;       // xyz: its change per pixel to the right
     vec4 rayDyWs;       // xyz: and per pixel down
-    float depthScale;   // linear depth w = depthScale / (depth * depthMul + depthAdd), metres
+    vec4 rayDepthWs;    // xyz: and from depth value 0 to 1; w: how far that is along the axis, negative for reversed depth;
+                        // 0 with a perspective
+    float depthScale;   // linear depth w = depthScale / (depth * depthMul + depthAdd), metres; orthographic: 1
     float depthMul;
     float depthAdd;
     float skyDepth;     // the depth value that means: no receiver
     float offsetFactor; // k of the offset: 1 for reversed-Z, 3 for standard depth
-    float pixelSize;    // width of a pixel at linear depth 1, metres
+    float pixelSize;    // width of a pixel at linear depth 1, metres; orthographic: of any
     uint hasNormals;    // 0: the host gives no geometric normals
     float corners;      // what coordinates of corners of seen triangles count as in largestCoordinate(), metres
 };
 GN_SHARED_OFFSET(ViewConstants, eyeWs, 64)
-GN_SHARED_OFFSET(ViewConstants, depthScale, 128)
-GN_SHARED_SIZE(ViewConstants, 160)
+GN_SHARED_OFFSET(ViewConstants, depthScale, 144)
+GN_SHARED_SIZE(ViewConstants, 176)
 
 struct LightConstants {
     vec4 positionWs;  // xyz metres; w = 0 directional light, 1 otherwise
@@ -35,16 +38,46 @@ struct LightConstants {
 };
 GN_SHARED_SIZE(LightConstants, 48)
 
-// Linear depth (clip w) of a depth value, metres.
+// A receiver is at eye + w * (viewRayWs() + depth * rayDepthWs): the inverse of the host's matrix, where w is clip w.
+GN_SHARED_FN bool isOrthographic(ViewConstants view) { return view.rayDepthWs.w != 0.0f; }
+
+// Linear depth (clip w) of a depth value, metres; orthographic: 1.
 GN_SHARED_FN float linearDepth(ViewConstants view, float depth)
 {
     return view.depthScale / (depth * view.depthMul + view.depthAdd);
 }
 
-// View ray of linear depth 1 through a point given in pixels.
+// View ray of linear depth 1 through a point given in pixels; orthographic: from the eye to there at depth value 0.
 GN_SHARED_FN vec3 viewRayWs(ViewConstants view, vec2 pixel)
 {
     return vec3(view.rayCornerWs) + pixel.x * vec3(view.rayDxWs) + pixel.y * vec3(view.rayDyWs);
+}
+
+// What linear depth times makes the way from the eye to a receiver: the view ray; orthographic: that way itself.
+GN_SHARED_FN vec3 receiverRayWs(ViewConstants view, vec3 viewRay, float depth)
+{
+    return viewRay + depth * vec3(view.rayDepthWs);
+}
+
+// The way that a view looks along a ray, of any length.
+GN_SHARED_FN vec3 lookingWs(ViewConstants view, vec3 ray)
+{
+    vec3 deeper = vec3(view.rayDepthWs);
+    return isOrthographic(view) ? (view.rayDepthWs.w < 0.0f ? -deeper : deeper) : ray;
+}
+
+// How far along the view a depth value is, metres: linear depth, or what is that without a perspective.
+GN_SHARED_FN float viewDistance(ViewConstants view, float depth)
+{
+    return isOrthographic(view) ? view.rayCornerWs.w + depth * view.rayDepthWs.w : linearDepth(view, depth);
+}
+
+// The way from the eye to what is that far along a view ray.
+GN_SHARED_FN vec3 atDistanceWs(ViewConstants view, vec3 viewRay, float distance)
+{
+    return isOrthographic(view)
+               ? receiverRayWs(view, viewRay, (distance - view.rayCornerWs.w) / view.rayDepthWs.w)
+               : distance * viewRay;
 }
 
 // From the receiver towards the light, unit length.
@@ -73,12 +106,18 @@ GN_SHARED_FN bool lightReaches(LightConstants light, vec3 receiverWs)
            reaches(receiverWs - vec3(light.positionWs), cone, light.range * light.range);
 }
 
-// Distance that one unit in the last place of `depth` spans along the view ray, metres.
+// One unit in the last place of a depth value, of the float or of the integers of its format.
+GN_SHARED_FN float depthUlp(ViewConstants view, float depth)
+{
+    return uintBitsToFloat(floatBitsToUint(depth) + 1u) - depth + view.eyeWs.w;
+}
+
+// Distance that it spans along the view ray, metres.
 GN_SHARED_FN float depthUlpWs(ViewConstants view, float depth, vec3 ray)
 {
-    float ulp = uintBitsToFloat(floatBitsToUint(depth) + 1u) - depth;
+    float ulp = depthUlp(view, depth);
     float w = linearDepth(view, depth);
-    return length(ray) * w * w * abs(view.depthMul / view.depthScale) * ulp;
+    return length(ray) * w * w * abs(view.depthMul / view.depthScale) * ulp + length(vec3(view.rayDepthWs)) * ulp;
 }
 
 // Largest coordinate of receiver or light, relative to the eye and to the frame's origin: in the one the receiver is
@@ -100,8 +139,9 @@ GN_SHARED_FN float receiverOffset(ViewConstants view, LightConstants light, floa
                                   vec3 normalWs)
 {
     float w = linearDepth(view, depth);
-    float ulp = uintBitsToFloat(floatBitsToUint(depth) + 1u) - depth;
+    float ulp = depthUlp(view, depth);
     float u = w * w * abs(view.depthMul / view.depthScale) * ulp * abs(dot(normalWs, ray)); // depthUlpWs() |n.v|
+    u += ulp * abs(dot(normalWs, vec3(view.rayDepthWs)));
     float f = w * view.pixelSize;
     float c = largestCoordinate(view, light, receiverWs);
     return view.offsetFactor * (u + f / 256.0f + c * (1.0f / 2097152.0f));
@@ -130,26 +170,31 @@ GN_SHARED_FN LightRay lightRay(LightConstants light, vec3 receiverWs, vec3 away,
 // a pole or a ridge and neither is of it: the step is then one across the view.
 //   pixel, step    the receiver's centre, and from there to the next pixel
 //   back, on       depth values of the pixels before and after it
-//   w, ray         the receiver's linear depth and view ray
-GN_SHARED_FN vec3 seenStepWs(ViewConstants view, vec2 pixel, vec2 step, float back, float on, float w, vec3 ray)
+//   depth, ray     the receiver's depth value and receiverRayWs()
+GN_SHARED_FN vec3 seenStepWs(ViewConstants view, vec2 pixel, vec2 step, float back, float on, float depth, vec3 ray)
 {
+    float w = linearDepth(view, depth);
     float backW = min(linearDepth(view, back), 1e15f);
     float onW = min(linearDepth(view, on), 1e15f);
     vec3 onRay = viewRayWs(view, pixel + step);
-    vec3 backward = w * ray - backW * viewRayWs(view, pixel - step);
-    vec3 onward = onW * onRay - w * ray;
-    float nearest = w + w * view.pixelSize;
-    if (backW > nearest && onW > nearest) return w * (onRay - ray);
+    vec3 backRay = viewRayWs(view, pixel - step);
+    vec3 backward = w * ray - backW * receiverRayWs(view, backRay, back);
+    vec3 onward = onW * receiverRayWs(view, onRay, on) - w * ray;
+    float beyond = view.rayDepthWs.w; // metres of a depth value, without a perspective
+    float nearest = w + depth * beyond + w * view.pixelSize;
+    if (backW + back * beyond > nearest && onW + on * beyond > nearest)
+        return w * (receiverRayWs(view, onRay, depth) - ray);
     return dot(backward, backward) < dot(onward, onward) ? backward : onward;
 }
 
 // The normal of the plane of two such steps: unit, turned to the eye; wrong at edges, so that it may say where a ray starts and
 // how depths slope, but not what faces the light.
-GN_SHARED_FN vec3 seenNormalWs(vec3 dx, vec3 dy, vec3 ray)
+//   looking  lookingWs()
+GN_SHARED_FN vec3 seenNormalWs(vec3 dx, vec3 dy, vec3 looking)
 {
     vec3 normal = cross(dx, dy);
     float scale = 1.0f / max(length(normal), 1e-20f);
-    return dot(normal, ray) > 0.0f ? -scale * normal : scale * normal;
+    return dot(normal, looking) > 0.0f ? -scale * normal : scale * normal;
 }
 
 // Where a ray starts then: between that normal and the eye, which is on the side that is seen whatever the normal. What is

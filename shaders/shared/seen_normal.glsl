@@ -15,16 +15,16 @@ float besideDepth(vec4 area, ivec2 pixel, ivec2 step, float depth)
     return isDrawn(area, pixel - step) ? 2.0 * depth - texelFetch(depthImage, pixel - step, 0).x : depth;
 }
 
-vec3 seenStep(ViewConstants view, vec4 area, ivec2 pixel, ivec2 step, float depth, float w, vec3 ray)
+vec3 seenStep(ViewConstants view, vec4 area, ivec2 pixel, ivec2 step, float depth, vec3 ray)
 {
     float back = besideDepth(area, pixel, -step, depth), on = besideDepth(area, pixel, step, depth);
-    return seenStepWs(view, vec2(pixel) + 0.5, vec2(step), back, on, w, ray);
+    return seenStepWs(view, vec2(pixel) + 0.5, vec2(step), back, on, depth, ray);
 }
 
-// area: pixels drawn, as in MapLookup. depth, w, ray: the receiver's.
-vec3 seenNormal(ViewConstants view, vec4 area, ivec2 pixel, float depth, float w, vec3 ray)
+// area: pixels drawn, as in MapLookup. depth: the receiver's; ray: its receiverRayWs().
+vec3 seenNormal(ViewConstants view, vec4 area, ivec2 pixel, float depth, vec3 ray)
 {
-    return seenNormalWs(seenStep(view, area, pixel, ivec2(1, 0), depth, w, ray),
-                        seenStep(view, area, pixel, ivec2(0, 1), depth, w, ray), ray);
+    return seenNormalWs(seenStep(view, area, pixel, ivec2(1, 0), depth, ray),
+                        seenStep(view, area, pixel, ivec2(0, 1), depth, ray), lookingWs(view, ray));
 }
 #endif

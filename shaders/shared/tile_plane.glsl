@@ -23,7 +23,8 @@ TilePlane tilePlane(sampler2D depthImage, ViewConstants view, ivec2 firstPixel)
         worst = max(worst, abs(q[i] - mean - away.x * plane.slopeX - away.y * plane.slopeY));
     }
     plane.inverse = mean;
-    plane.flatness = !sky && worst <= mean / 16384.0 ? 1.0 : 0.0;
+    // Without a perspective linear depth tells nothing; what asks for planes does without there.
+    plane.flatness = !sky && !isOrthographic(view) && worst <= mean / 16384.0 ? 1.0 : 0.0;
     return plane;
 }
 #endif

@@ -13,8 +13,8 @@ struct ChanDurandConstants {
     int padding1;
     int padding2;
 };
-GN_SHARED_OFFSET(ChanDurandConstants, widen, 384)
-GN_SHARED_SIZE(ChanDurandConstants, 400)
+GN_SHARED_OFFSET(ChanDurandConstants, widen, 416)
+GN_SHARED_SIZE(ChanDurandConstants, 432)
 
 // A layer of the map is cut into CELLS x CELLS cells. A cell holds depthKey of the farthest silhouette receiver that
 // falls into it, or 0. 32: a clear of 4 kB a layer, and cells of 16 texels of a map of 512, smaller than most casters.

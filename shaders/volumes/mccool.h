@@ -59,8 +59,8 @@ struct CapConstants {
     float receivers; // 1: the receivers are asked, not the near plane
     uvec4 templates[120]; // TEMPLATE_BLOCK
 };
-GN_SHARED_OFFSET(CapConstants, nearTexels, 496)
-GN_SHARED_SIZE(CapConstants, 2448)
+GN_SHARED_OFFSET(CapConstants, nearTexels, 528)
+GN_SHARED_SIZE(CapConstants, 2480)
 
 // The list of one map: VkDrawIndexedIndirectCommand, how many indices were asked for, then, from a round offset on, the
 // indices. If they do not fit, the instance count is 0, and the map is looked up instead.

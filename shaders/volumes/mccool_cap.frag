@@ -54,13 +54,13 @@ float surfaceDepth(vec2 at)
 void main()
 {
     MapLookup look = constants.base.map;
-    float w = constants.nearWs;
+    float w = constants.nearWs, depth = 1.0 - constants.base.view.skyDepth; // of the near plane
     if (constants.receivers != 0.0 || command[1] == 0u) {
-        float depth = texelFetch(depthImage, ivec2(gl_FragCoord.xy), 0).x;
+        depth = texelFetch(depthImage, ivec2(gl_FragCoord.xy), 0).x;
         if (depth == constants.base.view.skyDepth) discard;
         w = linearDepth(constants.base.view, depth);
     }
-    vec4 clip = look.clipOfEye + w * rayClip;
+    vec4 clip = look.clipOfEye + w * (rayClip + depth * look.clipOfDepth);
     vec2 at = clip.xy / clip.w;
     bool over = clip.w > 0.0 && all(greaterThan(at, vec2(-0.5))) && all(lessThan(at, vec2(look.side + 0.5)));
     if (!over || mapDepth(look, clip) <= surfaceDepth(at)) discard;

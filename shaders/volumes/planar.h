@@ -21,7 +21,7 @@ struct PlaneChoice {
     float padding1;
     float padding2;
 };
-GN_SHARED_SIZE(PlaneChoice, 240)
+GN_SHARED_SIZE(PlaneChoice, 256)
 
 // The plane that was chosen.
 struct ReceiverPlane {

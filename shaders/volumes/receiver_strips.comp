@@ -26,28 +26,30 @@ vec4 addFour(ViewConstants here, DepthLift lift, inout ReceiverTile strip, inout
     int begin = int(area.x), end = int(area.x + area.z);
     vec3 left = ray, right = ray + float(FOUR - 1u) * here.rayDxWs.xyz;
     vec4 lifted = depth;
+    vec3 direction = here.rayDepthWs.xyz / max(length(here.rayDepthWs.xyz), 1e-30); // orthographic, else 0
     vec3 normals[FOUR];
     for (int i = 0; i < int(FOUR); ++i)
         normals[i] = texelFetch(normalImage, ivec2(min(pixel.x + i, end - 1), pixel.y), 0).xyz;
-    float near = 1e38, far = -1e38;
+    float least = 1e38, most = -1e38; // of the depth values
     for (int i = 0; i < int(FOUR); ++i) {
         int x = pixel.x + i;
         bool inside = x >= begin && x < end, exists = inside && depth[i] != here.skyDepth;
-        float linear = linearDepth(here, depth[i]);
-        near = min(near, exists ? linear : near);
-        far = max(far, exists ? linear : far);
+        least = min(least, exists ? depth[i] : least);
+        most = max(most, exists ? depth[i] : most);
         normal = exists ? normals[i] : normal;
         strip.normalLower.xyz = min(strip.normalLower.xyz, normal);
         strip.normalUpper.xyz = max(strip.normalUpper.xyz, normal);
         strip.lower.w = inside && !exists ? 1.0 : strip.lower.w;
-        float cosine = here.hasNormals == 0u ? MEAN_LIFT_COSINE : abs(dot(normal, ray));
+        float cosine = here.hasNormals == 0u ? MEAN_LIFT_COSINE : abs(dot(normal, direction == vec3(0.0) ? ray : direction));
         lifted[i] = exists ? liftedDepth(lift, depth[i], cosine) : depth[i];
         ray += here.rayDxWs.xyz;
     }
     // All depths at both ends: a box of four pixels is not smaller by much.
-    bool any = near <= far;
-    vec3 lower = min(min(near * left, near * right), min(far * left, far * right));
-    vec3 upper = max(max(near * left, near * right), max(far * left, far * right));
+    bool any = least <= most;
+    float first = linearDepth(here, least), last = linearDepth(here, most);
+    vec3 a = first * receiverRayWs(here, left, least), b = first * receiverRayWs(here, right, least);
+    vec3 c = last * receiverRayWs(here, left, most), d = last * receiverRayWs(here, right, most);
+    vec3 lower = min(min(a, b), min(c, d)), upper = max(max(a, b), max(c, d));
     strip.lower.xyz = min(strip.lower.xyz, any ? lower : strip.lower.xyz);
     strip.upper.xyz = max(strip.upper.xyz, any ? upper : strip.upper.xyz);
     return lifted;

@@ -45,29 +45,34 @@ GN_SHARED_CONST float MEAN_LIFT_COSINE = 2.0f / 3.0f;
 
 // What liftedDepth() asks of a view.
 struct DepthLift {
-    float share; // of depth + back that a receiver is moved by, seen straight on
-    float back;  // depth + back: in proportion to 1 / linear depth
+    float share; // of depth * mul + back that a receiver is moved by, seen straight on
+    float mul;   // depth * mul + back: in proportion to 1 / linear depth; orthographic: what a pixel's width is
+    float back;
+    float step;  // one unit of integer depths, towards the eye
 };
 
 GN_SHARED_FN DepthLift depthLift(ViewConstants view)
 {
     DepthLift lift;
     lift.share = view.offsetFactor * LIFT / 256.0f * view.pixelSize;
-    lift.back = view.depthAdd / view.depthMul;
+    lift.mul = isOrthographic(view) ? 0.0f : 1.0f;
+    lift.back = isOrthographic(view) ? -1.0f / view.rayDepthWs.w : view.depthAdd / view.depthMul;
+    float step = view.offsetFactor * view.eyeWs.w;
+    lift.step = view.skyDepth == 0.0f ? step : -step; // reversed: depth falls with distance
     return lift;
 }
 
 // The depth value of a receiver moved towards the eye until it is the offset of receiver.h above its surface. There
 // rays start, and there counts have to be asked for; on the surface itself, sheets that rise from a concave edge of the
 // receiver's own mesh are closer than depths are exact. Along the view ray, so that it stays in its pixel, that is
-// 1 / |n.v| of the offset: of its terms that of the footprint, times LIFT. The depth's ulp is left out, because volumes
-// are rasterised with the same ulp as receivers, and so is the rounding of rays.
+// 1 / |n.v| of the offset: of its terms that of the footprint, times LIFT. The float's ulp is left out, because volumes
+// are rasterised with the same ulp as receivers, and so is the rounding of rays; one unit of integer depths is not.
 //
-//   cosine  |n.ray|, the ray of linear depth 1
+//   cosine  |n.ray|, the ray of linear depth 1; orthographic: of unit length
 GN_SHARED_FN float liftedDepth(DepthLift lift, float depth, float cosine)
 {
-    float inverse = depth + lift.back;
-    return min(max(depth + inverse * (lift.share / max(cosine, LEAST_LIFT_COSINE)), 0.0f), 1.0f);
+    float inverse = depth * lift.mul + lift.back;
+    return min(max(depth + (inverse * (lift.share / max(cosine, LEAST_LIFT_COSINE)) + lift.step), 0.0f), 1.0f);
 }
 
 // What a light is to a tile, bits. TILE_REACHED alone: all of its pixels show receivers that the light reaches and that

@@ -18,7 +18,7 @@ void main()
     if (PART == RESOLVE_DARK) return;
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float depth = texelFetch(depthImage, pixel, 0).x;
-    vec3 toLight = resolve.lightEs.xyz - (resolve.lightEs.w * linearDepth(resolve.view, depth)) * rayWs;
+    vec3 toLight = resolve.lightEs.xyz - (resolve.lightEs.w * linearDepth(resolve.view, depth)) * receiverRayWs(resolve.view, rayWs, depth);
     bool reached = depth != resolve.view.skyDepth && reaches(-toLight, resolve.cone, resolve.rangeSquared);
     bool facing = resolve.view.hasNormals == 0u || dot(texelFetch(normalImage, pixel, 0).xyz, toLight) > 0.0;
     float counted = PART == RESOLVE_COUNTED ? resolve.shadow : 1.0;

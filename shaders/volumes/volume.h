@@ -36,7 +36,7 @@ struct VolumeResolve {
     float turnedAway;   // and on surfaces that face away from the light
     uint tileColumns;   // tiles in a row
 };
-GN_SHARED_SIZE(VolumeResolve, 224)
+GN_SHARED_SIZE(VolumeResolve, 240)
 
 // Bounds of the visible receivers, Es: floats as orderedKey, so that integer atomics can widen them.
 struct ReceiverBounds {

@@ -18,7 +18,7 @@ void main()
     uvec2 pixel = uvec2(gl_FragCoord.xy);
     float depth = depths[pixel.y * wedges.depthColumns + pixel.x];
     float w = linearDepth(wedges.view, depth);
-    vec3 ray = viewRayWs(wedges.view, gl_FragCoord.xy);
+    vec3 ray = receiverRayWs(wedges.view, viewRayWs(wedges.view, gl_FragCoord.xy), depth);
     vec3 receiver = w * ray;
     EdgeShare edge = edgeShare(fromEs - receiver, toEs - receiver, wedges.lightEs.xyz - receiver, wedges.lightEs.w);
     // What rasteriser and float may disagree by: a 64th of a pixel, two units of depth, twice the rounding of coordinates.

@@ -20,7 +20,7 @@ struct WedgeConstants {
     uint padding1;
     uint padding2;
 };
-GN_SHARED_SIZE(WedgeConstants, 192)
+GN_SHARED_SIZE(WedgeConstants, 208)
 
 // What wedge_resolve.frag asks of view and light. std140.
 struct WedgeResolve {
@@ -30,7 +30,7 @@ struct WedgeResolve {
     int padding1;
     int padding2;
 };
-GN_SHARED_SIZE(WedgeResolve, 240)
+GN_SHARED_SIZE(WedgeResolve, 256)
 
 // One caster, and which two of the hull's eight triangles are drawn.
 struct WedgePush {

@@ -26,7 +26,8 @@ float coveredAt(ivec2 pixel)
 // inDoubt: whether they may. Few pixels are; a loop of no rounds costs the others nothing on any device, where a branch
 // around it costs a software device all eight rounds at every pixel.
 const int NEIGHBOURS = 8;
-float settled(VolumeResolve resolve, ivec2 pixel, float covered, float w, bool inDoubt)
+//   distance, reach  of the receiver along the view, and by how much that of its surface differs around it, metres
+float settled(VolumeResolve resolve, ivec2 pixel, float covered, float distance, float reach, bool inDoubt)
 {
     float sum = 0.0, neighbours = 0.0;
     int rounds = inDoubt ? NEIGHBOURS : 0;
@@ -38,7 +39,7 @@ float settled(VolumeResolve resolve, ivec2 pixel, float covered, float w, bool i
         at = usable ? at : pixel;
         float depth = texelFetch(depthImage, at, 0).x;
         usable = usable && !doubtful(texelFetch(coverageImage, at, 0).x) && depth != resolve.view.skyDepth &&
-                 abs(linearDepth(resolve.view, depth) - w) < 0.02 * w;
+                 abs(viewDistance(resolve.view, depth) - distance) < reach;
         sum += usable ? coveredAt(at) : 0.0;
         neighbours += usable ? 1.0 : 0.0;
     }
@@ -53,9 +54,11 @@ void main()
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float depth = texelFetch(depthImage, pixel, 0).x;
     float w = linearDepth(resolve.view, depth);
-    vec3 toLight = resolve.lightEs.xyz - w * rayWs;
+    vec3 toLight = resolve.lightEs.xyz - w * receiverRayWs(resolve.view, rayWs, depth);
     bool reached = depth != resolve.view.skyDepth && reaches(-toLight, resolve.cone, resolve.rangeSquared);
     bool facing = resolve.view.hasNormals == 0u || dot(texelFetch(normalImage, pixel, 0).xyz, toLight) > 0.0;
-    float covered = settled(resolve, pixel, coveredAt(pixel), w, doubtful(texelFetch(coverageImage, pixel, 0).x));
+    float reach = isOrthographic(resolve.view) ? 16.0 * resolve.view.pixelSize : 0.02 * w;
+    float covered = settled(resolve, pixel, coveredAt(pixel), viewDistance(resolve.view, depth), reach,
+                            doubtful(texelFetch(coverageImage, pixel, 0).x));
     visibility = vec4(!reached ? 1.0 : facing ? clamp(1.0 - covered, 0.0, 1.0) : 0.0, 0.0, 0.0, 1.0);
 }

@@ -1,4 +1,5 @@
 // Frames, views and calls that cannot be.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -23,6 +24,14 @@ struct FrameCase {
 
 const GnLight kForeignLight = (GnLight)0x123456789abcull;
 const GnSemaphorePoint kNoSemaphore{};
+
+/// A projection that could be, in place of the host's.
+void orthographic(GnViewFrame& view)
+{
+    const float projection[16] = {0.2f, 0, 0, 0, 0, -0.2f, 0, 0, 0, 0, 0.05f, 0, 0, 0, 1, 1};
+    std::copy_n(projection, 16, view.projection);
+    view.depthConvention = GN_DEPTH_REVERSED;
+}
 
 // Every row changes one thing of a good frame.
 const FrameCase kFrameCases[] = {
@@ -72,12 +81,34 @@ const FrameCase kFrameCases[] = {
      "projection[5]"},
     {"projection infinite", [](GnFrameInfo&, Views& v) { v[0].projection[0] = kInf; }, GN_ERROR_INFINITE,
      "projection[0]"},
-    {"projection parallel",
+    {"an orthographic projection of rank 3",
      [](GnFrameInfo&, Views& v) {
-         v[0].projection[11] = 0.0f;
-         v[0].projection[15] = 1.0f;
+         orthographic(v[0]);
+         v[0].projection[10] = 0.0f;
      },
-     GN_ERROR_OUT_OF_RANGE, "projection"},
+     GN_ERROR_OUT_OF_RANGE, "projection[10] is 0"},
+    {"an orthographic projection that is hardly of rank 4",
+     [](GnFrameInfo&, Views& v) {
+         orthographic(v[0]);
+         v[0].projection[5] = 1e-30f;
+     },
+     GN_ERROR_OUT_OF_RANGE, "projection[5] is 1e-30"},
+    {"orthographic depth across the view",
+     [](GnFrameInfo&, Views& v) {
+         orthographic(v[0]);
+         v[0].projection[2] = 0.5f;
+     },
+     GN_ERROR_OUT_OF_RANGE, "projection[2] is 0.5"},
+    {"orthographic and infinite",
+     [](GnFrameInfo&, Views& v) {
+         orthographic(v[0]);
+         v[0].depthConvention = GN_DEPTH_REVERSED_INFINITE;
+     },
+     GN_ERROR_OUT_OF_RANGE, "depthConvention 0"},
+    {"half a perspective", [](GnFrameInfo&, Views& v) { v[0].projection[15] = 0.5f; }, GN_ERROR_OUT_OF_RANGE,
+     "projection[11] is -1"},
+    {"a perspective of rank 3", [](GnFrameInfo&, Views& v) { v[0].projection[14] = 0.0f; }, GN_ERROR_OUT_OF_RANGE,
+     "projection[14] is 0"},
     {"the wrong depth convention", [](GnFrameInfo&, Views& v) { v[0].depthConvention = GN_DEPTH_STANDARD; },
      GN_ERROR_OUT_OF_RANGE, "depthConvention 2"},
     {"no such depth convention",
@@ -85,12 +116,34 @@ const FrameCase kFrameCases[] = {
      "depthConvention is 9"},
     {"no depth", [](GnFrameInfo&, Views& v) { v[0].depthImage = VK_NULL_HANDLE; }, GN_ERROR_NULL_ARGUMENT,
      "depthImage"},
-    {"depth of 16 bits", [](GnFrameInfo&, Views& v) { v[0].depthFormat = VK_FORMAT_D16_UNORM; }, GN_ERROR_OUT_OF_RANGE,
-     "depthFormat"},
+    {"depth that is colour", [](GnFrameInfo&, Views& v) { v[0].depthFormat = VK_FORMAT_R32_SFLOAT; },
+     GN_ERROR_OUT_OF_RANGE, "depthFormat 100"},
+    {"three samples", [](GnFrameInfo&, Views& v) { v[0].imageSamples = 3; }, GN_ERROR_OUT_OF_RANGE,
+     "imageSamples is 3"},
+    {"sixteen samples", [](GnFrameInfo&, Views& v) { v[0].imageSamples = 16; }, GN_ERROR_OUT_OF_RANGE,
+     "imageSamples is 16"},
+    {"a sample out of range",
+     [](GnFrameInfo&, Views& v) {
+         v[0].imageSamples = 4;
+         v[0].imageSample = 4;
+     },
+     GN_ERROR_OUT_OF_RANGE, "imageSample is 4 of 4"},
+    {"a layer out of range",
+     [](GnFrameInfo&, Views& v) {
+         v[0].imageLayers = 2;
+         v[0].imageLayer = 2;
+     },
+     GN_ERROR_OUT_OF_RANGE, "imageLayer is 2"},
+    {"a layer of no array", [](GnFrameInfo&, Views& v) { v[0].imageLayer = 1; }, GN_ERROR_OUT_OF_RANGE,
+     "imageLayer is 1"},
+    {"no such encoding", [](GnFrameInfo&, Views& v) { v[0].normalEncoding = static_cast<GnNormalEncoding>(7); },
+     GN_ERROR_OUT_OF_RANGE, "normalEncoding is 7"},
     {"half a normal image", [](GnFrameInfo&, Views& v) { v[0].normalView = VK_NULL_HANDLE; }, GN_ERROR_NULL_ARGUMENT,
      "normalView"},
-    {"normals in 8 bits", [](GnFrameInfo&, Views& v) { v[0].normalFormat = VK_FORMAT_R8G8B8A8_SNORM; },
-     GN_ERROR_OUT_OF_RANGE, "normalFormat"},
+    {"normals in integers", [](GnFrameInfo&, Views& v) { v[0].normalFormat = VK_FORMAT_R8G8B8A8_UINT; },
+     GN_ERROR_UNSUPPORTED, "normalFormat 41"},
+    {"normals in depth", [](GnFrameInfo&, Views& v) { v[0].normalFormat = VK_FORMAT_D32_SFLOAT; },
+     GN_ERROR_OUT_OF_RANGE, "normalFormat 126"},
     {"no pixels", [](GnFrameInfo&, Views& v) { v[0].imageExtent.width = 0; }, GN_ERROR_EMPTY, "0x180"},
     {"more pixels than any device has", [](GnFrameInfo&, Views& v) { v[0].imageExtent.height = 1u << 30; },
      GN_ERROR_OUT_OF_RANGE, "1073741824"},

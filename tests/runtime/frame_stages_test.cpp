@@ -72,6 +72,7 @@ struct Trip {
     ProbeRun probe;
     FrameInput input;
     Frame frame;
+    HostImages images;
 
     std::vector<GnLight> bulbs;
     GnView view = VK_NULL_HANDLE;
@@ -133,7 +134,7 @@ struct Trip {
             frame.views.push_back({.view = each});
         origin.follow({&given, 1}, info.frame);
         const SceneRegistry::Snapshot& snapshot = scene.registry->begin(info.frame, origin.at());
-        REQUIRE(openView(frame, 0, given, {pool, graph, origin.at(), snapshot.casters}));
+        REQUIRE(openView(frame, 0, given, {pool, graph, origin.at(), snapshot.casters, images}));
         measureFacts(frame, {&given, 1},
                      {.scene = *scene.registry,
                       .methods = methods,

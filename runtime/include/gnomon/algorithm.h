@@ -159,8 +159,8 @@ typedef struct GnShadowTask {
     const double* pSettings; ///< In the order of GnAlgorithmInfo::pSettings.
     GnImageRef visibility;   ///< R8_UNORM array; write layer `layer`.
     uint32_t layer;
-    GnImageRef depth;        ///< The host's; sampled and copied only.
-    GnImageRef normals;      ///< The host's geometric normals, or 0.
+    GnImageRef depth;        ///< Of clipFromWorld, 32-bit floats, the host's or a copy; sampled and copied only.
+    GnImageRef normals;      ///< Geometric normals, 16-bit or 32-bit floats, or 0.
     uint64_t frame;          ///< GnFrameInfo's; descriptor sets last used in completedFrame or before may be rewritten.
     uint64_t completedFrame;
 } GnShadowTask;

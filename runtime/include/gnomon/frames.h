@@ -4,13 +4,24 @@
 #ifndef GNOMON_FRAMES_H
 #define GNOMON_FRAMES_H
 
+/** What is special about a view. */
+typedef enum GnViewCreateFlagBits {
+    GN_VIEW_PACKED_BIT = 0x1, ///< Visibility of four lights a texel: R8G8B8A8_UNORM, light i in channel i % 4 of layer
+                              ///< i / 4; 1 where there is no light. It is packed from layers of gnomon's own, a light
+                              ///< each, by one pass for four lights.
+    GN_VIEW_CREATE_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
+} GnViewCreateFlagBits;
+/** Bits of #GnViewCreateFlagBits. */
+typedef VkFlags64 GnViewCreateFlags;
+
 /** Describes a view. */
 typedef struct GnViewCreateInfo {
     uint32_t structSize GN_SIZE_OF(GnViewCreateInfo); ///< sizeof(GnViewCreateInfo).
-    uint32_t maxLights; ///< Layers of the visibility image; 0 means 16. [1, 256] and the device's maximum.
+    uint32_t maxLights; ///< Layers of visibility; 0 means 16. [1, 256] and the device's maximum.
     const char* pName;  ///< Optional.
     VkExtent2D imageExtent; ///< Optional: GnViewFrame::imageExtent of its frames. gnGetVisibility() gives the image from
                             ///< the start; frames of another size replace it. Zero: made in the first frame.
+    GnViewCreateFlags flags;
 } GnViewCreateInfo;
 
 /** \brief Creates a view. It has no visibility until it has been in a frame, unless `imageExtent` is given. Its decisions of 256 frames are kept for
@@ -28,32 +39,64 @@ typedef enum GnDepthConvention {
     GN_DEPTH_CONVENTION_MAX_ENUM = 0x7FFFFFFF
 } GnDepthConvention;
 
+/** How texels of a normal image are read; xyz, or xy, as sampled. */
+typedef enum GnNormalEncoding {
+    GN_NORMAL_SIGNED = 0,              ///< xyz.
+    GN_NORMAL_UNSIGNED = 1,            ///< 2 xyz - 1.
+    GN_NORMAL_OCTAHEDRAL = 2,          ///< xy in [-1, 1]: the octahedron |x| + |y| + |z| = 1, its lower half folded out
+                                       ///< (Cigolle et al. 2014, JCGT 3(2), `oct`).
+    GN_NORMAL_OCTAHEDRAL_UNSIGNED = 3, ///< The same with 2 xy - 1.
+    GN_NORMAL_ENCODING_MAX_ENUM = 0x7FFFFFFF
+} GnNormalEncoding;
+
 /** One view's part of a frame; read during the call only. The depth and normal images are in SHADER_READ_ONLY_OPTIMAL
 on entry and again on return; what was drawn into them must be available (a barrier to ALL_COMMANDS, or a semaphore).
 After the call gnomon's reads are pending on the queue: order your next writes after ALL_COMMANDS, and after
-gnBeginShadows() keep the contents until gnFinishShadows() has returned. Mip level 0 and array layer 0 are read. Views
-may share an image (parts of it, by renderArea) through the same image view. */
+gnBeginShadows() keep the contents until gnFinishShadows() has returned. Mip level 0 is read. Views may share an image
+(parts of it by renderArea, layers of it by imageLayer, samples of it by imageSample) through the same image view.
+
+Depth images of several samples: a view judges one sample of each pixel, where that sample lies. Visibility is exactly
+that of sample `imageSample`; at a pixel whose samples show several surfaces the others' may differ. Give one view per
+sample for visibility per sample, or judge one sample and let lighting use it for the whole pixel.
+
+Depth that is not one 2D image of D32_SFLOAT values, and that of an oblique near plane, is copied first: 4 bytes and one
+full-screen pass a view; normals that are not 16-bit or 32-bit floats as they are, likewise 8 bytes. */
 typedef struct GnViewFrame {
     uint32_t structSize GN_SIZE_OF(GnViewFrame); ///< sizeof(GnViewFrame); the same for all views of a frame.
     GnView view;              ///< Required.
     double eye[3];            ///< World position of the camera.
     float viewFromWorld[9];   ///< Row-major rotation; the translation is `eye`.
-    float projection[16];     ///< Column-major clipFromView as it drew the depth, jitter included; perspective. Clip y
-                              ///< goes down the image, as in a viewport of positive height: hosts that draw with a
-                              ///< negative one negate [1], [5], [9] and [13] here.
+    float projection[16];     ///< Column-major clipFromView as it drew the depth, jitter included: a perspective, off
+                              ///< centre or not, with a near plane that may be oblique ([2], [6]); or orthographic,
+                              ///< sheared ([8], [9]) or not. Invertible. Insides of solids that an oblique
+                              ///< near plane opens are dark by methods that trace every pixel, maybe lit by others. Clip y goes down the image, as in a viewport
+                              ///< of positive height: hosts that draw with a negative one negate [1], [5], [9] and
+                              ///< [13] here.
     GnDepthConvention depthConvention;
-    VkImage depthImage;       ///< Required. Single sample, SAMPLED and TRANSFER_SRC; its stencil is left alone.
-    VkImageView depthView;    ///< Required. Depth aspect, 2D.
-    VkFormat depthFormat;     ///< D32_SFLOAT or D32_SFLOAT_S8_UINT.
+    VkImage depthImage;       ///< Required. SAMPLED, and TRANSFER_SRC where it is not copied first; its stencil is left
+                              ///< alone.
+    VkImageView depthView;    ///< Required. Depth aspect, 2D; with imageLayers 2D array.
+    VkFormat depthFormat;     ///< D32_SFLOAT, D32_SFLOAT_S8_UINT, D24_UNORM_S8_UINT, X8_D24_UNORM_PACK32, D16_UNORM or
+                              ///< D16_UNORM_S8_UINT. Shadows are as exact as the values: of 16 bits, reversed and
+                              ///< infinite, one is 1.5 cm at 10 m from a near plane at 0.1 m.
     VkExtent2D imageExtent;   ///< Of the depth image, and of the visibility image.
     VkRect2D renderArea;      ///< Pixels drawn: the viewport of `projection`; a zero extent means the whole image.
     VkBool32 cameraCut;       ///< The camera jumped: measured facts and holds of the last frames do not apply.
-    VkImage normalImage;      ///< Optional. Geometric normals, world space, xyz, finite; they need not be of unit
-                              ///< length, and one of length 0 faces away from every light. SAMPLED and TRANSFER_SRC.
-    VkImageView normalView;
-    VkFormat normalFormat;    ///< R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT.
+    VkImage normalImage;      ///< Optional. Geometric normals, world space, finite; they need not be of unit length,
+                              ///< and one of length 0 faces away from every light. SAMPLED and TRANSFER_SRC.
+    VkImageView normalView;   ///< Samples, layers and kind of view as the depth image's.
+    VkFormat normalFormat;    ///< R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT; or, read by `normalEncoding` and then
+                              ///< copied, any other of floats or normalised integers that the device can sample.
     uint32_t lightCount;      ///< At most the view's maxLights.
     const GnLight* pLights;   ///< Layer i of the visibility image belongs to pLights[i]; each light at most once.
+    uint32_t imageSamples;    ///< Of depth and normal image: 0 or 1, 2, 4 or 8. More than 1: at the device's
+                              ///< standardSampleLocations, which it must have.
+    uint32_t imageSample;     ///< The one that is judged, below imageSamples.
+    uint32_t imageLayers;     ///< 0: image views are 2D. Else they are 2D arrays of so many layers, as of multiview.
+    uint32_t imageLayer;      ///< The one that is the view's, below imageLayers.
+    GnNormalEncoding normalEncoding;
+    VkBool32 shadingNormals;  ///< Normals are bent by normal maps: they are not read. Depth alone says then where rays
+                              ///< start, and nothing is dark for facing away.
 } GnViewFrame;
 
 /** What is special about a frame. */
@@ -129,10 +172,12 @@ compute shader reads later on the queue. Sample through gnomon/visibility.glsl. 
 typedef struct GnVisibility {
     uint32_t structSize GN_SIZE_OF(GnVisibility); ///< sizeof(GnVisibility).
     VkImage image;
-    VkImageView imageView; ///< 2D array, R8_UNORM.
+    VkImageView imageView; ///< 2D array of `format`.
     VkExtent2D extent;
     uint32_t layerCount;
     uint64_t revision;     ///< Grows when image or view handle change (resize): refresh descriptors. From 1 on.
+    VkFormat format;       ///< R8_UNORM; of packed views R8G8B8A8_UNORM.
+    uint32_t lightsPerTexel; ///< 1, or 4.
 } GnVisibility;
 
 /** \brief The newest visibility of a view; the same image from frame to frame, until the size of its views changes. The
