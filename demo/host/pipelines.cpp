@@ -54,9 +54,9 @@ UniquePipeline makeGraphicsPipeline(const Device& device, const GraphicsDescript
                                                         .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
                                                         .depthBiasEnable = description.dynamicDepthBias,
                                                         .lineWidth = 1.0f};
-    const VkPipelineMultisampleStateCreateInfo multisample{.sType =
-                                                               VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-                                                           .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+    const VkPipelineMultisampleStateCreateInfo multisample{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+        .rasterizationSamples = static_cast<VkSampleCountFlagBits>(description.samples)};
     const bool hasDepth = description.depth != VK_FORMAT_UNDEFINED,
                hasColour = description.colour != VK_FORMAT_UNDEFINED;
     const VkPipelineDepthStencilStateCreateInfo depth{.sType =

@@ -17,6 +17,7 @@ struct GraphicsDescription {
     VkCullModeFlags cull = VK_CULL_MODE_NONE;
     bool dynamicDepthBias = false;
     bool dynamicFrontFace = false; ///< Else counter-clockwise.
+    uint32_t samples = 1;
     bool constant0 = false;        ///< Value of specialization constant 0 in the fragment shader.
 };
 

@@ -5,6 +5,7 @@
 
 #include "demo/host/pipelines.hpp"
 #include "shaders/demo_visibility_copy_comp.h"
+#include "shaders/demo_visibility_copy_packed_comp.h"
 
 namespace gnomon::demo {
 namespace {
@@ -46,7 +47,7 @@ void waitTimeline(const Device& device, VkSemaphore timeline, uint64_t value)
     vkCheck(vkWaitSemaphores(device.handle, &info, UINT64_MAX), "vkWaitSemaphores");
 }
 
-Readback::Readback(const Device& device)
+Readback::Readback(const Device& device, bool packed)
     : device_(device), timeline_(makeTimeline(device)), sampler_(makeNearestSampler(device))
 {
     const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
@@ -64,7 +65,9 @@ Readback::Readback(const Device& device)
     setLayout_ = makeSetLayout(device, bindings);
     const VkDescriptorSetLayout layouts[] = {setLayout_.get()};
     layout_ = makePipelineLayout(device, layouts, sizeof(CopyPush), VK_SHADER_STAGE_COMPUTE_BIT);
-    pipeline_ = makeComputePipeline(device, k_demo_visibility_copy_comp, layout_.get());
+    const std::span<const uint32_t> code =
+        packed ? std::span<const uint32_t>(k_demo_visibility_copy_packed_comp) : k_demo_visibility_copy_comp;
+    pipeline_ = makeComputePipeline(device, code, layout_.get());
     const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1},
                                           {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1}};
     const VkDescriptorPoolCreateInfo descriptorInfo{

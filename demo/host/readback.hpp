@@ -11,7 +11,8 @@ namespace gnomon::demo {
 
 class Readback {
 public:
-    explicit Readback(const Device& device);
+    /// @param packed Visibility is of views with GN_VIEW_PACKED_BIT.
+    explicit Readback(const Device& device, bool packed = false);
     ~Readback();
 
     /// The image is in `layout` before and after. \return its texels, row by row, tightly packed.

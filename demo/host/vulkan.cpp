@@ -47,7 +47,7 @@ Image makeImage(const Device& device, const ImageDescription& description)
                                  .extent = {description.extent.width, description.extent.height, 1},
                                  .mipLevels = 1,
                                  .arrayLayers = description.layers,
-                                 .samples = VK_SAMPLE_COUNT_1_BIT,
+                                 .samples = static_cast<VkSampleCountFlagBits>(description.samples),
                                  .tiling = VK_IMAGE_TILING_OPTIMAL,
                                  .usage = description.usage};
     VkImage image = VK_NULL_HANDLE;
@@ -71,7 +71,8 @@ Image makeImage(const Device& device, const ImageDescription& description)
         .image = image,
         .viewType = array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
         .format = description.format,
-        .subresourceRange = {aspectOf(description.format), 0, 1, 0, description.layers}};
+        .subresourceRange = {aspectOf(description.format) & ~VkImageAspectFlags{VK_IMAGE_ASPECT_STENCIL_BIT}, 0, 1, 0,
+                             description.layers}};
     VkImageView view = VK_NULL_HANDLE;
     vkCheck(vkCreateImageView(device.handle, &viewInfo, nullptr, &view), "vkCreateImageView");
     out.view = {device.handle, view};
@@ -80,6 +81,8 @@ Image makeImage(const Device& device, const ImageDescription& description)
 
 VkImageAspectFlags aspectOf(VkFormat format) noexcept
 {
+    if (format == VK_FORMAT_D24_UNORM_S8_UINT || format == VK_FORMAT_D32_SFLOAT_S8_UINT)
+        return VK_IMAGE_ASPECT_DEPTH_BIT | VK_IMAGE_ASPECT_STENCIL_BIT;
     const bool depth = format == VK_FORMAT_D32_SFLOAT || format == VK_FORMAT_D16_UNORM;
     return depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 }

@@ -111,12 +111,14 @@ struct ImageDescription {
     uint32_t layers = 1;
     bool arrayView = false; ///< A 2D array view even for one layer.
     VkImageUsageFlags usage = 0;
+    uint32_t samples = 1;
 };
 
 /// `cached`: for the CPU to read back; otherwise for the CPU to write and the device to read.
 Buffer makeBuffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage, bool cached = false);
 Image makeImage(const Device& device, const ImageDescription& description);
 
+/// All aspects of the format.
 VkImageAspectFlags aspectOf(VkFormat format) noexcept;
 
 /// One access of a barrier.

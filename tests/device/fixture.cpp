@@ -14,13 +14,7 @@ namespace {
 
 using namespace demo;
 
-constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
-constexpr VkFormat kNormalFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
-
-struct SurfacePush { // as in surface.vert
-    glm::mat4 clipFromObject;
-    glm::vec4 eyeFromObject[3];
-};
+constexpr uint32_t kSurfacePushBytes = 128; // surface.vert, surface.frag
 
 VKAPI_ATTR VkResult VKAPI_CALL countedDeviceWaitIdle(VkDevice handle)
 {
@@ -56,27 +50,6 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL countedGetInstanceProcAddr(VkInstance i
     for (const char* counted : {"vkDeviceWaitIdle", "vkQueueWaitIdle", "vkQueueSubmit2"})
         if (std::strcmp(name, counted) == 0) return countedGetDeviceProcAddr(VK_NULL_HANDLE, name);
     return vkGetInstanceProcAddr(instance, name);
-}
-
-constexpr Access kAnyEarlierUse{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_NONE, VK_IMAGE_LAYOUT_UNDEFINED};
-constexpr Access kAnyRead{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT,
-                          VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
-constexpr Access kDepthAttachment{
-    VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
-    VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT,
-    VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL};
-constexpr Access kColourAttachment{VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
-                                   VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
-                                   VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
-
-VkRenderingAttachmentInfo attachment(const Image& image, VkImageLayout layout, VkClearValue clear)
-{
-    return {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-            .imageView = image.view.get(),
-            .imageLayout = layout,
-            .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
-            .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
-            .clearValue = clear};
 }
 
 } // namespace
@@ -119,18 +92,20 @@ DeviceTest::~DeviceTest()
 
 Host::Host(Scene wanted, const HostOptions& options)
     : scene(std::move(wanted)), geometry_(device(), scene), casterDrawer_(device(), geometry_),
-      layout_(makePipelineLayout(device(), {}, sizeof(SurfacePush), VK_SHADER_STAGE_VERTEX_BIT)),
+      layout_(makePipelineLayout(device(), {}, kSurfacePushBytes,
+                                 VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT)),
       pipeline_(makeGraphicsPipeline(device(), {.vertex = k_surface_vert,
                                                 .fragment = k_surface_frag,
                                                 .layout = layout_.get(),
                                                 .readsPositions = true,
-                                                .colour = kNormalFormat,
-                                                .depth = kDepthFormat,
+                                                .colour = options.target.normals,
+                                                .depth = options.target.depth,
                                                 .depthCompare = scene.depth.convention == DepthConvention::Standard
                                                                     ? VK_COMPARE_OP_LESS
-                                                                    : VK_COMPARE_OP_GREATER})),
-      timeline_(makeTimeline(device())), readback_(device()), extent_(options.extent), area_(options.area),
-      hidden_(scene.instances.size(), false), warmUp_(options.warmUp)
+                                                                    : VK_COMPARE_OP_GREATER,
+                                                .samples = options.target.samples})),
+      timeline_(makeTimeline(device())), readback_(device(), options.packed), extent_(options.extent),
+      area_(options.area), target_(options.target), hidden_(scene.instances.size(), false), warmUp_(options.warmUp)
 {
     surfaces_.resize(options.viewCount);
     createSurfaces();
@@ -153,7 +128,9 @@ Host::Host(Scene wanted, const HostOptions& options)
     createScene();
     views.resize(options.viewCount);
     for (GnView& view : views) {
-        const GnViewCreateInfo info{.maxLights = options.maxLights, .pName = "test"};
+        const GnViewCreateInfo info{.maxLights = options.maxLights,
+                                    .pName = "test",
+                                    .flags = options.packed ? GnViewCreateFlags{GN_VIEW_PACKED_BIT} : 0};
         require(gnCreateView(context, &info, &view));
     }
 }
@@ -234,107 +211,6 @@ void Host::update(const SceneState& state)
         require(gnUpdateLight(context, lights[i], &info));
         lastLights_[i] = now;
     }
-}
-
-// --- what the cameras see ---
-
-void Host::createSurfaces()
-{
-    constexpr VkImageUsageFlags read = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-    for (Surface& surface : surfaces_) {
-        surface.depth = makeImage(
-            device(),
-            {.format = kDepthFormat, .extent = extent_, .usage = read | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT});
-        surface.normals = makeImage(
-            device(),
-            {.format = kNormalFormat, .extent = extent_, .usage = read | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT});
-    }
-}
-
-void Host::resize(VkExtent2D extent)
-{
-    retired_.push_back({submission_, std::exchange(surfaces_, std::vector<Surface>(surfaces_.size()))});
-    extent_ = extent;
-    createSurfaces();
-}
-
-void Host::drawSurface(VkCommandBuffer cmd, const Surface& surface, const CameraMatrices& camera,
-                       const SceneState& state)
-{
-    const VkImageMemoryBarrier2 before[] = {
-        imageBarrier(surface.depth.get(), VK_IMAGE_ASPECT_DEPTH_BIT, kAnyEarlierUse, kDepthAttachment),
-        imageBarrier(surface.normals.get(), VK_IMAGE_ASPECT_COLOR_BIT, kAnyEarlierUse, kColourAttachment)};
-    cmdBarrier(cmd, before);
-    const VkRenderingAttachmentInfo colour = attachment(surface.normals, kColourAttachment.layout, {});
-    const VkRenderingAttachmentInfo depth =
-        attachment(surface.depth, kDepthAttachment.layout, {.depthStencil = {camera.skyDepth, 0}});
-    const VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
-                                    .renderArea = {{0, 0}, extent_},
-                                    .layerCount = 1,
-                                    .colorAttachmentCount = 1,
-                                    .pColorAttachments = &colour,
-                                    .pDepthAttachment = &depth};
-    vkCmdBeginRendering(cmd, &rendering);
-    cmdSetArea(cmd, extent_);
-    if (area_.extent.width != 0) {
-        const VkViewport viewport{static_cast<float>(area_.offset.x),
-                                  static_cast<float>(area_.offset.y),
-                                  static_cast<float>(area_.extent.width),
-                                  static_cast<float>(area_.extent.height),
-                                  0.0f,
-                                  1.0f};
-        vkCmdSetViewport(cmd, 0, 1, &viewport);
-        vkCmdSetScissor(cmd, 0, 1, &area_);
-    }
-    vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.get());
-    const VkBuffer positions = geometry_.positions.get();
-    const VkDeviceSize offset = 0;
-    vkCmdBindVertexBuffers(cmd, 0, 1, &positions, &offset);
-    vkCmdBindIndexBuffer(cmd, geometry_.indices.get(), 0, VK_INDEX_TYPE_UINT32);
-    for (size_t i = 0; i < scene.instances.size(); ++i) {
-        if (hidden_[i] || scene.instances[i].hostDrawn) continue; // what the host draws itself only casts here
-        const glm::dmat3& m = state.instances[i].linear;
-        const glm::dvec3 t = state.instances[i].translation - camera.eye;
-        SurfacePush push{};
-        push.clipFromObject = camera.clipFromEye * glm::mat4(glm::vec4(m[0], 0.0f), glm::vec4(m[1], 0.0f),
-                                                             glm::vec4(m[2], 0.0f), glm::vec4(glm::vec3(t), 1.0f));
-        for (int row = 0; row < 3; ++row)
-            push.eyeFromObject[row] = glm::vec4(m[0][row], m[1][row], m[2][row], t[row]);
-        vkCmdPushConstants(cmd, layout_.get(), VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof push, &push);
-        const MeshRange& mesh = geometry_.meshes[scene.instances[i].mesh];
-        vkCmdDrawIndexed(cmd, mesh.indexCount, 1, mesh.firstIndex, mesh.vertexOffset, 0);
-    }
-    vkCmdEndRendering(cmd);
-    const VkImageMemoryBarrier2 after[] = {
-        imageBarrier(surface.depth.get(), VK_IMAGE_ASPECT_DEPTH_BIT, kDepthAttachment, kAnyRead),
-        imageBarrier(surface.normals.get(), VK_IMAGE_ASPECT_COLOR_BIT, kColourAttachment, kAnyRead)};
-    cmdBarrier(cmd, after);
-}
-
-GnViewFrame Host::viewFrame(uint32_t view, const CameraMatrices& camera, const std::vector<GnLight>& lit) const
-{
-    const Surface& surface = surfaces_[view];
-    GnViewFrame out{};
-    out.view = views[view];
-    for (int i = 0; i < 3; ++i)
-        out.eye[i] = camera.eye[i];
-    for (int i = 0; i < 9; ++i)
-        out.viewFromWorld[i] = camera.viewFromWorld[i % 3][i / 3];
-    for (int i = 0; i < 16; ++i)
-        out.projection[i] = camera.projection[i / 4][i % 4];
-    out.depthConvention =
-        scene.depth.convention == DepthConvention::Standard ? GN_DEPTH_STANDARD : GN_DEPTH_REVERSED_INFINITE;
-    out.depthImage = surface.depth.get();
-    out.depthView = surface.depth.view.get();
-    out.depthFormat = kDepthFormat;
-    out.imageExtent = extent_;
-    out.renderArea = area_;
-    out.normalImage = surface.normals.get();
-    out.normalView = surface.normals.view.get();
-    out.normalFormat = kNormalFormat;
-    out.lightCount = static_cast<uint32_t>(lit.size());
-    out.pLights = lit.data();
-    return out;
 }
 
 // --- frames ---
@@ -432,7 +308,7 @@ GnResult Host::draw(const FrameOptions& options)
     for (uint32_t view = 0; view < views.size(); ++view) {
         CameraMatrices camera = cameraMatrices(scene, cameras[view], area_.extent.width != 0 ? area_.extent : extent_);
         if (options.lens) options.lens(camera);
-        drawSurface(slot.before, surfaces_[view], camera, state);
+        drawSurface(slot.before, view, camera, state, options);
         frames.push_back(viewFrame(view, camera, lit));
     }
     GnFrameInfo info{};

@@ -49,12 +49,22 @@ private:
     size_t before_;
 };
 
+/// What the host draws into.
+struct Target {
+    VkFormat depth = VK_FORMAT_D32_SFLOAT, normals = VK_FORMAT_R16G16B16A16_SFLOAT;
+    GnNormalEncoding encoding = GN_NORMAL_SIGNED;
+    uint32_t samples = 1;
+    bool layered = false; ///< All views draw into one image, each into its layer; there is one layer more.
+};
+
 struct HostOptions {
     VkExtent2D extent{320, 180};
+    Target target;
     VkRect2D area{}; ///< The cameras' part of their images; of no extent: all of them.
     uint32_t framesInFlight = 2;
     uint32_t viewCount = 1;
     uint32_t maxLights = 16;
+    bool packed = false; ///< GN_VIEW_PACKED_BIT.
     GnContextCreateFlags flags = GN_CONTEXT_NO_BACKGROUND_BIT;
     bool warmUp = true;    ///< A method when a light is pinned to it; before a frame with lights that are not, all.
     bool fixedMaps = true; ///< Host::fixMapSides(): what is drawn depends on nothing that was measured.
@@ -66,9 +76,10 @@ enum class Call { submit, record, begin };
 struct FrameOptions {
     Call call = Call::submit;
     double time = 0.0;
-    const std::vector<demo::CameraState>* cameras = nullptr;             ///< One per view; null: the scene's.
-    const std::vector<GnLight>* lights = nullptr;                        ///< Null: those present.
-    bool drop = false;                                                   ///< Recorded only: withdrawn, never submitted.
+    const std::vector<demo::CameraState>* cameras = nullptr; ///< One per view; null: the scene's.
+    const std::vector<GnLight>* lights = nullptr;            ///< Null: those present.
+    bool drop = false;                                       ///< Recorded only: withdrawn, never submitted.
+    std::optional<float> outside; ///< Depth value beside the area; what lies there has no normal that is a number.
     std::function<void(demo::CameraMatrices&)> lens;                     ///< Before they are drawn with.
     std::function<void(GnFrameInfo&, std::vector<GnViewFrame>&)> adjust; ///< Before the call.
     std::function<void(VkCommandBuffer, bool begins)> around; ///< Recorded only: before and after gnomon's commands.
@@ -89,6 +100,8 @@ public:
     GnResult finish(uint64_t timeoutNs);
     void draw(uint32_t frames, const FrameOptions& options);
     void resize(VkExtent2D extent);
+    /// From the next frame on cameras draw this part of their images.
+    void limit(const VkRect2D& area) { area_ = area; }
     /// The camera does not see it; it casts all the same.
     void hide(size_t instance) { hidden_[instance] = true; }
 
@@ -125,6 +138,7 @@ public:
 private:
     struct Surface { ///< What one view's camera sees.
         demo::Image depth, normals;
+        demo::UniqueImageView depthTarget, normalTarget; ///< Of the view's layer.
     };
     struct Slot {
         demo::UniqueCommandPool pool;
@@ -139,8 +153,9 @@ private:
     void createScene();
     void createSurfaces();
     void update(const demo::SceneState& state);
-    void drawSurface(VkCommandBuffer cmd, const Surface& surface, const demo::CameraMatrices& camera,
-                     const demo::SceneState& state);
+    void drawSurface(VkCommandBuffer cmd, uint32_t view, const demo::CameraMatrices& camera,
+                     const demo::SceneState& state, const FrameOptions& options);
+    const Surface& imagesOf(uint32_t view) const { return surfaces_[target_.layered ? 0 : view]; }
     void warmUpFor(const std::vector<GnLight>& lit);
     GnViewFrame viewFrame(uint32_t view, const demo::CameraMatrices& camera, const std::vector<GnLight>& lit) const;
     void submit(VkCommandBuffer cmd, bool last);
@@ -158,6 +173,7 @@ private:
     demo::Readback readback_;
     VkExtent2D extent_;
     VkRect2D area_;
+    const Target target_;
     std::vector<Surface> surfaces_;
     std::vector<Slot> slots_;
     std::deque<Retired> retired_;

@@ -86,6 +86,13 @@ public:
         return glm::transpose(rotation_) * (glm::dvec3(v) / v.w);
     }
 
+    /// The way that the view looks there, of any length.
+    glm::dvec3 looking(double px, double py, double depth) const
+    {
+        const double nearer = view_.convention == GN_DEPTH_STANDARD ? 1.0 - 1e-3 : 1.0 + 1e-3;
+        return relative(px, py, depth) - relative(px, py, depth * nearer);
+    }
+
     glm::dvec4 clip(const glm::dvec3& relativeToEye) const
     {
         return projection_ * glm::dvec4(rotation_ * relativeToEye, 1.0);
@@ -104,6 +111,7 @@ struct Receiver {
     const Light& light;
     const Scene& scene;
     glm::dvec3 relative; ///< To the eye.
+    glm::dvec3 looking;  ///< Unit.
     bool hasNormal;
     glm::dvec3 normal;
 
@@ -121,27 +129,28 @@ struct Receiver {
         return light.type != GN_LIGHT_TYPE_SPOT ||
                glm::dot(glm::normalize(away), glm::normalize(light.direction)) >= std::cos(light.coneAngle);
     }
+    double factor() const { return view.convention == GN_DEPTH_STANDARD ? 3.0 : 1.0; }
     /// The offset of the definitions: k (u |n.v| + f / 256 + 2^-21 c).
     double offset(int x, int y, float depth) const
     {
         const double px = x + 0.5, py = y + 0.5;
-        const double ulp = static_cast<double>(std::nextafter(depth, 2.0f)) - static_cast<double>(depth);
+        const double ulp =
+            static_cast<double>(std::nextafter(depth, 2.0f)) - static_cast<double>(depth) + view.step / factor();
         const double u = glm::length(camera.relative(px, py, static_cast<double>(depth) + ulp) - relative);
-        const double slope = hasNormal ? std::abs(glm::dot(normal, glm::normalize(relative))) : 1.0;
+        const double slope = hasNormal ? std::abs(glm::dot(normal, looking)) : 1.0;
         const double f = glm::length(camera.relative(px + 1.0, py, static_cast<double>(depth)) - relative);
         // Scenes of tests lie around the frame's origin.
         double c = std::max(largest(relative), largest(view.eye + relative));
         if (light.type != GN_LIGHT_TYPE_DIRECTIONAL)
             c = std::max({c, largest(lightRelative()), largest(view.eye + lightRelative())});
-        const double k = view.convention == GN_DEPTH_STANDARD ? 3.0 : 1.0;
-        return k * (u * slope + f / 256.0 + std::ldexp(c, -21));
+        return factor() * (u * slope + f / 256.0 + std::ldexp(c, -21));
     }
     /// Which way rays' starts are moved: without a normal between the one that is seen and the eye.
     glm::dvec3 away() const
     {
         if (hasNormal) return normal;
-        const glm::dvec3 seen = glm::dot(normal, relative) > 0.0 ? -normal : normal;
-        return glm::normalize(seen - glm::normalize(relative));
+        const glm::dvec3 seen = glm::dot(normal, looking) > 0.0 ? -normal : normal;
+        return glm::normalize(seen - looking);
     }
     bool lit(const glm::dvec3& from, double delta) const
     {
@@ -158,8 +167,9 @@ glm::dvec3 movedOnPlane(const Receiver& r, double px, double py, float depth)
 {
     const glm::dvec3 ray = r.camera.relative(px, py, static_cast<double>(depth));
     if (!r.hasNormal) return ray;
-    const double along = glm::dot(r.normal, ray);
-    return along == 0.0 ? r.relative : ray * (glm::dot(r.normal, r.relative) / along);
+    const glm::dvec3 looking = r.camera.looking(px, py, static_cast<double>(depth));
+    const double along = glm::dot(r.normal, looking);
+    return along == 0.0 ? r.relative : ray + looking * (glm::dot(r.normal, r.relative - ray) / along);
 }
 
 } // namespace
@@ -241,7 +251,8 @@ Answer answerAt(const View& view, const Light& light, const Scene& scene, int x,
 
     const Camera camera(view);
     const glm::dvec3 relative = camera.relative(x + 0.5, y + 0.5, static_cast<double>(depth));
-    const Receiver r{camera, view, light, scene, relative, given, glm::normalize(normal)};
+    const glm::dvec3 looking = glm::normalize(camera.looking(x + 0.5, y + 0.5, static_cast<double>(depth)));
+    const Receiver r{camera, view, light, scene, relative, looking, given, glm::normalize(normal)};
     answer.receiver = view.eye + relative;
     answer.state = State::unreached;
     if (!r.reached()) return answer;
@@ -270,14 +281,15 @@ Answer answerAt(const View& view, const Light& light, const Scene& scene, int x,
 Surface surfaceAt(const View& view, std::span<const Triangle> triangles, int x, int y)
 {
     const Camera camera(view);
-    const double nearDepth = view.convention == GN_DEPTH_STANDARD ? 0.25 : 0.75; // any point on the ray will do
-    const glm::dvec3 ray = camera.relative(x + 0.5, y + 0.5, nearDepth);
-    Surface surface{view.convention == GN_DEPTH_STANDARD ? 1.0f : 0.0f, glm::dvec3(0.0)};
+    const bool standard = view.convention == GN_DEPTH_STANDARD;
+    const glm::dvec3 from = camera.relative(x + 0.5, y + 0.5, standard ? 0.0 : 1.0);
+    const glm::dvec3 ray = camera.relative(x + 0.5, y + 0.5, 0.5) - from; // any point on the ray will do
+    Surface surface{standard ? 1.0f : 0.0f, glm::dvec3(0.0)};
     double best = kInfinity;
     for (const Triangle& triangle : triangles) {
-        const double t = hit(triangle, view.eye, ray);
+        const double t = hit(triangle, view.eye + from, ray);
         if (t >= best) continue;
-        const glm::dvec4 clip = camera.clip(t * ray);
+        const glm::dvec4 clip = camera.clip(from + t * ray);
         const double depth = clip.z / clip.w;
         if (!(depth >= 0.0 && depth <= 1.0)) continue;
         best = t;
@@ -285,6 +297,11 @@ Surface surfaceAt(const View& view, std::span<const Triangle> triangles, int x, 
         surface.normal = glm::normalize(glm::cross(triangle.b - triangle.a, triangle.c - triangle.a));
     }
     return surface;
+}
+
+glm::dvec3 placeOf(const View& view, int x, int y, float depth)
+{
+    return view.eye + Camera(view).relative(x + 0.5, y + 0.5, static_cast<double>(depth));
 }
 
 } // namespace gnomon::brute

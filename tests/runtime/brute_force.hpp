@@ -17,13 +17,14 @@ struct Triangle {
     glm::dvec3 a, b, c; ///< World.
 };
 
-/// A camera as the host describes it (GnViewFrame), not as the runtime digests it.
+/// A camera as the host describes it (GnViewFrame), not as the runtime digests it; of any invertible projection.
 struct View {
     glm::dvec3 eye{0.0};
     std::array<float, 9> viewFromWorld{1, 0, 0, 0, 1, 0, 0, 0, 1}; ///< Row-major rotation.
     std::array<float, 16> projection{};                            ///< Column-major clipFromView.
     int width = 0, height = 0;
     GnDepthConvention convention = GN_DEPTH_REVERSED_INFINITE;
+    double step = 0.0; ///< What values of an image of integers are apart.
 };
 
 struct Light {
@@ -77,5 +78,7 @@ struct Surface {
     glm::dvec3 normal{0.0};
 };
 Surface surfaceAt(const View& view, std::span<const Triangle> triangles, int x, int y);
+/// Where a pixel's depth value lies in the world.
+glm::dvec3 placeOf(const View& view, int x, int y, float depth);
 
 } // namespace gnomon::brute
