@@ -54,7 +54,9 @@ public:
         extensions.assign(needs.ppOptionalExtensions, needs.ppOptionalExtensions + needs.optionalExtensionCount);
         if (!surface.empty()) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
         features13_.setSynchronization2(true).setDynamicRendering(true);
+        features13_.setPNext(const_cast<void*>(needs.pOptionalFeatures)); // of those extensions
         features12_.setTimelineSemaphore(true).setPNext(&features13_);
+        features12_.setBufferDeviceAddress(needs.pOptionalFeatures != nullptr);
         features.setFeatures(needs.optional).setPNext(&features12_);
         const float priority = 1.0f;
         const vk::DeviceQueueCreateInfo one({}, family, 1, &priority);

@@ -80,10 +80,9 @@ public:
         for (Image* image : images)
             image->view = {gpu_.device, vk::ImageViewCreateInfo({}, *image->image, vk::ImageViewType::e2D,
                                                                 image->format, {}, wholeOf(image->format))};
-        for (Slot& slot : slots_) {
+        for (const Slot& slot : slots_)
             for (uint32_t i = 0; i < 3; ++i)
                 writeImage(slot, i, *images[i]->view);
-        }
     }
 
     /// \param recorded gnomon records into our command buffer; else it submits to the queue between two of ours.
@@ -215,7 +214,7 @@ private:
     void nameVisibility(Slot& slot) const
     {
         for (uint32_t view = 0; view < 2; ++view) {
-            const GnVisibility now = shadows.visibility(view);
+            const GnVisibility now = shadows.views[view].visibility().value();
             if (std::exchange(slot.revisions[view], now.revision) != now.revision)
                 writeImage(slot, 3 + view, now.imageView);
         }

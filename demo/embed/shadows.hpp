@@ -1,8 +1,10 @@
 // All that gnomon adds to the engine; docs/integration.md explains the steps.
 #pragma once
 
+#include <cstdio>
 #include <cstring>
-#include <memory>
+
+#include <gnomon/gnomon.hpp>
 
 #include "gpu.hpp"
 #include "scene.hpp"
@@ -27,108 +29,73 @@ public:
         info.pfnMessage = [](const GnMessage* message, void*) {
             if (message->severity != GN_SEVERITY_INFO) std::fprintf(stderr, "%s: %s\n", message->pId, message->pText);
         };
-        GnContext context = nullptr;
-        require(gnCreateContext(&info, &context));
-        context_.reset(context);
-        require(gnLoadShippedRules(context, "default"));
-        for (const Object& object : scene.objects) // glass casts no shadow
-            if (object.colour.a == 1.0f) addCaster(scene, object);
-        for (size_t i = 0; i < lights_.size(); ++i) {
-            const GnLightInfo light = describe(i, lightsAt(0.0)[i]);
-            require(gnCreateLight(context, &light, &lights_[i]));
+        context = gn::Context::create(info).value();
+        context.loadShippedRules("default").require();
+        for (const Object& object : scene.objects) {
+            if (object.colour.a < 1.0f) continue; // glass casts no shadow
+            const std::span at(&scene.positions[object.firstVertex], object.vertexCount);
+            const std::span of(&scene.indices[object.firstIndex], object.indexCount);
+            meshes_.push_back(context.createMesh(at, of, object.name).value());
+            const GnInstanceCreateInfo placed{// in the world already: by the identity
+                                              .flags = GN_INSTANCE_STATIC_BIT,
+                                              .pName = object.name,
+                                              .mesh = meshes_.back().get()};
+            instances_.push_back(context.createInstance(placed).value());
         }
-        for (GnView& view : views_)
-            require(gnCreateView(context, nullptr, &view));
-        require(gnWarmUp(context)); // behind the loading screen
+        for (size_t i = 0; i < lights.size(); ++i)
+            lights[i] = context.createLight(describe(i, lightsAt(0.0)[i])).value();
+        for (gn::View& view : views)
+            view = context.createView().value();
+        context.warmUp().require(); // behind the loading screen
     }
 
-    /// Both views show the same camera: one of what is opaque, the other with the glass in its depth.
+    /// Both views show the same camera: one what is opaque, the other with the glass in its depth.
     /// \param commands Recorded into; null: gnomon submits to the queue.
-    void render(vk::CommandBuffer commands, const Camera& camera, const std::array<Light, 3>& lights,
-                const Image& normals, std::array<const Image*, 2> depths, vk::Extent2D size, uint64_t frame,
-                uint64_t completed)
+    void render(vk::CommandBuffer commands, const Camera& camera, const std::array<Light, 3>& now, const Image& normals,
+                std::array<const Image*, 2> depths, vk::Extent2D size, uint64_t frame, uint64_t completed) const
     {
-        for (size_t i = 0; i < lights_.size(); ++i) {
-            const GnLightInfo light = describe(i, lights[i]);
-            require(gnUpdateLight(context_.get(), lights_[i], &light));
+        std::array<GnLight, 3> handles{};
+        for (size_t i = 0; i < lights.size(); ++i) {
+            lights[i].update(describe(i, now[i])).require();
+            handles[i] = lights[i].get();
         }
-        std::array<GnViewFrame, 2> views{};
-        for (size_t i = 0; i < views.size(); ++i) {
-            views[i].view = views_[i];
-            for (int axis = 0; axis < 3; ++axis)
-                views[i].eye[axis] = double(camera.eye[axis]);
-            std::memcpy(views[i].viewFromWorld, &camera.worldFromView, sizeof views[i].viewFromWorld); // rows: columns
-            std::memcpy(views[i].projection, &camera.clipFromView, sizeof views[i].projection);
-            views[i].depthImage = *depths[i]->image;
-            views[i].depthView = *depths[i]->view;
-            views[i].depthFormat = VkFormat(depths[i]->format);
-            views[i].imageExtent = size;
-            views[i].lightCount = uint32_t(lights_.size());
-            views[i].pLights = lights_.data();
+        std::array<GnViewFrame, 2> frames{};
+        for (size_t i = 0; i < frames.size(); ++i) {
+            GnViewFrame& view = frames[i];
+            view.view = views[i].get();
+            std::copy_n(&camera.eye.x, 3, view.eye);
+            std::memcpy(view.viewFromWorld, &camera.worldFromView, sizeof view.viewFromWorld); // its columns are rows
+            std::memcpy(view.projection, &camera.clipFromView, sizeof view.projection);
+            view.depthImage = *depths[i]->image;
+            view.depthView = *depths[i]->view;
+            view.depthFormat = VkFormat(depths[i]->format);
+            view.imageExtent = size;
+            gn::setLights(view, handles);
         }
-        views[0].normalImage = *normals.image; // of the opaque; the other view takes them from its depth
-        views[0].normalView = *normals.view;
-        views[0].normalFormat = VkFormat(normals.format);
-        GnFrameInfo info{};
-        info.frame = frame;
-        info.completedFrame = completed;
-        info.viewCount = uint32_t(views.size());
-        info.pViews = views.data();
-        require(commands ? gnCmdRenderShadows(context_.get(), commands, &info)
-                         : gnSubmitShadows(context_.get(), &info));
+        frames[0].normalImage = *normals.image; // of what is opaque; the other view takes them from its depth
+        frames[0].normalView = *normals.view;
+        frames[0].normalFormat = VkFormat(normals.format);
+        const gn::Frame all{.frame = frame, .completedFrame = completed, .views = frames};
+        (commands ? context.cmdRenderShadows(commands, all) : context.submitShadows(all)).require();
     }
 
-    GnVisibility visibility(size_t view) const
-    {
-        GnVisibility result{};
-        require(gnGetVisibility(context_.get(), views_[view], &result));
-        return result;
-    }
-    GnContext context() const { return context_.get(); }
-    GnView view() const { return views_[0]; } // of what is opaque
-    const std::array<GnLight, 3>& lights() const { return lights_; }
+    gn::Context context; // before what is made from it: members are destroyed from the last to the first
+    std::array<gn::Light, 3> lights;
+    std::array<gn::View, 2> views;
 
 private:
-    void addCaster(const Scene& scene, const Object& object)
-    {
-        GnMeshCreateInfo mesh{};
-        mesh.pName = object.name;
-        mesh.pPositions = &scene.positions[object.firstVertex].x;
-        mesh.positionCount = object.vertexCount;
-        mesh.pIndices = &scene.indices[object.firstIndex];
-        mesh.indexCount = object.indexCount;
-        GnInstanceCreateInfo placed{}; // in the world already: the identity
-        placed.flags = GN_INSTANCE_STATIC_BIT;
-        placed.pName = object.name;
-        GnInstance instance = VK_NULL_HANDLE;
-        require(gnCreateMesh(context_.get(), &mesh, &placed.mesh));
-        require(gnCreateInstance(context_.get(), &placed, &instance));
-    }
-
     static GnLightInfo describe(size_t index, const Light& light)
     {
-        GnLightInfo info{};
-        info.type = GnLightType(index);
-        info.pName = kLightNames[index];
-        for (int axis = 0; axis < 3; ++axis) {
-            info.position[axis] = double(light.positionAndRange[axis]);
-            info.direction[axis] = light.direction[axis];
-        }
+        GnLightInfo info{.type = GnLightType(index), .pName = kLightNames[index]};
+        std::copy_n(&light.positionAndRange.x, 3, info.position);
+        std::copy_n(&light.direction.x, 3, info.direction);
         info.range = light.positionAndRange.w;
         info.coneAngle = index == GN_LIGHT_TYPE_SPOT ? std::acos(light.direction.w) : 0.0f;
         return info;
     }
 
-    void require(GnResult result) const
-    {
-        if (result >= 0) return;
-        throw std::runtime_error(std::string("gnomon: ") + gnResultName(result) + ": " +
-                                 (context_ ? gnGetLastError(context_.get()) : "no context"));
-    }
-
-    std::unique_ptr<std::remove_pointer_t<GnContext>, decltype(&gnDestroyContext)> context_{nullptr, &gnDestroyContext};
-    std::array<GnLight, 3> lights_{};
-    std::array<GnView, 2> views_{};
+    std::vector<gn::Mesh> meshes_;
+    std::vector<gn::Instance> instances_;
 };
 
 } // namespace embed

@@ -168,8 +168,8 @@ public:
         ImGui::SetNextWindowSize(ImVec2(780, 330), ImGuiCond_FirstUseEver);
         std::array<gnomon::ImguiLight, 3> lights;
         for (size_t i = 0; i < lights.size(); ++i)
-            lights[i] = {shadows.lights()[i], kLightNames[i]};
-        panel_.draw(shadows.context(), shadows.view(), lights.data(), 3,
+            lights[i] = {shadows.lights[i].get(), kLightNames[i]};
+        panel_.draw(shadows.context.get(), shadows.views[0].get(), lights.data(), 3,
                     recorded ? "gnCmdRenderShadows (Tab)###gnomon" : "gnSubmitShadows (Tab)###gnomon");
         ImGui::Render();
         commands.beginRenderPass(vk::RenderPassBeginInfo(*pass_, *framebuffer_, {{}, size_}),

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <map>
 #include <regex>
+#include <set>
 #include <sstream>
 
 #include <lodepng.h>
@@ -64,8 +65,8 @@ int run(const std::string& arguments, std::string& said, bool window = false)
     return result;
 }
 
-/// Ids of the layer's messages that are the demo's to avoid, with their number.
-std::map<std::string, int> complaints(const std::string& said)
+/// Ids of the layer's messages that are the demo's to avoid.
+std::string complaints(const std::string& said)
 {
     // Of any host of gnomon: it and its contract use ALL_COMMANDS where images cross the border, and this layer does
     // not know that MEMORY_READ and SHADER_SAMPLED_READ hold for a shader's layout. Its SPIR-V is 1.5, and one vertex
@@ -73,10 +74,14 @@ std::map<std::string, int> complaints(const std::string& said)
     const std::string others = "pipeline-stage-flags|ImageBarrierAccessLayout|TransitionUndefinedToReadOnly|"
                                "SpirvDeprecated_WorkgroupSize|OutputNotConsumed|EmptyDescriptorPool|"
                                "vkAllocateMemory-small-allocation|vkBindMemory-small-dedicated-allocation";
-    const std::regex id("(^|\n)((UNASSIGNED|VUID|SYNC|BestPractices)-[A-Za-z0-9_-]+)"), known("(" + others + ")$");
-    std::map<std::string, int> result;
+    // Newer layers give best practices other names, which are not looked for.
+    const std::regex id("\\b(UNASSIGNED|VUID|SYNC)-[A-Za-z0-9_-]+"), known("(" + others + ")$");
+    std::set<std::string> ids;
     for (std::sregex_iterator at(said.begin(), said.end(), id), end; at != end; ++at)
-        if (!std::regex_search((*at)[2].str(), known)) ++result[(*at)[2]];
+        if (!std::regex_search(at->str(), known)) ids.insert(at->str());
+    std::string result;
+    for (const std::string& one : ids)
+        result += one + " ";
     return result;
 }
 
@@ -191,8 +196,7 @@ TEST_CASE("the picture is lit and dark where rays say so, glass included, by bot
         command << "'" << model << "' --headless " << kFrames << " --width " << kWidth << " --height " << kHeight
                 << " --out '" << picture << "'" << entry;
         REQUIRE_MESSAGE(run(command.str(), said) == 0, said);
-        for (const auto& [id, count] : complaints(said))
-            FAIL_CHECK(id << ", " << count << " times");
+        CHECK_MESSAGE(complaints(said) == "", said.substr(0, 4000));
         std::vector<unsigned char> shown;
         unsigned width = 0, height = 0;
         REQUIRE(lodepng::decode(shown, width, height, picture) == 0);
@@ -218,7 +222,8 @@ TEST_CASE("the picture is lit and dark where rays say so, glass included, by bot
                 dark += pixel.dark > 0;
                 lit += pixel.lit > 0;
             }
-        for (const auto& [surface, count] : clear) {
+        for (const auto& [name, count] : clear) {
+            const std::string surface = name;
             std::printf("%s%s: %d of %d clear pixels differ\n", surface.c_str(), entry, wrong[surface], count);
             CHECK_MESSAGE(wrong[surface] * 100 <= count, surface); // maps are off by a texel at some edges
         }
@@ -237,8 +242,7 @@ TEST_CASE("a window that is resized and changes its entry point runs to its end,
     std::string said;
     const int result = run("'" + writeTable() + "' --frames 45 --width 320 --height 200 --exercise", said, true);
     CHECK_MESSAGE(result == 0, said.substr(0, 4000));
-    for (const auto& [id, count] : complaints(said))
-        FAIL_CHECK(id << ", " << count << " times");
+    CHECK(complaints(said) == "");
 }
 
 TEST_CASE("bad input is named")
