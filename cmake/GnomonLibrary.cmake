@@ -2,8 +2,7 @@
 # is the static one, which tests and demo link, since they reach what the shared one hides. gnomon::gnomon is the kind
 # that BUILD_SHARED_LIBS asks for.
 function(gnomon_library name kind)
-    add_library(${name} ${kind} $<TARGET_OBJECTS:gnomon_runtime> $<TARGET_OBJECTS:gnomon_algorithms>
-        $<TARGET_OBJECTS:gnomon_facing>)
+    add_library(${name} ${kind} $<TARGET_OBJECTS:gnomon_runtime> $<TARGET_OBJECTS:gnomon_algorithms>)
     if(TARGET gnomon_shafts)
         target_sources(${name} PRIVATE $<TARGET_OBJECTS:gnomon_shafts>)
     endif()

@@ -54,8 +54,7 @@ std::uint32_t* writeQuad(std::uint32_t a, std::uint32_t b, std::uint32_t* out)
 void findFacing(const Topology& topology, const gpu::FaceLight& light, std::uint32_t first,
                 std::span<std::uint8_t> facing)
 {
-    const FacingWidth widest = widestFacing();
-    findFacing(widest, topology.facePlanes, light.at, first, facing);
+    findFacing(topology.facePlanes, light.at, first, facing);
     const std::uint32_t end = first + static_cast<std::uint32_t>(facing.size());
     forTouchedFaces(topology.facePlanes, light, first, end,
                     [&](std::uint32_t face) { facing[face - first] = static_cast<std::uint8_t>(light.touched); });

@@ -13,7 +13,7 @@
 
 namespace gnomon {
 
-/// facing[i] = way of face first + i (FACE_TOWARDS, ...). As wide as the processor can (facing.hpp).
+/// facing[i] = way of face first + i (FACE_TOWARDS, ...).
 void findFacing(const Topology& topology, const gpu::FaceLight& light, std::uint32_t first,
                 std::span<std::uint8_t> facing);
 

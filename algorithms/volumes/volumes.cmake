@@ -1,18 +1,5 @@
-# One copy of the facing kernel per instruction set; which one runs is asked of the processor (facing.cpp). The scalar
-# one is what they are measured against, so the compiler must not make vectors of it.
-add_library(gnomon_facing OBJECT volumes/facing.cpp volumes/facing_scalar.cpp)
-gnomon_target(gnomon_facing)
-target_link_libraries(gnomon_facing PRIVATE gnomon_base)
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-    target_sources(gnomon_facing PRIVATE volumes/facing_sse2.cpp volumes/facing_avx2.cpp)
-    set_source_files_properties(volumes/facing_scalar.cpp PROPERTIES
-        COMPILE_OPTIONS "-fno-tree-vectorize;-fno-tree-slp-vectorize")
-    set_source_files_properties(volumes/facing_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2")
-    target_compile_definitions(gnomon_facing PRIVATE GNOMON_FACING_X86=1)
-endif()
-
 gnomon_shared(
-    SOURCES shadow_reach.cpp silhouette.cpp stencil_resolve.cpp view_stencil.cpp
+    SOURCES facing.cpp shadow_reach.cpp silhouette.cpp stencil_resolve.cpp view_stencil.cpp
     SHADERS volumes/receiver_strips.comp
             volumes/receiver_tiles.comp
             volumes/resolve.frag

@@ -1,6 +1,6 @@
 #pragma once
-// Sixteen shadow rays side by side as Embree's RTCRay16 has them, so that who makes rays writes what is traced. Nothing
-// inline here: files of several instruction sets include it (runtime/scene/face_block.hpp says why).
+// Sixteen shadow rays side by side as Embree's RTCRay16 has them. Nothing inline here: files of several instruction
+// sets include it, the linker would keep one copy, and a processor without AVX might meet the AVX one.
 #include <stdint.h>
 
 namespace gnomon {

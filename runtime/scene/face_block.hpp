@@ -1,12 +1,12 @@
 #pragma once
-// Face planes as the kernels read them (algorithms/volumes/facing_kernel.hpp). These are compiled once per instruction
-// set, so nothing here may have inline functions: the linker would keep one copy of each, and a processor without AVX
-// might meet the AVX one.
+// Face planes as the facing test (algorithms/volumes/facing.hpp) and shaders (shaders/volumes/silhouettes.h) read them:
+// in blocks of a structure of arrays, of which compilers make vectors. What includes this has no need
+// of the whole topology.
 #include <stdint.h>
 
 namespace gnomon {
 
-inline constexpr uint32_t kBlockFaces = 16; ///< The floats of a cache line, and of the widest register.
+inline constexpr uint32_t kBlockFaces = 16; ///< The floats of a cache line.
 
 /// Planes of that many faces, a cache line per component: one stream to read, and no line is touched in vain.
 struct alignas(64) FaceBlock {

@@ -1,7 +1,7 @@
-// What finding and writing shadow volumes takes on the CPU: nanoseconds a face of the facing test in every width, their
-// ratios to the scalar one, and the phases of Rautenbach 2008 (facing, silhouette, caps, volume), with and without
-// culling of faces beyond the light's range. Times drift with the machine: what is printed at the end is the least of
-// many rounds in which all variants take turns. See algorithms/volumes/README.md.
+// What finding and writing shadow volumes takes on the CPU: nanoseconds a face of the phases of Rautenbach 2008
+// (facing, silhouette, caps, volume), with and without culling of faces beyond the light's range. Times drift with the
+// machine: what is printed is the least of many rounds in which all variants take turns. See
+// algorithms/volumes/README.md.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <functional>
 
-#include "algorithms/volumes/facing.hpp"
 #include "algorithms/volumes/silhouette.hpp"
 #include "tests/algorithms/volume_meshes.hpp"
 
@@ -101,25 +100,6 @@ private:
     std::vector<SilhouetteEdge> culled_;
 };
 
-void facing(benchmark::State& state, FacingWidth width)
-{
-    if (!runsHere(width)) {
-        state.SkipWithError("not on this processor");
-        return;
-    }
-    Work work(kSizes[state.range(0)]);
-    for (auto _ : state) {
-        findFacing(width, work.placed.topology.facePlanes, work.lightOs.at, 0, work.facing);
-        benchmark::DoNotOptimize(work.facing.data());
-    }
-    state.counters["faces"] = work.faces();
-    state.counters["a_face"] =
-        benchmark::Counter(work.faces(), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
-}
-BENCHMARK_CAPTURE(facing, scalar, FacingWidth::scalar)->DenseRange(0, 4);
-BENCHMARK_CAPTURE(facing, sse2, FacingWidth::sse2)->DenseRange(0, 4);
-BENCHMARK_CAPTURE(facing, avx2, FacingWidth::avx2)->DenseRange(0, 4);
-
 /// Nanoseconds a face of every variant: the least of many rounds in turn, since all that disturbs only adds.
 std::vector<double> leastTimes(std::uint32_t faces, const std::vector<std::function<void()>>& variants)
 {
@@ -137,28 +117,6 @@ std::vector<double> leastTimes(std::uint32_t faces, const std::vector<std::funct
         }
     }
     return least;
-}
-
-void printFacing()
-{
-    std::printf("\nfacing, ns a face, and times as fast as scalar\n%8s %8s", "faces", "scalar");
-    for (const FacingWidth width : kFacingWidths)
-        if (width != FacingWidth::scalar && runsHere(width)) std::printf(" %16s", nameOf(width));
-    for (const Size& size : kSizes) {
-        Work work(size);
-        std::vector<std::function<void()>> variants;
-        for (const FacingWidth width : kFacingWidths)
-            if (runsHere(width))
-                variants.push_back([&work, width] {
-                    findFacing(width, work.placed.topology.facePlanes, work.lightOs.at, 0, work.facing);
-                    benchmark::ClobberMemory();
-                });
-        const std::vector<double> least = leastTimes(work.faces(), variants);
-        std::printf("\n%8u %8.3f", work.faces(), least[0]);
-        for (std::size_t i = 1; i < least.size(); ++i)
-            std::printf(" %7.3f (%5.1fx)", least[i], least[0] / least[i]);
-    }
-    std::printf("\n");
 }
 
 void printPhases()
@@ -179,11 +137,7 @@ void printPhases()
 
 } // namespace
 
-int main(int argc, char** argv)
+int main()
 {
-    benchmark::Initialize(&argc, argv);
-    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-    benchmark::RunSpecifiedBenchmarks();
-    printFacing();
     printPhases();
 }

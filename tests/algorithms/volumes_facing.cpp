@@ -1,5 +1,5 @@
-// Facing in every width against the scalar one, bit by bit: random planes, planes that hold the light, and all that a
-// broken mesh can leave in them.
+// Facing against one sum a face, bit by bit: random planes, planes that hold the light, and all that a broken mesh can
+// leave in them.
 #include <doctest/doctest.h>
 
 #include <bit>
@@ -76,29 +76,21 @@ TEST_CASE("planes come back as they were set, and places behind the last face ho
     }
 }
 
-TEST_CASE("every width answers as the scalar one does, whatever planes and lights hold")
+TEST_CASE("every face is answered as the sentence says, whatever planes and lights hold")
 {
     Random random(5);
-    std::size_t towards = 0, away = 0, widths = 0;
-    for (const FacingWidth width : kFacingWidths) {
-        if (!runsHere(width)) continue;
-        ++widths;
-        CAPTURE(std::string(nameOf(width)));
-        for (std::uint32_t round = 0; round < 2000; ++round) {
-            const std::size_t count = 1 + random.below(round % 10 == 0 ? 4000 : 70);
-            const FacePlanes planes = randomPlanes(random, count, round % 4);
-            const glm::vec4 light = random.vector(round / 4 % 4);
-            std::vector<std::uint8_t> expected(count), facing(count, 77);
-            findFacing(FacingWidth::scalar, planes, light, 0, expected);
-            findFacing(width, planes, light, 0, facing);
-            REQUIRE(facing == expected);
-            for (std::size_t i = 0; i < count; ++i) {
-                REQUIRE(expected[i] == (faces(planes[i], light) ? 1 : 0));
-                (expected[i] ? towards : away) += 1;
-            }
+    std::size_t towards = 0, away = 0;
+    for (std::uint32_t round = 0; round < 2000; ++round) {
+        const std::size_t count = 1 + random.below(round % 10 == 0 ? 4000 : 70);
+        const FacePlanes planes = randomPlanes(random, count, round % 4);
+        const glm::vec4 light = random.vector(round / 4 % 4);
+        std::vector<std::uint8_t> facing(count, 77);
+        findFacing(planes, light, 0, facing);
+        for (std::size_t i = 0; i < count; ++i) {
+            REQUIRE(facing[i] == (faces(planes[i], light) ? 1 : 0));
+            (facing[i] ? towards : away) += 1;
         }
     }
-    MESSAGE(widths << " widths run here, the widest is " << std::string(nameOf(widestFacing())));
     CHECK(towards > 10000);
     CHECK(away > 10000);
 }
@@ -106,22 +98,18 @@ TEST_CASE("every width answers as the scalar one does, whatever planes and light
 TEST_CASE("any range of faces is answered, and nothing beside it is written")
 {
     Random random(7);
-    for (const FacingWidth width : kFacingWidths) {
-        if (!runsHere(width)) continue;
-        CAPTURE(std::string(nameOf(width)));
-        for (int round = 0; round < 2000; ++round) {
-            const std::uint32_t count = 1 + random.below(100), first = random.below(count);
-            const std::uint32_t length = random.below(count - first + 1);
-            const FacePlanes planes = randomPlanes(random, count, 1);
-            const glm::vec4 light = random.vector(1);
-            constexpr std::size_t kGuard = 40;
-            std::vector<std::uint8_t> bytes(length + 2 * kGuard, 77);
-            findFacing(width, planes, light, first, std::span(bytes).subspan(kGuard, length));
-            for (std::size_t i = 0; i < bytes.size(); ++i) {
-                const bool inside = i >= kGuard && i < kGuard + length;
-                const int expected = inside ? faces(planes[first + i - kGuard], light) : 77;
-                REQUIRE(static_cast<int>(bytes[i]) == expected);
-            }
+    for (int round = 0; round < 2000; ++round) {
+        const std::uint32_t count = 1 + random.below(100), first = random.below(count);
+        const std::uint32_t length = random.below(count - first + 1);
+        const FacePlanes planes = randomPlanes(random, count, 1);
+        const glm::vec4 light = random.vector(1);
+        constexpr std::size_t kGuard = 40;
+        std::vector<std::uint8_t> bytes(length + 2 * kGuard, 77);
+        findFacing(planes, light, first, std::span(bytes).subspan(kGuard, length));
+        for (std::size_t i = 0; i < bytes.size(); ++i) {
+            const bool inside = i >= kGuard && i < kGuard + length;
+            const int expected = inside ? faces(planes[first + i - kGuard], light) : 77;
+            REQUIRE(static_cast<int>(bytes[i]) == expected);
         }
     }
 }
@@ -132,14 +120,11 @@ TEST_CASE("a plane of zeros, and one that holds the light, face no light")
     planes.resize(3);
     planes.set(1, {0.0f, 1.0f, 0.0f, -2.0f});
     planes.set(2, {0.0f, -1.0f, 0.0f, 2.0f});
-    for (const FacingWidth width : kFacingWidths) {
-        if (!runsHere(width)) continue;
-        std::uint8_t facing[3] = {7, 7, 7};
-        findFacing(width, planes, {5.0f, 2.0f, -3.0f, 1.0f}, 0, facing);
-        CHECK(facing[0] + facing[1] + facing[2] == 0);
-        findFacing(width, planes, {5.0f, 3.0f, -3.0f, 1.0f}, 0, facing);
-        CHECK(facing[0] == 0);
-        CHECK(facing[1] == 1);
-        CHECK(facing[2] == 0);
-    }
+    std::uint8_t facing[3] = {7, 7, 7};
+    findFacing(planes, {5.0f, 2.0f, -3.0f, 1.0f}, 0, facing);
+    CHECK(facing[0] + facing[1] + facing[2] == 0);
+    findFacing(planes, {5.0f, 3.0f, -3.0f, 1.0f}, 0, facing);
+    CHECK(facing[0] == 0);
+    CHECK(facing[1] == 1);
+    CHECK(facing[2] == 0);
 }
