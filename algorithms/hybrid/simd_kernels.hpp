@@ -1,6 +1,6 @@
 #pragma once
 // What tile_shafts does to every pixel, sixteen at a time: one file per instruction set, made of one source
-// (simd_kernel.inc). Nothing inline and nothing of glm's here, for the reason that runtime/scene/face_block.hpp gives.
+// (simd_kernel.inc). Nothing inline and nothing of glm's here, for the reason that runtime/rays/ray_packet.hpp gives.
 #include <stddef.h>
 #include <stdint.h>
 
@@ -203,7 +203,6 @@ struct Kernels {
 extern const Kernels kBaseline;
 #if GNOMON_SIMD_X86
 extern const Kernels kAvx2;
-extern const Kernels kAvx512;
 #endif
 
 } // namespace gnomon::simd

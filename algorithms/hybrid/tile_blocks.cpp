@@ -34,13 +34,11 @@ std::span<const Kernels* const> kernelsHere()
         &kBaseline,
 #if GNOMON_SIMD_X86
         &kAvx2,
-        &kAvx512
 #endif
     };
     std::size_t count = 1;
 #if GNOMON_SIMD_X86
     if (isSupported(InstructionSet::Avx2) && hasF16c()) count = 2;
-    if (count == 2 && isSupported(InstructionSet::Avx512)) count = 3;
 #endif
     return std::span(kAll).first(count);
 }
