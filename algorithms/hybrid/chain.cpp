@@ -13,7 +13,7 @@ ChainStages stagesOf(ChainMode mode)
     case ChainMode::wholeTc:
         return {.hintLit = true, .hintShadow = true};
     case ChainMode::tcLit:
-        return {.hintLit = true, .clearly = true, .candidates = CandidateUse::own};
+        return {.hintLit = true, .clearly = true, .candidates = CandidateUse::texels};
     case ChainMode::strict:
         return {.candidates = CandidateUse::chain};
     case ChainMode::noRay:

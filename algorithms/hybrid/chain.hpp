@@ -23,8 +23,8 @@ enum class ChainMode : std::uint8_t {
 /// Which triangles are asked before rays.
 enum class CandidateUse : std::uint8_t {
     none,
-    own,   ///< Of dark pixels the one that the own texel names; pixel by pixel: those that nine texels name.
-    chain, ///< NB and AG: that nine texels name, and those around the own one's.
+    texels, ///< NB: those that nine texels name.
+    chain,  ///< NB and AG: and those around the own one's.
 };
 
 /// The stages a mode has.

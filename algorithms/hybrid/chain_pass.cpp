@@ -4,13 +4,50 @@
 #include <bit>
 #include <cstring>
 
-#include "algorithms/hybrid/chain_blocks.hpp"
+#include "algorithms/hybrid/bit_rows.hpp"
 
 namespace gnomon {
 
 namespace {
 
+constexpr std::uint32_t kSide = 4;  // of blocks, in which pixels are asked: neighbours share texels and ways of rays
 constexpr std::uint32_t kPiece = 8; // rows of blocks a thread takes at once: enough rays to fill batches
+
+/// What all threads of the pass share.
+struct ChainPicture {
+    const ChainJob& job;
+    const HostContext& host;
+    const Receivers& receivers;
+    const HostMap& map;
+    BitRows lit;                            ///< By the map.
+    std::span<const std::uint64_t> settled; ///< Rows of bits, or none.
+};
+
+/// Some rows of it.
+struct ChainRows {
+    std::uint32_t top, bottom; ///< `top`: a multiple of a block's side.
+    BitRows asked;             ///< Row 0 is `top`.
+    std::span<std::uint8_t> bytes;
+
+    std::uint8_t& at(std::uint32_t x, std::uint32_t y) const { return bytes[std::size_t(y - top) * asked.width + x]; }
+};
+
+/// Calls `visit(x, y)` for the pixels that ask of the blocks of four rows from `top` that lie in a word of theirs.
+template <typename Visit>
+void eachAsking(const ChainRows& rows, std::uint32_t top, std::size_t word, Visit&& visit)
+{
+    const std::uint32_t bottom = std::min(top + kSide, rows.bottom);
+    std::uint64_t any = 0;
+    for (std::uint32_t y = top; y < bottom; ++y)
+        any |= rows.asked.row(y - rows.top)[word];
+    while (any != 0) {
+        const auto step = static_cast<std::uint32_t>(std::countr_zero(any)) / kSide * kSide;
+        for (std::uint32_t y = top; y < bottom; ++y)
+            for (std::uint64_t bits = rows.asked.row(y - rows.top)[word] >> step & 0xfu; bits != 0; bits &= bits - 1)
+                visit(static_cast<std::uint32_t>(64 * word + step) + std::uint32_t(std::countr_zero(bits)), y);
+        any &= ~(std::uint64_t{0xf} << step);
+    }
+}
 
 /// A pixel that asks the map. What it will read lies all over the map (at 2048 texels 32 MB, each row of a texel's
 /// neighbours on pages of its own), and is called for well before: a pixel takes a fifth less time.
@@ -92,7 +129,7 @@ private:
     void ask(std::uint32_t x, std::uint32_t y);
     std::uint32_t number(const Waiting& pixel);
     void decide(const Waiting& pixel);
-    void show(std::uint32_t x, std::uint32_t y, std::uint32_t told) { settle(picture_, rows_, x, y, told); }
+    void show(std::uint32_t x, std::uint32_t y, std::uint32_t told);
     void flush();
 
     const ChainPicture& picture_;
@@ -106,6 +143,16 @@ private:
     std::uint32_t waitingCount_ = 0;
     RayBatch<256> batch_; // the width of RayScene's sparse packets
 };
+
+/// @param told a reason, or what else the job tells of a pixel
+void Pixels::show(std::uint32_t x, std::uint32_t y, std::uint32_t told)
+{
+    std::uint8_t& byte = rows_.at(x, y);
+    if (picture_.job.tells != ChainDebugOutput::visibility)
+        byte = static_cast<std::uint8_t>(told);
+    else if (const bool lit = isLit(told); lit != picture_.lit.at(x, y) || byte == gpu::MAP_UNSURE)
+        byte = lit ? 255 : 0;
+}
 
 void Pixels::flush()
 {
@@ -185,15 +232,9 @@ void Pixels::decide(const Waiting& pixel)
 /// In blocks: neighbouring rays share their way through the trees.
 void Pixels::run()
 {
-    constexpr std::uint32_t side = simd::kBlockSide;
-    for (std::uint32_t top = rows_.top; top < rows_.bottom; top += side)
+    for (std::uint32_t top = rows_.top; top < rows_.bottom; top += kSide)
         for (std::size_t word = 0; word < BitRows::wordsPerRow(rows_.asked.width); ++word)
-            eachBlock(rows_, top, word, [&](std::uint32_t x, std::uint32_t asking) {
-                for (; asking != 0; asking &= asking - 1) {
-                    const auto lane = static_cast<std::uint32_t>(std::countr_zero(asking));
-                    call(x + lane % side, top + lane / side);
-                }
-            });
+            eachAsking(rows_, top, word, [&](std::uint32_t x, std::uint32_t y) { call(x, y); });
     askCalled();
     flush();
 }
@@ -201,10 +242,7 @@ void Pixels::run()
 void answerPiece(const ChainPicture& picture, std::uint32_t top, std::uint32_t bottom)
 {
     const ChainRows rows = rowsOf(picture, top, bottom);
-    if (picture.job.byBlocks())
-        answerRows(picture, rows);
-    else
-        Pixels(picture, rows).run();
+    Pixels(picture, rows).run();
     // Upload memory may be write-combined: all at once.
     std::memcpy(picture.host.write<std::uint8_t>(picture.job.rows).data() + std::size_t(top) * picture.lit.width,
                 rows.bytes.data(), rows.bytes.size());
@@ -228,23 +266,18 @@ BitRows litRows(const ChainJob& job, const HostContext& host)
 void runChain(const ChainJob& job, const HostContext& host)
 {
     const HostMap map = job.map.onHost(host);
-    const std::span<const float> depth = host.read<float>(job.depth);
-    const std::span<const std::byte> normals =
-        job.normals ? host.read<std::byte>(job.normals) : std::span<const std::byte>();
-    const Receivers receivers(*job.view, *job.light, depth, normals);
-    const BlockReader blocks(widestKernels(), *job.view, *job.light, depth, normals);
+    const Receivers receivers(*job.view, *job.light, host.read<float>(job.depth),
+                              job.normals ? host.read<std::byte>(job.normals) : std::span<const std::byte>());
     const ChainPicture picture{job,
                                host,
                                receivers,
-                               blocks,
                                map,
                                litRows(job, host),
                                job.settled ? host.read<std::uint64_t>(job.settled) : std::span<const std::uint64_t>()};
-    constexpr std::uint32_t side = simd::kBlockSide;
-    const std::uint32_t height = picture.lit.height;
-    host.jobs->parallelFor((height + side - 1) / side, kPiece, [&](std::size_t begin, std::size_t end, std::uint32_t) {
-        answerPiece(picture, static_cast<std::uint32_t>(begin) * side,
-                    std::min(static_cast<std::uint32_t>(end) * side, height));
+    const std::uint32_t height = picture.lit.height, blockRows = (height + kSide - 1) / kSide;
+    host.jobs->parallelFor(blockRows, kPiece, [&](std::size_t begin, std::size_t end, std::uint32_t) {
+        answerPiece(picture, static_cast<std::uint32_t>(begin) * kSide,
+                    std::min(static_cast<std::uint32_t>(end) * kSide, height));
     });
 }
 

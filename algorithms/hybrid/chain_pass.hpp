@@ -31,15 +31,6 @@ struct ChainJob {
     ChainStages stages;
     std::uint32_t contour = 0; ///< Width in pixels; 0: every pixel is asked.
     ChainDebugOutput tells = ChainDebugOutput::visibility;
-    bool foreign = false; ///< The map may hold what no ray sees: casters that the host draws.
-
-    /// Pixels are answered sixteen at a time: without the thesis's candidate occluders, which each has of its own, and
-    /// without what only the map knows.
-    bool byBlocks() const
-    {
-        return normals && !foreign && stages.rays && stages.candidates != CandidateUse::chain &&
-               tells <= ChainDebugOutput::reason;
-    }
 };
 
 /// Of every pixel that is asked, traced or not: numbers of a byte.

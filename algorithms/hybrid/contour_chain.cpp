@@ -125,8 +125,7 @@ ChainJob ContourChain::makeJob(PassBuilder& passes, const ShadowTask& task, Chai
                 BufferInfo{.name = "contour_chain.visibility", .size = pixels, .place = BufferPlace::upload}),
             .stages = stages,
             .contour = mode == ChainMode::wholeTc || tellsAll(tells) ? 0 : contourWidth(task.settings[kContour]),
-            .tells = tells,
-            .foreign = std::ranges::any_of(task.casters->all, &Caster::hostDrawn)};
+            .tells = tells};
 }
 
 void ContourChain::declareRings(PassBuilder& passes, const NumberedTriangles& triangles) const

@@ -36,8 +36,8 @@ gnomon_algorithm(pcf_hybrid
             hybrid/pcf_hybrid.frag:MAP_LAYERS=1:hybrid/pcf_hybrid_cube.frag)
 gnomon_algorithm(contour_chain
     NEEDS embree
-    SOURCES contour_chain.cpp candidate_occluder.cpp chain.cpp chain_blocks.cpp chain_pass.cpp
-            id_map.cpp map_texels.cpp triangle_rings.cpp
+    SOURCES contour_chain.cpp candidate_occluder.cpp chain.cpp chain_pass.cpp id_map.cpp
+            map_texels.cpp triangle_rings.cpp
     SHADERS hybrid/contour_chain.frag
             hybrid/contour_chain.frag:MAP_LAYERS=1:hybrid/contour_chain_cube.frag
             hybrid/id_map.frag

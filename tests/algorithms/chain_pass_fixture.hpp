@@ -259,8 +259,7 @@ inline Outcome run(const Asking& asking, const std::vector<Expected>& expected)
                        .rows = frame.buffer("rows", status.size()),
                        .stages = stages,
                        .contour = asking.contour,
-                       .tells = asking.tells,
-                       .foreign = asking.foreign};
+                       .tells = asking.tells};
     outcome.rays = frame.run([&](const HostContext& host) { runChain(job, host); });
     const auto rows = frame.content<std::uint8_t>(job.rows);
     outcome.rows.assign(rows.begin(), rows.begin() + std::ptrdiff_t(status.size()));

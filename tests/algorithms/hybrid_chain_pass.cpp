@@ -46,7 +46,7 @@ std::size_t check(const Asking& asking)
 TEST_CASE("what changes are the pixels of which the map says otherwise")
 {
     for (const bool cube : {false, true}) {
-        for (const ChainMode mode : {ChainMode::chain, ChainMode::strict, ChainMode::noRay}) {
+        for (const ChainMode mode : {ChainMode::chain, ChainMode::tcLit, ChainMode::strict, ChainMode::noRay}) {
             CAPTURE(cube);
             CAPTURE(static_cast<int>(mode));
             CHECK(check({.lamp = lamp(cube), .stages = stagesOf(mode)}) > 20);
@@ -88,8 +88,6 @@ TEST_CASE("what the map is unsure of is asked beside the contour, too, and shown
 
 TEST_CASE("what is settled before is not asked again, and told as if it were")
 {
-    // Without candidate occluders hints and rays are all there is: sixteen receivers at a time they are what they are
-    // one by one.
     for (const ChainMode mode : {ChainMode::chain, ChainMode::tcOnly})
         for (const bool cube : {false, true})
             for (const std::uint32_t contour : {0u, 4u})
@@ -113,73 +111,6 @@ TEST_CASE("what is settled before is not asked again, and told as if it were")
                     asking.area = {{37, 50}, {71, 53}};
                     check(asking);
                 }
-}
-
-/// Sixteen at a time, pixels are what they are one by one, but only the own texel's triangle proves one dark.
-void checkBlocks(const Asking& asking, std::uint64_t& proven, std::uint64_t& rays)
-{
-    const std::vector<Expected> expected = expect(asking);
-    const std::vector<bool> inside = contourOf(asking, expected);
-    const Outcome outcome = run(asking, expected);
-    const std::uint32_t width = asking.area.extent.width;
-    std::uint64_t wrong = 0, hinted = 0, traced = 0;
-    for (std::uint32_t i = 0; i < outcome.rows.size(); ++i) {
-        const std::size_t at = asking.pixel(i % width, i / width);
-        const Expected& pixel = expected[at];
-        const std::uint32_t told = outcome.rows[i];
-        if (!inside[at] && outcome.status[i] != gpu::MAP_UNSURE) {
-            wrong += told != outcome.status[i];
-        } else if (asking.tells == ChainDebugOutput::visibility) {
-            wrong += (told & 1) != (isLit(pixel.reason) ? 1 : 0);
-        } else {
-            wrong += isLit(told) != isLit(pixel.reason);
-            const bool proves = !pixel.lit && told == gpu::REASON_NB_CONFIRMED;
-            const bool ray = told == gpu::REASON_RT_LIT || told == gpu::REASON_RT_SHADOW;
-            proven += proves;
-            traced += ray;
-            hinted += told != pixel.reason && !proves && !ray; // otherwise than one by one
-        }
-    }
-    CHECK(wrong == 0);
-    CHECK(hinted <= 4); // of texels that agree by less than two ways of adding
-    if (asking.tells == ChainDebugOutput::reason) CHECK(outcome.rays == traced);
-    rays += outcome.rays;
-}
-
-TEST_CASE("sixteen at a time: what the map says clearly, triangles that own texels name, and rays for the rest")
-{
-    for (const bool cube : {false, true})
-        for (const bool settled : {false, true})
-            for (const std::uint32_t contour : {0u, 4u}) {
-                CAPTURE(cube);
-                CAPTURE(settled);
-                CAPTURE(contour);
-                Asking asking{.lamp = lamp(cube),
-                              .stages = stagesOf(ChainMode::tcLit),
-                              .contour = contour,
-                              .tells = ChainDebugOutput::reason,
-                              .settled = settled};
-                std::uint64_t proven = 0, rays = 0, others = 0;
-                checkBlocks(asking, proven, rays);
-                CHECK(proven > 100);
-                CHECK(rays > 20);
-                asking.tells = ChainDebugOutput::visibility;
-                std::uint64_t again = 0;
-                checkBlocks(asking, others, again);
-                CHECK(again == rays);
-                asking.stages.candidates = CandidateUse::none;
-                std::uint64_t without = 0;
-                checkBlocks(asking, others, without);
-                CHECK(without > rays + proven / 2);
-                asking.stages.candidates = CandidateUse::own;
-                asking.area = {{37, 50}, {71, 53}};
-                checkBlocks(asking, others, rays);
-                asking.unsure = 3;
-                checkBlocks(asking, others, rays);
-                if (settled) continue;
-                asking.flipped = 7; // as the device may round
-                checkBlocks(asking, others, rays);
-            }
 }
 
 TEST_CASE("where the host's own casters are nearest the map's word stands, since no ray sees them")

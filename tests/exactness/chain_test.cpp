@@ -195,7 +195,7 @@ void checkThrown(const std::string& name, Lights lights, unsigned seed)
         const Throw frame = thrown.next(dice);
         const Pictures truth = thrown.draw("ray_traced", frame);
         differing += test::differences(drawChain(thrown, frame, with(kModeStrict, 0, false)), truth);
-        for (const Mode mode : {kModeChain, kModeTcLit}) { // triangles asked pixel by pixel, and by sixteen
+        for (const Mode mode : {kModeChain, kModeTcLit}) {
             Settings settings = with(mode, 4, true);
             settings.push_back({"classify", double(number % 2)});
             const InContour found = inContour(truth, drawChain(thrown, frame, settings));
