@@ -11,9 +11,9 @@
 #include <unistd.h>
 
 #include "bench_base.hpp"
-#include "rules/engine/export_fll.hpp"
 #include "rules/engine/lint.hpp"
 #include "runtime/base/number_text.hpp"
+#include "tests/rules/export_fll.hpp"
 
 using namespace gnomon;
 using namespace gnomon::rules;

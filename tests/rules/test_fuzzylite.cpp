@@ -12,8 +12,8 @@
 #include <iterator>
 #include <unistd.h>
 
-#include "rules/engine/export_fll.hpp"
 #include "runtime/base/number_text.hpp"
+#include "tests/rules/export_fll.hpp"
 #if GNOMON_WITH_YAML
 #include "rules/yaml/shipped.hpp"
 #include "yaml_support.hpp"
