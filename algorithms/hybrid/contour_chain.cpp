@@ -8,7 +8,6 @@
 #include "algorithms/shared/map_resolve.hpp"
 #include "shaders/hybrid_contour_chain_cube_frag.h"
 #include "shaders/hybrid_contour_chain_frag.h"
-#include "shaders/shared_map_resolve_vert.h"
 
 namespace gnomon {
 
@@ -28,21 +27,6 @@ constexpr SettingSpec kSettings[] = {
     kClassifySetting,
 };
 
-PipelineId statusPipeline(const AlgorithmServices& services, bool cube, bool normals)
-{
-    const std::array bindings = lookupBindings(cube);
-    GraphicsPipelineInfo pipeline;
-    pipeline.name = "contour_chain.status";
-    pipeline.vertex.code = k_shared_map_resolve_vert;
-    pipeline.fragment.code = cube ? std::span<const std::uint32_t>(k_hybrid_contour_chain_cube_frag)
-                                  : std::span<const std::uint32_t>(k_hybrid_contour_chain_frag);
-    pipeline.fragment.specializationCount = 1;
-    pipeline.fragment.specialization[0] = normals;
-    pipeline.bindings = bindings;
-    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
-    return services.pipelines->graphics(pipeline);
-}
-
 /// Contours are 2, 4 or 6 pixels wide; numbers between them count as the next one.
 std::uint32_t contourWidth(double setting)
 {
@@ -51,11 +35,15 @@ std::uint32_t contourWidth(double setting)
 
 class ContourChain final : public ShadowAlgorithm {
 public:
-    explicit ContourChain(const AlgorithmServices& services) : vk_(*services.vk), map_(makeIdMapPipelines(services))
+    explicit ContourChain(const AlgorithmServices& services)
+        : vk_(*services.vk), map_(makeIdMapPipelines(services)),
+          status_(services,
+                  {.name = "contour_chain.status", .fragment = k_hybrid_contour_chain_frag, .filters = false}),
+          statusCube_(services, {.name = "contour_chain.status",
+                                 .fragment = k_hybrid_contour_chain_cube_frag,
+                                 .layers = true,
+                                 .filters = false})
     {
-        for (const bool cube : {false, true})
-            for (const bool normals : {false, true})
-                status_[cube][normals] = statusPipeline(services, cube, normals);
     }
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
@@ -92,7 +80,7 @@ private:
 
     const DeviceTable& vk_;
     IdMapPipelines map_;
-    PipelineId status_[2][2]; ///< [cube][has normals]
+    MapResolve status_, statusCube_;
     RingsCache rings_;
 };
 
@@ -143,12 +131,8 @@ void ContourChain::declareRings(PassBuilder& passes, const NumberedTriangles& tr
 
 void ContourChain::declareStatus(PassBuilder& passes, const ShadowTask& task, const ChainJob& job) const
 {
-    const LookupImages look(task, job.map.depth);
-    const PipelineId pipeline = status_[job.map.fits.size() > 1][look.hasNormals];
-    LookupPass(passes, task, "contour_chain.status", look).record([=, constants = job.constants](PassContext& gpu) {
-        gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                            gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
-    });
+    const MapResolve& status = task.light->type == GN_LIGHT_TYPE_POINT ? statusCube_ : status_;
+    status.declare(passes, task, job.map.depth, *job.constants, false);
     declareVisibilityReadback(passes, task, job.status, task.view->area, "contour_chain.readback");
 }
 

@@ -9,7 +9,6 @@
 #include "algorithms/shared/map_resolve.hpp"
 #include "algorithms/shared/receivers.hpp"
 #include "shaders/hybrid_eight_point_hybrid_frag.h"
-#include "shaders/shared_map_resolve_vert.h"
 
 namespace gnomon {
 
@@ -28,20 +27,6 @@ constexpr UndecidedNames kNames = {.status = "eight_point_hybrid.status",
                                    .copy = "eight_point_hybrid.copy"};
 constexpr TracedNames kHardNames{"eight_point_hybrid.visibility", "eight_point_hybrid.trace",
                                  "eight_point_hybrid.copy"};
-
-PipelineId classifyPipeline(const AlgorithmServices& services, bool normals)
-{
-    const std::array bindings = lookupBindings(true);
-    GraphicsPipelineInfo pipeline;
-    pipeline.name = "eight_point_hybrid.classify";
-    pipeline.vertex.code = k_shared_map_resolve_vert;
-    pipeline.fragment.code = k_hybrid_eight_point_hybrid_frag;
-    pipeline.fragment.specializationCount = 1;
-    pipeline.fragment.specialization[0] = normals;
-    pipeline.bindings = bindings;
-    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
-    return services.pipelines->graphics(pipeline);
-}
 
 /// What is seen of the eight points, in eighths.
 void tracePoints(const UndecidedSource& source, std::span<const std::uint32_t> pixels, std::span<std::uint8_t> bytes)
@@ -72,10 +57,12 @@ void tracePoints(const UndecidedSource& source, std::span<const std::uint32_t> p
 
 class EightPointHybrid final : public ShadowAlgorithm {
 public:
-    explicit EightPointHybrid(const AlgorithmServices& services) : casters_(makeDepthMapPipelines(services))
+    explicit EightPointHybrid(const AlgorithmServices& services)
+        : casters_(makeDepthMapPipelines(services)), classify_(services, {.name = "eight_point_hybrid.classify",
+                                                                          .fragment = k_hybrid_eight_point_hybrid_frag,
+                                                                          .layers = true,
+                                                                          .filters = false})
     {
-        for (const bool normals : {false, true})
-            classify_[normals] = classifyPipeline(services, normals);
     }
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
@@ -84,33 +71,21 @@ public:
             declareTracedPixels(passes, task, kHardNames);
             return;
         }
-        gpu::EightPointConstants* constants = passes.arena().make<gpu::EightPointConstants>();
+        gpu::EightPointConstants constants{};
         const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         const ImageId map = declarePointMaps(passes, casters_, task, resolution,
-                                             std::span<gpu::MapLookup, kLightPoints>(constants->points));
-        constants->hybrid.base = mapConstants(task, resolution, 1);
-        constants->hybrid.base.map.axisWs = constants->points[0].axisWs;
-        declareClassify(passes, task, map, constants);
+                                             std::span<gpu::MapLookup, kLightPoints>(constants.points));
+        constants.hybrid.base = mapConstants(task, resolution, 1);
+        constants.hybrid.base.map.axisWs = constants.points[0].axisWs;
+        classify_.declare(passes, task, map, constants, false);
         declareUndecided(passes, task, kNames, tracePoints);
     }
 
     const char* refuses(const ShadowTask& task) const override { return refusesDisc(*task.light); }
 
 private:
-    void declareClassify(PassBuilder& passes, const ShadowTask& task, ImageId map,
-                         const gpu::EightPointConstants* constants) const
-    {
-        const LookupImages look(task, map);
-        LookupPass(passes, task, "eight_point_hybrid.classify", look)
-            .record([=, pipeline = classify_[look.hasNormals]](PassContext& gpu) {
-                gpu.bind(pipeline,
-                         {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                          gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
-            });
-    }
-
     DepthMapPipelines casters_;
-    PipelineId classify_[2]; ///< [has normals]
+    MapResolve classify_;
 };
 
 } // namespace
