@@ -7,7 +7,7 @@
 
 namespace gnomon {
 
-/// Each holds those before it. No kernel of gnomon's is compiled for Sse42; ray tracers have some.
+/// Each holds those before it. Kernels of gnomon's are compiled for Baseline and Avx2; ray tracers have others.
 enum class InstructionSet : uint8_t { Baseline, Sse42, Avx2, Avx512 };
 
 /// Whether this build has kernels for it, this processor runs them and the limit allows them.
