@@ -2,6 +2,7 @@
 // What a shadow algorithm is to the runtime: an entry with traits and settings, and one function, declare().
 #include <memory>
 #include <span>
+#include <type_traits>
 
 #include "runtime/passes/pass_builder.hpp"
 #include "runtime/passes/pass_context.hpp"
@@ -91,5 +92,15 @@ struct AlgorithmEntry {
         return bytesPerPixel * extent.width * extent.height;
     }
 };
+
+/// AlgorithmEntry::create of a class that is made of the services, or of nothing.
+template <typename Algorithm>
+std::unique_ptr<ShadowAlgorithm> makeAlgorithm(const AlgorithmServices& services)
+{
+    if constexpr (std::is_constructible_v<Algorithm, const AlgorithmServices&>)
+        return std::make_unique<Algorithm>(services);
+    else
+        return std::make_unique<Algorithm>();
+}
 
 } // namespace gnomon

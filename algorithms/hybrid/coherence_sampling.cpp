@@ -105,9 +105,7 @@ constinit const AlgorithmEntry kCoherenceSampling{
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent,
                          GnLightType) { return hostVisibilityMemory(extent); },
     .missing = nullptr,
-    .create = [](const AlgorithmServices&) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<CoherenceSampling>();
-    },
+    .create = makeAlgorithm<CoherenceSampling>,
     .typicalWrongPercent = 0.0f, // ray_traced's: lights of shipped scenes have no radius
 };
 

@@ -38,9 +38,7 @@ constinit const AlgorithmEntry kConservativeMap{
     .settings = ConservativeMethod::kSettings,
     .memoryPerLight = ConservativeMethod::memory,
     .missing = nullptr,
-    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<ConservativeMap>(services);
-    },
+    .create = makeAlgorithm<ConservativeMap>,
     .approximates = ConservativeMethod::approximates,
 };
 

@@ -62,9 +62,7 @@ constinit const AlgorithmEntry kConservativeMapAdjacency{
                    ConservativeSheets::memory(static_cast<std::uint32_t>(settings[ConservativeMethod::kResolution]));
         },
     .missing = nullptr,
-    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<ConservativeMapAdjacency>(services);
-    },
+    .create = makeAlgorithm<ConservativeMapAdjacency>,
     .approximates = ConservativeMethod::approximates,
 };
 

@@ -189,9 +189,7 @@ constinit const AlgorithmEntry kContourChain{
     .missing = [](const DeviceTable& vk) -> const char* {
         return vk.enabled.geometryShader ? nullptr : "needs geometryShader"; // gl_PrimitiveID in fragment shaders
     },
-    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<ContourChain>(services);
-    },
+    .create = makeAlgorithm<ContourChain>,
     .typicalWrongPercent = 0.042f, // contour_chain.md, colonnade
 };
 

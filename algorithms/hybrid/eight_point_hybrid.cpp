@@ -104,9 +104,7 @@ constinit const AlgorithmEntry kEightPointHybrid{
                    undecidedMemory(extent);
         },
     .missing = nullptr,
-    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<EightPointHybrid>(services);
-    },
+    .create = makeAlgorithm<EightPointHybrid>,
     .typicalWrongPercent = 0.0f, // ray_traced's: lights of shipped scenes have no radius
 };
 

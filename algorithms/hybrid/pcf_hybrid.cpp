@@ -80,9 +80,7 @@ constinit const AlgorithmEntry kPcfHybrid{
                    undecidedMemory(extent);
         },
     .missing = nullptr,
-    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<PcfHybrid>(services);
-    },
+    .create = makeAlgorithm<PcfHybrid>,
     .typicalWrongPercent = 0.032f, // docs/benchmarks-2026-11.md
 };
 

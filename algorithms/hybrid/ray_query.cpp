@@ -85,9 +85,7 @@ constinit const AlgorithmEntry kRayQuery{
     .settings = {},
     .memoryPerLight = [](std::span<const double>, VkExtent2D, GnLightType) { return VkDeviceSize{0}; },
     .missing = [](const DeviceTable& vk) { return vk.rayQueryMissing; },
-    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<RayQuery>(services);
-    },
+    .create = makeAlgorithm<RayQuery>,
 };
 
 } // namespace gnomon

@@ -34,9 +34,7 @@ constinit const AlgorithmEntry kRayTraced{
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent,
                          GnLightType) { return hostVisibilityMemory(extent); },
     .missing = nullptr,
-    .create = [](const AlgorithmServices&) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<RayTraced>();
-    },
+    .create = makeAlgorithm<RayTraced>,
 };
 
 } // namespace gnomon

@@ -323,9 +323,7 @@ constinit const AlgorithmEntry kTileShafts{
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent,
                          GnLightType) { return hostVisibilityMemory(extent); },
     .missing = nullptr,
-    .create = [](const AlgorithmServices&) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<TileShafts>();
-    },
+    .create = makeAlgorithm<TileShafts>,
 };
 
 } // namespace gnomon

@@ -108,9 +108,7 @@ constinit const AlgorithmEntry kCascades{
                                   static_cast<std::uint32_t>(settings[kCount]));
         },
     .missing = nullptr,
-    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<Cascades>(services);
-    },
+    .create = makeAlgorithm<Cascades>,
     .typicalWrongPercent = 0.29f, // cascades.md
 };
 

@@ -54,9 +54,7 @@ constinit const AlgorithmEntry kShadowMap{
     .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
                          GnLightType) { return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution])); },
     .missing = nullptr,
-    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<ShadowMap>(services);
-    },
+    .create = makeAlgorithm<ShadowMap>,
     .typicalWrongPercent = 0.54f, // docs/benchmarks-2026-11.md
 };
 

@@ -55,9 +55,7 @@ constinit const AlgorithmEntry kCubeMap{
     .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
                          GnLightType) { return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), 6); },
     .missing = nullptr,
-    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<CubeMapMethod>(services);
-    },
+    .create = makeAlgorithm<CubeMapMethod>,
     .typicalWrongPercent = 0.35f, // docs/benchmarks-2026-11.md
 };
 

@@ -232,9 +232,7 @@ constinit const AlgorithmEntry kDualParaboloid{
     .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
                          GnLightType) { return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), 2); },
     .missing = nullptr,
-    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<DualParaboloid>(services);
-    },
+    .create = makeAlgorithm<DualParaboloid>,
     .typicalWrongPercent = 0.64f, // docs/benchmarks-2026-11.md
 };
 

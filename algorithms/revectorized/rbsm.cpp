@@ -71,9 +71,7 @@ constinit const AlgorithmEntry kRbsm{
             return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type));
         },
     .missing = nullptr,
-    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<Rbsm>(services);
-    },
+    .create = makeAlgorithm<Rbsm>,
     .typicalWrongPercent = 0.37f, // rbsm.md
 };
 

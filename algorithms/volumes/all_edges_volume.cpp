@@ -136,11 +136,6 @@ const char* AllEdgesVolume::refuses(const ShadowTask& task) const
     return nullptr;
 }
 
-std::unique_ptr<ShadowAlgorithm> create(const AlgorithmServices& services)
-{
-    return std::make_unique<AllEdgesVolume>(services);
-}
-
 } // namespace
 
 const AlgorithmEntry kAllEdgesVolume{
@@ -154,7 +149,7 @@ const AlgorithmEntry kAllEdgesVolume{
     // Lists belong to meshes, not to lights.
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent, GnLightType) { return viewStencilMemory(extent); },
     .missing = missingForStencil,
-    .create = create,
+    .create = makeAlgorithm<AllEdgesVolume>,
     .typicalWrongPercent = 0.004f, // stencil_volume's picture
 };
 

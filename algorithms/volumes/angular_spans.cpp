@@ -230,9 +230,7 @@ constinit const AlgorithmEntry kAngularSpans{
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent,
                          GnLightType) { return hostVisibilityMemory(extent); },
     .missing = nullptr,
-    .create = [](const AlgorithmServices&) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<AngularSpans>();
-    },
+    .create = makeAlgorithm<AngularSpans>,
     .typicalWrongPercent = 0.162f, // angular_spans.md, bunny
 };
 

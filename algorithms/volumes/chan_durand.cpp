@@ -332,9 +332,7 @@ const AlgorithmEntry kChanDurand{
     .missing = [](const DeviceTable& vk) -> const char* {
         return vk.enabled.fragmentStoresAndAtomics ? missingForStencil(vk) : "needs fragmentStoresAndAtomics";
     },
-    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<ChanDurand>(services);
-    },
+    .create = makeAlgorithm<ChanDurand>,
     .typicalWrongPercent = 0.037f, // chan_durand.md, colonnade
 };
 

@@ -405,9 +405,7 @@ const AlgorithmEntry kMccool{
                    viewStencilMemory(extent);
         },
     .missing = missingForStencil,
-    .create = [](const AlgorithmServices& services) -> std::unique_ptr<ShadowAlgorithm> {
-        return std::make_unique<McCool>(services);
-    },
+    .create = makeAlgorithm<McCool>,
     .typicalWrongPercent = 0.5f, // mccool.md, colonnade
 };
 

@@ -171,11 +171,6 @@ VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent, GnLightT
     return viewStencilMemory(extent) + cullMemory(extent);
 }
 
-std::unique_ptr<ShadowAlgorithm> create(const AlgorithmServices& services)
-{
-    return std::make_unique<OctreeVolume>(services);
-}
-
 } // namespace
 
 const AlgorithmEntry kOctreeVolume{
@@ -188,7 +183,7 @@ const AlgorithmEntry kOctreeVolume{
     .settings = kSettings,
     .memoryPerLight = memoryPerLight,
     .missing = missingForStencil,
-    .create = create,
+    .create = makeAlgorithm<OctreeVolume>,
     .typicalWrongPercent = 0.004f, // an upper bound of docs/benchmarks-2026-11.md
 };
 

@@ -130,11 +130,6 @@ VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent, GnLightT
     return viewStencilMemory(extent) + storedImageSize(extent, 4); // coverage
 }
 
-std::unique_ptr<ShadowAlgorithm> create(const AlgorithmServices& services)
-{
-    return std::make_unique<PenumbraWedges>(services);
-}
-
 } // namespace
 
 const AlgorithmEntry kPenumbraWedges{
@@ -147,7 +142,7 @@ const AlgorithmEntry kPenumbraWedges{
     .settings = kSettings,
     .memoryPerLight = memoryPerLight,
     .missing = missingForWedges,
-    .create = create,
+    .create = makeAlgorithm<PenumbraWedges>,
     .typicalWrongPercent = 0.004f, // stencil_volume's: lights of shipped scenes have no radius
 };
 

@@ -234,11 +234,6 @@ const char* missing(const DeviceTable& vk)
     return vk.enabled.shaderClipDistance ? nullptr : "needs shaderClipDistance";
 }
 
-std::unique_ptr<ShadowAlgorithm> create(const AlgorithmServices& services)
-{
-    return std::make_unique<ProjectedPlanar>(services);
-}
-
 } // namespace
 
 const AlgorithmEntry kProjectedPlanar{
@@ -255,7 +250,7 @@ const AlgorithmEntry kProjectedPlanar{
             return pooledSize(sizeof(gpu::TilePlane) * tiles) + pooledSize(sizeof(gpu::ReceiverPlane));
         },
     .missing = missing,
-    .create = create,
+    .create = makeAlgorithm<ProjectedPlanar>,
     .typicalWrongPercent = 55.5f, // projected_planar.md, rooms: what the rules are there to prevent
 };
 

@@ -75,11 +75,6 @@ VkDeviceSize memoryPerLight(std::span<const double> settings, VkExtent2D extent,
     return viewStencilMemory(extent) + (settings[kExtents] != 0.0 ? cullMemory(extent) : 0);
 }
 
-std::unique_ptr<ShadowAlgorithm> create(const AlgorithmServices& services)
-{
-    return std::make_unique<StencilVolume>(services);
-}
-
 } // namespace
 
 const AlgorithmEntry kStencilVolume{
@@ -92,7 +87,7 @@ const AlgorithmEntry kStencilVolume{
     .settings = kSettings,
     .memoryPerLight = memoryPerLight,
     .missing = missingForStencil,
-    .create = create,
+    .create = makeAlgorithm<StencilVolume>,
     .typicalWrongPercent = 0.004f, // an upper bound of docs/benchmarks-2026-11.md
 };
 
