@@ -81,6 +81,15 @@ GnResult GN_CALL gnUpdateMeshPositions(GnContext context, GnMesh mesh, const flo
     });
 }
 
+GnResult GN_CALL gnUpdateMeshFromBuffer(GnContext context, GnMesh mesh, const VkDescriptorBufferInfo* pPositions,
+                                        const float boundsMin[3], const float boundsMax[3])
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pPositions) return nullArgument(context, "pPositions");
+        return status(context, c.scene().updateMeshFromBuffer(mesh, *pPositions, boundsMin, boundsMax));
+    });
+}
+
 void GN_CALL gnDestroyMesh(GnContext context, GnMesh mesh)
 {
     atBoundary(context, [&](Context& c) {

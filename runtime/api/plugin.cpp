@@ -42,7 +42,7 @@ GnTaskCaster foreignCaster(const Caster& caster)
     if (caster.mesh) {
         out.vertexBuffer = caster.mesh->vertexBuffer;
         out.indexBuffer = caster.mesh->indexBuffer;
-        out.indexCount = static_cast<uint32_t>(caster.mesh->indices.size());
+        out.indexCount = 3 * caster.mesh->triangleCount();
     }
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 3; ++column)

@@ -34,7 +34,8 @@ struct StructTraits;
 
 // Given by hosts and plug-ins.
 GN_SIZED_STRUCT(GnContextCreateInfo, pfnGetInstanceProcAddr, pPipelineCacheData)
-GN_SIZED_STRUCT(GnMeshCreateInfo, positionCount, pIndices)
+GN_SIZED_STRUCT(GnMeshCreateInfo, positionCount, flags)
+GN_SIZED_STRUCT(GnMeshBuffers, boundsMax, boundsMax)
 GN_SIZED_STRUCT(GnInstanceCreateInfo, mesh, pUserData)
 GN_SIZED_STRUCT(GnLightInfo, direction, casterMask)
 GN_SIZED_STRUCT(GnViewCreateInfo, maxLights, flags)

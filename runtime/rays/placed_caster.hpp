@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -26,6 +27,7 @@ struct Placed {
     std::span<const std::uint32_t> givenNumbers; ///< MeshView::givenNumbers
     std::span<const glm::vec3> positions;        ///< MeshView's, as are the indices.
     std::span<const std::uint32_t> indices;
+    bool turned = false;    ///< MeshView::turned
     bool isLong = false;    ///< isLong() (long_edges.hpp).
     float reach = 0.0f;     ///< reachOf()
     std::uint64_t seen = 0; ///< The last update() that brought it.
@@ -33,6 +35,7 @@ struct Placed {
     /// What the host says of a hit; its triangles are numbered as it gave them.
     float opacityAt(std::uint32_t triangle, float u, float v) const
     {
+        if (turned) std::swap(u, v);
         return opacity(givenNumbers.empty() ? triangle : givenNumbers[triangle], u, v, userData);
     }
     /// startsOn(), of a ray in object space.

@@ -314,6 +314,7 @@ void RayScene::Impl::place(std::uint32_t index, const Caster& caster, RTCScene t
     entry.givenNumbers = caster.mesh->givenNumbers;
     entry.positions = caster.mesh->positions;
     entry.indices = caster.mesh->indices;
+    entry.turned = caster.mesh->turned;
     entry.isLong = isLong(caster, caster.mesh->rays->impl_->longest);
 
     // glm's mat4x3 is four columns of vec3: Embree's 3x4 column-major.

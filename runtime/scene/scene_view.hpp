@@ -25,19 +25,24 @@ class MeshRays; // runtime/rays: the tree of one mesh
 /// A mesh as the frame sees it. Alive while any frame that saw it is in flight.
 struct MeshView {
     const char* name = "";
-    std::uint32_t id = 0; ///< Stable identity over revisions, from 1; never another mesh's.
-    std::span<const glm::vec3> positions;
-    std::span<const std::uint32_t> indices;      ///< Three per triangle, zero-area triangles removed.
+    std::uint32_t id = 0;                        ///< Stable identity over revisions, from 1; never another mesh's.
+    std::span<const glm::vec3> positions;        ///< Empty while the buffers alone have them.
+    std::span<const std::uint32_t> indices;      ///< Likewise. Three per triangle, zero-area triangles removed.
     std::span<const std::uint32_t> givenNumbers; ///< The host's number of each triangle; empty: none was removed.
     Aabb bounds;                                 ///< Object space.
     std::span<const Aabb> chunks;           ///< Of every kChunkFaces triangles (mesh_chunks.hpp); empty: not known.
     VkBuffer vertexBuffer = VK_NULL_HANDLE; ///< Positions, 12 bytes each. Also a storage buffer.
     VkBuffer indexBuffer = VK_NULL_HANDLE;  ///< uint32. Also a storage buffer.
     const Topology* topology = nullptr;     ///< Null until a worker has built it, or without OpenMesh.
+    const Topology* connectivity = nullptr; ///< Edges and faces while the GPU alone knows where the vertices are:
+                                            ///< planes, lengths and bounds are those of another pose. Null: not known.
     const MeshRays* rays = nullptr;         ///< Null until a worker has built it, or without Embree.
     std::uint64_t revision = 0;             ///< Unique over all meshes; changes with the positions.
     bool closed = false;                    ///< Known from the topology; false until it is there.
     bool insideOut = false;                 ///< Likewise: some watertight shell is.
+    bool turned = false;                    ///< The host's fronts are clockwise: its second corner is our third.
+    bool noCpuCopy = false;                 ///< Positions and indices will never be known to the CPU.
+    std::uint32_t gpuTriangles = 0;         ///< While the buffers alone have them: how many; zero-area ones count.
 
     std::uint64_t faces = 0; ///< Unique over all meshes; changes with the triangles.
     /// longestOf() (long_edges.hpp); infinite until a worker has measured it, or where nobody needs it.
@@ -46,7 +51,11 @@ struct MeshView {
 
     glm::vec3 edgeSpan{0.0f}; ///< The most that an edge goes along each axis, object space.
 
-    std::uint32_t triangleCount() const { return static_cast<std::uint32_t>(indices.size() / 3); }
+    bool onGpuOnly() const { return indices.empty() && gpuTriangles > 0; }
+    std::uint32_t triangleCount() const
+    {
+        return indices.empty() ? gpuTriangles : static_cast<std::uint32_t>(indices.size() / 3);
+    }
 };
 
 constexpr std::uint32_t kAllMasks = 0xffffffffu; ///< What 0 means in the API.

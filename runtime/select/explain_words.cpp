@@ -74,6 +74,10 @@ std::string exclusionText(const Candidate& candidate, std::string_view unavailab
                                              : "number " + detail + " of a rule base no longer loaded");
     case Exclusion::unseen:
         return "no pixel can be in the light's range";
+    case Exclusion::gpuOnly:
+        return detail + " casters that only the GPU may read (GN_MESH_NO_CPU_COPY_BIT)";
+    case Exclusion::copies:
+        return detail + " casters without a copy for the CPU yet";
     }
     return {};
 }

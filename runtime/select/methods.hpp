@@ -39,6 +39,11 @@ struct Method {
         return (entry->traits & bit) != 0;
     }
     bool has(GnTraitBits trait) const { return (entry->traits & trait) != 0; }
+    /// On the CPU: as such, or what is made of them there.
+    bool readsTriangles() const
+    {
+        return (entry->traits & (GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_RAYS_BIT)) != 0;
+    }
     /// What the method is run with for a light whose plain maps have so many texels a side, one of kMapSides.
     std::span<const double> settingsAt(std::uint32_t plainSide) const
     {
@@ -48,11 +53,7 @@ struct Method {
     double mapSide(std::uint32_t plainSide) const { return sideSetting_ ? settingsAt(plainSide)[*sideSetting_] : 0.0; }
     bool followsCoverage() const { return sideSetting_ && settings[*sideSetting_] == 0.0; }
     /// Whether the light's pose and the map that it is looked up in are all that it goes by.
-    bool looksUpMaps() const
-    {
-        return followsCoverage() && !has(GN_TRAIT_RAYS_BIT) && !has(GN_TRAIT_TOPOLOGY_BIT) &&
-               !has(GN_TRAIT_CPU_GEOMETRY_BIT);
-    }
+    bool looksUpMaps() const { return followsCoverage() && !readsTriangles(); }
     /// To be called when `settings` have changed.
     void noteSettings();
     bool isExact() const { return has(GN_TRAIT_EXACT_BIT) && !(entry->approximates && entry->approximates(settings)); }

@@ -90,7 +90,13 @@ Candidate Selector::examine(const Method& method, const SelectionInput& input, c
     if (input.recorded && method.entry->roundTrips > 0) return out(Exclusion::roundTrips, method.entry->roundTrips);
     if (method.has(GN_TRAIT_CPU_GEOMETRY_BIT) && input.casters->hostDrawn)
         return out(Exclusion::hostDrawn, input.casters->hostDrawn);
-    if (method.has(GN_TRAIT_TOPOLOGY_BIT) && casters.topology) return out(Exclusion::topology, casters.topology);
+    if (method.readsTriangles() && casters.gpuOnly) return out(Exclusion::gpuOnly, casters.gpuOnly);
+    const bool byConnectivity = method.has(GN_TRAIT_GPU_POSITIONS_BIT);
+    if (const std::uint64_t missing = byConnectivity ? casters.connectivity : casters.copies;
+        method.readsTriangles() && missing)
+        return out(Exclusion::copies, missing);
+    const std::uint64_t waiting = byConnectivity ? casters.topology - casters.copies : casters.topology;
+    if (method.has(GN_TRAIT_TOPOLOGY_BIT) && waiting) return out(Exclusion::topology, waiting);
     if (method.has(GN_TRAIT_RAYS_BIT) && casters.trees) return out(Exclusion::trees, casters.trees);
     // What the incumbent holds is in use already; it need not fit twice.
     const std::span<const double> settings = method.settingsAt(input.plainSide);
@@ -181,6 +187,10 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     Unprepared unprepared;
     for (const Caster* caster : input.casters->all) {
         if (!caster->mesh) continue;
+        if (caster->mesh->onGpuOnly()) {
+            ++(caster->mesh->noCpuCopy ? unprepared.gpuOnly : unprepared.copies);
+            unprepared.connectivity += caster->mesh->connectivity == nullptr;
+        }
         unprepared.topology += caster->mesh->topology == nullptr;
         unprepared.trees += caster->mesh->rays == nullptr;
     }

@@ -36,6 +36,8 @@ enum class Exclusion : std::uint8_t {
     refused,    ///< ShadowAlgorithm::refuses
     vetoed,     ///< By a `never` rule.
     unseen,     ///< No pixel can be in the light's range.
+    gpuOnly,    ///< Casters that the host lets nobody copy to the CPU.
+    copies,     ///< Casters whose copy for the CPU is not there yet.
 };
 
 struct Candidate {
@@ -212,8 +214,10 @@ public:
 
 private:
     RuleVocabulary vocabulary(const AlgorithmRegistry& registry) const;
-    struct Unprepared { ///< Casters that wait for workers.
-        std::uint64_t topology = 0, trees = 0;
+    struct Unprepared { ///< Casters that wait for workers or the GPU.
+        std::uint64_t topology = 0, trees = 0, copies = 0;
+        std::uint64_t connectivity = 0; ///< Of what `copies` counts.
+        std::uint64_t gpuOnly = 0;      ///< For good.
     };
     Candidate examine(const Method& method, const SelectionInput& input, const Unprepared& casters,
                       const LightMemory& memory) const;

@@ -80,13 +80,14 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::create(MeshInput input, std::
     auto identity = std::make_shared<MeshIdentity>();
     identity->name = std::move(input.name);
     identity->id = meshes_.fetch_add(1, std::memory_order_relaxed) + 1;
+    identity->turned = input.turned;
     identity->positionCount = static_cast<std::uint32_t>(input.positions.size() - kPositionPadding);
     identity->given = std::make_shared<const std::vector<std::uint32_t>>(std::move(input.indices));
 
     auto revision = std::make_shared<MeshRevision>();
     revision->identity = identity;
     revision->positions = std::move(input.positions);
-    Result<std::shared_ptr<MeshRevision>> made = finish(std::move(revision), uploads);
+    Result<std::shared_ptr<MeshRevision>> made = finish(std::move(revision), background_, uploads);
     if (!made) return made;
     const std::size_t removed = (identity->given->size() - (*made)->faces->indices->size()) / 3;
     if (removed)
@@ -102,11 +103,11 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::rewrite(const MeshRevision& o
     revision->identity = old.identity;
     revision->faces = old.faces;
     revision->positions = std::move(positions);
-    return finish(std::move(revision), uploads);
+    return finish(std::move(revision), background_, uploads);
 }
 
 /// Buffers, bounds and views of a revision that has identity and positions, and the faces of its predecessor if any.
-Result<std::shared_ptr<MeshRevision>> MeshBuilder::finish(std::shared_ptr<MeshRevision> revision,
+Result<std::shared_ptr<MeshRevision>> MeshBuilder::finish(std::shared_ptr<MeshRevision> revision, bool inBackground,
                                                           std::vector<MeshUpload>& uploads) const
 {
     MeshIdentity& identity = *revision->identity;
@@ -154,7 +155,8 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::finish(std::shared_ptr<MeshRe
     view.vertexAddress = revision->vertices.get().address;
     view.indexAddress = revision->faces->buffer.get().address;
     view.faces = revision->faces->id;
-    view.revision = revisions_.fetch_add(1, std::memory_order_relaxed) + 1;
+    view.turned = identity.turned;
+    if (view.revision == 0) view.revision = revisions_.fetch_add(1, std::memory_order_relaxed) + 1;
     revision->shown = &view;
 
     revision->builder = this;
@@ -163,7 +165,7 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::finish(std::shared_ptr<MeshRe
         MeshRevision& self = *static_cast<MeshRevision*>(data);
         self.builder->derive(self);
     };
-    if (background_) {
+    if (inBackground) {
         revision->job.finished.store(false, std::memory_order_relaxed);
     } else {
         derive(*revision);
@@ -207,9 +209,12 @@ void MeshBuilder::remarkOn(const MeshRevision& revision) const
     const char* asItIs = topology.closed ? "; it casts as it is" : "; it casts with both sides of its triangles";
     const std::string what = revision.identity->what() + " is ";
     if (topology.whole.insideOut) { // rooms seen from within, and mistakes
-        messages_.info("MeshInsideOut",
-                       what + "inside out: it has a closed shell whose triangles are clockwise seen from outside" +
-                           asItIs);
+        messages_.info(
+            "MeshInsideOut",
+            what +
+                "inside out: it has a closed shell whose triangles go round the other way than frontFace says, seen "
+                "from outside" +
+                asItIs);
         return;
     }
     if (topology.manifold && topology.orientable) { // floors, leaves, cards: meant so as a rule

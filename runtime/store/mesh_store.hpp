@@ -57,6 +57,7 @@ struct MeshIdentity {
     std::uint32_t id = 0;                                    ///< MeshView::id.
     std::shared_ptr<const std::vector<std::uint32_t>> given; ///< Indices as the host gave them.
     std::uint32_t positionCount = 0;
+    bool turned = false;               ///< MeshView::turned; `given` is turned already.
     std::atomic<bool> remarked{false}; ///< That it is open or not manifold has been said.
 
     std::string what() const { return named("mesh", name.c_str()); }
@@ -87,12 +88,16 @@ private:
     std::shared_ptr<const Topology> connectivity_;
 };
 
+struct BufferMesh; // buffer_mesh.hpp
+struct BufferMeshInput;
+
 /// One revision of a mesh and all that is derived from it. What a frame has been shown does not change any more:
 /// `bare` is complete from the start, `full` once the job is done.
 struct MeshRevision {
     std::shared_ptr<MeshIdentity> identity;
+    std::shared_ptr<BufferMesh> inBuffers; ///< Null: of arrays.
     std::shared_ptr<MeshFaces> faces;
-    std::vector<glm::vec3> positions; ///< Padded.
+    std::vector<glm::vec3> positions; ///< Padded. Empty where the GPU alone has them.
     std::vector<Aabb> chunks;         ///< MeshView::chunks.
     OwnedBuffer vertices;
     std::shared_ptr<const Topology> topology;
@@ -122,13 +127,26 @@ public:
     Result<std::shared_ptr<MeshRevision>> rewrite(const MeshRevision& old, std::vector<glm::vec3> positions,
                                                   std::vector<MeshUpload>& uploads) const;
 
+    /// A mesh in the host's buffers, which the GPU has still to read.
+    Result<std::shared_ptr<MeshRevision>> createInBuffers(BufferMeshInput input) const;
+    /// The mesh, whose positions the GPU will read anew.
+    std::shared_ptr<MeshRevision> rewriteInBuffers(std::shared_ptr<BufferMesh> mesh, const Aabb& bounds) const;
+    /// The same revision as a mesh of arrays, derived parts included. One at a time per mesh.
+    /// @param content positions, then indices, as in BufferMesh
+    Result<std::shared_ptr<MeshRevision>> copied(const MeshRevision& of, const std::byte* content,
+                                                 std::vector<MeshUpload>& uploads) const;
+
+    /// For copied(). Mapped.
+    Result<OwnedBuffer> readback(VkDeviceSize size, const std::string& name) const;
+    bool inBackground() const noexcept { return background_; }
+
     MeshLimits limits() const noexcept
     {
         return {vk_.properties.limits.maxStorageBufferRange, vk_.properties.limits.maxDrawIndexedIndexValue};
     }
 
 private:
-    Result<std::shared_ptr<MeshRevision>> finish(std::shared_ptr<MeshRevision> revision,
+    Result<std::shared_ptr<MeshRevision>> finish(std::shared_ptr<MeshRevision> revision, bool inBackground,
                                                  std::vector<MeshUpload>& uploads) const;
     Result<OwnedBuffer> upload(const void* data, VkDeviceSize size, VkBufferUsageFlags usage, const std::string& name,
                                std::vector<MeshUpload>& uploads) const;

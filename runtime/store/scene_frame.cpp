@@ -113,6 +113,7 @@ const SceneRegistry::Snapshot& SceneRegistry::begin(std::uint64_t frame, const s
     {
         const std::lock_guard lock(self.mutex);
         self.adoptBuilt(self.releasedRevisions);
+        self.takeConversions();
         self.forgetDestroyed();
         self.makeRoomForFrame(); // the last that may fail
         const bool shifted = self.lastFrame == 0 || origin != self.origin;
@@ -128,6 +129,7 @@ const SceneRegistry::Snapshot& SceneRegistry::begin(std::uint64_t frame, const s
         self.refreshLights(shifted);
     }
     self.releasedRevisions.clear();
+    self.reportWaitingCopies();
     for (const InstancePtr& record : self.reports)
         self.messages.warn("StaticInstanceMoved", record->what() +
                                                       " is static, but the positions of its mesh were rewritten; it "

@@ -85,16 +85,13 @@ bool hasArea(glm::vec3 a, glm::vec3 b, glm::vec3 c) noexcept
     return area != glm::vec3(0.0f);
 }
 
-/// The index list of the host, or 0, 1, 2, ... where it gave none.
+/// The index list of the host, or 0, 1, 2, ... where it gave none. As given: not turned yet.
 Result<std::vector<std::uint32_t>> readIndices(Subject what, const GnMeshCreateInfo& info)
 {
-    const std::uint32_t count = info.pIndices || info.indexCount ? info.indexCount : info.positionCount;
-    if (count == 0) return Error{GN_ERROR_EMPTY, "MeshEmpty", what.text() + " has no triangles"};
-    if (count % 3 != 0)
-        return Error{GN_ERROR_OUT_OF_RANGE, "MeshIndexCount",
-                     what.text() + ": " + std::to_string(count) + " indices are not a multiple of 3"};
-    std::vector<std::uint32_t> indices(count);
-    for (std::uint32_t i = 0; i < count; ++i)
+    const Result<std::uint32_t> count = readIndexCount(what, info, info.pIndices != nullptr);
+    if (!count) return count.error();
+    std::vector<std::uint32_t> indices(*count);
+    for (std::uint32_t i = 0; i < *count; ++i)
         indices[i] = info.pIndices ? info.pIndices[i] : i;
     const auto wrong = std::find_if(indices.begin(), indices.end(),
                                     [&info](std::uint32_t index) { return index >= info.positionCount; });
@@ -136,27 +133,62 @@ Result<std::vector<glm::vec3>> readPositions(Subject what, const float* position
     return result;
 }
 
-Result<MeshInput> readMesh(const GnMeshCreateInfo& info, const MeshLimits& limits)
+Result<void> checkNumber(Subject what, double value, const char* name)
 {
-    const Subject what{"mesh", info.pName};
-    if (!info.pPositions)
-        return Error{GN_ERROR_NULL_ARGUMENT, "MeshPositionsNull", what.text() + ": pPositions is null"};
-    if (info.positionCount == 0) return Error{GN_ERROR_EMPTY, "MeshEmpty", what.text() + " has no vertices"};
-    const std::uint64_t bytes = std::max(std::uint64_t{12} * info.positionCount, std::uint64_t{4} * info.indexCount);
+    return checkNumber(what, Number{value, name});
+}
+
+Result<std::uint32_t> readIndexCount(Subject what, const GnMeshCreateInfo& info, bool hasIndices)
+{
+    const std::uint32_t count = hasIndices || info.indexCount ? info.indexCount : info.positionCount;
+    if (count == 0) return Error{GN_ERROR_EMPTY, "MeshEmpty", what.text() + " has no triangles"};
+    if (count % 3 != 0)
+        return Error{GN_ERROR_OUT_OF_RANGE, "MeshIndexCount",
+                     what.text() + ": " + std::to_string(count) + " indices are not a multiple of 3"};
+    return count;
+}
+
+Result<void> checkMeshSize(Subject what, std::uint32_t positionCount, std::uint64_t bytes, const MeshLimits& limits)
+{
+    if (positionCount == 0) return Error{GN_ERROR_EMPTY, "MeshEmpty", what.text() + " has no vertices"};
     if (bytes > limits.bufferBytes)
         return Error{GN_ERROR_TOO_MANY, "MeshTooLarge",
                      what.text() + " needs a buffer of " + std::to_string(bytes) + " bytes; the device takes " +
                          std::to_string(limits.bufferBytes)};
-    if (info.positionCount - 1 > limits.index)
+    if (positionCount - 1 > limits.index)
         return Error{GN_ERROR_TOO_MANY, "MeshTooLarge",
-                     what.text() + " has " + std::to_string(info.positionCount) +
+                     what.text() + " has " + std::to_string(positionCount) +
                          " vertices; the largest index that the device draws is " + std::to_string(limits.index)};
+    return {};
+}
+
+Result<bool> readFrontFace(Subject what, VkFrontFace frontFace)
+{
+    if (frontFace == VK_FRONT_FACE_COUNTER_CLOCKWISE || frontFace == VK_FRONT_FACE_CLOCKWISE)
+        return frontFace == VK_FRONT_FACE_CLOCKWISE;
+    return outOfRange(what, "frontFace", frontFace, "VkFrontFace");
+}
+
+Result<MeshInput> readMesh(const GnMeshCreateInfo& info, const MeshLimits& limits)
+{
+    const Subject what{"mesh", info.pName};
+    if (!info.pPositions)
+        return Error{GN_ERROR_NULL_ARGUMENT, "MeshPositionsNull",
+                     what.text() + ": pPositions is null, and so is pBuffers"};
+    if (info.flags) return outOfRange(what, "flags", info.flags, "{0}: they are of meshes in buffers");
+    const std::uint64_t bytes = std::max(std::uint64_t{12} * info.positionCount, std::uint64_t{4} * info.indexCount);
+    if (Result<void> fits = checkMeshSize(what, info.positionCount, bytes, limits); !fits) return fits.error();
+    const Result<bool> clockwise = readFrontFace(what, info.frontFace);
+    if (!clockwise) return clockwise.error();
     Result<std::vector<std::uint32_t>> indices = readIndices(what, info);
     if (!indices) return indices.error();
+    if (*clockwise)
+        for (std::size_t i = 0; i < indices->size(); i += 3)
+            std::swap((*indices)[i + 1], (*indices)[i + 2]);
     Result<std::vector<glm::vec3>> positions =
         readPositions(what, info.pPositions, info.positionCount, info.positionStride);
     if (!positions) return positions.error();
-    return MeshInput{info.pName ? info.pName : "", std::move(*positions), std::move(*indices)};
+    return MeshInput{info.pName ? info.pName : "", *clockwise, std::move(*positions), std::move(*indices)};
 }
 
 KeptTriangles withoutZeroArea(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices)

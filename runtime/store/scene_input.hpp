@@ -28,6 +28,7 @@ struct Subject {
 /// Corners or vertices of a mesh as the host gave them.
 struct MeshInput {
     std::string name;
+    bool turned = false;                ///< MeshView::turned; `indices` are counter-clockwise then.
     std::vector<glm::vec3> positions;   ///< Followed by kPositionPadding unused ones.
     std::vector<std::uint32_t> indices; ///< In range; zero-area triangles are still there.
 };
@@ -41,6 +42,14 @@ struct MeshLimits {
     std::uint32_t index;       ///< The largest in an indexed draw.
 };
 
+/// Finite and at most kLargestMagnitude. @param name as in gnomon.h, "translation[2]"
+Result<void> checkNumber(Subject what, double value, const char* name);
+/// How many corners of triangles there are, not 0 and a multiple of 3.
+Result<std::uint32_t> readIndexCount(Subject what, const GnMeshCreateInfo& info, bool hasIndices);
+/// Not more than the device takes. @param bytes of the larger one of its buffers
+Result<void> checkMeshSize(Subject what, std::uint32_t positionCount, std::uint64_t bytes, const MeshLimits& limits);
+/// Whether fronts are clockwise.
+Result<bool> readFrontFace(Subject what, VkFrontFace frontFace);
 Result<MeshInput> readMesh(const GnMeshCreateInfo& info, const MeshLimits& limits);
 /// Finite positions, packed and padded.
 Result<std::vector<glm::vec3>> readPositions(Subject what, const float* positions, std::uint32_t count,

@@ -26,6 +26,7 @@ void SceneRegistry::Impl::adoptMany(std::vector<RevisionPtr>& released)
 
 void SceneRegistry::Impl::adoptBuilt(std::vector<RevisionPtr>& released)
 {
+    adoptCopies(released);
     if (building.empty()) return;
     const std::size_t before = released.size();
     moveOut(building, released, [](const RevisionPtr& revision) { return revision->job.done(); });
@@ -66,6 +67,7 @@ void SceneRegistry::Impl::letGo(std::vector<RevisionPtr>& released)
 
 Result<GnMesh> SceneRegistry::createMesh(const GnMeshCreateInfo& info)
 {
+    if (info.pBuffers) return createMeshInBuffers(info);
     Result<MeshInput> input = readMesh(info, impl_->builder.limits());
     if (!input) return input.error();
     std::vector<MeshUpload> uploads;
@@ -95,6 +97,9 @@ Result<void> SceneRegistry::updateMeshPositions(GnMesh mesh, const float* positi
     }
     if (!old) return invalidHandle("mesh");
     const MeshIdentity& identity = *old->identity;
+    if (old->inBuffers)
+        return Error{GN_ERROR_INVALID_HANDLE, "MeshInBuffers",
+                     identity.what() + " is in buffers: gnUpdateMeshFromBuffer replaces its positions"};
     if (count != identity.positionCount)
         return Error{GN_ERROR_OUT_OF_RANGE, "MeshPositionCount",
                      identity.what() + " has " + std::to_string(identity.positionCount) + " vertices, but " +
@@ -132,6 +137,7 @@ void SceneRegistry::destroyMesh(GnMesh mesh)
         impl_->adoptBuilt(released);
         makeRoom(released);
         makeRoom(impl_->graves);
+        if (const auto& inBuffers = (*impl_->findMesh(mesh))->inBuffers) inBuffers->destroyed = true;
         impl_->release(impl_->meshes.take(bitsOf(mesh)), released);
     }
     impl_->letGo(released);
@@ -174,15 +180,6 @@ VkMemoryBarrier2 uploadsBeforeReads(const DeviceTable& vk)
     return barrier;
 }
 
-void orderMemory(const DeviceTable& vk, VkCommandBuffer cmd, const VkMemoryBarrier2& barrier)
-{
-    VkDependencyInfo dependency{};
-    dependency.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
-    dependency.memoryBarrierCount = 1;
-    dependency.pMemoryBarriers = &barrier;
-    vk.vkCmdPipelineBarrier2(cmd, &dependency);
-}
-
 } // namespace
 
 void SceneRegistry::recordUploads(VkCommandBuffer cmd, std::uint64_t frame)
@@ -212,11 +209,13 @@ void SceneRegistry::dropUploads(std::uint64_t frame)
     for (Impl::RecordedUpload& recorded : self.recorded)
         if (recorded.frame == frame) self.uploads.push_back(std::move(recorded.upload));
     std::erase_if(self.recorded, [frame](const Impl::RecordedUpload& recorded) { return recorded.frame == frame; });
+    self.dropConversions(frame);
 }
 
 void SceneRegistry::retire(std::uint64_t completedFrame)
 {
     Impl& self = *impl_;
+    self.retireConversions(completedFrame);
     const auto done = [completedFrame](const auto& waiting) { return waiting.frame <= completedFrame; };
     {
         const std::lock_guard lock(self.mutex);
@@ -231,6 +230,7 @@ void SceneRegistry::retire(std::uint64_t completedFrame)
 
 void SceneRegistry::finishBackground()
 {
+    finishCopies();
     std::size_t from = 0; // those before it were done
     while (true) {
         RevisionPtr revision;

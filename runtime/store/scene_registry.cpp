@@ -9,6 +9,8 @@ SceneRegistry::Impl::~Impl()
     meshes.forEach([](RevisionPtr& revision) { revision->abandoned.store(true, std::memory_order_relaxed); });
     for (const RevisionPtr& revision : building)
         jobs.wait(revision->job);
+    for (const CopyPtr& copy : copies)
+        jobs.wait(copy->job);
 }
 
 SceneRegistry::SceneRegistry(const DeviceTable& vk, DeviceMemory& memory, JobSystem& jobs, RayScene* rays,

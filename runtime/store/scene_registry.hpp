@@ -18,6 +18,9 @@
 
 namespace gnomon {
 
+class DescriptorRing;
+class PipelineStore;
+
 /// The table of transforms the caster vertex shader reads: world = basis * object + translation, as 3 rows of vec4
 /// (basis row, translation component).
 struct InstanceTransform {
@@ -35,7 +38,12 @@ public:
 
     Result<GnMesh> createMesh(const GnMeshCreateInfo& info);
     Result<void> updateMeshPositions(GnMesh mesh, const float* positions, std::uint32_t count, std::uint32_t stride);
+    /// @param lower, upper of three numbers; null, both of them: as before
+    Result<void> updateMeshFromBuffer(GnMesh mesh, const VkDescriptorBufferInfo& positions, const float* lower,
+                                      const float* upper);
     void destroyMesh(GnMesh mesh);
+    /// Before the first mesh in buffers. @param owner of the pipelines that read them; no frame warms these up
+    void readBuffersBy(PipelineStore& pipelines, std::uint32_t owner);
 
     Result<GnInstance> createInstance(const GnInstanceCreateInfo& info);
     Result<void> setInstanceTransform(GnInstance instance, const GnTransform& transform);
@@ -77,7 +85,11 @@ public:
     /// command buffer. On devices where buffers are written in place there is nothing to record.
     bool uploadsPending() const;
     void recordUploads(VkCommandBuffer cmd, std::uint64_t frame);
-    /// The command buffer recorded for `frame` will not be submitted: its uploads are to be recorded again.
+    /// The same of meshes in the host's buffers, as of the newest begin(), and copies of them for the CPU. After the
+    /// uploads: what the GPU wrote last counts.
+    bool conversionsPending() const;
+    Result<void> recordConversions(VkCommandBuffer cmd, std::uint64_t frame, DescriptorRing& descriptors);
+    /// The command buffer recorded for `frame` will not be submitted: all of that is to be recorded again.
     void dropUploads(std::uint64_t frame);
 
     /// Frees what was replaced or destroyed in frames up to `completedFrame`.
@@ -86,6 +98,8 @@ public:
     void finishBackground();
 
 private:
+    Result<GnMesh> createMeshInBuffers(const GnMeshCreateInfo& info);
+    void finishCopies();
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

@@ -1,11 +1,13 @@
 #pragma once
 // State of the SceneRegistry. Its functions are in scene_registry.cpp (instances, lights), scene_meshes.cpp (meshes,
-// uploads, what waits for the GPU) and scene_frame.cpp (what one frame sees).
+// uploads, what waits for the GPU), scene_buffers.cpp (meshes in the host's buffers) and scene_frame.cpp (what one
+// frame sees).
 #include <algorithm>
+#include <optional>
 
 #include "runtime/base/make_room.hpp"
 #include "runtime/base/slot_map.hpp"
-#include "runtime/store/mesh_store.hpp"
+#include "runtime/store/buffer_mesh.hpp"
 #include "runtime/store/scene_records.hpp"
 #include "runtime/store/scene_registry.hpp"
 
@@ -18,6 +20,15 @@ using LightPtr = std::shared_ptr<LightRecord>;
 inline Error tooMany(const char* kind)
 {
     return {GN_ERROR_TOO_MANY, "TooManyHandles", std::string("more than 16777216 objects of kind ") + kind};
+}
+
+inline void orderMemory(const DeviceTable& vk, VkCommandBuffer cmd, const VkMemoryBarrier2& barrier)
+{
+    VkDependencyInfo dependency{};
+    dependency.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
+    dependency.memoryBarrierCount = 1;
+    dependency.pMemoryBarriers = &barrier;
+    vk.vkCmdPipelineBarrier2(cmd, &dependency);
 }
 
 struct SceneRegistry::Impl {
@@ -39,7 +50,44 @@ struct SceneRegistry::Impl {
         std::shared_ptr<const void> target;
     };
 
+    /// What the GPU has to read out of the host's buffers.
+    struct Conversion {
+        RevisionPtr revision;
+        VkDescriptorBufferInfo positions{};
+        std::optional<VkDescriptorBufferInfo> indices; ///< The first time.
+    };
+    struct RecordedConversion {
+        std::uint64_t frame;
+        Conversion conversion;
+    };
+    /// A revision that the GPU alone has, on its way to the CPU and through a worker.
+    struct MeshCopy {
+        RevisionPtr of;
+        std::uint64_t mesh = 0; ///< Handle.
+        OwnedBuffer content;
+        std::uint64_t frame = 0; ///< Which records it; 0: none yet.
+        bool submitted = false;  ///< The job.
+        const Impl* registry = nullptr;
+        JobSystem::Job job;
+        RevisionPtr made; ///< By the job; null where it failed.
+        std::vector<MeshUpload> uploads;
+    };
+    using CopyPtr = std::shared_ptr<MeshCopy>;
+
     // Mutex held.
+    static void request(Conversion conversion, std::vector<Conversion>& list);
+    void takeConversions();
+    bool beginCopy(std::uint64_t mesh);
+    void wantCopy(std::uint64_t mesh);
+    void recordCopies(VkCommandBuffer cmd, std::uint64_t frame);
+    void dropConversions(std::uint64_t frame);
+    void adoptCopies(std::vector<RevisionPtr>& released);
+    // Not with the mutex held.
+    void retireConversions(std::uint64_t completedFrame);
+    void tell(const BufferMesh& mesh) const;
+    void makeCopied(MeshCopy& copy) const noexcept;
+    void reportWaitingCopies();
+
     RevisionPtr* findMesh(GnMesh mesh) noexcept { return meshes.find(bitsOf(mesh)); }
     void adoptBuilt(std::vector<RevisionPtr>& released);
     /// The same once there are many: meshes are created by the thousand.
@@ -91,6 +139,13 @@ struct SceneRegistry::Impl {
     std::vector<RecordedUpload> recorded;
     std::vector<Grave> graves;
     std::uint64_t lastFrame = 0; ///< 0: no frame yet.
+    std::unique_ptr<MeshConverter> converter;
+    std::vector<Conversion> requested, due; ///< Since begin(), and before.
+    std::vector<RecordedConversion> converted;
+    std::vector<std::uint64_t> copiesWanted; ///< Handles.
+    std::vector<CopyPtr> copies;
+    bool copyWaits = false; ///< For memory.
+    bool copyWaitReported = false;
 
     // The frame's thread only.
     SlotMap<LightPtr> lights;

@@ -75,7 +75,7 @@ Result<VkDescriptorSet> DescriptorRing::next(VkDescriptorSetLayout layout, std::
     for (std::size_t i = 0; i < count; ++i) {
         const DescriptorWrite& write = writes[i];
         images[i] = {write.sampler, write.view, write.layout};
-        buffers[i] = {write.buffer, 0, write.range};
+        buffers[i] = {write.buffer, write.offset, write.range};
         structures[i] = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET_ACCELERATION_STRUCTURE_KHR,
                          .accelerationStructureCount = 1,
                          .pAccelerationStructures = &write.structure};

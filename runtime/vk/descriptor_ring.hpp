@@ -23,6 +23,7 @@ struct DescriptorWrite {
     VkBuffer buffer = VK_NULL_HANDLE; ///< constants: the ring; the offset is dynamic.
     VkDeviceSize range = VK_WHOLE_SIZE;
     VkAccelerationStructureKHR structure = VK_NULL_HANDLE;
+    VkDeviceSize offset = 0; ///< Of a storage buffer.
 };
 
 class DescriptorRing {

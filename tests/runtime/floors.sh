@@ -30,7 +30,7 @@ table='
 3  rules/yaml               rules/engine runtime/base
 3  runtime/plan             rules/engine runtime/base
 3  runtime/rays             runtime/scene runtime/base
-4  runtime/store            runtime/rays runtime/scene runtime/vk runtime/base runtime/include/gnomon
+4  runtime/store            runtime/rays runtime/scene runtime/vk runtime/base runtime/include/gnomon shaders/runtime
 5  runtime/passes           runtime/store runtime/scene runtime/vk runtime/base runtime/include/gnomon
 6  runtime                  runtime/passes
 6  runtime/accel            runtime/passes runtime/scene runtime/vk runtime/base shaders/shared

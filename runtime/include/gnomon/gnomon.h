@@ -432,6 +432,8 @@ typedef enum GnTraitBits {
     GN_TRAIT_FALLBACK_BIT = 0x400,      ///< Serves while the chosen method is not ready.
     GN_TRAIT_PLANAR_BIT = 0x800,        ///< Right on the plane that most receivers lie on, and nowhere else.
     GN_TRAIT_DEVICE_RAYS_BIT = 0x1000,  ///< Traces rays on the device: needs its acceleration structures of the casters.
+    GN_TRAIT_GPU_POSITIONS_BIT = 0x2000, ///< Of topology it needs edges and faces alone: sees meshes in buffers that
+                                         ///< are rewritten in every frame, once they have been copied in some pose.
     GN_TRAIT_MAX_ENUM = 0x7FFFFFFF
 } GnTraitBits;
 /** Bits of #GnTraitBits. */

@@ -10,8 +10,8 @@ never another object.
 /* --- geometry -------------------------------------------------------------------------------------------------- */
 
 /** \name Sides
-The front of a triangle is the side from which its corners go counter-clockwise, in object space. All triangles stop
-light from both sides, whichever of them the host draws.
+The front of a triangle is the side from which its corners go counter-clockwise, in object space, or clockwise where
+GnMeshCreateInfo::frontFace says so. All triangles stop light from both sides, whichever of them the host draws.
 - A mesh is *closed* where every edge is used equally often in both directions; its fronts are the outside. The host may
   cull its backs or draw both sides.
 - An *open* mesh is taken to be drawn from both sides. Of a host that draws fronts only, #GN_INSTANCE_SINGLE_SIDED_BIT
@@ -24,26 +24,80 @@ light from both sides, whichever of them the host draws.
   open mesh of which the host draws either the fronts or both sides: right for either host, and slower than a solid.
 - Normals that the host gives (GnViewFrame::normalImage) belong to the side that is seen, and look towards the eye. */
 
-/** Describes a triangle mesh; arrays are copied before the call returns. */
+/** What a mesh in buffers is. */
+typedef enum GnMeshFlagBits {
+    GN_MESH_NO_CPU_COPY_BIT = 0x1, ///< Never copied to the CPU. Methods that need topology, rays or triangles there do
+                                   ///< not serve lights that have it in range, and say so.
+    GN_MESH_CLOSED_BIT = 0x2,      ///< The host knows that it is closed (see "Sides"): while no topology is there to
+                                   ///< tell, it is drawn as a solid, without bias. Wrongly set, its shadow has holes.
+    GN_MESH_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
+} GnMeshFlagBits;
+/** Bits of #GnMeshFlagBits. */
+typedef VkFlags GnMeshFlags;
+
+/** Where a mesh lies in buffers of the host.
+
+The GPU reads them once, in the first frame that begins after the call, into buffers of gnomon's own, as 12-byte
+positions and 32-bit indices. Both buffers have VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, and belong to the context's queue
+family or are shared with it. They must live, and keep their content, until that frame is in
+GnFrameInfo::completedFrame; where it is dropped or fails, until the one after it is. Commands that the host gave to the
+context's queue before that frame need no barrier towards it, nor do copies and compute passes that write the buffers
+after it; other queues need their semaphores.
+
+`range` is how many bytes from `offset` on may be read; VK_WHOLE_SIZE is no number. Where an index is past the vertices,
+its triangle casts nothing; what is not finite, or beyond 1e18, becomes 0. Either is reported once, by message, when the
+frame is completed. */
+typedef struct GnMeshBuffers {
+    uint32_t structSize GN_SIZE_OF(GnMeshBuffers); ///< sizeof(GnMeshBuffers).
+    VkFormat positionFormat;          ///< R32G32B32_SFLOAT, R16G16B16A16_SFLOAT or R16G16B16A16_SNORM; w is not read.
+    VkDescriptorBufferInfo positions; ///< Required. `offset`, a multiple of 4, is that of vertex 0.
+    VkDescriptorBufferInfo indices; ///< `offset`, a multiple of the size of an index, is that of the first one; 16-bit
+                                    ///< indices are read in pairs: up to the next multiple of 4. Null: 0, 1, 2, ...
+    VkIndexType indexType;          ///< UINT16 or UINT32.
+    int32_t vertexOffset;           ///< Added to every index, as by vkCmdDrawIndexed().
+    float positionScale[3];         ///< Position = value * scale + bias. All zero means 1.
+    float positionBias[3];          ///< Object space.
+    float boundsMin[3], boundsMax[3]; ///< Required. Object space: what lies outside may be culled.
+} GnMeshBuffers;
+
+/** Describes a triangle mesh, in arrays, which are copied before the call returns, or in buffers. */
 typedef struct GnMeshCreateInfo {
     uint32_t structSize GN_SIZE_OF(GnMeshCreateInfo); ///< sizeof(GnMeshCreateInfo).
-    const char* pName;         ///< Optional.
-    const float* pPositions;   ///< Required. xyz, object space, finite.
-    uint32_t positionCount;    ///< Number of vertices.
-    uint32_t positionStride;   ///< Bytes between vertices; 0 means 12. Multiple of 4.
-    uint32_t indexCount;       ///< Multiple of 3.
-    const uint32_t* pIndices;  ///< Three per triangle, counter-clockwise seen from the front; null: 0, 1, 2, ...
+    const char* pName;                                ///< Optional.
+    const float* pPositions;                          ///< Required without pBuffers. xyz, object space, finite.
+    uint32_t positionCount;                           ///< Number of vertices.
+    uint32_t positionStride;       ///< Bytes between vertices; 0: those of a position. Multiple of 4.
+    uint32_t indexCount;           ///< Multiple of 3.
+    const uint32_t* pIndices;      ///< Three per triangle, in the order of frontFace; null: 0, 1, 2, ...
+    const GnMeshBuffers* pBuffers; ///< Null: the mesh is in pPositions and pIndices, which are null otherwise.
+    VkFrontFace frontFace;         ///< How the corners of a triangle go, seen from its front; 0: counter-clockwise.
+    GnMeshFlags flags;             ///< Of a mesh in buffers; else 0.
 } GnMeshCreateInfo;
 
-/** \brief Copies a mesh. Topology and ray-tracing trees are built by workers; until then the mesh casts by the methods
+/** \brief Adds a mesh. Topology and ray-tracing trees are built by workers; until then the mesh casts by the methods
 that do not need them. Zero-area triangles are dropped with a warning. Any thread.
-\return #GN_ERROR_EMPTY, #GN_ERROR_OUT_OF_RANGE (index), #GN_ERROR_NOT_A_NUMBER, #GN_ERROR_INFINITE, #GN_ERROR_TOO_MANY
-    (more than a storage buffer of the device holds, or an index that it does not draw). */
+
+A mesh in buffers casts from the next frame on. Unless #GN_MESH_NO_CPU_COPY_BIT forbids it, its content is copied to the
+CPU in the first frame that does not rewrite it, without a wait; some frames later topology and trees are built of that.
+Until then methods that need them do not serve its lights, and say so. One that is rewritten in every frame stays so.
+\return #GN_ERROR_EMPTY, #GN_ERROR_OUT_OF_RANGE (an index; `range` too small, with how much is needed; offset, stride
+    or flags), #GN_ERROR_UNSUPPORTED (format or type of index), #GN_ERROR_NOT_A_NUMBER, #GN_ERROR_INFINITE,
+    #GN_ERROR_TOO_MANY (more than a storage buffer of the device holds, or an index that it does not draw). */
 GN_API GnResult GN_CALL gnCreateMesh(GnContext context, const GnMeshCreateInfo* pCreateInfo, GnMesh* pMesh);
 
-/** \brief Replaces all positions (same count as at creation). Seen from the next frame on. Any thread. */
+/** \brief Replaces all positions of a mesh of arrays (same count as at creation). Seen from the next frame on. Any
+thread. */
 GN_API GnResult GN_CALL gnUpdateMeshPositions(GnContext context, GnMesh mesh, const float* pPositions,
                                               uint32_t positionCount, uint32_t positionStride);
+
+/** \brief Replaces all positions of a mesh in buffers: skinning, cloth. Format, stride, scale, bias and count are those
+of its creation. The GPU reads the buffer once, in the next frame, and before everything that this frame draws; what
+GnMeshBuffers says of lifetime and order holds. The CPU does nothing per vertex. Any thread.
+\param pPositions read during the call only.
+\param boundsMin, boundsMax new bounds, object space; null: those from before hold.
+\return #GN_ERROR_INVALID_HANDLE for a mesh of arrays, #GN_ERROR_OUT_OF_RANGE as gnCreateMesh(). */
+GN_API GnResult GN_CALL gnUpdateMeshFromBuffer(GnContext context, GnMesh mesh, const VkDescriptorBufferInfo* pPositions,
+                                               const float boundsMin[3], const float boundsMax[3]);
 
 /** \brief Destroys the mesh; instances still using it cast nothing. Memory waits for the GPU by itself. Any thread. */
 GN_API void GN_CALL gnDestroyMesh(GnContext context, GnMesh mesh);

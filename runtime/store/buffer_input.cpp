@@ -1,0 +1,147 @@
+#include "runtime/store/buffer_input.hpp"
+
+#include <algorithm>
+
+#include "runtime/base/struct_size.hpp"
+
+namespace gnomon {
+namespace {
+
+Error outOfRange(Subject what, const char* id, const std::string& text)
+{
+    return {GN_ERROR_OUT_OF_RANGE, id, what.text() + ": " + text};
+}
+
+Error unsupported(Subject what, const char* id, const std::string& text)
+{
+    return {GN_ERROR_UNSUPPORTED, id, what.text() + ": " + text};
+}
+
+std::uint32_t bytesOf(VkFormat format)
+{
+    if (format == VK_FORMAT_R32G32B32_SFLOAT) return 12;
+    return format == VK_FORMAT_R16G16B16A16_SFLOAT || format == VK_FORMAT_R16G16B16A16_SNORM ? 8 : 0;
+}
+
+/// @param part "positions" or "indices" @param need bytes from the offset on
+Result<void> checkRange(Subject what, const char* part, const VkDescriptorBufferInfo& range, std::uint64_t unit,
+                        std::uint64_t need, const MeshLimits& limits)
+{
+    const std::string name = part;
+    if (!range.buffer)
+        return Error{GN_ERROR_NULL_ARGUMENT, "MeshBufferNull", what.text() + ": " + name + ".buffer is null"};
+    if (range.offset % unit != 0)
+        return outOfRange(what, "MeshBufferOffset",
+                          name + ".offset is " + std::to_string(range.offset) + ", not a multiple of " +
+                              std::to_string(unit));
+    if (range.range == VK_WHOLE_SIZE || range.range < need)
+        return outOfRange(what, "MeshBufferTooSmall",
+                          name + ".range is " +
+                              (range.range == VK_WHOLE_SIZE ? "VK_WHOLE_SIZE" : std::to_string(range.range)) + "; " +
+                              std::to_string(need) + " bytes are needed");
+    if (need <= limits.bufferBytes) return {};
+    return Error{GN_ERROR_TOO_MANY, "MeshTooLarge",
+                 what.text() + ": " + name + " are " + std::to_string(need) + " bytes long; the device reads " +
+                     std::to_string(limits.bufferBytes)};
+}
+
+Result<void> readScale(Subject what, const GnMeshBuffers& buffers, BufferMeshLayout& layout)
+{
+    static constexpr const char* kScale[] = {"positionScale[0]", "positionScale[1]", "positionScale[2]"};
+    static constexpr const char* kBias[] = {"positionBias[0]", "positionBias[1]", "positionBias[2]"};
+    for (int i = 0; i < 3; ++i) {
+        if (Result<void> check = checkNumber(what, buffers.positionScale[i], kScale[i]); !check) return check;
+        if (Result<void> check = checkNumber(what, buffers.positionBias[i], kBias[i]); !check) return check;
+    }
+    const bool none = std::all_of(std::begin(buffers.positionScale), std::end(buffers.positionScale),
+                                  [](float scale) { return scale == 0.0f; });
+    for (int i = 0; i < 3; ++i) {
+        layout.scale[i] = none ? 1.0f : buffers.positionScale[i];
+        layout.bias[i] = buffers.positionBias[i];
+    }
+    return {};
+}
+
+Result<void> readPositionLayout(Subject what, const GnMeshCreateInfo& info, const GnMeshBuffers& buffers,
+                                BufferMeshLayout& layout)
+{
+    const std::uint32_t bytes = bytesOf(buffers.positionFormat);
+    if (bytes == 0)
+        return unsupported(what, "MeshPositionFormat",
+                           "positionFormat " + std::to_string(buffers.positionFormat) +
+                               " is none of R32G32B32_SFLOAT, R16G16B16A16_SFLOAT and R16G16B16A16_SNORM");
+    layout.format = buffers.positionFormat;
+    layout.stride = info.positionStride ? info.positionStride : bytes;
+    layout.positionCount = info.positionCount;
+    if (layout.stride < bytes || layout.stride % 4 != 0)
+        return outOfRange(what, "MeshPositionStride",
+                          "positionStride " + std::to_string(layout.stride) + " is not a multiple of 4, at least " +
+                              std::to_string(bytes));
+    return readScale(what, buffers, layout);
+}
+
+Result<void> readIndexLayout(Subject what, const GnMeshCreateInfo& info, const GnMeshBuffers& buffers,
+                             const MeshLimits& limits, BufferMeshLayout& layout)
+{
+    const Result<std::uint32_t> count = readIndexCount(what, info, buffers.indices.buffer != VK_NULL_HANDLE);
+    if (!count) return count.error();
+    layout.indexCount = *count;
+    if (!buffers.indices.buffer) {
+        if (*count <= layout.positionCount) return {};
+        return outOfRange(what, "MeshIndexOutOfRange",
+                          "indexCount is " + std::to_string(*count) + " without indices, past the " +
+                              std::to_string(layout.positionCount) + " vertices");
+    }
+    if (buffers.indexType != VK_INDEX_TYPE_UINT16 && buffers.indexType != VK_INDEX_TYPE_UINT32)
+        return unsupported(what, "MeshIndexType",
+                           "indexType " + std::to_string(buffers.indexType) + " is neither UINT16 nor UINT32");
+    layout.indexBytes = buffers.indexType == VK_INDEX_TYPE_UINT16 ? 2 : 4;
+    layout.vertexOffset = buffers.vertexOffset;
+    // The shader reads words of four bytes.
+    const std::uint64_t before = buffers.indices.offset % 4;
+    const std::uint64_t need = (before + std::uint64_t{*count} * layout.indexBytes + 3) / 4 * 4 - before;
+    return checkRange(what, "indices", buffers.indices, layout.indexBytes, need, limits);
+}
+
+} // namespace
+
+Result<void> checkPositions(Subject what, const BufferMeshLayout& layout, const VkDescriptorBufferInfo& positions,
+                            const MeshLimits& limits)
+{
+    const std::uint64_t need = std::uint64_t{layout.positionCount - 1} * layout.stride + bytesOf(layout.format);
+    return checkRange(what, "positions", positions, 4, need, limits);
+}
+
+Result<BufferMeshInput> readMeshInBuffers(const GnMeshCreateInfo& info, const MeshLimits& limits)
+{
+    const Subject what{"mesh", info.pName};
+    const Result<GnMeshBuffers> buffers = readStruct<GnMeshBuffers>(info.pBuffers, "pBuffers");
+    if (!buffers) return buffers.error();
+    if (info.pPositions || info.pIndices)
+        return outOfRange(what, "MeshTwice",
+                          std::string(info.pPositions ? "pPositions" : "pIndices") + " and pBuffers are both given");
+    if (const GnMeshFlags other = info.flags & ~GnMeshFlags{GN_MESH_NO_CPU_COPY_BIT | GN_MESH_CLOSED_BIT})
+        return outOfRange(what, "OutOfRange",
+                          "flags has " + std::to_string(other) + ", which is none of GnMeshFlagBits");
+
+    BufferMeshInput out;
+    out.name = info.pName ? info.pName : "";
+    const std::uint64_t bytes = std::max(std::uint64_t{12} * info.positionCount, std::uint64_t{4} * info.indexCount);
+    if (Result<void> fits = checkMeshSize(what, info.positionCount, bytes, limits); !fits) return fits.error();
+    if (Result<void> ok = readPositionLayout(what, info, *buffers, out.layout); !ok) return ok.error();
+    if (Result<void> ok = readIndexLayout(what, info, *buffers, limits, out.layout); !ok) return ok.error();
+    if (Result<void> ok = checkPositions(what, out.layout, buffers->positions, limits); !ok) return ok.error();
+    const Result<bool> turned = readFrontFace(what, info.frontFace);
+    if (!turned) return turned.error();
+    const Result<Aabb> bounds = readBounds(what, buffers->boundsMin, buffers->boundsMax);
+    if (!bounds) return bounds.error();
+    out.layout.turned = *turned;
+    out.layout.closed = (info.flags & GN_MESH_CLOSED_BIT) != 0;
+    out.layout.noCpuCopy = (info.flags & GN_MESH_NO_CPU_COPY_BIT) != 0;
+    out.bounds = *bounds;
+    out.positions = buffers->positions;
+    out.indices = buffers->indices;
+    return out;
+}
+
+} // namespace gnomon

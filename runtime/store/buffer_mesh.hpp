@@ -1,0 +1,69 @@
+#pragma once
+// Meshes in the host's buffers: the GPU's copy of them, and the passes that make it.
+#include <mutex>
+
+#include "runtime/store/buffer_input.hpp"
+#include "runtime/store/mesh_store.hpp"
+#include "runtime/vk/descriptor_ring.hpp"
+#include "runtime/vk/pipeline_store.hpp"
+
+namespace gnomon {
+
+/// What all revisions of such a mesh share. The GPU rewrites its copy in place, between two frames that draw it: all of
+/// them are on one queue. A copy, since every reader wants 12-byte positions and 32-bit indices that are in range, and
+/// since the host has its buffers back after one frame.
+struct BufferMesh {
+    std::shared_ptr<MeshIdentity> identity;
+    BufferMeshLayout layout;
+    OwnedBuffer vertices, indices;
+    OwnedBuffer findings; ///< Mapped: MeshFindings, written by the GPU.
+
+    // Guarded by the registry's mutex.
+    std::shared_ptr<MeshFaces> copiedFaces;       ///< Of the newest copy for the CPU; never written while one is made.
+    std::shared_ptr<const Topology> connectivity; ///< Of the first.
+    Aabb bounds;                                  ///< The newest that the host gave.
+    bool destroyed = false;                       ///< The host's buffers may be gone.
+    bool copying = false;                         ///< For the CPU.
+    bool told = false;                            ///< Of what was wrong.
+};
+
+/// As mesh_positions.comp and mesh_indices.comp have it.
+struct MeshFindings {
+    std::uint32_t firstWrongVertex, firstWrongIndex; ///< UINT32_MAX: none.
+};
+
+/// The compute passes that read the host's buffers.
+class MeshConverter {
+public:
+    /// @param owner of the pipelines, in the store
+    MeshConverter(const DeviceTable& vk, PipelineStore& pipelines, std::uint32_t owner);
+
+    /// Makes the pipelines, once: some milliseconds. Any thread.
+    Result<void> prepare();
+    /// Barriers are the caller's: host's writes before compute reads, and compute writes before what follows.
+    Result<void> positions(VkCommandBuffer cmd, DescriptorRing& descriptors, const BufferMesh& mesh,
+                           const VkDescriptorBufferInfo& from) const;
+    Result<void> indices(VkCommandBuffer cmd, DescriptorRing& descriptors, const BufferMesh& mesh,
+                         const VkDescriptorBufferInfo& from) const;
+
+private:
+    struct Job {
+        PipelineId pipeline;
+        VkDescriptorBufferInfo from; ///< Aligned as the device asks.
+        VkBuffer to;
+        std::uint32_t count;
+        const void* push;
+        std::uint32_t pushBytes;
+    };
+    Result<void> dispatch(VkCommandBuffer cmd, DescriptorRing& descriptors, const BufferMesh& mesh,
+                          const Job& job) const;
+    VkDescriptorBufferInfo aligned(const VkDescriptorBufferInfo& from) const;
+
+    const DeviceTable& vk_;
+    PipelineStore& pipelines_;
+    std::uint32_t owner_;
+    PipelineId positions_, indices_;
+    std::mutex mutex_;
+};
+
+} // namespace gnomon

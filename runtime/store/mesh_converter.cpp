@@ -1,0 +1,112 @@
+#include <algorithm>
+
+#include "runtime/store/buffer_mesh.hpp"
+#include "shaders/runtime/mesh_read.h"
+#include "shaders/runtime_mesh_indices_comp.h"
+#include "shaders/runtime_mesh_positions_comp.h"
+
+namespace gnomon {
+namespace {
+
+constexpr BindingInfo kBindings[] = {{.binding = 0, .kind = BindingKind::storageBuffer},
+                                     {.binding = 1, .kind = BindingKind::storageBuffer},
+                                     {.binding = 2, .kind = BindingKind::storageBuffer}};
+
+std::uint32_t formatWord(VkFormat format)
+{
+    if (format == VK_FORMAT_R16G16B16A16_SFLOAT) return gpu::MESH_HALVES;
+    return format == VK_FORMAT_R16G16B16A16_SNORM ? gpu::MESH_SNORMS : gpu::MESH_FLOATS;
+}
+
+} // namespace
+
+MeshConverter::MeshConverter(const DeviceTable& vk, PipelineStore& pipelines, std::uint32_t owner)
+    : vk_(vk), pipelines_(pipelines), owner_(owner)
+{
+    pipelines_.setOwner(owner);
+    positions_ = pipelines_.compute({.name = "mesh.positions",
+                                     .compute = {.code = k_runtime_mesh_positions_comp},
+                                     .bindings = kBindings,
+                                     .pushBytes = sizeof(gpu::MeshPositionsRead)});
+    indices_ = pipelines_.compute({.name = "mesh.indices",
+                                   .compute = {.code = k_runtime_mesh_indices_comp},
+                                   .bindings = kBindings,
+                                   .pushBytes = sizeof(gpu::MeshIndicesRead)});
+}
+
+Result<void> MeshConverter::prepare()
+{
+    const std::lock_guard lock(mutex_); // who comes second waits for the first
+    while (pipelines_.createNext(owner_)) {
+    }
+    const std::string failure = pipelines_.failure(owner_);
+    if (failure.empty()) return {};
+    return Error{GN_ERROR_FEATURE_MISSING, "MeshPipelines", "meshes in buffers cannot be read: " + failure};
+}
+
+VkDescriptorBufferInfo MeshConverter::aligned(const VkDescriptorBufferInfo& from) const
+{
+    const VkDeviceSize unit = std::max<VkDeviceSize>(vk_.properties.limits.minStorageBufferOffsetAlignment, 4);
+    const VkDeviceSize before = from.offset % unit;
+    return {from.buffer, from.offset - before, from.range + before};
+}
+
+Result<void> MeshConverter::positions(VkCommandBuffer cmd, DescriptorRing& descriptors, const BufferMesh& mesh,
+                                      const VkDescriptorBufferInfo& from) const
+{
+    const BufferMeshLayout& layout = mesh.layout;
+    const VkDescriptorBufferInfo bound = aligned(from);
+    const gpu::MeshPositionsRead push{.scale = {layout.scale[0], layout.scale[1], layout.scale[2], 0.0f},
+                                      .bias = {layout.bias[0], layout.bias[1], layout.bias[2], 0.0f},
+                                      .count = layout.positionCount,
+                                      .firstWord = static_cast<std::uint32_t>((from.offset - bound.offset) / 4),
+                                      .strideWords = layout.stride / 4,
+                                      .format = formatWord(layout.format)};
+    return dispatch(cmd, descriptors, mesh,
+                    {positions_, bound, mesh.vertices.get().buffer, layout.positionCount, &push, sizeof push});
+}
+
+Result<void> MeshConverter::indices(VkCommandBuffer cmd, DescriptorRing& descriptors, const BufferMesh& mesh,
+                                    const VkDescriptorBufferInfo& from) const
+{
+    const BufferMeshLayout& layout = mesh.layout;
+    // Without indices nothing is read of what is bound.
+    const VkDescriptorBufferInfo given =
+        layout.indexBytes ? from : VkDescriptorBufferInfo{mesh.findings.get().buffer, 0, sizeof(MeshFindings)};
+    const VkDescriptorBufferInfo bound = aligned(given);
+    const gpu::MeshIndicesRead push{.triangleCount = layout.indexCount / 3,
+                                    .firstByte = static_cast<std::uint32_t>(given.offset - bound.offset),
+                                    .indexBytes = layout.indexBytes,
+                                    .vertexOffset = static_cast<std::uint32_t>(layout.vertexOffset),
+                                    .vertexCount = layout.positionCount,
+                                    .turned = layout.turned ? 1u : 0u};
+    return dispatch(cmd, descriptors, mesh,
+                    {indices_, bound, mesh.indices.get().buffer, push.triangleCount, &push, sizeof push});
+}
+
+Result<void> MeshConverter::dispatch(VkCommandBuffer cmd, DescriptorRing& descriptors, const BufferMesh& mesh,
+                                     const Job& job) const
+{
+    const Pipeline& pipeline = pipelines_.get(job.pipeline);
+    const auto storage = [](std::uint32_t binding, VkBuffer buffer, VkDeviceSize offset, VkDeviceSize range) {
+        return DescriptorWrite{
+            .binding = binding, .kind = BindingKind::storageBuffer, .buffer = buffer, .range = range, .offset = offset};
+    };
+    const DescriptorWrite writes[] = {storage(0, job.from.buffer, job.from.offset, job.from.range),
+                                      storage(1, job.to, 0, VK_WHOLE_SIZE),
+                                      storage(2, mesh.findings.get().buffer, 0, VK_WHOLE_SIZE)};
+    const Result<VkDescriptorSet> set = descriptors.next(pipeline.setLayout, writes);
+    if (!set) return set.error();
+    const VkDescriptorSet handle = *set;
+    vk_.vkCmdBindPipeline(cmd, pipeline.bindPoint, pipeline.pipeline);
+    vk_.vkCmdBindDescriptorSets(cmd, pipeline.bindPoint, pipeline.layout, 0, 1, &handle, 0, nullptr);
+    vk_.vkCmdPushConstants(cmd, pipeline.layout, pipeline.pushStages, 0, job.pushBytes, job.push);
+    // Every device takes 65535 groups along an axis.
+    constexpr std::uint32_t kMostGroups = 65535;
+    const std::uint32_t groups = (job.count + gpu::MESH_GROUP - 1) / gpu::MESH_GROUP;
+    const std::uint32_t across = std::min(groups, kMostGroups);
+    vk_.vkCmdDispatch(cmd, across, (groups + across - 1) / across, 1);
+    return {};
+}
+
+} // namespace gnomon

@@ -1,0 +1,91 @@
+#include <cstring>
+
+#include "runtime/store/buffer_mesh.hpp"
+
+namespace gnomon {
+
+std::shared_ptr<MeshRevision> MeshBuilder::rewriteInBuffers(std::shared_ptr<BufferMesh> mesh, const Aabb& bounds) const
+{
+    auto revision = std::make_shared<MeshRevision>();
+    revision->identity = mesh->identity;
+    MeshView& view = revision->bare;
+    view.name = mesh->identity->name.c_str();
+    view.id = mesh->identity->id;
+    view.bounds = bounds;
+    view.edgeSpan = bounds.upper - bounds.lower; // no edge is longer
+    view.vertexBuffer = mesh->vertices.get().buffer;
+    view.indexBuffer = mesh->indices.get().buffer;
+    view.revision = revisions_.fetch_add(1, std::memory_order_relaxed) + 1;
+    view.turned = mesh->layout.turned;
+    view.noCpuCopy = mesh->layout.noCpuCopy;
+    view.connectivity = mesh->connectivity.get();
+    view.closed = view.connectivity ? view.connectivity->closed : mesh->layout.closed;
+    view.gpuTriangles = mesh->layout.indexCount / 3;
+    revision->inBuffers = std::move(mesh);
+    revision->shown = &view;
+    return revision;
+}
+
+Result<std::shared_ptr<MeshRevision>> MeshBuilder::createInBuffers(BufferMeshInput input) const
+{
+    auto mesh = std::make_shared<BufferMesh>();
+    mesh->layout = input.layout;
+    mesh->identity = std::make_shared<MeshIdentity>();
+    mesh->identity->name = std::move(input.name);
+    mesh->identity->id = meshes_.fetch_add(1, std::memory_order_relaxed) + 1;
+    mesh->identity->positionCount = input.layout.positionCount;
+    mesh->identity->turned = input.layout.turned;
+
+    constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    constexpr VkBufferUsageFlags kRead = kStorage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+    struct Wanted {
+        OwnedBuffer* to;
+        VkDeviceSize size;
+        VkBufferUsageFlags usage;
+        MemoryUse use;
+    };
+    for (const Wanted& wanted : {Wanted{&mesh->vertices, sizeof(glm::vec3) * VkDeviceSize{input.layout.positionCount},
+                                        kRead | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, MemoryUse::device},
+                                 Wanted{&mesh->indices, sizeof(std::uint32_t) * VkDeviceSize{input.layout.indexCount},
+                                        kRead | VK_BUFFER_USAGE_INDEX_BUFFER_BIT, MemoryUse::device},
+                                 Wanted{&mesh->findings, sizeof(MeshFindings), kStorage, MemoryUse::readback}}) {
+        const Result<GpuBuffer> made =
+            memory_.createBuffer(wanted.size, wanted.usage, wanted.use, mesh->identity->name.c_str());
+        if (!made) return made.error();
+        *wanted.to = OwnedBuffer(memory_, *made);
+    }
+    const MeshFindings none{UINT32_MAX, UINT32_MAX};
+    std::memcpy(mesh->findings.get().mapped, &none, sizeof none);
+    mesh->bounds = input.bounds;
+    return rewriteInBuffers(std::move(mesh), input.bounds);
+}
+
+Result<OwnedBuffer> MeshBuilder::readback(VkDeviceSize size, const std::string& name) const
+{
+    const Result<GpuBuffer> made =
+        memory_.createBuffer(size, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::readback, name.c_str());
+    if (!made) return made.error();
+    return OwnedBuffer(memory_, *made);
+}
+
+Result<std::shared_ptr<MeshRevision>> MeshBuilder::copied(const MeshRevision& of, const std::byte* content,
+                                                          std::vector<MeshUpload>& uploads) const
+{
+    BufferMesh& mesh = *of.inBuffers;
+    const std::size_t bytes = sizeof(glm::vec3) * std::size_t{mesh.layout.positionCount};
+    if (!mesh.identity->given) { // indices never change
+        std::vector<std::uint32_t> given(mesh.layout.indexCount);
+        std::memcpy(given.data(), content + bytes, sizeof(std::uint32_t) * given.size());
+        mesh.identity->given = std::make_shared<const std::vector<std::uint32_t>>(std::move(given));
+    }
+    auto revision = std::make_shared<MeshRevision>();
+    revision->identity = mesh.identity;
+    revision->inBuffers = of.inBuffers;
+    revision->faces = mesh.copiedFaces;
+    revision->positions.resize(mesh.layout.positionCount + kPositionPadding);
+    std::memcpy(revision->positions.data(), content, bytes);
+    revision->bare.revision = of.bare.revision; // the same positions
+    return finish(std::move(revision), false, uploads);
+}
+
+} // namespace gnomon
