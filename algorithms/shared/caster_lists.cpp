@@ -72,6 +72,12 @@ bool castsVolume(const Caster& caster)
            !caster.mesh->topology->edges.empty();
 }
 
+bool castsByConnectivity(const Caster& caster)
+{
+    return caster.mesh && !caster.mesh->topology && caster.mesh->connectivity && !caster.hostDrawn &&
+           !caster.alphaTested && !caster.mesh->connectivity->edges.empty();
+}
+
 bool anyHostDrawn(std::span<const Caster* const> casters)
 {
     return std::any_of(casters.begin(), casters.end(), [](const Caster* caster) { return caster->hostDrawn; });

@@ -36,6 +36,8 @@ std::span<const Caster* const> meshesIn(std::span<const Caster* const> casters, 
 
 /// Whether a caster has a volume: solid triangles with a topology. Volumes cannot see holes that a texture cuts.
 bool castsVolume(const Caster& caster);
+/// The same of a caster whose edges and faces are known, but not where they are (GN_TRAIT_GPU_POSITIONS_BIT).
+bool castsByConnectivity(const Caster& caster);
 
 bool anyHostDrawn(std::span<const Caster* const> casters);
 

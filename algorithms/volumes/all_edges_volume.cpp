@@ -2,11 +2,15 @@
 
 #include <algorithm>
 
+#include "algorithms/shared/caster_lists.hpp"
 #include "algorithms/shared/mesh_numbers.hpp"
 #include "algorithms/volumes/edge_list.hpp"
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "algorithms/volumes/silhouette.hpp"
 #include "algorithms/volumes/volume_count.hpp"
+
+#include "shaders/volumes/mesh_planes.h"
+#include "shaders/volumes_mesh_planes_comp.h"
 
 namespace gnomon {
 
@@ -26,23 +30,32 @@ constexpr VolumeCountNames kNames{
 
 // --- lists of meshes ---
 
+// Stamp of a list of connectivity, which is one and the same as long as the mesh lives. No revision has it.
+constexpr std::uint64_t kConnectivityStamp = ~std::uint64_t{0};
+
+const Topology& listedTopology(const MeshView& mesh)
+{
+    return mesh.topology ? *mesh.topology : *mesh.connectivity;
+}
+
 BufferInfo listInfo(const MeshView& mesh)
 {
     return {.name = "all_edges_volume.edges",
             .scope = Scope::scene,
-            .size = edgeListSize(*mesh.topology).bytes(),
+            .size = edgeListSize(listedTopology(mesh)).bytes(),
             .variant = mesh.id};
 }
 
-/// The list of the mesh: built when its positions are new, and kept whatever lights and casters do.
+/// The list of the mesh: built when its positions are new, and kept whatever lights and casters do. Where the GPU alone
+/// knows the positions, built once.
 BufferId declareEdges(PassBuilder& passes, const MeshView& mesh)
 {
-    const auto [list, due] = passes.keptList(listInfo(mesh), mesh.revision);
+    const auto [list, due] = passes.keptList(listInfo(mesh), mesh.topology ? mesh.revision : kConnectivityStamp);
     if (!due) {
         passes.kept();
         return list;
     }
-    const Topology* topology = mesh.topology;
+    const Topology* topology = &listedTopology(mesh);
     passes.prepare("all_edges_volume.edges", Scope::scene, mesh.id)
         .writes(list)
         .run([topology, list = list](HostContext& host) {
@@ -52,67 +65,157 @@ BufferId declareEdges(PassBuilder& passes, const MeshView& mesh)
     return list;
 }
 
+/// Corners of the faces of connectivity, in the order of their planes.
+BufferId declareCorners(PassBuilder& passes, const MeshView& mesh)
+{
+    const std::span<const std::uint32_t> corners = mesh.connectivity->faceVerts;
+    const auto [list, due] = passes.keptList(
+        {.name = "all_edges_volume.corners", .scope = Scope::scene, .size = corners.size_bytes(), .variant = mesh.id},
+        kConnectivityStamp);
+    if (!due) {
+        passes.kept();
+        return list;
+    }
+    passes.prepare("all_edges_volume.corners", Scope::scene, mesh.id)
+        .writes(list)
+        .run([corners, list = list](HostContext& host) {
+            std::copy(corners.begin(), corners.end(), host.write<std::uint32_t>(list).begin());
+        });
+    return list;
+}
+
+/// Planes of the faces of connectivity where they are now, found by the GPU.
+BufferId declarePlanes(PassBuilder& passes, const MeshView& mesh, PipelineId find)
+{
+    const auto faces = static_cast<std::uint32_t>(mesh.connectivity->facePlanes.size());
+    const BufferId corners = declareCorners(passes, mesh);
+    const BufferId planes = passes.persistent(BufferInfo{.name = "all_edges_volume.planes",
+                                                         .scope = Scope::scene,
+                                                         .size = sizeof(glm::vec4) * faces,
+                                                         .variant = mesh.id});
+    if (!passes.stale(planes, mesh.revision)) {
+        passes.kept();
+        return planes;
+    }
+    passes.compute("all_edges_volume.planes", Scope::scene, mesh.id)
+        .reads(corners)
+        .writes(planes)
+        .record([=, positions = mesh.vertexBuffer](PassContext& context) {
+            constexpr std::uint32_t kGroupsInRow = 65535; // Vulkan promises no more
+            const std::uint32_t groups = (faces + gpu::PLANES_GROUP - 1) / gpu::PLANES_GROUP;
+            const std::uint32_t across = std::min(groups, kGroupsInRow);
+            context.bind(find,
+                         {context.storage(0, positions), context.storage(1, corners), context.storage(2, planes)});
+            context.push(gpu::MeshPlanesPush{.faces = faces});
+            context.vk->vkCmdDispatch(context.cmd, across, (groups + across - 1) / across, 1);
+        });
+    return planes;
+}
+
+/// Of one mesh.
+struct MeshList {
+    BufferId edges, planes; ///< VolumeDraw::planes
+    std::uint32_t firstPlane = 0;
+};
+
 /// The lists of a task's meshes, each declared once.
 class MeshLists {
 public:
-    MeshLists(PassBuilder& passes, std::size_t most)
-        : passes_(passes), numbers_(passes.arena(), most), lists_(passes.arena().array<BufferId>(most))
+    MeshLists(PassBuilder& passes, PipelineId findPlanes, std::size_t most)
+        : passes_(passes), findPlanes_(findPlanes), numbers_(passes.arena(), most),
+          lists_(passes.arena().array<MeshList>(most)), edges_(passes.arena().array<BufferId>(most)),
+          planes_(passes.arena().array<BufferId>(most).first(0))
     {
     }
-    BufferId find(const MeshView& mesh)
+    const MeshList& find(const MeshView& mesh)
     {
         const std::uint32_t known = numbers_.count(), number = numbers_.of(mesh);
-        if (number == known) lists_[number] = declareEdges(passes_, mesh);
+        if (number == known) add(mesh, number);
         return lists_[number];
     }
-    std::span<const BufferId> all() const { return lists_.first(numbers_.count()); }
+    std::span<const BufferId> all() const { return edges_.first(numbers_.count()); }
+    std::span<const BufferId> planes() const { return planes_; }
 
 private:
+    void add(const MeshView& mesh, std::uint32_t number)
+    {
+        MeshList& list = lists_[number] = {};
+        list.edges = edges_[number] = declareEdges(passes_, mesh);
+        if (mesh.topology) return;
+        const EdgeListSize size = edgeListSize(*mesh.connectivity);
+        list.planes = declarePlanes(passes_, mesh, findPlanes_);
+        list.firstPlane = static_cast<std::uint32_t>(size.firstSlot() + size.slots() - size.faces);
+        planes_ = {planes_.data(), planes_.size() + 1};
+        planes_.back() = list.planes;
+    }
+
     PassBuilder& passes_;
+    PipelineId findPlanes_;
     MeshNumbers numbers_;
-    std::span<BufferId> lists_;
+    std::span<MeshList> lists_;
+    std::span<BufferId> edges_, planes_;
 };
 
 // --- the method ---
 
-VolumePlan* planEdges(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil)
+/// The draws of one volume, if the view can see it.
+void planVolume(const ShadowTask& task, const VolumeSource& source, MeshLists& lists, VolumePlan& plan)
+{
+    VolumeDraw draw{.source = source, .bounds = source.bounds()};
+    if (!shadowTouches(draw.bounds, *task.light, task.view->frustum)) return;
+    const bool fails = task.settings[kZFail] != 0.0 || needsZFail(plan, draw);
+    if (fails) draw = asFailing(plan, draw);
+    const MeshList& list = lists.find(*source.caster->mesh);
+    draw.list = draw.commands = list.edges;
+    draw.planes = list.planes;
+    draw.firstPlane = list.firstPlane;
+    const auto whole = static_cast<std::uint32_t>(source.topology().clusters.size());
+    const std::uint32_t cluster = std::min(source.cluster, whole);
+    draw.firstCommand = commandOf(cluster, kPairCommand);
+    draw.commandCount = source.shape().closed ? 1 : 2; // a closed cluster has no borders
+    append(fails ? plan.zFail : plan.zPass, draw);
+    draw.firstCommand = commandOf(cluster, kCapCommand);
+    draw.commandCount = draw.times = 1;
+    if (fails) append(plan.caps, draw);
+}
+
+VolumePlan* planEdges(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, PipelineId findPlanes)
 {
     VolumePlan* plan = emptyPlan(passes, task, stencil, task.settings[kBounded] != 0.0);
-    const bool zFailForAll = task.settings[kZFail] != 0.0;
-    MeshLists lists(passes, task.casters->all.size());
-    const auto seen = [&](const Aabb& box) { return shadowTouches(box, *task.light, task.view->frustum); };
-    for (const std::span<const Caster* const> casters : {task.casters->statics, task.casters->dynamics}) {
-        for (const VolumeSource& source : volumesOf(passes.arena(), casters, *task.light)) {
-            VolumeDraw draw{.source = source, .bounds = source.bounds()};
-            if (!seen(draw.bounds)) continue;
-            const bool fails = zFailForAll || needsZFail(*plan, draw);
-            if (fails) draw = asFailing(*plan, draw);
-            draw.list = draw.commands = lists.find(*source.caster->mesh);
-            const auto whole = static_cast<std::uint32_t>(source.caster->mesh->topology->clusters.size());
-            const std::uint32_t cluster = std::min(source.cluster, whole);
-            draw.firstCommand = commandOf(cluster, kPairCommand);
-            draw.commandCount = source.shape().closed ? 1 : 2; // a closed cluster has no borders
-            append(fails ? plan->zFail : plan->zPass, draw);
-            draw.firstCommand = commandOf(cluster, kCapCommand);
-            draw.commandCount = draw.times = 1;
-            if (fails) append(plan->caps, draw);
-        }
-    }
+    MeshLists lists(passes, findPlanes, task.casters->all.size());
+    for (const std::span<const Caster* const> casters : {task.casters->statics, task.casters->dynamics})
+        for (const VolumeSource& source : volumesOf(passes.arena(), casters, *task.light))
+            planVolume(task, source, lists, *plan);
+    // Bounds of clusters are of another pose: each of these is one volume.
+    for (const Caster* caster : task.casters->all)
+        if (castsByConnectivity(*caster)) planVolume(task, {caster, VolumeSource::kWhole}, lists, *plan);
     plan->meshLists = lists.all();
+    plan->planeLists = lists.planes();
     return plan;
+}
+
+PipelineId makeFindPlanes(const AlgorithmServices& services)
+{
+    constexpr BindingInfo bindings[] = {{.binding = 0, .kind = BindingKind::storageBuffer},
+                                        {.binding = 1, .kind = BindingKind::storageBuffer},
+                                        {.binding = 2, .kind = BindingKind::storageBuffer}};
+    return services.pipelines->compute({.name = "all_edges_volume.planes",
+                                        .compute = {.code = k_volumes_mesh_planes_comp},
+                                        .bindings = bindings,
+                                        .pushBytes = sizeof(gpu::MeshPlanesPush)});
 }
 
 class AllEdgesVolume final : public ShadowAlgorithm {
 public:
     explicit AllEdgesVolume(const AlgorithmServices& services)
         : vk_(*services.vk), pipelines_(makeVolumeCountPipelines(services, kNames, VolumeShape::allEdges)),
-          view_(makeViewStencilPipelines(services))
+          view_(makeViewStencilPipelines(services)), findPlanes_(makeFindPlanes(services))
     {
     }
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
         const ViewStencil stencil = declareViewStencil(passes, view_, task);
-        const VolumePlan* volumes = planEdges(passes, task, stencil);
+        const VolumePlan* volumes = planEdges(passes, task, stencil, findPlanes_);
         declareCount(passes, task, "all_edges_volume.count", stencil, *volumes, pipelines_);
     }
     const char* refuses(const ShadowTask& task) const override;
@@ -121,6 +224,7 @@ private:
     const DeviceTable& vk_;
     VolumeCountPipelines pipelines_;
     ViewStencilPipelines view_;
+    PipelineId findPlanes_;
 };
 
 const char* AllEdgesVolume::refuses(const ShadowTask& task) const
@@ -128,8 +232,8 @@ const char* AllEdgesVolume::refuses(const ShadowTask& task) const
     if (const char* reason = refusesVolumes(vk_, task)) return reason;
     const VkPhysicalDeviceLimits& limits = vk_.properties.limits;
     for (const Caster* caster : task.casters->all) {
-        if (!castsVolume(*caster)) continue;
-        const EdgeListSize size = edgeListSize(*caster->mesh->topology);
+        if (!castsVolume(*caster) && !castsByConnectivity(*caster)) continue;
+        const EdgeListSize size = edgeListSize(listedTopology(*caster->mesh));
         if (size.largestIndex() > limits.maxDrawIndexedIndexValue || !fitsBinding(vk_, size.bytes()))
             return "a caster has more edges than the device can index";
     }
@@ -142,7 +246,7 @@ const AlgorithmEntry kAllEdgesVolume{
     .name = "all_edges_volume",
     .source = "Kolic, Mihajlovic and Budin 2004; Rautenbach 2008, 2.4",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT,
+              GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_GPU_POSITIONS_BIT,
     .roundTrips = 0,
     .maxRounds = 0,
     .settings = kSettings,

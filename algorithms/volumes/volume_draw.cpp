@@ -37,7 +37,8 @@ float pushBy(const CameraView& view, float share)
 constexpr BindingInfo kVolumeBindings[] = {{.binding = 0, .kind = BindingKind::constants},
                                            {.binding = 1, .kind = BindingKind::storageBuffer},
                                            {.binding = 2, .kind = BindingKind::storageBuffer},
-                                           {.binding = 3, .kind = BindingKind::storageBuffer}}; // of allEdges
+                                           {.binding = 3, .kind = BindingKind::storageBuffer},  // of allEdges
+                                           {.binding = 4, .kind = BindingKind::storageBuffer}}; // likewise
 
 // --- pipelines ---
 
@@ -130,7 +131,10 @@ void pushVolume(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, con
     light.touched = touchedWay(closed, caster.mirrored);
     // Caps as writeCaps() chooses them.
     const std::uint32_t away = caster.mirrored ? gpu::FACE_TOWARDS : gpu::FACE_AWAY;
-    gpu.push(gpu::AllEdgesPush{.caster = push, .light = light, .capsWay = capsClosed ? away : gpu::FACE_TOUCHED});
+    gpu.push(gpu::AllEdgesPush{.caster = push,
+                               .light = light,
+                               .capsWay = capsClosed ? away : gpu::FACE_TOUCHED,
+                               .firstPlane = draw.firstPlane});
 }
 
 void drawList(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, PipelineId pipeline, const Bound& constants,
@@ -142,7 +146,8 @@ void drawList(PassContext& gpu, const VolumePlan& plan, VolumeShape shape, Pipel
         if (draw.source.caster->mesh != mesh) {
             mesh = draw.source.caster->mesh;
             gpu.bind(pipeline, {constants, gpu.storage(1, mesh->vertexBuffer), gpu.storage(2, plan.receiverBounds),
-                                gpu.storage(3, draw.list)}); // a mesh's own, where the shape has it
+                                // A mesh's own, where the shape has them.
+                                gpu.storage(3, draw.list), gpu.storage(4, draw.planes ? draw.planes : draw.list)});
         }
         if (draw.list.index != list.index) {
             list = draw.list;
@@ -275,6 +280,8 @@ void usesVolumes(PassRef& pass, const VolumePlan& plan)
         if (commands) pass.indirect(commands);
     for (const BufferId list : plan.meshLists)
         pass.indices(list).indirect(list).reads(list);
+    for (const BufferId planes : plan.planeLists)
+        pass.reads(planes);
 }
 
 void drawVolumes(PassContext& gpu, const VolumePlan& plan, const VolumePipelines& pipelines)
@@ -307,6 +314,7 @@ const char* refusesVolumes(const DeviceTable& vk, const ShadowTask& task)
     for (const Caster* caster : task.casters->all) {
         if (caster->alphaTested && !caster->mayBeMissed) return "alpha-tested casters in range";
         if (!caster->mesh || caster->alphaTested) continue; // missed; host-drawn: the runtime decides by the trait
+        if (castsByConnectivity(*caster)) continue;         // likewise
         if (!caster->mesh->topology) return "topology of a caster is not built yet";
         if (caster->mesh->positions.size() > vk.properties.limits.maxDrawIndexedIndexValue / 2)
             return "a caster has more vertices than the device's index range";

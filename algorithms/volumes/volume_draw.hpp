@@ -40,7 +40,9 @@ struct VolumeDraw {
     BufferId list;     ///< Indices.
     BufferId commands; ///< Of the list itself, unless the method has others made of them.
     std::uint32_t firstCommand = 0, commandCount = 0;
-    std::uint32_t times = 1; ///< Drawn so often.
+    std::uint32_t times = 1;      ///< Drawn so often.
+    BufferId planes;              ///< Of the mesh's faces, where the list's are of another pose.
+    std::uint32_t firstPlane = 0; ///< AllEdgesPush::firstPlane
 };
 
 /// What is drawn for one light in one view; in the frame's arena.
@@ -51,6 +53,7 @@ struct VolumePlan {
     VolumeList lists[4];                      ///< Sides of static casters, of moving ones, caps of either.
     BufferId commands[4];                     ///< Made of those of the lists; null ids: none.
     std::span<const BufferId> meshLists;      ///< Of allEdges.
+    std::span<const BufferId> planeLists;     ///< Likewise: VolumeDraw::planes.
     BufferId receiverBounds;
     bool bounded = true; ///< Volumes end behind the farthest visible receiver.
     VkRect2D pixels{};   ///< Where the light can reach.

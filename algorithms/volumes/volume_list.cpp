@@ -276,7 +276,9 @@ std::size_t mostVolumes(std::span<const Caster* const> casters)
 {
     std::size_t clusters = 0;
     for (const Caster* caster : casters)
-        if (castsVolume(*caster)) clusters += caster->mesh->topology->clusters.size();
+        clusters += castsVolume(*caster)           ? caster->mesh->topology->clusters.size()
+                    : castsByConnectivity(*caster) ? 1
+                                                   : 0;
     return std::min<std::size_t>(clusters, casters.size() + 2 * kMostCut); // of statics and of dynamic casters
 }
 

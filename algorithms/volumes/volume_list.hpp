@@ -20,13 +20,16 @@ struct VolumeSource {
     std::uint32_t cluster = 0;
     bool bothSides = false; ///< z-fail counts all faces of a closed cluster, as it does those of an open one.
 
+    const Topology& topology() const
+    {
+        return *(caster->mesh->topology ? caster->mesh->topology : caster->mesh->connectivity);
+    }
     const Topology::Cluster& shape() const
     {
-        const Topology& topology = *caster->mesh->topology;
-        return cluster == kWhole ? topology.whole : topology.clusters[cluster];
+        return cluster == kWhole ? topology().whole : topology().clusters[cluster];
     }
     /// A solid whose faces cast with both sides, as those of the rest of its mesh.
-    bool closedInOpenMesh() const { return shape().closed && !caster->mesh->topology->closed; }
+    bool closedInOpenMesh() const { return shape().closed && !topology().closed; }
     Aabb bounds() const; ///< World.
     /// Faces that the picture does not show may lie before what it shows. A host that draws one side of all leaves
     /// those out which look away from the eye: near ones, where a solid is inside out.

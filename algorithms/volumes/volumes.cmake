@@ -28,7 +28,7 @@ gnomon_algorithm(octree_volume
 gnomon_algorithm(all_edges_volume
     NEEDS openmesh
     SOURCES all_edges_volume.cpp edge_list.cpp
-    SHADERS volumes/all_edges.vert)
+    SHADERS volumes/all_edges.vert volumes/mesh_planes.comp)
 gnomon_algorithm(projected_planar
     NEEDS openmesh
     SOURCES projected_planar.cpp

@@ -21,7 +21,7 @@ struct AllEdgesPush {
     VolumePush caster;
     FaceLight light;
     uint capsWay; // which faces are caps: those of this way, or of a way other than FACE_TOUCHED
-    uint padding0;
+    uint firstPlane; // slot of the first plane, where planes are in a buffer of their own; 0: they are in the list
     uint padding1;
     uint padding2;
 };

@@ -9,11 +9,13 @@
 layout(constant_id = 0) const bool CAPS = false;
 
 layout(set = 0, binding = 3, std430) readonly buffer List { uvec4 slots[]; };
+layout(set = 0, binding = 4, std430) readonly buffer Planes { vec4 planes[]; };
 layout(push_constant, std430) uniform Push { AllEdgesPush push; };
 
 uint wayOf(uint plane)
 {
-    return faceWay(uintBitsToFloat(slots[plane]), push.light);
+    vec4 at = push.firstPlane != 0u ? planes[plane - push.firstPlane] : uintBitsToFloat(slots[plane]);
+    return faceWay(at, push.light);
 }
 
 uint sideVertex(uint index)
