@@ -1,4 +1,6 @@
 // The C API; boundary.hpp has what its entry points share.
+#include <algorithm>
+
 #include "runtime/api/boundary.hpp"
 
 using namespace gnomon;
@@ -102,6 +104,27 @@ GnResult GN_CALL gnCreateInstance(GnContext context, const GnInstanceCreateInfo*
 {
     return create(context, pCreateInfo, "pCreateInfo", pInstance, "pInstance",
                   [](Context& c, const GnInstanceCreateInfo& info) { return c.scene().createInstance(info); });
+}
+
+GnResult GN_CALL gnCreateInstances(GnContext context, const GnInstanceCreateInfo* pCreateInfo, uint32_t count,
+                                   const GnTransform* pTransforms, GnInstance* pInstances)
+{
+    if (pInstances) std::fill_n(pInstances, count, GnInstance(VK_NULL_HANDLE));
+    return withStruct(context, pCreateInfo, "pCreateInfo", [&](Context& c, const GnInstanceCreateInfo& info) {
+        if (!pTransforms && count) return nullArgument(context, "pTransforms");
+        if (!pInstances && count) return nullArgument(context, "pInstances");
+        return status(context, c.scene().createInstances(info, {pTransforms, count}, pInstances));
+    });
+}
+
+GnResult GN_CALL gnSetInstanceTransforms(GnContext context, uint32_t count, const GnInstance* pInstances,
+                                         const GnTransform* pTransforms)
+{
+    return atBoundary(context, [&](Context& c) {
+        if (!pInstances && count) return nullArgument(context, "pInstances");
+        if (!pTransforms && count) return nullArgument(context, "pTransforms");
+        return status(context, c.scene().setInstanceTransforms({pInstances, count}, {pTransforms, count}));
+    });
 }
 
 GnResult GN_CALL gnSetInstanceTransform(GnContext context, GnInstance instance, const GnTransform* pTransform)

@@ -30,7 +30,9 @@ void SceneRegistry::Impl::mark(InstanceRecord& record)
     record.dirty = true;
 }
 
-Result<GnInstance> SceneRegistry::createInstance(const GnInstanceCreateInfo& info)
+namespace {
+
+Result<InstancePtr> recordOf(const GnInstanceCreateInfo& info)
 {
     Result<GnInstanceCreateInfo> read = readInstance(info);
     if (!read) return read.error();
@@ -53,24 +55,107 @@ Result<GnInstance> SceneRegistry::createInstance(const GnInstanceCreateInfo& inf
                               {info.boundsMax[0], info.boundsMax[1], info.boundsMax[2]}};
     else
         record->mesh = info.mesh;
+    return record;
+}
 
-    const std::lock_guard lock(impl_->mutex);
-    if (!caster.hostDrawn && !impl_->findMesh(info.mesh)) {
+/// The error with the element of an array at fault.
+Error atElement(std::size_t index, const char* array, Error error)
+{
+    error.text = std::string(array) + "[" + std::to_string(index) + "]: " + error.text;
+    return error;
+}
+
+} // namespace
+
+Result<std::uint64_t> SceneRegistry::Impl::insert(InstancePtr record)
+{
+    Caster& caster = record->caster;
+    if (!caster.hostDrawn && !findMesh(record->mesh)) {
         Error error = invalidHandle("mesh");
         error.text = record->what() + ": " + error.text;
         return error;
     }
-    makeRoom(impl_->order);
-    if (caster.hostDrawn) makeRoom(impl_->hostDrawn);
-    impl_->dirty.reserve(impl_->order.capacity()); // begin() may have to look at all of them
-    const std::uint64_t handle = impl_->instances.insert(record);
+    makeRoom(order);
+    if (caster.hostDrawn) makeRoom(hostDrawn);
+    dirty.reserve(order.capacity()); // begin() may have to look at all of them
+    const std::uint64_t handle = instances.insert(record);
     if (!handle) return tooMany("instance");
     record->handle = handle;
     caster.id = SlotMap<InstancePtr>::indexOf(handle) + 1;
-    impl_->mark(*record);
-    if (caster.hostDrawn) impl_->hostDrawn.push_back(record.get());
-    impl_->order.push_back(std::move(record));
-    return handleFromBits<GnInstance>(handle);
+    mark(*record);
+    if (caster.hostDrawn) hostDrawn.push_back(record.get());
+    order.push_back(std::move(record));
+    return handle;
+}
+
+Result<GnInstance> SceneRegistry::createInstance(const GnInstanceCreateInfo& info)
+{
+    Result<InstancePtr> record = recordOf(info);
+    if (!record) return record.error();
+    const std::lock_guard lock(impl_->mutex);
+    const Result<std::uint64_t> handle = impl_->insert(std::move(*record));
+    if (!handle) return handle.error();
+    return handleFromBits<GnInstance>(*handle);
+}
+
+Result<void> SceneRegistry::createInstances(const GnInstanceCreateInfo& info, std::span<const GnTransform> transforms,
+                                            GnInstance* instances)
+{
+    std::vector<InstancePtr> records;
+    records.reserve(transforms.size());
+    GnInstanceCreateInfo each = info;
+    for (const GnTransform& transform : transforms) {
+        each.transform = transform;
+        Result<InstancePtr> record = recordOf(each);
+        if (!record) return atElement(records.size(), "pTransforms", record.error());
+        records.push_back(std::move(*record));
+    }
+    std::size_t made = 0;
+    Result<void> result;
+    {
+        const std::lock_guard lock(impl_->mutex);
+        for (InstancePtr& record : records) {
+            const Result<std::uint64_t> handle = impl_->insert(std::move(record));
+            if (!handle) {
+                result = handle.error();
+                break;
+            }
+            instances[made++] = handleFromBits<GnInstance>(*handle);
+        }
+    }
+    if (result) return {};
+    while (made > 0)
+        destroyInstance(std::exchange(instances[--made], VK_NULL_HANDLE));
+    return result;
+}
+
+Result<void> SceneRegistry::setInstanceTransforms(std::span<const GnInstance> instances,
+                                                  std::span<const GnTransform> transforms)
+{
+    std::vector<GnTransform> read;
+    read.reserve(transforms.size());
+    std::vector<InstancePtr> moved; // static ones
+    {
+        const std::lock_guard lock(impl_->mutex);
+        for (std::size_t i = 0; i < instances.size(); ++i) {
+            const InstancePtr* found = impl_->instances.find(bitsOf(instances[i]));
+            if (!found) return atElement(i, "pInstances", invalidHandle("instance"));
+            Result<GnTransform> transform = readTransform({"instance", (*found)->name.c_str()}, transforms[i]);
+            if (!transform) return atElement(i, "pTransforms", transform.error());
+            read.push_back(*transform);
+        }
+        moved.reserve(instances.size());
+        for (std::size_t i = 0; i < instances.size(); ++i) {
+            const InstancePtr& found = *impl_->instances.find(bitsOf(instances[i]));
+            if (sameTransform(found->transform, read[i])) continue;
+            impl_->mark(*found);
+            found->transform = read[i];
+            if (std::exchange(found->isStatic, false)) moved.push_back(found);
+        }
+    }
+    for (const InstancePtr& record : moved)
+        impl_->reportMoved(*record);
+    return {};
 }
 
 Result<void> SceneRegistry::setInstanceTransform(GnInstance instance, const GnTransform& transform)

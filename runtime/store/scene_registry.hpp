@@ -46,7 +46,12 @@ public:
     void readBuffersBy(PipelineStore& pipelines, std::uint32_t owner);
 
     Result<GnInstance> createInstance(const GnInstanceCreateInfo& info);
+    /// One for each transform, or none. @param instances as many
+    Result<void> createInstances(const GnInstanceCreateInfo& info, std::span<const GnTransform> transforms,
+                                 GnInstance* instances);
     Result<void> setInstanceTransform(GnInstance instance, const GnTransform& transform);
+    /// All or none. @param transforms as many as instances
+    Result<void> setInstanceTransforms(std::span<const GnInstance> instances, std::span<const GnTransform> transforms);
     Result<void> setInstanceBounds(GnInstance instance, const float (&lower)[3], const float (&upper)[3]);
     Result<void> setInstanceCasterMask(GnInstance instance, std::uint32_t mask); ///< 0: all bits.
     Result<void> setInstanceMesh(GnInstance instance, GnMesh mesh);

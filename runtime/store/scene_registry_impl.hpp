@@ -106,6 +106,7 @@ struct SceneRegistry::Impl {
         messages.warn("StaticInstanceMoved",
                       record.what() + " is static but has moved; it counts as moving from now on");
     }
+    Result<std::uint64_t> insert(InstancePtr record);
     void forgetDestroyed();
     void markChangedMeshes();
     void markHostDrawn();

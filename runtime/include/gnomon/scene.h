@@ -171,6 +171,18 @@ typedef struct GnInstanceCreateInfo {
 /** \brief Adds an instance. Any thread. */
 GN_API GnResult GN_CALL gnCreateInstance(GnContext context, const GnInstanceCreateInfo* pCreateInfo,
                                          GnInstance* pInstance);
+/** \brief Adds `count` instances that differ in their transforms alone: a forest. All of them, or on an error none.
+Any thread.
+\param pCreateInfo of each; its transform is ignored.
+\param pTransforms `count` of them. The message of an error says which one is at fault.
+\param pInstances `count` handles, as gnCreateInstance() gives them. */
+GN_API GnResult GN_CALL gnCreateInstances(GnContext context, const GnInstanceCreateInfo* pCreateInfo, uint32_t count,
+                                          const GnTransform* pTransforms, GnInstance* pInstances);
+/** \brief Moves many. Seen from the next frame on, all of them by the same one. On an error (a handle, a transform; the
+message says which one) none moves. Any thread.
+\param pInstances, pTransforms `count` of each; instances in any order, from any call. */
+GN_API GnResult GN_CALL gnSetInstanceTransforms(GnContext context, uint32_t count, const GnInstance* pInstances,
+                                                const GnTransform* pTransforms);
 /** \brief Moves it. Seen from the next frame on. Any thread. What is no transform
 (NaN, infinity, a basis without an inverse): an error, the old one stays. */
 GN_API GnResult GN_CALL gnSetInstanceTransform(GnContext context, GnInstance instance, const GnTransform* pTransform);
