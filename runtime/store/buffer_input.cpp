@@ -23,9 +23,9 @@ std::uint32_t bytesOf(VkFormat format)
     return format == VK_FORMAT_R16G16B16A16_SFLOAT || format == VK_FORMAT_R16G16B16A16_SNORM ? 8 : 0;
 }
 
-/// @param part "positions" or "indices" @param need bytes from the offset on
-Result<void> checkRange(Subject what, const char* part, const VkDescriptorBufferInfo& range, std::uint64_t unit,
-                        std::uint64_t need, const MeshLimits& limits)
+/// What is needed of it. @param part "positions" or "indices" @param need bytes from the offset on
+Result<VkDescriptorBufferInfo> readRange(Subject what, const char* part, const VkDescriptorBufferInfo& range,
+                                         std::uint64_t unit, std::uint64_t need, const MeshLimits& limits)
 {
     const std::string name = part;
     if (!range.buffer)
@@ -39,7 +39,8 @@ Result<void> checkRange(Subject what, const char* part, const VkDescriptorBuffer
                           name + ".range is " +
                               (range.range == VK_WHOLE_SIZE ? "VK_WHOLE_SIZE" : std::to_string(range.range)) + "; " +
                               std::to_string(need) + " bytes are needed");
-    if (need <= limits.bufferBytes) return {};
+    constexpr std::uint64_t kMostAlignment = 256; // Vulkan's limit of minStorageBufferOffsetAlignment
+    if (need + kMostAlignment <= limits.bufferBytes) return VkDescriptorBufferInfo{range.buffer, range.offset, need};
     return Error{GN_ERROR_TOO_MANY, "MeshTooLarge",
                  what.text() + ": " + name + " are " + std::to_string(need) + " bytes long; the device reads " +
                      std::to_string(limits.bufferBytes)};
@@ -80,14 +81,14 @@ Result<void> readPositionLayout(Subject what, const GnMeshCreateInfo& info, cons
     return readScale(what, buffers, layout);
 }
 
-Result<void> readIndexLayout(Subject what, const GnMeshCreateInfo& info, const GnMeshBuffers& buffers,
-                             const MeshLimits& limits, BufferMeshLayout& layout)
+Result<VkDescriptorBufferInfo> readIndexLayout(Subject what, const GnMeshCreateInfo& info, const GnMeshBuffers& buffers,
+                                               const MeshLimits& limits, BufferMeshLayout& layout)
 {
     const Result<std::uint32_t> count = readIndexCount(what, info, buffers.indices.buffer != VK_NULL_HANDLE);
     if (!count) return count.error();
     layout.indexCount = *count;
     if (!buffers.indices.buffer) {
-        if (*count <= layout.positionCount) return {};
+        if (*count <= layout.positionCount) return VkDescriptorBufferInfo{};
         return outOfRange(what, "MeshIndexOutOfRange",
                           "indexCount is " + std::to_string(*count) + " without indices, past the " +
                               std::to_string(layout.positionCount) + " vertices");
@@ -100,16 +101,16 @@ Result<void> readIndexLayout(Subject what, const GnMeshCreateInfo& info, const G
     // The shader reads words of four bytes.
     const std::uint64_t before = buffers.indices.offset % 4;
     const std::uint64_t need = (before + std::uint64_t{*count} * layout.indexBytes + 3) / 4 * 4 - before;
-    return checkRange(what, "indices", buffers.indices, layout.indexBytes, need, limits);
+    return readRange(what, "indices", buffers.indices, layout.indexBytes, need, limits);
 }
 
 } // namespace
 
-Result<void> checkPositions(Subject what, const BufferMeshLayout& layout, const VkDescriptorBufferInfo& positions,
-                            const MeshLimits& limits)
+Result<VkDescriptorBufferInfo> readPositionRange(Subject what, const BufferMeshLayout& layout,
+                                                 const VkDescriptorBufferInfo& positions, const MeshLimits& limits)
 {
     const std::uint64_t need = std::uint64_t{layout.positionCount - 1} * layout.stride + bytesOf(layout.format);
-    return checkRange(what, "positions", positions, 4, need, limits);
+    return readRange(what, "positions", positions, 4, need, limits);
 }
 
 Result<BufferMeshInput> readMeshInBuffers(const GnMeshCreateInfo& info, const MeshLimits& limits)
@@ -129,8 +130,10 @@ Result<BufferMeshInput> readMeshInBuffers(const GnMeshCreateInfo& info, const Me
     const std::uint64_t bytes = std::max(std::uint64_t{12} * info.positionCount, std::uint64_t{4} * info.indexCount);
     if (Result<void> fits = checkMeshSize(what, info.positionCount, bytes, limits); !fits) return fits.error();
     if (Result<void> ok = readPositionLayout(what, info, *buffers, out.layout); !ok) return ok.error();
-    if (Result<void> ok = readIndexLayout(what, info, *buffers, limits, out.layout); !ok) return ok.error();
-    if (Result<void> ok = checkPositions(what, out.layout, buffers->positions, limits); !ok) return ok.error();
+    const Result<VkDescriptorBufferInfo> indices = readIndexLayout(what, info, *buffers, limits, out.layout);
+    if (!indices) return indices.error();
+    const Result<VkDescriptorBufferInfo> positions = readPositionRange(what, out.layout, buffers->positions, limits);
+    if (!positions) return positions.error();
     const Result<bool> turned = readFrontFace(what, info.frontFace);
     if (!turned) return turned.error();
     const Result<Aabb> bounds = readBounds(what, buffers->boundsMin, buffers->boundsMax);
@@ -139,8 +142,8 @@ Result<BufferMeshInput> readMeshInBuffers(const GnMeshCreateInfo& info, const Me
     out.layout.closed = (info.flags & GN_MESH_CLOSED_BIT) != 0;
     out.layout.noCpuCopy = (info.flags & GN_MESH_NO_CPU_COPY_BIT) != 0;
     out.bounds = *bounds;
-    out.positions = buffers->positions;
-    out.indices = buffers->indices;
+    out.positions = *positions;
+    out.indices = *indices;
     return out;
 }
 

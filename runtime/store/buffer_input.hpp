@@ -21,12 +21,12 @@ struct BufferMeshInput {
     std::string name;
     BufferMeshLayout layout;
     Aabb bounds;
-    VkDescriptorBufferInfo positions{}, indices{};
+    VkDescriptorBufferInfo positions{}, indices{}; ///< What is read, and no more.
 };
 
 Result<BufferMeshInput> readMeshInBuffers(const GnMeshCreateInfo& info, const MeshLimits& limits);
-/// Whether all positions of such a mesh are in that part of a buffer.
-Result<void> checkPositions(Subject what, const BufferMeshLayout& layout, const VkDescriptorBufferInfo& positions,
-                            const MeshLimits& limits);
+/// All positions of such a mesh out of a part of a buffer, which may be a pool larger than what the device binds.
+Result<VkDescriptorBufferInfo> readPositionRange(Subject what, const BufferMeshLayout& layout,
+                                                 const VkDescriptorBufferInfo& positions, const MeshLimits& limits);
 
 } // namespace gnomon

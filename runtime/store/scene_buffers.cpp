@@ -65,7 +65,7 @@ Result<GnMesh> SceneRegistry::createMeshInBuffers(const GnMeshCreateInfo& info)
     makeRoom(impl_->copiesWanted);
     const std::uint64_t handle = impl_->meshes.insert(*revision);
     if (!handle) return tooMany("mesh");
-    Impl::request(std::move(conversion), impl_->requested);
+    impl_->requested.push_back(std::move(conversion)); // the first of this mesh
     if (copied) impl_->wantCopy(handle);
     impl_->meshesChanged = true;
     return handleFromBits<GnMesh>(handle);
@@ -98,8 +98,9 @@ Result<void> SceneRegistry::updateMeshFromBuffer(GnMesh mesh, const VkDescriptor
             return Error{GN_ERROR_INVALID_HANDLE, "MeshOfArrays",
                          identity.what() + " is not in buffers: gnUpdateMeshPositions replaces its positions"};
         const Subject what{"mesh", identity.name.c_str()};
-        if (Result<void> ok = checkPositions(what, inBuffers->layout, positions, impl_->builder.limits()); !ok)
-            return ok;
+        const Result<VkDescriptorBufferInfo> range =
+            readPositionRange(what, inBuffers->layout, positions, impl_->builder.limits());
+        if (!range) return range.error();
         const Result<Aabb> bounds = boundsOf(what, lower, upper, inBuffers->bounds);
         if (!bounds) return bounds.error();
         RevisionPtr revision = impl_->builder.rewriteInBuffers(inBuffers, *bounds);
@@ -108,7 +109,7 @@ Result<void> SceneRegistry::updateMeshFromBuffer(GnMesh mesh, const VkDescriptor
         makeRoom(impl_->requested);
         makeRoom(impl_->copiesWanted);
         inBuffers->bounds = *bounds;
-        Impl::request({.revision = revision, .positions = positions, .indices = {}}, impl_->requested);
+        Impl::request({.revision = revision, .positions = *range, .indices = {}}, impl_->requested);
         if (!inBuffers->layout.noCpuCopy) impl_->wantCopy(bitsOf(mesh));
         impl_->release(std::exchange(*current, std::move(revision)), released);
     }
@@ -139,10 +140,13 @@ void SceneRegistry::Impl::wantCopy(std::uint64_t mesh)
 /// What was asked for until now; what comes later has not been written by the host yet.
 void SceneRegistry::Impl::takeConversions()
 {
-    std::erase_if(due, [](const Conversion& conversion) { return conversion.revision->inBuffers->destroyed; });
+    const auto isGone = [](const Conversion& conversion) { return conversion.revision->inBuffers->destroyed; };
+    std::erase_if(due, isGone);
+    std::erase_if(requested, isGone);
+    if (due.empty()) due.swap(requested); // nearly always: else a frame was dropped, or failed
     makeRoom(due, requested.size());
     for (Conversion& conversion : requested)
-        if (!conversion.revision->inBuffers->destroyed) request(std::move(conversion), due);
+        request(std::move(conversion), due);
     requested.clear();
     std::erase_if(copiesWanted, [this](std::uint64_t mesh) { return beginCopy(mesh); });
 }

@@ -82,6 +82,29 @@ TEST_CASE_FIXTURE(DeviceTest, "a mesh in buffers casts as one in arrays, in ever
     }
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "a pool may be larger than what the device binds of a buffer at once")
+{
+    VkPhysicalDeviceProperties properties{};
+    vkGetPhysicalDeviceProperties(device().physicalDevice, &properties);
+    const VkDeviceSize size = VkDeviceSize{properties.limits.maxStorageBufferRange} + (1 << 20);
+    if (size > (VkDeviceSize{1} << 29)) return; // of a device that binds all there is
+    BufferMeshData data(ring(), {.name = "ring"});
+    const demo::Buffer pool = demo::makeBuffer(device(), size, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    const VkDeviceSize from = size - (1 << 19);
+    std::memcpy(static_cast<std::byte*>(pool.mapped) + 4, data.indices.as<std::byte>().data() + kBytesBefore,
+                data.indices.size - kBytesBefore);
+    std::memcpy(static_cast<std::byte*>(pool.mapped) + from, data.positions.as<std::byte>().data() + kBytesBefore,
+                data.positions.size - kBytesBefore);
+    data.buffers.indices = {pool.get(), 4, size - 4};
+    data.buffers.positions = {pool.get(), from, size - from};
+    Host host(smallScene());
+    host.hide(kBall);
+    host.pinAll("shadow_map");
+    const std::vector<Image8> expected = picturesOf(host, createOfArrays(host, data.decoded));
+    CHECK(differences(expected, picturesOf(host, data.create(host, GN_MESH_CLOSED_BIT))) == 0);
+    CHECK(dark(expected[0]) > 300);
+}
+
 TEST_CASE_FIXTURE(DeviceTest,
                   "every method shows a mesh in buffers as one in arrays, or says that the CPU may not see it")
 {
