@@ -40,7 +40,7 @@ VkAccelerationStructureGeometryKHR trianglesOf(const MeshView& mesh)
     triangles.vertexFormat = VK_FORMAT_R32G32B32_SFLOAT;
     triangles.vertexData.deviceAddress = mesh.vertexAddress;
     triangles.vertexStride = sizeof(glm::vec3);
-    triangles.maxVertex = static_cast<std::uint32_t>(mesh.positions.size() - 1);
+    triangles.maxVertex = mesh.positionCount() - 1;
     triangles.indexType = VK_INDEX_TYPE_UINT32;
     triangles.indexData.deviceAddress = mesh.indexAddress;
     return geometry;

@@ -43,6 +43,7 @@ struct MeshView {
     bool turned = false;                    ///< The host's fronts are clockwise: its second corner is our third.
     bool noCpuCopy = false;                 ///< Positions and indices will never be known to the CPU.
     std::uint32_t gpuTriangles = 0;         ///< While the buffers alone have them: how many; zero-area ones count.
+    std::uint32_t gpuPositions = 0;         ///< Likewise.
 
     std::uint64_t faces = 0; ///< Unique over all meshes; changes with the triangles.
     /// longestOf() (long_edges.hpp); infinite until a worker has measured it, or where nobody needs it.
@@ -51,6 +52,10 @@ struct MeshView {
 
     glm::vec3 edgeSpan{0.0f}; ///< The most that an edge goes along each axis, object space.
 
+    std::uint32_t positionCount() const
+    {
+        return positions.empty() ? gpuPositions : static_cast<std::uint32_t>(positions.size());
+    }
     bool onGpuOnly() const { return indices.empty() && gpuTriangles > 0; }
     std::uint32_t triangleCount() const
     {

@@ -39,10 +39,11 @@ struct Method {
         return (entry->traits & bit) != 0;
     }
     bool has(GnTraitBits trait) const { return (entry->traits & trait) != 0; }
-    /// On the CPU: as such, or what is made of them there.
+    /// On the CPU: as such, or what is made of them there. What traces on the device alone does not.
     bool readsTriangles() const
     {
-        return (entry->traits & (GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_RAYS_BIT)) != 0;
+        return has(GN_TRAIT_TOPOLOGY_BIT) || has(GN_TRAIT_RAYS_BIT) ||
+               (has(GN_TRAIT_CPU_GEOMETRY_BIT) && !has(GN_TRAIT_DEVICE_RAYS_BIT));
     }
     /// What the method is run with for a light whose plain maps have so many texels a side, one of kMapSides.
     std::span<const double> settingsAt(std::uint32_t plainSide) const

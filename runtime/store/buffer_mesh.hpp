@@ -15,6 +15,7 @@ namespace gnomon {
 struct BufferMesh {
     std::shared_ptr<MeshIdentity> identity;
     BufferMeshLayout layout;
+    std::uint64_t faces = 0; ///< MeshView::faces
     OwnedBuffer vertices, indices;
     OwnedBuffer findings; ///< Mapped: MeshFindings, written by the GPU.
 

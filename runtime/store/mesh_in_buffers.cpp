@@ -1,6 +1,7 @@
 #include <cstring>
 
 #include "runtime/store/buffer_mesh.hpp"
+#include "runtime/vk/structures.hpp"
 
 namespace gnomon {
 
@@ -21,6 +22,10 @@ std::shared_ptr<MeshRevision> MeshBuilder::rewriteInBuffers(std::shared_ptr<Buff
     view.connectivity = mesh->connectivity.get();
     view.closed = view.connectivity ? view.connectivity->closed : mesh->layout.closed;
     view.gpuTriangles = mesh->layout.indexCount / 3;
+    view.gpuPositions = mesh->layout.positionCount;
+    view.vertexAddress = mesh->vertices.get().address;
+    view.indexAddress = mesh->indices.get().address;
+    view.faces = mesh->faces;
     revision->inBuffers = std::move(mesh);
     revision->shown = &view;
     return revision;
@@ -35,9 +40,11 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::createInBuffers(BufferMeshInp
     mesh->identity->id = meshes_.fetch_add(1, std::memory_order_relaxed) + 1;
     mesh->identity->positionCount = input.layout.positionCount;
     mesh->identity->turned = input.layout.turned;
+    mesh->faces = faces_.fetch_add(1, std::memory_order_relaxed) + 1;
 
     constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-    constexpr VkBufferUsageFlags kRead = kStorage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+    const VkBufferUsageFlags read =
+        kStorage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | (vk_.rayQuery() ? kBuildInput : VkBufferUsageFlags{0});
     struct Wanted {
         OwnedBuffer* to;
         VkDeviceSize size;
@@ -45,9 +52,9 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::createInBuffers(BufferMeshInp
         MemoryUse use;
     };
     for (const Wanted& wanted : {Wanted{&mesh->vertices, sizeof(glm::vec3) * VkDeviceSize{input.layout.positionCount},
-                                        kRead | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, MemoryUse::device},
+                                        read | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, MemoryUse::device},
                                  Wanted{&mesh->indices, sizeof(std::uint32_t) * VkDeviceSize{input.layout.indexCount},
-                                        kRead | VK_BUFFER_USAGE_INDEX_BUFFER_BIT, MemoryUse::device},
+                                        read | VK_BUFFER_USAGE_INDEX_BUFFER_BIT, MemoryUse::device},
                                  Wanted{&mesh->findings, sizeof(MeshFindings), kStorage, MemoryUse::readback}}) {
         const Result<GpuBuffer> made =
             memory_.createBuffer(wanted.size, wanted.usage, wanted.use, mesh->identity->name.c_str());

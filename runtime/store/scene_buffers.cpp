@@ -18,16 +18,15 @@ constexpr VkMemoryBarrier2 kConversionsAfterAll{
                      VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
 // Before every read of vertices and indices. Compute and copies come after for another reason as well: the host may
 // write its buffers anew by them, without a barrier of its own.
-constexpr VkMemoryBarrier2 kConversionsBeforeReads{
-    .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-    .pNext = nullptr,
-    .srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-    .srcAccessMask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
-    .dstStageMask = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_PRE_RASTERIZATION_SHADERS_BIT |
-                    VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT |
-                    VK_PIPELINE_STAGE_2_COPY_BIT | VK_PIPELINE_STAGE_2_HOST_BIT,
-    .dstAccessMask = VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_2_INDEX_READ_BIT |
-                     VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_HOST_READ_BIT};
+VkMemoryBarrier2 conversionsBeforeReads(const DeviceTable& vk)
+{
+    VkMemoryBarrier2 barrier = beforeMeshReads(vk);
+    barrier.srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
+    barrier.srcAccessMask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
+    barrier.dstStageMask |= VK_PIPELINE_STAGE_2_COPY_BIT | VK_PIPELINE_STAGE_2_HOST_BIT;
+    barrier.dstAccessMask |= VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_HOST_READ_BIT;
+    return barrier;
+}
 constexpr VkMemoryBarrier2 kCopiesBeforeHost{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
                                              .pNext = nullptr,
                                              .srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
@@ -205,7 +204,7 @@ Result<void> SceneRegistry::recordConversions(VkCommandBuffer cmd, std::uint64_t
         if (!conversion.indices) continue;
         if (auto ok = self.converter->indices(cmd, descriptors, mesh, *conversion.indices); !ok) return ok;
     }
-    orderMemory(self.vk, cmd, kConversionsBeforeReads);
+    orderMemory(self.vk, cmd, conversionsBeforeReads(self.vk));
     self.recordCopies(cmd, frame);
     for (Impl::Conversion& conversion : self.due)
         self.converted.push_back({frame, std::move(conversion)});

@@ -161,24 +161,6 @@ constexpr VkMemoryBarrier2 kUploadsAfterAll{.sType = VK_STRUCTURE_TYPE_MEMORY_BA
                                             .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
                                             .dstStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
                                             .dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT};
-/// Before every read of vertices and indices, as such, as storage buffers or by builds.
-VkMemoryBarrier2 uploadsBeforeReads(const DeviceTable& vk)
-{
-    VkMemoryBarrier2 barrier{
-        .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-        .pNext = nullptr,
-        .srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
-        .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
-        .dstStageMask = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_PRE_RASTERIZATION_SHADERS_BIT |
-                        VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-        .dstAccessMask =
-            VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_2_INDEX_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT};
-    if (vk.rayQuery()) {
-        barrier.dstStageMask |= VK_PIPELINE_STAGE_2_ACCELERATION_STRUCTURE_BUILD_BIT_KHR;
-        barrier.dstAccessMask |= VK_ACCESS_2_SHADER_READ_BIT;
-    }
-    return barrier;
-}
 
 } // namespace
 
@@ -199,7 +181,10 @@ void SceneRegistry::recordUploads(VkCommandBuffer cmd, std::uint64_t frame)
         self.recorded.push_back({frame, std::move(upload), std::move(target)});
     }
     self.uploads.clear();
-    orderMemory(self.vk, cmd, uploadsBeforeReads(self.vk));
+    VkMemoryBarrier2 beforeReads = beforeMeshReads(self.vk);
+    beforeReads.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;
+    beforeReads.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+    orderMemory(self.vk, cmd, beforeReads);
 }
 
 void SceneRegistry::dropUploads(std::uint64_t frame)

@@ -22,6 +22,22 @@ inline Error tooMany(const char* kind)
     return {GN_ERROR_TOO_MANY, "TooManyHandles", std::string("more than 16777216 objects of kind ") + kind};
 }
 
+/// The second half of a barrier: every read of vertices and indices, as such, as storage buffers or by builds.
+inline VkMemoryBarrier2 beforeMeshReads(const DeviceTable& vk)
+{
+    VkMemoryBarrier2 barrier{};
+    barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2;
+    barrier.dstStageMask = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_PRE_RASTERIZATION_SHADERS_BIT |
+                           VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
+    barrier.dstAccessMask =
+        VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_2_INDEX_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT;
+    if (vk.rayQuery()) {
+        barrier.dstStageMask |= VK_PIPELINE_STAGE_2_ACCELERATION_STRUCTURE_BUILD_BIT_KHR;
+        barrier.dstAccessMask |= VK_ACCESS_2_SHADER_READ_BIT;
+    }
+    return barrier;
+}
+
 inline void orderMemory(const DeviceTable& vk, VkCommandBuffer cmd, const VkMemoryBarrier2& barrier)
 {
     VkDependencyInfo dependency{};

@@ -149,7 +149,8 @@ GnMesh createOfArrays(const Host& host, const Mesh& mesh, VkFrontFace frontFace)
 
 bool readsTriangles(const GnMethodInfo& method)
 {
-    return (method.traits & (GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_RAYS_BIT)) != 0;
+    if (method.traits & (GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_RAYS_BIT)) return true;
+    return (method.traits & GN_TRAIT_CPU_GEOMETRY_BIT) && !(method.traits & GN_TRAIT_DEVICE_RAYS_BIT);
 }
 
 Scene sceneFor(const GnMethodInfo& method)
