@@ -99,7 +99,7 @@ Result<void> Context::init(const GnContextCreateInfo& info)
     pipelines_->setOwner(kRuntimeOwner);
     own_.describe(*pipelines_);
     images_.describe(*pipelines_);
-    scene_->readBuffersBy(*pipelines_, kRuntimeOwner + 1);
+    scene_->readBuffersBy(*pipelines_, kMeshOwner);
     selector_ = std::make_unique<Selector>(*methods_);
     plan_ = std::make_unique<FramePlan>(*methods_, vk_->software);
     loadShippedKnowledge();

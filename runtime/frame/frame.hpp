@@ -91,5 +91,8 @@ inline constexpr const char* kFadePass = "view.fade";
 
 /// The pipelines of the runtime itself have an owner of their own in the store.
 constexpr std::uint32_t kRuntimeOwner = kMaxMethods;
+/// Those that read meshes out of buffers: made with the first of these, and warmed up by no frame. Behind those of host
+/// images.
+constexpr std::uint32_t kMeshOwner = 2 * kMaxMethods;
 
 } // namespace gnomon
