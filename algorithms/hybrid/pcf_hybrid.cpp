@@ -43,7 +43,8 @@ public:
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
         const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-        gpu::HybridConstants constants{};
+        // In the arena: a host pass that asks the map reads them after declare() has returned.
+        gpu::HybridConstants& constants = *passes.arena().make<gpu::HybridConstants>();
         constants.base = mapConstants(task, resolution, 1);
         constants.reasons = task.settings[kReasons] != 0.0;
         const LightMap map = declareLightMap(passes, casters_, task, resolution, constants.base);
