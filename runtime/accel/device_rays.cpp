@@ -19,8 +19,8 @@ namespace {
 // Triangles that a frame builds beside all else it does; more is spread over frames, so that many new meshes are no
 // hitch. An estimate: build rates have not been measured on a GPU.
 constexpr std::uint32_t kBuiltPerFrame = 1u << 18;
-// Refits until a structure is built anew: boxes of what has moved apart grow with every one. An estimate: half a second at
-// 60 Hz.
+// Refits until a structure is built anew: boxes of what has moved apart grow with every one. An estimate: half a second
+// at 60 Hz.
 constexpr std::uint64_t kRefits = 32;
 // Frames for which the pool keeps what nobody uses (passes/resources.cpp).
 constexpr std::uint64_t kKept = 60;
