@@ -92,7 +92,7 @@ const FrameCase kFrameCases[] = {
          orthographic(v[0]);
          v[0].projection[5] = 1e-30f;
      },
-     GN_ERROR_OUT_OF_RANGE, "projection[5] is 1e-30"},
+     GN_ERROR_OUT_OF_RANGE, "projection[5] is 1.00000000"},
     {"orthographic depth across the view",
      [](GnFrameInfo&, Views& v) {
          orthographic(v[0]);

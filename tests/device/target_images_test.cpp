@@ -260,7 +260,7 @@ TEST_CASE_FIXTURE(DeviceTest, "packed visibility holds what layers hold, four li
         pinServed(layers, method);
         CHECK(differences(drawn(packed, {}), drawn(layers, {})) == 0);
     }
-    packed.draw(3, {});
+    packed.draw(12, {});
     CHECK(packed.stats().deviceAllocations == 0);
     CHECK(packed.stats().pipelinesCreated == 0);
     GnVisibility visibility{};
