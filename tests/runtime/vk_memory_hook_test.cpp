@@ -51,8 +51,8 @@ struct OneHeap {
     static void GN_CALL take(const GnMemoryBlock* block, void* user)
     {
         auto& self = *static_cast<OneHeap*>(user);
-        const auto known = std::find_if(self.given.begin(), self.given.end(), [block](const GnMemoryBlock& given) {
-            return given.memory == block->memory && given.offset == block->offset && given.pMapped == block->pMapped;
+        const auto known = std::find_if(self.given.begin(), self.given.end(), [block](const GnMemoryBlock& each) {
+            return each.memory == block->memory && each.offset == block->offset && each.pMapped == block->pMapped;
         });
         REQUIRE(known != self.given.end());
         self.given.erase(known);

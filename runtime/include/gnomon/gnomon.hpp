@@ -130,6 +130,12 @@ public:
         return done(gnUpdateMeshPositions(context(), get(), reinterpret_cast<const float*>(vertices.data()),
                                           static_cast<uint32_t>(vertices.size()), sizeof(Vertex)));
     }
+    /** gnUpdateMeshFromBuffer(). */
+    Status updateFromBuffer(const VkDescriptorBufferInfo& positions, std::span<const float, 3> lower,
+                            std::span<const float, 3> upper) const noexcept
+    {
+        return done(gnUpdateMeshFromBuffer(context(), get(), &positions, lower.data(), upper.data()));
+    }
 };
 
 /** An instance. */
@@ -337,6 +343,22 @@ public:
     {
         return made<Instance, GnInstance>([&](auto* out) { return gnCreateInstance(context_, &info, out); });
     }
+    /** gnCreateInstances(), as many as there are transforms, into handles of the C API: Instance(context, handle) takes
+    one over. */
+    Status createInstances(const GnInstanceCreateInfo& info, std::span<const GnTransform> transforms,
+                           std::span<GnInstance> instances) const noexcept
+    {
+        if (instances.size() != transforms.size()) return differ();
+        return done(gnCreateInstances(context_, &info, static_cast<uint32_t>(transforms.size()), transforms.data(),
+                                      instances.data()));
+    }
+    /** gnSetInstanceTransforms(). */
+    Status setTransforms(std::span<const GnInstance> instances, std::span<const GnTransform> transforms) const noexcept
+    {
+        if (instances.size() != transforms.size()) return differ();
+        return done(gnSetInstanceTransforms(context_, static_cast<uint32_t>(transforms.size()), instances.data(),
+                                            transforms.data()));
+    }
     /** gnCreateLight(). */
     Result<Light> createLight(const GnLightInfo& info) const noexcept
     {
@@ -448,6 +470,7 @@ public:
 
 private:
     Status done(GnResult status) const noexcept { return detail::done(context_, status); }
+    static Status differ() noexcept { return {GN_ERROR_OUT_OF_RANGE, "instances and transforms differ in number"}; }
 
     template <typename Object, typename Handle, typename Make>
     Result<Object> made(Make&& make) const noexcept
