@@ -77,7 +77,7 @@ inline uint32_t version() noexcept
 inline Result<GnDeviceNeeds> queryDeviceNeeds(VkInstance instance, VkPhysicalDevice physicalDevice,
                                               PFN_vkGetInstanceProcAddr getInstanceProcAddr) noexcept
 {
-    GnDeviceNeeds needs;
+    GnDeviceNeeds needs{};
     const GnResult status = gnQueryDeviceNeeds(instance, physicalDevice, getInstanceProcAddr, &needs);
     return {status, status < 0 ? gnResultName(status) : "", needs};
 }
@@ -102,7 +102,7 @@ struct Frame {
     /** The same for the C API; it points into the spans. */
     GnFrameInfo info() const noexcept
     {
-        GnFrameInfo out;
+        GnFrameInfo out{};
         out.frame = frame;
         out.completedFrame = completedFrame;
         out.flags = flags;
@@ -329,7 +329,7 @@ public:
                             const char* name = nullptr) const noexcept
     {
         detail::checkVertex<Vertex>();
-        GnMeshCreateInfo info;
+        GnMeshCreateInfo info{};
         info.pName = name;
         info.pPositions = reinterpret_cast<const float*>(vertices.data());
         info.positionCount = static_cast<uint32_t>(vertices.size());
