@@ -129,7 +129,7 @@ void DeviceRays::begin()
     ++turn_;
     needed_.clear();
     wanted_.clear();
-    declared_ = false;
+    declared_ = tried_ = false;
 }
 
 /// Meshes that are gone.
@@ -166,7 +166,7 @@ bool DeviceRays::isNeeded(const Caster& caster) const
 
 void DeviceRays::need(const LightCasters& casters)
 {
-    if (declared_) return;
+    if (tried_) return; // passes of the scene are declared once, for what was needed then
     for (const Caster* caster : casters.all) {
         if (!castsDeviceRays(*caster) || isNeeded(*caster)) continue;
         if (caster->index >= neededIn_.size()) neededIn_.resize(std::bit_ceil(std::size_t{caster->index} + 1));
@@ -178,20 +178,27 @@ void DeviceRays::need(const LightCasters& casters)
 void DeviceRays::want(const LightCasters& casters)
 {
     for (const Caster* caster : casters.all)
-        if (castsDeviceRays(*caster) && !isBuilt(*caster)) wanted_.push_back(caster);
+        if (castsDeviceRays(*caster)) wanted_.push_back(caster); // what is built stays so meanwhile
 }
 
 const TracedScene* DeviceRays::declare(PassBuilder& passes, const LightCasters& casters)
 {
+    tried_ = true;
     if (!declared_) declared_ = declareScene(passes);
     if (!declared_) { // its task fails, and another may declare all of it once more
-        for (auto& [id, structure] : meshes_)
-            if (structure.used == turn_) structure.used = 0;
+        forgetTurn();
         return nullptr;
     }
     const bool holdsAll = std::ranges::all_of(
         casters.all, [this](const Caster* caster) { return !castsDeviceRays(*caster) || isNeeded(*caster); });
     return holdsAll ? &scene_ : nullptr;
+}
+
+/// What this turn declared will not be built.
+void DeviceRays::forgetTurn()
+{
+    for (auto& [id, structure] : meshes_)
+        if (structure.used == turn_) structure.used = 0;
 }
 
 bool DeviceRays::declareScene(PassBuilder& passes)
@@ -209,12 +216,13 @@ void DeviceRays::declareWanted(PassBuilder& passes)
     scene_.order = passes.persistent(BufferInfo{.name = "rays.order", .scope = Scope::scene});
     std::uint64_t triangles = 0;
     for (const Caster* caster : wanted_) {
-        if (!builds_.empty() && triangles + caster->mesh->triangleCount() > kBuiltPerFrame) continue;
+        const bool fits = builds_.empty() || triangles + caster->mesh->triangleCount() <= kBuiltPerFrame;
+        if (!fits && !isBuilt(*caster)) continue;
         const std::size_t before = builds_.size();
-        if (!declareMesh(passes, *caster->mesh)) return;
+        if (!declareMesh(passes, *caster->mesh)) return forgetTurn();
         if (builds_.size() != before) triangles += caster->mesh->triangleCount();
     }
-    declareBuilds(passes, 1);
+    if (!declareBuilds(passes, 1)) forgetTurn();
 }
 
 void DeviceRays::findSizes(MeshStructure& structure, const MeshView& mesh) const
@@ -245,7 +253,8 @@ bool DeviceRays::declareMesh(PassBuilder& passes, const MeshView& mesh)
                                                      .variant = mesh.id});
     structure.address = passes.address(id);
     if (!id) return false;
-    if (!passes.stale(id, mesh.revision)) return true;
+    // A copy on the CPU that has arrived may number triangles anew, at the same revision.
+    if (!passes.stale(id, mixed(mixed(kEmptyHash, mesh.revision), mesh.faces) | 1)) return true; // 0 is no stamp
     const KeptParts before = passes.partsBefore(id); // the triangles it was built of, and refits since
     const bool refit = structure.deforms && before.base == mesh.faces && before.covered < kRefits;
     passes.keepParts(id, {.base = mesh.faces, .covered = refit ? before.covered + 1 : 0});
@@ -322,7 +331,7 @@ bool DeviceRays::declareTopLevel(PassBuilder& passes)
     }
     stamp |= 1; // 0 is no stamp
     const auto count = static_cast<std::uint32_t>(placed.size());
-    findTopSizes(count);
+    findTopSizes(std::max(count, 1u)); // without casters the structure is empty, but it is one
     scene_.topLevel = passes.persistent(
         BufferInfo{.name = "rays.top_level", .scope = Scope::scene, .size = topSize_, .place = BufferPlace::topLevel});
     scene_.casters = passes.persistent(BufferInfo{.name = "rays.casters",

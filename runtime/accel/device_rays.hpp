@@ -58,6 +58,7 @@ private:
     bool declareMesh(PassBuilder& passes, const MeshView& mesh);
     bool declareBuilds(PassBuilder& passes, std::uint32_t variant);
     bool declareTopLevel(PassBuilder& passes);
+    void forgetTurn();
     void forgetUnused();
 
     const DeviceTable& vk_;
@@ -73,6 +74,7 @@ private:
     VkDeviceSize topSize_ = 0, topScratch_ = 0;               ///< Bytes.
     TracedScene scene_;
     bool declared_ = false;
+    bool tried_ = false; ///< declare() has been called in this turn.
 };
 
 } // namespace gnomon

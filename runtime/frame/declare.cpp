@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "runtime/passes/pass_context.hpp"
+#include "runtime/plan/utility.hpp"
 #include "runtime/scene/light_pixels.hpp"
 #include "runtime/select/choice.hpp"
 
@@ -138,9 +139,11 @@ std::optional<Error> LightPasses::declareMethod(std::uint32_t index, const Targe
     beginTask(index);
     PassBuilder builder(parts_.graph);
     const TracedScene* traced = nullptr;
-    if (method.has(GN_TRAIT_DEVICE_RAYS_BIT) && parts_.rays) {
-        parts_.rays->need(*pose.casters); // is needed already, unless it stands in for another method
-        traced = parts_.rays->declare(builder, *pose.casters);
+    if (method.has(GN_TRAIT_DEVICE_RAYS_BIT)) {
+        if (parts_.rays) {
+            parts_.rays->need(*pose.casters); // is needed already, unless it stands in for another method
+            traced = parts_.rays->declare(builder, *pose.casters);
+        }
         if (!traced)
             builder.fail({GN_ERROR_UNSUPPORTED, "CastersNotTraced", "its casters are not traced in this frame"});
     }
@@ -217,6 +220,24 @@ void LightPasses::declareLit()
     parts_.graph.endTask();
 }
 
+/// Whether a method would serve the light if its casters were built: the rules like it best, or it shows enough for
+/// less.
+bool awaitsRays(const LightDecision& decision, const MethodTable& methods)
+{
+    if (decision.method >= methods.size()) return false;
+    const Candidate& serves = decision.candidates[decision.method];
+    for (std::uint32_t m = 0; m < methods.size(); ++m) {
+        const Candidate& candidate = decision.candidates[m];
+        if (!methods[m].has(GN_TRAIT_DEVICE_RAYS_BIT) || candidate.exclusion != Exclusion::notReady ||
+            candidate.detail == 0)
+            continue;
+        const bool asGood =
+            plan::showsAsMuch({candidate.quantised, candidate.quality, true}, {serves.quantised, serves.quality, true});
+        if (m == decision.wanted || (asGood && candidate.sureMs < serves.sureMs)) return true;
+    }
+    return false;
+}
+
 /// Which casters the device is to trace in this frame, and which soon. @return whether there are such
 bool gatherRays(const Frame& frame, const DeclareParts& parts)
 {
@@ -228,7 +249,7 @@ bool gatherRays(const Frame& frame, const DeclareParts& parts)
         const LightDecision& decision = *light.decision;
         if (traces(decision.method) || traces(decision.outgoing) || traces(decision.probed))
             parts.rays->need(*light.casters);
-        if (decision.wanted == decision.method || !traces(decision.wanted)) continue;
+        if (!awaitsRays(decision, parts.methods)) continue;
         parts.rays->want(*light.casters);
         awaited = true;
     }

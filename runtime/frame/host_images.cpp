@@ -139,16 +139,17 @@ Result<ImageId> HostImages::copyNormals(PassGraph& graph, const CameraView& view
                    {"view.normals", kNormalCopy, static_cast<std::uint32_t>(view.source.encoding)});
 }
 
-Result<ImageId> HostImages::layersFor(PassGraph& graph, const CameraView& view, std::uint32_t maxLights)
+Result<ImageId> HostImages::layersFor(PassGraph& graph, const CameraView& view, std::uint32_t lights)
 {
     if (const std::string why = make(kPack); !why.empty())
         return Error{GN_ERROR_UNSUPPORTED, "ViewPacked", "visibility cannot be packed: " + why};
     graph.beginTask({.view = view.id}, &view, {}, {});
-    const ImageId layers = PassBuilder(graph).transient(ImageInfo{.name = "view.layers",
-                                                                  .scope = Scope::view,
-                                                                  .format = VK_FORMAT_R8_UNORM,
-                                                                  .extent = view.extent,
-                                                                  .layers = maxLights});
+    const ImageId layers =
+        PassBuilder(graph).transient(ImageInfo{.name = "view.layers",
+                                               .scope = Scope::view,
+                                               .format = VK_FORMAT_R8_UNORM,
+                                               .extent = view.extent,
+                                               .layers = (lights + kPackedLights - 1) / kPackedLights * kPackedLights});
     if (std::optional<Error> error = graph.endTask()) return std::move(*error);
     return layers;
 }

@@ -28,7 +28,7 @@ public:
     Result<ImageId> copyNormals(PassGraph& graph, const CameraView& view, ImageId host);
 
     /// What methods write in place of a packed visibility image: a layer a light.
-    Result<ImageId> layersFor(PassGraph& graph, const CameraView& view, std::uint32_t maxLights);
+    Result<ImageId> layersFor(PassGraph& graph, const CameraView& view, std::uint32_t lights);
     /// Declares the passes that pack them.
     void pack(PassGraph& graph, const CameraView& view, ImageId layers, ImageId packed, std::uint32_t lights);
 

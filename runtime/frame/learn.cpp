@@ -95,8 +95,10 @@ void learn(Frame& frame, const LearnParts& parts)
     history.learnedFrom = timed->frame;
     history.totals.noteScale(*timed, history.past);
     chargeLights(*timed, frame, parts);
-    history.shared.noteMixes(*timed, history.totals.scale());
-    history.shared.note(*timed, history.past.at(timed->frame), history.totals.scale());
+    if (parts.executor.hasClock()) {
+        history.shared.noteMixes(*timed, history.totals.scale());
+        history.shared.note(*timed, history.past.at(timed->frame), history.totals.scale());
+    }
     noteMeasured(*timed, frame, parts.methods);
 }
 

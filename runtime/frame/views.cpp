@@ -186,14 +186,15 @@ Result<void> openView(Frame& frame, std::uint32_t index, const GnViewFrame& give
     out.depth = import(given.depthImage, given.depthView, given.depthFormat, "host.depth");
     if (judgedByNormals(given))
         out.normals = import(given.normalImage, given.normalView, given.normalFormat, "host.normals");
-    if (Result<void> copied = copyImages(out, parts); !copied) return copied;
+    if (given.lightCount != 0) // else nobody reads them
+        if (Result<void> copied = copyImages(out, parts); !copied) return copied;
     parts.pool.touch(*view.visibility);
     view.visibility->kept.lastUsed = parts.pool.frame();
     out.visibility = parts.graph.addImage(*view.visibility, "view.visibility");
     frame.visibilities.push_back(view.visibility.get());
     out.lights = given.lightCount;
-    if (!view.packed) return {};
-    const Result<ImageId> layers = parts.images.layersFor(parts.graph, view.camera, view.maxLights);
+    if (!view.packed || given.lightCount == 0) return {};
+    const Result<ImageId> layers = parts.images.layersFor(parts.graph, view.camera, given.lightCount);
     if (!layers) return layers.error();
     out.packed = std::exchange(out.visibility, *layers);
     return {};

@@ -25,6 +25,8 @@ struct BufferMesh {
     Aabb bounds;                                  ///< The newest that the host gave.
     bool destroyed = false;                       ///< The host's buffers may be gone.
     bool copying = false;                         ///< For the CPU.
+    bool tried = false;                           ///< A copy has been made, or could not be.
+    std::uint32_t rests = 0;                      ///< Frames without a rewrite while a copy is wanted.
     bool told = false;                            ///< Of what was wrong.
 };
 

@@ -1,6 +1,7 @@
 // Meshes in the host's buffers, from the call to the GPU's copy and, where the host allows it, to the CPU's.
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 
 #include "runtime/store/scene_registry_impl.hpp"
 
@@ -33,6 +34,10 @@ constexpr VkMemoryBarrier2 kCopiesBeforeHost{.sType = VK_STRUCTURE_TYPE_MEMORY_B
                                              .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
                                              .dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT,
                                              .dstAccessMask = VK_ACCESS_2_HOST_READ_BIT};
+
+// Frames without a rewrite after which a mesh that was copied before is copied again: one that is skinned in every
+// second to fourth frame does not rest in between.
+constexpr std::uint32_t kRestFrames = 8;
 
 bool onGpuOnly(const MeshRevision& revision)
 {
@@ -142,6 +147,7 @@ void SceneRegistry::Impl::takeConversions()
     const auto isGone = [](const Conversion& conversion) { return conversion.revision->inBuffers->destroyed; };
     std::erase_if(due, isGone);
     std::erase_if(requested, isGone);
+    std::erase_if(copies, [](const CopyPtr& copy) { return copy->frame == 0 && copy->of->inBuffers->destroyed; });
     if (due.empty()) due.swap(requested); // nearly always: else a frame was dropped, or failed
     makeRoom(due, requested.size());
     for (Conversion& conversion : requested)
@@ -156,12 +162,12 @@ bool SceneRegistry::Impl::beginCopy(std::uint64_t mesh)
     const RevisionPtr* revision = meshes.find(mesh);
     if (!revision || !onGpuOnly(**revision)) return true;
     BufferMesh& inBuffers = *(*revision)->inBuffers;
+    const bool rewritten = std::any_of(due.begin(), due.end(), [&](const Conversion& conversion) {
+        return conversion.revision->inBuffers.get() == &inBuffers;
+    });
+    inBuffers.rests = rewritten ? 0 : inBuffers.rests + 1;
     // The first is made whatever the pose, for the connectivity.
-    const bool rewritten =
-        inBuffers.copiedFaces && std::any_of(due.begin(), due.end(), [&](const Conversion& conversion) {
-            return conversion.revision->inBuffers.get() == &inBuffers;
-        });
-    if (rewritten || inBuffers.copying) return false;
+    if ((inBuffers.tried && inBuffers.rests < kRestFrames) || inBuffers.copying) return false;
     const VkDeviceSize size = inBuffers.vertices.get().size + inBuffers.indices.get().size;
     Result<OwnedBuffer> content = builder.readback(size, inBuffers.identity->name);
     if (!content) {
@@ -196,7 +202,6 @@ Result<void> SceneRegistry::recordConversions(VkCommandBuffer cmd, std::uint64_t
     Impl& self = *impl_;
     const std::lock_guard lock(self.mutex);
     makeRoom(self.converted, self.due.size());
-    std::erase_if(self.due, [](const auto& conversion) { return conversion.revision->inBuffers->destroyed; });
     orderMemory(self.vk, cmd, kConversionsAfterAll);
     for (const Impl::Conversion& conversion : self.due) {
         const BufferMesh& mesh = *conversion.revision->inBuffers;
@@ -335,9 +340,14 @@ void SceneRegistry::Impl::adoptCopies(std::vector<RevisionPtr>& released)
         makeRoom(graves);
         makeRoomFor(copy->uploads);
         copy->of->inBuffers->copying = false;
+        copy->of->inBuffers->tried = true;
         if (copy->made) {
             copy->of->inBuffers->copiedFaces = copy->made->faces;
             if (!copy->of->inBuffers->connectivity) copy->of->inBuffers->connectivity = copy->made->topology;
+            // Also of a copy that is not taken: later ones share its faces. What nobody has any more is passed over.
+            uploads.insert(uploads.end(), std::make_move_iterator(copy->uploads.begin()),
+                           std::make_move_iterator(copy->uploads.end()));
+            copy->uploads.clear();
         }
         RevisionPtr* current = meshes.find(copy->mesh);
         if (!current || *current != copy->of || !copy->made) continue; // rewritten: another copy is wanted already

@@ -233,6 +233,11 @@ Result<void> DeviceMemory::fillBuffer(GpuBuffer& buffer, VkBufferUsageFlags usag
                                               buffer.buffer};
     VkMemoryRequirements2 needs{VK_STRUCTURE_TYPE_MEMORY_REQUIREMENTS_2, nullptr, {}};
     vk_.vkGetBufferMemoryRequirements2(vk_.device, &ask, &needs);
+    if (usage & VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR) {
+        // Instances: VUID-vkCmdBuildAccelerationStructuresKHR-pInfos-03715.
+        VkDeviceSize& alignment = needs.memoryRequirements.alignment;
+        alignment = std::max<VkDeviceSize>(alignment, 16);
+    }
     Result<MemorySlice> slice = allocate(needs.memoryRequirements, use, true);
     if (!slice) return slice.error();
     buffer.memory = *slice;

@@ -88,9 +88,14 @@ VkPipelineCache PipelineStore::cache(std::string_view initial)
 {
     if (vk_.pipelineCache) return vk_.pipelineCache;
     if (std::exchange(cacheAsked_, true)) return ownCache_;
-    const VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO, nullptr, 0, initial.size(),
-                                         initial.data()};
-    if (vk_.vkCreatePipelineCache(vk_.device, &info, vk_.hostAllocator, &ownCache_) == VK_SUCCESS)
+    VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO, nullptr, 0, initial.size(),
+                                   initial.data()};
+    VkResult made = vk_.vkCreatePipelineCache(vk_.device, &info, vk_.hostAllocator, &ownCache_);
+    if (made != VK_SUCCESS && info.initialDataSize > 0) { // the driver does not like the data
+        info.initialDataSize = 0;
+        made = vk_.vkCreatePipelineCache(vk_.device, &info, vk_.hostAllocator, &ownCache_);
+    }
+    if (made == VK_SUCCESS)
         ++vk_.objectsMade;
     else
         ownCache_ = VK_NULL_HANDLE;

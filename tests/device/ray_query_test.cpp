@@ -136,6 +136,26 @@ TEST_CASE_FIXTURE(DeviceTest, "casters of other masks do not cast, though eight 
     CHECK(differences(traced, drawn(host, "ray_traced")) <= 2);
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "a light may be traced before anything casts for it")
+{
+    if (!canTrace()) return;
+    Host host(smallScene());
+    const auto setMasks = [&host](uint32_t mask) {
+        for (const GnInstance instance : host.instances)
+            host.require(gnSetInstanceCasterMask(host.context, instance, mask));
+    };
+    GnLightInfo light = demo::toGnLight(host.scene.lights[0], demo::lightAt(host.scene.lights[0], 0.0));
+    light.casterMask = 0x1;
+    host.require(gnUpdateLight(host.context, host.lights[0], &light));
+    setMasks(0x100);
+    const Apart none = apart(host);
+    CHECK(none.pixels == 0);
+    setMasks(0x1);
+    const Apart all = apart(host);
+    CHECK(all.pixels <= 2);
+    CHECK(all.dark > none.dark + 100);
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "lights with casters that only the host can judge are served by others, which is said")
 {
     if (!canTrace()) return;

@@ -7,8 +7,8 @@
 /** What is special about a view. */
 typedef enum GnViewCreateFlagBits {
     GN_VIEW_PACKED_BIT = 0x1, ///< Visibility of four lights a texel: R8G8B8A8_UNORM, light i in channel i % 4 of layer
-                              ///< i / 4; 1 where there is no light. It is packed from layers of gnomon's own, a light
-                              ///< each, by one pass for four lights.
+                              ///< i / 4; 1 in channels without a light, and layers without any are left as they are. It
+                              ///< is packed from layers of gnomon's own, a light each, by one pass for four lights.
     GN_VIEW_CREATE_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
 } GnViewCreateFlagBits;
 /** Bits of #GnViewCreateFlagBits. */
@@ -19,13 +19,13 @@ typedef struct GnViewCreateInfo {
     uint32_t structSize GN_SIZE_OF(GnViewCreateInfo); ///< sizeof(GnViewCreateInfo).
     uint32_t maxLights; ///< Layers of visibility; 0 means 16. [1, 256] and the device's maximum.
     const char* pName;  ///< Optional.
-    VkExtent2D imageExtent; ///< Optional: GnViewFrame::imageExtent of its frames. gnGetVisibility() gives the image from
-                            ///< the start; frames of another size replace it. Zero: made in the first frame.
+    VkExtent2D imageExtent; ///< Optional: GnViewFrame::imageExtent of its frames. gnGetVisibility() gives the image
+                            ///< from the start; frames of another size replace it. Zero: made in the first frame.
     GnViewCreateFlags flags;
 } GnViewCreateInfo;
 
-/** \brief Creates a view. It has no visibility until it has been in a frame, unless `imageExtent` is given. Its decisions of 256 frames are kept for
-gnExplain(): some 50 kB of the host's memory a light and 12 kB a method more, 280 kB with all that are built in. */
+/** \brief Creates a view. It has no visibility until it has been in a frame, unless `imageExtent` is given. Its
+decisions of 256 frames are kept for gnExplain(): some 59 kB of the host's memory a light and 12 kB a method more. */
 GN_API GnResult GN_CALL gnCreateView(GnContext context, const GnViewCreateInfo* pCreateInfo, GnView* pView);
 /** \brief Destroys a view, and finishes a frame under way first. Its visibility image stays until the frames that were
 begun before are completed (GnFrameInfo::completedFrame): what reads it must have been submitted by then. */
@@ -68,10 +68,10 @@ typedef struct GnViewFrame {
     float viewFromWorld[9];   ///< Row-major rotation; the translation is `eye`.
     float projection[16];     ///< Column-major clipFromView as it drew the depth, jitter included: a perspective, off
                               ///< centre or not, with a near plane that may be oblique ([2], [6]); or orthographic,
-                              ///< sheared ([8], [9]) or not. Invertible. Insides of solids that an oblique
-                              ///< near plane opens are dark by methods that trace every pixel, maybe lit by others. Clip y goes down the image, as in a viewport
-                              ///< of positive height: hosts that draw with a negative one negate [1], [5], [9] and
-                              ///< [13] here.
+                              ///< sheared ([8], [9]) or not. Invertible. Insides of solids that an oblique near plane
+                              ///< opens are dark by methods that trace every pixel, maybe lit by others. Clip y goes
+                              ///< down the image, as in a viewport of positive height: hosts that draw with a negative
+                              ///< one negate [1], [5], [9] and [13] here.
     GnDepthConvention depthConvention;
     VkImage depthImage;       ///< Required. SAMPLED, and TRANSFER_SRC where it is not copied first; its stencil is left
                               ///< alone.

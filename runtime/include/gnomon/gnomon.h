@@ -263,7 +263,7 @@ typedef struct GnDeviceNeeds {
     uint32_t optionalExtensionCount;       ///< Extensions the device has and some method can use.
     const char* ppOptionalExtensions[8];   ///< First `optionalExtensionCount` are set.
     char reason[256];                      ///< Why not, if not.
-    /// Feature structures of those extensions, all features in them on, to be appended to the chain given to
+    /// Feature structures of those extensions, with what gnomon uses on, to be appended to the chain given to
     /// vkCreateDevice; static, null where there are none. Where it is not null, bufferDeviceAddress of Vulkan 1.2 is to
     /// be enabled with it. Methods that need any of this say so where it is not enabled.
     const void* pOptionalFeatures;
@@ -404,8 +404,8 @@ pins its lights need not compile what it never asks for. Fails with GN_ERROR_UNK
 GN_ERROR_FEATURE_MISSING where the device cannot run it. */
 GN_API GnResult GN_CALL gnWarmUpMethod(GnContext context, const char* pMethod);
 
-/** \brief Writes what gnomon's own pipeline cache holds, for GnContextCreateInfo::pPipelineCacheData of a later run: the
-driver's bytes behind a header with a checksum. Best asked for once the context is warm.
+/** \brief Writes what gnomon's own pipeline cache holds, for GnContextCreateInfo::pPipelineCacheData of a later run:
+the driver's bytes behind a header with a checksum. Best asked for once the context is warm.
 
 With null `pData` only the size is written, which may grow while pipelines are made.
 \return #GN_INCOMPLETE if the buffer was too small, and nothing was written; #GN_ERROR_UNSUPPORTED with a pipeline cache
@@ -431,7 +431,8 @@ typedef enum GnTraitBits {
     GN_TRAIT_RAYS_BIT = 0x200,          ///< Needs ray-tracing trees of the casters.
     GN_TRAIT_FALLBACK_BIT = 0x400,      ///< Serves while the chosen method is not ready.
     GN_TRAIT_PLANAR_BIT = 0x800,        ///< Right on the plane that most receivers lie on, and nowhere else.
-    GN_TRAIT_DEVICE_RAYS_BIT = 0x1000,  ///< Traces rays on the device: needs its acceleration structures of the casters.
+    GN_TRAIT_DEVICE_RAYS_BIT = 0x1000,  ///< Traces rays on the device: needs its acceleration structures of casters. Of
+                                        ///< built-in methods alone.
     GN_TRAIT_GPU_POSITIONS_BIT = 0x2000, ///< Of topology it needs edges and faces alone: sees meshes in buffers that
                                          ///< are rewritten in every frame, once they have been copied in some pose.
     GN_TRAIT_MAX_ENUM = 0x7FFFFFFF

@@ -130,6 +130,11 @@ public:
         return done(gnUpdateMeshPositions(context(), get(), reinterpret_cast<const float*>(vertices.data()),
                                           static_cast<uint32_t>(vertices.size()), sizeof(Vertex)));
     }
+    /** gnUpdateMeshFromBuffer(); the bounds from before hold. */
+    Status updateFromBuffer(const VkDescriptorBufferInfo& positions) const noexcept
+    {
+        return done(gnUpdateMeshFromBuffer(context(), get(), &positions, nullptr, nullptr));
+    }
     /** gnUpdateMeshFromBuffer(). */
     Status updateFromBuffer(const VkDescriptorBufferInfo& positions, std::span<const float, 3> lower,
                             std::span<const float, 3> upper) const noexcept

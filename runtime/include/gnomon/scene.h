@@ -77,9 +77,10 @@ typedef struct GnMeshCreateInfo {
 /** \brief Adds a mesh. Topology and ray-tracing trees are built by workers; until then the mesh casts by the methods
 that do not need them. Zero-area triangles are dropped with a warning. Any thread.
 
-A mesh in buffers casts from the next frame on. Unless #GN_MESH_NO_CPU_COPY_BIT forbids it, its content is copied to the
-CPU in the first frame that does not rewrite it, without a wait; some frames later topology and trees are built of that.
-Until then methods that need them do not serve its lights, and say so. One that is rewritten in every frame stays so.
+A mesh in buffers casts from the next frame on. Unless #GN_MESH_NO_CPU_COPY_BIT forbids it, its content is copied to
+the CPU in its first frame, and again whenever eight frames in a row have not rewritten it, without a wait; some
+frames later topology and trees are built of that. Until then methods that need them do not serve its lights, and say
+so. One that is rewritten all the time stays so.
 \return #GN_ERROR_EMPTY, #GN_ERROR_OUT_OF_RANGE (an index; `range` too small, with how much is needed; offset, stride
     or flags), #GN_ERROR_UNSUPPORTED (format or type of index), #GN_ERROR_NOT_A_NUMBER, #GN_ERROR_INFINITE,
     #GN_ERROR_TOO_MANY (more than a storage buffer of the device holds, or an index that it does not draw). */

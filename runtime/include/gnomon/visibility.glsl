@@ -31,7 +31,8 @@ float gnomonVisibility(ivec2 pixel, int light)
 #endif
 }
 #ifdef GNOMON_VISIBILITY_PACKED
-// Of lights 4 * group to 4 * group + 3; 1 of those that there are not.
+// Of lights 4 * group to 4 * group + 3; 1 of those that there are not. `group`: below a quarter of the lights, rounded
+// up.
 vec4 gnomonVisibility4(ivec2 pixel, int group) { return texelFetch(gnomonVisibilityImage, ivec3(pixel, group), 0); }
 #endif
 #endif
