@@ -11,7 +11,7 @@ Ran judged(const std::string& arguments)
     return run("'" GNOMON_JUDGE_DUMP "' " + arguments);
 }
 
-/// Exact methods, as `gnomon methods` lists them.
+/// Exact methods that the device can run, as `gnomon methods` lists them.
 std::vector<std::string> exactMethods()
 {
     const Ran ran = gnomonProgram("methods");
@@ -19,7 +19,8 @@ std::vector<std::string> exactMethods()
     std::vector<std::string> names;
     std::istringstream lines(ran.output);
     for (std::string line; std::getline(lines, line);)
-        if (!line.starts_with(" ") && line.find(", exact") != std::string::npos)
+        if (!line.starts_with(" ") && line.find(", exact") != std::string::npos &&
+            line.find("; unavailable: ") == std::string::npos)
             names.push_back(line.substr(0, line.find(":")));
     return names;
 }
