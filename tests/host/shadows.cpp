@@ -217,6 +217,8 @@ const char* reasonText(GnReason reason)
         return "near floor";
     case GN_REASON_UTILITY:
         return "worth more";
+    case GN_REASON_TRIAL:
+        return "trial";
     default:
         return "unknown to this host";
     }
