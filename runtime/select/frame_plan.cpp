@@ -236,7 +236,8 @@ std::span<const FramePlan::Cost> FramePlan::predict(const LightMemory& memory, s
         isNear(memory.workload, history.predictedFor))
         return costs;
     for (std::uint32_t m = 0; m < methods; ++m) {
-        const cost::Workload workload = workloadOf(methods_[m], memory.workload);
+        cost::Workload workload = workloadOf(methods_[m], memory.workload);
+        if (budgeted_) workload.sharing = 1.0; // within a budget every light has to be sure
         const auto of = [&](cost::Pass pass) { return model_.predict(memory.costSlot, m, pass, workload); };
         const cost::Prediction steady = model_.predict(memory.costSlot, m, workload, workload.still);
         // What stands still is drawn once, in the first frame.
@@ -317,8 +318,8 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
 {
     probe_ = {};
     if (requests_.empty()) return {};
+    const bool budgeted = budgeted_ = countsTime(base) && budget.ms > 0.0;
     fill(base, budget);
-    const bool budgeted = countsTime(base) && budget.ms > 0.0;
     plan::PlanReport report;
     if (budgeted) {
         // Grows with the number of lights, in powers of two: a steady frame allocates nothing.

@@ -138,6 +138,7 @@ private:
     cost::KnowledgeBase knowledge_;
     const cost::DeviceKnowledge* known_ = nullptr; ///< In knowledge_.
     std::uint32_t slots_ = 0, slotsUsed_ = 0, modelMethods_ = 0;
+    bool budgeted_ = false;        ///< The frame has a budget.
     std::uint64_t triedUntil_ = 0; ///< Frame: a light has changed to a method that it, or no light, was timed with.
     double savedMs_ = 0.0;         ///< For trials.
 };
