@@ -244,18 +244,19 @@ void Host::warmUpFor(const std::vector<GnLight>& lit)
     if (allWarm_) require(gnWarmUp(context));
 }
 
-void Host::wait(uint64_t submission) const
+void Host::wait(uint64_t submission)
 {
     if (submission > 0) waitTimeline(device(), timeline_.get(), submission);
+    waited_ = std::max(waited_, submission);
 }
 
+/// Only what was waited for counts as done, though the device may be further: what a frame finds completed, and so how
+/// many copies of a buffer it needs, does not depend on the machine's speed.
 void Host::retire()
 {
-    uint64_t done = 0;
-    vkCheck(vkGetSemaphoreCounterValue(device().handle, timeline_.get(), &done), "vkGetSemaphoreCounterValue");
-    while (!retired_.empty() && retired_.front().submission <= done)
+    while (!retired_.empty() && retired_.front().submission <= waited_)
         retired_.pop_front();
-    while (!unfinished_.empty() && unfinished_.front().first <= done) {
+    while (!unfinished_.empty() && unfinished_.front().first <= waited_) {
         completed_ = unfinished_.front().second;
         unfinished_.pop_front();
     }

@@ -159,7 +159,7 @@ private:
     void warmUpFor(const std::vector<GnLight>& lit);
     GnViewFrame viewFrame(uint32_t view, const demo::CameraMatrices& camera, const std::vector<GnLight>& lit) const;
     void submit(VkCommandBuffer cmd, bool last);
-    void wait(uint64_t submission) const;
+    void wait(uint64_t submission);
     void retire();
     Slot& takeSlot();
     static void GN_CALL onMessage(const GnMessage* message, void* user);
@@ -185,7 +185,7 @@ private:
     std::set<GnLight> pinned_;
     std::vector<GnTransform> lastTransforms_;
     std::vector<demo::LightState> lastLights_;
-    uint64_t submission_ = 0, frame_ = 0, completed_ = 0;
+    uint64_t submission_ = 0, waited_ = 0, frame_ = 0, completed_ = 0;
     uint32_t layers_ = 0;
     std::mutex messageMutex_;
     std::vector<std::string> messages_;

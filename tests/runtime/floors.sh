@@ -23,6 +23,8 @@ table='
 1  shaders/volumes          shaders/shared
 1  shaders/hybrid           shaders/shared
 1  shaders/revectorized     shaders/shared
+1  shaders/warped           shaders/shared
+1  shaders/filtered         shaders/shared
 1  shaders/demo             shaders/shared runtime/include/gnomon
 2  rules/engine             runtime/base
 2  runtime/vk               runtime/base runtime/include/gnomon
@@ -47,8 +49,10 @@ table='
 8  algorithms/hybrid        algorithms/shared runtime runtime/passes runtime/rays runtime/scene runtime/base
 8  algorithms/hybrid        shaders/hybrid shaders/shared
 8  algorithms/revectorized  algorithms/shared runtime shaders/revectorized shaders/shared
+8  algorithms/warped        algorithms/shared runtime runtime/scene shaders/warped shaders/shared
+8  algorithms/filtered      algorithms/shared runtime runtime/scene shaders/filtered shaders/shared
 9  algorithms               algorithms/maps algorithms/omni algorithms/volumes algorithms/hybrid algorithms/revectorized
-9  algorithms               runtime
+9  algorithms               algorithms/warped algorithms/filtered runtime
 '
 
 mapfile -t files < <(find runtime rules algorithms shaders -name '*.[ch]pp' -o -name '*.[ch]' -o -name '*.in[cl]' \

@@ -1,0 +1,1 @@
+# Shadow maps with soft edges. One gnomon_algorithm() call a module.
