@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Builds gnomon and runs its main job: a street at night with 64 lights, headless, by the default rules, on the software
 # Vulkan device or whichever GNOMON_DEVICE names. Leaves tables and pictures in out/run. Then it runs parts of the path
-# once more beside each method that served most, for every light, and ends with three sentences about who took what.
+# once more beside each method that served most, for every light, says in three sentences who took what, and ends with
+# a page about it all.
 # Arguments go to `gnomon run` after the scene.
 set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
@@ -26,4 +27,7 @@ done
 favoured="$(awk -F , 'NR > 1 && $3 != "none" { ++rows[$3]; ++all }
     END { for (method in rows) if (rows[method] >= all / 50) print method }' "$out/lights.csv" | sort | paste -s -d ,)"
 say "holding it against $favoured"
-"$build/gnomon" compare city_night --methods "$favoured" --size 640x360 --stride 12 --alternations 1 | tail -n 4
+"$build/gnomon" compare city_night --methods "$favoured" --size 640x360 --stride 12 --alternations 1 \
+    --csv "$out/compare.csv" | tail -n 4
+say "the whole run as a page"
+"$build/gnomon" report "$out" --compare "$out/compare.csv"

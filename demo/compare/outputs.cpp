@@ -28,7 +28,8 @@ PlotCurve curve(const std::string& title, const std::string& style, const std::v
 
 CsvWriter emptyTable()
 {
-    return CsvWriter({"scene", "run", "pass", "alternation", "frame", "frame_ms", "sentinel_ms", "shadow_ms"});
+    return CsvWriter({"scene", "run", "pass", "alternation", "frame", "frame_ms", "sentinel_ms", "shadow_ms",
+                      "adaptive", "equal_quality", "near_wrong_pct", "far_wrong_pct"});
 }
 
 void appendTable(CsvWriter& csv, const Contest& contest)
@@ -38,7 +39,9 @@ void appendTable(CsvWriter& csv, const Contest& contest)
             const RunRecord& run = row.runs[i];
             for (size_t frame = 0; frame < run.frameMs.size(); ++frame) {
                 csv.cell(contest.scene().name).cell(row.name).cell(row.warm ? "warm" : "cold").cell(i).cell(frame);
-                csv.cell(run.frameMs[frame], 3).cell(run.sentinelMs[frame], 3).cell(run.shadowMs[frame]).endRow();
+                csv.cell(run.frameMs[frame], 3).cell(run.sentinelMs[frame], 3).cell(run.shadowMs[frame]);
+                csv.cell(row.adaptive).cell(contest.quality().holds(row.errors));
+                csv.cell(row.errors.near.percent(), 4).cell(row.errors.far.percent(), 4).endRow();
             }
         }
     }

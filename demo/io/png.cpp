@@ -10,13 +10,21 @@
 
 namespace gnomon::demo {
 
-Status writePng(const std::filesystem::path& file, const Image8& image)
+Outcome<std::string> encodePng(const Image8& image)
 {
     const LodePNGColorType type = image.channels == 1 ? LCT_GREY : LCT_RGB;
-    std::vector<uint8_t> bytes; // lodepng's own way into a file takes a full disk for a success
+    std::vector<uint8_t> bytes;
     if (const unsigned error = lodepng::encode(bytes, image.texels, image.width, image.height, type, 8))
-        return Status::failure(file.string() + ": " + lodepng_error_text(error));
-    return writeFile(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+        return Outcome<std::string>::failure(lodepng_error_text(error));
+    return std::string(bytes.begin(), bytes.end());
+}
+
+Status writePng(const std::filesystem::path& file, const Image8& image)
+{
+    const Outcome<std::string> bytes =
+        encodePng(image); // lodepng's own way into a file takes a full disk for a success
+    if (!bytes) return Status::failure(file.string() + ": " + bytes.error());
+    return writeFile(file, *bytes);
 }
 
 bool isWholePng(const std::filesystem::path& file)

@@ -4,10 +4,12 @@
 #include "demo/io/outcome.hpp"
 
 #include <filesystem>
+#include <string>
 
 namespace gnomon::demo {
 
-/// 8-bit gray or RGB, by the image's channel count.
+/// The bytes of a PNG file: 8-bit gray or RGB, by the image's channel count.
+Outcome<std::string> encodePng(const Image8& image);
 Status writePng(const std::filesystem::path& file, const Image8& image);
 
 /// Whether the file starts and ends as a PNG file does; what another program wrote may have been cut short.

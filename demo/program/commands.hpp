@@ -78,6 +78,13 @@ struct CalibrateOptions {
 };
 int calibrateCommand(const CalibrateOptions& options);
 
+struct ReportOptions {
+    std::string run = "out/run";             ///< A folder of `gnomon run`.
+    std::string to;                          ///< Empty: report.html in it.
+    std::vector<std::string> compare, bench; ///< Tables of these commands.
+};
+int reportCommand(const ReportOptions& options);
+
 struct TraceOptions {
     std::string scene, rules, methods;
     std::string out = "scene.gntrace", size = "160x120", budget = "auto";

@@ -170,6 +170,16 @@ void addCalibrate(CLI::App& app, CalibrateOptions& options, int& exitCode)
     calibrate->callback([&] { exitCode = calibrateCommand(options); });
 }
 
+void addReport(CLI::App& app, ReportOptions& options, int& exitCode)
+{
+    CLI::App* report = app.add_subcommand("report", "one HTML page about a run, and measurements beside it");
+    report->add_option("RUN", options.run, "a folder that `gnomon run` has filled")->capture_default_str();
+    report->add_option("--to", options.to, "file to write; default: report.html in that folder");
+    report->add_option("--compare", options.compare, "a table of `gnomon compare --csv`; may be repeated");
+    report->add_option("--bench", options.bench, "a table of `gnomon bench --csv`; may be repeated");
+    report->callback([&] { exitCode = reportCommand(options); });
+}
+
 void addTrace(CLI::App& app, TraceOptions& options, int& exitCode)
 {
     CLI::App* trace = app.add_subcommand("trace", "measure every method on every frame of a scene, for `replay`");
@@ -231,6 +241,8 @@ int main(int argc, char** argv)
     addCompare(app, compare, exitCode);
     CalibrateOptions calibrate;
     addCalibrate(app, calibrate, exitCode);
+    ReportOptions report;
+    addReport(app, report, exitCode);
     TraceOptions trace;
     addTrace(app, trace, exitCode);
     ReplayCommandOptions replay;

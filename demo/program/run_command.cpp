@@ -86,7 +86,7 @@ bool isPictureName(std::string_view name)
 /// What an earlier run left in the folder would pass for this one's. The rules that this run reads stay.
 void removeOldFiles(const std::filesystem::path& folder, const std::string& rules)
 {
-    constexpr std::string_view tables[] = {"frames.csv", "lights.csv", "decisions.gnlog", "rules.yaml"};
+    constexpr std::string_view tables[] = {"frames.csv", "lights.csv", "run.csv", "decisions.gnlog", "rules.yaml"};
     std::vector<std::filesystem::path> old;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
         const std::string name = entry.path().filename().string();
@@ -168,10 +168,10 @@ public:
     void print(const std::vector<WhyQuestion>& questions) const
     {
         std::printf("%s", log_.summaryText().c_str());
-        std::printf(
-            "files               %s: frames.csv, lights.csv, decisions.gnlog, frame_*.png, frame_*_methods.png%s\n",
-            std::filesystem::absolute(out_).lexically_normal().c_str(),
-            std::filesystem::exists(out_ / "rules.yaml") ? ", rules.yaml" : "");
+        std::printf("files               %s: frames.csv, lights.csv, run.csv, decisions.gnlog, frame_*.png, "
+                    "frame_*_methods.png%s\n",
+                    std::filesystem::absolute(out_).lexically_normal().c_str(),
+                    std::filesystem::exists(out_ / "rules.yaml") ? ", rules.yaml" : "");
         printAnswers(decisions_, questions); // a number may be no light's, and the rest is said then
     }
 
@@ -214,6 +214,41 @@ void check(const RunOptions& options)
     if (!options.dump.empty()) requireWritableFolder(options.dump);
 }
 
+/// The same run again, as a command.
+std::string commandOf(const RunOptions& options)
+{
+    std::string text = "gnomon run " + options.scene;
+    const auto add = [&](const char* name, const std::string& value) {
+        if (!value.empty()) text += std::string(" --") + name + " " + value;
+    };
+    add("rules", options.rules);
+    add("method", options.method);
+    add("knowledge", options.knowledge);
+    add("size", options.size);
+    add("frames", options.frames > 0 ? std::to_string(options.frames) : "");
+    add("lights", options.lights > 0 ? std::to_string(options.lights) : "");
+    std::string budget;
+    if (options.budgetMs > 0.0f) appendNumber(budget, double{options.budgetMs});
+    add("budget", budget);
+    return text + (options.recorded ? " --recorded" : "");
+}
+
+/// run.csv: what ran where.
+void saveFacts(const RunOptions& options, const Session& session, const std::string& chooser)
+{
+    const VkExtent2D extent = session.renderer.extent();
+    CsvWriter facts({"what", "value"});
+    facts.cell("scene").cell(session.scene.name).endRow();
+    facts.cell("size").cell(std::to_string(extent.width) + "x" + std::to_string(extent.height)).endRow();
+    facts.cell("lights").cell(session.scene.lights.size()).endRow();
+    facts.cell("triangles").cell(triangleCount(session.scene)).endRow();
+    facts.cell("chosen").cell(chooser).endRow();
+    facts.cell("device").cell(session.device.properties.deviceName).endRow();
+    facts.cell("driver").cell(session.device.driver).endRow();
+    facts.cell("command").cell(commandOf(options)).endRow();
+    expect(facts.save(std::filesystem::path(options.out) / "run.csv"));
+}
+
 void printStart(const Session& session, const std::string& chooser, uint32_t frames)
 {
     const VkExtent2D extent = session.renderer.extent();
@@ -244,6 +279,7 @@ int runCommand(const RunOptions& options)
 
     const uint32_t frames = options.frames > 0 ? options.frames : session.scene.frames;
     printStart(session, chooser, frames);
+    saveFacts(options, session, chooser);
     Run run(options, session, rules, frames);
     for (uint32_t frame = 0; frame < frames; ++frame)
         run.frame(frame);

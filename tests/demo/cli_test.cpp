@@ -361,7 +361,8 @@ TEST_CASE("compare holds the rules against fixed choices, cold and warm, and wri
                              "\nIn torus_grid, with 1 light, a frame by the default rules takes ", " served: "})
         CHECK_MESSAGE(ran.output.find(line) != std::string::npos, line);
     const std::vector<std::string> table = lines(csv);
-    CHECK(table.at(0) == "scene,run,pass,alternation,frame,frame_ms,sentinel_ms,shadow_ms");
+    CHECK(table.at(0) == "scene,run,pass,alternation,frame,frame_ms,sentinel_ms,shadow_ms,adaptive,equal_quality,"
+                           "near_wrong_pct,far_wrong_pct");
     std::map<std::string, int> frames;
     for (const std::string& line : table) {
         std::vector<std::string> cells;

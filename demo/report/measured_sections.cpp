@@ -1,0 +1,99 @@
+// Sections about measurements: fixed choices beside the adaptive run, and error against time.
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "demo/program/pictures.hpp"
+#include "demo/report/markup.hpp"
+#include "demo/report/sections.hpp"
+
+namespace gnomon::demo {
+
+namespace {
+
+// What no pixel of a picture can show; where an axis of errors begins, since none is left of it on a logarithm.
+constexpr double kLeastPercent = 1e-4, kLeastMs = 1e-2;
+
+std::string savedTable(const Compared& compared, const Compared::Run& adaptive)
+{
+    std::vector<const Compared::Run*> fixedRuns;
+    for (const Compared::Run& run : compared.runs)
+        if (!run.adaptive && run.scene == adaptive.scene && run.pass == adaptive.pass) fixedRuns.push_back(&run);
+    std::stable_sort(fixedRuns.begin(), fixedRuns.end(),
+                     [](const auto* a, const auto* b) { return a->frameMs < b->frameMs; });
+    std::string out = "<h3>" + escaped(adaptive.scene) + ", " + escaped(adaptive.pass) + ", by the rules " +
+                      escaped(adaptive.name) + ": " + fixed(adaptive.frameMs, 1) + " ms a frame</h3><table><tr>" +
+                      "<th>every light by</th><th>ms a frame</th><th>saved, ms a frame</th><th>shadows, ms</th>"
+                      "<th>wrong near, %</th><th>wrong far, %</th><th>equal quality</th></tr>";
+    for (const Compared::Run* run : fixedRuns)
+        out += "<tr><td>" + escaped(run->name) + "</td><td>" + fixed(run->frameMs, 1) + "</td><td>" +
+               fixed(run->frameMs - adaptive.frameMs, 1) + "</td><td>" + fixed(run->shadowMs, 1) + "</td><td>" +
+               fixed(run->nearWrong, 3) + "</td><td>" + fixed(run->farWrong, 3) + "</td><td>" +
+               (run->equalQuality ? "yes" : "no") + "</td></tr>";
+    return out + "</table>\n";
+}
+
+std::string scatter(const std::vector<Benched::Row>& rows)
+{
+    double leastMs = 1e30, mostMs = kLeastMs, leastWrong = 1e30, mostWrong = kLeastPercent;
+    const auto place = [](const Benched::Row& row) {
+        return std::pair(std::max(row.ms, kLeastMs), std::max(row.wrongPercent, kLeastPercent));
+    };
+    for (const Benched::Row& row : rows) {
+        const auto [ms, wrong] = place(row);
+        leastMs = std::min(leastMs, ms), mostMs = std::max(mostMs, ms);
+        leastWrong = std::min(leastWrong, wrong), mostWrong = std::max(mostWrong, wrong);
+    }
+    SvgChart chart(1040.0, 420.0,
+                   {.low = leastMs / 1.3, .high = mostMs * 2.5, .title = "milliseconds", .logarithmic = true},
+                   {.low = leastWrong / 1.5, .high = mostWrong * 1.5, .title = "wrong pixels, %", .logarithmic = true});
+    Points front;
+    for (const size_t i : paretoFront(rows))
+        front.push_back(place(rows[i]));
+    chart.line(front, {120, 120, 120});
+    for (const Benched::Row& row : rows) {
+        const auto [ms, wrong] = place(row);
+        const std::string name = row.map.empty() ? row.method : row.method + " at " + row.map;
+        chart.text(ms, wrong, name);
+        chart.dot(ms, wrong, methodColour(row.method),
+                  name + "\n" + fixed(row.ms, 2) + " ms, " + fixed(row.wrongPercent, 4) + " % wrong");
+    }
+    return chart.svg();
+}
+
+} // namespace
+
+std::string savedSection(const Compared& compared)
+{
+    std::string out;
+    for (const Compared::Run& run : compared.runs)
+        if (run.adaptive) out += savedTable(compared, run);
+    if (out.empty()) return {};
+    return "<section><h2>What one method for all lights takes</h2>\n" + out +
+           "<p class=\"note\">Equal quality: the share of wrong pixels that the rules' quality floor allows within 30 "
+           "m, "
+           "and at most 1 % beyond.</p></section>\n";
+}
+
+std::string errorSection(const Benched& benched)
+{
+    std::set<std::string> scenes;
+    for (const Benched::Row& row : benched.rows)
+        scenes.insert(row.scene);
+    std::string out;
+    for (const std::string& scene : scenes) {
+        std::vector<Benched::Row> rows;
+        std::copy_if(benched.rows.begin(), benched.rows.end(), std::back_inserter(rows),
+                     [&](const Benched::Row& row) { return row.scene == scene && row.method != "none"; });
+        if (!rows.empty())
+            out += "<h3>" + escaped(scene) + ", on " + escaped(rows.front().device) + "</h3>" + scatter(rows);
+    }
+    if (out.empty()) return {};
+    return "<section><h2>Error against time</h2>\n" + out +
+           "<p class=\"note\">Errors against ray_traced in the same frame, over pixels that face the light; what has "
+           "none "
+           "stands at " +
+           fixed(kLeastPercent, 4) + " %. On the line nothing is better in both.</p></section>\n";
+}
+
+} // namespace gnomon::demo

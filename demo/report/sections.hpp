@@ -1,0 +1,21 @@
+#pragma once
+// The parts of the page of `gnomon report`, each a <section>, or empty where there is nothing to show.
+#include <span>
+#include <string>
+
+#include "demo/report/measured.hpp"
+#include "demo/report/run_data.hpp"
+
+namespace gnomon::demo {
+
+std::string headlineSection(const RunData& run);
+std::string frameSection(const RunData& run);
+std::string laneSection(const RunData& run);
+std::string distanceSection(const RunData& run);
+std::string savedSection(const Compared& compared);
+std::string errorSection(const Benched& benched);
+std::string pictureSection(const RunData& run);
+std::string worstSection(const RunData& run);
+std::string reproduceSection(const RunData& run, std::span<const std::string> commands);
+
+} // namespace gnomon::demo

@@ -1,0 +1,241 @@
+// The page of `gnomon report`: well-formed whatever a run's tables hold, small however long the run was.
+#include "demo/report/csv_reader.hpp"
+#include "demo/report/markup.hpp"
+#include "demo/report/page.hpp"
+#include "demo/report/sections.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "demo/io/file.hpp"
+
+using namespace gnomon::demo;
+
+namespace {
+
+constexpr const char* kFramesHead = "frame,time_s,frame_ms,fps,shadow_gpu_ms,shadow_cpu_ms,decide_us,lights,switches,"
+                                    "budget_ms,over_budget\n";
+constexpr const char* kLightsHead =
+    "frame,light,method,suitability,predicted_ms,measured_ms,distance,reason,map_side\n";
+
+/// A folder as `gnomon run` leaves it.
+struct Folder {
+    std::filesystem::path path = std::filesystem::temp_directory_path() / "gnomon_report_test";
+
+    Folder()
+    {
+        std::filesystem::remove_all(path);
+        std::filesystem::create_directories(path);
+        write("frames.csv", kFramesHead);
+        write("lights.csv", kLightsHead);
+    }
+    ~Folder() { std::filesystem::remove_all(path); }
+    void write(const char* name, const std::string& text) const { REQUIRE(writeFile(path / name, text)); }
+    RunData read() const
+    {
+        Outcome<RunData> run = readRun(path);
+        REQUIRE_MESSAGE(run, run.error());
+        return std::move(*run);
+    }
+};
+
+std::string frameLine(int frame, const std::string& ms, int lights = 1)
+{
+    return std::to_string(frame) + ",0," + ms + ",60,2.5,1.5,10," + std::to_string(lights) + ",0,0,0\n";
+}
+
+std::string lightLine(int frame, const std::string& light, const std::string& method, double distance)
+{
+    return std::to_string(frame) + "," + light + "," + method + ",0.5,1,0.75," + fixed(distance, 3) + ",rules R1,0\n";
+}
+
+std::string pageOf(const RunData& run)
+{
+    const std::string command = "gnomon report x";
+    return page("test", headlineSection(run) + frameSection(run) + laneSection(run) + distanceSection(run) +
+                            pictureSection(run) + worstSection(run) + reproduceSection(run, std::span(&command, 1)));
+}
+
+/// Whether every tag is closed in order and nothing but known entities and tags stands in the text: what an XML parser
+/// asks of the page.
+bool isWellFormed(const std::string& text)
+{
+    std::vector<std::string> open;
+    for (size_t i = text.find("<html"); i < text.size();) {
+        const size_t tag = text.find('<', i);
+        for (size_t amp = text.find('&', i); amp < std::min(tag, text.size()); amp = text.find('&', amp + 1)) {
+            const std::string entity = text.substr(amp, text.find(';', amp) - amp + 1);
+            if (entity != "&amp;" && entity != "&lt;" && entity != "&gt;" && entity != "&quot;") return false;
+        }
+        if (tag == std::string::npos) break;
+        const size_t end = text.find('>', tag);
+        if (end == std::string::npos || text.find('<', tag + 1) < end) return false;
+        const std::string inside = text.substr(tag + 1, end - tag - 1);
+        const std::string name = inside.substr(0, inside.find_first_of(" \n/"));
+        if (inside[0] == '/') {
+            if (open.empty() || open.back() != inside.substr(1)) return false;
+            open.pop_back();
+        } else if (inside.back() != '/') {
+            open.push_back(name);
+        }
+        i = end + 1;
+    }
+    return open.empty();
+}
+
+size_t countOf(const std::string& text, std::string_view word)
+{
+    size_t count = 0;
+    for (size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1))
+        ++count;
+    return count;
+}
+
+} // namespace
+
+TEST_CASE("the reader of well-formed pages tells bad ones")
+{
+    CHECK(isWellFormed("<html><p>a &lt; b</p><br/></html>"));
+    CHECK_FALSE(isWellFormed("<html><p>a & b</p></html>"));
+    CHECK_FALSE(isWellFormed("<html><p>a</html></p>"));
+    CHECK_FALSE(isWellFormed("<html><p title=\"a<b\">a</p></html>"));
+}
+
+TEST_CASE("base64 has RFC 4648's vectors")
+{
+    CHECK(base64("") == "");
+    CHECK(base64("f") == "Zg==");
+    CHECK(base64("fo") == "Zm8=");
+    CHECK(base64("foobar") == "Zm9vYmFy");
+}
+
+TEST_CASE("ticks are round numbers within the axis")
+{
+    CHECK(ticks({.low = 0.0, .high = 10.0}) == std::vector<double>{0.0, 2.0, 4.0, 6.0, 8.0, 10.0});
+    CHECK(ticks({.low = 0.5, .high = 30.0, .logarithmic = true}).size() == 6); // 0.5 1 2 5 10 20
+    for (const double tick : ticks({.low = 3e-5, .high = 7e4, .logarithmic = true}))
+        CHECK(std::abs(std::log10(tick) - std::round(std::log10(tick))) < 1e-9);
+}
+
+TEST_CASE("a run without frames, with one, and without lights has a page")
+{
+    const Folder folder;
+    CHECK(isWellFormed(pageOf(folder.read())));
+    CHECK(pageOf(folder.read()).find("has no frames") != std::string::npos);
+    folder.write("frames.csv", kFramesHead + frameLine(0, "16.5", 0));
+    const std::string one = pageOf(folder.read());
+    CHECK(isWellFormed(one));
+    CHECK(one.find("1 frames with up to 0 lights took 16.5 ms each, 4.0 ms") != std::string::npos);
+    CHECK(one.find("nan") == std::string::npos);
+}
+
+TEST_CASE("names with quotes, brackets and ampersands stand in the page as they are")
+{
+    const Folder folder;
+    folder.write("frames.csv", kFramesHead + frameLine(0, "10") + frameLine(1, "11"));
+    folder.write("lights.csv", kLightsHead + lightLine(0, "\"a<b>&\"\"c\"\"\"", "shadow_map", 4.0) +
+                                   lightLine(1, "\"a<b>&\"\"c\"\"\"", "<script>alert(1)</script>", 4.0));
+    const RunData run = folder.read();
+    REQUIRE(run.lights.size() == 1);
+    CHECK(run.lights[0].name == "a<b>&\"c\"");
+    const std::string text = pageOf(run);
+    CHECK(isWellFormed(text));
+    CHECK(text.find("<script>") == std::string::npos);
+    CHECK(text.find("a&lt;b&gt;&amp;&quot;c&quot;") != std::string::npos);
+}
+
+TEST_CASE("stretches, distances and shares are those of the table")
+{
+    const Folder folder;
+    std::string frames = kFramesHead, lights = kLightsHead;
+    for (int frame = 0; frame < 10; ++frame) {
+        frames += frameLine(frame, "10");
+        lights += lightLine(frame, "lamp", frame < 4 ? "cube_map" : "ray_traced", frame < 4 ? 30.0 : 3.0);
+    }
+    folder.write("frames.csv", frames);
+    folder.write("lights.csv", lights);
+    const RunData run = folder.read();
+    REQUIRE(run.lights.size() == 1);
+    REQUIRE(run.lights[0].stretches.size() == 2);
+    CHECK(run.lights[0].stretches[0].last == 3);
+    CHECK(run.lights[0].stretches[1].first == 4);
+    CHECK(run.uses[0].inBand[4] == 4); // 20 to 40 m
+    CHECK(run.uses[1].inBand[1] == 6); // 2.5 to 5 m
+    CHECK(run.uses[1].measuredMs == doctest::Approx(6 * 0.75));
+    CHECK(countOf(laneSection(run), "<title>lamp") == 2);
+}
+
+TEST_CASE("a table cut off in the middle of a row is read up to there, and the page says so")
+{
+    const Folder folder;
+    folder.write("frames.csv", kFramesHead + frameLine(0, "10") + frameLine(1, "11") + "2,0,1");
+    const RunData run = folder.read();
+    CHECK(run.frames.size() == 2);
+    REQUIRE(run.notes.size() == 1);
+    CHECK(run.notes[0].find("line 4") != std::string::npos);
+    CHECK(pageOf(run).find("line 4 is not a whole row") != std::string::npos);
+}
+
+TEST_CASE("what is no folder of a run is named")
+{
+    CHECK(readRun("/nowhere").error().find("/nowhere/frames.csv") != std::string::npos);
+    const Folder folder;
+    folder.write("frames.csv", "a,b\n1,2\n");
+    CHECK(readRun(folder.path).error().find("no column 'frame'") != std::string::npos);
+    CHECK(readCompared(folder.path / "frames.csv").error().find("no column 'scene'") != std::string::npos);
+}
+
+TEST_CASE("a hundred thousand frames make a page under two megabytes that says what it left out")
+{
+    const Folder folder;
+    std::ofstream frames(folder.path / "frames.csv"), lights(folder.path / "lights.csv");
+    frames << kFramesHead;
+    lights << kLightsHead;
+    for (int frame = 0; frame < 100'000; ++frame) {
+        frames << frameLine(frame, frame == 77'777 ? "99.5" : "10", 3);
+        for (const char* light : {"a", "b", "c"}) // a change in every third frame
+            lights << lightLine(frame, light, frame % 6 < 3 ? "cube_map" : "ray_traced", 5.0);
+    }
+    frames.close();
+    lights.close();
+    const std::string text = pageOf(folder.read());
+    MESSAGE("page: " << text.size() << " bytes");
+    CHECK(text.size() < 2'000'000);
+    CHECK(isWellFormed(text));
+    CHECK(text.find("100000 frames in") != std::string::npos);
+    CHECK(text.find("Frame 77777: 99.5 ms") != std::string::npos);
+    CHECK(text.find("short stretches are drawn with the one before") != std::string::npos);
+}
+
+TEST_CASE("fixed choices are held against the adaptive run of the same scene and pass")
+{
+    const Folder folder;
+    std::string text = "scene,run,pass,alternation,frame,frame_ms,sentinel_ms,shadow_ms,adaptive,equal_quality,"
+                       "near_wrong_pct,far_wrong_pct\n";
+    for (const char* alternation : {"0", "1", "2"}) {
+        text += std::string("hall,default,cold,") + alternation + ",0,20,1,8,1,1,0.1,0.2\n";
+        text += std::string("hall,cube_map,cold,") + alternation + ",0,26,1,14,0,0,3,4\n";
+        text += std::string("hall,cube_map,warm,") + alternation + ",0,90,1,70,0,0,3,4\n";
+    }
+    folder.write("compare.csv", text);
+    const Outcome<Compared> compared = readCompared(folder.path / "compare.csv");
+    REQUIRE(compared);
+    REQUIRE(compared->runs.size() == 3);
+    const std::string section = savedSection(*compared);
+    CHECK(isWellFormed("<html>" + section + "</html>"));
+    CHECK(section.find("<td>cube_map</td><td>26.0</td><td>6.0</td><td>14.0</td>") != std::string::npos);
+    CHECK(section.find("90.0") == std::string::npos); // no adaptive run was warm
+}
+
+TEST_CASE("the Pareto front has what nothing else beats in both")
+{
+    const std::vector<Benched::Row> rows = {{.method = "slow and exact", .ms = 9.0, .wrongPercent = 0.0},
+                                            {.method = "beaten", .ms = 5.0, .wrongPercent = 2.0},
+                                            {.method = "middle", .ms = 4.0, .wrongPercent = 1.0},
+                                            {.method = "quick", .ms = 1.0, .wrongPercent = 8.0}};
+    CHECK(paretoFront(rows) == std::vector<size_t>{3, 2, 0});
+    CHECK(isWellFormed("<html>" + errorSection({.rows = rows, .notes = {}}) + "</html>"));
+}
