@@ -102,7 +102,12 @@ int replayCommand(const ReplayCommandOptions& options);
 
 int methodsCommand(bool markdown); ///< \param markdown as the table of docs/methods.md.
 int scenesCommand();
-int lintCommand(const std::string& rules, const std::string& trace);
+struct LintOptions {
+    std::string rules, trace;
+    bool strict = false; ///< Warnings fail as well.
+    bool json = false;   ///< Findings as a JSON array on stdout, and nothing else there.
+};
+int lintCommand(const LintOptions& options);
 struct WhyOptions {
     std::string log, light, method;
     uint32_t frame = 0;

@@ -231,7 +231,7 @@ int main(int argc, char** argv)
     RunOptions run;
     BenchOptions bench;
     ContactOptions contact;
-    std::string rules, facts, lintTrace;
+    std::string rules, facts;
     addRun(app, run, exitCode);
     WhyOptions why;
     addWhy(app, why, exitCode);
@@ -253,9 +253,13 @@ int main(int argc, char** argv)
     methods->callback([&] { exitCode = methodsCommand(markdown); });
     app.add_subcommand("scenes", "list the shipped scenes")->callback([&] { exitCode = scenesCommand(); });
     CLI::App* lint = app.add_subcommand("lint", "check a rule base");
-    lint->add_option("RULES", rules, rulesHelp())->required();
-    lint->add_option("--trace", lintTrace, "a recorded trace: also report decisions that its noise overturns (L08)");
-    lint->callback([&] { exitCode = lintCommand(rules, lintTrace); });
+    LintOptions lintOptions;
+    lint->add_option("RULES", lintOptions.rules, rulesHelp())->required();
+    lint->add_option("--trace", lintOptions.trace,
+                     "a recorded trace: also report decisions that its noise overturns (L08)");
+    lint->add_flag("--strict", lintOptions.strict, "warnings fail as errors do");
+    lint->add_flag("--json", lintOptions.json, "findings as a JSON array, for editors and scripts");
+    lint->callback([&] { exitCode = lintCommand(lintOptions); });
     CLI::App* explain = app.add_subcommand("explain", "say what a rule base thinks of given facts, and why");
     explain->add_option("RULES", rules, rulesHelp())->required();
     explain->add_option("--facts", facts, "name=value,...; what is not given is unknown")->required();

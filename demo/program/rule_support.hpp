@@ -18,8 +18,7 @@ RuleVocabulary runtimeVocabulary();
 bool report(const std::vector<rules::Diagnostic>& diagnostics);
 
 /// A path or the name of a shipped one; prints findings. Throws HostError if it cannot be used.
-/// \param findings how many were printed.
-rules::RuleBase parseRules(const std::string& nameOrPath, size_t* findings = nullptr);
+rules::RuleBase parseRules(const std::string& nameOrPath);
 
 /// Asks the rules anew for every light of every frame, from the recorded facts: suitabilities, vetoes, near floors.
 /// Methods that were unable stay so. Throws HostError if the rules do not bind.

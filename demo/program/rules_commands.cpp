@@ -47,19 +47,61 @@ bool report(const std::vector<rules::Diagnostic>& diagnostics)
     return failed;
 }
 
-rules::RuleBase parseRules(const std::string& nameOrPath, size_t* findings)
+namespace {
+
+rules::ParseResult readRules(const RuleText& text)
 {
 #ifdef GNOMON_WITH_YAML
-    const RuleText text = valueOf(findRules(nameOrPath));
     rules::ParseResult parsed = rules::parseRuleBase(text.text, text.name);
+    if (parsed.remains) { // what else is to be corrected
+        rules::BindResult bound = rules::Engine::bind(std::move(*parsed.remains), runtimeVocabulary().view());
+        std::move(bound.diagnostics.begin(), bound.diagnostics.end(), std::back_inserter(parsed.diagnostics));
+    }
+    return parsed;
+#else
+    throw HostError(text.name + ": this build reads no rule bases (GNOMON_WITH_YAML is off)");
+#endif
+}
+
+/// As a JSON string (RFC 8259).
+std::string jsonString(std::string_view text)
+{
+    std::string out = "\"";
+    for (const char c : text) {
+        if (static_cast<unsigned char>(c) < 0x20) {
+            char code[8];
+            std::snprintf(code, sizeof code, "\\u%04x", static_cast<unsigned>(c));
+            out += code;
+            continue;
+        }
+        if (c == '"' || c == '\\') out += '\\';
+        out += c;
+    }
+    return out + '"';
+}
+
+std::string jsonOf(const std::vector<rules::Diagnostic>& findings)
+{
+    std::string out = "[";
+    for (const rules::Diagnostic& finding : findings) {
+        out += out.size() > 1 ? ",\n " : "";
+        out += "{\"file\": " + jsonString(finding.file) + ", \"line\": " + std::to_string(finding.line) +
+               ", \"column\": " + std::to_string(finding.column) + ", \"severity\": \"" +
+               (finding.severity == rules::Severity::Error ? "error" : "warning") +
+               "\", \"id\": " + jsonString(finding.id) + ", \"message\": " + jsonString(finding.message) + "}";
+    }
+    return out + "]\n";
+}
+
+} // namespace
+
+rules::RuleBase parseRules(const std::string& nameOrPath)
+{
+    const RuleText text = valueOf(findRules(nameOrPath));
+    rules::ParseResult parsed = readRules(text);
     report(parsed.diagnostics);
-    if (findings) *findings = parsed.diagnostics.size();
     if (!parsed) throw HostError(text.name + ": not a usable rule base");
     return std::move(*parsed.base);
-#else
-    (void)findings;
-    throw HostError(nameOrPath + ": this build reads no rule bases (GNOMON_WITH_YAML is off)");
-#endif
 }
 
 namespace {
@@ -93,6 +135,19 @@ std::vector<rules::Diagnostic> lintAlong(const std::string& file, const rules::R
     return rules::lintTrace(*bound.engine, {.rows = rows, .noise = {}, .frames = frames});
 }
 
+/// What no scene can have is a slip: per cent in place of a share, say.
+void requireInRange(const rules::FactInfo& fact, double value, const std::string& item)
+{
+    std::string hundredth;
+    appendNumber(hundredth, value / 100.0);
+    if (fact.unit == "share" && value > 1.0)
+        throw HostError("--facts: '" + item + "' is out of range: a share goes from 0 to 1; for per cent write " +
+                        hundredth);
+    if (fact.unit == "flag" && value > 1.0)
+        throw HostError("--facts: '" + item + "' is out of range: a flag goes from 0 to 1");
+    if (value < 0.0) throw HostError("--facts: '" + item + "' is out of range: no fact is negative");
+}
+
 std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vocabulary)
 {
     std::vector<double> values(vocabulary.facts.size(), std::numeric_limits<double>::quiet_NaN());
@@ -113,6 +168,7 @@ std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vo
         if (!value) throw HostError("--facts: '" + item + "' is not name=number");
         const auto fact = static_cast<size_t>(found - vocabulary.facts.begin());
         if (!std::isnan(values[fact])) throw HostError("--facts: '" + name + "' is given twice");
+        requireInRange(*found, *value, item);
         values[fact] = *value;
     }
     return values;
@@ -120,17 +176,30 @@ std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vo
 
 } // namespace
 
-int lintCommand(const std::string& nameOrPath, const std::string& trace)
+int lintCommand(const LintOptions& options)
 {
     const RuleVocabulary vocabulary = runtimeVocabulary();
-    size_t whileReading = 0;
-    const rules::RuleBase base = parseRules(nameOrPath, &whileReading);
-    std::vector<rules::Diagnostic> findings = rules::lint(base, vocabulary.view());
-    if (!trace.empty())
-        for (rules::Diagnostic& finding : lintAlong(trace, base, vocabulary))
+    const RuleText text = valueOf(findRules(options.rules));
+    rules::ParseResult parsed = readRules(text);
+    std::vector<rules::Diagnostic>& findings = parsed.diagnostics;
+    if (parsed) {
+        for (rules::Diagnostic& finding : rules::lint(*parsed.base, vocabulary.view()))
             findings.push_back(std::move(finding));
-    const bool failed = report(findings);
-    std::printf("%s: %zu rules, %zu findings\n", base.name.c_str(), base.rules.size(), whileReading + findings.size());
+        if (!options.trace.empty())
+            for (rules::Diagnostic& finding : lintAlong(options.trace, *parsed.base, vocabulary))
+                findings.push_back(std::move(finding));
+    }
+    bool failed = !parsed || (options.strict && !findings.empty());
+    if (options.json) {
+        std::printf("%s", jsonOf(findings).c_str());
+        failed |= std::any_of(findings.begin(), findings.end(),
+                              [](const auto& finding) { return finding.severity == rules::Severity::Error; });
+        return failed ? 1 : 0;
+    }
+    failed |= report(findings);
+    if (!parsed) throw HostError(text.name + ": not a usable rule base");
+    std::printf("%s: %zu rules, %zu finding%s\n", parsed.base->name.c_str(), parsed.base->rules.size(), findings.size(),
+                findings.size() == 1 ? "" : "s");
     return failed ? 1 : 0;
 }
 

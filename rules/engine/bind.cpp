@@ -124,7 +124,11 @@ private:
         const auto fact = std::find_if(vocabulary_.facts.begin(), vocabulary_.facts.end(),
                                        [&](const FactInfo& f) { return f.name == variable.name; });
         if (fact == vocabulary_.facts.end()) {
-            sink_.error("L01", variable.at, "no fact is called " + quoted(variable.name));
+            std::vector<std::string_view> known;
+            for (const FactInfo& known_ : vocabulary_.facts)
+                known.push_back(known_.name);
+            sink_.error("L01", variable.at,
+                        "no fact is called " + quoted(variable.name) + suggestion(variable.name, known));
         } else {
             made.fact = static_cast<uint32_t>(fact - vocabulary_.facts.begin());
             if (!variable.unit.empty() && !fact->unit.empty() && variable.unit != fact->unit)
@@ -242,7 +246,7 @@ private:
                 targets.push_back(found->second);
             else if (!knownOutputs_.contains(consequent.name))
                 sink_.error("L01", consequent.nameAt,
-                            "unknown output " + quoted(consequent.name) + traitHint(consequent));
+                            "unknown output " + quoted(consequent.name) + outputHint(consequent.name));
             return targets;
         }
         for (uint32_t i = 0; i < made_.outputCount; ++i) {
@@ -250,13 +254,27 @@ private:
             if (std::find(traits.begin(), traits.end(), consequent.name) != traits.end()) targets.push_back(i);
         }
         if (targets.empty() && !knownTraits_.contains(consequent.name))
-            sink_.error("L01", consequent.nameAt, "unknown trait " + quoted(consequent.name));
+            sink_.error("L01", consequent.nameAt,
+                        "unknown trait " + quoted(consequent.name) + suggestion(consequent.name, sorted(knownTraits_)));
         return targets;
     }
 
-    std::string traitHint(const Consequent& consequent) const
+    std::string outputHint(const std::string& name) const
     {
-        return knownTraits_.contains(consequent.name) ? "; it is a trait, write 'any " + consequent.name + "'" : "";
+        if (knownTraits_.contains(name)) return "; it is a trait, write 'any " + name + "'";
+        std::unordered_set<std::string_view> known = knownOutputs_;
+        for (const OutputInfo& output : vocabulary_.outputs)
+            known.insert(output.name);
+        for (const Concept& concept_ : base_.concepts)
+            known.insert(concept_.name);
+        return suggestion(name, sorted(known));
+    }
+
+    static std::vector<std::string_view> sorted(const std::unordered_set<std::string_view>& names)
+    {
+        std::vector<std::string_view> list(names.begin(), names.end());
+        std::sort(list.begin(), list.end());
+        return list;
     }
 
     void compileConsequents(const Rule& rule)

@@ -10,8 +10,17 @@
 namespace gnomon::rules {
 namespace {
 
-constexpr std::array kChecks = {&checkPartitions,     &checkCoverage, &checkDeadRules, &checkRedundancy,
-                                &checkContradictions, &checkSamples,  &checkMonotony};
+/// Behind checkPartitions().
+struct Check {
+    void (*run)(const Engine&, DiagnosticSink&);
+    bool needsSoundTerms; ///< Where terms leave a hole it would report little but the hole's consequences.
+};
+constexpr std::array<Check, 6> kChecks = {{{&checkCoverage, true},
+                                           {&checkDeadRules, false},
+                                           {&checkRedundancy, false},
+                                           {&checkContradictions, false},
+                                           {&checkSamples, true},
+                                           {&checkMonotony, true}}};
 
 bool includes(const std::vector<uint32_t>& whole, const std::vector<uint32_t>& part)
 {
@@ -111,8 +120,9 @@ void checkRedundancy(const Engine& engine, DiagnosticSink& sink)
 std::vector<Diagnostic> lint(const Engine& engine)
 {
     DiagnosticSink sink(engine.base().file);
-    for (const auto check : kChecks)
-        check(engine, sink);
+    const bool sound = checkPartitions(engine, sink);
+    for (const Check& check : kChecks)
+        if (sound || !check.needsSoundTerms) check.run(engine, sink);
     return sink.take();
 }
 

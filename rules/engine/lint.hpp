@@ -14,7 +14,8 @@
 ///     L10  facts where the floor holds and no output may serve                     warning, with the facts
 ///     L11  a part of the policy that has no effect without a plan                  warning, from the reader
 ///
-/// Every check is a function `void(const Engine&, DiagnosticSink&)` in lint.cpp's list.
+/// Every check is a function `void(const Engine&, DiagnosticSink&)` in lint.cpp's list. As long as terms of a variable
+/// leave a hole or are out of order, L02, L07, L09 and L10 are not looked for: they would tell of that alone.
 
 #include <span>
 #include <vector>

@@ -35,7 +35,8 @@ private:
     std::size_t count_ = 0;
 };
 
-void checkPartitions(const Engine& engine, DiagnosticSink& sink);     ///< L06, lint_partition.cpp
+/// L06, lint_partition.cpp. \return whether the terms of all variables stand as they should
+bool checkPartitions(const Engine& engine, DiagnosticSink& sink);
 void checkCoverage(const Engine& engine, DiagnosticSink& sink);       ///< L02, lint_coverage.cpp
 void checkDeadRules(const Engine& engine, DiagnosticSink& sink);      ///< L03, cannot fire; lint_coverage.cpp
 void checkRedundancy(const Engine& engine, DiagnosticSink& sink);     ///< L03 superfluous and L05, lint.cpp

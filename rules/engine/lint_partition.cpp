@@ -108,6 +108,23 @@ std::vector<double> probes(const Variable& variable)
     return xs;
 }
 
+/// Shares are numbers from 0 to 1; who thinks of them as per cent writes 5 for a twentieth.
+bool isInPercent(const Variable& variable, DiagnosticSink& sink)
+{
+    constexpr double kHundred = 100.0;
+    if (variable.unit != "share") return false;
+    for (const Term& term : variable.terms)
+        for (const double corner : {term.shape.a, term.shape.b, term.shape.c, term.shape.d}) {
+            if (!std::isfinite(corner) || corner <= variable.high) continue;
+            sink.warning("L06", term.at,
+                         quoted(term.name) + " of " + quoted(variable.name) + " has a corner at " +
+                             shortestText(corner) + ", but a share goes from 0 to 1: for " + shortestText(corner) +
+                             " % write " + shortestText(corner / kHundred));
+            return true;
+        }
+    return false;
+}
+
 void checkTerms(const Variable& variable, const std::vector<double>& xs, DiagnosticSink& sink)
 {
     std::optional<double> previous;
@@ -134,6 +151,7 @@ void checkVariable(const Variable& variable, DiagnosticSink& sink)
 {
     constexpr double kHole = 0.5;      ///< Below it no term is more true than false.
     constexpr double kRounding = 1e-9; ///< Of the extrapolation above; a crossing at exactly one half is no hole.
+    if (isInPercent(variable, sink)) return;
     const std::vector<double> xs = probes(variable);
     checkTerms(variable, xs, sink);
     if (const Lowest lowest = lowestCoverage(variable); lowest.value < kHole - kRounding)
@@ -148,16 +166,21 @@ void checkVariable(const Variable& variable, DiagnosticSink& sink)
 
 } // namespace
 
-void checkPartitions(const Engine& engine, DiagnosticSink& sink)
+bool checkPartitions(const Engine& engine, DiagnosticSink& sink)
 {
+    const std::size_t before = sink.all().size();
     for (const Variable& variable : engine.base().variables)
         checkVariable(variable, sink);
-    if (engine.suitability().arePoints()) // weights at places, with nothing between them
-        return checkTerms(engine.base().suitability, probes(engine.base().suitability), sink);
+    const bool sound = sink.all().size() == before;
+    if (engine.suitability().arePoints()) { // weights at places, with nothing between them
+        checkTerms(engine.base().suitability, probes(engine.base().suitability), sink);
+        return sound;
+    }
     checkVariable(engine.base().suitability, sink);
     if (!engine.suitability().isNeighbourForm())
         sink.warning("L06", engine.base().suitability.at,
                      "the terms of suitability overlap beyond neighbours; the centroid takes its slow general form");
+    return sound;
 }
 
 } // namespace gnomon::rules

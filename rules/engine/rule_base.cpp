@@ -114,28 +114,70 @@ bool hasTerm(const Owner& owner, std::string_view name)
     return std::any_of(owner.terms.begin(), owner.terms.end(), [&](const auto& t) { return t.name == name; });
 }
 
-template <typename Owner>
-void requireTerm(const Owner& owner, std::string_view name, SourceSpot at, DiagnosticSink& sink)
-{
-    if (hasTerm(owner, name)) return;
-    std::string text = quoted(owner.name) + " has no term " + quoted(name) + "; it has";
-    for (const auto& term : owner.terms)
-        text += " " + term.name;
-    sink.error("L01", at, text);
-}
+/// Names that sentences use and nobody defines: a finding for each, at its first place.
+class UnknownNames {
+public:
+    template <typename Owner>
+    void requireTerm(const Owner& owner, std::string_view name, SourceSpot at)
+    {
+        if (hasTerm(owner, name)) return;
+        std::vector<std::string_view> known;
+        for (const auto& term : owner.terms)
+            known.push_back(term.name);
+        add(quoted(owner.name) + " has no term " + quoted(name) + suggestion(name, known), at);
+    }
 
-void checkAntecedent(const Antecedent& antecedent, const Names& names, DiagnosticSink& sink)
+    void variable(std::string_view name, SourceSpot at, const Names& names)
+    {
+        std::vector<std::string_view> known;
+        for (const auto& [variable, ignored] : names.variables)
+            known.push_back(variable);
+        for (const auto& [concept_, ignored] : names.concepts)
+            known.push_back(concept_);
+        std::sort(known.begin(), known.end()); // the map has no order
+        add("unknown variable " + quoted(name) + suggestion(name, known), at);
+    }
+
+    void report(DiagnosticSink& sink) const
+    {
+        for (const Finding& finding : findings_)
+            sink.error("L01", finding.at,
+                       finding.text +
+                           (finding.places > 1 ? " (in " + std::to_string(finding.places) + " places)" : ""));
+    }
+
+private:
+    struct Finding {
+        std::string text;
+        SourceSpot at;
+        std::size_t places = 1;
+    };
+
+    void add(std::string text, SourceSpot at)
+    {
+        const auto same = [&](const Finding& finding) { return finding.text == text; };
+        const auto found = std::find_if(findings_.begin(), findings_.end(), same);
+        if (found != findings_.end())
+            ++found->places;
+        else
+            findings_.push_back({std::move(text), at});
+    }
+
+    std::vector<Finding> findings_;
+};
+
+void checkAntecedent(const Antecedent& antecedent, const Names& names, UnknownNames& unknown)
 {
     for (const Clause& clause : antecedent) {
         if (clause.kind != Clause::Kind::Is) continue;
         const auto variable = names.variables.find(clause.variable);
         const auto concept_ = names.concepts.find(clause.variable);
         if (variable != names.variables.end())
-            requireTerm(*variable->second, clause.term, clause.termAt, sink);
+            unknown.requireTerm(*variable->second, clause.term, clause.termAt);
         else if (concept_ != names.concepts.end())
-            requireTerm(*concept_->second, clause.term, clause.termAt, sink);
+            unknown.requireTerm(*concept_->second, clause.term, clause.termAt);
         else
-            sink.error("L01", clause.variableAt, "unknown variable " + quoted(clause.variable));
+            unknown.variable(clause.variable, clause.variableAt, names);
     }
 }
 
@@ -154,7 +196,7 @@ bool isWellFormed(const Antecedent& antecedent)
 
 /// Conclusions about concepts: which term, and what they may stand beside.
 void checkConsequents(const Rule& rule, bool isOtherwise, const RuleBase& base, const Names& names,
-                      DiagnosticSink& sink)
+                      UnknownNames& unknown, DiagnosticSink& sink)
 {
     bool speaksOfOutputs = false;
     const Consequent* others = nullptr;
@@ -164,7 +206,7 @@ void checkConsequents(const Rule& rule, bool isOtherwise, const RuleBase& base, 
         if (asserts && isOtherwise)
             sink.error("R06", consequent.nameAt, "'otherwise' speaks of outputs only: concepts are settled before it");
         if (asserts) {
-            requireTerm(*concept_->second, consequent.term, consequent.termAt, sink);
+            unknown.requireTerm(*concept_->second, consequent.term, consequent.termAt);
             continue;
         }
         if (consequent.kind == Consequent::Kind::Others)
@@ -172,7 +214,7 @@ void checkConsequents(const Rule& rule, bool isOtherwise, const RuleBase& base, 
         else
             speaksOfOutputs = true;
         if (consequent.isVeto()) continue;
-        requireTerm(base.suitability, consequent.term, consequent.termAt, sink);
+        unknown.requireTerm(base.suitability, consequent.term, consequent.termAt);
     }
     if (others && !speaksOfOutputs && rule.consequents.size() > 1)
         sink.error("R06", others->nameAt, "'others' needs a conclusion about an output; this sentence has none");
@@ -190,7 +232,8 @@ void checkId(const Rule& rule, DiagnosticSink& sink)
         sink.error("R05", rule.at, "'otherwise' cannot be the id of a rule");
 }
 
-void checkRule(const Rule& rule, bool isOtherwise, const RuleBase& base, const Names& names, DiagnosticSink& sink)
+void checkRule(const Rule& rule, bool isOtherwise, const RuleBase& base, const Names& names, UnknownNames& unknown,
+               DiagnosticSink& sink)
 {
     if (!isOtherwise && !isWellFormed(rule.antecedent))
         sink.error("R06", rule.at, "the antecedent of rule " + quoted(rule.id) + " is not a postfix expression");
@@ -200,8 +243,8 @@ void checkRule(const Rule& rule, bool isOtherwise, const RuleBase& base, const N
         sink.error("R05", rule.at,
                    "the priority of rule " + quoted(rule.id) + " must be at most " + std::to_string(kHighestPriority));
     if (rule.consequents.empty()) sink.error("R06", rule.at, "rule " + quoted(rule.id) + " concludes nothing");
-    checkAntecedent(rule.antecedent, names, sink);
-    checkConsequents(rule, isOtherwise, base, names, sink);
+    checkAntecedent(rule.antecedent, names, unknown);
+    checkConsequents(rule, isOtherwise, base, names, unknown, sink);
 }
 
 void checkOptions(const Options& options, DiagnosticSink& sink)
@@ -246,19 +289,20 @@ bool validate(const RuleBase& base, DiagnosticSink& sink)
     checkVariable(base.suitability, sink);
     checkWidths(base.suitability, sink);
     std::unordered_set<std::string_view> ids;
+    UnknownNames unknown;
     for (const Rule& rule : base.rules) {
         if (!ids.insert(rule.id).second) sink.error("R05", rule.at, "two rules are called " + quoted(rule.id));
         checkId(rule, sink);
-        checkRule(rule, false, base, names, sink);
+        checkRule(rule, false, base, names, unknown, sink);
     }
-    if (base.otherwise) checkRule(*base.otherwise, true, base, names, sink);
+    if (base.otherwise) checkRule(*base.otherwise, true, base, names, unknown, sink);
     if (!base.policy.floor.when.empty() && !isWellFormed(base.policy.floor.when))
         sink.error("R06", {}, "the condition of the floor is not a postfix expression");
-    checkAntecedent(base.policy.floor.when, names, sink);
+    checkAntecedent(base.policy.floor.when, names, unknown);
     for (const Monotony& promise : base.monotony) {
-        if (!names.variables.contains(promise.variable))
-            sink.error("L01", promise.variableAt, "unknown variable " + quoted(promise.variable));
+        if (!names.variables.contains(promise.variable)) unknown.variable(promise.variable, promise.variableAt, names);
     }
+    unknown.report(sink);
     if (sink.errorCount() == before) orderConcepts(base, sink);
     return sink.errorCount() == before;
 }

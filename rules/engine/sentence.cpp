@@ -120,6 +120,17 @@ private:
         return false;
     }
     bool expect(std::string_view word, std::string_view what) { return accept(word) || fail(peek(), what); }
+    /// Behind the variable of a condition, where who thinks in numbers puts a comparison.
+    bool expectIs(const std::string& variable)
+    {
+        if (accept("is")) return true;
+        constexpr std::string_view comparisons = "<>=!";
+        const Token& token = peek();
+        if (token.kind != Token::Kind::Bad || comparisons.find(token.text.front()) == std::string_view::npos)
+            return fail(token, "expected 'is'");
+        return fail(token, "rules compare no numbers: write '" + variable + " is TERM' and say in the terms of " +
+                               quoted(variable) + " from which number to which it holds; expected 'is'");
+    }
     /// One of two words that are reserved nowhere else.
     bool either(std::string_view yes, std::string_view no, bool& out)
     {
@@ -177,7 +188,7 @@ private:
     bool isClause(Antecedent& out)
     {
         Clause clause;
-        if (!name("a variable", clause.variable, clause.variableAt) || !expect("is", "expected 'is'")) return false;
+        if (!name("a variable", clause.variable, clause.variableAt) || !expectIs(clause.variable)) return false;
         const bool negated = accept("not");
         if (!name("a term", clause.term, clause.termAt)) return false;
         out.push_back(clause);

@@ -342,7 +342,11 @@ ParseResult parseRuleBase(std::string_view text, std::string_view fileName)
         RuleBase base = Reader(*document, sink).read();
         base.file = std::string(fileName);
         base.textHash = fnv1a(text);
-        if (sink.errorCount() == 0 && validate(base, sink)) result.base = std::move(base);
+        const bool sound = sink.errorCount() == 0;
+        const bool onlySentences = std::all_of(sink.all().begin(), sink.all().end(), [](const Diagnostic& finding) {
+            return finding.id == "R06" || finding.severity == Severity::Warning;
+        });
+        if (onlySentences && validate(base, sink)) (sound ? result.base : result.remains) = std::move(base);
     }
     result.diagnostics = sink.take();
     return result;

@@ -13,6 +13,8 @@ namespace gnomon::rules {
 
 struct ParseResult {
     std::optional<RuleBase> base; ///< Empty when there was an error: a base is never half read.
+    /// Where sentences alone were at fault: the base without them, so that a linter may look for more. Not to be used.
+    std::optional<RuleBase> remains;
     std::vector<Diagnostic> diagnostics;
 
     explicit operator bool() const noexcept { return base.has_value(); }

@@ -8,6 +8,7 @@
 #include "demo/program/gnuplot.hpp"
 #include "demo/program/session.hpp"
 #include "demo/program/setting_choices.hpp"
+#include "demo/scene/yaml_tree.hpp"
 #include "gnomon/gnomon.h"
 
 namespace gnomon::demo {
@@ -49,6 +50,27 @@ TEST_CASE("methods, scenes and lint succeed and name what they are about")
         CHECK(gnomonProgram(std::string("lint ") + base).exitCode == 0);
 }
 
+TEST_CASE("lint fails on warnings where it is asked to, and speaks JSON")
+{
+    const Folder folder("strict");
+    const std::string file = (folder.path / "hole \"a\".yaml").string();
+    std::string text = valueOf(findRules("default")).text;
+    const std::string_view far = "far: [30, 60, .inf, .inf]";
+    text.replace(text.find(far), far.size(), "far: [70, 80, .inf, .inf]");
+    std::ofstream(file) << text;
+    CHECK(gnomonProgram("lint '" + file + "'").exitCode == 0);
+    CHECK(gnomonProgram("lint --strict '" + file + "'").exitCode == 1);
+    const Ran json = gnomonProgram("lint --json '" + file + "'");
+    CHECK(json.exitCode == 0);
+    const Outcome<YamlNode> findings = parseYaml(json.output, "json"); // YAML has JSON in it
+    REQUIRE_MESSAGE(findings, findings.error());
+    REQUIRE(findings->children.size() == 1);
+    CHECK(findings->children[0].children[1].text == file);
+    CHECK(findings->children[0].children[9].text == "L06");
+    CHECK(gnomonProgram("explain default --facts screenShare=30").output.find("for per cent write 0.3") !=
+          std::string::npos);
+}
+
 TEST_CASE("lint counts what was found while reading, too")
 {
     const Folder folder("lint");
@@ -59,7 +81,7 @@ TEST_CASE("lint counts what was found while reading, too")
     const Ran ran = gnomonProgram("lint '" + (folder.path / "idle.yaml").string() + "'");
     CHECK(ran.exitCode == 0);
     CHECK_MESSAGE(ran.output.find("L11") != std::string::npos, ran.output);
-    CHECK_MESSAGE(ran.output.find(", 1 findings") != std::string::npos, ran.output);
+    CHECK_MESSAGE(ran.output.find(", 1 finding") != std::string::npos, ran.output);
 }
 
 TEST_CASE("a full disk is a failure, whether it was to hold text or a picture")

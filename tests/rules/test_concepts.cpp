@@ -137,9 +137,9 @@ TEST_CASE("a concept's names are checked like any other, and it is no output")
 {
     const std::vector<Concept> scene = {concept_("scene", {"busy"})};
     CHECK(refusals(baseWith(scene, {"if x is high then scene is bsuy"})) ==
-          std::vector<std::string>{"1:28 L01 'scene' has no term 'bsuy'; it has busy"});
+          std::vector<std::string>{"1:28 L01 'scene' has no term 'bsuy'; did you mean 'busy'? Known: busy"});
     CHECK(refusals(baseWith(scene, {"if scene is calm then left is favoured"})) ==
-          std::vector<std::string>{"1:13 L01 'scene' has no term 'calm'; it has busy"});
+          std::vector<std::string>{"1:13 L01 'scene' has no term 'calm'; known: busy"});
     CHECK(contains(refusals(baseWith(scene, {"if x is high then scene is busy and others are avoided"})).at(0),
                    "'others' needs a conclusion about an output"));
     CHECK(contains(refusals(baseWith(scene, {"if x is high then never scene"})).at(0), "unknown output 'scene'"));

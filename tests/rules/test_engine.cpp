@@ -271,7 +271,7 @@ TEST_CASE("a known but absent output silences its sentence; an unknown one is an
     const BindResult refused = Engine::bind(base, {.facts = facts, .outputs = kTwo, .absent = {}, .traits = {}});
     CHECK_FALSE(refused.engine.has_value());
     CHECK(findings(refused.diagnostics, "L01") ==
-          std::vector<std::string>{"1:19 unknown output 'octree'", "1:29 unknown trait 'ancient'"});
+          std::vector<std::string>{"1:19 unknown output 'octree'; known: left, right", "1:29 unknown trait 'ancient'"});
 }
 
 TEST_CASE("a variable without a fact, and one in another unit, are errors naming it")

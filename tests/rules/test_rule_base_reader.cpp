@@ -156,9 +156,9 @@ TEST_CASE("errors name line and column, inside sentences too, and all are report
     // With the sentences in order, names are checked.
     CHECK(errorsInRules("  - rule: \"if x is lowww then p is favoured\"\n"
                         "  - rule: 'if y is low then p is good'\n") ==
-          "5:20: error L01: 'x' has no term 'lowww'; it has low high\n"
-          "6:15: error L01: unknown variable 'y'\n"
-          "6:34: error L01: 'suitability' has no term 'good'; it has avoided acceptable favoured\n");
+          "5:20: error L01: 'x' has no term 'lowww'; known: low, high\n"
+          "6:15: error L01: unknown variable 'y'; known: x\n"
+          "6:34: error L01: 'suitability' has no term 'good'; known: avoided, acceptable, favoured\n");
 }
 
 TEST_CASE("a faulty rule base is refused with the place of each fault")
@@ -186,7 +186,7 @@ TEST_CASE("a faulty rule base is refused with the place of each fault")
           "5:23: error R05: 'allocation' must be one of none budget, found '" + std::string(40, 'x') + "...'\n");
     CHECK(errorsOf(head + rules + "policy: {hysteresis: {crossFadeFrames: 2.5}}\n") ==
           "5:40: error R05: 'crossFadeFrames' must be a whole number, found '2.5'\n");
-    CHECK(errorsOf(head + rules + "policy: {floor: {when: z is low}}\n") == "5:24: error L01: unknown variable 'z'\n");
+    CHECK(errorsOf(head + rules + "policy: {floor: {when: z is low}}\n") == "5:24: error L01: unknown variable 'z'; known: x\n");
     CHECK(errorsOf(head + rules + "otherwise: never p\n") ==
           "5:18: error R06: 'otherwise' cannot veto: it fires where the rules know nothing\n");
     CHECK(errorsOf("version: 1\nvariables: {x: {universe: [0], terms: {a: [0, 0, 1, one]}}}\nrules: []\n") ==
@@ -249,7 +249,7 @@ TEST_CASE("kinds and promises arrive, and a promise that is none is refused at t
           "6:12: error R06: expected 'never', found 'always'\n");
     CHECK(errorsOf(head + "monotony:\n  - most x never raises p\n") ==
           "6:5: error R06: expected 'more' or 'less', found 'most'\n");
-    CHECK(errorsOf(head + "monotony:\n  - less z never raises p\n") == "6:10: error L01: unknown variable 'z'\n");
+    CHECK(errorsOf(head + "monotony:\n  - less z never raises p\n") == "6:10: error L01: unknown variable 'z'; known: x\n");
     CHECK(errorsOf(head + "kinds: spot\n") == "5:8: error R04: 'kinds' is a list of words\n");
 }
 
