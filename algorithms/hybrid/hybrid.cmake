@@ -23,7 +23,7 @@ endif()
 gnomon_shared(SOURCES bit_rows.cpp)
 gnomon_shared(
     NEEDS embree
-    SOURCES block_rays.cpp conservative_casters.cpp conservative_layers.cpp host_map.cpp
+    SOURCES block_rays.cpp cell_grid.cpp conservative_casters.cpp conservative_layers.cpp host_map.cpp
             map_classification.cpp near_clip.cpp traced_pixels.cpp undecided.cpp
     SHADERS hybrid/conservative.frag
             hybrid/conservative.vert
@@ -47,7 +47,7 @@ gnomon_algorithm(conservative_map
     SOURCES conservative_map.cpp)
 gnomon_algorithm(ray_traced
     NEEDS embree
-    SOURCES ray_traced.cpp)
+    SOURCES ray_traced.cpp sampled_pixels.cpp)
 gnomon_algorithm(ray_query
     SOURCES ray_query.cpp
     SHADERS hybrid/ray_query.frag)
@@ -60,7 +60,7 @@ gnomon_algorithm(eight_point_hybrid
     SHADERS hybrid/eight_point_hybrid.frag)
 gnomon_algorithm(coherence_sampling
     NEEDS embree
-    SOURCES coherence_sampling.cpp cell_grid.cpp coherence_tile.cpp)
+    SOURCES coherence_sampling.cpp coherence_tile.cpp)
 gnomon_algorithm(conservative_map_adjacency
     NEEDS embree openmesh
     SOURCES conservative_map_adjacency.cpp conservative_sheets.cpp sheet_edges.cpp

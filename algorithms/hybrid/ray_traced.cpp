@@ -1,6 +1,7 @@
 #include "algorithms/hybrid/ray_traced.hpp"
 
-#include "algorithms/hybrid/traced_pixels.hpp"
+#include "algorithms/hybrid/light_disc.hpp"
+#include "algorithms/hybrid/sampled_pixels.hpp"
 #include "algorithms/hybrid/undecided.hpp"
 #include "algorithms/shared/host_visibility.hpp"
 
@@ -8,16 +9,37 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kReasons };
+enum Setting { kReasons, kSamples, kSeed };
 
-constexpr SettingSpec kSettings[] = {kReasonsSetting};
+constexpr SettingSpec kSettings[] = {
+    kReasonsSetting,
+    {"samples", "Rays a pixel to points of a light with a radius; 1: one ray to its centre, a hard shadow.", 1,
+     kMaxSourceSamples, 1},
+    {"seed", "Another number takes other points.", 0, 65535, 0},
+};
+
+/// Whether the light's surface is sampled; else its centre is asked, and reason codes say of that ray.
+bool isSampled(const ShadowTask& task)
+{
+    return task.settings[kSamples] > 1.0 && task.settings[kReasons] == 0.0 && task.light->constants.sourceRadius > 0.0f;
+}
 
 class RayTraced final : public ShadowAlgorithm {
 public:
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
         constexpr TracedNames names{"ray_traced.visibility", "ray_traced.trace", "ray_traced.copy"};
-        declareTracedPixels(passes, task, names, task.settings[kReasons] != 0.0);
+        if (isSampled(task))
+            declareSampledPixels(passes, task, names,
+                                 {.count = static_cast<std::uint32_t>(task.settings[kSamples]),
+                                  .seed = static_cast<std::uint32_t>(task.settings[kSeed])});
+        else
+            declareTracedPixels(passes, task, names, task.settings[kReasons] != 0.0);
+    }
+
+    const char* refuses(const ShadowTask& task) const override
+    {
+        return isSampled(task) ? refusesDisc(*task.light) : nullptr;
     }
 };
 
@@ -35,6 +57,7 @@ constinit const AlgorithmEntry kRayTraced{
                          GnLightType) { return hostVisibilityMemory(extent); },
     .missing = nullptr,
     .create = makeAlgorithm<RayTraced>,
+    .approximates = [](std::span<const double> settings) { return settings[kSamples] > 1.0; }, // lights with a radius
 };
 
 } // namespace gnomon

@@ -8,11 +8,12 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter };
+enum Setting { kResolution, kFilter, kKernel };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map.", 64, 8192, 1024, true},
-    {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
+    kKernelSideSetting,
+    kKernelSetting,
 };
 
 class ShadowMap final : public ShadowAlgorithm {
@@ -26,8 +27,10 @@ public:
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
         const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-        const DepthMap map = declareDepthMap(passes, casters_, task, resolution);
-        gpu::MapConstants constants = mapConstants(task, resolution, filterSide(task.settings[kFilter]));
+        const std::uint32_t side = filterSide(task.settings[kFilter]);
+        const DepthMap map = declareDepthMap(passes, casters_, task, resolution, kernelBorder(side));
+        gpu::MapConstants constants = mapConstants(task, resolution, side);
+        constants.map.kernel = static_cast<float>(task.settings[kKernel]);
         addProjection(constants, *map.fit, task);
         resolve_.declare(passes, task, map.image, constants);
         map_ = {.image = map.image, .clipFromWorld = {map.fit->clipFromWorld}};

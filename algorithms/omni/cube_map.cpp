@@ -9,11 +9,12 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter };
+enum Setting { kResolution, kFilter, kKernel };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of each of the six faces.", 64, 4096, 1024, true},
-    {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
+    kKernelSideSetting,
+    kKernelSetting,
 };
 
 class CubeMapMethod final : public ShadowAlgorithm {
@@ -27,8 +28,10 @@ public:
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
         const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-        const CubeMap map = declareCubeMap(passes, casters_, task, resolution);
-        gpu::MapConstants constants = mapConstants(task, resolution, filterSide(task.settings[kFilter]));
+        const std::uint32_t side = filterSide(task.settings[kFilter]);
+        const CubeMap map = declareCubeMap(passes, casters_, task, resolution, kernelBorder(side));
+        gpu::MapConstants constants = mapConstants(task, resolution, side);
+        constants.map.kernel = static_cast<float>(task.settings[kKernel]);
         addLightProjection(constants, std::span(map.faces, 6), task);
         resolve_.declare(passes, task, map.image, constants);
 

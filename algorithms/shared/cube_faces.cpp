@@ -19,13 +19,14 @@ constexpr LayerNames kFaceNames[6] = {
 
 } // namespace
 
-std::span<LightFit> fitCubeFaces(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
+std::span<LightFit> fitCubeFaces(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena,
+                                 std::uint32_t borderTexels)
 {
     const Aabb bounds = sceneBounds(*task.casters);
     const std::span<LightFit> faces = arena.array<LightFit>(6);
     const float limit = nearLimit(clamped, task);
     for (std::uint32_t face = 0; face < 6; ++face) {
-        faces[face] = fitCubeFace(*task.light, bounds, face, resolution, kCubeBorderTexels);
+        faces[face] = fitCubeFace(*task.light, bounds, face, resolution, static_cast<float>(borderTexels));
         if (clamped != Clamped::none) raiseNearEnd(faces[face], resolution, limit);
     }
     return faces;
@@ -41,16 +42,17 @@ std::uint32_t neededCubeFaces(const ShadowTask& task)
 }
 
 CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
-                       std::uint32_t resolution)
+                       std::uint32_t resolution, std::uint32_t borderTexels)
 {
     FrameArena& arena = passes.arena();
-    const std::span<const LightFit> faces = fitCubeFaces(pipelines.clamped, task, resolution, arena);
+    const std::span<const LightFit> faces = fitCubeFaces(pipelines.clamped, task, resolution, arena, borderTexels);
     KeptMap map(passes, {.name = "cube_faces.depth",
                          .staticsName = "cube_faces.statics",
                          .stampName = "cube_faces.stamp",
                          .format = kMapFormat,
                          .resolution = resolution,
-                         .layers = 6});
+                         .layers = 6,
+                         .form = borderForm(borderTexels)});
     const std::uint32_t needed = neededCubeFaces(task);
     const std::span<std::uint64_t> stamps = arena.array<std::uint64_t>(6);
     const std::span<KeptParts> parts = arena.array<KeptParts>(6);

@@ -7,9 +7,6 @@
 
 namespace gnomon {
 
-/// Faces reach this many texels past their 90 degrees, enough for 8 x 8 texels around any receiver of the face.
-inline constexpr float kCubeBorderTexels = 4.0f;
-
 /// The faces as declared in this frame. Depth and casters as in DepthMap.
 struct CubeMap {
     ImageId image;                   ///< kMapFormat, six layers, resolution x resolution each.
@@ -21,13 +18,16 @@ struct CubeMap {
 };
 
 /// The projections of the six faces; memory from the arena.
-std::span<LightFit> fitCubeFaces(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena);
+/// @param borderTexels by which faces reach past their 90 degrees, at most a quarter of the side; the standard is
+///                     enough for 8 x 8 texels around any receiver of the face
+std::span<LightFit> fitCubeFaces(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena,
+                                 std::uint32_t borderTexels = kMapBorderTexels);
 /// Bit f: a receiver in the task's view can lie in face f.
 std::uint32_t neededCubeFaces(const ShadowTask& task);
 
 /// Declares the faces that a receiver in the task's view can need and whose casters or light changed. Several views
 /// share the map: a face is drawn if any of them needs it. The light is a point light.
 CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
-                       std::uint32_t resolution);
+                       std::uint32_t resolution, std::uint32_t borderTexels = kMapBorderTexels);
 
 } // namespace gnomon

@@ -5,6 +5,9 @@
 #include <cstring>
 #include <limits>
 
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
 #include "algorithms/shared/depth_casters.hpp"
 #include "algorithms/shared/map_lookup.hpp"
 #include "shaders/shared_depth_map_vert.h"
@@ -74,27 +77,48 @@ float nearLimit(Clamped clamped, const ShadowTask& task)
     return nearest > 0.0f && std::isfinite(nearest) ? std::exp2(std::floor(std::log2(nearest))) : nearest;
 }
 
-LightFit* fitDepthMap(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena)
+namespace {
+
+/// A directional map with an empty border.
+LightFit withBorder(const LightFit& fit, std::uint32_t resolution, std::uint32_t borderTexels)
+{
+    const glm::dmat4 rows = glm::transpose(glm::dmat4(fit.clipFromWorld));
+    const double inner = 1.0 - std::min(2.0 * borderTexels / resolution, 0.5); // as runtime/scene/light_fit.cpp
+    glm::dvec2 middle, half;
+    for (int axis = 0; axis < 2; ++axis) {
+        const double scale = glm::length(glm::dvec3(rows[axis]));
+        middle[axis] = -rows[axis].w / scale;
+        half[axis] = 1.0 / (scale * inner);
+    }
+    return fitWindow(fit, middle, half);
+}
+
+} // namespace
+
+LightFit* fitDepthMap(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena,
+                      std::uint32_t borderTexels)
 {
     const Aabb bounds = sceneBounds(*task.casters);
     const bool spot = task.light->type == GN_LIGHT_TYPE_SPOT;
-    LightFit* fit = arena.make(spot ? fitSpot(*task.light, bounds, resolution, kSpotBorderTexels)
+    LightFit* fit = arena.make(spot ? fitSpot(*task.light, bounds, resolution, static_cast<float>(borderTexels))
                                     : fitDirectional(*task.light, bounds));
+    if (!spot && borderForm(borderTexels) != 0) *fit = withBorder(*fit, resolution, borderTexels);
     if (spot && clamped != Clamped::none) raiseNearEnd(*fit, resolution, nearLimit(clamped, task));
     return fit;
 }
 
 DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
-                         std::uint32_t resolution)
+                         std::uint32_t resolution, std::uint32_t borderTexels)
 {
     static constexpr LayerNames kNames{"depth_map.casters", "depth_map.statics", "depth_map.copy_statics"};
     FrameArena& arena = passes.arena();
-    const LightFit* fit = fitDepthMap(pipelines.clamped, task, resolution, arena);
+    const LightFit* fit = fitDepthMap(pipelines.clamped, task, resolution, arena, borderTexels);
     KeptMap map(passes, {.name = "depth_map.depth",
                          .staticsName = "depth_map.statics",
                          .stampName = "depth_map.stamp",
                          .format = kMapFormat,
-                         .resolution = resolution});
+                         .resolution = resolution,
+                         .form = borderForm(borderTexels)});
     const std::uint64_t projection = Stamp().add(fit->clipFromWorld).value();
     const LayerContent content = layerContent(*task.light, castersIn(task.casters->statics, fit->volume, arena),
                                               castersIn(task.casters->dynamics, fit->volume, arena), projection);

@@ -41,8 +41,9 @@ struct DepthMap {
     KeptParts parts;         ///< Cells of it that hold moving casters (shared/map_cells.hpp).
 };
 
-/// Texels between the cone's square and a spot map's edge: as many as filters reach, half of 7 and the fraction.
-inline constexpr float kSpotBorderTexels = 4.0f;
+/// Texels between what a map has to cover, a cone's square or a cube's face, and its edge: as many as filters reach,
+/// half of 7 and the fraction. Wider filters ask for more.
+inline constexpr std::uint32_t kMapBorderTexels = 4;
 
 /// How far the near end of the light's maps may be raised where casters are clamped (raiseNearEnd()), so that none that
 /// may be clipped lies before it: metres, a power of two, lest each step of a figure change the map of the static
@@ -50,12 +51,21 @@ inline constexpr float kSpotBorderTexels = 4.0f;
 float nearLimit(Clamped clamped, const ShadowTask& task);
 
 /// The projection of a directional or spot light's map of `resolution` texels; memory from the arena.
-LightFit* fitDepthMap(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena);
+/// @param borderTexels around what has to be covered, at most a quarter of the side; a directional map has as many
+///                     texels without casters around them where it is more than the standard
+LightFit* fitDepthMap(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena,
+                      std::uint32_t borderTexels = kMapBorderTexels);
 
 /// Declares what is missing of the map: nothing if light, casters and resolution are those of the content kept.
 /// The light is directional or spot.
 DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
-                         std::uint32_t resolution);
+                         std::uint32_t resolution, std::uint32_t borderTexels = kMapBorderTexels);
+
+/// KeptMapInfo::form of a map with that border. @param borderTexels below 2^8
+constexpr std::uint32_t borderForm(std::uint32_t borderTexels)
+{
+    return borderTexels == kMapBorderTexels ? 0 : borderTexels;
+}
 
 /// Maps around a light: six for a point light.
 constexpr std::uint32_t mapLayers(GnLightType type)

@@ -17,15 +17,15 @@ std::uint32_t neededLayers(const ShadowTask& task)
 }
 
 LightMap declareLightMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
-                         std::uint32_t resolution, gpu::MapConstants& constants)
+                         std::uint32_t resolution, gpu::MapConstants& constants, std::uint32_t borderTexels)
 {
     LightMap result;
     if (task.light->type != GN_LIGHT_TYPE_POINT) {
-        const DepthMap map = declareDepthMap(passes, pipelines, task, resolution);
+        const DepthMap map = declareDepthMap(passes, pipelines, task, resolution, borderTexels);
         FrameArena& arena = passes.arena();
         result = {map.image, {map.fit, 1}, 1, {arena.make(map.stamp), 1}, {arena.make(map.parts), 1}};
     } else {
-        const CubeMap map = declareCubeMap(passes, pipelines, task, resolution);
+        const CubeMap map = declareCubeMap(passes, pipelines, task, resolution, borderTexels);
         result = {map.image, {map.faces, 6}, map.needed, {map.stamps, 6}, {map.parts, 6}};
     }
     addLightProjection(constants, result.fits, task);

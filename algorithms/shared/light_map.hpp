@@ -26,7 +26,8 @@ std::uint32_t neededLayers(const ShadowTask& task);
 /// Declares what is missing of the map (declareDepthMap, declareCubeMap) and adds to `constants`, from mapConstants(),
 /// how receivers are found in it (shaders/shared/agreement.glsl).
 LightMap declareLightMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
-                         std::uint32_t resolution, gpu::MapConstants& constants);
+                         std::uint32_t resolution, gpu::MapConstants& constants,
+                         std::uint32_t borderTexels = kMapBorderTexels);
 
 /// What gnGetLightMap() is to hand out of a map with a layer per fit.
 ShadowAlgorithm::Map handedOut(ImageId image, std::span<const LightFit> fits, std::uint32_t validLayers);

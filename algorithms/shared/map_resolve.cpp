@@ -1,6 +1,5 @@
 #include "algorithms/shared/map_resolve.hpp"
 
-#include "algorithms/shared/depth_map.hpp"
 #include "runtime/scene/light_pixels.hpp"
 #include "shaders/shared_map_resolve_vert.h"
 

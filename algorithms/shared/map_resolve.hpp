@@ -3,6 +3,7 @@
 #include <array>
 #include <span>
 
+#include "algorithms/shared/depth_map.hpp"
 #include "algorithms/shared/map_lookup.hpp"
 
 namespace gnomon {
@@ -80,5 +81,17 @@ private:
 
 /// Odd side of the filter's box from the setting `filter`: an even one counts as the next odd one.
 std::uint32_t filterSide(double setting);
+
+/// Settings of maps with kernels of all shapes (shaders/shared/kernels.glsl).
+inline constexpr SettingSpec kKernelSideSetting = {
+    "filter", "Texels per side of the kernel: 1 (the nearest texel), or odd up to 15.", 1, gpu::MAX_KERNEL_SIDE, 1};
+inline constexpr SettingSpec kKernelSetting = {
+    "kernel", "0: box of bilinear taps, 1: box of nearest texels, 2: tent, 3: 32 taps of a turned disc.", 0, 3, 0};
+
+/// Texels around what a map has to cover, so that kernels of that side stay inside.
+constexpr std::uint32_t kernelBorder(std::uint32_t side)
+{
+    return side <= gpu::MAX_FILTER_SIDE ? kMapBorderTexels : (side + 1) / 2;
+}
 
 } // namespace gnomon

@@ -13,15 +13,17 @@
 #include "demo/program/measure.hpp"
 #include "demo/program/progress.hpp"
 #include "demo/program/setting_choices.hpp"
+#include "demo/program/soft_error.hpp"
 #include "demo/scene/scene_file.hpp"
 
 namespace gnomon::demo {
 namespace {
 
-const std::vector<std::string> kColumns = {
-    "scene",      "method",     "lights",      "width",         "height",           "map",           "triangles",
-    "gpu_ms_p50", "cpu_ms_p50", "wall_ms_min", "wall_ms_p50",   "increment_ms_min", "wrong_pct",     "rays",
-    "memory_mib", "device",     "driver",      "false_lit_pct", "false_shadow_pct", "ambiguous_pct", "mean_abs_error"};
+const std::vector<std::string> kColumns =
+    parseNames("scene,method,lights,width,height,map,triangles,gpu_ms_p50,cpu_ms_p50,wall_ms_min,wall_ms_p50,"
+               "increment_ms_min,wrong_pct,rays,memory_mib,device,driver,false_lit_pct,false_shadow_pct,ambiguous_pct,"
+               "mean_abs_error,penumbra_pct,penumbra_rmse,penumbra_mean_abs,penumbra_off_pct,outside_rmse,"
+               "outside_mean_abs,outside_off_pct");
 
 constexpr uint32_t kDefaultBareMap = 1024;
 
@@ -36,6 +38,7 @@ struct Row {
     double worstLightPercent = 0.0;
     std::string worstLight;
     bool hasErrors = false;
+    SoftError soft; ///< Of the lights with a radius.
     uint64_t rays = 0;
     double memoryMib = 0.0;
     std::vector<PassTime> passes;
@@ -170,6 +173,8 @@ private:
             const ErrorCount errors = compare(visibility[layer], *truth, *counted, ambiguous_[index]);
             row.errors += errors;
             row.hasErrors = true;
+            if (const Image8& soft = truth_->soft[index]; soft.width > 0)
+                row.soft += compareSoft(visibility[layer], soft, *counted);
             if (errors.percent(errors.wrong()) >= row.worstLightPercent) {
                 row.worstLightPercent = errors.percent(errors.wrong());
                 row.worstLight = light;
@@ -200,6 +205,16 @@ private:
     mutable NoShadows nothing_;
 };
 
+uint64_t softPixels(const Row& row)
+{
+    return row.soft.penumbra.pixels + row.soft.outside.pixels;
+}
+
+double penumbraPercent(const Row& row)
+{
+    return 100.0 * double(row.soft.penumbra.pixels) / double(softPixels(row));
+}
+
 void write(CsvWriter& csv, const Row& row, const Device& device)
 {
     constexpr double nothing = std::numeric_limits<double>::quiet_NaN(); // an empty cell
@@ -220,7 +235,19 @@ void write(CsvWriter& csv, const Row& row, const Device& device)
     error(e.percent(e.falseShadow), 4);
     error(e.percent(e.ambiguous), 4);
     error(e.meanAbsolute(), 6);
+    const auto soft = [&](double value, int decimals) { csv.cell(softPixels(row) > 0 ? value : nothing, decimals); };
+    soft(penumbraPercent(row), 4);
+    for (const SoftError::Part& part : {row.soft.penumbra, row.soft.outside}) {
+        soft(part.rmse(), 6);
+        soft(part.mean(), 6);
+        soft(part.farPercent(), 4);
+    }
     csv.endRow();
+}
+
+void print(const char* where, const SoftError::Part& part)
+{
+    std::printf("; %s RMSE %.4f, mean %.4f, off by > 0.1 %.3f %%", where, part.rmse(), part.mean(), part.farPercent());
 }
 
 void print(const Row& row)
@@ -234,6 +261,12 @@ void print(const Row& row)
                     row.errors.percent(row.errors.wrong()), row.worstLight.c_str(), row.worstLightPercent,
                     static_cast<unsigned long long>(row.errors.wrongClear), row.errors.percent(row.errors.ambiguous));
     std::printf("\n");
+    if (softPixels(row) > 0) {
+        std::printf("    soft: penumbra %.2f %% of the pixels", penumbraPercent(row));
+        print("in it", row.soft.penumbra);
+        print("outside", row.soft.outside);
+        std::printf("\n");
+    }
     for (const PassTime& pass : row.passes)
         std::printf("    %-32s x%-3u GPU %8.3f ms  CPU %8.3f ms\n", pass.name.c_str(), pass.count, pass.gpuMs,
                     pass.cpuMs);

@@ -92,24 +92,6 @@ const Image8* Truth::find(const std::string& light, const std::vector<uint8_t>**
     return &visibility[layer];
 }
 
-std::optional<Truth> measureTruth(Device& device, const Scene& scene, VkExtent2D size, double time)
-{
-    Session session(device, scene, {.scene = {}, .size = size});
-    if (!session.shadows.pinAll(kTruthMethod)) return std::nullopt;
-    settle(session, time, false);
-    Truth truth;
-    truth.surfaces = {session.renderer.readDepth(), session.renderer.readNormals()};
-    truth.camera = session.renderer.camera();
-    truth.state = session.renderer.state();
-    truth.visibility = session.renderer.readVisibility();
-    for (uint32_t light : truth.state.present) {
-        truth.lights.push_back(scene.lights[light].name);
-        truth.counted.push_back(
-            countedPixels(scene, truth.camera, truth.surfaces, scene.lights[light], truth.state.lights[light]));
-    }
-    return truth;
-}
-
 namespace {
 
 /// In the newest frame.
@@ -123,18 +105,57 @@ bool everyLightPinned(Session& session)
     return true;
 }
 
+void drawOnce(Session& session, double time, bool recorded)
+{
+    const CameraState camera = session.camera(time);
+    session.renderer.draw({.time = time, .cameras = {&camera, 1}, .shadows = &session.shadows, .recorded = recorded});
+    session.renderer.waitForFrame();
+}
+
+/// Truth::soft. \pre the truth's method is pinned, and ready
+std::vector<Image8> softTruth(Session& session, double time)
+{
+    const std::vector<uint32_t> present = session.renderer.state().present;
+    const auto isSoft = [&](uint32_t light) { return session.scene.lights[light].radius > 0.0f; };
+    if (std::none_of(present.begin(), present.end(), isSoft)) return std::vector<Image8>(present.size());
+    expect(session.shadows.set(kTruthMethod, kSamplesSetting, kTruthSamples));
+    drawOnce(session, time, false);
+    if (!everyLightPinned(session))
+        throw HostError("the radius of a light of scene '" + session.scene.name + "' is too large to be sampled");
+    std::vector<Image8> pictures = session.renderer.readVisibility();
+    for (size_t layer = 0; layer < present.size(); ++layer)
+        if (!isSoft(present[layer])) pictures[layer] = {};
+    return pictures;
+}
+
 } // namespace
+
+std::optional<Truth> measureTruth(Device& device, const Scene& scene, VkExtent2D size, double time)
+{
+    Session session(device, scene, {.scene = {}, .size = size});
+    if (!session.shadows.pinAll(kTruthMethod)) return std::nullopt;
+    settle(session, time, false);
+    Truth truth;
+    truth.surfaces = {session.renderer.readDepth(), session.renderer.readNormals()};
+    truth.camera = session.renderer.camera();
+    truth.state = session.renderer.state();
+    truth.visibility = session.renderer.readVisibility();
+    truth.soft = softTruth(session, time);
+    for (uint32_t light : truth.state.present) {
+        truth.lights.push_back(scene.lights[light].name);
+        truth.counted.push_back(
+            countedPixels(scene, truth.camera, truth.surfaces, scene.lights[light], truth.state.lights[light]));
+    }
+    return truth;
+}
 
 void settle(Session& session, double time, bool recorded)
 {
     if (gnWarmUp(session.shadows.context()) < 0)
         throw HostError(std::string("gnWarmUp: ") + gnGetLastError(session.shadows.context()));
-    const CameraState camera = session.camera(time);
     constexpr uint32_t patience = 200; // frames; workers need far fewer after gnWarmUp
     for (uint32_t i = 0; i < patience; ++i) {
-        session.renderer.draw(
-            {.time = time, .cameras = {&camera, 1}, .shadows = &session.shadows, .recorded = recorded});
-        session.renderer.waitForFrame();
+        drawOnce(session, time, recorded);
         if (i + 1 >= kWarmFrames && everyLightPinned(session)) return;
     }
     throw HostError("a pinned method never became ready");

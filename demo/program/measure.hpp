@@ -14,6 +14,8 @@ namespace gnomon::demo {
 inline constexpr const char* kNoneMethod = "none";
 inline constexpr const char* kBareMethod = "bare_shadow_map";
 inline constexpr const char* kTruthMethod = "ray_traced";
+inline constexpr const char* kSamplesSetting = "samples"; ///< Of the truth: rays a pixel to a light with a radius.
+inline constexpr uint32_t kTruthSamples = 1024;
 inline constexpr const char* kResolutionSetting = "resolution";
 inline constexpr const char* kRowsSetting = "rows"; ///< Of a table: what a map's side is to a map.
 
@@ -44,7 +46,8 @@ struct Truth {
     CameraMatrices camera;
     SceneState state;
     std::vector<std::string> lights; ///< Names, in layer order.
-    std::vector<Image8> visibility;
+    std::vector<Image8> visibility; ///< Hard, whatever the lights' radii.
+    std::vector<Image8> soft;       ///< Of lights with a radius; of others, an empty picture.
     std::vector<std::vector<uint8_t>> counted;
 
     const Image8* find(const std::string& light, const std::vector<uint8_t>** countedPixels) const;

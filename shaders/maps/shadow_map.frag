@@ -16,6 +16,7 @@ layout(constant_id = 1) const bool FILTERED = false;
 
 #include "../shared/planar_tap.glsl"
 #include "../shared/filter.glsl"
+#include "../shared/kernels.glsl"
 
 void main()
 {
@@ -23,6 +24,7 @@ void main()
     vec4 clip = receiverClip(constants.map, r, rayClip);
     vec2 normalPerTexel = vec2(dot(r.normalWs, constants.map.texelDx.xyz), dot(r.normalWs, constants.map.texelDy.xyz));
     Tap tap = planarTap(constants.map, r, clip, normalPerTexel, 0.0);
-    float lit = FILTERED ? boxVisibility(tap, tap.at, constants.map.filterSide) : nearestVisibility(tap, tap.at);
+    float lit = FILTERED ? kernelVisibility(tap, tap.at, constants.map.filterSide, constants.map.kernel)
+                          : nearestVisibility(tap, tap.at);
     visibility = r.decided ? r.visibility : lit;
 }

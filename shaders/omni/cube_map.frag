@@ -17,6 +17,7 @@ layout(constant_id = 1) const bool FILTERED = false;
 #define MAP_LAYERS
 #include "../shared/planar_tap.glsl"
 #include "../shared/filter.glsl"
+#include "../shared/kernels.glsl"
 
 void main()
 {
@@ -28,6 +29,7 @@ void main()
     vec2 texels = (local.xy / look.slope + local.z) * (0.5 * look.side);
     vec4 clip = vec4(texels, look.depthConstant * local.z + look.depthScale, local.z);
     Tap tap = planarTap(look, r, clip, normal.xy * (2.0 * look.slope / look.side), float(face));
-    float lit = FILTERED ? boxVisibility(tap, tap.at, look.filterSide) : nearestVisibility(tap, tap.at);
+    float lit = FILTERED ? kernelVisibility(tap, tap.at, look.filterSide, look.kernel)
+                          : nearestVisibility(tap, tap.at);
     visibility = r.decided ? r.visibility : lit;
 }

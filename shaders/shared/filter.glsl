@@ -12,14 +12,14 @@ float nearestVisibility(Tap tap, vec2 at) { return texelLit(tap, floor(at) + 0.5
 // receiver: (side + 1)^2 texels, those at the border weighted by what of them lies in the box.
 float boxVisibility(Tap tap, vec2 at, float side)
 {
-    side = min(side, float(MAX_FILTER_SIDE));
+    side = min(side, float(MAX_KERNEL_SIDE));
     vec2 low = at - 0.5 * side;
     vec2 base = floor(low);
     vec2 part = low - base;
     float lit = 0.0;
-    for (float y = 0.0; y < side; y += 2.0) { // bound: MAX_FILTER_SIDE
+    for (float y = 0.0; y < side; y += 2.0) { // bound: MAX_KERNEL_SIDE
         vec2 wy = vec2(y == 0.0 ? 1.0 - part.y : 1.0, y + 1.0 == side ? part.y : 1.0);
-        for (float x = 0.0; x < side; x += 2.0) { // bound: MAX_FILTER_SIDE
+        for (float x = 0.0; x < side; x += 2.0) { // bound: MAX_KERNEL_SIDE
             vec2 wx = vec2(x == 0.0 ? 1.0 - part.x : 1.0, x + 1.0 == side ? part.x : 1.0);
             vec2 corner = base + vec2(x, y) + 1.0;
             vec4 receiver = vec4(tapDepth(tap, corner + vec2(-0.5, 0.5)), tapDepth(tap, corner + vec2(0.5, 0.5)),

@@ -25,13 +25,21 @@ struct MapLookup {
     float filterSide;    // texels, odd
     float slope;         // cube: half width of a face at depth 1; paraboloid: texels per unit of the disc's radius
     float farWs;         // paraboloid: distance of depth 1, metres
-    float padding;
+    float kernel;        // KERNEL_*
 };
 GN_SHARED_OFFSET(MapLookup, depthConstant, 208)
 GN_SHARED_SIZE(MapLookup, 240)
 
 // Most texels per side of the box that a map is filtered with: the greatest value of the setting `filter`.
 GN_SHARED_CONST uint MAX_FILTER_SIDE = 7u;
+// And of kernels.glsl.
+GN_SHARED_CONST uint MAX_KERNEL_SIDE = 15u;
+// Values of the setting `kernel`.
+GN_SHARED_CONST float KERNEL_BOX = 0.0f;
+GN_SHARED_CONST float KERNEL_NEAREST = 1.0f;
+GN_SHARED_CONST float KERNEL_TENT = 2.0f;
+GN_SHARED_CONST float KERNEL_DISC = 3.0f;
+GN_SHARED_CONST int DISC_TAPS = 32;
 // Most texels by which the texels that vote are widened: the greatest value of the setting `widen`.
 GN_SHARED_CONST int MAX_WIDEN = 3;
 

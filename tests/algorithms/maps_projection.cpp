@@ -196,13 +196,13 @@ TEST_CASE("the shader's cube faces are those the casters are drawn into, receive
         const glm::vec3 fromLight = random.in(0.5f, 20.0f) * random.unit();
         const std::uint32_t face = gpu::cubeFaceOf(fromLight);
         const glm::vec3 local = gpu::inCubeFace(face, fromLight);
-        const LightFit fit = fitCubeFace(lamp, kScene, face, kSide, kCubeBorderTexels);
+        const LightFit fit = fitCubeFace(lamp, kScene, face, kSide, float{kMapBorderTexels});
         const glm::dvec3 expected = ndc(fit.clipFromWorld, glm::dvec3(lamp.position()) + glm::dvec3(fromLight));
         const float slope = 0.5f * fit.texelAtOne;
         CHECK(local.z > 0.0f);
         CHECK(local.x / (local.z * slope) == Approx(expected.x).epsilon(1e-4));
         CHECK(local.y / (local.z * slope) == Approx(expected.y).epsilon(1e-4));
-        const float inner = 1.0f - 2.0f * kCubeBorderTexels / kSide;
+        const float inner = 1.0f - 2.0f * float{kMapBorderTexels} / kSide;
         CHECK(std::fabs(expected.x) <= inner + 1e-5f);
         CHECK(std::fabs(expected.y) <= inner + 1e-5f);
     }

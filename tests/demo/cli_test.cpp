@@ -194,14 +194,41 @@ TEST_CASE("bench prints exactly the promised columns and a base row first")
     REQUIRE(table.size() == 6); // header, none, bare at two sizes, shadow_map at two sizes
     CHECK(table[0] == "scene,method,lights,width,height,map,triangles,gpu_ms_p50,cpu_ms_p50,wall_ms_min,wall_ms_p50,"
                       "increment_ms_min,wrong_pct,rays,memory_mib,device,driver,false_lit_pct,false_shadow_pct,"
-                      "ambiguous_pct,mean_abs_error");
+                      "ambiguous_pct,mean_abs_error,penumbra_pct,penumbra_rmse,penumbra_mean_abs,penumbra_off_pct,"
+                      "outside_rmse,outside_mean_abs,outside_off_pct");
     CHECK(table[1].starts_with("torus_grid,none,1,160,120,"));
     for (size_t i = 1; i < table.size(); ++i) {
         std::vector<std::string> cells;
         REQUIRE(splitCsvLine(table[i], cells));
-        CHECK(cells.size() == 21);
+        CHECK(cells.size() == 28);
+        CHECK(cells.at(21).empty()); // its light has no radius
         CHECK(cells.at(5) == std::array{"", "128", "256", "128", "256"}.at(i - 1));
     }
+}
+
+TEST_CASE("bench holds lights with a radius against the soft truth: a soft method is nearer to it than a hard one")
+{
+    const Folder folder("bench_soft");
+    const fs::path csv = folder.path / "bench.csv";
+    const Ran ran = gnomonProgram("bench torus_grid --radius 0.6 --methods ray_traced,coherence_sampling --size 96x64 "
+                                  "--repeat 3 --csv '" +
+                                  csv.string() + "'");
+    CAPTURE(ran.output);
+    REQUIRE(ran.exitCode == 0);
+    CHECK(ran.output.find("soft: penumbra ") != std::string::npos);
+    std::map<std::string, std::vector<std::string>> rows;
+    for (const std::string& line : lines(csv)) {
+        std::vector<std::string> cells;
+        REQUIRE(splitCsvLine(line, cells));
+        rows[cells.at(1)] = cells;
+    }
+    CHECK(rows.at("none").at(22).empty()); // penumbra_rmse
+    const std::vector<std::string>&hard = rows.at("ray_traced"), &soft = rows.at("coherence_sampling");
+    CHECK(std::stod(hard.at(12)) == 0.0); // wrong_pct is of the hard truth
+    CHECK(std::stod(hard.at(21)) > 1.0);  // penumbra_pct
+    CHECK(std::stod(hard.at(22)) > 0.2);
+    CHECK(std::stod(soft.at(22)) < 0.03);
+    CHECK(std::stod(soft.at(24)) < std::stod(hard.at(24))); // penumbra_off_pct
 }
 
 TEST_CASE("the column map says which size was in force where --set set it")

@@ -214,4 +214,11 @@ TEST_CASE_FIXTURE(DeviceTest, "point lights are left to coherence_sampling, suns
         const std::string text = host.explanation(0);
         CHECK_MESSAGE(text.find("sourceRadius above 0.7854") != std::string::npos, text);
     }
+    host.pin(0, "ray_traced"); // a hard shadow, whatever the radius, unless it takes samples
+    host.require(host.draw());
+    CHECK(std::string(host.decision(0).pMethod) == "ray_traced");
+    host.require(gnSetMethodSetting(host.context, "ray_traced", "samples", 2.0));
+    host.require(host.draw());
+    CHECK(std::string(host.decision(0).pMethod) != "ray_traced");
+    CHECK(host.explanation(0).find("sourceRadius above 0.7854") != std::string::npos);
 }

@@ -68,10 +68,10 @@ TEST_CASE("the eye may be inside a wedge or before it, and the near plane may cu
         CHECK(inside >= 2);
         CHECK(inside < kSteps); // others in the umbra, or lit
         for (const SoftError& error : {pass, fail}) {
-            CHECK(error.penumbra > 500);
+            CHECK(error.penumbra.pixels > 500);
             CHECK(error.mean() <= 0.02);
             CHECK(error.wrong == 0);
-            CHECK(error.outsideSum <= 0.001 * double(error.outside));
+            CHECK(error.outside.sum <= 0.001 * double(error.outside.pixels));
         }
     }
 }
@@ -200,10 +200,10 @@ TEST_CASE("shadows of two casters that overlap stay dark, and nothing is lit mor
     const std::vector<SoftTruth> truths = softTruths(stage);
     const SoftError error = compareSoft(stage.draw(kWedges), truths);
     MESSAGE("overlapping casters: " << inWords(error));
-    CHECK(error.penumbra > 300);
+    CHECK(error.penumbra.pixels > 300);
     CHECK(error.wrong == 0);
     CHECK(error.mean() <= 0.06);
-    CHECK(error.outsideSum <= 0.01 * double(error.outside)); // over-dark where penumbrae add up
+    CHECK(error.outside.sum <= 0.01 * double(error.outside.pixels)); // over-dark where penumbrae add up
 }
 
 namespace {

@@ -41,11 +41,11 @@ void check(const Setup& setup, double bound)
     const std::vector<SoftTruth> truths = softTruths(stage);
     const SoftError soft = compareSoft(stage.draw(kWedges), truths), hard = compareSoft(stage.truth, truths);
     MESSAGE(what << ": " << inWords(soft) << "; ray_traced " << inWords(hard));
-    CHECK(soft.penumbra > 150);
+    CHECK(soft.penumbra.pixels > 150);
     CHECK(soft.mean() <= bound);
     CHECK(5.0 * soft.mean() <= hard.mean());
     CHECK(soft.wrong == 0);
-    CHECK(soft.outsideSum <= 0.001 * double(soft.outside));
+    CHECK(soft.outside.sum <= 0.001 * double(soft.outside.pixels));
     CHECK(soft.notAskedOff <= 2);
 }
 

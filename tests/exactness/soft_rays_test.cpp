@@ -30,7 +30,7 @@ void checkSoft(const std::string& what, const SoftError& error, double bound)
     MESSAGE(what << ": " << inWords(error));
     CHECK(error.mean() <= bound);
     CHECK(error.wrong == 0);
-    CHECK(error.outsideSum <= 0.002 * double(error.outside));
+    CHECK(error.outside.sum <= 0.002 * double(error.outside.pixels));
     CHECK(error.notAskedOff <= 2);
 }
 
@@ -44,14 +44,14 @@ void check(const std::string& what, Scene scene, VkExtent2D size = kSize)
     const std::vector<SoftTruth> truths = softTruths(stage);
     const SoftError hard = compareSoft(stage.truth, truths);
     MESSAGE(what << ", ray_traced: " << inWords(hard));
-    CHECK(hard.penumbra > 150);
+    CHECK(hard.penumbra.pixels > 150);
     CHECK(hard.mean() > 2.0 * kEightBound); // the bounds tell soft from hard
     const SoftError soft = compareSoft(stage.draw(kCoherence), truths);
     const double share = double(raysOf(stage)) / (kCells * double(asked));
     checkSoft(what + ", coherence_sampling with " + percentText(100.0 * share) + " of the rays", soft, kCoherenceBound);
     CHECK(share <= kRayShare);
     const SoftError eighths = compareServed(stage.draw(kEight), truths);
-    if (eighths.outside > 0) checkSoft(what + ", eight_point_hybrid", eighths, kEightBound);
+    if (eighths.outside.pixels > 0) checkSoft(what + ", eight_point_hybrid", eighths, kEightBound);
 }
 
 /// The first lights of a shipped scene, given a surface.

@@ -81,14 +81,22 @@ std::vector<SoftTruth> softTruths(const Stage& stage)
     return truths;
 }
 
+std::vector<SoftTruth> tracedSoftTruths(Stage& stage, uint32_t samples, uint32_t seed)
+{
+    const Pictures pictures = stage.draw("ray_traced", {{"samples", double(samples)}, {"seed", double(seed)}});
+    std::vector<SoftTruth> truths(pictures.size());
+    for (size_t layer = 0; layer < pictures.size(); ++layer) {
+        for (size_t i = 0; i < pictures[layer].texels.size(); ++i) {
+            truths[layer].visibility.push_back(pictures[layer].texels[i] / 255.0);
+            truths[layer].asked.push_back(stage.counted[layer][i] == 1);
+        }
+    }
+    return truths;
+}
+
 SoftError& SoftError::operator+=(const SoftError& other)
 {
-    penumbra += other.penumbra;
-    sum += other.sum;
-    worst = std::max(worst, other.worst);
-    outside += other.outside;
-    wrong += other.wrong;
-    outsideSum += other.outsideSum;
+    demo::SoftError::operator+=(other);
     notAskedOff += other.notAskedOff;
     return *this;
 }
@@ -98,18 +106,11 @@ SoftError compareSoft(const Image8& picture, const SoftTruth& truth)
     SoftError error;
     REQUIRE(picture.texels.size() == truth.visibility.size());
     for (size_t i = 0; i < truth.visibility.size(); ++i) {
-        const double off = std::abs(picture.texels[i] / 255.0 - truth.visibility[i]);
-        if (!truth.asked[i]) {
-            error.notAskedOff += off > 1.5 / 255.0 && (truth.visibility[i] == 0.0 || truth.visibility[i] == 1.0);
-        } else if (truth.visibility[i] > 0.02 && truth.visibility[i] < 0.98) {
-            ++error.penumbra;
-            error.sum += off;
-            error.worst = std::max(error.worst, off);
-        } else {
-            ++error.outside;
-            error.wrong += off >= 0.5;
-            error.outsideSum += off;
-        }
+        const double visibility = picture.texels[i] / 255.0, wanted = truth.visibility[i];
+        if (truth.asked[i])
+            error.add(visibility, wanted);
+        else
+            error.notAskedOff += std::abs(visibility - wanted) > 1.5 / 255.0 && (wanted == 0.0 || wanted == 1.0);
     }
     return error;
 }
@@ -126,9 +127,8 @@ std::string inWords(const SoftError& error)
 {
     char text[160];
     std::snprintf(text, sizeof text, "%.4f over %llu (worst %.2f), outside %.5f over %llu, wrong %llu", error.mean(),
-                  static_cast<unsigned long long>(error.penumbra), error.worst,
-                  error.outside ? error.outsideSum / double(error.outside) : 0.0,
-                  static_cast<unsigned long long>(error.outside), static_cast<unsigned long long>(error.wrong));
+                  static_cast<unsigned long long>(error.penumbra.pixels), error.penumbra.worst, error.outside.mean(),
+                  static_cast<unsigned long long>(error.outside.pixels), static_cast<unsigned long long>(error.wrong));
     return text;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "demo/program/soft_error.hpp"
 #include "exactness/brute_stage.hpp"
 
 namespace gnomon::exact {
@@ -18,17 +19,14 @@ struct SoftTruth {
 SoftTruth softTruth(const Stage& stage, size_t layer, const brute::Scene& casters);
 /// Of all lights.
 std::vector<SoftTruth> softTruths(const Stage& stage);
+/// The same by `ray_traced`, of which soft_truth_test.cpp says how good it is: much sooner. Grazing pixels and those
+/// out of the light are not asked.
+std::vector<SoftTruth> tracedSoftTruths(Stage& stage, uint32_t samples = 1024, uint32_t seed = 0);
 
-struct SoftError {
-    uint64_t penumbra = 0;    ///< Asked pixels of which the truth lies in (0.02, 0.98).
-    double sum = 0.0;         ///< Of absolute errors there.
-    double worst = 0.0;       ///< There.
-    uint64_t outside = 0;     ///< Asked pixels that are lit or in the umbra.
-    uint64_t wrong = 0;       ///< Of these, by half a light or more.
-    double outsideSum = 0.0;  ///< Of absolute errors there.
-    uint64_t notAskedOff = 0; ///< Of the others, by more than a 255th.
+struct SoftError : demo::SoftError {
+    uint64_t notAskedOff = 0; ///< Of pixels that are not asked: those that are off by more than a 255th.
 
-    double mean() const { return penumbra ? sum / double(penumbra) : 0.0; }
+    double mean() const { return penumbra.mean(); }
     SoftError& operator+=(const SoftError& other);
 };
 SoftError compareSoft(const Image8& picture, const SoftTruth& truth);

@@ -301,6 +301,19 @@ Scene softScene(Caster caster, LightKind kind, double height, float radius)
     return scene;
 }
 
+Scene halfPlane(LightKind kind, double height, float radius)
+{
+    Scene scene;
+    scene.name = "half plane";
+    place(scene, "floor", makeBox({.size = glm::vec3(60.0f, 0.2f, 60.0f)}), {0.0, -0.1, 0.0});
+    place(scene, "sheet", makePlane({.width = 20.0f, .depth = 40.0f}), {-10.0, height, 0.0});
+    Light light = lamp("lamp", kind, {0.0, 4.0, 0.3}, {0.1, 0.0, 0.3});
+    light.radius = radius;
+    scene.lights = {light};
+    scene.camera = {{.eye = {3.4, 2.2, 1.2}, .target = {0.2, 0.0, 0.0}}};
+    return scene;
+}
+
 Scene lampOverPlain(LightKind kind)
 {
     Scene scene;

@@ -25,6 +25,10 @@ enum class Caster : uint8_t { box, sphere, cylinder, torus };
 /// \param height Of the caster's centre over the floor; \param radius of the lamp. Metres.
 demo::Scene softScene(Caster caster, demo::LightKind kind, double height, float radius);
 
+/// A floor, and over it a level sheet that hides all that lies left of the line x = 0, y = height. One lamp, whose
+/// centre is over that line, four metres above the floor.
+demo::Scene halfPlane(demo::LightKind kind, double height, float radius);
+
 /// A floor, and over it what is no simple solid: two tori in one mesh that pass through each other, a torus with fins
 /// on some of its edges, one whose triangles are all there twice, and one with every seventh triangle turned inside
 /// out. Layer 0 sun, 1 spot, 2 point.

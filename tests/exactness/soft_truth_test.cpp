@@ -1,0 +1,144 @@
+// The soft truth: ray_traced with many samples of a light with a radius, against a closed form, against the brute
+// force, and against itself with other samples.
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+#include "exactness/soft_reference.hpp"
+#include "exactness/testbed.hpp"
+
+namespace gnomon::exact {
+namespace {
+
+constexpr VkExtent2D kSize{96, 72};
+
+/// Share of a disc that lies on the far side of a line; `distance` from its centre to the line, in radii, towards that
+/// side.
+double beyondChord(double distance)
+{
+    if (distance >= 1.0) return 0.0;
+    if (distance <= -1.0) return 1.0;
+    return (std::acos(distance) - distance * std::sqrt(1.0 - distance * distance)) / std::numbers::pi;
+}
+
+/// What a point under halfPlane() sees of the lamp. \param towards From it to the disc's centre; \param height Of the
+/// sheet's edge over it; \param edge Its x, from the point.
+double seenPastEdge(const glm::dvec3& towards, double radius, double height, double edge)
+{
+    // The plane through the point and the edge cuts the disc along a line; x grows where the lamp is seen.
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(height, -edge, 0.0));
+    const glm::dvec3 axis = glm::normalize(towards);
+    const double tilt = glm::length(normal - axis * glm::dot(normal, axis));
+    return beyondChord(-glm::dot(normal, towards) / (radius * tilt));
+}
+
+struct Spread {
+    uint64_t pixels = 0, beyond = 0;
+    double sum = 0.0, squares = 0.0;
+
+    void add(double off, double limit)
+    {
+        ++pixels;
+        sum += off;
+        squares += off * off;
+        beyond += std::abs(off) > limit;
+    }
+    double mean() const { return sum / double(pixels); }
+    double rmse() const { return std::sqrt(squares / double(pixels)); }
+};
+
+/// Pixels of the floor whose closed form is neither 0 nor 1.
+Spread againstClosedForm(const Stage& stage, const Image8& picture, double height, double radius, uint32_t samples)
+{
+    const brute::View view = bruteView(stage);
+    const brute::Light light = bruteLight(stage, 0);
+    const bool sun = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
+    const brute::Scene casters(bruteTriangles(stage));
+    Spread spread;
+    for (int y = 0; y < view.height; ++y) {
+        for (int x = 0; x < view.width; ++x) {
+            const auto px = static_cast<uint32_t>(x), py = static_cast<uint32_t>(y);
+            const glm::dvec3 normal = drawnNormal(stage, px, py);
+            const brute::Answer answer =
+                brute::answerAt(view, light, casters, x, y, *stage.surfaces.depth.at(px, py), normal);
+            if (answer.state != brute::State::asked || std::abs(answer.receiver.y) > 0.01) continue;
+            const glm::dvec3 from = answer.receiver + normal * answer.offset;
+            const glm::dvec3 towards = sun ? -glm::normalize(light.direction) : light.position - from;
+            const double seen = seenPastEdge(towards, sun ? std::tan(radius) : radius, height - from.y, -from.x);
+            if (seen <= 0.0 || seen >= 1.0) continue;
+            // Points in parts of the disc vary less than free ones do. A byte rounds by half a step.
+            const double sigma = std::sqrt(seen * (1.0 - seen) / samples);
+            spread.add(*picture.at(px, py) / 255.0 - seen, 3.0 * sigma + 0.51 / 255.0 + 1.0 / samples);
+        }
+    }
+    return spread;
+}
+
+void checkClosedForm(LightKind kind, double height, float radius)
+{
+    Stage stage(halfPlane(kind, height, radius), kSize);
+    for (const uint32_t samples : {2u, 30u, 1024u}) {
+        const Image8 picture = stage.draw("ray_traced", {{"samples", double(samples)}})[0];
+        const Spread spread = againstClosedForm(stage, picture, height, double(radius), samples);
+        MESSAGE(std::string(demo::nameOf(kind)) << ", " << samples << " samples: " << spread.pixels << " pixels, mean "
+                                                << spread.mean() << ", RMSE " << spread.rmse());
+        CHECK(spread.pixels > 350);
+        CHECK(spread.beyond == 0);
+        CHECK(std::abs(spread.mean()) < 0.6 / std::sqrt(double(samples * spread.pixels)) + 0.002); // of bytes
+        if (samples == 1024) CHECK(spread.rmse() < 0.005);
+    }
+}
+
+/// Of the pixels that are asked and lie in the penumbra of the first.
+double rmseBetween(const std::vector<SoftTruth>& a, const std::vector<SoftTruth>& b)
+{
+    demo::SoftError error;
+    for (size_t layer = 0; layer < a.size(); ++layer)
+        for (size_t i = 0; i < a[layer].asked.size(); ++i)
+            if (a[layer].asked[i]) error.add(b[layer].visibility[i], a[layer].visibility[i]);
+    CHECK(error.penumbra.pixels > 300);
+    return error.penumbra.rmse();
+}
+
+} // namespace
+
+TEST_CASE("half planes before the light's disc are seen as the closed form has it, within 3 sigma")
+{
+    const test::DeviceTest silence;
+    checkClosedForm(LightKind::Point, 1.0, 0.5f);
+    checkClosedForm(LightKind::Spot, 1.6, 0.3f);
+    checkClosedForm(LightKind::Directional, 1.0, 0.2f);
+}
+
+TEST_CASE("two sets of 1024 samples differ by an RMSE below 0.01, and by 0.02 at most from 256 rays of the brute force")
+{
+    const test::DeviceTest silence;
+    for (const LightKind kind : {LightKind::Point, LightKind::Spot, LightKind::Directional}) {
+        CAPTURE(std::string(demo::nameOf(kind)));
+        Stage stage(softScene(Caster::torus, kind, 1.6, kind == LightKind::Directional ? 0.1f : 0.3f), kSize);
+        const std::vector<SoftTruth> first = tracedSoftTruths(stage, 1024, 0), other = tracedSoftTruths(stage, 1024, 1);
+        const double seeds = rmseBetween(first, other), brute = rmseBetween(softTruths(stage), first);
+        MESSAGE(std::string(demo::nameOf(kind))
+                << ": RMSE between seeds " << seeds << ", to the brute force " << brute);
+        CHECK(seeds < 0.01);
+        CHECK(seeds > 0.0); // they are two
+        CHECK(brute < 0.02);
+        CHECK(rmseBetween(first, tracedSoftTruths(stage, 16, 0)) > 2.0 * seeds);
+    }
+}
+
+TEST_CASE("with one sample, or of a light without a radius, the picture is the hard one, bit for bit")
+{
+    const test::DeviceTest silence;
+    Stage hard(softScene(Caster::torus, LightKind::Point, 1.6, 0.0f), kSize);
+    Stage soft(softScene(Caster::torus, LightKind::Point, 1.6, 0.3f), kSize);
+    CHECK(test::differences(soft.truth[0], hard.truth[0]) == 0);
+    const Image8 sampled = hard.draw("ray_traced", {{"samples", 64.0}})[0];
+    CHECK(test::differences(sampled, hard.truth[0]) == 0);
+    const Image8 penumbra = soft.draw("ray_traced", {{"samples", 64.0}})[0];
+    CHECK(test::differences(penumbra, hard.truth[0]) > 100);
+    CHECK(test::differences(soft.draw("ray_traced", {{"samples", 64.0}})[0], penumbra) == 0); // from frame to frame
+}
+
+} // namespace gnomon::exact
