@@ -22,8 +22,9 @@ constexpr std::uint32_t kBuiltPerFrame = 1u << 18;
 // Refits until a structure is built anew: boxes of what has moved apart grow with every one. An estimate: half a second
 // at 60 Hz.
 constexpr std::uint64_t kRefits = 32;
-// Frames for which the pool keeps what nobody uses (passes/resources.cpp).
-constexpr std::uint64_t kKept = 60;
+// Frames after which what is known of a mesh is forgotten that nobody traces: the pool has given its structure back
+// long before (passes/resources.cpp).
+constexpr std::uint64_t kKnown = 600;
 
 /// Whether rays meet a caster: as a volume it is empty where its basis has no inverse.
 bool castsDeviceRays(const Caster& caster)
@@ -54,7 +55,8 @@ VkAccelerationStructureBuildGeometryInfoKHR meshBuild(const VkAccelerationStruct
     info.type = VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR;
     info.flags = deforms ? VK_BUILD_ACCELERATION_STRUCTURE_ALLOW_UPDATE_BIT_KHR |
                                VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_BUILD_BIT_KHR
-                         : VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_TRACE_BIT_KHR;
+                         : VK_BUILD_ACCELERATION_STRUCTURE_ALLOW_COMPACTION_BIT_KHR |
+                               VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_TRACE_BIT_KHR;
     info.geometryCount = 1;
     info.pGeometries = &geometry;
     return info;
@@ -125,6 +127,7 @@ VkAccelerationStructureInstanceKHR instanceOf(const PlacedCaster& placed, std::u
 
 void DeviceRays::begin()
 {
+    sizes_.begin();
     if (meshes_.size() >= forgetAt_) forgetUnused();
     ++turn_;
     needed_.clear();
@@ -135,28 +138,52 @@ void DeviceRays::begin()
 /// Meshes that are gone.
 void DeviceRays::forgetUnused()
 {
-    std::erase_if(meshes_, [this](const auto& entry) { return entry.second.used + 10 * kKept < turn_; });
+    std::erase_if(meshes_, [this](const auto& entry) { return entry.second.used + kKnown < turn_; });
     forgetAt_ = 64 + 2 * meshes_.size();
 }
 
-bool DeviceRays::isBuilt(const Caster& caster) const
+std::uint64_t DeviceRays::contentOf(const MeshView& mesh)
 {
-    const auto found = meshes_.find(caster.mesh->id);
-    return found != meshes_.end() && found->second.address != 0 && found->second.faces == caster.mesh->faces &&
-           found->second.used + kKept >= turn_;
+    return mixed(mixed(kEmptyHash, mesh.revision), mesh.faces) | 1; // 0 is no stamp
 }
 
-std::uint32_t DeviceRays::unbuilt(const LightCasters& casters) const
+/// The pool has the structure. That of a mesh that deforms counts, whatever its pose: the frame refits it.
+bool DeviceRays::isBuilt(const PassBuilder& passes, const Caster& caster) const
+{
+    const MeshView& mesh = *caster.mesh;
+    const auto found = meshes_.find(mesh.id);
+    if (found == meshes_.end()) return false;
+    const MeshStructure& structure = found->second;
+    if (structure.deforms) return passes.parts(structure.whole(mesh.id)).base == mesh.faces;
+    const std::uint64_t content = contentOf(mesh);
+    return passes.holds(structure.whole(mesh.id), content) ||
+           (structure.compactStamp == content && passes.holds(structure.compact(mesh.id), content));
+}
+
+UnbuiltCasters::Part DeviceRays::count(const PassBuilder& passes, std::span<const Caster* const> casters,
+                                       std::uint64_t stamp) const
+{
+    UnbuiltCasters::Part part{.stamp = stamp};
+    for (const Caster* caster : casters) {
+        if (!castsDeviceRays(*caster) || isBuilt(passes, *caster)) continue;
+        ++part.casters;
+        part.triangles += caster->mesh->triangleCount();
+    }
+    return part;
+}
+
+std::uint32_t DeviceRays::unbuilt(const PassBuilder& passes, const LightCasters& casters, UnbuiltCasters& known) const
 {
     if (inFrame_ || casters.triangles <= kBuiltPerFrame) return 0;
-    std::uint32_t count = 0;
-    std::uint64_t triangles = 0;
-    for (const Caster* caster : casters.all) {
-        if (!castsDeviceRays(*caster) || isBuilt(*caster)) continue;
-        ++count;
-        triangles += caster->mesh->triangleCount();
-    }
-    return triangles > kBuiltPerFrame ? count : 0;
+    const std::uint64_t asOf = mixed(mixed(kEmptyHash, builtAnew_), passes.structureLosses());
+    const bool same = known.asOf == asOf;
+    known.asOf = asOf;
+    if (!same || known.statics.stamp != casters.staticStamp)
+        known.statics = count(passes, casters.statics, casters.staticStamp);
+    if (!same || known.dynamics.stamp != casters.dynamicStamp)
+        known.dynamics = count(passes, casters.dynamics, casters.dynamicStamp);
+    const bool tooMany = known.statics.triangles + known.dynamics.triangles > kBuiltPerFrame;
+    return tooMany ? known.statics.casters + known.dynamics.casters : 0;
 }
 
 bool DeviceRays::isNeeded(const Caster& caster) const
@@ -204,25 +231,30 @@ void DeviceRays::forgetTurn()
 bool DeviceRays::declareScene(PassBuilder& passes)
 {
     builds_.clear();
+    compactions_.clear();
     for (const Caster* caster : needed_)
         if (!declareMesh(passes, *caster->mesh)) return false;
     scene_.order = passes.persistent(BufferInfo{.name = "rays.order", .scope = Scope::scene});
-    return scene_.order && declareBuilds(passes, 0) && declareTopLevel(passes);
+    if (!scene_.order || !declareBuilds(passes, 0)) return false;
+    declareCompactions(passes, 0);
+    return declareTopLevel(passes);
 }
 
 void DeviceRays::declareWanted(PassBuilder& passes)
 {
     builds_.clear();
+    compactions_.clear();
     scene_.order = passes.persistent(BufferInfo{.name = "rays.order", .scope = Scope::scene});
     std::uint64_t triangles = 0;
     for (const Caster* caster : wanted_) {
         const bool fits = builds_.empty() || triangles + caster->mesh->triangleCount() <= kBuiltPerFrame;
-        if (!fits && !isBuilt(*caster)) continue;
+        if (!fits && !isBuilt(passes, *caster)) continue;
         const std::size_t before = builds_.size();
         if (!declareMesh(passes, *caster->mesh)) return forgetTurn();
         if (builds_.size() != before) triangles += caster->mesh->triangleCount();
     }
-    if (!declareBuilds(passes, 1)) forgetTurn();
+    if (!declareBuilds(passes, 1)) return forgetTurn();
+    declareCompactions(passes, 1);
 }
 
 void DeviceRays::findSizes(MeshStructure& structure, const MeshView& mesh) const
@@ -246,25 +278,24 @@ bool DeviceRays::declareMesh(PassBuilder& passes, const MeshView& mesh)
     if (begins || structure.faces != mesh.faces) findSizes(structure, mesh);
     structure.used = turn_;
     structure.positions = mesh.revision;
-    const BufferId id = passes.persistent(BufferInfo{.name = structure.deforms ? "rays.deforming_mesh" : "rays.mesh",
-                                                     .scope = Scope::scene,
-                                                     .size = structure.size,
-                                                     .place = BufferPlace::bottomLevel,
-                                                     .variant = mesh.id});
+    if (declareCompact(passes, mesh, structure)) return true;
+    const BufferId id = passes.persistent(structure.whole(mesh.id));
     structure.address = passes.address(id);
     if (!id) return false;
-    // A copy on the CPU that has arrived may number triangles anew, at the same revision.
-    if (!passes.stale(id, mixed(mixed(kEmptyHash, mesh.revision), mesh.faces) | 1)) return true; // 0 is no stamp
-    const KeptParts before = passes.partsBefore(id); // the triangles it was built of, and refits since
+    if (!passes.stale(id, contentOf(mesh))) return true;
+    const KeptParts before = passes.partsBefore(id); // the triangles it was built of; refits since, or its size's query
     const bool refit = structure.deforms && before.base == mesh.faces && before.covered < kRefits;
-    passes.keepParts(id, {.base = mesh.faces, .covered = refit ? before.covered + 1 : 0});
+    const std::uint64_t query = structure.deforms ? 0 : sizes_.take(passes.frame());
+    passes.keepParts(id, {.base = mesh.faces, .covered = refit ? before.covered + 1 : query});
     builds_.push_back({.triangles = trianglesOf(mesh),
                        .count = mesh.triangleCount(),
                        .structure = id,
                        .deforms = structure.deforms,
                        .refit = refit,
-                       .scratch = refit ? structure.updateScratch : structure.buildScratch});
+                       .scratch = refit ? structure.updateScratch : structure.buildScratch,
+                       .sizeQuery = query});
     ++builtEver_;
+    builtAnew_ += !refit;
     return true;
 }
 
@@ -307,6 +338,7 @@ bool DeviceRays::declareBuilds(PassBuilder& passes, std::uint32_t variant)
         gpu.vk->vkCmdBuildAccelerationStructuresKHR(gpu.cmd, static_cast<std::uint32_t>(infos.size()), infos.data(),
                                                     rangesOf.data());
     });
+    declareSizes(passes, builds, variant);
     return true;
 }
 

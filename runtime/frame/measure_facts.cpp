@@ -71,6 +71,12 @@ void measureDistance(const DepthGrid& grid, const LightView& light, const LightC
                                  .maps = mapsOf(light.type)});
 }
 
+/// How many casters the device has to build before it can trace the light.
+std::uint32_t unbuiltOf(const LightCasters& casters, LightState& state, const FactsParts& parts)
+{
+    return parts.rays ? parts.rays->unbuilt(PassBuilder(parts.graph), casters, state.unbuilt) : 0;
+}
+
 void measureView(Frame& frame, std::uint32_t index, const GnViewFrame& given, const FactsParts& parts)
 {
     const ViewFrame& viewFrame = frame.views[index];
@@ -105,7 +111,7 @@ void measureView(Frame& frame, std::uint32_t index, const GnViewFrame& given, co
                                           .recorded = frame.mode == FrameMode::recorded,
                                           .seen = state.pinned != UINT32_MAX || canBeSeen(light, view.camera),
                                           .still = state.motion.rests(),
-                                          .unbuilt = parts.rays ? parts.rays->unbuilt(casters) : 0,
+                                          .unbuilt = unbuiltOf(casters, state, parts),
                                           .memoryLeft = limit - std::min(parts.memory.used(), limit),
                                           .frame = frame.number}});
     }

@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "runtime/accel/device_rays.hpp"
 #include "runtime/base/slot_map.hpp"
 #include "runtime/frame/host_images.hpp"
 #include "runtime/passes/resources.hpp"
@@ -83,6 +84,7 @@ struct LightState {
     std::uint32_t pinned = UINT32_MAX;
     GnLight handle = VK_NULL_HANDLE; ///< Of a light that was pinned.
     std::uint64_t lastFrame = 0;
+    UnbuiltCasters unbuilt;
 };
 using LightStates = std::unordered_map<std::uint32_t, LightState>; ///< By light id.
 

@@ -236,6 +236,12 @@ BufferId PassBuilder::persistent(const BufferInfo& info)
     return graph_.findOrMake(info, true);
 }
 
+BufferId PassBuilder::persistentIfPossible(const BufferInfo& info)
+{
+    if (!graph_.pool_.persistentBuffer(graph_.key(info, true), info)) return {};
+    return persistent(info);
+}
+
 namespace {
 
 void recordCopy(const PassContext& gpu, BufferId from, BufferId to, VkDeviceSize size)
@@ -329,9 +335,8 @@ KeptList PassBuilder::keptList(const BufferInfo& info, std::uint64_t stamp)
     if (stale(list, stamp)) return {.buffer = list, .due = true};
     const bool settled = graph_.buffers_[list.index].pooled->kept.since + kSettledFrames <= frame();
     if (!pool.uploadIsFar() || !settled || !pool.hasRoomFor(info.size)) return {.buffer = list};
-    if (!pool.persistentBuffer(graph_.key(own, true), own))
-        return {.buffer = list}; // what only saves time fails nothing
-    const BufferId copy = persistent(own);
+    const BufferId copy = persistentIfPossible(own);
+    if (!copy) return {.buffer = list};
     if (!stale(copy, stamp)) return {.buffer = copy};
     transfer(info.name, info.scope, info.variant)
         .reads(list)
@@ -354,6 +359,21 @@ VkDeviceSize PassBuilder::missing(const ImageInfo& info, ImageId twin) const
 bool PassBuilder::hasRoomFor(VkDeviceSize bytes) const
 {
     return bytes == 0 || graph_.pool_.hasRoomFor(bytes);
+}
+
+bool PassBuilder::holds(const BufferInfo& info, std::uint64_t stamp) const
+{
+    return graph_.pool_.holds(graph_.key(info, true), info.size, stamp);
+}
+
+KeptParts PassBuilder::parts(const BufferInfo& info) const
+{
+    return graph_.pool_.parts(graph_.key(info, true), info.size);
+}
+
+std::uint64_t PassBuilder::structureLosses() const
+{
+    return graph_.pool_.structureLosses();
 }
 
 std::uint64_t PassBuilder::serial(ImageId image) const

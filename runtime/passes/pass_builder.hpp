@@ -210,6 +210,8 @@ public:
     // Resources that keep their content from frame to frame under (scope object, name, variant).
     ImageId persistent(const ImageInfo& info);
     BufferId persistent(const BufferInfo& info);
+    /// The same of what the task can do without: null, and nothing has failed, where it cannot be made.
+    BufferId persistentIfPossible(const BufferInfo& info);
 
     /// True if the content kept does not carry `stamp` and must be made in this frame; it carries it from then on.
     /// Asked twice in one frame for a shared resource, it answers the same. `stamp` is not 0. An upload buffer gets
@@ -234,6 +236,12 @@ public:
     VkDeviceSize missing(const ImageInfo& info, ImageId twin) const;
     /// Whether there is room for what only saves time, with nothing else having to make way for it.
     bool hasRoomFor(VkDeviceSize bytes) const;
+    /// Whether the persistent buffer is kept and carries the stamp. Asking is no use of it: what is not used goes.
+    bool holds(const BufferInfo& info, std::uint64_t stamp) const;
+    /// Its parts as kept last, likewise; none where it is not kept.
+    KeptParts parts(const BufferInfo& info) const;
+    /// ResourcePool::structureLosses().
+    std::uint64_t structureLosses() const;
     /// Another number for every image that was ever made: a stamp kept beside an image takes it in, since the image may
     /// have been freed and made anew. 0: there is none.
     std::uint64_t serial(ImageId image) const;

@@ -111,6 +111,7 @@ AccessTraits accessTraits(const Access& access, PassKind pass)
 std::uint64_t PassGraph::key(Scope scope, const char* name, std::uint32_t variant, std::uint64_t salt) const
 {
     const std::uint64_t hash = hashOfBytes(name, mixed(salt, variant));
+    if (scope == Scope::scene) return mixed(hash, 4); // of no task: there need not be one
     const std::uint64_t view = view_ ? view_->id : UINT32_MAX;
     switch (scope) {
     case Scope::view:
@@ -118,7 +119,6 @@ std::uint64_t PassGraph::key(Scope scope, const char* name, std::uint32_t varian
     case Scope::light:
         return mixed(mixed(hash, 2), owner_.light);
     case Scope::scene:
-        return mixed(hash, 4);
     case Scope::task:
         break;
     }

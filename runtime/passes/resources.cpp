@@ -102,8 +102,10 @@ void ResourcePool::release(GpuBuffer& buffer, std::uint64_t frame)
 
 void ResourcePool::release(const BufferRing& ring)
 {
-    for (auto& version : ring.versions)
+    for (auto& version : ring.versions) {
+        structureLosses_ += isStructure(version->place);
         release(version->gpu, ring.lastUsed);
+    }
 }
 
 void ResourcePool::begin(std::uint64_t frame, std::uint64_t completedFrame)
@@ -298,6 +300,11 @@ bool ResourcePool::holds(std::uint64_t key, VkDeviceSize size, std::uint64_t sta
     return buffer && buffer->kept.stamp == stamp && buffer->gpu.size >= size;
 }
 
+KeptParts ResourcePool::parts(std::uint64_t key, VkDeviceSize size) const
+{
+    return keeps(key, size) ? buffers_.at(key).current->kept.parts : KeptParts{};
+}
+
 bool ResourcePool::keeps(std::uint64_t key, VkDeviceSize size) const
 {
     const auto found = buffers_.find(key);
@@ -426,6 +433,7 @@ void ResourcePool::touch(BufferRing& ring)
 void ResourcePool::withdraw(std::uint64_t frame)
 {
     if (frame != frame_) return;
+    ++structureLosses_;
     // The frame may be submitted again under its number, with all that it had to itself.
     const auto restore = [this](KeptState& kept) {
         kept.stamp = kept.savedStamp;
@@ -479,6 +487,7 @@ void ResourcePool::loseContent(PooledImage& image)
 
 void ResourcePool::lose(std::uint64_t frame)
 {
+    ++structureLosses_;
     for (auto& [key, image] : images_)
         if (image->kept.lastUsed >= frame) loseContent(*image);
     for (auto& image : transients_)

@@ -101,6 +101,10 @@ public:
 
     /// A buffer kept under the key holds all of this, as stale() was told.
     bool holds(std::uint64_t key, VkDeviceSize size, std::uint64_t stamp) const;
+    /// Of a buffer kept under the key, as PassBuilder::keepParts() was told.
+    KeptParts parts(std::uint64_t key, VkDeviceSize size) const;
+    /// Another number whenever an acceleration structure may have gone, or lost what it held, without being asked for.
+    std::uint64_t structureLosses() const noexcept { return structureLosses_; }
     /// A buffer is kept under the key, whatever it holds.
     bool keeps(std::uint64_t key, VkDeviceSize size) const;
     /// The same of an image of this description.
@@ -163,6 +167,7 @@ private:
     DeviceMemory& memory_;
     std::uint64_t frame_ = 0, completed_ = 0;
     std::uint64_t imagesMade_ = 0;
+    std::uint64_t structureLosses_ = 0;
     std::unordered_map<std::uint64_t, std::unique_ptr<PooledImage>> images_; // persistent, by key
     std::unordered_map<std::uint64_t, BufferRing> buffers_;                  // persistent, by key
     std::unordered_map<std::uint64_t, BufferRing> transientBuffers_;         // by key

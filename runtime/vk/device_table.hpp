@@ -50,7 +50,8 @@ namespace gnomon {
 #define GN_RAY_FUNCTIONS(X) \
     X(vkGetBufferDeviceAddress) X(vkCreateAccelerationStructureKHR) X(vkDestroyAccelerationStructureKHR) \
     X(vkGetAccelerationStructureBuildSizesKHR) X(vkGetAccelerationStructureDeviceAddressKHR) \
-    X(vkCmdBuildAccelerationStructuresKHR)
+    X(vkCmdBuildAccelerationStructuresKHR) X(vkCmdCopyAccelerationStructureKHR) \
+    X(vkCmdWriteAccelerationStructuresPropertiesKHR)
 // clang-format on
 
 struct DeviceTable {

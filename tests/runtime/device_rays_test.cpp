@@ -35,7 +35,8 @@ struct Casters {
         }
         for (const Caster& caster : casters)
             pointers.push_back(&caster);
-        light.all = pointers;
+        light.all = light.statics = pointers;
+        light.staticStamp = 1;
     }
     Casters(const Casters&) = delete;
 
@@ -68,6 +69,15 @@ struct Frames {
         failed = graph.endTask().has_value();
         return there;
     }
+    /// Frames that do not trace, long enough for the pool to give back what is not used.
+    void rest(int count)
+    {
+        for (int i = 0; i < count; ++i) {
+            begin();
+            (void)graph.endTask();
+        }
+    }
+    std::uint32_t unbuilt(const LightCasters& casters) { return rays.unbuilt(passes, casters, known); }
     bool runs(std::string_view name) const
     {
         return std::ranges::any_of(graph.passes(), [name](const Pass& pass) { return pass.fn && pass.name == name; });
@@ -81,6 +91,7 @@ struct Frames {
     PassBuilder passes{graph};
     DeviceRays rays;
     CameraView view;
+    UnbuiltCasters known;
     std::uint64_t frame = 0;
     bool failed = false;
 };
@@ -121,10 +132,7 @@ TEST_CASE("what has not been seen for a second is given back, and built anew whe
     Casters scene({10});
     frames.begin();
     REQUIRE(frames.trace(scene.light));
-    for (int i = 0; i < 70; ++i) {
-        frames.begin();
-        (void)frames.graph.endTask();
-    }
+    frames.rest(70);
     CHECK(frames.stub.live("structure") == 0);
     frames.begin();
     REQUIRE(frames.trace(scene.light));
@@ -137,10 +145,11 @@ TEST_CASE("of large meshes a frame builds some, and the light waits until the re
     Frames frames(false);
     const Casters scene({kMany, kMany, kMany}), small({kMany});
     frames.begin();
-    CHECK(frames.rays.unbuilt(small.light) == 0); // the frame that traces it builds it
+    CHECK(frames.unbuilt(small.light) == 0); // the frame that traces it builds it
+    frames.known = {};
     std::vector<std::uint32_t> waits;
     for (int i = 0; i < 5; ++i) {
-        waits.push_back(frames.rays.unbuilt(scene.light));
+        waits.push_back(frames.unbuilt(scene.light));
         frames.rays.want(scene.light);
         frames.rays.declareWanted(frames.passes);
         CHECK_FALSE(frames.graph.endTask().has_value());
@@ -191,4 +200,112 @@ TEST_CASE("what is bound to trace holds every caster of the light, or there is n
     frames.rays.need(other.light); // too late
     CHECK_FALSE(static_cast<bool>(frames.rays.declare(frames.passes, other.light)));
     CHECK_FALSE(frames.graph.endTask().has_value());
+}
+
+TEST_CASE("what the pool has given back early, for want of memory, is not built")
+{
+    Frames frames(false);
+    const Casters scene({kMany, kMany});
+    frames.begin();
+    REQUIRE(frames.trace(scene.light));
+    frames.rest(1);
+    CHECK(frames.unbuilt(scene.light) == 0);
+    const Result<GpuBuffer> much = frames.memory.createBuffer(frames.memory.limit() / 2, 0, MemoryUse::device, "much");
+    REQUIRE(much);
+    frames.rest(10);
+    REQUIRE(frames.stub.live("structure") == 0);
+    CHECK(frames.unbuilt(scene.light) == 2);
+    GpuBuffer given = *much;
+    frames.memory.destroy(given);
+}
+
+TEST_CASE("what a dropped frame would have built is not built")
+{
+    Frames frames(false);
+    const Casters scene({kMany, kMany});
+    frames.begin();
+    REQUIRE(frames.trace(scene.light));
+    CHECK(frames.unbuilt(scene.light) == 0);
+    frames.pool.withdraw(frames.frame--);
+    CHECK(frames.unbuilt(scene.light) == 2);
+    frames.begin();
+    REQUIRE(frames.trace(scene.light));
+    frames.begin();
+    CHECK(frames.unbuilt(scene.light) == 0);
+    frames.pool.lose(frames.frame - 1); // the same of a frame before the newest
+    CHECK(frames.unbuilt(scene.light) == 2);
+}
+
+TEST_CASE("casters are counted again when they or the structures change, and not in other frames")
+{
+    Frames frames(false);
+    Casters scene({kMany, kMany});
+    frames.begin();
+    CHECK(frames.unbuilt(scene.light) == 2);
+    const std::vector<const Caster*> nobody(2, nullptr); // whoever looks at them crashes
+    LightCasters unseen = scene.light;
+    unseen.all = unseen.statics = nobody;
+    frames.rest(1);
+    CHECK(frames.unbuilt(unseen) == 2);
+    frames.begin();
+    REQUIRE(frames.trace(scene.light));
+    CHECK(frames.unbuilt(scene.light) == 0);
+    scene.meshes[0].revision = 100; // moved apart by the host
+    scene.light.staticStamp = 2;
+    frames.rest(1);
+    CHECK(frames.unbuilt(scene.light) == 0); // one alone may be built by the frame
+    scene.meshes[1].revision = 101;
+    scene.light.staticStamp = 3;
+    CHECK(frames.unbuilt(scene.light) == 2);
+}
+
+TEST_CASE("a structure whose size is known is copied once, and the whole one goes")
+{
+    Frames frames(true);
+    Casters scene({1000});
+    const auto traced = [&](std::string_view pass) {
+        frames.begin();
+        REQUIRE(frames.trace(scene.light));
+        return frames.runs(pass);
+    };
+    CHECK(traced("rays.sizes"));
+    CHECK_FALSE(traced("rays.compact")); // the device has not said it yet
+    const VkDeviceSize before = frames.memory.used();
+    frames.stub.compactSize = 1024;
+    CHECK(traced("rays.compact"));
+    CHECK(frames.runs("rays.top_level")); // the mesh is elsewhere
+    frames.pool.withdraw(frames.frame--);
+    CHECK(traced("rays.compact")); // the copy was not made
+    CHECK_FALSE(frames.runs("rays.meshes"));
+    CHECK_FALSE(traced("rays.compact"));
+    CHECK_FALSE(frames.runs("rays.top_level"));
+    CHECK(frames.stub.live("structure") == 3);
+    for (int i = 0; i < 70; ++i)
+        CHECK_FALSE(traced("rays.meshes"));
+    CHECK(frames.stub.live("structure") == 2);
+    CHECK(frames.memory.used() + 50'000 < before);
+    scene.meshes[0].revision = 100; // it deforms, and is refitted from now on
+    scene.casters[0].revision = 101;
+    CHECK(traced("rays.meshes"));
+    CHECK_FALSE(traced("rays.sizes"));
+    CHECK_FALSE(frames.runs("rays.compact"));
+    CHECK(frames.stub.faults.empty());
+}
+
+TEST_CASE("where there is no room for the copy the whole structure serves")
+{
+    Frames frames(true);
+    const Casters scene({1000});
+    frames.begin();
+    REQUIRE(frames.trace(scene.light));
+    frames.stub.compactSize = 1024;
+    for (int i = 0; i < 4; ++i) {
+        frames.begin();
+        frames.stub.failAt = i == 0 ? frames.stub.fallibleCalls : SIZE_MAX;
+        REQUIRE(frames.trace(scene.light));
+        CHECK_FALSE(frames.failed);
+        CHECK_FALSE(frames.runs("rays.compact"));
+        CHECK_FALSE(frames.runs("rays.meshes"));
+    }
+    CHECK(frames.stub.live("structure") == 2);
 }

@@ -90,7 +90,7 @@ VkResult VKAPI_PTR createPipelines(VkDevice, VkPipelineCache cache, std::uint32_
 
 constexpr char kView[] = "view", kSampler[] = "sampler", kModule[] = "module", kLayout[] = "pipelineLayout",
                kCache[] = "cache", kPipeline[] = "pipeline", kSetLayout[] = "setLayout", kPool[] = "pool",
-               kStructure[] = "structure";
+               kStructure[] = "structure", kQueries[] = "queries";
 
 VkResult VKAPI_PTR createImage(VkDevice, const VkImageCreateInfo* info, const VkAllocationCallbacks*, VkImage* out)
 {
@@ -281,6 +281,15 @@ void VKAPI_PTR buildSizes(VkDevice, VkAccelerationStructureBuildTypeKHR,
     out->accelerationStructureSize = out->buildScratchSize = out->updateScratchSize = 64 + 64 * VkDeviceSize{*count};
 }
 
+VkResult VKAPI_PTR queryResults(VkDevice, VkQueryPool, std::uint32_t, std::uint32_t, std::size_t, void* out,
+                                VkDeviceSize, VkQueryResultFlags)
+{
+    const std::uint64_t size = StubVulkan::current().compactSize;
+    if (size == 0) return VK_NOT_READY;
+    std::memcpy(out, &size, sizeof(size));
+    return VK_SUCCESS;
+}
+
 void setObjects(DeviceTable& table)
 {
     table.vkGetPhysicalDeviceFormatProperties2 = &getFormat;
@@ -347,6 +356,9 @@ void StubVulkan::addRays()
     table.vkCreateAccelerationStructureKHR =
         &createObject<VkAccelerationStructureCreateInfoKHR, VkAccelerationStructureKHR, kStructure>;
     table.vkDestroyAccelerationStructureKHR = &destroyObject<VkAccelerationStructureKHR, kStructure>;
+    table.vkCreateQueryPool = &createObject<VkQueryPoolCreateInfo, VkQueryPool, kQueries>;
+    table.vkDestroyQueryPool = &destroyObject<VkQueryPool, kQueries>;
+    table.vkGetQueryPoolResults = &queryResults;
     setCommand<kOther>(table.vkCmdBuildAccelerationStructuresKHR);
 }
 

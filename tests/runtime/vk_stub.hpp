@@ -39,6 +39,7 @@ public:
     std::vector<const char*> deviceExtensions;
     bool hasRayQueries = true; ///< Where it lists the extensions: all features of theirs.
     bool hasBufferDeviceAddress = true;
+    std::uint64_t compactSize = 0; ///< Of every structure, as queries tell it; 0: they are not ready.
 
     // What happened.
     std::size_t fallibleCalls = 0;
