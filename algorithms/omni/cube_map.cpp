@@ -1,5 +1,6 @@
 #include "algorithms/omni/cube_map.hpp"
 
+#include "algorithms/omni/culling.hpp"
 #include "algorithms/shared/cube_faces.hpp"
 #include "algorithms/shared/light_map.hpp"
 #include "algorithms/shared/map_resolve.hpp"
@@ -9,11 +10,12 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter };
+enum Setting { kResolution, kFilter, kCulling };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of each of the six faces.", 64, 4096, 1024, true},
     {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
+    kCullingSetting,
 };
 
 class CubeMapMethod final : public ShadowAlgorithm {
@@ -27,7 +29,7 @@ public:
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
         const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-        const CubeMap map = declareCubeMap(passes, casters_, task, resolution);
+        const CubeMap map = declareCubeMap(passes, casters_, task, resolution, mapCulling(task.settings[kCulling]));
         gpu::MapConstants constants = mapConstants(task, resolution, filterSide(task.settings[kFilter]));
         addLightProjection(constants, std::span(map.faces, 6), task);
         resolve_.declare(passes, task, map.image, constants);
