@@ -1,5 +1,6 @@
 #include "algorithms/omni/cube_map.hpp"
 
+#include "algorithms/omni/culling.hpp"
 #include "algorithms/shared/cube_faces.hpp"
 #include "algorithms/shared/light_map.hpp"
 #include "algorithms/shared/map_resolve.hpp"
@@ -9,12 +10,13 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter, kKernel };
+enum Setting { kResolution, kFilter, kKernel, kCulling };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of each of the six faces.", 64, 4096, 1024, true},
     kKernelSideSetting,
     kKernelSetting,
+    kCullingSetting,
 };
 
 class CubeMapMethod final : public ShadowAlgorithm {
@@ -29,7 +31,8 @@ public:
     {
         const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         const std::uint32_t side = filterSide(task.settings[kFilter]);
-        const CubeMap map = declareCubeMap(passes, casters_, task, resolution, kernelBorder(side));
+        const CubeMap map = declareCubeMap(passes, casters_, task, resolution, kernelBorder(side),
+                                           mapCulling(task.settings[kCulling]));
         gpu::MapConstants constants = mapConstants(task, resolution, side);
         constants.map.kernel = static_cast<float>(task.settings[kKernel]);
         addLightProjection(constants, std::span(map.faces, 6), task);

@@ -53,12 +53,12 @@ CutCasters CasterCutter::declare(PassBuilder& passes, const LightView& light, st
     CutCasters cut;
     cut.closedIndices = mesh->closedIndices;
     cut.openIndices = static_cast<std::uint32_t>(mesh->indices.size()) - mesh->closedIndices;
-    cut.vertices = passes.persistent(BufferInfo{.name = "dual_paraboloid.cut_vertices",
+    cut.vertices = passes.persistent(BufferInfo{.name = "paraboloid.cut_vertices",
                                                 .scope = Scope::light,
                                                 .size = mesh->vertices.size() * sizeof(glm::vec3),
                                                 .place = BufferPlace::upload,
                                                 .variant = variant});
-    cut.indices = passes.persistent(BufferInfo{.name = "dual_paraboloid.cut_indices",
+    cut.indices = passes.persistent(BufferInfo{.name = "paraboloid.cut_indices",
                                                .scope = Scope::light,
                                                .size = mesh->indices.size() * sizeof(std::uint32_t),
                                                .place = BufferPlace::upload,
@@ -68,7 +68,7 @@ CutCasters CasterCutter::declare(PassBuilder& passes, const LightView& light, st
         passes.kept();
         return cut;
     }
-    passes.prepare("dual_paraboloid.cut", Scope::light, variant)
+    passes.prepare("paraboloid.cut", Scope::light, variant)
         .writes(cut.vertices)
         .writes(cut.indices)
         .run([=](HostContext& host) {

@@ -1,7 +1,6 @@
 #include "algorithms/shared/cube_faces.hpp"
 
 #include "algorithms/shared/depth_casters.hpp"
-#include "algorithms/shared/frusta.hpp"
 #include "algorithms/shared/map_lookup.hpp"
 
 namespace gnomon {
@@ -16,6 +15,8 @@ constexpr LayerNames kFaceNames[6] = {
     {"cube_faces.casters.+z", "cube_faces.statics.+z", "cube_faces.copy_statics.+z"},
     {"cube_faces.casters.-z", "cube_faces.statics.-z", "cube_faces.copy_statics.-z"},
 };
+
+constexpr std::uint32_t kAllFaces = 0x3f;
 
 } // namespace
 
@@ -42,7 +43,7 @@ std::uint32_t neededCubeFaces(const ShadowTask& task)
 }
 
 CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
-                       std::uint32_t resolution, std::uint32_t borderTexels)
+                       std::uint32_t resolution, std::uint32_t borderTexels, MapCulling culling)
 {
     FrameArena& arena = passes.arena();
     const std::span<const LightFit> faces = fitCubeFaces(pipelines.clamped, task, resolution, arena, borderTexels);
@@ -52,20 +53,29 @@ CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, 
                          .format = kMapFormat,
                          .resolution = resolution,
                          .layers = 6,
-                         .form = borderForm(borderTexels)});
-    const std::uint32_t needed = neededCubeFaces(task);
+                         .form = borderForm(borderTexels),
+                         .scope = culling == MapCulling::shadows ? Scope::task : Scope::light});
+    const std::uint32_t needed = culling < MapCulling::parts ? kAllFaces : neededCubeFaces(task);
+    const Frustum visible = frustumOf(*task.view, *task.light);
+    // A texel spans 2 / resolution radians at most; filters stay within the border.
+    const float reach = 2.0f * (static_cast<float>(borderTexels) + 1.0f) / static_cast<float>(resolution);
     const std::span<std::uint64_t> stamps = arena.array<std::uint64_t>(6);
     const std::span<KeptParts> parts = arena.array<KeptParts>(6);
     for (std::uint32_t face = 0; face < 6; ++face) {
         if ((needed >> face & 1) == 0) continue;
         // The light's revision stands for the position; of the fit, only the ends depend on casters.
         const std::uint64_t projection = Stamp().add(faces[face].nearWs).add(faces[face].farWs).value();
+        const std::span<const Plane> volume =
+            culling == MapCulling::none ? std::span<const Plane>() : faces[face].volume;
+        const auto drawn = [&](std::span<const Caster* const> casters) {
+            return castersSeen(culling, visible, task.light->position(), reach, castersIn(casters, volume, arena),
+                               arena);
+        };
         const LayerContent content =
-            layerContent(*task.light, castersIn(task.casters->statics, faces[face].volume, arena),
-                         castersIn(task.casters->dynamics, faces[face].volume, arena), projection);
+            layerContent(*task.light, drawn(task.casters->statics), drawn(task.casters->dynamics), projection);
         stamps[face] = content.stamp;
-        parts[face] =
-            map.update(face, kFaceNames[face], content, DepthCasters(pipelines, faces[face], task, resolution, arena));
+        parts[face] = map.update(face, kFaceNames[face], content,
+                                 DepthCasters(pipelines, faces[face], task, resolution, arena, volume));
     }
     return {map.image(), faces.data(), resolution, needed, stamps.data(), parts.data()};
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "algorithms/shared/depth_map.hpp"
+#include "algorithms/shared/frusta.hpp"
 
 namespace gnomon {
 
@@ -26,8 +27,10 @@ std::span<LightFit> fitCubeFaces(Clamped clamped, const ShadowTask& task, std::u
 std::uint32_t neededCubeFaces(const ShadowTask& task);
 
 /// Declares the faces that a receiver in the task's view can need and whose casters or light changed. Several views
-/// share the map: a face is drawn if any of them needs it. The light is a point light.
+/// share the map: a face is drawn if any of them needs it. With MapCulling::shadows each has its own. The light is a
+/// point light.
 CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
-                       std::uint32_t resolution, std::uint32_t borderTexels = kMapBorderTexels);
+                       std::uint32_t resolution, std::uint32_t borderTexels = kMapBorderTexels,
+                       MapCulling culling = MapCulling::parts);
 
 } // namespace gnomon

@@ -19,7 +19,13 @@ public:
 
     /// @param fit, task the fit and the light live as long as the frame's memory
     DepthCasters(const DepthMapPipelines& pipelines, const LightFit& fit, const ShadowTask& task,
-                 std::uint32_t resolution, FrameArena& arena);
+                 std::uint32_t resolution, FrameArena& arena)
+        : DepthCasters(pipelines, fit, task, resolution, arena, fit.volume)
+    {
+    }
+    /// @param volume what of the casters is drawn: the fit's volume, or what holds more
+    DepthCasters(const DepthMapPipelines& pipelines, const LightFit& fit, const ShadowTask& task,
+                 std::uint32_t resolution, FrameArena& arena, std::span<const Plane> volume);
     void uses(PassRef&) const {}
     void operator()(PassContext& gpu, std::span<const Caster* const> casters, bool statics) const;
     /// Whether clip z is drawn from depth 1 down (CasterDraw::depthFromOne).
@@ -36,7 +42,7 @@ public:
 private:
     PipelineId pipeline_;
     const LightView* light_;
-    std::span<const Plane> volume_; ///< Of the fit.
+    std::span<const Plane> volume_;
     Push push_{};
     const GnCasterProjection* host_ = nullptr; ///< In the frame's memory; null without host-drawn casters.
 };

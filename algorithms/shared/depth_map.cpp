@@ -30,8 +30,8 @@ DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services)
 }
 
 DepthCasters::DepthCasters(const DepthMapPipelines& pipelines, const LightFit& fit, const ShadowTask& task,
-                           std::uint32_t resolution, FrameArena& arena)
-    : pipeline_(pipelines.casters), light_(task.light), volume_(fit.volume)
+                           std::uint32_t resolution, FrameArena& arena, std::span<const Plane> volume)
+    : pipeline_(pipelines.casters), light_(task.light), volume_(volume)
 {
     push_ = casterPush(mapProjection(fit, *task.light));
     if (!anyHostDrawn(task.casters->all)) return;

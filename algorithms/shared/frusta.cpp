@@ -15,6 +15,8 @@ namespace {
 // hundredth part of one). Coordinates of a few thousand metres are rounded by less than kSlack of the largest distance.
 constexpr float kParallel = 0x1p-20f;
 constexpr float kSlack = 0x1p-12f;
+// Half angle, radians, of the widest shadow that a pyramid is put around: 75 degrees, whose tangent is 3.7.
+constexpr float kWidestShadow = 1.31f;
 
 struct Interval {
     float low = INFINITY, high = -INFINITY;
@@ -117,6 +119,30 @@ bool meetsPyramid(const Frustum& frustum, glm::vec3 apex, const std::array<glm::
             if (apart(glm::cross(run, edges[i]))) return false;
     }
     return true;
+}
+
+bool shadowMeets(const Frustum& frustum, glm::vec3 apex, const Aabb& box, float angle)
+{
+    const glm::vec3 middle = 0.5f * (box.lower + box.upper) - apex;
+    const float radius = 0.5f * glm::length(box.upper - box.lower), distance = glm::length(middle);
+    if (!(distance > radius)) return true;
+    const float half = std::asin(radius / distance) + angle;
+    if (!(half < kWidestShadow)) return true;
+    const glm::vec3 axis = middle / distance;
+    const glm::vec3 aside = std::fabs(axis.y) < 0.7f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
+    const glm::vec3 u = std::tan(half) * glm::normalize(glm::cross(axis, aside)), v = glm::cross(axis, u);
+    return meetsPyramid(frustum, apex,
+                        {glm::normalize(axis - u - v), glm::normalize(axis + u - v), glm::normalize(axis + u + v),
+                         glm::normalize(axis - u + v)});
+}
+
+std::span<const Caster* const> castersSeen(MapCulling culling, const Frustum& visible, glm::vec3 light, float angle,
+                                           std::span<const Caster* const> casters, FrameArena& arena)
+{
+    if (culling != MapCulling::shadows) return casters;
+    const std::span<const Caster*> kept = arena.array<const Caster*>(casters.size());
+    const auto seen = [&](const Caster* caster) { return shadowMeets(visible, light, caster->bounds, angle); };
+    return {kept.begin(), std::copy_if(casters.begin(), casters.end(), kept.begin(), seen)};
 }
 
 std::array<glm::vec3, 4> cubeFaceEdges(std::uint32_t face)

@@ -1,35 +1,55 @@
-// Two paraboloids back to back (Brabec, Annen and Seidel 2002; Navratil 2015, 3.3.2): the stereographic image of the lower
-// and of the upper half space around a point light.
+// Paraboloids around a point light (Brabec, Annen and Seidel 2002; Navratil 2015, 3.3.2 and 4.1): the stereographic image
+// of directions, of which a map shows a square. Two back to back, one cut to a cone and two skewed ones differ in their
+// numbers alone.
 #ifndef GNOMON_OMNI_PARABOLOID_H
 #define GNOMON_OMNI_PARABOLOID_H
-#include "../shared/types.h"
+#include "../shared/map_lookup.h"
 
 GN_SHARED_BEGIN
 
-// Half 0 looks down (-Y), half 1 up: lights mostly hang above what they are seen to light, so that the upper half can
-// often be left out.
-GN_SHARED_FN uint paraboloidHalfOf(vec3 v) { return v.y > 0.0f ? 1u : 0u; }
+// How a layer of a map shows directions. A unit direction v in the axes is projected to the disc point
+// v.xy / (1 + v.z), and that to the map, -1 to 1, as (disc - centre) * scale.
+struct Paraboloid {
+    vec4 rightWs; // xyz: axes of the projection, unit; right x down = axis, so nothing is mirrored; w: centre x
+    vec4 downWs;  // w: centre y
+    vec4 axisWs;  // w: scale
+    vec4 poleWs;  // xyz: middle of the hemisphere that the layer holds, unit
+};
+GN_SHARED_SIZE(Paraboloid, 64)
 
-// A vector in the half's axes: right, down, forward; right x down = forward, so nothing is mirrored.
-GN_SHARED_FN vec3 inParaboloid(uint hemi, vec3 v)
+// std140.
+struct ParaboloidConstants {
+    MapConstants base;
+    Paraboloid parts[2];
+    vec4 firstWs; // xyz: a receiver in direction v is in part 0 where dot(v, this) >= 0, else in part 1
+};
+GN_SHARED_OFFSET(ParaboloidConstants, firstWs, 544)
+GN_SHARED_SIZE(ParaboloidConstants, 560)
+
+// A vector in the axes of the projection.
+GN_SHARED_FN vec3 inParaboloid(Paraboloid p, vec3 v)
 {
-    return hemi == 0u ? vec3(v.x, v.z, -v.y) : vec3(v.x, -v.z, v.y);
+    return vec3(dot(vec3(p.rightWs), v), dot(vec3(p.downWs), v), dot(vec3(p.axisWs), v));
 }
 
-// Point of the disc for a direction of unit length in the half's axes: radius tan(angle / 2), 1 at the rim.
+// Point of the disc for a direction of unit length in the axes: radius tan(angle / 2), 1 at a right angle.
 GN_SHARED_FN vec2 paraboloidDisc(vec3 unitLocal)
 {
     float scale = 1.0f / (1.0f + unitLocal.z);
     return vec2(unitLocal.x * scale, unitLocal.y * scale);
 }
 
-// The direction behind a point of the disc, unit length, in the half's axes.
+// The direction behind a point of the disc, unit length, in the axes.
 GN_SHARED_FN vec3 paraboloidDirection(vec2 disc)
 {
     float r2 = disc.x * disc.x + disc.y * disc.y;
     float scale = 1.0f / (1.0f + r2);
     return vec3(2.0f * disc.x * scale, 2.0f * disc.y * scale, (1.0f - r2) * scale);
 }
+
+// From the disc to the map, and back.
+GN_SHARED_FN vec2 paraboloidMap(Paraboloid p, vec2 disc) { return (disc - vec2(p.rightWs.w, p.downWs.w)) * p.axisWs.w; }
+GN_SHARED_FN vec2 paraboloidOfMap(Paraboloid p, vec2 at) { return at / p.axisWs.w + vec2(p.rightWs.w, p.downWs.w); }
 
 GN_SHARED_END
 #endif

@@ -112,3 +112,36 @@ TEST_CASE("a view below the light does not touch the upper half space")
     CHECK_FALSE(touches(frustum, Plane{{0, 1, 0}, -14.0f}));
     CHECK(touches(frustum, Plane{{0, -1, 0}, 14.0f}));
 }
+
+TEST_CASE("a caster whose shadow, or that of a texel beside it, falls on a visible point is never left out")
+{
+    Random random;
+    int left = 0, kept = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const CameraView view = camera(random.vec(-20.0f, 20.0f), random.unit(), random.in(0.05f, 0.9f), 640, 360);
+        const float range = i % 3 == 0 ? kUnlimitedRange : random.in(5.0f, 40.0f);
+        const LightView lamp = light(GN_LIGHT_TYPE_POINT, random.vec(-20.0f, 20.0f), {0, -1, 0}, range);
+        const Frustum frustum = frustumOf(view, lamp);
+        const glm::vec3 middle = random.vec(-20.0f, 20.0f), half = random.vec(0.01f, 3.0f);
+        const Aabb box{middle - half, middle + half};
+        const float angle = random.in(0.0f, 0.1f);
+        const bool seen = shadowMeets(frustum, lamp.position(), box, angle);
+        (seen ? kept : left)++;
+        for (int k = 0; k < 100 && !seen; ++k) {
+            const glm::vec3 blocker = glm::mix(box.lower, box.upper, random.vec(0.0f, 1.0f)) - lamp.position();
+            glm::vec3 ray = glm::normalize(glm::normalize(blocker) + 0.99f * angle * random.unit());
+            const glm::vec3 p = lamp.position() + random.in(glm::length(blocker), 60.0f) * ray;
+            if (glm::length(p - lamp.position()) > range) continue;
+            bool inside = true;
+            for (std::size_t side = 0; side < 4; ++side) {
+                const glm::vec3 a = frustum.runs[side], b = frustum.runs[(side + 1) % 4];
+                const glm::vec3 inward =
+                    glm::cross(a, b) * (glm::dot(glm::cross(a, b), frustum.runs[(side + 2) % 4]) > 0 ? 1.0f : -1.0f);
+                inside = inside && glm::dot(inward, p - view.eye) > 0.0f;
+            }
+            CHECK_FALSE(inside);
+        }
+    }
+    CHECK(left > 1000);
+    CHECK(kept > 200);
+}

@@ -5,7 +5,6 @@
 #include "algorithms/shared/depth_map.hpp"
 #include "algorithms/shared/map_lookup.hpp"
 #include "maps_fixture.hpp"
-#include "shaders/omni/paraboloid.h"
 #include "shaders/shared/cube.h"
 
 using namespace gnomon;
@@ -206,39 +205,4 @@ TEST_CASE("the shader's cube faces are those the casters are drawn into, receive
         CHECK(std::fabs(expected.x) <= inner + 1e-5f);
         CHECK(std::fabs(expected.y) <= inner + 1e-5f);
     }
-}
-
-TEST_CASE("a paraboloid's direction and disc point are each other's inverse")
-{
-    Random random;
-    for (int i = 0; i < 10000; ++i) {
-        const glm::vec3 v = random.unit();
-        const std::uint32_t hemi = gpu::paraboloidHalfOf(v);
-        const glm::vec3 local = gpu::inParaboloid(hemi, v);
-        const glm::vec2 disc = gpu::paraboloidDisc(local);
-        CHECK(glm::length(disc) <= 1.0f + 1e-6f);
-        CHECK(glm::length(gpu::paraboloidDirection(disc) - local) < 1e-6f);
-    }
-}
-
-TEST_CASE("both halves keep the winding: right x down is forward")
-{
-    for (const std::uint32_t hemi : {0u, 1u}) {
-        const glm::mat3 axes(gpu::inParaboloid(hemi, {1, 0, 0}), gpu::inParaboloid(hemi, {0, 1, 0}),
-                             gpu::inParaboloid(hemi, {0, 0, 1}));
-        CHECK(glm::determinant(axes) == 1.0f);
-    }
-}
-
-TEST_CASE("a texel at the centre of a disc sees four times the solid angle of one at the rim")
-{
-    auto solidAngle = [](glm::vec2 at) {
-        constexpr float kStep = 1e-3f;
-        const glm::vec3 dx =
-            gpu::paraboloidDirection(at + glm::vec2(kStep, 0)) - gpu::paraboloidDirection(at - glm::vec2(kStep, 0));
-        const glm::vec3 dy =
-            gpu::paraboloidDirection(at + glm::vec2(0, kStep)) - gpu::paraboloidDirection(at - glm::vec2(0, kStep));
-        return glm::length(glm::cross(dx, dy));
-    };
-    CHECK(solidAngle({0, 0}) / solidAngle({0.6f, 0.8f}) == Approx(4.0f).epsilon(0.01));
 }

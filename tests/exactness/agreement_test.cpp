@@ -117,20 +117,41 @@ TEST_CASE("skipped faces of cube_map leave the picture as it is, bit for bit")
     }
 }
 
-TEST_CASE("plane culling of dual_paraboloid leaves the picture as it is, bit for bit")
+// Navratil 2015, 3.3.3: all geometry into every part, object culling, leaving out parts, leaving out casters.
+TEST_CASE("the steps of culling of maps around a point light leave the picture as it is, bit for bit")
 {
     const test::DeviceTest silence;
-    for (const std::string name : {"room", "colonnade", "bunny"}) {
-        CAPTURE(name);
-        const Scene scene = underTheLights(name);
-        const FirstFrame culled =
-            firstFrame(scene, "dual_paraboloid", "dual_paraboloid", Setting{"plane_culling", 1.0}, false);
-        const FirstFrame whole =
-            firstFrame(scene, "dual_paraboloid", "dual_paraboloid", Setting{"plane_culling", 0.0}, false);
-        MESSAGE(name << ": " << culled.casterPasses << " halves drawn of " << whole.casterPasses);
-        CHECK(culled.casterPasses < whole.casterPasses);
-        CHECK(test::differences(culled.pictures, whole.pictures) == 0);
-        CHECK(darkPixels(culled.pictures) > 500);
+    struct Ladder {
+        std::string method, passes;
+        uint32_t parts;
+    };
+    for (const Ladder& ladder :
+         {Ladder{"cube_map", "cube_faces", 6}, Ladder{"dual_paraboloid", "dual_paraboloid", 2}}) {
+        for (const std::string name : {"room", "colonnade", "bunny"}) {
+            CAPTURE(ladder.method);
+            CAPTURE(name);
+            const Scene scene = underTheLights(name);
+            const auto lights = static_cast<uint32_t>(
+                std::count_if(scene.lights.begin(), scene.lights.end(),
+                              [](const demo::Light& light) { return light.kind == LightKind::Point; }));
+            const auto drawn = [&](double culling) {
+                return firstFrame(scene, ladder.method.c_str(), ladder.passes.c_str(), Setting{"culling", culling},
+                                  false);
+            };
+            const FirstFrame whole = drawn(0.0);
+            CHECK(whole.casterPasses == ladder.parts * lights);
+            CHECK(darkPixels(whole.pictures) > 500);
+            for (const double culling : {1.0, 2.0, 3.0}) {
+                if (name != "room" && culling != 2.0) continue; // a scene for each step is enough
+                CAPTURE(culling);
+                const FirstFrame culled = drawn(culling);
+                MESSAGE(ladder.method << " in " << name << ", culling " << culling << ": " << culled.casterPasses
+                                      << " parts of " << whole.casterPasses);
+                CHECK((culling < 2.0 ? culled.casterPasses == whole.casterPasses
+                                     : culled.casterPasses < whole.casterPasses));
+                CHECK(test::differences(culled.pictures, whole.pictures) == 0);
+            }
+        }
     }
 }
 
