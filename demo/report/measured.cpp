@@ -16,7 +16,8 @@ namespace {
 constexpr std::string_view kCompareColumns[] = {"scene",          "run",          "pass",     "alternation",
                                                 "frame_ms",       "shadow_ms",    "adaptive", "equal_quality",
                                                 "near_wrong_pct", "far_wrong_pct"};
-constexpr std::string_view kBenchColumns[] = {"scene", "method", "map", "increment_ms_min", "wrong_pct", "device"};
+constexpr std::string_view kBenchColumns[] = {"scene",     "method", "map",          "increment_ms_min",
+                                              "wrong_pct", "device", "penumbra_rmse"};
 
 struct Mean {
     double sum = 0.0;
@@ -83,8 +84,10 @@ Outcome<Benched> readBenched(const std::filesystem::path& file)
                          .map = cells[2],
                          .device = cells[5],
                          .ms = numberIn(cells[3]),
-                         .wrongPercent = numberIn(cells[4])};
-        if (std::isfinite(row.ms) && std::isfinite(row.wrongPercent)) out.rows.push_back(std::move(row));
+                         .error = numberIn(cells[6])};
+        row.soft = std::isfinite(row.error);
+        if (!row.soft) row.error = numberIn(cells[4]);
+        if (std::isfinite(row.ms) && std::isfinite(row.error)) out.rows.push_back(std::move(row));
     };
     Outcome<std::vector<std::string>> notes = readCsv(file, kBenchColumns, visit);
     if (!notes) return Outcome<Benched>::failure(notes.error());
@@ -97,10 +100,10 @@ std::vector<size_t> paretoFront(const std::vector<Benched::Row>& rows)
     std::vector<size_t> order(rows.size()), front;
     std::iota(order.begin(), order.end(), size_t{0});
     std::sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-        return std::tie(rows[a].ms, rows[a].wrongPercent) < std::tie(rows[b].ms, rows[b].wrongPercent);
+        return std::tie(rows[a].ms, rows[a].error) < std::tie(rows[b].ms, rows[b].error);
     });
     for (const size_t i : order)
-        if (front.empty() || rows[i].wrongPercent < rows[front.back()].wrongPercent) front.push_back(i);
+        if (front.empty() || rows[i].error < rows[front.back()].error) front.push_back(i);
     return front;
 }
 

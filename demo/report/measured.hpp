@@ -26,7 +26,9 @@ struct Benched {
     struct Row {
         std::string scene, method, map, device;
         double ms = 0.0; ///< More than a frame without shadows takes.
-        double wrongPercent = 0.0;
+        double error =
+            0.0; ///< Wrong pixels, per cent; in a scene with soft lights the RMSE of visibility in penumbrae.
+        bool soft = false;
     };
     std::vector<Row> rows; ///< With both numbers.
     std::vector<std::string> notes;

@@ -11,8 +11,8 @@ namespace gnomon::demo {
 
 namespace {
 
-// What no pixel of a picture can show; where an axis of errors begins, since none is left of it on a logarithm.
-constexpr double kLeastPercent = 1e-4, kLeastMs = 1e-2;
+// Where the axes begin: none has a place on a logarithm. A pixel of a million, and a timer's grain.
+constexpr double kLeastError = 1e-4, kLeastMs = 1e-2;
 
 std::string savedTable(const Compared& compared, const Compared::Run& adaptive)
 {
@@ -35,18 +35,22 @@ std::string savedTable(const Compared& compared, const Compared::Run& adaptive)
 
 std::string scatter(const std::vector<Benched::Row>& rows)
 {
-    double leastMs = 1e30, mostMs = kLeastMs, leastWrong = 1e30, mostWrong = kLeastPercent;
+    double leastMs = 1e30, mostMs = kLeastMs, leastWrong = 1e30, mostWrong = kLeastError;
     const auto place = [](const Benched::Row& row) {
-        return std::pair(std::max(row.ms, kLeastMs), std::max(row.wrongPercent, kLeastPercent));
+        return std::pair(std::max(row.ms, kLeastMs), std::max(row.error, kLeastError));
     };
     for (const Benched::Row& row : rows) {
         const auto [ms, wrong] = place(row);
         leastMs = std::min(leastMs, ms), mostMs = std::max(mostMs, ms);
         leastWrong = std::min(leastWrong, wrong), mostWrong = std::max(mostWrong, wrong);
     }
+    const bool soft = rows.front().soft;
     SvgChart chart(1040.0, 420.0,
                    {.low = leastMs / 1.3, .high = mostMs * 2.5, .title = "milliseconds", .logarithmic = true},
-                   {.low = leastWrong / 1.5, .high = mostWrong * 1.5, .title = "wrong pixels, %", .logarithmic = true});
+                   {.low = leastWrong / 1.5,
+                    .high = mostWrong * 1.5,
+                    .title = soft ? "RMSE in penumbrae" : "wrong pixels, %",
+                    .logarithmic = true});
     Points front;
     for (const size_t i : paretoFront(rows))
         front.push_back(place(rows[i]));
@@ -56,7 +60,7 @@ std::string scatter(const std::vector<Benched::Row>& rows)
         const std::string name = row.map.empty() ? row.method : row.method + " at " + row.map;
         chart.text(ms, wrong, name);
         chart.dot(ms, wrong, methodColour(row.method),
-                  name + "\n" + fixed(row.ms, 2) + " ms, " + fixed(row.wrongPercent, 4) + " % wrong");
+                  name + "\n" + fixed(row.ms, 2) + " ms, " + fixed(row.error, 4) + (soft ? " RMSE" : " % wrong"));
     }
     return chart.svg();
 }
@@ -77,23 +81,24 @@ std::string savedSection(const Compared& compared)
 
 std::string errorSection(const Benched& benched)
 {
-    std::set<std::string> scenes;
+    std::set<std::pair<std::string, bool>> charts;
     for (const Benched::Row& row : benched.rows)
-        scenes.insert(row.scene);
+        if (row.method != "none") charts.emplace(row.scene, row.soft);
     std::string out;
-    for (const std::string& scene : scenes) {
+    for (const auto& [scene, soft] : charts) {
         std::vector<Benched::Row> rows;
-        std::copy_if(benched.rows.begin(), benched.rows.end(), std::back_inserter(rows),
-                     [&](const Benched::Row& row) { return row.scene == scene && row.method != "none"; });
-        if (!rows.empty())
-            out += "<h3>" + escaped(scene) + ", on " + escaped(rows.front().device) + "</h3>" + scatter(rows);
+        std::copy_if(benched.rows.begin(), benched.rows.end(), std::back_inserter(rows), [&](const Benched::Row& row) {
+            return row.scene == scene && row.soft == soft && row.method != "none";
+        });
+        out += "<h3>" + escaped(scene) + (soft ? ", soft lights" : "") + ", on " + escaped(rows.front().device) +
+               "</h3>" + scatter(rows);
     }
     if (out.empty()) return {};
     return "<section><h2>Error against time</h2>\n" + out +
            "<p class=\"note\">Errors against ray_traced in the same frame, over pixels that face the light; what has "
            "none "
            "stands at " +
-           fixed(kLeastPercent, 4) + " %. On the line nothing is better in both.</p></section>\n";
+           fixed(kLeastError, 4) + ". On the line nothing is better in both.</p></section>\n";
 }
 
 } // namespace gnomon::demo

@@ -232,10 +232,14 @@ TEST_CASE("fixed choices are held against the adaptive run of the same scene and
 
 TEST_CASE("the Pareto front has what nothing else beats in both")
 {
-    const std::vector<Benched::Row> rows = {{.method = "slow and exact", .ms = 9.0, .wrongPercent = 0.0},
-                                            {.method = "beaten", .ms = 5.0, .wrongPercent = 2.0},
-                                            {.method = "middle", .ms = 4.0, .wrongPercent = 1.0},
-                                            {.method = "quick", .ms = 1.0, .wrongPercent = 8.0}};
+    const std::vector<Benched::Row> rows = {{.method = "slow and exact", .ms = 9.0, .error = 0.0},
+                                            {.method = "beaten", .ms = 5.0, .error = 2.0},
+                                            {.method = "middle", .ms = 4.0, .error = 1.0},
+                                            {.method = "quick", .ms = 1.0, .error = 8.0}};
     CHECK(paretoFront(rows) == std::vector<size_t>{3, 2, 0});
     CHECK(isWellFormed("<html>" + errorSection({.rows = rows, .notes = {}}) + "</html>"));
+    const std::string both = errorSection(
+        {.rows = {{.scene = "a", .method = "x", .ms = 1.0, .error = 0.2, .soft = true}, {.scene = "a", .method = "y"}},
+         .notes = {}});
+    CHECK(countOf(both, "<svg") == 2); // an RMSE and a share of pixels do not stand on one axis
 }
