@@ -114,6 +114,12 @@ struct WhyOptions {
     bool whatIf = false, changed = false, sinceSwitch = false;
 };
 int whyCommand(const WhyOptions& options);
+struct PlotOptions {
+    std::string rules, out = "rules.html";
+    std::string over;  ///< Two variables: also draws who is best suited over them.
+    std::string facts; ///< The others, as explainCommand()'s.
+};
+int plotCommand(const PlotOptions& options);
 int explainCommand(const std::string& rules, const std::string& facts);
 
 } // namespace gnomon::demo

@@ -260,6 +260,14 @@ int main(int argc, char** argv)
     lint->add_flag("--strict", lintOptions.strict, "warnings fail as errors do");
     lint->add_flag("--json", lintOptions.json, "findings as a JSON array, for editors and scripts");
     lint->callback([&] { exitCode = lintCommand(lintOptions); });
+    CLI::App* plot = app.add_subcommand("plot", "draw the terms of a rule base, and who is best suited where");
+    PlotOptions plotOptions;
+    plot->add_option("RULES", plotOptions.rules, rulesHelp())->required();
+    auto* over = plot->add_option("--over", plotOptions.over, "A,B: two facts over which the best suited is drawn");
+    plot->add_option("--facts", plotOptions.facts, "name=value,... of the other facts; what is not given is unknown")
+        ->needs(over);
+    plot->add_option("--out", plotOptions.out, "HTML file")->capture_default_str();
+    plot->callback([&] { exitCode = plotCommand(plotOptions); });
     CLI::App* explain = app.add_subcommand("explain", "say what a rule base thinks of given facts, and why");
     explain->add_option("RULES", rules, rulesHelp())->required();
     explain->add_option("--facts", facts, "name=value,...; what is not given is unknown")->required();

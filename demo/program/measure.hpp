@@ -46,8 +46,8 @@ struct Truth {
     CameraMatrices camera;
     SceneState state;
     std::vector<std::string> lights; ///< Names, in layer order.
-    std::vector<Image8> visibility; ///< Hard, whatever the lights' radii.
-    std::vector<Image8> soft;       ///< Of lights with a radius; of others, an empty picture.
+    std::vector<Image8> visibility;  ///< Hard, whatever the lights' radii.
+    std::vector<Image8> soft;        ///< Of lights with a radius; of others, an empty picture.
     std::vector<std::vector<uint8_t>> counted;
 
     const Image8* find(const std::string& light, const std::vector<uint8_t>** countedPixels) const;

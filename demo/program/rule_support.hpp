@@ -20,6 +20,10 @@ bool report(const std::vector<rules::Diagnostic>& diagnostics);
 /// A path or the name of a shipped one; prints findings. Throws HostError if it cannot be used.
 rules::RuleBase parseRules(const std::string& nameOrPath);
 
+/// "name=value,..." as numbers in the order of the vocabulary's facts; NaN: not given. Throws HostError naming what is
+/// no fact, or no value of it.
+std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vocabulary);
+
 /// Asks the rules anew for every light of every frame, from the recorded facts: suitabilities, vetoes, near floors.
 /// Methods that were unable stay so. Throws HostError if the rules do not bind.
 /// @return What the trace does not hold, though the rules would have liked it best for a light that it can serve.

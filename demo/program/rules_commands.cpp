@@ -148,6 +148,8 @@ void requireInRange(const rules::FactInfo& fact, double value, const std::string
     if (value < 0.0) throw HostError("--facts: '" + item + "' is out of range: no fact is negative");
 }
 
+} // namespace
+
 std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vocabulary)
 {
     std::vector<double> values(vocabulary.facts.size(), std::numeric_limits<double>::quiet_NaN());
@@ -173,8 +175,6 @@ std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vo
     }
     return values;
 }
-
-} // namespace
 
 int lintCommand(const LintOptions& options)
 {

@@ -21,6 +21,7 @@ svg{display:block;width:100%;height:auto}
 .tip{fill:#000;fill-opacity:0}.tip:hover{fill-opacity:.08}rect:hover{stroke:#000;stroke-width:.6}
 .legend span{margin-right:14px;white-space:nowrap}
 .legend i{display:inline-block;width:13px;height:13px;margin-right:5px;vertical-align:-2px;border-radius:2px}
+.charts{display:flex;flex-wrap:wrap}.charts figure{width:500px;margin:6px 8px}
 .bands{width:100%}.bands th{white-space:nowrap}.bar{width:80%}
 .bar span{display:inline-block;height:18px;vertical-align:middle}
 figure{margin:10px 0}figcaption{color:#59636e;font-size:13px}

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "cli_fixture.hpp"
+#include "demo/io/file.hpp"
 #include "demo/io/png.hpp"
 #include "demo/program/gnuplot.hpp"
 #include "demo/program/session.hpp"
@@ -69,6 +70,27 @@ TEST_CASE("lint fails on warnings where it is asked to, and speaks JSON")
     CHECK(findings->children[0].children[9].text == "L06");
     CHECK(gnomonProgram("explain default --facts screenShare=30").output.find("for per cent write 0.3") !=
           std::string::npos);
+}
+
+TEST_CASE("plot draws every variable, and over two facts the winners that explain names")
+{
+    const Folder folder("plot");
+    const std::string file = (folder.path / "rules.html").string();
+    const std::string facts = "screenShare=0.3,lightMotion=1,dynamicLights=4,lightRadius=0,recorded=0";
+    CHECK(gnomonProgram("plot default --over viewerDistance,casterTriangles --facts " + facts + " --out " + file)
+              .exitCode == 0);
+    const std::string text = valueOf(readText(file));
+    for (const char* variable : {"dynamicLights, count", "recorded, flag", "suitability", "directional lights"})
+        CHECK_MESSAGE(text.find(variable) != std::string::npos, variable);
+    CHECK(text.size() < 500'000);
+    const Ran explained = gnomonProgram("explain default --facts viewerDistance=5,casterTriangles=3.5," + facts);
+    const std::string first = explained.output.substr(0, explained.output.find(' '));
+    CHECK_MESSAGE(text.find("<title>" + first) != std::string::npos, explained.output);
+    for (const char* bad :
+         {"--over viewerDistance", "--over viewerDistance,viewerDistance", "--over viewerDistanec,recorded"})
+        CHECK_MESSAGE(gnomonProgram(std::string("plot default --out ") + file + " " + bad).output.find("--over") !=
+                          std::string::npos,
+                      bad);
 }
 
 TEST_CASE("lint counts what was found while reading, too")

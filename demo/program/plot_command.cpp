@@ -1,0 +1,167 @@
+// `gnomon plot`: the terms of a rule base, and who wins over two of its facts. No device needed.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <set>
+
+#include "demo/io/file.hpp"
+#include "demo/program/checks.hpp"
+#include "demo/program/commands.hpp"
+#include "demo/program/pictures.hpp"
+#include "demo/program/rule_support.hpp"
+#include "demo/program/session.hpp"
+#include "demo/report/markup.hpp"
+#include "demo/report/page.hpp"
+
+namespace gnomon::demo {
+
+namespace {
+
+constexpr double kWidth = 500.0, kHeight = 190.0, kSurfaceHeight = 320.0;
+constexpr size_t kCells = 60; // a side of a surface: a few pixels each
+
+/// A line through the corners of every term; infinite ones end at the edge of the universe.
+std::string termsChart(const rules::Variable& variable)
+{
+    SvgChart chart(kWidth, kHeight,
+                   {.low = variable.low,
+                    .high = variable.high,
+                    .title = variable.name + (variable.unit.empty() ? "" : ", " + variable.unit)},
+                   {.low = 0.0, .high = 1.0, .title = "membership"});
+    std::vector<std::pair<std::string, Rgb8>> entries;
+    for (const rules::Term& term : variable.terms) {
+        const auto inside = [&](double x) { return std::clamp(x, variable.low, variable.high); };
+        Points points;
+        for (const double x : {variable.low, inside(term.shape.a), inside(term.shape.b), inside(term.shape.c),
+                               inside(term.shape.d), variable.high})
+            points.emplace_back(x, term.shape.membership(x));
+        std::sort(points.begin(), points.end());
+        entries.emplace_back(term.name, seriesColour(entries.size()));
+        chart.line(points, entries.back().second, 2.0);
+    }
+    return "<figure>" + chart.svg() + legend(entries) + "</figure>";
+}
+
+const rules::Variable& variableOf(const rules::Engine& engine, const std::string& name)
+{
+    std::vector<std::string_view> known;
+    for (const rules::Variable& variable : engine.base().variables) {
+        if (variable.name == name) return variable;
+        known.push_back(variable.name);
+    }
+    throw HostError("--over: no variable '" + name + "'" + rules::suggestion(name, known));
+}
+
+size_t factOf(const rules::Engine& engine, const std::string& name)
+{
+    const auto& facts = engine.facts();
+    return size_t(std::find_if(facts.begin(), facts.end(), [&](const auto& fact) { return fact.name == name; }) -
+                  facts.begin());
+}
+
+/// Of those that compete the best suited one; the first of equals. None where no rule speaks.
+std::optional<uint32_t> winnerOf(const rules::Inference& inference, std::span<const uint32_t> competing)
+{
+    std::optional<uint32_t> best;
+    for (const uint32_t output : competing) {
+        const rules::OutputState& state = inference.outputs[output];
+        if (state.vetoed || !state.hasOpinion) continue;
+        if (!best || state.quantised > inference.outputs[*best].quantised) best = output;
+    }
+    return best;
+}
+
+/// Paler where the suitability is lower.
+Rgb8 shaded(const Rgb8& colour, double suitability)
+{
+    const auto mix = [=](uint8_t c) {
+        const double strength = 0.25 + 0.75 * std::clamp(suitability, 0.0, 1.0);
+        return static_cast<uint8_t>(std::lround(255.0 + (c - 255.0) * strength));
+    };
+    return {mix(colour.r), mix(colour.g), mix(colour.b)};
+}
+
+/// Cells of a row that look the same are drawn as one.
+struct Won {
+    uint32_t output;
+    int percent; ///< Suitability.
+    bool operator==(const Won&) const = default;
+};
+
+/// Who wins over two variables, among outputs that compete; the other facts are as given.
+std::string surface(const rules::Engine& engine, std::span<const uint32_t> competing, const rules::Variable& x,
+                    const rules::Variable& y, std::vector<double> facts)
+{
+    const auto axis = [](const rules::Variable& v) {
+        return Axis{.low = v.low, .high = v.high, .title = v.name + (v.unit.empty() ? "" : ", " + v.unit)};
+    };
+    const auto at = [](const rules::Variable& v, double cell) { return v.low + (v.high - v.low) * cell / kCells; };
+    SvgChart chart(kWidth, kSurfaceHeight, axis(x), axis(y));
+    rules::Inference inference = engine.makeInference();
+    std::set<uint32_t> winners;
+    const auto look = [&](size_t column, size_t row) -> std::optional<Won> {
+        facts[factOf(engine, x.name)] = at(x, double(column) + 0.5);
+        facts[factOf(engine, y.name)] = at(y, double(row) + 0.5);
+        engine.evaluate(facts, inference);
+        const std::optional<uint32_t> winner = winnerOf(inference, competing);
+        if (!winner) return std::nullopt;
+        return Won{*winner, 100 * inference.outputs[*winner].quantised / rules::kSuitabilitySteps};
+    };
+    for (size_t row = 0; row < kCells; ++row)
+        for (size_t column = 0, end = 0; column < kCells; column = end) {
+            const std::optional<Won> won = look(column, row);
+            end = column + 1;
+            while (end < kCells && look(end, row) == won)
+                ++end;
+            if (!won) continue;
+            winners.insert(won->output);
+            const std::string& name = engine.outputs()[won->output].name;
+            chart.box(at(x, double(column)), at(x, double(end)), at(y, double(row)), at(y, double(row) + 1.0),
+                      shaded(methodColour(name), won->percent / 100.0), name + " " + fixed(won->percent / 100.0, 2));
+        }
+    std::vector<std::pair<std::string, Rgb8>> entries;
+    for (const uint32_t winner : winners)
+        entries.emplace_back(engine.outputs()[winner].name, methodColour(engine.outputs()[winner].name));
+    return chart.svg() + legend(entries);
+}
+
+std::string surfaces(const rules::Engine& engine, const std::string& over, const std::string& facts)
+{
+    const std::vector<std::string> names = parseNames(over);
+    if (names.size() != 2) throw HostError("--over: '" + over + "' is not two variables, such as a,b");
+    if (names[0] == names[1]) throw HostError("--over: '" + names[0] + "' stands there twice");
+    const rules::Variable &x = variableOf(engine, names[0]), &y = variableOf(engine, names[1]);
+    const std::vector<double> values = parseFacts(facts, runtimeVocabulary());
+    std::string out;
+    const auto& kinds = engine.compiled().kinds;
+    for (size_t kind = 0; kind < kinds.size(); ++kind) {
+        const bool named = kinds.size() == engine.base().kinds.size();
+        out += "<figure><figcaption>" +
+               (named ? escaped(engine.base().kinds[kind].name) + " lights" : std::string("all methods")) +
+               "</figcaption>" + surface(engine, kinds[kind], x, y, values) + "</figure>";
+    }
+    return "<section><h2>Best suited by " + escaped(x.name) + " and " + escaped(y.name) + "</h2><p class=\"note\">" +
+           (facts.empty() ? std::string("All other facts are unknown.") : "With " + escaped(facts) + ".") +
+           " Pale: hardly suited. White: no rule speaks.</p><div class=\"charts\">" + out + "</div></section>\n";
+}
+
+} // namespace
+
+int plotCommand(const PlotOptions& options)
+{
+    requireWritable(options.out);
+    rules::BindResult bound = rules::Engine::bind(parseRules(options.rules), runtimeVocabulary().view());
+    if (report(bound.diagnostics) || !bound.engine) return 1;
+    const rules::RuleBase& base = bound.engine->base();
+    std::string body = "<section><h1>" + escaped(base.name) + "</h1><div class=\"charts\">";
+    for (const rules::Variable& variable : base.variables)
+        body += termsChart(variable);
+    body += termsChart(base.suitability) + "</div></section>\n";
+    if (!options.over.empty()) body += surfaces(*bound.engine, options.over, options.facts);
+    expect(writeFile(options.out, page("gnomon rules: " + base.name, body)));
+    std::printf("%s\n", std::filesystem::absolute(options.out).lexically_normal().c_str());
+    return 0;
+}
+
+} // namespace gnomon::demo
