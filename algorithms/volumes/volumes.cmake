@@ -7,9 +7,10 @@ gnomon_shared(
             volumes/resolve_tiles.vert)
 gnomon_shared(
     NEEDS openmesh
-    SOURCES gpu_silhouettes.cpp shadow_region.cpp static_volumes.cpp volume_count.cpp volume_cull.cpp volume_draw.cpp
-            volume_list.cpp volume_tree.cpp
+    SOURCES gpu_silhouettes.cpp mesh_planes.cpp shadow_region.cpp static_volumes.cpp volume_count.cpp
+            volume_cull.cpp volume_draw.cpp volume_list.cpp volume_tree.cpp
     SHADERS volumes/cull_volumes.comp
+            volumes/mesh_planes.comp
             volumes/reached_tiles.comp
             volumes/silhouettes.comp
             volumes/volume.vert)
@@ -28,7 +29,7 @@ gnomon_algorithm(octree_volume
 gnomon_algorithm(all_edges_volume
     NEEDS openmesh
     SOURCES all_edges_volume.cpp edge_list.cpp
-    SHADERS volumes/all_edges.vert volumes/mesh_planes.comp)
+    SHADERS volumes/all_edges.vert)
 gnomon_algorithm(projected_planar
     NEEDS openmesh
     SOURCES projected_planar.cpp
