@@ -7,10 +7,12 @@ gnomon_shared(
             volumes/resolve_tiles.vert)
 gnomon_shared(
     NEEDS openmesh
-    SOURCES gpu_silhouettes.cpp mesh_planes.cpp shadow_region.cpp static_volumes.cpp volume_count.cpp
+    SOURCES gpu_silhouettes.cpp mesh_planes.cpp mesh_volumes.cpp shadow_region.cpp static_volumes.cpp volume_count.cpp
             volume_cull.cpp volume_draw.cpp volume_list.cpp volume_tree.cpp
     SHADERS volumes/cull_volumes.comp
+            volumes/mesh_caps.comp
             volumes/mesh_planes.comp
+            volumes/mesh_sides.comp
             volumes/reached_tiles.comp
             volumes/silhouettes.comp
             volumes/volume.vert)
