@@ -125,7 +125,8 @@ struct SceneRegistry::Impl {
         messages.warn("StaticInstanceMoved",
                       record.what() + " is static but has moved; it counts as moving from now on");
     }
-    Result<std::uint64_t> insert(InstancePtr record);
+    Result<void> makeRoomLike(const InstanceRecord& record, std::size_t count);
+    std::uint64_t insert(InstancePtr record) noexcept;
     void forgetDestroyed();
     void markChangedMeshes();
     void markHostDrawn();
