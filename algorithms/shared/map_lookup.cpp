@@ -34,6 +34,19 @@ float largest(glm::vec3 v)
     return std::fmax(size.x, std::fmax(size.y, size.z));
 }
 
+/// Of the pixels drawn. Off the centre, one corner's is longer than the others'.
+float longestViewRay(const CameraView& view)
+{
+    float longest = 0.0f;
+    for (const std::uint32_t column : {0u, view.area.extent.width})
+        for (const std::uint32_t row : {0u, view.area.extent.height}) {
+            const glm::vec2 pixel(view.area.offset.x + static_cast<int>(column),
+                                  view.area.offset.y + static_cast<int>(row));
+            longest = std::fmax(longest, glm::length(gpu::viewRayWs(view.constants, pixel)));
+        }
+    return longest;
+}
+
 // Offset of receivers along their normal, an upper bound of receiverOffset() (shaders/shared/receiver.h) as a
 // polynomial of the linear depth w: x + w (y + w z). Coordinates count from the frame's origin, where casters are
 // drawn. A map does not tell a receiver's own triangle from others, as rays do: edges of any length count.
@@ -46,7 +59,7 @@ glm::vec4 receiverOffset(const ShadowTask& task)
     if (task.casters)
         for (const Caster* caster : task.casters->all)
             edge = std::fmax(edge, caster->longestEdge);
-    const float ray = glm::length(glm::vec3(c.rayCornerWs)) + glm::length(glm::vec3(c.rayDepthWs));
+    const float ray = longestViewRay(view) + glm::length(glm::vec3(c.rayDepthWs));
     const float lamp = positional(light) ? largest(light.position()) : 0.0f;
     const float where = std::fmax(std::fmax(largest(view.eye), lamp), std::fmax(c.corners, 0.25f * edge));
     const float coordinate = 0x1p-21f;

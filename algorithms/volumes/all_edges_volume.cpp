@@ -5,12 +5,10 @@
 #include "algorithms/shared/caster_lists.hpp"
 #include "algorithms/shared/mesh_numbers.hpp"
 #include "algorithms/volumes/edge_list.hpp"
+#include "algorithms/volumes/mesh_planes.hpp"
 #include "algorithms/volumes/shadow_reach.hpp"
 #include "algorithms/volumes/silhouette.hpp"
 #include "algorithms/volumes/volume_count.hpp"
-
-#include "shaders/volumes/mesh_planes.h"
-#include "shaders/volumes_mesh_planes_comp.h"
 
 namespace gnomon {
 
@@ -30,9 +28,6 @@ constexpr VolumeCountNames kNames{
 
 // --- lists of meshes ---
 
-// Stamp of a list of connectivity, which is one and the same as long as the mesh lives. No revision has it.
-constexpr std::uint64_t kConnectivityStamp = ~std::uint64_t{0};
-
 const Topology& listedTopology(const MeshView& mesh)
 {
     return mesh.topology ? *mesh.topology : *mesh.connectivity;
@@ -47,10 +42,10 @@ BufferInfo listInfo(const MeshView& mesh)
 }
 
 /// The list of the mesh: built when its positions are new, and kept whatever lights and casters do. Where the GPU alone
-/// knows the positions, built once.
+/// knows the positions, built once for its connectivity.
 BufferId declareEdges(PassBuilder& passes, const MeshView& mesh)
 {
-    const auto [list, due] = passes.keptList(listInfo(mesh), mesh.topology ? mesh.revision : kConnectivityStamp);
+    const auto [list, due] = passes.keptList(listInfo(mesh), mesh.topology ? mesh.revision : mesh.connectivityRevision);
     if (!due) {
         passes.kept();
         return list;
@@ -63,53 +58,6 @@ BufferId declareEdges(PassBuilder& passes, const MeshView& mesh)
             host.countIndexList();
         });
     return list;
-}
-
-/// Corners of the faces of connectivity, in the order of their planes.
-BufferId declareCorners(PassBuilder& passes, const MeshView& mesh)
-{
-    const std::span<const std::uint32_t> corners = mesh.connectivity->faceVerts;
-    const auto [list, due] = passes.keptList(
-        {.name = "all_edges_volume.corners", .scope = Scope::scene, .size = corners.size_bytes(), .variant = mesh.id},
-        kConnectivityStamp);
-    if (!due) {
-        passes.kept();
-        return list;
-    }
-    passes.prepare("all_edges_volume.corners", Scope::scene, mesh.id)
-        .writes(list)
-        .run([corners, list = list](HostContext& host) {
-            std::copy(corners.begin(), corners.end(), host.write<std::uint32_t>(list).begin());
-        });
-    return list;
-}
-
-/// Planes of the faces of connectivity where they are now, found by the GPU.
-BufferId declarePlanes(PassBuilder& passes, const MeshView& mesh, PipelineId find)
-{
-    const auto faces = static_cast<std::uint32_t>(mesh.connectivity->facePlanes.size());
-    const BufferId corners = declareCorners(passes, mesh);
-    const BufferId planes = passes.persistent(BufferInfo{.name = "all_edges_volume.planes",
-                                                         .scope = Scope::scene,
-                                                         .size = sizeof(glm::vec4) * faces,
-                                                         .variant = mesh.id});
-    if (!passes.stale(planes, mesh.revision)) {
-        passes.kept();
-        return planes;
-    }
-    passes.compute("all_edges_volume.planes", Scope::scene, mesh.id)
-        .reads(corners)
-        .writes(planes)
-        .record([=, positions = mesh.vertexBuffer](PassContext& context) {
-            constexpr std::uint32_t kGroupsInRow = 65535; // Vulkan promises no more
-            const std::uint32_t groups = (faces + gpu::PLANES_GROUP - 1) / gpu::PLANES_GROUP;
-            const std::uint32_t across = std::min(groups, kGroupsInRow);
-            context.bind(find,
-                         {context.storage(0, positions), context.storage(1, corners), context.storage(2, planes)});
-            context.push(gpu::MeshPlanesPush{.faces = faces});
-            context.vk->vkCmdDispatch(context.cmd, across, (groups + across - 1) / across, 1);
-        });
-    return planes;
 }
 
 /// Of one mesh.
@@ -192,17 +140,6 @@ VolumePlan* planEdges(PassBuilder& passes, const ShadowTask& task, const ViewSte
     plan->meshLists = lists.all();
     plan->planeLists = lists.planes();
     return plan;
-}
-
-PipelineId makeFindPlanes(const AlgorithmServices& services)
-{
-    constexpr BindingInfo bindings[] = {{.binding = 0, .kind = BindingKind::storageBuffer},
-                                        {.binding = 1, .kind = BindingKind::storageBuffer},
-                                        {.binding = 2, .kind = BindingKind::storageBuffer}};
-    return services.pipelines->compute({.name = "all_edges_volume.planes",
-                                        .compute = {.code = k_volumes_mesh_planes_comp},
-                                        .bindings = bindings,
-                                        .pushBytes = sizeof(gpu::MeshPlanesPush)});
 }
 
 class AllEdgesVolume final : public ShadowAlgorithm {

@@ -2,6 +2,7 @@
 
 #include "algorithms/shared/caster_lists.hpp"
 #include "algorithms/volumes/gpu_silhouettes.hpp"
+#include "algorithms/volumes/mesh_volumes.hpp"
 #include "algorithms/volumes/volume_count.hpp"
 #include "algorithms/volumes/volume_cull.hpp"
 
@@ -28,13 +29,14 @@ public:
     explicit StencilVolume(const AlgorithmServices& services)
         : vk_(*services.vk), pipelines_(makeVolumeCountPipelines(services, kNames)),
           view_(makeViewStencilPipelines(services)), silhouettes_(makeGpuSilhouettes(services)),
-          cull_(makeVolumeCullPipelines(services))
+          meshes_(makeMeshVolumePipelines(services)), cull_(makeVolumeCullPipelines(services))
     {
     }
     void declare(PassBuilder& passes, const ShadowTask& task) override;
     const char* refuses(const ShadowTask& task) const override
     {
         const char* reason = refusesVolumes(vk_, task);
+        if (!reason) reason = refusesMeshVolumes(vk_, task);
         return reason || task.settings[kSilhouettes] == 0.0 ? reason : refusesGpuSides(vk_, task);
     }
 
@@ -43,6 +45,7 @@ private:
     VolumeCountPipelines pipelines_;
     ViewStencilPipelines view_;
     GpuSilhouettes silhouettes_;
+    MeshVolumePipelines meshes_;
     VolumeCullPipelines cull_;
 };
 
@@ -58,9 +61,10 @@ std::uint64_t stampOf(const LightView& light, const VolumeList& list)
 void StencilVolume::declare(PassBuilder& passes, const ShadowTask& task)
 {
     const ViewStencil stencil = declareViewStencil(passes, view_, task);
-    VolumePlan* volumes =
-        planVolumes(passes, task, stencil, task.settings[kBounded] != 0.0, task.settings[kZFail] != 0.0,
-                    task.settings[kSilhouettes] != 0.0 ? &silhouettes_ : nullptr);
+    const bool zFailForAll = task.settings[kZFail] != 0.0;
+    VolumePlan* volumes = planVolumes(passes, task, stencil, task.settings[kBounded] != 0.0, zFailForAll,
+                                      task.settings[kSilhouettes] != 0.0 ? &silhouettes_ : nullptr);
+    addMeshVolumes(passes, task, meshes_, zFailForAll, *volumes);
     if (task.settings[kExtents] != 0.0 && canReadLists(vk_, task)) {
         CulledList lists[2];
         for (const std::uint32_t i : {0u, 1u})
@@ -81,7 +85,7 @@ const AlgorithmEntry kStencilVolume{
     .name = "stencil_volume",
     .source = "Rautenbach 2008, 3.1; Heidmann 1991; Everitt and Kilgard 2002",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT,
+              GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_GPU_POSITIONS_BIT,
     .roundTrips = 0,
     .maxRounds = 0,
     .settings = kSettings,

@@ -50,10 +50,11 @@ struct VolumePlan {
     const CameraView* view = nullptr;
     const LightView* light = nullptr;
     std::span<VolumeDraw> zPass, zFail, caps; ///< zFail: sides.
-    VolumeList lists[4];                      ///< Sides of static casters, of moving ones, caps of either.
-    BufferId commands[4];                     ///< Made of those of the lists; null ids: none.
-    std::span<const BufferId> meshLists;      ///< Of allEdges.
-    std::span<const BufferId> planeLists;     ///< Likewise: VolumeDraw::planes.
+    VolumeList
+        lists[6]; ///< Sides of static casters, of moving ones, caps of either; of addMeshVolumes(), without pieces.
+    BufferId commands[4];                 ///< Made of those of the lists; null ids: none.
+    std::span<const BufferId> meshLists;  ///< Of allEdges.
+    std::span<const BufferId> planeLists; ///< Likewise: VolumeDraw::planes.
     BufferId receiverBounds;
     bool bounded = true; ///< Volumes end behind the farthest visible receiver.
     VkRect2D pixels{};   ///< Where the light can reach.

@@ -244,6 +244,17 @@ GnFrameStats ShadowHost::stats() const
     return stats;
 }
 
+std::string ShadowHost::whyNot(uint32_t light, const std::string& method, uint64_t frame) const
+{
+    const GnQuestion question{.kind = GN_QUESTION_WHY_NOT, .pMethod = method.c_str(), .frame = frame};
+    size_t size = 0;
+    if (gnExplain(context_, views_.at(0), lights_.at(light), &question, &size, nullptr) < 0) return {};
+    std::string text(size, ' ');
+    gnExplain(context_, views_.at(0), lights_.at(light), &question, &size, text.data());
+    text.resize(size - 1); // the terminating zero
+    return text;
+}
+
 std::vector<std::string> ShadowHost::takeMessages()
 {
     const std::lock_guard lock(mutex_);

@@ -56,6 +56,8 @@ public:
 
     std::vector<GnMethodInfo> methods() const;
     GnFrameStats stats() const;
+    /// Why the light's method in the first view was not this one. \param frame of gnomon's; 0: the newest
+    std::string whyNot(uint32_t light, const std::string& method, uint64_t frame = 0) const;
 
     /// Warnings and errors since the last call.
     std::vector<std::string> takeMessages();

@@ -94,15 +94,15 @@ const Image8* Truth::find(const std::string& light, const std::vector<uint8_t>**
 
 namespace {
 
-/// In the newest frame.
-bool everyLightPinned(Session& session)
+/// A light of the newest frame that is not served by its own method.
+std::optional<uint32_t> unpinnedLight(const Session& session)
 {
     for (uint32_t light : session.renderer.state().present) {
         GnDecision decision{};
         gnGetDecision(session.shadows.context(), session.shadows.view(0), session.shadows.light(light), &decision);
-        if (decision.reason != GN_REASON_PINNED) return false;
+        if (decision.reason != GN_REASON_PINNED) return light;
     }
-    return true;
+    return std::nullopt;
 }
 
 void drawOnce(Session& session, double time, bool recorded)
@@ -120,7 +120,7 @@ std::vector<Image8> softTruth(Session& session, double time)
     if (std::none_of(present.begin(), present.end(), isSoft)) return std::vector<Image8>(present.size());
     expect(session.shadows.set(kTruthMethod, kSamplesSetting, kTruthSamples));
     drawOnce(session, time, false);
-    if (!everyLightPinned(session))
+    if (unpinnedLight(session))
         throw HostError("the radius of a light of scene '" + session.scene.name + "' is too large to be sampled");
     std::vector<Image8> pictures = session.renderer.readVisibility();
     for (size_t layer = 0; layer < present.size(); ++layer)
@@ -156,7 +156,7 @@ void settle(Session& session, double time, bool recorded)
     constexpr uint32_t patience = 200; // frames; workers need far fewer after gnWarmUp
     for (uint32_t i = 0; i < patience; ++i) {
         drawOnce(session, time, recorded);
-        if (i + 1 >= kWarmFrames && everyLightPinned(session)) return;
+        if (i + 1 >= kWarmFrames && !unpinnedLight(session)) return;
     }
     throw HostError("a pinned method never became ready");
 }
@@ -182,7 +182,11 @@ PairTimes timePairs(Session& session, uint32_t pairs, bool recorded, OtherShadow
         times.gpuMs.push_back(double(stats.gpuMs));
         times.cpuMs.push_back(double(stats.cpuMs));
         times.raysMs.push_back(double(stats.raysMs));
-        if (!other && !everyLightPinned(session)) ++times.unpinned;
+        if (const auto light = other ? std::nullopt : unpinnedLight(session)) {
+            ++times.unpinned;
+            times.unpinnedLight = *light;
+            times.unpinnedFrame = stats.frame;
+        }
     }
     return times;
 }

@@ -64,6 +64,8 @@ struct PairTimes {
     std::vector<double> gpuMs, cpuMs;      ///< As gnomon reports them.
     std::vector<double> raysMs;            ///< Inside the ray tracer, all threads.
     uint32_t unpinned = 0;                 ///< Frames in which a light was served by another method than its own.
+    uint32_t unpinnedLight = 0;            ///< One of them, in the newest such frame.
+    uint64_t unpinnedFrame = 0;
 };
 
 /// Alternates frames without and with shadows; both of a pair show the same time. \param shadows false: `other`

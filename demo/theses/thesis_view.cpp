@@ -24,17 +24,6 @@ Scene squareScene(const ViewScene& view)
     return scene;
 }
 
-/// Why the light's method is not this one, by the newest frame.
-std::string whyNot(const ShadowHost& shadows, const std::string& method)
-{
-    const GnQuestion question{.kind = GN_QUESTION_WHY_NOT, .pMethod = method.c_str()};
-    size_t size = 0;
-    if (gnExplain(shadows.context(), shadows.view(0), shadows.light(0), &question, &size, nullptr) < 0) return {};
-    std::string text(size, ' ');
-    gnExplain(shadows.context(), shadows.view(0), shadows.light(0), &question, &size, text.data());
-    return text;
-}
-
 } // namespace
 
 const char* nameOf(Look look) noexcept
@@ -81,7 +70,7 @@ Image8 ThesisView::draw(const std::string& method, const std::vector<SettingChoi
     };
     constexpr int patience = 64; // frames: memory that the method before has left is given back within some
     for (int i = 0; i == 0 || !served(); ++i) {
-        if (i == patience) throw HostError(whyNot(session_.shadows, method));
+        if (i == patience) throw HostError(session_.shadows.whyNot(0, method));
         session_.renderer.draw({.time = time_, .cameras = {&camera, 1}, .shadows = &session_.shadows});
     }
     return std::move(session_.renderer.readVisibility().front());

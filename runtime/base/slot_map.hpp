@@ -1,6 +1,8 @@
 #pragma once
 // Objects behind handles that can be wrong: stale, foreign, made up.
+#include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <type_traits>
@@ -31,9 +33,7 @@ public:
     {
         if (free_.empty()) {
             if (slots_.size() == kMaxSlots) return 0;
-            if (free_.capacity() <= slots_.size()) free_.reserve(2 * slots_.size() + 16); // for all: take() adds them
-            slots_.emplace_back();
-            free_.push_back(static_cast<std::uint32_t>(slots_.size() - 1));
+            addSlot();
         }
         const std::uint32_t index = free_.back();
         Slot& slot = slots_[index];
@@ -42,6 +42,17 @@ public:
         free_.pop_back();
         ++count_;
         return handleOf(index, slot.generation);
+    }
+
+    /// For so many insert()s, which then cannot fail. @return false if there are not as many slots
+    bool makeRoom(std::size_t count)
+    {
+        if (count > free_.size() + (kMaxSlots - slots_.size())) return false;
+        const auto before = static_cast<std::ptrdiff_t>(free_.size());
+        while (free_.size() < count)
+            addSlot();
+        std::reverse(free_.begin() + before, free_.end()); // the last is taken first
+        return true;
     }
 
     T* find(std::uint64_t handle) noexcept
@@ -89,6 +100,13 @@ private:
         std::uint32_t generation = 0;
         bool used = false;
     };
+
+    void addSlot()
+    {
+        if (free_.capacity() <= slots_.size()) free_.reserve(2 * slots_.size() + 16); // for all: take() adds them
+        slots_.emplace_back();
+        free_.push_back(static_cast<std::uint32_t>(slots_.size() - 1));
+    }
 
     std::uint64_t handleOf(std::uint32_t index, std::uint32_t generation) const noexcept
     {

@@ -36,6 +36,7 @@ struct MeshView {
     const Topology* topology = nullptr;     ///< Null until a worker has built it, or without OpenMesh.
     const Topology* connectivity = nullptr; ///< Edges and faces while the GPU alone knows where the vertices are:
                                             ///< planes, lengths and bounds are those of another pose. Null: not known.
+    std::uint64_t connectivityRevision = 0; ///< As `revision`, which no mesh has; 0: no connectivity.
     const MeshRays* rays = nullptr;         ///< Null until a worker has built it, or without Embree.
     std::uint64_t revision = 0;             ///< Unique over all meshes; changes with the positions.
     bool closed = false;                    ///< Known from the topology; false until it is there.

@@ -96,19 +96,6 @@ Corners bitsOf(const glm::vec3& p)
     return {bits(p.x), bits(p.y), bits(p.z)};
 }
 
-/// For every position the first one with equal bits.
-std::vector<std::uint32_t> weld(std::span<const glm::vec3> positions)
-{
-    std::vector<std::uint32_t> representative(positions.size());
-    IdTable table(positions.size());
-    for (std::uint32_t i = 0; i < positions.size(); ++i) {
-        const Corners key = bitsOf(positions[i]);
-        representative[i] =
-            table.findOrAdd(key, i, [&](std::uint32_t other) { return bitsOf(positions[other]) == key; });
-    }
-    return representative;
-}
-
 bool isDegenerate(const Corners& v)
 {
     return v[0] == v[1] || v[1] == v[2] || v[2] == v[0];
@@ -323,13 +310,33 @@ double meanSides(const Topology& topology, const Topology::Edge& edge, bool clos
     return (closed ? 1.0 : 2.0) * angle / kPi;
 }
 
+std::vector<std::uint32_t> weldVertices(std::span<const glm::vec3> positions, std::span<const std::uint32_t> before)
+{
+    std::vector<std::uint32_t> welded(positions.size());
+    IdTable table(positions.size());
+    for (std::uint32_t i = 0; i < positions.size(); ++i) {
+        const Corners at = bitsOf(positions[i]);
+        const auto group = [&](std::uint32_t vertex) { return before.empty() ? 0 : before[vertex]; };
+        // Many that lie at one point may be of different groups: the key tells these apart as well.
+        const Corners key{at[0] ^ group(i), at[1], at[2]};
+        welded[i] = table.findOrAdd(
+            key, i, [&](std::uint32_t other) { return bitsOf(positions[other]) == at && group(other) == group(i); });
+    }
+    return welded;
+}
+
 Topology buildTopology(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices)
 {
+    return buildTopology(positions, indices, weldVertices(positions));
+}
+
+Topology buildTopology(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices,
+                       std::span<const std::uint32_t> welded)
+{
     Topology topology;
-    const std::vector<std::uint32_t> representative = weld(positions);
     topology.faceVerts.resize(indices.size());
     std::transform(indices.begin(), indices.end(), topology.faceVerts.begin(),
-                   [&](std::uint32_t index) { return representative[index]; });
+                   [&](std::uint32_t index) { return welded[index]; });
 
     Faces faces;
     addFaces(faces, topology.faceVerts, positions.size());

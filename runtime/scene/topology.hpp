@@ -114,8 +114,16 @@ inline std::span<const Topology::EdgeUse> usesOf(const Topology& topology, const
 /// How often an edge is a side of a shadow volume, on average over all directions of light. @param closed its cluster
 double meanSides(const Topology& topology, const Topology::Edge& edge, bool closed);
 
-/// Builds the topology. Positions with equal bits (-0 equals 0) are one vertex. Indices are in range.
-/// Nothing is printed, whatever the mesh is like.
+/// For every vertex the one that stands for it: the first with equal bits (-0 equals 0).
+/// @param before the same of another pose, or empty: vertices that were apart there stay apart
+std::vector<std::uint32_t> weldVertices(std::span<const glm::vec3> positions,
+                                        std::span<const std::uint32_t> before = {});
+
+/// Builds the topology of vertices that are welded so. Indices are in range. Nothing is printed, whatever the mesh is
+/// like.
+Topology buildTopology(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices,
+                       std::span<const std::uint32_t> welded);
+/// The same with weldVertices() of these positions.
 Topology buildTopology(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices);
 
 /// Same connectivity, new positions: recomputes planes and bounds only.

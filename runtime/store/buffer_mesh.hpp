@@ -9,6 +9,18 @@
 
 namespace gnomon {
 
+/// Edges and faces of a mesh in buffers, whatever its pose: of all triangles, with an area in the pose that was copied
+/// or without. Vertices are one where they were so in every pose that was copied. The GPU watches whether they stay so.
+struct MeshConnectivity {
+    std::shared_ptr<const Topology> topology;
+    std::vector<std::uint32_t> welded; ///< weldVertices()
+    OwnedBuffer watched; ///< Mapped: the first vertex that has come off the one it was welded to (UINT32_MAX: none),
+                         ///< then `welded`.
+    std::uint64_t revision = 0; ///< MeshView::connectivityRevision
+
+    std::uint32_t firstApart() const noexcept;
+};
+
 /// What all revisions of such a mesh share. The GPU rewrites its copy in place, between two frames that draw it: all of
 /// them are on one queue. A copy, since every reader wants 12-byte positions and 32-bit indices that are in range, and
 /// since the host has its buffers back after one frame.
@@ -20,14 +32,15 @@ struct BufferMesh {
     OwnedBuffer findings; ///< Mapped: MeshFindings, written by the GPU.
 
     // Guarded by the registry's mutex.
-    std::shared_ptr<MeshFaces> copiedFaces;       ///< Of the newest copy for the CPU; never written while one is made.
-    std::shared_ptr<const Topology> connectivity; ///< Of the first.
-    Aabb bounds;                                  ///< The newest that the host gave.
-    bool destroyed = false;                       ///< The host's buffers may be gone.
-    bool copying = false;                         ///< For the CPU.
-    bool tried = false;                           ///< A copy has been made, or could not be.
-    std::uint32_t rests = 0;                      ///< Frames without a rewrite while a copy is wanted.
-    bool told = false;                            ///< Of what was wrong.
+    std::shared_ptr<MeshFaces> copiedFaces; ///< Of the newest copy for the CPU; never written while one is made.
+    std::shared_ptr<const MeshConnectivity> connectivity; ///< Likewise.
+    Aabb bounds;                                          ///< The newest that the host gave.
+    bool destroyed = false;                               ///< The host's buffers may be gone.
+    bool copying = false;                                 ///< For the CPU.
+    bool tried = false;                                   ///< A copy has been made, or could not be.
+    bool cameApart = false;                               ///< Vertices of `connectivity`; a copy will tell which.
+    std::uint32_t rests = 0;                              ///< Frames without a rewrite while a copy is wanted.
+    bool told = false;                                    ///< Of what was wrong.
 };
 
 /// As mesh_positions.comp and mesh_indices.comp have it.
@@ -44,8 +57,9 @@ public:
     /// Makes the pipelines, once: some milliseconds. Any thread.
     Result<void> prepare();
     /// Barriers are the caller's: host's writes before compute reads, and compute writes before what follows.
+    /// @param connectivity that is watched; null: none
     Result<void> positions(VkCommandBuffer cmd, DescriptorRing& descriptors, const BufferMesh& mesh,
-                           const VkDescriptorBufferInfo& from) const;
+                           const MeshConnectivity* connectivity, const VkDescriptorBufferInfo& from) const;
     Result<void> indices(VkCommandBuffer cmd, DescriptorRing& descriptors, const BufferMesh& mesh,
                          const VkDescriptorBufferInfo& from) const;
 
@@ -54,6 +68,7 @@ private:
         PipelineId pipeline;
         VkDescriptorBufferInfo from; ///< Aligned as the device asks.
         VkBuffer to;
+        VkBuffer watched; ///< Null: none.
         std::uint32_t count;
         const void* push;
         std::uint32_t pushBytes;

@@ -10,7 +10,9 @@ namespace {
 
 constexpr BindingInfo kBindings[] = {{.binding = 0, .kind = BindingKind::storageBuffer},
                                      {.binding = 1, .kind = BindingKind::storageBuffer},
-                                     {.binding = 2, .kind = BindingKind::storageBuffer}};
+                                     {.binding = 2, .kind = BindingKind::storageBuffer},
+                                     {.binding = 3, .kind = BindingKind::storageBuffer}}; // of positions
+constexpr std::size_t kIndexBindings = 3;
 
 std::uint32_t formatWord(VkFormat format)
 {
@@ -30,7 +32,7 @@ MeshConverter::MeshConverter(const DeviceTable& vk, PipelineStore& pipelines, st
                                      .pushBytes = sizeof(gpu::MeshPositionsRead)});
     indices_ = pipelines_.compute({.name = "mesh.indices",
                                    .compute = {.code = k_runtime_mesh_indices_comp},
-                                   .bindings = kBindings,
+                                   .bindings = std::span(kBindings).first(kIndexBindings),
                                    .pushBytes = sizeof(gpu::MeshIndicesRead)});
 }
 
@@ -52,7 +54,7 @@ VkDescriptorBufferInfo MeshConverter::aligned(const VkDescriptorBufferInfo& from
 }
 
 Result<void> MeshConverter::positions(VkCommandBuffer cmd, DescriptorRing& descriptors, const BufferMesh& mesh,
-                                      const VkDescriptorBufferInfo& from) const
+                                      const MeshConnectivity* connectivity, const VkDescriptorBufferInfo& from) const
 {
     const BufferMeshLayout& layout = mesh.layout;
     const VkDescriptorBufferInfo bound = aligned(from);
@@ -61,9 +63,12 @@ Result<void> MeshConverter::positions(VkCommandBuffer cmd, DescriptorRing& descr
                                       .count = layout.positionCount,
                                       .firstWord = static_cast<std::uint32_t>((from.offset - bound.offset) / 4),
                                       .strideWords = layout.stride / 4,
-                                      .format = formatWord(layout.format)};
+                                      .format = formatWord(layout.format),
+                                      .watches = connectivity ? 1u : 0u};
+    // Something must be bound.
+    const VkBuffer watched = connectivity ? connectivity->watched.get().buffer : mesh.findings.get().buffer;
     return dispatch(cmd, descriptors, mesh,
-                    {positions_, bound, mesh.vertices.get().buffer, layout.positionCount, &push, sizeof push});
+                    {positions_, bound, mesh.vertices.get().buffer, watched, layout.positionCount, &push, sizeof push});
 }
 
 Result<void> MeshConverter::indices(VkCommandBuffer cmd, DescriptorRing& descriptors, const BufferMesh& mesh,
@@ -80,8 +85,9 @@ Result<void> MeshConverter::indices(VkCommandBuffer cmd, DescriptorRing& descrip
                                     .vertexOffset = static_cast<std::uint32_t>(layout.vertexOffset),
                                     .vertexCount = layout.positionCount,
                                     .turned = layout.turned ? 1u : 0u};
-    return dispatch(cmd, descriptors, mesh,
-                    {indices_, bound, mesh.indices.get().buffer, push.triangleCount, &push, sizeof push});
+    return dispatch(
+        cmd, descriptors, mesh,
+        {indices_, bound, mesh.indices.get().buffer, VK_NULL_HANDLE, push.triangleCount, &push, sizeof push});
 }
 
 Result<void> MeshConverter::dispatch(VkCommandBuffer cmd, DescriptorRing& descriptors, const BufferMesh& mesh,
@@ -92,10 +98,11 @@ Result<void> MeshConverter::dispatch(VkCommandBuffer cmd, DescriptorRing& descri
         return DescriptorWrite{
             .binding = binding, .kind = BindingKind::storageBuffer, .buffer = buffer, .range = range, .offset = offset};
     };
-    const DescriptorWrite writes[] = {storage(0, job.from.buffer, job.from.offset, job.from.range),
-                                      storage(1, job.to, 0, VK_WHOLE_SIZE),
-                                      storage(2, mesh.findings.get().buffer, 0, VK_WHOLE_SIZE)};
-    const Result<VkDescriptorSet> set = descriptors.next(pipeline.setLayout, writes);
+    const DescriptorWrite writes[] = {
+        storage(0, job.from.buffer, job.from.offset, job.from.range), storage(1, job.to, 0, VK_WHOLE_SIZE),
+        storage(2, mesh.findings.get().buffer, 0, VK_WHOLE_SIZE), storage(3, job.watched, 0, VK_WHOLE_SIZE)};
+    const std::size_t bound = job.watched ? std::size(writes) : kIndexBindings;
+    const Result<VkDescriptorSet> set = descriptors.next(pipeline.setLayout, std::span(writes).first(bound));
     if (!set) return set.error();
     const VkDescriptorSet handle = *set;
     vk_.vkCmdBindPipeline(cmd, pipeline.bindPoint, pipeline.pipeline);

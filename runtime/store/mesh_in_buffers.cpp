@@ -19,7 +19,11 @@ std::shared_ptr<MeshRevision> MeshBuilder::rewriteInBuffers(std::shared_ptr<Buff
     view.revision = revisions_.fetch_add(1, std::memory_order_relaxed) + 1;
     view.turned = mesh->layout.turned;
     view.noCpuCopy = mesh->layout.noCpuCopy;
-    view.connectivity = mesh->connectivity.get();
+    revision->connectivity = mesh->connectivity;
+    if (const MeshConnectivity* known = revision->connectivity.get()) {
+        view.connectivity = known->topology.get();
+        view.connectivityRevision = known->revision;
+    }
     view.closed = view.connectivity ? view.connectivity->closed : mesh->layout.closed;
     view.gpuTriangles = mesh->layout.indexCount / 3;
     view.gpuPositions = mesh->layout.positionCount;
@@ -75,6 +79,13 @@ Result<OwnedBuffer> MeshBuilder::readback(VkDeviceSize size, const std::string& 
     return OwnedBuffer(memory_, *made);
 }
 
+std::uint32_t MeshConnectivity::firstApart() const noexcept
+{
+    std::uint32_t vertex = 0;
+    std::memcpy(&vertex, watched.get().mapped, sizeof vertex);
+    return vertex;
+}
+
 Result<std::shared_ptr<MeshRevision>> MeshBuilder::copied(const MeshRevision& of, const std::byte* content,
                                                           std::vector<MeshUpload>& uploads) const
 {
@@ -94,5 +105,50 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::copied(const MeshRevision& of
     revision->bare.revision = of.bare.revision; // the same positions
     return finish(std::move(revision), false, uploads);
 }
+
+#ifdef GNOMON_WITH_OPENMESH
+Result<std::shared_ptr<const MeshConnectivity>> MeshBuilder::connected(const MeshRevision& of, const std::byte* content,
+                                                                       const MeshRevision* made) const
+{
+    const MeshIdentity& identity = *of.identity;
+    std::vector<glm::vec3> positions(identity.positionCount);
+    std::memcpy(positions.data(), content, sizeof(glm::vec3) * positions.size());
+    std::vector<std::uint32_t> before;
+    if (const MeshConnectivity* old = of.inBuffers->connectivity.get()) {
+        before = old->welded;
+        // It may be back where it was. Told apart by its number, no vertex is found twice.
+        if (const std::uint32_t apart = old->firstApart(); apart < before.size()) before[apart] = apart;
+    }
+    auto connectivity = std::make_shared<MeshConnectivity>();
+    connectivity->welded = weldVertices(positions, before);
+    std::vector<std::uint32_t> faces;
+    for (std::size_t i = 0; i < identity.given->size(); i += 3) {
+        const std::uint32_t* corner = identity.given->data() + i;
+        const std::uint32_t a = connectivity->welded[corner[0]], b = connectivity->welded[corner[1]],
+                            c = connectivity->welded[corner[2]];
+        if (a != b && b != c && c != a) faces.insert(faces.end(), corner, corner + 3);
+    }
+    const bool same = made && made->topology && before.empty() && faces == *made->faces->indices;
+    connectivity->topology =
+        same ? made->topology : std::make_shared<const Topology>(buildTopology(positions, faces, connectivity->welded));
+
+    constexpr std::uint32_t kNone = UINT32_MAX;
+    const VkDeviceSize size = sizeof kNone * (1 + connectivity->welded.size());
+    const Result<GpuBuffer> watched =
+        memory_.createBuffer(size, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::readback, identity.name.c_str());
+    if (!watched) return watched.error();
+    connectivity->watched = OwnedBuffer(memory_, *watched);
+    std::memcpy(watched->mapped, &kNone, sizeof kNone);
+    std::memcpy(watched->mapped + sizeof kNone, connectivity->welded.data(), size - sizeof kNone);
+    connectivity->revision = revisions_.fetch_add(1, std::memory_order_relaxed) + 1;
+    return std::shared_ptr<const MeshConnectivity>(std::move(connectivity));
+}
+#else
+Result<std::shared_ptr<const MeshConnectivity>> MeshBuilder::connected(const MeshRevision&, const std::byte*,
+                                                                       const MeshRevision*) const
+{
+    return std::shared_ptr<const MeshConnectivity>();
+}
+#endif
 
 } // namespace gnomon

@@ -89,6 +89,7 @@ private:
 };
 
 struct BufferMesh; // buffer_mesh.hpp
+struct MeshConnectivity;
 struct BufferMeshInput;
 
 /// One revision of a mesh and all that is derived from it. What a frame has been shown does not change any more:
@@ -101,6 +102,7 @@ struct MeshRevision {
     std::vector<Aabb> chunks;         ///< MeshView::chunks.
     OwnedBuffer vertices;
     std::shared_ptr<const Topology> topology;
+    std::shared_ptr<const MeshConnectivity> connectivity; ///< Of a mesh in buffers.
     std::shared_ptr<const MeshRays>
         rays; ///< Reads `positions` and `faces`: declared, and thus destroyed, in this order.
     MeshView bare;
@@ -135,6 +137,10 @@ public:
     /// @param content positions, then indices, as in BufferMesh
     Result<std::shared_ptr<MeshRevision>> copied(const MeshRevision& of, const std::byte* content,
                                                  std::vector<MeshUpload>& uploads) const;
+    /// Its connectivity, mended where `of` has one already. After copied(), also where that has failed.
+    /// @param made by copied(), or null
+    Result<std::shared_ptr<const MeshConnectivity>> connected(const MeshRevision& of, const std::byte* content,
+                                                              const MeshRevision* made) const;
 
     /// For copied(). Mapped.
     Result<OwnedBuffer> readback(VkDeviceSize size, const std::string& name) const;

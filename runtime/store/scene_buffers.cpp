@@ -166,8 +166,9 @@ bool SceneRegistry::Impl::beginCopy(std::uint64_t mesh)
         return conversion.revision->inBuffers.get() == &inBuffers;
     });
     inBuffers.rests = rewritten ? 0 : inBuffers.rests + 1;
-    // The first is made whatever the pose, for the connectivity.
-    if ((inBuffers.tried && inBuffers.rests < kRestFrames) || inBuffers.copying) return false;
+    // The first is made whatever the pose, for the connectivity, and so is the one that mends it.
+    const bool atOnce = !inBuffers.tried || inBuffers.cameApart;
+    if ((!atOnce && inBuffers.rests < kRestFrames) || inBuffers.copying) return false;
     const VkDeviceSize size = inBuffers.vertices.get().size + inBuffers.indices.get().size;
     Result<OwnedBuffer> content = builder.readback(size, inBuffers.identity->name);
     if (!content) {
@@ -179,6 +180,7 @@ bool SceneRegistry::Impl::beginCopy(std::uint64_t mesh)
     copy->of = *revision;
     copy->mesh = mesh;
     copy->registry = this;
+    copy->connects = !inBuffers.connectivity || inBuffers.cameApart;
     copies.push_back(copy);
     inBuffers.copying = true;
     return true;
@@ -205,7 +207,9 @@ Result<void> SceneRegistry::recordConversions(VkCommandBuffer cmd, std::uint64_t
     orderMemory(self.vk, cmd, kConversionsAfterAll);
     for (const Impl::Conversion& conversion : self.due) {
         const BufferMesh& mesh = *conversion.revision->inBuffers;
-        if (auto ok = self.converter->positions(cmd, descriptors, mesh, conversion.positions); !ok) return ok;
+        const MeshConnectivity* connectivity = conversion.revision->connectivity.get();
+        if (auto ok = self.converter->positions(cmd, descriptors, mesh, connectivity, conversion.positions); !ok)
+            return ok;
         if (!conversion.indices) continue;
         if (auto ok = self.converter->indices(cmd, descriptors, mesh, *conversion.indices); !ok) return ok;
     }
@@ -272,6 +276,14 @@ void SceneRegistry::Impl::tell(const BufferMesh& mesh) const
                                                  " of its buffer is not finite, or beyond 1e18; it counts as 0");
 }
 
+/// A copy mends the connectivity if the GPU has found it wrong, and it is the newest.
+void SceneRegistry::Impl::watch(const MeshRevision& converted)
+{
+    BufferMesh& mesh = *converted.inBuffers;
+    const MeshConnectivity* known = converted.connectivity.get();
+    if (known && known == mesh.connectivity.get() && known->firstApart() != UINT32_MAX) mesh.cameApart = true;
+}
+
 void SceneRegistry::Impl::retireConversions(std::uint64_t completedFrame)
 {
     std::vector<std::shared_ptr<BufferMesh>> wrong;
@@ -280,6 +292,7 @@ void SceneRegistry::Impl::retireConversions(std::uint64_t completedFrame)
         const std::lock_guard lock(mutex);
         for (const RecordedConversion& one : converted) {
             const std::shared_ptr<BufferMesh>& mesh = one.conversion.revision->inBuffers;
+            if (one.frame <= completedFrame) watch(*one.conversion.revision);
             MeshFindings found{};
             std::memcpy(&found, mesh->findings.get().mapped, sizeof found);
             const bool fault = found.firstWrongIndex != UINT32_MAX || found.firstWrongVertex != UINT32_MAX;
@@ -315,16 +328,24 @@ void SceneRegistry::Impl::retireConversions(std::uint64_t completedFrame)
 /// The job.
 void SceneRegistry::Impl::makeCopied(MeshCopy& copy) const noexcept
 {
-    const char* const kFailed = " in a buffer could not be copied for the CPU: ";
+    const auto failed = [&](const char* reason) {
+        messages.warn("MeshNotCopied",
+                      copy.of->identity->what() + " in a buffer could not be copied for the CPU: " + reason);
+    };
     try {
-        Result<RevisionPtr> made = builder.copied(*copy.of, copy.content.get().mapped, copy.uploads);
-        if (made)
+        const std::byte* content = copy.content.get().mapped;
+        if (Result<RevisionPtr> made = builder.copied(*copy.of, content, copy.uploads))
             copy.made = std::move(*made);
         else
-            messages.warn("MeshNotCopied", copy.of->identity->what() + kFailed + made.error().text);
+            failed(made.error().text.c_str());
+        if (!copy.connects) return;
+        if (auto connectivity = builder.connected(*copy.of, content, copy.made.get()))
+            copy.connectivity = std::move(*connectivity);
+        else
+            failed(connectivity.error().text.c_str());
     } catch (const std::exception& failure) {
         try {
-            messages.warn("MeshNotCopied", copy.of->identity->what() + kFailed + failure.what());
+            failed(failure.what());
         } catch (...) { // no memory for the sentence either; methods say that there is no copy
         }
     }
@@ -341,9 +362,10 @@ void SceneRegistry::Impl::adoptCopies(std::vector<RevisionPtr>& released)
         makeRoomFor(copy->uploads);
         copy->of->inBuffers->copying = false;
         copy->of->inBuffers->tried = true;
+        if (copy->connects) copy->of->inBuffers->cameApart = false;
+        if (copy->connectivity) copy->of->inBuffers->connectivity = copy->connectivity;
         if (copy->made) {
             copy->of->inBuffers->copiedFaces = copy->made->faces;
-            if (!copy->of->inBuffers->connectivity) copy->of->inBuffers->connectivity = copy->made->topology;
             // Also of a copy that is not taken: later ones share its faces. What nobody has any more is passed over.
             uploads.insert(uploads.end(), std::make_move_iterator(copy->uploads.begin()),
                            std::make_move_iterator(copy->uploads.end()));

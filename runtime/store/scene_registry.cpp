@@ -67,25 +67,31 @@ Error atElement(std::size_t index, const char* array, Error error)
 
 } // namespace
 
-Result<std::uint64_t> SceneRegistry::Impl::insert(InstancePtr record)
+/// Everything that inserting so many like this one may fail for.
+Result<void> SceneRegistry::Impl::makeRoomLike(const InstanceRecord& record, std::size_t count)
 {
-    Caster& caster = record->caster;
-    if (!caster.hostDrawn && !findMesh(record->mesh)) {
+    if (!record.caster.hostDrawn && !findMesh(record.mesh)) {
         Error error = invalidHandle("mesh");
-        error.text = record->what() + ": " + error.text;
+        error.text = record.what() + ": " + error.text;
         return error;
     }
-    makeRoom(order);
-    if (caster.hostDrawn) makeRoom(hostDrawn);
+    makeRoom(order, count);
+    if (record.caster.hostDrawn) makeRoom(hostDrawn, count);
     dirty.reserve(order.capacity()); // begin() may have to look at all of them
-    const std::uint64_t handle = instances.insert(record);
-    if (!handle) return tooMany("instance");
-    record->handle = handle;
-    caster.id = SlotMap<InstancePtr>::indexOf(handle) + 1;
+    if (!instances.makeRoom(count)) return tooMany("instance");
+    return {};
+}
+
+/// @pre makeRoomLike()
+std::uint64_t SceneRegistry::Impl::insert(InstancePtr record) noexcept
+{
+    Caster& caster = record->caster;
+    record->handle = instances.insert(record);
+    caster.id = SlotMap<InstancePtr>::indexOf(record->handle) + 1;
     mark(*record);
     if (caster.hostDrawn) hostDrawn.push_back(record.get());
     order.push_back(std::move(record));
-    return handle;
+    return order.back()->handle;
 }
 
 Result<GnInstance> SceneRegistry::createInstance(const GnInstanceCreateInfo& info)
@@ -93,9 +99,8 @@ Result<GnInstance> SceneRegistry::createInstance(const GnInstanceCreateInfo& inf
     Result<InstancePtr> record = recordOf(info);
     if (!record) return record.error();
     const std::lock_guard lock(impl_->mutex);
-    const Result<std::uint64_t> handle = impl_->insert(std::move(*record));
-    if (!handle) return handle.error();
-    return handleFromBits<GnInstance>(*handle);
+    if (Result<void> room = impl_->makeRoomLike(**record, 1); !room) return room.error();
+    return handleFromBits<GnInstance>(impl_->insert(std::move(*record)));
 }
 
 Result<void> SceneRegistry::createInstances(const GnInstanceCreateInfo& info, std::span<const GnTransform> transforms,
@@ -110,46 +115,38 @@ Result<void> SceneRegistry::createInstances(const GnInstanceCreateInfo& info, st
         if (!record) return atElement(records.size(), "pTransforms", record.error());
         records.push_back(std::move(*record));
     }
-    std::size_t made = 0;
-    Result<void> result;
-    {
-        const std::lock_guard lock(impl_->mutex);
-        for (InstancePtr& record : records) {
-            const Result<std::uint64_t> handle = impl_->insert(std::move(record));
-            if (!handle) {
-                result = handle.error();
-                break;
-            }
-            instances[made++] = handleFromBits<GnInstance>(*handle);
-        }
-    }
-    if (result) return {};
-    while (made > 0)
-        destroyInstance(std::exchange(instances[--made], VK_NULL_HANDLE));
-    return result;
+    if (records.empty()) return {};
+    const std::lock_guard lock(impl_->mutex);
+    if (Result<void> room = impl_->makeRoomLike(*records.front(), records.size()); !room) return room;
+    for (InstancePtr& record : records)
+        *instances++ = handleFromBits<GnInstance>(impl_->insert(std::move(record)));
+    return {};
 }
 
 Result<void> SceneRegistry::setInstanceTransforms(std::span<const GnInstance> instances,
                                                   std::span<const GnTransform> transforms)
 {
-    std::vector<GnTransform> read;
-    read.reserve(transforms.size());
-    std::vector<InstancePtr> moved; // static ones
+    std::vector<InstancePtr> moved; // static ones: the rest moves in every frame, and nothing is allocated for it
     {
         const std::lock_guard lock(impl_->mutex);
+        const auto read = [&](std::size_t i, const InstanceRecord& record) {
+            return readTransform({"instance", record.name.c_str()}, transforms[i]);
+        };
+        std::size_t statics = 0;
         for (std::size_t i = 0; i < instances.size(); ++i) {
             const InstancePtr* found = impl_->instances.find(bitsOf(instances[i]));
             if (!found) return atElement(i, "pInstances", invalidHandle("instance"));
-            Result<GnTransform> transform = readTransform({"instance", (*found)->name.c_str()}, transforms[i]);
-            if (!transform) return atElement(i, "pTransforms", transform.error());
-            read.push_back(*transform);
+            if (Result<GnTransform> transform = read(i, **found); !transform)
+                return atElement(i, "pTransforms", transform.error());
+            statics += (*found)->isStatic;
         }
-        moved.reserve(instances.size());
+        moved.reserve(statics);
         for (std::size_t i = 0; i < instances.size(); ++i) {
             const InstancePtr& found = *impl_->instances.find(bitsOf(instances[i]));
-            if (sameTransform(found->transform, read[i])) continue;
+            const Result<GnTransform> transform = read(i, *found);
+            if (sameTransform(found->transform, *transform)) continue;
             impl_->mark(*found);
-            found->transform = read[i];
+            found->transform = *transform;
             if (std::exchange(found->isStatic, false)) moved.push_back(found);
         }
     }

@@ -83,9 +83,11 @@ struct SceneRegistry::Impl {
         OwnedBuffer content;
         std::uint64_t frame = 0; ///< Which records it; 0: none yet.
         bool submitted = false;  ///< The job.
+        bool connects = false;   ///< Connectivity is made, too.
         const Impl* registry = nullptr;
         JobSystem::Job job;
-        RevisionPtr made; ///< By the job; null where it failed.
+        RevisionPtr made;                                     ///< By the job; null where it failed.
+        std::shared_ptr<const MeshConnectivity> connectivity; ///< Likewise.
         std::vector<MeshUpload> uploads;
     };
     using CopyPtr = std::shared_ptr<MeshCopy>;
@@ -98,6 +100,7 @@ struct SceneRegistry::Impl {
     void recordCopies(VkCommandBuffer cmd, std::uint64_t frame);
     void dropConversions(std::uint64_t frame);
     void adoptCopies(std::vector<RevisionPtr>& released);
+    static void watch(const MeshRevision& converted);
     // Not with the mutex held.
     void retireConversions(std::uint64_t completedFrame);
     void tell(const BufferMesh& mesh) const;
@@ -122,7 +125,8 @@ struct SceneRegistry::Impl {
         messages.warn("StaticInstanceMoved",
                       record.what() + " is static but has moved; it counts as moving from now on");
     }
-    Result<std::uint64_t> insert(InstancePtr record);
+    Result<void> makeRoomLike(const InstanceRecord& record, std::size_t count);
+    std::uint64_t insert(InstancePtr record) noexcept;
     void forgetDestroyed();
     void markChangedMeshes();
     void markHostDrawn();

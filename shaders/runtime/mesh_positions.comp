@@ -12,6 +12,10 @@ layout(std430, set = 0, binding = 2) buffer Findings {
     uint firstWrongVertex; // the least; all ones: none
     uint firstWrongIndex;
 };
+layout(std430, set = 0, binding = 3) buffer Watched {
+    uint firstApart; // the least; all ones: none
+    uint welded[];   // for every vertex the one that it should be at
+};
 
 vec3 positionAt(uint word)
 {
@@ -28,15 +32,30 @@ bool usable(float value)
     return (floatBitsToUint(value) & 0x7fffffffu) <= floatBitsToUint(1e18);
 }
 
+bool usable(vec3 position)
+{
+    return usable(position.x) && usable(position.y) && usable(position.z);
+}
+
+vec3 positionOf(uint vertex)
+{
+    precise vec3 position = positionAt(read.firstWord + vertex * read.strideWords) * read.scale.xyz + read.bias.xyz;
+    return position;
+}
+
 void main()
 {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     uint vertex = group * MESH_GROUP + gl_LocalInvocationID.x;
     if (vertex >= read.count) return;
-    vec3 position = positionAt(read.firstWord + vertex * read.strideWords) * read.scale.xyz + read.bias.xyz;
-    if (!usable(position.x) || !usable(position.y) || !usable(position.z)) {
+    vec3 position = positionOf(vertex);
+    if (!usable(position)) {
         atomicMin(firstWrongVertex, vertex);
         position = vec3(0.0);
+    }
+    if (read.watches != 0) {
+        vec3 other = positionOf(min(welded[vertex], read.count - 1));
+        if (position != (usable(other) ? other : vec3(0.0))) atomicMin(firstApart, vertex);
     }
     target[3 * vertex] = position.x;
     target[3 * vertex + 1] = position.y;

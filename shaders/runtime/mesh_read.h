@@ -17,9 +17,13 @@ struct MeshPositionsRead {
     uint count;
     uint firstWord;
     uint strideWords;
-    uint format; // MESH_FLOATS, MESH_HALVES or MESH_SNORMS
+    uint format;  // MESH_FLOATS, MESH_HALVES or MESH_SNORMS
+    uint watches; // 1: whether vertices stay at the one that they are welded to
+    uint padding0;
+    uint padding1;
+    uint padding2;
 };
-GN_SHARED_SIZE(MeshPositionsRead, 48)
+GN_SHARED_SIZE(MeshPositionsRead, 64)
 
 struct MeshIndicesRead {
     uint triangleCount;

@@ -12,7 +12,7 @@ layout(set = 0, binding = 1, std430) readonly buffer Lights { FaceLight lights[]
 layout(set = 0, binding = 2, std430) buffer List { uint list[]; };              // a command per piece, then indices
 layout(push_constant, std430) uniform Push { SilhouettePush push; };
 
-const uint COMMAND_WORDS = 5u;
+#include "volume_sides.glsl"
 
 SilhouettePiece pieceAt(uint index)
 {
@@ -35,12 +35,7 @@ void main()
     SilhouettePiece piece = pieceAt(index);
     uint edge = (group - piece.firstGroup) * SILHOUETTE_GROUP + gl_LocalInvocationID.x;
     uint command = COMMAND_WORDS * index;
-    if (edge == 0u) { // the count is 0 already
-        list[command + 1u] = 1u;
-        list[command + 2u] = piece.firstIndex;
-        list[command + 3u] = 0u;
-        list[command + 4u] = 0u;
-    }
+    if (edge == 0u) beginCommand(command, piece.firstIndex);
     if (edge >= piece.edgeCount) return;
 
     uint at = piece.edges + EDGE_WORDS * edge, firstUse = piece.uses + words[at + 2u];
@@ -52,16 +47,5 @@ void main()
         uint way = faceWay(planeOf(piece.planes, words[use] >> 1), light);
         sum += edgeWay(way, (words[use] & 1u) != 0u);
     }
-    if (sum == 0) return;
-    uint times = min(uint(abs(sum)) / max(piece.halves, 1u), uint(list.length()));
-    uint a = 2u * words[sum > 0 ? at : at + 1u], b = 2u * words[sum > 0 ? at + 1u : at];
-    uint next = piece.firstIndex + atomicAdd(list[command], 6u * times);
-    for (uint i = 0u; i < times; ++i, next += 6u) { // bound: list
-        list[next] = a;
-        list[next + 1u] = a + 1u;
-        list[next + 2u] = b + 1u;
-        list[next + 3u] = a;
-        list[next + 4u] = b + 1u;
-        list[next + 5u] = b;
-    }
+    appendSides(command, piece.firstIndex, words[at], words[at + 1u], sum, piece.halves);
 }

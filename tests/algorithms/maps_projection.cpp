@@ -206,3 +206,76 @@ TEST_CASE("the shader's cube faces are those the casters are drawn into, receive
         CHECK(std::fabs(expected.y) <= inner + 1e-5f);
     }
 }
+
+namespace {
+
+/// Without a perspective: its picture begins `right` and `down` of the eye and is 400 m by 300 m.
+CameraView orthographic(glm::vec3 eye, float right, float down)
+{
+    CameraView view = camera(eye, {0.0f, 0.0f, -1.0f}, 0.5f, 640, 480);
+    gpu::ViewConstants& c = view.constants;
+    c.rayDxWs = {400.0f / 640.0f, 0.0f, 0.0f, 0.0f};
+    c.rayDyWs = {0.0f, -300.0f / 480.0f, 0.0f, 0.0f};
+    c.rayCornerWs = {right, -down, -1.0f, 1.0f};
+    c.rayDepthWs = {0.0f, 0.0f, -50.0f, 50.0f};
+    c.depthScale = c.depthAdd = 1.0f;
+    c.depthMul = 0.0f;
+    c.skyDepth = 1.0f;
+    c.offsetFactor = 3.0f;
+    c.pixelSize = 400.0f / 640.0f;
+    view.convention = GN_DEPTH_STANDARD;
+    return view;
+}
+
+/// The frustum of one eye of a headset: its picture lies beside the middle, by these shares of its size.
+CameraView headset(glm::vec3 eye, float right, float down)
+{
+    CameraView view = camera(eye, glm::normalize(glm::vec3(1.0f, -0.2f, 0.3f)), 0.8f, 640, 480);
+    view.constants.rayCornerWs += right * 640.0f * view.constants.rayDxWs + down * 480.0f * view.constants.rayDyWs;
+    return view;
+}
+
+void checkOffset(const CameraView& view, const LightView& lamp, Random& random)
+{
+    LightCasters casters;
+    ShadowTask task;
+    task.view = &view;
+    task.light = &lamp;
+    task.casters = &casters;
+    const gpu::ViewConstants& c = view.constants;
+    const glm::vec4 offset = mapConstants(task, 1024, 1).map.offset;
+    int smaller = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const VkRect2D& area = view.area;
+        const glm::vec2 pixel(
+            static_cast<float>(area.offset.x) + random.in(0, 1) * static_cast<float>(area.extent.width),
+            static_cast<float>(area.offset.y) + random.in(0, 1) * static_cast<float>(area.extent.height));
+        const float depth = gpu::isOrthographic(c) ? random.in(0.0f, 1.0f) : 0.1f / random.in(0.2f, 400.0f);
+        const glm::vec3 ray = gpu::receiverRayWs(c, gpu::viewRayWs(c, pixel), depth);
+        const float w = gpu::linearDepth(c, depth);
+        const glm::vec3 receiver = view.eye + w * ray;
+        const float exact = gpu::receiverOffset(c, lamp.constants, depth, ray, receiver, random.unit());
+        smaller += offset.x + w * (offset.y + w * offset.z) < exact;
+    }
+    CHECK(smaller == 0);
+}
+
+} // namespace
+
+TEST_CASE("maps offset receivers by as much as rays do, wherever in the picture the middle of the view is")
+{
+    Random random;
+    const LightView sun = light(GN_LIGHT_TYPE_DIRECTIONAL, {}, {0.0f, -1.0f, 0.0f}, kUnlimitedRange);
+    const LightView lamp = light(GN_LIGHT_TYPE_SPOT, {3.0f, 4.0f, -5.0f}, {0.0f, -1.0f, 0.0f}, 50.0f);
+    for (const LightView* each : {&sun, &lamp})
+        for (const float right : {-1.0f, -0.5f, 0.0f})
+            for (const float down : {-1.0f, -0.5f, 0.0f}) {
+                CAPTURE(right);
+                CAPTURE(down);
+                checkOffset(orthographic({}, 400.0f * right, 300.0f * down), *each, random);
+                checkOffset(headset({}, 0.5f + right, 0.5f + down), *each, random);
+                CameraView part = headset({1.0f, 2.0f, 3.0f}, 0.5f + right, 0.5f + down);
+                part.area = {{600, 440}, {40, 40}};
+                checkOffset(part, *each, random);
+            }
+}

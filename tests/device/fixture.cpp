@@ -289,6 +289,16 @@ void Host::submit(VkCommandBuffer cmd, bool last)
     vkCheck(vkQueueSubmit2(device().queue, 1, &info, VK_NULL_HANDLE), "vkQueueSubmit2");
 }
 
+namespace {
+
+/// What was recorded is not submitted: after a failure it names what is gone.
+bool withdrawn(const FrameOptions& options, GnResult result)
+{
+    return options.drop || (options.call == Call::record && result < 0);
+}
+
+} // namespace
+
 GnResult Host::draw(const FrameOptions& options)
 {
     Slot& slot = takeSlot();
@@ -324,10 +334,10 @@ GnResult Host::draw(const FrameOptions& options)
         if (options.around) options.around(slot.before, true);
         result = gnCmdRenderShadows(context, slot.before, &info);
         if (options.around) options.around(slot.before, false);
-        if (options.drop) vkCheck(vkEndCommandBuffer(slot.before), "vkEndCommandBuffer");
+        if (withdrawn(options, result)) vkCheck(vkEndCommandBuffer(slot.before), "vkEndCommandBuffer");
         if (options.drop && result >= 0) result = gnDropFrame(context, info.frame);
     }
-    if (!options.drop) submit(slot.before, false);
+    if (!withdrawn(options, result)) submit(slot.before, false);
     const size_t before = options.counter ? options.counter() : 0;
     if (options.call == Call::submit) result = gnSubmitShadows(context, &info);
     if (options.counter) counted = options.counter() - before;

@@ -182,3 +182,43 @@ TEST_CASE("a dropped frame gives its uploads back without an allocation")
     CHECK(scene.copied.size() == 2 * 40); // positions and indices
     CHECK(buffersOf(scene) >= 2 * 2 * 40);
 }
+
+TEST_CASE("an array of instances is made as a whole or not at all, whatever allocation fails")
+{
+    const std::vector<GnTransform> places = {at(10.0), at(11.0), at(12.0), at(13.0), at(14.0)};
+    bool struck = true;
+    std::size_t failures = 0;
+    for (std::size_t first = 0; struck; ++first) {
+        CAPTURE(first);
+        SceneFixture scene;
+        const GnMesh mesh = make(scene, cube());
+        for (int i = 0; i < 14; ++i) // lists have to grow within the array
+            place(scene, mesh, i);
+        const GnInstanceCreateInfo info = instanceOf(mesh, at(0.0), 0, "thing");
+        std::vector<GnInstance> made(places.size(), VK_NULL_HANDLE);
+        const Outcome outcome =
+            without(first, [&] { REQUIRE(scene.registry->createInstances(info, places, made.data())); });
+        struck = outcome.struck;
+        failures += outcome.failed;
+        CHECK(std::count(made.begin(), made.end(), GnInstance(VK_NULL_HANDLE)) == (outcome.failed ? 5 : 0));
+        CHECK(scene.registry->begin(1, kNoOrigin).casters.size() == (outcome.failed ? 14u : 19u));
+    }
+    CHECK(failures > 5);
+}
+
+TEST_CASE("many instances that move are moved without an allocation")
+{
+    SceneFixture scene;
+    const GnMesh mesh = make(scene, cube());
+    std::vector<GnInstance> all;
+    std::vector<GnTransform> places;
+    for (int i = 0; i < 100; ++i) {
+        all.push_back(place(scene, mesh, i));
+        places.push_back(at(i + 0.5));
+    }
+    scene.begin();
+    const Outcome moved = without(0, [&] { REQUIRE(scene.registry->setInstanceTransforms(all, places)); });
+    CHECK_FALSE(moved.struck);
+    for (const Caster& caster : scene.registry->begin(2, kNoOrigin).casters)
+        CHECK(caster.translation.x == static_cast<float>(caster.index) + 0.5f);
+}
