@@ -48,9 +48,17 @@ gnomon_algorithm(conservative_map
 gnomon_algorithm(ray_traced
     NEEDS embree
     SOURCES ray_traced.cpp sampled_pixels.cpp)
-gnomon_algorithm(ray_query
-    SOURCES ray_query.cpp
+gnomon_shared(
+    SOURCES device_trace.cpp
     SHADERS hybrid/ray_query.frag)
+gnomon_algorithm(ray_query
+    SOURCES ray_query.cpp)
+gnomon_algorithm(ray_soft
+    SOURCES ray_soft.cpp
+    SHADERS hybrid/ray_soft_accumulate.frag
+            hybrid/ray_soft_blur.frag
+            hybrid/ray_soft_tiles.frag
+            hybrid/ray_soft_trace.frag)
 gnomon_algorithm(tile_shafts
     NEEDS embree
     SOURCES tile_shafts.cpp)

@@ -19,34 +19,13 @@ layout(set = 0, binding = 5, std430) readonly buffer Traced {
 layout(location = 0) out float visibility;
 layout(constant_id = 0) const bool HAS_NORMALS = true;
 
-#include "../shared/device_rays.glsl"
-#include "../shared/seen_normal.glsl"
-
-// As Receivers::at() has it (algorithms/shared/receivers.cpp).
-float traceReceiver(ViewConstants view, LightConstants light, ivec2 pixel, float depth)
-{
-    vec3 viewRay = receiverRayWs(view, viewRayWs(view, vec2(pixel) + 0.5), depth);
-    vec3 receiverWs = view.eyeWs.xyz + linearDepth(view, depth) * viewRay;
-    if (!lightReaches(light, receiverWs)) return 1.0;
-
-    vec3 looking = lookingWs(view, viewRay);
-    vec3 normalWs = looking / length(looking), away; // without normals: the longest offset there is
-    if (HAS_NORMALS) {
-        vec3 texel = texelFetch(normalImage, pixel, 0).xyz;
-        normalWs = texel / max(length(texel), 1e-20);
-        away = normalWs;
-        if (!(dot(normalWs, towardsLightWs(light, receiverWs)) > 0.0)) return 0.0;
-    } else {
-        away = startDirectionWs(seenNormal(view, constants.area, pixel, depth, viewRay), normalWs);
-    }
-    float offset = receiverOffset(view, light, depth, viewRay, receiverWs, normalWs);
-    return isOccluded(lightRay(light, receiverWs, away, offset, FARTHEST), constants.lightMask.x) ? 0.0 : 1.0;
-}
+#include "asked_ray.glsl"
 
 void main()
 {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    float depth = texelFetch(depthImage, pixel, 0).x;
-    bool exists = depth != constants.view.skyDepth;
-    visibility = exists ? traceReceiver(constants.view, constants.light, pixel, depth) : 1.0;
+    LightRay ray;
+    uint asked = askedAt(constants.view, constants.light, constants.area, pixel, texelFetch(depthImage, pixel, 0).x, ray);
+    bool dark = asked == ASKED_RAY ? isOccluded(ray, constants.lightMask.x) : asked == ASKED_DARK;
+    visibility = dark ? 0.0 : 1.0;
 }

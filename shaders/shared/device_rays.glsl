@@ -42,12 +42,13 @@ bool startsOn(dvec3 a, dvec3 b, dvec3 c, dvec3 start)
     return abs(dot(normal, start - a)) <= off * area;
 }
 
-// Whether anything blocks the ray. Nothing blocks one that is no number, or ends before it starts.
-bool isOccluded(LightRay ray, uint lightMask)
+// How far along the ray something blocks it, in multiples of ray.along: what is met first, not the nearest. Below zero:
+// nothing does, as of a ray that is no number or ends before it starts.
+float blockedAt(LightRay ray, uint lightMask)
 {
     // Compared so that what is no number fails.
     bool isNumber = dot(abs(ray.start), vec3(1.0)) < FARTHEST && dot(abs(ray.along), vec3(1.0)) < FARTHEST;
-    if (!isNumber || !(ray.end >= 0.0) || ray.along == vec3(0.0)) return false;
+    if (!isNumber || !(ray.end >= 0.0) || ray.along == vec3(0.0)) return -1.0;
     rayQueryEXT query;
     rayQueryInitializeEXT(query, topLevel, gl_RayFlagsTerminateOnFirstHitEXT, foldedMask(lightMask), ray.start, 0.0,
                           ray.along, min(ray.end, FARTHEST));
@@ -62,6 +63,12 @@ bool isOccluded(LightRay ray, uint lightMask)
         }
         if (blocks) rayQueryConfirmIntersectionEXT(query);
     }
-    return rayQueryGetIntersectionTypeEXT(query, true) != gl_RayQueryCommittedIntersectionNoneEXT;
+    bool met = rayQueryGetIntersectionTypeEXT(query, true) != gl_RayQueryCommittedIntersectionNoneEXT;
+    return met ? rayQueryGetIntersectionTEXT(query, true) : -1.0;
+}
+
+bool isOccluded(LightRay ray, uint lightMask)
+{
+    return blockedAt(ray, lightMask) >= 0.0;
 }
 #endif

@@ -1,0 +1,78 @@
+#include "algorithms/hybrid/device_trace.hpp"
+
+#include <algorithm>
+
+#include "runtime/scene/light_pixels.hpp"
+#include "shaders/shared_fullscreen_vert.h"
+
+namespace gnomon {
+
+const char* refusesDeviceRays(const ShadowTask& task)
+{
+    const bool asks = std::ranges::any_of(task.casters->all,
+                                          [](const Caster* caster) { return caster->alphaTested && caster->opacity; });
+    return asks ? "casters in range are alpha-tested by pfnOpacity, which the device cannot call" : nullptr;
+}
+
+Rect drawnArea(const CameraView& view)
+{
+    return {view.area.offset.x, view.area.offset.y, view.area.extent.width, view.area.extent.height};
+}
+
+gpu::RayQueryConstants rayConstants(const ShadowTask& task)
+{
+    const Rect area = drawnArea(*task.view);
+    return {.view = task.view->constants,
+            .light = task.light->constants,
+            .area = {area.x, area.y, area.width, area.height},
+            .lightMask = {task.light->mask, 0, 0, 0}};
+}
+
+DeviceTrace::DeviceTrace(const AlgorithmServices& services, const char* name, std::span<const std::uint32_t> fragment,
+                         VkFormat target)
+    : name_(name)
+{
+    const BindingInfo bindings[] = {
+        {.binding = 0, .kind = BindingKind::constants},
+        {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
+        {.binding = 3, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
+        {.binding = 4, .kind = BindingKind::structure},
+        {.binding = 5, .kind = BindingKind::storageBuffer}};
+    GraphicsPipelineInfo info;
+    info.name = name;
+    info.vertex.code = k_shared_fullscreen_vert;
+    info.fragment.code = fragment;
+    info.fragment.specializationCount = 1;
+    info.bindings = bindings;
+    info.colorFormat = target;
+    for (std::uint32_t normals = 0; normals < 2; ++normals) {
+        info.fragment.specialization[0] = normals;
+        pipelines_[normals] = services.pipelines->graphics(info);
+    }
+}
+
+DeviceTrace::Pixels::Pixels(const ShadowTask& task)
+    : depth(task.depth), normals(task.normals ? task.normals : task.depth), hasNormals(static_cast<bool>(task.normals)),
+      scene(*task.rays), reached(lightPixels(*task.light, *task.view))
+{
+}
+
+PassRef DeviceTrace::open(PassBuilder& passes, const ShadowTask& task, ImageId target, const Part& part) const
+{
+    PassRef pass = passes.raster(name_);
+    pass.samples(task.depth).traces(task.rays->order).reads(task.rays->casters);
+    if (task.normals) pass.samples(task.normals);
+    pass.writes(target, part).area(drawnArea(*task.view));
+    return pass;
+}
+
+void DeviceTrace::draw(PassContext& gpu, const Pixels& pixels, PipelineId pipeline, const Bound& constants)
+{
+    if (pixels.reached.extent.width == 0) return;
+    gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels.reached);
+    gpu.bind(pipeline, {constants, gpu.sampled(2, pixels.depth), gpu.sampled(3, pixels.normals),
+                        gpu.structure(4, pixels.scene.topLevel), gpu.storage(5, pixels.scene.casters)});
+    gpu.drawFullscreen();
+}
+
+} // namespace gnomon

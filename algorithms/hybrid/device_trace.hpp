@@ -1,0 +1,51 @@
+#pragma once
+// Passes in which the pixels of a light ask rays of the device.
+#include "runtime/algorithm.hpp"
+#include "shaders/hybrid/ray_query.h"
+
+namespace gnomon {
+
+/// Why the device cannot trace the task, or null.
+const char* refusesDeviceRays(const ShadowTask& task);
+
+/// What RayQueryConstants say of a task.
+gpu::RayQueryConstants rayConstants(const ShadowTask& task);
+
+/// The view's area, of passes that draw it.
+Rect drawnArea(const CameraView& view);
+
+/// A raster pass whose fragment shader includes shaders/hybrid/asked_ray.glsl. Constants of any kind are at binding 0.
+class DeviceTrace {
+public:
+    /// @param fragment with specialization constant 0: the host gives normals
+    DeviceTrace(const AlgorithmServices& services, const char* name, std::span<const std::uint32_t> fragment,
+                VkFormat target);
+
+    /// Writes the pixels that the light may reach. @param part with a clear of all others
+    template <typename Block>
+    void declare(PassBuilder& passes, const ShadowTask& task, const Block& block, ImageId target,
+                 const Part& part) const
+    {
+        const Pixels pixels(task);
+        const Block* const constants = passes.arena().make(block);
+        open(passes, task, target, part).record([=, pipeline = pipelines_[pixels.hasNormals]](PassContext& gpu) {
+            draw(gpu, pixels, pipeline, gpu.constants(0, *constants));
+        });
+    }
+
+private:
+    struct Pixels {
+        explicit Pixels(const ShadowTask& task);
+        ImageId depth, normals;
+        bool hasNormals;
+        TracedScene scene;
+        VkRect2D reached;
+    };
+    PassRef open(PassBuilder& passes, const ShadowTask& task, ImageId target, const Part& part) const;
+    static void draw(PassContext& gpu, const Pixels& pixels, PipelineId pipeline, const Bound& constants);
+
+    const char* name_;
+    PipelineId pipelines_[2]; ///< [has normals]
+};
+
+} // namespace gnomon

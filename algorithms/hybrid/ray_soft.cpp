@@ -1,0 +1,282 @@
+#include "algorithms/hybrid/ray_soft.hpp"
+
+#include "algorithms/hybrid/device_trace.hpp"
+#include "algorithms/hybrid/light_disc.hpp"
+#include "runtime/base/hash.hpp"
+#include "runtime/scene/light_pixels.hpp"
+#include "shaders/hybrid/ray_soft.h"
+#include "shaders/hybrid_ray_query_frag.h"
+#include "shaders/hybrid_ray_soft_accumulate_frag.h"
+#include "shaders/hybrid_ray_soft_blur_frag.h"
+#include "shaders/hybrid_ray_soft_tiles_frag.h"
+#include "shaders/hybrid_ray_soft_trace_frag.h"
+#include "shaders/shared_fullscreen_vert.h"
+
+namespace gnomon {
+
+namespace {
+
+enum Setting { kRays, kFrames };
+
+constexpr SettingSpec kSettings[] = {
+    {"rays", "Rays a pixel and frame to points of a light with a radius.", 1, gpu::SOFT_RAYS, 1},
+    {"frames", "Frames whose rays are averaged at most while nothing moves; 1: each is filtered by itself.", 1, 1024,
+     256},
+};
+
+// Histories are averages of hundreds of frames, and hold depth values: 16-bit floats would do for neither.
+constexpr VkFormat kHistoryFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
+constexpr VkFormat kSeenFormat = VK_FORMAT_R16G16_SFLOAT;
+constexpr VkFormat kFilteredFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
+
+// Where nothing was asked, as shaders have it: lit.
+constexpr VkClearValue kNotAsked{.color = {.float32 = {1.0f, -1.0f, 0.0f, 0.0f}}};
+
+VkExtent2D tilesOf(VkExtent2D extent)
+{
+    constexpr std::uint32_t side = gpu::SOFT_TILE;
+    return {(extent.width + side - 1) / side, (extent.height + side - 1) / side};
+}
+
+/// What is kept of a light in a view.
+struct History {
+    ImageId past, present; ///< One is read, the other written.
+    BufferId cameras;      ///< gpu::ViewConstants of both.
+    std::uint32_t pastView = 0;
+    std::uint32_t number = 0; ///< Frames since it began.
+    bool hasPast = false, moved = false;
+};
+
+/// Two images take turns, as do the cameras beside them: a frame that is dropped leaves the past as it was.
+History openHistory(PassBuilder& passes, const ShadowTask& task)
+{
+    const CameraView& view = *task.view;
+    ImageId images[2];
+    for (std::uint32_t i = 0; i < 2; ++i)
+        images[i] = passes.persistent(
+            ImageInfo{.name = "ray_soft.history", .format = kHistoryFormat, .extent = view.extent, .variant = i});
+    History history;
+    history.cameras = passes.persistent(BufferInfo{.name = "ray_soft.cameras", .size = 2 * sizeof(gpu::ViewConstants)});
+    // What the picture of a camera that stands still depends on.
+    const std::uint64_t scene =
+        mixed(mixed(mixed(kEmptyHash, task.light->revision), task.casters->staticStamp), task.casters->dynamicStamp);
+    const bool changed = passes.stale(history.cameras, scene | 1);
+    // And what places of the past must have in common with the present's, beside the world.
+    const std::int64_t place[] = {static_cast<std::int64_t>(view.origin[0]),
+                                  static_cast<std::int64_t>(view.origin[1]),
+                                  static_cast<std::int64_t>(view.origin[2]),
+                                  view.area.offset.x,
+                                  view.area.offset.y,
+                                  view.area.extent.width,
+                                  view.area.extent.height};
+    std::uint64_t base = mixed(mixed(kEmptyHash, passes.serial(images[0])), passes.serial(images[1]));
+    for (const std::int64_t value : place)
+        base = mixed(base, static_cast<std::uint64_t>(value));
+    base |= 1; // 0 is: nothing is known
+    const KeptParts before = passes.partsBefore(history.cameras);
+    history.hasPast = before.base == base && !view.cut;
+    history.moved = changed;
+    history.number = history.hasPast ? static_cast<std::uint32_t>(before.covered) + 1 : 0;
+    passes.keepParts(history.cameras, {.base = base, .covered = history.number});
+    history.pastView = (history.number + 1) % 2;
+    history.past = images[history.pastView];
+    history.present = images[history.number % 2];
+    return history;
+}
+
+class RaySoft final : public ShadowAlgorithm {
+public:
+    explicit RaySoft(const AlgorithmServices& services);
+    void declare(PassBuilder& passes, const ShadowTask& task) override;
+
+    const char* refuses(const ShadowTask& task) const override
+    {
+        const char* const why = refusesDeviceRays(task);
+        return why ? why : refusesDisc(*task.light);
+    }
+
+private:
+    void declareSoft(PassBuilder& passes, const ShadowTask& task) const;
+    struct Found {
+        ImageId seen, blurred; ///< By the rays of this frame.
+    };
+    ImageId declareTiles(PassBuilder& passes, const ShadowTask& task, ImageId seen,
+                         const gpu::RaySoftConstants* constants) const;
+    void declareAccumulation(PassBuilder& passes, const ShadowTask& task, const History& history, const Found& found,
+                             const gpu::RaySoftConstants* constants) const;
+
+    struct Blur {
+        const char* name;
+        ImageId from, tiles, to;
+        Part part;
+        bool last;
+    };
+    void declareBlur(PassBuilder& passes, const ShadowTask& task, const Blur& blur,
+                     const gpu::RaySoftConstants* constants) const;
+
+    DeviceTrace hard_, trace_;
+    PipelineId tiles_, accumulate_[2], blur_[2][2]; ///< [has normals][is last]
+};
+
+RaySoft::RaySoft(const AlgorithmServices& services)
+    : hard_(services, "ray_soft.hard", k_hybrid_ray_query_frag, VK_FORMAT_R8_UNORM),
+      trace_(services, "ray_soft.trace", k_hybrid_ray_soft_trace_frag, kSeenFormat)
+{
+    const BindingInfo bindings[] = {
+        {.binding = 0, .kind = BindingKind::constants},
+        {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
+        {.binding = 3, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
+        {.binding = 4, .kind = BindingKind::sampledImage, .format = kSeenFormat},
+        {.binding = 5, .kind = BindingKind::sampledImage, .format = kHistoryFormat},
+        {.binding = 6, .kind = BindingKind::storageBuffer},
+        {.binding = 7, .kind = BindingKind::sampledImage, .format = kFilteredFormat}};
+    const BindingInfo tileBindings[] = {{.binding = 0, .kind = BindingKind::constants},
+                                        {.binding = 2, .kind = BindingKind::sampledImage, .format = kSeenFormat}};
+    GraphicsPipelineInfo info;
+    info.name = "ray_soft.tiles";
+    info.vertex.code = k_shared_fullscreen_vert;
+    info.fragment.code = k_hybrid_ray_soft_tiles_frag;
+    info.bindings = tileBindings;
+    info.colorFormat = kFilteredFormat;
+    tiles_ = services.pipelines->graphics(info);
+    for (std::uint32_t normals = 0; normals < 2; ++normals) {
+        info.fragment.specialization[0] = normals;
+        info.name = "ray_soft.accumulate";
+        info.fragment.code = k_hybrid_ray_soft_accumulate_frag;
+        info.fragment.specializationCount = 1;
+        info.bindings = bindings;
+        info.colorFormat = kHistoryFormat;
+        accumulate_[normals] = services.pipelines->graphics(info);
+        for (std::uint32_t last = 0; last < 2; ++last) {
+            info.name = "ray_soft.blur";
+            info.fragment.code = k_hybrid_ray_soft_blur_frag;
+            info.fragment.specialization[1] = last;
+            info.fragment.specializationCount = 2;
+            info.bindings = std::span(bindings).first(5);
+            info.colorFormat = last ? VK_FORMAT_R8_UNORM : kFilteredFormat;
+            blur_[normals][last] = services.pipelines->graphics(info);
+        }
+    }
+}
+
+void RaySoft::declare(PassBuilder& passes, const ShadowTask& task)
+{
+    if (task.light->constants.sourceRadius > 0.0f) return declareSoft(passes, task);
+    hard_.declare(passes, task, rayConstants(task), task.visibility,
+                  visibilityIn(*task.view, task.layer, lightPixels(*task.light, *task.view)));
+}
+
+void RaySoft::declareSoft(PassBuilder& passes, const ShadowTask& task) const
+{
+    const VkExtent2D extent = task.view->extent;
+    const auto rays = static_cast<std::uint32_t>(task.settings[kRays]);
+    const History history = openHistory(passes, task);
+    const std::uint32_t bits = (history.hasPast ? gpu::SOFT_HAS_PAST : 0u) | (history.moved ? gpu::SOFT_MOVED : 0u);
+    const gpu::RaySoftConstants constants{
+        .base = rayConstants(task),
+        .state = {bits, rays, history.number * rays, history.pastView},
+        .disc = {discRadius(*task.light), static_cast<float>(task.settings[kFrames]), 0.0f, 0.0f}};
+    const ImageId seen = passes.transient(ImageInfo{.name = "ray_soft.seen", .format = kSeenFormat, .extent = extent});
+    const Part cleared{.clear = true, .value = kNotAsked};
+    trace_.declare(passes, task, constants, seen, cleared);
+    const auto* const block = passes.arena().make(constants);
+    const ImageId tiles = declareTiles(passes, task, seen, block);
+    const ImageId once =
+        passes.transient(ImageInfo{.name = "ray_soft.blurred", .format = kFilteredFormat, .extent = extent});
+    if (history.hasPast && history.moved)
+        declareBlur(passes, task, {"ray_soft.blur_now", seen, tiles, once, cleared, false}, block);
+    declareAccumulation(passes, task, history, {seen, once}, block);
+    declareBlur(passes, task, {"ray_soft.blur", history.present, tiles, once, cleared, false}, block);
+    const Part layer = visibilityIn(*task.view, task.layer, lightPixels(*task.light, *task.view));
+    declareBlur(passes, task, {"ray_soft.blur_again", once, tiles, task.visibility, layer, true}, block);
+}
+
+ImageId RaySoft::declareTiles(PassBuilder& passes, const ShadowTask& task, ImageId seen,
+                              const gpu::RaySoftConstants* constants) const
+{
+    const VkExtent2D extent = tilesOf(task.view->extent);
+    const ImageId tiles =
+        passes.transient(ImageInfo{.name = "ray_soft.tiles", .format = kFilteredFormat, .extent = extent});
+    passes.raster("ray_soft.tiles").samples(seen).writes(tiles).record([=, pipeline = tiles_](PassContext& gpu) {
+        gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, seen)});
+        gpu.drawFullscreen();
+    });
+    return tiles;
+}
+
+void RaySoft::declareAccumulation(PassBuilder& passes, const ShadowTask& task, const History& history,
+                                  const Found& found, const gpu::RaySoftConstants* constants) const
+{
+    const ImageId seen = found.seen;
+    const bool hasNormals = static_cast<bool>(task.normals);
+    const ImageId depth = task.depth, normals = hasNormals ? task.normals : task.depth;
+    const bool held = history.hasPast && history.moved;
+    const ImageId past = history.hasPast ? history.past : seen; // nobody looks at what there is not
+    const ImageId now = held ? found.blurred : seen;
+    const VkRect2D pixels = lightPixels(*task.light, *task.view);
+    PassRef pass = passes.raster("ray_soft.accumulate");
+    pass.samples(depth).samples(seen).reads(history.cameras);
+    if (hasNormals) pass.samples(normals);
+    if (history.hasPast) pass.samples(past);
+    if (held) pass.samples(now);
+    pass.writes(history.present, {.clear = true, .value = kNotAsked})
+        .area(drawnArea(*task.view))
+        .record([=, cameras = history.cameras, pipeline = accumulate_[hasNormals]](PassContext& gpu) {
+            if (pixels.extent.width == 0) return;
+            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+            gpu.bind(pipeline,
+                     {gpu.constants(0, *constants), gpu.sampled(2, depth), gpu.sampled(3, normals),
+                      gpu.sampled(4, seen), gpu.sampled(5, past), gpu.storage(6, cameras), gpu.sampled(7, now)});
+            gpu.drawFullscreen();
+        });
+    passes.transfer("ray_soft.camera")
+        .writes(history.cameras)
+        .record([=, cameras = history.cameras, slot = history.number % 2](PassContext& gpu) {
+            gpu.vk->vkCmdUpdateBuffer(gpu.cmd, gpu.buffer(cameras), slot * sizeof(gpu::ViewConstants),
+                                      sizeof(gpu::ViewConstants), &constants->base.view);
+        });
+}
+
+void RaySoft::declareBlur(PassBuilder& passes, const ShadowTask& task, const Blur& blur,
+                          const gpu::RaySoftConstants* constants) const
+{
+    const bool hasNormals = static_cast<bool>(task.normals);
+    const ImageId depth = task.depth, normals = hasNormals ? task.normals : task.depth;
+    const VkRect2D pixels = lightPixels(*task.light, *task.view);
+    PassRef pass = passes.raster(blur.name);
+    pass.samples(depth).samples(blur.from).samples(blur.tiles);
+    if (hasNormals) pass.samples(normals);
+    pass.writes(blur.to, blur.part)
+        .area(drawnArea(*task.view))
+        .record([=, pipeline = blur_[hasNormals][blur.last]](PassContext& gpu) {
+            if (pixels.extent.width == 0) return;
+            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+            gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, depth), gpu.sampled(3, normals),
+                                gpu.sampled(4, blur.from), gpu.sampled(5, blur.tiles)});
+            gpu.drawFullscreen();
+        });
+}
+
+VkDeviceSize softMemory(VkExtent2D extent)
+{
+    return 2 * storedImageSize(extent, 16) + storedImageSize(extent, 4) + storedImageSize(extent, 8) +
+           storedImageSize(tilesOf(extent), 8) + pooledSize(2 * sizeof(gpu::ViewConstants));
+}
+
+} // namespace
+
+constinit const AlgorithmEntry kRaySoft{
+    .name = "ray_soft",
+    .source = "Cook et al. 1984; Schied et al. 2017; Zhdan 2020",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_DEVICE_RAYS_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kSettings,
+    .memoryPerLight = [](std::span<const double>, VkExtent2D extent, GnLightType) { return softMemory(extent); },
+    .missing = [](const DeviceTable& vk) { return vk.rayQueryMissing; },
+    .create = makeAlgorithm<RaySoft>,
+    .typicalWrongPercent = 0.0f, // ray_query's: lights of shipped scenes have no radius
+};
+
+} // namespace gnomon

@@ -1,0 +1,26 @@
+// What the passes of ray_soft are told.
+#ifndef GNOMON_HYBRID_RAY_SOFT_H
+#define GNOMON_HYBRID_RAY_SOFT_H
+#include "ray_query.h"
+
+GN_SHARED_BEGIN
+
+GN_SHARED_CONST uint SOFT_RAYS = 4u; // a pixel and frame, at most
+GN_SHARED_CONST int SOFT_TILE = 8;   // pixels along a side of a tile
+
+// Bits of RaySoftConstants::state.x.
+GN_SHARED_CONST uint SOFT_HAS_PAST = 1u; // the history is of this view and light
+GN_SHARED_CONST uint SOFT_MOVED = 2u;    // the light or casters have changed since
+
+// std140.
+struct RaySoftConstants {
+    RayQueryConstants base;
+    uvec4 state; // x: bits; y: rays a pixel; z: the sequence's first number; w: which of SoftCameras::views the history is of
+    vec4 disc;   // x: radius of the light's disc over the length of the ray to its centre, 1 for directional lights; y: frames
+                 // whose rays count at most
+};
+GN_SHARED_OFFSET(RaySoftConstants, state, 256)
+GN_SHARED_SIZE(RaySoftConstants, 288)
+
+GN_SHARED_END
+#endif

@@ -1,0 +1,81 @@
+#version 460
+// What a pixel's rays have found, of this frame and of those before that looked at the same place.
+#extension GL_GOOGLE_include_directive : require
+#include "ray_soft.h"
+
+layout(set = 0, binding = 0, std140) uniform Constants {
+    RaySoftConstants constants;
+};
+layout(set = 0, binding = 2) uniform sampler2D depthImage;
+layout(set = 0, binding = 3) uniform sampler2D normalImage;
+layout(set = 0, binding = 4) uniform sampler2D seenImage;
+layout(set = 0, binding = 5) uniform sampler2D pastImage;
+layout(set = 0, binding = 7) uniform sampler2D nowImage; // of this frame alone, blurred; where something has moved
+layout(set = 0, binding = 6, std430) readonly buffer SoftCameras {
+    ViewConstants views[2];
+};
+// x: visibility; y: half the penumbra's width, metres, 0 not known, below it not asked; z: frames; w: the depth value
+layout(location = 0) out vec4 history;
+layout(constant_id = 0) const bool HAS_NORMALS = true;
+
+#include "soft_surface.glsl"
+
+// Frames that count where the light or a caster moves: shadows lag by about half of them, in penumbrae alone (hold()).
+const float MOVED_FRAMES = 6.0;
+// Share of a pixel within which a place counts as drawn at the pixel's centre: a camera that stands still resamples nothing.
+const float SAME_PIXEL = 0.02;
+
+// The history of what is seen at the pixel, bilinear over those of four that lay on the same plane. z = 0: there is none.
+vec4 pastOf(Surface surface)
+{
+    if ((constants.state.x & SOFT_HAS_PAST) == 0u) return vec4(0.0);
+    ViewConstants view = views[min(constants.state.w, 1u)];
+    vec4 area = constants.base.area;
+    vec2 drawn = drawnAt(view, area, surface.atWs);
+    if (!isInside(area, drawn)) return vec4(0.0);
+    vec2 at = drawn - 0.5;
+    if (all(lessThan(abs(at - round(at)), vec2(SAME_PIXEL)))) at = round(at);
+    ivec2 first = ivec2(floor(at));
+    vec2 part = at - floor(at);
+    vec4 sum = vec4(0.0);
+    float weights = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 step = ivec2(i & 1, i >> 1), pixel = first + step;
+        vec2 share = mix(1.0 - part, part, vec2(step));
+        if (share.x * share.y == 0.0 || !isInside(area, vec2(pixel))) continue;
+        vec4 past = texelFetch(pastImage, pixel, 0);
+        if (!(past.z > 0.0)) continue;
+        if (!(offPlane(surface, placeWs(view, pixel, past.w)) <= 2.0 * surface.pixelWs)) continue;
+        sum += share.x * share.y * past;
+        weights += share.x * share.y;
+    }
+    return weights > 0.05 ? sum / weights : vec4(0.0);
+}
+
+// The past may be of a shadow that has moved on. It is held within what rays around the pixel say now, and how surely: mean and
+// standard error, as M. Salvi, "An excursion in temporal supersampling" (GDC 2016), holds colours. Where all of them agree,
+// which is umbra or light, nothing of it stays. What was held back counts as so many frames less.
+vec4 hold(vec4 past, ivec2 pixel)
+{
+    vec4 now = texelFetch(nowImage, pixel, 0);
+    float rays = max(now.w, 1.0) * float(clamp(constants.state.y, 1u, SOFT_RAYS));
+    float off = sqrt(max(now.x * (1.0 - now.x), 0.0) / rays);
+    float held = clamp(past.x, now.x - off, now.x + off);
+    past.z = min(past.z, MOVED_FRAMES) * (1.0 - min(abs(held - past.x), 1.0));
+    past.x = held;
+    return past;
+}
+
+void main()
+{
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec2 now = texelFetch(seenImage, pixel, 0).xy;
+    history = vec4(now, 0.0, 0.0);
+    if (!(now.y >= 0.0)) return;
+    Surface surface = surfaceAt(constants.base.view, constants.base.area, pixel);
+    vec4 past = pastOf(surface);
+    if (past.z > 0.0 && (constants.state.x & SOFT_MOVED) != 0u) past = hold(past, pixel);
+    float frames = min(past.z, max(constants.disc.y - 1.0, 0.0)) + 1.0;
+    float width = now.y == 0.0 ? past.y : past.y > 0.0 ? mix(past.y, now.y, max(1.0 / frames, 0.1)) : now.y;
+    history = vec4(mix(past.x, now.x, 1.0 / frames), width, frames, surface.depth);
+}

@@ -1,0 +1,97 @@
+#version 460
+// Averages what pixels of one surface see, as far apart as the penumbra is wide and rays are few.
+#extension GL_GOOGLE_include_directive : require
+#include "ray_soft.h"
+
+layout(set = 0, binding = 0, std140) uniform Constants {
+    RaySoftConstants constants;
+};
+layout(set = 0, binding = 2) uniform sampler2D depthImage;
+layout(set = 0, binding = 3) uniform sampler2D normalImage;
+layout(set = 0, binding = 4) uniform sampler2D seenImage; // history, what a first pass made of it, or what rays found
+layout(set = 0, binding = 5) uniform sampler2D tileImage;
+// x, y, z: as of history; w: how many independent pixels the mean is of. The last pass writes visibility.
+layout(location = 0) out vec4 seen;
+layout(constant_id = 0) const bool HAS_NORMALS = true;
+layout(constant_id = 1) const bool IS_LAST = false;
+
+#include "soft_surface.glsl"
+
+const int TAPS = 12;
+// Radius over half of the penumbra's width, for as few rays as FEW_RAYS; with more it shrinks with their root, as noise does.
+const float REACH = 0.6;
+const float FEW_RAYS = 8.0;
+const float MOST_PIXELS = 32.0; // of the radius: what a frame can look up without leaving its caches
+const float GOLDEN_ANGLE = 2.3999632;
+
+// Half the penumbra's width around a pixel that met no blocker itself, from tiles up to a tile away; 0: all of them see the
+// light, or all do not.
+float widthAround(ivec2 pixel)
+{
+    ivec2 tile = pixel / SOFT_TILE, last = textureSize(tileImage, 0) - 1;
+    float least = 1.0, most = 0.0, sum = 0.0, count = 0.0;
+    for (int i = 0; i < 9; ++i) {
+        vec4 found = texelFetch(tileImage, clamp(tile + ivec2(i % 3 - 1, i / 3 - 1), ivec2(0), last), 0);
+        least = min(least, found.x);
+        most = max(most, found.y);
+        if (!(found.z > 0.0)) continue;
+        sum += found.z;
+        count += 1.0;
+    }
+    return least < most && count > 0.0 ? sum / count : 0.0;
+}
+
+// How much what a tap sees says of the surface: it lies on its plane, and faces the same way.
+float likeness(Surface surface, ivec2 tap, float radius)
+{
+    vec3 tapWs = placeWs(constants.base.view, tap, texelFetch(depthImage, tap, 0).x);
+    float weight = max(1.0 - offPlane(surface, tapWs) / (surface.pixelWs + 0.1 * radius), 0.0);
+    if (HAS_NORMALS) {
+        vec3 texel = texelFetch(normalImage, tap, 0).xyz;
+        float along = max(dot(surface.normalWs, texel / max(length(texel), 1e-20)), 0.0);
+        weight *= along * along * along * along;
+    }
+    return weight;
+}
+
+// Mean of taps on the surface's own plane, in a spiral (H. Vogel 1979) that each pixel turns by an angle of its own; and of how
+// many it is, were they of one weight.
+vec2 blurred(ivec2 pixel, vec4 own, float radius)
+{
+    Surface surface = surfaceAt(constants.base.view, constants.base.area, pixel);
+    vec3 n = surface.normalWs;
+    vec3 across = abs(n.x) < 0.6 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0);
+    vec3 x = normalize(cross(n, across)), y = cross(n, x);
+    radius = min(radius, MOST_PIXELS * surface.pixelWs);
+    if (!(radius > 0.5 * surface.pixelWs)) return vec2(own.x, 1.0); // every tap is the pixel itself
+    uvec2 turn = uvec2(pixel) * uvec2(0xdb4f0b91u, 0xbbe05633u); // as squarePoint() of ray_soft_trace.frag
+    float angle = float((turn.x + turn.y) >> 8) * (6.2831853 / 16777216.0) + (IS_LAST ? 0.5 * GOLDEN_ANGLE : 0.0);
+    float sum = own.x, weights = 1.0, squares = 1.0;
+    for (int i = 0; i < TAPS; ++i) {
+        float out_ = sqrt((float(i) + 0.5) / float(TAPS));
+        vec2 at = out_ * radius * vec2(cos(angle + float(i) * GOLDEN_ANGLE), sin(angle + float(i) * GOLDEN_ANGLE));
+        vec2 drawn = drawnAt(constants.base.view, constants.base.area, surface.atWs + at.x * x + at.y * y);
+        if (!isInside(constants.base.area, drawn)) continue;
+        vec4 tap = texelFetch(seenImage, ivec2(drawn), 0);
+        if (!(tap.y >= 0.0)) continue; // not asked
+        float weight = exp(-1.5 * out_ * out_) * likeness(surface, ivec2(drawn), radius);
+        if (!(weight > 0.0)) continue; // nor is a number
+        sum += weight * tap.x;
+        weights += weight;
+        squares += weight * weight;
+    }
+    return vec2(sum / weights, weights * weights / squares);
+}
+
+void main()
+{
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 own = texelFetch(seenImage, pixel, 0);
+    seen = vec4(own.xyz, 1.0);
+    if (!(own.y >= 0.0)) return;
+    float around = widthAround(pixel);
+    if (!(around > 0.0)) return;
+    float rays = own.z * float(clamp(constants.state.y, 1u, SOFT_RAYS));
+    float radius = REACH * (own.y > 0.0 ? own.y : around) * min(1.0, sqrt(FEW_RAYS / max(rays, 1.0)));
+    seen.xw = blurred(pixel, own, radius);
+}
