@@ -1,10 +1,11 @@
-// The main tables of the theses on hybrid shadows, ours beside the printed numbers.
+// The main tables of theses on shadows, ours beside the printed numbers.
 #include <cstdio>
 
 #include "demo/program/checks.hpp"
 #include "demo/theses/commands.hpp"
 #include "demo/theses/moderno_tables.hpp"
 #include "demo/theses/morais_tables.hpp"
+#include "demo/theses/navratil_tables.hpp"
 
 namespace gnomon::demo {
 namespace {
@@ -32,14 +33,33 @@ std::vector<PairTable> morais(Device& device, const TablesOptions& options)
     return moraisTables(measureMaps(device, census));
 }
 
+std::vector<PairTable> navratil(Device& device, const TablesOptions& options)
+{
+    const SurveyOptions survey{.picture = options.picture,
+                               .pairs = options.repeat,
+                               .share = options.share,
+                               .measured = [](const char* what, uint32_t map, const SurveyTime& time) {
+                                   std::fprintf(
+                                       stderr, "%s, maps of %u: frame %.1f ms, shadows %.1f ms, %.2f parts%s\n", what,
+                                       map, time.frameMs, time.shadowsMs, time.parts, time.served ? "" : ", no memory");
+                               }};
+    const Survey walk = measureSurvey(device, survey);
+    return navratilTables(walk, measureHemisphere(device, survey));
+}
+
+std::vector<PairTable> tablesOf(Device& device, const TablesOptions& options)
+{
+    if (options.thesis == "morais") return morais(device, options);
+    return options.thesis == "navratil" ? navratil(device, options) : moderno(device, options);
+}
+
 } // namespace
 
 int tablesCommand(const TablesOptions& options)
 {
     requireWritable(options.csv);
     const std::unique_ptr<Device> device = Device::create({});
-    const std::vector<PairTable> tables =
-        options.thesis == "morais" ? morais(*device, options) : moderno(*device, options);
+    const std::vector<PairTable> tables = tablesOf(*device, options);
     for (const PairTable& table : tables)
         std::printf("%s\n", markdownOf(table).c_str());
     if (!options.csv.empty()) expect(csvOf(tables).save(options.csv));

@@ -1,0 +1,199 @@
+// Paraboloids that are cut or skewed to the view, beside plain ones of the same size.
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "exactness/stage.hpp"
+
+namespace gnomon::exact {
+namespace {
+
+constexpr VkExtent2D kSize{384, 384};
+constexpr double kSide = 512.0; // texels
+
+/// A lamp by where it is from the eye: right, up, back, metres.
+struct Lamp {
+    glm::dvec3 fromEye;
+    float range;
+};
+
+glm::dmat3 axesOf(const demo::CameraKey& key)
+{
+    const glm::dvec3 back = glm::normalize(key.eye - key.target);
+    const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0.0, 1.0, 0.0), back));
+    return {right, glm::cross(back, right), back};
+}
+
+/// The scene with one lamp, and the camera at the beginning.
+Scene underLamp(const std::string& name, const Lamp& lamp)
+{
+    Scene scene = shippedScene(name);
+    scene.lights = {
+        *std::ranges::find_if(scene.lights, [](const auto& light) { return light.kind == LightKind::Point; })};
+    scene.camera.resize(1);
+    demo::Light& light = scene.lights[0];
+    light.keys.clear();
+    light.orbit = {};
+    light.position = scene.camera[0].eye + axesOf(scene.camera[0]) * lamp.fromEye;
+    light.range = lamp.range;
+    light.isStatic = true;
+    return scene;
+}
+
+/// Half angle, degrees, of a cone from the lamp around the part of the view frustum whose depth its range reaches:
+/// around the mean of the directions to its corners, which is no narrower than the narrowest.
+double coneDegrees(const Scene& scene)
+{
+    const demo::CameraKey& key = scene.camera[0];
+    const glm::dmat3 axes = axesOf(key);
+    const glm::dvec3 lamp = scene.lights[0].position;
+    const double half = std::tan(0.5 * double{key.verticalFov}), range = double{scene.lights[0].range};
+    const double middle = glm::dot(key.eye - lamp, axes[2]);
+    std::vector<glm::dvec3> directions;
+    for (const double depth : {std::max(scene.depth.nearPlane, middle - range), middle + range})
+        for (const double x : {-half, half})
+            for (const double y : {-half, half})
+                directions.push_back(glm::normalize(key.eye + axes * (depth * glm::dvec3(x, y, -1.0)) - lamp));
+    glm::dvec3 sum(0.0);
+    for (const glm::dvec3& direction : directions)
+        sum += direction;
+    double cosine = 1.0;
+    for (const glm::dvec3& direction : directions)
+        cosine = std::min(cosine, glm::dot(direction, glm::normalize(sum)));
+    return glm::degrees(std::acos(cosine));
+}
+
+/// Passes of the newest frame that drew casters into maps.
+size_t casterPasses(Stage& stage)
+{
+    const GnContext context = stage.session().shadows.context();
+    uint32_t count = 0;
+    REQUIRE(gnGetFramePasses(context, &count, nullptr) == GN_SUCCESS);
+    std::vector<GnPassTiming> passes(count);
+    REQUIRE(gnGetFramePasses(context, &count, passes.data()) == GN_SUCCESS);
+    return static_cast<size_t>(std::ranges::count_if(passes, [](const GnPassTiming& pass) {
+        return std::string_view(pass.pName).find(".casters.") != std::string_view::npos;
+    }));
+}
+
+struct Drawn {
+    Pictures pictures;
+    size_t passes = 0;
+};
+
+Drawn draw(Stage& stage, const std::string& method, Settings settings = {})
+{
+    settings.push_back({"resolution", kSide});
+    Drawn drawn{.pictures = stage.draw(method, settings)};
+    drawn.passes = casterPasses(stage);
+    return drawn;
+}
+
+} // namespace
+
+// Navratil 2015, 4.1: the lamps are outside the view frustum, over, beside and behind the eye.
+TEST_CASE("one paraboloid cut to a cone of less than 60 degrees is wrong on 0.7 of what two are, in one pass")
+{
+    const test::DeviceTest silence;
+    ErrorCount plain, cut;
+    for (const std::string name : {"colonnade", "bunny"}) {
+        for (const Lamp& lamp : {Lamp{{0.0, 1.5, 3.0}, 20.0f}, Lamp{{3.0, 2.0, 4.0}, 24.0f},
+                                 Lamp{{-6.0, 4.0, 5.0}, 30.0f}, Lamp{{-2.0, 6.0, 7.0}, 30.0f}}) {
+            Stage stage(underLamp(name, lamp), kSize);
+            const double cone = coneDegrees(stage.scene());
+            CHECK(cone < 60.0);
+            const Drawn two = draw(stage, "dual_paraboloid", {{"culling", 1.0}}),
+                        one = draw(stage, "improved_paraboloid");
+            const ErrorCount wrongTwo = pooled(stage, two.pictures), wrongOne = pooled(stage, one.pictures);
+            MESSAGE(name << ", cone of " << cone << " degrees: " << inWords(wrongTwo) << " by two, "
+                         << inWords(wrongOne) << " by one");
+            CHECK(two.passes == 2);
+            CHECK(one.passes == 1);
+            CHECK(wrongTwo.counted > 10'000);
+            CHECK(wrongOne.wrong() < wrongTwo.wrong());
+            plain += wrongTwo;
+            cut += wrongOne;
+        }
+    }
+    MESSAGE("together " << inWords(plain) << " by two, " << inWords(cut) << " by one");
+    CHECK(double(cut.wrong()) <= 0.7 * double(plain.wrong()));
+}
+
+TEST_CASE("a lamp in view takes two halves, and the picture is that of dual_paraboloid, bit for bit")
+{
+    const test::DeviceTest silence;
+    Stage stage(underLamp("colonnade", {{0.0, 0.5, -6.0}, 14.0f}), kSize);
+    const Drawn two = draw(stage, "dual_paraboloid"), own = draw(stage, "improved_paraboloid");
+    CHECK(own.passes == 2);
+    CHECK(test::differences(own.pictures, two.pictures) == 0);
+    Stage behind(underLamp("colonnade", {{0.0, 1.5, 3.0}, 20.0f}), kSize);
+    const Drawn plain = draw(behind, "dual_paraboloid"),
+                never = draw(behind, "improved_paraboloid", {{"widest_cone", 0.0}});
+    CHECK(test::differences(never.pictures, plain.pictures) == 0);
+    CHECK(test::differences(draw(behind, "improved_paraboloid").pictures, plain.pictures) > 0);
+}
+
+// Navratil 2015, 4.1.4; what is nearer to the eye than the lamp is what the skew is for.
+TEST_CASE("a skew of 30 degrees makes less wrong near the eye, and not 1.2 times as much altogether")
+{
+    const test::DeviceTest silence;
+    ErrorCount plain, plainNear, skewed, skewedNear;
+    for (const std::string name : {"colonnade", "bunny"}) {
+        for (const Lamp& lamp :
+             {Lamp{{0.0, 3.0, -6.0}, 20.0f}, Lamp{{4.0, 1.0, -7.0}, 20.0f}, Lamp{{-3.0, 0.5, -9.0}, 20.0f}}) {
+            Stage stage(underLamp(name, lamp), kSize);
+            const Drawn flat = draw(stage, "skewed_paraboloid", {{"skew", 0.0}}),
+                        skew = draw(stage, "skewed_paraboloid");
+            plain += pooled(stage, flat.pictures);
+            skewed += pooled(stage, skew.pictures);
+            const double lampDistance = glm::length(lamp.fromEye);
+            std::vector<uint8_t> near = stage.counted[0];
+            for (size_t i = 0; i < near.size(); ++i) {
+                const double depth = stage.surfaces.depth.texels[i];
+                const double distance = stage.scene().depth.nearPlane / depth; // reversed, infinite
+                if (!(distance < lampDistance)) near[i] = 0;
+            }
+            plainNear += demo::compare(flat.pictures[0], stage.truth[0], near);
+            skewedNear += demo::compare(skew.pictures[0], stage.truth[0], near);
+            MESSAGE(name << ": " << inWords(pooled(stage, flat.pictures)) << " without, "
+                         << inWords(pooled(stage, skew.pictures)) << " with");
+        }
+    }
+    MESSAGE("near the eye " << inWords(plainNear) << " without, " << inWords(skewedNear) << " with; everywhere "
+                            << inWords(plain) << " and " << inWords(skewed));
+    CHECK(plainNear.counted > 50'000);
+    CHECK(skewedNear.wrong() < plainNear.wrong());
+    CHECK(double(skewed.wrong()) <= 1.2 * double(plain.wrong()));
+}
+
+TEST_CASE("lamps in odd places and maps of 64 texels give pictures, not faults")
+{
+    const test::DeviceTest silence;
+    const glm::dvec3 eye = shippedScene("colonnade").camera[0].eye;
+    struct Place {
+        std::string what;
+        Lamp lamp;
+        double mostWrong; // percent at 512 texels: twice the worst measured
+    };
+    const glm::dvec3 toOrigin = glm::transpose(axesOf(shippedScene("colonnade").camera[0])) * -eye;
+    const double everything = 15.0; // all that a lamp a thousand kilometres away shadows is less than a texel
+    for (const Place& place :
+         {Place{"at the eye", {{0.0, 0.0, 0.0}, 30.0f}, 1.1},
+          Place{"on the near plane", {{0.0, 0.0, -0.1}, 30.0f}, 1.6},
+          Place{"on its edge", {{0.05, 0.0, -0.1}, 30.0f}, 2.1}, Place{"ahead", {{0.0, 0.0, -5.0}, 30.0f}, 1.2},
+          Place{"far behind", {{0.0, 0.0, 1e6}, 2e6f}, everything},
+          Place{"in a caster", {toOrigin + axesOf(shippedScene("colonnade").camera[0])[1], 30.0f}, 2.9}}) {
+        CAPTURE(place.what);
+        Stage stage(underLamp("colonnade", place.lamp), {128, 128});
+        for (const std::string method : {"cube_map", "dual_paraboloid", "improved_paraboloid", "skewed_paraboloid"}) {
+            CAPTURE(method);
+            for (const double side : {64.0, 512.0}) {
+                const ErrorCount error = pooled(stage, stage.draw(method, {{"resolution", side}}));
+                MESSAGE(place.what << ", " << method << " " << side << ": " << inWords(error));
+                if (side > 64.0) CHECK(error.percent(error.wrong()) <= place.mostWrong);
+            }
+        }
+    }
+}
+
+} // namespace gnomon::exact
