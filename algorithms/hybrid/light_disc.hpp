@@ -1,32 +1,15 @@
 #pragma once
-// A light with a surface as one receiver sees it: the disc that its sphere turns towards the receiver, or the sun's.
+// Rays of one receiver to the disc of a light with a surface.
 #include <cmath>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "algorithms/shared/source_size.hpp"
 #include "runtime/rays/ray_scene.hpp"
 
 namespace gnomon {
-
-/// Radius of the disc over the length of the ray towards its centre (Receivers::at): a directional light's radius is an
-/// angle, and its rays are of length 1.
-inline float discRadius(const LightView& light)
-{
-    const float radius = light.constants.sourceRadius;
-    return light.type == GN_LIGHT_TYPE_DIRECTIONAL ? std::tan(radius) : radius;
-}
-
-/// A sun as wide as this is half of the sky's height; its disc's rim lies at tan = 1.
-inline constexpr float kWidestSun = 0.7854f;
-
-/// Why rays cannot go to points of this light's disc, or null.
-inline const char* refusesDisc(const LightView& light)
-{
-    const bool wide = light.type == GN_LIGHT_TYPE_DIRECTIONAL && light.constants.sourceRadius > kWidestSun;
-    return wide ? "directional light's sourceRadius above 0.7854 (45 degrees)" : nullptr;
-}
 
 /// The world axis along which a direction goes least; the first of equals.
 inline glm::vec3 axisAcross(glm::vec3 direction)

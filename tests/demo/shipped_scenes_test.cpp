@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <set>
 #include <string_view>
 
 using namespace gnomon::demo;
@@ -150,6 +151,18 @@ TEST_CASE("the views of the theses load, a square picture with three cameras eac
         CHECK(scene->frames == 181); // frames 0, 90 and 180 show the keys
         CHECK(scene->lights.size() == 1);
     }
+}
+
+TEST_CASE("soft_table has a light of every kind, each with a surface")
+{
+    const auto scene = loadScene("views/soft_table");
+    REQUIRE_MESSAGE(scene, scene.error());
+    std::set<LightKind> kinds;
+    for (const Light& light : scene->lights) {
+        kinds.insert(light.kind);
+        CHECK(light.radius > 0.0f);
+    }
+    CHECK(kinds.size() == 3);
 }
 
 TEST_CASE("the forest has a million triangles, and nothing in it moves but the camera")

@@ -141,4 +141,29 @@ TEST_CASE("with one sample, or of a light without a radius, the picture is the h
     CHECK(test::differences(soft.draw("ray_traced", {{"samples", 64.0}})[0], penumbra) == 0); // from frame to frame
 }
 
+TEST_CASE("methods with penumbrae are nearer to the truth on soft_table than a hard shadow, by half at least")
+{
+    const test::DeviceTest silence;
+    Stage stage(shippedScene("views/soft_table"), {160, 90});
+    const std::vector<SoftTruth> truths = tracedSoftTruths(stage);
+    uint32_t methods = 0;
+    for (const GnMethodInfo& method : stage.methods()) {
+        if (!(method.traits & GN_TRAIT_SOFT_PENUMBRA_BIT)) continue;
+        const Pictures pictures = stage.draw(method.pName);
+        SoftError soft, hard; // of the lights that it serves
+        for (size_t layer = 0; layer < pictures.size(); ++layer) {
+            if (pictures[layer].width == 0) continue;
+            soft += compareSoft(pictures[layer], truths[layer]);
+            hard += compareSoft(stage.truth[layer], truths[layer]);
+        }
+        MESSAGE(std::string(method.pName)
+                << ": RMSE " << soft.penumbra.rmse() << ", hard " << hard.penumbra.rmse() << "; " << inWords(soft));
+        CHECK(hard.penumbra.pixels > 300);
+        CHECK(2.0 * soft.penumbra.rmse() <= hard.penumbra.rmse());
+        CHECK(1000 * soft.wrong <= soft.outside.pixels);
+        ++methods;
+    }
+    CHECK(methods >= 2);
+}
+
 } // namespace gnomon::exact

@@ -1,0 +1,22 @@
+#pragma once
+// Nearest and farthest depths in squares of a light's map, by which a whole neighbourhood of a receiver is known to be
+// lit or dark (shaders/filtered/depth_bounds.h). Kept with the map.
+#include "algorithms/shared/light_map.hpp"
+
+namespace gnomon {
+
+class DepthBounds {
+public:
+    explicit DepthBounds(const AlgorithmServices& services);
+
+    /// Declares what is missing of the pyramids of the layers needed. @return a storage buffer, for depth_range.glsl
+    BufferId declare(PassBuilder& passes, const LightMap& map, std::uint32_t resolution) const;
+
+    /// Device bytes.
+    static VkDeviceSize memory(std::uint32_t resolution, std::uint32_t layers);
+
+private:
+    PipelineId reduce_;
+};
+
+} // namespace gnomon

@@ -1,0 +1,161 @@
+#include "algorithms/filtered/pcss.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "algorithms/filtered/depth_bounds.hpp"
+#include "algorithms/shared/map_resolve.hpp"
+#include "algorithms/shared/source_size.hpp"
+#include "shaders/filtered/pcss.h"
+#include "shaders/filtered_pcss_cube_frag.h"
+#include "shaders/filtered_pcss_frag.h"
+#include "shaders/filtered_pcss_hard_cube_frag.h"
+#include "shaders/filtered_pcss_hard_frag.h"
+#include "shaders/shared_map_resolve_vert.h"
+
+namespace gnomon {
+
+namespace {
+
+enum Setting { kResolution, kTaps, kEarly, kReasons };
+
+constexpr SettingSpec kSettings[] = {
+    {"resolution", "Texels per side of the map; of a point light, of each of six.", 64, 8192, 1024, true},
+    {"taps", "Taps of the filter, spread over the penumbra.", 8, gpu::MAX_SOFT_TAPS, 64},
+    {"early", "1: pixels that the nearest and farthest depths around them decide are not searched. 0: all are.", 0, 1,
+     1},
+    {"reasons", "1: the byte in visibility is why a pixel is lit or dark: a code of shaders/filtered/pcss.h.", 0, 1, 0},
+};
+
+bool isSoft(const LightView& light)
+{
+    return light.constants.sourceRadius > 0.0f;
+}
+
+/// Texels around what a map has to cover: penumbrae reach past it. A sixteenth of the side is an eighth of the distance
+/// where the map is 90 degrees wide; taps beyond take the outermost texel.
+std::uint32_t softBorder(std::uint32_t resolution)
+{
+    return std::clamp(resolution / 16, kMapBorderTexels, 255u); // below 2^8: borderForm()
+}
+
+void addCone(gpu::PcssConstants& constants, const LightView& light, const LightFit& fit, std::uint32_t resolution)
+{
+    const gpu::MapLookup& look = constants.base.map;
+    constants.radius = discRadius(light);
+    if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) {
+        constants.reach = constants.radius * glm::length(glm::vec3(look.axisWs)) / glm::length(glm::vec3(look.texelDx));
+        return;
+    }
+    // One over the distance is linear in depth: (1 - depth) / near.
+    constants.tangentPerTexel = fit.texelAtOne / static_cast<float>(resolution);
+    constants.reach = constants.radius / (std::fabs(look.depthScale) * constants.tangentPerTexel);
+}
+
+/// The pass that searches and filters.
+class SoftResolve {
+public:
+    SoftResolve(const AlgorithmServices& services, std::span<const std::uint32_t> fragment, bool layers)
+    {
+        const std::array lookup = lookupBindings(layers);
+        std::array<BindingInfo, 5> bindings{};
+        std::copy(lookup.begin(), lookup.end(), bindings.begin());
+        bindings[4] = {.binding = 1, .kind = BindingKind::storageBuffer};
+        GraphicsPipelineInfo pipeline;
+        pipeline.name = "pcss.resolve";
+        pipeline.vertex.code = k_shared_map_resolve_vert;
+        pipeline.fragment.code = fragment;
+        pipeline.fragment.specializationCount = 1;
+        pipeline.bindings = bindings;
+        pipeline.colorFormat = VK_FORMAT_R8_UNORM;
+        for (std::uint32_t normals = 0; normals < 2; ++normals) {
+            pipeline.fragment.specialization[0] = normals;
+            pipelines_[normals] = services.pipelines->graphics(pipeline);
+        }
+    }
+
+    void declare(PassBuilder& passes, const ShadowTask& task, ImageId map, BufferId bounds,
+                 const gpu::PcssConstants& constants) const
+    {
+        const LookupImages look(task, map);
+        const PipelineId pipeline = pipelines_[look.hasNormals];
+        const gpu::PcssConstants* block = passes.arena().make(constants);
+        LookupPass pass(passes, task, "pcss.resolve", look);
+        pass.uses.reads(bounds);
+        pass.record([=](PassContext& gpu) {
+            gpu.bind(pipeline, {gpu.constants(0, *block), gpu.storage(1, bounds), gpu.sampled(2, look.depth),
+                                gpu.sampled(3, look.normals), gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
+        });
+    }
+
+private:
+    PipelineId pipelines_[2]; ///< [has normals]
+};
+
+class Pcss final : public ShadowAlgorithm {
+public:
+    explicit Pcss(const AlgorithmServices& services)
+        : casters_(makeDepthMapPipelines(services)), bounds_(services), resolve_(services, k_filtered_pcss_frag, false),
+          resolveCube_(services, k_filtered_pcss_cube_frag, true),
+          hard_(services, {.name = "pcss.hard", .fragment = k_filtered_pcss_hard_frag, .filters = false}),
+          hardCube_(services,
+                    {.name = "pcss.hard", .fragment = k_filtered_pcss_hard_cube_frag, .layers = true, .filters = false})
+    {
+    }
+
+    void declare(PassBuilder& passes, const ShadowTask& task) override
+    {
+        const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
+        const LightView& light = *task.light;
+        const bool soft = isSoft(light), cube = light.type == GN_LIGHT_TYPE_POINT;
+        gpu::PcssConstants constants{};
+        constants.base = mapConstants(task, resolution, 1);
+        const LightMap map = declareLightMap(passes, casters_, task, resolution, constants.base,
+                                             soft ? softBorder(resolution) : kMapBorderTexels);
+        map_ = handedOut(map.image, map.fits, map.needed);
+        if (!soft) { // shadow_map's picture, or cube_map's
+            (cube ? hardCube_ : hard_).declare(passes, task, map.image, constants, false);
+            return;
+        }
+        addCone(constants, light, map.fits.front(), resolution);
+        constants.taps = static_cast<std::uint32_t>(task.settings[kTaps]);
+        constants.early = task.settings[kEarly] != 0.0;
+        constants.reasons = task.settings[kReasons] != 0.0;
+        const BufferId bounds = bounds_.declare(passes, map, resolution);
+        (cube ? resolveCube_ : resolve_).declare(passes, task, map.image, bounds, constants);
+    }
+
+    const char* refuses(const ShadowTask& task) const override { return refusesDisc(*task.light); }
+    const Map* lightMap() const override { return &map_; }
+
+private:
+    DepthMapPipelines casters_;
+    DepthBounds bounds_;
+    SoftResolve resolve_, resolveCube_;
+    MapResolve hard_, hardCube_;
+    Map map_;
+};
+
+} // namespace
+
+constinit const AlgorithmEntry kPcss{
+    .name = "pcss",
+    .source = "Fernando 2005; Guennebaud, Barthe and Paulin 2006",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_SOFT_PENUMBRA_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kSettings,
+    .memoryPerLight =
+        [](std::span<const double> settings, VkExtent2D, GnLightType type) {
+            const auto resolution = static_cast<std::uint32_t>(settings[kResolution]);
+            return depthMapMemory(resolution, mapLayers(type)) + DepthBounds::memory(resolution, mapLayers(type));
+        },
+    .missing = nullptr,
+    .create = makeAlgorithm<Pcss>,
+    .typicalWrongPercent = 0.54f, // of lights without a radius: shadow_map's
+};
+
+} // namespace gnomon

@@ -1,0 +1,91 @@
+// Where a light's disc is hidden, as its depth map has it: the depth of what hides it, and how wide the disc appears at
+// that depth. The includer declares, before: planar_tap.glsl, filter.glsl, depth_range.glsl and
+//   float reach, tangentPerTexel   of PcssConstants
+#include "../shared/disc_points.glsl"
+
+// The cone from a receiver to the light's disc, as the map shows it. At a depth nearer to the light by D it is an
+// ellipse of texels about the receiver's own place: reach D wide across, and longer along the line to the map's middle,
+// since the disc faces the receiver and the map does not.
+struct LightCone {
+    Tap tap;
+    float own;    // depth of the receiver
+    vec2 tangent; // place of the receiver in the map, width over distance; directional: 0
+    float stretch;
+    vec2 inside; // least and greatest coordinates of taps: a map with a perspective ends, others go on without casters
+};
+
+LightCone lightCone(MapLookup look, Tap tap, float own)
+{
+    LightCone cone;
+    cone.tap = tap;
+    cone.own = own;
+    cone.tangent = (tap.at - 0.5 * look.side) * tangentPerTexel;
+    cone.stretch = sqrt(1.0 + dot(cone.tangent, cone.tangent));
+    cone.inside = look.positional != 0.0 ? vec2(1.0, look.side - 1.0) : vec2(-1e30, 1e30);
+    return cone;
+}
+
+// Half width of the disc at a depth, texels.
+float spreadAt(LightCone cone, float depth) { return max(reach * (cone.own - depth), 0.0); }
+
+// Where a point of the unit disc appears that is `spread` texels wide.
+vec2 placeOf(LightCone cone, vec2 point, float spread)
+{
+    vec2 longer = point + cone.tangent * (dot(cone.tangent, point) / (cone.stretch + 1.0));
+    return clamp(cone.tap.at + spread * longer, vec2(cone.inside.x), vec2(cone.inside.y));
+}
+
+// Half width of a square of texels that holds all that taps of a disc of this spread look at.
+float searchWidth(LightCone cone, float spread) { return spread * cone.stretch + 2.0; }
+
+// What the range says of all taps: 1 lit, 0 dark, -1 neither.
+float decidedBy(LightCone cone, vec2 range, float spread)
+{
+    float width = searchWidth(cone, spread);
+    float change = width * (abs(cone.tap.depthPerTexel.x) + abs(cone.tap.depthPerTexel.y));
+    if (min(cone.tap.depth + change, 1.0) <= range.x) return 1.0;
+    bool ends = min(cone.tap.at.x, cone.tap.at.y) - width < 0.0 ||
+                max(cone.tap.at.x, cone.tap.at.y) + width > 1.0 / cone.tap.inverseSide;
+    bool open = ends && cone.inside.x < 0.0; // no caster beyond
+    return !open && min(cone.tap.depth - change, 1.0) > range.y ? 0.0 : -1.0;
+}
+
+// Narrows the cone to the nearest depth that it holds, which is found in ever smaller squares. Returns the spread.
+// decided: decidedBy() the depths there. Source: Guennebaud, Barthe and Paulin 2006, 4.
+float narrowedCone(LightCone cone, uint side, uint layer, out float decided)
+{
+    vec2 range = rangeOfLayer(side, layer);
+    float spread = min(spreadAt(cone, range.x), float(side));
+    decided = decidedBy(cone, range, spread);
+    for (int i = 0; i < 2 && decided < 0.0; ++i) { // bound: 2
+        range = rangeAround(side, layer, cone.tap.at, searchWidth(cone, spread), i == 1);
+        spread = min(spread, spreadAt(cone, range.x));
+        decided = decidedBy(cone, range, spread);
+    }
+    return spread;
+}
+
+// Adds the depth of a texel that lies before the receiver's plane, and in the cone: what lies beside it, such as a wall
+// next to the receiver, hides nothing of the disc.
+void addBlocker(LightCone cone, vec2 place, float fromMiddle, inout float sum, inout float count)
+{
+    vec2 texel = floor(place) + 0.5;
+    float depth = mapTexel(cone.tap, texel);
+    bool blocks = min(tapDepth(cone.tap, texel), 1.0) > depth && fromMiddle <= spreadAt(cone, depth) + 1.0;
+    sum += blocks ? depth : 0.0;
+    count += blocks ? 1.0 : 0.0;
+}
+
+// Mean depth of the blockers. count: of those found; with none the mean is 0.
+float meanBlocker(LightCone cone, float spread, vec2 direction, out float count)
+{
+    float sum = 0.0;
+    count = 0.0;
+    addBlocker(cone, cone.tap.at, 0.0, sum, count);
+    for (int i = 0; i < SEARCH_TAPS; ++i) {
+        float radius = pointRadius(float(i), float(SEARCH_TAPS));
+        addBlocker(cone, placeOf(cone, radius * direction, spread), radius * spread, sum, count);
+        direction = nextDirection(direction);
+    }
+    return sum / max(count, 1.0);
+}
