@@ -335,7 +335,7 @@ TEST_CASE("a radius given to bench makes lamps wide, one in degrees suns")
         double soft = 0.0, hard = 0.0;
         for (std::string line; std::getline(output, line);) {
             std::vector<std::string> cells;
-            if (!splitCsvLine(line, cells) || cells.size() != 21) continue;
+            if (!splitCsvLine(line, cells) || cells.size() != 28) continue;
             if (cells[1] == "coherence_sampling") soft = std::stod(cells[13]);
             if (cells[1] == "ray_traced") hard = std::stod(cells[13]);
         }
