@@ -23,6 +23,8 @@ if(TARGET gnomon_shared)
     gnomon_install_kind(shared gnomon_shared)
 endif()
 
+install(FILES "${GNOMON_SAMPLE_SHADOW_DIR}/gnomon/sample_shadow.h"
+    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/gnomon" COMPONENT gnomon_development)
 install(DIRECTORY runtime/include/gnomon DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT gnomon_development)
 install(DIRECTORY rules/knowledge DESTINATION "${CMAKE_INSTALL_DATADIR}/gnomon/rules" COMPONENT gnomon_development
     FILES_MATCHING PATTERN "*.csv" PATTERN samples EXCLUDE)

@@ -9,7 +9,8 @@ function(gnomon_library name kind)
     gnomon_target(${name})
     set_target_properties(${name} PROPERTIES LINKER_LANGUAGE CXX OUTPUT_NAME gnomon EXPORT_NAME gnomon)
     target_include_directories(${name} PUBLIC
-        "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/runtime/include>" "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
+        "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/runtime/include>"
+        "$<BUILD_INTERFACE:${GNOMON_SAMPLE_SHADOW_DIR}>" "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
     target_link_libraries(${name} PUBLIC Vulkan::Headers PRIVATE gnomon_rules gnomon_parts)
 endfunction()
 

@@ -6,6 +6,7 @@
 
 #include "runtime/passes/pass_builder.hpp"
 #include "runtime/passes/pass_context.hpp"
+#include "shaders/shared/shadow_sample.h"
 
 namespace gnomon {
 
@@ -54,9 +55,14 @@ public:
         ImageId image;
         glm::mat4 clipFromWorld[6];
         std::uint32_t validLayers = 1; ///< Bit i: layer i holds the casters of the frame.
+        gpu::ShadowSample sample{};    ///< For hosts' shaders, but eye and ahead; of kind SAMPLE_NOTHING: not for them.
     };
     /// Of the task declared last, as far as that needs it; null: the method keeps none.
     virtual const Map* lightMap() const { return nullptr; }
+
+    /// Declares the map alone, without what answers pixels. @return it, as lightMap(); null: the method has none that
+    /// hosts' shaders could look up.
+    virtual const Map* declareMap(PassBuilder&, const ShadowTask&) { return nullptr; }
 };
 
 /// One line of the registry.

@@ -1,5 +1,8 @@
 #include "algorithms/maps/cascades.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include "algorithms/maps/cascade_fit.hpp"
 #include "algorithms/shared/depth_casters.hpp"
 #include "algorithms/shared/map_resolve.hpp"
@@ -58,6 +61,12 @@ public:
         constants.lastLayer = static_cast<float>(cascades.back().layer);
         constants.border = kBorderTexels;
         resolve_.declare(passes, task, image, constants, constants.base.map.filterSide > 1.0f);
+
+        gpu::ShadowSample& sample = map_.sample = sampleOf(constants.base.map, gpu::SAMPLE_PARTS);
+        std::copy(std::begin(constants.parts), std::end(constants.parts), sample.parts);
+        sample.count = constants.count;
+        sample.lastLayer = constants.lastLayer;
+        sample.border = constants.border;
     }
 
     const Map* lightMap() const override { return &map_; }
@@ -73,7 +82,7 @@ private:
                              .resolution = resolution,
                              .layers = count,
                              .scope = Scope::task});
-        map_ = {.image = map.image(), .clipFromWorld = {}, .validLayers = 0};
+        map_ = {.image = map.image(), .clipFromWorld = {}, .validLayers = 0, .sample = {}};
         FrameArena& arena = passes.arena();
         for (const Cascade& cascade : cascades) {
             const LightFit& fit = cascade.fit;

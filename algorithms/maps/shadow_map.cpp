@@ -26,17 +26,25 @@ public:
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
+        declareMap(passes, task);
+        resolve_.declare(passes, task, map_.image, {task.view->constants, map_.sample.map});
+    }
+
+    const Map* lightMap() const override { return &map_; }
+
+    const Map* declareMap(PassBuilder& passes, const ShadowTask& task) override
+    {
         const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         const std::uint32_t side = filterSide(task.settings[kFilter]);
         const DepthMap map = declareDepthMap(passes, casters_, task, resolution, kernelBorder(side));
         gpu::MapConstants constants = mapConstants(task, resolution, side);
         constants.map.kernel = static_cast<float>(task.settings[kKernel]);
         addProjection(constants, *map.fit, task);
-        resolve_.declare(passes, task, map.image, constants);
-        map_ = {.image = map.image, .clipFromWorld = {map.fit->clipFromWorld}};
+        map_ = {.image = map.image,
+                .clipFromWorld = {map.fit->clipFromWorld},
+                .sample = sampleOf(constants.map, gpu::SAMPLE_MATRIX)};
+        return &map_;
     }
-
-    const Map* lightMap() const override { return &map_; }
 
 private:
     DepthMapPipelines casters_;

@@ -29,6 +29,14 @@ public:
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
+        declareMap(passes, task);
+        resolve_.declare(passes, task, map_.image, {task.view->constants, map_.sample.map});
+    }
+
+    const Map* lightMap() const override { return &map_; }
+
+    const Map* declareMap(PassBuilder& passes, const ShadowTask& task) override
+    {
         const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         const std::uint32_t side = filterSide(task.settings[kFilter]);
         const CubeMap map = declareCubeMap(passes, casters_, task, resolution, kernelBorder(side),
@@ -36,12 +44,9 @@ public:
         gpu::MapConstants constants = mapConstants(task, resolution, side);
         constants.map.kernel = static_cast<float>(task.settings[kKernel]);
         addLightProjection(constants, std::span(map.faces, 6), task);
-        resolve_.declare(passes, task, map.image, constants);
-
-        map_ = handedOut(map.image, std::span(map.faces, 6), map.needed);
+        map_ = handedOut(map.image, std::span(map.faces, 6), map.needed, constants);
+        return &map_;
     }
-
-    const Map* lightMap() const override { return &map_; }
 
 private:
     DepthMapPipelines casters_;

@@ -1,5 +1,7 @@
 #include "algorithms/omni/paraboloid_maps.hpp"
 
+#include <cstring>
+
 #include "runtime/scene/bias.hpp"
 #include "shaders/omni_paraboloid_frag.h"
 #include "shaders/omni_paraboloid_vert.h"
@@ -112,7 +114,13 @@ void ParaboloidMaps::declare(PassBuilder& passes, const ShadowTask& task, const 
     constants.parts[1] = set.parts[1];
     constants.firstWs = glm::vec4(set.firstWs, 0.0f);
     resolve_.declare(passes, task, image, constants, filterSide > 1);
-    map_ = {.image = image, .clipFromWorld = {}, .validLayers = set.needed};
+    map_ = {.image = image,
+            .clipFromWorld = {},
+            .validLayers = set.needed,
+            .sample = sampleOf(constants.base.map, gpu::SAMPLE_DISCS)};
+    static_assert(sizeof(set.parts) == 8 * sizeof(glm::vec4));
+    std::memcpy(map_.sample.parts, set.parts.data(), sizeof(set.parts));
+    map_.sample.parts[8] = constants.firstWs;
     for (glm::mat4& matrix : map_.clipFromWorld)
         matrix = glm::mat4(0.0f);
 }

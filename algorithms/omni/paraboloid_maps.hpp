@@ -10,7 +10,7 @@
 #include "algorithms/shared/frusta.hpp"
 #include "algorithms/shared/kept_map.hpp"
 #include "algorithms/shared/map_resolve.hpp"
-#include "shaders/omni/paraboloid.h"
+#include "shaders/omni/paraboloid_constants.h"
 
 namespace gnomon {
 

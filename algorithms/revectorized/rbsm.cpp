@@ -43,7 +43,7 @@ public:
         constants.longest = static_cast<std::uint32_t>(task.settings[kLongest]);
         const LightMap map = declareLightMap(passes, casters_, task, resolution, constants.base);
 
-        map_ = handedOut(map.image, map.fits, map.needed);
+        map_ = handedOut(map.image, map.fits, map.needed, constants.base);
         const MapResolve& resolve = task.light->type == GN_LIGHT_TYPE_POINT ? resolveCube_ : resolve_;
         resolve.declare(passes, task, map.image, constants, false);
     }

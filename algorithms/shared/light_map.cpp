@@ -32,9 +32,14 @@ LightMap declareLightMap(PassBuilder& passes, const DepthMapPipelines& pipelines
     return result;
 }
 
-ShadowAlgorithm::Map handedOut(ImageId image, std::span<const LightFit> fits, std::uint32_t validLayers)
+ShadowAlgorithm::Map handedOut(ImageId image, std::span<const LightFit> fits, std::uint32_t validLayers,
+                               const gpu::MapConstants& constants)
 {
-    ShadowAlgorithm::Map map{.image = image, .clipFromWorld = {}, .validLayers = validLayers};
+    ShadowAlgorithm::Map map{.image = image,
+                             .clipFromWorld = {},
+                             .validLayers = validLayers,
+                             .sample =
+                                 sampleOf(constants.map, fits.size() == 1 ? gpu::SAMPLE_MATRIX : gpu::SAMPLE_CUBE)};
     for (std::size_t i = 0; i < fits.size(); ++i)
         map.clipFromWorld[i] = fits[i].clipFromWorld;
     return map;

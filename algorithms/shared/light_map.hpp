@@ -29,7 +29,8 @@ LightMap declareLightMap(PassBuilder& passes, const DepthMapPipelines& pipelines
                          std::uint32_t resolution, gpu::MapConstants& constants,
                          std::uint32_t borderTexels = kMapBorderTexels);
 
-/// What gnGetLightMap() is to hand out of a map with a layer per fit.
-ShadowAlgorithm::Map handedOut(ImageId image, std::span<const LightFit> fits, std::uint32_t validLayers);
+/// What hosts are to find of a map with a layer per fit. @param constants with addLightProjection()
+ShadowAlgorithm::Map handedOut(ImageId image, std::span<const LightFit> fits, std::uint32_t validLayers,
+                               const gpu::MapConstants& constants);
 
 } // namespace gnomon

@@ -162,4 +162,12 @@ void addLightProjection(gpu::MapConstants& constants, std::span<const LightFit> 
     constants.map.slope = 0.5f * fits.front().texelAtOne;
 }
 
+gpu::ShadowSample sampleOf(const gpu::MapLookup& look, std::uint32_t kind)
+{
+    gpu::ShadowSample sample{};
+    sample.map = look;
+    sample.kind = kind;
+    return sample;
+}
+
 } // namespace gnomon

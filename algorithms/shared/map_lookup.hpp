@@ -6,6 +6,7 @@
 #include "runtime/algorithm.hpp"
 #include "runtime/scene/light_fit.hpp"
 #include "shaders/shared/map_lookup.h"
+#include "shaders/shared/shadow_sample.h"
 
 namespace gnomon {
 
@@ -39,5 +40,8 @@ void addProjection(gpu::MapConstants& constants, const LightFit& fit, const Shad
 
 /// The same for a light of any kind: one fit, or the six of a cube.
 void addLightProjection(gpu::MapConstants& constants, std::span<const LightFit> fits, const ShadowTask& task);
+
+/// What hosts' shaders look up in a map like that.
+gpu::ShadowSample sampleOf(const gpu::MapLookup& look, std::uint32_t kind);
 
 } // namespace gnomon

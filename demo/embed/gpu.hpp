@@ -1,4 +1,4 @@
-// Vulkan as a small engine wraps it: a device, memory in blocks, pipelines, barriers.
+// Vulkan as a small engine wraps it: a device, memory, pipelines, barriers.
 #pragma once
 
 #include <span>
@@ -13,6 +13,7 @@ namespace embed {
 
 struct Image {
     vk::Format format = vk::Format::eUndefined;
+    vk::raii::DeviceMemory memory = nullptr; // is freed last
     vk::raii::Image image = nullptr;
     vk::raii::ImageView view = nullptr;
 };
@@ -23,14 +24,28 @@ inline vk::ImageSubresourceRange wholeOf(vk::Format format)
     return {format == vk::Format::eD32Sfloat ? Aspect::eDepth : Aspect::eColor, 0, 1, 0, 1};
 }
 
-/// Everything that was written is available to everything that follows: a small engine spells its barriers alike.
-inline void barrier(const vk::raii::CommandBuffer& commands, vk::Image image, vk::Format format, vk::ImageLayout from,
-                    vk::ImageLayout to)
+/// What an image is used for, before a barrier or after it.
+struct Use {
+    vk::PipelineStageFlags2 stages;
+    vk::AccessFlags2 access;
+    vk::ImageLayout layout;
+};
+using Stage2 = vk::PipelineStageFlagBits2;
+using Access2 = vk::AccessFlagBits2;
+inline const Use kColour{Stage2::eColorAttachmentOutput, Access2::eColorAttachmentRead | Access2::eColorAttachmentWrite,
+                         vk::ImageLayout::eColorAttachmentOptimal};
+inline const Use kDepth{Stage2::eEarlyFragmentTests | Stage2::eLateFragmentTests,
+                        Access2::eDepthStencilAttachmentRead | Access2::eDepthStencilAttachmentWrite,
+                        vk::ImageLayout::eDepthAttachmentOptimal};
+/// By gnomon, which may read at any stage, and by lighting.
+inline const Use kRead{Stage2::eAllCommands, Access2::eShaderRead, vk::ImageLayout::eShaderReadOnlyOptimal};
+inline const Use kCopied{Stage2::eTransfer, Access2::eTransferRead, vk::ImageLayout::eTransferSrcOptimal};
+
+inline void barrier(const vk::raii::CommandBuffer& commands, vk::Image image, vk::Format format, const Use& from,
+                    const Use& to)
 {
-    constexpr auto stage = vk::PipelineStageFlagBits2::eAllCommands;
-    constexpr auto write = vk::AccessFlagBits2::eMemoryWrite, read = vk::AccessFlagBits2::eMemoryRead;
-    const vk::ImageMemoryBarrier2 one(stage, write, stage, read | write, from, to, VK_QUEUE_FAMILY_IGNORED,
-                                      VK_QUEUE_FAMILY_IGNORED, image, wholeOf(format));
+    const vk::ImageMemoryBarrier2 one(from.stages, from.access, to.stages, to.access, from.layout, to.layout,
+                                      VK_QUEUE_FAMILY_IGNORED, VK_QUEUE_FAMILY_IGNORED, image, wholeOf(format));
     commands.pipelineBarrier2(vk::DependencyInfo({}, {}, {}, one));
 }
 
@@ -52,6 +67,7 @@ public:
             ++family;
 
         extensions.assign(needs.ppOptionalExtensions, needs.ppOptionalExtensions + needs.optionalExtensionCount);
+        extensions.push_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
         if (!surface.empty()) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
         features13_.setSynchronization2(true).setDynamicRendering(true);
         features13_.setPNext(const_cast<void*>(needs.pOptionalFeatures)); // of those extensions
@@ -66,48 +82,37 @@ public:
     Gpu(const Gpu&) = delete;
     Gpu& operator=(const Gpu&) = delete;
 
-    /// One block for all images or buffers, which are bound to it. \param places Where in it each stands.
+    /// Memory for an image or a buffer, which is bound to it.
     template <typename Resource>
-    vk::raii::DeviceMemory place(std::span<Resource* const> resources, vk::MemoryPropertyFlags wanted,
-                                 std::vector<vk::DeviceSize>& places) const
+    vk::raii::DeviceMemory place(Resource& resource, vk::MemoryPropertyFlags wanted) const
     {
-        vk::MemoryAllocateInfo info;
-        uint32_t allowed = ~0u;
-        for (const Resource* resource : resources) {
-            const vk::MemoryRequirements need = resource->getMemoryRequirements();
-            places.push_back((info.allocationSize + need.alignment - 1) / need.alignment * need.alignment);
-            info.allocationSize = places.back() + need.size;
-            allowed &= need.memoryTypeBits;
-        }
+        const vk::MemoryRequirements need = resource.getMemoryRequirements();
         const auto types = physical.getMemoryProperties().memoryTypes;
-        while (!(allowed >> info.memoryTypeIndex & 1) || (types[info.memoryTypeIndex].propertyFlags & wanted) != wanted)
-            if (++info.memoryTypeIndex == types.size()) throw std::runtime_error("no memory type fits");
+        uint32_t type = 0;
+        while (!(need.memoryTypeBits >> type & 1) || (types[type].propertyFlags & wanted) != wanted)
+            if (++type == types.size()) throw std::runtime_error("no memory type fits");
+        const vk::MemoryAllocateInfo info(std::max<vk::DeviceSize>(need.size, 2 << 20), type); // not a small one
         vk::raii::DeviceMemory memory(device, info);
-        for (size_t i = 0; i < places.size(); ++i)
-            resources[i]->bindMemory(*memory, places[i]);
+        resource.bindMemory(*memory, 0);
         return memory;
     }
 
-    /// \param fragment Empty: depth alone is drawn. \param depth Tested and written, reversed.
+    /// \param depth Tested and written, reversed. \param positions Read as vertices; else there are none.
     vk::raii::Pipeline createPipeline(vk::PipelineLayout layout, std::span<const uint32_t> vertex,
                                       std::span<const uint32_t> fragment, const std::vector<vk::Format>& colours,
                                       vk::Format depth, bool positions, bool blended) const
     {
-        using Stage = vk::ShaderStageFlagBits;
-        std::vector<vk::raii::ShaderModule> modules;
-        std::vector<vk::PipelineShaderStageCreateInfo> stages;
-        for (const auto& [code, stage] : {std::pair(vertex, Stage::eVertex), std::pair(fragment, Stage::eFragment)}) {
-            if (code.empty()) continue;
-            modules.emplace_back(device, vk::ShaderModuleCreateInfo({}, code.size_bytes(), code.data()));
-            stages.emplace_back(vk::PipelineShaderStageCreateFlags(), stage, *modules.back(), "main");
-        }
+        const vk::raii::ShaderModule modules[] = {{device, {{}, vertex.size_bytes(), vertex.data()}},
+                                                  {device, {{}, fragment.size_bytes(), fragment.data()}}};
+        const vk::PipelineShaderStageCreateInfo stages[] = {
+            {{}, vk::ShaderStageFlagBits::eVertex, *modules[0], "main"},
+            {{}, vk::ShaderStageFlagBits::eFragment, *modules[1], "main"}};
         const vk::VertexInputBindingDescription binding(0, 3 * sizeof(float));
         const vk::VertexInputAttributeDescription attribute(0, 0, vk::Format::eR32G32B32Sfloat, 0);
         const vk::PipelineVertexInputStateCreateInfo vertices({}, positions, &binding, positions, &attribute);
         const vk::PipelineInputAssemblyStateCreateInfo assembly({}, vk::PrimitiveTopology::eTriangleList);
         const vk::PipelineViewportStateCreateInfo viewport({}, 1, nullptr, 1, nullptr);
-        vk::PipelineRasterizationStateCreateInfo raster;
-        raster.setLineWidth(1.0f);
+        const auto raster = vk::PipelineRasterizationStateCreateInfo().setLineWidth(1.0f);
         const vk::PipelineMultisampleStateCreateInfo samples;
         const bool hasDepth = depth != vk::Format::eUndefined;
         const vk::PipelineDepthStencilStateCreateInfo tests({}, hasDepth, hasDepth, vk::CompareOp::eGreater);
@@ -122,19 +127,6 @@ public:
         vk::GraphicsPipelineCreateInfo info({}, stages, &vertices, &assembly, nullptr, &viewport, &raster, &samples,
                                             &tests, &blend, &dynamic, layout);
         return {device, nullptr, info.setPNext(&rendering)};
-    }
-
-    /// Submits what is recorded, and waits for it.
-    template <typename Record>
-    void runOnce(Record&& record) const
-    {
-        const vk::raii::CommandPool pool(device, vk::CommandPoolCreateInfo({}, family));
-        const vk::raii::CommandBuffers one(device, {*pool, vk::CommandBufferLevel::ePrimary, 1});
-        one[0].begin({vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-        record(*one[0]);
-        one[0].end();
-        queue.submit(vk::SubmitInfo({}, {}, *one[0]));
-        queue.waitIdle();
     }
 
 private:

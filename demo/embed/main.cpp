@@ -17,44 +17,46 @@ struct Options {
     bool submitted = false, panel = false, exercise = false;
 };
 
-/// The picture, left in TRANSFER_SRC by the last frame.
-void writePicture(Gpu& gpu, const Renderer& renderer, const Options& options)
-{
-    const size_t bytes = size_t(options.width) * options.height * 4;
-    vk::raii::Buffer buffer(gpu.device, vk::BufferCreateInfo({}, bytes, vk::BufferUsageFlagBits::eTransferDst));
-    vk::raii::Buffer* const placed[] = {&buffer};
-    std::vector<vk::DeviceSize> places;
-    using Property = vk::MemoryPropertyFlagBits;
-    const auto memory = gpu.place<vk::raii::Buffer>(placed, Property::eHostVisible | Property::eHostCoherent, places);
-    const vk::BufferImageCopy whole(0, 0, 0, {vk::ImageAspectFlagBits::eColor, 0, 0, 1}, {},
-                                    {options.width, options.height, 1});
-    gpu.runOnce([&](vk::CommandBuffer commands) {
-        vkCmdCopyImageToBuffer(commands, *renderer.picture.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, *buffer, 1,
-                               reinterpret_cast<const VkBufferImageCopy*>(&whole));
-    });
-    const auto* pixels = static_cast<const unsigned char*>(memory.mapMemory(0, VK_WHOLE_SIZE));
-    if (const unsigned error = lodepng::encode(options.out, pixels, options.width, options.height))
-        throw std::runtime_error(options.out + ": " + lodepng_error_text(error));
-}
+/// Where the last picture is copied to, and from there into a file.
+struct Copy {
+    Copy(const Gpu& gpu, vk::DeviceSize bytes)
+        : buffer(gpu.device, vk::BufferCreateInfo({}, bytes, vk::BufferUsageFlagBits::eTransferDst)),
+          memory(
+              gpu.place(buffer, vk::MemoryPropertyFlagBits::eHostVisible | vk::MemoryPropertyFlagBits::eHostCoherent))
+    {
+    }
+    void write(const Options& options) const
+    {
+        const auto* pixels = static_cast<const unsigned char*>(memory.mapMemory(0, VK_WHOLE_SIZE));
+        if (const unsigned error = lodepng::encode(options.out, pixels, options.width, options.height))
+            throw std::runtime_error(options.out + ": " + lodepng_error_text(error));
+    }
+    vk::raii::Buffer buffer;
+    vk::raii::DeviceMemory memory;
+};
 
 void run(const Options& options)
 {
     std::optional<Window> window;
     if (!options.headless) window.emplace(vk::Extent2D(options.width, options.height));
-    Gpu gpu(window ? Window::extensions() : std::vector<const char*>());
+    Gpu gpu(window ? window->extensions : std::vector<const char*>());
     std::optional<Swapchain> swapchain;
-    if (window) swapchain.emplace(gpu, window->handle);
+    if (window) swapchain.emplace(gpu, *window);
     const Scene scene = loadScene(options.model);
     Renderer renderer(gpu, scene);
     std::optional<Ui> ui;
-    if (window || options.panel) ui.emplace(gpu, window ? window->handle : nullptr, renderer.picture.format);
+    if (window || options.panel) ui.emplace(gpu, window ? &*window : nullptr, renderer.picture.format);
     vk::Extent2D size;
     const auto resize = [&](vk::Extent2D to) {
         size = to;
         renderer.resize(to);
         if (ui) ui->resize(renderer.picture, to);
     };
-    if (!window) resize({options.width, options.height});
+    std::optional<Copy> copy;
+    if (!window) {
+        resize({options.width, options.height});
+        copy.emplace(gpu, size_t(options.width) * options.height * 4);
+    }
 
     bool recorded = !options.submitted, tab = false;
     float yaw = kYaw, pitch = kPitch, distance = kDistance;
@@ -84,10 +86,12 @@ void run(const Options& options)
         const auto draw = [&](const vk::raii::CommandBuffer& commands) {
             if (ui) ui->draw(commands, renderer.shadows, recorded);
         };
-        renderer.draw(camera, lightsAt(frame / 60.0), recorded, draw, window ? swapchain->target() : Target());
+        renderer.draw(camera, lightsAt(frame / 60.0), recorded, draw, window ? swapchain->target() : Target(),
+                      copy && frame + 1 == end ? &copy->buffer : nullptr);
         if (window) swapchain->present();
     }
-    if (!window) writePicture(gpu, renderer, options);
+    renderer.waitFor(renderer.frame());
+    if (copy) copy->write(options);
 }
 
 } // namespace

@@ -69,9 +69,10 @@ inline Scene loadScene(const std::string& file)
 struct Light { // as shaders/frame.glsl has it
     glm::vec4 positionAndRange, direction, colour;
 };
+constexpr uint32_t kLights = 3;
 inline constexpr std::array kLightNames{"sun", "spot", "lamp"}; // in the order of GnLightType
 
-inline std::array<Light, 3> lightsAt(double seconds)
+inline std::array<Light, kLights> lightsAt(double seconds)
 {
     const glm::vec3 spot(3.5f, 4.5f, 2.5f);
     const float angle = 0.7f * float(seconds) + 2.4f;

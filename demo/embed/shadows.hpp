@@ -44,49 +44,44 @@ public:
         }
         for (size_t i = 0; i < lights.size(); ++i)
             lights[i] = context.createLight(describe(i, lightsAt(0.0)[i])).value();
-        for (gn::View& view : views)
-            view = context.createView().value();
+        view = context.createView().value();
         context.warmUp().require(); // behind the loading screen
     }
 
-    /// Both views show the same camera: one what is opaque, the other with the glass in its depth.
     /// \param commands Recorded into; null: gnomon submits to the queue.
-    void render(vk::CommandBuffer commands, const Camera& camera, const std::array<Light, 3>& now, const Image& normals,
-                std::array<const Image*, 2> depths, vk::Extent2D size, uint64_t frame, uint64_t completed) const
+    void render(vk::CommandBuffer commands, const Camera& camera, const std::array<Light, kLights>& now,
+                const Image& depth, const Image& normals, vk::Extent2D size, uint64_t frame, uint64_t completed) const
     {
-        std::array<GnLight, 3> handles{};
+        std::array<GnLight, kLights> handles{};
         for (size_t i = 0; i < lights.size(); ++i) {
             lights[i].update(describe(i, now[i])).require();
             handles[i] = lights[i].get();
         }
-        std::array<GnViewFrame, 2> frames{};
-        for (size_t i = 0; i < frames.size(); ++i) {
-            GnViewFrame& view = frames[i];
-            view.view = views[i].get();
-            std::copy_n(&camera.eye.x, 3, view.eye);
-            std::memcpy(view.viewFromWorld, &camera.worldFromView, sizeof view.viewFromWorld); // its columns are rows
-            std::memcpy(view.projection, &camera.clipFromView, sizeof view.projection);
-            view.depthImage = *depths[i]->image;
-            view.depthView = *depths[i]->view;
-            view.depthFormat = VkFormat(depths[i]->format);
-            view.imageExtent = size;
-            gn::setLights(view, handles);
-        }
-        frames[0].normalImage = *normals.image; // of what is opaque; the other view takes them from its depth
-        frames[0].normalView = *normals.view;
-        frames[0].normalFormat = VkFormat(normals.format);
-        const gn::Frame all{.frame = frame, .completedFrame = completed, .views = frames};
+        GnViewFrame seen{.view = view.get(),
+                         .depthImage = *depth.image,
+                         .depthView = *depth.view,
+                         .depthFormat = VkFormat(depth.format),
+                         .imageExtent = size,
+                         .normalImage = *normals.image,
+                         .normalView = *normals.view,
+                         .normalFormat = VkFormat(normals.format)};
+        std::copy_n(&camera.eye.x, 3, seen.eye);
+        std::memcpy(seen.viewFromWorld, &camera.worldFromView, sizeof seen.viewFromWorld); // its columns are rows
+        std::memcpy(seen.projection, &camera.clipFromView, sizeof seen.projection);
+        gn::setLights(seen, handles);
+        const gn::Frame all{.frame = frame, .completedFrame = completed, .views = {&seen, 1}};
         (commands ? context.cmdRenderShadows(commands, all) : context.submitShadows(all)).require();
     }
 
     gn::Context context; // before what is made from it: members are destroyed from the last to the first
-    std::array<gn::Light, 3> lights;
-    std::array<gn::View, 2> views;
+    std::array<gn::Light, kLights> lights;
+    gn::View view;
 
 private:
     static GnLightInfo describe(size_t index, const Light& light)
     {
-        GnLightInfo info{.type = GnLightType(index), .pName = kLightNames[index]};
+        GnLightInfo info{
+            .type = GnLightType(index), .flags = GN_LIGHT_SAMPLED_BIT /* by the glass */, .pName = kLightNames[index]};
         std::copy_n(&light.positionAndRange.x, 3, info.position);
         std::copy_n(&light.direction.x, 3, info.direction);
         info.range = light.positionAndRange.w;

@@ -1,8 +1,6 @@
 // A window with a swapchain that follows its size, and Dear ImGui with gnomon's panel in it.
 #pragma once
 
-#include <optional>
-
 #include "renderer.hpp" // has vulkan.h, for what follows
 
 #include <GLFW/glfw3.h>
@@ -12,77 +10,68 @@
 
 namespace embed {
 
-class Window {
-public:
+struct Window {
     explicit Window(vk::Extent2D size)
     {
         if (!glfwInit() || !glfwVulkanSupported()) throw std::runtime_error("no window system with Vulkan");
         glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
         handle = glfwCreateWindow(int(size.width), int(size.height), "gnomon embed", nullptr, nullptr);
         if (!handle) throw std::runtime_error("no window");
+        uint32_t count = 0;
+        const char** names = glfwGetRequiredInstanceExtensions(&count);
+        extensions.assign(names, names + count);
     }
     ~Window() { glfwTerminate(); }
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
 
-    static std::vector<const char*> extensions()
-    {
-        uint32_t count = 0;
-        const char** names = glfwGetRequiredInstanceExtensions(&count);
-        return {names, names + count};
-    }
-
     GLFWwindow* handle = nullptr;
+    std::vector<const char*> extensions;
 };
 
 /// Images of a window, made anew when its size changes.
 class Swapchain {
 public:
-    Swapchain(Gpu& gpu, GLFWwindow* window) : gpu_(&gpu)
+    Swapchain(Gpu& gpu, const Window& window) : gpu_(gpu)
     {
         VkSurfaceKHR surface = VK_NULL_HANDLE;
-        if (glfwCreateWindowSurface(*gpu.instance, window, nullptr, &surface) < 0)
+        if (glfwCreateWindowSurface(*gpu.instance, window.handle, nullptr, &surface) < 0)
             throw std::runtime_error("no surface");
         surface_ = {gpu.instance, surface};
         for (vk::raii::Semaphore& semaphore : acquired_)
             semaphore = {gpu.device, vk::SemaphoreCreateInfo()};
     }
-    ~Swapchain() { gpu_->device.waitIdle(); }
+    ~Swapchain() { gpu_.device.waitIdle(); }
 
     /// False while there is nothing to draw to. \param resize Called with a new size, after the device was waited for.
     template <typename Resize>
     bool acquire(Resize&& resize)
-    {
-        const vk::SurfaceCapabilitiesKHR limits = gpu_->physical.getSurfaceCapabilitiesKHR(*surface_);
+    try {
+        const vk::SurfaceCapabilitiesKHR limits = gpu_.physical.getSurfaceCapabilitiesKHR(*surface_);
         if (limits.currentExtent.width == 0 || limits.currentExtent.height == 0) return false; // minimised
         if (std::exchange(stale_, false) || limits.currentExtent != extent_) {
             extent_ = limits.currentExtent;
-            createSwapchain(limits);
+            create(limits);
             resize(extent_);
         }
-        try {
-            image_ = swapchain_.acquireNextImage(UINT64_MAX, *acquired_[++frame_ % acquired_.size()]).second;
-        } catch (const vk::OutOfDateKHRError&) {
-            return stale_ = true, false;
-        }
+        image_ = swapchain_.acquireNextImage(UINT64_MAX, *acquired_[++frame_ % acquired_.size()]).second;
         return true;
+    } catch (const vk::OutOfDateKHRError&) {
+        return !(stale_ = true);
     }
     Target target() const { return {images_[image_], *acquired_[frame_ % acquired_.size()], *drawn_[image_]}; }
     void present()
-    {
-        try {
-            const vk::PresentInfoKHR info(*drawn_[image_], *swapchain_, image_);
-            stale_ = gpu_->queue.presentKHR(info) != vk::Result::eSuccess;
-        } catch (const vk::OutOfDateKHRError&) {
-            stale_ = true;
-        }
+    try {
+        stale_ = gpu_.queue.presentKHR({*drawn_[image_], *swapchain_, image_}) != vk::Result::eSuccess;
+    } catch (const vk::OutOfDateKHRError&) {
+        stale_ = true;
     }
 
 private:
-    void createSwapchain(const vk::SurfaceCapabilitiesKHR& limits)
+    void create(const vk::SurfaceCapabilitiesKHR& limits)
     {
-        gpu_->device.waitIdle();
-        const auto formats = gpu_->physical.getSurfaceFormatsKHR(*surface_);
+        gpu_.device.waitIdle();
+        const auto formats = gpu_.physical.getSurfaceFormatsKHR(*surface_);
         const auto unorm = [](const auto& offered) { return offered.format == vk::Format::eB8G8R8A8Unorm; };
         const auto found = std::find_if(formats.begin(), formats.end(), unorm);
         if (found == formats.end()) throw std::runtime_error("the window offers no B8G8R8A8_UNORM");
@@ -90,14 +79,14 @@ private:
                                         found->colorSpace, extent_, 1, vk::ImageUsageFlagBits::eTransferDst);
         info.setPreTransform(limits.currentTransform).setPresentMode(vk::PresentModeKHR::eFifo).setClipped(true);
         swapchain_ = nullptr;
-        swapchain_ = {gpu_->device, info};
+        swapchain_ = {gpu_.device, info};
         images_ = swapchain_.getImages();
         drawn_.clear();
-        for (size_t i = 0; i < images_.size(); ++i)
-            drawn_.emplace_back(gpu_->device, vk::SemaphoreCreateInfo());
+        while (drawn_.size() < images_.size())
+            drawn_.emplace_back(gpu_.device, vk::SemaphoreCreateInfo());
     }
 
-    Gpu* gpu_;
+    Gpu& gpu_;
     vk::raii::SurfaceKHR surface_ = nullptr;
     vk::raii::SwapchainKHR swapchain_ = nullptr;
     vk::Extent2D extent_;
@@ -114,7 +103,7 @@ private:
 class Ui {
 public:
     /// \param window Null: none, and no mouse.
-    Ui(Gpu& gpu, GLFWwindow* window, vk::Format format) : gpu_(gpu), window_(window)
+    Ui(Gpu& gpu, const Window* window, vk::Format format) : gpu_(gpu), window_(window)
     {
         constexpr auto layout = vk::ImageLayout::eColorAttachmentOptimal;
         const vk::AttachmentDescription picture({}, format, vk::SampleCountFlagBits::e1, vk::AttachmentLoadOp::eLoad,
@@ -123,11 +112,10 @@ public:
         const vk::SubpassDescription subpass({}, vk::PipelineBindPoint::eGraphics, {}, drawn);
         pass_ = {gpu.device, vk::RenderPassCreateInfo({}, picture, subpass)};
         const vk::DescriptorPoolSize size(vk::DescriptorType::eCombinedImageSampler, 1);
-        pool_ = {gpu.device,
-                 vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size)};
+        pool_ = {gpu.device, {vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size}};
         ImGui::CreateContext();
         ImGui::GetIO().IniFilename = nullptr;
-        if (window) ImGui_ImplGlfw_InitForVulkan(window, true);
+        if (window) ImGui_ImplGlfw_InitForVulkan(window->handle, true);
         ImGui_ImplVulkan_InitInfo info{};
         info.Instance = *gpu.instance;
         info.PhysicalDevice = *gpu.physical;
@@ -138,8 +126,6 @@ public:
         info.MinImageCount = info.ImageCount = kInFlight; // sets of its vertex buffers
 #if IMGUI_VERSION_NUM < 19000
         ImGui_ImplVulkan_Init(&info, *pass_);
-        gpu.runOnce([](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
-        ImGui_ImplVulkan_DestroyFontUploadObjects();
 #else
         info.RenderPass = *pass_;
         ImGui_ImplVulkan_Init(&info);
@@ -162,30 +148,33 @@ public:
     /// gnomon's panel of its last frame.
     void draw(const vk::raii::CommandBuffer& commands, const Shadows& shadows, bool recorded)
     {
+#if IMGUI_VERSION_NUM < 19000
+        if (!std::exchange(hasFont_, true)) ImGui_ImplVulkan_CreateFontsTexture(*commands);
+#endif
         ImGui_ImplVulkan_NewFrame();
         if (window_) ImGui_ImplGlfw_NewFrame();
         ImGui::NewFrame();
         ImGui::SetNextWindowSize(ImVec2(780, 330), ImGuiCond_FirstUseEver);
-        std::array<gnomon::ImguiLight, 3> lights;
-        for (size_t i = 0; i < lights.size(); ++i)
+        std::array<gnomon::ImguiLight, kLights> lights;
+        for (size_t i = 0; i < kLights; ++i)
             lights[i] = {shadows.lights[i].get(), kLightNames[i]};
-        panel_.draw(shadows.context.get(), shadows.views[0].get(), lights.data(), 3,
+        panel_.draw(shadows.context.get(), shadows.view.get(), lights.data(), kLights,
                     recorded ? "gnCmdRenderShadows (Tab)###gnomon" : "gnSubmitShadows (Tab)###gnomon");
         ImGui::Render();
-        commands.beginRenderPass(vk::RenderPassBeginInfo(*pass_, *framebuffer_, {{}, size_}),
-                                 vk::SubpassContents::eInline);
+        commands.beginRenderPass({*pass_, *framebuffer_, {{}, size_}}, vk::SubpassContents::eInline);
         ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), *commands);
         commands.endRenderPass();
     }
 
 private:
     Gpu& gpu_;
-    GLFWwindow* window_;
+    const Window* window_;
     vk::raii::RenderPass pass_ = nullptr;
     vk::raii::DescriptorPool pool_ = nullptr;
     vk::raii::Framebuffer framebuffer_ = nullptr;
     vk::Extent2D size_;
     gnomon::ImguiPanel panel_;
+    bool hasFont_ = false;
 };
 
 } // namespace embed

@@ -19,7 +19,6 @@ namespace {
 
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr VkFormat kNormalFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
-constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_UNORM;
 
 // The normal target carries the instance number in a half float, which counts to here without gaps.
 constexpr size_t kMaxInstances = 2048;

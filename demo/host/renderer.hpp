@@ -5,6 +5,7 @@
 
 #include <array>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -59,10 +60,14 @@ struct FrameRequest {
     GnFrameFlags flags = 0;
     bool cameraCut = false;
     const PresentTarget* present = nullptr;
+    /// Draws over the first view's picture, which is in TRANSFER_SRC_OPTIMAL before and after; empty: nothing does.
+    std::function<void(VkCommandBuffer cmd, const Image& picture)> overlay;
 };
 
 class Renderer {
 public:
+    static constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_UNORM; ///< Of the picture.
+
     Renderer(const Device& device, const Scene& scene, const SceneGeometry& geometry, const RendererOptions& options);
     ~Renderer();
     Renderer(const Renderer&) = delete;

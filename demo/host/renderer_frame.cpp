@@ -107,6 +107,7 @@ void Renderer::draw(const FrameRequest& request)
         }
         recordLighting(slot.after, view, visibility);
     }
+    if (request.overlay) request.overlay(slot.after, views_[0].images.colour);
     if (request.present) recordPresent(slot.after, *request.present);
     vkCheck(vkEndCommandBuffer(slot.after), "vkEndCommandBuffer");
     submit(slot.after, request.present, true);

@@ -31,6 +31,7 @@ public:
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
 
+    GLFWwindow* handle() const noexcept { return window_; }
     bool closed() const;
     void close();
     void pollEvents();

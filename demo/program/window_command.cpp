@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <utility>
 
 #define GLFW_INCLUDE_NONE
@@ -18,6 +19,9 @@
 #include "demo/program/pictures.hpp"
 #include "demo/program/rule_watch.hpp"
 #include "demo/program/session.hpp"
+#if GNOMON_WITH_IMGUI
+#include "demo/program/window_panel.hpp"
+#endif
 
 namespace gnomon::demo {
 namespace {
@@ -30,7 +34,7 @@ constexpr const char* kHelp =
     "keys: W A S D Q E move (shift: fast), right mouse button looks around, C scripted camera,\n"
     "      Tab next light, 1-9 pin a method on it, 0 hand it back to the rules, Y why it has its method,\n"
     "      X what would change that, P pause,\n"
-    "      F12 screenshot.png, Esc quits\n";
+    "      F1 panel (where this build has one), F12 screenshot.png, Esc quits\n";
 
 /// Follows the scene's camera until the first key, then flies.
 class FlyCamera {
@@ -156,8 +160,11 @@ class WindowRun {
 public:
     WindowRun(const RunOptions& options, Session& session, RuleWatch& rules)
         : options_(options), session_(session), rules_(rules),
-          window_(session.device, session.renderer.extent(), "gnomon", options.framesInFlight), keys_(session),
-          log_(session.scene), duration_(frameTime(session.scene, session.scene.frames))
+          window_(session.device, session.renderer.extent(), "gnomon", options.framesInFlight),
+#if GNOMON_WITH_IMGUI
+          panel_(session, window_, options.framesInFlight),
+#endif
+          keys_(session), log_(session.scene), duration_(frameTime(session.scene, session.scene.frames))
     {
         if (options.frames > 0)
             lastFrame_ = options.frames;
@@ -195,6 +202,7 @@ private:
             if (key == GLFW_KEY_ESCAPE) window_.close();
             if (key == GLFW_KEY_P) paused_ = !paused_;
             if (key == GLFW_KEY_F12) screenshot_ = true;
+            if (key == GLFW_KEY_F1) hasPanel_ = !hasPanel_;
             if (key == GLFW_KEY_C) fly_.followScript();
         }
     }
@@ -214,8 +222,17 @@ private:
                                     .recorded = options_.recorded,
                                     .budgetMs = options_.budgetMs,
                                     .cameraCut = cut,
-                                    .present = &target});
+                                    .present = &target,
+                                    .overlay = overlay()});
         });
+    }
+
+    std::function<void(VkCommandBuffer, const Image&)> overlay()
+    {
+#if GNOMON_WITH_IMGUI
+        if (hasPanel_) return [this](VkCommandBuffer cmd, const Image& picture) { panel_.draw(cmd, picture); };
+#endif
+        return {};
     }
 
     void afterFrame(double seconds)
@@ -245,6 +262,10 @@ private:
     Session& session_;
     RuleWatch& rules_;
     Window window_;
+#if GNOMON_WITH_IMGUI
+    WindowPanel panel_;
+#endif
+    bool hasPanel_ = true;
     MethodKeys keys_;
     FlyCamera fly_;
     FrameLog log_;

@@ -254,6 +254,12 @@ GnResult GN_CALL gnGetLightMap(GnContext context, GnLight light, GnLightMap* pMa
     return giveStruct(context, pMap, "pMap", [&](Context& c) { return c.lightMap(light); });
 }
 
+GnResult GN_CALL gnGetSampledShadows(GnContext context, GnView view, const double pOrigin[3],
+                                     GnSampledShadows* pShadows)
+{
+    return giveStruct(context, pShadows, "pShadows", [&](Context& c) { return c.sampledShadows(view, pOrigin); });
+}
+
 // --- methods, rules, decisions ---
 
 GnResult GN_CALL gnEnumerateMethods(GnContext context, uint32_t* pCount, GnMethodInfo* pMethods)

@@ -370,7 +370,7 @@ Result<GnLightMap> Context::lightMap(GnLight light)
     if (!info) return invalidHandle("light");
     ShadowAlgorithm::Map map{};
     for (const DeclaredMap& declared : frame_.maps) {
-        if (declared.lightId != info->id) continue;
+        if (declared.lightId != info->id || declared.beside) continue;
         if (!map.image)
             map = declared.map;
         else if (map.image.index == declared.map.image.index)

@@ -46,6 +46,7 @@ public:
     Result<GnVisibility> visibility(GnView view);
     Result<void> setLightMethod(GnLight light, const char* method);
     Result<GnLightMap> lightMap(GnLight light);
+    Result<GnSampledShadows> sampledShadows(GnView view, const double* origin); ///< Null: the world's.
 
     Result<void> addMethod(const char* name, const char* algorithm);
     Result<void> setMethodSetting(const char* method, const char* setting, double value);
@@ -157,6 +158,7 @@ private:
 
     // Between frames.
     Views views_;
+    std::vector<std::uint64_t> sampledImages_; ///< Scratch of sampledShadows().
     LightStates lights_;
     WorldOrigin origin_;
     FrameHistory history_;

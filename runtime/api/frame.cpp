@@ -271,6 +271,7 @@ void Context::loseFrame(std::uint64_t frame)
     executor_->drop(frame);
     scene_->dropUploads(frame);
     frame_.maps.clear();
+    frame_.dropped = true;
     views_.forEach([&](View& view) {
         view.grid->drop(frame);
         loseVisibility(view, *pool_, frame);
@@ -282,6 +283,7 @@ void Context::loseFrame(std::uint64_t frame)
 void Context::forgetFrame(std::uint64_t frame, bool memoryShort)
 {
     frame_.maps.clear();
+    frame_.dropped = true;
     for (const ViewFrame& viewFrame : frame_.views) {
         viewFrame.view->grid->drop(frame);
         for (auto& [id, memory] : viewFrame.view->lights)

@@ -32,6 +32,7 @@ public:
     {
     }
 
+    /// What the view's pixels see, and where hosts' shaders want one a map.
     void declare();
 
 private:
@@ -42,6 +43,9 @@ private:
         parts_.graph.beginTask({.view = camera().id, .light = light_.light->id, .method = method}, &camera(),
                                viewFrame_.depth, viewFrame_.normals);
     }
+    void declareVisibility();
+    bool hasSample() const;
+    void declareSample();
     void replace(Error error);
     void exclude(const Error& error);
     void take(const Choice& choice, const Error& error);
@@ -59,6 +63,41 @@ private:
 };
 
 void LightPasses::declare()
+{
+    declareVisibility();
+    if (light_.light->sampled && !hasSample()) declareSample();
+}
+
+/// Whether hosts' shaders can look up the map of the method that serves.
+bool LightPasses::hasSample() const
+{
+    return !frame_.maps.empty() && frame_.maps.back().lightId == light_.light->id &&
+           frame_.maps.back().viewIndex == light_.viewIndex &&
+           frame_.maps.back().map.sample.kind != gpu::SAMPLE_NOTHING;
+}
+
+/// The map of the first fallback that has one for them. Where it cannot be made the light has none in this frame.
+void LightPasses::declareSample()
+{
+    for (std::uint32_t i = 0; i < parts_.methods.size(); ++i) {
+        const Method& method = parts_.methods[i];
+        if (!method.ready || !method.has(GN_TRAIT_FALLBACK_BIT) || !method.serves(light_.light->type)) continue;
+        beginTask();
+        PassBuilder builder(parts_.graph);
+        const ShadowAlgorithm::Map* map =
+            method.algorithm->declareMap(builder, {.view = &camera(),
+                                                   .light = light_.light,
+                                                   .casters = light_.casters,
+                                                   .settings = method.settingsAt(decision_.plainSide),
+                                                   .recorded = frame_.mode == FrameMode::recorded});
+        const bool failed = parts_.graph.endTask().has_value();
+        if (failed || !map) continue;
+        frame_.maps.push_back({light_.light->id, light_.viewIndex, method.name.c_str(), true, *map});
+        return;
+    }
+}
+
+void LightPasses::declareVisibility()
 {
     if (decision_.method == UINT32_MAX) return declareLit();
     const ImageId pair = declareBeside();
@@ -161,7 +200,8 @@ std::optional<Error> LightPasses::declareMethod(std::uint32_t index, const Targe
     if (std::optional<Error> error = parts_.graph.endTask()) return error;
     frame_.raysNeeded |= method.has(GN_TRAIT_RAYS_BIT);
     const ShadowAlgorithm::Map* const map = method.algorithm->lightMap();
-    if (map && index == decision_.method) frame_.maps.push_back({light_.light->id, *map});
+    if (map && index == decision_.method)
+        frame_.maps.push_back({light_.light->id, light_.viewIndex, method.name.c_str(), false, *map});
     return std::nullopt;
 }
 

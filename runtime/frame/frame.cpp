@@ -23,7 +23,7 @@ void Frame::begin(std::uint64_t frame, FrameMode how)
     fades.clear();
     warmup = UINT32_MAX;
     maps.clear();
-    raysNeeded = false;
+    raysNeeded = dropped = false;
 }
 
 } // namespace gnomon

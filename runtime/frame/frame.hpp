@@ -51,9 +51,12 @@ struct ViewLight {
     LightDecision* decision = nullptr; ///< From the choice on; lies in View::decisions.
 };
 
-/// Of a task as declared, for gnGetLightMap().
+/// Of a light in a view as declared, for gnGetLightMap() and gnGetSampledShadows().
 struct DeclaredMap {
     std::uint32_t lightId;
+    std::uint32_t viewIndex; ///< In Frame::views.
+    const char* method;      ///< Whose map it is.
+    bool beside;             ///< Only for hosts' shaders: the method that serves the light looks none up.
     ShadowAlgorithm::Map map;
 };
 
@@ -74,6 +77,7 @@ struct Frame {
     std::vector<DeclaredMap> maps;
     std::vector<PooledImage*> lightMaps; ///< Theirs, each once.
     bool raysNeeded = false;
+    bool dropped = false; ///< It failed, or was taken back: nobody will see it.
 
     GnFrameStats stats{};
 

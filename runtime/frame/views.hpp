@@ -14,12 +14,22 @@
 #include "runtime/select/drawn_map.hpp"
 #include "runtime/select/record.hpp"
 #include "runtime/store/scene_registry.hpp"
+#include "shaders/shared/shadow_sample.h"
 
 namespace gnomon {
 
 class FramePlan;
 struct Frame;
 struct ViewFrame;
+
+/// What gnGetSampledShadows() hands out, by light of the view's newest frame.
+struct SampledLights {
+    std::vector<gpu::ShadowSample> samples;
+    std::vector<VkImageView> maps;
+    std::vector<const char*> methods;
+    std::vector<std::uint64_t> images; ///< What tells whether `maps` changed; handles may come back.
+    std::uint64_t revision = 0;
+};
 
 /// A view between frames.
 struct View {
@@ -40,6 +50,7 @@ struct View {
     std::vector<Candidate> candidates;                     ///< Of the decisions, light by light.
     RecordRing records;                                    ///< Of the last frames.
     CameraView camera;                                     ///< Of the frame under way.
+    SampledLights sampled;                                 ///< As hosts were told last.
     std::uint64_t lastFrame = 0;                           ///< The newest whose lights were decided.
 };
 

@@ -104,6 +104,7 @@ struct LightView {
     std::uint32_t mask = kAllMasks;
     std::uint64_t revision = 0; ///< Unique over all lights; changes when the description or the origin does.
     bool isStatic = false;      ///< Static flag set and never moved.
+    bool sampled = false;       ///< GN_LIGHT_SAMPLED_BIT. Changing it alone is no new revision either.
     float importance = 1.0f;    ///< Weight in the plan. Changing it alone is no new revision: no map depends on it.
 
     bool unlimited() const { return constants.range >= kUnlimitedRange; }

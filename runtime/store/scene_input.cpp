@@ -326,10 +326,11 @@ Result<LightDescription> readLight(Subject what, const GnLightInfo& info)
     LightDescription light;
     light.type = info.type;
     light.isStatic = (info.flags & GN_LIGHT_STATIC_BIT) != 0;
+    light.sampled = (info.flags & GN_LIGHT_SAMPLED_BIT) != 0;
     light.range = kUnlimitedRange;
     if (info.type != GN_LIGHT_TYPE_DIRECTIONAL && info.type != GN_LIGHT_TYPE_SPOT && info.type != GN_LIGHT_TYPE_POINT)
         return outOfRange(what, "type", info.type, "GnLightType");
-    if (info.flags & ~GnLightFlags{GN_LIGHT_STATIC_BIT})
+    if (info.flags & ~GnLightFlags{GN_LIGHT_STATIC_BIT | GN_LIGHT_SAMPLED_BIT})
         return outOfRange(what, "flags", info.flags, "the bits of GnLightFlagBits");
     if (info.type != GN_LIGHT_TYPE_DIRECTIONAL)
         if (Result<void> check = readPosition(what, info, light); !check) return check.error();

@@ -76,6 +76,7 @@ Result<GnInstanceCreateInfo> readInstance(const GnInstanceCreateInfo& info);
 struct LightDescription {
     GnLightType type = GN_LIGHT_TYPE_DIRECTIONAL;
     bool isStatic = false;
+    bool sampled = false;
     std::array<double, 3> position{};
     std::array<float, 3> direction{}; ///< Unit length.
     float range = 0.0f;               ///< kUnlimitedRange where the host gave 0, and for directional lights.

@@ -66,6 +66,7 @@ void LightRecord::publish(const std::array<double, 3>& origin)
     view.mask = light.mask;
     view.revision = revision;
     view.isStatic = light.isStatic && !moved;
+    view.sampled = light.sampled;
     view.importance = light.importance;
 
     gpu::LightConstants& constants = view.constants;

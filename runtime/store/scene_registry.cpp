@@ -266,8 +266,8 @@ Result<void> SceneRegistry::updateLight(GnLight light, const GnLightInfo& info)
     if (!read) return read.error();
     const LightDescription old = std::exchange(record.light, *read);
     if (!old.sameLight(*read)) record.revision = ++impl_->lightRevisions;
-    record.dirty =
-        record.dirty || !old.sameLight(*read) || old.isStatic != read->isStatic || old.importance != read->importance;
+    record.dirty = record.dirty || !old.sameLight(*read) || old.isStatic != read->isStatic ||
+                   old.sampled != read->sampled || old.importance != read->importance;
     if (!old.isStatic || !read->isStatic || old.samePose(*read) || record.moved) return {};
     record.moved = true;
     impl_->messages.warn("StaticLightMoved",

@@ -32,7 +32,10 @@ Result<VkDescriptorSet> DescriptorRing::allocate(VkDescriptorSetLayout layout)
                                      .descriptorSetCount = 1,
                                      .pSetLayouts = &layout};
     VkDescriptorSet set = VK_NULL_HANDLE;
-    if (!pools_.empty() && vk_->vkAllocateDescriptorSets(vk_->device, &info, &set) == VK_SUCCESS) return set;
+    if (left_ > 0 && vk_->vkAllocateDescriptorSets(vk_->device, &info, &set) == VK_SUCCESS) {
+        --left_;
+        return set;
+    }
 
     const std::array sizes = {
         VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, kSetsPerPool},
@@ -51,6 +54,7 @@ Result<VkDescriptorSet> DescriptorRing::allocate(VkDescriptorSetLayout layout)
         return vulkanError(r, "vkCreateDescriptorPool");
     ++vk_->objectsMade;
     pools_.push_back(pool);
+    left_ = kSetsPerPool - 1;
     info.descriptorPool = pool;
     if (VkResult r = vk_->vkAllocateDescriptorSets(vk_->device, &info, &set); r != VK_SUCCESS)
         return vulkanError(r, "vkAllocateDescriptorSets");

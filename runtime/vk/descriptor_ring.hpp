@@ -47,6 +47,7 @@ private:
     const DeviceTable* vk_;
     std::unordered_map<VkDescriptorSetLayout, Sets> byLayout_;
     std::vector<VkDescriptorPool> pools_;
+    std::uint32_t left_ = 0; ///< Sets that the newest pool has left.
 };
 
 } // namespace gnomon

@@ -20,6 +20,8 @@ layout(location = 0) out float visibility;
 layout(constant_id = 1) const bool FILTERED = false;
 
 #include "../shared/planar_tap.glsl"
+#define CASCADE_PART(i) parts[i]
+#include "cascade_tap.glsl"
 #include "../shared/filter.glsl"
 
 void main()
@@ -27,21 +29,7 @@ void main()
     MapLookup look = constants.map;
     PlaneReceiver r = fetchPlaneReceiver(constants.view, look, rayWs);
     vec4 clip = receiverClip(look, r, rayClip);
-    vec2 normalPerTexel = vec2(dot(r.normalWs, look.texelDx.xyz), dot(r.normalWs, look.texelDy.xyz));
-    PlanarDepth plane = planeOf(look, r, clip, normalPerTexel);
-    // The last map is all casters': beside it nothing is in shadow.
-    uint last = clamp(count, 1u, MAX_CASCADES) - 1u;
-    vec4 part = parts[last];
-    float layer = lastLayer;
-    for (uint i = last; i > 0u; --i) { // bound: MAX_CASCADES
-        vec4 finer = parts[i - 1u];
-        vec2 at = clip.xy * finer.xy + finer.zw;
-        bool inside = min(at.x, at.y) >= border && max(at.x, at.y) <= look.side - border;
-        part = inside ? finer : part;
-        layer = inside ? float(i - 1u) : layer;
-    }
-    plane.perTexel /= part.xy;
-    Tap tap = tapAt(look, plane, clip.xy * part.xy + part.zw, layer);
+    Tap tap = cascadeTap(look, r, clip, count, lastLayer, border);
     float lit = FILTERED ? boxVisibility(tap, tap.at, look.filterSide) : nearestVisibility(tap, tap.at);
     visibility = r.decided ? r.visibility : lit;
 }

@@ -2,10 +2,11 @@
 #ifndef GNOMON_MAPS_CASCADES_H
 #define GNOMON_MAPS_CASCADES_H
 #include "../shared/map_lookup.h"
+#include "../shared/shadow_sample.h"
 
 GN_SHARED_BEGIN
 
-GN_SHARED_CONST uint MAX_CASCADES = 6u;
+GN_SHARED_CONST uint MAX_CASCADES = MAX_SAMPLE_PARTS;
 
 // std140. All maps have the same depths and are turned alike: a place in one is a place in another scaled and moved.
 struct CascadesConstants {

@@ -22,8 +22,7 @@ void main()
 {
     PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.map, rayWs);
     vec4 clip = receiverClip(constants.map, r, rayClip);
-    vec2 normalPerTexel = vec2(dot(r.normalWs, constants.map.texelDx.xyz), dot(r.normalWs, constants.map.texelDy.xyz));
-    Tap tap = planarTap(constants.map, r, clip, normalPerTexel, 0.0);
+    Tap tap = matrixTap(constants.map, r, clip);
     float lit = FILTERED ? kernelVisibility(tap, tap.at, constants.map.filterSide, constants.map.kernel)
                           : nearestVisibility(tap, tap.at);
     visibility = r.decided ? r.visibility : lit;

@@ -2,7 +2,6 @@
 // Visibility of a point light from its six depth maps.
 #extension GL_GOOGLE_include_directive : require
 #include "../shared/map_lookup.h"
-#include "../shared/cube.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants {
     MapConstants constants;
@@ -16,6 +15,7 @@ layout(constant_id = 1) const bool FILTERED = false;
 
 #define MAP_LAYERS
 #include "../shared/planar_tap.glsl"
+#include "../shared/cube_tap.glsl"
 #include "../shared/filter.glsl"
 #include "../shared/kernels.glsl"
 
@@ -24,11 +24,7 @@ void main()
     MapLookup look = constants.map;
     PlaneReceiver r = fetchPlaneReceiver(constants.view, look, rayWs);
     uint face = cubeFaceOf(r.fromLight);
-    vec3 local = inCubeFace(face, r.fromLight);
-    vec3 normal = inCubeFace(face, r.normalWs);
-    vec2 texels = (local.xy / look.slope + local.z) * (0.5 * look.side);
-    vec4 clip = vec4(texels, look.depthConstant * local.z + look.depthScale, local.z);
-    Tap tap = planarTap(look, r, clip, normal.xy * (2.0 * look.slope / look.side), float(face));
+    Tap tap = faceTap(look, r, cubeClip(look, r.fromLight, face), face);
     float lit = FILTERED ? kernelVisibility(tap, tap.at, look.filterSide, look.kernel)
                           : nearestVisibility(tap, tap.at);
     visibility = r.decided ? r.visibility : lit;

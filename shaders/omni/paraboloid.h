@@ -3,7 +3,7 @@
 // numbers alone.
 #ifndef GNOMON_OMNI_PARABOLOID_H
 #define GNOMON_OMNI_PARABOLOID_H
-#include "../shared/map_lookup.h"
+#include "../shared/types.h"
 
 GN_SHARED_BEGIN
 
@@ -17,19 +17,10 @@ struct Paraboloid {
 };
 GN_SHARED_SIZE(Paraboloid, 64)
 
-// std140.
-struct ParaboloidConstants {
-    MapConstants base;
-    Paraboloid parts[2];
-    vec4 firstWs; // xyz: a receiver in direction v is in part 0 where dot(v, this) >= 0, else in part 1
-};
-GN_SHARED_OFFSET(ParaboloidConstants, firstWs, 544)
-GN_SHARED_SIZE(ParaboloidConstants, 560)
-
 // A vector in the axes of the projection.
 GN_SHARED_FN vec3 inParaboloid(Paraboloid p, vec3 v)
 {
-    return vec3(dot(vec3(p.rightWs), v), dot(vec3(p.downWs), v), dot(vec3(p.axisWs), v));
+    return vec3(dot(GN_XYZ(p.rightWs), v), dot(GN_XYZ(p.downWs), v), dot(GN_XYZ(p.axisWs), v));
 }
 
 // Point of the disc for a direction of unit length in the axes: radius tan(angle / 2), 1 at a right angle.

@@ -4,7 +4,7 @@
 #define GNOMON_MAPS_AGREEMENT_GLSL
 #include "verdict.glsl"
 #ifdef MAP_LAYERS
-#include "cube.h"
+#include "cube_tap.glsl"
 #endif
 
 // The receiver in the map's clip space: x and y in texels. layer: the face it falls into.
@@ -13,10 +13,8 @@ vec4 mapClipOf(PlaneReceiver r, out float layer)
     MapLookup look = constants.map;
 #ifdef MAP_LAYERS
     uint face = cubeFaceOf(r.fromLight);
-    vec3 local = inCubeFace(face, r.fromLight);
-    vec2 texels = (local.xy / look.slope + local.z) * (0.5 * look.side);
     layer = float(face);
-    return vec4(texels, look.depthConstant * local.z + look.depthScale, local.z);
+    return cubeClip(look, r.fromLight, face);
 #else
     layer = 0.0;
     return receiverClip(look, r, rayClip);
@@ -25,13 +23,10 @@ vec4 mapClipOf(PlaneReceiver r, out float layer)
 
 Tap tapOf(PlaneReceiver r, vec4 clip, float layer)
 {
-    MapLookup look = constants.map;
 #ifdef MAP_LAYERS
-    vec3 normal = inCubeFace(uint(layer), r.normalWs);
-    vec2 normalPerTexel = normal.xy * (2.0 * look.slope / look.side);
+    return faceTap(constants.map, r, clip, uint(layer));
 #else
-    vec2 normalPerTexel = vec2(dot(r.normalWs, look.texelDx.xyz), dot(r.normalWs, look.texelDy.xyz));
+    return matrixTap(constants.map, r, clip);
 #endif
-    return planarTap(look, r, clip, normalPerTexel, layer);
 }
 #endif

@@ -2,6 +2,7 @@
 #ifndef GNOMON_SHARED_RECEIVER_H
 #define GNOMON_SHARED_RECEIVER_H
 #include "conventions.h"
+#include "reach.h"
 
 GN_SHARED_BEGIN
 
@@ -85,16 +86,6 @@ GN_SHARED_FN vec3 towardsLightWs(LightConstants light, vec3 receiverWs)
 {
     vec3 toLight = vec3(light.positionWs) - receiverWs;
     return light.type == LIGHT_DIRECTIONAL ? -vec3(light.directionWs) : toLight / max(length(toLight), 1e-20f);
-}
-
-// Whether a light reaches what lies at `fromLight` of it: range and cone. By squares: no root per pixel.
-//   cone  xyz: unit axis, the way light travels; w: cosine of the half angle times its absolute value; below -1 every
-//         direction passes
-GN_SHARED_FN bool reaches(vec3 fromLight, vec4 cone, float rangeSquared)
-{
-    float square = dot(fromLight, fromLight);
-    float along = dot(fromLight, vec3(cone));
-    return square <= rangeSquared && along * abs(along) >= cone.w * square;
 }
 
 // The same for a point, from a light's constants. Where not, visibility is 1.

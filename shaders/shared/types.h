@@ -1,4 +1,4 @@
-// Spelling shared by C++ and GLSL: vector types, layout asserts, shared functions.
+// Spelling shared by C++, GLSL and HLSL (GNOMON_HLSL): vector types, layout asserts, shared functions.
 #ifndef GNOMON_SHARED_TYPES_H
 #define GNOMON_SHARED_TYPES_H
 
@@ -21,6 +21,8 @@
 #define GN_SHARED_END }
 #define GN_SHARED_FN inline
 #define GN_SHARED_CONST inline constexpr
+#define GN_XYZ(v) vec3(v)
+#define GN_MUL(matrix, vector) ((matrix) * (vector))
 #define GN_PRECISE // a variable computed as written, without contraction: C++ is compiled so altogether
 #define GN_SHARED_OFFSET(type, member, bytes) static_assert(offsetof(type, member) == (bytes));
 #define GN_SHARED_SIZE(type, bytes) static_assert(sizeof(type) == (bytes));
@@ -52,10 +54,27 @@ GN_SHARED_END
 #define GN_SHARED_BEGIN
 #define GN_SHARED_END
 #define GN_SHARED_FN
-#define GN_SHARED_CONST const
+#define GN_XYZ(v) (v).xyz
 #define GN_PRECISE precise
 #define GN_SHARED_OFFSET(type, member, bytes)
 #define GN_SHARED_SIZE(type, bytes)
+
+#ifdef GNOMON_HLSL
+#define GN_SHARED_CONST static const
+#define vec2 float2
+#define vec3 float3
+#define vec4 float4
+// Columns: a float4x4's place in memory depends on compiler and options.
+struct GnColumns {
+    float4 x, y, z, w;
+};
+#define mat4 GnColumns
+float4 gnTimes(GnColumns m, float4 v) { return m.x * v.x + m.y * v.y + m.z * v.z + m.w * v.w; }
+#define GN_MUL(matrix, vector) gnTimes(matrix, vector)
+#else
+#define GN_SHARED_CONST const
+#define GN_MUL(matrix, vector) ((matrix) * (vector))
+#endif
 
 #endif
 #endif

@@ -247,6 +247,7 @@ TEST_CASE_FIXTURE(DeviceTest, "null where something is needed is an error of its
     null("pFrame", gnBeginShadows(c, nullptr));
     null("pVisibility", gnGetVisibility(c, view, nullptr));
     null("pMap", gnGetLightMap(c, light, nullptr));
+    null("pShadows", gnGetSampledShadows(c, view, nullptr, nullptr));
     null("pCount", gnEnumerateMethods(c, nullptr, nullptr));
     null("pName", gnAddMethod(c, nullptr, "shadow_map"));
     null("pMethod", gnSetMethodSetting(c, nullptr, "filter", 1.0));

@@ -87,6 +87,12 @@ TEST_CASE_FIXTURE(DeviceTest, "the panel's rows are the decisions of the last fr
         CHECK(host.decision(light).mapSide != 0);
         CHECK(panelled.screen.lineWith(name).text == row(name, host.decision(light), "pinned by the host"));
     }
+    const float predicted = host.decision(0).predictedMs + host.decision(1).predictedMs;
+    const float measured = host.decision(0).measuredMs + host.decision(1).measuredMs;
+    CHECK(host.decision(0).measuredMs > 0.0f);
+    CHECK(host.decision(1).measuredMs > 0.0f);
+    CHECK(panelled.screen.lineWith("thisview").text ==
+          "thisview" + number(true, "%.2f", double(predicted)) + number(true, "%.2f", double(measured)));
     host.pin(1, nullptr);
     panelled.frame();
     CHECK(panelled.screen.lineWith("bulb").text !=
@@ -180,15 +186,15 @@ TEST_CASE_FIXTURE(DeviceTest, "the graph of frames says the newest time and the 
 {
     Panelled panelled;
     Host& host = panelled.host;
-    CHECK(panelled.screen.lineWith("0.00ms").text == "0.00ms,nobudget"); // before the first frame
+    CHECK(panelled.screen.lineWith("allviews:0.00ms").text == "allviews:0.00ms,nobudget"); // before the first frame
     for (int i = 0; i < 4; ++i)
         panelled.frame(50.0f);
     const GnFrameStats stats = host.stats();
     REQUIRE(stats.gpuFrame != 0);
     const std::string time = number(true, "%.2f", double(stats.gpuMs + stats.gpuFrameCpuMs));
-    CHECK(panelled.screen.lineWith(time + "ms").text == time + "msof50.00ms");
-    CHECK(panelled.screen.lineWith("predicted")
-              .text.starts_with("predicted" + number(true, "%.2f", double(stats.predictedMs)) + "ms,"));
+    CHECK(panelled.screen.lineWith("allviews:" + time + "ms").text == "allviews:" + time + "msof50.00ms");
+    CHECK(panelled.screen.lineWith("allviews:predicted")
+              .text.starts_with("allviews:predicted" + number(true, "%.2f", double(stats.predictedMs)) + "ms,"));
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a light that is in no frame of the view is named as such")

@@ -25,6 +25,7 @@ table='
 1  shaders/revectorized     shaders/shared
 1  shaders/warped           shaders/shared
 1  shaders/filtered         shaders/shared
+2  shaders/host             shaders/shared shaders/maps shaders/omni
 1  shaders/demo             shaders/shared runtime/include/gnomon
 2  rules/engine             runtime/base
 2  runtime/vk               runtime/base runtime/include/gnomon
@@ -34,7 +35,7 @@ table='
 3  runtime/rays             runtime/scene runtime/base
 4  runtime/store            runtime/rays runtime/scene runtime/vk runtime/base runtime/include/gnomon shaders/runtime
 5  runtime/passes           runtime/store runtime/scene runtime/vk runtime/base runtime/include/gnomon
-6  runtime                  runtime/passes
+6  runtime                  runtime/passes shaders/shared
 6  runtime/accel            runtime/passes runtime/scene runtime/vk runtime/base shaders/shared
 7  runtime/select           runtime runtime/passes runtime/plan runtime/cost runtime/scene runtime/vk runtime/base
 7  runtime/select           rules/engine rules/yaml shaders/shared shaders/runtime

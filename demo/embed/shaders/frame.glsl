@@ -16,13 +16,17 @@ layout(set = 0, binding = 0, std140) uniform Frame {
     Light lights[LIGHT_COUNT];
 } frame;
 
+vec3 toLight(Light light, vec3 position)
+{
+    return light.colour.w == 0.0 ? -light.direction.xyz : light.positionAndRange.xyz - position;
+}
+
 // Unshadowed.
 vec3 lightOn(Light light, vec3 position, vec3 normal)
 {
-    const vec3 toLight = light.colour.w == 0.0 ? -light.direction.xyz : light.positionAndRange.xyz - position;
-    const float away = length(toLight), range = light.positionAndRange.w;
-    const float facing = max(dot(normal, toLight) / away, 0.0);
-    const bool outside = dot(light.direction.xyz, -toLight) < light.direction.w * away || (range > 0.0 && away > range);
+    const vec3 there = toLight(light, position);
+    const float away = length(there), range = light.positionAndRange.w;
+    const bool outside = dot(light.direction.xyz, -there) < light.direction.w * away || (range > 0.0 && away > range);
     const float fade = range > 0.0 ? 1.0 - min(away / range, 1.0) : 1.0;
-    return outside ? vec3(0.0) : light.colour.rgb * facing * fade * fade;
+    return outside ? vec3(0.0) : light.colour.rgb * max(dot(normal, there) / away, 0.0) * fade * fade;
 }

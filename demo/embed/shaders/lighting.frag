@@ -2,12 +2,12 @@
 // Deferred lighting: adds up the lights at every pixel, each times its visibility.
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
-#define GNOMON_VISIBILITY_SET 1
-#define GNOMON_VISIBILITY_BINDING 3
+#define GNOMON_VISIBILITY_SET 0
+#define GNOMON_VISIBILITY_BINDING 4
 #include "gnomon/visibility.glsl"
-layout(set = 1, binding = 0) uniform sampler2D albedoImage;
-layout(set = 1, binding = 1) uniform sampler2D normalImage;
-layout(set = 1, binding = 2) uniform sampler2D depthImage;
+layout(set = 0, binding = 1) uniform sampler2D albedoImage;
+layout(set = 0, binding = 2) uniform sampler2D normalImage;
+layout(set = 0, binding = 3) uniform sampler2D depthImage;
 layout(location = 0) out vec4 colour;
 
 void main()

@@ -209,4 +209,38 @@ typedef struct GnLightMap {
 /** \brief The map the light's method kept after the last frame. \return #GN_ERROR_UNKNOWN_METHOD where it has none. */
 GN_API GnResult GN_CALL gnGetLightMap(GnContext context, GnLight light, GnLightMap* pMap);
 
+#define GN_SAMPLED_LIGHT_SIZE 432 ///< Bytes of one light in GnSampledShadows::pConstants.
+
+/** What a host's shader looks up the shadows of a view's lights with, through gnomon/sample_shadow.h: for what is not
+in the view's depth, such as glass and particles, or where there is no pass for lighting. Arrays have an element for
+each of GnViewFrame::pLights of the newest frame and live until the next frame call, as GnLightMap does. */
+typedef struct GnSampledShadows {
+    uint32_t structSize GN_SIZE_OF(GnSampledShadows); ///< sizeof(GnSampledShadows).
+    uint32_t lightCount;
+    const VkImageView* pMaps;    ///< 2D arrays, to bind as sampled images in SHADER_READ_ONLY_OPTIMAL. Their writes are
+                                 ///< available to fragment and compute shader reads later on the queue. What is not
+                                 ///< looked up has any image there.
+    const char* const* pMethods; ///< Whose map it is: the light's method, or what is drawn beside it. Null: the light
+                                 ///< is lit everywhere, for lack of #GN_LIGHT_SAMPLED_BIT, of memory, or of a method
+                                 ///< that is ready.
+    VkSampler sampler;           ///< For all of them; lives as long as the context.
+    const void* pConstants;      ///< For a uniform or storage buffer, of this frame alone. Depends on pOrigin.
+    size_t constantsSize;        ///< lightCount * constantsStride.
+    uint64_t revision;           ///< Grows when one of pMaps changes: write the descriptors again. From 1 on.
+    uint32_t constantsStride;    ///< #GN_SAMPLED_LIGHT_SIZE of the header that goes with this library. Where it
+                                 ///< differs, shaders have to be compiled with that header.
+    uint32_t litCount;           ///< How many of pMethods are null.
+} GnSampledShadows;
+
+/** \brief What a view's lights were shadowed with in the newest frame, for shaders of the host's.
+
+What a method knows beyond its map does not go into it: filters do (a disc as a box), rays and revectorized edges do
+not. The map is asked for by #GN_LIGHT_SAMPLED_BIT, not by this call. Surfaces outside of the view have no shadows.
+\param pOrigin World position, metres, of the zero of the positions that the shader gives: of a host with world
+    coordinates (0, 0, 0), for which null stands, else the eye. Float positions far from it are as coarse as floats are.
+\return #GN_ERROR_FRAME_ORDER if the view was not in the newest frame, or that does not count; #GN_ERROR_EMPTY if none
+of its lights has #GN_LIGHT_SAMPLED_BIT. */
+GN_API GnResult GN_CALL gnGetSampledShadows(GnContext context, GnView view, const double pOrigin[3],
+                                            GnSampledShadows* pShadows);
+
 #endif /* GNOMON_FRAMES_H */

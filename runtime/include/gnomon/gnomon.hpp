@@ -194,6 +194,12 @@ public:
         return detail::filled<GnVisibility>(context(),
                                             [&](auto* out) { return gnGetVisibility(context(), get(), out); });
     }
+    /** gnGetSampledShadows(). \param origin Three numbers, or null. */
+    Result<GnSampledShadows> sampledShadows(const double* origin = nullptr) const noexcept
+    {
+        return detail::filled<GnSampledShadows>(
+            context(), [&](auto* out) { return gnGetSampledShadows(context(), get(), origin, out); });
+    }
     /** gnGetDecision(). */
     Result<GnDecision> decision(const Light& light) const noexcept
     {

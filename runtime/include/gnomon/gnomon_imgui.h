@@ -70,7 +70,13 @@ private:
         std::string why;
     };
 
-    /// Of the GPU and the CPU, as a budget counts them, of frames that are completed.
+    struct Sum { // of the lights in the table
+        float predictedMs = 0.0f, measuredMs = 0.0f;
+        bool known = true; // all of them have been timed
+    };
+
+    /// Of all views of the context, on the GPU and the CPU, as a budget counts them, in frames that are completed. The
+    /// tables are about one view: their sum is less where there are others, and by what views and lights share.
     void drawTimes(const GnFrameStats& stats)
     {
         if (stats.gpuFrame != timedFrame_) {
@@ -85,9 +91,9 @@ private:
         top *= 1.1f;
         char text[64];
         if (stats.budgetMs > 0.0f)
-            std::snprintf(text, sizeof text, "%.2f ms of %.2f ms", double(newest), double(stats.budgetMs));
+            std::snprintf(text, sizeof text, "all views: %.2f ms of %.2f ms", double(newest), double(stats.budgetMs));
         else
-            std::snprintf(text, sizeof text, "%.2f ms, no budget", double(newest));
+            std::snprintf(text, sizeof text, "all views: %.2f ms, no budget", double(newest));
         const float width = std::max(ImGui::GetContentRegionAvail().x, 1.0f);
         ImGui::PlotLines("##times", times_.data(), int(times_.size()), 0, text, 0.0f, top, ImVec2(width, 64.0f));
         if (stats.budgetMs > 0.0f) {
@@ -95,7 +101,7 @@ private:
             const float y = high.y - (high.y - low.y) * stats.budgetMs / top;
             ImGui::GetWindowDrawList()->AddLine(ImVec2(low.x, y), ImVec2(high.x, y), IM_COL32(255, 170, 60, 255));
         }
-        ImGui::Text("predicted %.2f ms, %.1f MiB, %u of the lights changed", double(stats.predictedMs),
+        ImGui::Text("all views: predicted %.2f ms, %.1f MiB, %u of the lights changed", double(stats.predictedMs),
                     double(stats.memory) / (1024.0 * 1024.0), stats.switches);
     }
 
@@ -108,11 +114,18 @@ private:
             ImGui::TableSetupColumn(column);
         ImGui::TableSetupColumn("why", ImGuiTableColumnFlags_WidthStretch);
         ImGui::TableHeadersRow();
+        sum_ = {};
         for (uint32_t i = 0; i < lightCount; ++i) {
             ImGui::PushID(int(i));
             drawLight(pLights[i], i);
             ImGui::PopID();
         }
+        ImGui::TableNextRow();
+        ImGui::TableNextColumn();
+        ImGui::TextDisabled("this view");
+        ImGui::TableSetColumnIndex(3);
+        number(true, "%.2f", double(sum_.predictedMs));
+        number(sum_.known, "%.2f", double(sum_.measuredMs));
         ImGui::EndTable();
     }
 
@@ -133,6 +146,9 @@ private:
         number(decision.redrawEvery != 0, "%u", decision.redrawEvery);
         number(decision.pMethod != nullptr, "%.2f", double(decision.predictedMs));
         number(decision.measuredMs > 0.0f, "%.2f", double(decision.measuredMs));
+        sum_.predictedMs += decision.predictedMs;
+        sum_.measuredMs += decision.measuredMs;
+        sum_.known = sum_.known && (decision.measuredMs > 0.0f || !decision.pMethod);
         ImGui::TableNextColumn();
         Row& row = rows_[index];
         if (row.light != light.light || row.pMethod != decision.pMethod || row.reason != decision.reason)
@@ -312,7 +328,8 @@ private:
     uint64_t timedFrame_ = 0;
     std::vector<float> times_; // milliseconds, newest last
     std::vector<Row> rows_;    // one per light
-    std::string failure_;      // of the last pin
+    Sum sum_;
+    std::string failure_; // of the last pin
 };
 
 } // namespace gnomon

@@ -212,6 +212,9 @@ typedef enum GnLightType {
 /** What a light is. */
 typedef enum GnLightFlagBits {
     GN_LIGHT_STATIC_BIT = 0x1, ///< Will not move. If it does: reported once, moving from then on.
+    GN_LIGHT_SAMPLED_BIT = 0x2, ///< The host's shaders look its shadows up themselves (gnGetSampledShadows()), too.
+                                ///< Where its method has no map for that, one is drawn beside it, in every frame in
+                                ///< which something in it moves; budgets do not count it.
     GN_LIGHT_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
 } GnLightFlagBits;
 /** Bits of #GnLightFlagBits. */

@@ -1,0 +1,45 @@
+# gnomon/sample_shadow.h, which hosts' shaders include: shaders/host/sample_shadow.glsl and the library's own look-ups
+# in one file. Names of the library get a prefix there, so that they are free for the host's.
+function(gnomon_write_sample_shadow out)
+    set(root "${PROJECT_SOURCE_DIR}/shaders")
+    file(READ "${root}/host/sample_shadow.glsl" text)
+    set(read "${root}/host/sample_shadow.glsl")
+    while(text MATCHES "\n#include \"([a-z_./]*[.](h|glsl))\"\n")
+        set(line "${CMAKE_MATCH_0}")
+        get_filename_component(name "${CMAKE_MATCH_1}" NAME)
+        file(GLOB piece "${root}/shared/${name}" "${root}/maps/${name}" "${root}/omni/${name}")
+        set(content "\n")
+        if(NOT piece IN_LIST read OR name STREQUAL "filter.glsl") # the one without a guard, of every kind of tap
+            file(READ "${piece}" content)
+            string(PREPEND content "\n")
+        endif()
+        string(REPLACE "${line}" "${content}" text "${text}")
+        list(APPEND read "${piece}")
+    endwhile()
+    string(REGEX REPLACE "#ifdef __cplusplus.*\n#else\n\n(#define GN_SHARED_BEGIN\n)" "#ifndef __cplusplus\n\n\\1"
+        text "${text}")
+    set(defines "")
+    set(undefines "")
+    foreach(name CASCADE_PART MAP_GATHER MAP_TEXEL NO_DISC_KERNEL
+                 DEPTH_ROUNDING DISC_TAPS DiscTap KERNEL_BOX KERNEL_DISC KERNEL_NEAREST KERNEL_TENT MAX_FILTER_SIDE
+                 MAX_KERNEL_SIDE MAX_SAMPLE_PARTS MAX_WIDEN MapLookup Paraboloid PlanarDepth PlaneReceiver SAMPLE_CUBE
+                 SAMPLE_DISCS SAMPLE_MATRIX SAMPLE_NOTHING SAMPLE_PARTS SAMPLE_VECTORS SNAP_TEXELS ShadowSample Tap
+                 boxVisibility cascadeTap cubeClip cubeFaceOf discTap faceTap inCubeFace inParaboloid kernelVisibility
+                 mapDepth mapGather mapTexel matrixTap nearestKernel nearestVisibility paraboloidDirection
+                 paraboloidDisc paraboloidMap paraboloidOfMap planarDepth planarTap planeOf reaches receiverClip
+                 seenByLight tapAt tapDepth tentKernel texelExists texelLit)
+        if(NOT name MATCHES "^(CASCADE_PART|MAP_GATHER|MAP_TEXEL|NO_DISC_KERNEL)$")
+            string(APPEND defines "#define ${name} gn_${name}\n")
+        endif()
+        string(APPEND undefines "#undef ${name}\n")
+    endforeach()
+    string(REPLACE "#define GNOMON_SAMPLE_SHADOW_H\n" "#define GNOMON_SAMPLE_SHADOW_H\n${defines}" text "${text}")
+    string(REGEX REPLACE "#endif\n$"
+        "${undefines}#ifdef GNOMON_HLSL\n#undef vec2\n#undef vec3\n#undef vec4\n#undef mat4\n#endif\n#endif\n"
+        text "${text}")
+    file(GENERATE OUTPUT "${out}" CONTENT "${text}")
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${read})
+endfunction()
+
+set(GNOMON_SAMPLE_SHADOW_DIR "${PROJECT_BINARY_DIR}/host_shaders")
+gnomon_write_sample_shadow("${GNOMON_SAMPLE_SHADOW_DIR}/gnomon/sample_shadow.h")

@@ -1,0 +1,155 @@
+#include "demo/program/window_panel.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include <gnomon/gnomon_imgui.h>
+#include <imgui_impl_glfw.h>
+#include <imgui_impl_vulkan.h>
+
+namespace gnomon::demo {
+
+namespace {
+
+/// Loads and stores a picture that was and will be copied.
+VkRenderPass makePass(const Device& device, VkFormat format)
+{
+    constexpr VkImageLayout copied = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+    const VkAttachmentDescription picture{.format = format,
+                                          .samples = VK_SAMPLE_COUNT_1_BIT,
+                                          .loadOp = VK_ATTACHMENT_LOAD_OP_LOAD,
+                                          .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
+                                          .stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
+                                          .stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                                          .initialLayout = copied,
+                                          .finalLayout = copied};
+    const VkAttachmentReference drawn{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+    const VkSubpassDescription subpass{
+        .pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS, .colorAttachmentCount = 1, .pColorAttachments = &drawn};
+    constexpr VkAccessFlags attached = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+    const VkSubpassDependency order[] = {{.srcSubpass = VK_SUBPASS_EXTERNAL,
+                                          .dstSubpass = 0,
+                                          .srcStageMask = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+                                          .dstStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+                                          .srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
+                                          .dstAccessMask = attached},
+                                         {.srcSubpass = 0,
+                                          .dstSubpass = VK_SUBPASS_EXTERNAL,
+                                          .srcStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+                                          .dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                          .srcAccessMask = attached,
+                                          .dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT}};
+    const VkRenderPassCreateInfo info{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
+                                      .attachmentCount = 1,
+                                      .pAttachments = &picture,
+                                      .subpassCount = 1,
+                                      .pSubpasses = &subpass,
+                                      .dependencyCount = 2,
+                                      .pDependencies = order};
+    VkRenderPass pass = VK_NULL_HANDLE;
+    vkCheck(vkCreateRenderPass(device.handle, &info, nullptr, &pass), "vkCreateRenderPass");
+    return pass;
+}
+
+VkDescriptorPool makePool(const Device& device)
+{
+    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
+    const VkDescriptorPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                          .flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT,
+                                          .maxSets = 1,
+                                          .poolSizeCount = 1,
+                                          .pPoolSizes = &size};
+    VkDescriptorPool pool = VK_NULL_HANDLE;
+    vkCheck(vkCreateDescriptorPool(device.handle, &info, nullptr, &pool), "vkCreateDescriptorPool");
+    return pool;
+}
+
+} // namespace
+
+struct WindowPanel::Parts {
+    using UniquePass = Unique<VkRenderPass, &vkDestroyRenderPass>;
+    using UniqueFramebuffer = Unique<VkFramebuffer, &vkDestroyFramebuffer>;
+
+    Session& session;
+    UniquePass pass;
+    UniqueDescriptorPool pool;
+    std::vector<UniqueFramebuffer> framebuffers; ///< A frame in flight each.
+    uint64_t frame = 0;
+    ImguiPanel panel;
+};
+
+WindowPanel::WindowPanel(Session& session, const Window& window, uint32_t framesInFlight)
+    : parts_(new Parts{.session = session, .pass = {}, .pool = {}, .framebuffers = {}, .panel = {}})
+{
+    const Device& device = session.device;
+    parts_->pass = {device.handle, makePass(device, Renderer::kColourFormat)};
+    parts_->pool = {device.handle, makePool(device)};
+    parts_->framebuffers.resize(framesInFlight);
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;
+    ImGui_ImplGlfw_InitForVulkan(window.handle(), true);
+    ImGui_ImplVulkan_InitInfo info{};
+    info.Instance = device.instance;
+    info.PhysicalDevice = device.physicalDevice;
+    info.Device = device.handle;
+    info.QueueFamily = device.queueFamily;
+    info.Queue = device.queue;
+    info.DescriptorPool = parts_->pool.get();
+    info.MinImageCount = info.ImageCount = std::max(framesInFlight, 2u); // sets of its vertex buffers
+#if IMGUI_VERSION_NUM < 19000
+    ImGui_ImplVulkan_Init(&info, parts_->pass.get());
+#else
+    info.RenderPass = parts_->pass.get();
+    ImGui_ImplVulkan_Init(&info);
+#endif
+}
+
+WindowPanel::~WindowPanel()
+{
+    ImGui_ImplVulkan_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+}
+
+void WindowPanel::draw(VkCommandBuffer cmd, const Image& picture)
+{
+    Parts& parts = *parts_;
+    Session& session = parts.session;
+#if IMGUI_VERSION_NUM < 19000
+    if (parts.frame == 0) ImGui_ImplVulkan_CreateFontsTexture(cmd);
+#endif
+    const VkImageView view = picture.view.get();
+    const VkFramebufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
+                                       .renderPass = parts.pass.get(),
+                                       .attachmentCount = 1,
+                                       .pAttachments = &view,
+                                       .width = picture.extent.width,
+                                       .height = picture.extent.height,
+                                       .layers = 1};
+    VkFramebuffer framebuffer = VK_NULL_HANDLE;
+    vkCheck(vkCreateFramebuffer(session.device.handle, &info, nullptr, &framebuffer), "vkCreateFramebuffer");
+    // In place of that of the frame that has been waited for.
+    parts.framebuffers[parts.frame++ % parts.framebuffers.size()] = {session.device.handle, framebuffer};
+    ImGui_ImplVulkan_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    ImGui::NewFrame();
+    ImGui::SetNextWindowSize(ImVec2(780, 330), ImGuiCond_FirstUseEver);
+    std::vector<ImguiLight> lights;
+    for (const uint32_t index : session.renderer.state().present)
+        lights.push_back({session.shadows.light(index), session.scene.lights[index].name.c_str()});
+    parts.panel.draw(session.shadows.context(), session.shadows.view(0), lights.data(),
+                     static_cast<uint32_t>(lights.size()));
+    ImGui::Render();
+    const VkRenderPassBeginInfo begin{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+                                      .renderPass = parts.pass.get(),
+                                      .framebuffer = framebuffer,
+                                      .renderArea = {{0, 0}, picture.extent}};
+    vkCmdBeginRenderPass(cmd, &begin, VK_SUBPASS_CONTENTS_INLINE);
+    ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), cmd);
+    vkCmdEndRenderPass(cmd);
+}
+
+} // namespace gnomon::demo

@@ -1,0 +1,12 @@
+// The map of a resolve pass. The includer declares `sampler2D map` or, with MAP_LAYERS, `sampler2DArray map` at binding
+// 4.
+#ifndef GNOMON_MAPS_MAP_TEXELS_GLSL
+#define GNOMON_MAPS_MAP_TEXELS_GLSL
+#ifdef MAP_LAYERS
+#define MAP_TEXEL(at, layer) textureLod(map, vec3(at, layer), 0.0).x
+#define MAP_GATHER(at, layer) textureGather(map, vec3(at, layer))
+#else
+#define MAP_TEXEL(at, layer) textureLod(map, at, 0.0).x
+#define MAP_GATHER(at, layer) textureGather(map, at)
+#endif
+#endif
