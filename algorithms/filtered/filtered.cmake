@@ -1,1 +1,12 @@
 # Shadow maps with soft edges. One gnomon_algorithm() call a module.
+gnomon_shared(
+    SOURCES moment_maps.cpp
+    SHADERS filtered/box_means.comp
+            filtered/moments_rows.comp
+            filtered/moments_columns.comp:WORDS=1:filtered/moments_columns1.comp
+            filtered/moments_columns.comp:WORDS=2:filtered/moments_columns2.comp
+            filtered/moments_columns.comp:WORDS=4:filtered/moments_columns4.comp)
+gnomon_algorithm(moments
+    SOURCES moments.cpp
+    SHADERS filtered/moments.frag
+            filtered/moments.frag:MAP_LAYERS=1:filtered/moments_cube.frag)
