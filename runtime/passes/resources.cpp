@@ -18,11 +18,19 @@ constexpr std::uint64_t kIdleFrames = 60;
 // what one method has left behind keeps the next from serving.
 constexpr std::uint64_t kIdleFramesPressed = 4;
 
+/// Whether compute passes may write the format: those for which every device has it, and which nothing compresses.
+bool isStorable(VkFormat format)
+{
+    return format == VK_FORMAT_R32_UINT || format == VK_FORMAT_R16G16B16A16_UINT ||
+           format == VK_FORMAT_R32G32B32A32_UINT;
+}
+
 VkImageUsageFlags imageUsage(VkFormat format)
 {
     const bool depth = (aspectsOf(format) & VK_IMAGE_ASPECT_COLOR_BIT) == 0;
     return VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
-           (depth ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
+           (depth ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT) |
+           (isStorable(format) ? VK_IMAGE_USAGE_STORAGE_BIT : 0);
 }
 
 constexpr VkBufferUsageFlags kBufferUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |

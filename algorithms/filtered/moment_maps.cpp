@@ -1,0 +1,224 @@
+#include "algorithms/filtered/moment_maps.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "algorithms/shared/caster_lists.hpp"
+#include "shaders/filtered_box_means_comp.h"
+#include "shaders/filtered_moments_columns1_comp.h"
+#include "shaders/filtered_moments_columns2_comp.h"
+#include "shaders/filtered_moments_columns4_comp.h"
+#include "shaders/filtered_moments_rows_comp.h"
+
+namespace gnomon {
+
+namespace {
+
+constexpr std::array kWordFormats = {VK_FORMAT_R32_UINT, VK_FORMAT_R16G16B16A16_UINT, VK_FORMAT_R32G32B32A32_UINT};
+
+std::uint32_t wordsOf(const MomentFilter& filter)
+{
+    const std::uint32_t channels = gpu::momentChannels(filter.kind);
+    return filter.bits == 16 ? (channels + 1) / 2 : channels;
+}
+
+/// 1, 2, 4 -> 0, 1, 2.
+std::size_t logOf(std::uint32_t count)
+{
+    return static_cast<std::size_t>(std::countr_zero(count));
+}
+
+constexpr BindingInfo kConstantsBinding{.binding = 0, .kind = BindingKind::constants};
+
+PipelineId rowsPipeline(const AlgorithmServices& services, std::uint32_t kind)
+{
+    const std::array bindings = {
+        kConstantsBinding,
+        BindingInfo{.binding = 1, .kind = BindingKind::sampledImage, .format = kMapFormat, .powerOfTwo = true},
+        BindingInfo{.binding = 2, .kind = BindingKind::storageBuffer}};
+    ComputePipelineInfo info;
+    info.name = "moments.rows";
+    info.compute = {.code = k_filtered_moments_rows_comp, .specializationCount = 1, .specialization = {kind}};
+    info.bindings = bindings;
+    return services.pipelines->compute(info);
+}
+
+PipelineId meansPipeline(const AlgorithmServices& services, std::uint32_t channels)
+{
+    const std::array bindings = {kConstantsBinding, BindingInfo{.binding = 1, .kind = BindingKind::storageBuffer},
+                                 BindingInfo{.binding = 2, .kind = BindingKind::storageBuffer}};
+    ComputePipelineInfo info;
+    info.name = "moments.means";
+    info.compute = {.code = k_filtered_box_means_comp, .specializationCount = 1, .specialization = {channels}};
+    info.bindings = bindings;
+    return services.pipelines->compute(info);
+}
+
+PipelineId columnsPipeline(const AlgorithmServices& services, std::uint32_t channels, std::uint32_t words)
+{
+    const std::span<const std::uint32_t> codes[] = {k_filtered_moments_columns1_comp, k_filtered_moments_columns2_comp,
+                                                    k_filtered_moments_columns4_comp};
+    const std::array bindings = {
+        kConstantsBinding, BindingInfo{.binding = 1, .kind = BindingKind::storageBuffer},
+        BindingInfo{.binding = 2, .kind = BindingKind::storageBuffer},
+        BindingInfo{
+            .binding = 3, .kind = BindingKind::storageImage, .format = kWordFormats[logOf(words)], .powerOfTwo = true}};
+    ComputePipelineInfo info;
+    info.name = "moments.columns";
+    info.compute = {.code = codes[logOf(words)], .specializationCount = 1, .specialization = {channels}};
+    info.bindings = bindings;
+    return services.pipelines->compute(info);
+}
+
+/// Whichever tasks make the same of the same map share it.
+std::uint32_t variantOf(const MomentFilter& filter, std::uint32_t resolution)
+{
+    const std::uint64_t hash = Stamp()
+                                   .add(std::uint64_t{filter.kind << 16 | filter.bits << 8 | filter.boxes})
+                                   .add(std::uint64_t{filter.box} << 32 | resolution)
+                                   .add(filter.exponent)
+                                   .value();
+    return static_cast<std::uint32_t>(hash ^ hash >> 32) & ~7u; // with room for a layer
+}
+
+} // namespace
+
+gpu::LinearDepth linearDepthOf(const LightFit& fit, const LightView& light)
+{
+    if (light.type == GN_LIGHT_TYPE_DIRECTIONAL)
+        return {.scale = 1.0f, .offset = 0.0f, .perspective = 0.0f, .padding = 0.0f};
+    // At the light, not at the near end: what is before that end appears on it.
+    const float scale = fit.nearWs / std::max(fit.endWs, 2.0f * fit.nearWs);
+    return {.scale = scale, .offset = 0.0f, .perspective = 1.0f, .padding = 0.0f};
+}
+
+/// One layer of a map and what its moments are made in.
+struct MomentMaps::Layer {
+    MomentFilter filter;
+    ImageId map, moments;
+    BufferId first, second; ///< Scratch.
+    std::uint32_t index = 0, side = 0, variant = 0;
+    gpu::BoxSums rows{}, columns{};
+
+    std::uint32_t groups() const
+    {
+        return (side + gpu::BOX_GROUP - 1) / gpu::BOX_GROUP * ((side + filter.box - 1) / filter.box);
+    }
+};
+
+MomentMaps::MomentMaps(const AlgorithmServices& services)
+{
+    for (std::uint32_t kind = 0; kind < gpu::MOMENT_KINDS; ++kind)
+        rows_[kind] = rowsPipeline(services, kind);
+    for (std::uint32_t channels = 1; channels <= 4; channels *= 2) {
+        means_[logOf(channels)] = meansPipeline(services, channels);
+        for (const std::uint32_t words : {(channels + 1) / 2, channels})
+            columns_[logOf(channels)][logOf(words)] = columnsPipeline(services, channels, words);
+    }
+}
+
+ImageId MomentMaps::declare(PassBuilder& passes, const LightMap& map, const ShadowTask& task, std::uint32_t resolution,
+                            const MomentFilter& filter) const
+{
+    const std::uint32_t variant = variantOf(filter, resolution);
+    const auto layers = static_cast<std::uint32_t>(map.fits.size());
+    const ImageId moments = passes.persistent(ImageInfo{.name = "moments.map",
+                                                        .scope = Scope::light,
+                                                        .format = format(filter),
+                                                        .extent = {resolution, resolution},
+                                                        .layers = layers,
+                                                        .variant = variant});
+    for (std::uint32_t index = 0; index < layers; ++index) {
+        if ((map.needed >> index & 1) == 0) continue;
+        // A stamp belongs to a whole resource, layers need one each: the smallest buffer there is carries it.
+        const BufferId carrier = passes.persistent(
+            BufferInfo{.name = "moments.stamp", .scope = Scope::light, .size = 4, .variant = variant + index});
+        if (!passes.stale(carrier, Stamp().add(map.stamps[index]).add(passes.serial(moments)).value())) {
+            passes.kept();
+            continue;
+        }
+        const auto scratch = [&](const char* name) {
+            return passes.transient(BufferInfo{
+                .name = name, .scope = Scope::light, .size = scratchBytes(filter, resolution), .variant = variant});
+        };
+        Layer layer{.filter = filter,
+                    .map = map.image,
+                    .moments = moments,
+                    .first = scratch("moments.first"),
+                    .second = scratch("moments.second"),
+                    .index = index,
+                    .side = resolution,
+                    .variant = variant + index};
+        layer.rows = {.linear = linearDepthOf(map.fits[index], *task.light),
+                      .exponent = filter.exponent,
+                      .side = resolution,
+                      .box = filter.box,
+
+                      .columns = 0,
+                      .kind = filter.kind,
+                      .bits = filter.bits,
+                      .padding0 = 0,
+                      .padding1 = 0};
+        layer.columns = layer.rows;
+        layer.columns.columns = 1;
+        declareLayer(passes, layer);
+    }
+    return moments;
+}
+
+void MomentMaps::declareLayer(PassBuilder& passes, const Layer& declared) const
+{
+    static constexpr const char* kMeans[] = {"moments.rows2", "moments.rows3", "moments.columns1", "moments.columns2"};
+    const Layer* layer = passes.arena().make(declared);
+    const std::size_t channels = logOf(gpu::momentChannels(layer->filter.kind));
+    BufferId from = layer->first, to = layer->second;
+    passes.compute("moments.rows", Scope::light, layer->variant)
+        .samples(layer->map, {.layer = layer->index})
+        .updates(from)
+        .record([layer, from, pipeline = rows_[layer->filter.kind]](PassContext& gpu) {
+            gpu.bind(pipeline, {gpu.constants(0, layer->rows),
+                                gpu.sampled(1, layer->map, SamplerKind::nearest, layer->index), gpu.storage(2, from)});
+            gpu.vk->vkCmdDispatch(gpu.cmd, layer->groups(), 1, 1);
+        });
+    // Rows that remain, then columns but the last.
+    const std::uint32_t more = layer->filter.boxes - 1;
+    for (std::uint32_t i = 0; i < 2 * more; ++i) {
+        const bool columns = i >= more;
+        passes.compute(kMeans[columns ? 2 + i - more : i], Scope::light, layer->variant)
+            .reads(from)
+            .updates(to)
+            .record([layer, from, to, columns, pipeline = means_[channels]](PassContext& gpu) {
+                gpu.bind(pipeline, {gpu.constants(0, columns ? layer->columns : layer->rows), gpu.storage(1, from),
+                                    gpu.storage(2, to)});
+                gpu.vk->vkCmdDispatch(gpu.cmd, layer->groups(), 1, 1);
+            });
+        std::swap(from, to);
+    }
+    passes.compute("moments.columns", Scope::light, layer->variant)
+        .reads(from)
+        .updates(to)
+        .writes(layer->moments, {.layer = layer->index})
+        .record([layer, from, to, pipeline = columns_[channels][logOf(wordsOf(layer->filter))]](PassContext& gpu) {
+            gpu.bind(pipeline, {gpu.constants(0, layer->columns), gpu.storage(1, from), gpu.storage(2, to),
+                                gpu.storage(3, layer->moments, layer->index)});
+            gpu.vk->vkCmdDispatch(gpu.cmd, layer->groups(), 1, 1);
+        });
+}
+
+VkDeviceSize MomentMaps::memory(const MomentFilter& filter, std::uint32_t resolution, std::uint32_t layers)
+{
+    return storedImageSize({resolution, resolution}, 4 * wordsOf(filter)) * layers +
+           2 * pooledSize(scratchBytes(filter, resolution));
+}
+
+VkDeviceSize MomentMaps::scratchBytes(const MomentFilter& filter, std::uint32_t resolution)
+{
+    return VkDeviceSize{4} * gpu::momentChannels(filter.kind) * resolution * resolution;
+}
+
+VkFormat MomentMaps::format(const MomentFilter& filter)
+{
+    return kWordFormats[logOf(wordsOf(filter))];
+}
+
+} // namespace gnomon

@@ -1,0 +1,142 @@
+#include "algorithms/filtered/moments.hpp"
+
+#include "algorithms/filtered/moment_maps.hpp"
+#include "algorithms/shared/map_resolve.hpp"
+#include "shaders/filtered_moments_cube_frag.h"
+#include "shaders/filtered_moments_frag.h"
+#include "shaders/shared_map_resolve_vert.h"
+
+namespace gnomon {
+
+namespace {
+
+enum Setting { kResolution, kKind, kFilter, kBoxes, kBits, kExponent, kBleeding };
+
+constexpr SettingSpec kSettings[] = {
+    // 2048: the buffers of the filter, 16 bytes a texel, have to fit into a storage buffer, which may have 128 MiB.
+    {"resolution", "Texels per side of the map; of a point light, of each of six.", 64, 2048, 1024, true},
+    {"kind", "0 VSM, 1 ESM, 2 EVSM with two moments, 3 EVSM with four, 4 MSM.", 0, gpu::MOMENT_KINDS - 1,
+     gpu::MOMENTS_EVSM4},
+    {"filter", "Texels per side of what depths are averaged over, odd.", 1, gpu::MAX_MOMENT_FILTER, 5},
+    {"boxes", "Boxes applied one after another to fill the filter: 1 is a box, 3 nearly a Gaussian.", 1, 3, 1},
+    {"bits", "Of a channel: 32, or 16 for half the memory and less precision; less than 24 counts as 16.", 16, 32, 32},
+    {"exponent", "Of ESM and EVSM, for depths from -1 to 1; clamped to what 16 bits hold, 5.54, of ESM 11.08.", 1, 42,
+     40},
+    {"bleeding", "Share of light below which a pixel counts as umbra.", 0, 0.9, 0.1},
+};
+
+MomentFilter filterOf(std::span<const double> settings)
+{
+    MomentFilter filter;
+    filter.kind = static_cast<std::uint32_t>(settings[kKind]);
+    filter.bits = settings[kBits] < 24.0 ? 16 : 32;
+    filter.boxes = static_cast<std::uint32_t>(settings[kBoxes]);
+    filter.box = ((static_cast<std::uint32_t>(settings[kFilter]) - 1) / filter.boxes + 1) | 1u;
+    filter.exponent = gpu::momentExponent(filter.kind, filter.bits, static_cast<float>(settings[kExponent]));
+    return filter;
+}
+
+/// Adds what the shader knows of the filter and of what rounding makes of moments.
+void addMoments(gpu::MomentsConstants& constants, const MomentFilter& filter, float bleeding)
+{
+    constants.kind = filter.kind;
+    constants.bits = filter.bits;
+    constants.exponent = filter.exponent;
+    constants.bleeding = bleeding;
+    // A variance is a difference of moments, and a deviation the root of what rounding makes of it: 2^-22 is four units
+    // of a 32-bit float near 1, 2^-14 twice what fractions of 16 bits are apart, and above a half float's rounding of
+    // e^(2 c y) once it is divided by the square of 2 c.
+    constants.deviation = filter.bits == 16 ? 0x1p-7f : 0x1p-11f;
+    // Peters and Klein 2015, 3.3.
+    constants.momentBias = filter.bits == 16 ? 6e-5f : 3e-7f;
+    constants.planeTexels = filter.deviation();
+}
+
+class Moments final : public ShadowAlgorithm {
+public:
+    explicit Moments(const AlgorithmServices& services) : casters_(makeDepthMapPipelines(services)), maps_(services)
+    {
+        for (const bool cube : {false, true})
+            for (const bool normals : {false, true})
+                for (const bool four : {false, true})
+                    resolve_[cube][normals][four] = resolvePipeline(services, cube, normals, four);
+    }
+
+    void declare(PassBuilder& passes, const ShadowTask& task) override
+    {
+        const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
+        const MomentFilter filter = filterOf(task.settings);
+        gpu::MomentsConstants& constants = *passes.arena().make<gpu::MomentsConstants>();
+        constants.base = mapConstants(task, resolution, 1);
+        const LightMap map = declareLightMap(passes, casters_, task, resolution, constants.base,
+                                             std::max(filter.border(), kMapBorderTexels));
+        constants.linear = linearDepthOf(map.fits.front(), *task.light); // all layers have the same ends
+        addMoments(constants, filter, static_cast<float>(task.settings[kBleeding]));
+        const ImageId moments = maps_.declare(passes, map, task, resolution, filter);
+        map_ = handedOut(map.image, map.fits, map.needed);
+
+        const bool cube = task.light->type == GN_LIGHT_TYPE_POINT;
+        const LookupImages look(task, map.image);
+        LookupPass pass(passes, task, "moments.resolve", look);
+        pass.uses.samples(moments);
+        const PipelineId pipeline = resolve_[cube][look.hasNormals][filter.kind == gpu::MOMENTS_MSM];
+        pass.record([=, block = &constants](PassContext& gpu) {
+            gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.sampled(5, moments)});
+        });
+    }
+
+    const Map* lightMap() const override { return &map_; }
+
+private:
+    static PipelineId resolvePipeline(const AlgorithmServices& services, bool cube, bool normals, bool four)
+    {
+        const std::array look = lookupBindings(cube);
+        std::array<BindingInfo, look.size() + 1> bindings{};
+        std::ranges::copy(look, bindings.begin());
+        bindings.back() = {.binding = 5,
+                           .kind = BindingKind::sampledImage,
+                           .format = VK_FORMAT_R32G32B32A32_UINT,
+                           .array = true,
+                           .powerOfTwo = true};
+        GraphicsPipelineInfo info;
+        info.name = "moments.resolve";
+        info.vertex.code = k_shared_map_resolve_vert;
+        info.fragment = {.specializationCount = 2, .specialization = {normals, four}};
+        if (cube)
+            info.fragment.code = k_filtered_moments_cube_frag;
+        else
+            info.fragment.code = k_filtered_moments_frag;
+        info.bindings = bindings;
+        info.colorFormat = VK_FORMAT_R8_UNORM;
+        return services.pipelines->graphics(info);
+    }
+
+    DepthMapPipelines casters_;
+    MomentMaps maps_;
+    PipelineId resolve_[2][2][2]; ///< [point light][has normals][MSM]
+    Map map_;
+};
+
+} // namespace
+
+constinit const AlgorithmEntry kMoments{
+    .name = "moments",
+    .source = "Donnelly and Lauritzen 2006; Annen 2008; Lauritzen 2008; Peters and Klein 2015",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_FIXED_PENUMBRA_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kSettings,
+    .memoryPerLight =
+        [](std::span<const double> settings, VkExtent2D, GnLightType type) {
+            const auto resolution = static_cast<std::uint32_t>(settings[kResolution]);
+            return depthMapMemory(resolution, mapLayers(type)) +
+                   MomentMaps::memory(filterOf(settings), resolution, mapLayers(type));
+        },
+    .missing = nullptr,
+    .create = makeAlgorithm<Moments>,
+    .typicalWrongPercent = 1.3f, // moments.md
+};
+
+} // namespace gnomon

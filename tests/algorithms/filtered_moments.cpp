@@ -1,0 +1,252 @@
+// Formulas of filtered moments, as the shaders have them, against counting and brute force.
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "shaders/filtered/moments.h"
+
+namespace gnomon::gpu {
+namespace {
+
+/// What boxMeans() reads and writes here.
+struct Memory {
+    std::vector<vec4> source, means;
+} memory;
+
+vec4 sourceAt(const BoxSums& sums, uint at, uint line)
+{
+    return memory.source.at(boxTexel(sums, at, line));
+}
+void keep(const BoxSums& sums, uint at, uint line, vec4 value)
+{
+    memory.means.at(boxTexel(sums, at, line)) = value;
+}
+vec4 kept(const BoxSums& sums, uint at, uint line)
+{
+    return memory.means.at(boxTexel(sums, at, line));
+}
+
+} // namespace
+} // namespace gnomon::gpu
+
+#define BOX_SOURCE sourceAt
+#define BOX_KEEP keep
+#define BOX_KEPT kept
+#define BOX_STORE keep
+#include "shaders/filtered/box_means.h"
+
+namespace gnomon::gpu {
+namespace {
+
+/// Numbers that are the same with every C++ library.
+class Random {
+public:
+    explicit Random(std::uint32_t seed) : engine_(seed) {}
+    float unit() { return static_cast<float>(static_cast<double>(engine_()) / 0x1p32); }
+    std::uint32_t below(std::uint32_t end) { return static_cast<std::uint32_t>(engine_() % end); }
+
+private:
+    std::mt19937 engine_;
+};
+
+/// Every invocation of one filter pass.
+void filter(const BoxSums& sums)
+{
+    memory.means.assign(memory.source.size(), vec4(-1.0f));
+    const uint groups = (sums.side + BOX_GROUP - 1) / BOX_GROUP * ((sums.side + sums.box - 1) / sums.box);
+    for (uint i = 0; i < BOX_GROUP * groups; ++i)
+        boxMeans(sums, i);
+}
+
+MomentsConstants constantsOf(uint kind, uint bits)
+{
+    MomentsConstants k{};
+    k.kind = kind;
+    k.bits = bits;
+    k.exponent = momentExponent(kind, bits, 42.0f);
+    k.deviation = 0x1p-11f;
+    k.momentBias = 3e-7f;
+    return k;
+}
+
+vec4 mean(const MomentsConstants& k, const std::vector<float>& depths)
+{
+    vec4 sum(0.0f);
+    for (const float z : depths)
+        sum += momentsOf(k.kind, k.exponent, z) / static_cast<float>(depths.size());
+    return sum;
+}
+
+float shareLit(const std::vector<float>& depths, float z)
+{
+    return static_cast<float>(std::ranges::count_if(depths, [&](float depth) { return depth >= z; })) /
+           static_cast<float>(depths.size());
+}
+
+} // namespace
+
+TEST_CASE("box means along rows and columns equal sums by brute force, whatever the widths of box and image")
+{
+    Random random(1);
+    for (const uint side : {1u, 2u, 7u, 64u, 100u}) {
+        for (const uint box : {1u, 3u, 5u, 7u, 31u, 63u}) {
+            for (const bool columns : {false, true}) {
+                CAPTURE(side);
+                CAPTURE(box);
+                CAPTURE(columns);
+                BoxSums sums{};
+                sums.side = side;
+                sums.box = box;
+                sums.columns = columns ? 1 : 0;
+                memory.source.resize(std::size_t{side} * side);
+                for (vec4& texel : memory.source)
+                    texel = vec4(random.unit(), random.unit(), -random.unit(), 1.0f);
+                filter(sums);
+                float worst = 0.0f;
+                for (uint line = 0; line < side; ++line) {
+                    for (uint at = 0; at < side; ++at) {
+                        glm::dvec4 expected(0.0);
+                        for (int i = 0; i < static_cast<int>(box); ++i) {
+                            const int from = static_cast<int>(at) + i - static_cast<int>(box / 2);
+                            expected += glm::dvec4(sourceAt(
+                                sums, static_cast<uint>(std::clamp(from, 0, static_cast<int>(side) - 1)), line));
+                        }
+                        const glm::dvec4 off = glm::abs(glm::dvec4(kept(sums, at, line)) - expected / double(box));
+                        worst = std::max(worst, static_cast<float>(std::max({off.x, off.y, off.z, off.w})));
+                    }
+                }
+                CHECK(worst < 1e-6f); // some ten roundings of numbers up to 1
+            }
+        }
+    }
+}
+
+TEST_CASE("what is small beside e^84 in one line keeps its precision in a box mean")
+{
+    constexpr uint kSide = 64, kBox = 7;
+    BoxSums sums{};
+    sums.side = kSide;
+    sums.box = kBox;
+    memory.source.assign(kSide * kSide, vec4(3e36f));
+    for (uint at = 20; at < 40; ++at)
+        memory.source[boxTexel(sums, at, 0)] = vec4(1.5f);
+    filter(sums);
+    for (uint at = 23; at < 37; ++at)
+        CHECK(kept(sums, at, 0).x == doctest::Approx(1.5));
+}
+
+TEST_CASE("quantised moments fill [0, 1] and are undone by their inverse")
+{
+    vec4 low(1.0f), high(0.0f);
+    for (int i = 0; i <= 1000; ++i) {
+        const float z = static_cast<float>(i) / 1000.0f;
+        const vec4 m = momentsOf(MOMENTS_MSM, 1.0f, z), q = toQuantised(m), back = fromQuantised(q);
+        low = glm::min(low, q);
+        high = glm::max(high, q);
+        for (int c = 0; c < 4; ++c)
+            CHECK(back[c] == doctest::Approx(m[c]).epsilon(1e-4));
+    }
+    for (int c = 0; c < 4; ++c) {
+        CHECK(low[c] > -1e-5f);
+        CHECK(low[c] < 0.01f);
+        CHECK(high[c] < 1.0f + 1e-5f);
+        CHECK(high[c] > 0.99f);
+    }
+}
+
+TEST_CASE("kinds with several moments never say less light than the share of depths that are lit, and four moments "
+          "less than two")
+{
+    Random random(2);
+    double excess[MOMENT_KINDS] = {};
+    int count = 0;
+    for (int trial = 0; trial < 3000; ++trial) {
+        std::vector<float> layers(1 + random.below(4)), depths(1 + random.below(60));
+        for (float& z : layers)
+            z = random.unit();
+        for (float& z : depths)
+            z = layers[random.below(static_cast<std::uint32_t>(layers.size()))];
+        const float z = random.unit();
+        const float lit = shareLit(depths, z);
+        ++count;
+        for (const uint kind : {MOMENTS_VSM, MOMENTS_EVSM2, MOMENTS_EVSM4, MOMENTS_MSM}) {
+            CAPTURE(kind);
+            const MomentsConstants k = constantsOf(kind, 32);
+            const float said = momentsLit(k, mean(k, depths), z, z);
+            CHECK(said >= lit - 2e-3f); // rounding of four moments, and their bias
+            excess[kind] += static_cast<double>(said - lit);
+        }
+    }
+    for (double& sum : excess)
+        sum /= count;
+    MESSAGE("mean excess: VSM " << excess[MOMENTS_VSM] << ", EVSM2 " << excess[MOMENTS_EVSM2] << ", EVSM4 "
+                                << excess[MOMENTS_EVSM4] << ", MSM " << excess[MOMENTS_MSM]);
+    CHECK(excess[MOMENTS_EVSM4] < excess[MOMENTS_VSM]);
+    CHECK(excess[MOMENTS_MSM] < excess[MOMENTS_VSM]);
+}
+
+TEST_CASE("of two depths, the receiver on the farther, every kind gives the share of the farther")
+{
+    for (const uint kind : {MOMENTS_VSM, MOMENTS_ESM, MOMENTS_EVSM2, MOMENTS_EVSM4, MOMENTS_MSM}) {
+        CAPTURE(kind);
+        const MomentsConstants k = constantsOf(kind, 32);
+        for (int lit = 0; lit <= 10; ++lit) {
+            std::vector<float> depths(10, 0.3f);
+            std::fill_n(depths.begin(), lit, 0.8f);
+            CHECK(momentsLit(k, mean(k, depths), 0.8f, 0.8f) == doctest::Approx(0.1 * lit).epsilon(0.01));
+        }
+    }
+}
+
+TEST_CASE("a receiver on a plane that is in the map at any slope is lit by every kind")
+{
+    for (uint kind = 0; kind < MOMENT_KINDS; ++kind) {
+        const MomentsConstants k = constantsOf(kind, 32);
+        for (const float half : {0.3f, 0.1f, 0.03f, 0.01f, 0.001f}) {
+            CAPTURE(kind);
+            CAPTURE(half);
+            std::vector<float> depths(1001);
+            for (std::size_t i = 0; i < depths.size(); ++i)
+                depths[i] = 0.5f + half * (static_cast<float>(i) / 500.0f - 1.0f);
+            const float lit = momentsLit(k, mean(k, depths), 0.5f, 0.5f - half / std::sqrt(3.0f));
+            CHECK(lit > 0.95f);
+            if (kind == MOMENTS_MSM) CHECK(momentsLit(k, mean(k, depths), 0.5f, 0.5f) < (half > 0.05f ? 0.8f : 1.01f));
+        }
+    }
+}
+
+TEST_CASE("no depths, exponents and formats give what is no number, and none that a format cannot hold")
+{
+    for (uint kind = 0; kind < MOMENT_KINDS; ++kind) {
+        for (const uint bits : {16u, 32u}) {
+            for (const float asked : {-1.0f, 0.0f, 1.0f, 40.0f, 1e30f}) {
+                MomentsConstants k = constantsOf(kind, bits);
+                k.exponent = momentExponent(kind, bits, asked);
+                CAPTURE(kind);
+                CAPTURE(bits);
+                CAPTURE(asked);
+                for (const float a : {0.0f, 0x1p-24f, 0.5f, 1.0f}) {
+                    for (const float b : {0.0f, 0.5f, 1.0f}) {
+                        const vec4 m = mean(k, {a, b});
+                        for (int c = 0; c < 4; ++c)
+                            CHECK(std::fabs(m[c]) < (bits == 16 && kind != MOMENTS_MSM ? 65504.0f : 3.4e38f));
+                        for (const float z : {0.0f, 0x1p-24f, 0.5f, 1.0f}) {
+                            const float lit = momentsLit(k, m, z, z);
+                            CHECK(lit >= 0.0f);
+                            CHECK(lit <= 1.0f);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    const LinearDepth spot{.scale = 0.001f, .offset = 0.0f, .perspective = 1.0f, .padding = 0.0f};
+    CHECK(linearZ(spot, 0.0f) == doctest::Approx(0.001));
+    CHECK(linearZ(spot, 1.0f) == 1.0f);
+    CHECK(linearZ(spot, -1e30f) == doctest::Approx(0.0));
+}
+
+} // namespace gnomon::gpu
