@@ -12,7 +12,7 @@ layout(set = 0, binding = 1) uniform sampler2D map;
 vec2 below(uvec2 at)
 {
     if (push.fromMap != 0u) return vec2(texelFetch(map, ivec2(at), 0).x);
-    return bounds[push.below + at.y * push.side + at.x];
+    return bounds[min(push.below + at.y * push.side + at.x, uint(bounds.length()) - 1u)];
 }
 
 void main()
@@ -27,5 +27,6 @@ void main()
             range = vec2(min(range.x, part.x), max(range.y, part.y));
         }
     }
-    bounds[push.first + square.y * side + square.x] = range;
+    uint place = push.first + square.y * side + square.x;
+    if (place < uint(bounds.length())) bounds[place] = range;
 }
