@@ -73,7 +73,7 @@ public:
         constants.linear = linearDepthOf(map.fits.front(), *task.light); // all layers have the same ends
         addMoments(constants, filter, static_cast<float>(task.settings[kBleeding]));
         const ImageId moments = maps_.declare(passes, map, task, resolution, filter);
-        map_ = handedOut(map.image, map.fits, map.needed);
+        map_ = handedOut(map.image, map.fits, map.needed, constants.base);
 
         const bool cube = task.light->type == GN_LIGHT_TYPE_POINT;
         const LookupImages look(task, map.image);

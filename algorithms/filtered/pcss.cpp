@@ -114,7 +114,7 @@ public:
         constants.base = mapConstants(task, resolution, 1);
         const LightMap map = declareLightMap(passes, casters_, task, resolution, constants.base,
                                              soft ? softBorder(resolution) : kMapBorderTexels);
-        map_ = handedOut(map.image, map.fits, map.needed);
+        map_ = handedOut(map.image, map.fits, map.needed, constants.base);
         if (!soft) { // shadow_map's picture, or cube_map's
             (cube ? hardCube_ : hard_).declare(passes, task, map.image, constants, false);
             return;
