@@ -42,8 +42,8 @@ void WarpedMap::declare(PassBuilder& passes, const ShadowTask& task, const WarpS
     warps[count++] = {warp.away, 0.0};
     if (settings.minimal && source.part.hull.count > 0)
         warps[count++] = {smallestRectangle(source.part.hull.points()), 0.0};
-    const LightFit* fit =
-        passes.arena().make(fitWarped(*source.plain, source.part, {warps.data(), count}, settings.resolution));
+    const LightFit* fit = passes.arena().make(fitWarped(*source.plain, source.part, {warps.data(), count},
+                                                        settings.resolution, static_cast<float>(kMapBorderTexels)));
     const DepthMap map = declareViewMap(passes, casters_, task, settings.resolution, fit, names_);
     gpu::MapConstants constants = mapConstants(task, settings.resolution, filterSide(settings.filter));
     addWarpedProjection(constants, *fit, task);
