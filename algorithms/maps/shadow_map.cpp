@@ -2,19 +2,27 @@
 
 #include "algorithms/shared/depth_map.hpp"
 #include "algorithms/shared/map_resolve.hpp"
+#include "algorithms/shared/trapezoid.hpp"
 #include "shaders/maps_shadow_map_frag.h"
 
 namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter, kKernel };
+enum Setting { kResolution, kFilter, kKernel, kFit };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map.", 64, 8192, 1024, true},
     kKernelSideSetting,
     kKernelSetting,
+    {"fit", "0: the map covers all casters or the cone; 1: the smallest rectangle around what the view sees of that.",
+     0, 1, 0},
 };
+
+constexpr ViewMapNames kSeenNames{"shadow_map.depth",
+                                  "shadow_map.statics",
+                                  "shadow_map.stamp",
+                                  {"shadow_map.casters", "shadow_map.statics", "shadow_map.copy_statics"}};
 
 class ShadowMap final : public ShadowAlgorithm {
 public:
@@ -36,7 +44,9 @@ public:
     {
         const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         const std::uint32_t side = filterSide(task.settings[kFilter]);
-        const DepthMap map = declareDepthMap(passes, casters_, task, resolution, kernelBorder(side));
+        const DepthMap map = task.settings[kFit] >= 0.5
+                                 ? declareSeenMap(passes, task, resolution, kernelBorder(side))
+                                 : declareDepthMap(passes, casters_, task, resolution, kernelBorder(side));
         gpu::MapConstants constants = mapConstants(task, resolution, side);
         constants.map.kernel = static_cast<float>(task.settings[kKernel]);
         addProjection(constants, *map.fit, task);
@@ -47,6 +57,17 @@ public:
     }
 
 private:
+    DepthMap declareSeenMap(PassBuilder& passes, const ShadowTask& task, std::uint32_t resolution,
+                            std::uint32_t borderTexels)
+    {
+        const LightFit& plain = *fitDepthMap(casters_.clamped, task, resolution, passes.arena(), borderTexels);
+        const SeenPart part = seenPart(task, plain);
+        const Warp rectangle{smallestRectangle(part.hull.points()), 0.0};
+        const LightFit* fit =
+            passes.arena().make(fitWarped(plain, part, {&rectangle, 1}, resolution, static_cast<float>(borderTexels)));
+        return declareViewMap(passes, casters_, task, resolution, fit, kSeenNames);
+    }
+
     DepthMapPipelines casters_;
     MapResolve resolve_;
     Map map_;

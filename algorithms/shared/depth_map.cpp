@@ -107,23 +107,51 @@ LightFit* fitDepthMap(Clamped clamped, const ShadowTask& task, std::uint32_t res
     return fit;
 }
 
-DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
-                         std::uint32_t resolution, std::uint32_t borderTexels)
+namespace {
+
+DepthMap declareFitted(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
+                       const LightFit* fit, const ViewMapNames& names, const KeptMapInfo& info)
 {
-    static constexpr LayerNames kNames{"depth_map.casters", "depth_map.statics", "depth_map.copy_statics"};
     FrameArena& arena = passes.arena();
-    const LightFit* fit = fitDepthMap(pipelines.clamped, task, resolution, arena, borderTexels);
-    KeptMap map(passes, {.name = "depth_map.depth",
-                         .staticsName = "depth_map.statics",
-                         .stampName = "depth_map.stamp",
-                         .format = kMapFormat,
-                         .resolution = resolution,
-                         .form = borderForm(borderTexels)});
+    KeptMap map(passes, info);
     const std::uint64_t projection = Stamp().add(fit->clipFromWorld).value();
     const LayerContent content = layerContent(*task.light, castersIn(task.casters->statics, fit->volume, arena),
                                               castersIn(task.casters->dynamics, fit->volume, arena), projection);
-    const KeptParts parts = map.update(0, kNames, content, DepthCasters(pipelines, *fit, task, resolution, arena));
-    return {map.image(), fit, resolution, content.stamp, parts};
+    const KeptParts parts =
+        map.update(0, names.passes, content, DepthCasters(pipelines, *fit, task, info.resolution, arena));
+    return {map.image(), fit, info.resolution, content.stamp, parts};
+}
+
+KeptMapInfo infoOf(const ViewMapNames& names, std::uint32_t resolution)
+{
+    return {.name = names.depth,
+            .staticsName = names.statics,
+            .stampName = names.stamp,
+            .format = kMapFormat,
+            .resolution = resolution};
+}
+
+} // namespace
+
+DepthMap declareDepthMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
+                         std::uint32_t resolution, std::uint32_t borderTexels)
+{
+    static constexpr ViewMapNames kNames{"depth_map.depth",
+                                         "depth_map.statics",
+                                         "depth_map.stamp",
+                                         {"depth_map.casters", "depth_map.statics", "depth_map.copy_statics"}};
+    const LightFit* fit = fitDepthMap(pipelines.clamped, task, resolution, passes.arena(), borderTexels);
+    KeptMapInfo info = infoOf(kNames, resolution);
+    info.form = borderForm(borderTexels);
+    return declareFitted(passes, pipelines, task, fit, kNames, info);
+}
+
+DepthMap declareViewMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
+                        std::uint32_t resolution, const LightFit* fit, const ViewMapNames& names)
+{
+    KeptMapInfo info = infoOf(names, resolution);
+    info.scope = Scope::task;
+    return declareFitted(passes, pipelines, task, fit, names, info);
 }
 
 VkDeviceSize depthMapMemory(std::uint32_t resolution, std::uint32_t layers)

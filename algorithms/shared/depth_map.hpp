@@ -3,6 +3,7 @@
 // pcf_hybrid), and kept for as long as light and casters stand still.
 #include <cstdint>
 
+#include "algorithms/shared/kept_map.hpp"
 #include "runtime/algorithm.hpp"
 #include "runtime/scene/light_fit.hpp"
 
@@ -66,6 +67,17 @@ constexpr std::uint32_t borderForm(std::uint32_t borderTexels)
 {
     return borderTexels == kMapBorderTexels ? 0 : borderTexels;
 }
+
+/// What a map that follows a view is called, and the passes that draw it.
+struct ViewMapNames {
+    const char *depth, *statics, *stamp;
+    LayerNames passes;
+};
+
+/// The same for a map of task scope, whose fit follows the view: it is drawn whenever `fit`, light or casters change.
+/// @param fit in the frame's memory
+DepthMap declareViewMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,
+                        std::uint32_t resolution, const LightFit* fit, const ViewMapNames& names);
 
 /// Maps around a light: six for a point light.
 constexpr std::uint32_t mapLayers(GnLightType type)

@@ -206,6 +206,31 @@ LightFit fitWindow(const LightFit& whole, glm::dvec2 middle, glm::dvec2 half)
     return fit;
 }
 
+LightFit fitProjected(const LightFit& whole, const glm::dmat3& map, double least)
+{
+    const glm::dmat4 from = glm::transpose(glm::dmat4(whole.clipFromWorld));
+    const glm::dmat3 rowsOfMap = glm::transpose(map);
+    const auto row = [&](int i) {
+        return rowsOfMap[i].x * from[0] + rowsOfMap[i].y * from[1] + rowsOfMap[i].z * from[3];
+    };
+    glm::dmat4 rows(row(0), row(1), least * from[2], row(2));
+    LightFit fit = whole;
+    if (glm::dvec3(from[3]) != glm::dvec3(0.0)) { // w is metres again, now along the axis that `map` leaves
+        const double unit = 1.0 / glm::length(glm::dvec3(rows[3]));
+        const double near = least * unit * static_cast<double>(whole.nearWs);
+        for (const int i : {0, 1, 3})
+            rows[i] *= unit;
+        rows[2] = rows[3];
+        rows[2].w -= near;
+        fit.nearWs = static_cast<float>(near);
+    }
+    const glm::dmat4 clipFromWorld = glm::transpose(rows);
+    fit.clipFromWorld = glm::mat4(clipFromWorld);
+    const std::array<Plane, 6> sides = volumeOf(clipFromWorld, {1.0, 0.0, 0.0, 0.0});
+    std::copy_n(sides.begin(), 4, fit.volume.begin());
+    return fit;
+}
+
 LightFit fitCubeFace(const LightView& light, const Aabb& scene, std::uint32_t face, std::uint32_t resolution,
                      float borderTexels)
 {

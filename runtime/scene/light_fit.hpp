@@ -49,6 +49,11 @@ LightFit fitDirectional(const LightView& light, const Aabb& scene);
 /// @param middle metres from the origin along the map's sides, to the right and down
 /// @param half   metres, half the length of either side
 LightFit fitWindow(const LightFit& whole, glm::dvec2 middle, glm::dvec2 half);
+/// The same light's picture mapped by a projective map, so that a part of it gets all texels, or some get more: clip x,
+/// y and w are `map` times those of `whole`, up to a factor. All that lies on a ray of the light stays on one, with the
+/// order of its depths.
+/// @param least what `map` makes of a w of 1, where it is least in the new picture; above 0
+LightFit fitProjected(const LightFit& whole, const glm::dmat3& map, double least);
 /// Point: face +X, -X, +Y, -Y, +Z, -Z in world axes, widened by `borderTexels` at `resolution` so that filtering near a
 /// face border stays inside the face. Near and far are those of all six faces.
 LightFit fitCubeFace(const LightView& light, const Aabb& scene, std::uint32_t face, std::uint32_t resolution,

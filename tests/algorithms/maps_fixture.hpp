@@ -58,6 +58,14 @@ inline CameraView camera(glm::vec3 eye, glm::vec3 forward, float halfAngle, std:
     const glm::vec2 ring[4] = {{0, 0}, {size.x, 0}, size, {0, size.y}};
     for (std::size_t i = 0; i < 4; ++i)
         view.nearCorners[i] = eye + kNear * gpu::viewRayWs(c, ring[i]);
+    for (std::size_t i = 0; i < 4; ++i) {
+        const glm::vec3 side =
+            glm::normalize(glm::cross(gpu::viewRayWs(c, ring[i]), gpu::viewRayWs(c, ring[(i + 1) % 4])));
+        const glm::vec3 inward = glm::dot(side, forward) < 0.0f ? -side : side;
+        view.frustum[i] = {inward, -glm::dot(inward, eye)};
+    }
+    view.frustum[4] = {forward, -glm::dot(forward, eye) - kNear};
+    view.frustum[5] = {glm::vec3(0.0f), 1.0f};
     return view;
 }
 
