@@ -118,10 +118,8 @@ public:
         row.times = timePairs(session, options_.repeat, options_.recorded, nullptr);
         if (row.times.unpinned > 0)
             std::fprintf(stderr,
-                         "note: %s: in %u of %u frames %s did not serve all of its lights: the row is not its own. "
-                         "%s: %s\n",
+                         "note: %s: in %u of %u frames %s did not serve all of its lights: the row is not its own\n%s",
                          scene_.name.c_str(), row.times.unpinned, options_.repeat, name.c_str(),
-                         served.lights[row.times.unpinnedLight].name.c_str(),
                          session.shadows.whyNot(row.times.unpinnedLight, name, row.times.unpinnedFrame).c_str());
         const GnFrameStats stats = session.shadows.stats();
         row.rays = stats.rays;
