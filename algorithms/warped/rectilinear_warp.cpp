@@ -1,0 +1,132 @@
+#include "algorithms/warped/rectilinear_warp.hpp"
+
+#include <algorithm>
+
+#include "algorithms/warped/table_map.hpp"
+#include "shaders/warped_casters_fine_rectilinear_vert.h"
+#include "shaders/warped_casters_rectilinear_frag.h"
+#include "shaders/warped_casters_rectilinear_vert.h"
+#include "shaders/warped_importance_rectilinear_comp.h"
+#include "shaders/warped_rectilinear_edges_comp.h"
+#include "shaders/warped_rectilinear_places_comp.h"
+#include "shaders/warped_resolve_rectilinear_frag.h"
+
+namespace gnomon {
+
+namespace {
+
+enum Setting { kResolution, kBlur, kEven, kPower, kGreatest };
+
+constexpr SettingSpec kSettings[] = {
+    {"resolution", "Texels per side of the map.", 64, 4096, 1024, true},
+    {"blur", "Columns, of 512, to each side of one that its importance is spread over.", 0, gpu::MAX_BLUR_BINS, 4},
+    {"even", "Share of texels that is spread evenly, over all others.", 0.001, 10, 0.05},
+    {"power", "Of a column's importance: 0.5 the fewest wrong pixels; 0 whatever is seen is as important.", 0, 1, 0.5},
+    {"greatest", "1: a column is as important as its nearest receiver is near; 0: as all receivers together.", 0, 1, 0},
+};
+
+constexpr std::uint32_t kPlacesGroup = 64;
+
+VkDeviceSize tableBytes(std::uint32_t resolution)
+{
+    return sizeof(float) * 2 * (gpu::WARP_BIN_EDGES + VkDeviceSize{resolution});
+}
+
+// However many receivers lie in a column, their sum stays below 2^32.
+std::uint32_t mostWeight(const glm::uvec4& pixels)
+{
+    const std::uint64_t count = std::max<std::uint64_t>(std::uint64_t{pixels.z} * pixels.w, 1);
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(UINT32_MAX / count, 1, 1u << 20));
+}
+
+class RectilinearWarp final : public ShadowAlgorithm {
+public:
+    explicit RectilinearWarp(const AlgorithmServices& services)
+        : vk_(*services.vk), map_(services, {.importance = "rectilinear_warp.importance",
+                                             .clear = "rectilinear_warp.clear",
+                                             .casters = "rectilinear_warp.casters",
+                                             .fine = "rectilinear_warp.fine",
+                                             .resolve = "rectilinear_warp.resolve",
+                                             .importanceBuffer = "rectilinear_warp.importance",
+                                             .map = "rectilinear_warp.depth",
+                                             .importanceCode = k_warped_importance_rectilinear_comp,
+                                             .vertexCode = k_warped_casters_rectilinear_vert,
+                                             .fineVertexCode = k_warped_casters_fine_rectilinear_vert,
+                                             .fragmentCode = k_warped_casters_rectilinear_frag,
+                                             .resolveCode = k_warped_resolve_rectilinear_frag})
+    {
+        constexpr BindingInfo edges[] = {{.binding = 0, .kind = BindingKind::constants},
+                                         {.binding = 1, .kind = BindingKind::storageBuffer},
+                                         {.binding = 2, .kind = BindingKind::storageBuffer}};
+        constexpr BindingInfo places[] = {edges[0], edges[2]};
+        edges_ = services.pipelines->compute({.name = "rectilinear_warp.edges",
+                                              .compute = {.code = k_warped_rectilinear_edges_comp},
+                                              .bindings = edges});
+        places_ = services.pipelines->compute({.name = "rectilinear_warp.places",
+                                               .compute = {.code = k_warped_rectilinear_places_comp},
+                                               .bindings = places});
+    }
+
+    void declare(PassBuilder& passes, const ShadowTask& task) override
+    {
+        const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
+        WarpTask* warp = TableMap::fit(passes, task, resolution);
+        warp->constants.blur = static_cast<float>(task.settings[kBlur]);
+        warp->constants.evenShare = static_cast<float>(task.settings[kEven]);
+        warp->constants.power = static_cast<float>(task.settings[kPower]);
+        if (task.settings[kGreatest] == 0.0) warp->constants.mostWeight = mostWeight(warp->constants.pixels);
+        const BufferId importance =
+            map_.declareImportance(passes, task, *warp, sizeof(std::uint32_t) * 2 * gpu::WARP_BINS);
+        map_.declare(passes, task, *warp, {.tables = declareTables(passes, *warp, importance), .places = {}});
+    }
+
+    const char* refuses(const ShadowTask& task) const override { return warpRefuses(vk_, task); }
+
+private:
+    BufferId declareTables(PassBuilder& passes, const WarpTask& warp, BufferId importance) const
+    {
+        const BufferId tables =
+            passes.transient(BufferInfo{.name = "rectilinear_warp.tables", .size = tableBytes(warp.resolution)});
+        passes.compute("rectilinear_warp.edges")
+            .reads(importance)
+            .writes(tables)
+            .record([=, pipeline = edges_, shared = &warp](PassContext& gpu) {
+                gpu.bind(pipeline,
+                         {gpu.constants(0, shared->constants), gpu.storage(1, importance), gpu.storage(2, tables)});
+                gpu.vk->vkCmdDispatch(gpu.cmd, 2, 1, 1);
+            });
+        passes.compute("rectilinear_warp.places")
+            .updates(tables)
+            .record([=, pipeline = places_, shared = &warp](PassContext& gpu) {
+                gpu.bind(pipeline, {gpu.constants(0, shared->constants), gpu.storage(2, tables)});
+                gpu.vk->vkCmdDispatch(gpu.cmd, (2 * shared->resolution + kPlacesGroup - 1) / kPlacesGroup, 1, 1);
+            });
+        return tables;
+    }
+
+    const DeviceTable& vk_;
+    TableMap map_;
+    PipelineId edges_, places_;
+};
+
+} // namespace
+
+constinit const AlgorithmEntry kRectilinearWarp{
+    .name = "rectilinear_warp",
+    .source = "Rosen 2012; Navratil 2015, 3.2.3",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_CPU_GEOMETRY_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kSettings,
+    .memoryPerLight =
+        [](std::span<const double> settings, VkExtent2D, GnLightType) {
+            const auto side = static_cast<std::uint32_t>(settings[kResolution]);
+            return VkDeviceSize{side} * side * 4 + pooledSize(tableBytes(side)) +
+                   pooledSize(sizeof(std::uint32_t) * 2 * gpu::WARP_BINS);
+        },
+    .missing = nullptr,
+    .create = makeAlgorithm<RectilinearWarp>,
+    .typicalWrongPercent = 0.4f, // rectilinear_warp.md
+};
+
+} // namespace gnomon

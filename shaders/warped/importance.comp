@@ -1,0 +1,113 @@
+#version 460
+// Where the receivers that a view sees lie in a light's map: for each cell their number, or (RECTILINEAR) for each column
+// and each row what texels there are worth: the sum over its receivers of how wide a texel looks, or how near to the eye
+// the nearest is. Receivers that no map decides count for nothing.
+#extension GL_GOOGLE_include_directive : require
+#include "warp.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = 0, std140) uniform Constants { WarpConstants warp; };
+layout(set = 0, binding = 1, std430) buffer Importance { uint importance[]; };
+layout(set = 0, binding = 2) uniform sampler2D depthImage;
+layout(set = 0, binding = 3) uniform sampler2D normalImage;
+layout(constant_id = 0) const bool HAS_NORMALS = true;
+
+const uint TILE = 4u; // pixels per side that an invocation looks at: neighbours mostly share a cell
+#ifdef RECTILINEAR
+const int LISTS = 2; // columns, then rows
+#else
+const int LISTS = 1;
+#endif
+
+#ifdef RECTILINEAR
+const float SUN_DISTANCE = 4.0; // metres: in place of the distance of a light that has none
+const float MOST_RATIO = 16.0;
+
+// A texel looks as wide as it is, in proportion to its distance from the light, over its distance from the eye.
+uint weightOf(MapLookup look, float fromLight, float fromEye)
+{
+    float ratio = (look.positional != 0.0 ? fromLight : SUN_DISTANCE) / fromEye;
+    return uint(clamp(ratio * (float(warp.mostWeight) / MOST_RATIO), 1.0, float(warp.mostWeight)));
+}
+#endif
+
+// The greatest, not a sum. Floats above zero are ordered as their bits are.
+bool greatest()
+{
+#ifdef RECTILINEAR
+    return warp.mostWeight == 0u;
+#else
+    return false;
+#endif
+}
+
+void put(uint to, uint value)
+{
+    if (value == 0u || to >= importance.length()) return;
+    if (greatest())
+        atomicMax(importance[to], value);
+    else
+        atomicAdd(importance[to], value);
+}
+
+// The source place of a receiver, 0..1, and its clip w; x < 0: there is none, or no map decides it.
+//   ray, rayClip: view ray and MapLookup::clipFromRay of it
+vec3 placeOf(MapLookup look, ViewConstants view, ivec2 pixel, float depth, float w, vec3 ray, vec4 rayClip)
+{
+    vec3 fromLight = look.eyeFromLight.xyz + w * receiverRayWs(view, ray, depth);
+    if (!reaches(fromLight, look.cone, look.eyeFromLight.w)) return vec3(-1.0);
+    if (HAS_NORMALS) {
+        vec3 normal = texelFetch(normalImage, pixel, 0).xyz;
+        if (dot(normal, fromLight * look.positional + look.axisWs.xyz) >= 0.0) return vec3(-1.0);
+    }
+    vec4 clip = look.clipOfEye + w * (rayClip + depth * look.clipOfDepth);
+    vec2 at = clip.xy / (clip.w * look.side);
+    bool inside = min(at.x, at.y) >= 0.0 && max(at.x, at.y) < 1.0;
+    return inside ? vec3(at, clip.w) : vec3(-1.0);
+}
+
+void main()
+{
+    uvec2 first = gl_GlobalInvocationID.xy * TILE;
+    if (first.x >= warp.pixels.z || first.y >= warp.pixels.w) return;
+    ViewConstants view = warp.base.view;
+    MapLookup look = warp.base.map;
+    vec3 corner = viewRayWs(view, vec2(first + warp.pixels.xy) + 0.5);
+    vec4 cornerClip = look.clipFromRay * vec4(corner, 0.0);
+    vec4 clipDx = look.clipFromRay * vec4(view.rayDxWs.xyz, 0.0);
+    vec4 clipDy = look.clipFromRay * vec4(view.rayDyWs.xyz, 0.0);
+    uvec2 last = uvec2(0u), held = uvec2(0u); // what is not added yet, and where to
+    for (uint y = 0u; y < TILE; ++y) {
+        for (uint x = 0u; x < TILE; ++x) {
+            uvec2 inside = first + uvec2(x, y);
+            if (inside.x >= warp.pixels.z || inside.y >= warp.pixels.w) continue;
+            ivec2 pixel = ivec2(inside + warp.pixels.xy);
+            float depth = texelFetch(depthImage, pixel, 0).x;
+            if (depth == view.skyDepth) continue;
+            float w = linearDepth(view, depth);
+            if (!(w > 0.0 && w < 1e30)) continue;
+            vec3 at = placeOf(look, view, pixel, depth, w, corner + float(x) * view.rayDxWs.xyz + float(y) * view.rayDyWs.xyz,
+                              cornerClip + float(x) * clipDx + float(y) * clipDy);
+            if (!(at.x >= 0.0)) continue;
+#ifdef RECTILINEAR
+            uvec2 to = min(uvec2(at.xy * float(WARP_BINS)), WARP_BINS - 1u) + uvec2(0u, WARP_BINS);
+            uint value = greatest() ? floatBitsToUint(1.0 / w) : weightOf(look, at.z, w);
+#else
+            uvec2 cell = min(uvec2(at.xy * float(WARP_CELLS)), WARP_CELLS - 1u);
+            uvec2 to = uvec2(cell.y * WARP_CELLS + cell.x, 0u);
+            uint value = 1u;
+#endif
+            for (int i = 0; i < LISTS; ++i) {
+                if (to[i] != last[i]) {
+                    put(last[i], held[i]);
+                    last[i] = to[i];
+                    held[i] = 0u;
+                }
+                held[i] = greatest() ? max(held[i], value) : held[i] + value;
+            }
+        }
+    }
+    for (int i = 0; i < LISTS; ++i)
+        put(last[i], held[i]);
+}

@@ -1,0 +1,6 @@
+// The warp of the map at hand: warped(), warpedBox(), placeOf().
+#ifdef RECTILINEAR
+#include "rectilinear.glsl"
+#else
+#include "nonorthogonal.glsl"
+#endif

@@ -1,0 +1,452 @@
+// Tables of warps as the device makes them, against sums in double precision that are written down as the theses have
+// them: from random importance, and from what breaks tables.
+#include <array>
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include <glm/vec2.hpp>
+
+#include "demo/host/pipelines.hpp"
+#include "device/fixture.hpp"
+#include "shaders/warp_probe_comp.h"
+#include "shaders/warp_probe_rectilinear_comp.h"
+#include "shaders/warped/warp.h"
+#include "shaders/warped_bounds_comp.h"
+#include "shaders/warped_functions_columns_comp.h"
+#include "shaders/warped_functions_comp.h"
+#include "shaders/warped_recount_comp.h"
+#include "shaders/warped_rectilinear_edges_comp.h"
+#include "shaders/warped_rectilinear_places_comp.h"
+#include "shaders/warped_smooth_columns_comp.h"
+#include "shaders/warped_smooth_comp.h"
+
+namespace gnomon::test {
+namespace {
+
+constexpr uint32_t kCells = gpu::WARP_CELLS, kEdges = gpu::WARP_CELL_EDGES, kBins = gpu::WARP_BINS;
+constexpr uint32_t kProbes = 100'000;
+
+// --- running shaders ---
+
+struct Dispatch {
+    std::span<const uint32_t> code;
+    std::vector<std::pair<uint32_t, const demo::Buffer*>> buffers; ///< Binding 0: constants.
+    uint32_t x = 1, y = 1;
+};
+
+VkDescriptorType typeOf(uint32_t binding)
+{
+    return binding == 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
+
+/// One after the other; waits for the last.
+void run(const std::vector<Dispatch>& dispatches)
+{
+    const demo::Device& gpu = device();
+    std::vector<VkDescriptorSetLayoutBinding> bindings;
+    for (const uint32_t binding : {0u, 1u, 2u, 5u})
+        bindings.push_back({binding, typeOf(binding), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+    const demo::UniqueSetLayout setLayout = demo::makeSetLayout(gpu, bindings);
+    const demo::UniquePipelineLayout layout =
+        demo::makePipelineLayout(gpu, std::array{setLayout.get()}, 0, VK_SHADER_STAGE_COMPUTE_BIT);
+    const auto count = static_cast<uint32_t>(dispatches.size());
+    const VkDescriptorPoolSize sizes[] = {{typeOf(0), count}, {typeOf(1), 3 * count}};
+    const VkDescriptorPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                              .maxSets = count,
+                                              .poolSizeCount = 2,
+                                              .pPoolSizes = sizes};
+    VkDescriptorPool poolHandle = VK_NULL_HANDLE;
+    demo::vkCheck(vkCreateDescriptorPool(gpu.handle, &poolInfo, nullptr, &poolHandle), "vkCreateDescriptorPool");
+    const demo::UniqueDescriptorPool pool(gpu.handle, poolHandle);
+    const VkCommandPoolCreateInfo commandsInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                               .queueFamilyIndex = gpu.queueFamily};
+    VkCommandPool commandsHandle = VK_NULL_HANDLE;
+    demo::vkCheck(vkCreateCommandPool(gpu.handle, &commandsInfo, nullptr, &commandsHandle), "vkCreateCommandPool");
+    const demo::UniqueCommandPool commands(gpu.handle, commandsHandle);
+    const VkCommandBufferAllocateInfo cmdInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                              .commandPool = commands.get(),
+                                              .commandBufferCount = 1};
+    VkCommandBuffer cmd = VK_NULL_HANDLE;
+    demo::vkCheck(vkAllocateCommandBuffers(gpu.handle, &cmdInfo, &cmd), "vkAllocateCommandBuffers");
+    const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    demo::vkCheck(vkBeginCommandBuffer(cmd, &begin), "vkBeginCommandBuffer");
+    std::vector<demo::UniquePipeline> pipelines;
+    for (const Dispatch& dispatch : dispatches) {
+        const VkDescriptorSetLayout setLayouts[] = {setLayout.get()};
+        const VkDescriptorSetAllocateInfo setInfo{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                                  .descriptorPool = pool.get(),
+                                                  .descriptorSetCount = 1,
+                                                  .pSetLayouts = setLayouts};
+        VkDescriptorSet set = VK_NULL_HANDLE;
+        demo::vkCheck(vkAllocateDescriptorSets(gpu.handle, &setInfo, &set), "vkAllocateDescriptorSets");
+        for (const auto& [binding, buffer] : dispatch.buffers) {
+            const VkDescriptorBufferInfo range{buffer->get(), 0, VK_WHOLE_SIZE};
+            const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                             .dstSet = set,
+                                             .dstBinding = binding,
+                                             .descriptorCount = 1,
+                                             .descriptorType = typeOf(binding),
+                                             .pBufferInfo = &range};
+            vkUpdateDescriptorSets(gpu.handle, 1, &write, 0, nullptr);
+        }
+        pipelines.push_back(demo::makeComputePipeline(gpu, dispatch.code, layout.get()));
+        vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines.back().get());
+        vkCmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, layout.get(), 0, 1, &set, 0, nullptr);
+        vkCmdDispatch(cmd, dispatch.x, dispatch.y, 1);
+        demo::cmdMemoryBarrier(
+            cmd, {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT},
+            {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_HOST_BIT,
+             VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_HOST_READ_BIT});
+    }
+    demo::vkCheck(vkEndCommandBuffer(cmd), "vkEndCommandBuffer");
+    const demo::UniqueSemaphore done = demo::makeTimeline(gpu);
+    const VkCommandBufferSubmitInfo command{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
+                                            .commandBuffer = cmd};
+    const VkSemaphoreSubmitInfo signal{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+                                       .semaphore = done.get(),
+                                       .value = 1,
+                                       .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+    const VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                               .commandBufferInfoCount = 1,
+                               .pCommandBufferInfos = &command,
+                               .signalSemaphoreInfoCount = 1,
+                               .pSignalSemaphoreInfos = &signal};
+    demo::vkCheck(vkQueueSubmit2(gpu.queue, 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit2");
+    demo::waitTimeline(gpu, done.get(), 1);
+}
+
+template <typename T>
+demo::Buffer bufferOf(const std::vector<T>& values)
+{
+    demo::Buffer buffer =
+        demo::makeBuffer(device(), values.size() * sizeof(T), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true);
+    std::ranges::copy(values, buffer.as<T>().begin());
+    return buffer;
+}
+
+demo::Buffer constantsOf(float blur, float even, float side = 512.0f, uint32_t mostWeight = 0, float power = 1.0f)
+{
+    demo::Buffer buffer =
+        demo::makeBuffer(device(), sizeof(gpu::WarpConstants), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, true);
+    gpu::WarpConstants& constants = buffer.as<gpu::WarpConstants>()[0];
+    constants = {};
+    constants.base.map.side = side;
+    constants.blur = blur;
+    constants.evenShare = even;
+    constants.power = power;
+    constants.mostWeight = mostWeight;
+    return buffer;
+}
+
+// --- what is asked ---
+
+struct Case {
+    const char* name;
+    std::function<uint32_t(uint32_t x, uint32_t y, std::mt19937& random)> count;
+};
+
+const Case kCases[] = {
+    {"nothing", [](uint32_t, uint32_t, std::mt19937&) { return 0u; }},
+    {"one receiver", [](uint32_t x, uint32_t y, std::mt19937&) { return x == 77 && y == 3 ? 1u : 0u; }},
+    {"all in one cell",
+     [](uint32_t x, uint32_t y, std::mt19937&) { return x == 0 && y == kCells - 1 ? 33'177'600u : 0u; }},
+    {"even", [](uint32_t, uint32_t, std::mt19937&) { return 50u; }},
+    {"random", [](uint32_t, uint32_t, std::mt19937& random) { return static_cast<uint32_t>(random() % 100); }},
+    {"sparse", [](uint32_t, uint32_t, std::mt19937& random) { return random() % 50 == 0 ? random() % 5000 : 0u; }},
+    {"a diagonal", [](uint32_t x, uint32_t y, std::mt19937& random) { return x + y == kCells ? random() % 1000 : 0u; }},
+};
+
+/// Running sums: what lies before each edge, of all that lies there, with a share spread evenly.
+std::vector<double> edgesOf(const std::vector<double>& importance, double even)
+{
+    const auto n = importance.size();
+    double total = 0.0;
+    for (const double value : importance)
+        total += value;
+    std::vector<double> edges(n + 1);
+    for (size_t k = 0; k <= n; ++k) {
+        double before = 0.0;
+        for (size_t i = 0; i < k; ++i)
+            before += importance[i];
+        const double flat = double(k) / double(n);
+        edges[k] = total > 0.0 ? (before / total + even * flat) / (1.0 + even) : flat;
+    }
+    return edges;
+}
+
+double tentOf(int distance, int radius)
+{
+    return std::max(0, radius + 1 - std::abs(distance));
+}
+
+/// Along rows if `counts[row][place]`; along columns likewise.
+using Grid = std::vector<std::vector<double>>;
+
+Grid functionsOf(const Grid& counts, double even, int radius)
+{
+    Grid edges;
+    std::vector<double> weights;
+    for (const std::vector<double>& row : counts) {
+        edges.push_back(edgesOf(row, even));
+        double sum = 0.0;
+        for (const double value : row)
+            sum += value;
+        weights.push_back(sum);
+    }
+    Grid smooth(kCells, std::vector<double>(kEdges));
+    for (int row = 0; row < int(kCells); ++row) {
+        for (uint32_t k = 0; k < kEdges; ++k) {
+            double sum = 0.0, weight = 0.0;
+            for (int other = 0; other < int(kCells); ++other) {
+                const double w = tentOf(other - row, radius) * weights[size_t(other)];
+                sum += w * edges[size_t(other)][k];
+                weight += w;
+            }
+            smooth[size_t(row)][k] = weight > 0.0 ? sum / weight : double(k) / kCells;
+        }
+    }
+    return smooth;
+}
+
+/// Cells spread over the columns they come to lie in, by the overlap of every cell with every column.
+Grid recounted(const Grid& counts, const Grid& rows)
+{
+    Grid result(kCells, std::vector<double>(kCells));
+    for (uint32_t row = 0; row < kCells; ++row)
+        for (uint32_t cell = 0; cell < kCells; ++cell) {
+            const double begin = rows[row][cell], end = rows[row][cell + 1];
+            for (uint32_t column = 0; column < kCells; ++column) {
+                const double overlap =
+                    std::min(end, (column + 1.0) / kCells) - std::max(begin, double(column) / kCells);
+                if (overlap > 0.0) result[column][row] += counts[row][cell] * overlap / (end - begin);
+            }
+        }
+    return result;
+}
+
+struct Reference {
+    Grid rows, columns;
+
+    Reference(const Grid& counts, double even, int radius)
+        : rows(functionsOf(counts, even, radius)), columns(functionsOf(recounted(counts, rows), even, radius))
+    {
+    }
+    static double along(const Grid& functions, double across, double at)
+    {
+        const double q = std::clamp(across * kCells - 0.5, 0.0, kCells - 1.0);
+        const auto before = std::min(static_cast<uint32_t>(q), kCells - 1);
+        const double k = std::clamp(at, 0.0, 1.0) * kCells;
+        const auto edge = std::min(static_cast<uint32_t>(k), kCells - 1);
+        const auto value = [&](uint32_t f) {
+            return functions[f][edge] + (functions[f][edge + 1] - functions[f][edge]) * (k - edge);
+        };
+        const double a = value(before), b = value(std::min(before + 1, kCells - 1));
+        return a + (b - a) * (q - before);
+    }
+    glm::dvec2 warped(const glm::dvec2& at) const
+    {
+        const double x = along(rows, at.y, at.x);
+        return {x, along(columns, x, at.y)};
+    }
+};
+
+std::vector<glm::vec2> probes(std::mt19937& random)
+{
+    std::uniform_real_distribution<float> place(0.0f, 1.0f);
+    std::vector<glm::vec2> all;
+    for (uint32_t i = 0; i < kProbes; ++i)
+        all.emplace_back(place(random), place(random));
+    all[0] = {0.0f, 0.0f};
+    all[1] = {1.0f, 1.0f};
+    all[2] = {0.0f, 1.0f};
+    return all;
+}
+
+bool rises(std::span<const float> edges)
+{
+    for (size_t i = 1; i < edges.size(); ++i)
+        if (!(edges[i] > edges[i - 1])) return false;
+    return std::fabs(edges.front()) <= 1e-6f && std::fabs(edges.back() - 1.0f) <= 1e-6f;
+}
+
+// What the device made of counts.
+struct Made {
+    std::vector<float> tables;
+    std::vector<glm::vec4> answers; ///< To the probes.
+};
+
+Made madeOf(const std::vector<uint32_t>& given, const std::vector<glm::vec2>& asked, float even, float radius)
+{
+    const demo::Buffer constants = constantsOf(radius, even), counts = bufferOf(given), places = bufferOf(asked);
+    const demo::Buffer functions = bufferOf(std::vector<float>(gpu::WARP_FUNCTIONS + kCells, NAN));
+    const demo::Buffer recount = bufferOf(std::vector<float>(kCells * kCells, NAN));
+    const demo::Buffer tables = bufferOf(std::vector<float>(gpu::WARP_TABLE, NAN));
+    const demo::Buffer answers = bufferOf(std::vector<glm::vec4>(asked.size()));
+    constexpr uint32_t kFunctionGroups = kCells / 16, kEdgeGroups = (kEdges + 63) / 64;
+    run({{k_warped_functions_comp, {{0, &constants}, {1, &counts}, {2, &functions}}, kFunctionGroups},
+         {k_warped_smooth_comp, {{0, &constants}, {1, &functions}, {2, &tables}}, kEdgeGroups, kCells},
+         {k_warped_recount_comp, {{0, &constants}, {1, &counts}, {2, &recount}, {5, &tables}}, kFunctionGroups},
+         {k_warped_functions_columns_comp, {{0, &constants}, {1, &recount}, {2, &functions}}, kFunctionGroups},
+         {k_warped_smooth_columns_comp, {{0, &constants}, {1, &functions}, {2, &tables}}, kEdgeGroups, kCells},
+         {k_warped_bounds_comp, {{2, &tables}}, kEdgeGroups, 2 * gpu::WARP_BLOCKS},
+         {k_warp_probe_comp, {{0, &constants}, {1, &places}, {2, &answers}, {5, &tables}}, (kProbes + 63) / 64}});
+    const std::span<float> table = tables.as<float>();
+    const std::span<glm::vec4> answer = answers.as<glm::vec4>();
+    return {{table.begin(), table.end()}, {answer.begin(), answer.end()}};
+}
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "tables of non-orthogonal warps are those of double precision, rise, and have an inverse")
+{
+    std::mt19937 random(7);
+    const std::vector<glm::vec2> asked = probes(random);
+    for (const Case& wanted : kCases) {
+        for (const auto& [even, radius] : {std::pair{0.25f, 8.0f}, std::pair{0.05f, 0.0f}, std::pair{1.0f, 32.0f}}) {
+            CAPTURE(std::string(wanted.name));
+            CAPTURE(even);
+            std::vector<uint32_t> counts(kCells * kCells);
+            Grid grid(kCells, std::vector<double>(kCells));
+            for (uint32_t y = 0; y < kCells; ++y)
+                for (uint32_t x = 0; x < kCells; ++x)
+                    grid[y][x] = counts[y * kCells + x] = wanted.count(x, y, random);
+            const Made made = madeOf(counts, asked, even, radius);
+            const Reference truth(grid, even, int(radius));
+            double tableError = 0.0, placeError = 0.0, inverseError = 0.0, farthest = 0.0;
+            uint32_t falling = 0;
+            for (uint32_t kind = 0; kind < 2; ++kind)
+                for (uint32_t f = 0; f < kCells; ++f) {
+                    const std::span<const float> edges(&made.tables[kind * gpu::WARP_FUNCTIONS + f * kEdges], kEdges);
+                    falling += !rises(edges);
+                    const std::vector<double>& wantedEdges = (kind == 0 ? truth.rows : truth.columns)[f];
+                    for (uint32_t k = 0; k < kEdges; ++k)
+                        tableError = std::max(tableError, std::fabs(double(edges[k]) - wantedEdges[k]));
+                }
+            for (uint32_t i = 0; i < kProbes; ++i) {
+                const glm::dvec2 to(made.answers[i].x, made.answers[i].y), from(made.answers[i].z, made.answers[i].w);
+                placeError = std::max(placeError, glm::length(to - truth.warped(asked[i])));
+                inverseError = std::max(inverseError, glm::length(truth.warped(from) - glm::dvec2(asked[i])));
+                farthest = std::max(farthest, glm::length(to - glm::dvec2(asked[i])));
+            }
+            CHECK(falling == 0);
+            // Without smoothing functions are up to a hundred times as steep as they are flat elsewhere.
+            const double most = radius == 0.0f ? 5e-4 : 1e-4;
+            CHECK(tableError <= 0.1 * most);
+            CHECK(placeError <= most);
+            CHECK(inverseError <= most);
+            const std::string name = wanted.name;
+            if (name == "nothing" || name == "even")
+                CHECK(farthest <= 1e-5);
+            else if (name == "all in one cell")
+                CHECK(farthest > 0.3);
+        }
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "bounds of blocks of functions hold all of theirs and of the next")
+{
+    std::mt19937 random(3);
+    std::vector<uint32_t> counts(kCells * kCells);
+    for (uint32_t& count : counts)
+        count = random() % 9 == 0 ? static_cast<uint32_t>(random() % 999) : 0u;
+    const Made made = madeOf(counts, probes(random), 0.25f, 2.0f);
+    for (uint32_t kind = 0; kind < 2; ++kind)
+        for (uint32_t block = 0; block < gpu::WARP_BLOCKS; ++block)
+            for (uint32_t k = 0; k < kEdges; ++k) {
+                float least = 2.0f, greatest = -1.0f;
+                for (int f = int(block * gpu::WARP_BLOCK) - 1; f <= int((block + 1) * gpu::WARP_BLOCK); ++f) {
+                    if (f < 0 || f >= int(kCells)) continue;
+                    const float value = made.tables[kind * gpu::WARP_FUNCTIONS + uint32_t(f) * kEdges + k];
+                    least = std::min(least, value);
+                    greatest = std::max(greatest, value);
+                }
+                const uint32_t at = 2 * gpu::WARP_FUNCTIONS + 2 * ((kind * gpu::WARP_BLOCKS + block) * kEdges + k);
+                REQUIRE(made.tables[at] == least);
+                REQUIRE(made.tables[at + 1] == greatest);
+            }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "tables of rectilinear warps are those of double precision, rise, and have an inverse")
+{
+    std::mt19937 random(11);
+    const std::vector<glm::vec2> asked = probes(random);
+    constexpr float kNot = std::numeric_limits<float>::quiet_NaN();
+    const std::pair<const char*, std::function<float(uint32_t)>> cases[] = {
+        {"nothing", [](uint32_t) { return 0.0f; }},
+        {"one", [](uint32_t bin) { return bin == 511 ? 1e-3f : 0.0f; }},
+        {"even", [](uint32_t) { return 0.25f; }},
+        {"random", [&](uint32_t) { return float(random() % 1000) / 100.0f; }},
+        {"far and near", [&](uint32_t bin) { return bin % 7 ? 0.0f : std::pow(10.0f, float(random() % 8) - 4.0f); }},
+        {"what is no number", [&](uint32_t bin) { return bin % 5   ? float(bin)
+                                                         : bin % 2 ? kNot
+                                                                   : HUGE_VALF; }},
+    };
+    for (const auto& [name, value] : cases) {
+        for (const auto& [sums, power] : {std::pair{false, 1.0f}, {true, 0.5f}, {true, 0.0f}}) {
+            for (const auto& [even, radius, side] :
+                 {std::tuple{0.05f, 2.0f, 512.0f}, std::tuple{0.001f, 0.0f, 64.0f}, std::tuple{1.0f, 64.0f, 1000.0f}}) {
+                CAPTURE(std::string(name));
+                CAPTURE(side);
+                std::vector<uint32_t> importance;
+                Grid numbers(2);
+                for (uint32_t i = 0; i < 2 * kBins; ++i) {
+                    const float is = value(i % kBins);
+                    const double counts = is > 0.0f && is < 1e30f ? double(is) : 0.0;
+                    const auto sum = static_cast<uint32_t>(1000.0 * counts);
+                    importance.push_back(sums ? sum : std::bit_cast<uint32_t>(is));
+                    const double number = sums ? double(sum) : counts;
+                    numbers[i / kBins].push_back(number > 0.0 ? std::pow(number, double(power)) : 0.0);
+                }
+                const demo::Buffer constants = constantsOf(radius, even, side, sums, power),
+                                   given = bufferOf(importance);
+                const demo::Buffer tables =
+                    bufferOf(std::vector<float>(2 * gpu::WARP_BIN_EDGES + 2 * size_t(side), kNot));
+                const demo::Buffer places = bufferOf(asked), answers = bufferOf(std::vector<glm::vec4>(kProbes));
+                run({{k_warped_rectilinear_edges_comp, {{0, &constants}, {1, &given}, {2, &tables}}, 2},
+                     {k_warped_rectilinear_places_comp,
+                      {{0, &constants}, {2, &tables}},
+                      (2 * uint32_t(side) + 63) / 64},
+                     {k_warp_probe_rectilinear_comp,
+                      {{0, &constants}, {1, &places}, {2, &answers}, {5, &tables}},
+                      (kProbes + 63) / 64}});
+                std::vector<double> truth[2];
+                for (int axis = 0; axis < 2; ++axis) {
+                    std::vector<double> blurred(kBins);
+                    for (int bin = 0; bin < int(kBins); ++bin)
+                        for (int other = 0; other < int(kBins); ++other)
+                            blurred[size_t(bin)] +=
+                                tentOf(other - bin, int(radius)) * numbers[size_t(axis)][size_t(other)];
+                    truth[axis] = edgesOf(blurred, even);
+                    const std::span<const float> edges(&tables.as<float>()[size_t(axis) * gpu::WARP_BIN_EDGES],
+                                                       gpu::WARP_BIN_EDGES);
+                    CHECK(rises(edges));
+                    double error = 0.0;
+                    for (size_t k = 0; k <= kBins; ++k)
+                        error = std::max(error, std::fabs(double(edges[k]) - truth[axis][k]));
+                    CHECK(error <= 1e-5);
+                }
+                const auto warped = [&](int axis, double at) {
+                    const double k = at * kBins;
+                    const auto edge = std::min(static_cast<size_t>(k), size_t(kBins) - 1);
+                    return truth[axis][edge] + (truth[axis][edge + 1] - truth[axis][edge]) * (k - double(edge));
+                };
+                double placeError = 0.0, inverseError = 0.0;
+                for (uint32_t i = 0; i < kProbes; ++i) {
+                    const glm::dvec4 answer(answers.as<glm::vec4>()[i]);
+                    for (int axis = 0; axis < 2; ++axis) {
+                        placeError =
+                            std::max(placeError, std::fabs(answer[axis] - warped(axis, double(asked[i][axis]))));
+                        const double texel = std::min(std::floor(double(asked[i][axis] * side)), double(side) - 1.0);
+                        inverseError = std::max(
+                            inverseError, std::fabs(warped(axis, answer[axis + 2]) - (texel + 0.5) / double(side)));
+                    }
+                }
+                CHECK(placeError <= 1e-5);
+                CHECK(inverseError <= 1e-4);
+            }
+        }
+    }
+}
+
+} // namespace gnomon::test

@@ -1,0 +1,100 @@
+// What maps whose texels are moved by tables are worth beside plain ones. MESSAGE prints every light.
+#include <algorithm>
+
+#include "exactness/stage.hpp"
+
+namespace gnomon::exact {
+namespace {
+
+constexpr VkExtent2D kSize{640, 360};
+constexpr const char* kScenes[] = {"bunny",      "colonnade",       "room",
+                                   "rooms",      "scenario",        "torus_grid",
+                                   "city_night", "views/colonnade", "views/primitives"};
+
+/// Wrong pixels of one light, per cent, by maps of 512 texels a side.
+struct Wrong {
+    std::string where;
+    double plain = 0.0, fine = 0.0; ///< shadow_map, and of 1024 texels.
+    double rectilinear = 0.0, greatest = 0.0, nonorthogonal = 0.0;
+};
+
+Settings sided(double side, Settings settings = {})
+{
+    settings.push_back({"resolution", side});
+    return settings;
+}
+
+/// Lights that warps serve, and of many a few.
+Scene lit(Scene scene)
+{
+    int spots = 0;
+    std::erase_if(scene.lights, [&](const demo::Light& light) {
+        return light.kind == LightKind::Point || (light.kind == LightKind::Spot && spots++ >= 3);
+    });
+    return scene;
+}
+
+double wrongOf(const Stage& stage, const Pictures& pictures, size_t layer)
+{
+    Pictures one(pictures.size());
+    one[layer] = pictures[layer];
+    const ErrorCount error = pooled(stage, one);
+    return error.percent(error.wrong());
+}
+
+std::vector<Wrong> wrongIn(const std::string& name)
+{
+    Stage stage(lit(shippedScene(name)), kSize);
+    const Pictures plain = stage.draw("shadow_map", sided(512)), fine = stage.draw("shadow_map", sided(1024));
+    const Pictures rectilinear = stage.draw("rectilinear_warp", sided(512));
+    const Pictures greatest = stage.draw("rectilinear_warp", sided(512, {{"greatest", 1.0}, {"power", 1.0}}));
+    const Pictures nonorthogonal = stage.draw("nonorthogonal_warp", sided(512));
+    std::vector<Wrong> all;
+    for (size_t layer = 0; layer < plain.size(); ++layer) {
+        const auto of = [&](const Pictures& pictures) { return wrongOf(stage, pictures, layer); };
+        const double few = 0.1; // per cent: of so few wrong pixels no ratio is worth stating
+        if (of(plain) < few) continue;
+        all.push_back({name + ' ' + stage.scene().lights[stage.present[layer]].name, of(plain), of(fine),
+                       of(rectilinear), of(greatest), of(nonorthogonal)});
+        const Wrong& w = all.back();
+        MESSAGE(w.where << ": shadow_map " << w.plain << ", at 1024 " << w.fine << "; rectilinear_warp "
+                        << w.rectilinear << ", by the greatest " << w.greatest << "; nonorthogonal_warp "
+                        << w.nonorthogonal);
+    }
+    return all;
+}
+
+double median(std::vector<double> values)
+{
+    std::ranges::sort(values);
+    return 0.5 * (values[values.size() / 2] + values[(values.size() - 1) / 2]);
+}
+
+} // namespace
+
+TEST_CASE("of 512 texels, warped ones are wrong on fewer pixels than plain ones are")
+{
+    const test::DeviceTest silence;
+    std::vector<double> rectilinear, greatest, nonorthogonal;
+    double better = 0.0, betterThanSums = 0.0;
+    for (const char* name : kScenes)
+        for (const Wrong& w : wrongIn(name)) {
+            rectilinear.push_back(w.rectilinear / w.plain);
+            greatest.push_back(w.greatest / w.plain);
+            nonorthogonal.push_back(w.nonorthogonal / w.plain);
+            better += w.nonorthogonal <= w.greatest;
+            betterThanSums += w.nonorthogonal <= w.rectilinear;
+            if (w.where == "city_night moon") CHECK(w.nonorthogonal <= w.fine);
+        }
+    const auto count = static_cast<double>(rectilinear.size());
+    MESSAGE(count << " lights; medians of shadow_map's: rectilinear_warp " << median(rectilinear)
+                  << ", by the greatest " << median(greatest) << ", nonorthogonal_warp " << median(nonorthogonal)
+                  << "; the last at most the second's " << 100.0 * better / count << " %, at most the first's "
+                  << 100.0 * betterThanSums / count << " %");
+    CHECK(count >= 10.0);
+    CHECK(median(rectilinear) <= 0.7);
+    CHECK(median(nonorthogonal) <= 0.7);
+    CHECK(better >= 0.85 * count);
+}
+
+} // namespace gnomon::exact
