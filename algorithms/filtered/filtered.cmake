@@ -1,6 +1,6 @@
 # Shadow maps with soft edges. One gnomon_algorithm() call a module.
 gnomon_shared(
-    SOURCES depth_bounds.cpp moment_maps.cpp
+    SOURCES depth_bounds.cpp moment_maps.cpp statistics_resolve.cpp
     SHADERS filtered/depth_bounds.comp
             filtered/box_means.comp
             filtered/moments_rows.comp
@@ -17,3 +17,9 @@ gnomon_algorithm(moments
     SOURCES moments.cpp
     SHADERS filtered/moments.frag
             filtered/moments.frag:MAP_LAYERS=1:filtered/moments_cube.frag)
+gnomon_algorithm(moments_soft
+    SOURCES moments_soft.cpp summed_tables.cpp
+    SHADERS filtered/moments_soft.frag
+            filtered/moments_soft.frag:MAP_LAYERS=1:filtered/moments_soft_cube.frag
+            filtered/summed_columns.comp
+            filtered/summed_rows.comp)

@@ -92,6 +92,17 @@ gpu::LinearDepth linearDepthOf(const LightFit& fit, const LightView& light)
     return {.scale = scale, .offset = 0.0f, .perspective = 1.0f, .padding = 0.0f};
 }
 
+bool staleLayer(PassBuilder& passes, const char* stampName, std::uint32_t variant, ImageId image,
+                std::uint64_t mapStamp)
+{
+    // A stamp belongs to a whole resource, layers need one each: the smallest buffer there is carries it.
+    const BufferId carrier =
+        passes.persistent(BufferInfo{.name = stampName, .scope = Scope::light, .size = 4, .variant = variant});
+    if (passes.stale(carrier, Stamp().add(mapStamp).add(passes.serial(image)).value())) return true;
+    passes.kept();
+    return false;
+}
+
 /// One layer of a map and what its moments are made in.
 struct MomentMaps::Layer {
     MomentFilter filter;
@@ -130,13 +141,7 @@ ImageId MomentMaps::declare(PassBuilder& passes, const LightMap& map, const Shad
                                                         .variant = variant});
     for (std::uint32_t index = 0; index < layers; ++index) {
         if ((map.needed >> index & 1) == 0) continue;
-        // A stamp belongs to a whole resource, layers need one each: the smallest buffer there is carries it.
-        const BufferId carrier = passes.persistent(
-            BufferInfo{.name = "moments.stamp", .scope = Scope::light, .size = 4, .variant = variant + index});
-        if (!passes.stale(carrier, Stamp().add(map.stamps[index]).add(passes.serial(moments)).value())) {
-            passes.kept();
-            continue;
-        }
+        if (!staleLayer(passes, "moments.stamp", variant + index, moments, map.stamps[index])) continue;
         const auto scratch = [&](const char* name) {
             return passes.transient(BufferInfo{
                 .name = name, .scope = Scope::light, .size = scratchBytes(filter, resolution), .variant = variant});

@@ -1,10 +1,9 @@
 #include "algorithms/filtered/moments.hpp"
 
 #include "algorithms/filtered/moment_maps.hpp"
-#include "algorithms/shared/map_resolve.hpp"
+#include "algorithms/filtered/statistics_resolve.hpp"
 #include "shaders/filtered_moments_cube_frag.h"
 #include "shaders/filtered_moments_frag.h"
-#include "shaders/shared_map_resolve_vert.h"
 
 namespace gnomon {
 
@@ -54,12 +53,13 @@ void addMoments(gpu::MomentsConstants& constants, const MomentFilter& filter, fl
 
 class Moments final : public ShadowAlgorithm {
 public:
-    explicit Moments(const AlgorithmServices& services) : casters_(makeDepthMapPipelines(services)), maps_(services)
+    explicit Moments(const AlgorithmServices& services)
+        : casters_(makeDepthMapPipelines(services)), maps_(services),
+          resolve_(services, {.name = "moments.resolve",
+                              .fragment = k_filtered_moments_frag,
+                              .cube = k_filtered_moments_cube_frag,
+                              .choices = 2})
     {
-        for (const bool cube : {false, true})
-            for (const bool normals : {false, true})
-                for (const bool four : {false, true})
-                    resolve_[cube][normals][four] = resolvePipeline(services, cube, normals, four);
     }
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
@@ -75,46 +75,15 @@ public:
         const ImageId moments = maps_.declare(passes, map, task, resolution, filter);
         map_ = handedOut(map.image, map.fits, map.needed, constants.base);
 
-        const bool cube = task.light->type == GN_LIGHT_TYPE_POINT;
-        const LookupImages look(task, map.image);
-        LookupPass pass(passes, task, "moments.resolve", look);
-        pass.uses.samples(moments);
-        const PipelineId pipeline = resolve_[cube][look.hasNormals][filter.kind == gpu::MOMENTS_MSM];
-        pass.record([=, block = &constants](PassContext& gpu) {
-            gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.sampled(5, moments)});
-        });
+        resolve_.declare(passes, task, map.image, moments, constants, filter.kind == gpu::MOMENTS_MSM);
     }
 
     const Map* lightMap() const override { return &map_; }
 
 private:
-    static PipelineId resolvePipeline(const AlgorithmServices& services, bool cube, bool normals, bool four)
-    {
-        const std::array look = lookupBindings(cube);
-        std::array<BindingInfo, look.size() + 1> bindings{};
-        std::ranges::copy(look, bindings.begin());
-        bindings.back() = {.binding = 5,
-                           .kind = BindingKind::sampledImage,
-                           .format = VK_FORMAT_R32G32B32A32_UINT,
-                           .array = true,
-                           .powerOfTwo = true};
-        GraphicsPipelineInfo info;
-        info.name = "moments.resolve";
-        info.vertex.code = k_shared_map_resolve_vert;
-        info.fragment = {.specializationCount = 2, .specialization = {normals, four}};
-        if (cube)
-            info.fragment.code = k_filtered_moments_cube_frag;
-        else
-            info.fragment.code = k_filtered_moments_frag;
-        info.bindings = bindings;
-        info.colorFormat = VK_FORMAT_R8_UNORM;
-        return services.pipelines->graphics(info);
-    }
-
     DepthMapPipelines casters_;
     MomentMaps maps_;
-    PipelineId resolve_[2][2][2]; ///< [point light][has normals][MSM]
+    StatisticsResolve resolve_; ///< By whether it is MSM.
     Map map_;
 };
 

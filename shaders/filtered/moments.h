@@ -135,11 +135,12 @@ GN_SHARED_FN float chebyshevLit(float mean, float square, float leastVariance, f
     return variance / (variance + beyond * beyond);
 }
 
-// The same of four moments: Hamburger's problem. A distribution of three depths, one of them z, has the moments m, and
-// what it has before z is the least that any has. The weights are by Vandermonde's system, the other two depths by a
-// quadratic, whose coefficients solve the Hankel matrix of the moments (Cholesky).
-// Source: Peters and Klein 2015, algorithm 3.
-GN_SHARED_FN float hamburgerLit(vec4 m, float z)
+// What lies before a receiver at z, of four moments: its share, and the share times its mean depth. Hamburger's
+// problem: of all distributions with the moments m one of three depths, one of them z, has the least share before z.
+// The weights are by Vandermonde's system, the other two depths by a quadratic, whose coefficients solve the Hankel
+// matrix of the moments (Cholesky). Source: Peters and Klein 2015, algorithm 3; the mean: C. Peters et al., "Beyond
+// hard shadows", I3D 2016.
+GN_SHARED_FN vec2 hamburgerBefore(vec4 m, float z)
 {
     float variance = max(m.y - m.x * m.x, 1e-12f);
     float l = (m.z - m.x * m.y) / variance;
@@ -154,11 +155,18 @@ GN_SHARED_FN float hamburgerLit(vec4 m, float z)
     float p = c1 / c2, q = c0 / c2;
     float r = sqrt(max(0.25f * p * p - q, 0.0f));
     float first = -0.5f * p - r, second = -0.5f * p + r;
-    float before = 0.0f; // weight of what lies before z
-    if (second < z)      // both do: all but the weight of z
-        before = 1.0f - (first * second - m.x * (first + second) + m.y) / ((z - first) * (z - second));
-    else if (first < z)
-        before = (z * second - m.x * (z + second) + m.y) / ((second - first) * (z - first));
+    if (second < z) { // both are before: all but the weight of z
+        float own = (first * second - m.x * (first + second) + m.y) / ((z - first) * (z - second));
+        return vec2(1.0f - own, m.x - own * z);
+    }
+    if (!(first < z)) return vec2(0.0f);
+    float share = (z * second - m.x * (z + second) + m.y) / ((second - first) * (z - first));
+    return vec2(share, share * first);
+}
+
+GN_SHARED_FN float hamburgerLit(vec4 m, float z)
+{
+    float before = hamburgerBefore(m, z).x;
     // Compared so that what is no number is lit.
     return before > 0.0f ? max(1.0f - before, 0.0f) : 1.0f;
 }

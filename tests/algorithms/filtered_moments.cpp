@@ -29,6 +29,16 @@ vec4 kept(const BoxSums& sums, uint at, uint line)
     return memory.means.at(boxTexel(sums, at, line));
 }
 
+struct Table {
+    std::vector<glm::uvec4> before; ///< (side + 1)^2.
+    uint side = 0;
+} table;
+
+glm::uvec4 summedBefore(uint x, uint y, float)
+{
+    return table.before.at(std::size_t{y} * (table.side + 1) + x);
+}
+
 } // namespace
 } // namespace gnomon::gpu
 
@@ -37,6 +47,8 @@ vec4 kept(const BoxSums& sums, uint at, uint line)
 #define BOX_KEPT kept
 #define BOX_STORE keep
 #include "shaders/filtered/box_means.h"
+#define SUMMED_BEFORE summedBefore
+#include "shaders/filtered/summed_mean.h"
 
 namespace gnomon::gpu {
 namespace {
@@ -136,6 +148,47 @@ TEST_CASE("what is small beside e^84 in one line keeps its precision in a box me
     filter(sums);
     for (uint at = 23; at < 37; ++at)
         CHECK(kept(sums, at, 0).x == doctest::Approx(1.5));
+}
+
+// Sums of 100 x 100 texels of up to 2^20 go round 2^32 twice.
+TEST_CASE("means of boxes anywhere in a table of sums that went round are those of the area that the box covers")
+{
+    Random random(3);
+    table.side = 100;
+    const uint side = table.side;
+    std::vector<float> texels(std::size_t{side} * side);
+    for (float& texel : texels)
+        texel = std::floor(random.unit() * SUMMED_STEPS + 0.5f);
+    table.before.assign(std::size_t{side + 1} * (side + 1), glm::uvec4(0));
+    for (uint y = 0; y < side; ++y)
+        for (uint x = 0; x < side; ++x)
+            table.before[std::size_t{y + 1} * (side + 1) + x + 1] =
+                summedBefore(x + 1, y, 0.0f) + summedBefore(x, y + 1, 0.0f) - summedBefore(x, y, 0.0f) +
+                glm::uvec4(static_cast<uint>(texels[std::size_t{y} * side + x]), 1, 2, 3);
+    for (int trial = 0; trial < 2000; ++trial) {
+        const vec2 at(random.unit() * 110.0f - 5.0f, random.unit() * 110.0f - 5.0f);
+        const vec2 width(random.unit() * 70.0f, random.unit() * 70.0f);
+        const auto reach = [&](float middle, float wide) {
+            const float w = std::clamp(wide, 1.0f, MAX_SUMMED_BOX), m = std::clamp(middle, 0.0f, 100.0f);
+            return vec2(std::max(m - 0.5f * w, 0.0f), std::min(m + 0.5f * w, 100.0f));
+        };
+        const vec2 across = reach(at.x, width.x), down = reach(at.y, width.y);
+        double sum = 0.0, area = 0.0;
+        for (uint y = 0; y < side; ++y) {
+            for (uint x = 0; x < side; ++x) {
+                const auto covered = [](vec2 range, uint texel) {
+                    const float from = static_cast<float>(texel);
+                    return double{std::max(std::min(range.y, from + 1.0f) - std::max(range.x, from), 0.0f)};
+                };
+                const double share = covered(across, x) * covered(down, y);
+                sum += share * double{texels[std::size_t{y} * side + x]};
+                area += share;
+            }
+        }
+        const vec4 mean = boxMean(at, width, side, 0.0f);
+        CHECK(mean.x == doctest::Approx(sum / area / double{SUMMED_STEPS}).epsilon(1e-4));
+        CHECK(mean.z == doctest::Approx(2.0 / double{SUMMED_STEPS}).epsilon(1e-3));
+    }
 }
 
 TEST_CASE("quantised moments fill [0, 1] and are undone by their inverse")

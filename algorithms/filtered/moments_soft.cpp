@@ -1,0 +1,108 @@
+#include "algorithms/filtered/moments_soft.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "algorithms/filtered/moment_maps.hpp"
+#include "algorithms/filtered/statistics_resolve.hpp"
+#include "algorithms/filtered/summed_tables.hpp"
+#include "shaders/filtered/summed.h"
+#include "shaders/filtered_moments_soft_cube_frag.h"
+#include "shaders/filtered_moments_soft_frag.h"
+
+namespace gnomon {
+
+namespace {
+
+enum Setting { kResolution, kFour, kBleeding };
+
+constexpr SettingSpec kSettings[] = {
+    {"resolution", "Texels per side of the map; of a point light, of each of six.", 64, gpu::MAX_TABLE_SIDE, 1024,
+     true},
+    {"moments", "0: two, the mean and the variance (VSSM). 1: four (MSSM).", 0, 1, 1},
+    {"bleeding", "Share of light below which a pixel counts as umbra.", 0, 0.9, 0},
+};
+
+/// Half of the widest box and a texel.
+constexpr std::uint32_t kBorderTexels = 33;
+// What four moments are off by, each rounded to 2^-20 before it is summed: 2^-21 at most. Peters and Klein 2015 have
+// 6e-5 for 2^-17 and a mapping that gains three bits.
+constexpr float kMomentBias = 1e-5f;
+// The root of what a variance is off by, 2^-20.
+constexpr float kDeviation = 0x1p-10f;
+
+class MomentsSoft final : public ShadowAlgorithm {
+public:
+    explicit MomentsSoft(const AlgorithmServices& services)
+        : casters_(makeDepthMapPipelines(services)), tables_(services),
+          resolve_(services, {.name = "moments_soft.resolve",
+                              .fragment = k_filtered_moments_soft_frag,
+                              .cube = k_filtered_moments_soft_cube_frag})
+    {
+    }
+
+    void declare(PassBuilder& passes, const ShadowTask& task) override
+    {
+        const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
+        gpu::SoftConstants& constants = *passes.arena().make<gpu::SoftConstants>();
+        constants.base = mapConstants(task, resolution, 1);
+        // Without a radius the picture is that of a plain map, from the very same texels.
+        const std::uint32_t border = task.light->constants.sourceRadius > 0.0f ? kBorderTexels : kMapBorderTexels;
+        const LightMap map = declareLightMap(passes, casters_, task, resolution, constants.base, border);
+        const ImageId table = tables_.declare(passes, map, task, resolution);
+        addLight(constants, map.fits.front(), task);
+        map_ = handedOut(map.image, map.fits, map.needed);
+        resolve_.declare(passes, task, map.image, table, constants);
+    }
+
+    const Map* lightMap() const override { return &map_; }
+
+private:
+    /// All layers of a map have the same ends and texels.
+    static void addLight(gpu::SoftConstants& constants, const LightFit& fit, const ShadowTask& task)
+    {
+        const LightView& light = *task.light;
+        const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
+        const float radius = light.constants.sourceRadius;
+        const gpu::MapLookup& look = constants.base.map;
+        constants.linear = linearDepthOf(fit, light);
+        constants.four = task.settings[kFour] != 0.0;
+        constants.radius = directional ? std::tan(std::min(radius, 1.5f)) : radius;
+        constants.bleeding = static_cast<float>(task.settings[kBleeding]);
+        constants.momentBias = kMomentBias;
+        constants.deviation = kDeviation;
+        constants.depthRange = directional ? fit.farWs - fit.nearWs : fit.endWs;
+        const float cube = look.side / fit.texelAtOne;
+        const bool point = light.type == GN_LIGHT_TYPE_POINT;
+        constants.texelsX = point ? cube : 1.0f / glm::length(glm::vec3(look.texelDx));
+        constants.texelsY = point ? cube : 1.0f / glm::length(glm::vec3(look.texelDy));
+    }
+
+    DepthMapPipelines casters_;
+    SummedTables tables_;
+    StatisticsResolve resolve_;
+    Map map_;
+};
+
+} // namespace
+
+constinit const AlgorithmEntry kMomentsSoft{
+    .name = "moments_soft",
+    .source = "Yang et al. 2010; Peters et al. 2016",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_SOFT_PENUMBRA_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kSettings,
+    .memoryPerLight =
+        [](std::span<const double> settings, VkExtent2D, GnLightType type) {
+            const auto resolution = static_cast<std::uint32_t>(settings[kResolution]);
+            return depthMapMemory(resolution, mapLayers(type)) + SummedTables::memory(resolution, mapLayers(type));
+        },
+    .missing = nullptr,
+    .create = makeAlgorithm<MomentsSoft>,
+    .typicalWrongPercent = 0.6f, // moments_soft.md
+};
+
+} // namespace gnomon
