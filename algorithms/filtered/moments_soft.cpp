@@ -53,7 +53,7 @@ public:
         const LightMap map = declareLightMap(passes, casters_, task, resolution, constants.base, border);
         const ImageId table = tables_.declare(passes, map, task, resolution);
         addLight(constants, map.fits.front(), task);
-        map_ = handedOut(map.image, map.fits, map.needed);
+        map_ = handedOut(map.image, map.fits, map.needed, constants.base);
         resolve_.declare(passes, task, map.image, table, constants);
     }
 
