@@ -3,7 +3,6 @@
 #include "algorithms/warped/table_map.hpp"
 #include "shaders/shared_fullscreen_vert.h"
 #include "shaders/warped_bounds_comp.h"
-#include "shaders/warped_casters_fine_vert.h"
 #include "shaders/warped_casters_frag.h"
 #include "shaders/warped_casters_vert.h"
 #include "shaders/warped_functions_columns_comp.h"
@@ -48,13 +47,11 @@ public:
         : vk_(*services.vk), map_(services, {.importance = "nonorthogonal_warp.importance",
                                              .clear = "nonorthogonal_warp.clear",
                                              .casters = "nonorthogonal_warp.casters",
-                                             .fine = "nonorthogonal_warp.fine",
                                              .resolve = "nonorthogonal_warp.resolve",
                                              .importanceBuffer = "nonorthogonal_warp.counts",
                                              .map = "nonorthogonal_warp.depth",
                                              .importanceCode = k_warped_importance_comp,
                                              .vertexCode = k_warped_casters_vert,
-                                             .fineVertexCode = k_warped_casters_fine_vert,
                                              .fragmentCode = k_warped_casters_frag,
                                              .resolveCode = k_warped_resolve_frag,
                                              .places = true})

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "algorithms/warped/table_map.hpp"
-#include "shaders/warped_casters_fine_rectilinear_vert.h"
 #include "shaders/warped_casters_rectilinear_frag.h"
 #include "shaders/warped_casters_rectilinear_vert.h"
 #include "shaders/warped_importance_rectilinear_comp.h"
@@ -45,13 +44,11 @@ public:
         : vk_(*services.vk), map_(services, {.importance = "rectilinear_warp.importance",
                                              .clear = "rectilinear_warp.clear",
                                              .casters = "rectilinear_warp.casters",
-                                             .fine = "rectilinear_warp.fine",
                                              .resolve = "rectilinear_warp.resolve",
                                              .importanceBuffer = "rectilinear_warp.importance",
                                              .map = "rectilinear_warp.depth",
                                              .importanceCode = k_warped_importance_rectilinear_comp,
                                              .vertexCode = k_warped_casters_rectilinear_vert,
-                                             .fineVertexCode = k_warped_casters_fine_rectilinear_vert,
                                              .fragmentCode = k_warped_casters_rectilinear_frag,
                                              .resolveCode = k_warped_resolve_rectilinear_frag})
     {

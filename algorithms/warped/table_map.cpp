@@ -5,7 +5,7 @@
 #include <glm/matrix.hpp>
 
 #include "algorithms/shared/caster_lists.hpp"
-#include "algorithms/shared/depth_casters.hpp"
+#include "algorithms/shared/depth_map.hpp"
 #include "algorithms/shared/face_light.hpp"
 #include "runtime/scene/bias.hpp"
 #include "runtime/scene/light_pixels.hpp"
@@ -51,42 +51,6 @@ PipelineId castersPipeline(const AlgorithmServices& services, const TableMapInfo
     return services.pipelines->graphics(pipeline);
 }
 
-PipelineId finePipeline(const AlgorithmServices& services, const TableMapInfo& info)
-{
-    const BindingInfo bindings[] = {kTables, kPlaces};
-    GraphicsPipelineInfo pipeline;
-    pipeline.name = info.fine;
-    pipeline.vertex.code = info.fineVertexCode;
-    pipeline.bindings = std::span(bindings).first(info.places ? 2 : 1);
-    pipeline.pushBytes = sizeof(DepthCasters::Push);
-    pipeline.vertexStride = sizeof(glm::vec3);
-    pipeline.casters = pipeline.transforms = true;
-    pipeline.depthTest = pipeline.depthWrite = true;
-    pipeline.depthCompare = VK_COMPARE_OP_LESS;
-    pipeline.depthFormat = kMapFormat;
-    return services.pipelines->graphics(pipeline);
-}
-
-// Of the map's side: a texel of a map of 512. What a warp bends within a triangle is left straight, and the warp may
-// make it twenty times as large: with eight such texels the moon of city_night is wrong on 2.21 % of the pixels, with
-// exact triangles on 1.24 % (nonorthogonal_warp). Depths that are off so show as false shadows on what is lit itself:
-// on open casters, 4.7 % of the pixels (bunny, sun). Closed ones are in the map by their dark sides.
-constexpr float kFineShare = 1.0f / 512.0f;
-
-/// Whether a caster may be rasterised with its corners warped: it is closed, no edge is longer than kFineShare, and it
-/// lies past the near end.
-bool isFine(const Caster& caster, const LightView& light, const LightFit& fit)
-{
-    if (!caster.closed) return false;
-    float width = fit.texelAtOne; // of the map, where the caster is nearest
-    if (light.type != GN_LIGHT_TYPE_DIRECTIONAL) {
-        const float nearest = nearestDepth(light, caster.bounds);
-        if (!(nearest > fit.nearWs)) return false;
-        width *= nearest;
-    }
-    return caster.longestEdge <= kFineShare * width;
-}
-
 PipelineId resolvePipeline(const AlgorithmServices& services, const TableMapInfo& info, bool normals)
 {
     const auto look = lookupBindings(false);
@@ -127,19 +91,18 @@ gpu::WarpCaster warpCaster(const WarpTask& warp, const LightView& light, const C
 }
 
 struct CastersDraw {
-    PipelineId pipeline, finePipeline;
+    PipelineId pipeline;
     const WarpTask* warp;
     const LightView* light;
-    std::span<const Caster*const> coarse, fine;
+    std::span<const Caster* const> casters;
     Warp made;
 
     void operator()(PassContext& gpu) const
     {
-        drawInParts(*light, coarse, [&](std::span<const Caster* const> run, const DrawnPart& part) {
+        drawInParts(*light, casters, [&](std::span<const Caster* const> run, const DrawnPart& part) {
             for (const Caster* caster : run)
                 draw(gpu, *caster, part);
         });
-        if (!fine.empty()) drawFine(gpu);
     }
 
     void draw(PassContext& gpu, const Caster& caster, const DrawnPart& part) const
@@ -153,30 +116,12 @@ struct CastersDraw {
             gpu.vk->vkCmdDraw(gpu.cmd, 3 * (faces.end - faces.first), 1, 3 * faces.first, 0);
         });
     }
-
-    void drawFine(PassContext& gpu) const
-    {
-        const Bound bindings[] = {gpu.storage(5, made.tables), gpu.sampled(6, made.places)};
-        const DepthCasters::Push unmoved = casterPush(mapProjection(*warp->fit, *light));
-        drawInParts(*light, fine, [&](std::span<const Caster* const> run, const DrawnPart& part) {
-            const DepthCasters::Push push = DepthCasters::moved(unmoved, part.away);
-            gpu.drawCasters({.pipeline = finePipeline,
-                             .casters = run,
-                             .volume = warp->fit->volume,
-                             .bindings = std::span(bindings).first(made.places ? 2 : 1),
-                             .push = &push,
-                             .pushSize = sizeof(push),
-                             .depthFromOne = DepthCasters::fromOne(push),
-                             .firstFace = part.firstFace,
-                             .faceCount = part.faceCount});
-        });
-    }
 };
 
 } // namespace
 
 TableMap::TableMap(const AlgorithmServices& services, const TableMapInfo& info)
-    : info_(info), casters_(castersPipeline(services, info)), fine_(finePipeline(services, info))
+    : info_(info), casters_(castersPipeline(services, info))
 {
     for (const bool normals : {false, true}) {
         importance_[normals] = importancePipeline(services, info, normals);
@@ -227,23 +172,10 @@ void TableMap::declare(PassBuilder& passes, const ShadowTask& task, const WarpTa
     PassRef draw = passes.raster(info_.casters);
     draw.depthWrite(map, {.clear = true, .value = {.depthStencil = {1.0f, 0}}}).reads(made.tables);
     if (made.places) draw.samples(made.places);
-    FrameArena& arena = passes.arena();
-    const std::span<const Caster* const> casters = meshesIn(task.casters->all, warp.fit->volume, arena);
-    const std::span<const Caster*> coarse = arena.array<const Caster*>(casters.size());
-    const std::span<const Caster*> fine = arena.array<const Caster*>(casters.size());
-    std::size_t coarseCount = 0, fineCount = 0;
-    for (const Caster* caster : casters) {
-        if (isFine(*caster, *task.light, *warp.fit))
-            fine[fineCount++] = caster;
-        else
-            coarse[coarseCount++] = caster;
-    }
     draw.record(CastersDraw{.pipeline = casters_,
-                            .finePipeline = fine_,
                             .warp = &warp,
                             .light = task.light,
-                            .coarse = coarse.first(coarseCount),
-                            .fine = fine.first(fineCount),
+                            .casters = meshesIn(task.casters->all, warp.fit->volume, passes.arena()),
                             .made = made});
 
     const LookupImages look(task, map);

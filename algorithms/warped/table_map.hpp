@@ -1,8 +1,7 @@
 #pragma once
 // A light's map that is warped by tables: what rectilinear and non-orthogonal warps share. Tables are made on the GPU
 // from where the view's receivers lie; casters are drawn by edge functions at each texel's source place, so that edges
-// are where they belong however coarse triangles are; the look-up compares at the same place. Only closed casters of
-// small triangles are rasterised with their corners warped, which takes a tenth of the time.
+// are where they belong however coarse triangles are; the look-up compares at the same place.
 #include <cstdint>
 #include <span>
 
@@ -15,9 +14,9 @@ namespace gnomon {
 
 /// One kind of warp: names of its passes, and shaders that know how to read its tables.
 struct TableMapInfo {
-    const char *importance = "", *clear = "", *casters = "", *fine = "", *resolve = "";
+    const char *importance = "", *clear = "", *casters = "", *resolve = "";
     const char *importanceBuffer = "", *map = "";
-    std::span<const std::uint32_t> importanceCode, vertexCode, fineVertexCode, fragmentCode, resolveCode;
+    std::span<const std::uint32_t> importanceCode, vertexCode, fragmentCode, resolveCode;
     bool places = false; ///< Source places of texels are an image, at binding 6; else they are in the table.
 };
 
@@ -51,7 +50,7 @@ public:
 private:
     TableMapInfo info_;
     PipelineId importance_[2]; ///< [has normals]
-    PipelineId casters_, fine_;
+    PipelineId casters_;
     PipelineId resolve_[2]; ///< [has normals]
 };
 

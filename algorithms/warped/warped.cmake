@@ -12,7 +12,6 @@ gnomon_algorithm(rectilinear_warp
     SHADERS warped/rectilinear_edges.comp warped/rectilinear_places.comp
             warped/importance.comp:RECTILINEAR=1:warped/importance_rectilinear.comp
             warped/casters.vert:RECTILINEAR=1:warped/casters_rectilinear.vert
-            warped/casters_fine.vert:RECTILINEAR=1:warped/casters_fine_rectilinear.vert
             warped/casters.frag:RECTILINEAR=1:warped/casters_rectilinear.frag
             warped/resolve.frag:RECTILINEAR=1:warped/resolve_rectilinear.frag)
 gnomon_algorithm(nonorthogonal_warp
@@ -20,4 +19,4 @@ gnomon_algorithm(nonorthogonal_warp
     SHADERS warped/importance.comp warped/functions.comp warped/functions.comp:COLUMNS=1:warped/functions_columns.comp
             warped/smooth.comp warped/smooth.comp:COLUMNS=1:warped/smooth_columns.comp
             warped/recount.comp warped/bounds.comp warped/places.frag
-            warped/casters.vert warped/casters_fine.vert warped/casters.frag warped/resolve.frag)
+            warped/casters.vert warped/casters.frag warped/resolve.frag)
