@@ -92,6 +92,10 @@ struct AlgorithmEntry {
     /// Null, or whether these settings give up what GN_TRAIT_EXACT_BIT promises.
     bool (*approximates)(std::span<const double> settings) = nullptr;
 
+    /// Its map is fitted to the view: texels near the eye are finer than those of a plain map of its side, so no bound
+    /// in plain texels says how long it may be kept while casters move.
+    bool followsView = false;
+
     VkDeviceSize memoryFor(std::span<const double> values, VkExtent2D extent, GnLightType type) const
     {
         if (memoryPerLight) return memoryPerLight(values, extent, type);

@@ -111,9 +111,11 @@ struct MomentMaps::Layer {
     std::uint32_t index = 0, side = 0, variant = 0;
     gpu::BoxSums rows{}, columns{};
 
-    std::uint32_t groups() const
+    /// Of BOX_GROUP invocations, an invocation for each run of a row. In two dimensions: Vulkan promises 65 535 in one.
+    void dispatch(PassContext& gpu) const
     {
-        return (side + gpu::BOX_GROUP - 1) / gpu::BOX_GROUP * ((side + filter.box - 1) / filter.box);
+        gpu.vk->vkCmdDispatch(gpu.cmd, (side + gpu::BOX_GROUP - 1) / gpu::BOX_GROUP,
+                              (side + filter.box - 1) / filter.box, 1);
     }
 };
 
@@ -141,7 +143,9 @@ ImageId MomentMaps::declare(PassBuilder& passes, const LightMap& map, const Shad
                                                         .variant = variant});
     for (std::uint32_t index = 0; index < layers; ++index) {
         if ((map.needed >> index & 1) == 0) continue;
-        if (!staleLayer(passes, "moments.stamp", variant + index, moments, map.stamps[index])) continue;
+        const gpu::LinearDepth linear = linearDepthOf(map.fits[index], *task.light); // follows all casters in range
+        const std::uint64_t made = Stamp().add(map.stamps[index]).add(linear.scale).value();
+        if (!staleLayer(passes, "moments.stamp", variant + index, moments, made)) continue;
         const auto scratch = [&](const char* name) {
             return passes.transient(BufferInfo{
                 .name = name, .scope = Scope::light, .size = scratchBytes(filter, resolution), .variant = variant});
@@ -154,7 +158,7 @@ ImageId MomentMaps::declare(PassBuilder& passes, const LightMap& map, const Shad
                     .index = index,
                     .side = resolution,
                     .variant = variant + index};
-        layer.rows = {.linear = linearDepthOf(map.fits[index], *task.light),
+        layer.rows = {.linear = linear,
                       .exponent = filter.exponent,
                       .side = resolution,
                       .box = filter.box,
@@ -183,7 +187,7 @@ void MomentMaps::declareLayer(PassBuilder& passes, const Layer& declared) const
         .record([layer, from, pipeline = rows_[layer->filter.kind]](PassContext& gpu) {
             gpu.bind(pipeline, {gpu.constants(0, layer->rows),
                                 gpu.sampled(1, layer->map, SamplerKind::nearest, layer->index), gpu.storage(2, from)});
-            gpu.vk->vkCmdDispatch(gpu.cmd, layer->groups(), 1, 1);
+            layer->dispatch(gpu);
         });
     // Rows that remain, then columns but the last.
     const std::uint32_t more = layer->filter.boxes - 1;
@@ -195,7 +199,7 @@ void MomentMaps::declareLayer(PassBuilder& passes, const Layer& declared) const
             .record([layer, from, to, columns, pipeline = means_[channels]](PassContext& gpu) {
                 gpu.bind(pipeline, {gpu.constants(0, columns ? layer->columns : layer->rows), gpu.storage(1, from),
                                     gpu.storage(2, to)});
-                gpu.vk->vkCmdDispatch(gpu.cmd, layer->groups(), 1, 1);
+                layer->dispatch(gpu);
             });
         std::swap(from, to);
     }
@@ -206,7 +210,7 @@ void MomentMaps::declareLayer(PassBuilder& passes, const Layer& declared) const
         .record([layer, from, to, pipeline = columns_[channels][logOf(wordsOf(layer->filter))]](PassContext& gpu) {
             gpu.bind(pipeline, {gpu.constants(0, layer->columns), gpu.storage(1, from), gpu.storage(2, to),
                                 gpu.storage(3, layer->moments, layer->index)});
-            gpu.vk->vkCmdDispatch(gpu.cmd, layer->groups(), 1, 1);
+            layer->dispatch(gpu);
         });
 }
 

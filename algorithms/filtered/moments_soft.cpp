@@ -73,7 +73,7 @@ private:
         constants.bleeding = static_cast<float>(task.settings[kBleeding]);
         constants.momentBias = kMomentBias;
         constants.deviation = kDeviation;
-        constants.depthRange = directional ? fit.farWs - fit.nearWs : fit.endWs;
+        constants.depthRange = directional ? fit.farWs - fit.nearWs : fit.nearWs / constants.linear.scale;
         const float cube = look.side / fit.texelAtOne;
         const bool point = light.type == GN_LIGHT_TYPE_POINT;
         constants.texelsX = point ? cube : 1.0f / glm::length(glm::vec3(look.texelDx));

@@ -97,8 +97,8 @@ private:
 class Pcss final : public ShadowAlgorithm {
 public:
     explicit Pcss(const AlgorithmServices& services)
-        : casters_(makeDepthMapPipelines(services)), bounds_(services), resolve_(services, k_filtered_pcss_frag, false),
-          resolveCube_(services, k_filtered_pcss_cube_frag, true),
+        : vk_(*services.vk), casters_(makeDepthMapPipelines(services)), bounds_(services),
+          resolve_(services, k_filtered_pcss_frag, false), resolveCube_(services, k_filtered_pcss_cube_frag, true),
           hard_(services, {.name = "pcss.hard", .fragment = k_filtered_pcss_hard_frag, .filters = false}),
           hardCube_(services,
                     {.name = "pcss.hard", .fragment = k_filtered_pcss_hard_cube_frag, .layers = true, .filters = false})
@@ -127,10 +127,18 @@ public:
         (cube ? resolveCube_ : resolve_).declare(passes, task, map.image, bounds, constants);
     }
 
-    const char* refuses(const ShadowTask& task) const override { return refusesDisc(*task.light); }
+    const char* refuses(const ShadowTask& task) const override
+    {
+        const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
+        const std::uint32_t layers = task.light->type == GN_LIGHT_TYPE_POINT ? 6 : 1;
+        if (DepthBounds::memory(resolution, layers) > vk_.properties.limits.maxStorageBufferRange)
+            return "its depth bounds are larger than a storage buffer may be";
+        return refusesDisc(*task.light);
+    }
     const Map* lightMap() const override { return &map_; }
 
 private:
+    const DeviceTable& vk_;
     DepthMapPipelines casters_;
     DepthBounds bounds_;
     SoftResolve resolve_, resolveCube_;

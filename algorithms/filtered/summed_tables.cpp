@@ -52,13 +52,15 @@ ImageId SummedTables::declare(PassBuilder& passes, const LightMap& map, const Sh
     for (std::uint32_t index = 0; index < layers; ++index) {
         if ((map.needed >> index & 1) == 0) continue;
         const std::uint32_t variant = index << 16 | resolution;
-        if (!staleLayer(passes, "moments_soft.stamp", variant, table, map.stamps[index])) continue;
+        const gpu::LinearDepth linear = linearDepthOf(map.fits[index], *task.light); // follows all casters in range
+        const std::uint64_t made = Stamp().add(map.stamps[index]).add(linear.scale).value();
+        if (!staleLayer(passes, "moments_soft.stamp", variant, table, made)) continue;
         const BufferId sums = passes.transient(BufferInfo{.name = "moments_soft.sums",
                                                           .scope = Scope::light,
                                                           .size = kEntryBytes * resolution * resolution,
                                                           .variant = resolution});
         gpu::BoxSums* along = passes.arena().make<gpu::BoxSums>();
-        along->linear = linearDepthOf(map.fits[index], *task.light);
+        along->linear = linear;
         along->side = resolution;
         gpu::BoxSums* down = passes.arena().make(*along);
         down->columns = 1;

@@ -119,6 +119,7 @@ constinit const AlgorithmEntry kCascades{
     .missing = nullptr,
     .create = makeAlgorithm<Cascades>,
     .typicalWrongPercent = 0.29f, // cascades.md
+    .followsView = true,
 };
 
 } // namespace gnomon

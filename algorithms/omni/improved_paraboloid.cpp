@@ -72,6 +72,7 @@ constinit const AlgorithmEntry kImprovedParaboloid{
     .missing = nullptr,
     .create = makeAlgorithm<ImprovedParaboloid>,
     .typicalWrongPercent = 0.64f, // dual_paraboloid's, which it is where lights are in view
+    .followsView = true,
 };
 
 } // namespace gnomon

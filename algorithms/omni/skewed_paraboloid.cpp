@@ -67,6 +67,7 @@ constinit const AlgorithmEntry kSkewedParaboloid{
     .missing = nullptr,
     .create = makeAlgorithm<SkewedParaboloid>,
     .typicalWrongPercent = 0.58f, // as gnomon bench prints it for colonnade, skewed_paraboloid.md
+    .followsView = true,
 };
 
 } // namespace gnomon

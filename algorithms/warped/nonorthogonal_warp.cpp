@@ -177,6 +177,7 @@ constinit const AlgorithmEntry kNonorthogonalWarp{
     .missing = nullptr,
     .create = makeAlgorithm<NonorthogonalWarp>,
     .typicalWrongPercent = 0.3f, // nonorthogonal_warp.md
+    .followsView = true,
 };
 
 } // namespace gnomon

@@ -151,6 +151,7 @@ constinit const AlgorithmEntry kPerspectiveWarp{
     .missing = nullptr,
     .create = makeAlgorithm<PerspectiveWarp>,
     .typicalWrongPercent = 0.54f,
+    .followsView = true,
 };
 
 } // namespace gnomon

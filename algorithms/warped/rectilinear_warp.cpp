@@ -124,6 +124,7 @@ constinit const AlgorithmEntry kRectilinearWarp{
     .missing = nullptr,
     .create = makeAlgorithm<RectilinearWarp>,
     .typicalWrongPercent = 0.4f, // rectilinear_warp.md
+    .followsView = true,
 };
 
 } // namespace gnomon

@@ -71,6 +71,7 @@ constinit const AlgorithmEntry kTrapezoidal{
     .missing = nullptr,
     .create = makeAlgorithm<Trapezoidal>,
     .typicalWrongPercent = 0.5f,
+    .followsView = true,
 };
 
 } // namespace gnomon

@@ -32,7 +32,7 @@ struct Window {
 /// Images of a window, made anew when its size changes.
 class Swapchain {
 public:
-    Swapchain(Gpu& gpu, const Window& window) : gpu_(gpu)
+    Swapchain(Gpu& gpu, const Window& window) : gpu_(gpu), window_(window.handle)
     {
         VkSurfaceKHR surface = VK_NULL_HANDLE;
         if (glfwCreateWindowSurface(*gpu.instance, window.handle, nullptr, &surface) < 0)
@@ -47,8 +47,9 @@ public:
     template <typename Resize>
     bool acquire(Resize&& resize)
     try {
-        const vk::SurfaceCapabilitiesKHR limits = gpu_.physical.getSurfaceCapabilitiesKHR(*surface_);
-        if (limits.currentExtent.width == 0 || limits.currentExtent.height == 0) return false; // minimised
+        vk::SurfaceCapabilitiesKHR limits = gpu_.physical.getSurfaceCapabilitiesKHR(*surface_);
+        if (limits.currentExtent.width == UINT32_MAX) limits.currentExtent = framebufferExtent(limits); // Wayland
+        if (limits.currentExtent.width == 0 || limits.currentExtent.height == 0) return false;          // minimised
         if (std::exchange(stale_, false) || limits.currentExtent != extent_) {
             extent_ = limits.currentExtent;
             create(limits);
@@ -68,6 +69,18 @@ public:
     }
 
 private:
+    static uint32_t imagesOf(const vk::SurfaceCapabilitiesKHR& limits)
+    {
+        const uint32_t wanted = std::max(limits.minImageCount, 3u);
+        return limits.maxImageCount == 0 ? wanted : std::min(wanted, limits.maxImageCount);
+    }
+    vk::Extent2D framebufferExtent(const vk::SurfaceCapabilitiesKHR& limits) const
+    {
+        int width = 0, height = 0;
+        glfwGetFramebufferSize(window_, &width, &height);
+        return {std::min(uint32_t(width), limits.maxImageExtent.width),
+                std::min(uint32_t(height), limits.maxImageExtent.height)};
+    }
     void create(const vk::SurfaceCapabilitiesKHR& limits)
     {
         gpu_.device.waitIdle();
@@ -75,8 +88,8 @@ private:
         const auto unorm = [](const auto& offered) { return offered.format == vk::Format::eB8G8R8A8Unorm; };
         const auto found = std::find_if(formats.begin(), formats.end(), unorm);
         if (found == formats.end()) throw std::runtime_error("the window offers no B8G8R8A8_UNORM");
-        vk::SwapchainCreateInfoKHR info({}, *surface_, std::max(limits.minImageCount, 3u), found->format,
-                                        found->colorSpace, extent_, 1, vk::ImageUsageFlagBits::eTransferDst);
+        vk::SwapchainCreateInfoKHR info({}, *surface_, imagesOf(limits), found->format, found->colorSpace, extent_, 1,
+                                        vk::ImageUsageFlagBits::eTransferDst);
         info.setPreTransform(limits.currentTransform).setPresentMode(vk::PresentModeKHR::eFifo).setClipped(true);
         swapchain_ = nullptr;
         swapchain_ = {gpu_.device, info};
@@ -87,6 +100,7 @@ private:
     }
 
     Gpu& gpu_;
+    GLFWwindow* window_;
     vk::raii::SurfaceKHR surface_ = nullptr;
     vk::raii::SwapchainKHR swapchain_ = nullptr;
     vk::Extent2D extent_;

@@ -78,6 +78,9 @@ struct CalibrateOptions {
 };
 int calibrateCommand(const CalibrateOptions& options);
 
+/// A word of a command line as a POSIX shell reads it back.
+std::string shellQuoted(const std::string& word);
+
 struct ReportOptions {
     std::string run = "out/run";             ///< A folder of `gnomon run`.
     std::string to;                          ///< Empty: report.html in it.

@@ -31,12 +31,12 @@ std::string termsChart(const rules::Variable& variable)
                    {.low = 0.0, .high = 1.0, .title = "membership"});
     std::vector<std::pair<std::string, Rgb8>> entries;
     for (const rules::Term& term : variable.terms) {
-        const auto inside = [&](double x) { return std::clamp(x, variable.low, variable.high); };
-        Points points;
-        for (const double x : {variable.low, inside(term.shape.a), inside(term.shape.b), inside(term.shape.c),
-                               inside(term.shape.d), variable.high})
-            points.emplace_back(x, term.shape.membership(x));
-        std::sort(points.begin(), points.end());
+        const rules::Trapezoid& shape = term.shape;
+        Points points{{variable.low, shape.membership(variable.low)}};
+        for (const auto& [x, membership] :
+             {std::pair(shape.a, 0.0), std::pair(shape.b, 1.0), std::pair(shape.c, 1.0), std::pair(shape.d, 0.0)})
+            if (x >= variable.low && x <= variable.high) points.emplace_back(x, membership); // both ends of an edge
+        points.emplace_back(variable.high, shape.membership(variable.high));
         entries.emplace_back(term.name, seriesColour(entries.size()));
         chart.line(points, entries.back().second, 2.0);
     }

@@ -217,9 +217,9 @@ void check(const RunOptions& options)
 /// The same run again, as a command.
 std::string commandOf(const RunOptions& options)
 {
-    std::string text = "gnomon run " + options.scene;
+    std::string text = "gnomon run " + shellQuoted(options.scene);
     const auto add = [&](const char* name, const std::string& value) {
-        if (!value.empty()) text += std::string(" --") + name + " " + value;
+        if (!value.empty()) text += std::string(" --") + name + " " + shellQuoted(value);
     };
     add("rules", options.rules);
     add("method", options.method);

@@ -14,13 +14,16 @@ namespace {
 
 constexpr size_t kMostNotes = 3; // a file with more is no table of ours
 
-/// Takes the next line off `text`. \return whether it was ended
-bool takeLine(std::string_view& text, std::string_view& line)
+/// Takes the next row off `text`; line breaks within quotes belong to it. \return whether it was ended
+bool takeRow(std::string_view& text, std::string_view& row)
 {
-    const size_t end = text.find('\n');
-    const bool ended = end != std::string_view::npos;
-    line = text.substr(0, end);
-    text.remove_prefix(ended ? end + 1 : text.size());
+    bool quoted = false;
+    size_t end = 0;
+    for (; end < text.size() && (quoted || text[end] != '\n'); ++end)
+        quoted ^= text[end] == '"';
+    const bool ended = end < text.size();
+    row = text.substr(0, end);
+    text.remove_prefix(ended ? end + 1 : end);
     return ended;
 }
 
@@ -34,7 +37,7 @@ Outcome<std::vector<std::string>> readCsv(const std::filesystem::path& file, std
     if (!text) return Notes::failure(text.error());
     std::string_view rest = *text, line;
     std::vector<std::string> head, cells, wanted(columns.size()), notes;
-    takeLine(rest, line);
+    takeRow(rest, line);
     if (!splitCsvLine(line, head)) head.clear();
     std::vector<size_t> places;
     for (const std::string_view column : columns) {
@@ -43,15 +46,16 @@ Outcome<std::vector<std::string>> readCsv(const std::filesystem::path& file, std
         places.push_back(size_t(found - head.begin()));
     }
     for (size_t number = 2; !rest.empty() && notes.size() < kMostNotes; ++number) {
-        const bool ended = takeLine(rest, line);
+        const bool ended = takeRow(rest, line);
         if (!ended || !splitCsvLine(line, cells) || cells.size() != head.size()) {
-            notes.push_back(file.string() + ": line " + std::to_string(number) + " is not a whole row, left out");
+            notes.push_back(file.string() + ": row " + std::to_string(number) + " is not a whole row, left out");
             continue;
         }
         for (size_t i = 0; i < places.size(); ++i)
             wanted[i].swap(cells[places[i]]);
         visit(wanted);
     }
+    if (!rest.empty()) notes.push_back(file.string() + ": too many such rows, the rest is left out");
     return notes;
 }
 

@@ -1,4 +1,5 @@
 // `gnomon report`: what a run, and measurements beside it, have shown, as one page.
+#include <algorithm>
 #include <cstdio>
 
 #include "demo/io/file.hpp"
@@ -9,6 +10,20 @@
 #include "demo/report/sections.hpp"
 
 namespace gnomon::demo {
+
+std::string shellQuoted(const std::string& word)
+{
+    constexpr std::string_view plain = "_./,=:+-";
+    const bool isPlain = !word.empty() && std::all_of(word.begin(), word.end(), [&](unsigned char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               plain.find(static_cast<char>(c)) != std::string_view::npos;
+    });
+    if (isPlain) return word;
+    std::string out = "'";
+    for (const char c : word)
+        out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + "'";
+}
 
 int reportCommand(const ReportOptions& options)
 {
@@ -28,11 +43,12 @@ int reportCommand(const ReportOptions& options)
         benched.rows.insert(benched.rows.end(), more.rows.begin(), more.rows.end());
         run.notes.insert(run.notes.end(), more.notes.begin(), more.notes.end());
     }
-    std::string command = "gnomon report " + options.run;
+    std::string command = "gnomon report " + shellQuoted(options.run);
     for (const std::string& file : options.compare)
-        command += " --compare " + file;
+        command += " --compare " + shellQuoted(file);
     for (const std::string& file : options.bench)
-        command += " --bench " + file;
+        command += " --bench " + shellQuoted(file);
+    if (!options.to.empty()) command += " --to " + shellQuoted(options.to);
     const std::string body = headlineSection(run) + frameSection(run) + laneSection(run) + distanceSection(run) +
                              savedSection(compared) + errorSection(benched) + pictureSection(run) + worstSection(run) +
                              reproduceSection(run, std::span(&command, 1));

@@ -111,6 +111,15 @@ std::vector<Stretch> shortened(const std::vector<Stretch>& all, size_t most)
     return out;
 }
 
+/// As many bytes at most; a character of several is not cut in the middle.
+std::string firstBytes(const std::string& text, size_t most)
+{
+    size_t end = std::min(text.size(), most);
+    while (end > 0 && end < text.size() && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80)
+        --end;
+    return text.substr(0, end);
+}
+
 std::string tipOf(const Stretch& stretch, const LightTrack& light, const RunData& run)
 {
     std::string text = light.name + ", " + framesText(stretch.first, stretch.last) + "\n" +
@@ -215,7 +224,7 @@ std::string laneSection(const RunData& run)
     size_t merged = 0;
     for (size_t i = 0; i < lanes.size(); ++i) {
         const auto stretches = shortened(lanes[i]->stretches, std::max(kLeastStretches, kMostStretches / lanes.size()));
-        chart.rowName(count - double(i) - 0.5, lanes[i]->name.substr(0, kLaneLetters));
+        chart.rowName(count - double(i) - 0.5, firstBytes(lanes[i]->name, kLaneLetters));
         merged += lanes[i]->stretches.size() - stretches.size();
         for (const Stretch& stretch : stretches)
             chart.box(stretch.first, stretch.last + 1.0, count - double(i) - 0.95, count - double(i) - 0.05,

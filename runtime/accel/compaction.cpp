@@ -32,14 +32,17 @@ bool DeviceRays::declareCompact(PassBuilder& passes, const MeshView& mesh, MeshS
     const std::uint64_t content = contentOf(mesh);
     const bool hasWhole = passes.holds(structure.whole(mesh.id), content);
     if (hasWhole && structure.compactStamp != content) {
-        const std::uint64_t query = passes.parts(structure.whole(mesh.id)).covered;
-        const VkDeviceSize size = sizes_.read(query, passes.completedFrame());
+        const KeptParts parts = passes.parts(structure.whole(mesh.id));
+        if (parts.covered == 0) return askSize(passes, mesh, structure, parts), false;
+        const VkDeviceSize size = sizes_.read(parts.covered, passes.completedFrame());
         if (size == 0 || size >= structure.size) return false;
         structure.compactSize = size;
         structure.compactStamp = content;
     }
     if (structure.compactStamp != content) return false;
     if (!hasWhole && !passes.holds(structure.compact(mesh.id), content)) return false;
+    // Memory is saved at nobody's cost: maps of other lights do not make way for the copy.
+    if (!passes.holds(structure.compact(mesh.id), content) && !passes.hasRoomFor(structure.compactSize)) return false;
     const BufferId copy = passes.persistentIfPossible(structure.compact(mesh.id));
     if (!copy) {
         structure.compactStamp = 0; // and it stays so until the mesh is built anew
@@ -50,6 +53,17 @@ bool DeviceRays::declareCompact(PassBuilder& passes, const MeshView& mesh, MeshS
     compactions_.push_back({.from = passes.persistent(structure.whole(mesh.id)), .to = copy});
     ++builtEver_;
     return true;
+}
+
+/// All queries were taken when it was built.
+void DeviceRays::askSize(PassBuilder& passes, const MeshView& mesh, const MeshStructure& structure, KeptParts parts)
+{
+    parts.covered = sizes_.take(passes.frame());
+    if (parts.covered == 0) return;
+    const BufferId whole = passes.persistent(structure.whole(mesh.id));
+    if (!whole) return;
+    passes.keepParts(whole, parts);
+    asked_.push_back({whole, parts.covered});
 }
 
 /// One pass for all of compactions_.
@@ -75,16 +89,17 @@ void DeviceRays::declareCompactions(PassBuilder& passes, std::uint32_t variant)
 }
 
 /// Asks the device how large copies of what was built would be.
-void DeviceRays::declareSizes(PassBuilder& passes, std::span<const Build> builds, std::uint32_t variant)
+void DeviceRays::declareSizes(PassBuilder& passes, std::uint32_t variant)
 {
-    if (std::ranges::none_of(builds, [](const Build& build) { return build.sizeQuery != 0; })) return;
+    if (asked_.empty()) return;
+    const std::span<const SizeAsked> asked = passes.arena().copy(std::span<const SizeAsked>(asked_));
+    asked_.clear();
     passes.compute("rays.sizes", Scope::scene, variant)
         .builds(scene_.order)
         .record([=, pool = sizes_.pool()](PassContext& gpu) {
-            for (const Build& build : builds) {
-                if (build.sizeQuery == 0) continue;
-                const std::uint32_t query = CompactedSizes::indexOf(build.sizeQuery);
-                const VkAccelerationStructureKHR structure = gpu.structure(build.structure);
+            for (const auto& [buffer, number] : asked) {
+                const std::uint32_t query = CompactedSizes::indexOf(number);
+                const VkAccelerationStructureKHR structure = gpu.structure(buffer);
                 gpu.vk->vkCmdResetQueryPool(gpu.cmd, pool, query, 1);
                 gpu.vk->vkCmdWriteAccelerationStructuresPropertiesKHR(
                     gpu.cmd, 1, &structure, VK_QUERY_TYPE_ACCELERATION_STRUCTURE_COMPACTED_SIZE_KHR, pool, query);

@@ -232,10 +232,12 @@ bool DeviceRays::declareScene(PassBuilder& passes)
 {
     builds_.clear();
     compactions_.clear();
+    asked_.clear();
     for (const Caster* caster : needed_)
         if (!declareMesh(passes, *caster->mesh)) return false;
     scene_.order = passes.persistent(BufferInfo{.name = "rays.order", .scope = Scope::scene});
     if (!scene_.order || !declareBuilds(passes, 0)) return false;
+    declareSizes(passes, 0);
     declareCompactions(passes, 0);
     return declareTopLevel(passes);
 }
@@ -244,6 +246,7 @@ void DeviceRays::declareWanted(PassBuilder& passes)
 {
     builds_.clear();
     compactions_.clear();
+    asked_.clear();
     scene_.order = passes.persistent(BufferInfo{.name = "rays.order", .scope = Scope::scene});
     std::uint64_t triangles = 0;
     for (const Caster* caster : wanted_) {
@@ -254,6 +257,7 @@ void DeviceRays::declareWanted(PassBuilder& passes)
         if (builds_.size() != before) triangles += caster->mesh->triangleCount();
     }
     if (!declareBuilds(passes, 1)) return forgetTurn();
+    declareSizes(passes, 1);
     declareCompactions(passes, 1);
 }
 
@@ -287,6 +291,7 @@ bool DeviceRays::declareMesh(PassBuilder& passes, const MeshView& mesh)
     const bool refit = structure.deforms && before.base == mesh.faces && before.covered < kRefits;
     const std::uint64_t query = structure.deforms ? 0 : sizes_.take(passes.frame());
     passes.keepParts(id, {.base = mesh.faces, .covered = refit ? before.covered + 1 : query});
+    structure.compactStamp = structure.compactSize = 0; // of another build
     builds_.push_back({.triangles = trianglesOf(mesh),
                        .count = mesh.triangleCount(),
                        .structure = id,
@@ -338,7 +343,8 @@ bool DeviceRays::declareBuilds(PassBuilder& passes, std::uint32_t variant)
         gpu.vk->vkCmdBuildAccelerationStructuresKHR(gpu.cmd, static_cast<std::uint32_t>(infos.size()), infos.data(),
                                                     rangesOf.data());
     });
-    declareSizes(passes, builds, variant);
+    for (const Build& build : builds_)
+        if (build.sizeQuery != 0) asked_.push_back({build.structure, build.sizeQuery});
     return true;
 }
 

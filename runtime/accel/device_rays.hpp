@@ -73,6 +73,10 @@ private:
     struct Compaction {
         BufferId from, to;
     };
+    struct SizeAsked {
+        BufferId structure;
+        std::uint64_t query; ///< CompactedSizes
+    };
     /// Stamp of a mesh's structure: a copy on the CPU that has arrived may number triangles anew, at the same revision.
     static std::uint64_t contentOf(const MeshView& mesh);
     bool isBuilt(const PassBuilder& passes, const Caster& caster) const;
@@ -84,8 +88,9 @@ private:
     bool declareScene(PassBuilder& passes);
     bool declareMesh(PassBuilder& passes, const MeshView& mesh);
     bool declareCompact(PassBuilder& passes, const MeshView& mesh, MeshStructure& structure);
+    void askSize(PassBuilder& passes, const MeshView& mesh, const MeshStructure& structure, KeptParts parts);
     void declareCompactions(PassBuilder& passes, std::uint32_t variant);
-    void declareSizes(PassBuilder& passes, std::span<const Build> builds, std::uint32_t variant);
+    void declareSizes(PassBuilder& passes, std::uint32_t variant);
     bool declareBuilds(PassBuilder& passes, std::uint32_t variant);
     bool declareTopLevel(PassBuilder& passes);
     void forgetTurn();
@@ -102,6 +107,7 @@ private:
     std::vector<const Caster*> needed_, wanted_;              ///< Of this turn.
     std::vector<Build> builds_;                               ///< Under declaration.
     std::vector<Compaction> compactions_;                     ///< Likewise.
+    std::vector<SizeAsked> asked_;                            ///< Likewise.
     CompactedSizes sizes_;
     std::uint32_t topInstances_ = 0;            ///< At most, of the sizes below.
     VkDeviceSize topSize_ = 0, topScratch_ = 0; ///< Bytes.

@@ -65,7 +65,7 @@ private:
 void LightPasses::declare()
 {
     declareVisibility();
-    if (light_.light->sampled && !hasSample()) declareSample();
+    if (light_.light->sampled && decision_.reason != GN_REASON_UNSEEN && !hasSample()) declareSample();
 }
 
 /// Whether hosts' shaders can look up the map of the method that serves.
@@ -76,9 +76,12 @@ bool LightPasses::hasSample() const
            frame_.maps.back().map.sample.kind != gpu::SAMPLE_NOTHING;
 }
 
-/// The map of the first fallback that has one for them. Where it cannot be made the light has none in this frame.
+/// The map of the first fallback that has one for them. Where it cannot be made the light has none, and is left alone
+/// for a while: asking again in every frame would take the memory of other lights' maps.
 void LightPasses::declareSample()
 {
+    PassFailure& failure = light_.memory->sampleFailure;
+    if (failure.holds(frame_.number, 0)) return;
     for (std::uint32_t i = 0; i < parts_.methods.size(); ++i) {
         const Method& method = parts_.methods[i];
         if (!method.ready || !method.has(GN_TRAIT_FALLBACK_BIT) || !method.serves(light_.light->type)) continue;
@@ -90,8 +93,12 @@ void LightPasses::declareSample()
                                                    .casters = light_.casters,
                                                    .settings = method.settingsAt(decision_.plainSide),
                                                    .recorded = frame_.mode == FrameMode::recorded});
-        const bool failed = parts_.graph.endTask().has_value();
-        if (failed || !map) continue;
+        if (const std::optional<Error> error = parts_.graph.endTask()) {
+            failure.note(frame_.number, error->result == GN_ERROR_OUT_OF_DEVICE_MEMORY);
+            return;
+        }
+        if (!map) continue;
+        failure.noteServed(frame_.number);
         frame_.maps.push_back({light_.light->id, light_.viewIndex, method.name.c_str(), true, *map});
         return;
     }

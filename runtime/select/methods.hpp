@@ -53,8 +53,8 @@ struct Method {
     /// Side of its maps for such a light, texels; 0: it has none.
     double mapSide(std::uint32_t plainSide) const { return sideSetting_ ? settingsAt(plainSide)[*sideSetting_] : 0.0; }
     bool followsCoverage() const { return sideSetting_ && settings[*sideSetting_] == 0.0; }
-    /// Whether the light's pose and the map that it is looked up in are all that it goes by.
-    bool looksUpMaps() const { return followsCoverage() && !readsTriangles(); }
+    /// Whether the light's pose and the plain map that it is looked up in are all that it goes by.
+    bool looksUpMaps() const { return followsCoverage() && !readsTriangles() && !entry->followsView; }
     /// To be called when `settings` have changed.
     void noteSettings();
     bool isExact() const { return has(GN_TRAIT_EXACT_BIT) && !(entry->approximates && entry->approximates(settings)); }

@@ -144,6 +144,7 @@ struct LightMemory {
     std::uint32_t probed = UINT32_MAX;   ///< The newest method that was measured beside it, from probedSince on.
     std::uint64_t probedSince = 0;
     MethodArray<PassFailure> failures;
+    PassFailure sampleFailure; ///< Of the map beside, for hosts' shaders.
 
     bool isOnTrial() const { return tried != UINT32_MAX; }
 };

@@ -39,6 +39,7 @@ struct BufferMesh {
     bool copying = false;                                 ///< For the CPU.
     bool tried = false;                                   ///< A copy has been made, or could not be.
     bool cameApart = false;                               ///< Vertices of `connectivity`; a copy will tell which.
+    bool mendFailed = false;                              ///< The newest copy that should have told did not.
     std::uint32_t rests = 0;                              ///< Frames without a rewrite while a copy is wanted.
     bool told = false;                                    ///< Of what was wrong.
 };

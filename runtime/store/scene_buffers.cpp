@@ -167,7 +167,7 @@ bool SceneRegistry::Impl::beginCopy(std::uint64_t mesh)
     });
     inBuffers.rests = rewritten ? 0 : inBuffers.rests + 1;
     // The first is made whatever the pose, for the connectivity, and so is the one that mends it.
-    const bool atOnce = !inBuffers.tried || inBuffers.cameApart;
+    const bool atOnce = !inBuffers.tried || (inBuffers.cameApart && !inBuffers.mendFailed);
     if ((!atOnce && inBuffers.rests < kRestFrames) || inBuffers.copying) return false;
     const VkDeviceSize size = inBuffers.vertices.get().size + inBuffers.indices.get().size;
     Result<OwnedBuffer> content = builder.readback(size, inBuffers.identity->name);
@@ -362,7 +362,9 @@ void SceneRegistry::Impl::adoptCopies(std::vector<RevisionPtr>& released)
         makeRoomFor(copy->uploads);
         copy->of->inBuffers->copying = false;
         copy->of->inBuffers->tried = true;
-        if (copy->connects) copy->of->inBuffers->cameApart = false;
+        // What failed is tried again when the mesh rests, not with every rewrite.
+        if (copy->connects) copy->of->inBuffers->mendFailed = !copy->connectivity;
+        if (copy->connectivity) copy->of->inBuffers->cameApart = false;
         if (copy->connectivity) copy->of->inBuffers->connectivity = copy->connectivity;
         if (copy->made) {
             copy->of->inBuffers->copiedFaces = copy->made->faces;

@@ -35,4 +35,6 @@ vec4 kept(BoxSums sums, uint at, uint line)
 #define BOX_STORE keep
 #include "box_means.h"
 
-void main() { boxMeans(constants, gl_GlobalInvocationID.x); }
+uint groupOf() { return gl_WorkGroupID.x * gl_NumWorkGroups.y + gl_WorkGroupID.y; }
+
+void main() { boxMeans(constants, groupOf() * 64u + gl_LocalInvocationID.x); }

@@ -32,11 +32,17 @@ struct LinearDepth {
     float padding;
 };
 
-GN_SHARED_FN float linearZ(LinearDepth linear, float depth)
+// Not cut at the map's ends.
+GN_SHARED_FN float openZ(LinearDepth linear, float depth)
 {
     // 2^-24 is half the distance of floats before 1: what lies so far is beyond every end.
     float d = linear.perspective != 0.0f ? 1.0f / max(1.0f - depth, 1.0f / 16777216.0f) : depth;
-    return clamp(linear.scale * d + linear.offset, 0.0f, 1.0f);
+    return linear.scale * d + linear.offset;
+}
+
+GN_SHARED_FN float linearZ(LinearDepth linear, float depth)
+{
+    return clamp(openZ(linear, depth), 0.0f, 1.0f);
 }
 
 // std140.

@@ -52,4 +52,6 @@ void store(BoxSums sums, uint at, uint line, vec4 value)
 #define BOX_STORE store
 #include "box_means.h"
 
-void main() { boxMeans(constants, gl_GlobalInvocationID.x); }
+uint groupOf() { return gl_WorkGroupID.x * gl_NumWorkGroups.y + gl_WorkGroupID.y; }
+
+void main() { boxMeans(constants, groupOf() * 64u + gl_LocalInvocationID.x); }

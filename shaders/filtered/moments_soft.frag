@@ -42,13 +42,14 @@ void main()
     bool positional = constants.map.positional != 0.0;
     vec2 texels = vec2(texelsX, texelsY);
     float z = linearZ(linear, tap.depth);
+    float open = max(openZ(linear, tap.depth), z); // receivers may lie beyond the last caster
 
     // The widest box first; each finds blockers, and with them a narrower one.
     vec2 width = vec2(MAX_SUMMED_BOX);
-    float nearest = positional ? 0.25 * z : 0.0;
+    float nearest = positional ? 0.25 * open : 0.0;
     float lit = 1.0;
     for (int i = 0; i < 3; ++i) {
-        width = min(width, max(texels * softWidth(radius, positional, depthRange, z, nearest), vec2(1.0)));
+        width = min(width, max(texels * softWidth(radius, positional, depthRange, open, nearest), vec2(1.0)));
         vec4 m = mix(boxMean(tap.at, width, uint(constants.map.side), layer), vec4(0.5), momentBias);
         // The deviation of the receiver's plane over the box: without it four moments shadow the plane itself.
         float nearer = linearZ(linear, tap.depth - max(width.x, width.y) * 0.28867513 * slope);

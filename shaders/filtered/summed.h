@@ -8,9 +8,9 @@
 
 GN_SHARED_BEGIN
 
-// Widest box, texels: 2^12 texels, of 2^20 steps each.
+// Widest box, texels: it may begin within one, so 2^12 texels, of less than 2^20 steps each.
 GN_SHARED_CONST float MAX_SUMMED_BOX = 63.0f;
-GN_SHARED_CONST float SUMMED_STEPS = 1048576.0f;
+GN_SHARED_CONST float SUMMED_STEPS = 1048575.0f;
 // Most texels per side of a table: the greatest value of the setting `resolution`.
 GN_SHARED_CONST uint MAX_TABLE_SIDE = 2048u;
 

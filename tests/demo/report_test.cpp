@@ -175,8 +175,21 @@ TEST_CASE("a table cut off in the middle of a row is read up to there, and the p
     const RunData run = folder.read();
     CHECK(run.frames.size() == 2);
     REQUIRE(run.notes.size() == 1);
-    CHECK(run.notes[0].find("line 4") != std::string::npos);
-    CHECK(pageOf(run).find("line 4 is not a whole row") != std::string::npos);
+    CHECK(run.notes[0].find("row 4") != std::string::npos);
+    CHECK(pageOf(run).find("row 4 is not a whole row") != std::string::npos);
+}
+
+TEST_CASE("names of several lines and of letters beyond ASCII are read and cut whole")
+{
+    const Folder folder;
+    folder.write("frames.csv", kFramesHead + frameLine(0, "10"));
+    folder.write("lights.csv", kLightsHead + lightLine(0, "\"two\nlines\"", "cube_map", 4.0) +
+                                   lightLine(0, "Hoflaterne\xc3\xa4\xc3\xa4", "cube_map", 4.0));
+    const RunData run = folder.read();
+    CHECK(run.notes.empty());
+    REQUIRE(run.lights.size() == 2);
+    CHECK(run.lights[0].name == "two\nlines");
+    CHECK(laneSection(run).find(">Hoflaterne<") != std::string::npos); // 11 bytes would end within a letter
 }
 
 TEST_CASE("what is no folder of a run is named")

@@ -222,7 +222,7 @@ typedef struct GnSampledShadows {
                                  ///< looked up has any image there.
     const char* const* pMethods; ///< Whose map it is: the light's method, or what is drawn beside it. Null: the light
                                  ///< is lit everywhere, for lack of #GN_LIGHT_SAMPLED_BIT, of memory, or of a method
-                                 ///< that is ready.
+                                 ///< that is ready; or it reaches nothing that the view can see.
     VkSampler sampler;           ///< For all of them; lives as long as the context.
     const void* pConstants;      ///< For a uniform or storage buffer, of this frame alone. Depends on pOrigin.
     size_t constantsSize;        ///< lightCount * constantsStride.
