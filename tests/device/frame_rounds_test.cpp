@@ -2,6 +2,7 @@
 // done once.
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "device/fixture.hpp"
@@ -22,13 +23,16 @@ Scene roomWithSixteenLights()
 std::set<std::string> pinInTurn(Host& host, size_t lights)
 {
     const std::vector<GnMethodInfo> methods = availableMethods(host.context);
+    size_t step = 5; // through all families, which stand together, and in the end through every method
+    while (std::gcd(step, methods.size()) != 1)
+        ++step;
     std::set<std::string> used;
     std::map<demo::LightKind, size_t> next;
     for (size_t i = 0; i < lights; ++i) {
         const demo::LightKind kind = host.scene.lights[i].kind;
         const GnMethodInfo* method = nullptr;
         while (!method) {
-            const GnMethodInfo& candidate = methods[next[kind]++ % methods.size()];
+            const GnMethodInfo& candidate = methods[step * next[kind]++ % methods.size()];
             if (serves(candidate, kind)) method = &candidate;
         }
         host.pin(i, method->pName);
@@ -87,7 +91,10 @@ TEST_CASE_FIXTURE(DeviceTest, "16 lights with every method in two views cost the
 TEST_CASE_FIXTURE(DeviceTest, "what a light needs is done once for two views, what a view needs once for 16 lights")
 {
     // Both views look the same way: then no light has more to do for two of them.
-    Host one(roomWithSixteenLights(), {.viewCount = 1}), two(roomWithSixteenLights(), {.viewCount = 2});
+    // Where memory is short a second view's maps do not keep static casters apart.
+    const auto roomy = [](GnContextCreateInfo& info) { info.memoryLimit = VkDeviceSize{8} << 30; };
+    Host one(roomWithSixteenLights(), {.viewCount = 1, .context = roomy}),
+        two(roomWithSixteenLights(), {.viewCount = 2, .context = roomy});
     pinInTurn(one, 16);
     pinInTurn(two, 16);
     one.require(one.draw());
