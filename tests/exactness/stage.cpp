@@ -13,9 +13,13 @@ namespace gnomon::exact {
 
 using namespace demo;
 
+// Every method after another, each for all lights: 910 MiB of moments in `rooms`, beside what the one before has left.
+constexpr VkDeviceSize kMemory = VkDeviceSize{4} << 30;
+
 Stage::Stage(Scene scene, VkExtent2D extent, double time)
     : scene_(std::move(scene)),
-      session_(test::device(), scene_, {.scene = {}, .size = extent, .contextFlags = GN_CONTEXT_NO_BACKGROUND_BIT})
+      session_(test::device(), scene_,
+               {.scene = {}, .size = extent, .contextFlags = GN_CONTEXT_NO_BACKGROUND_BIT, .memoryLimit = kMemory})
 {
     for (const GnMethodInfo& info : methods()) {
         traits_[info.pName] = info.traits;
