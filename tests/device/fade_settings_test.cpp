@@ -20,10 +20,10 @@ Scene lightOf(demo::LightKind kind)
     return scene;
 }
 
-/// Both ends of its range, maps and tables of a size that a test can afford.
+/// Both ends of its range, or what a test can afford: sides of maps and tables begin at 64, numbers of samples do not.
 std::vector<double> othersOf(const GnSettingInfo& setting)
 {
-    std::vector<double> values{setting.minimum, std::min(setting.maximum, 512.0)};
+    std::vector<double> values{setting.minimum, std::min(setting.maximum, setting.minimum < 64.0 ? 64.0 : 512.0)};
     std::erase(values, setting.value);
     return values;
 }

@@ -80,7 +80,8 @@ Wrong wrongPixels(Host& host, const GnMethodInfo& method, const Truth& truth)
 }
 
 /// By its traits: of exact methods the pixels, of others how they do through the plain lens. Of 16 bits a unit is a
-/// third of a pixel's width, and edges move by so much: what counts is clear of them.
+/// third of a pixel's width, and edges move by so much: what counts is clear of them. An average over seven texels is
+/// wrong along all edges, whatever the lens.
 void checkMethod(Host& host, const GnMethodInfo& method, const std::vector<Truth>& truths, double step)
 {
     const bool exact = (method.traits & GN_TRAIT_EXACT_BIT) != 0;
@@ -91,7 +92,8 @@ void checkMethod(Host& host, const GnMethodInfo& method, const std::vector<Truth
                                        << wrong.pixelsEach() << " wrong pixels each, " << wrong.clearEach()
                                        << " clear of edges; through the plain lens " << plain.pixelsEach());
         CHECK(wrong.clearEach() <= (exact ? 2.0 : 12.0));
-        CHECK(wrong.pixelsEach() <= (step > 1e-6 ? 80.0 : exact ? 6.0 : 1.5 * plain.pixelsEach() + 20.0));
+        const double least = step > 1e-6 ? 80.0 : exact ? 6.0 : 0.0;
+        CHECK(wrong.pixelsEach() <= (exact ? least : std::max(least, 1.5 * plain.pixelsEach() + 20.0)));
     }
 }
 
