@@ -16,7 +16,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a caster that moves the far end of a lamp's maps 
         lamp.radius = 0.2f;
         scene.lights = {lamp};
         scene.instances[kBall].isStatic = false;
-        scene.instances[kBall].pose.position = {-10.0, 8.0, 0.0}; // seen by one face alone, and not the floor's
+        scene.instances[kBall].pose.position = {-10.0, 1.6, 0.0}; // in one face alone, not the floor's
         Host host(scene);
         host.pinAll(method);
         host.require(host.draw());
