@@ -113,7 +113,10 @@ TEST_CASE_FIXTURE(DeviceTest, "torus_grid a thousand kilometres away looks as it
         }
         const Image8 picture = near.pictures()[0];
         CHECK(dark(picture) > 1000);
-        const size_t changed = differences(picture, far.pictures()[0]);
+        const Image8 other = far.pictures()[0];
+        size_t changed = 0; // by more than averages round to
+        for (size_t i = 0; i < picture.texels.size(); ++i)
+            changed += std::abs(picture.texels[i] - other.texels[i]) > 2;
         MESSAGE(std::string(method.pName) << ": " << changed << " of " << picture.texels.size() << " pixels differ");
         // The origin lies up to 128 m from the eye, where a float resolves 0.008 mm: pixels right on an edge and map
         // texels right on a slope may change. Measured: 1 for shadow_map, 0 for the others; 15 are allowed.
@@ -217,7 +220,7 @@ TEST_CASE_FIXTURE(DeviceTest, "in a locale with a decimal comma rules, decisions
         CHECK(host.draw({.adjust = [](GnFrameInfo&, std::vector<GnViewFrame>& v) { v[0].viewFromWorld[0] *= 2.0f; }}) ==
               GN_ERROR_OUT_OF_RANGE);
         words += host.lastError();
-        CHECK(gnSetMethodSetting(host.context, "shadow_map", "filter", 8.5) == GN_ERROR_OUT_OF_RANGE);
+        CHECK(gnSetMethodSetting(host.context, "shadow_map", "filter", 15.5) == GN_ERROR_OUT_OF_RANGE);
         words += host.lastError();
         GnTransform transform{};
         transform.translation[0] = 2.5e18;
