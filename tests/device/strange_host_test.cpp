@@ -293,7 +293,8 @@ private:
         const GnMethodInfo& method = any(methods_);
         if (method.settingCount == 0) return;
         const GnSettingInfo& setting = method.pSettings[upTo(method.settingCount - 1)];
-        double value = std::min(std::floor(in(setting.minimum, setting.maximum + 0.99)), setting.maximum);
+        double value =
+            std::clamp(std::floor(in(setting.minimum, setting.maximum + 0.99)), setting.minimum, setting.maximum);
         if (setting.maximum > 16.0) value = std::clamp(256.0 * (1 + upTo(3)), setting.minimum, setting.maximum);
         host_.require(gnSetMethodSetting(host_.context, method.pName, setting.pName, value));
     }
