@@ -137,7 +137,7 @@ public:
     /// @param content positions, then indices, as in BufferMesh
     Result<std::shared_ptr<MeshRevision>> copied(const MeshRevision& of, const std::byte* content,
                                                  std::vector<MeshUpload>& uploads) const;
-    /// Its connectivity, mended where `of` has one already. After copied(), also where that has failed.
+    /// Its connectivity, corrected where `of` has one already. After copied(), also where that has failed.
     /// @param made by copied(), or null
     Result<std::shared_ptr<const MeshConnectivity>> connected(const MeshRevision& of, const std::byte* content,
                                                               const MeshRevision* made) const;

@@ -166,7 +166,7 @@ bool SceneRegistry::Impl::beginCopy(std::uint64_t mesh)
         return conversion.revision->inBuffers.get() == &inBuffers;
     });
     inBuffers.rests = rewritten ? 0 : inBuffers.rests + 1;
-    // The first is made whatever the pose, for the connectivity, and so is the one that mends it.
+    // The first is made whatever the pose, for the connectivity, and so is the one that corrects it.
     const bool atOnce = !inBuffers.tried || (inBuffers.cameApart && !inBuffers.mendFailed);
     if ((!atOnce && inBuffers.rests < kRestFrames) || inBuffers.copying) return false;
     const VkDeviceSize size = inBuffers.vertices.get().size + inBuffers.indices.get().size;
@@ -276,7 +276,7 @@ void SceneRegistry::Impl::tell(const BufferMesh& mesh) const
                                                  " of its buffer is not finite, or beyond 1e18; it counts as 0");
 }
 
-/// A copy mends the connectivity if the GPU has found it wrong, and it is the newest.
+/// A copy corrects the connectivity if the GPU has found it wrong, and it is the newest.
 void SceneRegistry::Impl::watch(const MeshRevision& converted)
 {
     BufferMesh& mesh = *converted.inBuffers;

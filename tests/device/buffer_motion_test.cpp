@@ -304,7 +304,7 @@ TEST_CASE_FIXTURE(DeviceTest, "faces without an area in the pose that was copied
         CHECK(std::string(twins.host.decision(0).pMethod) == method);
         CHECK(differences(half, twins.host.pictures()) > 200);
         CHECK(twins.differ() == 0);
-        twins.frames(8, {.bend = 0.8f, .top = 0.1f}); // mended, it needs no copy any more
+        twins.frames(8, {.bend = 0.8f, .top = 0.1f}); // corrected: it needs no further copy
         CHECK(twins.differ() == 0);
         CHECK(twins.host.stats().deviceAllocations == 0);
     }

@@ -1,4 +1,4 @@
-// Edits of `default` as a technical artist makes them by mistake: each is one finding, and that says how to mend it.
+// Edits of `default` as a technical artist makes them by mistake: each is one finding, and that says how to correct it.
 #include "yaml_support.hpp"
 
 #include "rules/engine/lint.hpp"
@@ -75,7 +75,7 @@ std::vector<Diagnostic> findingsOf(const std::string& text)
 
 } // namespace
 
-TEST_CASE("each mistake of an artist is one finding that says how to mend it")
+TEST_CASE("each mistake of an artist is one finding that says how to correct it")
 {
     CHECK(findingsOf(std::string(shippedRuleBase("default"))).empty());
     for (const Edit& edit : kEdits) {
