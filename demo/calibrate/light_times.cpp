@@ -33,6 +33,7 @@ cost::Workload workloadOf(const GnLightWorkload& workload)
             .drawnPixels = workload.drawnPixels,
             .viewPixels = workload.viewPixels,
             .shadowPixels = workload.shadowPixels,
+            .softPixels = workload.softPixels,
             .mapFilled = workload.mapFilled,
             .mapTouched = workload.mapTouched,
             .treeLevels = workload.treeLevels};

@@ -34,6 +34,7 @@ enum Column : uint32_t {
     drawnPixels,
     viewPixels,
     shadowPixels,
+    softPixels,
     treeLevels,
     mapFilled,
     mapTouched,
@@ -50,12 +51,12 @@ enum Column : uint32_t {
     kColumns,
 };
 constexpr std::array<std::string_view, kColumns> kNames = {
-    "device",           "driver",        "algorithm",  "pass",         "pixels",
-    "caster_triangles", "map_texels",    "sharing",    "still",        "drawn_triangles",
-    "casters",          "directional",   "point",      "drawn_pixels", "view_pixels",
-    "shadow_pixels",    "tree_levels",   "map_filled", "map_touched",  "samples",
-    "gpu_ms_min",       "gpu_ms_p50",    "gpu_ms_p95", "cpu_ms_min",   "cpu_ms_p50",
-    "first_frame_ms",   "wrong_percent", "clock_mhz",  "date"};
+    "device",           "driver",         "algorithm",     "pass",         "pixels",
+    "caster_triangles", "map_texels",     "sharing",       "still",        "drawn_triangles",
+    "casters",          "directional",    "point",         "drawn_pixels", "view_pixels",
+    "shadow_pixels",    "soft_pixels",    "tree_levels",   "map_filled",   "map_touched",
+    "samples",          "gpu_ms_min",     "gpu_ms_p50",    "gpu_ms_p95",   "cpu_ms_min",
+    "cpu_ms_p50",       "first_frame_ms", "wrong_percent", "clock_mhz",    "date"};
 
 /// The whole cell as a number that a measurement can have: finite and not negative. An empty cell is 0.
 std::optional<double> measureOf(std::string_view cell)
@@ -70,7 +71,7 @@ class Reader {
 public:
     Outcome<Samples> read(std::string_view text)
     {
-        if (text.size() > kMaxSampleBytes) return failure("the file is larger than 4 MiB");
+        if (text.size() > kMaxSampleBytes) return failure("the file is larger than 16 MiB");
         if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3); // as editors mark UTF-8
         std::string_view heading = cost::takeLine(text);
         if (!heading.starts_with(kHeading)) return failure("the first line is not '# gnomon samples VERSION'");
@@ -146,6 +147,7 @@ private:
                                            .drawnPixels = numbers[drawnPixels],
                                            .viewPixels = numbers[viewPixels],
                                            .shadowPixels = numbers[shadowPixels],
+                                           .softPixels = numbers[softPixels],
                                            .mapFilled = numbers[mapFilled],
                                            .mapTouched = numbers[mapTouched],
                                            .treeLevels = numbers[treeLevels]},
@@ -218,6 +220,7 @@ void appendRow(std::string& out, const Sample& row, std::string_view pass)
                                 workload.drawnPixels,
                                 workload.viewPixels,
                                 workload.shadowPixels,
+                                workload.softPixels,
                                 workload.treeLevels,
                                 workload.mapFilled,
                                 workload.mapTouched,

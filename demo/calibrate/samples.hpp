@@ -18,8 +18,8 @@
 
 namespace gnomon::demo {
 
-inline constexpr uint32_t kSamplesVersion = 4;
-inline constexpr size_t kMaxSampleBytes = size_t{4} << 20;
+inline constexpr uint32_t kSamplesVersion = 5;
+inline constexpr size_t kMaxSampleBytes = size_t{16} << 20;
 inline constexpr size_t kMaxSamples = 65536;
 inline constexpr uint32_t kMaxFindings = 32;
 inline constexpr double kNotMeasured = -1.0;

@@ -87,8 +87,9 @@ void Sweeper::proceed(SweepRun& run, const SweepMethod& method, double seconds, 
                             .seconds = std::min(left / owed, seconds / leastPoints)};
         const MomentTimes times = measureMoment(session_, method.name, moment);
         std::vector<Sample> rows = rowsOf(times, method.algorithm, device_);
-        // Errors vary slowly over the sweep; every second point tells enough of them.
-        if (method.name != kTruthMethod && run.points % 2 == 0) measureErrors(rows, times);
+        // The truth is that of hard shadows. Errors vary slowly over the sweep; every second point tells enough of
+        // them.
+        if (method.name != kTruthMethod && !point.soft) measureErrors(rows, times);
         run.rows.insert(run.rows.end(), rows.begin(), rows.end());
         addShared(run.shared, times);
         ++run.points;

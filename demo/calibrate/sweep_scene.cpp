@@ -143,6 +143,9 @@ Light makeLight(const SweepPoint& point, uint32_t world, uint32_t number, double
         light.range = static_cast<float>(logBetween(6.0, 40.0, share));
     }
     light.intensity = 0.4f;
+    if (point.soft) // lamps of a few centimetres to large shades; suns of half a degree to a hazy sky's of four
+        light.radius = static_cast<float>(point.kind == LightKind::Directional ? logBetween(0.0047, 0.035, share)
+                                                                               : logBetween(0.03, 0.4, share));
     if (point.motion == SweepMotion::light) {
         light.orbit.center = center;
         light.orbit.radiansPerSecond = kPi / 9.0;
@@ -168,6 +171,7 @@ SweepPoint makePoint(Scene& scene, LightKind kind, uint32_t index, double time)
     point.mapSide = kind == LightKind::Point ? pick(cubeSides, at(map)) : pick(mapSides, at(map));
     point.width = pick(widths, at(size));
     point.height = point.width * 9 / 16;
+    point.soft = index % 2 == 1;
 
     const auto where = std::min(kWorlds - 1, static_cast<uint32_t>(at(world) * kWorlds));
     const double away = logBetween(6.0, 50.0, at(distance)), turn = 2.0 * kPi * at(angle);

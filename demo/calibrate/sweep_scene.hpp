@@ -21,6 +21,7 @@ struct SweepPoint {
     uint32_t lights = 1;
     uint32_t mapSide = 1024; ///< For methods with maps.
     uint32_t width = 1280, height = 720;
+    bool soft = false; ///< Lights have a radius: what penumbrae cost shows at these points, errors at the others.
 };
 
 struct Sweep {

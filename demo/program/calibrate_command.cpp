@@ -115,8 +115,9 @@ int calibrate(const CalibrateOptions& options, Device& device, const std::vector
                     runs[m].rows.size(), runs[m].seconds);
         samples.rows.insert(samples.rows.end(), runs[m].rows.begin(), runs[m].rows.end());
     }
-    if (!options.samples.empty()) expect(writeFile(options.samples, writeSamples(samples.rows, samples.parts)));
-    writeFitted(samples, kindOf(device), outputOf(options));
+    const std::string text = writeSamples(samples.rows, samples.parts);
+    if (!options.samples.empty()) expect(writeFile(options.samples, text));
+    writeFitted(valueOf(parseSamples(text)), kindOf(device), outputOf(options)); // rounded, as --fit finds them
     return 0;
 }
 

@@ -111,7 +111,8 @@ Result<GnLightWorkload> Context::lightWorkload(GnView view, GnLight light)
                            .shadowPixels = workload.shadowPixels,
                            .treeLevels = workload.treeLevels,
                            .mapFilled = workload.mapFilled,
-                           .mapTouched = workload.mapTouched};
+                           .mapTouched = workload.mapTouched,
+                           .softPixels = workload.softPixels};
 }
 
 } // namespace gnomon

@@ -23,19 +23,10 @@ public:
             add(method);
     }
 
-    /// Of the methods below `count` those that `is` says.
-    template <typename Is>
-    static constexpr MethodSet where(std::uint32_t count, Is&& is)
-    {
-        MethodSet set;
-        for (std::uint32_t i = 0; i < kWords && 64 * i < count; ++i)
-            for (std::uint32_t bit = 0; bit < 64 && 64 * i + bit < count; ++bit)
-                set.words_[i] |= std::uint64_t{is(64 * i + bit)} << bit;
-        return set;
-    }
-
     constexpr bool has(std::uint32_t method) const { return (words_[method / 64] >> method % 64 & 1) != 0; }
     constexpr void add(std::uint32_t method) { words_[method / 64] |= std::uint64_t{1} << method % 64; }
+    /// Adds what `is`.
+    constexpr void addIf(std::uint32_t method, bool is) { words_[method / 64] |= std::uint64_t{is} << method % 64; }
     constexpr void remove(std::uint32_t method) { words_[method / 64] &= ~(std::uint64_t{1} << method % 64); }
     constexpr std::uint32_t count() const
     {

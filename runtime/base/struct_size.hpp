@@ -58,7 +58,7 @@ GN_SIZED_STRUCT(GnFact, value, value)
 GN_SIZED_STRUCT(GnCandidate, pMethod, sharedMs)
 GN_SIZED_STRUCT(GnPassTiming, pName, shared)
 GN_SIZED_STRUCT(GnLightTiming, pMethod, resolveCpuMs)
-GN_SIZED_STRUCT(GnLightWorkload, frame, mapTouched)
+GN_SIZED_STRUCT(GnLightWorkload, frame, softPixels)
 GN_SIZED_STRUCT(GnFrameStats, frame, raysMs)
 // Given to callbacks.
 GN_SIZED_STRUCT(GnMessage, pText, pText)

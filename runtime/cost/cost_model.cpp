@@ -56,11 +56,17 @@ double Prediction::sureMs() const noexcept
     return ms * exp2Exactly(kSure * sigmaOctaves);
 }
 
+void CostModel::Belief::shift(double by) noexcept
+{
+    octaves += by;
+    factor = exp2Exactly(octaves);
+}
+
 /// @return the part of `error` that this is the reason for
 double CostModel::Belief::take(double error, double otherVariance) noexcept
 {
     const double share = variance / (variance + otherVariance);
-    octaves += share * error;
+    shift(share * error);
     variance -= share * variance;
     return share * error;
 }
@@ -115,7 +121,7 @@ CostModel::Base CostModel::baseOf(const Method& method, Pass pass, const Workloa
     const auto msOn = [&](Processor processor) {
         const TrackCost& track = method.tracks[trackOf(pass, processor)];
         if (track.samples == 0) return 0.0;
-        return sumOf(track.ms, terms) * exp2Exactly(devices_[at(static_cast<size_t>(processor))].octaves);
+        return sumOf(track.ms, terms) * devices_[at(static_cast<size_t>(processor))].factor;
     };
     const double gpuMs = msOn(Processor::gpu);
     return {gpuMs + msOn(Processor::cpu), gpuMs};
@@ -135,10 +141,10 @@ Prediction CostModel::predict(uint32_t light, uint32_t method, Pass pass, const 
     const Base base = baseOf(known, pass, workload);
     if (!(base.ms > 0.0)) return {}; // there is no such pass
     const auto p = static_cast<size_t>(pass);
-    double octaves = known.scene[p].octaves, variance = 0.0;
+    double factor = known.scene[p].factor, variance = 0.0;
     Prediction out;
     if (const Own* timed = find(light, method, pass)) {
-        octaves += timed->octaves;
+        factor *= exp2Exactly(timed->octaves);
         const double logBase = log2Exactly(std::max(base.ms, kLeastMs));
         variance = kNoise / std::min(timed->count, 4u) + square(kScaled * (logBase - timed->logBase));
         out.measured = true;
@@ -146,7 +152,7 @@ Prediction CostModel::predict(uint32_t light, uint32_t method, Pass pass, const 
         const Belief& device = devices_[at(base.gpuMs > 0.5 * base.ms ? 0 : 1)];
         variance = known.scene[p].variance + known.among[p] / std::max(1.0, workload.sharing) + device.variance;
     }
-    out.ms = base.ms * exp2Exactly(octaves);
+    out.ms = base.ms * factor;
     out.sigmaOctaves = std::sqrt(variance);
     out.sigmaMs = out.ms * kLn2 * out.sigmaOctaves; // d 2^x = ln 2 2^x dx
     return out;
@@ -174,7 +180,7 @@ void CostModel::observe(const Observation& seen) noexcept
     Base base = baseOf(methods_[seen.method], seen.pass, seen.workload);
     if (!(base.ms > 0.0)) { // a pass that nobody knew of: as long for every workload, until lights show more
         const Processor on = seen.gpuMs > seen.cpuMs ? Processor::gpu : Processor::cpu;
-        const double device = exp2Exactly(devices_[at(static_cast<size_t>(on))].octaves);
+        const double device = devices_[at(static_cast<size_t>(on))].factor;
         methods_[seen.method].tracks[trackOf(seen.pass, on)] = {.ms = {ms / device}, .octaves = kUnknown, .samples = 1};
         methods_[seen.method].scene[static_cast<size_t>(seen.pass)].variance = square(kUnknown);
         base = baseOf(methods_[seen.method], seen.pass, seen.workload);
@@ -241,7 +247,7 @@ void CostModel::learnDevice(size_t processor) noexcept
         std::nth_element(sorted.begin(), sorted.begin() + 2, sorted.end());
         if (std::fabs(sorted[2]) > kStep) {
             taken = sorted[2];
-            device.octaves += taken;
+            device.shift(taken);
             steps = {};
             for (Own& each : own_) // what lights learned in those frames was the step
                 each.recent.fill(each.octaves);

@@ -104,7 +104,9 @@ private:
     struct Belief {
         double octaves = 0.0;
         double variance = 0.0;
+        double factor = 1.0; ///< 2^octaves.
 
+        void shift(double by) noexcept;
         double take(double error, double otherVariance) noexcept;
     };
     struct Method {

@@ -37,7 +37,8 @@ Terms termsOf(const Workload& w, Pass pass) noexcept
             drawn,
             reached,
             reached * sizeOf(w.treeLevels),
-            sizeOf(w.shadowPixels) / kMillion};
+            sizeOf(w.shadowPixels) / kMillion,
+            sizeOf(w.softPixels) / kMillion};
 }
 
 } // namespace gnomon::cost

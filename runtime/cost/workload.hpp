@@ -28,6 +28,7 @@ struct Workload {
     double drawnPixels = 0.0;                ///< Of the screen rectangle around the light; 0: `pixels`.
     double viewPixels = 0.0;                 ///< Of the view; 0: `pixels`.
     double shadowPixels = 0.0;               ///< Covered by the sides of shadow volumes; 0 for methods that draw none.
+    double softPixels = 0.0;  ///< Reached by a light with a radius; 0 for methods whose edges do not follow it.
     double mapFilled = 1.0;   ///< Of the map's texels, by the casters that an update draws; each counts. May exceed 1.
     double mapTouched = 1.0;  ///< Share of the maps (one, or six faces) that these casters touch.
     double treeLevels = 0.0;  ///< On the way of a reached pixel's ray; 0 for methods that trace few.
@@ -50,13 +51,15 @@ enum class Term : uint8_t {
     reachedPixels, ///< Millions.
     rayLevels,     ///< Millions: reached pixels times levels of trees.
     sidePixels,    ///< Millions, under sides of shadow volumes.
+    softPixels,    ///< Millions: reached pixels that may lie in a penumbra.
 };
-inline constexpr uint32_t kTerms = 10;
+inline constexpr uint32_t kTerms = 11;
 using Terms = std::array<double, kTerms>;
 /// Column names of a knowledge base, by Term.
 inline constexpr std::array<std::string_view, kTerms> kTermNames = {
     "fixed_ms",           "ms_per_mtriangle",    "ms_per_kinstance",      "ms_per_mtexel",     "ms_per_mfilled_texel",
-    "ms_per_mview_pixel", "ms_per_mdrawn_pixel", "ms_per_mreached_pixel", "ms_per_mray_level", "ms_per_mside_pixel"};
+    "ms_per_mview_pixel", "ms_per_mdrawn_pixel", "ms_per_mreached_pixel", "ms_per_mray_level", "ms_per_mside_pixel",
+    "ms_per_msoft_pixel"};
 
 Terms termsOf(const Workload& workload, Pass pass) noexcept;
 

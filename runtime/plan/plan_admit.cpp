@@ -24,11 +24,15 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
 {
     const LightRequest& request = input.lights[light];
     const std::span candidates = input.candidates.subspan(at(light, 0), methods_);
-    const auto isKnown = [](double ms) { return ms >= 0.0 && ms <= std::numeric_limits<double>::max(); };
+    MethodSet able, vetoed, spoken;
     for (uint32_t m = 0; m < methods_; ++m) {
         const Candidate& candidate = candidates[m];
+        const bool known = candidate.ms >= 0.0 && candidate.ms <= std::numeric_limits<double>::max();
         terms_[m] = {candidate.suitability, qualityOf(candidate), candidate.eligibility == Eligibility::eligible};
-        costsMs_[at(light, m)] = isKnown(candidate.ms) ? candidate.ms : 0.0;
+        costsMs_[at(light, m)] = known ? candidate.ms : 0.0;
+        able.addIf(m, known && candidate.eligibility != Eligibility::trait);
+        vetoed.addIf(m, candidate.eligibility == Eligibility::never);
+        spoken.addIf(m, candidate.suitability >= 0);
     }
     const std::span all = std::span<const UtilityTerms>(terms_).first(methods_);
     const std::span values = std::span(values_).subspan(at(light, 0), methods_);
@@ -36,15 +40,6 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
     for (double& value : values)
         value *= request.importance;
 
-    const auto which = [&](auto&& is) {
-        return MethodSet::where(methods_, [&](uint32_t m) { return is(candidates[m]); });
-    };
-    const MethodSet able = which([&](const Candidate& candidate) {
-        return candidate.eligibility != Eligibility::trait && isKnown(candidate.ms);
-    });
-    const MethodSet vetoed =
-        which([](const Candidate& candidate) { return candidate.eligibility == Eligibility::never; });
-    const MethodSet spoken = which([](const Candidate& candidate) { return candidate.suitability >= 0; });
     const bool pinned = request.pinned < methods_ && able.has(request.pinned);
     MethodSet allowed = able - vetoed;
     if (allowed.meets(spoken)) allowed &= spoken; // where nobody has an opinion, all are equally unloved

@@ -49,6 +49,7 @@ cost::Workload workloadOf(const Method& method, const cost::Workload& light)
     workload.mapTexels = side * side * (light.point ? 6.0 : 1.0);        // the faces of a cube
     if (!method.looksUpMaps()) workload.redrawEvery = 1.0;               // goes by what is now
     if (!method.has(GN_TRAIT_TOPOLOGY_BIT)) workload.shadowPixels = 0.0; // draws no volumes
+    if (!method.has(GN_TRAIT_SOFT_PENUMBRA_BIT)) workload.softPixels = 0.0;
     const bool traces = method.has(GN_TRAIT_RAYS_BIT) || method.has(GN_TRAIT_DEVICE_RAYS_BIT);
     if (!traces || workload.mapTexels > 0.0) workload.treeLevels = 0.0; // a map answers most
     return workload;
@@ -84,8 +85,9 @@ bool isNear(const cost::Workload& a, const cost::Workload& b)
            a.mapTexels == b.mapTexels && isNear(a.casterTriangles, b.casterTriangles) &&
            isNear(a.drawnTriangles, b.drawnTriangles) && isNear(a.casters, b.casters) &&
            isNear(a.drawnPixels, b.drawnPixels) && isNear(a.viewPixels, b.viewPixels) &&
-           isNear(a.shadowPixels, b.shadowPixels) && isNear(a.mapFilled, b.mapFilled) &&
-           isNear(a.mapTouched, b.mapTouched) && isNear(a.treeLevels, b.treeLevels) && a.redrawEvery == b.redrawEvery;
+           isNear(a.shadowPixels, b.shadowPixels) && isNear(a.softPixels, b.softPixels) &&
+           isNear(a.mapFilled, b.mapFilled) && isNear(a.mapTouched, b.mapTouched) &&
+           isNear(a.treeLevels, b.treeLevels) && a.redrawEvery == b.redrawEvery;
 }
 
 plan::Eligibility eligibilityOf(Exclusion exclusion)
@@ -207,7 +209,8 @@ void FramePlan::add(LightDecision& decision, LightMemory& memory, const Selectio
     const double all = 1.0 * drawn.width * drawn.height;
     const VkExtent2D around = lightPixels(*input.light, *input.view).extent;
     const double rectangle = 1.0 * around.width * around.height;
-    cost::Workload workload{.pixels = shareOf(memory, *input.view, *input.light) * all,
+    const double reached = shareOf(memory, *input.view, *input.light) * all;
+    cost::Workload workload{.pixels = reached,
                             .casterTriangles = static_cast<double>(input.casters->triangles),
                             .mapTexels = 1.0 * input.plainSide * input.plainSide,
                             .still = input.still,
@@ -217,6 +220,7 @@ void FramePlan::add(LightDecision& decision, LightMemory& memory, const Selectio
                             .point = input.light->type == GN_LIGHT_TYPE_POINT,
                             .drawnPixels = rectangle,
                             .viewPixels = all,
+                            .softPixels = input.light->constants.sourceRadius > 0.0f ? reached : 0.0,
                             .treeLevels = memory.measured ? memory.treeLevels.get() : kTreeLevels,
                             .redrawEvery = static_cast<double>(std::max(memory.redrawEvery, 1u))};
     addEstimates(workload, memory, input);

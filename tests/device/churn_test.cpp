@@ -10,7 +10,7 @@ using namespace gnomon::test;
 namespace {
 
 constexpr size_t kBall = 1, kBox = 2;
-constexpr uint32_t kFrames = 100;
+constexpr uint32_t kFrames = 60;
 
 GnMesh createMesh(GnContext context, const demo::Mesh& mesh)
 {
@@ -97,7 +97,7 @@ void churn(const GnMethodInfo& method)
         const bool drop = recordable && frame % 3 == 2;
         host.require(host.draw({.call = recordable ? Call::record : Call::submit, .drop = drop}));
         REQUIRE(host.decision(0).reason == GN_REASON_PINNED);
-        if (!drop && frame % 50 == 49) {
+        if (!drop && frame % 30 == 29) {
             const std::vector<Image8> pictures = host.pictures();
             CHECK(dark(pictures[0]) > 50);
             CHECK(differences(pictures, expected(method, frame)) == 0);
@@ -110,7 +110,7 @@ void churn(const GnMethodInfo& method)
 
 TEST_CASE_FIXTURE(
     DeviceTest,
-    "100 frames of destroyed meshes, rewritten positions, new sizes and dropped buffers show the right shadows")
+    "60 frames of destroyed meshes, rewritten positions, new sizes and dropped buffers show the right shadows")
 {
     const Host known(smallScene(), {.warmUp = false});
     for (const GnMethodInfo& method : availableMethods(known.context))

@@ -36,19 +36,21 @@ std::vector<GnSettingInfo> settingsOf(GnContext context, std::string_view name)
     return {};
 }
 
+constexpr uint32_t kOneFrame = 1; // in which both are drawn
+
 /// Each fades into the other, or is shown at once where both are exact, while some of a map is kept.
 void checkMixed(Host& host, const char* a, const char* b)
 {
     const Image8 ofB = alone(host, b)[0], ofA = alone(host, a)[0]; // `a` last: no fade back to it
     const Image8 own[] = {ofA, ofB};
     const char* const names[] = {a, b};
-    favour(host, a);
+    favour(host, a, kOneFrame);
     host.pinAll(nullptr);
     host.require(host.draw());
     CHECK(differences(host.pictures()[0], own[0]) == 0);
     for (const int to : {1, 0}) {
-        favour(host, names[to]);
-        for (uint32_t step = 1; step <= kFadeFrames + 1; ++step) {
+        favour(host, names[to], kOneFrame);
+        for (uint32_t step = 1; step <= kOneFrame + 1; ++step) {
             host.require(host.draw());
             const GnDecision decision = host.decision(0);
             REQUIRE(std::string(decision.pMethod) == names[to]);

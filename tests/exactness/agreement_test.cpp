@@ -37,7 +37,8 @@ FirstFrame firstFrame(const Scene& scene, const char* method, const char* passPr
                            .viewCount = everyDirection ? 7u : 1u,
                            .contextFlags = GN_CONTEXT_NO_BACKGROUND_BIT});
     const GnContext context = session.shadows.context();
-    REQUIRE(gnWarmUp(context) >= 0);
+    for (const char* needed : {method, "ray_traced"})
+        REQUIRE(gnWarmUpMethod(context, needed) >= 0);
     if (setting) demo::expect(session.shadows.set(method, setting->name, setting->value));
     for (uint32_t i = 0; i < scene.lights.size(); ++i)
         demo::expect(session.shadows.pin(i, scene.lights[i].kind == LightKind::Point ? method : "ray_traced"));

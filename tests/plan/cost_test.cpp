@@ -300,6 +300,28 @@ TEST_CASE("a method that was not measured costs as much as the dearest of its ki
     CHECK(model.predict(0, 4, w, false).ms == doctest::Approx(50.0));
 }
 
+TEST_CASE("a method that was timed under point sources alone is dear under a light with a radius")
+{
+    DeviceKnowledge device;
+    const auto add = [&](const char* name, double soft) {
+        AlgorithmCost cost{.algorithm = name, .tracks = {}};
+        TrackCost& track = cost.tracks[trackOf(Pass::resolve, Processor::gpu)];
+        track.ms[static_cast<size_t>(Term::reachedPixels)] = 2.0;
+        track.ms[static_cast<size_t>(Term::softPixels)] = soft;
+        track.samples = 9;
+        device.algorithms.push_back(cost);
+    };
+    add("timed", 5.0), add("hard alone", 0.0);
+    CostModel model;
+    model.resize(2, 1);
+    CHECK(teach(model, device, std::vector<TaughtMethod>{{"timed"}, {"hard alone"}}) == 2);
+    model.setKinship(Kinship::same);
+    const Workload hard{.pixels = 1e6}, soft{.pixels = 1e6, .softPixels = 1e6};
+    CHECK(model.predict(0, 0, soft, false).ms == doctest::Approx(2.0 + 5.0));
+    CHECK(model.predict(0, 1, soft, false).ms == doctest::Approx(2.0 + 8.0 * 2.0));
+    CHECK(model.predict(0, 1, hard, false).ms == doctest::Approx(2.0));
+}
+
 TEST_CASE("learning allocates nothing, and the same observations give the same bits")
 {
     std::array<CostModel, 2> models;

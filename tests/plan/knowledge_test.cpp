@@ -88,22 +88,23 @@ TEST_CASE("a damaged knowledge base is an error or loses only its damaged rows")
     CHECK_FALSE(parseKnowledge("").base);
     CHECK_FALSE(parseKnowledge("# gnomon knowledge 0\n").base);
     CHECK(parseKnowledge("# gnomon knowledge 99\n").error.find("version '99'") != std::string::npos);
-    CHECK(parseKnowledge("# gnomon knowledge 5\ndevice,driver\n").error == "column 'kind' is missing");
+    CHECK(parseKnowledge("# gnomon knowledge 6\ndevice,driver\n").error == "column 'kind' is missing");
     CHECK(parseKnowledge(std::string(kMaxKnowledgeBytes + 1, ' ')).error.find("1 MiB") != std::string::npos);
-    const std::string good = "d,v,software,shadow_map,resolve,gpu,9,0.3,0.1,1,,,,,,2,,,,\n";
+    const std::string good = "d,v,software,shadow_map,resolve,gpu,9,0.3,0.1,1,,,,,,2,,,,,\n";
     REQUIRE(parseKnowledge(head + good).base->rejected == 0);
     for (const auto& [bad, why] :
-         {std::pair{"d,v,software,shadow_map,resolve,gpu,9,0.3,nan,1,,,,,,2,,,,\n",
+         {std::pair{"d,v,software,shadow_map,resolve,gpu,9,0.3,nan,1,,,,,,2,,,,,\n",
                     "line 3: fixed_ms 'nan' is no measurement"},
-          {"d,v,software,shadow_map,resolve,gpu,9,0.3,1e30,1,,,,,,2,,,,\n",
+          {"d,v,software,shadow_map,resolve,gpu,9,0.3,1e30,1,,,,,,2,,,,,\n",
            "line 3: fixed_ms '1e30' is no measurement"},
-          {"d,v,software,shadow_map,resolve,gpu,9,-0.3,0.1,1,,,,,,2,,,,\n", "line 3: octaves '-0.3' is no measurement"},
-          {"d,v,software,shadow_map,resolve,tpu,9,0.3,0.1,1,,,,,,2,,,,\n",
+          {"d,v,software,shadow_map,resolve,gpu,9,-0.3,0.1,1,,,,,,2,,,,,\n",
+           "line 3: octaves '-0.3' is no measurement"},
+          {"d,v,software,shadow_map,resolve,tpu,9,0.3,0.1,1,,,,,,2,,,,,\n",
            "line 3: processor 'tpu' is neither gpu nor cpu"},
-          {"d,v,software,shadow_map,resolve,gpu,9,0.3,,,,,,,,,,,,\n", "line 3: no time was measured"},
-          {"d,v,software,shadow_map,cook,gpu,9,0.3,0.1,1,,,,,,2,,,,\n",
+          {"d,v,software,shadow_map,resolve,gpu,9,0.3,,,,,,,,,,,,,\n", "line 3: no time was measured"},
+          {"d,v,software,shadow_map,cook,gpu,9,0.3,0.1,1,,,,,,2,,,,,\n",
            "line 3: pass 'cook' is none of update, resolve, method and view:NAME"},
-          {"d,v,software,shadow_map,view:,gpu,9,0.3,0.1,1,,,,,,2,,,,\n",
+          {"d,v,software,shadow_map,view:,gpu,9,0.3,0.1,1,,,,,,2,,,,,\n",
            "line 3: pass 'view:' is none of update, resolve, method and view:NAME"},
           {"d,v\n", "line 3: not as many cells as columns"},
           {"\"\n", "line 3: an open quote"}}) {

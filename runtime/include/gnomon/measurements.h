@@ -58,6 +58,7 @@ typedef struct GnLightWorkload {
     double treeLevels;      ///< Estimated, of casters' trees on a ray's way to the light; 0 for methods that trace few.
     double mapFilled;       ///< Estimated share of the map that the casters an update draws fill; each counts.
     double mapTouched;      ///< Share of the light's maps, one or six faces, that these casters touch.
+    double softPixels;      ///< `pixels` of a light with a radius; 0 for methods whose edges do not follow it.
 } GnLightWorkload;
 
 /** \brief The work that gnGetLightTiming() gives the times of. A row of a knowledge base is made of both. */
