@@ -61,7 +61,7 @@ Sweeper::Sweeper(Device& device)
     : device_(device), sweep_(makeSweep(kPointsPerKind)),
       session_(device, sweep_.scene, measuring({640, 360}, kSweepLights))
 {
-    expect(session_.shadows.warmUp());
+    expect(session_.shadows.warmUp(kTruthMethod));
     session_.wakeDevice(0.0);
 }
 
@@ -70,6 +70,7 @@ void Sweeper::proceed(SweepRun& run, const SweepMethod& method, double seconds, 
     const Clock::time_point start = Clock::now();
     const double before = run.seconds;
     useMethod(session_.shadows, method.name);
+    expect(session_.shadows.warmUp(method.name));
     for (; run.next < sweep_.points.size(); ++run.next) {
         const SweepPoint& point = sweep_.points[run.next];
         if (!(method.traits & traitOf(point.kind))) continue;
@@ -132,7 +133,7 @@ std::vector<Sample> measureScene(Device& device, const Scene& scene, const Sweep
     const Scene served = onlyServed(scene, method.traits);
     if (served.lights.empty()) return rows;
     Session session(device, served, measuring(size));
-    expect(session.shadows.warmUp());
+    expect(session.shadows.warmUp(method.name));
     useMethod(session.shadows, method.name);
     session.wakeDevice(frameTime(scene, 0));
     const double step = 1.0 / scene.framesPerSecond;

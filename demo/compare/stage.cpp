@@ -40,7 +40,7 @@ Truths measureTruths(Session& session, const Stage& stage, const std::vector<uin
     if (!refused.empty()) throw HostError("errors are counted against ray_traced: " + refused.front());
     Truths truths;
     for (const uint32_t frame : frames) {
-        settle(session, stage.path.time(frame), false);
+        settle(session, kTruthMethod, stage.path.time(frame), false);
         const FrameSurfaces surfaces{session.renderer.readDepth(), session.renderer.readNormals()};
         const std::vector<Image8> visibility = session.renderer.readVisibility();
         const SceneState& state = session.renderer.state();

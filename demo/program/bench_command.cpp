@@ -111,7 +111,7 @@ public:
         for (const SettingChoice& choice : choices_)
             if (hasSetting(info, choice.name)) expect(session.shadows.set(name, choice.name, choice.value));
         expect(session.shadows.pinAll(name));
-        settle(session, frameTime(served, 0), options_.recorded);
+        settle(session, name, frameTime(served, 0), options_.recorded);
         const GnMethodInfo inForce = infoOf(session.shadows, name);
         const GnSettingInfo* size = sizeSetting(inForce);
         Row row = rowFor(session, name, size ? static_cast<uint32_t>(size->value) : 0);
@@ -125,7 +125,7 @@ public:
         row.rays = stats.rays;
         row.memoryMib = double(stats.memory) / (1024.0 * 1024.0);
         if (options_.passes && !options_.recorded) row.passes = timePasses(session, options_.repeat);
-        settle(session, truthTime_, options_.recorded);
+        settle(session, name, truthTime_, options_.recorded);
         addErrors(session, row);
         return row;
     }

@@ -149,7 +149,7 @@ int contactCommand(const ContactOptions& options)
             }
             Session session(*device, served, {.scene = {}, .size = size});
             expect(session.shadows.pinAll(methods[column]));
-            settle(session, time, false);
+            settle(session, methods[column], time, false);
             const Image8 picture = session.renderer.readColour();
             const MarkedFrame frame = markErrors(session, *truth, picture, session.renderer.readVisibility());
             caption += "  wrong ";

@@ -134,7 +134,7 @@ std::optional<Truth> measureTruth(Device& device, const Scene& scene, VkExtent2D
 {
     Session session(device, scene, {.scene = {}, .size = size});
     if (!session.shadows.pinAll(kTruthMethod)) return std::nullopt;
-    settle(session, time, false);
+    settle(session, kTruthMethod, time, false);
     Truth truth;
     truth.surfaces = {session.renderer.readDepth(), session.renderer.readNormals()};
     truth.camera = session.renderer.camera();
@@ -149,11 +149,10 @@ std::optional<Truth> measureTruth(Device& device, const Scene& scene, VkExtent2D
     return truth;
 }
 
-void settle(Session& session, double time, bool recorded)
+void settle(Session& session, const std::string& method, double time, bool recorded)
 {
-    if (gnWarmUp(session.shadows.context()) < 0)
-        throw HostError(std::string("gnWarmUp: ") + gnGetLastError(session.shadows.context()));
-    constexpr uint32_t patience = 200; // frames; workers need far fewer after gnWarmUp
+    expect(session.shadows.warmUp(method));
+    constexpr uint32_t patience = 200; // frames; workers need far fewer after a warm-up
     for (uint32_t i = 0; i < patience; ++i) {
         drawOnce(session, time, recorded);
         if (i + 1 >= kWarmFrames && !unpinnedLight(session)) return;

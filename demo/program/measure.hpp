@@ -56,8 +56,9 @@ struct Truth {
 /// Empty where this build has no ray tracing.
 std::optional<Truth> measureTruth(Device& device, const Scene& scene, VkExtent2D size, double time);
 
-/// Draws until the pinned method serves every light (warm-up, workers), then leaves the newest frame at `time`.
-void settle(Session& session, double time, bool recorded);
+/// Draws until `method`, which all lights are pinned to, serves them (warm-up of that method alone, workers), then leaves
+/// the newest frame at `time`.
+void settle(Session& session, const std::string& method, double time, bool recorded);
 
 struct PairTimes {
     std::vector<double> withMs, withoutMs; ///< Wall time of each frame of the interleaved pairs.

@@ -71,7 +71,7 @@ double increment(Device& device, const Scene& scene, const std::string& method, 
 {
     Session session(device, scene, {.scene = {}, .size = size, .pinnedThreads = true});
     expect(session.shadows.pinAll(method));
-    settle(session, frameTime(scene, 0), false);
+    settle(session, method, frameTime(scene, 0), false);
     const PairTimes times = timePairs(session, repeat, false, nullptr);
     return minimum(times.withMs) - minimum(times.withoutMs);
 }

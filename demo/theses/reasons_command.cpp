@@ -127,10 +127,10 @@ int reasonsCommand(const ReasonsOptions& options)
     Session session(*device, scene, {.scene = {}, .size = size});
     expect(session.shadows.pinAll(options.method));
     setAll(session, options.method, choices, false);
-    settle(session, time, false);
+    settle(session, options.method, time, false);
     Image8 picture = session.renderer.readColour();
     setAll(session, options.method, choices, true);
-    settle(session, time, false);
+    settle(session, options.method, time, false);
     const std::vector<Image8> codes = session.renderer.readVisibility();
 
     Tallies tallies{};

@@ -40,7 +40,6 @@ ThesisView::ThesisView(Device& device, const ViewScene& view, uint32_t side)
     : scene_(squareScene(view)), view_(view),
       session_(device, scene_, {.scene = {}, .size = {side, side}, .contextFlags = GN_CONTEXT_NO_BACKGROUND_BIT})
 {
-    expect(session_.shadows.warmUp());
     look(Look::side);
 }
 
@@ -62,6 +61,7 @@ Image8 ThesisView::draw(const std::string& method, const std::vector<SettingChoi
     for (const SettingChoice& setting : settings)
         expect(session_.shadows.set(method, setting.name, setting.value));
     expect(session_.shadows.pinAll(method));
+    expect(session_.shadows.warmUp(method));
     const CameraState camera = session_.camera(time_);
     const auto served = [&] {
         GnDecision decision{};
