@@ -1,6 +1,7 @@
 // Where volumes are hard: the eye inside one, the near plane cut by one. The eye walks sideways out of the shadow of a
 // caster that hangs in the air, 16 steps through all cases, with a near plane half a metre away.
 #include <cmath>
+#include <span>
 
 #include "exactness/stage.hpp"
 #include "exactness/testbed.hpp"
@@ -47,22 +48,25 @@ struct Walked {
     int inside = 0, darkSteps = 0;
 };
 
-Walked walk(const std::string& method, const Settings& settings, LightKind kind, bool closed,
-            demo::DepthConvention convention)
+/// What each of them made of all steps. They share the truth.
+std::vector<Walked> walk(std::span<const Walker> walkers, LightKind kind, bool closed, demo::DepthConvention convention)
 {
     Stage stage(walkOut(kind, closed, convention), kSize);
-    Walked walked;
+    std::vector<Walked> all(walkers.size());
     for (int step = 0; step < kSteps; ++step) {
         stage.goTo(step);
-        walked.inside += inShadow(stage.scene(), stage.camera.eye);
-        const Pictures pictures = stage.draw(method, settings);
-        const ErrorCount now = pooled(stage, pictures);
-        walked.worstStep = std::max(walked.worstStep, now.wrong());
-        walked.worstClear = std::max(walked.worstClear, clearlyWrong(stage.scene(), stage, pictures[0], 0));
-        walked.darkSteps += test::dark(stage.truth[0]) > 100;
-        walked.error += now;
+        for (size_t i = 0; i < walkers.size(); ++i) {
+            Walked& walked = all[i];
+            walked.inside += inShadow(stage.scene(), stage.camera.eye);
+            const Pictures pictures = stage.draw(walkers[i].method, {walkers[i].setting});
+            const ErrorCount now = pooled(stage, pictures);
+            walked.worstStep = std::max(walked.worstStep, now.wrong());
+            walked.worstClear = std::max(walked.worstClear, clearlyWrong(stage.scene(), stage, pictures[0], 0));
+            walked.darkSteps += test::dark(stage.truth[0]) > 100;
+            walked.error += now;
+        }
     }
-    return walked;
+    return all;
 }
 
 std::string circumstances(LightKind kind, bool closed, demo::DepthConvention convention)
@@ -71,12 +75,11 @@ std::string circumstances(LightKind kind, bool closed, demo::DepthConvention con
            " depth";
 }
 
-void checkWalk(const Walker& walker, LightKind kind, bool closed, demo::DepthConvention convention)
+void checkWalk(const Walker& walker, const Walked& walked, const std::string& where, demo::DepthConvention convention)
 {
-    const std::string what = walker.method + " " + walker.setting.name + " " +
-                             std::to_string(int(walker.setting.value)) + ", " + circumstances(kind, closed, convention);
+    const std::string what =
+        walker.method + " " + walker.setting.name + " " + std::to_string(int(walker.setting.value)) + ", " + where;
     CAPTURE(what);
-    const Walked walked = walk(walker.method, {walker.setting}, kind, closed, convention);
     MESSAGE(what << ": " << walked.inside << " of " << kSteps << " eyes in shadow, wrong " << inWords(walked.error)
                  << ", at most " << walked.worstStep << " pixels a step, clearly " << walked.worstClear);
     CHECK(walked.inside > 2);
@@ -88,70 +91,48 @@ void checkWalk(const Walker& walker, LightKind kind, bool closed, demo::DepthCon
     CHECK(walked.worstClear <= 2);
 }
 
-void checkWalks(const Walker& walker, demo::DepthConvention convention)
+void checkWalks(demo::DepthConvention convention)
 {
+    const Walker walkers[] = {{"stencil_volume", {"z_fail", 0.0}},   {"stencil_volume", {"z_fail", 1.0}},
+                              {"octree_volume", {"z_fail", 0.0}},    {"octree_volume", {"z_fail", 1.0}},
+                              {"all_edges_volume", {"z_fail", 0.0}}, {"all_edges_volume", {"z_fail", 1.0}},
+                              {"chan_durand", {"cull", 1.0}}};
     for (const KindOfLight& light : kKinds)
-        for (const bool closed : {true, false})
-            checkWalk(walker, light.kind, closed, convention);
+        for (const bool closed : {true, false}) {
+            const std::vector<Walked> walked = walk(walkers, light.kind, closed, convention);
+            for (size_t i = 0; i < walked.size(); ++i)
+                checkWalk(walkers[i], walked[i], circumstances(light.kind, closed, convention), convention);
+        }
 }
-
-const Walker kVolumes{"stencil_volume", {"z_fail", 0.0}}, kZFail{"stencil_volume", {"z_fail", 1.0}};
-const Walker kKept{"octree_volume", {"z_fail", 0.0}}, kKeptZFail{"octree_volume", {"z_fail", 1.0}};
-const Walker kAllEdges{"all_edges_volume", {"z_fail", 0.0}}, kAllEdgesZFail{"all_edges_volume", {"z_fail", 1.0}};
-const Walker kMasked{"chan_durand", {"cull", 1.0}};
 
 } // namespace
 
-TEST_CASE("stencil_volume is right with the eye inside a shadow, outside it, and the near plane across its border")
+TEST_CASE("volumes are right with the eye inside a shadow, outside it, and the near plane across its border")
 {
     const test::DeviceTest silence;
-    for (const Walker& walker : {kVolumes, kZFail})
-        checkWalks(walker, demo::DepthConvention::ReversedInfinite);
+    checkWalks(demo::DepthConvention::ReversedInfinite);
 }
 
-TEST_CASE("stencil_volume is right there with standard depth as well")
+TEST_CASE("volumes are right at those places with standard depth as well")
 {
     const test::DeviceTest silence;
-    for (const Walker& walker : {kVolumes, kZFail})
-        checkWalks(walker, demo::DepthConvention::Standard);
-}
-
-TEST_CASE("octree_volume is right at those places, with reversed and with standard depth")
-{
-    const test::DeviceTest silence;
-    for (const auto convention : {demo::DepthConvention::ReversedInfinite, demo::DepthConvention::Standard})
-        for (const Walker& walker : {kKept, kKeptZFail})
-            checkWalks(walker, convention);
-}
-
-TEST_CASE("all_edges_volume is right at those places, with reversed and with standard depth")
-{
-    const test::DeviceTest silence;
-    for (const auto convention : {demo::DepthConvention::ReversedInfinite, demo::DepthConvention::Standard})
-        for (const Walker& walker : {kAllEdges, kAllEdgesZFail})
-            checkWalks(walker, convention);
-}
-
-TEST_CASE("chan_durand counts volumes right at those places, with reversed and with standard depth")
-{
-    const test::DeviceTest silence;
-    for (const auto convention : {demo::DepthConvention::ReversedInfinite, demo::DepthConvention::Standard})
-        checkWalks(kMasked, convention);
+    checkWalks(demo::DepthConvention::Standard);
 }
 
 // Edges are the map's here, so the same map looked up says what is to be expected of them.
 TEST_CASE("mccool is as right at those places as its map looked up, with reversed and with standard depth")
 {
     const test::DeviceTest silence;
-    const Settings fine{{"resolution", 2048.0}};
+    const Setting fine{"resolution", 2048.0};
     for (const auto convention : {demo::DepthConvention::ReversedInfinite, demo::DepthConvention::Standard}) {
         for (const KindOfLight& light : kKinds) {
             for (const bool closed : {true, false}) {
                 const std::string what = circumstances(light.kind, closed, convention);
                 CAPTURE(what);
                 const char* lookUp = light.kind == LightKind::Point ? "cube_map" : "shadow_map";
-                const Walked map = walk(lookUp, fine, light.kind, closed, convention);
-                const Walked volumes = walk("mccool", fine, light.kind, closed, convention);
+                const Walker walkers[] = {{lookUp, fine}, {"mccool", fine}};
+                const std::vector<Walked> both = walk(walkers, light.kind, closed, convention);
+                const Walked &map = both[0], &volumes = both[1];
                 MESSAGE("mccool, " << what << ": wrong " << inWords(volumes.error) << ", at most " << volumes.worstStep
                                    << " pixels a step; looked up " << inWords(map.error) << ", " << map.worstStep);
                 CHECK(volumes.inside > 2);

@@ -78,7 +78,7 @@ void checkPlace(LitFrom place, LightKind kind)
         REQUIRE(lit.counted > 1000);
         CHECK(test::dark(stage.truth[0]) > 100);
         checkExact(stage);
-        checkAll(stage, kind, worst);
+        if (step % 4 == 1) checkAll(stage, kind, worst); // maps do not depend on the eye
     }
     for (const auto& [method, percent] : worst)
         MESSAGE(light << ", " << method << ": at most " << percentText(percent) << " wrong");
