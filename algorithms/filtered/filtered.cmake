@@ -1,18 +1,17 @@
 # Shadow maps with soft edges. One gnomon_algorithm() call a module.
 gnomon_shared(
-    SOURCES depth_bounds.cpp moment_maps.cpp statistics_resolve.cpp
-    SHADERS filtered/depth_bounds.comp
-            filtered/box_means.comp
+    SOURCES moment_maps.cpp statistics_resolve.cpp
+    SHADERS filtered/box_means.comp
             filtered/moments_rows.comp
             filtered/moments_columns.comp:WORDS=1:filtered/moments_columns1.comp
             filtered/moments_columns.comp:WORDS=2:filtered/moments_columns2.comp
-            filtered/moments_columns.comp:WORDS=4:filtered/moments_columns4.comp)
+            filtered/moments_columns.comp:WORDS=4:filtered/moments_columns4.comp
+            filtered/nearest.frag
+            filtered/nearest.frag:MAP_LAYERS=1:filtered/nearest_cube.frag)
 gnomon_algorithm(pcss
     SOURCES pcss.cpp
     SHADERS filtered/pcss.frag
-            filtered/pcss.frag:MAP_LAYERS=1:filtered/pcss_cube.frag
-            filtered/pcss.frag:HARD=1:filtered/pcss_hard.frag
-            filtered/pcss.frag:HARD=2:filtered/pcss_hard_cube.frag)
+            filtered/pcss.frag:MAP_LAYERS=1:filtered/pcss_cube.frag)
 gnomon_algorithm(moments
     SOURCES moments.cpp
     SHADERS filtered/moments.frag

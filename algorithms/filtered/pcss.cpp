@@ -1,18 +1,16 @@
 #include "algorithms/filtered/pcss.hpp"
 
 #include <algorithm>
-#include <cmath>
 
-#include <glm/geometric.hpp>
-
-#include "algorithms/filtered/depth_bounds.hpp"
+#include "algorithms/shared/blocker_search.hpp"
+#include "algorithms/shared/depth_bounds.hpp"
 #include "algorithms/shared/map_resolve.hpp"
 #include "algorithms/shared/source_size.hpp"
 #include "shaders/filtered/pcss.h"
+#include "shaders/filtered_nearest_cube_frag.h"
+#include "shaders/filtered_nearest_frag.h"
 #include "shaders/filtered_pcss_cube_frag.h"
 #include "shaders/filtered_pcss_frag.h"
-#include "shaders/filtered_pcss_hard_cube_frag.h"
-#include "shaders/filtered_pcss_hard_frag.h"
 #include "shaders/shared_map_resolve_vert.h"
 
 namespace gnomon {
@@ -28,31 +26,6 @@ constexpr SettingSpec kSettings[] = {
      1},
     {"reasons", "1: the byte in visibility is why a pixel is lit or dark: a code of shaders/filtered/pcss.h.", 0, 1, 0},
 };
-
-bool isSoft(const LightView& light)
-{
-    return light.constants.sourceRadius > 0.0f;
-}
-
-/// Texels around what a map has to cover: penumbrae reach past it. A sixteenth of the side is an eighth of the distance
-/// where the map is 90 degrees wide; taps beyond take the outermost texel.
-std::uint32_t softBorder(std::uint32_t resolution)
-{
-    return std::clamp(resolution / 16, kMapBorderTexels, 255u); // below 2^8: borderForm()
-}
-
-void addCone(gpu::PcssConstants& constants, const LightView& light, const LightFit& fit, std::uint32_t resolution)
-{
-    const gpu::MapLookup& look = constants.base.map;
-    constants.radius = discRadius(light);
-    if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) {
-        constants.reach = constants.radius * glm::length(glm::vec3(look.axisWs)) / glm::length(glm::vec3(look.texelDx));
-        return;
-    }
-    // One over the distance is linear in depth: (1 - depth) / near.
-    constants.tangentPerTexel = fit.texelAtOne / static_cast<float>(resolution);
-    constants.reach = constants.radius / (std::fabs(look.depthScale) * constants.tangentPerTexel);
-}
 
 /// The pass that searches and filters.
 class SoftResolve {
@@ -99,9 +72,9 @@ public:
     explicit Pcss(const AlgorithmServices& services)
         : vk_(*services.vk), casters_(makeDepthMapPipelines(services)), bounds_(services),
           resolve_(services, k_filtered_pcss_frag, false), resolveCube_(services, k_filtered_pcss_cube_frag, true),
-          hard_(services, {.name = "pcss.hard", .fragment = k_filtered_pcss_hard_frag, .filters = false}),
+          hard_(services, {.name = "pcss.hard", .fragment = k_filtered_nearest_frag, .filters = false}),
           hardCube_(services,
-                    {.name = "pcss.hard", .fragment = k_filtered_pcss_hard_cube_frag, .layers = true, .filters = false})
+                    {.name = "pcss.hard", .fragment = k_filtered_nearest_cube_frag, .layers = true, .filters = false})
     {
     }
 
@@ -119,7 +92,7 @@ public:
             (cube ? hardCube_ : hard_).declare(passes, task, map.image, constants, false);
             return;
         }
-        addCone(constants, light, map.fits.front(), resolution);
+        constants.disc = discCone(light, map.fits.front(), constants.base.map);
         constants.taps = static_cast<std::uint32_t>(task.settings[kTaps]);
         constants.early = task.settings[kEarly] != 0.0;
         constants.reasons = task.settings[kReasons] != 0.0;

@@ -1,28 +1,24 @@
 // Constants of pcss's resolve.
 #ifndef GNOMON_FILTERED_PCSS_H
 #define GNOMON_FILTERED_PCSS_H
+#include "../shared/blocker_search.h"
 #include "../shared/map_lookup.h"
 
 GN_SHARED_BEGIN
 
 // Most taps of the filter: the greatest value of the setting `taps`.
 GN_SHARED_CONST uint MAX_SOFT_TAPS = 128u;
-// Taps of the search for blockers.
-GN_SHARED_CONST int SEARCH_TAPS = 32;
 
 // std140.
 struct PcssConstants {
     MapConstants base;
-    float reach;           // texels by which the light's disc appears spread, per unit of depth from blocker to receiver
-    float tangentPerTexel; // width of a texel at 1 m along the map's axis; directional: 0
+    DiscCone disc;
     uint taps;
-    uint early;            // 1: what the pyramid answers is not searched
-    uint reasons;          // 1: visibility shows why, not what
-    float radius;          // of the light's disc, metres; directional: over the distance
-    uint padding0;
-    uint padding1;
+    uint early;   // 1: what the pyramid answers is not searched
+    uint reasons; // 1: visibility shows why, not what
+    uint padding;
 };
-GN_SHARED_OFFSET(PcssConstants, reach, 416)
+GN_SHARED_OFFSET(PcssConstants, disc, 416)
 GN_SHARED_SIZE(PcssConstants, 448)
 
 // With the setting `reasons` the byte in visibility is one of these.

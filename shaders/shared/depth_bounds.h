@@ -1,8 +1,8 @@
 // The pyramid of nearest and farthest depths in squares of texels of a map: squares of 4 texels a side, then of 16, and
 // so on to a single one that holds them all. A layer after the other; of each the finest level first, row by row.
-#ifndef GNOMON_FILTERED_DEPTH_BOUNDS_H
-#define GNOMON_FILTERED_DEPTH_BOUNDS_H
-#include "../shared/types.h"
+#ifndef GNOMON_SHARED_DEPTH_BOUNDS_H
+#define GNOMON_SHARED_DEPTH_BOUNDS_H
+#include "types.h"
 
 GN_SHARED_BEGIN
 

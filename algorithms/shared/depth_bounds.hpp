@@ -1,6 +1,6 @@
 #pragma once
 // Nearest and farthest depths in squares of a light's map, by which a whole neighbourhood of a receiver is known to be
-// lit or dark (shaders/filtered/depth_bounds.h). Kept with the map.
+// lit or dark (shaders/shared/depth_bounds.h). Kept with the map.
 #include "algorithms/shared/light_map.hpp"
 
 namespace gnomon {

@@ -1,10 +1,10 @@
-#include "algorithms/filtered/depth_bounds.hpp"
+#include "algorithms/shared/depth_bounds.hpp"
 
 #include <array>
 
 #include "algorithms/shared/caster_lists.hpp"
-#include "shaders/filtered/depth_bounds.h"
-#include "shaders/filtered_depth_bounds_comp.h"
+#include "shaders/shared/depth_bounds.h"
+#include "shaders/shared_depth_bounds_comp.h"
 
 namespace gnomon {
 
@@ -33,7 +33,7 @@ std::uint32_t squaresOf(std::uint32_t side)
 
 DepthBounds::DepthBounds(const AlgorithmServices& services)
     : reduce_(services.pipelines->compute({.name = "depth_bounds.reduce",
-                                           .compute = {.code = k_filtered_depth_bounds_comp},
+                                           .compute = {.code = k_shared_depth_bounds_comp},
                                            .bindings = kBindings,
                                            .pushBytes = sizeof(gpu::DepthBoundsPush)}))
 {
