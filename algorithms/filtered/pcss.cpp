@@ -1,17 +1,12 @@
 #include "algorithms/filtered/pcss.hpp"
 
-#include <algorithm>
-
 #include "algorithms/shared/blocker_search.hpp"
-#include "algorithms/shared/depth_bounds.hpp"
-#include "algorithms/shared/map_resolve.hpp"
-#include "algorithms/shared/source_size.hpp"
+#include "algorithms/shared/disc_resolve.hpp"
 #include "shaders/filtered/pcss.h"
 #include "shaders/filtered_nearest_cube_frag.h"
 #include "shaders/filtered_nearest_frag.h"
 #include "shaders/filtered_pcss_cube_frag.h"
 #include "shaders/filtered_pcss_frag.h"
-#include "shaders/shared_map_resolve_vert.h"
 
 namespace gnomon {
 
@@ -27,51 +22,11 @@ constexpr SettingSpec kSettings[] = {
     {"reasons", "1: the byte in visibility is why a pixel is lit or dark: a code of shaders/filtered/pcss.h.", 0, 1, 0},
 };
 
-/// The pass that searches and filters.
-class SoftResolve {
-public:
-    SoftResolve(const AlgorithmServices& services, std::span<const std::uint32_t> fragment, bool layers)
-    {
-        const std::array lookup = lookupBindings(layers);
-        std::array<BindingInfo, 5> bindings{};
-        std::copy(lookup.begin(), lookup.end(), bindings.begin());
-        bindings[4] = {.binding = 1, .kind = BindingKind::storageBuffer};
-        GraphicsPipelineInfo pipeline;
-        pipeline.name = "pcss.resolve";
-        pipeline.vertex.code = k_shared_map_resolve_vert;
-        pipeline.fragment.code = fragment;
-        pipeline.fragment.specializationCount = 1;
-        pipeline.bindings = bindings;
-        pipeline.colorFormat = VK_FORMAT_R8_UNORM;
-        for (std::uint32_t normals = 0; normals < 2; ++normals) {
-            pipeline.fragment.specialization[0] = normals;
-            pipelines_[normals] = services.pipelines->graphics(pipeline);
-        }
-    }
-
-    void declare(PassBuilder& passes, const ShadowTask& task, ImageId map, BufferId bounds,
-                 const gpu::PcssConstants& constants) const
-    {
-        const LookupImages look(task, map);
-        const PipelineId pipeline = pipelines_[look.hasNormals];
-        const gpu::PcssConstants* block = passes.arena().make(constants);
-        LookupPass pass(passes, task, "pcss.resolve", look);
-        pass.uses.reads(bounds);
-        pass.record([=](PassContext& gpu) {
-            gpu.bind(pipeline, {gpu.constants(0, *block), gpu.storage(1, bounds), gpu.sampled(2, look.depth),
-                                gpu.sampled(3, look.normals), gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
-        });
-    }
-
-private:
-    PipelineId pipelines_[2]; ///< [has normals]
-};
-
 class Pcss final : public ShadowAlgorithm {
 public:
     explicit Pcss(const AlgorithmServices& services)
         : vk_(*services.vk), casters_(makeDepthMapPipelines(services)), bounds_(services),
-          resolve_(services, k_filtered_pcss_frag, false), resolveCube_(services, k_filtered_pcss_cube_frag, true),
+          resolve_(services, "pcss.resolve", k_filtered_pcss_frag, k_filtered_pcss_cube_frag),
           hard_(services, {.name = "pcss.hard", .fragment = k_filtered_nearest_frag, .filters = false}),
           hardCube_(services,
                     {.name = "pcss.hard", .fragment = k_filtered_nearest_cube_frag, .layers = true, .filters = false})
@@ -97,16 +52,12 @@ public:
         constants.early = task.settings[kEarly] != 0.0;
         constants.reasons = task.settings[kReasons] != 0.0;
         const BufferId bounds = bounds_.declare(passes, map, resolution);
-        (cube ? resolveCube_ : resolve_).declare(passes, task, map.image, bounds, constants);
+        resolve_.declare(passes, task, map.image, bounds, constants);
     }
 
     const char* refuses(const ShadowTask& task) const override
     {
-        const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-        const std::uint32_t layers = task.light->type == GN_LIGHT_TYPE_POINT ? 6 : 1;
-        if (DepthBounds::memory(resolution, layers) > vk_.properties.limits.maxStorageBufferRange)
-            return "its depth bounds are larger than a storage buffer may be";
-        return refusesDisc(*task.light);
+        return refusesSearch(vk_, task, static_cast<std::uint32_t>(task.settings[kResolution]));
     }
     const Map* lightMap() const override { return &map_; }
 
@@ -114,7 +65,7 @@ private:
     const DeviceTable& vk_;
     DepthMapPipelines casters_;
     DepthBounds bounds_;
-    SoftResolve resolve_, resolveCube_;
+    DiscResolve resolve_;
     MapResolve hard_, hardCube_;
     Map map_;
 };

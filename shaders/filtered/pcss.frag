@@ -25,17 +25,7 @@ layout(location = 0) out float visibility;
 #include "../shared/agreement.glsl"
 #include "../shared/filter.glsl"
 #include "../shared/blocker_search.glsl"
-
-// Percentage of the disc's points whose texels do not lie before the receiver's plane; bilinear.
-float discVisibility(LightCone cone, float spread, vec2 direction)
-{
-    float lit = 0.0, count = float(min(taps, MAX_SOFT_TAPS));
-    for (float i = 0.0; i < count; i += 1.0) { // bound: MAX_SOFT_TAPS
-        lit += boxVisibility(cone.tap, placeOf(cone, pointRadius(i, count) * direction, spread), 1.0);
-        direction = nextDirection(direction);
-    }
-    return lit / max(count, 1.0);
-}
+#include "../shared/disc_visibility.glsl"
 
 float softVisibility(LightCone cone, uint layer, out uint reason)
 {
@@ -47,7 +37,7 @@ float softVisibility(LightCone cone, uint layer, out uint reason)
     Blockers found = blockersIn(cone, spread, direction);
     reason = found.count > 0.0 ? SOFT_FILTERED : SOFT_EMPTY;
     // Half a texel: the edge of a map is not sharper than that.
-    return found.count > 0.0 ? discVisibility(cone, max(spreadAt(cone, found.mean), 0.5), direction) : 1.0;
+    return found.count > 0.0 ? discVisibility(cone, max(spreadAt(cone, found.mean), 0.5), direction, taps) : 1.0;
 }
 
 void main()

@@ -6,9 +6,6 @@
 
 GN_SHARED_BEGIN
 
-// Most taps of the filter: the greatest value of the setting `taps`.
-GN_SHARED_CONST uint MAX_SOFT_TAPS = 128u;
-
 // std140.
 struct PcssConstants {
     MapConstants base;

@@ -7,6 +7,8 @@ GN_SHARED_BEGIN
 
 // Taps of the search for blockers.
 GN_SHARED_CONST int SEARCH_TAPS = 32;
+// Most taps of a filter over the disc: the greatest value of the setting `taps`.
+GN_SHARED_CONST uint MAX_SOFT_TAPS = 128u;
 
 struct DiscCone {
     float reach;           // texels by which the light's disc appears spread, per unit of depth from blocker to receiver
