@@ -18,7 +18,7 @@ layout(set = 0, binding = 6, std430) readonly buffer SoftCameras {
 layout(location = 0) out vec4 history;
 layout(constant_id = 0) const bool HAS_NORMALS = true;
 
-#include "soft_surface.glsl"
+#include "../shared/soft_surface.glsl"
 
 // Frames that count where the light or a caster moves: shadows lag by about half of them, in penumbrae alone (hold()).
 const float MOVED_FRAMES = 6.0;

@@ -15,7 +15,7 @@ layout(location = 0) out vec4 seen;
 layout(constant_id = 0) const bool HAS_NORMALS = true;
 layout(constant_id = 1) const bool IS_LAST = false;
 
-#include "soft_surface.glsl"
+#include "../shared/soft_surface.glsl"
 
 const int TAPS = 12;
 // Radius over half of the penumbra's width, for as few rays as FEW_RAYS; with more it shrinks with their root, as noise does.
@@ -41,19 +41,6 @@ float widthAround(ivec2 pixel)
     return least < most && count > 0.0 ? sum / count : 0.0;
 }
 
-// How much what a tap sees says of the surface: it lies on its plane, and faces the same way.
-float likeness(Surface surface, ivec2 tap, float radius)
-{
-    vec3 tapWs = placeWs(constants.base.view, tap, texelFetch(depthImage, tap, 0).x);
-    float weight = max(1.0 - offPlane(surface, tapWs) / (surface.pixelWs + 0.1 * radius), 0.0);
-    if (HAS_NORMALS) {
-        vec3 texel = texelFetch(normalImage, tap, 0).xyz;
-        float along = max(dot(surface.normalWs, texel / max(length(texel), 1e-20)), 0.0);
-        weight *= along * along * along * along;
-    }
-    return weight;
-}
-
 // Mean of taps on the surface's own plane, in a spiral (H. Vogel 1979) that each pixel turns by an angle of its own; and of how
 // many it is, were they of one weight.
 vec2 blurred(ivec2 pixel, vec4 own, float radius)
@@ -74,7 +61,7 @@ vec2 blurred(ivec2 pixel, vec4 own, float radius)
         if (!isInside(constants.base.area, drawn)) continue;
         vec4 tap = texelFetch(seenImage, ivec2(drawn), 0);
         if (!(tap.y >= 0.0)) continue; // not asked
-        float weight = exp(-1.5 * out_ * out_) * likeness(surface, ivec2(drawn), radius);
+        float weight = exp(-1.5 * out_ * out_) * likeness(constants.base.view, surface, ivec2(drawn), radius);
         if (!(weight > 0.0)) continue; // nor is a number
         sum += weight * tap.x;
         weights += weight;

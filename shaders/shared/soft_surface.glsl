@@ -1,8 +1,8 @@
 // The surface behind a pixel as filters compare it with others. The includer declares `depthImage` (binding 2), `normalImage`
 // (binding 3), HAS_NORMALS and what seen_normal.glsl wants.
-#ifndef GNOMON_HYBRID_SOFT_SURFACE_GLSL
-#define GNOMON_HYBRID_SOFT_SURFACE_GLSL
-#include "../shared/seen_normal.glsl"
+#ifndef GNOMON_SHARED_SOFT_SURFACE_GLSL
+#define GNOMON_SHARED_SOFT_SURFACE_GLSL
+#include "seen_normal.glsl"
 
 struct Surface {
     vec3 atWs;
@@ -38,6 +38,20 @@ Surface surfaceAt(ViewConstants view, vec4 area, ivec2 pixel)
 float offPlane(Surface surface, vec3 pointWs)
 {
     return abs(dot(surface.normalWs, pointWs - surface.atWs));
+}
+
+// How much what a tap sees says of the surface: it lies on its plane, and faces the same way.
+// radius: of the filter, metres
+float likeness(ViewConstants view, Surface surface, ivec2 tap, float radius)
+{
+    vec3 tapWs = placeWs(view, tap, texelFetch(depthImage, tap, 0).x);
+    float weight = max(1.0 - offPlane(surface, tapWs) / (surface.pixelWs + 0.1 * radius), 0.0);
+    if (HAS_NORMALS) {
+        vec3 texel = texelFetch(normalImage, tap, 0).xyz;
+        float along = max(dot(surface.normalWs, texel / max(length(texel), 1e-20)), 0.0);
+        weight *= along * along * along * along;
+    }
+    return weight;
 }
 
 // Where a point of the world is drawn, in pixels; outside of the area where it is not.
