@@ -46,7 +46,7 @@ struct Lane {
     {
         expect(session->shadows.set(method, kResolutionSetting, kMapSide));
         expect(session->shadows.pinAll(method));
-        settle(*session, 0.0, false);
+        settle(*session, method, 0.0, false);
     }
 
     void round(bool timed)
@@ -127,7 +127,7 @@ void linearity(Device& device, const std::string& name)
         expect(lane.session->shadows.set(hybrid, "classify", 0.0)); // the CPU asks the map in the pass that traces
         for (const double side : {512.0, 1024.0, 2048.0, 4096.0}) {
             expect(lane.session->shadows.set(hybrid, kResolutionSetting, side));
-            settle(*lane.session, 0.0, false);
+            settle(*lane.session, hybrid, 0.0, false);
             ms.push_back(traceMs(*lane.session));
             rays.push_back(static_cast<double>(lane.session->shadows.stats().rays));
         }

@@ -250,7 +250,7 @@ void bench(const std::string& name)
     options.scene = name;
     Session session(options);
     if (!session.shadows.pinAll(kTruthMethod)) throw HostError("this build has no ray_traced");
-    settle(session, frameTime(session.scene, 0), false);
+    settle(session, kTruthMethod, frameTime(session.scene, 0), false);
     BareFrame bare(session);
     bare.unprojectAndTrace();
     const size_t differing = bare.differing(session.renderer.readVisibility());

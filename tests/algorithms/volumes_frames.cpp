@@ -35,7 +35,7 @@ GnFrameStats drawAt(Session& session, double time)
 std::vector<Image8> pictures(Session& session, const char* setting, double value, bool recorded = false)
 {
     REQUIRE(session.shadows.set(kMethod, setting, value));
-    settle(session, 0.5, recorded);
+    settle(session, kMethod, 0.5, recorded);
     return session.renderer.readVisibility();
 }
 
@@ -103,7 +103,7 @@ TEST_CASE("what stands still builds no index list, and what moves builds its own
 {
     Session session(options("torus_grid", {160, 120}));
     REQUIRE(session.shadows.pinAll(kMethod));
-    settle(session, 0.0, false);
+    settle(session, kMethod, 0.0, false);
 
     const GnFrameStats still = drawAt(session, 0.0);
     CHECK(still.indexListsBuilt == 0);
@@ -160,7 +160,7 @@ TEST_CASE("the compute shader finds silhouettes when light or casters moved, and
     Session session(options("torus_grid", {160, 120}));
     REQUIRE(session.shadows.pinAll(kMethod));
     REQUIRE(session.shadows.set(kMethod, "silhouettes", 1));
-    settle(session, 0.0, false);
+    settle(session, kMethod, 0.0, false);
 
     const GnFrameStats still = drawAt(session, 0.0);
     CHECK(still.passesKept == 2); // static and moving sides
@@ -207,7 +207,7 @@ TEST_CASE("an eye in the shadow of closed and open casters sees what rays see")
         }
     }
     REQUIRE(session.shadows.pinAll(kMasked));
-    settle(session, 0.5, false);
+    settle(session, kMasked, 0.5, false);
     const std::vector<Image8> seen = session.renderer.readVisibility();
     for (std::size_t i = 0; i < truth->lights.size(); ++i) {
         CAPTURE(truth->lights[i]);
@@ -228,7 +228,7 @@ TEST_CASE("counts are modulo 256 in stencil_volume, modulo 128 at the silhouette
         REQUIRE(session.shadows.set(kMasked, "resolution", 64)); // many silhouette pixels
         const auto falseLit = [&](const char* method) {
             REQUIRE(session.shadows.pinAll(method));
-            settle(session, 0.0, false);
+            settle(session, method, 0.0, false);
             return compare(session.renderer.readVisibility()[0], truth->visibility[0], truth->counted[0]).falseLit;
         };
         const std::uint64_t everywhere = falseLit(kMethod), masked = falseLit(kMasked);

@@ -51,8 +51,8 @@ TEST_CASE("recorded and submitted frames have the same visibility, for every met
         Session submitted(testDevice(), scene, {}), recorded(testDevice(), scene, {});
         expect(submitted.shadows.pinAll(info.pName));
         expect(recorded.shadows.pinAll(info.pName));
-        settle(submitted, 0.0, false);
-        settle(recorded, 0.0, true);
+        settle(submitted, info.pName, 0.0, false);
+        settle(recorded, info.pName, 0.0, true);
         CHECK(submitted.renderer.readVisibility()[0].texels == recorded.renderer.readVisibility()[0].texels);
         ++compared;
     }
@@ -66,7 +66,7 @@ TEST_CASE("an alpha-tested card drawn by the host throws a shadow with holes int
     Session session(testDevice(), scene, {});
     expect(session.shadows.set("shadow_map", kResolutionSetting, 2048));
     expect(session.shadows.pinAll("shadow_map"));
-    settle(session, 0.0, false);
+    settle(session, "shadow_map", 0.0, false);
     const Image8 visibility = session.renderer.readVisibility()[0];
     const ImageF depth = session.renderer.readDepth(), normals = session.renderer.readNormals();
     const CameraMatrices& camera = session.renderer.camera();
