@@ -175,6 +175,7 @@ Result<void> openView(Frame& frame, std::uint32_t index, const GnViewFrame& give
             memory.wishedSide = 0.0;
             memory.share.reset();
             memory.treeLevels.reset();
+            memory.penumbraPixels.reset();
         }
     }
     view.decisions.clear();

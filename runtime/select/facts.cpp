@@ -21,6 +21,7 @@ const std::array<FactName, kFactCount> kFactNames = {{
     {"receiverPlanarity", "share"},
     {"frameBudget", "ratio"},
     {"frameRate", "Hz"},
+    {"penumbraPixels", "px"},
     {"recorded", "flag"},
 }};
 
@@ -113,20 +114,40 @@ float facingShare(const CameraView& view, const LightView& light, std::span<cons
 struct WayToLight {
     glm::vec3 from{0.0f}, inverse{0.0f};
     float end = 0.0f;
+    float own = 0.0f; ///< Up to there it is in what the receiver belongs to.
 
-    bool meets(const Aabb& box) const
+    /// Where it enters a box, 0 if it begins inside, and leaves it; 1 is the light, or a metre. Missed: after < before.
+    struct Inside {
+        float before, after;
+    };
+    Inside inside(const Aabb& box) const
     {
         const glm::vec3 a = (box.lower - from) * inverse, b = (box.upper - from) * inverse;
         const glm::vec3 in = glm::min(a, b), out = glm::max(a, b);
-        return std::max({in.x, in.y, in.z, 0.0f}) <= std::min({out.x, out.y, out.z, end});
+        return {std::max({in.x, in.y, in.z, 0.0f}), std::min({out.x, out.y, out.z, end})};
     }
 };
 
-WayToLight wayToLight(const LightView& light, glm::vec3 receiver)
+/// Metres across the penumbra at a receiver, of what a way to the light meets at `entry`. Similar triangles: of a disc
+/// of radius r at distance 1 a blocker at t throws 2 r t / (1 - t); of a directional light r is an angle.
+float penumbraWidth(const LightView& light, float entry)
 {
+    constexpr float kNearSource = 0.95f; // what is nearer to the light hides all of it
+    const float radius = light.constants.sourceRadius;
+    if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) return 2.0f * std::tan(std::min(radius, 1.5f)) * entry;
+    const float t = std::min(entry, kNearSource);
+    return 2.0f * radius * t / (1.0f - t);
+}
+
+/// @param distance from the eye to the receiver
+WayToLight wayToLight(const LightView& light, glm::vec3 receiver, float distance)
+{
+    constexpr float kOwn = 0.01f; // of the distance: about the depth of a tile
     const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
     const glm::vec3 ray = directional ? -light.direction() : light.position() - receiver;
-    WayToLight way{.from = receiver, .end = directional ? std::numeric_limits<float>::max() : 1.0f};
+    WayToLight way{.from = receiver,
+                   .end = directional ? std::numeric_limits<float>::max() : 1.0f,
+                   .own = kOwn * distance / std::max(glm::length(ray), 1e-20f)};
     for (int axis = 0; axis < 3; ++axis)
         way.inverse[axis] = 1.0f / (std::fabs(ray[axis]) < 1e-20f ? 1e-20f : ray[axis]);
     return way;
@@ -140,27 +161,56 @@ float nearnessOf(const LightView& light, const ReceiverTile& tile)
     return std::min(glm::length(tile.box.center() - light.position()), light.constants.range) / toEye;
 }
 
-/// Reach::treeLevels of receivers that face the light.
-float levelsMet(const LightView& light, std::span<const Caster* const> casters, std::span<const TileSample::Tile> tiles)
+/// Reach::treeLevels of receivers that face the light, and Reach::penumbraPixels.
+struct Met {
+    float levels = 0.0f, penumbraPixels = 0.0f;
+};
+
+Met metByWays(const CameraView& view, const LightView& light, std::span<const Caster* const> casters,
+              std::span<const TileSample::Tile> tiles)
 {
     // Ways times boxes at most, every eighth frame. Ways go first, down to a sixteenth of them, then boxes.
     constexpr std::size_t kMost = 2048;
     const std::size_t asked = tiles.size() * casters.size();
-    if (asked == 0) return 0.0f;
+    if (asked == 0) return {};
     const std::size_t stepTiles = std::min<std::size_t>(1 + asked / kMost, 16);
     const std::size_t stepCasters = 1 + asked / stepTiles / kMost;
+    constexpr float kNone = std::numeric_limits<float>::max();
     std::array<WayToLight, TileSample::kMost> ways;
+    std::array<float, TileSample::kMost> nearest; // of what may cast on the receiver, in terms of the way
     std::size_t count = 0;
-    for (std::size_t t = 0; t < tiles.size(); t += stepTiles)
-        ways[count++] = wayToLight(light, tiles[t].middle);
-    float levels = 0.0f;
-    for (std::size_t c = 0; c < casters.size(); c += stepCasters) {
-        const auto met = std::count_if(ways.begin(), ways.begin() + static_cast<std::ptrdiff_t>(count),
-                                       [&](const WayToLight& way) { return way.meets(casters[c]->bounds); });
-        const double triangles = casters[c]->mesh ? casters[c]->mesh->triangleCount() : 0.0;
-        if (met > 0) levels += static_cast<float>(met) * static_cast<float>(cost::log2Exactly(1.0 + triangles));
+    const auto distanceTo = [&](glm::vec3 place) {
+        return gpu::isOrthographic(view.constants) ? orthographicDistance(view) : glm::length(place - view.eye);
+    };
+    for (std::size_t t = 0; t < tiles.size(); t += stepTiles) {
+        nearest[count] = kNone;
+        ways[count++] = wayToLight(light, tiles[t].middle, distanceTo(tiles[t].middle));
     }
-    return levels * static_cast<float>(stepCasters) / static_cast<float>(count);
+    Met sum;
+    for (std::size_t c = 0; c < casters.size(); c += stepCasters) {
+        std::uint32_t met = 0;
+        for (std::size_t way = 0; way < count; ++way) {
+            const WayToLight::Inside box = ways[way].inside(casters[c]->bounds);
+            if (box.after < box.before) continue;
+            ++met;
+            // Within the bounds, what casts is somewhere up to their end; where that is near the receiver lies on it.
+            const float entry = box.before > 0.0f ? box.before : 0.5f * box.after;
+            if (entry > ways[way].own) nearest[way] = std::min(nearest[way], entry);
+        }
+        const double triangles = casters[c]->mesh ? casters[c]->mesh->triangleCount() : 0.0;
+        if (met > 0) sum.levels += static_cast<float>(met) * static_cast<float>(cost::log2Exactly(1.0 + triangles));
+    }
+    sum.levels *= static_cast<float>(stepCasters) / static_cast<float>(count);
+    if (!(light.constants.sourceRadius > 0.0f)) return sum;
+    std::uint32_t shadowed = 0;
+    for (std::size_t way = 0; way < count; ++way) {
+        if (nearest[way] == kNone) continue;
+        ++shadowed;
+        const float pixel = pixelAngleOf(view) * std::max(distanceTo(ways[way].from), 1e-3f); // metres
+        sum.penumbraPixels += penumbraWidth(light, nearest[way]) / pixel;
+    }
+    if (shadowed > 0) sum.penumbraPixels /= static_cast<float>(shadowed);
+    return sum;
 }
 
 } // namespace
@@ -220,8 +270,21 @@ Reach measureReach(const CameraView& view, std::span<const ReceiverTile> tiles, 
     }
     reach.share = allTiles ? static_cast<float>(reached) / static_cast<float>(allTiles) : 0.0f;
     reach.planarity = planarityOf(view, light, sample.tiles());
-    reach.treeLevels = facingShare(view, light, sample.tiles()) * levelsMet(light, casters, sample.tiles());
+    const Met met = metByWays(view, light, casters, sample.tiles());
+    reach.treeLevels = facingShare(view, light, sample.tiles()) * met.levels;
+    reach.penumbraPixels = met.penumbraPixels;
     return reach;
+}
+
+double penumbraPercent(double penumbraPixels, double height)
+{
+    // Length of all shadows' edges in a picture, in heights of it, and the share of a penumbra where a hard edge is off
+    // by more than a tenth: 1.0 to 2.2 for the lights of views/soft_table (gnomon bench, 640x360).
+    constexpr double kEdges = 1.6;
+    constexpr double kUnseen = 2.0; // pixels: as narrow as a hard edge's own step from pixel to pixel
+    constexpr double kMost = 50.0;
+    const double width = std::max(penumbraPixels - kUnseen, 0.0);
+    return height > 0.0 ? std::min(100.0 * kEdges * width / height, kMost) : 0.0;
 }
 
 float reachLowerBound(const CameraView& view, const LightView& light)

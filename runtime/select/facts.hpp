@@ -22,7 +22,8 @@ enum class Fact : std::uint8_t {
     receiverPlanarity, ///< Share of the light's visible receivers on one plane; unknown (NaN) until measured.
     frameBudget,       ///< Predicted ms of the cheapest methods that may serve / budget; 0 without a budget.
     frameRate,         ///< Hz, mean over the last 30 frames.
-    recorded,          ///< 1: the frame is recorded into the host's command buffer, without the CPU between its passes.
+    penumbraPixels, ///< Predicted width of the light's penumbrae, pixels; 0 of a point source, unknown until measured.
+    recorded,       ///< 1: the frame is recorded into the host's command buffer, without the CPU between its passes.
     count
 };
 constexpr std::size_t kFactCount = static_cast<std::size_t>(Fact::count);
@@ -72,7 +73,15 @@ struct Reach {
     /// Levels of trees that a ray towards the light goes through, on average over these receivers: log2 of the
     /// triangles of every caster whose bounds it meets; none where a receiver faces away.
     float treeLevels = 0.0f;
+    /// Pixels across the penumbra of a source with a radius: the mean over receivers whose way to the light meets the
+    /// bounds of a caster, the nearest one taken for what casts.
+    float penumbraPixels = 0.0f;
 };
+
+/// Pixels, in percent of those that the light falls on, where a hard edge in place of a penumbra is off by more than a
+/// tenth: what adds to the wrong ones of a method whose edges are hard.
+/// @param height of the picture, pixels
+double penumbraPercent(double penumbraPixels, double height);
 
 /// Receivers of a tile lie in the frustum piece between its two depths; a tile counts if the light may reach that
 /// piece. Exact up to the tile: never farther than the true nearest receiver.

@@ -6,8 +6,8 @@
 
 namespace gnomon {
 
-/// Of one light in one view. While a fade runs, the light's visibility is outgoing * (1 - share) + incoming * share, and
-/// share grows by 1 / (n + 1) in each of n frames.
+/// Of one light in one view. While a fade runs, the light's visibility is outgoing * (1 - share) + incoming * share,
+/// and share grows by 1 / (n + 1) in each of n frames.
 class Fade {
 public:
     static constexpr std::uint32_t kNone = UINT32_MAX;

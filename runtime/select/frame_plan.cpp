@@ -90,6 +90,12 @@ bool isNear(const cost::Workload& a, const cost::Workload& b)
            isNear(a.treeLevels, b.treeLevels) && a.redrawEvery == b.redrawEvery;
 }
 
+/// A quality with so many more pixels wrong.
+float withWrong(float quality, double percent)
+{
+    return static_cast<float>(1.0 / (1.0 / std::max(double{quality}, 1e-3) + percent));
+}
+
 plan::Eligibility eligibilityOf(Exclusion exclusion)
 {
     if (exclusion == Exclusion::none) return plan::Eligibility::eligible;
@@ -225,7 +231,7 @@ void FramePlan::add(LightDecision& decision, LightMemory& memory, const Selectio
                             .redrawEvery = static_cast<double>(std::max(memory.redrawEvery, 1u))};
     addEstimates(workload, memory, input);
     memory.workload = workload;
-    requests_.push_back({&decision, &memory, input.pinned, input.importance});
+    requests_.push_back({&decision, &memory, input.pinned, input.importance, drawn.height});
 }
 
 /// What every method would take for a light, looked up or asked anew. Lights take turns, so that no frame asks for all.
@@ -299,12 +305,17 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
         const std::span<const Cost> costs = predict(memory, budget.frame);
         const std::span qualities =
             std::span(qualities_).subspan(rungOf(request.decision->plainSide) * methods, methods);
+        const double hardEdges = memory.workload.softPixels > 0.0 && memory.measured
+                                     ? penumbraPercent(double{memory.penumbraPixels.get()}, request.height)
+                                     : 0.0;
         for (std::uint32_t m = 0; m < methods; ++m) {
             Candidate& from = request.decision->candidates[m];
             const cost::Prediction& cost = costs[m].steady;
             candidates_[i * methods + m] = {.eligibility = eligibilityOf(from.exclusion),
                                             .suitability = from.quantised,
-                                            .quality = qualities[m],
+                                            .quality = methods_[m].has(GN_TRAIT_SOFT_PENUMBRA_BIT)
+                                                           ? qualities[m]
+                                                           : withWrong(qualities[m], hardEdges),
                                             .ms = costs[m].sureMs,
                                             .likelyMs = cost.ms,
                                             .sigmaMs = cost.measured ? cost.sigmaMs : 0.0,

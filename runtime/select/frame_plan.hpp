@@ -85,6 +85,7 @@ private:
         LightMemory* memory;
         std::uint32_t pinned;
         float importance;
+        std::uint32_t height; ///< Of the picture.
     };
     void fill(const rules::RuleBase* base, const Budget& budget);
     std::uint32_t leastSide(std::uint32_t method, float quality) const;

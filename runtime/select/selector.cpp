@@ -151,6 +151,12 @@ double shareOf(const LightMemory& memory, const CameraView& view, const LightVie
     return memory.measured ? double{memory.share.get()} : guessedShare(view, light);
 }
 
+double penumbraOf(const LightMemory& memory, const LightView& light)
+{
+    if (!(light.constants.sourceRadius > 0.0f)) return 0.0;
+    return memory.measured ? double{memory.penumbraPixels.get()} : std::numeric_limits<double>::quiet_NaN();
+}
+
 LightDecision Selector::assess(const SelectionInput& input, const LightMemory& memory,
                                std::span<Candidate> candidates) const
 {
@@ -177,6 +183,7 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     fact(Fact::receiverPlanarity) = memory.measured ? memory.planarity : std::numeric_limits<double>::quiet_NaN();
     fact(Fact::frameBudget) = input.frameBudget;
     fact(Fact::frameRate) = input.frameRate;
+    fact(Fact::penumbraPixels) = penumbraOf(memory, *input.light);
     fact(Fact::recorded) = input.recorded ? 1.0 : 0.0;
 
     if (!input.seen) {

@@ -130,6 +130,7 @@ struct LightMemory {
     std::uint64_t measuredAt = 0; ///< Frame of the newest measurement.
     MedianOfFive share;
     MedianOfFive treeLevels;       ///< Reach::treeLevels; valid if `measured`.
+    MedianOfFive penumbraPixels;   ///< Reach::penumbraPixels; likewise.
     MethodArray<float> measuredMs; ///< Newest per method; 0: none.
     std::uint64_t lastFrame = 0;
     plan::LightMemory plan;
@@ -151,6 +152,8 @@ struct LightMemory {
 
 /// Share of the picture that a light reaches: as measured, or as guessed until then.
 double shareOf(const LightMemory& memory, const CameraView& view, const LightView& light);
+/// Fact::penumbraPixels.
+double penumbraOf(const LightMemory& memory, const LightView& light);
 
 /// A request: everything about one light in one view that the choice may depend on.
 struct SelectionInput {

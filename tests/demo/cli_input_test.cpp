@@ -76,7 +76,7 @@ TEST_CASE("plot draws every variable, and over two facts the winners that explai
 {
     const Folder folder("plot");
     const std::string file = (folder.path / "rules.html").string();
-    const std::string facts = "screenShare=0.3,lightMotion=1,dynamicLights=4,lightRadius=0,recorded=0";
+    const std::string facts = "screenShare=0.3,lightMotion=1,dynamicLights=4,penumbraPixels=0,recorded=0";
     CHECK(gnomonProgram("plot default --over viewerDistance,casterTriangles --facts " + facts + " --out " + file)
               .exitCode == 0);
     const std::string text = valueOf(readText(file));

@@ -42,7 +42,8 @@ std::vector<double> decisions(std::string_view text)
     Inference inference = engine.makeInference();
     std::vector<double> all;
     for (int i = 0; i <= 20; ++i) {
-        engine.evaluate(std::vector<double>{i * 1.0, i / 20.0, i * 4.5, i / 20.0, 2 + i / 4.0, i / 10.0, 0.3, 0.9},
+        engine.evaluate(std::vector<double>{i * 1.0, i / 20.0, i * 4.5, i / 20.0, 2 + i / 4.0, i / 10.0, 0.3, 0.9,
+                                            i % 2 * 1.0, i * 5.0},
                         inference);
         for (const OutputState& output : inference.outputs)
             all.push_back(output.suitability);
@@ -186,7 +187,8 @@ TEST_CASE("a faulty rule base is refused with the place of each fault")
           "5:23: error R05: 'allocation' must be one of none budget, found '" + std::string(40, 'x') + "...'\n");
     CHECK(errorsOf(head + rules + "policy: {hysteresis: {crossFadeFrames: 2.5}}\n") ==
           "5:40: error R05: 'crossFadeFrames' must be a whole number, found '2.5'\n");
-    CHECK(errorsOf(head + rules + "policy: {floor: {when: z is low}}\n") == "5:24: error L01: unknown variable 'z'; known: x\n");
+    CHECK(errorsOf(head + rules + "policy: {floor: {when: z is low}}\n") ==
+          "5:24: error L01: unknown variable 'z'; known: x\n");
     CHECK(errorsOf(head + rules + "otherwise: never p\n") ==
           "5:18: error R06: 'otherwise' cannot veto: it fires where the rules know nothing\n");
     CHECK(errorsOf("version: 1\nvariables: {x: {universe: [0], terms: {a: [0, 0, 1, one]}}}\nrules: []\n") ==
@@ -249,7 +251,8 @@ TEST_CASE("kinds and promises arrive, and a promise that is none is refused at t
           "6:12: error R06: expected 'never', found 'always'\n");
     CHECK(errorsOf(head + "monotony:\n  - most x never raises p\n") ==
           "6:5: error R06: expected 'more' or 'less', found 'most'\n");
-    CHECK(errorsOf(head + "monotony:\n  - less z never raises p\n") == "6:10: error L01: unknown variable 'z'; known: x\n");
+    CHECK(errorsOf(head + "monotony:\n  - less z never raises p\n") ==
+          "6:10: error L01: unknown variable 'z'; known: x\n");
     CHECK(errorsOf(head + "kinds: spot\n") == "5:8: error R04: 'kinds' is a list of words\n");
 }
 

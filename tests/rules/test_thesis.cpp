@@ -15,7 +15,7 @@ namespace {
 /// Facts of the thesis's two variables; it reads no others.
 std::vector<double> factsOf(double dynamicLights, double viewerDistance)
 {
-    return {dynamicLights, kNan, viewerDistance, kNan, kNan, kNan, kNan, kNan};
+    return {dynamicLights, kNan, viewerDistance, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
 }
 
 struct Step {

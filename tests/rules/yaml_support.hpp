@@ -17,7 +17,8 @@ namespace gnomon::rules::test {
 inline const std::vector<FactInfo> kFacts = {
     {"dynamicLights", "count"},     {"lightMotion", "share"},     {"viewerDistance", "m"},
     {"screenShare", "share"},       {"casterTriangles", "log10"}, {"lightRadius", "m"},
-    {"receiverPlanarity", "share"}, {"frameBudget", "ratio"},     {"recorded", "flag"}};
+    {"receiverPlanarity", "share"}, {"frameBudget", "ratio"},     {"recorded", "flag"},
+    {"penumbraPixels", "px"}};
 inline const RuleVocabulary kBuiltIn = [] {
     const AlgorithmRegistry registry = builtinRegistry();
     RuleVocabulary words(registry);

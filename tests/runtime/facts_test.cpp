@@ -21,6 +21,7 @@ CameraView camera()
     view.constants.rayCornerWs = glm::vec4(-0.32f, 0.32f, -1.0f, 0.0f);
     view.constants.rayDxWs = glm::vec4(0.001f, 0.0f, 0.0f, 0.0f);
     view.constants.rayDyWs = glm::vec4(0.0f, -0.001f, 0.0f, 0.0f);
+    view.constants.pixelSize = 0.001f;
     return view;
 }
 
@@ -92,6 +93,39 @@ TEST_CASE("a ray counts the levels of every tree whose box it meets, and only th
     lamp.constants.range = 100.0f;
     CHECK(levels(rough, lamp, {&all.caster}) == 0.0f);
     CHECK(levels(rough, lamp, {&all.caster, &left.caster}) == doctest::Approx(4.0).epsilon(0.1));
+}
+
+TEST_CASE("the penumbra is as wide as similar triangles say, in pixels, of what is nearest and holds no receiver")
+{
+    const std::vector<ReceiverTile> rough = wall(0.0f);
+    const auto pixels = [&](const LightView& light, std::vector<const Caster*> casters) {
+        return double{measureReach(camera(), rough, 1600, light, casters).penumbraPixels};
+    };
+    // The wall is at z = -10, pixels there are as wide as 10 m times the camera's.
+    const double pixel = 10.0 * double{pixelAngleOf(camera())};
+    const Box screen({glm::vec3(-99.0f, -99.0f, -6.5f), glm::vec3(99.0f, 99.0f, -6.0f)}, 3);
+    const Box nearer({glm::vec3(-99.0f, -99.0f, -8.5f), glm::vec3(99.0f, 99.0f, -8.0f)}, 3);
+    const Box own({glm::vec3(-99.0f, -99.0f, -10.5f), glm::vec3(99.0f, 99.0f, -9.99f)}, 3);
+    LightView ahead = sun(glm::vec3(0.0f, 0.0f, -1.0f));
+    CHECK(pixels(ahead, {&screen.caster}) == 0.0); // a point source
+    ahead.constants.sourceRadius = 0.01f;
+    CHECK(pixels(ahead, {}) == 0.0);
+    CHECK(pixels(ahead, {&own.caster}) == 0.0);
+    // Receivers up to 4.1 m beside the middle are farther from the eye: 3 % on the mean.
+    CHECK(pixels(ahead, {&screen.caster}) == doctest::Approx(2.0 * 0.01 * 3.5 / pixel).epsilon(0.05));
+    CHECK(pixels(ahead, {&screen.caster, &nearer.caster, &own.caster}) ==
+          doctest::Approx(2.0 * 0.01 * 1.5 / pixel).epsilon(0.05));
+
+    LightView lamp{};
+    lamp.type = GN_LIGHT_TYPE_POINT;
+    lamp.constants.positionWs = glm::vec4(0.0f, 0.0f, -3.0f, 1.0f);
+    lamp.constants.directionWs = {0.0f, 0.0f, -1.0f, -2.0f};
+    lamp.constants.range = 100.0f;
+    lamp.constants.sourceRadius = 0.2f;
+    CHECK(pixels(lamp, {&screen.caster}) == doctest::Approx(2.0 * 0.2 * 3.5 / 3.5 / pixel).epsilon(0.05)); // half way
+    CHECK(penumbraPercent(1.0, 720.0) == 0.0);
+    CHECK(penumbraPercent(20.0, 720.0) == doctest::Approx(100.0 * 1.6 * 18.0 / 720.0));
+    CHECK(penumbraPercent(1e9, 720.0) == 50.0);
 }
 
 TEST_CASE("receivers that face away from the light ask for no ray")
