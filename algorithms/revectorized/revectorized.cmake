@@ -1,4 +1,5 @@
-gnomon_algorithm(rbsm
-    SOURCES rbsm.cpp
-    SHADERS revectorized/rbsm.frag
-            revectorized/rbsm.frag:MAP_LAYERS=1:revectorized/rbsm_cube.frag)
+gnomon_shared(
+    SOURCES line_map.cpp
+    SHADERS revectorized/lines.frag
+            revectorized/lines.frag:MAP_LAYERS=1:revectorized/lines_cube.frag)
+gnomon_algorithm(rbsm SOURCES rbsm.cpp)

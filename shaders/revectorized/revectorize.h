@@ -7,13 +7,9 @@
 //   bool texelExists(Tap tap, vec2 centre)      whether the map has it; what it has not ends no shadow and no stair
 #ifndef GNOMON_REVECTORIZED_REVECTORIZE_H
 #define GNOMON_REVECTORIZED_REVECTORIZE_H
-#include "rbsm.h"
+#include "lines.h"
 
 GN_SHARED_BEGIN
-
-GN_SHARED_CONST uint REVECTORIZE_CONSERVATIVE = 0u;    // lines through the shadow's corners: it only grows (Eq 3.6)
-GN_SHARED_CONST uint REVECTORIZE_NONCONSERVATIVE = 1u; // lines through the middles of its stairs (Eqs 3.7 to 3.9)
-GN_SHARED_CONST uint REVECTORIZE_FILTERED = 2u;        // a ramp about the same lines, a texel to either side (Eq 4.2)
 
 // Sides of a texel beyond which the map says otherwise (Eq 3.3): low and high x, low and high y.
 GN_SHARED_CONST uint EDGE_LOW_X = 1u;
@@ -38,43 +34,46 @@ GN_SHARED_FN uint texelEdges(Tap tap, vec2 centre, bool lit)
 // How far the stairs at a receiver go on to each side, and which of them end at a texel that says otherwise: there the
 // edge turns, and the stair is closed.
 struct StairEnds {
-    vec4 texels; // low and high x, low and high y
+    vec4 texels; // beside the receiver's own: low and high x, low and high y
     uint closed; // EDGE_*
 };
+
+GN_SHARED_FN StairEnds noSteps()
+{
+    StairEnds ends;
+    ends.texels = vec4(0.0f, 0.0f, 0.0f, 0.0f);
+    ends.closed = 0u;
+    return ends;
+}
 
 // Follows the stairs from the receiver's texel: texels that say the same, beside a wall of the receiver's own texel
 // that goes along with the way. All four ways in one loop: invocations that run together wait for the longest sum, not
 // for the longest of each.
-//   edges     of texelEdges(); 0: there is no stair
-//   inTexel   the receiver in its texel
+//   edges     of texelEdges()
+//   ends      what is known
+//   ways      EDGE_*: where to follow on
 //   longest   texels; a way beyond that is open
-GN_SHARED_FN StairEnds stairEnds(Tap tap, vec2 centre, bool lit, uint edges, vec2 inTexel, uint longest)
+GN_SHARED_FN StairEnds stairEnds(Tap tap, vec2 centre, bool lit, uint edges, StairEnds ends, uint ways, uint longest)
 {
-    StairEnds ends;
-    ends.texels = vec4(inTexel.x, 1.0f - inTexel.x, inTexel.y, 1.0f - inTexel.y);
-    ends.closed = 0u;
-    float steps = 0.0f;
-    uint way = edges == 0u ? 4u : 0u;
     longest = min(longest, MAX_STAIR);
+    uint way = ways == 0u ? 4u : 0u;
     while (way < 4u) { // bound: 4 MAX_STAIR
+        bool asked = (ways >> way & 1u) != 0u;
         float to = (way & 1u) == 0u ? -1.0f : 1.0f;
         bool alongX = way < 2u;
         vec2 across = alongX ? vec2(0.0f, 1.0f) : vec2(1.0f, 0.0f);
         uint walls = alongX ? edges >> 2 : edges; // bits 0 and 1: on the lower and the higher side of the way
-        steps += 1.0f;
+        float steps = ends.texels[int(way)] + 1.0f;
         vec2 there = centre + to * steps * vec2(across.y, across.x);
-        bool closed = texelDiffers(tap, there, lit);
-        bool beside = ((walls & 1u) != 0u && texelDiffers(tap, there - across, lit)) ||
-                      ((walls & 2u) != 0u && texelDiffers(tap, there + across, lit));
+        bool closed = asked && texelDiffers(tap, there, lit);
+        bool beside = asked && (((walls & 1u) != 0u && texelDiffers(tap, there - across, lit)) ||
+                                ((walls & 2u) != 0u && texelDiffers(tap, there + across, lit)));
         bool goesOn = beside && !closed;
         ends.closed |= closed ? 1u << way : 0u;
-        float more = goesOn ? 1.0f : 0.0f;
-        ends.texels +=
-            vec4(way == 0u ? more : 0.0f, way == 1u ? more : 0.0f, way == 2u ? more : 0.0f, way == 3u ? more : 0.0f);
+        ends.texels[int(way)] += goesOn ? 1.0f : 0.0f;
         if (!goesOn || steps >= float(longest)) {
-            steps = 0.0f;
             // An edge that does not turn along x is straight: nothing to be asked along y.
-            way = way == 1u && ends.closed == 0u ? 4u : way + 1u;
+            way = way == 1u && (ends.closed & 3u) == 0u ? 4u : way + 1u;
         }
     }
     return ends;
@@ -87,6 +86,15 @@ GN_SHARED_FN float stairPlace(float low, float high, uint closed, uint longest)
 {
     float nearest = closed == 3u ? 2.0f * min(low, high) : closed == 1u ? low : high;
     return nearest / min(low + high, float(longest));
+}
+
+// Sum of the places on both stairs; -1 where the edge turns along one axis at most: the map's answer stays.
+GN_SHARED_FN float stairPlaces(StairEnds ends, vec2 inTexel, uint longest)
+{
+    uint alongX = ends.closed & 3u, alongY = ends.closed >> 2;
+    if (alongX == 0u || alongY == 0u) return -1.0f;
+    return stairPlace(ends.texels.x + inTexel.x, ends.texels.y + 1.0f - inTexel.x, alongX, longest) +
+           stairPlace(ends.texels.z + inTexel.y, ends.texels.w + 1.0f - inTexel.y, alongY, longest);
 }
 
 // Visibility from the places on both stairs of a receiver whose texel says `lit`.
@@ -106,12 +114,9 @@ GN_SHARED_FN float revectorizedVisibility(Tap tap, vec2 at, uint mode, uint long
     bool lit = texelLit(tap, centre);
     bool asked = longest > 0u && (lit || mode != REVECTORIZE_CONSERVATIVE);
     uint edges = asked ? texelEdges(tap, centre, lit) : 0u;
-    StairEnds ends = stairEnds(tap, centre, lit, edges, at - corner, longest);
-    uint alongX = ends.closed & 3u, alongY = ends.closed >> 2;
-    if (alongX == 0u || alongY == 0u) return lit ? 1.0f : 0.0f;
-    float place = stairPlace(ends.texels.x, ends.texels.y, alongX, longest) +
-                  stairPlace(ends.texels.z, ends.texels.w, alongY, longest);
-    return revectorizedAt(lit, place, mode);
+    StairEnds ends = stairEnds(tap, centre, lit, edges, noSteps(), edges == 0u ? 0u : 15u, longest);
+    float place = stairPlaces(ends, at - corner, longest);
+    return place < 0.0f ? (lit ? 1.0f : 0.0f) : revectorizedAt(lit, place, mode);
 }
 
 GN_SHARED_END

@@ -2,92 +2,15 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <functional>
 #include <limits>
-#include <random>
 #include <string>
 #include <utility>
-#include <vector>
 
-#include "shaders/shared/types.h"
-
-namespace gnomon::gpu {
-
-constexpr int kSide = 64;
-
-struct Picture {
-    std::array<bool, kSide * kSide> shadow{};
-};
-
-struct Tap {
-    const Picture* map;
-};
-
-inline bool texelExists(Tap, vec2 centre)
-{
-    return centre.x > 0.0f && centre.y > 0.0f && centre.x < kSide && centre.y < kSide;
-}
-
-inline bool texelLit(Tap tap, vec2 centre)
-{
-    return !texelExists(tap, centre) ||
-           !tap.map->shadow[static_cast<size_t>(centre.y) * kSide + static_cast<size_t>(centre.x)];
-}
-
-} // namespace gnomon::gpu
-
-#include "shaders/revectorized/revectorize.h"
+#include "revectorized_fixture.hpp"
 
 using namespace gnomon;
 
 namespace {
-
-constexpr uint32_t kLongest = 16;
-
-using Shape = std::function<bool(double x, double y)>; ///< In shadow there, texels.
-
-gpu::Picture drawn(const Shape& shape)
-{
-    gpu::Picture picture;
-    for (int y = 0; y < gpu::kSide; ++y)
-        for (int x = 0; x < gpu::kSide; ++x)
-            picture.shadow[size_t(y) * gpu::kSide + size_t(x)] = shape(x + 0.5, y + 0.5);
-    return picture;
-}
-
-float nearest(const gpu::Picture& picture, glm::vec2 at)
-{
-    return gpu::texelLit({&picture}, glm::floor(at) + 0.5f) ? 1.0f : 0.0f;
-}
-
-float revectorized(const gpu::Picture& picture, glm::vec2 at, uint32_t mode, uint32_t longest = kLongest)
-{
-    return gpu::revectorizedVisibility({&picture}, at, mode, longest);
-}
-
-/// A line, in shadow below it; or a disc.
-Shape halfPlane(double angle, glm::dvec2 through)
-{
-    const glm::dvec2 normal(-std::sin(angle), std::cos(angle));
-    return [=](double x, double y) { return glm::dot(normal, glm::dvec2(x, y) - through) < 0.0; };
-}
-Shape disc(glm::dvec2 centre, double radius)
-{
-    return [=](double x, double y) { return glm::length(glm::dvec2(x, y) - centre) < radius; };
-}
-
-// What lies far enough from the border for stairs not to reach it.
-constexpr int kFirst = 17, kEnd = 47, kSub = 8;
-
-template <typename Visit>
-void forSamples(const Visit& visit)
-{
-    for (int y = kFirst * kSub; y < kEnd * kSub; ++y)
-        for (int x = kFirst * kSub; x < kEnd * kSub; ++x)
-            visit(glm::vec2(float(x) + 0.5f, float(y) + 0.5f) / float(kSub));
-}
 
 /// Areas of a picture that came out wrong, samples.
 struct Wrong {
@@ -116,44 +39,6 @@ Errors errorsOf(const std::vector<Shape>& shapes, uint32_t longest = kLongest)
         });
     }
     return errors;
-}
-
-constexpr int kShapes = 40;
-
-std::vector<Shape> randomShapes(uint32_t seed, const std::function<Shape(std::mt19937&)>& make)
-{
-    std::mt19937 random(seed);
-    std::vector<Shape> shapes;
-    for (int i = 0; i < kShapes; ++i)
-        shapes.push_back(make(random));
-    return shapes;
-}
-
-double between(std::mt19937& random, double lower, double upper)
-{
-    return lower + (upper - lower) * (double(random()) / 4294967296.0); // the same on every standard library
-}
-
-glm::dvec2 nearMiddle(std::mt19937& random)
-{
-    const double x = between(random, 30.0, 34.0);
-    return {x, between(random, 30.0, 34.0)};
-}
-
-std::vector<Shape> halfPlanes()
-{
-    return randomShapes(1, [](std::mt19937& random) {
-        const double angle = between(random, 0.0, 6.283185307);
-        return halfPlane(angle, nearMiddle(random));
-    });
-}
-std::vector<Shape> discs(double least, double most)
-{
-    return randomShapes(2, [=](std::mt19937& random) {
-        const double radius = between(random, least, most), angle = between(random, 0.0, 6.283185307);
-        const double away = radius < 14.0 ? 0.0 : radius; // of large ones the border passes through the middle
-        return disc(nearMiddle(random) + away * glm::dvec2(std::cos(angle), std::sin(angle)), radius);
-    });
 }
 
 } // namespace
@@ -235,9 +120,9 @@ TEST_CASE("lines through the middles of stairs are nearer to the truth than the 
                         {"discs of 20 to 40 texels", discs(20.0, 40.0), 2.0}};
     for (const Row& row : rows) {
         const Errors errors = errorsOf(row.shapes);
-        MESSAGE(row.name << ": map " << errors.map.all() << ", conservative " << errors.conservative.over
-                         << " over and " << errors.conservative.under << " under, middle " << errors.middle.over
-                         << " and " << errors.middle.under);
+        MESSAGE(std::string(row.name) << ": map " << errors.map.all() << ", conservative " << errors.conservative.over
+                                      << " over and " << errors.conservative.under << " under, middle "
+                                      << errors.middle.over << " and " << errors.middle.under);
         CHECK(errors.map.all() >= row.better * errors.middle.all());
         CHECK(errors.middle.over <= 0.5 * errors.conservative.over);
         CHECK(errors.conservative.under <= 0.2 * errors.conservative.over);

@@ -1,8 +1,8 @@
 #version 460
 // Visibility from the depth map of a light, its edges revectorized. With MAP_LAYERS the map is the six faces around a
-// point light; a stair is not followed past a face's border.
+// point light.
 #extension GL_GOOGLE_include_directive : require
-#include "rbsm.h"
+#include "lines.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants {
     MapConstants constants;
@@ -30,6 +30,7 @@ void main()
     float layer;
     vec4 clip = mapClipOf(r, layer);
     Tap tap = tapOf(r, clip, layer);
-    float lit = revectorizedVisibility(tap, tap.at, mode, r.decided ? 0u : longest);
-    visibility = r.decided ? r.visibility : lit;
+    visibility = r.visibility;
+    if (!r.decided)
+        visibility = revectorizedVisibility(tap, tap.at, mode, longest);
 }

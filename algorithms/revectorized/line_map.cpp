@@ -1,0 +1,44 @@
+#include "algorithms/revectorized/line_map.hpp"
+
+#include <algorithm>
+
+#include "shaders/revectorized_lines_cube_frag.h"
+#include "shaders/revectorized_lines_frag.h"
+
+namespace gnomon {
+
+namespace {
+
+/// Around each face of a cube lie as many texels as stairs reach, and the walls beside them: no stair ends where a face
+/// does. Elsewhere stairs end at a map's edge, beyond which there are no receivers or no casters.
+std::uint32_t borderOf(const LightView& light, std::uint32_t resolution, const Lines& lines)
+{
+    if (light.type != GN_LIGHT_TYPE_POINT) return kMapBorderTexels;
+    return std::clamp(lines.longest + 2, kMapBorderTexels, resolution / 4);
+}
+
+} // namespace
+
+LineMap::LineMap(const AlgorithmServices& services, const char* name)
+    : casters_(makeDepthMapPipelines(services)),
+      resolve_(services, {.name = name, .fragment = k_revectorized_lines_frag, .filters = false}),
+      resolveCube_(services,
+                   {.name = name, .fragment = k_revectorized_lines_cube_frag, .layers = true, .filters = false})
+{
+}
+
+ShadowAlgorithm::Map LineMap::declare(PassBuilder& passes, const ShadowTask& task, std::uint32_t resolution,
+                                      const Lines& lines) const
+{
+    const bool cube = task.light->type == GN_LIGHT_TYPE_POINT;
+    gpu::LineConstants constants{};
+    constants.base = mapConstants(task, resolution, 1);
+    constants.mode = lines.mode;
+    constants.longest = lines.longest;
+    const LightMap map =
+        declareLightMap(passes, casters_, task, resolution, constants.base, borderOf(*task.light, resolution, lines));
+    (cube ? resolveCube_ : resolve_).declare(passes, task, map.image, constants, false);
+    return handedOut(map.image, map.fits, map.needed, constants.base);
+}
+
+} // namespace gnomon

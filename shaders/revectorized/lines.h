@@ -1,0 +1,28 @@
+// Constants of the resolve of maps whose edges are lines.
+#ifndef GNOMON_REVECTORIZED_LINES_H
+#define GNOMON_REVECTORIZED_LINES_H
+#include "../shared/map_lookup.h"
+
+GN_SHARED_BEGIN
+
+// Most texels that a stair is followed to each side: the greatest value of the setting `longest`.
+GN_SHARED_CONST uint MAX_STAIR = 32u;
+
+// What is made of stairs: values of `mode`.
+GN_SHARED_CONST uint REVECTORIZE_CONSERVATIVE = 0u;    // lines through the shadow's corners: it only grows (Eq 3.6)
+GN_SHARED_CONST uint REVECTORIZE_NONCONSERVATIVE = 1u; // lines through the middles of its stairs (Eqs 3.7 to 3.9)
+GN_SHARED_CONST uint REVECTORIZE_FILTERED = 2u;        // a ramp about the same lines, a texel to either side (Eq 4.2)
+
+// std140.
+struct LineConstants {
+    MapConstants base;
+    uint mode;    // REVECTORIZE_*
+    uint longest; // of revectorizedVisibility()
+    uint padding0;
+    uint padding1;
+};
+GN_SHARED_OFFSET(LineConstants, mode, 416)
+GN_SHARED_SIZE(LineConstants, 432)
+
+GN_SHARED_END
+#endif
