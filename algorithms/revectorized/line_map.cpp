@@ -9,21 +9,21 @@ namespace gnomon {
 
 namespace {
 
-/// Around each face of a cube lie as many texels as stairs reach, and the walls beside them: no stair ends where a face
-/// does. Elsewhere stairs end at a map's edge, beyond which there are no receivers or no casters.
+/// Around each face of a cube lie as many texels as a kernel and the stairs from its outermost tap reach: no stair ends
+/// where a face does. Elsewhere stairs end at a map's edge, beyond which there are no receivers or no casters.
 std::uint32_t borderOf(const LightView& light, std::uint32_t resolution, const Lines& lines)
 {
-    if (light.type != GN_LIGHT_TYPE_POINT) return kMapBorderTexels;
-    return std::clamp(lines.longest + 2, kMapBorderTexels, resolution / 4);
+    if (light.type != GN_LIGHT_TYPE_POINT) return kernelBorder(lines.filterSide);
+    const std::uint32_t reach = lines.longest + (lines.filterSide + 1) / 2 + 1;
+    return std::clamp(reach, kMapBorderTexels, resolution / 4);
 }
 
 } // namespace
 
 LineMap::LineMap(const AlgorithmServices& services, const char* name)
     : casters_(makeDepthMapPipelines(services)),
-      resolve_(services, {.name = name, .fragment = k_revectorized_lines_frag, .filters = false}),
-      resolveCube_(services,
-                   {.name = name, .fragment = k_revectorized_lines_cube_frag, .layers = true, .filters = false})
+      resolve_(services, {.name = name, .fragment = k_revectorized_lines_frag}),
+      resolveCube_(services, {.name = name, .fragment = k_revectorized_lines_cube_frag, .layers = true})
 {
 }
 
@@ -32,12 +32,12 @@ ShadowAlgorithm::Map LineMap::declare(PassBuilder& passes, const ShadowTask& tas
 {
     const bool cube = task.light->type == GN_LIGHT_TYPE_POINT;
     gpu::LineConstants constants{};
-    constants.base = mapConstants(task, resolution, 1);
+    constants.base = mapConstants(task, resolution, lines.filterSide);
     constants.mode = lines.mode;
     constants.longest = lines.longest;
     const LightMap map =
         declareLightMap(passes, casters_, task, resolution, constants.base, borderOf(*task.light, resolution, lines));
-    (cube ? resolveCube_ : resolve_).declare(passes, task, map.image, constants, false);
+    (cube ? resolveCube_ : resolve_).declare(passes, task, map.image, constants, lines.mode == gpu::REVECTORIZE_KERNEL);
     return handedOut(map.image, map.fits, map.needed, constants.base);
 }
 

@@ -9,7 +9,8 @@ namespace gnomon {
 /// What is made of a map's edges.
 struct Lines {
     std::uint32_t mode = gpu::REVECTORIZE_NONCONSERVATIVE;
-    std::uint32_t longest = 0; ///< Texels that a stair is followed to each side.
+    std::uint32_t longest = 0;    ///< Texels that a stair is followed to each side.
+    std::uint32_t filterSide = 1; ///< Of the box, texels, odd; REVECTORIZE_KERNEL.
 };
 
 /// The setting `longest`. 16: the thesis's listings A.3 and B.2. Half-planes at any angle are wrong by 0.096, 0.089 and

@@ -3,3 +3,4 @@ gnomon_shared(
     SHADERS revectorized/lines.frag
             revectorized/lines.frag:MAP_LAYERS=1:revectorized/lines_cube.frag)
 gnomon_algorithm(rbsm SOURCES rbsm.cpp)
+gnomon_algorithm(rpcf SOURCES rpcf.cpp)

@@ -19,10 +19,11 @@ layout(set = 0, binding = 4) uniform sampler2D map;
 layout(location = 0) noperspective in vec3 rayWs;
 layout(location = 1) noperspective in vec4 rayClip;
 layout(location = 0) out float visibility;
+layout(constant_id = 1) const bool FILTERED = false; // mode REVECTORIZE_KERNEL
 
 #include "../shared/agreement.glsl"
 #include "../shared/filter.glsl"
-#include "revectorize.h"
+#include "line_kernel.h"
 
 void main()
 {
@@ -32,5 +33,7 @@ void main()
     Tap tap = tapOf(r, clip, layer);
     visibility = r.visibility;
     if (!r.decided)
-        visibility = revectorizedVisibility(tap, tap.at, mode, longest);
+        visibility = FILTERED
+                         ? lineKernelVisibility(tap, tap.at, boxKernel(uint(constants.map.filterSide)), longest)
+                         : revectorizedVisibility(tap, tap.at, mode, longest);
 }

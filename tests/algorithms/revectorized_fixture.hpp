@@ -36,7 +36,7 @@ inline bool texelLit(Tap tap, vec2 centre)
 
 } // namespace gnomon::gpu
 
-#include "shaders/revectorized/revectorize.h"
+#include "shaders/revectorized/line_kernel.h"
 
 namespace gnomon {
 

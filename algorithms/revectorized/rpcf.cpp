@@ -1,0 +1,55 @@
+#include "algorithms/revectorized/rpcf.hpp"
+
+#include "algorithms/revectorized/line_map.hpp"
+
+namespace gnomon {
+
+namespace {
+
+enum Setting { kResolution, kFilter, kLongest };
+
+constexpr SettingSpec kSettings[] = {
+    {"resolution", "Texels per side of the map; of a point light, of each of six.", 64, 8192, 1024, true},
+    {"filter", "Texels per side of the box, odd: as many taps.", 1, gpu::MAX_LINE_TAPS, 7},
+    kLongestSetting,
+};
+
+class Rpcf final : public ShadowAlgorithm {
+public:
+    explicit Rpcf(const AlgorithmServices& services) : lines_(services, "rpcf.resolve") {}
+
+    void declare(PassBuilder& passes, const ShadowTask& task) override
+    {
+        map_ = lines_.declare(passes, task, static_cast<std::uint32_t>(task.settings[kResolution]),
+                              {.mode = gpu::REVECTORIZE_KERNEL,
+                               .longest = static_cast<std::uint32_t>(task.settings[kLongest]),
+                               .filterSide = filterSide(task.settings[kFilter])});
+    }
+
+    const Map* lightMap() const override { return &map_; }
+
+private:
+    LineMap lines_;
+    Map map_;
+};
+
+} // namespace
+
+constinit const AlgorithmEntry kRpcf{
+    .name = "rpcf",
+    .source = "Macedo 2018, 4.1.2",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_FIXED_PENUMBRA_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kSettings,
+    .memoryPerLight =
+        [](std::span<const double> settings, VkExtent2D, GnLightType type) {
+            return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type));
+        },
+    .missing = nullptr,
+    .create = makeAlgorithm<Rpcf>,
+    .typicalWrongPercent = 1.3f, // rpcf.md
+};
+
+} // namespace gnomon
