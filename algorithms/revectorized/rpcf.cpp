@@ -49,7 +49,7 @@ constinit const AlgorithmEntry kRpcf{
         },
     .missing = nullptr,
     .create = makeAlgorithm<Rpcf>,
-    .typicalWrongPercent = 1.3f, // rpcf.md
+    .typicalWrongPercent = 1.2f, // rpcf.md
 };
 
 } // namespace gnomon

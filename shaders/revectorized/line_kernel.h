@@ -116,14 +116,21 @@ GN_SHARED_FN float lineKernelVisibility(Tap tap, vec2 at, LineKernel kernel, uin
     longest = min(longest, MAX_STAIR);
     vec2 corner = floor(at), inTexel = at - corner;
     vec2 first = corner + (0.5f - 0.5f * float(side + 1u)); // with a texel around the kernel
+    TexelRow rows[MAX_LINE_TAPS + 2u];
+    uint some = 0u, every = ~0u;
+    for (uint y = 0u; y < MAX_LINE_TAPS + 2u && y < side + 2u; ++y) { // bound: MAX_LINE_TAPS
+        rows[y] = texelRow(tap, first + vec2(0.0f, float(y)), side + 2u);
+        some |= rows[y].lit;
+        every &= rows[y].lit;
+    }
+    if (some == 0u) return 0.0f;
+    if (every == (1u << (side + 2u)) - 1u) return 1.0f;
     Run columns[MAX_LINE_TAPS];
     for (uint x = 0u; x < MAX_LINE_TAPS; ++x)
         columns[x].key = 0u;
-    TexelRow low = texelRow(tap, first, side + 2u);
-    TexelRow own = texelRow(tap, first + vec2(0.0f, 1.0f), side + 2u);
     float sum = 0.0f, weights = 0.0f;
     for (uint y = 0u; y < MAX_LINE_TAPS && y < side; ++y) {
-        TexelRow high = texelRow(tap, first + vec2(0.0f, float(y) + 2.0f), side + 2u);
+        TexelRow low = rows[y], own = rows[y + 1u], high = rows[y + 2u];
         Run row;
         row.key = 0u;
         for (uint x = 0u; x < MAX_LINE_TAPS && x < side; ++x) {
@@ -157,8 +164,6 @@ GN_SHARED_FN float lineKernelVisibility(Tap tap, vec2 at, LineKernel kernel, uin
             sum += weight * visibility;
             weights += weight;
         }
-        low = own;
-        own = high;
     }
     return sum / weights;
 }
