@@ -4,3 +4,7 @@ gnomon_shared(
             revectorized/lines.frag:MAP_LAYERS=1:revectorized/lines_cube.frag)
 gnomon_algorithm(rbsm SOURCES rbsm.cpp)
 gnomon_algorithm(rpcf SOURCES rpcf.cpp)
+gnomon_algorithm(rbssm
+    SOURCES rbssm.cpp
+    SHADERS revectorized/rbssm.frag
+            revectorized/rbssm.frag:MAP_LAYERS=1:revectorized/rbssm_cube.frag)

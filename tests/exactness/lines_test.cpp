@@ -1,17 +1,19 @@
-// Lines in place of a map's stairs where maps are awkward: across the faces of a cube and on slopes.
+// Lines in place of a map's stairs where maps are awkward: across the faces of a cube and on slopes; and penumbrae of
+// them against traced ones.
 #include <algorithm>
 #include <cmath>
 
 #include <glm/gtc/quaternion.hpp>
 
 #include "demo/scene/primitives.hpp"
-#include "exactness/brute_stage.hpp"
+#include "exactness/soft_reference.hpp"
 #include "exactness/testbed.hpp"
 
 namespace gnomon::exact {
 namespace {
 
 constexpr VkExtent2D kSize{160, 120};
+constexpr const char* kRbssm = "rbssm";
 
 /// Of a light with a position in a box: the largest and the second largest axis of the way to a receiver, as the
 /// tangent that the second one has in the first one's face.
@@ -26,6 +28,18 @@ struct Wrong {
     uint64_t map = 0, lines = 0;
     double ratio() const { return double(map) / double(lines); }
 };
+
+/// Nothing of the light is seen within two pixels.
+bool deepInUmbra(const SoftTruth& truth, size_t pixel)
+{
+    bool deep = true;
+    for (size_t dy = 0; dy < 5; ++dy)
+        for (size_t dx = 0; dx < 5; ++dx) {
+            const size_t at = pixel + dy * kSize.width + dx - 2 * kSize.width - 2;
+            deep = deep && truth.asked[at] != 0 && truth.visibility[at] == 0.0;
+        }
+    return deep;
+}
 
 /// Calls visit(i) for the pixels that count and have only such neighbours, of the same truth, within two.
 template <typename Visit>
@@ -114,6 +128,62 @@ TEST_CASE("on slopes no line makes a shadow of what is lit")
             CHECK(lit > 3000);
             CHECK(1000 * flipped <= lit);
         }
+    }
+}
+
+TEST_CASE("without a radius rbssm draws rbsm's picture, and no radius leaves a pixel undefined")
+{
+    const test::DeviceTest silence;
+    for (const LightKind kind : {LightKind::Spot, LightKind::Point, LightKind::Directional}) {
+        Stage stage(softScene(Caster::torus, kind, 1.2, 0.0f), kSize);
+        CHECK(test::differences(stage.draw(kRbssm, {{"resolution", 512.0}})[0],
+                                stage.draw("rbsm", {{"resolution", 512.0}})[0]) == 0);
+    }
+    for (const LightKind kind : {LightKind::Spot, LightKind::Point}) {
+        Scene scene = softScene(Caster::box, kind, 1.2, 6.0f); // larger than the way to the floor
+        place(scene, "lamp shade", demo::makeBox({.size = glm::vec3(0.3f)}), scene.lights[0].position);
+        Stage stage(std::move(scene), kSize);
+        const Image8 first = stage.draw(kRbssm, {{"resolution", 256.0}})[0];
+        CHECK(test::differences(first, stage.draw(kRbssm, {{"resolution", 256.0}})[0]) == 0);
+        CHECK(std::count(first.texels.begin(), first.texels.end(), uint8_t(255)) > 0); // the sky
+    }
+}
+
+TEST_CASE(
+    "penumbrae of rbssm are no worse than those of the other methods of one map, and no light gets into the umbra")
+{
+    const test::DeviceTest silence;
+    for (const LightKind kind : {LightKind::Spot, LightKind::Point, LightKind::Directional}) {
+        SoftError lines, pcss, vssm, mssm;
+        uint64_t umbra = 0, leaks = 0;
+        for (const Caster caster : {Caster::box, Caster::torus}) {
+            for (const float radius : {0.1f, 0.3f}) {
+                Scene scene = softScene(caster, kind, 1.2, kind == LightKind::Directional ? 0.25f * radius : radius);
+                place(scene, "lid", demo::makeBox({.size = glm::vec3(2.4f, 0.1f, 2.4f)}), {1.2, 0.6, -1.2});
+                Stage stage(std::move(scene), kSize);
+                const std::vector<SoftTruth> truths = tracedSoftTruths(stage, 256);
+                const Pictures soft = stage.draw(kRbssm, {{"resolution", 1024.0}});
+                lines += compareSoft(soft, truths);
+                pcss += compareSoft(stage.draw("pcss", {{"resolution", 1024.0}}), truths);
+                vssm += compareSoft(stage.draw("moments_soft", {{"resolution", 1024.0}, {"moments", 0.0}}), truths);
+                mssm += compareSoft(stage.draw("moments_soft", {{"resolution", 1024.0}, {"moments", 1.0}}), truths);
+                forClear(stage, [&](size_t i) {
+                    const bool deep = deepInUmbra(truths[0], i);
+                    umbra += deep;
+                    leaks += deep && soft[0].texels[i] > 0;
+                });
+            }
+        }
+        MESSAGE(std::string(demo::nameOf(kind))
+                << ": RMSE in the penumbra rbssm " << lines.penumbra.rmse() << ", pcss " << pcss.penumbra.rmse()
+                << ", VSSM " << vssm.penumbra.rmse() << ", MSSM " << mssm.penumbra.rmse() << " of "
+                << lines.penumbra.pixels << " pixels; " << leaks << " of " << umbra << " pixels of the umbra leak");
+        CHECK(lines.penumbra.pixels > 1000);
+        CHECK(lines.penumbra.rmse() <= 1.01 * pcss.penumbra.rmse()); // of points they share wide penumbrae
+        CHECK(lines.penumbra.rmse() <= vssm.penumbra.rmse());
+        CHECK(lines.penumbra.rmse() <= mssm.penumbra.rmse());
+        CHECK(umbra > 1000);
+        CHECK(leaks == 0);
     }
 }
 
