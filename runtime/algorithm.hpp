@@ -70,7 +70,7 @@ struct AlgorithmEntry {
     const char* name;
     const char* source; ///< Thesis section or paper.
     GnTraits traits;
-    std::uint32_t roundTrips; ///< GPU-CPU-GPU; 0: may be recorded.
+    std::uint32_t roundTrips; ///< GPU-CPU-GPU; 0: may be recorded. See memoryWithDeviceRays.
     std::uint32_t maxRounds;  ///< Levels that declareLater may add.
     std::span<const SettingSpec> settings;
     /// Device bytes that a light of the kind needs in a view of this extent.
@@ -95,6 +95,22 @@ struct AlgorithmEntry {
     /// Its map is fitted to the view: texels near the eye are finer than those of a plain map of its side, so no bound
     /// in plain texels says how long it may be kept while casters move.
     bool followsView = false;
+
+    /// Null, or memoryPerLight where the device has ray queries and the method asks rays of it: without round trips,
+    /// and with GN_TRAIT_DEVICE_RAYS_BIT in place of GN_TRAIT_RAYS_BIT. Its algorithm asks DeviceTable::rayQuery(),
+    /// too.
+    VkDeviceSize (*memoryWithDeviceRays)(std::span<const double> settings, VkExtent2D extent,
+                                         GnLightType type) = nullptr;
+
+    /// The entry on such a device.
+    AlgorithmEntry withDeviceRays() const
+    {
+        AlgorithmEntry entry = *this;
+        entry.traits = (traits & ~GnTraits{GN_TRAIT_RAYS_BIT}) | GN_TRAIT_DEVICE_RAYS_BIT;
+        entry.roundTrips = 0;
+        entry.memoryPerLight = memoryWithDeviceRays;
+        return entry;
+    }
 
     VkDeviceSize memoryFor(std::span<const double> values, VkExtent2D extent, GnLightType type) const
     {

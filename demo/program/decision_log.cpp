@@ -141,7 +141,8 @@ Answer answer(const std::vector<DecisionLog>& logs, const Place& place, const Wh
     const DecisionRecord record = log.record(place.index);
     std::vector<MethodWords> methods;
     for (const LoggedMethod& method : log.methods)
-        methods.push_back({method.name, method.unavailable, (method.traits & GN_TRAIT_RAYS_BIT) != 0});
+        methods.push_back({method.name, method.unavailable, (method.traits & GN_TRAIT_RAYS_BIT) != 0,
+                           (method.traits & GN_TRAIT_DEVICE_RAYS_BIT) != 0});
     std::string light = "number " + std::to_string(record.lightId);
     for (const LoggedLight& named : log.lights)
         if (named.id == record.lightId) light = named.name;

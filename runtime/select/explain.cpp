@@ -50,12 +50,19 @@ struct Rules {
     rules::Inference inference;
 };
 
+/// Some methods trace on the CPU where the device cannot.
+std::string_view raysText(bool onDevice)
+{
+    return onDevice ? " by rays on the device" : "";
+}
+
 std::string headline(const DecisionRecord& record, const ExplainWords& words)
 {
     std::string text =
         "light '" + std::string(words.light) + "', frame " + std::to_string(record.frame - words.frameOrigin) + ": ";
     text += methodText(record.method, words.methods);
     text += mapSideText(record.mapSide);
+    if (record.method < words.methods.size()) text += raysText(words.methods[record.method].deviceRays);
     text += ", ";
     text += reasonText(record.reason);
     if (record.reason == GN_REASON_FALLBACK && record.wanted != UINT32_MAX)
@@ -442,6 +449,7 @@ std::string Selector::explain(const LightDecision& decision, const rules::Engine
     std::string text = "method: ";
     text += decision.method == UINT32_MAX ? "none" : methods_[decision.method].name;
     text += mapSideText(static_cast<std::uint32_t>(decision.mapSide));
+    if (decision.method != UINT32_MAX) text += raysText(methods_[decision.method].has(GN_TRAIT_DEVICE_RAYS_BIT));
     text += " (";
     text += reasonText(decision.reason);
     if (decision.reason == GN_REASON_FALLBACK) text += ": " + methods_[decision.wanted].name;

@@ -18,6 +18,7 @@ struct MethodWords {
     std::string_view name;
     std::string_view unavailable; ///< Why the device cannot run it; empty: it can.
     bool rays = false;            ///< Traces rays, on the CPU.
+    bool deviceRays = false;      ///< And on the device.
 };
 
 /// The names behind the numbers of a record.

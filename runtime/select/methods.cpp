@@ -52,8 +52,12 @@ MethodTable::~MethodTable()
 
 Result<void> MethodTable::addBuiltins(const AlgorithmRegistry& registry)
 {
-    for (const BuiltinAlgorithm& algorithm : registry.algorithms)
-        if (auto added = addEntry(*algorithm.entry); !added) return added.error();
+    for (const BuiltinAlgorithm& algorithm : registry.algorithms) {
+        const bool onDevice = algorithm.entry->memoryWithDeviceRays && vk_.rayQuery();
+        const AlgorithmEntry& entry =
+            onDevice ? withDeviceRays_.emplace_back(algorithm.entry->withDeviceRays()) : *algorithm.entry;
+        if (auto added = addEntry(entry); !added) return added.error();
+    }
     absent_ = registry.absent;
     return {};
 }

@@ -1,6 +1,7 @@
 #pragma once
 // The methods of a context: algorithms with settings, and whether they can serve.
 #include <array>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -54,7 +55,10 @@ struct Method {
     double mapSide(std::uint32_t plainSide) const { return sideSetting_ ? settingsAt(plainSide)[*sideSetting_] : 0.0; }
     bool followsCoverage() const { return sideSetting_ && settings[*sideSetting_] == 0.0; }
     /// Whether the light's pose and the plain map that it is looked up in are all that it goes by.
-    bool looksUpMaps() const { return followsCoverage() && !readsTriangles() && !entry->followsView; }
+    bool looksUpMaps() const
+    {
+        return followsCoverage() && !readsTriangles() && !has(GN_TRAIT_DEVICE_RAYS_BIT) && !entry->followsView;
+    }
     /// To be called when `settings` have changed.
     void noteSettings();
     bool isExact() const { return has(GN_TRAIT_EXACT_BIT) && !(entry->approximates && entry->approximates(settings)); }
@@ -122,6 +126,7 @@ private:
     bool background_;
     std::vector<std::unique_ptr<Method>> methods_;
     std::vector<const AlgorithmEntry*> entries_;
+    std::deque<AlgorithmEntry> withDeviceRays_; ///< AlgorithmEntry::withDeviceRays() of those that have it.
     std::span<const AbsentAlgorithm> absent_;
     std::uint64_t setAt_ = 0;
     std::uint64_t revision_ = 1;
