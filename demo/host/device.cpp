@@ -244,6 +244,10 @@ void Device::createDevice(bool swapchain)
 {
     GnDeviceNeeds needs{};
     gnQueryDeviceNeeds(instance, physicalDevice, &vkGetInstanceProcAddr, &needs);
+    if (std::getenv("GNOMON_NO_EXTENSIONS")) {
+        needs.optionalExtensionCount = 0;
+        needs.pOptionalFeatures = nullptr;
+    }
     extensions_.assign(needs.ppOptionalExtensions, needs.ppOptionalExtensions + needs.optionalExtensionCount);
     if (swapchain) extensions_.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
 
