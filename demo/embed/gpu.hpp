@@ -1,6 +1,7 @@
 // Vulkan as a small engine wraps it: a device, memory, pipelines, barriers.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -51,20 +52,35 @@ inline void barrier(const vk::raii::CommandBuffer& commands, vk::Image image, vk
 
 class Gpu {
 public:
-    /// The first device that gnomon runs on. \param surface Instance extensions of the window; empty: there is none.
-    explicit Gpu(const std::vector<const char*>& surface)
+    /// Whether queues of a family can present to the window.
+    using Presents = std::function<bool(VkInstance, VkPhysicalDevice, uint32_t family)>;
+    /// The first device that gnomon runs on and that can present. \param surface Instance extensions of the window;
+    /// empty: there is none.
+    explicit Gpu(const std::vector<const char*>& surface, const Presents& presents = nullptr)
     {
         const vk::ApplicationInfo app(nullptr, 0, nullptr, 0, VK_API_VERSION_1_3);
         instance = vk::raii::Instance(loader_, vk::InstanceCreateInfo({}, &app, {}, surface));
         GnDeviceNeeds needs{};
-        for (vk::raii::PhysicalDevice& candidate : vk::raii::PhysicalDevices(instance))
-            if (!*physical && gnQueryDeviceNeeds(*instance, *candidate, vkGetInstanceProcAddr, &needs) >= 0)
-                physical = std::move(candidate);
-        if (!*physical) throw std::runtime_error(std::string("no device: ") + needs.reason);
-        const auto families = physical.getQueueFamilyProperties();
-        constexpr auto wanted = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute; // gnomon has seen one
-        while ((families[family].queueFlags & wanted) != wanted)
-            ++family;
+        std::string why = "there is none";
+        for (vk::raii::PhysicalDevice& candidate : vk::raii::PhysicalDevices(instance)) {
+            if (gnQueryDeviceNeeds(*instance, *candidate, vkGetInstanceProcAddr, &needs) < 0) {
+                why = needs.reason;
+                continue;
+            }
+            const auto families = candidate.getQueueFamilyProperties();
+            constexpr auto wanted = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
+            const auto fits = [&] {
+                return (families[family].queueFlags & wanted) == wanted &&
+                       (!presents || presents(*instance, *candidate, family));
+            };
+            for (family = 0; family < families.size() && !fits();)
+                ++family;
+            why = "none of its queues presents to the window";
+            if (family == families.size()) continue;
+            physical = std::move(candidate);
+            break;
+        }
+        if (!*physical) throw std::runtime_error("no device: " + why);
 
         extensions.assign(needs.ppOptionalExtensions, needs.ppOptionalExtensions + needs.optionalExtensionCount);
         extensions.push_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);

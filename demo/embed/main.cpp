@@ -39,7 +39,7 @@ void run(const Options& options)
 {
     std::optional<Window> window;
     if (!options.headless) window.emplace(vk::Extent2D(options.width, options.height));
-    Gpu gpu(window ? window->extensions : std::vector<const char*>());
+    Gpu gpu(window ? window->extensions : std::vector<const char*>(), window ? &Window::presents : nullptr);
     std::optional<Swapchain> swapchain;
     if (window) swapchain.emplace(gpu, *window);
     const Scene scene = loadScene(options.model);

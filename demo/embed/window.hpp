@@ -22,6 +22,11 @@ struct Window {
         extensions.assign(names, names + count);
     }
     ~Window() { glfwTerminate(); }
+    /// Gpu::Presents
+    static bool presents(VkInstance instance, VkPhysicalDevice device, uint32_t family)
+    {
+        return glfwGetPhysicalDevicePresentationSupport(instance, device, family) == GLFW_TRUE;
+    }
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
 
