@@ -188,6 +188,7 @@ ConservativeMethod::ConservativeMethod(const AlgorithmServices& services, const 
                                        const UndecidedNames& names)
     : vk_(*services.vk), maps_(services), classify_(services, classify), names_(names)
 {
+    if (vk_.rayQuery()) onDevice_.emplace(services, names);
 }
 
 void ConservativeMethod::declare(PassBuilder& passes, const ShadowTask& task)
@@ -207,7 +208,10 @@ void ConservativeMethod::declare(PassBuilder& passes, const ShadowTask& task)
         insides.where = nearClip(*task.view, task.casters->all);
     }
     classify_.declare(passes, task, images, *constants);
-    declareUndecided(passes, task, names_, reasons ? traceReasons : traceHard, insides);
+    if (onDevice_)
+        onDevice_->declare(passes, task, reasons, insides);
+    else
+        declareUndecided(passes, task, names_, reasons ? traceReasons : traceHard, insides);
 }
 
 const char* ConservativeMethod::refuses(const ShadowTask& task) const
@@ -215,17 +219,32 @@ const char* ConservativeMethod::refuses(const ShadowTask& task) const
     const VkDeviceSize most = vk_.properties.limits.maxStorageBufferRange;
     for (const Caster* caster : task.casters->all) {
         if (!caster->mesh) continue;
-        const VkDeviceSize largest = std::max(caster->mesh->positions.size_bytes(), caster->mesh->indices.size_bytes());
-        if (largest > most) return "a caster's mesh is larger than a storage buffer";
+        const std::uint32_t largest = std::max(caster->mesh->positionCount(), caster->mesh->triangleCount());
+        if (VkDeviceSize{12} * largest > most) return "a caster's mesh is larger than a storage buffer";
     }
-    return nullptr;
+    return onDevice_ ? refusesDeviceRays(task) : nullptr;
 }
+
+namespace {
+
+/// Two layers, each as many images as the light needs.
+VkDeviceSize layersMemory(std::span<const double> settings, GnLightType type)
+{
+    const double resolution = settings[ConservativeMethod::kResolution];
+    return 2 * depthMapMemory(static_cast<std::uint32_t>(resolution), mapLayers(type));
+}
+
+} // namespace
 
 VkDeviceSize ConservativeMethod::memory(std::span<const double> settings, VkExtent2D extent, GnLightType type)
 {
-    // Two layers, each as many images as the light needs.
-    return 2 * depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type)) +
-           undecidedMemory(extent);
+    return layersMemory(settings, type) + undecidedMemory(extent);
+}
+
+VkDeviceSize ConservativeMethod::memoryWithDeviceRays(std::span<const double> settings, VkExtent2D extent,
+                                                      GnLightType type)
+{
+    return layersMemory(settings, type) + UndecidedOnDevice::memory(extent);
 }
 
 } // namespace gnomon

@@ -2,10 +2,11 @@
 // The two layers of a conservative map around a light of any kind, and the pass that asks them: what conservative_map
 // and conservative_map_adjacency share. Kept for as long as light and casters stand still.
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "algorithms/hybrid/conservative_casters.hpp"
-#include "algorithms/hybrid/undecided.hpp"
+#include "algorithms/hybrid/undecided_on_device.hpp"
 #include "algorithms/shared/kept_map.hpp"
 
 namespace gnomon {
@@ -79,6 +80,7 @@ public:
     static bool approximates(std::span<const double> settings) { return settings[kMode] != 0.0; }
     /// Of both layers and the picture.
     static VkDeviceSize memory(std::span<const double> settings, VkExtent2D extent, GnLightType type);
+    static VkDeviceSize memoryWithDeviceRays(std::span<const double> settings, VkExtent2D extent, GnLightType type);
 
     ConservativeMethod(const AlgorithmServices& services, const char* classify, const UndecidedNames& names);
     void declare(PassBuilder& passes, const ShadowTask& task) override;
@@ -93,6 +95,7 @@ private:
     ConservativeMaps maps_;
     ConservativeClassify classify_;
     UndecidedNames names_;
+    std::optional<UndecidedOnDevice> onDevice_; ///< Who traces; else the CPU.
 };
 
 } // namespace gnomon

@@ -10,7 +10,9 @@ constexpr UndecidedNames kNames = {.status = "conservative_map.status",
                                    .readback = "conservative_map.readback",
                                    .visibility = "conservative_map.visibility",
                                    .trace = "conservative_map.trace",
-                                   .copy = "conservative_map.copy"};
+                                   .copy = "conservative_map.copy",
+                                   .list = "conservative_map.list",
+                                   .clear = "conservative_map.clear_list"};
 
 class ConservativeMap final : public ConservativeMethod {
 public:
@@ -40,6 +42,7 @@ constinit const AlgorithmEntry kConservativeMap{
     .missing = nullptr,
     .create = makeAlgorithm<ConservativeMap>,
     .approximates = ConservativeMethod::approximates,
+    .memoryWithDeviceRays = ConservativeMethod::memoryWithDeviceRays,
 };
 
 } // namespace gnomon

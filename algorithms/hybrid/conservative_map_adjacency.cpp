@@ -14,7 +14,9 @@ constexpr UndecidedNames kNames = {.status = "conservative_map_adjacency.status"
                                    .readback = "conservative_map_adjacency.readback",
                                    .visibility = "conservative_map_adjacency.visibility",
                                    .trace = "conservative_map_adjacency.trace",
-                                   .copy = "conservative_map_adjacency.copy"};
+                                   .copy = "conservative_map_adjacency.copy",
+                                   .list = "conservative_map_adjacency.list",
+                                   .clear = "conservative_map_adjacency.clear_list"};
 
 class ConservativeMapAdjacency final : public ConservativeMethod {
 public:
@@ -64,6 +66,11 @@ constinit const AlgorithmEntry kConservativeMapAdjacency{
     .missing = nullptr,
     .create = makeAlgorithm<ConservativeMapAdjacency>,
     .approximates = ConservativeMethod::approximates,
+    .memoryWithDeviceRays =
+        [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
+            return ConservativeMethod::memoryWithDeviceRays(settings, extent, type) +
+                   ConservativeSheets::memory(static_cast<std::uint32_t>(settings[ConservativeMethod::kResolution]));
+        },
 };
 
 } // namespace gnomon

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "runtime/scene/light_pixels.hpp"
+#include "shaders/hybrid_undecided_vert.h"
 #include "shaders/shared_fullscreen_vert.h"
 
 namespace gnomon {
@@ -19,31 +20,35 @@ Rect drawnArea(const CameraView& view)
     return {view.area.offset.x, view.area.offset.y, view.area.extent.width, view.area.extent.height};
 }
 
-gpu::RayQueryConstants rayConstants(const ShadowTask& task)
+gpu::RayQueryConstants rayConstants(const ShadowTask& task, std::uint8_t lit, std::uint8_t dark)
 {
     const Rect area = drawnArea(*task.view);
     return {.view = task.view->constants,
             .light = task.light->constants,
             .area = {area.x, area.y, area.width, area.height},
-            .lightMask = {task.light->mask, 0, 0, 0}};
+            .lightMask = {task.light->mask, lit, dark, 0}};
 }
 
 DeviceTrace::DeviceTrace(const AlgorithmServices& services, const char* name, std::span<const std::uint32_t> fragment,
-                         VkFormat target)
+                         VkFormat target, Asks asks)
     : name_(name)
 {
+    const bool listed = asks == Asks::listed;
     const BindingInfo bindings[] = {
         {.binding = 0, .kind = BindingKind::constants},
         {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
         {.binding = 3, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
         {.binding = 4, .kind = BindingKind::structure},
-        {.binding = 5, .kind = BindingKind::storageBuffer}};
+        {.binding = 5, .kind = BindingKind::storageBuffer},
+        {.binding = 6, .kind = BindingKind::storageBuffer}};
     GraphicsPipelineInfo info;
     info.name = name;
-    info.vertex.code = k_shared_fullscreen_vert;
+    if (listed) info.topology = VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
+    info.vertex.code = listed ? std::span<const std::uint32_t>(k_hybrid_undecided_vert)
+                              : std::span<const std::uint32_t>(k_shared_fullscreen_vert);
     info.fragment.code = fragment;
     info.fragment.specializationCount = 1;
-    info.bindings = bindings;
+    info.bindings = std::span(bindings).first(listed ? 6 : 5);
     info.colorFormat = target;
     for (std::uint32_t normals = 0; normals < 2; ++normals) {
         info.fragment.specialization[0] = normals;
@@ -51,17 +56,19 @@ DeviceTrace::DeviceTrace(const AlgorithmServices& services, const char* name, st
     }
 }
 
-DeviceTrace::Pixels::Pixels(const ShadowTask& task)
+DeviceTrace::Pixels::Pixels(const ShadowTask& task, BufferId listed)
     : depth(task.depth), normals(task.normals ? task.normals : task.depth), hasNormals(static_cast<bool>(task.normals)),
-      scene(*task.rays), reached(lightPixels(*task.light, *task.view))
+      scene(*task.rays), list(listed), reached(lightPixels(*task.light, *task.view))
 {
 }
 
-PassRef DeviceTrace::open(PassBuilder& passes, const ShadowTask& task, ImageId target, const Part& part) const
+PassRef DeviceTrace::open(PassBuilder& passes, const ShadowTask& task, ImageId target, const Part& part,
+                          BufferId list) const
 {
     PassRef pass = passes.raster(name_);
     pass.samples(task.depth).traces(task.rays->order).reads(task.rays->casters);
     if (task.normals) pass.samples(task.normals);
+    if (list) pass.reads(list).indirect(list);
     pass.writes(target, part).area(drawnArea(*task.view));
     return pass;
 }
@@ -70,9 +77,17 @@ void DeviceTrace::draw(PassContext& gpu, const Pixels& pixels, PipelineId pipeli
 {
     if (pixels.reached.extent.width == 0) return;
     gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels.reached);
-    gpu.bind(pipeline, {constants, gpu.sampled(2, pixels.depth), gpu.sampled(3, pixels.normals),
-                        gpu.structure(4, pixels.scene.topLevel), gpu.storage(5, pixels.scene.casters)});
-    gpu.drawFullscreen();
+    const Bound bindings[] = {constants,
+                              gpu.sampled(2, pixels.depth),
+                              gpu.sampled(3, pixels.normals),
+                              gpu.structure(4, pixels.scene.topLevel),
+                              gpu.storage(5, pixels.scene.casters),
+                              pixels.list ? gpu.storage(6, pixels.list) : Bound{}};
+    gpu.bind(pipeline, std::span(bindings).first(pixels.list ? 6 : 5));
+    if (pixels.list)
+        gpu.vk->vkCmdDrawIndirect(gpu.cmd, gpu.buffer(pixels.list), 0, 1, sizeof(VkDrawIndirectCommand));
+    else
+        gpu.drawFullscreen();
 }
 
 } // namespace gnomon

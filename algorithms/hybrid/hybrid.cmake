@@ -24,11 +24,12 @@ gnomon_shared(SOURCES bit_rows.cpp)
 gnomon_shared(
     NEEDS embree
     SOURCES block_rays.cpp cell_grid.cpp conservative_casters.cpp conservative_layers.cpp host_map.cpp
-            map_classification.cpp near_clip.cpp traced_pixels.cpp undecided.cpp
+            map_classification.cpp near_clip.cpp traced_pixels.cpp undecided.cpp undecided_on_device.cpp
     SHADERS hybrid/conservative.frag
             hybrid/conservative.vert
             hybrid/conservative_classify.frag
-            hybrid/conservative_classify.frag:MAP_LAYERS=1:hybrid/conservative_classify_cube.frag)
+            hybrid/conservative_classify.frag:MAP_LAYERS=1:hybrid/conservative_classify_cube.frag
+            hybrid/undecided.comp)
 gnomon_algorithm(pcf_hybrid
     NEEDS embree
     SOURCES pcf_hybrid.cpp
@@ -50,7 +51,8 @@ gnomon_algorithm(ray_traced
     SOURCES ray_traced.cpp sampled_pixels.cpp)
 gnomon_shared(
     SOURCES device_trace.cpp
-    SHADERS hybrid/ray_query.frag)
+    SHADERS hybrid/ray_query.frag
+            hybrid/undecided.vert)
 gnomon_algorithm(ray_query
     SOURCES ray_query.cpp)
 gnomon_algorithm(ray_soft

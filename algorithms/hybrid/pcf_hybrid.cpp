@@ -1,7 +1,9 @@
 #include "algorithms/hybrid/pcf_hybrid.hpp"
 
+#include <optional>
+
 #include "algorithms/hybrid/map_classification.hpp"
-#include "algorithms/hybrid/undecided.hpp"
+#include "algorithms/hybrid/undecided_on_device.hpp"
 #include "algorithms/shared/light_map.hpp"
 #include "algorithms/shared/map_resolve.hpp"
 #include "shaders/hybrid_pcf_hybrid_cube_frag.h"
@@ -23,7 +25,9 @@ constexpr UndecidedNames kNames = {.status = "pcf_hybrid.status",
                                    .readback = "pcf_hybrid.readback",
                                    .visibility = "pcf_hybrid.visibility",
                                    .trace = "pcf_hybrid.trace",
-                                   .copy = "pcf_hybrid.copy"};
+                                   .copy = "pcf_hybrid.copy",
+                                   .list = "pcf_hybrid.list",
+                                   .clear = "pcf_hybrid.clear_list"};
 
 constexpr ClassificationNames kPassNames = {
     .visibility = "pcf_hybrid.visibility", .pass = "pcf_hybrid.classify_host", .copy = "pcf_hybrid.copy"};
@@ -38,6 +42,7 @@ public:
                                    .layers = true,
                                    .filters = false})
     {
+        if (vk_.rayQuery()) onDevice_.emplace(services, kNames);
     }
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
@@ -48,7 +53,7 @@ public:
         constants.base = mapConstants(task, resolution, 1);
         constants.reasons = task.settings[kReasons] != 0.0;
         const LightMap map = declareLightMap(passes, casters_, task, resolution, constants.base);
-        if (classifiesOnHost(task.settings[kClassify], vk_, task) &&
+        if (!onDevice_ && classifiesOnHost(task.settings[kClassify], vk_, task) &&
             passes.hasRoomFor(missingHostMap(passes, map, resolution))) {
             const HostMapCopy copy = declareHostMap(passes, map, resolution);
             declareMapClassification(passes, task, kPassNames, copy, constants.base, constants.reasons != 0);
@@ -56,13 +61,19 @@ public:
         }
         const MapResolve& classify = task.light->type == GN_LIGHT_TYPE_POINT ? classifyCube_ : classify_;
         classify.declare(passes, task, map.image, constants, false);
-        declareUndecided(passes, task, kNames, constants.reasons != 0 ? traceReasons : traceHard);
+        if (onDevice_)
+            onDevice_->declare(passes, task, constants.reasons != 0);
+        else
+            declareUndecided(passes, task, kNames, constants.reasons != 0 ? traceReasons : traceHard);
     }
+
+    const char* refuses(const ShadowTask& task) const override { return onDevice_ ? refusesDeviceRays(task) : nullptr; }
 
 private:
     const DeviceTable& vk_;
     DepthMapPipelines casters_;
     MapResolve classify_, classifyCube_;
+    std::optional<UndecidedOnDevice> onDevice_; ///< Who traces; else the CPU.
 };
 
 } // namespace
@@ -83,6 +94,11 @@ constinit const AlgorithmEntry kPcfHybrid{
     .missing = nullptr,
     .create = makeAlgorithm<PcfHybrid>,
     .typicalWrongPercent = 0.032f, // docs/benchmarks-2026-11.md
+    .memoryWithDeviceRays =
+        [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
+            return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type)) +
+                   UndecidedOnDevice::memory(extent);
+        },
 };
 
 } // namespace gnomon

@@ -23,6 +23,7 @@ inline constexpr SettingSpec kReasonsSetting = {
 /// What passes and buffers are called, "algorithm.what".
 struct UndecidedNames {
     const char *status, *readback, *visibility, *trace, *copy;
+    const char *list = nullptr, *clear = nullptr; ///< Where the device traces (undecided_on_device.hpp).
 };
 
 /// What pixels are answered from.

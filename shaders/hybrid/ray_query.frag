@@ -1,5 +1,5 @@
 #version 460
-// One shadow ray a pixel, traced by the device.
+// One shadow ray a pixel, traced by the device: of all pixels, or of those that a map left open (undecided.vert).
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_ray_query : require
 #extension GL_EXT_buffer_reference : require
@@ -27,5 +27,5 @@ void main()
     LightRay ray;
     uint asked = askedAt(constants.view, constants.light, constants.area, pixel, texelFetch(depthImage, pixel, 0).x, ray);
     bool dark = asked == ASKED_RAY ? isOccluded(ray, constants.lightMask.x) : asked == ASKED_DARK;
-    visibility = dark ? 0.0 : 1.0;
+    visibility = float(dark ? constants.lightMask.z : constants.lightMask.y) / 255.0;
 }

@@ -10,7 +10,7 @@ struct RayQueryConstants {
     ViewConstants view;
     LightConstants light;
     vec4 area;      // pixels drawn: x, y, width, height
-    uvec4 lightMask; // x: casters whose mask meets it cast
+    uvec4 lightMask; // x: casters whose mask meets it cast; bytes of visibility, y: of what is lit, z: of what is dark
 };
 GN_SHARED_OFFSET(RayQueryConstants, area, 224)
 GN_SHARED_SIZE(RayQueryConstants, 256)
