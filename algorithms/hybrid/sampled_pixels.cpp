@@ -24,8 +24,9 @@ float unit(std::uint64_t hash)
     return static_cast<float>(hash >> 40) * 0x1p-24f;
 }
 
-/// One point in each of as many parts of the unit disc, of equal area: rows as high as the points that they hold.
-void spreadOnDisc(std::span<glm::vec2> points, std::uint64_t key)
+/// One point in each of as many parts, of equal area, of the square from -1 to 1 or of the unit disc: rows as high as
+/// the points that they hold.
+void spread(std::span<glm::vec2> points, bool square, std::uint64_t key)
 {
     const std::size_t count = points.size();
     const auto rows = static_cast<std::size_t>(std::sqrt(static_cast<double>(count)));
@@ -36,9 +37,27 @@ void spreadOnDisc(std::span<glm::vec2> points, std::uint64_t key)
             const float u = (static_cast<float>(i - first) + unit(mixed(key, 2 * i))) / inRow;
             const float v =
                 (static_cast<float>(first) + inRow * unit(mixed(key, 2 * i + 1))) / static_cast<float>(count);
-            points[i] = discOfSquare(2.0f * glm::vec2(u, v) - 1.0f);
+            const glm::vec2 place = 2.0f * glm::vec2(u, v) - 1.0f;
+            points[i] = square ? place : discOfSquare(place);
         }
     }
+}
+
+/// What points are spread over, seen from a receiver, in a place of the pixel's own: a disc is turned, a rectangle has
+/// its sides swapped.
+LightDisc sourceOf(const LightView& light, const ShadowRay& centre, std::uint64_t key)
+{
+    LightDisc source;
+    if (light.rectangular()) { // key % kSets names the points
+        source.x = key & kSets ? -light.sourceX : light.sourceX;
+        source.y = key & (2 * kSets) ? -light.sourceY : light.sourceY;
+        return source;
+    }
+    const float angle = 2.0f * std::numbers::pi_v<float> * unit(key);
+    const LightDisc disc(centre.direction, axisAcross(centre.direction), discRadius(light));
+    source.x = std::cos(angle) * disc.x + std::sin(angle) * disc.y;
+    source.y = std::cos(angle) * disc.y - std::sin(angle) * disc.x;
+    return source;
 }
 
 /// Everything the host pass needs; copied into the frame.
@@ -56,7 +75,6 @@ void sampleRow(const SampleJob& job, const HostContext& host, const Receivers& r
 {
     const VkRect2D& area = job.view->area;
     const std::uint32_t count = job.samples.count;
-    const float radius = discRadius(*job.light);
     const auto answer = [&](std::uint32_t x, bool occluded) {
         seen[x] = static_cast<std::uint16_t>(seen[x] - occluded);
     };
@@ -68,13 +86,9 @@ void sampleRow(const SampleJob& job, const HostContext& host, const Receivers& r
         if (asked != Asked::ray) continue;
         if (batch.count + count > kBatch) batch.flush(host, job.light->mask, answer);
         const std::uint64_t key = mixed(mixed(job.samples.seed, row), x);
-        const float angle = 2.0f * std::numbers::pi_v<float> * unit(key);
-        const LightDisc disc(centre.direction, axisAcross(centre.direction), radius);
-        LightDisc turned;
-        turned.x = std::cos(angle) * disc.x + std::sin(angle) * disc.y;
-        turned.y = std::cos(angle) * disc.y - std::sin(angle) * disc.x;
+        const LightDisc source = sourceOf(*job.light, centre, key);
         for (const glm::vec2 point : points.subspan((key % kSets) * count, count)) {
-            batch.rays[batch.count] = turned.ray(centre, point);
+            batch.rays[batch.count] = source.ray(centre, point);
             batch.tags[batch.count++] = x;
         }
     }
@@ -89,7 +103,8 @@ void sample(const SampleJob& job, const HostContext& host)
     const Receivers receivers = receiversOf(*job.view, *job.light, job.buffers, host);
     const std::span<glm::vec2> points = host.arena->array<glm::vec2>(kSets * job.samples.count);
     for (std::uint64_t set = 0; set < kSets; ++set)
-        spreadOnDisc(points.subspan(set * job.samples.count, job.samples.count), mixed(set, job.samples.seed));
+        spread(points.subspan(set * job.samples.count, job.samples.count), job.light->rectangular(),
+               mixed(set, job.samples.seed));
     const std::span<std::uint8_t> visibility = host.write<std::uint8_t>(job.buffers.rows);
     host.jobs->parallelFor(extent.height, 4, [&](std::size_t begin, std::size_t end, std::uint32_t) {
         RayBatch<kBatch> batch;

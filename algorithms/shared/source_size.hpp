@@ -1,5 +1,6 @@
 #pragma once
-// How large a light with a surface is: the disc that its sphere turns towards a receiver, or the sun's.
+// How large a light with a surface is: the disc that its sphere turns towards a receiver, or the sun's; of a rectangle,
+// one of the same area.
 #include <cmath>
 
 #include "runtime/scene/scene_view.hpp"

@@ -58,6 +58,14 @@ GnLightInfo toGnLight(const Light& light, const LightState& state)
     info.range = light.range;
     info.coneAngle = light.kind == LightKind::Spot ? light.outerAngle : 0.0f;
     info.sourceRadius = light.radius;
+    if (light.rectangle.x > 0.0f) {
+        info.sourceRadius = 0.0f;
+        info.sourceShape = GN_SOURCE_SHAPE_RECTANGLE;
+        for (int i = 0; i < 2; ++i)
+            info.sourceExtents[i] = light.rectangle[i];
+        for (int i = 0; i < 3; ++i)
+            info.sourceAxis[i] = static_cast<float>(light.rectangleAxis[i]);
+    }
     info.importance = light.importance;
     info.casterMask = light.casterMask;
     return info;

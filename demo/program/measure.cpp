@@ -51,7 +51,9 @@ void setSourceSizes(Scene& scene, const SourceSizes& sizes)
     for (Light& light : scene.lights) {
         const bool isSun = light.kind == LightKind::Directional;
         if (isSun && sizes.radiusDegrees) light.radius = static_cast<float>(glm::radians(*sizes.radiusDegrees));
-        if (!isSun && sizes.radius) light.radius = static_cast<float>(*sizes.radius);
+        if (isSun || !sizes.radius) continue;
+        light.radius = static_cast<float>(*sizes.radius);
+        light.rectangle = glm::vec2(0.0f);
     }
 }
 

@@ -84,15 +84,18 @@ struct LightKey {
 struct Light {
     std::string name;
     LightKind kind = LightKind::Spot;
-    glm::dvec3 position{0.0};             ///< Meaningless for directional lights.
-    glm::dvec3 direction{0.0, -1.0, 0.0}; ///< Unit; the way light travels. Meaningless for point lights.
-    float innerAngle = 0.0f;              ///< Spot: half angle of full intensity, radians.
-    float outerAngle = 0.0f;              ///< Spot: half angle beyond which there is no light, radians, < pi/2.
-    float range = 0.0f;                   ///< Metres; 0 for directional lights, which reach everywhere.
-    float radius = 0.0f;                  ///< Metres (directional: radians); 0 is a point source.
-    glm::vec3 colour{1.0f};               ///< Linear RGB.
-    float intensity = 1.0f;               ///< Multiplies colour; the falloff is the host's.
-    float importance = 1.0f;              ///< > 0; weight in the selector's plan.
+    glm::dvec3 position{0.0};                ///< Meaningless for directional lights.
+    glm::dvec3 direction{0.0, -1.0, 0.0};    ///< Unit; the way light travels. Meaningless for point lights.
+    float innerAngle = 0.0f;                 ///< Spot: half angle of full intensity, radians.
+    float outerAngle = 0.0f;                 ///< Spot: half angle beyond which there is no light, radians, < pi/2.
+    float range = 0.0f;                      ///< Metres; 0 for directional lights, which reach everywhere.
+    float radius = 0.0f;                     ///< Metres (directional: radians); 0 is a point source. Of a rectangle:
+                                             ///< of the disc that has its area.
+    glm::vec2 rectangle{0.0f};               ///< Spot: half width and height of its source, metres; 0: it is a sphere.
+    glm::dvec3 rectangleAxis{1.0, 0.0, 0.0}; ///< Unit; along its width, as far as that lies across `direction`.
+    glm::vec3 colour{1.0f};                  ///< Linear RGB.
+    float intensity = 1.0f;                  ///< Multiplies colour; the falloff is the host's.
+    float importance = 1.0f;                 ///< > 0; weight in the selector's plan.
     uint32_t casterMask = 0xffffffffu;
     bool isStatic = false; ///< A promise: neither keys nor orbit.
     double appear = -std::numeric_limits<double>::infinity();

@@ -42,6 +42,22 @@ void readCone(MapReader& map, Light& light)
     light.innerAngle = static_cast<float>(toRadians(inner));
 }
 
+void readRectangle(MapReader& map, Light& light)
+{
+    const YamlNode* node = map.find("rectangle");
+    if (node == nullptr) return;
+    if (map.find("radius") != nullptr) raise(map.context(), *node, "a light has a rectangle or a radius, not both");
+    MapReader rectangle(map.context(), *node, "rectangle");
+    for (const auto& [key, half] : {std::pair{"width", &light.rectangle.x}, std::pair{"height", &light.rectangle.y}})
+        *half = 0.5f * readFloat(map.context(), rectangle.need(key), key, kPositive);
+    if (const YamlNode* axis = rectangle.find("axis"))
+        light.rectangleAxis = readDirection(map.context(), *axis, "axis");
+    rectangle.finish();
+    light.radius = 2.0f * std::sqrt(light.rectangle.x * light.rectangle.y / std::numbers::pi_v<float>);
+    if (glm::length(glm::cross(light.direction, light.rectangleAxis)) < 1e-5)
+        raise(map.context(), *node, "the rectangle's axis must not lie along the light's direction");
+}
+
 void readLightKeys(MapReader& map, Light& light)
 {
     const YamlNode* list = map.find("keys");
@@ -95,6 +111,7 @@ void addCopies(const ReadContext& context, const YamlNode& node, const Light& li
             direction = copy.turn * direction;
         };
         move(placed.position, placed.direction);
+        placed.rectangleAxis = copy.turn * placed.rectangleAxis;
         for (LightKey& key : placed.keys)
             move(key.position, key.direction);
         lights.push_back(std::move(placed));
@@ -138,9 +155,10 @@ void readLight(ReadContext context, const YamlNode& node, std::vector<Light>& li
     readLightKeys(map, light);
     if (light.keys.empty()) readPlace(map, light.kind, light.position, light.direction);
     if (light.kind == LightKind::Spot) readCone(map, light);
+    if (light.kind == LightKind::Spot) readRectangle(map, light);
     if (light.kind != LightKind::Directional) {
         light.range = readFloat(context, map.need("range"), "range", kPositive);
-        light.radius = map.numberF("radius", 0.0f, kNotNegative);
+        light.radius = map.numberF("radius", light.radius, kNotNegative);
     } else {
         // The angle a distant disc's radius spans; the sun's is 0.27 degrees.
         light.radius = static_cast<float>(toRadians(map.number("radius_degrees", 0.0, {.low = 0.0, .high = 45.0})));
@@ -155,6 +173,8 @@ void readLight(ReadContext context, const YamlNode& node, std::vector<Light>& li
     const std::vector<Copy> copies = readCopies(map, false);
     const YamlNode* name = map.find("name");
     map.finish();
+    if (light.rectangle.x > 0.0f && moves(light))
+        raise(context, node, "a light with a rectangle cannot have keys or an orbit");
     if (light.isStatic && moves(light)) raise(context, node, "a static light cannot have keys or an orbit");
     addCopies(context, name != nullptr ? *name : node, light, copies, lights);
 }

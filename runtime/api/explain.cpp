@@ -56,7 +56,9 @@ Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQu
     for (std::uint32_t i = 0; i < methods_->size(); ++i) {
         const Method& method = (*methods_)[i];
         methods.push_back({method.name, method.unavailable ? method.unavailable : "", method.has(GN_TRAIT_RAYS_BIT),
-                           method.has(GN_TRAIT_DEVICE_RAYS_BIT)});
+                           method.has(GN_TRAIT_DEVICE_RAYS_BIT),
+
+                           method.has(GN_TRAIT_SOFT_PENUMBRA_BIT) && !method.has(GN_TRAIT_RECTANGLE_BIT)});
     }
     const std::shared_ptr<const rules::Engine> engine = view->records.rules(record->frame);
     const ExplainWords words{

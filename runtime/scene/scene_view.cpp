@@ -95,7 +95,7 @@ bool reaches(const LightView& light, const Aabb& box)
     if (light.type == GN_LIGHT_TYPE_DIRECTIONAL) return true;
     const Box b = boxOf(box);
     const glm::dvec3 apex(light.position());
-    const double radius = light.constants.sourceRadius;
+    const double radius = light.sourceReach();
     const double range = (static_cast<double>(light.constants.range) + radius) * (1.0 + 1e-6);
     if (!touchesBall(b, apex, range)) return false;
     if (light.type == GN_LIGHT_TYPE_POINT) return true;

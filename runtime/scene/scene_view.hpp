@@ -99,8 +99,10 @@ struct LightView {
     GnLight handle = VK_NULL_HANDLE;
     GnLightType type = GN_LIGHT_TYPE_DIRECTIONAL;
     const char* name = "";
-    gpu::LightConstants constants{}; ///< Position relative to the origin.
-    float coneAngle = 0.0f;          ///< Spot: half angle, radians.
+    gpu::LightConstants constants{};        ///< Position relative to the origin.
+    float coneAngle = 0.0f;                 ///< Spot: half angle, radians.
+    glm::vec3 sourceX{0.0f}, sourceY{0.0f}; ///< Half axes of a rectangle, metres. Zero: a disc. constants.sourceRadius
+                                            ///< is that of the disc, or of one that has the rectangle's area.
     std::uint32_t mask = kAllMasks;
     std::uint64_t revision = 0; ///< Unique over all lights; changes when the description or the origin does.
     bool isStatic = false;      ///< Static flag set and never moved.
@@ -108,6 +110,9 @@ struct LightView {
     float importance = 1.0f;    ///< Weight in the plan. Changing it alone is no new revision: no map depends on it.
 
     bool unlimited() const { return constants.range >= kUnlimitedRange; }
+    bool rectangular() const { return sourceX != glm::vec3(0.0f); }
+    /// Metres from its position to the farthest point of its source.
+    float sourceReach() const { return std::max(constants.sourceRadius, glm::length(sourceX + sourceY)); }
     glm::vec3 position() const { return glm::vec3(constants.positionWs); }
     glm::vec3 direction() const { return glm::vec3(constants.directionWs); }
 };

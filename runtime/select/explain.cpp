@@ -188,6 +188,15 @@ std::string cadenceLine(const DecisionRecord& record)
            (record.mapAge == 0 ? std::string("new") : std::to_string(record.mapAge) + " frames old");
 }
 
+/// Of a rectangular source where the method knows discs only.
+std::string sourceLine(const DecisionRecord& record, const ExplainWords& words)
+{
+    if (!record.rectangle || record.method >= record.methods || !words.methods[record.method].discs) return {};
+    return std::string(words.methods[record.method].name) +
+           " counts the light's rectangle as a disc of the same area, " +
+           factText(Fact::lightRadius, record.facts[static_cast<std::size_t>(Fact::lightRadius)]) + " in radius";
+}
+
 std::string planLine(const DecisionRecord& record)
 {
     std::string text = replanText(record.replan);
@@ -297,6 +306,7 @@ std::string explainWhy(const DecisionRecord& record, const ExplainWords& words)
     lines.add(costLine(record));
     lines.add(sideLine(record));
     lines.add(cadenceLine(record));
+    lines.add(sourceLine(record, words));
     lines.add(factsLine(record, rules));
     lines.add(runnerUpLine(record, words, rules));
     if (record.reason != GN_REASON_UNSEEN) lines.add(eliminatedLine(record, words));

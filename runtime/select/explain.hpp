@@ -19,6 +19,7 @@ struct MethodWords {
     std::string_view unavailable; ///< Why the device cannot run it; empty: it can.
     bool rays = false;            ///< Traces rays, on the CPU.
     bool deviceRays = false;      ///< And on the device.
+    bool discs = false;           ///< Has penumbrae, of discs alone.
 };
 
 /// The names behind the numbers of a record.

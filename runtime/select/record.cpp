@@ -72,6 +72,7 @@ RecordHead makeRecord(const LightDecision& decision, const FrameRecord& frame, s
     head.budgeted = frame.budgeted;
     head.priced = frame.priced;
     head.guessed = decision.guessed;
+    head.rectangle = decision.rectangle;
     head.switched = decision.switched;
     head.floorUnmet = decision.floorUnmet;
     head.mapSide = static_cast<std::uint16_t>(decision.mapSide);

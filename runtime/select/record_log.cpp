@@ -13,7 +13,15 @@ namespace {
 constexpr std::string_view kMagic = "GNDECID7";
 constexpr std::uint8_t kNoMethod = 255;
 constexpr std::uint16_t kNoRefusal = 65535;
-enum : std::uint8_t { kBudgeted = 1, kSwitched = 2, kFloor = 4, kFloorUnmet = 8, kPriced = 16, kGuessed = 32 };
+enum : std::uint8_t {
+    kBudgeted = 1,
+    kSwitched = 2,
+    kFloor = 4,
+    kFloorUnmet = 8,
+    kPriced = 16,
+    kGuessed = 32,
+    kRectangle = 64
+};
 
 std::uint8_t packMethod(std::uint32_t method)
 {
@@ -52,7 +60,8 @@ void writeHead(ByteWriter& out, const ReasonedHead& head)
     out.integer(static_cast<std::uint8_t>(head.hold));
     out.integer(static_cast<std::uint8_t>((head.budgeted ? kBudgeted : 0) | (head.switched ? kSwitched : 0) |
                                           (head.floor ? kFloor : 0) | (head.floorUnmet ? kFloorUnmet : 0) |
-                                          (head.priced ? kPriced : 0) | (head.guessed ? kGuessed : 0)));
+                                          (head.priced ? kPriced : 0) | (head.guessed ? kGuessed : 0) |
+                                          (head.rectangle ? kRectangle : 0)));
     out.integer(head.mapSide);
     out.integer(head.wantedSide);
     out.integer(head.redrawEvery);
@@ -265,6 +274,7 @@ private:
         head.budgeted = flags & kBudgeted, head.switched = flags & kSwitched;
         head.floor = flags & kFloor, head.floorUnmet = flags & kFloorUnmet;
         head.priced = flags & kPriced, head.guessed = flags & kGuessed;
+        head.rectangle = flags & kRectangle;
         head.mapSide = in_.integer<std::uint16_t>();
         head.wantedSide = in_.integer<std::uint16_t>();
         head.redrawEvery = in_.integer<std::uint8_t>();

@@ -277,7 +277,8 @@ bool LightDescription::samePose(const LightDescription& other) const noexcept
 
 bool LightDescription::sameLight(const LightDescription& other) const noexcept
 {
-    return samePose(other) && sourceRadius == other.sourceRadius && mask == other.mask;
+    return samePose(other) && sourceRadius == other.sourceRadius && sourceX == other.sourceX &&
+           sourceY == other.sourceY && mask == other.mask;
 }
 
 namespace {
@@ -319,6 +320,41 @@ Result<void> readCone(Subject what, const GnLightInfo& info, LightDescription& l
     return {};
 }
 
+/// Half axes, and the radius of a disc of the same area. The light's direction has been read.
+Result<void> readRectangle(Subject what, const GnLightInfo& info, LightDescription& light)
+{
+    if (info.type != GN_LIGHT_TYPE_SPOT)
+        return outOfRange(what, "type", info.type, "a spot light's, which GN_SOURCE_SHAPE_RECTANGLE is for");
+    if (info.sourceRadius != 0.0f)
+        return outOfRange(what, "sourceRadius", info.sourceRadius, "0, as a rectangle has sourceExtents");
+    const double width = info.sourceExtents[0], height = info.sourceExtents[1];
+    const Number numbers[] = {{width, "sourceExtents[0]"},
+                              {height, "sourceExtents[1]"},
+                              {info.sourceAxis[0], "sourceAxis[0]"},
+                              {info.sourceAxis[1], "sourceAxis[1]"},
+                              {info.sourceAxis[2], "sourceAxis[2]"}};
+    for (const Number& number : numbers)
+        if (Result<void> check = checkNumber(what, number); !check) return check.error();
+    for (const Number& extent : {numbers[0], numbers[1]})
+        if (extent.value < 0.0 || (extent.value == 0.0 && width + height > 0.0))
+            return outOfRange(what, extent.name, extent.value, "(0, 1e18], or 0 like the other one");
+
+    const glm::dvec3 forward = glm::normalize(glm::dvec3(light.direction[0], light.direction[1], light.direction[2]));
+    const glm::dvec3 axis(info.sourceAxis[0], info.sourceAxis[1], info.sourceAxis[2]);
+    const glm::dvec3 x = glm::cross(glm::cross(forward, axis), forward); // what of the axis lies across
+    // 1e-6: floats of a direction and of an axis along it leave 2^-23 of the axis.
+    if (!(glm::length(x) > 1e-6 * glm::length(axis)))
+        return Error{GN_ERROR_OUT_OF_RANGE, "LightSourceAxis",
+                     what.text() + ": sourceAxis is zero, or lies along direction"};
+    const glm::dvec3 unitX = glm::normalize(x), unitY = glm::cross(forward, unitX);
+    for (int i = 0; i < 3; ++i) {
+        light.sourceX[i] = static_cast<float>(width * unitX[i]);
+        light.sourceY[i] = static_cast<float>(height * unitY[i]);
+    }
+    light.sourceRadius = static_cast<float>(2.0 * std::sqrt(width * height / std::numbers::pi));
+    return {};
+}
+
 } // namespace
 
 Result<LightDescription> readLight(Subject what, const GnLightInfo& info)
@@ -343,6 +379,10 @@ Result<LightDescription> readLight(Subject what, const GnLightInfo& info)
         if (number.value < 0.0) return outOfRange(what, number.name, number.value, "[0, 1e18]");
     }
     light.sourceRadius = info.sourceRadius;
+    if (info.sourceShape != GN_SOURCE_SHAPE_SPHERE && info.sourceShape != GN_SOURCE_SHAPE_RECTANGLE)
+        return outOfRange(what, "sourceShape", info.sourceShape, "GnSourceShape");
+    if (info.sourceShape == GN_SOURCE_SHAPE_RECTANGLE)
+        if (Result<void> check = readRectangle(what, info, light); !check) return check.error();
     light.importance = info.importance == 0.0f ? 1.0f : info.importance;
     light.mask = info.casterMask ? info.casterMask : kAllMasks;
     return light;

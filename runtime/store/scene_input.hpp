@@ -81,7 +81,8 @@ struct LightDescription {
     std::array<float, 3> direction{}; ///< Unit length.
     float range = 0.0f;               ///< kUnlimitedRange where the host gave 0, and for directional lights.
     float coneAngle = 0.0f;
-    float sourceRadius = 0.0f;
+    float sourceRadius = 0.0f;                 ///< Of a rectangle: of the disc that has its area.
+    std::array<float, 3> sourceX{}, sourceY{}; ///< LightView's.
     float importance = 1.0f;
     std::uint32_t mask = kAllMasks;
 

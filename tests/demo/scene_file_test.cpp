@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <locale>
+#include <numbers>
 #include <random>
 
 using namespace gnomon::demo;
@@ -270,6 +271,32 @@ camera:
     REQUIRE(scene->camera.size() == 2);
     CHECK(scene->camera[1].cut);
     CHECK(scene->camera[1].verticalFov == Approx(1.04719755)); // inherited from the key before
+}
+
+TEST_CASE("a rectangle light has half extents, an axis that copies turn, and the radius of a disc of its area")
+{
+    const std::string rest = "name: r\ncamera: [{eye: [0, 3, 5], target: [0, 0, 0]}]\nmeshes: {b: {box: }}\n"
+                             "instances: [{mesh: b}]\nlights:\n";
+    const std::string light =
+        "  - {name: l, kind: spot, at: [1, 3, 0], direction: [0, -1, 0], cone: {outer: 40}, range: 9, ";
+    const auto scene =
+        parseScene(rest + light + "rectangle: {width: 2, height: 0.5, axis: [0, 0, 3]}, ring: {count: 2}}\n", "r.yaml");
+    REQUIRE_MESSAGE(scene, scene.error());
+    REQUIRE(scene->lights.size() == 2);
+    CHECK(scene->lights[1].rectangleAxis.z == Approx(-1.0));
+    CHECK(scene->lights[0].rectangle == glm::vec2(1.0f, 0.25f));
+    CHECK(scene->lights[0].rectangleAxis == glm::dvec3(0.0, 0.0, 1.0));
+    CHECK(scene->lights[0].radius == Approx(std::sqrt(1.0 / std::numbers::pi)));
+    const auto refused = [&](const std::string& line, const char* words) {
+        const auto wrong = parseScene(rest + light + line + "}\n", "r.yaml");
+        REQUIRE_FALSE(wrong);
+        CHECK_MESSAGE(wrong.error().find(words) != std::string::npos, wrong.error());
+    };
+    refused("rectangle: {width: 2}", "height");
+    refused("rectangle: {width: 2, height: 0}", "height");
+    refused("rectangle: {width: 2, height: 1, axis: [0, 2, 0]}", "must not lie along the light's direction");
+    refused("rectangle: {width: 2, height: 1}, radius: 0.1", "a rectangle or a radius, not both");
+    refused("rectangle: {width: 2, height: 1}, orbit: {degrees_per_second: 5}", "cannot have keys or an orbit");
 }
 
 TEST_CASE("a comma locale changes nothing")

@@ -165,6 +165,17 @@ TEST_CASE("soft_table has a light of every kind, each with a surface")
     CHECK(kinds.size() == 3);
 }
 
+TEST_CASE("still_life has a rectangle light, three times as wide as high, whose axis is not the direction's")
+{
+    const auto scene = loadScene("views/still_life");
+    REQUIRE_MESSAGE(scene, scene.error());
+    REQUIRE(scene->lights.size() == 1);
+    const Light& light = scene->lights[0];
+    CHECK(light.kind == LightKind::Spot);
+    CHECK(light.rectangle.x == 3.0f * light.rectangle.y);
+    CHECK(std::abs(glm::dot(light.direction, light.rectangleAxis)) < 0.9);
+}
+
 TEST_CASE("the forest has a million triangles, and nothing in it moves but the camera")
 {
     const auto scene = loadScene("views/forest");

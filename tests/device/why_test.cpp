@@ -1,5 +1,6 @@
 // Questions about decisions through the C API: the newest frame, an older one, and the log.
 #include <algorithm>
+#include <cmath>
 
 #include "device/fixture.hpp"
 
@@ -32,6 +33,31 @@ bool contains(const std::string& text, const std::string& part)
 }
 
 } // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "why says that a method counts a rectangle as a disc, of a method that shows it nothing")
+{
+    Scene scene = smallScene();
+    demo::Light& lamp = scene.lights[0];
+    lamp.rectangle = {0.6f, 0.2f};
+    lamp.rectangleAxis = {1.0, 0.0, 0.3};
+    lamp.radius = 2.0f * std::sqrt(0.12f / 3.14159265f); // 0.391
+    Host host(scene);
+    const auto why = [&](const char* method) {
+        host.pinAll(method);
+        host.require(host.draw());
+        return ask(host, {.kind = GN_QUESTION_WHY});
+    };
+    const std::string text = why("pcss");
+    CHECK_MESSAGE(contains(text, "pcss counts the light's rectangle as a disc of the same area, 0.39 m in radius"),
+                  text);
+    for (const char* method : {"ray_traced", "shadow_map"}) // shows it; has no penumbrae at all
+        CHECK_MESSAGE(!contains(why(method), "rectangle"), std::string(method));
+    lamp.rectangle = {};
+    Host disc(scene);
+    disc.pinAll("pcss");
+    disc.require(disc.draw());
+    CHECK(!contains(ask(disc, {.kind = GN_QUESTION_WHY}), "rectangle"));
+}
 
 TEST_CASE_FIXTURE(DeviceTest, "all four questions are answered, for the newest frame and for one of 256")
 {

@@ -28,31 +28,56 @@ glm::dvec2 onDisc(double u, double v)
     return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
-/// \param towards The disc's centre from the origin; \param end of the rays, in parts of them.
-double shareSeen(const brute::Scene& casters, const glm::dvec3& origin, const glm::dvec3& towards, double radius,
-                 double end, uint32_t pixel)
+/// Half axes of what shines; the square from -1 to 1 of them, or the disc in that.
+struct Source {
+    glm::dvec3 x, y;
+    bool square = false;
+};
+
+Source sourceOf(const demo::Light& light, const glm::dvec3& towards)
 {
+    if (light.rectangle.x > 0.0f) {
+        const RectangleAxes axes = rectangleAxes(light);
+        return {axes.x, axes.y, true};
+    }
+    const auto size = static_cast<double>(light.radius);
+    const double radius = light.kind == demo::LightKind::Directional ? std::tan(size) : size; // its radius is an angle
     const glm::dvec3 axis = glm::normalize(towards);
     const glm::dvec3 helper = std::abs(axis.y) < 0.9 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(1.0, 0.0, 0.0);
-    const glm::dvec3 x = glm::normalize(glm::cross(helper, axis)), y = glm::cross(axis, x);
+    const glm::dvec3 x = glm::normalize(glm::cross(helper, axis));
+    return {radius * x, radius * glm::cross(axis, x)};
+}
+
+/// \param towards The source's centre from the origin; \param end of the rays, in parts of them.
+double shareSeen(const brute::Scene& casters, const glm::dvec3& origin, const glm::dvec3& towards, const Source& source,
+                 double end, uint32_t pixel)
+{
     uint32_t seen = 0;
     for (uint32_t i = 0; i < kStrata * kStrata; ++i) {
-        const glm::dvec2 at = radius * onDisc((i % kStrata + jitter(pixel, i, 0)) / kStrata,
-                                              (i / kStrata + jitter(pixel, i, 1)) / kStrata);
-        seen += !casters.blocked(origin, towards + at.x * x + at.y * y, end);
+        const glm::dvec2 unit((i % kStrata + jitter(pixel, i, 0)) / kStrata,
+                              (i / kStrata + jitter(pixel, i, 1)) / kStrata);
+        const glm::dvec2 at = source.square ? 2.0 * unit - 1.0 : onDisc(unit.x, unit.y);
+        seen += !casters.blocked(origin, towards + at.x * source.x + at.y * source.y, end);
     }
     return double(seen) / (kStrata * kStrata);
 }
 
 } // namespace
 
+RectangleAxes rectangleAxes(const demo::Light& light)
+{
+    const glm::dvec3 across = light.rectangleAxis - light.direction * glm::dot(light.rectangleAxis, light.direction);
+    const glm::dvec3 x = glm::normalize(across);
+    return {double(light.rectangle.x) * x, double(light.rectangle.y) * glm::cross(x, light.direction)};
+}
+
 SoftTruth softTruth(const Stage& stage, size_t layer, const brute::Scene& casters)
 {
     const brute::View view = bruteView(stage);
     const brute::Light light = bruteLight(stage, layer);
-    const bool sun = light.type == GN_LIGHT_TYPE_DIRECTIONAL; // its radius is an angle
-    const auto source = static_cast<double>(stage.scene().lights[stage.present[layer]].radius);
-    const double radius = sun ? std::tan(source) : source, end = sun ? HUGE_VAL : 1.0;
+    const bool sun = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
+    const double end = sun ? HUGE_VAL : 1.0;
+    const demo::Light& described = stage.scene().lights[stage.present[layer]];
     SoftTruth truth;
     for (int y = 0; y < view.height; ++y) {
         for (int x = 0; x < view.width; ++x) {
@@ -64,9 +89,9 @@ SoftTruth softTruth(const Stage& stage, size_t layer, const brute::Scene& caster
             const glm::dvec3 origin = answer.receiver + normal * (answer.offset / glm::length(normal));
             truth.asked.push_back(asked && !answer.grazing);
             const glm::dvec3 towards = sun ? -glm::normalize(light.direction) : light.position - origin;
-            truth.visibility.push_back(
-                asked ? shareSeen(casters, origin, towards, radius, end, static_cast<uint32_t>(y * view.width + x))
-                      : double(answer.lit));
+            truth.visibility.push_back(asked ? shareSeen(casters, origin, towards, sourceOf(described, towards), end,
+                                                         static_cast<uint32_t>(y * view.width + x))
+                                             : double(answer.lit));
         }
     }
     return truth;

@@ -1,6 +1,6 @@
 #pragma once
 // What a light with a surface shows: 256 rays a pixel to the disc that its sphere turns towards the receiver, or to the
-// sun's, traced by the brute force. And the soft error, as the definitions have it.
+// sun's, or to a rectangle, traced by the brute force. And the soft error, as the definitions have it.
 #include <cstdint>
 #include <vector>
 
@@ -14,6 +14,12 @@ struct SoftTruth {
     std::vector<double> visibility; ///< Share of the disc that the pixel sees; of those that are not asked 1 or 0.
     std::vector<uint8_t> asked;     ///< 1: light-facing, within range and cone, not grazing.
 };
+
+/// Of a light with a rectangle: half its width and half its height, metres.
+struct RectangleAxes {
+    glm::dvec3 x, y;
+};
+RectangleAxes rectangleAxes(const demo::Light& light);
 
 /// \param casters Made of the stage's bruteTriangles().
 SoftTruth softTruth(const Stage& stage, size_t layer, const brute::Scene& casters);

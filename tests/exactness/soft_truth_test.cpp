@@ -33,6 +33,22 @@ double seenPastEdge(const glm::dvec3& towards, double radius, double height, dou
     return beyondChord(-glm::dot(normal, towards) / (radius * tilt));
 }
 
+/// Share of the square [-1, 1]^2 in which a + b u + c v > 0, of which neither b nor c is 0: the integral of what is
+/// above 0 of a line's ends, twice.
+double squareBeyond(double a, double b, double c)
+{
+    const auto part = [](double x) { return x > 0.0 ? x * x : 0.0; };
+    b = std::abs(b), c = std::abs(c);
+    return (part(a + b + c) - part(a + b - c) - part(a - b + c) + part(a - b - c)) / (8.0 * b * c);
+}
+
+/// seenPastEdge() of a rectangle.
+double seenPastEdge(const glm::dvec3& towards, const RectangleAxes& axes, double height, double edge)
+{
+    const glm::dvec3 normal(height, -edge, 0.0);
+    return squareBeyond(glm::dot(normal, towards), glm::dot(normal, axes.x), glm::dot(normal, axes.y));
+}
+
 struct Spread {
     uint64_t pixels = 0, beyond = 0;
     double sum = 0.0, squares = 0.0;
@@ -54,6 +70,7 @@ Spread againstClosedForm(const Stage& stage, const Image8& picture, double heigh
     const brute::View view = bruteView(stage);
     const brute::Light light = bruteLight(stage, 0);
     const bool sun = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
+    const demo::Light& lamp = stage.scene().lights[0];
     const brute::Scene casters(bruteTriangles(stage));
     Spread spread;
     for (int y = 0; y < view.height; ++y) {
@@ -65,7 +82,9 @@ Spread againstClosedForm(const Stage& stage, const Image8& picture, double heigh
             if (answer.state != brute::State::asked || std::abs(answer.receiver.y) > 0.01) continue;
             const glm::dvec3 from = answer.receiver + normal * answer.offset;
             const glm::dvec3 towards = sun ? -glm::normalize(light.direction) : light.position - from;
-            const double seen = seenPastEdge(towards, sun ? std::tan(radius) : radius, height - from.y, -from.x);
+            const double seen = lamp.rectangle.x > 0.0f
+                                    ? seenPastEdge(towards, rectangleAxes(lamp), height - from.y, -from.x)
+                                    : seenPastEdge(towards, sun ? std::tan(radius) : radius, height - from.y, -from.x);
             if (seen <= 0.0 || seen >= 1.0) continue;
             // Points in parts of the disc vary less than free ones do. A byte rounds by half a step.
             const double sigma = std::sqrt(seen * (1.0 - seen) / samples);
@@ -75,9 +94,11 @@ Spread againstClosedForm(const Stage& stage, const Image8& picture, double heigh
     return spread;
 }
 
-void checkClosedForm(LightKind kind, double height, float radius)
+void checkClosedForm(LightKind kind, double height, float radius, glm::vec2 rectangle = {})
 {
-    Stage stage(halfPlane(kind, height, radius), kSize);
+    demo::Scene scene = halfPlane(kind, height, radius);
+    if (rectangle.x > 0.0f) setRectangle(scene.lights[0], rectangle);
+    Stage stage(scene, kSize);
     for (const uint32_t samples : {2u, 30u, 1024u}) {
         const Image8 picture = stage.draw("ray_traced", {{"samples", double(samples)}})[0];
         const Spread spread = againstClosedForm(stage, picture, height, double(radius), samples);
@@ -111,16 +132,27 @@ TEST_CASE("half planes before the light's disc are seen as the closed form has i
     checkClosedForm(LightKind::Directional, 1.0, 0.2f);
 }
 
+TEST_CASE("and before a rectangle, of which the edge cuts all four sides")
+{
+    const test::DeviceTest silence;
+    checkClosedForm(LightKind::Spot, 1.6, 0.0f, {0.5f, 0.2f});
+    checkClosedForm(LightKind::Spot, 1.0, 0.0f, {0.15f, 0.6f});
+}
+
 TEST_CASE("two sets of 1024 samples differ by an RMSE below 0.01, and by 0.02 at most from 256 rays of the brute force")
 {
     const test::DeviceTest silence;
-    for (const LightKind kind : {LightKind::Point, LightKind::Spot, LightKind::Directional}) {
-        CAPTURE(std::string(demo::nameOf(kind)));
-        Stage stage(softScene(Caster::torus, kind, 1.6, kind == LightKind::Directional ? 0.1f : 0.3f), kSize);
+    demo::Scene panel = softScene(Caster::torus, LightKind::Spot, 1.6, 0.0f);
+    setRectangle(panel.lights[0], {0.5f, 0.15f});
+    for (const demo::Scene& scene :
+         {softScene(Caster::torus, LightKind::Point, 1.6, 0.3f), softScene(Caster::torus, LightKind::Spot, 1.6, 0.3f),
+          softScene(Caster::torus, LightKind::Directional, 1.6, 0.1f), panel}) {
+        const std::string name = scene.lights[0].rectangle.x > 0.0f ? "rectangle" : demo::nameOf(scene.lights[0].kind);
+        CAPTURE(name);
+        Stage stage(scene, kSize);
         const std::vector<SoftTruth> first = tracedSoftTruths(stage, 1024, 0), other = tracedSoftTruths(stage, 1024, 1);
         const double seeds = rmseBetween(first, other), brute = rmseBetween(softTruths(stage), first);
-        MESSAGE(std::string(demo::nameOf(kind))
-                << ": RMSE between seeds " << seeds << ", to the brute force " << brute);
+        MESSAGE(name << ": RMSE between seeds " << seeds << ", to the brute force " << brute);
         CHECK(seeds < 0.01);
         CHECK(seeds > 0.0); // they are two
         CHECK(brute < 0.02);

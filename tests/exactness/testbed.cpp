@@ -301,6 +301,13 @@ Scene softScene(Caster caster, LightKind kind, double height, float radius)
     return scene;
 }
 
+void setRectangle(Light& light, glm::vec2 half)
+{
+    light.rectangle = half;
+    light.rectangleAxis = glm::normalize(glm::dvec3(1.0, 0.2, 0.7));
+    light.radius = 2.0f * std::sqrt(half.x * half.y / std::numbers::pi_v<float>);
+}
+
 Scene halfPlane(LightKind kind, double height, float radius)
 {
     Scene scene;

@@ -25,6 +25,10 @@ enum class Caster : uint8_t { box, sphere, cylinder, torus };
 /// \param height Of the caster's centre over the floor; \param radius of the lamp. Metres.
 demo::Scene softScene(Caster caster, demo::LightKind kind, double height, float radius);
 
+/// Makes a spot light's source a rectangle whose axis is turned from those of the scenes. \param half Of its sides,
+/// metres.
+void setRectangle(demo::Light& light, glm::vec2 half);
+
 /// A floor, and over it a level sheet that hides all that lies left of the line x = 0, y = height. One lamp, whose
 /// centre is over that line, four metres above the floor.
 demo::Scene halfPlane(demo::LightKind kind, double height, float radius);

@@ -187,6 +187,49 @@ TEST_CASE("a host-drawn instance needs its callback and bounds, and no mesh")
     checkRefused(scene.registry->setInstanceBounds(*rock, {0, 0, 0}, {1, 1, 1}), GN_ERROR_INVALID_HANDLE, "boulder");
 }
 
+namespace {
+
+/// The spot, which looks down, as a rectangle.
+GnLightInfo panel()
+{
+    GnLightInfo info = spot();
+    info.sourceShape = GN_SOURCE_SHAPE_RECTANGLE;
+    info.sourceExtents[0] = 2.0f;
+    info.sourceExtents[1] = 0.5f;
+    info.sourceAxis[0] = 3.0f;
+    return info;
+}
+
+} // namespace
+
+TEST_CASE("a rectangle's axes lie across the light, and its radius is that of a disc of the same area")
+{
+    SceneFixture scene;
+    GnLightInfo info = panel();
+    info.sourceAxis[1] = 7.0f; // along the light's direction: does not count
+    const GnLight light = *scene.registry->createLight(info);
+    scene.begin();
+    const LightView* view = scene.registry->light(light);
+    CHECK(view->rectangular());
+    CHECK(glm::distance(view->sourceX, glm::vec3(2, 0, 0)) < 1e-6f);
+    CHECK(glm::length(view->sourceY) == doctest::Approx(0.5));
+    CHECK(std::abs(view->sourceY.z) == doctest::Approx(0.5));
+    CHECK(std::numbers::pi * view->constants.sourceRadius * view->constants.sourceRadius == doctest::Approx(4.0));
+    CHECK(view->sourceReach() == doctest::Approx(std::sqrt(4.25))); // past the disc: casters before its corners count
+    const std::uint64_t revision = view->revision;
+
+    info.sourceExtents[0] = 0.5f, info.sourceExtents[1] = 2.0f; // the same area
+    CHECK(scene.registry->updateLight(light, info));
+    scene.begin();
+    CHECK(scene.registry->light(light)->revision != revision);
+    info.sourceExtents[0] = info.sourceExtents[1] = 0.0f;
+    CHECK(scene.registry->updateLight(light, info));
+    scene.begin();
+    view = scene.registry->light(light);
+    CHECK(!view->rectangular());
+    CHECK(view->constants.sourceRadius == 0.0f);
+}
+
 TEST_CASE("a light with a wrong number is refused by element, and a refused update changes nothing")
 {
     SceneFixture scene;
@@ -208,6 +251,29 @@ TEST_CASE("a light with a wrong number is refused by element, and a refused upda
     refused([](GnLightInfo& i) { i.coneAngle = -0.5f; }, GN_ERROR_OUT_OF_RANGE, "coneAngle is -0.5");
     refused([](GnLightInfo& i) { i.coneAngle = 1.56f; }, GN_ERROR_OUT_OF_RANGE, "coneAngle");
     refused([](GnLightInfo& i) { i.sourceRadius = -1.0f; }, GN_ERROR_OUT_OF_RANGE, "sourceRadius");
+    refused([](GnLightInfo& i) { i.sourceShape = static_cast<GnSourceShape>(2); }, GN_ERROR_OUT_OF_RANGE,
+            "sourceShape is 2");
+    const auto refusedRectangle = [&](auto change, GnResult code, const char* words) {
+        refused(
+            [&](GnLightInfo& i) {
+                i = panel();
+                change(i);
+            },
+            code, words);
+    };
+    refusedRectangle([](GnLightInfo& i) { i.sourceExtents[1] = kNan; }, GN_ERROR_NOT_A_NUMBER, "sourceExtents[1]");
+    refusedRectangle([](GnLightInfo& i) { i.sourceExtents[0] = -1; }, GN_ERROR_OUT_OF_RANGE, "sourceExtents[0] is -1");
+    refusedRectangle([](GnLightInfo& i) { i.sourceExtents[1] = 0; }, GN_ERROR_OUT_OF_RANGE, "sourceExtents[1] is 0");
+    refusedRectangle([](GnLightInfo& i) { i.sourceAxis[0] = kInfinity; }, GN_ERROR_INFINITE, "sourceAxis[0]");
+    refusedRectangle([](GnLightInfo& i) { i.sourceAxis[0] = 0; }, GN_ERROR_OUT_OF_RANGE, "sourceAxis is zero");
+    refusedRectangle(
+        [](GnLightInfo& i) {
+            i.sourceAxis[0] = 0;
+            i.sourceAxis[1] = 3;
+        },
+        GN_ERROR_OUT_OF_RANGE, "along direction");
+    refusedRectangle([](GnLightInfo& i) { i.sourceRadius = 0.5f; }, GN_ERROR_OUT_OF_RANGE, "sourceRadius is 0.5");
+    refusedRectangle([](GnLightInfo& i) { i.type = GN_LIGHT_TYPE_POINT; }, GN_ERROR_OUT_OF_RANGE, "type is 2");
     refused([](GnLightInfo& i) { i.importance = kNan; }, GN_ERROR_NOT_A_NUMBER, "importance");
     refused([](GnLightInfo& i) { i.flags = 8; }, GN_ERROR_OUT_OF_RANGE, "flags");
     refused([](GnLightInfo& i) { i.type = static_cast<GnLightType>(3); }, GN_ERROR_OUT_OF_RANGE, "type is 3");

@@ -150,7 +150,7 @@ typedef struct GnShadowTask {
     float lightDirection[3]; ///< Unit; the way light travels.
     float lightRange;        ///< Very large where unlimited.
     float coneAngle;         ///< Spot: half angle, radians.
-    float sourceRadius;
+    float sourceRadius;      ///< Metres (directional: radians); of a rectangle, of a disc of the same area.
     uint64_t casterStamp;    ///< Changes with light, casters in range or any of their transforms, not with what
                              ///< host-drawn casters draw; for pfnImageStale and pfnBufferStale.
     uint32_t casterCount;

@@ -435,6 +435,7 @@ typedef enum GnTraitBits {
                                         ///< built-in methods alone.
     GN_TRAIT_GPU_POSITIONS_BIT = 0x2000, ///< Of topology it needs edges and faces alone: sees meshes in buffers that
                                          ///< are rewritten in every frame, once they have been copied in some pose.
+    GN_TRAIT_RECTANGLE_BIT = 0x4000,     ///< Shows penumbrae of #GN_SOURCE_SHAPE_RECTANGLE as they are.
     GN_TRAIT_MAX_ENUM = 0x7FFFFFFF
 } GnTraitBits;
 /** Bits of #GnTraitBits. */

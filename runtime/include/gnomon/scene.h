@@ -220,6 +220,16 @@ typedef enum GnLightFlagBits {
 /** Bits of #GnLightFlagBits. */
 typedef VkFlags GnLightFlags;
 
+/** What of a light shines. Visibility is the share of its area that a receiver sees. */
+typedef enum GnSourceShape {
+    GN_SOURCE_SHAPE_SPHERE = 0,    ///< Of `sourceRadius`, counted as the disc that it turns to a receiver. Directional:
+                                   ///< a disc in the sky.
+    GN_SOURCE_SHAPE_RECTANGLE = 1, ///< Spot: around `position`, across `direction`. Methods with
+                                   ///< #GN_TRAIT_RECTANGLE_BIT show its penumbra; others with penumbrae count it as a
+                                   ///< disc of the same area, and #GN_QUESTION_WHY says so.
+    GN_SOURCE_SHAPE_MAX_ENUM = 0x7FFFFFFF
+} GnSourceShape;
+
 /** Describes a light. */
 typedef struct GnLightInfo {
     uint32_t structSize GN_SIZE_OF(GnLightInfo); ///< sizeof(GnLightInfo).
@@ -230,9 +240,13 @@ typedef struct GnLightInfo {
     float direction[3];  ///< Directional and spot: the way light travels. Need not be normalised; not zero.
     float range;         ///< Metres; 0 means unlimited.
     float coneAngle;     ///< Spot: half angle in radians, (0, pi/2 - 0.02]; 0 means pi/4.
-    float sourceRadius;  ///< Metres (directional: radians); 0 asks for hard shadows.
+    float sourceRadius;  ///< Metres (directional: radians); 0 asks for hard shadows. Rectangle: 0.
     float importance;    ///< Weight of this light in the plan; 0 means 1.
     uint32_t casterMask; ///< 0 means all bits.
+    GnSourceShape sourceShape;
+    float sourceExtents[2]; ///< Rectangle: half its width and half its height, metres; both 0 ask for hard shadows.
+    float sourceAxis[3];    ///< Rectangle: along its width; what of it lies along `direction` does not count. Need not
+                            ///< be normalised; neither zero nor along `direction`.
 } GnLightInfo;
 
 /** \brief Adds a light; views name it in their frames. */
