@@ -1,7 +1,6 @@
 #include "algorithms/hybrid/cell_grid.hpp"
 
-#include <cmath>
-#include <numbers>
+#include "algorithms/shared/source_points.hpp"
 
 namespace gnomon {
 
@@ -24,16 +23,6 @@ std::uint32_t onRim(std::uint32_t step, std::uint32_t side)
 }
 
 } // namespace
-
-glm::vec2 discOfSquare(glm::vec2 square)
-{
-    if (square.x == 0.0f && square.y == 0.0f) return square;
-    constexpr float eighth = std::numbers::pi_v<float> / 4.0f; // of a turn: from a side's middle to its corner
-    const bool wide = std::fabs(square.x) > std::fabs(square.y);
-    const float radius = wide ? square.x : square.y;
-    const float angle = wide ? eighth * square.y / square.x : eighth * (2.0f - square.x / square.y);
-    return {radius * std::cos(angle), radius * std::sin(angle)};
-}
 
 CellGrid::CellGrid(std::uint32_t side) : side_(side)
 {

@@ -50,11 +50,6 @@ private:
     std::array<glm::vec2, kMaxSide * kMaxSide> at_{};
 };
 
-/// From the square [-1, 1]^2 to the unit disc, equal areas to equal areas and squares about the centre to circles.
-/// Source: P. Shirley and K. Chiu, "A low distortion map between disk and square", Journal of Graphics Tools 2(3),
-/// 1997.
-glm::vec2 discOfSquare(glm::vec2 square);
-
 /// What is known of the cells that a receiver sees. Once next() names none, all cells on the border of what is seen
 /// have been asked: it has been followed wherever answers have moved it.
 struct CellPicture {

@@ -6,18 +6,11 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "algorithms/shared/source_points.hpp"
 #include "algorithms/shared/source_size.hpp"
 #include "runtime/rays/ray_scene.hpp"
 
 namespace gnomon {
-
-/// The world axis along which a direction goes least; the first of equals.
-inline glm::vec3 axisAcross(glm::vec3 direction)
-{
-    const glm::vec3 size = glm::abs(direction);
-    if (size.x <= size.y && size.x <= size.z) return {1.0f, 0.0f, 0.0f};
-    return size.y <= size.z ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, 1.0f);
-}
 
 /// The disc's axes, as long as its radius. Two receivers that lie close together have axes that do, if `across` is one
 /// vector for both and not along the ray of either.

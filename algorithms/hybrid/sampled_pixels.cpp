@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "algorithms/hybrid/cell_grid.hpp"
 #include "algorithms/hybrid/light_disc.hpp"
 #include "algorithms/shared/host_visibility.hpp"
 #include "runtime/base/hash.hpp"

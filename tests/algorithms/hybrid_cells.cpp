@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "algorithms/hybrid/cell_grid.hpp"
+#include "algorithms/shared/source_points.hpp"
 
 using namespace gnomon;
 
