@@ -25,6 +25,7 @@ table='
 1  shaders/revectorized     shaders/shared
 1  shaders/warped           shaders/shared
 1  shaders/filtered         shaders/shared
+1  shaders/area             shaders/shared
 2  shaders/host             shaders/shared shaders/maps shaders/omni
 1  shaders/demo             shaders/shared runtime/include/gnomon
 2  rules/engine             runtime/base
@@ -52,8 +53,9 @@ table='
 8  algorithms/revectorized  algorithms/shared runtime shaders/revectorized shaders/shared
 8  algorithms/warped        algorithms/shared runtime runtime/scene shaders/warped shaders/shared
 8  algorithms/filtered      algorithms/shared runtime runtime/scene shaders/filtered shaders/shared
+8  algorithms/area          algorithms/shared runtime runtime/scene shaders/area shaders/shared
 9  algorithms               algorithms/maps algorithms/omni algorithms/volumes algorithms/hybrid algorithms/revectorized
-9  algorithms               algorithms/warped algorithms/filtered runtime
+9  algorithms               algorithms/warped algorithms/filtered algorithms/area runtime
 '
 
 mapfile -t files < <(find runtime rules algorithms shaders -name '*.[ch]pp' -o -name '*.[ch]' -o -name '*.in[cl]' \

@@ -1,0 +1,6 @@
+# Lights with a surface as many lights without. One gnomon_algorithm() call a module.
+gnomon_shared(SOURCES area_maps.cpp)
+gnomon_algorithm(area_light
+    SOURCES area_light.cpp
+    SHADERS area/area_light.frag
+            area/area_light.frag:PART=1:area/area_light_part.frag)
