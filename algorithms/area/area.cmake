@@ -4,3 +4,8 @@ gnomon_algorithm(area_light
     SOURCES area_light.cpp
     SHADERS area/area_light.frag
             area/area_light.frag:PART=1:area/area_light_part.frag)
+gnomon_algorithm(area_adaptive
+    SOURCES area_adaptive.cpp source_quads.cpp
+    SHADERS area/area_light.frag:BITS=1:area/area_light_bits.frag
+            area/area_adaptive_resolve.frag
+            area/area_adaptive_test.comp)

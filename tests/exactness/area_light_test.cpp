@@ -1,0 +1,149 @@
+// A light with a surface as the mean of many depth maps, against rays to its surface.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "exactness/soft_reference.hpp"
+#include "exactness/testbed.hpp"
+
+namespace gnomon::exact {
+namespace {
+
+constexpr const char* kAreaLight = "area_light";
+constexpr VkExtent2D kSize{96, 72};
+
+Settings points(double side, double resolution = 512.0)
+{
+    return {{"side", side}, {"resolution", resolution}};
+}
+
+Scene panelScene(Caster caster)
+{
+    Scene scene = softScene(caster, LightKind::Spot, 1.6, 0.0f);
+    setRectangle(scene.lights[0], {0.5f, 0.15f});
+    return scene;
+}
+
+/// Share of the pixels between 5 and 95 % of the light that have the value which most of them have.
+double largestPlateau(const Image8& picture)
+{
+    std::array<uint32_t, 256> counts{};
+    uint32_t all = 0;
+    for (const uint8_t value : picture.texels) {
+        if (value < 13 || value > 242) continue;
+        ++counts[value];
+        ++all;
+    }
+    REQUIRE(all > 300);
+    return double(*std::max_element(counts.begin(), counts.end())) / all;
+}
+
+} // namespace
+
+TEST_CASE("289 points of a rectangle are within an RMSE of 0.01 of 1 024 rays, fewer are farther off")
+{
+    const test::DeviceTest silence;
+    struct Row {
+        const char* name;
+        Scene scene;
+        double most; ///< RMSE. Points of a sphere lie behind each other; a texel of the sun's map is 4 cm wide.
+    };
+    for (const Row& row : {Row{"rectangle and box", panelScene(Caster::box), 0.01},
+                           Row{"rectangle and torus", panelScene(Caster::torus), 0.01},
+                           Row{"sphere and torus", softScene(Caster::torus, LightKind::Spot, 1.6, 0.3f), 0.015},
+                           Row{"sphere and box", softScene(Caster::box, LightKind::Spot, 0.9, 0.3f), 0.015},
+                           Row{"sun and torus", softScene(Caster::torus, LightKind::Directional, 1.6, 0.1f), 0.02}}) {
+        CAPTURE(row.name);
+        Stage stage(row.scene, kSize);
+        const std::vector<SoftTruth> truths = tracedSoftTruths(stage);
+        double rmse[3];
+        for (const int i : {0, 1, 2}) {
+            const SoftError error =
+                compareSoft(stage.draw(kAreaLight, points(std::array{17.0, 5.0, 2.0}[i], 1024.0)), truths);
+            MESSAGE(std::string(row.name) << ", " << std::array{289, 25, 4}[i] << " points: RMSE "
+                                          << error.penumbra.rmse() << ", mean " << inWords(error));
+            CHECK(error.penumbra.pixels > 150);
+            CHECK(error.notAskedOff == 0);
+            rmse[i] = error.penumbra.rmse();
+            CHECK(error.outside.rmse() < 0.02); // maps' texels at edges that touch what they shadow
+        }
+        CHECK(rmse[0] < row.most);
+        CHECK(rmse[1] < 0.05);
+        CHECK(1.5 * rmse[0] < rmse[1]);
+        CHECK(1.5 * rmse[1] < rmse[2]);
+    }
+}
+
+TEST_CASE("maps that do not fit at once are added up to the same picture")
+{
+    const test::DeviceTest silence;
+    Stage stage(panelScene(Caster::torus), kSize);
+    const std::vector<SoftTruth> truths = tracedSoftTruths(stage);
+    // Of 2048 texels two at once, of 512 all: what differs are texels' edges.
+    const Pictures parts = stage.draw(kAreaLight, points(5, 2048)), whole = stage.draw(kAreaLight, points(5, 512));
+    CHECK(compareSoft(parts, truths).penumbra.rmse() < 0.05);
+    demo::SoftError apart;
+    for (size_t i = 0; i < parts[0].texels.size(); ++i)
+        apart.add(parts[0].texels[i] / 255.0, whole[0].texels[i] / 255.0);
+    MESSAGE("RMSE between them " << apart.penumbra.rmse());
+    CHECK(apart.penumbra.pixels > 200);
+    CHECK(apart.penumbra.rmse() < 0.02);
+}
+
+TEST_CASE("a light without a surface has shadow_map's picture, bit for bit")
+{
+    const test::DeviceTest silence;
+    for (const LightKind kind : {LightKind::Spot, LightKind::Directional}) {
+        Stage stage(softScene(Caster::torus, kind, 1.6, 0.0f), kSize);
+        const Pictures map = stage.draw("shadow_map", {{"resolution", 512.0}});
+        CHECK(test::differences(stage.draw(kAreaLight, points(5))[0], map[0]) == 0);
+        CHECK(test::differences(stage.draw("area_adaptive", {{"resolution", 512.0}})[0], map[0]) == 0);
+    }
+}
+
+TEST_CASE("adaptive points are fewer than 289, within an RMSE of 0.05, and leave no plateau")
+{
+    const test::DeviceTest silence;
+    for (const Scene& scene : {panelScene(Caster::torus), softScene(Caster::box, LightKind::Spot, 0.9, 0.3f),
+                               softScene(Caster::torus, LightKind::Directional, 1.6, 0.1f)}) {
+        Stage stage(scene, {160, 120});
+        const std::vector<SoftTruth> truths = tracedSoftTruths(stage);
+        double before = 0.0;
+        for (const double window : {8.0, 2.0, 1.0}) {
+            const auto draw = [&](double reasons) {
+                return stage.draw("area_adaptive",
+                                  {{"window", window}, {"resolution", 512.0}, {"reasons", reasons}})[0];
+            };
+            const Image8 picture = draw(0.0);
+            const double drawn = std::round(draw(1.0).texels[0] * 289.0 / 255.0);
+            const SoftError error = compareSoft(picture, truths[0]);
+            MESSAGE("window " << window << ": " << drawn << " points, largest plateau " << largestPlateau(picture)
+                              << ", RMSE " << error.penumbra.rmse() << ", mean " << inWords(error));
+            CHECK(drawn >= before); // looked at more closely there are no fewer steps
+            before = drawn;
+            CHECK(error.notAskedOff == 0);
+            if (window > 2.0) continue;
+            CHECK(drawn >= 25.0);
+            CHECK(drawn < 289.0);
+            CHECK(error.penumbra.rmse() < 0.05);
+            CHECK(largestPlateau(picture) < 0.1);
+            if (window > 1.0 || error.penumbra.pixels < 900) continue;
+            CHECK(drawn > 50.0); // wide penumbrae show the steps of 25
+            CHECK(largestPlateau(picture) < 0.03);
+        }
+    }
+}
+
+TEST_CASE("81 points show a rectangle better than pcss, to which it is a disc, by half at least")
+{
+    const test::DeviceTest silence;
+    Stage stage(shippedScene("views/still_life"), {160, 90});
+    const std::vector<SoftTruth> truths = tracedSoftTruths(stage);
+    const SoftError area = compareSoft(stage.draw(kAreaLight, points(9, 1024)), truths),
+                    disc = compareSoft(stage.draw("pcss", {{"resolution", 1024.0}}), truths);
+    MESSAGE("area_light " << inWords(area) << "; pcss " << inWords(disc));
+    CHECK(area.penumbra.pixels > 500);
+    CHECK(2.0 * area.penumbra.rmse() < disc.penumbra.rmse());
+}
+
+} // namespace gnomon::exact
