@@ -1,13 +1,7 @@
 #include "algorithms/volumes/all_edges_volume.hpp"
 
-#include <algorithm>
-
-#include "algorithms/shared/caster_lists.hpp"
-#include "algorithms/shared/mesh_numbers.hpp"
-#include "algorithms/volumes/edge_list.hpp"
+#include "algorithms/volumes/edge_volumes.hpp"
 #include "algorithms/volumes/mesh_planes.hpp"
-#include "algorithms/volumes/shadow_reach.hpp"
-#include "algorithms/volumes/silhouette.hpp"
 #include "algorithms/volumes/volume_count.hpp"
 
 namespace gnomon {
@@ -26,122 +20,6 @@ constexpr VolumeCountNames kNames{
                 .caps = {"all_edges_volume.caps", "all_edges_volume.caps_reversed"}},
     .resolve = {"all_edges_volume.dark", "all_edges_volume.counted", "all_edges_volume.uncounted"}};
 
-// --- lists of meshes ---
-
-const Topology& listedTopology(const MeshView& mesh)
-{
-    return mesh.topology ? *mesh.topology : *mesh.connectivity;
-}
-
-BufferInfo listInfo(const MeshView& mesh)
-{
-    return {.name = "all_edges_volume.edges",
-            .scope = Scope::scene,
-            .size = edgeListSize(listedTopology(mesh)).bytes(),
-            .variant = mesh.id};
-}
-
-/// The list of the mesh: built when its positions are new, and kept whatever lights and casters do. Where the GPU alone
-/// knows the positions, built once for its connectivity.
-BufferId declareEdges(PassBuilder& passes, const MeshView& mesh)
-{
-    const auto [list, due] = passes.keptList(listInfo(mesh), mesh.topology ? mesh.revision : mesh.connectivityRevision);
-    if (!due) {
-        passes.kept();
-        return list;
-    }
-    const Topology* topology = &listedTopology(mesh);
-    passes.prepare("all_edges_volume.edges", Scope::scene, mesh.id)
-        .writes(list)
-        .run([topology, list = list](HostContext& host) {
-            writeEdgeList(*topology, host.write<std::uint32_t>(list));
-            host.countIndexList();
-        });
-    return list;
-}
-
-/// Of one mesh.
-struct MeshList {
-    BufferId edges, planes; ///< VolumeDraw::planes
-    std::uint32_t firstPlane = 0;
-};
-
-/// The lists of a task's meshes, each declared once.
-class MeshLists {
-public:
-    MeshLists(PassBuilder& passes, PipelineId findPlanes, std::size_t most)
-        : passes_(passes), findPlanes_(findPlanes), numbers_(passes.arena(), most),
-          lists_(passes.arena().array<MeshList>(most)), edges_(passes.arena().array<BufferId>(most)),
-          planes_(passes.arena().array<BufferId>(most).first(0))
-    {
-    }
-    const MeshList& find(const MeshView& mesh)
-    {
-        const std::uint32_t known = numbers_.count(), number = numbers_.of(mesh);
-        if (number == known) add(mesh, number);
-        return lists_[number];
-    }
-    std::span<const BufferId> all() const { return edges_.first(numbers_.count()); }
-    std::span<const BufferId> planes() const { return planes_; }
-
-private:
-    void add(const MeshView& mesh, std::uint32_t number)
-    {
-        MeshList& list = lists_[number] = {};
-        list.edges = edges_[number] = declareEdges(passes_, mesh);
-        if (mesh.topology) return;
-        const EdgeListSize size = edgeListSize(*mesh.connectivity);
-        list.planes = declarePlanes(passes_, mesh, findPlanes_);
-        list.firstPlane = static_cast<std::uint32_t>(size.firstSlot() + size.slots() - size.faces);
-        planes_ = {planes_.data(), planes_.size() + 1};
-        planes_.back() = list.planes;
-    }
-
-    PassBuilder& passes_;
-    PipelineId findPlanes_;
-    MeshNumbers numbers_;
-    std::span<MeshList> lists_;
-    std::span<BufferId> edges_, planes_;
-};
-
-// --- the method ---
-
-/// The draws of one volume, if the view can see it.
-void planVolume(const ShadowTask& task, const VolumeSource& source, MeshLists& lists, VolumePlan& plan)
-{
-    VolumeDraw draw{.source = source, .bounds = source.bounds()};
-    if (!shadowTouches(draw.bounds, *task.light, task.view->frustum)) return;
-    const bool fails = task.settings[kZFail] != 0.0 || needsZFail(plan, draw);
-    if (fails) draw = asFailing(plan, draw);
-    const MeshList& list = lists.find(*source.caster->mesh);
-    draw.list = draw.commands = list.edges;
-    draw.planes = list.planes;
-    draw.firstPlane = list.firstPlane;
-    const auto whole = static_cast<std::uint32_t>(source.topology().clusters.size());
-    const std::uint32_t cluster = std::min(source.cluster, whole);
-    draw.firstCommand = commandOf(cluster, kPairCommand);
-    draw.commandCount = source.shape().closed ? 1 : 2; // a closed cluster has no borders
-    append(fails ? plan.zFail : plan.zPass, draw);
-    draw.firstCommand = commandOf(cluster, kCapCommand);
-    draw.commandCount = draw.times = 1;
-    if (fails) append(plan.caps, draw);
-}
-
-VolumePlan* planEdges(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, PipelineId findPlanes)
-{
-    VolumePlan* plan = emptyPlan(passes, task, stencil, task.settings[kBounded] != 0.0);
-    MeshLists lists(passes, findPlanes, task.casters->all.size());
-    for (const std::span<const Caster* const> casters : {task.casters->statics, task.casters->dynamics})
-        for (const VolumeSource& source : volumesOf(passes.arena(), casters, *task.light))
-            planVolume(task, source, lists, *plan);
-    // Bounds of clusters are of another pose: each of these is one volume.
-    for (const Caster* caster : task.casters->all)
-        if (castsByConnectivity(*caster)) planVolume(task, {caster, VolumeSource::kWhole}, lists, *plan);
-    plan->meshLists = lists.all();
-    plan->planeLists = lists.planes();
-    return plan;
-}
-
 class AllEdgesVolume final : public ShadowAlgorithm {
 public:
     explicit AllEdgesVolume(const AlgorithmServices& services)
@@ -152,10 +30,11 @@ public:
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
         const ViewStencil stencil = declareViewStencil(passes, view_, task);
-        const VolumePlan* volumes = planEdges(passes, task, stencil, findPlanes_);
+        const VolumePlan* volumes = planEdgeVolumes(passes, task, stencil, findPlanes_, task.settings[kBounded] != 0.0,
+                                                    task.settings[kZFail] != 0.0);
         declareCount(passes, task, "all_edges_volume.count", stencil, *volumes, pipelines_);
     }
-    const char* refuses(const ShadowTask& task) const override;
+    const char* refuses(const ShadowTask& task) const override { return refusesEdgeVolumes(vk_, task); }
 
 private:
     const DeviceTable& vk_;
@@ -163,19 +42,6 @@ private:
     ViewStencilPipelines view_;
     PipelineId findPlanes_;
 };
-
-const char* AllEdgesVolume::refuses(const ShadowTask& task) const
-{
-    if (const char* reason = refusesVolumes(vk_, task)) return reason;
-    const VkPhysicalDeviceLimits& limits = vk_.properties.limits;
-    for (const Caster* caster : task.casters->all) {
-        if (!castsVolume(*caster) && !castsByConnectivity(*caster)) continue;
-        const EdgeListSize size = edgeListSize(listedTopology(*caster->mesh));
-        if (size.largestIndex() > limits.maxDrawIndexedIndexValue || !fitsBinding(vk_, size.bytes()))
-            return "a caster has more edges than the device can index";
-    }
-    return nullptr;
-}
 
 } // namespace
 

@@ -84,7 +84,7 @@ PipelineId makePipeline(const AlgorithmServices& services, const char* name, con
     // z-fail must lose nothing behind the far plane. z-pass must lose what lies before the near plane: the host did.
     info.depthClamp = !zPass && services.vk->enabled.depthClamp;
     info.colorMask = 0;
-    info.colorFormat = VK_FORMAT_R8_UNORM;
+    info.colorFormat = counting.color;
     info.depthFormat = kStencilFormat;
     return services.pipelines->graphics(info);
 }

@@ -12,6 +12,7 @@ namespace gnomon {
 struct VolumeCounting {
     std::uint8_t bits = 0xff; ///< Of the count, from bit 0 on: it is kept modulo their number, other bits stay.
     std::uint8_t mask = 0;    ///< Count where this bit is set only; 0: everywhere.
+    VkFormat color = VK_FORMAT_R8_UNORM; ///< Of the pass, which has an attachment beside the stencil.
 };
 
 /// What the device makes corners of.

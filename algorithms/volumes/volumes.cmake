@@ -7,9 +7,10 @@ gnomon_shared(
             volumes/resolve_tiles.vert)
 gnomon_shared(
     NEEDS openmesh
-    SOURCES gpu_silhouettes.cpp mesh_planes.cpp mesh_volumes.cpp shadow_region.cpp static_volumes.cpp volume_count.cpp
-            volume_cull.cpp volume_draw.cpp volume_list.cpp volume_tree.cpp
-    SHADERS volumes/cull_volumes.comp
+    SOURCES edge_list.cpp edge_volumes.cpp gpu_silhouettes.cpp mesh_planes.cpp mesh_volumes.cpp shadow_region.cpp
+            static_volumes.cpp volume_count.cpp volume_cull.cpp volume_draw.cpp volume_list.cpp volume_tree.cpp
+    SHADERS volumes/all_edges.vert
+            volumes/cull_volumes.comp
             volumes/mesh_caps.comp
             volumes/mesh_planes.comp
             volumes/mesh_sides.comp
@@ -30,8 +31,7 @@ gnomon_algorithm(octree_volume
     SOURCES octree_volume.cpp)
 gnomon_algorithm(all_edges_volume
     NEEDS openmesh
-    SOURCES all_edges_volume.cpp edge_list.cpp
-    SHADERS volumes/all_edges.vert)
+    SOURCES all_edges_volume.cpp)
 gnomon_algorithm(projected_planar
     NEEDS openmesh
     SOURCES projected_planar.cpp

@@ -83,7 +83,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a mesh is listed once for all lights and views, a
         moveAll(host.scene);
         host.require(host.draw());
         CHECK(host.stats().indexListsBuilt == 0);
-        CHECK(host.passCount("all_edges_volume.edges") == 0);
+        CHECK(host.passCount("volumes.edges") == 0);
         CHECK(host.passCount("volumes.silhouettes") == 0);
     }
     CHECK(differences(first, host.pictures()) > 50);

@@ -283,8 +283,8 @@ TEST_CASE_FIXTURE(
                              (topology.closed ? 0 : 20 * VkDeviceSize{topology.edges.size()}));
         }
         CAPTURE(books.list());
-        CHECK(books.held("all_edges_volume.edges").count == scene.meshes.size());
-        CHECK(books.held("all_edges_volume.edges").bytes == bytes);
+        CHECK(books.held("volumes.edges").count == scene.meshes.size());
+        CHECK(books.held("volumes.edges").bytes == bytes);
         CHECK(books.held("volumes.sides").count == 0);
     }
 }
