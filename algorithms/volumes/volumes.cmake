@@ -40,6 +40,10 @@ gnomon_algorithm(penumbra_wedges
     NEEDS openmesh
     SOURCES penumbra_wedges.cpp wedge_draw.cpp
     SHADERS volumes/wedge.frag volumes/wedge.vert volumes/wedge_resolve.frag)
+gnomon_algorithm(multi_volume
+    NEEDS openmesh
+    SOURCES multi_volume.cpp
+    SHADERS volumes/multi_volume_sum.frag volumes/multi_volume_resolve.frag)
 gnomon_algorithm(mccool
     SOURCES mccool.cpp depth_surface.cpp
     SHADERS volumes/mccool.vert

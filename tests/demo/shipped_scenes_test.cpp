@@ -172,7 +172,7 @@ TEST_CASE("still_life has a rectangle light, three times as wide as high, whose 
     REQUIRE(scene->lights.size() == 1);
     const Light& light = scene->lights[0];
     CHECK(light.kind == LightKind::Spot);
-    CHECK(light.rectangle.x == 3.0f * light.rectangle.y);
+    CHECK(light.rectangle.x == Approx(3.0f * light.rectangle.y));
     CHECK(std::abs(glm::dot(light.direction, light.rectangleAxis)) < 0.9);
 }
 

@@ -1,0 +1,184 @@
+#include "algorithms/volumes/multi_volume.hpp"
+
+#include "algorithms/shared/source_points.hpp"
+#include "algorithms/shared/source_size.hpp"
+#include "algorithms/volumes/edge_volumes.hpp"
+#include "algorithms/volumes/mesh_planes.hpp"
+#include "algorithms/volumes/stencil_resolve.hpp"
+#include "runtime/scene/light_pixels.hpp"
+#include "shaders/volumes/multi_volume.h"
+
+#include "shaders/volumes_multi_volume_resolve_frag.h"
+#include "shaders/volumes_multi_volume_sum_frag.h"
+#include "shaders/volumes_resolve_vert.h"
+
+namespace gnomon {
+
+namespace {
+
+constexpr SettingSpec kSettings[] = {
+    {"side", "Points of the light's surface: as many a row, in as many rows.", 2, 17, 4},
+    {"bounded", "1: volumes end behind the farthest visible receiver; 0: they go on to infinity", 0, 1, 1},
+    {"z_fail", "0: z-pass for every caster that cannot shadow the near plane; 1: z-fail for all", 0, 1, 0},
+};
+enum Setting : std::size_t { kSide, kBounded, kZFail };
+
+constexpr VolumePipelineNames kNames{.zPass = {"multi_volume.z_pass", "multi_volume.z_pass_reversed"},
+                                     .zFail = {"multi_volume.z_fail", "multi_volume.z_fail_reversed"},
+                                     .caps = {"multi_volume.caps", "multi_volume.caps_reversed"}};
+
+constexpr VkFormat kSumFormat = VK_FORMAT_R16_SFLOAT; // every device blends it; whole numbers to 2048
+
+constexpr BindingInfo kBindings[] = {
+    {.binding = 0, .kind = BindingKind::constants},
+    {.binding = 1, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
+    {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
+    {.binding = 3, .kind = BindingKind::sampledImage, .format = kSumFormat}};
+
+/// The draw that counts a point where the stencil is not 0, or where it is (multi_volume_sum.frag).
+PipelineId makeSum(const AlgorithmServices& services, const char* name, bool turned)
+{
+    const VkStencilOpState test{.failOp = VK_STENCIL_OP_KEEP,
+                                .passOp = VK_STENCIL_OP_KEEP,
+                                .depthFailOp = VK_STENCIL_OP_KEEP,
+                                .compareOp = turned ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_NOT_EQUAL,
+                                .compareMask = 0xff,
+                                .writeMask = 0,
+                                .reference = 0};
+    GraphicsPipelineInfo info{.name = name,
+                              .vertex = {.code = k_volumes_resolve_vert},
+                              .fragment = {.code = k_volumes_multi_volume_sum_frag,
+                                           .specializationCount = 1,
+                                           .specialization = {turned ? 1u : 0u}},
+                              .bindings = std::span(kBindings).first(3)};
+    info.stencil = {.enable = true, .front = test, .back = test};
+    info.blendScale = true;
+    info.colorFormat = kSumFormat;
+    info.depthFormat = kStencilFormat;
+    return services.pipelines->graphics(info);
+}
+
+PipelineId makeResolve(const AlgorithmServices& services)
+{
+    GraphicsPipelineInfo info{.name = "multi_volume.resolve",
+                              .vertex = {.code = k_volumes_resolve_vert},
+                              .fragment = {.code = k_volumes_multi_volume_resolve_frag},
+                              .bindings = kBindings};
+    info.colorFormat = VK_FORMAT_R8_UNORM;
+    return services.pipelines->graphics(info);
+}
+
+class MultiVolumes final : public ShadowAlgorithm {
+public:
+    explicit MultiVolumes(const AlgorithmServices& services)
+        : vk_(*services.vk),
+          volumes_(makeVolumePipelines(services, kNames, {.color = kSumFormat}, VolumeShape::allEdges)),
+          view_(makeViewStencilPipelines(services)), findPlanes_(makeFindPlanes(services)),
+          counted_(makeSum(services, "multi_volume.counted", false)),
+          turned_(makeSum(services, "multi_volume.turned", true)), resolve_(makeResolve(services))
+    {
+    }
+    void declare(PassBuilder& passes, const ShadowTask& task) override;
+    const char* refuses(const ShadowTask& task) const override
+    {
+        const char* reason = refusesEdgeVolumes(vk_, task);
+        return reason ? reason : refusesDisc(*task.light);
+    }
+
+private:
+    void declarePoint(PassBuilder& passes, const ShadowTask& point, const ViewStencil& stencil, ImageId sums,
+                      std::uint32_t i, const gpu::MultiVolume* constants) const;
+
+    const DeviceTable& vk_;
+    VolumePipelines volumes_;
+    ViewStencilPipelines view_;
+    PipelineId findPlanes_, counted_, turned_, resolve_;
+};
+
+/// What the passes read of the view.
+void usesView(PassRef& pass, const ShadowTask& task)
+{
+    const VkRect2D& area = task.view->area;
+    pass.area({area.offset.x, area.offset.y, area.extent.width, area.extent.height}).samples(task.depth);
+    if (task.normals) pass.samples(task.normals);
+}
+
+/// Counts the volumes of one point. @param point the task with its light
+void MultiVolumes::declarePoint(PassBuilder& passes, const ShadowTask& point, const ViewStencil& stencil, ImageId sums,
+                                std::uint32_t i, const gpu::MultiVolume* constants) const
+{
+    const VolumePlan* plan = planEdgeVolumes(passes, point, stencil, findPlanes_, point.settings[kBounded] != 0.0,
+                                             point.settings[kZFail] != 0.0);
+    PassRef pass = passes.raster("multi_volume.count", Scope::task, i);
+    pass.writes(sums, {.clear = i == 0, .blend = true})
+        .depthTest(stencil.image)
+        .stencilWrite(stencil.image, {.clear = true});
+    usesView(pass, point);
+    usesVolumes(pass, *plan);
+    pass.record([=, depth = point.depth, normals = point.normals, this](PassContext& gpu) {
+        if (plan->pixels.extent.width == 0) return;
+        gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &plan->pixels);
+        drawVolumes(gpu, *plan, volumes_);
+        const auto sum = [&](PipelineId pipeline) {
+            gpu.bind(pipeline,
+                     {gpu.constants(0, *constants), gpu.sampled(1, depth), gpu.sampled(2, normals ? normals : depth)});
+            gpu.drawFullscreen();
+        };
+        sum(counted_);
+        if (normals) sum(turned_);
+    });
+}
+
+void MultiVolumes::declare(PassBuilder& passes, const ShadowTask& task)
+{
+    FrameArena& arena = passes.arena();
+    const ViewStencil stencil = declareViewStencil(passes, view_, task);
+    const ImageId sums = passes.transient(
+        ImageInfo{.name = "multi_volume.sums", .format = kSumFormat, .extent = passes.extent(task.depth)});
+    const LightView& light = *task.light;
+    const bool soft = light.constants.sourceRadius > 0.0f;
+    const std::uint32_t side = soft ? static_cast<std::uint32_t>(task.settings[kSide]) : 1;
+    auto* constants = arena.make(gpu::MultiVolume{.volumes = volumeResolve(*task.view, light), .pointEs = {}});
+    for (std::uint32_t i = 0; i < side * side; ++i) {
+        ShadowTask point = task;
+        if (soft) point.light = arena.make(lightAt(light, spreadPoint(i, side), i));
+        constants = arena.make(*constants);
+        constants->pointEs =
+            glm::vec4(light.type == GN_LIGHT_TYPE_DIRECTIONAL ? -point.light->direction()
+                                                              : point.light->position() - task.view->eye,
+                      1.0f / static_cast<float>(side * side));
+        declarePoint(passes, point, stencil, sums, i, constants);
+    }
+    const VkRect2D pixels = lightPixels(light, *task.view);
+    PassRef pass = passes.raster("multi_volume.resolve");
+    pass.writes(task.visibility, visibilityIn(*task.view, task.layer, pixels)).samples(sums);
+    usesView(pass, task);
+    pass.record([=, depth = task.depth, normals = task.normals, pipeline = resolve_](PassContext& gpu) {
+        if (pixels.extent.width == 0) return;
+        gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+        gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(1, depth),
+                            gpu.sampled(2, normals ? normals : depth), gpu.sampled(3, sums)});
+        gpu.drawFullscreen();
+    });
+}
+
+} // namespace
+
+const AlgorithmEntry kMultiVolume{
+    .name = "multi_volume",
+    .source = "Brotman and Badler 1984",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_RECTANGLE_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT |
+              GN_TRAIT_GPU_POSITIONS_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kSettings,
+    // Lists belong to meshes, not to lights.
+    .memoryPerLight = [](std::span<const double>, VkExtent2D extent,
+                         GnLightType) { return viewStencilMemory(extent) + storedImageSize(extent, 2); },
+    .missing = missingForStencil,
+    .create = makeAlgorithm<MultiVolumes>,
+    .typicalWrongPercent = 0.004f, // of lights without a surface: stencil_volume's
+};
+
+} // namespace gnomon
