@@ -37,7 +37,7 @@ struct SourceSizes {
 struct BenchOptions {
     std::vector<std::string> scenes;
     std::string methods, lights, maps, settings, size, csv;
-    std::string light; ///< Names: only these of the lights; empty: all.
+    std::string light;                ///< Names: only these of the lights; empty: all.
     SourceSizes sources;
     bool merged = false; ///< What stands still is one mesh.
     uint32_t repeat = 15;
@@ -124,5 +124,10 @@ struct PlotOptions {
 };
 int plotCommand(const PlotOptions& options);
 int explainCommand(const std::string& rules, const std::string& facts);
+struct ExportOptions {
+    std::string rules, out; ///< Empty: the standard output.
+    uint32_t resolution = 100;
+};
+int exportFllCommand(const ExportOptions& options);
 
 } // namespace gnomon::demo

@@ -273,5 +273,14 @@ int main(int argc, char** argv)
     explain->add_option("--facts", facts, "name=value,...; what is not given is unknown")->required();
     explain->callback([&] { exitCode = explainCommand(rules, facts); });
 
+    CLI::App* fll = app.add_subcommand("export-fll", "write a rule base in fuzzylite's language (FLL 6)");
+    ExportOptions exportOptions;
+    fll->add_option("RULES", exportOptions.rules, rulesHelp())->required();
+    fll->add_option("--out", exportOptions.out, "file; default: the standard output");
+    fll->add_option("--resolution", exportOptions.resolution, "samples of the centroid")
+        ->check(CLI::Range(2, 100000))
+        ->capture_default_str();
+    fll->callback([&] { exitCode = exportFllCommand(exportOptions); });
+
     return runCommandLine(app, argc, argv, exitCode);
 }

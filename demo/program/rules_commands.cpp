@@ -6,11 +6,13 @@
 
 #include "demo/io/file.hpp"
 #include "demo/io/number.hpp"
+#include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/rule_support.hpp"
 #include "demo/program/session.hpp"
 #include "demo/replay/trace.hpp"
 #include "rules/engine/explain.hpp"
+#include "rules/engine/export_fll.hpp"
 #include "rules/engine/lint.hpp"
 #include "runtime/select/facts.hpp"
 #include "runtime/select/frame_plan.hpp"
@@ -212,6 +214,23 @@ int explainCommand(const std::string& nameOrPath, const std::string& facts)
     rules::Inference inference = bound.engine->makeInference();
     bound.engine->evaluate(values, inference);
     std::printf("%s", rules::explain(*bound.engine, inference, {.because = true}).c_str());
+    return 0;
+}
+
+int exportFllCommand(const ExportOptions& options)
+{
+    requireWritable(options.out);
+    const rules::BindResult bound = rules::Engine::bind(parseRules(options.rules), runtimeVocabulary().view());
+    if (report(bound.diagnostics) || !bound.engine) return 1;
+    const rules::FllResult fll = rules::exportFll(*bound.engine, options.resolution);
+    if (fll.text.empty()) throw HostError(options.rules + ": FLL cannot say " + fll.missing);
+    for (const rules::Rule& rule : bound.engine->base().rules)
+        if (std::any_of(rule.consequents.begin(), rule.consequents.end(), [](const auto& c) { return c.isVeto(); }))
+            std::fprintf(stderr, "note: rule %s: `never` is not written: FLL has no vetoes\n", rule.id.c_str());
+    if (options.out.empty())
+        std::printf("%s", fll.text.c_str());
+    else
+        expect(writeFile(options.out, fll.text));
     return 0;
 }
 

@@ -13,7 +13,7 @@
 #include "bench_base.hpp"
 #include "rules/engine/lint.hpp"
 #include "runtime/base/number_text.hpp"
-#include "tests/rules/export_fll.hpp"
+#include "rules/engine/export_fll.hpp"
 
 using namespace gnomon;
 using namespace gnomon::rules;

@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "runtime/base/number_text.hpp"
-#include "tests/rules/export_fll.hpp"
+#include "rules/engine/export_fll.hpp"
 #if GNOMON_WITH_YAML
 #include "rules/yaml/shipped.hpp"
 #include "yaml_support.hpp"

@@ -1,4 +1,4 @@
-#include "tests/rules/export_fll.hpp"
+#include "rules/engine/export_fll.hpp"
 
 #include <algorithm>
 #include <array>
