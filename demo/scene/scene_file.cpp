@@ -7,7 +7,6 @@
 #include <glm/vector_relational.hpp>
 
 #include <algorithm>
-#include <array>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -74,8 +73,8 @@ void readInstanceKeys(MapReader& map, Instance& instance)
     if (list->kind != YamlNode::Kind::Sequence || list->children.empty())
         raise(map.context(), *list, "keys must be a list of at least one key");
     for (const YamlNode& node : list->children) {
-        MapReader key(map.context(), node, "a key");
-        const double time = readNumber(map.context(), key.need("time"), "time", kNotNegative);
+        MapReader key(map.context(), node, shapes::kInstanceKey, "a key");
+        const double time = key.needNumber("time");
         requireLater(map.context(), node, instance.keys, time);
         instance.keys.push_back({time, readPose(key)});
         if (glm::sign(instance.keys.back().pose.scale) != glm::sign(instance.keys.front().pose.scale))
@@ -98,7 +97,7 @@ void readInstance(ReadContext context, const YamlNode& node, Scene& scene)
 {
     const size_t number = scene.instances.size();
     context.subject = "instance " + std::to_string(number);
-    MapReader map(context, node, "an instance");
+    MapReader map(context, node, shapes::kInstance, "an instance");
     Instance instance;
     instance.name = map.text("name", "");
     if (!instance.name.empty()) context.subject = "instance '" + instance.name + "'";
@@ -108,7 +107,7 @@ void readInstance(ReadContext context, const YamlNode& node, Scene& scene)
     readInstanceKeys(map, instance);
     if (instance.keys.empty()) instance.pose = readPose(map);
     if (const YamlNode* spinNode = map.find("spin")) {
-        MapReader spin(context, *spinNode, "spin");
+        MapReader spin(context, *spinNode, shapes::kSpin, "spin");
         if (const YamlNode* axis = spin.find("axis")) instance.spin.axis = readDirection(context, *axis, "axis");
         instance.spin.radiansPerSecond = readTurnRate(spin, scene.framesPerSecond);
         spin.finish();
@@ -117,11 +116,9 @@ void readInstance(ReadContext context, const YamlNode& node, Scene& scene)
     instance.isStatic = map.boolean("static", false);
     instance.alphaTested = map.boolean("alpha_tested", false);
     instance.hostDrawn = map.boolean("host_drawn", false);
-    constexpr std::array<std::string_view, 3> kSides = {"by_mesh", "front", "both"};
-    if (const YamlNode* sides = map.find("sides"))
-        instance.sides = static_cast<Sides>(readChoice(context, *sides, "sides", kSides));
-    instance.casterMask = map.integer("mask", instance.casterMask, 0, 0xffffffffu);
-    instance.albedo = glm::vec3(map.vector("albedo", glm::dvec3(instance.albedo), {.low = 0.0, .high = 1.0}));
+    instance.sides = static_cast<Sides>(map.word("sides", static_cast<size_t>(instance.sides)));
+    instance.casterMask = map.integer("mask", instance.casterMask);
+    instance.albedo = glm::vec3(map.vector("albedo", glm::dvec3(instance.albedo)));
     const std::vector<Copy> copies = readCopies(map, true);
     map.finish();
     if (instance.isStatic && moves(instance))
@@ -163,17 +160,14 @@ public:
     }
 
 private:
-    static constexpr std::array<std::string_view, 15> kKnown = {
-        "name",   "description", "size",      "frames", "fps",         "depth",  "sky", "ambient",
-        "center", "meshes",      "instances", "lights", "light_count", "camera", "base"};
-
     void refuseUnknownSections() const
     {
         for (const auto& [key, section] : sections_) {
-            if (std::find(kKnown.begin(), kKnown.end(), key) != kKnown.end()) continue;
+            const std::span<const yaml::Key> keys = shapes::kScene.allKeys();
+            if (std::ranges::find(keys, key, &yaml::Key::name) != keys.end()) continue;
             std::string known;
-            for (const std::string_view name : kKnown)
-                known.append(known.empty() ? "" : ", ").append(name);
+            for (const yaml::Key& each : keys)
+                known.append(known.empty() ? "" : ", ").append(each.name);
             throw SceneError(positioned(section.file, section.keyLine, section.keyColumn,
                                         "unknown key '" + key + "'; known here: " + known));
         }
@@ -207,33 +201,31 @@ private:
         if (const Section* s = find("description"))
             scene_.description = readText({s->file, ""}, s->node, "description");
         if (const Section* s = find("frames"))
-            scene_.frames = readInteger({s->file, ""}, s->node, "frames", 1, 1'000'000);
+            scene_.frames = readInteger({s->file, ""}, s->node, "frames", shapes::kFrames.range);
         if (const Section* s = find("fps"))
-            scene_.framesPerSecond = readNumber({s->file, ""}, s->node, "fps", {.low = 1.0, .high = 1000.0});
+            scene_.framesPerSecond = readNumber({s->file, ""}, s->node, "fps", shapes::kRate.range);
         if (const Section* s = find("sky"))
-            scene_.sky = glm::vec3(readVector({s->file, ""}, s->node, "sky", kNotNegative));
+            scene_.sky = glm::vec3(readVector({s->file, ""}, s->node, "sky", shapes::kPositiveVector));
         if (const Section* s = find("ambient"))
-            scene_.ambient = readFloat({s->file, ""}, s->node, "ambient", kNotNegative);
-        if (const Section* s = find("center")) scene_.center = readVector({s->file, ""}, s->node, "center");
+            scene_.ambient = readFloat({s->file, ""}, s->node, "ambient", shapes::kNotNegative.range);
+        if (const Section* s = find("center"))
+            scene_.center = readVector({s->file, ""}, s->node, "center", shapes::kVector);
         if (const Section* s = list("size")) {
-            // 16384 is what Vulkan devices of today draw at most.
             if (s->node.children.size() != 2) raise({s->file, ""}, s->node, "size must be a list of 2 whole numbers");
-            scene_.width = readInteger({s->file, ""}, s->node.children[0], "width", 1, 16384);
-            scene_.height = readInteger({s->file, ""}, s->node.children[1], "height", 1, 16384);
+            scene_.width = readInteger({s->file, ""}, s->node.children[0], "width", shapes::kPixels.range);
+            scene_.height = readInteger({s->file, ""}, s->node.children[1], "height", shapes::kPixels.range);
         }
     }
 
     void readDepth()
     {
-        constexpr std::array<std::string_view, 2> kConventions = {"reversed_infinite", "standard"};
         const Section* section = find("depth");
         if (section == nullptr) return;
         const ReadContext context{section->file, "depth"};
-        MapReader map(context, section->node, "depth");
+        MapReader map(context, section->node, shapes::kDepth, "depth");
         DepthSettings& depth = scene_.depth;
-        if (const YamlNode* node = map.find("convention"))
-            depth.convention = static_cast<DepthConvention>(readChoice(context, *node, "convention", kConventions));
-        depth.nearPlane = map.number("near", depth.nearPlane, {.low = 1e-4, .high = 1e6});
+        depth.convention = static_cast<DepthConvention>(map.word("convention", static_cast<size_t>(depth.convention)));
+        depth.nearPlane = map.number("near", depth.nearPlane);
         if (depth.convention == DepthConvention::Standard)
             depth.farPlane = map.number("far", std::max(depth.farPlane, 2.0 * depth.nearPlane),
                                         {.low = depth.nearPlane, .lowOpen = true});
@@ -262,8 +254,8 @@ private:
             readLight({section->file, ""}, node, scene_.lights, scene_.framesPerSecond);
         const Section* count = find("light_count");
         if (count == nullptr) return;
-        const uint32_t used =
-            readInteger({count->file, ""}, count->node, "light_count", 0, static_cast<uint32_t>(scene_.lights.size()));
+        const uint32_t used = readInteger({count->file, ""}, count->node, "light_count",
+                                          {.low = 0.0, .high = double(scene_.lights.size())});
         scene_.spareLights.assign(scene_.lights.begin() + used, scene_.lights.end());
         scene_.lights.resize(used);
     }

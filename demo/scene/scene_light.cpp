@@ -18,25 +18,23 @@ glm::dvec3 readAim(MapReader& map, const glm::dvec3& position, bool mayAim)
         raise(map.context(), map.node(),
               mayAim ? "exactly one of 'direction' and 'aim' must be given" : "'direction' is missing");
     if (direction != nullptr) return readDirection(map.context(), *direction, "direction");
-    const glm::dvec3 way = readVector(map.context(), *aim, "aim") - position;
+    const glm::dvec3 way = map.needVector("aim") - position;
     if (!(glm::length(way) > 0.0)) raise(map.context(), *aim, "aim must differ from the light's position");
     return glm::normalize(way);
 }
 
 void readPlace(MapReader& map, LightKind kind, glm::dvec3& position, glm::dvec3& direction)
 {
-    if (kind != LightKind::Directional) position = readVector(map.context(), map.need("at"), "at");
+    if (kind != LightKind::Directional) position = map.needVector("at");
     if (kind != LightKind::Point) direction = readAim(map, position, kind == LightKind::Spot);
 }
 
 void readCone(MapReader& map, Light& light)
 {
     const YamlNode& node = map.need("cone");
-    MapReader cone(map.context(), node, "cone");
-    // A half angle of 90 degrees has no projection; 80 is still a texel stretch of 1 / cos^2 = 33.
-    const double outer =
-        readNumber(map.context(), cone.need("outer"), "outer", {.low = 0.0, .high = 80.0, .lowOpen = true});
-    const double inner = cone.number("inner", outer * 0.9, {.low = 0.0, .high = outer});
+    MapReader cone(map.context(), node, shapes::kCone, "cone");
+    const double outer = cone.needNumber("outer");
+    const double inner = cone.number("inner", outer * 0.9, {.high = outer});
     cone.finish();
     light.outerAngle = static_cast<float>(toRadians(outer));
     light.innerAngle = static_cast<float>(toRadians(inner));
@@ -47,9 +45,9 @@ void readRectangle(MapReader& map, Light& light)
     const YamlNode* node = map.find("rectangle");
     if (node == nullptr) return;
     if (map.find("radius") != nullptr) raise(map.context(), *node, "a light has a rectangle or a radius, not both");
-    MapReader rectangle(map.context(), *node, "rectangle");
+    MapReader rectangle(map.context(), *node, shapes::kRectangle, "rectangle");
     for (const auto& [key, half] : {std::pair{"width", &light.rectangle.x}, std::pair{"height", &light.rectangle.y}})
-        *half = 0.5f * readFloat(map.context(), rectangle.need(key), key, kPositive);
+        *half = 0.5f * rectangle.needFloat(key);
     if (const YamlNode* axis = rectangle.find("axis"))
         light.rectangleAxis = readDirection(map.context(), *axis, "axis");
     rectangle.finish();
@@ -65,9 +63,9 @@ void readLightKeys(MapReader& map, Light& light)
     if (list->kind != YamlNode::Kind::Sequence || list->children.empty())
         raise(map.context(), *list, "keys must be a list of at least one key");
     for (const YamlNode& node : list->children) {
-        MapReader key(map.context(), node, "a key");
+        MapReader key(map.context(), node, shapes::kLightKey, "a key");
         LightKey value;
-        value.time = readNumber(map.context(), key.need("time"), "time", kNotNegative);
+        value.time = key.needNumber("time");
         requireLater(map.context(), node, light.keys, value.time);
         readPlace(key, light.kind, value.position, value.direction);
         key.finish();
@@ -79,10 +77,10 @@ void readLightKeys(MapReader& map, Light& light)
 
 void readLifetime(MapReader& map, Light& light)
 {
-    light.appear = map.number("appear", light.appear, kNotNegative);
+    light.appear = map.number("appear", light.appear);
     const YamlNode* end = map.find("disappear");
     if (end == nullptr) return;
-    light.disappear = readNumber(map.context(), *end, "disappear", kNotNegative);
+    light.disappear = map.needNumber("disappear");
     if (light.disappear <= light.appear) raise(map.context(), *end, "disappear must come after appear");
 }
 
@@ -136,7 +134,7 @@ double toRadians(double degrees) noexcept
 
 glm::dvec3 readDirection(const ReadContext& context, const YamlNode& node, const std::string& name)
 {
-    const glm::dvec3 vector = readVector(context, node, name);
+    const glm::dvec3 vector = readVector(context, node, name, shapes::kVector);
     // Shorter vectors lose digits when squared; nobody writes one on purpose.
     if (!(glm::length(vector) > 1e-9)) raise(context, node, name + " must not be zero");
     return glm::normalize(vector);
@@ -144,29 +142,28 @@ glm::dvec3 readDirection(const ReadContext& context, const YamlNode& node, const
 
 void readLight(ReadContext context, const YamlNode& node, std::vector<Light>& lights, double framesPerSecond)
 {
-    constexpr std::array<std::string_view, 3> kKinds = {"directional", "spot", "point"};
     context.subject = "light " + std::to_string(lights.size());
-    MapReader map(context, node, "a light");
+    MapReader map(context, node, shapes::kLight, "a light");
     Light light;
     light.name = map.text("name", "light" + std::to_string(lights.size()));
     context.subject = "light '" + light.name + "'"; // the reader sees the better name from here on
-    light.kind = static_cast<LightKind>(readChoice(context, map.need("kind"), "kind", kKinds));
+    light.kind = static_cast<LightKind>(readWord(context, map.need("kind"), "kind", shapes::kLightKind));
 
     readLightKeys(map, light);
     if (light.keys.empty()) readPlace(map, light.kind, light.position, light.direction);
     if (light.kind == LightKind::Spot) readCone(map, light);
     if (light.kind == LightKind::Spot) readRectangle(map, light);
     if (light.kind != LightKind::Directional) {
-        light.range = readFloat(context, map.need("range"), "range", kPositive);
-        light.radius = map.numberF("radius", light.radius, kNotNegative);
+        light.range = map.needFloat("range");
+        light.radius = map.numberF("radius", light.radius);
     } else {
         // The angle a distant disc's radius spans; the sun's is 0.27 degrees.
-        light.radius = static_cast<float>(toRadians(map.number("radius_degrees", 0.0, {.low = 0.0, .high = 45.0})));
+        light.radius = static_cast<float>(toRadians(map.number("radius_degrees", 0.0)));
     }
-    light.colour = glm::vec3(map.vector("colour", glm::dvec3(1.0), kNotNegative));
-    light.intensity = map.numberF("intensity", light.intensity, kNotNegative);
-    light.importance = map.numberF("importance", light.importance, kPositive);
-    light.casterMask = map.integer("mask", light.casterMask, 0, 0xffffffffu);
+    light.colour = glm::vec3(map.vector("colour", glm::dvec3(1.0)));
+    light.intensity = map.numberF("intensity", light.intensity);
+    light.importance = map.numberF("importance", light.importance);
+    light.casterMask = map.integer("mask", light.casterMask);
     readLifetime(map, light);
     light.orbit = readOrbit(map, framesPerSecond);
     light.isStatic = map.boolean("static", false);
@@ -185,15 +182,14 @@ std::vector<CameraKey> readCamera(const ReadContext& context, const YamlNode& no
         raise(context, node, "camera must be a list of at least one key");
     std::vector<CameraKey> keys;
     for (const YamlNode& child : node.children) {
-        MapReader map(context, child, "a camera key");
+        MapReader map(context, child, shapes::kCameraKey, "a camera key");
         CameraKey key;
-        key.time = map.number("time", 0.0, kNotNegative);
+        key.time = map.number("time", 0.0);
         requireLater(context, child, keys, key.time);
-        key.eye = readVector(context, map.need("eye"), "eye");
-        key.target = readVector(context, map.need("target"), "target");
+        key.eye = map.needVector("eye");
+        key.target = map.needVector("target");
         const double fov =
-            map.number("fov", keys.empty() ? 45.0 : double(keys.back().verticalFov) * 180.0 / std::numbers::pi,
-                       {.low = 1.0, .high = 160.0});
+            map.number("fov", keys.empty() ? 45.0 : double(keys.back().verticalFov) * 180.0 / std::numbers::pi);
         key.verticalFov = static_cast<float>(toRadians(fov));
         key.cut = map.boolean("cut", false);
         map.finish();

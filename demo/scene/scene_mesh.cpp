@@ -9,39 +9,21 @@
 namespace gnomon::demo {
 namespace {
 
-constexpr uint32_t kMostSegments = 4096;
-
-// Metres. Products of three lengths, as areas and volumes have them, stay normal numbers in single precision.
-constexpr Range kLength{.low = 1e-4, .high = 1e6};
-
-uint32_t segments(MapReader& map, std::string_view key, uint32_t fallback, uint32_t least)
-{
-    return map.integer(key, fallback, least, kMostSegments);
-}
-
-float length(MapReader& map, std::string_view key, float fallback)
-{
-    return map.numberF(key, fallback, kLength);
-}
-
 /// Width and depth or width and height, as `size: [a, b]`.
 void readSize(MapReader& map, float& first, float& second)
 {
-    const YamlNode* node = map.find("size");
-    if (node == nullptr) return;
-    const std::vector<double> size = readNumbers(map.context(), *node, "size", 2, kLength);
-    first = static_cast<float>(size[0]);
-    second = static_cast<float>(size[1]);
+    const auto size = map.numbers("size");
+    if (!size) return;
+    first = static_cast<float>((*size)[0]);
+    second = static_cast<float>((*size)[1]);
 }
 
 void readCells(MapReader& map, uint32_t& columns, uint32_t& rows)
 {
-    const YamlNode* node = map.find("cells");
-    if (node == nullptr) return;
-    if (node->kind != YamlNode::Kind::Sequence || node->children.size() != 2)
-        raise(map.context(), *node, "cells must be a list of 2 whole numbers");
-    columns = readInteger(map.context(), node->children[0], "cells", 1, kMostSegments);
-    rows = readInteger(map.context(), node->children[1], "cells", 1, kMostSegments);
+    const auto cells = map.integers("cells");
+    if (!cells) return;
+    columns = (*cells)[0];
+    rows = (*cells)[1];
 }
 
 void requireTriangles(MapReader& map, uint64_t count)
@@ -70,39 +52,39 @@ Mesh readPlane(MapReader& map, const SceneFileOptions& options)
 
 Mesh readBox(MapReader& map, const SceneFileOptions& options)
 {
-    const BoxShape s{glm::vec3(map.vector("size", glm::dvec3(1.0), kLength))};
+    const BoxShape s{glm::vec3(map.vector("size", glm::dvec3(1.0)))};
     return built(map, options, 12, [&] { return makeBox(s); });
 }
 
 Mesh readSphere(MapReader& map, const SceneFileOptions& options)
 {
     SphereShape s;
-    s.radius = length(map, "radius", s.radius);
-    s.slices = segments(map, "slices", s.slices, 3);
-    s.stacks = segments(map, "stacks", s.stacks, 2);
+    s.radius = map.numberF("radius", s.radius);
+    s.slices = map.integer("slices", s.slices);
+    s.stacks = map.integer("stacks", s.stacks);
     return built(map, options, 2ull * s.slices * (s.stacks - 1), [&] { return makeSphere(s); });
 }
 
 Mesh readTorus(MapReader& map, const SceneFileOptions& options)
 {
     TorusShape s;
-    s.radius = length(map, "radius", s.radius);
-    s.tube = map.numberF("tube", s.tube, {.low = 1e-4, .high = s.radius, .highOpen = true});
-    s.ringSegments = segments(map, "ring_segments", s.ringSegments, 3);
-    s.tubeSegments = segments(map, "tube_segments", s.tubeSegments, 3);
+    s.radius = map.numberF("radius", s.radius);
+    s.tube = map.numberF("tube", s.tube, {.high = s.radius, .highOpen = true});
+    s.ringSegments = map.integer("ring_segments", s.ringSegments);
+    s.tubeSegments = map.integer("tube_segments", s.tubeSegments);
     return built(map, options, 2ull * s.ringSegments * s.tubeSegments, [&] { return makeTorus(s); });
 }
 
 Mesh readTorusKnot(MapReader& map, const SceneFileOptions& options)
 {
     TorusKnotShape s;
-    s.radius = length(map, "radius", s.radius);
-    s.sweep = map.numberF("sweep", s.sweep, {.low = 1e-4, .high = s.radius, .highOpen = true});
-    s.tube = map.numberF("tube", s.tube, {.low = 1e-4, .high = s.sweep, .highOpen = true});
-    s.p = map.integer("p", s.p, 1, 32);
-    s.q = map.integer("q", s.q, 1, 32);
-    s.knotSegments = segments(map, "knot_segments", s.knotSegments, 3);
-    s.tubeSegments = segments(map, "tube_segments", s.tubeSegments, 3);
+    s.radius = map.numberF("radius", s.radius);
+    s.sweep = map.numberF("sweep", s.sweep, {.high = s.radius, .highOpen = true});
+    s.tube = map.numberF("tube", s.tube, {.high = s.sweep, .highOpen = true});
+    s.p = map.integer("p", s.p);
+    s.q = map.integer("q", s.q);
+    s.knotSegments = map.integer("knot_segments", s.knotSegments);
+    s.tubeSegments = map.integer("tube_segments", s.tubeSegments);
     if (std::gcd(s.p, s.q) != 1) raise(map.context(), map.node(), "p and q must have no common factor");
     return built(map, options, 2ull * s.knotSegments * s.tubeSegments, [&] { return makeTorusKnot(s); });
 }
@@ -110,32 +92,31 @@ Mesh readTorusKnot(MapReader& map, const SceneFileOptions& options)
 Mesh readCylinder(MapReader& map, const SceneFileOptions& options)
 {
     CylinderShape s;
-    s.radius = length(map, "radius", s.radius);
-    s.topRadius = length(map, "top_radius", s.radius);
-    s.height = length(map, "height", s.height);
-    s.segments = segments(map, "segments", s.segments, 3);
-    s.rings = segments(map, "rings", s.rings, 1);
+    s.radius = map.numberF("radius", s.radius);
+    s.topRadius = map.numberF("top_radius", s.radius);
+    s.height = map.numberF("height", s.height);
+    s.segments = map.integer("segments", s.segments);
+    s.rings = map.integer("rings", s.rings);
     return built(map, options, 2ull * s.segments * (s.rings + 1), [&] { return makeCylinder(s); });
 }
 
 Mesh readColumn(MapReader& map, const SceneFileOptions& options)
 {
     ColumnShape s;
-    s.radius = length(map, "radius", s.radius);
-    s.height = map.numberF("height", s.height, {.low = 2.0 * s.radius, .high = kLength.high, .lowOpen = true});
-    s.segments = segments(map, "segments", s.segments, 3);
-    s.rings = segments(map, "rings", s.rings, 1);
+    s.radius = map.numberF("radius", s.radius);
+    s.height = map.numberF("height", s.height, {.low = 2.0 * s.radius, .lowOpen = true});
+    s.segments = map.integer("segments", s.segments);
+    s.rings = map.integer("rings", s.rings);
     return built(map, options, 2ull * s.segments * (s.rings + 5), [&] { return makeColumn(s); });
 }
 
 Mesh readArch(MapReader& map, const SceneFileOptions& options)
 {
     ArchShape s;
-    s.innerRadius = length(map, "inner_radius", s.innerRadius);
-    s.outerRadius =
-        map.numberF("outer_radius", s.outerRadius, {.low = s.innerRadius, .high = kLength.high, .lowOpen = true});
-    s.depth = length(map, "depth", s.depth);
-    s.segments = segments(map, "segments", s.segments, 2);
+    s.innerRadius = map.numberF("inner_radius", s.innerRadius);
+    s.outerRadius = map.numberF("outer_radius", s.outerRadius, {.low = s.innerRadius, .lowOpen = true});
+    s.depth = map.numberF("depth", s.depth);
+    s.segments = map.integer("segments", s.segments);
     return built(map, options, 8ull * s.segments + 4, [&] { return makeArch(s); });
 }
 
@@ -143,12 +124,12 @@ Mesh readTerrain(MapReader& map, const SceneFileOptions& options)
 {
     TerrainShape s;
     readSize(map, s.width, s.depth);
-    s.height = length(map, "height", s.height);
+    s.height = map.numberF("height", s.height);
     // Lattice coordinates must stay well inside 32 bits.
     s.featureSize = map.numberF("feature_size", s.featureSize, {.low = 1e-4 * double(std::max(s.width, s.depth))});
-    s.thickness = map.numberF("thickness", s.thickness, {.low = 0.0, .high = kLength.high});
+    s.thickness = map.numberF("thickness", s.thickness);
     readCells(map, s.columns, s.rows);
-    s.seed = map.integer("seed", s.seed, 0, 0xffffffffu);
+    s.seed = map.integer("seed", s.seed);
     const uint64_t walls = s.thickness > 0.0f ? 6ull * (s.columns + s.rows) : 0;
     return built(map, options, 2ull * s.columns * s.rows + walls, [&] { return makeTerrain(s); });
 }
@@ -157,8 +138,8 @@ Mesh readCloth(MapReader& map, const SceneFileOptions& options)
 {
     ClothShape s;
     readSize(map, s.width, s.height);
-    s.amplitude = map.numberF("amplitude", s.amplitude, {.low = 0.0, .high = kLength.high});
-    s.folds = map.numberF("folds", s.folds, {.low = 0.0, .high = 1e4});
+    s.amplitude = map.numberF("amplitude", s.amplitude);
+    s.folds = map.numberF("folds", s.folds);
     readCells(map, s.columns, s.rows);
     return built(map, options, 2ull * s.columns * s.rows, [&] { return makeCloth(s); });
 }
@@ -173,13 +154,13 @@ Mesh readCard(MapReader& map, const SceneFileOptions& options)
 Mesh readLeaves(MapReader& map, const SceneFileOptions& options)
 {
     LeavesShape s;
-    s.size = glm::vec3(map.vector("size", glm::dvec3(s.size), kLength));
-    s.length = length(map, "length", s.length);
-    s.width = length(map, "width", s.width);
-    s.count = map.integer("count", s.count, 1, kMostTrianglesPerMesh);
-    s.seed = map.integer("seed", s.seed, 0, 0xffffffffu);
+    s.size = glm::vec3(map.vector("size", glm::dvec3(s.size)));
+    s.length = map.numberF("length", s.length);
+    s.width = map.numberF("width", s.width);
+    s.count = map.integer("count", s.count);
+    s.seed = map.integer("seed", s.seed);
     s.closed = map.boolean("closed", s.closed);
-    s.blades = map.integer("blades", s.blades, 1, s.closed ? 1 : 8);
+    s.blades = map.integer("blades", s.blades, {.high = s.closed ? 1.0 : 8.0});
     return built(map, options, (s.closed ? 8ull : 2ull * s.blades) * s.count, [&] { return makeLeaves(s); });
 }
 
@@ -187,12 +168,12 @@ Mesh readBuilding(MapReader& map, const SceneFileOptions& options)
 {
     BuildingShape s;
     readSize(map, s.width, s.depth);
-    s.storey = length(map, "storey", s.storey);
-    s.floors = map.integer("floors", s.floors, 1, 256);
-    s.bays = map.integer("bays", s.bays, 1, 256);
-    s.sideBays = map.integer("side_bays", s.sideBays, 1, 256);
+    s.storey = map.numberF("storey", s.storey);
+    s.floors = map.integer("floors", s.floors);
+    s.bays = map.integer("bays", s.bays);
+    s.sideBays = map.integer("side_bays", s.sideBays);
     // Between the walls, windows need room.
-    s.recess = map.numberF("recess", s.recess, {.low = 1e-4, .high = 0.25 * double(std::min(s.width, s.depth))});
+    s.recess = map.numberF("recess", s.recess, {.high = 0.25 * double(std::min(s.width, s.depth))});
     return built(map, options, triangleCount(s), [&] { return makeBuilding(s); });
 }
 
@@ -235,7 +216,7 @@ Mesh readShape(MapReader& map, const ShapeReader& shape, const SceneFileOptions&
 {
     YamlNode settings = *map.find(shape.key);
     if (settings.kind == YamlNode::Kind::Null) settings.kind = YamlNode::Kind::Map;
-    MapReader reader(map.context(), settings, std::string(shape.key));
+    MapReader reader(map.context(), settings, *shapes::kPart.at(shape.key).shape, std::string(shape.key));
     return shape.read(reader, options);
 }
 
@@ -246,7 +227,7 @@ Mesh readParts(const ReadContext& context, const YamlNode& list, const SceneFile
         raise(context, list, "parts must be a list of at least one part");
     Mesh whole;
     for (const YamlNode& node : list.children) {
-        MapReader map(context, node, "a part");
+        MapReader map(context, node, shapes::kPart, "a part");
         const ShapeReader* shape = findShape(map);
         Instance part;
         part.pose = readPose(map);
@@ -265,9 +246,8 @@ Mesh readFile(MapReader& map, const YamlNode& fileNode, const std::string& name,
 {
     const std::string reference = readText(map.context(), fileNode, "file");
     MeshFileOptions import;
-    constexpr std::array<std::string_view, 3> kUp = {"y", "z", "-z"};
-    if (const YamlNode* up = map.find("up")) import.up = static_cast<UpAxis>(readChoice(map.context(), *up, "up", kUp));
-    import.fitHeight = map.numberF("fit_height", 0.0f, kLength);
+    import.up = static_cast<UpAxis>(map.word("up", static_cast<size_t>(import.up)));
+    import.fitHeight = map.numberF("fit_height", 0.0f);
     map.finish();
     if (!options.buildMeshes) return {};
     const auto path = findMeshFile(reference, folder);
@@ -286,7 +266,7 @@ Mesh readFile(MapReader& map, const YamlNode& fileNode, const std::string& name,
 Mesh readMesh(const ReadContext& context, const std::string& name, const YamlNode& node,
               const std::filesystem::path& folder, const SceneFileOptions& options, std::vector<std::string>& notes)
 {
-    MapReader map(context, node, "a mesh");
+    MapReader map(context, node, shapes::kMesh, "a mesh");
     Mesh mesh;
     if (const YamlNode* file = map.find("file")) {
         mesh = readFile(map, *file, name, folder, options, notes);

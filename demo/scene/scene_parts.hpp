@@ -2,6 +2,7 @@
 
 #include "demo/scene/scene.hpp"
 #include "demo/scene/scene_file.hpp"
+#include "demo/scene/scene_shape.hpp"
 #include "demo/scene/yaml_reader.hpp"
 
 #include <filesystem>
@@ -12,10 +13,9 @@
 /// The loader's own pieces, one per kind of entry in a scene file.
 namespace gnomon::demo {
 
-// Bounds of what a file may ask for, far above any sensible scene: a typing error must not eat the memory.
-inline constexpr uint32_t kMostTrianglesPerMesh = 4'000'000;
-inline constexpr uint32_t kMostInstances = 100'000;
-inline constexpr uint32_t kMostLights = 4096;
+using shapes::kMostInstances;
+using shapes::kMostLights;
+using shapes::kMostTrianglesPerMesh;
 
 /// "meshes: NAME: {...}". Notes of file imports are appended to `notes`.
 Mesh readMesh(const ReadContext& context, const std::string& name, const YamlNode& node,

@@ -4,7 +4,6 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
-#include <array>
 #include <numbers>
 
 namespace gnomon::demo {
@@ -23,10 +22,9 @@ glm::dquat readRotation(const ReadContext& context, const YamlNode& node)
         }
         return rotation;
     }
-    MapReader map(context, node, "rotate");
+    MapReader map(context, node, shapes::kTurn, "rotate");
     const glm::dvec3 axis = readDirection(context, map.need("axis"), "axis");
-    const double angle =
-        toRadians(readNumber(context, map.need("degrees"), "degrees", {.low = -3600.0, .high = 3600.0}));
+    const double angle = toRadians(map.needNumber("degrees"));
     map.finish();
     return glm::angleAxis(angle, axis);
 }
@@ -35,18 +33,14 @@ glm::dquat readRotation(const ReadContext& context, const YamlNode& node)
 /// moved and, where `strewn`, turned and scaled by what its number and the seed say.
 std::vector<Copy> readGrid(const ReadContext& context, const YamlNode& node, bool strewn)
 {
-    MapReader repeat(context, node, "repeat");
+    MapReader repeat(context, node, strewn ? shapes::kStrewn : shapes::kGrid, "repeat");
     const YamlNode& countNode = repeat.need("count");
-    if (countNode.kind != YamlNode::Kind::Sequence || countNode.children.size() != 3)
-        raise(context, countNode, "count must be a list of 3 whole numbers");
-    std::array<uint32_t, 3> count;
-    for (size_t axis = 0; axis < 3; ++axis)
-        count[axis] = readInteger(context, countNode.children[axis], "count", 1, 1024);
-    const glm::dvec3 spacing = readVector(context, repeat.need("spacing"), "spacing", kNotNegative);
-    const glm::dvec3 jitter = repeat.vector("jitter", glm::dvec3(0.0), kNotNegative);
-    const double turn = strewn ? toRadians(repeat.number("turn", 0.0, {.low = 0.0, .high = 180.0})) : 0.0;
-    const double grow = strewn ? repeat.number("grow", 0.0, {.low = 0.0, .high = 0.9}) : 0.0;
-    const uint32_t seed = repeat.integer("seed", 1, 0, 0xffffffffu);
+    const std::vector<uint32_t> count = readIntegers(context, countNode, "count", shapes::kCounts);
+    const glm::dvec3 spacing = repeat.needVector("spacing");
+    const glm::dvec3 jitter = repeat.vector("jitter", glm::dvec3(0.0));
+    const double turn = strewn ? toRadians(repeat.number("turn", 0.0)) : 0.0;
+    const double grow = strewn ? repeat.number("grow", 0.0) : 0.0;
+    const uint32_t seed = repeat.integer("seed", 1);
     repeat.finish();
     if (uint64_t(count[0]) * count[1] * count[2] > kMostInstances)
         raise(context, countNode, "more than " + std::to_string(kMostInstances) + " copies");
@@ -72,8 +66,8 @@ std::vector<Copy> readGrid(const ReadContext& context, const YamlNode& node, boo
 /// `ring: {count, center}`: copies turned evenly round the vertical axis through the centre.
 std::vector<Copy> readRing(const ReadContext& context, const YamlNode& node)
 {
-    MapReader ring(context, node, "ring");
-    const uint32_t count = readInteger(context, ring.need("count"), "count", 1, 1024);
+    MapReader ring(context, node, shapes::kRing, "ring");
+    const uint32_t count = readInteger(context, ring.need("count"), "count", shapes::kUpTo1024.range);
     const glm::dvec3 center = ring.vector("center", glm::dvec3(0.0));
     ring.finish();
     std::vector<Copy> copies(count);
@@ -93,8 +87,8 @@ Pose readPose(MapReader& map)
     if (const YamlNode* rotate = map.find("rotate")) pose.rotation = readRotation(map.context(), *rotate);
     if (const YamlNode* scale = map.find("scale")) {
         pose.scale = scale->kind == YamlNode::Kind::Sequence
-                         ? readVector(map.context(), *scale, "scale")
-                         : glm::dvec3(readNumber(map.context(), *scale, "scale", kAny));
+                         ? readVector(map.context(), *scale, "scale", shapes::kVector)
+                         : glm::dvec3(readNumber(map.context(), *scale, "scale", shapes::kAny.range));
         // Thinner than this, a float matrix no longer inverts.
         if (glm::any(glm::lessThan(glm::abs(pose.scale), glm::dvec3(1e-6))))
             raise(map.context(), *scale, "scale must be 1e-6 at least, or -1e-6 at most where it mirrors");
@@ -137,7 +131,7 @@ Orbit readOrbit(MapReader& map, double framesPerSecond)
     Orbit orbit;
     const YamlNode* node = map.find("orbit");
     if (node == nullptr) return orbit;
-    MapReader reader(map.context(), *node, "orbit");
+    MapReader reader(map.context(), *node, shapes::kOrbit, "orbit");
     orbit.center = reader.vector("center", orbit.center);
     if (const YamlNode* axis = reader.find("axis")) orbit.axis = readDirection(map.context(), *axis, "axis");
     orbit.radiansPerSecond = readTurnRate(reader, framesPerSecond);

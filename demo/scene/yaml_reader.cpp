@@ -36,6 +36,22 @@ bool contains(const Range& range, double value)
            (range.highOpen ? value < range.high : value <= range.high);
 }
 
+/// What lies in both.
+Range both(const Range& a, const Range& b)
+{
+    Range range = a;
+    if (b.low > a.low || (b.low == a.low && b.lowOpen)) range.low = b.low, range.lowOpen = b.lowOpen;
+    if (b.high < a.high || (b.high == a.high && b.highOpen)) range.high = b.high, range.highOpen = b.highOpen;
+    return range;
+}
+
+const YamlNode* lookUp(const YamlNode& map, std::string_view key)
+{
+    for (size_t i = 0; i + 1 < map.children.size(); i += 2)
+        if (map.children[i].text == key) return &map.children[i + 1];
+    return nullptr;
+}
+
 const std::string& scalar(const ReadContext& context, const YamlNode& node, const std::string& name,
                           const char* expected)
 {
@@ -73,8 +89,7 @@ float readFloat(const ReadContext& context, const YamlNode& node, const std::str
     return value;
 }
 
-uint32_t readInteger(const ReadContext& context, const YamlNode& node, const std::string& name, uint32_t low,
-                     uint32_t high)
+uint32_t readInteger(const ReadContext& context, const YamlNode& node, const std::string& name, const Range& range)
 {
     const std::string& text = scalar(context, node, name, "a whole number");
     const bool hexadecimal = text.starts_with("0x");
@@ -83,10 +98,10 @@ uint32_t readInteger(const ReadContext& context, const YamlNode& node, const std
     uint32_t value = 0;
     const std::from_chars_result parsed = std::from_chars(begin, end, value, hexadecimal ? 16 : 10);
     const bool whole = parsed.ec == std::errc() && parsed.ptr == end && !node.quoted;
-    if (!whole || value < low || value > high)
+    if (!whole || !contains(range, value))
         raise(context, node,
-              name + " must be a whole number from " + std::to_string(low) + " to " + std::to_string(high) + ", got '" +
-                  text + "'");
+              name + " must be a whole number from " + std::to_string(static_cast<uint32_t>(range.low)) + " to " +
+                  std::to_string(static_cast<uint32_t>(range.high)) + ", got '" + text + "'");
     return value;
 }
 
@@ -105,41 +120,51 @@ std::string readText(const ReadContext& context, const YamlNode& node, const std
     return text;
 }
 
-std::vector<double> readNumbers(const ReadContext& context, const YamlNode& node, const std::string& name, size_t count,
-                                const Range& range)
+std::vector<double> readNumbers(const ReadContext& context, const YamlNode& node, const std::string& name,
+                                const Shape& shape)
 {
-    if (node.kind != YamlNode::Kind::Sequence || node.children.size() != count) {
+    if (node.kind != YamlNode::Kind::Sequence || node.children.size() != shape.least) {
         const std::string got = node.kind == YamlNode::Kind::Sequence
                                     ? std::to_string(node.children.size()) + " of them"
                                     : std::string(node.kindName());
-        raise(context, node, name + " must be a list of " + std::to_string(count) + " numbers, got " + got);
+        raise(context, node, name + " must be a list of " + std::to_string(shape.least) + " numbers, got " + got);
     }
     std::vector<double> values;
     for (const YamlNode& child : node.children)
-        values.push_back(readNumber(context, child, name, range));
+        values.push_back(readNumber(context, child, name, shape.item->range));
     return values;
 }
 
-glm::dvec3 readVector(const ReadContext& context, const YamlNode& node, const std::string& name, const Range& range)
+std::vector<uint32_t> readIntegers(const ReadContext& context, const YamlNode& node, const std::string& name,
+                                   const Shape& shape)
 {
-    const std::vector<double> values = readNumbers(context, node, name, 3, range);
+    if (node.kind != YamlNode::Kind::Sequence || node.children.size() != shape.least)
+        raise(context, node, name + " must be a list of " + std::to_string(shape.least) + " whole numbers");
+    std::vector<uint32_t> values;
+    for (const YamlNode& child : node.children)
+        values.push_back(readInteger(context, child, name, shape.item->range));
+    return values;
+}
+
+glm::dvec3 readVector(const ReadContext& context, const YamlNode& node, const std::string& name, const Shape& shape)
+{
+    const std::vector<double> values = readNumbers(context, node, name, shape);
     return {values[0], values[1], values[2]};
 }
 
-size_t readChoice(const ReadContext& context, const YamlNode& node, const std::string& name,
-                  std::span<const std::string_view> choices)
+size_t readWord(const ReadContext& context, const YamlNode& node, const std::string& name, const Shape& shape)
 {
     const std::string& text = scalar(context, node, name, "a word");
-    const auto found = std::find(choices.begin(), choices.end(), text);
-    if (found != choices.end()) return static_cast<size_t>(found - choices.begin());
-    std::string list;
-    for (const std::string_view choice : choices)
-        list.append(list.empty() ? "" : ", ").append(choice);
-    raise(context, node, name + " must be one of " + list + ", got '" + text + "'");
+    const auto found = std::ranges::find(shape.words, text);
+    if (found != shape.words.end()) return static_cast<size_t>(found - shape.words.begin());
+    std::string known;
+    for (const std::string_view choice : shape.words)
+        known.append(known.empty() ? "" : ", ").append(choice);
+    raise(context, node, name + " must be one of " + known + ", got '" + text + "'");
 }
 
-MapReader::MapReader(const ReadContext& context, const YamlNode& map, const std::string& what)
-    : context_(context), map_(map)
+MapReader::MapReader(const ReadContext& context, const YamlNode& map, const Shape& shape, const std::string& what)
+    : context_(context), map_(map), shape_(shape)
 {
     if (map.kind != YamlNode::Kind::Map) raise(context, map, what + " must be a map, got " + map.kindName());
 }
@@ -147,9 +172,7 @@ MapReader::MapReader(const ReadContext& context, const YamlNode& map, const std:
 const YamlNode* MapReader::find(std::string_view key)
 {
     if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
-    for (size_t i = 0; i + 1 < map_.children.size(); i += 2)
-        if (map_.children[i].text == key) return &map_.children[i + 1];
-    return nullptr;
+    return lookUp(map_, shape_.at(key).name);
 }
 
 const YamlNode& MapReader::need(std::string_view key)
@@ -158,22 +181,22 @@ const YamlNode& MapReader::need(std::string_view key)
     raise(context_, map_, "'" + std::string(key) + "' is missing");
 }
 
-double MapReader::number(std::string_view key, double fallback, const Range& range)
+double MapReader::number(std::string_view key, double fallback, const Range& within)
 {
     const YamlNode* node = find(key);
-    return node ? readNumber(context_, *node, std::string(key), range) : fallback;
+    return node ? readNumber(context_, *node, std::string(key), both(shapeOf(key).range, within)) : fallback;
 }
 
-float MapReader::numberF(std::string_view key, float fallback, const Range& range)
+float MapReader::numberF(std::string_view key, float fallback, const Range& within)
 {
     const YamlNode* node = find(key);
-    return node ? readFloat(context_, *node, std::string(key), range) : fallback;
+    return node ? readFloat(context_, *node, std::string(key), both(shapeOf(key).range, within)) : fallback;
 }
 
-uint32_t MapReader::integer(std::string_view key, uint32_t fallback, uint32_t low, uint32_t high)
+uint32_t MapReader::integer(std::string_view key, uint32_t fallback, const Range& within)
 {
     const YamlNode* node = find(key);
-    return node ? readInteger(context_, *node, std::string(key), low, high) : fallback;
+    return node ? readInteger(context_, *node, std::string(key), both(shapeOf(key).range, within)) : fallback;
 }
 
 bool MapReader::boolean(std::string_view key, bool fallback)
@@ -188,14 +211,51 @@ std::string MapReader::text(std::string_view key, const std::string& fallback)
     return node ? readText(context_, *node, std::string(key)) : fallback;
 }
 
-glm::dvec3 MapReader::vector(std::string_view key, const glm::dvec3& fallback, const Range& range)
+glm::dvec3 MapReader::vector(std::string_view key, const glm::dvec3& fallback)
+{
+    return has(key) ? needVector(key) : fallback;
+}
+
+size_t MapReader::word(std::string_view key, size_t fallback)
 {
     const YamlNode* node = find(key);
-    return node ? readVector(context_, *node, std::string(key), range) : fallback;
+    return node ? readWord(context_, *node, std::string(key), shapeOf(key)) : fallback;
+}
+
+std::optional<std::vector<double>> MapReader::numbers(std::string_view key)
+{
+    const YamlNode* node = find(key);
+    if (node == nullptr) return std::nullopt;
+    return readNumbers(context_, *node, std::string(key), shapeOf(key));
+}
+
+std::optional<std::vector<uint32_t>> MapReader::integers(std::string_view key)
+{
+    const YamlNode* node = find(key);
+    if (node == nullptr) return std::nullopt;
+    return readIntegers(context_, *node, std::string(key), shapeOf(key));
+}
+
+double MapReader::needNumber(std::string_view key)
+{
+    return readNumber(context_, need(key), std::string(key), shapeOf(key).range);
+}
+
+float MapReader::needFloat(std::string_view key)
+{
+    return readFloat(context_, need(key), std::string(key), shapeOf(key).range);
+}
+
+glm::dvec3 MapReader::needVector(std::string_view key)
+{
+    return readVector(context_, need(key), std::string(key), shapeOf(key));
 }
 
 void MapReader::finish() const
 {
+    for (const yaml::Key& key : shape_.allKeys())
+        if (key.isRequired && !lookUp(map_, key.name))
+            raise(context_, map_, "'" + std::string(key.name) + "' is missing");
     for (size_t i = 0; i + 1 < map_.children.size(); i += 2) {
         const YamlNode& key = map_.children[i];
         if (std::find(known_.begin(), known_.end(), key.text) != known_.end()) continue;

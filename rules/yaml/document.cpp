@@ -318,54 +318,55 @@ std::string foundText(const Node& node)
     return ", found " + rules::quoted(node.text.substr(0, end) + "...");
 }
 
-MapReader::MapReader(const Node& node, std::string_view what, DiagnosticSink& sink)
-    : node_(node), what_(what), sink_(sink)
+MapReader::MapReader(const Node& node, const Shape& shape, std::string_view what, DiagnosticSink& sink)
+    : node_(node), shape_(shape), sink_(sink)
 {
-    if (node.kind != Node::Kind::Map)
-        sink.error("R04", node.at, what_ + " must be a map, found " + std::string(kindText(node)));
+    const std::string name(what);
+    if (node.kind != Node::Kind::Map) {
+        sink.error("R04", node.at, name + " must be a map, found " + std::string(kindText(node)));
+        return;
+    }
+    for (const Key& key : shape.allKeys())
+        if (key.isRequired && !node.find(key.name))
+            sink.error("R04", node.at, name + " needs a key " + rules::quoted(key.name));
+    for (const Entry& entry : node.entries)
+        if (std::ranges::find(shape.allKeys(), entry.key, &Key::name) == shape.allKeys().end())
+            sink.error("R04", entry.keyAt, name + " has no key '" + entry.key + "'");
 }
 
-const Node* MapReader::optional(std::string_view key)
+const Node* MapReader::find(std::string_view key) const
 {
-    asked_.push_back(key);
-    return node_.find(key);
-}
-
-const Node* MapReader::required(std::string_view key)
-{
-    const Node* found = optional(key);
-    if (!found && node_.kind == Node::Kind::Map)
-        sink_.error("R04", node_.at, what_ + " needs a key '" + std::string(key) + "'");
-    return found;
+    return node_.find(shape_.at(key).name);
 }
 
 void MapReader::text(std::string_view key, std::string& out)
 {
-    const Node* found = optional(key);
+    const Node* found = find(key);
     if (found && found->kind == Node::Kind::Scalar)
         out = found->text;
     else if (found)
         sink_.error("R04", found->at, rules::quoted(key) + " must be a text, found " + std::string(kindText(*found)));
 }
 
-void MapReader::number(std::string_view key, double low, double high, double& out)
+void MapReader::number(std::string_view key, double& out)
 {
-    const Node* found = optional(key);
+    const Node* found = find(key);
     if (!found) return;
+    const Range& range = shape_.at(key).shape->range;
     const std::optional<double> value = numberOf(*found);
-    if (value && *value >= low && *value <= high)
+    if (value && *value >= range.low && *value <= range.high)
         out = *value;
     else
         sink_.error("R05", found->at,
-                    rules::quoted(key) + " must be a number from " + shortestText(low) + " to " + shortestText(high) +
-                        foundText(*found));
+                    rules::quoted(key) + " must be a number from " + shortestText(range.low) + " to " +
+                        shortestText(range.high) + foundText(*found));
 }
 
-void MapReader::count(std::string_view key, uint32_t high, uint32_t& out)
+void MapReader::count(std::string_view key, uint32_t& out)
 {
     double value = out;
     const uint32_t before = sink_.errorCount();
-    number(key, 0.0, high, value);
+    number(key, value);
     if (sink_.errorCount() != before) return;
     if (value == static_cast<double>(static_cast<uint32_t>(value)))
         out = static_cast<uint32_t>(value);
@@ -374,12 +375,20 @@ void MapReader::count(std::string_view key, uint32_t high, uint32_t& out)
                     rules::quoted(key) + " must be a whole number" + foundText(*node_.find(key)));
 }
 
-void MapReader::finish()
+std::size_t MapReader::word(std::string_view key, std::size_t unchanged)
 {
-    for (const Entry& entry : node_.entries) {
-        if (std::find(asked_.begin(), asked_.end(), entry.key) == asked_.end())
-            sink_.error("R04", entry.keyAt, what_ + " has no key '" + entry.key + "'");
-    }
+    std::string written;
+    text(key, written);
+    const Node* node = find(key);
+    if (!node || node->kind != Node::Kind::Scalar) return unchanged;
+    const std::span<const std::string_view> words = shape_.at(key).shape->words;
+    const auto found = std::ranges::find(words, written);
+    if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
+    std::string message = rules::quoted(key) + " must be one of";
+    for (const std::string_view choice : words)
+        message.append(" ").append(choice);
+    sink_.error("R05", node->at, message + foundText(*node));
+    return unchanged;
 }
 
 } // namespace gnomon::yaml

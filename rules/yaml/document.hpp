@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "rules/engine/diagnostic.hpp"
+#include "rules/yaml/shape.hpp"
 
 namespace gnomon::yaml {
 
@@ -87,29 +88,27 @@ std::string_view kindText(const Node& node) noexcept;
 /// kind.
 std::string foundText(const Node& node);
 
-/// Reads a map key by key and reports what it did not expect. Error ids: R04 for shape, R05 for values.
+/// Reads a map of a shape key by key. Error ids: R04 for shape, R05 for values.
 class MapReader {
 public:
-    /// A node that is not a map is reported and read as an empty one.
-    MapReader(const Node& node, std::string_view what, DiagnosticSink& sink);
+    /// Reports every key that the shape does not have, or that it needs and the node has not. A node that is not a map
+    /// is reported and read as an empty one.
+    MapReader(const Node& node, const Shape& shape, std::string_view what, DiagnosticSink& sink);
 
-    /// Null where the key is missing; `required` reports that.
-    const Node* optional(std::string_view key);
-    const Node* required(std::string_view key);
+    /// Null where the key is missing.
+    const Node* find(std::string_view key) const;
 
     /// Each leaves `out` alone where the key is missing, and reports a value of the wrong kind or out of range.
     void text(std::string_view key, std::string& out);
-    void number(std::string_view key, double low, double high, double& out);
-    void count(std::string_view key, uint32_t high, uint32_t& out);
-
-    /// Reports R04 for every key that was not asked for. Call last.
-    void finish();
+    void number(std::string_view key, double& out);
+    void count(std::string_view key, uint32_t& out);
+    /// \return the position among the shape's words; `unchanged` where the key is missing or reported.
+    std::size_t word(std::string_view key, std::size_t unchanged);
 
 private:
     const Node& node_;
-    std::string what_;
+    const Shape& shape_;
     DiagnosticSink& sink_;
-    std::vector<std::string_view> asked_;
 };
 
 } // namespace gnomon::yaml

@@ -6,6 +6,7 @@
 
 #include "rules/engine/sentence.hpp"
 #include "rules/yaml/document.hpp"
+#include "rules/yaml/rule_base_shape.hpp"
 #include "runtime/base/float_mode.hpp"
 #include "runtime/base/number_text.hpp"
 
@@ -14,10 +15,6 @@ namespace {
 
 using yaml::MapReader;
 using yaml::Node;
-
-constexpr uint32_t kFrameLimit = 1'000'000; ///< Of counts of frames: hours, not overflow.
-constexpr uint32_t kFadeLimit = 600;        ///< Of a cross-fade: ten seconds at 60 Hz.
-constexpr double kMillisecondLimit = 1e6;
 
 uint64_t fnv1a(std::string_view text) noexcept
 {
@@ -29,64 +26,48 @@ uint64_t fnv1a(std::string_view text) noexcept
 
 class Reader {
 public:
-    Reader(const yaml::Document& document, DiagnosticSink& sink) : document_(document), sink_(sink) {}
+    /// \param root of the document, or of the document with changes.
+    Reader(const yaml::Document& document, const Node& root, DiagnosticSink& sink)
+        : document_(document), root_(root), sink_(sink)
+    {
+    }
 
     RuleBase read()
     {
         RuleBase base;
         base.suitability = defaultSuitability();
-        MapReader map(document_.root, "a rule base", sink_);
-        if (const Node* version = map.required("version"); version && yaml::numberOf(*version) != 1.0)
+        MapReader map(root_, shapes::kRuleBase, "a rule base", sink_);
+        if (const Node* version = map.find("version"); version && yaml::numberOf(*version) != 1.0)
             sink_.error("R05", version->at, "this reader knows version 1 only" + yaml::foundText(*version));
         map.text("name", base.name);
-        if (const Node* node = map.optional("options")) readOptions(*node, base.options);
-        if (const Node* node = map.required("variables")) readVariables(*node, base.variables);
-        if (const Node* node = map.optional("concepts")) readConcepts(*node, base.concepts);
-        if (const Node* node = map.optional("suitability"))
-            readVariable("suitability", node->at, *node, base.suitability);
-        if (const Node* node = map.required("rules")) readRules(*node, base.rules);
-        if (const Node* node = map.optional("otherwise")) readOtherwise(*node, base);
-        if (const Node* node = map.optional("policy")) {
+        if (const Node* node = map.find("options")) readOptions(*node, base.options);
+        if (const Node* node = map.find("variables")) readVariables(*node, base.variables);
+        if (const Node* node = map.find("concepts")) readConcepts(*node, base.concepts);
+        if (const Node* node = map.find("suitability")) readVariable("suitability", node->at, *node, base.suitability);
+        if (const Node* node = map.find("rules")) readRules(*node, base.rules);
+        if (const Node* node = map.find("otherwise")) readOtherwise(*node, base);
+        if (const Node* node = map.find("policy")) {
             readPolicy(*node, base.policy);
             if (base.options.allocation == Options::Allocation::None) reportIdle(*node);
         }
-        if (const Node* node = map.optional("kinds"))
+        if (const Node* node = map.find("kinds"))
             readWords(*node, "'kinds'", [&](const Node& word) { base.kinds.push_back({word.text, word.at}); });
-        if (const Node* node = map.optional("monotony")) readMonotony(*node, base.monotony);
-        if (const Node* node = map.optional("tuned")) readTuned(*node);
-        map.finish();
+        if (const Node* node = map.find("monotony")) readMonotony(*node, base.monotony);
+        if (const Node* node = map.find("tuned")) readTuned(*node);
         return base;
     }
 
 private:
-    /// A text that must be one of a few words; returns its position, or `unchanged` with a report.
-    std::size_t word(MapReader& map, std::string_view key, std::initializer_list<std::string_view> words,
-                     std::size_t unchanged)
-    {
-        std::string text;
-        map.text(key, text);
-        const Node* node = map.optional(key);
-        if (!node || node->kind != Node::Kind::Scalar) return unchanged;
-        const auto found = std::find(words.begin(), words.end(), text);
-        if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
-        std::string message = quoted(key) + " must be one of";
-        for (const std::string_view choice : words)
-            message.append(" ").append(choice);
-        sink_.error("R05", node->at, message + yaml::foundText(*node));
-        return unchanged;
-    }
-
     void readOptions(const Node& node, Options& options)
     {
-        MapReader map(node, "options", sink_);
-        options.conjunction = static_cast<Options::And>(word(map, "and", {"min", "product"}, 0));
-        word(map, "or", {"max"}, 0);
-        options.aggregation = static_cast<Options::Aggregation>(word(map, "aggregation", {"max", "sum"}, 0));
-        options.allocation = static_cast<Options::Allocation>(word(map, "allocation", {"none", "budget"}, 0));
-        map.number("minimumStrength", 0.0, 0.99, options.minimumStrength);
-        map.number("vetoAt", 0.01, 1.0, options.vetoAt);
-        if (const Node* defuzzifier = map.optional("defuzzifier")) readDefuzzifier(*defuzzifier, options);
-        map.finish();
+        MapReader map(node, shapes::kOptions, "options", sink_);
+        options.conjunction = static_cast<Options::And>(map.word("and", 0));
+        map.word("or", 0);
+        options.aggregation = static_cast<Options::Aggregation>(map.word("aggregation", 0));
+        options.allocation = static_cast<Options::Allocation>(map.word("allocation", 0));
+        map.number("minimumStrength", options.minimumStrength);
+        map.number("vetoAt", options.vetoAt);
+        if (const Node* defuzzifier = map.find("defuzzifier")) readDefuzzifier(*defuzzifier, options);
     }
 
     void readDefuzzifier(const Node& node, Options& options)
@@ -123,8 +104,8 @@ private:
     {
         variable.name = name;
         variable.at = at;
-        MapReader map(node, "variable " + quoted(name), sink_);
-        if (const Node* universe = map.required("universe")) {
+        MapReader map(node, shapes::kVariable, "variable " + quoted(name), sink_);
+        if (const Node* universe = map.find("universe")) {
             std::array<double, 2> ends = {};
             if (readNumbers(*universe, "a universe", ends)) {
                 variable.low = ends[0];
@@ -132,8 +113,7 @@ private:
             }
         }
         map.text("unit", variable.unit);
-        if (const Node* terms = map.required("terms")) readTerms(*terms, variable.terms);
-        map.finish();
+        if (const Node* terms = map.find("terms")) readTerms(*terms, variable.terms);
     }
 
     void readTerms(const Node& node, std::vector<Term>& terms)
@@ -220,13 +200,12 @@ private:
         for (const Node& item : node.items) {
             Rule made;
             made.at = item.at;
-            MapReader map(item, "a rule", sink_);
+            MapReader map(item, shapes::kRule, "a rule", sink_);
             map.text("id", made.id);
             if (made.id.empty()) made.id = std::to_string(rules.size() + 1);
             map.text("because", made.because);
-            map.count("priority", kHighestPriority, made.priority);
-            const Node* sentence = map.required("rule");
-            map.finish();
+            map.count("priority", made.priority);
+            const Node* sentence = map.find("rule");
             if (sentence && readSentence(*sentence, [&](const SentenceText& s) { return parseRule(s, made, sink_); }))
                 rules.push_back(std::move(made));
         }
@@ -242,7 +221,7 @@ private:
 
     void readMonotony(const Node& node, std::vector<Monotony>& promises)
     {
-        constexpr std::size_t kMost = 256;
+        constexpr std::size_t kMost = shapes::kMonotony.most;
         readWords(node, "'monotony'", [&](const Node& item) {
             Monotony made;
             if (promises.size() == kMost)
@@ -254,32 +233,28 @@ private:
 
     void readPolicy(const Node& node, Policy& policy)
     {
-        MapReader map(node, "policy", sink_);
-        if (const Node* budget = map.optional("budget")) readBudget(*budget, policy.budget);
-        if (const Node* floor = map.optional("floor")) {
-            MapReader part(*floor, "floor", sink_);
-            if (const Node* when = part.required("when"))
+        MapReader map(node, shapes::kPolicy, "policy", sink_);
+        if (const Node* budget = map.find("budget")) readBudget(*budget, policy.budget);
+        if (const Node* floor = map.find("floor")) {
+            MapReader part(*floor, shapes::kFloor, "floor", sink_);
+            if (const Node* when = part.find("when"))
                 readSentence(*when, [&](const SentenceText& s) { return parseCondition(s, policy.floor.when, sink_); });
-            part.number("minimumQuality", 0.0, 1.0, policy.floor.minimumQuality);
-            part.number("atStrength", 0.01, 1.0, policy.floor.atStrength);
-            part.finish();
+            part.number("minimumQuality", policy.floor.minimumQuality);
+            part.number("atStrength", policy.floor.atStrength);
         }
-        if (const Node* hysteresis = map.optional("hysteresis")) {
-            MapReader part(*hysteresis, "hysteresis", sink_);
-            part.number("planGain", 0.0, 1.0, policy.hysteresis.planGain);
-            part.count("upgradesPerFrame", kFrameLimit, policy.hysteresis.upgradesPerFrame);
-            part.count("flipWindowFrames", kFrameLimit, policy.hysteresis.flipWindowFrames);
-            part.count("flipBanFrames", kFrameLimit, policy.hysteresis.flipBanFrames);
-            part.count("crossFadeFrames", kFadeLimit, policy.hysteresis.crossFadeFrames);
-            part.finish();
+        if (const Node* hysteresis = map.find("hysteresis")) {
+            MapReader part(*hysteresis, shapes::kHysteresis, "hysteresis", sink_);
+            part.number("planGain", policy.hysteresis.planGain);
+            part.count("upgradesPerFrame", policy.hysteresis.upgradesPerFrame);
+            part.count("flipWindowFrames", policy.hysteresis.flipWindowFrames);
+            part.count("flipBanFrames", policy.hysteresis.flipBanFrames);
+            part.count("crossFadeFrames", policy.hysteresis.crossFadeFrames);
         }
-        if (const Node* probing = map.optional("probing")) {
-            MapReader part(*probing, "probing", sink_);
-            part.count("everyFrames", kFrameLimit, policy.probing.everyFrames);
-            part.number("sigma", 0.0, 10.0, policy.probing.sigma);
-            part.finish();
+        if (const Node* probing = map.find("probing")) {
+            MapReader part(*probing, shapes::kProbing, "probing", sink_);
+            part.count("everyFrames", policy.probing.everyFrames);
+            part.number("sigma", policy.probing.sigma);
         }
-        map.finish();
     }
 
     /// What only a plan reads, in a base for which none is made: all of `policy` but the length of cross-fades.
@@ -301,33 +276,32 @@ private:
 
     void readBudget(const Node& node, Policy::Budget& budget)
     {
-        if (node.kind == Node::Kind::Scalar && node.text == "auto") {
+        if (node.kind == Node::Kind::Scalar && node.text == shapes::kAutomatic[0]) {
             budget.automatic = true;
             return;
         }
-        MapReader part(node, "budget", sink_);
+        MapReader part(node, shapes::kBudgetMap, "budget", sink_);
         // Read, as bases carry it, but for nothing: what the rest of a frame takes is not known here.
         double targetFrameMs = 0.0;
-        part.number("targetFrameMs", 0.01, kMillisecondLimit, targetFrameMs);
-        if (const Node* target = part.optional("targetFrameMs"))
+        part.number("targetFrameMs", targetFrameMs);
+        if (const Node* target = part.find("targetFrameMs"))
             sink_.warning("L11", target->at,
                           "'targetFrameMs' has no effect: a budget comes from the host or 'shadowCapMs'");
-        part.number("shadowCapMs", 0.0, kMillisecondLimit, budget.shadowCapMs);
-        part.number("headroom", 0.0, 0.99, budget.headroom);
-        part.finish();
+        part.number("shadowCapMs", budget.shadowCapMs);
+        part.number("headroom", budget.headroom);
     }
 
     /// Written by a tuner for people to read; checked for shape only.
     void readTuned(const Node& node)
     {
-        MapReader map(node, "tuned", sink_);
+        MapReader map(node, shapes::kTuned, "tuned", sink_);
         std::string ignored;
-        for (const std::string_view key : {"by", "from", "hash"})
-            map.text(key, ignored);
-        map.finish();
+        for (const yaml::Key& key : shapes::kTuned.allKeys())
+            map.text(key.name, ignored);
     }
 
     const yaml::Document& document_;
+    const Node& root_;
     DiagnosticSink& sink_;
 };
 
@@ -339,7 +313,7 @@ ParseResult parseRuleBase(std::string_view text, std::string_view fileName)
     ParseResult result;
     DiagnosticSink sink(fileName);
     if (const std::optional<yaml::Document> document = yaml::parse(text, {}, sink)) {
-        RuleBase base = Reader(*document, sink).read();
+        RuleBase base = Reader(*document, document->root, sink).read();
         base.file = std::string(fileName);
         base.textHash = fnv1a(text);
         const bool sound = sink.errorCount() == 0;

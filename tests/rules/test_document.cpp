@@ -132,24 +132,27 @@ TEST_CASE("a map reader reports unknown keys, missing ones and wrong kinds at th
     DiagnosticSink sink("doc.yaml");
     const auto document = yaml::parse("name: [1]\ncount: 2.5\nshare: 7\nodd: 1\n", {}, sink);
     REQUIRE(document.has_value());
-    yaml::MapReader map(document->root, "a thing", sink);
+    static constexpr yaml::Shape kCount = yaml::whole(0, 10), kShare = yaml::number({.low = 0, .high = 1});
+    static constexpr yaml::Key kKeys[] = {
+        {"name", &yaml::kText}, {"count", &kCount}, {"share", &kShare}, {"missing", &yaml::kText, {}, true}};
+    constexpr yaml::Shape kThing = yaml::map(kKeys);
+    yaml::MapReader map(document->root, kThing, "a thing", sink);
     std::string name = "unchanged";
     uint32_t count = 9;
     double share = 0.5;
     map.text("name", name);
-    map.count("count", 10, count);
-    map.number("share", 0, 1, share);
-    CHECK(map.required("missing") == nullptr);
-    map.finish();
+    map.count("count", count);
+    map.number("share", share);
+    CHECK(map.find("missing") == nullptr);
     CHECK(name == "unchanged");
     CHECK(count == 9);
     CHECK(share == 0.5);
     std::string all;
     for (const Diagnostic& d : sink.all())
         all += toText(d) + "\n";
-    CHECK(all == "doc.yaml:1:7: error R04: 'name' must be a text, found a list\n"
+    CHECK(all == "doc.yaml:1:1: error R04: a thing needs a key 'missing'\n"
+                 "doc.yaml:4:1: error R04: a thing has no key 'odd'\n"
+                 "doc.yaml:1:7: error R04: 'name' must be a text, found a list\n"
                  "doc.yaml:2:8: error R05: 'count' must be a whole number, found '2.5'\n"
-                 "doc.yaml:3:8: error R05: 'share' must be a number from 0 to 1, found '7'\n"
-                 "doc.yaml:1:1: error R04: a thing needs a key 'missing'\n"
-                 "doc.yaml:4:1: error R04: a thing has no key 'odd'\n");
+                 "doc.yaml:3:8: error R05: 'share' must be a number from 0 to 1, found '7'\n");
 }
