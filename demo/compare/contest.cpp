@@ -193,7 +193,7 @@ std::unique_ptr<Session> Contest::begin(const Contestant& contestant)
         *device_, scene_,
         SessionOptions{.scene = {}, .size = stage_.size, .pinnedThreads = true, .knowledge = options_.knowledge});
     if (!contestant.rules.name.empty()) {
-        expect(session->shadows.loadRules(contestant.rules.text, contestant.rules.name));
+        expect(session->shadows.loadRules(contestant.rules.text, contestant.rules.name, contestant.rules.preset));
         expect(session->shadows.warmUp());
         return session;
     }

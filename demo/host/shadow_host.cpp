@@ -194,9 +194,10 @@ Status ShadowHost::warmUp(const std::string& method)
     return statusOf(gnWarmUpMethod(context_, method.c_str()));
 }
 
-Status ShadowHost::loadRules(const std::string& text, const std::string& fileName)
+Status ShadowHost::loadRules(const std::string& text, const std::string& fileName, const std::string& preset)
 {
-    if (gnLoadRules(context_, text.data(), text.size(), fileName.c_str()) >= 0) return Done{};
+    if (gnLoadRules(context_, text.data(), text.size(), fileName.c_str()) >= 0)
+        return preset.empty() ? Status(Done{}) : statusOf(gnSetPreset(context_, preset.c_str()));
     // Every diagnostic came as a message of its own; the last error alone would hide the others. It repeats one of
     // them.
     std::vector<std::string> said;

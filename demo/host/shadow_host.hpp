@@ -18,8 +18,8 @@ struct ShadowHostOptions {
     uint32_t viewCount = 1;
     uint32_t maxLights = 16;
     GnContextCreateFlags flags = 0;
-    VkDeviceSize memoryLimit = 0; ///< As GnContextCreateInfo's.
-    bool pinnedThreads = false;   ///< gnomon's workers stay on the second processor, the third, ...
+    VkDeviceSize memoryLimit = 0;     ///< As GnContextCreateInfo's.
+    bool pinnedThreads = false;       ///< gnomon's workers stay on the second processor, the third, ...
 };
 
 class ShadowHost {
@@ -45,7 +45,8 @@ public:
     /// The method is ready afterwards.
     Status warmUp(const std::string& method);
 
-    Status loadRules(const std::string& text, const std::string& fileName);
+    /// \param preset of the text; empty: none.
+    Status loadRules(const std::string& text, const std::string& fileName, const std::string& preset = {});
     Status loadKnowledge(const std::string& text, const std::string& fileName) const;
     /// Empty hands the light back to the rules.
     Status pin(uint32_t light, const std::string& method);

@@ -124,6 +124,7 @@ struct PlotOptions {
 };
 int plotCommand(const PlotOptions& options);
 int explainCommand(const std::string& rules, const std::string& facts);
+int presetsCommand(const std::string& rules);
 struct ExportOptions {
     std::string rules, out; ///< Empty: the standard output.
     uint32_t resolution = 100;

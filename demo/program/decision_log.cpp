@@ -78,7 +78,7 @@ std::optional<rules::Engine> engineOf(const DecisionLog& log, size_t methods)
                                         [&](const LoggedMethod& method) { return method.name == name; });
         if (!logged) vocabulary.absent.push_back({std::string(name), {}});
     }
-    rules::ParseResult parsed = rules::parseRuleBase(log.rulesText, log.rulesName);
+    rules::ParseResult parsed = rules::parseRuleBase(log.rulesText, log.rulesName, log.preset);
     if (!parsed) return std::nullopt;
     return std::move(rules::Engine::bind(std::move(*parsed.base), vocabulary.view()).engine);
 #else

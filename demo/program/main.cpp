@@ -11,7 +11,7 @@ using namespace gnomon::demo;
 
 std::string rulesHelp()
 {
-    return "rule base: a path, or one of " + shippedRuleNames();
+    return "rule base: a path, or one of " + shippedRuleNames() + "; `:PRESET` behind it picks a preset";
 }
 
 void addSources(CLI::App& command, SourceSizes& sources)
@@ -273,6 +273,9 @@ int main(int argc, char** argv)
     explain->add_option("--facts", facts, "name=value,...; what is not given is unknown")->required();
     explain->callback([&] { exitCode = explainCommand(rules, facts); });
 
+    CLI::App* presets = app.add_subcommand("presets", "list the presets of a rule base");
+    presets->add_option("RULES", rules, rulesHelp() + "; default: `default`");
+    presets->callback([&] { exitCode = presetsCommand(rules); });
     CLI::App* fll = app.add_subcommand("export-fll", "write a rule base in fuzzylite's language (FLL 6)");
     ExportOptions exportOptions;
     fll->add_option("RULES", exportOptions.rules, rulesHelp())->required();

@@ -10,7 +10,9 @@ namespace gnomon::demo {
 RuleWatch::RuleWatch(const std::string& rules)
 {
     std::error_code none;
-    if (!rules.empty() && std::filesystem::is_regular_file(rules, none)) file_ = rules;
+    const auto [base, preset] = splitPreset(rules);
+    if (!base.empty() && std::filesystem::is_regular_file(base, none)) file_ = base;
+    preset_ = preset;
     seen_ = modified();
 }
 
@@ -48,7 +50,7 @@ std::optional<std::string> RuleWatch::poll(ShadowHost& shadows, const std::funct
     }
     seen_ = time;
     if (beforeLoad) beforeLoad();
-    if (const Status loaded = shadows.loadRules(*text, file_.string()); !loaded) {
+    if (const Status loaded = shadows.loadRules(*text, file_.string(), preset_); !loaded) {
         say(loaded.error());
         return std::nullopt;
     }

@@ -14,8 +14,8 @@ namespace gnomon::demo {
 
 class RuleWatch {
 public:
-    /// Before the rules are read for the first time: what changes from here on is loaded. \param rules path of a rule
-    /// base; a shipped base's name or an empty text is not watched.
+    /// Before the rules are read for the first time: what changes from here on is loaded. \param rules as findRules()
+    /// takes it; a shipped base's name or an empty text is not watched.
     explicit RuleWatch(const std::string& rules);
 
     /// Between frames; looks at the file twice a second at most. Prints what happened. A file that cannot be read, or
@@ -31,6 +31,7 @@ private:
     void say(const std::string& fault);
 
     std::filesystem::path file_;
+    std::string preset_;
     std::optional<std::filesystem::file_time_type> seen_;   ///< Of the text that was read last.
     std::optional<std::filesystem::file_time_type> failed_; ///< Of the one that could not be.
     uint32_t missing_ = 0;                                  ///< Looks in a row at which it was not there.

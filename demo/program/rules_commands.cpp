@@ -17,6 +17,7 @@
 #include "runtime/select/facts.hpp"
 #include "runtime/select/frame_plan.hpp"
 #ifdef GNOMON_WITH_YAML
+#include "rules/yaml/presets.hpp"
 #include "rules/yaml/rule_base_reader.hpp"
 #endif
 
@@ -54,7 +55,7 @@ namespace {
 rules::ParseResult readRules(const RuleText& text)
 {
 #ifdef GNOMON_WITH_YAML
-    rules::ParseResult parsed = rules::parseRuleBase(text.text, text.name);
+    rules::ParseResult parsed = rules::parseRuleBase(text.text, text.name, text.preset);
     if (parsed.remains) { // what else is to be corrected
         rules::BindResult bound = rules::Engine::bind(std::move(*parsed.remains), runtimeVocabulary().view());
         std::move(bound.diagnostics.begin(), bound.diagnostics.end(), std::back_inserter(parsed.diagnostics));
@@ -178,6 +179,25 @@ std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vo
     return values;
 }
 
+namespace {
+
+/// What is wrong with the base as one of its presets changes it, and not with the base.
+void lintPresets(const RuleText& text, const rules::RuleBase& base, const RuleVocabulary& vocabulary,
+                 std::vector<rules::Diagnostic>& findings)
+{
+#ifdef GNOMON_WITH_YAML
+    if (!text.preset.empty()) return; // that one is what was looked at
+    for (const rules::Preset& preset : base.presets) {
+        const rules::ParseResult changed = rules::parseRuleBase(text.text, text.name, preset.name);
+        if (changed) rules::addNew(findings, rules::lint(*changed.base, vocabulary.view()), preset.name);
+    }
+#else
+    (void)text, (void)base, (void)vocabulary, (void)findings;
+#endif
+}
+
+} // namespace
+
 int lintCommand(const LintOptions& options)
 {
     const RuleVocabulary vocabulary = runtimeVocabulary();
@@ -187,6 +207,7 @@ int lintCommand(const LintOptions& options)
     if (parsed) {
         for (rules::Diagnostic& finding : rules::lint(*parsed.base, vocabulary.view()))
             findings.push_back(std::move(finding));
+        lintPresets(text, *parsed.base, vocabulary, findings);
         if (!options.trace.empty())
             for (rules::Diagnostic& finding : lintAlong(options.trace, *parsed.base, vocabulary))
                 findings.push_back(std::move(finding));
@@ -214,6 +235,15 @@ int explainCommand(const std::string& nameOrPath, const std::string& facts)
     rules::Inference inference = bound.engine->makeInference();
     bound.engine->evaluate(values, inference);
     std::printf("%s", rules::explain(*bound.engine, inference, {.because = true}).c_str());
+    return 0;
+}
+
+int presetsCommand(const std::string& nameOrPath)
+{
+    const rules::RuleBase base = parseRules(nameOrPath);
+    if (base.presets.empty()) std::printf("%s has no presets\n", base.name.c_str());
+    for (const rules::Preset& preset : base.presets)
+        std::printf("%-8s %s\n", preset.name.c_str(), preset.about.c_str());
     return 0;
 }
 

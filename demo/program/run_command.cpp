@@ -68,9 +68,9 @@ std::string chooseMethods(ShadowHost& shadows, const RunOptions& options, const 
     }
     const RuleText rules = valueOf(findRules(options.rules));
     if (rules.name.empty()) return "without rules";
-    expect(shadows.loadRules(rules.text, rules.name));
+    expect(shadows.loadRules(rules.text, rules.name, rules.preset));
     expect(writeFile(out / "rules.yaml", rules.text));
-    return (options.method.empty() ? "" : "by " + options.method + ", else ") + ("by the rules " + rules.name);
+    return (options.method.empty() ? "" : "by " + options.method + ", else ") + ("by the rules " + rules.label());
 }
 
 /// What PictureTaker::take() calls its pictures.

@@ -148,17 +148,26 @@ std::string shippedRuleNames()
 #endif
 }
 
+std::pair<std::string, std::string> splitPreset(const std::string& rules)
+{
+    std::error_code ignored; // unreadable counts as absent
+    const size_t colon = rules.rfind(':');
+    if (colon == std::string::npos || std::filesystem::is_regular_file(rules, ignored)) return {rules, {}};
+    return {rules.substr(0, colon), rules.substr(colon + 1)};
+}
+
 Outcome<RuleText> findRules(const std::string& nameOrPath)
 {
-    const std::string wanted = nameOrPath.empty() ? "default" : nameOrPath;
+    const auto [wanted, preset] = splitPreset(nameOrPath.empty() ? "default" : nameOrPath);
     std::error_code ignored; // unreadable counts as absent; the message below names it
     if (std::filesystem::is_regular_file(wanted, ignored)) {
         Outcome<std::string> text = readText(wanted);
-        return text ? Outcome<RuleText>(RuleText{std::move(*text), wanted}) : Outcome<RuleText>::failure(text.error());
+        return text ? Outcome<RuleText>(RuleText{std::move(*text), wanted, preset})
+                    : Outcome<RuleText>::failure(text.error());
     }
 #ifdef GNOMON_WITH_YAML
     for (const rules::ShippedRuleBase& base : rules::shippedRuleBases())
-        if (base.name == wanted) return RuleText{std::string(base.text), wanted};
+        if (base.name == wanted) return RuleText{std::string(base.text), wanted, preset};
     return Outcome<RuleText>::failure("no rule base '" + wanted +
                                       "': neither a file nor one of: " + shippedRuleNames());
 #else

@@ -6,6 +6,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "demo/host/renderer.hpp"
 #include "demo/program/commands.hpp"
@@ -64,9 +66,17 @@ std::string shippedRuleNames();
 
 struct RuleText {
     std::string text;
-    std::string name; ///< For messages: the path, or "default". Empty: there are no rules.
+    std::string name;   ///< For messages: the path, or "default". Empty: there are no rules.
+    std::string preset; ///< One of the text's; empty: none.
+
+    /// As findRules() takes it.
+    std::string label() const { return preset.empty() ? name : name + ':' + preset; }
 };
-/// A rule base by path or by the name of a shipped one; empty: "default", or none in a build that reads none.
+/// "my.yaml:low" as base and preset; a file of the whole name comes first.
+std::pair<std::string, std::string> splitPreset(const std::string& rules);
+
+/// A rule base by path or by the name of a shipped one, either with ":PRESET" behind it; empty: "default", or none in a
+/// build that reads none.
 Outcome<RuleText> findRules(const std::string& nameOrPath);
 
 /// A knowledge base by path, or by the name of a shipped one: `lavapipe`, `h100`.

@@ -142,7 +142,7 @@ private:
     void readFacts()
     {
         const RuleText rules = valueOf(findRules(options_.rules));
-        expect(session_.shadows.loadRules(rules.text, rules.name));
+        expect(session_.shadows.loadRules(rules.text, rules.name, rules.preset));
         pinAll({});
         for (uint32_t i = 0; i < kSettleFrames; ++i)
             draw(firstLit_);

@@ -291,7 +291,7 @@ int windowCommand(const RunOptions& options)
     Session session(sessionOptions);
     RuleWatch watch(options.rules); // before they are read: a change from now on is one
     const RuleText rules = valueOf(findRules(options.rules));
-    if (!rules.name.empty()) expect(session.shadows.loadRules(rules.text, rules.name));
+    if (!rules.name.empty()) expect(session.shadows.loadRules(rules.text, rules.name, rules.preset));
     if (!options.method.empty()) expect(session.shadows.pinAll(options.method));
     expect(session.shadows.warmUp());
 

@@ -161,10 +161,17 @@ struct Policy {
     Probing probing;
 };
 
+/// A named change of a base that is written in it. What it changes is known to the reader alone.
+struct Preset {
+    std::string name;
+    std::string about;
+    SourceSpot at;
+};
+
 struct RuleBase {
     std::string name;
     std::string file;      ///< Used in diagnostics only.
-    uint64_t textHash = 0; ///< FNV-1a of the text it was read from; names the base in logs.
+    uint64_t textHash = 0; ///< FNV-1a of the text it was read from, and of `preset`; names the base in logs.
     Options options;
     std::vector<Variable> variables;
     std::vector<Concept> concepts;
@@ -176,6 +183,8 @@ struct RuleBase {
     /// all compete. For the linter, which asks who wins.
     std::vector<Concept::Word> kinds;
     std::vector<Monotony> monotony;
+    std::vector<Preset> presets; ///< All that the text has.
+    std::string preset;          ///< The one that this is; empty: the base as it stands.
 };
 
 /// 0..1 with the terms avoided, acceptable and favoured, which sum to 1 everywhere.

@@ -6,6 +6,7 @@
 
 #include "rules/engine/sentence.hpp"
 #include "rules/yaml/document.hpp"
+#include "rules/yaml/presets.hpp"
 #include "rules/yaml/rule_base_shape.hpp"
 #include "runtime/base/float_mode.hpp"
 #include "runtime/base/number_text.hpp"
@@ -54,6 +55,7 @@ public:
             readWords(*node, "'kinds'", [&](const Node& word) { base.kinds.push_back({word.text, word.at}); });
         if (const Node* node = map.find("monotony")) readMonotony(*node, base.monotony);
         if (const Node* node = map.find("tuned")) readTuned(*node);
+        base.presets = readPresets(root_, sink_);
         return base;
     }
 
@@ -305,24 +307,58 @@ private:
     DiagnosticSink& sink_;
 };
 
-} // namespace
+/// A text and what is read from its document: the base, or the base as a preset changes it.
+struct RuleText {
+    const yaml::Document& document;
+    std::string_view text, fileName;
 
-ParseResult parseRuleBase(std::string_view text, std::string_view fileName)
-{
-    const FloatMode mode; // reading a number rounds
-    ParseResult result;
-    DiagnosticSink sink(fileName);
-    if (const std::optional<yaml::Document> document = yaml::parse(text, {}, sink)) {
-        RuleBase base = Reader(*document, document->root, sink).read();
+    ParseResult read(const Node& root, std::string_view preset, DiagnosticSink sink) const
+    {
+        ParseResult result;
+        RuleBase base = Reader(document, root, sink).read();
         base.file = std::string(fileName);
-        base.textHash = fnv1a(text);
+        base.preset = std::string(preset);
+        base.textHash = preset.empty() ? fnv1a(text) : fnv1a(std::string(text) + '\0' + base.preset);
         const bool sound = sink.errorCount() == 0;
         const bool onlySentences = std::all_of(sink.all().begin(), sink.all().end(), [](const Diagnostic& finding) {
             return finding.id == "R06" || finding.severity == Severity::Warning;
         });
         if (onlySentences && validate(base, sink)) (sound ? result.base : result.remains) = std::move(base);
+        result.diagnostics = sink.take();
+        return result;
     }
-    result.diagnostics = sink.take();
+};
+
+} // namespace
+
+ParseResult parseRuleBase(std::string_view text, std::string_view fileName, std::string_view preset)
+{
+    const FloatMode mode; // reading a number rounds
+    DiagnosticSink sink(fileName);
+    const std::optional<yaml::Document> document = yaml::parse(text, {}, sink);
+    if (!document) return {{}, {}, sink.take()};
+    const RuleText whole{*document, text, fileName};
+    ParseResult result = whole.read(document->root, {}, std::move(sink));
+    if (!result.base) return result;
+    const std::vector<Preset> presets = result.base->presets;
+    for (const Preset& each : presets) {
+        DiagnosticSink changes(fileName);
+        const Node changed = withPreset(document->root, each.name, changes);
+        ParseResult read = whole.read(changed, each.name, std::move(changes));
+        addNew(result.diagnostics, std::move(read.diagnostics), each.name);
+        if (!read.base) { // a base is refused as a whole
+            result.base.reset();
+            return result;
+        }
+        if (each.name != preset) continue;
+        result.base = std::move(read.base);
+        result.base->presets = presets;
+    }
+    if (!preset.empty() && result.base->preset != preset) {
+        result.diagnostics.push_back(
+            {.id = "R05", .file = std::string(fileName), .message = noPreset(preset, *result.base)});
+        result.base.reset();
+    }
     return result;
 }
 

@@ -21,7 +21,9 @@ struct ParseResult {
 };
 
 /// Reads one rule base. `fileName` appears in diagnostics only; nothing is opened. All errors of a text are reported at
-/// once as far as possible. Safe on any input; no exception but std::bad_alloc leaves it.
-ParseResult parseRuleBase(std::string_view text, std::string_view fileName);
+/// once as far as possible, those of its presets too. Safe on any input; no exception but std::bad_alloc leaves it.
+/// \param preset a name under `presets`: the base as that changes it; empty: as it stands. An unknown one is an error
+///     that lists those there are.
+ParseResult parseRuleBase(std::string_view text, std::string_view fileName, std::string_view preset = {});
 
 } // namespace gnomon::rules

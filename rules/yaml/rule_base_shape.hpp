@@ -11,6 +11,7 @@ using yaml::Key;
 using yaml::Shape;
 
 inline constexpr uint32_t kMaxPromises = 256;
+inline constexpr uint32_t kMaxPresets = 16;
 inline constexpr double kMostFrames = 1'000'000; ///< Hours, not overflow.
 inline constexpr double kMostFadeFrames = 600;   ///< Ten seconds at 60 Hz.
 inline constexpr double kMostMilliseconds = 1e6;
@@ -111,6 +112,21 @@ inline constexpr Shape kPolicy = yaml::map(kPolicyKeys);
 inline constexpr Key kTunedKeys[] = {{"by", &yaml::kText}, {"from", &yaml::kText}, {"hash", &yaml::kText}};
 inline constexpr Shape kTuned = yaml::map(kTunedKeys);
 
+inline constexpr Shape kOptionsChange = yaml::changeOf(kOptions);
+inline constexpr Shape kVariablesChange = yaml::changeOf(kVariables);
+inline constexpr Shape kPolicyChange = yaml::changeOf(kPolicy);
+inline constexpr Key kPresetKeys[] = {
+    {"about", &yaml::kText, "what it is for, in a line"},
+    {"options", &kOptionsChange},
+    {"variables", &kVariablesChange},
+    {"rules", &kRules, "each replaces the rule with its id, or is added"},
+    {"without", &kWords, "ids of rules to leave out"},
+    {"otherwise", &yaml::kText},
+    {"policy", &kPolicyChange},
+};
+inline constexpr Shape kPreset = yaml::map(kPresetKeys);
+inline constexpr Shape kPresets = yaml::named(kPreset, kMaxPresets);
+
 inline constexpr Key kRuleBaseKeys[] = {
     {"version", &kVersion, "of the format", true},
     {"name", &yaml::kText, "for logs"},
@@ -124,6 +140,7 @@ inline constexpr Key kRuleBaseKeys[] = {
     {"kinds", &kWords, "traits: a decision is always among the outputs with one of them"},
     {"monotony", &kMonotony, "promises: more VARIABLE never raises NAME"},
     {"tuned", &kTuned, "written by a tuner"},
+    {"presets", &kPresets, "named changes of this base"},
 };
 inline constexpr Shape kRuleBase = yaml::map(kRuleBaseKeys);
 

@@ -317,6 +317,11 @@ GnResult GN_CALL gnLoadShippedRules(GnContext context, const char* pName)
     });
 }
 
+GnResult GN_CALL gnSetPreset(GnContext context, const char* pName)
+{
+    return atBoundary(context, [&](Context& c) { return status(context, c.setPreset(pName ? pName : "")); });
+}
+
 GnResult GN_CALL gnLoadKnowledge(GnContext context, const char* pText, size_t size, const char* pFileName)
 {
     return atBoundary(context, [&](Context& c) {

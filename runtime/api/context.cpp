@@ -342,12 +342,25 @@ Result<void> Context::loadRules(std::string_view text, std::string_view fileName
 {
     std::vector<rules::Diagnostic> findings;
     Result<void> loaded = selector_->loadRules(text, fileName, registry_, findings);
+    sendFindings(findings);
+    return loaded;
+}
+
+Result<void> Context::setPreset(std::string_view name)
+{
+    std::vector<rules::Diagnostic> findings;
+    Result<void> set = selector_->setPreset(name, registry_, findings);
+    sendFindings(findings);
+    return set;
+}
+
+void Context::sendFindings(std::span<const rules::Diagnostic> findings)
+{
     for (const rules::Diagnostic& finding : findings) {
         const bool error = finding.severity == rules::Severity::Error;
         messages_.send(error ? GN_SEVERITY_ERROR : GN_SEVERITY_WARNING, error ? GN_ERROR_RULES : GN_SUCCESS,
                        error ? "RuleError" : "RuleWarning", rules::toText(finding));
     }
-    return loaded;
 }
 
 Result<void> Context::loadShippedRules(std::string_view name)

@@ -5,6 +5,7 @@
 #include <exception>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,7 @@ public:
     std::uint32_t methods(const StructArray<GnMethodInfo>& out);
     Result<void> loadRules(std::string_view text, std::string_view fileName);
     Result<void> loadShippedRules(std::string_view name);
+    Result<void> setPreset(std::string_view name);
     Result<void> loadKnowledge(std::string_view text, std::string_view fileName);
     void loadShippedKnowledge();
 
@@ -89,6 +91,7 @@ private:
     explicit Context(const GnContextCreateInfo& info);
     Result<void> init(const GnContextCreateInfo& info);
     void beginPipelineCache(const GnContextCreateInfo& info);
+    void sendFindings(std::span<const rules::Diagnostic> findings);
 
     // A frame, stage by stage (frame.cpp).
     Result<GnResult> startFrame(const GnFrameInfo& info, FrameMode mode, VkCommandBuffer cmd);

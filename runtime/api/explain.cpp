@@ -109,6 +109,7 @@ Result<std::string> Context::decisionLog(GnView viewHandle, std::uint64_t firstF
     }
     log.rulesName = selector_->rulesName();
     log.rulesText = selector_->rulesText();
+    log.preset = selector_->preset();
     for (std::uint64_t frame = first; frame <= records.newest(); ++frame)
         for (std::uint32_t i = 0; i < records.lights(frame); ++i)
             log.add(records.at(frame, i));

@@ -10,7 +10,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::string_view kMagic = "GNDECID7";
+constexpr std::string_view kMagic = "GNDECID8";
 constexpr std::uint8_t kNoMethod = 255;
 constexpr std::uint16_t kNoRefusal = 65535;
 enum : std::uint8_t {
@@ -148,6 +148,7 @@ std::string writeDecisionLog(const DecisionLog& log)
         out.text(fact.name);
     out.text(std::string_view(log.rulesName).substr(0, kMaxLogNameBytes));
     out.text(log.rulesText);
+    out.text(log.preset);
     out.integer(static_cast<std::uint32_t>(log.lights.size()));
     for (const LoggedLight& light : log.lights) {
         out.integer(light.id);
@@ -222,6 +223,7 @@ private:
         if (facts != kFactCount) return fault("has other facts than this version knows");
         log_.rulesName = text(kMaxLogNameBytes);
         log_.rulesText = text(kMaxLogRulesBytes);
+        log_.preset = text(kMaxLogNameBytes);
         const auto lights = in_.integer<std::uint32_t>();
         if (lights > kMaxLogLights) return fault("names " + std::to_string(lights) + " lights");
         for (std::uint32_t i = 0; i < lights && good(); ++i) {

@@ -3,13 +3,13 @@
 //
 // A chunk, little-endian, no padding; a log file is any number of chunks in the order of their frames:
 //
-//     "GNDECID7"                                                     version in the last byte
+//     "GNDECID8"                                                     version in the last byte
 //     u32 size of the chunk in bytes, hash included
 //     u64 frame origin: subtracted from frame numbers when they are shown or asked for
 //     u8 1: the device is the CPU
 //     u8 methods x { text name; u32 traits (GnTraits); text why the device cannot run it, or empty }
 //     u8 facts x text name
-//     text name and text of the rule base in force; empty: none
+//     text name, text and preset of the rule base in force; empty: none
 //     u32 lights x { u32 id; text name }
 //     u16 refusals x text: reasons of methods that refused a light
 //     u32 records x {
@@ -58,7 +58,7 @@ struct DecisionLog {
     std::uint64_t frameOrigin = 0;
     bool software = false; ///< The device is the CPU.
     std::vector<LoggedMethod> methods;
-    std::string rulesName, rulesText;
+    std::string rulesName, rulesText, preset;
     std::vector<LoggedLight> lights;
     std::vector<ReasonedHead> heads;   ///< By frame; each has as many of the methods above as there were then.
     std::vector<Candidate> candidates; ///< heads x methods; those of methods added later mean nothing.

@@ -6,6 +6,7 @@
 #include "runtime/select/choice.hpp"
 
 #if GNOMON_WITH_YAML
+#include "rules/yaml/presets.hpp"
 #include "rules/yaml/rule_base_reader.hpp"
 #endif
 
@@ -38,26 +39,51 @@ RuleVocabulary Selector::vocabulary(const AlgorithmRegistry& registry) const
     return words;
 }
 
-Result<void> Selector::loadRules(std::string_view text, std::string_view fileName, const AlgorithmRegistry& registry,
-                                 std::vector<rules::Diagnostic>& findings)
+Result<Selector::BoundRules> Selector::readRules(std::string_view text, std::string_view fileName,
+                                                 std::string_view preset, const AlgorithmRegistry& registry,
+                                                 std::vector<rules::Diagnostic>& findings) const
 {
 #if GNOMON_WITH_YAML
-    rules::ParseResult parsed = rules::parseRuleBase(text, fileName);
+    rules::ParseResult parsed = rules::parseRuleBase(text, fileName, preset);
     findings = std::move(parsed.diagnostics);
     if (!parsed.base) return refused(findings, fileName);
     rules::BindResult bound = rules::Engine::bind(std::move(*parsed.base), vocabulary(registry).view());
     findings.insert(findings.end(), bound.diagnostics.begin(), bound.diagnostics.end());
     if (!bound.engine) return refused(findings, fileName);
-    BoundRules rules = readyToAdopt(std::move(*bound.engine));
+    return readyToAdopt(std::move(*bound.engine));
+#else
+    (void)text, (void)fileName, (void)preset, (void)registry, (void)findings;
+    return Error{GN_ERROR_UNSUPPORTED, "NoYaml", "this build reads no rule bases (GNOMON_WITH_YAML is off)"};
+#endif
+}
+
+Result<void> Selector::loadRules(std::string_view text, std::string_view fileName, const AlgorithmRegistry& registry,
+                                 std::vector<rules::Diagnostic>& findings)
+{
+    Result<BoundRules> rules = readRules(text, fileName, {}, registry, findings);
+    if (!rules) return rules.error();
     std::string ownText(text), ownName(fileName); // what may throw comes before what changes
-    adopt(std::move(rules));
+    adopt(std::move(*rules));
     rulesText_ = std::move(ownText);
     rulesName_ = std::move(ownName);
     return {};
-#else
-    (void)text, (void)fileName, (void)registry, (void)findings;
-    return Error{GN_ERROR_UNSUPPORTED, "NoYaml", "this build reads no rule bases (GNOMON_WITH_YAML is off)"};
+}
+
+Result<void> Selector::setPreset(std::string_view preset, const AlgorithmRegistry& registry,
+                                 std::vector<rules::Diagnostic>& findings)
+{
+    if (!engine_) return Error{GN_ERROR_RULES, "NoRules", "a preset changes rules, and none are loaded"};
+#if GNOMON_WITH_YAML
+    const bool known =
+        std::ranges::find(engine_->base().presets, preset, &rules::Preset::name) != engine_->base().presets.end();
+    if (!preset.empty() && !known)
+        return Error{GN_ERROR_OUT_OF_RANGE, "PresetUnknown",
+                     rulesName_ + ": " + rules::noPreset(preset, engine_->base())};
 #endif
+    Result<BoundRules> rules = readRules(rulesText_, rulesName_, preset, registry, findings);
+    if (!rules) return rules.error();
+    adopt(std::move(*rules));
+    return {};
 }
 
 Result<Selector::BoundRules> Selector::boundWith(const std::string& name, GnTraits traits,

@@ -184,6 +184,9 @@ public:
     /// Parses and binds; on any error nothing changes and every finding is in `findings`.
     Result<void> loadRules(std::string_view text, std::string_view fileName, const AlgorithmRegistry& registry,
                            std::vector<rules::Diagnostic>& findings);
+    /// The rules in force as one of their presets changes them; empty: as they stand.
+    Result<void> setPreset(std::string_view preset, const AlgorithmRegistry& registry,
+                           std::vector<rules::Diagnostic>& findings);
     /// Rules bound to the methods there are, ready to be put in force.
     struct BoundRules {
         std::shared_ptr<const rules::Engine> engine; ///< Null: no rules.
@@ -201,6 +204,7 @@ public:
     /// The rule base in force as it was read, and the name it came under.
     std::string_view rulesText() const { return rulesText_; }
     std::string_view rulesName() const { return rulesName_; }
+    std::string_view preset() const { return engine_ ? std::string_view(engine_->base().preset) : std::string_view(); }
 
     /// Facts and capability of one light; allocates nothing. No method is chosen yet.
     LightDecision assess(const SelectionInput& input, const LightMemory& memory, std::span<Candidate> candidates) const;
@@ -219,6 +223,8 @@ public:
 
 private:
     RuleVocabulary vocabulary(const AlgorithmRegistry& registry) const;
+    Result<BoundRules> readRules(std::string_view text, std::string_view fileName, std::string_view preset,
+                                 const AlgorithmRegistry& registry, std::vector<rules::Diagnostic>& findings) const;
     struct Unprepared { ///< Casters that wait for workers or the GPU.
         std::uint64_t topology = 0, trees = 0, copies = 0;
         std::uint64_t connectivity = 0; ///< Of what `copies` counts.

@@ -104,6 +104,38 @@ TEST_CASE_FIXTURE(DeviceTest,
     CHECK(contains(gnGetLastError(host.context), "of the newest frame"));
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "a preset changes the rules in force from the next frame on, and an unknown one nothing")
+{
+    Host host(smallScene());
+    CHECK(gnSetPreset(host.context, "exact") == GN_ERROR_RULES); // no rules are loaded
+    const std::string rules = R"(version: 1
+variables: {screenShare: {universe: [0, 1], terms: {all: [-.inf, -.inf, .inf, .inf]}}}
+rules: [{id: A, rule: if screenShare is all then shadow_map is favoured}]
+presets:
+  exact: {rules: [{id: A, rule: if screenShare is all then ray_traced is favoured}]}
+  volumes: {rules: [{id: A, rule: if screenShare is all then stencil_volume is favoured}]}
+)";
+    host.require(gnLoadRules(host.context, rules.data(), rules.size(), "three.yaml"));
+    const auto serves = [&] {
+        host.draw(3, {});
+        return std::string(host.decision(0).pMethod);
+    };
+    CHECK(serves() == "shadow_map");
+    host.require(gnSetPreset(host.context, "exact"));
+    CHECK(serves() == "ray_traced");
+    CHECK(contains(host.explanation(0), "rule A"));
+    host.require(gnSetPreset(host.context, "volumes")); // of the base, not of the preset before
+    CHECK(serves() == "stencil_volume");
+    CHECK(gnSetPreset(host.context, "exakt") == GN_ERROR_OUT_OF_RANGE);
+    CHECK(contains(gnGetLastError(host.context), "three.yaml: there is no preset 'exakt'; there are exact, volumes"));
+    CHECK(serves() == "stencil_volume");
+    host.require(gnSetPreset(host.context, nullptr));
+    CHECK(serves() == "shadow_map");
+    host.require(gnSetPreset(host.context, "exact"));
+    host.require(gnLoadRules(host.context, rules.data(), rules.size(), "three.yaml"));
+    CHECK(serves() == "shadow_map");
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "without rules an exact method serves, recorded frames included")
 {
     Scene scene = smallScene();

@@ -62,6 +62,7 @@ DecisionLog walk(SelectorFixture& fixture)
     log.methods[0].unavailable = "needs a device";
     log.rulesName = "fixture";
     log.rulesText = fixtureRules();
+    log.preset = "low";
     log.lights = {{1, "lamp"}};
     Situation situation;
     situation.method("ray_traced").exclusion = Exclusion::refused;
@@ -217,6 +218,7 @@ TEST_CASE("a log read back answers every question with the same words")
         REQUIRE(bool(read));
         CHECK(read->frameOrigin == 1);
         CHECK(read->rulesText == fixtureRules());
+        CHECK(read->preset == "low");
         CHECK(read->methods[0].unavailable == "needs a device");
         REQUIRE(read->heads.size() == log.heads.size());
         for (std::size_t i = 0; i < log.heads.size(); ++i) {

@@ -485,6 +485,13 @@ GN_API GnResult GN_CALL gnLoadRules(GnContext context, const char* pText, size_t
 \return #GN_ERROR_OUT_OF_RANGE for another name, #GN_ERROR_UNSUPPORTED where the library was built without YAML. */
 GN_API GnResult GN_CALL gnLoadShippedRules(GnContext context, const char* pName);
 
+/** \brief Changes the rules in force as their text says under `presets`, from the next frame on: "default" has "low",
+"medium", "high" and "ultra". Each is a change of the loaded base, not of the preset before it; null or "" is the base
+as it stands, and so is what gnLoadRules() loads. Reads the text anew: for a menu, not for every frame.
+\return #GN_ERROR_OUT_OF_RANGE for a name that the base does not have, with a message that lists those it has,
+    #GN_ERROR_RULES where no rules are loaded. The rules in force stay. */
+GN_API GnResult GN_CALL gnSetPreset(GnContext context, const char* pName);
+
 /** \brief Starts the cost model anew from a knowledge base: the CSV text that `gnomon calibrate` writes.
 
 Rows of this device are used where there are any; else those of the first device of its kind (software, integrated,

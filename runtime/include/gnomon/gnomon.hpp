@@ -436,6 +436,8 @@ public:
     }
     /** gnLoadShippedRules(). */
     Status loadShippedRules(const char* name) const noexcept { return done(gnLoadShippedRules(context_, name)); }
+    /** gnSetPreset(); null is the base as it stands. */
+    Status setPreset(const char* name) const noexcept { return done(gnSetPreset(context_, name)); }
     /** gnLoadKnowledge(). */
     Status loadKnowledge(std::string_view text, const char* fileName = nullptr) const noexcept
     {
