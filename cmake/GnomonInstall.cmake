@@ -30,12 +30,15 @@ install(DIRECTORY rules/knowledge DESTINATION "${CMAKE_INSTALL_DATADIR}/gnomon/r
     FILES_MATCHING PATTERN "*.csv" PATTERN samples EXCLUDE)
 install(FILES rules/battery.yaml rules/default.yaml rules/quality.yaml rules/thesis.yaml
     DESTINATION "${CMAKE_INSTALL_DATADIR}/gnomon/rules" COMPONENT gnomon_development)
+install(FILES schema/rules.json schema/knowledge.json DESTINATION "${CMAKE_INSTALL_DATADIR}/gnomon/schema"
+    COMPONENT gnomon_development)
 install(FILES LICENSE THIRD_PARTY_NOTICES.md docs/integration.md DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT gnomon_development)
 
 if(TARGET gnomon_cli) # looks for its scenes and knowledge in ../share/gnomon
     install(TARGETS gnomon_cli RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT gnomon_program)
     install(DIRECTORY demo/scenes DESTINATION "${CMAKE_INSTALL_DATADIR}/gnomon" COMPONENT gnomon_program
         FILES_MATCHING PATTERN "*.yaml")
+    install(FILES demo/schema/scene.json DESTINATION "${CMAKE_INSTALL_DATADIR}/gnomon/schema" COMPONENT gnomon_program)
 endif()
 
 # The C++ runtime that the library was built against, for those who link it from C.

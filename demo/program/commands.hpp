@@ -130,5 +130,6 @@ struct ExportOptions {
     uint32_t resolution = 100;
 };
 int exportFllCommand(const ExportOptions& options);
+int schemaCommand(const std::string& file); ///< \param file `rules`, `scene` or `knowledge`.
 
 } // namespace gnomon::demo

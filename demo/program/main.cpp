@@ -284,6 +284,12 @@ int main(int argc, char** argv)
         ->check(CLI::Range(2, 100000))
         ->capture_default_str();
     fll->callback([&] { exitCode = exportFllCommand(exportOptions); });
+    CLI::App* schema = app.add_subcommand("schema", "print the JSON Schema of a kind of file, for editors");
+    std::string schemaOf;
+    schema->add_option("FILE", schemaOf, "`rules`, `scene` or `knowledge`")
+        ->required()
+        ->check(CLI::IsMember({"rules", "scene", "knowledge"}));
+    schema->callback([&] { exitCode = schemaCommand(schemaOf); });
 
     return runCommandLine(app, argc, argv, exitCode);
 }

@@ -8,6 +8,7 @@
 #include "demo/io/number.hpp"
 #include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
+#include "demo/program/json.hpp"
 #include "demo/program/rule_support.hpp"
 #include "demo/program/session.hpp"
 #include "demo/replay/trace.hpp"
@@ -64,23 +65,6 @@ rules::ParseResult readRules(const RuleText& text)
 #else
     throw HostError(text.name + ": this build reads no rule bases (GNOMON_WITH_YAML is off)");
 #endif
-}
-
-/// As a JSON string (RFC 8259).
-std::string jsonString(std::string_view text)
-{
-    std::string out = "\"";
-    for (const char c : text) {
-        if (static_cast<unsigned char>(c) < 0x20) {
-            char code[8];
-            std::snprintf(code, sizeof code, "\\u%04x", static_cast<unsigned>(c));
-            out += code;
-            continue;
-        }
-        if (c == '"' || c == '\\') out += '\\';
-        out += c;
-    }
-    return out + '"';
 }
 
 std::string jsonOf(const std::vector<rules::Diagnostic>& findings)

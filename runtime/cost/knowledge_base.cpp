@@ -13,8 +13,6 @@ namespace {
 
 constexpr std::string_view kHeading = "# gnomon knowledge ";
 constexpr std::string_view kViewPass = "view:";
-// The largest number that any row can hold: eleven days in milliseconds. A larger one is no measurement.
-constexpr double kMost = 1e9;
 
 enum Column : uint32_t {
     device,
@@ -48,7 +46,7 @@ std::optional<double> measureOf(std::string_view cell)
 {
     if (cell.empty()) return 0.0;
     const std::optional<double> value = parseNumber(cell);
-    if (!value || !std::isfinite(*value) || *value < 0.0 || *value > kMost) return std::nullopt;
+    if (!value || !std::isfinite(*value) || *value < 0.0 || *value > kMostKnowledge) return std::nullopt;
     return value;
 }
 
@@ -243,6 +241,14 @@ const DeviceKnowledge* KnowledgeBase::nearestTo(std::string_view name, std::stri
 KnowledgeResult parseKnowledge(std::string_view text)
 {
     return Reader().read(text);
+}
+
+std::vector<KnowledgeColumn> knowledgeColumns()
+{
+    std::vector<KnowledgeColumn> columns;
+    for (uint32_t i = 0; i < kColumns; ++i)
+        columns.push_back({kNames[i], i >= samples, i == algorithm || i == pass});
+    return columns;
 }
 
 std::string writeKnowledge(std::span<const DeviceKnowledge> devices)

@@ -84,6 +84,17 @@ struct KnowledgeResult {
     std::string error; ///< Why there is none.
 };
 
+/// The largest number that any row can hold: eleven days in milliseconds. A larger one is no measurement.
+inline constexpr double kMostKnowledge = 1e9;
+
+struct KnowledgeColumn {
+    std::string_view name;
+    bool isNumber = false;   ///< From 0 to kMostKnowledge; an empty cell is 0.
+    bool isRequired = false; ///< A row needs it.
+};
+/// All that a table needs, in the order in which it is written.
+std::vector<KnowledgeColumn> knowledgeColumns();
+
 KnowledgeResult parseKnowledge(std::string_view text);
 std::string writeKnowledge(std::span<const DeviceKnowledge> devices);
 

@@ -8,6 +8,7 @@ file(REMOVE_RECURSE "${SCRATCH}")
 run(${CMAKE_COMMAND} --install "${BUILD}" --prefix "${prefix}")
 require_file("${prefix}/share/doc/gnomon/LICENSE")
 require_file("${prefix}/share/doc/gnomon/integration.md")
+require_file("${prefix}/share/gnomon/schema/rules.json")
 find_program(GLSLANG_VALIDATOR glslangValidator REQUIRED)
 run("${GLSLANG_VALIDATOR}" -D -V --quiet -S frag -e main "-I${prefix}/include" -o "${SCRATCH}/sampled.spv"
     "${BUILD}/tests/consumer/integration/integration_page_snippets.hlsl")
