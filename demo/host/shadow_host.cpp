@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "demo/host/pin_thread.hpp"
+#include "gnomon/algorithm.h"
 
 namespace gnomon::demo {
 namespace {
@@ -88,6 +89,8 @@ ShadowHost::ShadowHost(const Device& device, const Scene& scene, const SceneGeom
         throw HostError("gnCreateContext: " + (messages.empty() ? std::string("no reason given") : messages.back()));
     }
     try {
+        for (const std::string& plugin : options.plugins)
+            expect(statusOf(gnLoadPlugin(context_, plugin.c_str())));
         createInstances(geometry);
         createLights();
         views_.resize(options.viewCount);

@@ -20,6 +20,7 @@ struct ShadowHostOptions {
     GnContextCreateFlags flags = 0;
     VkDeviceSize memoryLimit = 0;     ///< As GnContextCreateInfo's.
     bool pinnedThreads = false;       ///< gnomon's workers stay on the second processor, the third, ...
+    std::vector<std::string> plugins; ///< Paths, for gnLoadPlugin().
 };
 
 class ShadowHost {

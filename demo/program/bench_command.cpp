@@ -140,7 +140,11 @@ private:
 
     SessionOptions sessionOptions() const
     {
-        return {.scene = {}, .size = size_, .memoryLimit = VkDeviceSize{options_.memory} << 20, .pinnedThreads = true};
+        return {.scene = {},
+                .size = size_,
+                .memoryLimit = VkDeviceSize{options_.memory} << 20,
+                .pinnedThreads = true,
+                .plugins = options_.plugins};
     }
 
     Row rowFor(const Session& session, const std::string& method, uint32_t map) const
@@ -360,9 +364,14 @@ Job plan(Device& device, Scene scene, const BenchOptions& options, const std::ve
         else
             job.bareMaps = maps.empty() ? std::vector<uint32_t>{kDefaultBareMap} : maps;
     }
-    Session session(device, scene, {.scene = {}, .size = {16, 16}}); // to list methods; draws nothing
-    for (const GnMethodInfo& info : session.shadows.methods()) {
-        if (!isWanted(info.pName)) continue;
+    // To list methods; draws nothing.
+    Session session(device, scene, {.scene = {}, .size = {16, 16}, .plugins = options.plugins});
+    const std::vector<GnMethodInfo> methods = session.shadows.methods();
+    for (const SettingChoice& choice : choices)
+        if (std::ranges::none_of(methods, [&](const GnMethodInfo& info) { return hasSetting(info, choice.name); }))
+            throw HostError("--set: no method has a setting '" + choice.name + "'");
+    for (const GnMethodInfo& info : methods) {
+        if (!isWanted(info.pName) && isBuiltIn(info.pName)) continue;
         if (const char* reason = reasonAgainst(info, scene, options.recorded)) {
             leaveOut(info.pName, reason);
             continue;
@@ -393,7 +402,7 @@ int benchCommand(const BenchOptions& options)
     const std::vector<std::string> wanted = parseNames(options.methods);
     const std::vector<SettingChoice> choices = parseChoices(options.settings);
     requireMethods(wanted, std::array{kNoneMethod, kBareMethod});
-    requireSettings(choices, wanted);
+    if (options.plugins.empty()) requireSettings(choices, wanted); // a plug-in's settings are known when it is loaded
     requireMeaning(choices, options);
     requireScenes(options.scenes);
     requireWritable(options.csv);

@@ -76,6 +76,11 @@ void requireMethods(const std::vector<std::string>& names, std::span<const char*
     }
 }
 
+bool isBuiltIn(std::string_view method)
+{
+    return entryOf(method) != nullptr;
+}
+
 void requireSettings(const std::vector<SettingChoice>& choices, const std::vector<std::string>& methods)
 {
     for (const SettingChoice& choice : choices) {

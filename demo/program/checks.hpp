@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "demo/program/setting_choices.hpp"
@@ -16,6 +17,9 @@ void requireScenes(const std::vector<std::string>& scenes);
 
 /// Each of `names` is a method of this build, or one of `besides`: words that a command takes in its list as well.
 void requireMethods(const std::vector<std::string>& names, std::span<const char* const> besides = {});
+
+/// Whether the method is of this build; else a plug-in brought it.
+bool isBuiltIn(std::string_view method);
 
 /// Each setting is one of at least one of the methods. \param methods empty: all of this build.
 void requireSettings(const std::vector<SettingChoice>& choices, const std::vector<std::string>& methods);

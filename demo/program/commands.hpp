@@ -16,6 +16,7 @@ struct RunOptions {
     std::string out = "out/run";
     std::string dump;
     std::vector<std::string> why; ///< FRAME:LIGHT[:METHOD], answered at the end.
+    std::vector<std::string> plugins; ///< Paths.
     bool window = false;
     bool recorded = false;
     bool validation = false;
@@ -37,6 +38,7 @@ struct SourceSizes {
 struct BenchOptions {
     std::vector<std::string> scenes;
     std::string methods, lights, maps, settings, size, csv;
+    std::vector<std::string> plugins; ///< Paths; their methods are measured beside the others.
     std::string light;                ///< Names: only these of the lights; empty: all.
     SourceSizes sources;
     bool merged = false; ///< What stands still is one mesh.

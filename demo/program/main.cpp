@@ -43,6 +43,7 @@ void addRun(CLI::App& app, RunOptions& options, int& exitCode)
     run->add_option("--budget,--budget-ms", options.budgetMs,
                     "for all shadows of a frame, GPU and CPU; default: that of the rules, or none")
         ->check(numberAbove0To(kMostBudget));
+    run->add_option("--plugin", options.plugins, "load this plug-in: its methods serve too; may be repeated");
     auto* out = run->add_option("--out", options.out, "folder for tables and pictures")->capture_default_str();
     auto* dump = run->add_option("--dump", options.dump, "folder for the last frame's data, for independent checks");
     run->add_option("--why", options.why, "FRAME:LIGHT[:METHOD]: print why (not) at the end; may be repeated");
@@ -90,6 +91,7 @@ void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
     bench->add_option("--repeat", options.repeat, "interleaved pairs of frames")->check(CLI::Range(3, 10000));
     bench->add_option("--memory", options.memory, "MiB that gnomon may take of the device; default: half of the heap")
         ->check(CLI::Range(1, 1 << 20));
+    bench->add_option("--plugin", options.plugins, "measure the methods of this plug-in too; may be repeated");
     bench->add_option("--csv", options.csv, "write the table here instead of printing it");
     bench->add_flag("--recorded", options.recorded, "use gnCmdRenderShadows; methods with round trips are skipped");
     bench->add_flag("--passes", options.passes, "print the fastest time of every pass, from frames with full barriers");

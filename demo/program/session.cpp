@@ -45,7 +45,8 @@ ShadowHostOptions shadowOptions(const Scene& scene, const SessionOptions& option
             .maxLights = layersFor(scene, options),
             .flags = options.contextFlags,
             .memoryLimit = options.memoryLimit,
-            .pinnedThreads = options.pinnedThreads};
+            .pinnedThreads = options.pinnedThreads,
+            .plugins = options.plugins};
 }
 
 RendererOptions rendererOptions(const Scene& scene, const SessionOptions& options)
@@ -69,7 +70,8 @@ SessionOptions sessionOptions(const RunOptions& options)
     SessionOptions session{.scene = options.scene,
                            .framesInFlight = options.framesInFlight,
                            .validation = options.validation,
-                           .knowledge = options.knowledge};
+                           .knowledge = options.knowledge,
+                           .plugins = options.plugins};
     if (!options.size.empty()) session.size = valueOf(parseSize(options.size));
     if (options.lights > 0) session.lights = options.lights;
     return session;

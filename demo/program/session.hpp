@@ -28,6 +28,7 @@ struct SessionOptions {
     bool validation = false;
     std::string knowledge; ///< loadKnowledge().
     std::vector<const char*> instanceExtensions;
+    std::vector<std::string> plugins; ///< ShadowHostOptions::plugins.
 };
 
 /// Those that `gnomon run` is given, with or without a window; throws HostError if a size is none.

@@ -34,4 +34,19 @@ if(EXISTS "${prefix}/bin/gnomon")
         message(FATAL_ERROR "the installed program does not find its scenes:\n${output}")
     endif()
     message(STATUS "program: ok")
+
+    # The plug-in that docs/researchers.md starts from, built and measured as it says there.
+    file(COPY "${SOURCE}/demo/plugin" DESTINATION "${SCRATCH}")
+    run(${CMAKE_COMMAND} -S "${SCRATCH}/plugin" -B "${SCRATCH}/plugin/build" -G Ninja "-DCMAKE_PREFIX_PATH=${prefix}")
+    run(${CMAKE_COMMAND} --build "${SCRATCH}/plugin/build")
+    execute_process(COMMAND "${prefix}/bin/gnomon" methods RESULT_VARIABLE without_device OUTPUT_QUIET ERROR_QUIET)
+    if(NOT without_device)
+        run("${prefix}/bin/gnomon" bench room --methods shadow_map --plugin "${SCRATCH}/plugin/build/box_shadow.so"
+            --set scale=0.8 --size 96x54 --repeat 3 --validate)
+        # scene,method,lights,width,height,map,triangles, five times, wrong_pct
+        if(NOT output MATCHES "room,box_shadow,4,96,54,,[0-9]+," OR NOT output MATCHES "room,shadow_map,")
+            message(FATAL_ERROR "the plug-in is not measured:\n${output}")
+        endif()
+        message(STATUS "plug-in: ok")
+    endif()
 endif()
