@@ -250,8 +250,12 @@ void Renderer::writeFrameData(uint32_t index, const FrameRequest& request)
     data.skyDepth = camera.skyDepth;
     data.ambient = scene_.ambient;
     data.sky = glm::vec4(scene_.sky, 0.0f);
-    for (size_t i = 0; i < state_.present.size(); ++i)
-        data.lights[i] = lightData(scene_.lights[state_.present[i]], state_.lights[state_.present[i]], camera.eye);
+    for (size_t i = 0; i < state_.present.size(); ++i) {
+        const uint32_t light = state_.present[i];
+        data.lights[i] = lightData(scene_.lights[light], state_.lights[light], camera.eye);
+        if (!request.lightColours.empty())
+            data.lights[i].colour = glm::vec4(request.lightColours[light], data.lights[i].colour.w);
+    }
     markLightTiles(camera, extent_, std::span(data.lights).first(state_.present.size()), data.tileLights);
     std::memcpy(slot.view.mapped, &data, sizeof data);
 

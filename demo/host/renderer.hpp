@@ -59,6 +59,7 @@ struct FrameRequest {
     float budgetMs = 0.0f;
     GnFrameFlags flags = 0;
     bool cameraCut = false;
+    std::span<const glm::vec3> lightColours; ///< One per light of the scene, linear RGB; empty: the scene's.
     const PresentTarget* present = nullptr;
     /// Draws over the first view's picture, which is in TRANSFER_SRC_OPTIMAL before and after; empty: nothing does.
     std::function<void(VkCommandBuffer cmd, const Image& picture)> overlay;

@@ -15,6 +15,7 @@ struct RunOptions {
     float budgetMs = 0.0f;
     std::string out = "out/run";
     std::string dump;
+    uint32_t film = 0;            ///< A picture every so many frames, lights in the colours of their methods; 0: none.
     std::vector<std::string> why; ///< FRAME:LIGHT[:METHOD], answered at the end.
     std::vector<std::string> plugins; ///< Paths.
     bool window = false;

@@ -46,6 +46,10 @@ void addRun(CLI::App& app, RunOptions& options, int& exitCode)
     run->add_option("--plugin", options.plugins, "load this plug-in: its methods serve too; may be repeated");
     auto* out = run->add_option("--out", options.out, "folder for tables and pictures")->capture_default_str();
     auto* dump = run->add_option("--dump", options.dump, "folder for the last frame's data, for independent checks");
+    run->add_option("--film", options.film,
+                    "N: every N frames a picture with lights in their methods' colours, frame_*_film.png; others are "
+                    "left out")
+        ->check(CLI::Range(1, 1000));
     run->add_option("--why", options.why, "FRAME:LIGHT[:METHOD]: print why (not) at the end; may be repeated");
     auto* window =
         run->add_flag("--window", options.window, "in a window, with a fly camera")->excludes(dump)->excludes(out);

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
+
+#include <glm/geometric.hpp>
 
 #include "demo/io/number.hpp"
 #include "demo/io/text.hpp"
@@ -97,6 +100,32 @@ Image8 captioned(const Image8& picture, const Scene& scene, const SceneState& st
         if (light.kind != LightKind::Directional &&
             projectToPixel(camera, {picture.width, picture.height}, state.lights[state.present[i]].position, px, py))
             drawLabel(out, px, py, light.name, kInk, methodColour(lines[i].method), scale);
+    }
+    return out;
+}
+
+glm::vec3 methodTint(std::string_view method, const Light& light) noexcept
+{
+    const auto brightness = [](const glm::vec3& c) { return glm::dot(c, glm::vec3(0.2126f, 0.7152f, 0.0722f)); };
+    const auto linear = [](uint8_t c) { return std::pow((float(c) / 255.0f + 0.055f) / 1.055f, 2.4f); };
+    const Rgb8 colour = methodColour(method);
+    const glm::vec3 tint(linear(colour.r), linear(colour.g), linear(colour.b));
+    return tint * (brightness(light.colour * light.intensity) / brightness(tint));
+}
+
+Image8 withLegend(const Image8& picture, const std::vector<FrameLog::LightLine>& lines)
+{
+    std::map<std::string_view, uint32_t> lights;
+    for (const FrameLog::LightLine& line : lines)
+        ++lights[line.method];
+    Image8 out = picture;
+    constexpr int32_t kGap = 4;
+    int32_t x = kGap;
+    for (const auto& [method, count] : lights) {
+        const std::string text = std::string(method) + " " + std::to_string(count);
+        const TextSize size = measureText(text);
+        drawLabel(out, x, int32_t(picture.height - size.height) - 2 * kGap, text, kInk, methodColour(method));
+        x += int32_t(size.width) + 2 * kGap;
     }
     return out;
 }

@@ -19,6 +19,12 @@ Rgb8 methodColour(std::string_view method) noexcept;
 Image8 captioned(const Image8& picture, const Scene& scene, const SceneState& state, const CameraMatrices& camera,
                  const std::vector<FrameLog::LightLine>& lines, std::string_view title);
 
+/// The method's colour as light, as bright as that of the light.
+glm::vec3 methodTint(std::string_view method, const Light& light) noexcept;
+
+/// The methods of a frame with how many lights each serves, in their colours along the bottom.
+Image8 withLegend(const Image8& picture, const std::vector<FrameLog::LightLine>& lines);
+
 /// Pixel of a world position; false when it is behind the eye or off the screen.
 bool projectToPixel(const CameraMatrices& camera, VkExtent2D extent, const glm::dvec3& world, int32_t& x, int32_t& y);
 

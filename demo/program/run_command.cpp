@@ -29,11 +29,15 @@ constexpr uint32_t kMaxSwitchPictures = 12;
 
 class PictureTaker {
 public:
-    PictureTaker(std::filesystem::path folder, uint32_t frames) : folder_(std::move(folder)), frames_(frames) {}
+    PictureTaker(std::filesystem::path folder, uint32_t frames, uint32_t film)
+        : folder_(std::move(folder)), frames_(frames), film_(film)
+    {
+    }
 
-    /// First, last, every quarter, and frames in which a method changed.
+    /// First, last, every quarter, and frames in which a method changed; of a film, every so many.
     bool wants(uint32_t frame, bool switched)
     {
+        if (film_ > 0) return frame % film_ == 0;
         if (frame % std::max(1u, frames_ / 4) == 0 || frame + 1 == frames_) return true;
         return switched && switchPictures_++ < kMaxSwitchPictures;
     }
@@ -43,6 +47,10 @@ public:
         std::string number = std::to_string(frame);
         number.insert(0, 5 - std::min<size_t>(5, number.size()), '0');
         const Image8 picture = renderer.readColour();
+        if (film_ > 0) {
+            expect(writePng(folder_ / ("frame_" + number + "_film.png"), withLegend(picture, log.newest())));
+            return;
+        }
         expect(writePng(folder_ / ("frame_" + number + ".png"), picture));
         std::string title =
             scene.name + "  frame " + std::to_string(frame) + (log.newestSwitched() ? "  (switch)" : "");
@@ -52,7 +60,7 @@ public:
 
 private:
     std::filesystem::path folder_;
-    uint32_t frames_;
+    uint32_t frames_, film_;
     uint32_t switchPictures_ = 0;
 };
 
@@ -76,10 +84,11 @@ std::string chooseMethods(ShadowHost& shadows, const RunOptions& options, const 
 /// What PictureTaker::take() calls its pictures.
 bool isPictureName(std::string_view name)
 {
-    constexpr std::string_view head = "frame_", methods = "_methods", end = ".png";
+    constexpr std::string_view head = "frame_", end = ".png";
     if (!name.starts_with(head) || !name.ends_with(end)) return false;
     name = name.substr(head.size(), name.size() - head.size() - end.size());
-    if (name.ends_with(methods)) name.remove_suffix(methods.size());
+    for (const std::string_view kind : {"_methods", "_film"})
+        if (name.ends_with(kind)) name.remove_suffix(kind.size());
     return name.size() >= 5 && name.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
@@ -135,7 +144,7 @@ class Run {
 public:
     Run(const RunOptions& options, Session& session, RuleWatch& rules, uint32_t frames)
         : options_(options), session_(session), rules_(rules), frames_(frames), out_(options.out), log_(session.scene),
-          pictures_(out_, frames), progress_(frames), lastTime_(frameTime(session.scene, 0))
+          pictures_(out_, frames, options.film), progress_(frames), lastTime_(frameTime(session.scene, 0))
     {
     }
 
@@ -185,10 +194,24 @@ private:
                                 .shadows = &session_.shadows,
                                 .recorded = options_.recorded,
                                 .budgetMs = options_.budgetMs,
-                                .cameraCut = frame > 0 && cameraCutsBetween(session_.scene, lastTime_, time)});
+                                .cameraCut = frame > 0 && cameraCutsBetween(session_.scene, lastTime_, time),
+                                .lightColours = tints_});
         lastTime_ = time;
         log_.add(frame, time, session_.renderer.state(), session_.shadows);
+        if (options_.film > 0) tint();
         decisions_.frame(session_.shadows, session_.shadows.stats().frame);
+    }
+
+    /// Of the next frame's lights, by this frame's methods: which serve it is known when it is recorded.
+    void tint()
+    {
+        const std::vector<Light>& lights = session_.scene.lights;
+        if (tints_.empty())
+            for (const Light& light : lights)
+                tints_.push_back(light.colour * light.intensity);
+        const std::vector<uint32_t>& present = session_.renderer.state().present;
+        for (size_t i = 0; i < present.size() && i < log_.newest().size(); ++i)
+            tints_[present[i]] = methodTint(log_.newest()[i].method, lights[present[i]]);
     }
 
     const RunOptions& options_;
@@ -201,6 +224,7 @@ private:
     Progress progress_;
     double lastTime_;
     FrameClock clock_;
+    std::vector<glm::vec3> tints_; ///< By light of the scene; empty: no film, or its first frame.
     DecisionCollector decisions_;
 };
 

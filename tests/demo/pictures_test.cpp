@@ -53,3 +53,31 @@ TEST_CASE("built-in methods are told apart, and a name that is none has a colour
     CHECK(methodColour("some plug-in") == methodColour("some plug-in"));
     CHECK(methodColour("some plug-in") != methodColour("another plug-in"));
 }
+
+TEST_CASE("a light in its method's colour is as bright as before, and a legend counts lights by method")
+{
+    Light light;
+    light.colour = {1.0f, 0.4f, 0.2f};
+    light.intensity = 3.0f;
+    const auto brightness = [](const glm::vec3& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; };
+    const glm::vec3 tint = methodTint("shadow_map", light), other = methodTint("ray_traced", light);
+    CHECK(brightness(tint) == doctest::Approx(3.0 * brightness(light.colour)));
+    CHECK(brightness(other) == doctest::Approx(brightness(tint)));
+    CHECK(std::abs(tint.r / tint.g - other.r / other.g) > 0.1f);
+
+    const Image8 picture(320, 90, 3);
+    const Image8 legend = withLegend(picture, {{"a", "shadow_map", 1.0f, false}, {"b", "ray_traced", 1.0f, false}});
+    const auto counts = [&](uint32_t top, uint32_t bottom, std::string_view method) {
+        const Rgb8 colour = methodColour(method);
+        size_t found = 0;
+        for (uint32_t i = top * 320; i < bottom * 320; ++i)
+            found += legend.texels[3 * i] == colour.r && legend.texels[3 * i + 1] == colour.g &&
+                     legend.texels[3 * i + 2] == colour.b;
+        return found;
+    };
+    for (const std::string_view method : {"shadow_map", "ray_traced"}) {
+        CHECK(counts(0, 70, method) == 0);
+        CHECK(counts(70, 90, method) > 300);
+    }
+    CHECK(counts(0, 90, "cube_map") == 0);
+}
