@@ -22,3 +22,7 @@ gnomon_algorithm(moments_soft
             filtered/moments_soft.frag:MAP_LAYERS=1:filtered/moments_soft_cube.frag
             filtered/summed_columns.comp
             filtered/summed_rows.comp)
+gnomon_algorithm(screen_soft
+    SOURCES screen_soft.cpp
+    SHADERS filtered/screen_soft.frag
+            filtered/screen_soft.frag:MAP_LAYERS=1:filtered/screen_soft_cube.frag)

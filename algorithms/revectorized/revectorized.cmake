@@ -8,3 +8,7 @@ gnomon_algorithm(rbssm
     SOURCES rbssm.cpp
     SHADERS revectorized/rbssm.frag
             revectorized/rbssm.frag:MAP_LAYERS=1:revectorized/rbssm_cube.frag)
+gnomon_algorithm(ssrbssm
+    SOURCES ssrbssm.cpp
+    SHADERS revectorized/ssrbssm.frag
+            revectorized/ssrbssm.frag:MAP_LAYERS=1:revectorized/ssrbssm_cube.frag)

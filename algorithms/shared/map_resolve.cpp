@@ -33,10 +33,22 @@ void LookupImages::uses(PassRef& pass) const
 LookupPass::LookupPass(PassBuilder& passes, const ShadowTask& task, const char* name, const LookupImages& look)
     : uses(passes.raster(name)), pixels_(lightPixels(*task.light, *task.view))
 {
-    const VkRect2D& area = task.view->area;
     look.uses(uses);
-    uses.writes(task.visibility, visibilityIn(*task.view, task.layer, pixels_))
-        .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height});
+    writes(*task.view, task.visibility, visibilityIn(*task.view, task.layer, pixels_));
+}
+
+LookupPass::LookupPass(PassBuilder& passes, const ShadowTask& task, const char* name, const LookupImages& look,
+                       ImageId target, VkClearValue otherwise)
+    : uses(passes.raster(name)), pixels_(lightPixels(*task.light, *task.view))
+{
+    look.uses(uses);
+    writes(*task.view, target, {.clear = true, .value = otherwise});
+}
+
+void LookupPass::writes(const CameraView& view, ImageId target, const Part& part)
+{
+    const VkRect2D& area = view.area;
+    uses.writes(target, part).area({area.offset.x, area.offset.y, area.extent.width, area.extent.height});
 }
 
 MapResolve::MapResolve(const AlgorithmServices& services, const MapResolveInfo& info) : info_(info)

@@ -25,6 +25,9 @@ struct LookupImages {
 class LookupPass {
 public:
     LookupPass(PassBuilder& passes, const ShadowTask& task, const char* name, const LookupImages& look);
+    /// Writes another image of the view's extent. @param otherwise what the pixels have that the light does not reach
+    LookupPass(PassBuilder& passes, const ShadowTask& task, const char* name, const LookupImages& look, ImageId target,
+               VkClearValue otherwise);
 
     PassRef uses; ///< For what the shader uses beside the look's images.
 
@@ -41,6 +44,8 @@ public:
     }
 
 private:
+    void writes(const CameraView& view, ImageId target, const Part& part);
+
     VkRect2D pixels_; ///< Where the light reaches.
 };
 

@@ -96,7 +96,7 @@ TEST_CASE("soft rays draw the colonnade under wide lights as they did when their
     for (demo::Light& light : scene.lights)
         light.radius = light.kind == LightKind::Directional ? 0.05f : 0.3f;
     Stage stage(std::move(scene), kSize);
-    for (const std::string soft : {"coherence_sampling", "eight_point_hybrid", "pcss"})
+    for (const std::string soft : {"coherence_sampling", "eight_point_hybrid", "pcss", "screen_soft", "ssrbssm"})
         compareWithGolden(std::string(kScene) + "_soft_" + soft, sideBySide(stage.draw(soft)));
     const std::string traced = "ray_soft";
     const std::vector<GnMethodInfo> methods = stage.methods();

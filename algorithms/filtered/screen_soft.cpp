@@ -1,0 +1,59 @@
+#include "algorithms/filtered/screen_soft.hpp"
+
+#include "algorithms/shared/light_map.hpp"
+#include "algorithms/shared/screen_penumbra.hpp"
+#include "shaders/filtered_nearest_cube_frag.h"
+#include "shaders/filtered_nearest_frag.h"
+#include "shaders/filtered_screen_soft_cube_frag.h"
+#include "shaders/filtered_screen_soft_frag.h"
+
+namespace gnomon {
+
+namespace {
+
+class ScreenSoft final : public ScreenPenumbra {
+public:
+    explicit ScreenSoft(const AlgorithmServices& services)
+        : ScreenPenumbra(services, {.seen = "screen_soft.seen",
+                                    .rows = "screen_soft.rows",
+                                    .columns = "screen_soft.columns",
+                                    .soft = {k_filtered_screen_soft_frag, k_filtered_screen_soft_cube_frag}}),
+          casters_(makeDepthMapPipelines(services)),
+          hard_(services, {.name = "screen_soft.hard", .fragment = k_filtered_nearest_frag, .filters = false}),
+          hardCube_(
+              services,
+              {.name = "screen_soft.hard", .fragment = k_filtered_nearest_cube_frag, .layers = true, .filters = false})
+    {
+    }
+
+private:
+    Map declareHard(PassBuilder& passes, const ShadowTask& task) override
+    {
+        const auto resolution = static_cast<std::uint32_t>(task.settings[0]);
+        gpu::MapConstants constants = mapConstants(task, resolution, 1);
+        const LightMap map = declareLightMap(passes, casters_, task, resolution, constants);
+        (task.light->type == GN_LIGHT_TYPE_POINT ? hardCube_ : hard_).declare(passes, task, map.image, constants);
+        return handedOut(map.image, map.fits, map.needed, constants);
+    }
+
+    DepthMapPipelines casters_;
+    MapResolve hard_, hardCube_;
+};
+
+} // namespace
+
+constinit const AlgorithmEntry kScreenSoft{
+    .name = "screen_soft",
+    .source = "MohammadBagher et al. 2010; Zheng and Saito 2011",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_SOFT_PENUMBRA_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kScreenPenumbraSettings,
+    .memoryPerLight = ScreenPenumbra::memory,
+    .missing = nullptr,
+    .create = makeAlgorithm<ScreenSoft>,
+    .typicalWrongPercent = 0.54f, // of lights without a radius: shadow_map's
+};
+
+} // namespace gnomon
