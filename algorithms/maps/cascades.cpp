@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "algorithms/maps/cascade_fit.hpp"
+#include "algorithms/shared/contact.hpp"
 #include "algorithms/shared/depth_casters.hpp"
 #include "algorithms/shared/map_resolve.hpp"
 #include "shaders/maps/cascades.h"
@@ -13,13 +14,14 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kCount, kBlend, kFilter };
+enum Setting { kResolution, kCount, kBlend, kFilter, kContact };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of each map.", 64, 8192, 1024, true},
     {"cascades", "Maps, the one of all casters included.", 2, gpu::MAX_CASCADES, 4},
     {"blend", "Where slices end: 0 evenly, 1 each by the same factor farther than the one before.", 0, 1, 1},
     {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
+    kContactSetting,
 };
 
 /// Texels that filters reach beside a receiver: half of 7 and the fraction.
@@ -38,7 +40,8 @@ class Cascades final : public ShadowAlgorithm {
 public:
     explicit Cascades(const AlgorithmServices& services)
         : casters_(makeDepthMapPipelines(services)),
-          resolve_(services, {.name = "cascades.resolve", .fragment = k_maps_cascades_frag, .layers = true})
+          resolve_(services, {.name = "cascades.resolve", .fragment = k_maps_cascades_frag, .layers = true}),
+          contact_(services)
     {
     }
 
@@ -61,6 +64,7 @@ public:
         constants.lastLayer = static_cast<float>(cascades.back().layer);
         constants.border = kBorderTexels;
         resolve_.declare(passes, task, image, constants, constants.base.map.filterSide > 1.0f);
+        contact_.declare(passes, task, task.settings[kContact]);
 
         gpu::ShadowSample& sample = map_.sample = sampleOf(constants.base.map, gpu::SAMPLE_PARTS);
         std::copy(std::begin(constants.parts), std::end(constants.parts), sample.parts);
@@ -99,6 +103,7 @@ private:
 
     DepthMapPipelines casters_;
     MapResolve resolve_;
+    ContactShadows contact_;
     Map map_;
 };
 

@@ -1,5 +1,6 @@
 #include "algorithms/maps/shadow_map.hpp"
 
+#include "algorithms/shared/contact.hpp"
 #include "algorithms/shared/depth_map.hpp"
 #include "algorithms/shared/map_resolve.hpp"
 #include "algorithms/shared/trapezoid.hpp"
@@ -9,7 +10,7 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter, kKernel, kFit };
+enum Setting { kResolution, kFilter, kKernel, kFit, kContact };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map.", 64, 8192, 1024, true},
@@ -17,6 +18,7 @@ constexpr SettingSpec kSettings[] = {
     kKernelSetting,
     {"fit", "0: the map covers all casters or the cone; 1: the smallest rectangle around what the view sees of that.",
      0, 1, 0},
+    kContactSetting,
 };
 
 constexpr ViewMapNames kSeenNames{"shadow_map.depth",
@@ -28,7 +30,7 @@ class ShadowMap final : public ShadowAlgorithm {
 public:
     explicit ShadowMap(const AlgorithmServices& services)
         : casters_(makeDepthMapPipelines(services)),
-          resolve_(services, {.name = "shadow_map.resolve", .fragment = k_maps_shadow_map_frag})
+          resolve_(services, {.name = "shadow_map.resolve", .fragment = k_maps_shadow_map_frag}), contact_(services)
     {
     }
 
@@ -36,6 +38,7 @@ public:
     {
         declareMap(passes, task);
         resolve_.declare(passes, task, map_.image, {task.view->constants, map_.sample.map});
+        contact_.declare(passes, task, task.settings[kContact]);
     }
 
     const Map* lightMap() const override { return &map_; }
@@ -70,6 +73,7 @@ private:
 
     DepthMapPipelines casters_;
     MapResolve resolve_;
+    ContactShadows contact_;
     Map map_;
 };
 

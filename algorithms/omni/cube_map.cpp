@@ -1,6 +1,7 @@
 #include "algorithms/omni/cube_map.hpp"
 
 #include "algorithms/omni/culling.hpp"
+#include "algorithms/shared/contact.hpp"
 #include "algorithms/shared/cube_faces.hpp"
 #include "algorithms/shared/light_map.hpp"
 #include "algorithms/shared/map_resolve.hpp"
@@ -10,20 +11,22 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter, kKernel, kCulling };
+enum Setting { kResolution, kFilter, kKernel, kCulling, kContact };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of each of the six faces.", 64, 4096, 1024, true},
     kKernelSideSetting,
     kKernelSetting,
     kCullingSetting,
+    kContactSetting,
 };
 
 class CubeMapMethod final : public ShadowAlgorithm {
 public:
     explicit CubeMapMethod(const AlgorithmServices& services)
         : casters_(makeDepthMapPipelines(services)),
-          resolve_(services, {.name = "cube_map.resolve", .fragment = k_omni_cube_map_frag, .layers = true})
+          resolve_(services, {.name = "cube_map.resolve", .fragment = k_omni_cube_map_frag, .layers = true}),
+          contact_(services)
     {
     }
 
@@ -31,6 +34,7 @@ public:
     {
         declareMap(passes, task);
         resolve_.declare(passes, task, map_.image, {task.view->constants, map_.sample.map});
+        contact_.declare(passes, task, task.settings[kContact]);
     }
 
     const Map* lightMap() const override { return &map_; }
@@ -39,8 +43,8 @@ public:
     {
         const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         const std::uint32_t side = filterSide(task.settings[kFilter]);
-        const CubeMap map = declareCubeMap(passes, casters_, task, resolution, kernelBorder(side),
-                                           mapCulling(task.settings[kCulling]));
+        const CubeMap map =
+            declareCubeMap(passes, casters_, task, resolution, kernelBorder(side), mapCulling(task.settings[kCulling]));
         gpu::MapConstants constants = mapConstants(task, resolution, side);
         constants.map.kernel = static_cast<float>(task.settings[kKernel]);
         addLightProjection(constants, std::span(map.faces, 6), task);
@@ -51,6 +55,7 @@ public:
 private:
     DepthMapPipelines casters_;
     MapResolve resolve_;
+    ContactShadows contact_;
     Map map_;
 };
 

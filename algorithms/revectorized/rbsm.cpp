@@ -1,12 +1,13 @@
 #include "algorithms/revectorized/rbsm.hpp"
 
 #include "algorithms/revectorized/line_map.hpp"
+#include "algorithms/shared/contact.hpp"
 
 namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kMode, kLongest };
+enum Setting { kResolution, kMode, kLongest, kContact };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map; of a point light, of each of six.", 64, 8192, 1024, true},
@@ -15,23 +16,26 @@ constexpr SettingSpec kSettings[] = {
      "ramp of two texels about the same lines.",
      0, 2, 1},
     kLongestSetting,
+    kContactSetting,
 };
 
 class Rbsm final : public ShadowAlgorithm {
 public:
-    explicit Rbsm(const AlgorithmServices& services) : lines_(services, "rbsm.resolve") {}
+    explicit Rbsm(const AlgorithmServices& services) : lines_(services, "rbsm.resolve"), contact_(services) {}
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
         map_ = lines_.declare(passes, task, static_cast<std::uint32_t>(task.settings[kResolution]),
                               {.mode = static_cast<std::uint32_t>(task.settings[kMode]),
                                .longest = static_cast<std::uint32_t>(task.settings[kLongest])});
+        contact_.declare(passes, task, task.settings[kContact]);
     }
 
     const Map* lightMap() const override { return &map_; }
 
 private:
     LineMap lines_;
+    ContactShadows contact_;
     Map map_;
 };
 
