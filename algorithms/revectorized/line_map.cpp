@@ -7,18 +7,12 @@
 
 namespace gnomon {
 
-namespace {
-
-/// Around each face of a cube lie as many texels as a kernel and the stairs from its outermost tap reach: no stair ends
-/// where a face does. Elsewhere stairs end at a map's edge, beyond which there are no receivers or no casters.
-std::uint32_t borderOf(const LightView& light, std::uint32_t resolution, const Lines& lines)
+std::uint32_t lineBorder(const LightView& light, std::uint32_t resolution, const Lines& lines)
 {
     if (light.type != GN_LIGHT_TYPE_POINT) return kernelBorder(lines.filterSide);
     const std::uint32_t reach = lines.longest + (lines.filterSide + 1) / 2 + 1;
     return std::clamp(reach, kMapBorderTexels, resolution / 4);
 }
-
-} // namespace
 
 LineMap::LineMap(const AlgorithmServices& services, const char* name)
     : casters_(makeDepthMapPipelines(services)),
@@ -36,7 +30,7 @@ ShadowAlgorithm::Map LineMap::declare(PassBuilder& passes, const ShadowTask& tas
     constants.mode = lines.mode;
     constants.longest = lines.longest;
     const LightMap map =
-        declareLightMap(passes, casters_, task, resolution, constants.base, borderOf(*task.light, resolution, lines));
+        declareLightMap(passes, casters_, task, resolution, constants.base, lineBorder(*task.light, resolution, lines));
     (cube ? resolveCube_ : resolve_).declare(passes, task, map.image, constants, lines.mode == gpu::REVECTORIZE_KERNEL);
     return handedOut(map.image, map.fits, map.needed, constants.base);
 }

@@ -18,6 +18,10 @@ struct Lines {
 inline constexpr SettingSpec kLongestSetting = {"longest", "Texels that a stair is followed to each side.", 8,
                                                 gpu::MAX_STAIR, 16};
 
+/// Texels around each face of a cube: as many as a kernel and the stairs from its outermost tap reach, so that no stair
+/// ends where a face does. Elsewhere stairs end at a map's edge, beyond which there are no receivers or no casters.
+std::uint32_t lineBorder(const LightView& light, std::uint32_t resolution, const Lines& lines);
+
 class LineMap {
 public:
     /// @param name of the pass

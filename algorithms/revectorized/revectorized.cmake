@@ -12,3 +12,14 @@ gnomon_algorithm(ssrbssm
     SOURCES ssrbssm.cpp
     SHADERS revectorized/ssrbssm.frag
             revectorized/ssrbssm.frag:MAP_LAYERS=1:revectorized/ssrbssm_cube.frag)
+gnomon_shared(
+    SOURCES distance_penumbra.cpp distance_transform.cpp
+    SHADERS revectorized/distance_hard.frag
+            revectorized/distance_hard.frag:MAP_LAYERS=1:revectorized/distance_hard_cube.frag
+            revectorized/distance_columns.comp
+            revectorized/distance_rows.comp
+            revectorized/distance_seeds.frag
+            revectorized/distance_seeds.frag:MAP_LAYERS=1:revectorized/distance_seeds_cube.frag
+            revectorized/distance_resolve.frag)
+gnomon_algorithm(edt SOURCES edt.cpp)
+gnomon_algorithm(edt_soft SOURCES edt_soft.cpp)

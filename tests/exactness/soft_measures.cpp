@@ -11,8 +11,23 @@
 namespace gnomon::exact {
 namespace {
 
-/// Metres along x on the floor from where a tenth of the lamp is seen to where nine tenths are, from all pixels of the
-/// ramp: the slope of the line that fits them best.
+/// Square of the correlation of y with x.
+double rSquared(const std::vector<double>& x, const std::vector<double>& y)
+{
+    double n = double(x.size()), sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0, syy = 0.0;
+    for (size_t i = 0; i < x.size(); ++i) {
+        sx += x[i];
+        sy += y[i];
+        sxx += x[i] * x[i];
+        sxy += x[i] * y[i];
+        syy += y[i] * y[i];
+    }
+    const double top = n * sxy - sx * sy;
+    return top * top / ((n * sxx - sx * sx) * (n * syy - sy * sy));
+}
+
+} // namespace
+
 double widthOnFloor(const Stage& stage, const Image8& picture)
 {
     const brute::View view = bruteView(stage);
@@ -38,23 +53,6 @@ double widthOnFloor(const Stage& stage, const Image8& picture)
     REQUIRE(n > 20.0);
     return 0.8 * (n * xv - x * v) / (n * vv - v * v);
 }
-
-/// Square of the correlation of y with x.
-double rSquared(const std::vector<double>& x, const std::vector<double>& y)
-{
-    double n = double(x.size()), sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0, syy = 0.0;
-    for (size_t i = 0; i < x.size(); ++i) {
-        sx += x[i];
-        sy += y[i];
-        sxx += x[i] * x[i];
-        sxy += x[i] * y[i];
-        syy += y[i] * y[i];
-    }
-    const double top = n * sxy - sx * sy;
-    return top * top / ((n * sxx - sx * sx) * (n * syy - sy * sy));
-}
-
-} // namespace
 
 void checkLinear(std::span<const char* const> methods, LightKind kind, float radius, double lowest)
 {

@@ -7,6 +7,10 @@
 
 namespace gnomon::exact {
 
+/// Under the lamp of halfPlane(): metres along x on the floor from where a tenth of the lamp is seen to where nine
+/// tenths are, from all pixels of the ramp: the slope of the line that fits them best.
+double widthOnFloor(const Stage& stage, const Image8& picture);
+
 /// Checks that penumbrae under a sheet at several heights are as wide as traced ones, and grow in proportion to the
 /// height over its distance from the lamp. \param lowest height, metres, that the methods' penumbrae are compared at
 void checkLinear(std::span<const char* const> methods, LightKind kind, float radius, double lowest = 0.2);

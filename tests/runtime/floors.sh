@@ -50,7 +50,7 @@ table='
 8  algorithms/volumes       algorithms/shared runtime runtime/passes runtime/scene runtime/base shaders/volumes shaders/shared
 8  algorithms/hybrid        algorithms/shared runtime runtime/passes runtime/rays runtime/scene runtime/base
 8  algorithms/hybrid        shaders/hybrid shaders/shared
-8  algorithms/revectorized  algorithms/shared runtime shaders/revectorized shaders/shared
+8  algorithms/revectorized  algorithms/shared runtime runtime/scene shaders/revectorized shaders/shared
 8  algorithms/warped        algorithms/shared runtime runtime/scene shaders/warped shaders/shared
 8  algorithms/filtered      algorithms/shared runtime runtime/scene shaders/filtered shaders/shared
 8  algorithms/area          algorithms/shared runtime runtime/scene shaders/area shaders/shared

@@ -1,0 +1,54 @@
+#include "algorithms/revectorized/edt.hpp"
+
+#include "algorithms/revectorized/distance_penumbra.hpp"
+
+namespace gnomon {
+
+namespace {
+
+enum Setting { kResolution, kPenumbra, kShow };
+
+constexpr SettingSpec kSettings[] = {
+    {"resolution", "Texels per side of the map; of a point light, of each of six.", 64, 8192, 1024, true},
+    {"penumbra", "Width of the ramp, metres; 0: none, the picture of rbsm.", 0, 100, 0.1},
+    kShowSetting,
+};
+
+class Edt final : public ShadowAlgorithm {
+public:
+    explicit Edt(const AlgorithmServices& services) : penumbra_(services) {}
+
+    void declare(PassBuilder& passes, const ShadowTask& task) override
+    {
+        map_ = penumbra_.declare(passes, task, static_cast<float>(task.settings[kPenumbra]), 0.0f,
+                                 static_cast<std::uint32_t>(task.settings[kShow]));
+    }
+
+    const char* refuses(const ShadowTask& task) const override { return penumbra_.refuses(task); }
+    const Map* lightMap() const override { return &map_; }
+
+private:
+    DistancePenumbra penumbra_;
+    Map map_;
+};
+
+} // namespace
+
+constinit const AlgorithmEntry kEdt{
+    .name = "edt",
+    .source = "Macedo 2018, 4.2; Meijster, Roerdink and Hesselink 2000",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_FIXED_PENUMBRA_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kSettings,
+    .memoryPerLight =
+        [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
+            return DistancePenumbra::memory(static_cast<std::uint32_t>(settings[kResolution]), extent, type);
+        },
+    .missing = nullptr,
+    .create = makeAlgorithm<Edt>,
+    .typicalWrongPercent = 0.4f, // edt.md
+};
+
+} // namespace gnomon
