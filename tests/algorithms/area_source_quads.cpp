@@ -38,7 +38,7 @@ TEST_CASE("whatever is divided, weights are those of the trapezoidal rule: one i
         const double odds = (run % 10) / 9.0;
         for (std::uint32_t level = 0; level < kQuadLevels; ++level) {
             std::vector<std::uint32_t> flags(quads.quads().size());
-            std::generate(flags.begin(), flags.end(), [&] { return random() / 4294967296.0 < odds ? 1u : 0u; });
+            std::generate(flags.begin(), flags.end(), [&] { return double(random()) / 4294967296.0 < odds ? 1u : 0u; });
             quads.divide(flags);
         }
         quads.end();
