@@ -279,13 +279,21 @@ GrossBounds boundsFor(double texels)
     return {factor * GrossBounds().missingPercent, factor * GrossBounds().acnePercent};
 }
 
-/// Texels that the method averages over unless told otherwise.
-double averagedByDefault(const std::string& method)
+/// A setting's default; `otherwise` where the method has no such setting.
+double defaultOf(const std::string& method, std::string_view name, double otherwise)
 {
     for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
         for (const SettingSpec& setting : algorithm.entry->settings)
-            if (method == algorithm.entry->name && std::string_view(setting.name) == "filter") return setting.standard;
-    return 1.0;
+            if (method == algorithm.entry->name && name == setting.name) return setting.standard;
+    return otherwise;
+}
+
+/// By the texels that the method averages over, and the side of its maps, for which bounds are given at 1024.
+GrossBounds defaultBounds(const std::string& method)
+{
+    GrossBounds bounds = boundsFor(defaultOf(method, "filter", 1.0));
+    bounds.missingPercent *= std::max(1.0, 1024.0 / defaultOf(method, "resolution", 1024.0));
+    return bounds;
 }
 
 void checkNoGrossFailure(const SceneResults& results)
@@ -294,7 +302,7 @@ void checkNoGrossFailure(const SceneResults& results)
         for (const KindOfLight& kind : kKinds) // off its plane a planar method is wrong: planar_test.cpp
             if (results.has(kind.kind) && (results.traitsOf(method) & kind.trait) != 0 &&
                 (results.traitsOf(method) & GN_TRAIT_PLANAR_BIT) == 0)
-                checkNoGrossFailure(results, method, kind, 0, boundsFor(averagedByDefault(method)));
+                checkNoGrossFailure(results, method, kind, 0, defaultBounds(method));
 }
 
 } // namespace
