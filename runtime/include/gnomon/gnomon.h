@@ -455,7 +455,7 @@ typedef struct GnMethodInfo {
     const char* pAlgorithm;
     const char* pSource;      ///< Thesis section or paper.
     GnTraits traits;
-    uint32_t roundTrips;      ///< GPU-CPU-GPU round trips; 0 may be recorded by gnCmdRenderShadows().
+    uint32_t roundTrips;      ///< GPU-CPU-GPU round trips on this device; 0 may be recorded by gnCmdRenderShadows().
     VkBool32 ready;
     const char* pUnavailable; ///< Null, or why no light can use it on this device ("needs geometryShader").
     uint32_t settingCount;
