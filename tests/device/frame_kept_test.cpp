@@ -320,8 +320,10 @@ TEST_CASE_FIXTURE(DeviceTest,
 {
     std::mt19937 random(29);
     const Host known(smallScene(), {.warmUp = false});
+    uint32_t turn = 0;
     for (const Served& served :
          mapsOf(known.context, {demo::LightKind::Spot, demo::LightKind::Point, demo::LightKind::Directional})) {
+        if (++turn % 3 == 0) continue; // two of the three kinds of light, not the same for all methods
         const char* method = served.method.pName;
         CAPTURE(std::string(method));
         Host host(sceneWithSwarm(served.kind)), anew(host.scene);

@@ -26,7 +26,7 @@ ImguiScreen::ImguiScreen(std::function<void()> draw) : draw_(std::move(draw)), c
 {
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr; // nothing is kept from one run to the next
-    io.DisplaySize = {1600.0f, 1200.0f};
+    io.DisplaySize = {1600.0f, 2000.0f};
     io.DeltaTime = 1.0f / 60.0f;
     unsigned char* pixels = nullptr;
     int width = 0, height = 0;
@@ -43,7 +43,7 @@ void ImguiScreen::frame()
 {
     ImGui::NewFrame();
     ImGui::SetNextWindowPos({0.0f, 0.0f});
-    ImGui::SetNextWindowSize({1600.0f, 1200.0f});
+    ImGui::SetNextWindowSize({1600.0f, 2000.0f});
     draw_();
     ImGui::Render();
     read(*ImGui::GetDrawData());

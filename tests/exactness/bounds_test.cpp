@@ -279,15 +279,6 @@ GrossBounds boundsFor(double texels)
     return {factor * GrossBounds().missingPercent, factor * GrossBounds().acnePercent};
 }
 
-/// A setting's default; `otherwise` where the method has no such setting.
-double defaultOf(const std::string& method, std::string_view name, double otherwise)
-{
-    for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
-        for (const SettingSpec& setting : algorithm.entry->settings)
-            if (method == algorithm.entry->name && name == setting.name) return setting.standard;
-    return otherwise;
-}
-
 /// By the texels that the method averages over, and the side of its maps, for which bounds are given at 1024.
 GrossBounds defaultBounds(const std::string& method)
 {

@@ -8,6 +8,7 @@
 #include "demo/program/measure.hpp"
 #include "demo/scene/scene_file.hpp"
 #include "device/small_scenes.hpp"
+#include "runtime/registry.hpp"
 
 namespace gnomon::exact {
 
@@ -121,6 +122,14 @@ bool servedByPin(const demo::Session& session, uint32_t light, const std::string
     GnDecision decision{};
     gnGetDecision(session.shadows.context(), session.shadows.view(0), session.shadows.light(light), &decision);
     return decision.reason == GN_REASON_PINNED && decision.pMethod == method;
+}
+
+double defaultOf(const std::string& method, std::string_view setting, double otherwise)
+{
+    for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
+        for (const SettingSpec& spec : algorithm.entry->settings)
+            if (method == algorithm.entry->name && setting == spec.name) return spec.standard;
+    return otherwise;
 }
 
 bool serves(GnTraits traits, LightKind kind)

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -74,6 +75,9 @@ Scene shippedScene(const std::string& name);
 const std::vector<std::string>& sceneNames();
 
 bool serves(GnTraits traits, LightKind kind);
+
+/// A setting's default, map sides as they are at 1024; `otherwise` where the method has no such setting.
+double defaultOf(const std::string& method, std::string_view setting, double otherwise);
 
 /// Whether the newest frame's light is served by the method that it is pinned to.
 bool servedByPin(const demo::Session& session, uint32_t light, const std::string& method);
