@@ -147,7 +147,7 @@ BufferId declareList(PassBuilder& passes, const ShadowTask& task, const MeshVolu
         pass.reads(find.items).reads(find.planes);
     pass.updates(list).record([=, pipeline = sides ? pipelines.sides : pipelines.caps](PassContext& gpu) {
         for (const Find& find : finds) {
-            if (find.push.count == 0) continue; // a mesh of nothing but points and lines
+            if (find.push.count == 0) continue;           // a mesh of nothing but points and lines
             constexpr std::uint32_t kGroupsInRow = 65535; // Vulkan promises no more
             const std::uint32_t groups = (find.push.count + gpu::MESH_VOLUME_GROUP - 1) / gpu::MESH_VOLUME_GROUP;
             const std::uint32_t across = std::min(groups, kGroupsInRow);

@@ -119,7 +119,8 @@ void prepareMethod(Session& session, const Stage& stage, const TriedMethod& meth
             throw HostError(method.name + ": " + gnGetLastError(context));
         expect(session.shadows.set(method.name, kResolutionSetting, double(method.side)));
     }
-    if (followsCoverage(method)) expect(session.shadows.loadRules(stage.rules.text, stage.rules.name, stage.rules.preset));
+    if (followsCoverage(method))
+        expect(session.shadows.loadRules(stage.rules.text, stage.rules.name, stage.rules.preset));
     expect(session.shadows.warmUp(method.name)); // no other one is asked for
 }
 
