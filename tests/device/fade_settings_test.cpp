@@ -20,12 +20,10 @@ Scene lightOf(demo::LightKind kind)
     return scene;
 }
 
-/// The upper end of its range, or what a test can afford: sides of maps and tables begin at 64, numbers of samples do
-/// not. The lower one where that is what the method has.
+/// The lower end of its range, which takes less; the upper one, or what a test can afford, where the method has that.
 double otherOf(const GnSettingInfo& setting)
 {
-    const double upper = std::min(setting.maximum, setting.minimum < 64.0 ? 64.0 : 512.0);
-    return upper != setting.value ? upper : setting.minimum;
+    return setting.value != setting.minimum ? setting.minimum : std::min(setting.maximum, 64.0);
 }
 
 /// A method's, as they are now.

@@ -126,7 +126,7 @@ TEST_CASE_FIXTURE(HangTest, "a frame whose pass hangs ends at the limit and name
         if (timed) options.flags |= GN_CONTEXT_TIME_EVERY_FRAME_BIT;
         {
             Host host(smallScene(), options);
-            host.pinAll("pcf_hybrid");
+            host.pinAll("ray_traced");
             drawnThenHanging(host);
             CHECK(endsAtTheLimit(secondsOf([&] { CHECK(host.draw() == GN_ERROR_DEVICE_LOST); })));
             CAPTURE(host.lastError());
@@ -159,7 +159,7 @@ TEST_CASE_FIXTURE(HangTest, "a frame that waits for a semaphore nobody signals e
     demo::vkCheck(vkCreateSemaphore(device().handle, &info, nullptr, &semaphore), "vkCreateSemaphore");
     {
         Host host(smallScene(), hanging());
-        host.pinAll("pcf_hybrid");
+        host.pinAll("ray_traced");
         host.require(host.draw());
         const GnSemaphorePoint never{semaphore, 1};
         FrameOptions frame;
@@ -180,7 +180,7 @@ TEST_CASE_FIXTURE(HangTest, "a frame that waits for a semaphore nobody signals e
 TEST_CASE_FIXTURE(HangTest, "a context whose device hangs for good is left to it, and says so")
 {
     Host host(smallScene(), hanging());
-    host.pinAll("pcf_hybrid");
+    host.pinAll("ray_traced");
     drawnThenHanging(host);
     CHECK(host.draw() == GN_ERROR_DEVICE_LOST);
     static_cast<void>(host.takeMessages());
