@@ -10,7 +10,7 @@ using namespace gnomon::test;
 
 namespace {
 
-constexpr uint32_t kLimitMs = 300;
+constexpr uint32_t kLimitMs = 1000;
 
 /// The device waits for an event where a pass or a pipeline's first run begins.
 struct Hang {
@@ -104,10 +104,10 @@ void drawnThenHanging(Host& host)
     hang.atPass = hang.passes.front();
 }
 
-/// The limit, and what a busy machine adds.
+/// The limit, and what compiling on a busy machine adds.
 bool endsAtTheLimit(double seconds)
 {
-    return seconds >= 1e-3 * kLimitMs && seconds < 1e-3 * kLimitMs + 5.0;
+    return seconds >= 1e-3 * kLimitMs && seconds < 1e-3 * kLimitMs + 30.0;
 }
 
 bool told(Host& host, const char* id)
