@@ -18,7 +18,6 @@ constexpr double kForeign = 9.0;       // octaves squared: any other
 constexpr double kDeviceDrift = 1e-5;  // octaves squared a timed frame: a tenth of an octave in ten minutes
 constexpr double kMethodDrift = 1e-4;  // octaves squared a timed frame: what a scene changes in a minute
 constexpr double kStep = 0.15;         // octaves = 11 %: a median beyond it in 3 of 5 frames is a step of the device
-constexpr double kStepVariance = 1.0;  // octaves squared, after such a step: it is believed at once
 constexpr double kLightShare = 0.5;    // of what a fit is off by, what lights of one scene differ by (rules/knowledge)
 constexpr double kAmongRate = 0.1;     // ten lights say what the fit cannot
 constexpr double kScaled = 0.25;       // octaves of doubt for each octave by which a light's workload has changed

@@ -60,6 +60,7 @@ FadeRequest nextFade(const Frame& frame, const ViewLight& light, const ChoosePar
                            : view.camera.cut                     ? "the camera was cut"
                            : decision.reason == GN_REASON_PINNED ? "the host pinned the method"
                            : memory.lastFrame != view.lastFrame  ? "the light was not in the frame before"
+                           : decision.guessed                    ? "what the light reaches was not measured before"
                                                                  : nullptr;
     const bool begun = memory.fade.running();
     Fade::Step step = memory.fade.advance(frame.number, decision.method, length, obstacle != nullptr);

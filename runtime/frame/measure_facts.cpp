@@ -118,13 +118,21 @@ void measureView(Frame& frame, std::uint32_t index, const GnViewFrame& given, co
     }
 }
 
-/// Device bytes of the light's maps over the square of the side of plain ones.
+/// Whether the light's method has maps whose sides follow coverage, or it has none yet.
+bool drawsMaps(const ViewLight& light, const MethodTable& methods)
+{
+    const std::uint32_t method = light.memory->incumbent;
+    return method >= methods.size() || methods[method].followsCoverage();
+}
+
+/// Device bytes of the light's maps over the square of the side of plain ones; of plain ones where it has none.
 double bytesPerTexel(const ViewLight& light, const MethodTable& methods)
 {
     constexpr std::uint32_t kLarge = 1024, kSmall = 512;
     constexpr double kPlainTexel = 8.0; // bytes: depth, and the static casters' apart
     const std::uint32_t method = light.memory->incumbent;
-    if (method >= methods.size()) return kPlainTexel * (light.light->type == GN_LIGHT_TYPE_POINT ? 6.0 : 1.0);
+    if (method >= methods.size() || !methods[method].followsCoverage())
+        return kPlainTexel * (light.light->type == GN_LIGHT_TYPE_POINT ? 6.0 : 1.0);
     const auto bytes = [&](std::uint32_t side) {
         return static_cast<double>(methods[method].entry->memoryFor(methods[method].settingsAt(side),
                                                                     light.facts.view->extent, light.light->type));
@@ -143,13 +151,14 @@ bool keepsMap(const ViewLight& light, const MethodTable& methods)
 void gatherSides(Frame& frame, const MethodTable& methods)
 {
     for (const ViewLight& light : frame.lights)
-        light.state->maps = {.side = &light.state->mapSide};
+        light.state->maps = {.side = &light.state->mapSide, .drawn = false};
     for (const ViewLight& light : frame.lights) {
         SideRequest& maps = light.state->maps;
         const VkExtent2D drawn = light.facts.view->area.extent;
         const double share = light.facts.seen ? shareOf(*light.memory, *light.facts.view, *light.light) : 0.0;
         const double pixels = share * drawn.width * drawn.height;
         maps.redraws |= keepsMap(light, methods);
+        maps.drawn |= drawsMaps(light, methods);
         maps.bytesPerTexel = std::max(maps.bytesPerTexel, bytesPerTexel(light, methods));
         maps.worth = std::max(maps.worth, double{light.facts.importance} * pixels);
     }
@@ -175,7 +184,8 @@ void settleSides(Frame& frame, const FactsParts& parts)
         if (std::exchange(state.sideFrame, frame.number) == frame.number) continue; // another view had it
         state.mapSide.follow(state.wishedSide, !state.sideKnown);
         state.sideKnown |= state.wishedSide > 0.0;
-        if (light.memory->incumbent < parts.methods.size()) held += state.maps.bytes(state.mapSide.side());
+        if (state.maps.drawn && light.memory->incumbent < parts.methods.size())
+            held += state.maps.bytes(state.mapSide.side());
         requests[count++] = state.maps;
     }
     const auto limit = static_cast<double>(parts.memory.limit()), used = static_cast<double>(parts.memory.used());

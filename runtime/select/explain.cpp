@@ -129,12 +129,12 @@ std::string costText(const Candidate& candidate)
     return text;
 }
 
-/// Of a method that does not serve: with its first frame, where that is no trifle.
+/// Of a method that does not serve: with what the change takes, where that is no trifle.
 std::string changeCostText(const Candidate& candidate)
 {
     std::string text = costText(candidate);
     if (candidate.firstMs > candidate.predictedMs)
-        text += " (its first frame " + ms(double{candidate.firstMs}) + " more)";
+        text += " (the change " + ms(double{candidate.firstMs}) + " more)";
     return text;
 }
 

@@ -272,6 +272,15 @@ std::uint32_t FramePlan::leastSide(std::uint32_t method, float quality) const
     return found == kMapSides.end() ? 0 : *found;
 }
 
+/// What a light's incumbent takes while another method fades in; nothing where both show the same.
+double FramePlan::fadeMs(const rules::RuleBase* base, std::uint32_t own, std::uint32_t method,
+                         std::span<const Cost> costs) const
+{
+    if (!base || own >= methods_.size() || own == method) return 0.0;
+    if (methods_[own].isExact() && methods_[method].isExact()) return 0.0;
+    return costs[own].steady.ms * double{base->policy.hysteresis.crossFadeFrames};
+}
+
 /// Candidates and requests of the plan step, and the prediction of every decision.
 void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
 {
@@ -323,7 +332,7 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
             from.quality = candidates_[i * methods + m].quality;
             from.predictedMs = static_cast<float>(cost.ms);
             from.sureMs = static_cast<float>(costs[m].sureMs);
-            from.firstMs = static_cast<float>(costs[m].firstMs);
+            from.firstMs = static_cast<float>(costs[m].firstMs + fadeMs(base, memory.incumbent, m, costs));
             from.sharedMs = sharesMs_[m];
         }
     }

@@ -87,12 +87,18 @@ private:
         float importance;
         std::uint32_t height; ///< Of the picture.
     };
+    struct Cost {
+        cost::Prediction steady;
+        double sureMs = 0.0;  ///< Candidate::sureMs.
+        double firstMs = 0.0; ///< What the first frame takes beyond that.
+    };
     void fill(const rules::RuleBase* base, const Budget& budget);
     std::uint32_t leastSide(std::uint32_t method, float quality) const;
     void economise(const rules::Policy& policy, const Budget& budget);
     void tryUnknown(const rules::Policy& policy, std::span<const std::int32_t> users, const Budget& budget);
-    double trialMs(const Request& request, std::uint32_t own, std::uint32_t method, double shareMs,
-                   std::uint32_t fadeFrames) const;
+    double trialMs(const Request& request, std::uint32_t own, std::uint32_t method, double shareMs) const;
+    double fadeMs(const rules::RuleBase* base, std::uint32_t own, std::uint32_t method,
+                  std::span<const Cost> costs) const;
     std::uint32_t forItsPrice(const Request& request, const Budget& budget) const;
     void takePrice(const Request& request, std::uint32_t method, const Budget& budget);
     bool mayTry(const Request& request, std::uint32_t method, const Budget& budget);
@@ -100,11 +106,6 @@ private:
     std::uint32_t slotOf(LightMemory& memory);
     void growModel(std::uint32_t slots);
     void measure(std::uint32_t slots);
-    struct Cost {
-        cost::Prediction steady;
-        double sureMs = 0.0;  ///< Candidate::sureMs.
-        double firstMs = 0.0; ///< What the first frame takes beyond that.
-    };
     std::span<const Cost> predict(const LightMemory& memory, std::uint64_t frame);
     std::vector<cost::TaughtMethod> algorithms() const;
 

@@ -107,15 +107,12 @@ bool FramePlan::mayTry(const Request& request, std::uint32_t method, const Budge
 }
 
 /// What a trial of a method may cost beyond what the light takes now, ms: until it ends, by what its class hardly
-/// exceeds. Where the two need not show the same, they fade into each other.
-double FramePlan::trialMs(const Request& request, std::uint32_t own, std::uint32_t method, double shareMs,
-                          std::uint32_t fadeFrames) const
+/// exceeds.
+double FramePlan::trialMs(const Request& request, std::uint32_t own, std::uint32_t method, double shareMs) const
 {
-    const Cost& cost = costs_[std::size_t{request.memory->costSlot} * methods_.size() + method];
-    const double ownMs = double{priceOf(request.decision->candidates, own, own)};
-    const bool fades = !methods_[own].isExact() || !methods_[method].isExact();
-    return std::max(cost.sureMs + shareMs - ownMs, 0.0) * double{kPriceFrames} + cost.firstMs +
-           (fades ? ownMs * fadeFrames : 0.0);
+    const std::span all = std::span<const Candidate>(request.decision->candidates);
+    const double overMs = double{all[method].sureMs} + shareMs - double{priceOf(all, own, own)};
+    return std::max(overMs, 0.0) * double{kPriceFrames} + double{all[method].firstMs};
 }
 
 /// One light serves for a few frames by what shows as much, is not known to be cheaper, and may well be: if it took
@@ -145,7 +142,7 @@ void FramePlan::tryUnknown(const rules::Policy& policy, std::span<const std::int
             const double needed = std::max(0.0, over) / guess.sigmaMs;
             if (needed >= least) continue;
             const double share = double{shareMs(budget.parts, users, m)};
-            const double wasteMs = trialMs(request, own, m, share, policy.hysteresis.crossFadeFrames);
+            const double wasteMs = trialMs(request, own, m, share);
             if (wasteMs <= savedMs_) light = i, tried = m, least = needed, ms = wasteMs;
         }
     }

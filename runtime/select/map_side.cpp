@@ -57,6 +57,32 @@ const SideRequest* bestOf(std::span<const SideRequest> requests, const Side& sid
     return best;
 }
 
+/// Halves sides of drawn maps until they fit. @return their bytes
+double halveSides(std::span<const SideRequest> requests, double sum, double budgetBytes) noexcept
+{
+    const auto halvable = [](const SideRequest& request) {
+        const std::uint32_t at = request.side->affordable();
+        return request.drawn && request.bytesPerTexel > 0.0 && at > kMapSides.front() ? at : 0;
+    };
+    while (sum > budgetBytes) {
+        const SideRequest* least = bestOf(requests, halvable, std::less<>());
+        if (!least) break;
+        const std::uint32_t at = least->side->affordable();
+        least->side->limit(at / 2);
+        sum -= least->bytes(at) - least->bytes(at / 2);
+    }
+    return sum;
+}
+
+/// The largest side whose maps take so many bytes at most.
+std::uint32_t sideWithin(const SideRequest& request, double bytes) noexcept
+{
+    std::uint32_t side = kMapSides.front();
+    while (side < kMapSides.back() && request.bytes(2 * side) <= bytes)
+        side *= 2;
+    return side;
+}
+
 } // namespace
 
 std::size_t rungOf(std::uint32_t side) noexcept
@@ -97,28 +123,21 @@ void fitSides(std::span<const SideRequest> requests, double budgetBytes) noexcep
 {
     double sum = 0.0;
     for (const SideRequest& request : requests)
-        sum += request.bytes(request.side->affordable());
-    const auto halvable = [](const SideRequest& request) {
-        const std::uint32_t at = request.side->affordable();
-        return request.bytesPerTexel > 0.0 && at > kMapSides.front() ? at : 0;
-    };
+        if (request.drawn) sum += request.bytes(request.side->affordable());
+    const double usable = (1.0 - kRoomKept) * budgetBytes;
     if (sum > budgetBytes) {
-        while (sum > budgetBytes) {
-            const SideRequest* least = bestOf(requests, halvable, std::less<>());
-            if (!least) return;
-            const std::uint32_t at = least->side->affordable();
-            least->side->limit(at / 2);
-            sum -= least->bytes(at) - least->bytes(at / 2);
-        }
-        return;
+        sum = halveSides(requests, sum, budgetBytes);
+    } else {
+        const auto returnable = [&](const SideRequest& request) {
+            const std::uint32_t at = request.side->affordable();
+            const double more = request.bytes(2 * at) - request.bytes(at);
+            return request.drawn && at < request.side->wanted() && sum + more <= usable ? 2 * at : 0;
+        };
+        if (const SideRequest* most = bestOf(requests, returnable, std::greater<>()))
+            most->side->limit(2 * most->side->affordable());
     }
-    const auto returnable = [&](const SideRequest& request) {
-        const std::uint32_t at = request.side->affordable();
-        const double more = request.bytes(2 * at) - request.bytes(at);
-        return at < request.side->wanted() && sum + more <= (1.0 - kRoomKept) * budgetBytes ? 2 * at : 0;
-    };
-    if (const SideRequest* most = bestOf(requests, returnable, std::greater<>()))
-        most->side->limit(2 * most->side->affordable());
+    for (const SideRequest& request : requests)
+        if (!request.drawn) request.side->limit(sideWithin(request, usable - sum));
 }
 
 void takeSides(std::span<const SideRequest> requests) noexcept

@@ -64,6 +64,7 @@ struct SideRequest {
     MapSide* side = nullptr;
     bool redraws = false;       ///< The maps are kept, and another side has them drawn once more.
     double bytesPerTexel = 0.0; ///< Device bytes over the square of the side; 0: no memory depends on it.
+    bool drawn = true;          ///< The light's method has maps; false: it may change to one that has.
     double worth = 1.0;         ///< What a wrong pixel is held against: importance times pixels reached.
 
     double bytes(std::uint32_t at) const noexcept { return bytesPerTexel * at * at; }
@@ -71,6 +72,7 @@ struct SideRequest {
 
 /// Limits sides so that all maps together fit. What shows least a byte is halved first, again and again; where there is
 /// room once more, one light a frame gets a step back. Below kMapSides.front() nothing goes: methods are refused then.
+/// Sides of maps that are not drawn take none of it, and are limited to what there is room for.
 void fitSides(std::span<const SideRequest> requests, double budgetBytes) noexcept;
 
 /// Sides come into force: all at once where maps are drawn in this frame anyway, or memory wants them smaller; and one

@@ -50,7 +50,8 @@ struct Candidate {
     float predictedMs = 0.0f;      ///< By the cost model.
     float sureMs = 0.0f;           ///< What choices count with: as predicted where the light was timed with the method;
                                    ///< else what its class hardly exceeds (cost::Prediction::sureMs()).
-    float firstMs = 0.0f;          ///< What the first frame takes beyond that, where the light changes to it.
+    /// What changing to it takes beyond that: its first frame, and the incumbent's while the two fade.
+    float firstMs = 0.0f;
     float sharedMs = 0.0f;         ///< Work for the whole view: what no other light of the plan needs; without a plan,
                                    ///< the light's part of it if all had the method.
     plan::Why why = plan::Why::outscored; ///< By the plan step, or by the best suitability where there is none.

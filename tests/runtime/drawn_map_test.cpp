@@ -93,11 +93,14 @@ TEST_CASE("where nothing moves there is nothing to draw, and what is asked for i
 
 TEST_CASE("a map is drawn in every second, fourth or eighth frame as far as a texel goes, and in every one beyond")
 {
-    struct {
+    struct Pace {
         double texelsAFrame;
         std::uint32_t every;
-    } const cases[] = {{0.01, 8}, {0.12, 8}, {0.2, 4}, {0.4, 2}, {0.6, 1}, {5.0, 1}};
-    for (const auto& [texelsAFrame, every] : cases) {
+    };
+    constexpr Pace kCases[] = {{0.01, 8}, {0.12, 8}, {0.2, 4}, {0.4, 2}, {0.6, 1}, {5.0, 1}};
+    for (const Pace& pace : kCases) {
+        const double texelsAFrame = pace.texelsAFrame;
+        const std::uint32_t every = pace.every;
         CAPTURE(texelsAFrame);
         World world(1);
         world.next();

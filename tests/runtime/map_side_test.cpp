@@ -169,6 +169,25 @@ TEST_CASE("maps that do not fit get smaller where the least is seen a byte, none
     CHECK(bytes() == all);
 }
 
+TEST_CASE("a light without maps keeps no limit of earlier ones, but has the room that there is")
+{
+    MapSide drawn = sideOf(2048.0), other = sideOf(2048.0);
+    std::vector<SideRequest> requests{{.side = &drawn, .bytesPerTexel = 48.0, .worth = 1e6},
+                                      {.side = &other, .bytesPerTexel = 48.0, .worth = 1.0}};
+    const double one = requests[0].bytes(2048);
+    fitSides(requests, one + requests[1].bytes(128));
+    CHECK(drawn.affordable() == 2048);
+    CHECK(other.affordable() == 128);
+    requests[1].drawn = false; // a volume serves
+    fitSides(requests, 2.3 * one);
+    CHECK(other.affordable() == 2048);
+    fitSides(requests, 1.5 * one);
+    CHECK(other.affordable() == 1024); // 0.35 of `one` is left
+    fitSides(requests, one);
+    CHECK(drawn.affordable() == 2048);
+    CHECK(other.affordable() == 128);
+}
+
 TEST_CASE("sides under a tight memory rest: none goes down and up again from frame to frame")
 {
     std::mt19937 random(5);
