@@ -194,6 +194,7 @@ void settleSides(Frame& frame, const FactsParts& parts)
     for (ViewLight& light : frame.lights) {
         light.facts.plainSide = light.state->mapSide.side();
         light.facts.wantedPlainSide = light.state->mapSide.wanted();
+        light.facts.mostPlainSide = light.state->mapSide.most();
     }
 }
 

@@ -154,6 +154,24 @@ std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t 
     return offers.stays(cheapest, best) ? incumbent : best;
 }
 
+std::uint32_t suitedWithinFloor(std::span<const Candidate> candidates, std::uint32_t wanted, float minimum) noexcept
+{
+    if (candidates[wanted].quality >= minimum) return wanted;
+    const auto mayServe = [](const Candidate& each) {
+        return each.exclusion == Exclusion::none && each.quantised >= 0;
+    };
+    float best = candidates[wanted].quality;
+    for (const Candidate& each : candidates)
+        if (mayServe(each)) best = std::max(best, each.quality);
+    const float limit = std::min(minimum, best);
+    std::uint32_t suited = wanted;
+    for (std::uint32_t m = 0; m < candidates.size(); ++m) {
+        if (!mayServe(candidates[m]) || candidates[m].quality < limit) continue;
+        if (candidates[suited].quality < limit || candidates[m].quantised > candidates[suited].quantised) suited = m;
+    }
+    return suited;
+}
+
 Rechoice::Rechoice(const DecisionRecord& record, const rules::Engine& engine)
     : record_(record), engine_(engine), inference_(engine.makeInference()), candidates_(record.candidates)
 {
@@ -189,9 +207,12 @@ std::uint32_t Rechoice::choose(std::span<const double> facts)
     const Choice choice = chooseBySuitability(
         all,
         {.incumbent = record_.incumbent, .pinned = record_.pinned, .fallbacks = record_.fallbacks, .hasRules = true});
-    return record_.priced && isByRules(choice.reason)
-               ? cheaperEqual(all, choice.method, record_.guessed ? UINT32_MAX : record_.incumbent)
-               : choice.method;
+    if (!record_.priced || !isByRules(choice.reason) || choice.method >= all.size()) return choice.method;
+    const std::uint32_t suited =
+        holdsFloor()
+            ? suitedWithinFloor(all, choice.method, static_cast<float>(engine_.base().policy.floor.minimumQuality))
+            : choice.method;
+    return cheaperEqual(all, suited, record_.guessed ? UINT32_MAX : record_.incumbent);
 }
 
 float cheapestMs(std::span<const Candidate> candidates, std::uint32_t pinned) noexcept
@@ -260,6 +281,14 @@ double Rechoice::valueOf(std::uint32_t method) const
     return utilityOf(record_, candidates_, method);
 }
 
+/// The near floor, by the facts of the last evaluation or held on from before.
+bool Rechoice::holdsFloor() const
+{
+    const rules::Policy::Floor& floor = engine_.base().policy.floor;
+    const bool heldOn = record_.floor && record_.floorTruth < record_.floorStrength;
+    return !floor.when.empty() && (inference_.floorTruth >= floor.atStrength || heldOn);
+}
+
 /// Methods that are able, not vetoed, spoken of where any is, and good enough as far as any is.
 MethodSet Rechoice::allowed() const
 {
@@ -270,13 +299,11 @@ MethodSet Rechoice::allowed() const
         if (candidates_[m].quantised >= 0) spoken.add(m);
     }
     if (able.meets(spoken)) able &= spoken;
-    const rules::Policy::Floor& floor = engine_.base().policy.floor;
-    const bool heldOn = record_.floor && record_.floorTruth < record_.floorStrength;
-    if (floor.when.empty() || (inference_.floorTruth < floor.atStrength && !heldOn)) return able;
+    if (!holdsFloor()) return able;
     float best = 0.0f;
     for (const std::uint32_t m : able)
         best = std::max(best, candidates_[m].quality);
-    const float limit = std::min(static_cast<float>(floor.minimumQuality), best);
+    const float limit = std::min(static_cast<float>(engine_.base().policy.floor.minimumQuality), best);
     for (const std::uint32_t m : able)
         if (candidates_[m].quality < limit) able.remove(m);
     return able;

@@ -55,6 +55,11 @@ float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::
 bool doesAsWell(std::span<const Candidate> candidates, std::uint32_t method, std::uint32_t as,
                 std::uint32_t wanted) noexcept;
 
+/// `wanted` where it shows at least `minimum`; else the best suited of what does, or, where nothing does, of what shows
+/// most.
+/// @param wanted the best suited, a valid index
+std::uint32_t suitedWithinFloor(std::span<const Candidate> candidates, std::uint32_t wanted, float minimum) noexcept;
+
 /// What serves where no budget says what time is worth: then time buys quality and nothing else. Of methods that the
 /// rules like at least half as well as `wanted` (what they avoid is not taken for its
 /// price): the cheapest that shows as much as `wanted`; or one that shows more and is dearer than that by no more than
@@ -99,6 +104,7 @@ public:
 
 private:
     std::uint32_t chooseInPlan() const;
+    bool holdsFloor() const;
     MethodSet allowed() const;
     double valueOf(std::uint32_t method) const;
     double takenMs(std::uint32_t method) const noexcept;

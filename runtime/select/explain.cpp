@@ -133,8 +133,7 @@ std::string costText(const Candidate& candidate)
 std::string changeCostText(const Candidate& candidate)
 {
     std::string text = costText(candidate);
-    if (candidate.firstMs > candidate.predictedMs)
-        text += " (the change " + ms(double{candidate.firstMs}) + " more)";
+    if (candidate.firstMs > candidate.predictedMs) text += " (the change " + ms(double{candidate.firstMs}) + " more)";
     return text;
 }
 

@@ -231,7 +231,7 @@ void FramePlan::add(LightDecision& decision, LightMemory& memory, const Selectio
                             .redrawEvery = static_cast<double>(std::max(memory.redrawEvery, 1u))};
     addEstimates(workload, memory, input);
     memory.workload = workload;
-    requests_.push_back({&decision, &memory, input.pinned, input.importance, drawn.height});
+    requests_.push_back({&decision, &memory, input.pinned, input.importance, drawn.height, input.mostPlainSide});
 }
 
 /// What every method would take for a light, looked up or asked anew. Lights take turns, so that no frame asks for all.
@@ -312,8 +312,9 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
                               ? leastSide(request.decision->method, lights_[i].minimumQuality)
                               : 0;
         const std::span<const Cost> costs = predict(memory, budget.frame);
-        const std::span qualities =
-            std::span(qualities_).subspan(rungOf(request.decision->plainSide) * methods, methods);
+        // A map that is too coarse grows in the next frames, as far as memory allows.
+        const std::uint32_t side = std::max(request.decision->plainSide, std::min(memory.nearSide, request.mostSide));
+        const std::span qualities = std::span(qualities_).subspan(rungOf(side) * methods, methods);
         const double hardEdges = memory.workload.softPixels > 0.0 && memory.measured
                                      ? penumbraPercent(double{memory.penumbraPixels.get()}, request.height)
                                      : 0.0;
@@ -332,7 +333,9 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
             from.quality = candidates_[i * methods + m].quality;
             from.predictedMs = static_cast<float>(cost.ms);
             from.sureMs = static_cast<float>(costs[m].sureMs);
-            from.firstMs = static_cast<float>(costs[m].firstMs + fadeMs(base, memory.incumbent, m, costs));
+            // The plan has no say in fades, nor they in the plan.
+            const double fadingMs = budgeted_ ? 0.0 : fadeMs(base, memory.incumbent, m, costs);
+            from.firstMs = static_cast<float>(costs[m].firstMs + fadingMs);
             from.sharedMs = sharesMs_[m];
         }
     }
@@ -381,7 +384,7 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
         }
         if (countsTime(base)) economise(base->policy, budget);
         for (const Request& request : requests_)
-            explainWithoutPlan(*request.decision, base != nullptr);
+            explainWithoutPlan(request, base != nullptr);
     }
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         LightDecision& decision = *requests_[i].decision;

@@ -85,7 +85,9 @@ private:
         LightMemory* memory;
         std::uint32_t pinned;
         float importance;
-        std::uint32_t height; ///< Of the picture.
+        std::uint32_t height;              ///< Of the picture.
+        std::uint32_t mostSide;            ///< MapSide::most().
+        std::uint32_t suited = UINT32_MAX; ///< Without a budget: the best suited within the near floor, if it holds.
     };
     struct Cost {
         cost::Prediction steady;
@@ -99,10 +101,12 @@ private:
     double trialMs(const Request& request, std::uint32_t own, std::uint32_t method, double shareMs) const;
     double fadeMs(const rules::RuleBase* base, std::uint32_t own, std::uint32_t method,
                   std::span<const Cost> costs) const;
+    void holdFloor(Request& request, const plan::LightRequest& light, const rules::Policy& policy,
+                   const Budget& budget);
     std::uint32_t forItsPrice(const Request& request, const Budget& budget) const;
     void takePrice(const Request& request, std::uint32_t method, const Budget& budget);
     bool mayTry(const Request& request, std::uint32_t method, const Budget& budget);
-    void explainWithoutPlan(LightDecision& decision, bool hasRules) const;
+    void explainWithoutPlan(const Request& request, bool hasRules) const;
     std::uint32_t slotOf(LightMemory& memory);
     void growModel(std::uint32_t slots);
     void measure(std::uint32_t slots);

@@ -46,8 +46,10 @@ void FramePlan::economise(const rules::Policy& policy, const Budget& budget)
 {
     const auto lights = static_cast<std::uint32_t>(requests_.size());
     priced_.resize(lights);
-    for (std::uint32_t i = 0; i < lights; ++i)
+    for (std::uint32_t i = 0; i < lights; ++i) {
+        holdFloor(requests_[i], lights_[i], policy, budget);
         priced_[i] = forItsPrice(requests_[i], budget);
+    }
     std::array<std::int32_t, plan::kMaxParts> users{};
     const auto count = [&](std::uint32_t method, std::int32_t more) {
         for (std::size_t p = 0; p < budget.parts.size() && method < methods_.size(); ++p)
@@ -74,6 +76,28 @@ void FramePlan::economise(const rules::Policy& policy, const Budget& budget)
         takePrice(requests_[i], priced_[i], budget);
 }
 
+/// Near shadows are exact whatever time says: where the near floor holds, what suits best is sought among what reaches
+/// it.
+void FramePlan::holdFloor(Request& request, const plan::LightRequest& light, const rules::Policy& policy,
+                          const Budget& budget)
+{
+    LightDecision& decision = *request.decision;
+    plan::LightMemory& memory = request.memory->plan;
+    request.suited = decision.method;
+    if (budget.cut) memory.nearUntil = 0;
+    if (light.floor) {
+        memory.nearUntil = budget.frame + policy.hysteresis.flipWindowFrames;
+        memory.nearQuality = light.minimumQuality;
+    }
+    if (!isByRules(decision.reason) || decision.method >= methods_.size()) return;
+    // A condition that hovers about its threshold would change the method with every crossing.
+    decision.floor = light.floor || budget.frame < memory.nearUntil;
+    if (!decision.floor) return;
+    const std::span all = std::span<const Candidate>(decision.candidates).first(methods_.size());
+    request.suited = suitedWithinFloor(all, decision.method, memory.nearQuality);
+    decision.floorUnmet = all[request.suited].quality < memory.nearQuality;
+}
+
 /// What was changed for its price stays long enough for its timings to be learned, unless it is dearer by far, or two
 /// methods of about one price would take turns. A choice made before it was measured what the light reaches, when it
 /// may not even be known that it moves, is not worth learning from and binds nobody once that is known; until then it
@@ -87,8 +111,8 @@ std::uint32_t FramePlan::forItsPrice(const Request& request, const Budget& budge
     const bool learning =
         memory.pricedAt != 0 && budget.frame - memory.pricedAt < kPriceFrames && !budget.cut && !memory.guessed;
     const bool unbound = decision.guessed || (memory.isOnTrial() && !learning);
-    const std::uint32_t method = cheaperEqual(all, decision.method, unbound ? UINT32_MAX : memory.incumbent);
-    if (!learning || !servesAsWell(all, memory.incumbent, decision.method)) return method;
+    const std::uint32_t method = cheaperEqual(all, request.suited, unbound ? UINT32_MAX : memory.incumbent);
+    if (!learning || !servesAsWell(all, memory.incumbent, request.suited)) return method;
     const float own = priceOf(all, memory.incumbent, memory.incumbent), other = priceOf(all, method, memory.incumbent);
     return own > kNotOnePrice * other ? method : memory.incumbent;
 }
@@ -130,7 +154,7 @@ void FramePlan::tryUnknown(const rules::Policy& policy, std::span<const std::int
         const Request& request = requests_[i];
         const LightMemory& memory = *request.memory;
         const std::span costs = std::span(costs_).subspan(std::size_t{memory.costSlot} * methods_.size());
-        const std::uint32_t own = priced_[i], wanted = request.decision->method;
+        const std::uint32_t own = priced_[i], wanted = request.suited;
         const bool settled = own == memory.incumbent && own < methods_.size() && !memory.isOnTrial() && memory.measured;
         if (!isByRules(request.decision->reason) || !settled || !costs[own].steady.measured) continue;
         const std::span all = std::span<const Candidate>(request.decision->candidates);
@@ -168,12 +192,18 @@ void FramePlan::takePrice(const Request& request, std::uint32_t method, const Bu
     if (method == decision.method) return;
     decision.wanted = decision.method;
     decision.method = method;
-    decision.reason = memory.isOnTrial() ? GN_REASON_TRIAL : GN_REASON_PRICE;
+    decision.reason = memory.isOnTrial()                  ? GN_REASON_TRIAL
+                      : request.suited != decision.wanted ? GN_REASON_FLOOR
+                                                          : GN_REASON_PRICE;
 }
 
 /// The best suitability decided: why every other method lost.
-void FramePlan::explainWithoutPlan(LightDecision& decision, bool hasRules) const
+void FramePlan::explainWithoutPlan(const Request& request, bool hasRules) const
 {
+    LightDecision& decision = *request.decision;
+    const float limit =
+        decision.floor ? std::min(request.memory->plan.nearQuality, decision.candidates[request.suited].quality) : 0.0f;
+    const bool forPrice = decision.reason == GN_REASON_PRICE || decision.reason == GN_REASON_FLOOR;
     for (std::uint32_t m = 0; m < methods_.size(); ++m) {
         Candidate& candidate = decision.candidates[m];
         candidate.why = m == decision.method                       ? plan::Why::chosen
@@ -181,7 +211,8 @@ void FramePlan::explainWithoutPlan(LightDecision& decision, bool hasRules) const
                         : candidate.exclusion != Exclusion::none   ? plan::Why::trait
                         : decision.reason == GN_REASON_PINNED      ? plan::Why::pinned
                         : hasRules && candidate.quantised < 0      ? plan::Why::noOpinion
-                        : decision.reason == GN_REASON_PRICE && decision.method < methods_.size() &&
+                        : candidate.quality < limit                ? plan::Why::floor
+                        : forPrice && decision.method < methods_.size() &&
                                 candidate.quantised > decision.candidates[decision.method].quantised
                             ? plan::Why::price
                             : plan::Why::outscored;

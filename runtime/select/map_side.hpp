@@ -52,7 +52,8 @@ public:
     /// By coverage, and by memory.
     std::uint32_t affordable() const noexcept { return wanted_ < most_ ? wanted_ : most_; }
     void limit(std::uint32_t most) noexcept { most_ = most; } ///< What memory allows, until told otherwise.
-    void take() noexcept { side_ = affordable(); }            ///< It is in force from this frame on.
+    std::uint32_t most() const noexcept { return most_; }
+    void take() noexcept { side_ = affordable(); } ///< It is in force from this frame on.
 
 private:
     std::uint32_t side_ = kUnmeasuredSide, wanted_ = kUnmeasuredSide, most_ = kMapSides.back();

@@ -86,7 +86,7 @@ RecordHead makeRecord(const LightDecision& decision, const FrameRecord& frame, s
         head.floorTruth = static_cast<float>(decision.floorTruth);
         head.floorStrength = static_cast<float>(frame.base->policy.floor.atStrength);
         head.minimumQuality = static_cast<float>(frame.base->policy.floor.minimumQuality);
-        head.floor = frame.budgeted && decision.floor;
+        head.floor = decision.floor;
     }
     if (frame.budgeted) {
         head.budgetMs = static_cast<float>(frame.budgetMs);

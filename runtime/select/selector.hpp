@@ -50,10 +50,10 @@ struct Candidate {
     float predictedMs = 0.0f;      ///< By the cost model.
     float sureMs = 0.0f;           ///< What choices count with: as predicted where the light was timed with the method;
                                    ///< else what its class hardly exceeds (cost::Prediction::sureMs()).
-    /// What changing to it takes beyond that: its first frame, and the incumbent's while the two fade.
+    /// What changing to it takes beyond that: its first frame, and without a budget the incumbent's while the two fade.
     float firstMs = 0.0f;
-    float sharedMs = 0.0f;         ///< Work for the whole view: what no other light of the plan needs; without a plan,
-                                   ///< the light's part of it if all had the method.
+    float sharedMs = 0.0f; ///< Work for the whole view: what no other light of the plan needs; without a plan,
+                           ///< the light's part of it if all had the method.
     plan::Why why = plan::Why::outscored; ///< By the plan step, or by the best suitability where there is none.
 };
 
@@ -86,7 +86,7 @@ struct LightDecision {
     std::uint32_t redrawEvery = 0; ///< Frames, DrawnMap::every(); 0: the map is drawn whenever something moves.
     std::uint32_t mapAge = 0;      ///< DrawnMap::age().
     const char* noFade = nullptr;  ///< Why a fade was not begun, or cut short. Static storage.
-    bool floor = false;            ///< Near, or was within the frames of a flip, and a plan decided.
+    bool floor = false;            ///< Near, or was within the frames of a flip, and time has a say.
     bool floorUnmet = false;       ///< Near, but no eligible method is good enough.
     double floorTruth = 0.0;       ///< How true the rule base's condition for near quality is.
     std::uint32_t pinned = UINT32_MAX;
@@ -172,6 +172,7 @@ struct SelectionInput {
     bool seen = true;                                ///< canBeSeen(), or the host pinned a method.
     std::uint32_t plainSide = kUnmeasuredSide;       ///< MapSide::side().
     std::uint32_t wantedPlainSide = kUnmeasuredSide; ///< MapSide::wanted().
+    std::uint32_t mostPlainSide = kUnmeasuredSide;   ///< MapSide::most().
     bool still = false;        ///< Neither the light nor a caster in its range moves (MotionHistory::rests()).
     std::uint32_t unbuilt = 0; ///< DeviceRays::unbuilt().
     VkDeviceSize memoryLeft = 0;
