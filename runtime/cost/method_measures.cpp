@@ -9,9 +9,9 @@ constexpr double kPriorSamples = 4.0; // measurements that the author's figure i
 
 } // namespace
 
-double MethodMeasures::quality(double side) const noexcept
+double MethodMeasures::wrongAt(double side) const noexcept
 {
-    return 1.0 / (1.0 + wrongPercent * (side > 0.0 ? kReferenceSide / side : 1.0));
+    return wrongPercent * (side > 0.0 ? kReferenceSide / side : 1.0);
 }
 
 MethodMeasures measuresOf(const KnowledgeBase& base, const DeviceKnowledge* device, std::string_view algorithm,

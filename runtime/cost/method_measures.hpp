@@ -13,9 +13,10 @@ struct MethodMeasures {
     double wrongPercent = 0.0;
     double firstFrameMs = 0.0; ///< By which the first frame after a switch takes longer, median; 0 unknown.
 
-    /// Share of the truth that is kept, (0, 1]: 1 / (1 + wrong percent). An error falls with the map's side as 1 / side
-    /// (a texel is an edge's step); side 0: no map.
-    double quality(double side) const noexcept;
+    /// Wrong percent with maps of a side: an error falls as 1 / side (a texel is an edge's step); side 0: no map.
+    double wrongAt(double side) const noexcept;
+    /// Share of the truth that is kept, (0, 1]: 1 / (1 + wrong percent).
+    double quality(double side) const noexcept { return 1.0 / (1.0 + wrongAt(side)); }
 };
 
 /// Measurements of every device count for the error: the same algorithm draws the picture everywhere.

@@ -1,6 +1,7 @@
 #include "runtime/frame/measure_facts.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "runtime/scene/light_pixels.hpp"
@@ -65,9 +66,14 @@ void measureDistance(const DepthGrid& grid, const LightView& light, const LightC
     memory.measuredAt = frame;
     const VkExtent2D drawn = grid.camera().area.extent;
     memory.mapWidth = mapWidth(light, casters);
+    const double pixelAngle = double{pixelAngleOf(grid.camera())};
+    const auto texel = static_cast<float>(memory.mapWidth * double{reach.meanNearness} / (pixelAngle * 1024.0));
+    // What a light is worth by its map, and the side that it needs, do not follow every step of the eye.
+    constexpr float kSameTexel = 0.15f;
+    if (!(std::fabs(texel - memory.texelPixels) <= kSameTexel * memory.texelPixels)) memory.texelPixels = texel;
     memory.wishedSide = sideFor({.texelAtOne = memory.mapWidth,
                                  .nearness = double{reach.nearness},
-                                 .pixelAngle = double{pixelAngleOf(grid.camera())},
+                                 .pixelAngle = pixelAngle,
                                  .pixels = double{reach.share} * drawn.width * drawn.height,
                                  .maps = mapsOf(light.type)});
 }

@@ -260,14 +260,18 @@ Reach measureReach(const CameraView& view, std::span<const ReceiverTile> tiles, 
 {
     Reach reach{.distance = std::numeric_limits<float>::infinity()};
     std::uint32_t reached = 0;
+    double nearnesses = 0.0;
     TileSample sample;
     for (const ReceiverTile& tile : tiles) {
         if (!reaches(light, tile.box)) continue;
         ++reached;
         if (tile.whole) sample.add(tile);
         reach.distance = std::min(reach.distance, tile.distance);
-        reach.nearness = std::max(reach.nearness, nearnessOf(light, tile));
+        const float nearness = nearnessOf(light, tile);
+        reach.nearness = std::max(reach.nearness, nearness);
+        nearnesses += double{nearness};
     }
+    if (reached > 0) reach.meanNearness = static_cast<float>(nearnesses / reached);
     reach.share = allTiles ? static_cast<float>(reached) / static_cast<float>(allTiles) : 0.0f;
     reach.planarity = planarityOf(view, light, sample.tiles());
     const Met met = metByWays(view, light, casters, sample.tiles());

@@ -66,10 +66,11 @@ void receiverTiles(const CameraView& view, std::span<const DepthTile> tiles, std
 
 /// What the newest depth grid says about a light.
 struct Reach {
-    float distance = 0.0f;  ///< Eye to the nearest receiver, metres; infinite if none is visible.
-    float share = 0.0f;     ///< Of the tiles.
-    float nearness = 0.0f;  ///< MapCoverage::nearness, of the middles of tiles.
-    float planarity = 0.0f; ///< Share of those tiles that show the plane which most of them show, facing the light.
+    float distance = 0.0f;     ///< Eye to the nearest receiver, metres; infinite if none is visible.
+    float share = 0.0f;        ///< Of the tiles.
+    float nearness = 0.0f;     ///< MapCoverage::nearness, of the middles of tiles.
+    float meanNearness = 0.0f; ///< The same, on average.
+    float planarity = 0.0f;    ///< Share of those tiles that show the plane which most of them show, facing the light.
     /// Levels of trees that a ray towards the light goes through, on average over these receivers: log2 of the
     /// triangles of every caster whose bounds it meets; none where a receiver faces away.
     float treeLevels = 0.0f;

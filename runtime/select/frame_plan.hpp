@@ -95,7 +95,12 @@ private:
         double firstMs = 0.0; ///< What the first frame takes beyond that.
     };
     void fill(const rules::RuleBase* base, const Budget& budget);
-    std::uint32_t leastSide(std::uint32_t method, float quality) const;
+    struct Coarseness {
+        double texels = 1.0;    ///< Width of the light's texels, times the usual one.
+        double hardEdges = 0.0; ///< penumbraPercent().
+    };
+    float quality(std::uint32_t method, std::uint32_t side, const Coarseness& light) const;
+    std::uint32_t leastSide(std::uint32_t method, float least, const Coarseness& light) const;
     void economise(const rules::Policy& policy, const Budget& budget);
     void tryUnknown(const rules::Policy& policy, std::span<const std::int32_t> users, const Budget& budget);
     double trialMs(const Request& request, std::uint32_t own, std::uint32_t method, double shareMs) const;
@@ -139,7 +144,8 @@ private:
     std::vector<SlotHistory> histories_;         ///< By slot.
     std::vector<Cost> costs_;                    ///< slots x methods
     std::vector<cost::MethodMeasures> measures_; ///< By method.
-    std::vector<float> qualities_;               ///< By map side (kMapSides) and method, with this frame's settings.
+    std::vector<float> wrong_;                   ///< Percent, by map side (kMapSides) and method, with this frame's
+                                                 ///< settings and texels of a usual width.
     std::vector<float> sharesMs_;                ///< By method: of a light, if all had it; a plan knows better.
     cost::KnowledgeBase knowledge_;
     const cost::DeviceKnowledge* known_ = nullptr; ///< In knowledge_.

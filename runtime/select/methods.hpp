@@ -53,6 +53,8 @@ struct Method {
     }
     /// Side of its maps for such a light, texels; 0: it has none.
     double mapSide(std::uint32_t plainSide) const { return sideSetting_ ? settingsAt(plainSide)[*sideSetting_] : 0.0; }
+    /// Whether its error grows with the width of a plain map's texels.
+    bool coarsens() const { return sideSetting_ && !isExact() && !entry->followsView; }
     bool followsCoverage() const { return sideSetting_ && settings[*sideSetting_] == 0.0; }
     /// Whether the light's pose and the plain map that it is looked up in are all that it goes by.
     bool looksUpMaps() const

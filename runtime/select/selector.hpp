@@ -125,6 +125,7 @@ struct LightMemory {
     std::uint32_t incumbent = UINT32_MAX;
     float distance = 0.0f;      ///< Measured; valid if `measured`.
     float planarity = 0.0f;     ///< Likewise.
+    float texelPixels = 0.0f;   ///< Across a texel of a plain map of 1024, on average; likewise.
     double mapWidth = 0.0;      ///< Metres, mapWidth(); 0: not asked for yet.
     double wishedSide = 0.0;    ///< sideFor(); 0: no receiver is visible, or none was looked for.
     std::uint32_t nearSide = 0; ///< Where a map suits best within the near floor: the least side that reaches it.
