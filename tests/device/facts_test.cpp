@@ -71,6 +71,49 @@ TEST_CASE_FIXTURE(DeviceTest, "the facts of a decision are the scene's numbers, 
 }
 
 TEST_CASE_FIXTURE(DeviceTest,
+                  "what lies far off makes a sun's map too coarse for what is near, which exact edges serve")
+{
+    constexpr const char* kRules = R"(
+version: 1
+name: floors
+options: {allocation: budget}
+variables:
+  viewerDistance: {universe: [0, 90], unit: m, terms: {near: [-.inf, -.inf, 30, 60], far: [30, 60, .inf, .inf]}}
+suitability: {universe: [0, 1], terms: {acceptable: [0.2, 0.4, 0.6, 0.8], favoured: [0.6, 0.8, .inf, .inf]}}
+rules:
+  - {id: A, rule: "if viewerDistance is near or far then shadow_map is favoured and stencil_volume is acceptable", because: "a test"}
+policy:
+  floor: {when: viewerDistance is near, minimumQuality: 0.5}
+)";
+    const auto qualityOf = [&](Host& host, const char* method) {
+        return double{candidateNamed(candidatesOf(host, 0), method).quality};
+    };
+    Scene scene = smallScene();
+    scene.lights[0].kind = demo::LightKind::Directional;
+    scene.lights[0].range = 0.0f;
+    Host close(scene, {.fixedMaps = false});
+    close.require(gnLoadRules(close.context, kRules, std::string_view(kRules).size(), "floors"));
+    close.draw(24, {});
+    const double fine = qualityOf(close, "shadow_map");
+    CHECK(fine > 0.5);
+
+    demo::Instance post = scene.instances.back();
+    for (const double side : {-1.0, 1.0}) {
+        post.name = side < 0.0 ? "post left" : "post right";
+        post.pose.position = {side * 2000.0, 1.0, side * 2000.0};
+        scene.instances.push_back(post);
+    }
+    Host wide(scene, {.fixedMaps = false});
+    wide.require(gnLoadRules(wide.context, kRules, std::string_view(kRules).size(), "floors"));
+    wide.draw(24, {});
+    CHECK(qualityOf(wide, "shadow_map") < 0.3 * fine);
+    CHECK(qualityOf(wide, "stencil_volume") == doctest::Approx(qualityOf(close, "stencil_volume")));
+    CHECK(std::string(wide.decision(0).pMethod) == "stencil_volume");
+    CHECK(wide.decision(0).reason == GN_REASON_FLOOR);
+    CHECK(candidateNamed(candidatesOf(wide, 0), "shadow_map").elimination == GN_ELIMINATION_FLOOR);
+}
+
+TEST_CASE_FIXTURE(DeviceTest,
                   "planarity is high over a floor and low over hills, where the rules reject planar shadows")
 {
     for (const bool hills : {false, true}) {

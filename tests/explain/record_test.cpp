@@ -447,6 +447,21 @@ TEST_CASE("without a budget methods do not take turns while nothing changes")
     MESSAGE("steps until nothing changes, at most: ", most);
 }
 
+TEST_CASE("within the near floor the best suited of what reaches it is wanted, and where nothing does what shows most")
+{
+    std::array<Candidate, 4> all{};
+    all[0] = {.quantised = 3000, .quality = 0.6f};  // a coarse map
+    all[1] = {.quantised = 2000, .quality = 0.99f}; // a volume
+    all[2] = {.quantised = 2500, .quality = 0.9f};  // a finer map
+    all[3] = {.exclusion = Exclusion::roundTrips, .quantised = 4000, .quality = 1.0f};
+    CHECK(suitedWithinFloor(all, 0, 0.5f) == 0);
+    CHECK(suitedWithinFloor(all, 0, 0.875f) == 2);
+    CHECK(suitedWithinFloor(all, 0, 0.95f) == 1);
+    CHECK(suitedWithinFloor(all, 0, 0.999f) == 1); // what shows most of what may serve
+    all[1].quantised = -1;                         // nobody speaks of it
+    CHECK(suitedWithinFloor(all, 0, 0.95f) == 2);
+}
+
 TEST_CASE("without a budget a map of what stands still must earn its first frame before it serves for its price")
 {
     std::array<Candidate, 2> all{};

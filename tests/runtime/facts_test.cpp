@@ -95,6 +95,19 @@ TEST_CASE("a ray counts the levels of every tree whose box it meets, and only th
     CHECK(levels(rough, lamp, {&all.caster, &left.caster}) == doctest::Approx(4.0).epsilon(0.1));
 }
 
+TEST_CASE("how near receivers are to the light, for the eye's distance, is known at most and on average")
+{
+    std::vector<ReceiverTile> tiles = wall(0.0f);
+    const LightView ahead = sun(glm::vec3(0.0f, 0.0f, -1.0f));
+    const Reach even = measureReach(camera(), tiles, 1600, ahead, {});
+    CHECK(even.meanNearness == doctest::Approx(0.1));
+    tiles.front().distance = 1.0f; // one of 1369
+    const Reach uneven = measureReach(camera(), tiles, 1600, ahead, {});
+    CHECK(uneven.nearness == doctest::Approx(1.0));
+    CHECK(uneven.meanNearness == doctest::Approx(0.1 + 0.9 / 1369.0));
+    CHECK(measureReach(camera(), {}, 1600, ahead, {}).meanNearness == 0.0f);
+}
+
 TEST_CASE("the penumbra is as wide as similar triangles say, in pixels, of what is nearest and holds no receiver")
 {
     const std::vector<ReceiverTile> rough = wall(0.0f);
