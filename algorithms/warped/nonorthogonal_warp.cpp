@@ -29,7 +29,7 @@ constexpr SettingSpec kSettings[] = {
 };
 
 constexpr VkDeviceSize kCountBytes = sizeof(float) * gpu::WARP_CELLS * gpu::WARP_CELLS;
-constexpr VkDeviceSize kFunctionBytes = sizeof(float) * (gpu::WARP_FUNCTIONS + gpu::WARP_CELLS);
+constexpr VkDeviceSize kFunctionBytes = sizeof(float) * gpu::WARP_FUNCTIONS_OF_MAP;
 constexpr VkDeviceSize kTableBytes = sizeof(float) * gpu::WARP_TABLE;
 constexpr VkFormat kPlaceFormat = VK_FORMAT_R32G32_SFLOAT;
 constexpr std::uint32_t kFunctionGroups = gpu::WARP_CELLS / 16;
@@ -68,9 +68,12 @@ public:
         Plan* plan = passes.arena().make<Plan>();
         plan->warp = warp;
         plan->counts = map_.declareImportance(passes, task, *warp, kCountBytes);
-        plan->functions = passes.transient(BufferInfo{.name = "nonorthogonal_warp.functions", .size = kFunctionBytes});
-        plan->warpedCounts = passes.transient(BufferInfo{.name = "nonorthogonal_warp.recount", .size = kCountBytes});
-        plan->tables = passes.transient(BufferInfo{.name = "nonorthogonal_warp.tables", .size = kTableBytes});
+        const auto buffer = [&](const char* name, VkDeviceSize bytes) {
+            return passes.transient(BufferInfo{.name = name, .size = warp->maps() * bytes});
+        };
+        plan->functions = buffer("nonorthogonal_warp.functions", kFunctionBytes);
+        plan->warpedCounts = buffer("nonorthogonal_warp.recount", kCountBytes);
+        plan->tables = buffer("nonorthogonal_warp.tables", kTableBytes);
         declareTables(passes, *plan);
         map_.declare(passes, task, *warp, {.tables = plan->tables, .places = declarePlaces(passes, *plan)});
     }
@@ -94,12 +97,14 @@ private:
         recount_ = make("nonorthogonal_warp.recount", k_warped_recount_comp, all);
         columns_ = make("nonorthogonal_warp.columns", k_warped_functions_columns_comp, three);
         smoothColumns_ = make("nonorthogonal_warp.smooth_columns", k_warped_smooth_columns_comp, three);
-        bounds_ = make("nonorthogonal_warp.bounds", k_warped_bounds_comp, std::span(all).subspan(2, 1));
+        const BindingInfo bounds[] = {all[0], all[2]};
+        bounds_ = make("nonorthogonal_warp.bounds", k_warped_bounds_comp, bounds);
         const BindingInfo places[] = {all[0], all[3]};
         places_ = pipelines.graphics({.name = "nonorthogonal_warp.places",
                                       .vertex = {.code = k_shared_fullscreen_vert},
                                       .fragment = {.code = k_warped_places_frag},
                                       .bindings = places,
+                                      .pushBytes = sizeof(std::uint32_t),
                                       .colorFormat = kPlaceFormat});
     }
 
@@ -110,7 +115,7 @@ private:
             return [=](PassContext& gpu) {
                 gpu.bind(pipeline, {gpu.constants(0, shared->warp->constants), gpu.storage(1, from), gpu.storage(2, to),
                                     gpu.storage(5, shared->tables)});
-                gpu.vk->vkCmdDispatch(gpu.cmd, x, y, 1);
+                gpu.vk->vkCmdDispatch(gpu.cmd, x, y, shared->warp->maps());
             };
         };
         passes.compute("nonorthogonal_warp.rows")
@@ -142,15 +147,21 @@ private:
     ImageId declarePlaces(PassBuilder& passes, const Plan& plan) const
     {
         const std::uint32_t side = plan.warp->resolution;
-        const ImageId places = passes.transient(
-            ImageInfo{.name = "nonorthogonal_warp.places", .format = kPlaceFormat, .extent = {side, side}});
-        passes.raster("nonorthogonal_warp.places")
-            .reads(plan.tables)
-            .writes(places)
-            .record([=, pipeline = places_, shared = &plan](PassContext& gpu) {
-                gpu.bind(pipeline, {gpu.constants(0, shared->warp->constants), gpu.storage(5, shared->tables)});
-                gpu.drawFullscreen();
-            });
+        const ImageId places = passes.transient(ImageInfo{.name = "nonorthogonal_warp.places",
+                                                          .format = kPlaceFormat,
+                                                          .extent = {side, side},
+                                                          .layers = plan.warp->maps()});
+        for (std::uint32_t map = 0; map < plan.warp->maps(); ++map) {
+            if (!plan.warp->drawn(map)) continue;
+            passes.raster("nonorthogonal_warp.places", Scope::task, map)
+                .reads(plan.tables)
+                .writes(places, {.layer = map})
+                .record([=, pipeline = places_, shared = &plan](PassContext& gpu) {
+                    gpu.bind(pipeline, {gpu.constants(0, shared->warp->constants), gpu.storage(5, shared->tables)});
+                    gpu.push(map);
+                    gpu.drawFullscreen();
+                });
+        }
         return places;
     }
 
@@ -164,15 +175,17 @@ private:
 constinit const AlgorithmEntry kNonorthogonalWarp{
     .name = "nonorthogonal_warp",
     .source = "Navratil 2015, 4.2",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_CPU_GEOMETRY_BIT,
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_CPU_GEOMETRY_BIT,
     .roundTrips = 0,
     .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
-        [](std::span<const double> settings, VkExtent2D, GnLightType) {
+        [](std::span<const double> settings, VkExtent2D, GnLightType type) {
             const auto side = static_cast<VkDeviceSize>(settings[kResolution]);
-            return side * side * (4 + 8) + 2 * pooledSize(kCountBytes) + pooledSize(kFunctionBytes) +
-                   pooledSize(kTableBytes);
+            const VkDeviceSize maps = mapLayers(type);
+            return maps * side * side * (4 + 8) + 2 * pooledSize(maps * kCountBytes) +
+                   pooledSize(maps * kFunctionBytes) + pooledSize(maps * kTableBytes);
         },
     .missing = nullptr,
     .create = makeAlgorithm<NonorthogonalWarp>,

@@ -25,10 +25,11 @@ constexpr SettingSpec kSettings[] = {
 };
 
 constexpr std::uint32_t kPlacesGroup = 64;
+constexpr VkDeviceSize kImportanceBytes = sizeof(std::uint32_t) * 2 * gpu::WARP_BINS;
 
 VkDeviceSize tableBytes(std::uint32_t resolution)
 {
-    return sizeof(float) * 2 * (gpu::WARP_BIN_EDGES + VkDeviceSize{resolution});
+    return sizeof(float) * gpu::rectilinearTable(static_cast<float>(resolution));
 }
 
 // However many receivers lie in a column, their sum stays below 2^32.
@@ -72,8 +73,7 @@ public:
         warp->constants.evenShare = static_cast<float>(task.settings[kEven]);
         warp->constants.power = static_cast<float>(task.settings[kPower]);
         if (task.settings[kGreatest] == 0.0) warp->constants.mostWeight = mostWeight(warp->constants.pixels);
-        const BufferId importance =
-            map_.declareImportance(passes, task, *warp, sizeof(std::uint32_t) * 2 * gpu::WARP_BINS);
+        const BufferId importance = map_.declareImportance(passes, task, *warp, kImportanceBytes);
         map_.declare(passes, task, *warp, {.tables = declareTables(passes, *warp, importance), .places = {}});
     }
 
@@ -82,21 +82,22 @@ public:
 private:
     BufferId declareTables(PassBuilder& passes, const WarpTask& warp, BufferId importance) const
     {
-        const BufferId tables =
-            passes.transient(BufferInfo{.name = "rectilinear_warp.tables", .size = tableBytes(warp.resolution)});
+        const BufferId tables = passes.transient(
+            BufferInfo{.name = "rectilinear_warp.tables", .size = warp.maps() * tableBytes(warp.resolution)});
         passes.compute("rectilinear_warp.edges")
             .reads(importance)
             .writes(tables)
             .record([=, pipeline = edges_, shared = &warp](PassContext& gpu) {
                 gpu.bind(pipeline,
                          {gpu.constants(0, shared->constants), gpu.storage(1, importance), gpu.storage(2, tables)});
-                gpu.vk->vkCmdDispatch(gpu.cmd, 2, 1, 1);
+                gpu.vk->vkCmdDispatch(gpu.cmd, 2, 1, shared->maps());
             });
         passes.compute("rectilinear_warp.places")
             .updates(tables)
             .record([=, pipeline = places_, shared = &warp](PassContext& gpu) {
                 gpu.bind(pipeline, {gpu.constants(0, shared->constants), gpu.storage(2, tables)});
-                gpu.vk->vkCmdDispatch(gpu.cmd, (2 * shared->resolution + kPlacesGroup - 1) / kPlacesGroup, 1, 1);
+                gpu.vk->vkCmdDispatch(gpu.cmd, (2 * shared->resolution + kPlacesGroup - 1) / kPlacesGroup, 1,
+                                      shared->maps());
             });
         return tables;
     }
@@ -111,15 +112,16 @@ private:
 constinit const AlgorithmEntry kRectilinearWarp{
     .name = "rectilinear_warp",
     .source = "Rosen 2012; Navratil 2015, 3.2.3",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_CPU_GEOMETRY_BIT,
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_CPU_GEOMETRY_BIT,
     .roundTrips = 0,
     .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
-        [](std::span<const double> settings, VkExtent2D, GnLightType) {
+        [](std::span<const double> settings, VkExtent2D, GnLightType type) {
             const auto side = static_cast<std::uint32_t>(settings[kResolution]);
-            return VkDeviceSize{side} * side * 4 + pooledSize(tableBytes(side)) +
-                   pooledSize(sizeof(std::uint32_t) * 2 * gpu::WARP_BINS);
+            const VkDeviceSize maps = mapLayers(type);
+            return maps * side * side * 4 + pooledSize(maps * tableBytes(side)) + pooledSize(maps * kImportanceBytes);
         },
     .missing = nullptr,
     .create = makeAlgorithm<RectilinearWarp>,

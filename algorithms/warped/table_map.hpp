@@ -1,7 +1,8 @@
 #pragma once
-// A light's map that is warped by tables: what rectilinear and non-orthogonal warps share. Tables are made on the GPU
-// from where the view's receivers lie; casters are drawn by edge functions at each texel's source place, so that edges
-// are where they belong however coarse triangles are; the look-up compares at the same place.
+// A light's maps that are warped by tables, one or a point light's six: what rectilinear and non-orthogonal warps
+// share. Tables are made on the GPU from where the view's receivers lie; casters are drawn by edge functions at each
+// texel's source place, so that edges are where they belong however coarse triangles are; the look-up compares at the
+// same place.
 #include <cstdint>
 #include <span>
 
@@ -22,9 +23,12 @@ struct TableMapInfo {
 
 /// What the tables of a task are made of: the passes that need it take it by pointer, it lives as long as the frame.
 struct WarpTask {
-    const LightFit* fit = nullptr;
+    std::span<const LightFit> fits; ///< One, or those of a point light's six faces.
     std::uint32_t resolution = 0;
     gpu::WarpConstants constants{};
+
+    std::uint32_t maps() const { return static_cast<std::uint32_t>(fits.size()); }
+    bool drawn(std::uint32_t map) const { return (constants.maps >> map & 1) != 0; }
 };
 
 /// The warp of a task, once its tables are made.
@@ -40,7 +44,7 @@ public:
     /// Projection and constants; those of the warp itself are the caller's to set.
     static WarpTask* fit(PassBuilder& passes, const ShadowTask& task, std::uint32_t resolution);
 
-    /// Passes that count receivers in the map (shaders/warped/importance.comp); the buffer is `bytes` long.
+    /// Passes that count receivers in the maps (shaders/warped/importance.comp); the buffer has `bytes` for each.
     BufferId declareImportance(PassBuilder& passes, const ShadowTask& task, const WarpTask& warp,
                                VkDeviceSize bytes) const;
 
@@ -49,9 +53,9 @@ public:
 
 private:
     TableMapInfo info_;
-    PipelineId importance_[2]; ///< [has normals]
+    PipelineId importance_[2][2]; ///< [has normals][cube]
     PipelineId casters_;
-    PipelineId resolve_[2]; ///< [has normals]
+    PipelineId resolve_[2][2]; ///< [has normals][cube]
 };
 
 /// Why a warp cannot serve a light: its casters' meshes are pulled from buffers, which have a largest size.

@@ -12,10 +12,10 @@ layout(push_constant, std430) uniform Push { WarpCaster caster; };
 // What the plane rises by over the texel, from its middle to a corner at most: the larger of both ways across.
 float slopeBias(WarpTriangle t, uvec2 texel, vec2 place)
 {
-    uint last = uint(caster.side) - 1u;
+    uint map = warpMapOf(caster), last = uint(caster.side) - 1u;
     uvec2 right = uvec2(texel.x < last ? texel.x + 1u : max(texel.x, 1u) - 1u, texel.y);
     uvec2 below = uvec2(texel.x, texel.y < last ? texel.y + 1u : max(texel.y, 1u) - 1u);
-    vec2 dx = placeOf(right, caster.side) - place, dy = placeOf(below, caster.side) - place;
+    vec2 dx = placeOf(map, right, caster.side) - place, dy = placeOf(map, below, caster.side) - place;
     return max(abs(dot(t.plane.xy, dx)), abs(dot(t.plane.xy, dy)));
 }
 
@@ -29,7 +29,7 @@ void main()
     t.depths = vec2(edge0AndLeast.w, edge1AndGreatest.w);
     t.base = base;
     uvec2 texel = uvec2(gl_FragCoord.xy);
-    vec2 place = placeOf(texel, caster.side);
+    vec2 place = placeOf(warpMapOf(caster), texel, caster.side);
     vec2 c = place - base;
     bool drawn = gl_FragCoord.x < edge2AndRight.w && gl_FragCoord.y < planeAndBelow.w && holdsPlace(t, c);
     float depth = triangleDepth(t, c);

@@ -22,7 +22,7 @@ vec3 cornerOf(uint index)
 vec4 touchedTexels(vec4 box)
 {
     float side = caster.side;
-    vec4 bounds = warpedBox(box / side) * side;
+    vec4 bounds = warpedBox(warpMapOf(caster), box / side, side) * side;
     const float ROUNDING = 1.0 / 64.0; // texels: tables are sums
     return clamp(vec4(ceil(bounds.xy - 0.5 - ROUNDING), floor(bounds.zw - 0.5 + ROUNDING) + 1.0), 0.0, side);
 }
@@ -32,7 +32,7 @@ void main()
     uint first = uint(gl_VertexIndex) / 3u * 3u;
     WarpTriangle t = warpTriangle(caster, cornerOf(first), cornerOf(first + 1u), cornerOf(first + 2u));
     vec4 rect = vec4(0.0);
-    if (t.box.x < t.box.z) rect = touchedTexels(t.box);
+    if (t.box.x < t.box.z && isSeen(warpMapOf(caster), caster.side)) rect = touchedTexels(t.box);
     edge0AndLeast = vec4(t.edge0, t.depths.x);
     edge1AndGreatest = vec4(t.edge1, t.depths.y);
     edge2AndRight = vec4(t.edge2, rect.z);

@@ -27,19 +27,20 @@ void put(uint at, float value)
 
 void main()
 {
-    uint me = gl_GlobalInvocationID.x;
-    if (me >= WARP_CELLS) return;
+    uint me = gl_GlobalInvocationID.x, map = gl_WorkGroupID.z;
+    if (me >= WARP_CELLS || !hasWarpMap(warp, map)) return;
+    uint first = (map * WARP_CELLS + me) * WARP_CELLS, to = map * WARP_FUNCTIONS_OF_MAP;
     float total = 0.0;
     for (uint k = 0u; k < WARP_CELLS; ++k)
-        total += countAt(me * WARP_CELLS + k);
+        total += countAt(first + k);
     float even = clamp(warp.evenShare, 0.0, 1e3) * total / float(WARP_CELLS);
     float all = total + even * float(WARP_CELLS);
     bool empty = !(all > 0.0);
     float sum = 0.0;
     for (uint k = 0u; k < WARP_CELLS; ++k) {
-        put(me * WARP_CELL_EDGES + k, empty ? float(k) / float(WARP_CELLS) : min(sum / all, 1.0));
-        sum += countAt(me * WARP_CELLS + k) + even;
+        put(to + me * WARP_CELL_EDGES + k, empty ? float(k) / float(WARP_CELLS) : min(sum / all, 1.0));
+        sum += countAt(first + k) + even;
     }
-    put(me * WARP_CELL_EDGES + WARP_CELLS, 1.0);
-    put(WARP_FUNCTIONS + me, empty ? 0.0 : total);
+    put(to + me * WARP_CELL_EDGES + WARP_CELLS, 1.0);
+    put(to + WARP_FUNCTIONS + me, empty ? 0.0 : total);
 }

@@ -11,7 +11,7 @@ layout(set = 0, binding = 0, std140) uniform Constants { WarpConstants warp; };
 layout(set = 0, binding = 1, std430) buffer Importance { uint importance[]; };
 layout(set = 0, binding = 2) uniform sampler2D depthImage;
 layout(set = 0, binding = 3) uniform sampler2D normalImage;
-layout(constant_id = 0) const bool HAS_NORMALS = true;
+#include "../shared/map_place.glsl"
 
 const uint TILE = 4u; // pixels per side that an invocation looks at: neighbours mostly share a cell
 #ifdef RECTILINEAR
@@ -51,22 +51,6 @@ void put(uint to, uint value)
         atomicAdd(importance[to], value);
 }
 
-// The source place of a receiver, 0..1, and its clip w; x < 0: there is none, or no map decides it.
-//   ray, rayClip: view ray and MapLookup::clipFromRay of it
-vec3 placeOf(MapLookup look, ViewConstants view, ivec2 pixel, float depth, float w, vec3 ray, vec4 rayClip)
-{
-    vec3 fromLight = look.eyeFromLight.xyz + w * receiverRayWs(view, ray, depth);
-    if (!reaches(fromLight, look.cone, look.eyeFromLight.w)) return vec3(-1.0);
-    if (HAS_NORMALS) {
-        vec3 normal = texelFetch(normalImage, pixel, 0).xyz;
-        if (dot(normal, fromLight * look.positional + look.axisWs.xyz) >= 0.0) return vec3(-1.0);
-    }
-    vec4 clip = look.clipOfEye + w * (rayClip + depth * look.clipOfDepth);
-    vec2 at = clip.xy / (clip.w * look.side);
-    bool inside = min(at.x, at.y) >= 0.0 && max(at.x, at.y) < 1.0;
-    return inside ? vec3(at, clip.w) : vec3(-1.0);
-}
-
 void main()
 {
     uvec2 first = gl_GlobalInvocationID.xy * TILE;
@@ -87,15 +71,16 @@ void main()
             if (depth == view.skyDepth) continue;
             float w = linearDepth(view, depth);
             if (!(w > 0.0 && w < 1e30)) continue;
-            vec3 at = placeOf(look, view, pixel, depth, w, corner + float(x) * view.rayDxWs.xyz + float(y) * view.rayDyWs.xyz,
-                              cornerClip + float(x) * clipDx + float(y) * clipDy);
-            if (!(at.x >= 0.0)) continue;
+            vec3 ray = corner + float(x) * view.rayDxWs.xyz + float(y) * view.rayDyWs.xyz;
+            MapPlace is = mapPlace(look, view, pixel, depth, w, ray, cornerClip + float(x) * clipDx + float(y) * clipDy);
+            if (!(is.at.x >= 0.0)) continue;
 #ifdef RECTILINEAR
-            uvec2 to = min(uvec2(at.xy * float(WARP_BINS)), WARP_BINS - 1u) + uvec2(0u, WARP_BINS);
-            uint value = greatest() ? floatBitsToUint(1.0 / w) : weightOf(look, at.z, w);
+            uvec2 to = min(uvec2(is.at * float(WARP_BINS)), WARP_BINS - 1u) + uvec2(0u, WARP_BINS);
+            to += is.map * 2u * WARP_BINS;
+            uint value = greatest() ? floatBitsToUint(1.0 / w) : weightOf(look, is.w, w);
 #else
-            uvec2 cell = min(uvec2(at.xy * float(WARP_CELLS)), WARP_CELLS - 1u);
-            uvec2 to = uvec2(cell.y * WARP_CELLS + cell.x, 0u);
+            uvec2 cell = min(uvec2(is.at * float(WARP_CELLS)), WARP_CELLS - 1u);
+            uvec2 to = uvec2((is.map * WARP_CELLS + cell.y) * WARP_CELLS + cell.x, 0u);
             uint value = 1u;
 #endif
             for (int i = 0; i < LISTS; ++i) {

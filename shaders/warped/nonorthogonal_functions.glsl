@@ -33,46 +33,48 @@ Across acrossAt(float across)
 }
 
 // kind: 0 along rows, 1 along columns.
-float warpedAlong(uint kind, float across, float at)
+uint functionsOf(uint map, uint kind) { return map * WARP_TABLE + kind * WARP_FUNCTIONS; }
+
+float warpedAlong(uint map, uint kind, float across, float at)
 {
     Across between = acrossAt(across);
     Along along = alongAt(at);
-    uint first = kind * WARP_FUNCTIONS;
+    uint first = functionsOf(map, kind);
     return mix(functionAt(first + between.before * WARP_CELL_EDGES, along),
                functionAt(first + between.after * WARP_CELL_EDGES, along), between.share);
 }
 
-float edgeValue(uint kind, Across between, uint edge)
+float edgeValue(uint functions, Across between, uint edge)
 {
-    uint first = kind * WARP_FUNCTIONS + edge;
+    uint first = functions + edge;
     return mix(tableAt(first + between.before * WARP_CELL_EDGES), tableAt(first + between.after * WARP_CELL_EDGES),
                between.share);
 }
 
 // The inverse of warpedAlong().
-float unwarpedAlong(uint kind, float across, float value)
+float unwarpedAlong(uint map, uint kind, float across, float value)
 {
     const uint STEPS = 7u; // 2^7 cells
     Across between = acrossAt(across);
-    uint edge = 0u;
+    uint functions = functionsOf(map, kind), edge = 0u;
     for (uint i = 0u; i < STEPS; ++i) {
         uint further = min(edge + (WARP_CELLS >> (i + 1u)), WARP_CELLS - 1u);
-        if (edgeValue(kind, between, further) <= value) edge = further;
+        if (edgeValue(functions, between, further) <= value) edge = further;
     }
-    float low = edgeValue(kind, between, edge), high = edgeValue(kind, between, edge + 1u);
+    float low = edgeValue(functions, between, edge), high = edgeValue(functions, between, edge + 1u);
     return (float(edge) + clamp((value - low) / max(high - low, 1e-20), 0.0, 1.0)) / float(WARP_CELLS);
 }
 
 // Places 0..1.
-vec2 warped(vec2 at)
+vec2 warped(uint map, vec2 at, float side)
 {
-    float x = warpedAlong(0u, at.y, at.x);
-    return vec2(x, warpedAlong(1u, x, at.y));
+    float x = warpedAlong(map, 0u, at.y, at.x);
+    return vec2(x, warpedAlong(map, 1u, x, at.y));
 }
 
-vec2 unwarped(vec2 to)
+vec2 unwarped(uint map, vec2 to)
 {
-    float y = unwarpedAlong(1u, to.x, to.y);
-    return vec2(unwarpedAlong(0u, y, to.x), y);
+    float y = unwarpedAlong(map, 1u, to.x, to.y);
+    return vec2(unwarpedAlong(map, 0u, y, to.x), y);
 }
 #endif

@@ -19,11 +19,12 @@ const uint STEPS = 2u * WARP_CELLS; // each ends a cell or a column
 
 void main()
 {
-    uint row = gl_GlobalInvocationID.x;
-    if (row >= WARP_CELLS) return;
+    uint row = gl_GlobalInvocationID.x, map = gl_WorkGroupID.z;
+    if (row >= WARP_CELLS || !hasWarpMap(warp, map)) return;
+    uint edges = map * WARP_TABLE + row * WARP_CELL_EDGES, cells = (map * WARP_CELLS + row) * WARP_CELLS;
     uint cell = 0u, column = 0u;
     float low = 0.0, begin = 0.0, held = 0.0;
-    float end = tableAt(row * WARP_CELL_EDGES + 1u), count = countAt(row * WARP_CELLS);
+    float end = tableAt(edges + 1u), count = countAt(cells);
     for (uint i = 0u; i < STEPS; ++i) {
         float columnEnd = float(column + 1u) / float(WARP_CELLS);
         bool cellEnds = end < columnEnd && cell + 1u < WARP_CELLS;
@@ -33,10 +34,10 @@ void main()
         if (cellEnds) {
             ++cell;
             begin = end;
-            end = tableAt(row * WARP_CELL_EDGES + cell + 1u);
-            count = countAt(row * WARP_CELLS + cell);
+            end = tableAt(edges + cell + 1u);
+            count = countAt(cells + cell);
         } else if (column < WARP_CELLS) {
-            uint to = column * WARP_CELLS + row;
+            uint to = (map * WARP_CELLS + column) * WARP_CELLS + row;
             if (to < warpedCounts.length()) warpedCounts[to] = held;
             ++column;
             held = 0.0;

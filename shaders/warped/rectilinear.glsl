@@ -3,24 +3,34 @@
 #define GNOMON_WARPED_RECTILINEAR_GLSL
 #include "table.glsl"
 
-float warpedAxis(uint axis, float at)
+float warpedAxis(uint table, uint axis, float at)
 {
     float edge = clamp(at, 0.0, 1.0) * float(WARP_BINS);
     uint before = min(uint(edge), WARP_BINS - 1u);
-    uint first = axis * WARP_BIN_EDGES + before;
+    uint first = table + axis * WARP_BIN_EDGES + before;
     return mix(tableAt(first), tableAt(first + 1u), edge - float(before));
 }
 
 // Places 0..1.
-vec2 warped(vec2 at) { return vec2(warpedAxis(0u, at.x), warpedAxis(1u, at.y)); }
+vec2 warped(uint map, vec2 at, float side)
+{
+    uint table = map * rectilinearTable(side);
+    return vec2(warpedAxis(table, 0u, at.x), warpedAxis(table, 1u, at.y));
+}
 
 // Bounds of a box, lower and upper corner.
-vec4 warpedBox(vec4 box) { return vec4(warped(box.xy), warped(box.zw)); }
+vec4 warpedBox(uint map, vec4 box, float side)
+{
+    return vec4(warped(map, box.xy, side), warped(map, box.zw, side));
+}
 
 // The source place of a texel's centre, in texels.
-vec2 placeOf(uvec2 texel, float side)
+vec2 placeOf(uint map, uvec2 texel, float side)
 {
-    uint first = 2u * WARP_BIN_EDGES;
+    uint first = map * rectilinearTable(side) + 2u * WARP_BIN_EDGES;
     return vec2(tableAt(first + texel.x), tableAt(first + uint(side) + texel.y));
 }
+
+// Whether any receiver is looked up in the map.
+bool isSeen(uint map, float side) { return tableAt((map + 1u) * rectilinearTable(side) - 1u) > 0.0; }
 #endif

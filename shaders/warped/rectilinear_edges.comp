@@ -1,6 +1,7 @@
 #version 460
 // The two functions of a rectilinear warp from importance per column and per row: a tent blurs it, a share is spread
-// evenly, and running sums are the edges. A workgroup an axis. Nothing important: every texel stays where it is.
+// evenly, and running sums are the edges. A workgroup an axis of a
+// map. Nothing important: every texel stays where it is.
 //
 // Where receivers of a column weigh m together, and its texels are w wide, m w is what is wrong there, and the sum over
 // all columns is least where 1 / w goes with the root of m: `power` is 0.5. With 0 all that is seen is alike.
@@ -32,10 +33,13 @@ float blurred(uint bin)
 
 void main()
 {
-    uint me = gl_LocalInvocationID.x, axis = gl_WorkGroupID.x;
+    uint me = gl_LocalInvocationID.x, axis = gl_WorkGroupID.x, map = gl_WorkGroupID.z;
+    if (axis > 1u || !hasWarpMap(warp, map)) return; // all of a workgroup
+    uint size = rectilinearTable(warp.base.map.side), table = map * size, first = table + axis * WARP_BIN_EDGES;
+    if (tables.length() < table + size) return;
     for (uint i = 0u; i < EACH; ++i) {
         uint bin = me * EACH + i;
-        uint is = importance[axis * WARP_BINS + bin];
+        uint is = importance[(2u * map + axis) * WARP_BINS + bin];
         float value = warp.mostWeight == 0u ? uintBitsToFloat(is) : float(is);
         raw[bin] = value > 0.0 && value < 1e30 ? pow(value, clamp(warp.power, 0.0, 1.0)) : 0.0;
     }
@@ -63,8 +67,10 @@ void main()
     for (uint i = 0u; i < EACH; ++i) {
         uint bin = me * EACH + i;
         float edge = all > 0.0 ? (before + even * float(bin)) / all : float(bin) / float(WARP_BINS);
-        tables[axis * WARP_BIN_EDGES + bin] = clamp(edge, 0.0, 1.0);
+        tables[first + bin] = clamp(edge, 0.0, 1.0);
         before += own[i];
     }
-    if (me == 0u) tables[axis * WARP_BIN_EDGES + WARP_BINS] = 1.0;
+    if (me != 0u) return;
+    tables[first + WARP_BINS] = 1.0;
+    if (axis == 0u) tables[table + size - 1u] = total > 0.0 ? 1.0 : 0.0;
 }

@@ -12,12 +12,13 @@ const uint STEPS = 9u; // 2^9 bins
 
 void main()
 {
-    uint side = uint(warp.base.map.side), me = gl_GlobalInvocationID.x;
+    uint side = uint(warp.base.map.side), me = gl_GlobalInvocationID.x, map = gl_WorkGroupID.z;
+    uint table = map * rectilinearTable(warp.base.map.side);
     uint axis = me < side ? 0u : 1u, texel = me - axis * side;
-    uint to = 2u * WARP_BIN_EDGES + me;
-    if (texel >= side || to >= tables.length()) return;
+    uint to = table + 2u * WARP_BIN_EDGES + me;
+    if (texel >= side || to >= tables.length() || !hasWarpMap(warp, map)) return;
     float wanted = (float(texel) + 0.5) / float(side);
-    uint first = axis * WARP_BIN_EDGES, bin = 0u;
+    uint first = table + axis * WARP_BIN_EDGES, bin = 0u;
     for (uint i = 0u; i < STEPS; ++i) {
         uint further = min(bin + (WARP_BINS >> (i + 1u)), WARP_BINS - 1u);
         if (tables[first + further] <= wanted) bin = further;

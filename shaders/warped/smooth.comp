@@ -17,20 +17,35 @@ const uint FIRST = 0u;
 
 float functionAt(uint at) { return functions[min(at, functions.length() - 1u)]; }
 
+#ifndef COLUMNS
+bool anyWeight(uint first)
+{
+    float sum = 0.0;
+    for (uint i = 0u; i < WARP_CELLS; ++i)
+        sum += functionAt(first + i);
+    return sum > 0.0;
+}
+#endif
+
 void main()
 {
-    uint edge = gl_GlobalInvocationID.x, me = gl_GlobalInvocationID.y;
-    uint to = FIRST + me * WARP_CELL_EDGES + edge;
-    if (edge >= WARP_CELL_EDGES || me >= WARP_CELLS || to >= tables.length()) return;
+    uint edge = gl_GlobalInvocationID.x, me = gl_GlobalInvocationID.y, map = gl_WorkGroupID.z;
+    uint table = map * WARP_TABLE, from = map * WARP_FUNCTIONS_OF_MAP;
+    uint to = table + FIRST + me * WARP_CELL_EDGES + edge;
+    if (edge >= WARP_CELL_EDGES || me >= WARP_CELLS || !hasWarpMap(warp, map)) return;
+    if (tables.length() < table + WARP_TABLE) return;
+#ifndef COLUMNS
+    if (edge == 0u && me == 0u) tables[table + WARP_SEEN] = anyWeight(from + WARP_FUNCTIONS) ? 1.0 : 0.0;
+#endif
     uint radius = min(uint(max(warp.blur, 0.0)), MAX_SMOOTHING);
     float weights = 0.0, sum = 0.0;
     for (uint i = 0u; i <= 2u * radius; ++i) { // bound: MAX_SMOOTHING
         uint other = me + i - radius;          // before 0 it is beyond the end
         if (other >= WARP_CELLS) continue;
         float tent = float(radius + 1u) - abs(float(i) - float(radius));
-        float weight = tent * functionAt(WARP_FUNCTIONS + other);
+        float weight = tent * functionAt(from + WARP_FUNCTIONS + other);
         weights += weight;
-        sum += weight * functionAt(other * WARP_CELL_EDGES + edge);
+        sum += weight * functionAt(from + other * WARP_CELL_EDGES + edge);
     }
     float even = float(edge) / float(WARP_CELLS);
     tables[to] = edge == WARP_CELLS ? 1.0 : weights > 0.0 ? clamp(sum / weights, 0.0, 1.0) : even;

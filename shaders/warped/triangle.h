@@ -17,6 +17,8 @@ GN_SHARED_CONST uint WARP_CASTER_BACK_ONLY = 2u; // only faces turned away from 
 GN_SHARED_CONST uint WARP_CASTER_MIRRORED = 4u;  // the winding is reversed
 GN_SHARED_CONST uint WARP_CASTER_BIASED = 8u;    // pushed away from the light by its slope (runtime/scene/bias.hpp)
 
+GN_SHARED_CONST uint WARP_CASTER_MAP_SHIFT = 8u; // and above: the map that is drawn
+
 // One caster; push constants.
 struct WarpCaster {
     mat4 texelFromObject; // x, y: source texels times w; z: depth of a directional light; w
@@ -27,6 +29,8 @@ struct WarpCaster {
 };
 GN_SHARED_OFFSET(WarpCaster, side, 64)
 GN_SHARED_SIZE(WarpCaster, 80)
+
+GN_SHARED_FN uint warpMapOf(WarpCaster caster) { return min(caster.flags >> WARP_CASTER_MAP_SHIFT, 5u); }
 
 // What neighbours may be apart by rounding, texels: inside reaches so far.
 GN_SHARED_CONST float EDGE_SLACK = 1.0f / 1024.0f;

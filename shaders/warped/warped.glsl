@@ -1,4 +1,4 @@
-// The warp of the map at hand: warped(), warpedBox(), placeOf().
+// The warp of the map at hand: warped(), warpedBox(), placeOf(), isSeen().
 #ifdef RECTILINEAR
 #include "rectilinear.glsl"
 #else

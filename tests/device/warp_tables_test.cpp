@@ -1,5 +1,6 @@
 // Tables of warps as the device makes them, against sums in double precision that are written down as the theses have
 // them: from random importance, and from what breaks tables.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -32,7 +33,7 @@ constexpr uint32_t kProbes = 100'000;
 struct Dispatch {
     std::span<const uint32_t> code;
     std::vector<std::pair<uint32_t, const demo::Buffer*>> buffers; ///< Binding 0: constants.
-    uint32_t x = 1, y = 1;
+    uint32_t x = 1, y = 1, z = 1;
 };
 
 VkDescriptorType typeOf(uint32_t binding)
@@ -93,7 +94,7 @@ void run(const std::vector<Dispatch>& dispatches)
         pipelines.push_back(demo::makeComputePipeline(gpu, dispatch.code, layout.get()));
         vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines.back().get());
         vkCmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, layout.get(), 0, 1, &set, 0, nullptr);
-        vkCmdDispatch(cmd, dispatch.x, dispatch.y, 1);
+        vkCmdDispatch(cmd, dispatch.x, dispatch.y, dispatch.z);
         demo::cmdMemoryBarrier(
             cmd, {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT},
             {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_HOST_BIT,
@@ -125,7 +126,9 @@ demo::Buffer bufferOf(const std::vector<T>& values)
     return buffer;
 }
 
-demo::Buffer constantsOf(float blur, float even, float side = 512.0f, uint32_t mostWeight = 0, float power = 1.0f)
+/// \param map of a light's, the one that has receivers
+demo::Buffer constantsOf(uint32_t map, float blur, float even, float side = 512.0f, uint32_t mostWeight = 0,
+                         float power = 1.0f)
 {
     demo::Buffer buffer =
         demo::makeBuffer(device(), sizeof(gpu::WarpConstants), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, true);
@@ -136,6 +139,7 @@ demo::Buffer constantsOf(float blur, float even, float side = 512.0f, uint32_t m
     constants.evenShare = even;
     constants.power = power;
     constants.mostWeight = mostWeight;
+    constants.maps = 1u << map;
     return buffer;
 }
 
@@ -270,30 +274,54 @@ bool rises(std::span<const float> edges)
     return std::fabs(edges.front()) <= 1e-6f && std::fabs(edges.back() - 1.0f) <= 1e-6f;
 }
 
+/// `of` behind `map` others that hold `before`.
+template <typename T>
+std::vector<T> behind(uint32_t map, const std::vector<T>& of, T before)
+{
+    std::vector<T> all(map * of.size(), before);
+    all.insert(all.end(), of.begin(), of.end());
+    return all;
+}
+
+/// Of the last map; nothing may have touched those before it.
+std::vector<float> lastOf(const demo::Buffer& tables, uint32_t map, size_t size)
+{
+    const std::span<const float> all = tables.as<float>();
+    REQUIRE(all.size() == (map + 1) * size);
+    CHECK(std::ranges::all_of(all.first(map * size), [](float value) { return std::isnan(value); }));
+    return {all.begin() + ptrdiff_t(map * size), all.end()};
+}
+
 // What the device made of counts.
 struct Made {
     std::vector<float> tables;
     std::vector<glm::vec4> answers; ///< To the probes.
 };
 
-Made madeOf(const std::vector<uint32_t>& given, const std::vector<glm::vec2>& asked, float even, float radius)
+Made madeOf(uint32_t map, const std::vector<uint32_t>& given, const std::vector<glm::vec2>& asked, float even,
+            float radius)
 {
-    const demo::Buffer constants = constantsOf(radius, even), counts = bufferOf(given), places = bufferOf(asked);
-    const demo::Buffer functions = bufferOf(std::vector<float>(gpu::WARP_FUNCTIONS + kCells, NAN));
-    const demo::Buffer recount = bufferOf(std::vector<float>(kCells * kCells, NAN));
-    const demo::Buffer tables = bufferOf(std::vector<float>(gpu::WARP_TABLE, NAN));
+    const uint32_t maps = map + 1;
+    const demo::Buffer constants = constantsOf(map, radius, even), counts = bufferOf(behind(map, given, 7u));
+    const demo::Buffer places = bufferOf(asked);
+    const demo::Buffer functions = bufferOf(std::vector<float>(maps * gpu::WARP_FUNCTIONS_OF_MAP, NAN));
+    const demo::Buffer recount = bufferOf(std::vector<float>(maps * kCells * kCells, NAN));
+    const demo::Buffer tables = bufferOf(std::vector<float>(maps * gpu::WARP_TABLE, NAN));
     const demo::Buffer answers = bufferOf(std::vector<glm::vec4>(asked.size()));
     constexpr uint32_t kFunctionGroups = kCells / 16, kEdgeGroups = (kEdges + 63) / 64;
-    run({{k_warped_functions_comp, {{0, &constants}, {1, &counts}, {2, &functions}}, kFunctionGroups},
-         {k_warped_smooth_comp, {{0, &constants}, {1, &functions}, {2, &tables}}, kEdgeGroups, kCells},
-         {k_warped_recount_comp, {{0, &constants}, {1, &counts}, {2, &recount}, {5, &tables}}, kFunctionGroups},
-         {k_warped_functions_columns_comp, {{0, &constants}, {1, &recount}, {2, &functions}}, kFunctionGroups},
-         {k_warped_smooth_columns_comp, {{0, &constants}, {1, &functions}, {2, &tables}}, kEdgeGroups, kCells},
-         {k_warped_bounds_comp, {{2, &tables}}, kEdgeGroups, 2 * gpu::WARP_BLOCKS},
+    run({{k_warped_functions_comp, {{0, &constants}, {1, &counts}, {2, &functions}}, kFunctionGroups, 1, maps},
+         {k_warped_smooth_comp, {{0, &constants}, {1, &functions}, {2, &tables}}, kEdgeGroups, kCells, maps},
+         {k_warped_recount_comp,
+          {{0, &constants}, {1, &counts}, {2, &recount}, {5, &tables}},
+          kFunctionGroups,
+          1,
+          maps},
+         {k_warped_functions_columns_comp, {{0, &constants}, {1, &recount}, {2, &functions}}, kFunctionGroups, 1, maps},
+         {k_warped_smooth_columns_comp, {{0, &constants}, {1, &functions}, {2, &tables}}, kEdgeGroups, kCells, maps},
+         {k_warped_bounds_comp, {{0, &constants}, {2, &tables}}, kEdgeGroups, 2 * gpu::WARP_BLOCKS, maps},
          {k_warp_probe_comp, {{0, &constants}, {1, &places}, {2, &answers}, {5, &tables}}, (kProbes + 63) / 64}});
-    const std::span<float> table = tables.as<float>();
     const std::span<glm::vec4> answer = answers.as<glm::vec4>();
-    return {{table.begin(), table.end()}, {answer.begin(), answer.end()}};
+    return {lastOf(tables, map, gpu::WARP_TABLE), {answer.begin(), answer.end()}};
 }
 
 } // namespace
@@ -302,6 +330,7 @@ TEST_CASE_FIXTURE(DeviceTest, "tables of non-orthogonal warps are those of doubl
 {
     std::mt19937 random(7);
     const std::vector<glm::vec2> asked = probes(random);
+    uint32_t map = 0;
     for (const Case& wanted : kCases) {
         for (const auto& [even, radius] : {std::pair{0.25f, 8.0f}, std::pair{0.05f, 0.0f}, std::pair{1.0f, 32.0f}}) {
             CAPTURE(std::string(wanted.name));
@@ -311,7 +340,9 @@ TEST_CASE_FIXTURE(DeviceTest, "tables of non-orthogonal warps are those of doubl
             for (uint32_t y = 0; y < kCells; ++y)
                 for (uint32_t x = 0; x < kCells; ++x)
                     grid[y][x] = counts[y * kCells + x] = wanted.count(x, y, random);
-            const Made made = madeOf(counts, asked, even, radius);
+            const Made made = madeOf(map++ % gpu::WARP_MAPS, counts, asked, even, radius);
+            const bool any = std::ranges::any_of(counts, [](uint32_t count) { return count > 0; });
+            CHECK(made.tables[gpu::WARP_SEEN] == (any ? 1.0f : 0.0f));
             const Reference truth(grid, even, int(radius));
             double tableError = 0.0, placeError = 0.0, inverseError = 0.0, farthest = 0.0;
             uint32_t falling = 0;
@@ -350,7 +381,7 @@ TEST_CASE_FIXTURE(DeviceTest, "bounds of blocks of functions hold all of theirs 
     std::vector<uint32_t> counts(kCells * kCells);
     for (uint32_t& count : counts)
         count = random() % 9 == 0 ? static_cast<uint32_t>(random() % 999) : 0u;
-    const Made made = madeOf(counts, probes(random), 0.25f, 2.0f);
+    const Made made = madeOf(2, counts, probes(random), 0.25f, 2.0f);
     for (uint32_t kind = 0; kind < 2; ++kind)
         for (uint32_t block = 0; block < gpu::WARP_BLOCKS; ++block)
             for (uint32_t k = 0; k < kEdges; ++k) {
@@ -382,6 +413,7 @@ TEST_CASE_FIXTURE(DeviceTest, "tables of rectilinear warps are those of double p
                                                          : bin % 2 ? kNot
                                                                    : HUGE_VALF; }},
     };
+    uint32_t next = 0;
     for (const auto& [name, value] : cases) {
         for (const auto& [sums, power] : {std::pair{false, 1.0f}, {true, 0.5f}, {true, 0.0f}}) {
             for (const auto& [even, radius, side] :
@@ -398,18 +430,26 @@ TEST_CASE_FIXTURE(DeviceTest, "tables of rectilinear warps are those of double p
                     const double number = sums ? double(sum) : counts;
                     numbers[i / kBins].push_back(number > 0.0 ? std::pow(number, double(power)) : 0.0);
                 }
-                const demo::Buffer constants = constantsOf(radius, even, side, sums, power),
-                                   given = bufferOf(importance);
-                const demo::Buffer tables =
-                    bufferOf(std::vector<float>(2 * gpu::WARP_BIN_EDGES + 2 * size_t(side), kNot));
+                const uint32_t map = next++ % gpu::WARP_MAPS, maps = map + 1;
+                const demo::Buffer constants = constantsOf(map, radius, even, side, sums, power),
+                                   given = bufferOf(behind(map, importance, 7u));
+                const size_t size = gpu::rectilinearTable(side);
+                const demo::Buffer tables = bufferOf(std::vector<float>(maps * size, kNot));
                 const demo::Buffer places = bufferOf(asked), answers = bufferOf(std::vector<glm::vec4>(kProbes));
-                run({{k_warped_rectilinear_edges_comp, {{0, &constants}, {1, &given}, {2, &tables}}, 2},
+                run({{k_warped_rectilinear_edges_comp, {{0, &constants}, {1, &given}, {2, &tables}}, 2, 1, maps},
                      {k_warped_rectilinear_places_comp,
                       {{0, &constants}, {2, &tables}},
-                      (2 * uint32_t(side) + 63) / 64},
+                      (2 * uint32_t(side) + 63) / 64,
+                      1,
+                      maps},
                      {k_warp_probe_rectilinear_comp,
                       {{0, &constants}, {1, &places}, {2, &answers}, {5, &tables}},
                       (kProbes + 63) / 64}});
+                const std::vector<float> table = lastOf(tables, map, size);
+                double counted = 0.0;
+                for (const double number : numbers[0])
+                    counted += number;
+                CHECK(table.back() == (counted > 0.0 ? 1.0f : 0.0f));
                 std::vector<double> truth[2];
                 for (int axis = 0; axis < 2; ++axis) {
                     std::vector<double> blurred(kBins);
@@ -418,8 +458,7 @@ TEST_CASE_FIXTURE(DeviceTest, "tables of rectilinear warps are those of double p
                             blurred[size_t(bin)] +=
                                 tentOf(other - bin, int(radius)) * numbers[size_t(axis)][size_t(other)];
                     truth[axis] = edgesOf(blurred, even);
-                    const std::span<const float> edges(&tables.as<float>()[size_t(axis) * gpu::WARP_BIN_EDGES],
-                                                       gpu::WARP_BIN_EDGES);
+                    const std::span<const float> edges(&table[size_t(axis) * gpu::WARP_BIN_EDGES], gpu::WARP_BIN_EDGES);
                     CHECK(rises(edges));
                     double error = 0.0;
                     for (size_t k = 0; k <= kBins; ++k)

@@ -17,11 +17,12 @@ void main()
 {
     uint i = gl_GlobalInvocationID.x;
     if (i >= asked.length()) return;
+    uint map = uint(findMSB(warp.maps)); // the last
 #ifdef RECTILINEAR
     float side = warp.base.map.side;
-    vec2 from = placeOf(min(uvec2(asked[i] * side), uvec2(side - 1.0)), side) / side;
+    vec2 from = placeOf(map, min(uvec2(asked[i] * side), uvec2(side - 1.0)), side) / side;
 #else
-    vec2 from = unwarped(asked[i]);
+    vec2 from = unwarped(map, asked[i]);
 #endif
-    answers[i] = vec4(warped(asked[i]), from);
+    answers[i] = vec4(warped(map, asked[i], warp.base.map.side), from);
 }
