@@ -1,5 +1,6 @@
 #include "algorithms/maps/shadow_map.hpp"
 
+#include "algorithms/maps/desired_view.hpp"
 #include "algorithms/shared/contact.hpp"
 #include "algorithms/shared/depth_map.hpp"
 #include "algorithms/shared/map_resolve.hpp"
@@ -16,8 +17,10 @@ constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map.", 64, 8192, 1024, true},
     kKernelSideSetting,
     kKernelSetting,
-    {"fit", "0: the map covers all casters or the cone; 1: the smallest rectangle around what the view sees of that.",
-     0, 1, 0},
+    {"fit",
+     "0: the map covers all casters or the cone; 1: the smallest rectangle around what the view sees of that; 2: the "
+     "receivers in view.",
+     0, 2, 0},
     kContactSetting,
 };
 
@@ -30,29 +33,33 @@ class ShadowMap final : public ShadowAlgorithm {
 public:
     explicit ShadowMap(const AlgorithmServices& services)
         : casters_(makeDepthMapPipelines(services)),
-          resolve_(services, {.name = "shadow_map.resolve", .fragment = k_maps_shadow_map_frag}), contact_(services)
+          resolve_(services, {.name = "shadow_map.resolve", .fragment = k_maps_shadow_map_frag}), desired_(services),
+          contact_(services)
     {
     }
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
-        declareMap(passes, task);
-        resolve_.declare(passes, task, map_.image, {task.view->constants, map_.sample.map});
+        cropped_ = task.settings[kFit] >= 1.5 && DesiredViewMap::serves(task);
+        if (cropped_) {
+            declareCropped(passes, task);
+        } else {
+            declareMap(passes, task);
+            resolve_.declare(passes, task, map_.image, {task.view->constants, map_.sample.map});
+        }
         contact_.declare(passes, task, task.settings[kContact]);
     }
 
-    const Map* lightMap() const override { return &map_; }
+    const Map* lightMap() const override { return cropped_ ? nullptr : &map_; } // only the GPU knows the crop
 
     const Map* declareMap(PassBuilder& passes, const ShadowTask& task) override
     {
         const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         const std::uint32_t side = filterSide(task.settings[kFilter]);
-        const DepthMap map = task.settings[kFit] >= 0.5
+        const DepthMap map = task.settings[kFit] >= 0.5 && task.settings[kFit] < 1.5
                                  ? declareSeenMap(passes, task, resolution, kernelBorder(side))
                                  : declareDepthMap(passes, casters_, task, resolution, kernelBorder(side));
-        gpu::MapConstants constants = mapConstants(task, resolution, side);
-        constants.map.kernel = static_cast<float>(task.settings[kKernel]);
-        addProjection(constants, *map.fit, task);
+        const gpu::MapConstants constants = constantsOf(task, *map.fit, resolution, side);
         map_ = {.image = map.image,
                 .clipFromWorld = {map.fit->clipFromWorld},
                 .sample = sampleOf(constants.map, gpu::SAMPLE_MATRIX)};
@@ -60,6 +67,23 @@ public:
     }
 
 private:
+    static gpu::MapConstants constantsOf(const ShadowTask& task, const LightFit& fit, std::uint32_t resolution,
+                                         std::uint32_t filterSide)
+    {
+        gpu::MapConstants constants = mapConstants(task, resolution, filterSide);
+        constants.map.kernel = static_cast<float>(task.settings[kKernel]);
+        addProjection(constants, fit, task);
+        return constants;
+    }
+
+    void declareCropped(PassBuilder& passes, const ShadowTask& task) const
+    {
+        const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
+        const std::uint32_t side = filterSide(task.settings[kFilter]), border = kernelBorder(side);
+        const LightFit& fit = *fitDepthMap(casters_.clamped, task, resolution, passes.arena(), border);
+        desired_.declare(passes, task, fit, constantsOf(task, fit, resolution, side), border);
+    }
+
     DepthMap declareSeenMap(PassBuilder& passes, const ShadowTask& task, std::uint32_t resolution,
                             std::uint32_t borderTexels)
     {
@@ -73,8 +97,10 @@ private:
 
     DepthMapPipelines casters_;
     MapResolve resolve_;
+    DesiredViewMap desired_;
     ContactShadows contact_;
     Map map_;
+    bool cropped_ = false;
 };
 
 } // namespace

@@ -9,6 +9,9 @@
 
 namespace gnomon {
 
+/// What DepthMapPipelines are made of.
+GraphicsPipelineInfo depthCasterPipeline(const AlgorithmServices& services);
+
 /// Records casters into a layer of a depth map; what KeptMap::update takes. Copied bytewise.
 class DepthCasters {
 public:
@@ -27,7 +30,9 @@ public:
     DepthCasters(const DepthMapPipelines& pipelines, const LightFit& fit, const ShadowTask& task,
                  std::uint32_t resolution, FrameArena& arena, std::span<const Plane> volume);
     void uses(PassRef&) const {}
-    void operator()(PassContext& gpu, std::span<const Caster* const> casters, bool statics) const;
+    void operator()(PassContext& gpu, std::span<const Caster* const> casters, bool) const { record(gpu, casters, {}); }
+    /// @param bindings of a pipeline that has more than depthCasterPipeline()
+    void record(PassContext& gpu, std::span<const Caster* const> casters, std::span<const Bound> bindings) const;
     /// Whether clip z is drawn from depth 1 down (CasterDraw::depthFromOne).
     static bool fromOne(const Push& push) { return push.zeroWs.w != 0.0f; }
     /// For casters that are drawn from a place beside their own (DrawnPart::away).

@@ -14,7 +14,7 @@
 
 namespace gnomon {
 
-DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services)
+GraphicsPipelineInfo depthCasterPipeline(const AlgorithmServices& services)
 {
     GraphicsPipelineInfo info;
     info.name = "depth_map.casters";
@@ -26,6 +26,12 @@ DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services)
     info.depthCompare = VK_COMPARE_OP_LESS;
     info.depthFormat = kMapFormat;
     info.depthClamp = services.vk->enabled.depthClamp == VK_TRUE;
+    return info;
+}
+
+DepthMapPipelines makeDepthMapPipelines(const AlgorithmServices& services)
+{
+    const GraphicsPipelineInfo info = depthCasterPipeline(services);
     return {services.pipelines->graphics(info), info.depthClamp ? Clamped::own : Clamped::none};
 }
 
@@ -44,13 +50,15 @@ DepthCasters::DepthCasters(const DepthMapPipelines& pipelines, const LightFit& f
     host_ = arena.make(host);
 }
 
-void DepthCasters::operator()(PassContext& gpu, std::span<const Caster* const> casters, bool) const
+void DepthCasters::record(PassContext& gpu, std::span<const Caster* const> casters,
+                          std::span<const Bound> bindings) const
 {
     drawInParts(*light_, casters, [&](std::span<const Caster* const> run, const DrawnPart& part) {
         const Push push = moved(push_, part.away);
         gpu.drawCasters({.pipeline = pipeline_,
                          .casters = run,
                          .volume = volume_,
+                         .bindings = bindings,
                          .push = &push,
                          .pushSize = sizeof(push),
                          .depthFromOne = fromOne(push),

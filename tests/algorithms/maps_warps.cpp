@@ -7,6 +7,7 @@
 #include "algorithms/shared/trapezoid.hpp"
 #include "algorithms/warped/warped_map.hpp"
 #include "maps_fixture.hpp"
+#include "shaders/maps/desired_view.h"
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -201,6 +202,32 @@ TEST_CASE("every receiver in view that casters may shade is in the map, with all
         CHECK(inside > 2000);
         CHECK(warped > 50);
     }
+}
+
+TEST_CASE("a crop holds all that is seen with a border around it, is part of the map, and nowhere coarser")
+{
+    Random random;
+    int finer = 0;
+    for (int i = 0; i < 20'000; ++i) {
+        const float side = std::exp2(random.in(6.0f, 13.0f)), border = random.in(1.0f, 8.0f);
+        const float a = random.in(0.0f, 1.0f), b = i % 4 == 0 ? a : random.in(0.0f, 1.0f);
+        const float low = std::min(a, b), high = std::max(a, b);
+        const glm::vec2 crop = gpu::cropAxis(low, high, side, border);
+        const auto at = [&](float texel) { return crop.x * texel + crop.y; };
+        REQUIRE(crop.x >= 1.0f);
+        const float rounding = 1e-6f * side * crop.x;
+        CHECK(at(0.0f) <= rounding); // the map's ends lie at its own or beyond
+        CHECK(at(side) >= side - rounding);
+        // At the map's end there is no border to be had.
+        CHECK(at(low * side) >= std::min(border, crop.x * low * side) - rounding);
+        CHECK(at(high * side) <= side - std::min(border, crop.x * (1.0f - high) * side) + rounding);
+        if (high - low < 0.5f && side > 256.0f) {
+            CHECK(crop.x > 1.5f);
+            ++finer;
+        }
+    }
+    CHECK(finer > 1000);
+    CHECK(gpu::cropAxis(1.0f, 0.0f, 512.0f, 4.0f) == glm::vec2(1.0f, 0.0f)); // nothing is seen
 }
 
 TEST_CASE("a receiver and its plane are found in a warped map where its matrix puts them")

@@ -1,0 +1,130 @@
+#include "algorithms/maps/desired_view.hpp"
+
+#include <algorithm>
+
+#include "algorithms/shared/depth_casters.hpp"
+#include "algorithms/shared/map_resolve.hpp"
+#include "runtime/scene/light_pixels.hpp"
+#include "shaders/maps_desired_view_comp.h"
+#include "shaders/maps_desired_view_crop_comp.h"
+#include "shaders/maps_desired_view_vert.h"
+#include "shaders/maps_shadow_map_cropped_frag.h"
+#include "shaders/shared_map_resolve_vert.h"
+
+namespace gnomon {
+
+namespace {
+
+constexpr std::uint32_t kPixelsPerGroup = 8 * 4; // a side, of desired_view.comp
+
+constexpr BindingInfo kConstants{.binding = 0, .kind = BindingKind::constants};
+constexpr BindingInfo kView{.binding = 1, .kind = BindingKind::storageBuffer};
+
+PipelineId seenPipeline(const AlgorithmServices& services, bool normals)
+{
+    const auto look = lookupBindings(false);
+    const BindingInfo bindings[] = {kConstants, kView, look[1], look[2]};
+    return services.pipelines->compute(
+        {.name = "desired_view.seen",
+         .compute = {.code = k_maps_desired_view_comp, .specializationCount = 2, .specialization = {normals, 0}},
+         .bindings = bindings});
+}
+
+PipelineId resolvePipeline(const AlgorithmServices& services, bool normals, bool filtered)
+{
+    const auto look = lookupBindings(false);
+    BindingInfo bindings[5];
+    std::ranges::copy(look, bindings);
+    bindings[4] = {.binding = 5, .kind = BindingKind::storageBuffer};
+    GraphicsPipelineInfo pipeline;
+    pipeline.name = "desired_view.resolve";
+    pipeline.vertex.code = k_shared_map_resolve_vert;
+    pipeline.fragment = {
+        .code = k_maps_shadow_map_cropped_frag, .specializationCount = 2, .specialization = {normals, filtered}};
+    pipeline.bindings = bindings;
+    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
+    return services.pipelines->graphics(pipeline);
+}
+
+DepthMapPipelines castersPipelines(const AlgorithmServices& services)
+{
+    constexpr BindingInfo bindings[] = {kConstants, kView};
+    GraphicsPipelineInfo info = depthCasterPipeline(services);
+    info.name = "desired_view.casters";
+    info.vertex.code = k_maps_desired_view_vert;
+    info.bindings = bindings;
+    return {services.pipelines->graphics(info), info.depthClamp ? Clamped::own : Clamped::none};
+}
+
+} // namespace
+
+DesiredViewMap::DesiredViewMap(const AlgorithmServices& services)
+    : casters_(castersPipelines(services)),
+      crop_(services.pipelines->compute({.name = "desired_view.crop",
+                                         .compute = {.code = k_maps_desired_view_crop_comp},
+                                         .bindings = std::array{kConstants, kView}}))
+{
+    for (const bool normals : {false, true}) {
+        seen_[normals] = seenPipeline(services, normals);
+        for (const bool filtered : {false, true})
+            resolve_[normals][filtered] = resolvePipeline(services, normals, filtered);
+    }
+}
+
+bool DesiredViewMap::serves(const ShadowTask& task)
+{
+    return !anyHostDrawn(task.casters->all);
+}
+
+void DesiredViewMap::declare(PassBuilder& passes, const ShadowTask& task, const LightFit& fit,
+                             const gpu::MapConstants& constants, std::uint32_t borderTexels) const
+{
+    FrameArena& arena = passes.arena();
+    const auto resolution = static_cast<std::uint32_t>(constants.map.side);
+    gpu::DesiredViewConstants block{.base = constants, .border = static_cast<float>(borderTexels)};
+    const VkRect2D pixels = lightPixels(*task.light, *task.view);
+    block.pixels = {static_cast<std::uint32_t>(pixels.offset.x), static_cast<std::uint32_t>(pixels.offset.y),
+                    pixels.extent.width, pixels.extent.height};
+    const gpu::DesiredViewConstants* shared = arena.make(block);
+
+    const BufferId view = passes.transient(BufferInfo{.name = "desired_view.view", .size = sizeof(gpu::DesiredView)});
+    passes.transfer("desired_view.clear").writes(view).record([=](PassContext& gpu) {
+        gpu.vk->vkCmdFillBuffer(gpu.cmd, gpu.buffer(view), 0, VK_WHOLE_SIZE, 0);
+    });
+    const LookupImages seen(task, task.depth);
+    PassRef count = passes.compute("desired_view.seen");
+    count.samples(seen.depth).updates(view);
+    if (seen.hasNormals) count.samples(seen.normals);
+    count.record([=, pipeline = seen_[seen.hasNormals]](PassContext& gpu) {
+        const auto groups = [](std::uint32_t side) { return (side + kPixelsPerGroup - 1) / kPixelsPerGroup; };
+        if (shared->pixels.z == 0 || shared->pixels.w == 0) return;
+        gpu.bind(pipeline, {gpu.constants(0, *shared), gpu.storage(1, view), gpu.sampled(2, seen.depth),
+                            gpu.sampled(3, seen.normals)});
+        gpu.vk->vkCmdDispatch(gpu.cmd, groups(shared->pixels.z), groups(shared->pixels.w), 1);
+    });
+    passes.compute("desired_view.crop").updates(view).record([=, pipeline = crop_](PassContext& gpu) {
+        gpu.bind(pipeline, {gpu.constants(0, *shared), gpu.storage(1, view)});
+        gpu.vk->vkCmdDispatch(gpu.cmd, 1, 1, 1);
+    });
+
+    const ImageId map = passes.transient(
+        ImageInfo{.name = "desired_view.depth", .format = kMapFormat, .extent = {resolution, resolution}});
+    passes.raster("desired_view.casters")
+        .reads(view)
+        .depthWrite(map, {.clear = true, .value = {.depthStencil = {1.0f, 0}}})
+        .record([=, casters = meshesIn(task.casters->all, fit.volume, arena),
+                 draw = DepthCasters(casters_, fit, task, resolution, arena)](PassContext& gpu) {
+            const Bound bindings[] = {gpu.constants(0, *shared), gpu.storage(1, view)};
+            draw.record(gpu, casters, bindings);
+        });
+
+    const LookupImages look(task, map);
+    LookupPass resolve(passes, task, "desired_view.resolve", look);
+    resolve.uses.reads(view);
+    resolve.record([=, pipeline = resolve_[look.hasNormals][constants.map.filterSide > 1.0f]](PassContext& gpu) {
+        gpu.bind(pipeline, {gpu.constants(0, *shared), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                            gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.storage(5, view)});
+    });
+}
+
+} // namespace gnomon
