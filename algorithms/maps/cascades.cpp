@@ -14,13 +14,14 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kCount, kBlend, kFilter, kContact };
+enum Setting { kResolution, kCount, kBlend, kFilter, kFade, kContact };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of each map.", 64, 8192, 1024, true},
     {"cascades", "Maps, the one of all casters included.", 2, gpu::MAX_CASCADES, 4},
     {"blend", "Where slices end: 0 evenly, 1 each by the same factor farther than the one before.", 0, 1, 1},
     {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
+    {"fade", "Share of a map's half side before its edge over which filtered maps fade into the next.", 0, 0.5, 0.25},
     kContactSetting,
 };
 
@@ -63,6 +64,7 @@ public:
         constants.count = static_cast<std::uint32_t>(cascades.size());
         constants.lastLayer = static_cast<float>(cascades.back().layer);
         constants.border = kBorderTexels;
+        constants.base.map.slope = static_cast<float>(0.5 * task.settings[kFade] * resolution);
         resolve_.declare(passes, task, image, constants, constants.base.map.filterSide > 1.0f);
         contact_.declare(passes, task, task.settings[kContact]);
 

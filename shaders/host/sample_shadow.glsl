@@ -150,7 +150,15 @@ float gn_sampleShadow(uint light, vec3 position, vec3 normal)
         uint count = gnomonShadows[light].count;
         float lastLayer = gnomonShadows[light].lastLayer, border = gnomonShadows[light].border;
         tap = matrixTap(look, r, clip);
-        if (kind == SAMPLE_PARTS) tap = cascadeTap(look, r, clip, count, lastLayer, border);
+        if (kind == SAMPLE_PARTS) {
+            CascadeTaps taps = cascadeTaps(look, r, clip, count, lastLayer, border);
+            tap = taps.fine;
+            if (taps.coarseShare > 0.0 && look.filterSide > 1.0) {
+                float coarse = kernelVisibility(taps.coarse, taps.coarse.at, look.filterSide, look.kernel);
+                float fine = kernelVisibility(tap, tap.at, look.filterSide, look.kernel);
+                return fine + taps.coarseShare * (coarse - fine);
+            }
+        }
     }
     return look.filterSide > 1.0 ? kernelVisibility(tap, tap.at, look.filterSide, look.kernel)
                                  : nearestVisibility(tap, tap.at);

@@ -29,7 +29,14 @@ void main()
     MapLookup look = constants.map;
     PlaneReceiver r = fetchPlaneReceiver(constants.view, look, rayWs);
     vec4 clip = receiverClip(look, r, rayClip);
-    Tap tap = cascadeTap(look, r, clip, count, lastLayer, border);
-    float lit = FILTERED ? boxVisibility(tap, tap.at, look.filterSide) : nearestVisibility(tap, tap.at);
+    CascadeTaps taps = cascadeTaps(look, r, clip, count, lastLayer, border);
+    float lit;
+    if (FILTERED) {
+        lit = boxVisibility(taps.fine, taps.fine.at, look.filterSide);
+        if (taps.coarseShare > 0.0)
+            lit = mix(lit, boxVisibility(taps.coarse, taps.coarse.at, look.filterSide), taps.coarseShare);
+    } else {
+        lit = nearestVisibility(taps.fine, taps.fine.at);
+    }
     visibility = r.decided ? r.visibility : lit;
 }

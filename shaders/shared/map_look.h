@@ -23,7 +23,7 @@ struct MapLookup {
     float positional;    // 1 spot and point, 0 directional
     float side;          // texels
     float filterSide;    // texels, odd
-    float slope;         // cube: half width of a face at depth 1; paraboloid: texels per unit of the disc's radius
+    float slope;         // cube: half width of a face at depth 1; cascades: texels over which a map fades into the next
     float farWs;         // paraboloid: distance of depth 1, metres
     float kernel;        // KERNEL_*
 };

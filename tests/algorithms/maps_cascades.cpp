@@ -68,6 +68,21 @@ TEST_CASE("slices end where Zhang's practical split has them")
     CHECK(splitDepth(2.0, 50.0, 1.0, 0.7) == doctest::Approx(50.0));
 }
 
+// Uniform, logarithmic and practical splits: Zhang et al. 2006, Eqs 2 to 4; the last halves the sum of both.
+TEST_CASE("slices end within 1e-6 of the published splits")
+{
+    Random random;
+    for (int i = 0; i < 2000; ++i) {
+        const double n = static_cast<double>(random.in(0.05f, 5.0f)),
+                     f = n * static_cast<double>(random.in(1.1f, 1e5f));
+        const int m = 1 + i % 6, cut = i % 7 % (m + 1);
+        const double even = n + (f - n) * cut / m, logarithmic = std::exp(std::log(n) + std::log(f / n) * cut / m);
+        CHECK(std::abs(splitDepth(n, f, double(cut) / m, 0.0) / even - 1.0) < 1e-6);
+        CHECK(std::abs(splitDepth(n, f, double(cut) / m, 1.0) / logarithmic - 1.0) < 1e-6);
+        CHECK(std::abs(splitDepth(n, f, double(cut) / m, 0.5) / (0.5 * (even + logarithmic)) - 1.0) < 1e-6);
+    }
+}
+
 TEST_CASE("what is seen in a slice lies in its map, inside the border, and all casters in depths and in the last map")
 {
     Random random;
