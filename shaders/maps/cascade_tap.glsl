@@ -1,5 +1,5 @@
-// Taps in the finest of a directional light's maps that a receiver lies in, and in the next. GLSL and HLSL. The includer
-// defines CASCADE_PART(i), CascadesConstants::parts.
+// Taps in the finest of a directional light's maps that a receiver lies in, and in the next. GLSL and HLSL. The
+// includer defines CASCADE_PART(i), CascadesConstants::parts.
 #ifndef GNOMON_MAPS_CASCADE_TAP_GLSL
 #define GNOMON_MAPS_CASCADE_TAP_GLSL
 #include "../shared/shadow_sample.h"

@@ -1,5 +1,5 @@
-// A light's map cropped to what the view's receivers lie in ("desired view": Navratil 2015, 4.2.5). The crop is made and
-// used on the GPU.
+// A light's map cropped to what the view's receivers lie in ("desired view": Navratil 2015, 4.2.5). The crop is made
+// and used on the GPU.
 #ifndef GNOMON_MAPS_DESIRED_VIEW_H
 #define GNOMON_MAPS_DESIRED_VIEW_H
 #include "../shared/map_lookup.h"
