@@ -1,11 +1,11 @@
 # Lights with a surface as many lights without. One gnomon_algorithm() call a module.
-gnomon_shared(SOURCES area_maps.cpp)
+gnomon_shared(SOURCES area_maps.cpp quad_sampling.cpp source_quads.cpp)
 gnomon_algorithm(area_light
     SOURCES area_light.cpp
     SHADERS area/area_light.frag
             area/area_light.frag:PART=1:area/area_light_part.frag)
 gnomon_algorithm(area_adaptive
-    SOURCES area_adaptive.cpp source_quads.cpp
+    SOURCES area_adaptive.cpp
     SHADERS area/area_light.frag:BITS=1:area/area_light_bits.frag
-            area/area_adaptive_resolve.frag
-            area/area_adaptive_test.comp)
+            area/quads_resolve.frag
+            area/quads_test.comp)

@@ -39,7 +39,8 @@ std::uint32_t sideOf(const ShadowTask& task)
     return task.light->constants.sourceRadius > 0.0f ? static_cast<std::uint32_t>(task.settings[kSide]) : 1;
 }
 
-/// The maps of a task. Where all fit at once they are kept for as long as light and casters stand still.
+/// The maps of a task. Where all fit at once they are kept for as long as light and casters stand still, and cover all
+/// casters; others cover what the view sees.
 struct PointMaps {
     ImageId image;
     std::uint32_t layers = 0, resolution = 0, variant = 0;
@@ -142,8 +143,8 @@ void AreaLight::declare(PassBuilder& passes, const ShadowTask& task)
         constants->continues = first > 0;
         for (std::uint32_t i = 0; i < constants->count; ++i) {
             ShadowTask point = task;
-            const glm::vec2 place = spreadPoint(first + i, sideOf(task));
-            if (points > 1) point.light = arena.make(lightAt(*task.light, place, first + i, nearest));
+            const SourcePoint place = spreadOver(*task.light, first + i, sideOf(task));
+            if (points > 1) point.light = arena.make(lightAt(*task.light, place, nearest));
             constants->points[i] = declarePointMap(passes, casters_, point,
                                                    {.name = "area_light.casters",
                                                     .image = maps.image,
@@ -151,6 +152,7 @@ void AreaLight::declare(PassBuilder& passes, const ShadowTask& task)
                                                     .layer = i,
                                                     .scope = maps.kept ? Scope::light : Scope::task,
                                                     .variant = (first + i) << 19 | maps.variant,
+                                                    .seen = !maps.kept,
                                                     .due = maps.due});
         }
         if (first + constants->count < points)
@@ -173,15 +175,14 @@ VkDeviceSize memoryPerLight(std::span<const double> settings, VkExtent2D extent,
 constinit const AlgorithmEntry kAreaLight{
     .name = "area_light",
     .source = "Heckbert and Herf 1997; Macedo 2018, 6.1",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_SOFT_PENUMBRA_BIT |
-              GN_TRAIT_RECTANGLE_BIT,
+    .traits = kAreaTraits,
     .roundTrips = 0,
     .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = memoryPerLight,
     .missing = nullptr,
     .create = makeAlgorithm<AreaLight>,
-    .typicalWrongPercent = 1.0f, // of lights without a surface: shadow_map's at half its side
+    .typicalWrongPercent = kAreaWrongPercent,
 };
 
 } // namespace gnomon

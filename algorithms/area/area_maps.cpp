@@ -6,6 +6,7 @@
 
 #include "algorithms/shared/depth_casters.hpp"
 #include "algorithms/shared/map_resolve.hpp"
+#include "algorithms/shared/trapezoid.hpp"
 #include "shaders/shared_map_resolve_vert.h"
 
 namespace gnomon {
@@ -29,7 +30,8 @@ gpu::MapLookup declarePointMap(PassBuilder& passes, const DepthMapPipelines& pip
                                const PointMap& map)
 {
     FrameArena& arena = passes.arena();
-    const LightFit& fit = *fitDepthMap(pipelines.clamped, task, map.resolution, arena);
+    const LightFit& fit = map.seen ? *fitSeenMap(pipelines.clamped, task, map.resolution, arena)
+                                   : *fitDepthMap(pipelines.clamped, task, map.resolution, arena);
     gpu::MapConstants look = mapConstants(task, map.resolution, 1);
     addProjection(look, fit, task);
     if (!map.due) return look.map;

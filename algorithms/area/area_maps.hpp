@@ -19,10 +19,17 @@ struct PointMap {
     std::uint32_t resolution = 0, layer = 0;
     Scope scope = Scope::task;
     std::uint32_t variant = 0;
+    bool seen = false;             ///< It covers what the view sees, not all casters.
     bool due = true;               ///< It is to be drawn in this frame.
     BufferId after;                ///< The pass comes after what writes it.
     const bool* skipped = nullptr; ///< Read while recording: the map is cleared only. In the frame's memory.
 };
+
+/// What methods of maps from points serve, and what of a light without a surface's pixels they get wrong: shadow_map's
+/// at half its side.
+inline constexpr GnTraits kAreaTraits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT |
+                                        GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_RECTANGLE_BIT;
+inline constexpr float kAreaWrongPercent = 1.0f;
 
 /// Declares the pass that draws it. @param task its light has no surface, and lives as long as the frame
 gpu::MapLookup declarePointMap(PassBuilder& passes, const DepthMapPipelines& pipelines, const ShadowTask& task,

@@ -87,11 +87,7 @@ private:
     DepthMap declareSeenMap(PassBuilder& passes, const ShadowTask& task, std::uint32_t resolution,
                             std::uint32_t borderTexels)
     {
-        const LightFit& plain = *fitDepthMap(casters_.clamped, task, resolution, passes.arena(), borderTexels);
-        const SeenPart part = seenPart(task, plain);
-        const Warp rectangle{smallestRectangle(part.hull.points()), 0.0};
-        const LightFit* fit =
-            passes.arena().make(fitWarped(plain, part, {&rectangle, 1}, resolution, static_cast<float>(borderTexels)));
+        const LightFit* fit = fitSeenMap(casters_.clamped, task, resolution, passes.arena(), borderTexels);
         return declareViewMap(passes, casters_, task, resolution, fit, kSeenNames);
     }
 

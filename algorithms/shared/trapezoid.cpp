@@ -137,6 +137,15 @@ glm::dvec2 smallestRectangle(std::span<const glm::dvec2> polygon)
     return result;
 }
 
+const LightFit* fitSeenMap(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena,
+                           std::uint32_t borderTexels)
+{
+    const LightFit& plain = *fitDepthMap(clamped, task, resolution, arena, borderTexels);
+    const SeenPart part = seenPart(task, plain);
+    const Warp rectangle{smallestRectangle(part.hull.points()), 0.0};
+    return arena.make(fitWarped(plain, part, {&rectangle, 1}, resolution, static_cast<float>(borderTexels)));
+}
+
 double focusStrength(double focus)
 {
     return std::max(4.0 / focus - 5.0, 0.0);

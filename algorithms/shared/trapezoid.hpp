@@ -6,6 +6,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
 
+#include "algorithms/shared/depth_map.hpp"
 #include "algorithms/shared/seen_part.hpp"
 
 namespace gnomon {
@@ -38,6 +39,11 @@ LightFit fitWarped(const LightFit& plain, const SeenPart& part, std::span<const 
 /// The way along which the smallest rectangle around a convex polygon lies, unit. It has a side on one of the polygon's
 /// (Freeman and Shapira 1975).
 glm::dvec2 smallestRectangle(std::span<const glm::dvec2> polygon);
+
+/// The map of fitDepthMap() with all texels in the smallest rectangle around what the view sees of it; memory from the
+/// arena.
+const LightFit* fitSeenMap(Clamped clamped, const ShadowTask& task, std::uint32_t resolution, FrameArena& arena,
+                           std::uint32_t borderTexels = kMapBorderTexels);
 
 /// Strength with which the first `focus` of a trapezoid's length gets 80 % of the map's: the "80 % rule" of Martin and
 /// Tan 2004, whose one-dimensional projection has its centre q = l d (1 + x) / (l - 2 d - l x) before the near side,

@@ -141,7 +141,7 @@ void MultiVolumes::declare(PassBuilder& passes, const ShadowTask& task)
     auto* constants = arena.make(gpu::MultiVolume{.volumes = volumeResolve(*task.view, light), .pointEs = {}});
     for (std::uint32_t i = 0; i < side * side; ++i) {
         ShadowTask point = task;
-        if (soft) point.light = arena.make(lightAt(light, spreadPoint(i, side), i));
+        if (soft) point.light = arena.make(lightAt(light, spreadOver(light, i, side)));
         constants = arena.make(*constants);
         constants->pointEs =
             glm::vec4(light.type == GN_LIGHT_TYPE_DIRECTIONAL ? -point.light->direction()

@@ -1,6 +1,7 @@
 #version 460
 // Share of a light's source that is seen: the mean over points of it that have a layer of the map each. PART adds up
-// what the last pass, which writes visibility, goes on from. BITS: which of the points are seen, a bit for each.
+// what the last pass, which writes visibility, goes on from. BITS: which of the points are seen, a bit for each. RAMPS:
+// four bits for each, of edges as ramps about lines.
 #extension GL_GOOGLE_include_directive : require
 #define MAP_LAYERS
 #include "area_light.h"
@@ -12,6 +13,8 @@ layout(set = 0, binding = 0, std140) uniform Constants {
     float share;
     uint continues;
     uint needed;
+    vec4 gapX;
+    vec4 gapY;
 };
 layout(set = 0, binding = 2) uniform sampler2D depthImage;
 layout(set = 0, binding = 3) uniform sampler2D normalImage;
@@ -19,6 +22,8 @@ layout(set = 0, binding = 4) uniform sampler2DArray map;
 layout(location = 0) noperspective in vec3 rayWs;
 #if defined(BITS)
 layout(location = 0) out uint bits;
+#elif defined(RAMPS)
+layout(location = 0) out uvec4 codes;
 #elif defined(PART)
 layout(location = 0) out vec4 sum; // alpha 1: added to what is there
 #else
@@ -28,6 +33,10 @@ layout(location = 0) out float visibility;
 
 #include "../shared/planar_tap.glsl"
 #include "../shared/filter.glsl"
+#ifdef RAMPS
+#include "gap_kernel.glsl"
+#include "ramp_codes.glsl"
+#endif
 
 // 1 or 0; of a point among others, bilinear between texels. What is below the receiver's plane does not shine on it.
 float pointVisibility(PlaneReceiver r, uint i)
@@ -39,10 +48,14 @@ float pointVisibility(PlaneReceiver r, uint i)
     if (clip.w <= 0.0) return 1.0; // behind the point, where no caster is drawn
     vec2 normalPerTexel = vec2(dot(r.normalWs, points[i].texelDx.xyz), dot(r.normalWs, points[i].texelDy.xyz));
     Tap tap = planarTap(points[i], r, clip, normalPerTexel, float(i));
+#ifdef RAMPS
+    return gapVisibility(tap, points[i], gapX.xyz, gapY.xyz, uint(constants.map.filterSide));
+#else
     return share < 1.0 ? boxVisibility(tap, tap.at, 1.0) : nearestVisibility(tap, tap.at);
+#endif
 }
 
-#ifdef BITS
+#if defined(BITS)
 void main()
 {
     PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.map, rayWs);
@@ -50,6 +63,15 @@ void main()
     if (r.decided) return;
     for (uint i = 0u; i < min(count, MAX_AREA_MAPS); ++i) // bound: MAX_AREA_MAPS
         if ((needed >> i & 1u) != 0u && pointVisibility(r, i) > 0.0) bits |= 1u << i;
+}
+#elif defined(RAMPS)
+void main()
+{
+    PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.map, rayWs);
+    codes = uvec4(r.decided && r.visibility > 0.0 ? ~0u : 0u);
+    if (r.decided) return;
+    for (uint i = 0u; i < min(count, MAX_AREA_MAPS); ++i) // bound: MAX_AREA_MAPS
+        if ((needed >> i & 1u) != 0u) codes[i >> 3] |= codeOf(pointVisibility(r, i)) << 4u * (i & 7u);
 }
 #else
 void main()

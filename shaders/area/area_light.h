@@ -15,11 +15,13 @@ struct AreaConstants {
     uint count;                      // of those
     float share;                     // of the source that each point stands for
     uint continues;                  // 1: other passes have summed up other points
-    uint needed;                     // bits: those of the points that are looked up, where a bit is kept of each
+    uint needed;                     // bits: those of the points that are looked up, where a word is kept of them
+    vec4 gapX;                       // of gap_kernel.glsl, xyz: from a point to the next, metres; directional: tangent
+    vec4 gapY;                       // and to the next across
 };
 GN_SHARED_OFFSET(AreaConstants, points, 416)
 GN_SHARED_OFFSET(AreaConstants, count, 8096)
-GN_SHARED_SIZE(AreaConstants, 8112)
+GN_SHARED_SIZE(AreaConstants, 8144)
 
 GN_SHARED_END
 #endif

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -62,7 +63,7 @@ TEST_CASE("points of a sphere cover the disc that it shows, from whichever side"
         const glm::vec3 across = glm::normalize(glm::cross(axis, glm::vec3(0.2f, 0.3f, 0.9f)));
         double square = 0.0, mean = 0.0, farthest = 0.0;
         for (std::uint32_t i = 0; i < kCount; ++i) {
-            const LightView point = lightAt(light, spreadPoint(i, kSide), i, 1.0f);
+            const LightView point = lightAt(light, spreadOver(light, i, kSide), 1.0f);
             const glm::vec3 offset = point.position() - light.position();
             const double along = glm::dot(offset, across);
             square += along * along / kCount;
@@ -76,6 +77,29 @@ TEST_CASE("points of a sphere cover the disc that it shows, from whichever side"
     }
 }
 
+TEST_CASE("however an edge lies over a disc, the share of its points on one side is near that of the area")
+{
+    // Of 17 x 17 points the squares of spreadPoint() on a disc have an RMSE of 0.0088, random ones of 0.027.
+    for (const auto& [side, most] : {std::pair{5u, 0.03}, std::pair{9u, 0.012}, std::pair{17u, 0.0045}}) {
+        const std::uint32_t count = side * side;
+        double squares = 0.0;
+        constexpr int kTurns = 37, kSteps = 41;
+        for (int turn = 0; turn < kTurns; ++turn)
+            for (int step = 0; step < kSteps; ++step) {
+                const double angle = 2.0 * std::numbers::pi * turn / kTurns, edge = 2.0 * (step + 0.5) / kSteps - 1.0;
+                double share = 0.0;
+                for (std::uint32_t i = 0; i < count; ++i) {
+                    const glm::vec2 at = sunflowerPoint(i, count);
+                    share += (at.x * std::cos(angle) + at.y * std::sin(angle) < edge) / double(count);
+                }
+                const double area = 1.0 - (std::acos(edge) - edge * std::sqrt(1.0 - edge * edge)) / std::numbers::pi;
+                squares += (share - area) * (share - area) / (kTurns * kSteps);
+            }
+        CAPTURE(side);
+        CHECK(std::sqrt(squares) < most);
+    }
+}
+
 TEST_CASE("a point's cone holds what the light's own does from the nearest caster on")
 {
     LightView light = spot(0.0f);
@@ -84,7 +108,7 @@ TEST_CASE("a point's cone holds what the light's own does from the nearest caste
     light.sourceY = 0.2f * glm::normalize(glm::cross(light.direction(), light.sourceX));
     const float nearest = 2.0f;
     for (std::uint32_t i = 0; i < 25; ++i) {
-        const LightView point = lightAt(light, spreadPoint(i, 5), i, nearest);
+        const LightView point = lightAt(light, spreadOver(light, i, 5), nearest);
         CHECK(!point.rectangular());
         const glm::vec3 offset = point.position() - light.position();
         CHECK(std::abs(glm::dot(offset, light.direction())) < 1e-6f);
@@ -110,7 +134,7 @@ TEST_CASE("points of a sun turn it, by its own angle at most")
     sun.constants.sourceRadius = 0.1f;
     float widest = 0.0f;
     for (std::uint32_t i = 0; i < 289; ++i) {
-        const LightView point = lightAt(sun, spreadPoint(i, 17), i);
+        const LightView point = lightAt(sun, spreadOver(sun, i, 17));
         CHECK(glm::length(point.direction()) == doctest::Approx(1.0));
         widest = std::max(widest, std::acos(std::min(glm::dot(point.direction(), sun.direction()), 1.0f)));
     }

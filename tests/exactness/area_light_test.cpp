@@ -2,6 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+
+#include <glm/geometric.hpp>
 
 #include "exactness/soft_reference.hpp"
 #include "exactness/testbed.hpp"
@@ -38,24 +41,41 @@ double largestPlateau(const Image8& picture)
     return double(*std::max_element(counts.begin(), counts.end())) / all;
 }
 
+/// Leaves out pixels over whose plane a sun sets in part: rays begin a little above a face, so that those below its
+/// plane pass over its edge, and a texel does not resolve the fold between two faces.
+void leaveOutSunsets(const Stage& stage, SoftTruth& truth)
+{
+    const demo::Light& light = stage.scene().lights[0];
+    if (light.kind != LightKind::Directional) return;
+    for (uint32_t i = 0; i < truth.asked.size(); ++i) {
+        const glm::dvec3 normal = drawnNormal(stage, i % kSize.width, i / kSize.width);
+        const double sine = -glm::dot(glm::normalize(normal), glm::normalize(light.direction));
+        if (truth.asked[i] == 0 || sine > std::sin(1.1 * double(light.radius))) continue;
+        truth.asked[i] = 0;
+        truth.visibility[i] = 0.5;
+    }
+}
+
 } // namespace
 
-TEST_CASE("289 points of a rectangle are within an RMSE of 0.01 of 1 024 rays, fewer are farther off")
+TEST_CASE("289 points are within an RMSE of 0.01 of 1 024 rays, fewer are farther off")
 {
     const test::DeviceTest silence;
     struct Row {
         const char* name;
         Scene scene;
-        double most; ///< RMSE. Points of a sphere lie behind each other; a texel of the sun's map is 4 cm wide.
+        double most = 0.01; ///< RMSE.
     };
-    for (const Row& row : {Row{"rectangle and box", panelScene(Caster::box), 0.01},
-                           Row{"rectangle and torus", panelScene(Caster::torus), 0.01},
-                           Row{"sphere and torus", softScene(Caster::torus, LightKind::Spot, 1.6, 0.3f), 0.015},
-                           Row{"sphere and box", softScene(Caster::box, LightKind::Spot, 0.9, 0.3f), 0.015},
-                           Row{"sun and torus", softScene(Caster::torus, LightKind::Directional, 1.6, 0.1f), 0.02}}) {
+    for (const Row& row :
+         {Row{"rectangle and box", panelScene(Caster::box)}, Row{"rectangle and torus", panelScene(Caster::torus)},
+          Row{"sphere and torus", softScene(Caster::torus, LightKind::Spot, 1.6, 0.3f), 0.008},
+          Row{"sphere and box", softScene(Caster::box, LightKind::Spot, 0.9, 0.3f), 0.008},
+          Row{"sun and box", softScene(Caster::box, LightKind::Directional, 1.6, 0.1f)},
+          Row{"sun and torus", softScene(Caster::torus, LightKind::Directional, 1.6, 0.1f)}}) {
         CAPTURE(row.name);
         Stage stage(row.scene, kSize);
-        const std::vector<SoftTruth> truths = tracedSoftTruths(stage);
+        std::vector<SoftTruth> truths = tracedSoftTruths(stage);
+        leaveOutSunsets(stage, truths[0]);
         double rmse[3];
         for (const int i : {0, 1, 2}) {
             const SoftError error =

@@ -25,7 +25,7 @@ table='
 1  shaders/revectorized     shaders/shared
 1  shaders/warped           shaders/shared
 1  shaders/filtered         shaders/shared
-1  shaders/area             shaders/shared
+2  shaders/area             shaders/shared shaders/revectorized
 2  shaders/host             shaders/shared shaders/maps shaders/omni
 1  shaders/demo             shaders/shared runtime/include/gnomon
 2  rules/engine             runtime/base

@@ -1,10 +1,10 @@
 #version 460
 // Flags the squares of a light's source that show a plateau: a pixel that sees some of the four corners, but not all,
-// and pixels on all sides of it that see as many.
+// and pixels on all sides of it that see as many. RAMPS: where enough corners are on ramps, nothing shows.
 // Source: Macedo 2018, 6.1; M. Schwarzler, O. Mattausch, D. Scherzer and M. Wimmer, "Fast accurate soft shadows with
 // adaptive light source sampling", VMV 2012.
 #extension GL_GOOGLE_include_directive : require
-#include "area_adaptive.h"
+#include "quads.h"
 
 layout(local_size_x = 8, local_size_y = 8) in; // QUAD_GROUP
 
@@ -12,14 +12,18 @@ layout(set = 0, binding = 0, std140) uniform Constants { QuadTests tests; };
 layout(set = 0, binding = 1) uniform usampler2DArray words;
 layout(set = 0, binding = 2, std430) buffer Flags { uint flags[]; };
 
-uint seenAt(ivec2 pixel, uint place)
-{
-    return texelFetch(words, ivec3(pixel, place >> 5), 0).x >> (place & 31u) & 1u;
-}
+#include "point_words.glsl"
 
+// Corners that the pixel sees; 4, as of all, where it shows no step.
 uint cornersSeen(ivec2 pixel, uvec4 corners)
 {
-    return seenAt(pixel, corners.x) + seenAt(pixel, corners.y) + seenAt(pixel, corners.z) + seenAt(pixel, corners.w);
+    uint seen = 0u, ramps = 0u;
+    for (int i = 0; i < 4; ++i) {
+        uint code = pointCode(pixel, corners[i]);
+        seen += 2u * code > RAMP_CODES ? 1u : 0u;
+        ramps += onRamp(code) ? 1u : 0u;
+    }
+    return ramps >= tests.ramps ? 4u : seen;
 }
 
 void main()
