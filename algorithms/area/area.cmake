@@ -9,3 +9,8 @@ gnomon_algorithm(area_adaptive
     SHADERS area/area_light.frag:BITS=1:area/area_light_bits.frag
             area/quads_resolve.frag
             area/quads_test.comp)
+gnomon_algorithm(area_revectorized
+    SOURCES area_revectorized.cpp
+    SHADERS area/area_light.frag:RAMPS=1:area/area_light_ramps.frag
+            area/quads_resolve.frag:RAMPS=1:area/quads_resolve_ramps.frag
+            area/quads_test.comp:RAMPS=1:area/quads_test_ramps.comp)

@@ -56,6 +56,22 @@ void leaveOutSunsets(const Stage& stage, SoftTruth& truth)
     }
 }
 
+/// What a method that chooses points gives.
+struct Sampled {
+    double points = 0.0, rmse = 0.0, plateau = 0.0;
+};
+
+Sampled sample(Stage& stage, const char* method, Settings settings, const std::vector<SoftTruth>& truths)
+{
+    settings.push_back({"reasons", 1.0});
+    const double share = stage.draw(method, settings)[0].texels[0] / 255.0;
+    settings.back().value = 0.0;
+    const Image8 picture = stage.draw(method, settings)[0];
+    const SoftError error = compareSoft(picture, truths[0]);
+    CHECK(error.notAskedOff == 0);
+    return {std::round(share * 289.0), error.penumbra.rmse(), largestPlateau(picture)};
+}
+
 } // namespace
 
 TEST_CASE("289 points are within an RMSE of 0.01 of 1 024 rays, fewer are farther off")
@@ -151,6 +167,43 @@ TEST_CASE("adaptive points are fewer than 289, within an RMSE of 0.05, and leave
             CHECK(drawn > 50.0); // wide penumbrae show the steps of 25
             CHECK(largestPlateau(picture) < 0.03);
         }
+    }
+}
+
+TEST_CASE("points with ramps: half of the adaptive ones at most, a quarter of 289, no larger error and no plateau")
+{
+    const test::DeviceTest silence;
+    for (const auto& [scene, atMost] :
+         {std::pair{panelScene(Caster::torus), 0.018},
+          std::pair{softScene(Caster::torus, LightKind::Spot, 1.6, 0.3f), 0.026},
+          std::pair{softScene(Caster::torus, LightKind::Directional, 1.6, 0.1f), 0.032}}) {
+        Stage stage(scene, {160, 120});
+        const std::vector<SoftTruth> truths = tracedSoftTruths(stage);
+        const Settings shared = {{"window", 1.0}, {"resolution", 256.0}, {"least", 2.0}};
+        const Sampled adaptive = sample(stage, "area_adaptive", shared, truths);
+        Settings settings = shared;
+        settings.insert(settings.end(), {{"filter", 5.0}, {"ramps", 2.0}});
+        const Sampled ramps = sample(stage, "area_revectorized", settings, truths);
+        const double uniform = compareSoft(stage.draw(kAreaLight, points(17, 256.0)), truths).penumbra.rmse();
+        MESSAGE("points and RMSE: uniform 289, " << uniform << "; adaptive " << adaptive.points << ", " << adaptive.rmse
+                                                 << "; revectorized " << ramps.points << ", " << ramps.rmse
+                                                 << ", largest plateau " << ramps.plateau);
+        CHECK(ramps.points >= 25.0);
+        CHECK(2.0 * ramps.points <= adaptive.points);
+        CHECK(4.0 * ramps.points <= 289.0);
+        CHECK(ramps.rmse <= adaptive.rmse);
+        CHECK(ramps.rmse < atMost);
+        CHECK(ramps.plateau < 0.03);
+        CHECK(ramps.plateau > 0.0);
+        if (atMost > 0.02) continue;
+        double before = 0.0;
+        for (const double least : {1.0, 2.0, 4.0}) { // corners on ramps
+            settings.back().value = least;
+            const double drawn = sample(stage, "area_revectorized", settings, truths).points;
+            CHECK(drawn >= before);
+            before = drawn;
+        }
+        CHECK(before > ramps.points);
     }
 }
 
