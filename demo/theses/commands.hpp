@@ -8,12 +8,12 @@
 namespace gnomon::demo {
 
 struct TablesOptions {
-    std::string thesis;      ///< moderno, morais or navratil.
+    std::string thesis;      ///< macedo, moderno, morais or navratil.
     std::string csv;         ///< Empty: no file.
     uint32_t picture = 1024; ///< Pixels a side.
     bool tight = false;      ///< moderno: the other of the fits that the thesis may mean.
-    uint32_t repeat = 6;     ///< navratil: frames that are timed.
-    double share = 1.0;      ///< navratil: of the vertices and lamps.
+    uint32_t repeat = 6;     ///< macedo, navratil: frames that are timed.
+    double share = 1.0;      ///< navratil: of the vertices and lamps; macedo: of the sides of pictures and maps.
 };
 int tablesCommand(const TablesOptions& options);
 

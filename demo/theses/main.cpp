@@ -11,19 +11,21 @@ void addTables(CLI::App& app, TablesOptions& options, int& exitCode)
 {
     CLI::App* tables =
         app.add_subcommand("tables", "a thesis's main tables on the scenes views/..., printed numbers / ours");
-    tables->add_option("THESIS", options.thesis, "moderno, morais or navratil")
+    tables->add_option("THESIS", options.thesis, "macedo, moderno, morais or navratil")
         ->required()
-        ->check(CLI::IsMember({"moderno", "morais", "navratil"}));
+        ->check(CLI::IsMember({"macedo", "moderno", "morais", "navratil"}));
     tables->add_option("--csv", options.csv, "write a line per cell here as well");
     tables->add_option("--picture", options.picture, "pixels a side; other sizes than the theses' change all numbers")
         ->check(CLI::Range(64, 4096))
         ->capture_default_str();
     tables->add_flag("--tight", options.tight,
                      "moderno: texels as of a map fitted in width and height to what is seen, not of a square one");
-    tables->add_option("--repeat", options.repeat, "navratil: frames that are timed for each number")
+    tables->add_option("--repeat", options.repeat, "macedo, navratil: frames that are timed for each number")
         ->check(CLI::Range(3, 10000))
         ->capture_default_str();
-    tables->add_option("--share", options.share, "navratil: of the thesis's vertices and lamps")
+    tables
+        ->add_option("--share", options.share,
+                     "navratil: of the thesis's vertices and lamps; macedo: of the sides of pictures and maps")
         ->check(CLI::Range(0.001, 1.0))
         ->capture_default_str();
     tables->callback([&] { exitCode = tablesCommand(options); });

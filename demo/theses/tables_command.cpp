@@ -3,6 +3,7 @@
 
 #include "demo/program/checks.hpp"
 #include "demo/theses/commands.hpp"
+#include "demo/theses/macedo_tables.hpp"
 #include "demo/theses/moderno_tables.hpp"
 #include "demo/theses/morais_tables.hpp"
 #include "demo/theses/navratil_tables.hpp"
@@ -47,8 +48,20 @@ std::vector<PairTable> navratil(Device& device, const TablesOptions& options)
     return navratilTables(walk, measureHemisphere(device, survey));
 }
 
+std::vector<PairTable> macedoOf(Device& device, const TablesOptions& options)
+{
+    const auto progress = [](const macedo::Cell& cell, const macedo::Measured& measured) {
+        std::fprintf(stderr, "%s, %s, %u rows, map of %u, kernel %u: %.1f ms, %.0f points%s\n", nameOf(cell.scenery),
+                     nameOf(cell.row), macedo::kPictures[size_t(cell.picture)].height, cell.map, cell.kernel,
+                     measured.frameMs, measured.points, measured.served ? "" : ", not served");
+    };
+    return macedoTables(macedo::measure(device, macedoCells(),
+                                        {.share = options.share, .frames = options.repeat, .measured = progress}));
+}
+
 std::vector<PairTable> tablesOf(Device& device, const TablesOptions& options)
 {
+    if (options.thesis == "macedo") return macedoOf(device, options);
     if (options.thesis == "morais") return morais(device, options);
     return options.thesis == "navratil" ? navratil(device, options) : moderno(device, options);
 }

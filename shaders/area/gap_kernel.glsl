@@ -7,6 +7,7 @@
 
 const uint LONGEST_STAIR = 16u; // texels: Macedo 2018, listing A.3
 const int SEARCH = 4;           // places a side, of four texels each
+const int PLACES = SEARCH * SEARCH;
 
 // What hides the receiver about its place. side: texels that the places are spread over.
 struct Blockers {
@@ -18,7 +19,7 @@ struct Blockers {
 Blockers blockersAbout(Tap tap, float side)
 {
     float sum = 0.0, count = 0.0;
-    for (int i = 0; i < SEARCH * SEARCH; ++i) { // bound: SEARCH
+    for (int i = 0; i < PLACES; ++i) {
         vec2 place = (vec2(i % SEARCH, i / SEARCH) - 0.5 * float(SEARCH - 1)) * (side / float(SEARCH));
         vec2 corner = floor(tap.at + place + 0.5);
         vec4 receiver = vec4(tapDepth(tap, corner + vec2(-0.5, 0.5)), tapDepth(tap, corner + vec2(0.5, 0.5)),
@@ -28,7 +29,7 @@ Blockers blockersAbout(Tap tap, float side)
         sum += dot(before, blocks);
         count += dot(blocks, vec4(1.0));
     }
-    return Blockers(count, sum / max(count, 1.0), count == float(4 * SEARCH * SEARCH));
+    return Blockers(count, sum / max(count, 1.0), count == float(4 * PLACES));
 }
 
 // How far a point's edge is from that of its neighbour, texels, where a depth of 1 is between receiver and caster.
