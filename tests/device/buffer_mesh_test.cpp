@@ -20,11 +20,18 @@ demo::Mesh ring()
     return demo::makeTorus({.radius = 0.7f, .tube = 0.25f, .ringSegments = 24, .tubeSegments = 12});
 }
 
+/// After a camera cut: some methods average what they see over frames.
+std::vector<Image8> picturesOf(Host& host)
+{
+    host.require(
+        host.draw({.adjust = [](GnFrameInfo&, std::vector<GnViewFrame>& views) { views[0].cameraCut = VK_TRUE; }}));
+    return host.pictures(); // waits, so that the next frame finds this one completed
+}
+
 std::vector<Image8> picturesOf(Host& host, GnMesh mesh)
 {
     replaceMesh(host, kBall, mesh);
-    host.require(host.draw());
-    return host.pictures();
+    return picturesOf(host);
 }
 
 bool served(const Host& host, const std::string& method)
@@ -37,10 +44,8 @@ std::vector<Image8> picturesOfCopied(Host& host, GnMesh mesh, const std::string&
 {
     replaceMesh(host, kBall, mesh);
     std::vector<Image8> pictures;
-    for (int i = 0; i < kFramesToCopy; ++i) {
-        host.require(host.draw());
-        pictures = host.pictures(); // waits, so that the next frame finds this one completed
-    }
+    for (int i = 0; i < kFramesToCopy; ++i)
+        pictures = picturesOf(host);
     CHECK_MESSAGE(served(host, method), host.explanation(0));
     return pictures;
 }

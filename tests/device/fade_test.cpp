@@ -129,7 +129,7 @@ TEST_CASE_FIXTURE(DeviceTest, "every frame of a fade shows the mix of both metho
     FadeHost host;
     checkWholeFade(host, "shadow_map", "stencil_volume", {});
     checkWholeFade(host, "stencil_volume", "shadow_map", {.call = Call::record});
-    checkWholeFade(host, "shadow_map", "pcf_hybrid", {}); // one round trip
+    checkWholeFade(host, "shadow_map", "tile_shafts", {}); // one round trip
     checkWholeFade(host, "ray_traced", "shadow_map", {}); // one on its way out
     checkWholeFade(host, "shadow_map", "ray_traced", {});
 }
@@ -305,9 +305,9 @@ TEST_CASE_FIXTURE(DeviceTest,
 TEST_CASE_FIXTURE(DeviceTest, "a method that cannot serve any more does not fade: recorded frames have no round trips")
 {
     FadeHost host;
-    settle(host, "pcf_hybrid", "shadow_map");
+    settle(host, "ray_traced", "shadow_map");
     const std::vector<Image8> pictures = alone(host, "shadow_map", {.call = Call::record});
-    favour(host, "pcf_hybrid");
+    favour(host, "ray_traced");
     host.pinAll(nullptr);
     host.draw(kFadeFrames + 1, {});
     favour(host, "shadow_map");

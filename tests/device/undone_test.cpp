@@ -86,7 +86,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a frame that another call finished and that faile
         const std::string name = by; // clang 14 captures no structured bindings
         CAPTURE(name);
         Host host(smallScene(), watched());
-        host.pinAll("pcf_hybrid");
+        host.pinAll("ray_traced");
         host.require(host.draw());
         queue.failAt = 1;
         host.require(host.draw({.call = Call::begin}));
@@ -94,7 +94,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a frame that another call finished and that faile
         CHECK(host.finish(0) == GN_ERROR_OUT_OF_HOST_MEMORY);
         CHECK(host.lastError().find("vkQueueSubmit2") != std::string::npos);
         host.require(host.draw());
-        CHECK(differences(host.pictures(), fresh(smallScene(), "pcf_hybrid", kSmall)) == 0);
+        CHECK(differences(host.pictures(), fresh(smallScene(), "ray_traced", kSmall)) == 0);
     }
 }
 
@@ -104,12 +104,12 @@ TEST_CASE_FIXTURE(DeviceTest, "a frame that another call finished well is told o
         const std::string name = by; // clang 14 captures no structured bindings
         CAPTURE(name);
         Host host(smallScene());
-        host.pinAll("pcf_hybrid");
+        host.pinAll("ray_traced");
         host.require(host.draw({.call = Call::begin}));
         call(host);
         CHECK(host.finish(0) == GN_SUCCESS);
         CHECK(gnFinishShadows(host.context, 0) == GN_ERROR_FRAME_ORDER);
-        CHECK(differences(host.pictures(), fresh(smallScene(), "pcf_hybrid", kSmall)) == 0);
+        CHECK(differences(host.pictures(), fresh(smallScene(), "ray_traced", kSmall)) == 0);
         host.require(host.draw());
         CHECK(gnFinishShadows(host.context, 0) == GN_ERROR_FRAME_ORDER);
     }
@@ -183,7 +183,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a view whose new size nobody has seen shows the o
     for (const End end : {End::dropped, End::refused, End::half}) {
         CAPTURE(int(end));
         Host host(smallScene(), watched());
-        host.pinAll("pcf_hybrid");
+        host.pinAll("ray_traced");
         if (end == End::dropped) host.pinAll("shadow_map"); // what can be recorded
         host.draw(3, {});
         const std::vector<Image8> before = host.pictures();
@@ -205,14 +205,14 @@ TEST_CASE_FIXTURE(DeviceTest, "a view whose new size nobody has seen shows the o
         }
         host.require(host.draw());
         CHECK(differences(host.pictures(),
-                          fresh(smallScene(), end == End::dropped ? "shadow_map" : "pcf_hybrid", kLarge)) == 0);
+                          fresh(smallScene(), end == End::dropped ? "shadow_map" : "ray_traced", kLarge)) == 0);
     }
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a failed frame says whether what it waits for was waited for")
 {
     Host host(smallScene(), watched());
-    host.pinAll("pcf_hybrid");
+    host.pinAll("ray_traced");
     host.draw(2, {});
     for (const uint32_t submitted : {0u, 1u, 0u}) {
         queue.failAt = submitted;
