@@ -20,7 +20,7 @@ struct ShadowTask {
     ImageId visibility;                ///< R8_UNORM array of the view. Every pixel of view->area must be written.
     ImageId depth;                     ///< 32-bit floats, the host's or a copy; sampled and copied only.
     ImageId normals;                   ///< Geometric normals, 16-bit or 32-bit floats; null id if there are none.
-    const TracedScene* rays = nullptr; ///< With GN_TRAIT_DEVICE_RAYS_BIT: holds all of `casters`. Null in refuses().
+    const TracedScene* rays = nullptr; ///< Where the device traces: holds all of `casters`. Null in refuses().
     bool recorded = false;             ///< gnCmdRenderShadows: no host passes.
 };
 
@@ -96,9 +96,9 @@ struct AlgorithmEntry {
     /// in plain texels says how long it may be kept while casters move.
     bool followsView = false;
 
-    /// Null, or memoryPerLight where the device has ray queries and the method asks rays of it: without round trips,
-    /// and with GN_TRAIT_DEVICE_RAYS_BIT in place of GN_TRAIT_RAYS_BIT. Its algorithm asks DeviceTable::rayQuery(),
-    /// too.
+    /// Null, or memoryPerLight where the method asks rays of the device (DeviceTable::prefersRays): without round
+    /// trips, and with GN_TRAIT_DEVICE_RAYS_BIT in place of GN_TRAIT_RAYS_BIT. Lights with casters that ask the host
+    /// (LightCasters::opacities) are still traced on the CPU: ShadowTask::rays says who traces.
     VkDeviceSize (*memoryWithDeviceRays)(std::span<const double> settings, VkExtent2D extent,
                                          GnLightType type) = nullptr;
 

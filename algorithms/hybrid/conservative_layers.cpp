@@ -188,7 +188,7 @@ ConservativeMethod::ConservativeMethod(const AlgorithmServices& services, const 
                                        const UndecidedNames& names)
     : vk_(*services.vk), maps_(services), classify_(services, classify), names_(names)
 {
-    if (vk_.rayQuery()) onDevice_.emplace(services, names);
+    if (vk_.prefersRays) onDevice_.emplace(services, names);
 }
 
 void ConservativeMethod::declare(PassBuilder& passes, const ShadowTask& task)
@@ -208,7 +208,7 @@ void ConservativeMethod::declare(PassBuilder& passes, const ShadowTask& task)
         insides.where = nearClip(*task.view, task.casters->all);
     }
     classify_.declare(passes, task, images, *constants);
-    if (onDevice_)
+    if (task.rays)
         onDevice_->declare(passes, task, reasons, insides);
     else
         declareUndecided(passes, task, names_, reasons ? traceReasons : traceHard, insides);
@@ -222,7 +222,7 @@ const char* ConservativeMethod::refuses(const ShadowTask& task) const
         const std::uint32_t largest = std::max(caster->mesh->positionCount(), caster->mesh->triangleCount());
         if (VkDeviceSize{12} * largest > most) return "a caster's mesh is larger than a storage buffer";
     }
-    return onDevice_ ? refusesDeviceRays(task) : nullptr;
+    return nullptr;
 }
 
 namespace {

@@ -95,7 +95,7 @@ private:
     ConservativeMaps maps_;
     ConservativeClassify classify_;
     UndecidedNames names_;
-    std::optional<UndecidedOnDevice> onDevice_; ///< Who traces; else the CPU.
+    std::optional<UndecidedOnDevice> onDevice_; ///< Where ShadowTask::rays may be given.
 };
 
 } // namespace gnomon

@@ -1,7 +1,5 @@
 #include "algorithms/hybrid/device_trace.hpp"
 
-#include <algorithm>
-
 #include "runtime/scene/light_pixels.hpp"
 #include "shaders/hybrid_undecided_vert.h"
 #include "shaders/shared_fullscreen_vert.h"
@@ -10,9 +8,8 @@ namespace gnomon {
 
 const char* refusesDeviceRays(const ShadowTask& task)
 {
-    const bool asks = std::ranges::any_of(task.casters->all,
-                                          [](const Caster* caster) { return caster->alphaTested && caster->opacity; });
-    return asks ? "casters in range are alpha-tested by pfnOpacity, which the device cannot call" : nullptr;
+    return task.casters->opacities > 0 ? "casters in range are alpha-tested by pfnOpacity, which the device cannot call"
+                                       : nullptr;
 }
 
 Rect drawnArea(const CameraView& view)

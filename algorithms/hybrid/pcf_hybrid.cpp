@@ -42,7 +42,7 @@ public:
                                    .layers = true,
                                    .filters = false})
     {
-        if (vk_.rayQuery()) onDevice_.emplace(services, kNames);
+        if (vk_.prefersRays) onDevice_.emplace(services, kNames);
     }
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
@@ -53,7 +53,7 @@ public:
         constants.base = mapConstants(task, resolution, 1);
         constants.reasons = task.settings[kReasons] != 0.0;
         const LightMap map = declareLightMap(passes, casters_, task, resolution, constants.base);
-        if (!onDevice_ && classifiesOnHost(task.settings[kClassify], vk_, task) &&
+        if (!task.rays && classifiesOnHost(task.settings[kClassify], vk_, task) &&
             passes.hasRoomFor(missingHostMap(passes, map, resolution))) {
             const HostMapCopy copy = declareHostMap(passes, map, resolution);
             declareMapClassification(passes, task, kPassNames, copy, constants.base, constants.reasons != 0);
@@ -61,19 +61,17 @@ public:
         }
         const MapResolve& classify = task.light->type == GN_LIGHT_TYPE_POINT ? classifyCube_ : classify_;
         classify.declare(passes, task, map.image, constants, false);
-        if (onDevice_)
+        if (task.rays)
             onDevice_->declare(passes, task, constants.reasons != 0);
         else
             declareUndecided(passes, task, kNames, constants.reasons != 0 ? traceReasons : traceHard);
     }
 
-    const char* refuses(const ShadowTask& task) const override { return onDevice_ ? refusesDeviceRays(task) : nullptr; }
-
 private:
     const DeviceTable& vk_;
     DepthMapPipelines casters_;
     MapResolve classify_, classifyCube_;
-    std::optional<UndecidedOnDevice> onDevice_; ///< Who traces; else the CPU.
+    std::optional<UndecidedOnDevice> onDevice_; ///< Where ShadowTask::rays may be given.
 };
 
 } // namespace

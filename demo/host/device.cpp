@@ -294,6 +294,7 @@ GnContextCreateInfo Device::contextInfo() const
     info.enabledExtensionCount = static_cast<uint32_t>(extensions_.size());
     info.ppEnabledExtensionNames = extensions_.data();
     info.pfnGetInstanceProcAddr = &vkGetInstanceProcAddr;
+    if (std::getenv("GNOMON_DEVICE_RAYS")) info.flags |= GN_CONTEXT_DEVICE_RAYS_BIT;
     return info;
 }
 

@@ -77,7 +77,7 @@ ShadowHost::ShadowHost(const Device& device, const Scene& scene, const SceneGeom
     : scene_(scene), casterDrawer_(device, geometry)
 {
     GnContextCreateInfo info = device.contextInfo();
-    info.flags = options.flags;
+    info.flags |= options.flags;
     info.memoryLimit = options.memoryLimit;
     info.pName = scene.name.c_str();
     info.framesInFlight = options.framesInFlight;

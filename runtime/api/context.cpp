@@ -53,7 +53,7 @@ Context::Context(const GnContextCreateInfo& info)
 Result<std::unique_ptr<Context>> Context::create(const GnContextCreateInfo& info)
 {
     if (const GnContextCreateFlags other =
-            info.flags & ~(GN_CONTEXT_TIME_EVERY_FRAME_BIT | GN_CONTEXT_NO_BACKGROUND_BIT))
+            info.flags & ~(GN_CONTEXT_TIME_EVERY_FRAME_BIT | GN_CONTEXT_NO_BACKGROUND_BIT | GN_CONTEXT_DEVICE_RAYS_BIT))
         return unknownFlags("GnContextCreateInfo::flags", other, "GnContextCreateFlagBits");
     if (info.framesInFlight > kMaxFramesInFlight)
         return Error{GN_ERROR_OUT_OF_RANGE, "FramesInFlight",

@@ -138,8 +138,8 @@ void LightPasses::exclude(const Error& error)
     candidate.exclusion = memory ? Exclusion::memory : Exclusion::refused;
     candidate.refusal = memory ? nullptr : kPassesFailed;
     if (memory)
-        candidate.detail =
-            failed.entry->memoryFor(failed.settingsAt(decision_.plainSide), camera().extent, light_.light->type);
+        candidate.detail = failed.entryFor(*light_.casters)
+                               .memoryFor(failed.settingsAt(decision_.plainSide), camera().extent, light_.light->type);
     light_.memory->failures[failed.index].note(frame_.number, memory);
     light_.memory->fade.lose();
 }
@@ -185,7 +185,9 @@ std::optional<Error> LightPasses::declareMethod(std::uint32_t index, const Targe
     beginTask(index);
     PassBuilder builder(parts_.graph);
     const TracedScene* traced = nullptr;
-    if (method.has(GN_TRAIT_DEVICE_RAYS_BIT)) {
+    const GnTraits traits = method.entryFor(*pose.casters).traits;
+    const bool onDevice = (traits & GN_TRAIT_DEVICE_RAYS_BIT) != 0;
+    if (onDevice) {
         if (parts_.rays) {
             parts_.rays->need(*pose.casters); // is needed already, unless it stands in for another method
             traced = parts_.rays->declare(builder, *pose.casters);
@@ -203,9 +205,9 @@ std::optional<Error> LightPasses::declareMethod(std::uint32_t index, const Targe
                           .normals = viewFrame_.normals,
                           .rays = traced,
                           .recorded = frame_.mode == FrameMode::recorded};
-    if (traced || !method.has(GN_TRAIT_DEVICE_RAYS_BIT)) method.algorithm->declare(builder, task);
+    if (traced || !onDevice) method.algorithm->declare(builder, task);
     if (std::optional<Error> error = parts_.graph.endTask()) return error;
-    frame_.raysNeeded |= method.has(GN_TRAIT_RAYS_BIT);
+    frame_.raysNeeded |= (traits & GN_TRAIT_RAYS_BIT) != 0;
     const ShadowAlgorithm::Map* const map = method.algorithm->lightMap();
     if (map && index == decision_.method)
         frame_.maps.push_back({light_.light->id, light_.viewIndex, method.name.c_str(), false, *map});
@@ -288,12 +290,13 @@ bool awaitsRays(const LightDecision& decision, const MethodTable& methods)
 /// Which casters the device is to trace in this frame, and which soon. @return whether there are such
 bool gatherRays(const Frame& frame, const DeclareParts& parts)
 {
-    const auto traces = [&parts](std::uint32_t method) {
-        return method < parts.methods.size() && parts.methods[method].has(GN_TRAIT_DEVICE_RAYS_BIT);
-    };
     bool awaited = false;
     for (const ViewLight& light : frame.lights) {
         const LightDecision& decision = *light.decision;
+        const auto traces = [&](std::uint32_t method) {
+            return method < parts.methods.size() &&
+                   (parts.methods[method].entryFor(*light.casters).traits & GN_TRAIT_DEVICE_RAYS_BIT) != 0;
+        };
         if (traces(decision.method) || traces(decision.outgoing) || traces(decision.probed))
             parts.rays->need(*light.casters);
         if (!awaitsRays(decision, parts.methods)) continue;

@@ -130,6 +130,7 @@ struct LightCasters {
 };
 
 /// A plane with dot(normal, p) + distance >= 0 inside.
+    std::uint32_t opacities = 0; ///< Casters in range that ask the host whether a ray stops (Caster::opacity).
 struct Plane {
     glm::vec3 normal{0.0f};
     float distance = 0.0f;

@@ -50,10 +50,10 @@ struct Rules {
     rules::Inference inference;
 };
 
-/// Some methods trace on the CPU where the device cannot.
-std::string_view raysText(bool onDevice)
+/// Some methods trace on the CPU where the device cannot, or may not ask the host.
+std::string_view raysText(bool deviceRays, bool asksHost)
 {
-    return onDevice ? " by rays on the device" : "";
+    return deviceRays && !asksHost ? " by rays on the device" : "";
 }
 
 std::string headline(const DecisionRecord& record, const ExplainWords& words)
@@ -62,7 +62,8 @@ std::string headline(const DecisionRecord& record, const ExplainWords& words)
         "light '" + std::string(words.light) + "', frame " + std::to_string(record.frame - words.frameOrigin) + ": ";
     text += methodText(record.method, words.methods);
     text += mapSideText(record.mapSide);
-    if (record.method < words.methods.size()) text += raysText(words.methods[record.method].deviceRays);
+    if (record.method < words.methods.size())
+        text += raysText(words.methods[record.method].deviceRays, record.asksHost);
     text += ", ";
     text += reasonText(record.reason);
     if (record.reason == GN_REASON_FALLBACK && record.wanted != UINT32_MAX)
@@ -458,7 +459,8 @@ std::string Selector::explain(const LightDecision& decision, const rules::Engine
     std::string text = "method: ";
     text += decision.method == UINT32_MAX ? "none" : methods_[decision.method].name;
     text += mapSideText(static_cast<std::uint32_t>(decision.mapSide));
-    if (decision.method != UINT32_MAX) text += raysText(methods_[decision.method].has(GN_TRAIT_DEVICE_RAYS_BIT));
+    if (decision.method != UINT32_MAX)
+        text += raysText(methods_[decision.method].has(GN_TRAIT_DEVICE_RAYS_BIT), decision.asksHost);
     text += " (";
     text += reasonText(decision.reason);
     if (decision.reason == GN_REASON_FALLBACK) text += ": " + methods_[decision.wanted].name;

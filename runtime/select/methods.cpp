@@ -53,10 +53,12 @@ MethodTable::~MethodTable()
 Result<void> MethodTable::addBuiltins(const AlgorithmRegistry& registry)
 {
     for (const BuiltinAlgorithm& algorithm : registry.algorithms) {
-        const bool onDevice = algorithm.entry->memoryWithDeviceRays && vk_.rayQuery();
+        const bool onDevice = algorithm.entry->memoryWithDeviceRays && vk_.prefersRays;
         const AlgorithmEntry& entry =
             onDevice ? withDeviceRays_.emplace_back(algorithm.entry->withDeviceRays()) : *algorithm.entry;
-        if (auto added = addEntry(entry); !added) return added.error();
+        const Result<std::uint32_t> added = addEntry(entry);
+        if (!added) return added.error();
+        if (onDevice) methods_[*added]->onCpu = algorithm.entry;
     }
     absent_ = registry.absent;
     return {};
@@ -198,14 +200,14 @@ std::uint32_t MethodTable::nextWarmup(const MethodDemand& demand)
     return demand.others ? first([](const Method&) { return true; }).value_or(UINT32_MAX) : UINT32_MAX;
 }
 
-void MethodTable::warnNotRecordable(std::uint32_t method)
+void MethodTable::warnNotRecordable(std::uint32_t method, std::uint64_t roundTrips)
 {
     Method& pinned = *methods_[method];
     if (std::exchange(pinned.saidNotRecordable, true)) return;
     messages_.warn("NotRecordable", "method '" + pinned.name +
                                         "', which a light is pinned to, needs the CPU between its "
                                         "passes (" +
-                                        std::to_string(pinned.entry->roundTrips) +
+                                        std::to_string(roundTrips) +
                                         " round trips), and the frame is recorded; the rules choose another for it");
 }
 

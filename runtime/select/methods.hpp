@@ -17,9 +17,17 @@
 
 namespace gnomon {
 
+/// On the CPU: as such, or what is made of them there. What traces on the device alone does not.
+inline bool readsTriangles(GnTraits traits)
+{
+    return (traits & (GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_RAYS_BIT)) != 0 ||
+           (traits & (GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_DEVICE_RAYS_BIT)) == GN_TRAIT_CPU_GEOMETRY_BIT;
+}
+
 struct Method {
     std::string name;
     const AlgorithmEntry* entry = nullptr;
+    const AlgorithmEntry* onCpu = nullptr; ///< What traces on the CPU where `entry` does so on the device; else null.
     std::unique_ptr<ShadowAlgorithm> algorithm;
     std::uint32_t index = 0;
     std::vector<double> settings; ///< As set: a map's side may be 0, by screen coverage.
@@ -40,12 +48,12 @@ struct Method {
         return (entry->traits & bit) != 0;
     }
     bool has(GnTraitBits trait) const { return (entry->traits & trait) != 0; }
-    /// On the CPU: as such, or what is made of them there. What traces on the device alone does not.
-    bool readsTriangles() const
+    /// `entry`, or what traces on the CPU, where the casters ask the host.
+    const AlgorithmEntry& entryFor(const LightCasters& casters) const
     {
-        return has(GN_TRAIT_TOPOLOGY_BIT) || has(GN_TRAIT_RAYS_BIT) ||
-               (has(GN_TRAIT_CPU_GEOMETRY_BIT) && !has(GN_TRAIT_DEVICE_RAYS_BIT));
+        return onCpu && casters.opacities > 0 ? *onCpu : *entry;
     }
+    bool readsTriangles() const { return gnomon::readsTriangles(entry->traits); }
     /// What the method is run with for a light whose plain maps have so many texels a side, one of kMapSides.
     std::span<const double> settingsAt(std::uint32_t plainSide) const
     {
@@ -110,7 +118,7 @@ public:
     bool failed(Method& method);
     void fail(Method& method, const std::string& why);
     /// Says once that the method, which a light is pinned to, cannot serve recorded frames.
-    void warnNotRecordable(std::uint32_t method);
+    void warnNotRecordable(std::uint32_t method, std::uint64_t roundTrips);
     void finishBackground();
     bool anyReady() const;
     MethodSet fallbacks() const; ///< What serves while another is not ready.

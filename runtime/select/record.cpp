@@ -73,6 +73,7 @@ RecordHead makeRecord(const LightDecision& decision, const FrameRecord& frame, s
     head.priced = frame.priced;
     head.guessed = decision.guessed;
     head.rectangle = decision.rectangle;
+    head.asksHost = decision.asksHost;
     head.switched = decision.switched;
     head.floorUnmet = decision.floorUnmet;
     head.mapSide = static_cast<std::uint16_t>(decision.mapSide);

@@ -57,6 +57,7 @@ struct RecordHead {
     bool priced = false;    ///< No budget, but the rule base lets predicted times choose among equals.
     bool guessed = false;   ///< LightDecision::guessed: the incumbent has no advantage.
     bool rectangle = false; ///< LightDecision's.
+    bool asksHost = false;  ///< Likewise.
     bool switched = false;
     bool floor = false; ///< The near-quality floor held.
     bool floorUnmet = false;

@@ -17,7 +17,8 @@
 //         u32 light id; u8 how many of the methods there were then; u8 method, wanted, incumbent, pinned (255: none)
 //         u8 fallbacks x u8 method; u32 frames since the distance was measured (2^32 - 1: never)
 //         u8 reason (GnReason), cause of the re-planning (Replan), hold (plan::Hold)
-//         u8 flags: 1 budgeted, 2 switched, 4 near floor, 8 floor unmet
+//         u8 flags: 1 budgeted, 2 switched, 4 near floor, 8 floor unmet, 16 priced, 32 guessed, 64 rectangle,
+//             128 casters ask the host
 //         u16 map side of the method (0: none), side that screen coverage asks for;
 //         u8 frames from one drawing of the map to the next (0: whenever something moves), since the newest
 //         f32 floor truth, floor strength, minimum quality, importance, suitability, measured ms, budget ms, usable ms,

@@ -111,22 +111,24 @@ Candidate Selector::examine(const Method& method, const SelectionInput& input, c
     auto out = [](Exclusion exclusion, std::uint64_t detail = 0) {
         return Candidate{.exclusion = exclusion, .detail = detail};
     };
+    const AlgorithmEntry& entry = method.entryFor(*input.casters);
+    const auto has = [&entry](GnTraitBits trait) { return (entry.traits & trait) != 0; };
     if (method.unavailable) return out(Exclusion::device);
     if (!method.serves(input.light->type)) return out(Exclusion::lightKind);
-    if (input.recorded && method.entry->roundTrips > 0) return out(Exclusion::roundTrips, method.entry->roundTrips);
-    if (method.has(GN_TRAIT_CPU_GEOMETRY_BIT) && input.casters->hostDrawn)
+    if (input.recorded && entry.roundTrips > 0) return out(Exclusion::roundTrips, entry.roundTrips);
+    if (has(GN_TRAIT_CPU_GEOMETRY_BIT) && input.casters->hostDrawn)
         return out(Exclusion::hostDrawn, input.casters->hostDrawn);
-    if (method.readsTriangles() && casters.gpuOnly) return out(Exclusion::gpuOnly, casters.gpuOnly);
-    const bool byConnectivity = method.has(GN_TRAIT_GPU_POSITIONS_BIT);
-    if (const std::uint64_t missing = byConnectivity ? casters.connectivity : casters.copies;
-        method.readsTriangles() && missing)
+    const bool readsThem = readsTriangles(entry.traits);
+    if (readsThem && casters.gpuOnly) return out(Exclusion::gpuOnly, casters.gpuOnly);
+    const bool byConnectivity = has(GN_TRAIT_GPU_POSITIONS_BIT);
+    if (const std::uint64_t missing = byConnectivity ? casters.connectivity : casters.copies; readsThem && missing)
         return out(Exclusion::copies, missing);
     const std::uint64_t waiting = byConnectivity ? casters.topology - casters.copies : casters.topology;
-    if (method.has(GN_TRAIT_TOPOLOGY_BIT) && waiting) return out(Exclusion::topology, waiting);
-    if (method.has(GN_TRAIT_RAYS_BIT) && casters.trees) return out(Exclusion::trees, casters.trees);
+    if (has(GN_TRAIT_TOPOLOGY_BIT) && waiting) return out(Exclusion::topology, waiting);
+    if (has(GN_TRAIT_RAYS_BIT) && casters.trees) return out(Exclusion::trees, casters.trees);
     // What the incumbent holds is in use already; it need not fit twice.
     const std::span<const double> settings = method.settingsAt(input.plainSide);
-    const VkDeviceSize needs = method.entry->memoryFor(settings, input.view->extent, input.light->type);
+    const VkDeviceSize needs = entry.memoryFor(settings, input.view->extent, input.light->type);
     if (method.index != incumbent && needs > input.memoryLeft) return out(Exclusion::memory, needs);
     if (const PassFailure& failure = memory.failures[method.index]; failure.holds(input.frame, method.setAt))
         return failure.memory ? out(Exclusion::memory, needs)
@@ -139,7 +141,7 @@ Candidate Selector::examine(const Method& method, const SelectionInput& input, c
     if (const char* reason = method.algorithm->refuses(task))
         return {.exclusion = Exclusion::refused, .refusal = reason};
     if (!method.ready) return out(Exclusion::notReady);
-    if (method.has(GN_TRAIT_DEVICE_RAYS_BIT) && input.unbuilt) return out(Exclusion::notReady, input.unbuilt);
+    if (has(GN_TRAIT_DEVICE_RAYS_BIT) && input.unbuilt) return out(Exclusion::notReady, input.unbuilt);
     return {};
 }
 
@@ -194,6 +196,7 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     decision.rectangle = input.light->rectangular();
     decision.guessed = memory.guessed && memory.measured;
     decision.pinned = input.pinned;
+    decision.asksHost = input.casters->opacities > 0;
     decision.plainSide = input.plainSide;
     decision.wantedPlainSide = input.wantedPlainSide;
     decision.importance = input.importance;
@@ -290,7 +293,7 @@ void Selector::commit(LightDecision& decision, LightMemory& memory, std::uint64_
     if (decision.pinned < decision.candidates.size() &&
         decision.candidates[decision.pinned].exclusion == Exclusion::roundTrips) {
         if (decision.method != UINT32_MAX) decision.reason = GN_REASON_NOT_RECORDABLE;
-        methods_.warnNotRecordable(decision.pinned);
+        methods_.warnNotRecordable(decision.pinned, decision.candidates[decision.pinned].detail);
     }
     // Settled anew where passes could not be made: what served before counts, not what was to serve.
     decision.switched = decision.incumbent != UINT32_MAX && decision.method != decision.incumbent;

@@ -76,6 +76,7 @@ struct LightDecision {
     bool switched = false;
     bool rectangle = false; ///< LightView::rectangular().
     bool guessed = false;   ///< The incumbent was chosen before its receivers were measured, as they are now.
+    bool asksHost = false;  ///< LightCasters::opacities: what can trace on the CPU does.
     std::uint32_t outgoing = UINT32_MAX;             ///< Runs as well while the picture fades from it.
     float fade = 1.0f;                               ///< Share of `method` in what is shown.
     std::uint32_t probed = UINT32_MAX;               ///< Runs as well, to be measured; what it shows nobody sees.

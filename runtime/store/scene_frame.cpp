@@ -156,6 +156,7 @@ LightCasters SceneRegistry::castersOf(const LightView& light, FrameArena& arena)
         if (caster.mayBeMissed && (caster.hostDrawn || caster.alphaTested)) ++result.missable;
     }
     std::copy_n(dynamics.begin(), dynamicCount, all.begin() + staticCount);
+        if (caster.alphaTested && caster.opacity) ++result.opacities;
     result.all = all.first(staticCount + dynamicCount);
     result.statics = result.all.first(staticCount);
     result.dynamics = result.all.subspan(staticCount);

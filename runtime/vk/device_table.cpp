@@ -90,7 +90,7 @@ Result<void> readQueueFamily(DeviceTable& table)
     return {};
 }
 
-Result<void> readDevice(DeviceTable& table)
+Result<void> readDevice(DeviceTable& table, GnContextCreateFlags flags)
 {
     VkPhysicalDeviceAccelerationStructurePropertiesKHR rays{};
     rays.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR;
@@ -103,6 +103,7 @@ Result<void> readDevice(DeviceTable& table)
         return Error{GN_ERROR_FEATURE_MISSING, "ApiVersion",
                      std::string("device ") + table.properties.deviceName + " is older than Vulkan 1.3"};
     table.software = table.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    table.prefersRays = table.rayQuery() && (!table.software || (flags & GN_CONTEXT_DEVICE_RAYS_BIT) != 0);
     VkPhysicalDeviceMemoryBudgetPropertiesEXT budget{};
     budget.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT;
     const bool budgeted = table.hasExtension(VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
@@ -218,7 +219,7 @@ Result<std::unique_ptr<DeviceTable>> loadDeviceTable(const GnContextCreateInfo& 
     table->extensions.assign(info.ppEnabledExtensionNames, info.ppEnabledExtensionNames + info.enabledExtensionCount);
     table->rayQueryMissing = missingForRayQuery(*info.pEnabledFeatures, table->extensions);
     if (Result<void> loaded = loadFunctions(*table, info.pfnGetInstanceProcAddr); !loaded) return loaded.error();
-    if (Result<void> read = readDevice(*table); !read) return read.error();
+    if (Result<void> read = readDevice(*table, info.flags); !read) return read.error();
     return table;
 }
 

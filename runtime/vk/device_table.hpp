@@ -89,6 +89,8 @@ struct DeviceTable {
     const char* rayQueryMissing = "needs VK_KHR_ray_query";
     std::uint32_t scratchAlignment = 1; ///< Of builds of acceleration structures, bytes.
     bool software = false;              ///< VK_PHYSICAL_DEVICE_TYPE_CPU: the device shares the CPU's cores.
+    bool prefersRays = false;           ///< rayQuery(), and what either may trace is traced on the device: a software
+                                        ///< one takes twice as long as Embree does on the same cores.
 
     /// Vulkan objects and memory blocks made so far; GnFrameStats::deviceAllocations is the difference over a frame.
     mutable std::atomic<std::uint64_t> objectsMade{0};

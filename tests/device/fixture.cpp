@@ -144,7 +144,7 @@ Host::~Host()
 void Host::createContext(const HostOptions& options)
 {
     GnContextCreateInfo info = device().contextInfo();
-    info.flags = options.flags;
+    info.flags |= options.flags;
     info.pfnGetInstanceProcAddr = &countedGetInstanceProcAddr;
     info.framesInFlight = options.framesInFlight;
     info.pfnMessage = &onMessage;

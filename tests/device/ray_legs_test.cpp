@@ -1,5 +1,5 @@
-// Methods that ask a map first trace the rest on the device where that has ray queries, and on the CPU where it has
-// not: both legs side by side. On devices without ray queries there is one leg, and nothing to compare.
+// Methods that ask a map first trace the rest on the device where that has ray queries and is no software one, else on
+// the CPU: both legs side by side. On devices without ray queries there is one leg, and nothing to compare.
 #include <algorithm>
 #include <array>
 
@@ -21,6 +21,13 @@ GnMethodInfo methodOf(const Host& host, std::string_view name)
     return {};
 }
 
+/// On a software device, too.
+HostOptions withRays(HostOptions options = {})
+{
+    options.flags |= GN_CONTEXT_DEVICE_RAYS_BIT;
+    return options;
+}
+
 /// The host has not enabled ray queries.
 void withoutRays(GnContextCreateInfo& info)
 {
@@ -30,7 +37,7 @@ void withoutRays(GnContextCreateInfo& info)
 /// The same scene with either leg, and the device classifying for both.
 struct Legs {
     explicit Legs(const Scene& scene, const HostOptions& options = {})
-        : device(scene, options), cpu(scene, [&] {
+        : device(scene, withRays(options)), cpu(scene, [&] {
               HostOptions without = options;
               without.context = withoutRays;
               return without;
@@ -177,18 +184,47 @@ TEST_CASE_FIXTURE(DeviceTest, "receivers inside of what the near plane cuts open
     CHECK(differences(device, drawn(legs.cpu, "conservative_map", options)) <= 3);
 }
 
-TEST_CASE_FIXTURE(DeviceTest, "what only the host can judge is not served there, which is said")
+TEST_CASE_FIXTURE(DeviceTest, "a light with casters that only the host can judge is traced on the CPU")
 {
     Scene scene = smallScene();
+    scene.lights.push_back(pointLight("near", {2.5, 1.5, 1.0}, true)); // has none of them in its range
+    scene.lights[1].range = 2.0f;
     scene.instances[1].alphaTested = true;
-    Host host(scene);
-    if (!hasTwo(host)) return;
-    drawn(host, "shadow_map"); // is ready then
+    Legs legs(scene);
+    if (!hasTwo(legs.device)) return;
     for (const char* name : kMethods) {
-        host.pinAll(name);
-        host.require(host.draw());
-        CHECK(host.decision(0).reason != GN_REASON_PINNED);
-        CHECK(host.explanation(0).find(std::string(name) + ": out, casters in range are alpha-tested by pfnOpacity") !=
-              std::string::npos);
+        CAPTURE(std::string(name));
+        const std::vector<Image8> device = drawn(legs.device, name);
+        CHECK(legs.device.passCount(std::string(name) + ".readback") == 1);
+        CHECK(legs.device.explanation(0).find("by rays on the device") == std::string::npos);
+        CHECK(legs.device.passCount(std::string(name) + ".list") == 1);
+        CHECK(legs.device.explanation(1).find("by rays on the device") != std::string::npos);
+        CHECK(differences(device, drawn(legs.cpu, name)) <= 3);
+        if (methodOf(legs.device, name).traits & GN_TRAIT_EXACT_BIT) // a plain map draws all of what is alpha-tested
+            CHECK(differences(device, drawn(legs.device, "ray_traced")) <= 3);
+
+        legs.device.pinAll(name);
+        legs.device.require(legs.device.draw({.call = Call::record}));
+        CHECK(legs.device.decision(0).reason == GN_REASON_NOT_RECORDABLE);
+        CHECK(legs.device.explanation(0).find(
+                  std::string(name) + ": out, needs the CPU between passes (1 round trips)") != std::string::npos);
+        CHECK(legs.device.decision(1).reason == GN_REASON_PINNED);
     }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a software device leaves the rays to the CPU unless the host asks it for them")
+{
+    VkPhysicalDeviceProperties properties{};
+    vkGetPhysicalDeviceProperties(device().physicalDevice, &properties);
+    const bool software = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    const Host asked(smallScene(), withRays());
+    if (!hasTwo(asked)) return;
+    HostOptions options;
+    options.context = [](GnContextCreateInfo& info) {
+        info.flags &= ~GnContextCreateFlags{GN_CONTEXT_DEVICE_RAYS_BIT};
+    };
+    const Host host(smallScene(), options);
+    for (const char* name : kMethods)
+        CHECK(methodOf(host, name).roundTrips == (software ? 1 : 0));
+    CHECK(methodOf(host, "ray_query").roundTrips == 0);
 }

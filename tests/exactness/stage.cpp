@@ -16,11 +16,12 @@ using namespace demo;
 
 // Every method after another, each for all lights: 910 MiB of moments in `rooms`, beside what the one before has left.
 constexpr VkDeviceSize kMemory = VkDeviceSize{4} << 30;
+// Rays of the device are judged wherever it has them; devices without are judged by those of the CPU.
+constexpr GnContextCreateFlags kFlags = GN_CONTEXT_NO_BACKGROUND_BIT | GN_CONTEXT_DEVICE_RAYS_BIT;
 
 Stage::Stage(Scene scene, VkExtent2D extent, double time)
     : scene_(std::move(scene)),
-      session_(test::device(), scene_,
-               {.scene = {}, .size = extent, .contextFlags = GN_CONTEXT_NO_BACKGROUND_BIT, .memoryLimit = kMemory})
+      session_(test::device(), scene_, {.scene = {}, .size = extent, .contextFlags = kFlags, .memoryLimit = kMemory})
 {
     for (const GnMethodInfo& info : methods()) {
         traits_[info.pName] = info.traits;

@@ -320,6 +320,9 @@ typedef enum GnContextCreateFlagBits {
     GN_CONTEXT_TIME_EVERY_FRAME_BIT = 0x1, ///< Every frame is a timed one (see gnGetPassTimings()); for measuring.
     GN_CONTEXT_NO_BACKGROUND_BIT = 0x2,    ///< Topology, trees and pipelines are built inside the calls that need
                                            ///< them: reproducible runs and tests.
+    GN_CONTEXT_DEVICE_RAYS_BIT = 0x4,      ///< Methods that trace on the CPU or on the device do so on the device even
+                                           ///< where that is a software one (VK_PHYSICAL_DEVICE_TYPE_CPU), which
+                                           ///< takes longer. Recorded frames may use them then.
     GN_CONTEXT_CREATE_FLAG_BITS_MAX_ENUM = 0x7FFFFFFF
 } GnContextCreateFlagBits;
 /** Bits of #GnContextCreateFlagBits. */
@@ -458,6 +461,8 @@ typedef struct GnMethodInfo {
     uint32_t roundTrips;      ///< GPU-CPU-GPU round trips on this device; 0 may be recorded by gnCmdRenderShadows().
     VkBool32 ready;
     const char* pUnavailable; ///< Null, or why no light can use it on this device ("needs geometryShader").
+                              ///< What may trace on the CPU as well takes one for lights with casters that are
+                              ///< alpha-tested by pfnOpacity.
     uint32_t settingCount;
     const GnSettingInfo* pSettings;
 } GnMethodInfo;
